@@ -1,0 +1,10 @@
+//! Remeshing by spectral sampling.
+
+pub mod base;
+pub mod remesh;
+pub mod surface;
+
+pub use base::error::{Error, Place, Result};
+pub use base::progress::{Monitor, Stopwatch};
+pub use remesh::{Density, Options, Remeshed, remesh};
+pub use surface::mesh::Mesh;

@@ -1,0 +1,47 @@
+//! A triangle mesh as plain data.
+
+use glam::DVec3;
+
+/// An indexed triangle mesh. The corners of a triangle go counter-clockwise seen from outside.
+///
+/// Nothing is promised about topology: a reader's mesh may be anything whose indices are in range and whose
+/// coordinates are finite.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Mesh {
+    /// Vertex positions, in the units of the file.
+    pub positions: Vec<DVec3>,
+    /// Corner indices into `positions`, three a triangle.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Mesh {
+    /// The corner positions of triangle `t`.
+    #[inline]
+    pub fn corners(&self, t: usize) -> [DVec3; 3] {
+        self.triangles[t].map(|v| self.positions[v as usize])
+    }
+
+    /// Twice the area of triangle `t` times its unit normal.
+    #[inline]
+    pub fn area_vector(&self, t: usize) -> DVec3 {
+        let [a, b, c] = self.corners(t);
+        (b - a).cross(c - a)
+    }
+
+    /// The total area of all triangles.
+    pub fn area(&self) -> f64 {
+        (0..self.triangles.len()).map(|t| 0.5 * self.area_vector(t).length()).sum()
+    }
+
+    /// The smallest and largest coordinates of the vertices that triangles use; `None` without triangles.
+    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        let mut used = self.triangles.iter().flatten().map(|&v| self.positions[v as usize]);
+        let first = used.next()?;
+        Some(used.fold((first, first), |(lo, hi), p| (lo.min(p), hi.max(p))))
+    }
+
+    /// The length of the bounding box's diagonal, zero without triangles.
+    pub fn diagonal(&self) -> f64 {
+        self.bounds().map_or(0.0, |(lo, hi)| (hi - lo).length())
+    }
+}
