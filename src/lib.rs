@@ -1,6 +1,7 @@
 //! Remeshing by spectral sampling.
 
 pub mod base;
+pub mod geom;
 pub mod remesh;
 pub mod surface;
 
