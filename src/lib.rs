@@ -3,6 +3,7 @@
 pub mod base;
 pub mod geom;
 pub mod remesh;
+pub mod spectral;
 pub mod surface;
 
 pub use base::error::{Error, Place, Result};
