@@ -5,6 +5,7 @@ pub mod geom;
 pub mod remesh;
 pub mod spectral;
 pub mod surface;
+pub mod triangulate;
 
 pub use base::error::{Error, Place, Result};
 pub use base::progress::{Monitor, Stopwatch};
