@@ -29,3 +29,9 @@ pub type Resolve<'a> = &'a dyn Fn(&str) -> std::result::Result<Vec<u8>, String>;
 
 /// What a format's reader gives to [`parse`]: the mesh and its notes.
 pub(crate) type Parsed = Result<(Mesh, Vec<String>)>;
+
+pub(crate) mod base64;
+pub(crate) mod bytes;
+pub(crate) mod gltf;
+pub(crate) mod ply;
+pub(crate) mod stl;
