@@ -28,9 +28,9 @@ pub(super) fn collect(root: &Root, store: &Store) -> Result<(Mesh, Vec<String>)>
     Ok((scene.mesh, notes))
 }
 
-struct Collector<'a> {
+struct Collector<'a, 's> {
     root: &'a Root,
-    store: &'a Store<'a>,
+    store: &'a Store<'s>,
     mesh: Mesh,
     /// Vertices and indices read so far.
     read: usize,
@@ -60,7 +60,7 @@ impl LeftOut {
     }
 }
 
-impl Collector<'_> {
+impl Collector<'_, '_> {
     /// Visits the nodes of scene `index`, parents before their children. The specification wants trees, so a node that
     /// is met twice is an error, which takes care of cycles too.
     fn nodes(&mut self, index: usize) -> Result<()> {

@@ -246,7 +246,7 @@ type ReadIndex = fn(&[u8]) -> u32;
 /// The bytes of a coordinate and how to read one. Rows have been checked to be long enough.
 fn reader(component: ComponentType, normalized: bool) -> Option<(usize, ReadCoordinate)> {
     let read: ReadCoordinate = match (component, normalized) {
-        (ComponentType::F32, _) => |b, at| array(b, at).map_or(f64::NAN, f32::from_le_bytes).into(),
+        (ComponentType::F32, _) => |b, at| array(b, at).map_or(f32::NAN, f32::from_le_bytes).into(),
         (ComponentType::I8, false) => |b, at| (b[at] as i8).into(),
         (ComponentType::U8, false) => |b, at| b[at].into(),
         (ComponentType::I16, false) => |b, at| array(b, at).map_or(0, i16::from_le_bytes).into(),
