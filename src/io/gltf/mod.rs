@@ -41,7 +41,7 @@ const HARMLESS: [&str; 9] = [
 ];
 
 /// The triangles of the default scene (of the first one, if none is the default; of all meshes, if there is no scene).
-/// `resolve` is given the addresses of buffers in other files, with `%20` and its like decoded.
+/// `resolve` is given the addresses of buffers in other files as they are in the JSON.
 ///
 /// # Errors
 /// `Error::Format` with the line, byte or part of what is malformed or not supported.

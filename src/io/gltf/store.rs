@@ -196,24 +196,11 @@ impl<'a> Store<'a> {
                 .map(Cow::Owned)
                 .ok_or_else(|| wrong("buffer", index, "the data in its address is not base64"));
         }
-        (self.resolve)(&percent_decoded(uri)).map(Cow::Owned).map_err(|cause| {
+        (self.resolve)(uri).map(Cow::Owned).map_err(|cause| {
             let remedy = "keep the buffers of a glTF file beside it, or export it as GLB";
             malformed(Place::Part(format!("buffer {index}")), cause, remedy)
         })
     }
-}
-
-/// An address as a name: `%20` is a space, and so on.
-fn percent_decoded(uri: &str) -> String {
-    let hex = |two: &[u8]| u8::from_str_radix(std::str::from_utf8(two).ok()?, 16).ok();
-    let mut rest = uri.as_bytes();
-    let mut name = Vec::with_capacity(rest.len());
-    while let Some((&byte, after)) = rest.split_first() {
-        let decoded = after.get(..2).filter(|_| byte == b'%').and_then(hex);
-        name.push(decoded.unwrap_or(byte));
-        rest = if decoded.is_some() { &after[2..] } else { after };
-    }
-    String::from_utf8(name).unwrap_or_else(|_| uri.into())
 }
 
 /// The base of a sparse accessor without a view of its own.

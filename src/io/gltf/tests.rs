@@ -63,12 +63,13 @@ const SQUARE: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]
 /// A square whose primitive has `indices` of a type.
 fn indexed(component: u32, indices: &[u8], count: usize) -> Value {
     let mut root = with_data(&SQUARE, indices);
-    root["accessors"][1] = json!({ "bufferView": 1, "componentType": component, "count": count, "type": "SCALAR" });
+    let accessor = json!({ "bufferView": 1, "componentType": component, "count": count, "type": "SCALAR" });
+    push(&mut root["accessors"], accessor);
     root["meshes"][0]["primitives"][0]["indices"] = 1.into();
     root
 }
 
-/// `array[1] = value` for JSON arrays that are one short.
+/// Adds `value` to a JSON array.
 fn push(array: &mut Value, value: Value) {
     array.as_array_mut().unwrap().push(value);
 }
@@ -116,7 +117,9 @@ fn all_types_of_indices() {
     let bytes = numbers.map(|i| i as u8);
     let shorts = numbers.map(|i| (i as u16).to_le_bytes());
     let ints = numbers.map(u32::to_le_bytes);
-    for root in [indexed(5121, &bytes, 6), indexed(5123, shorts.as_flattened(), 6), indexed(5125, ints.as_flattened(), 6)] {
+    for root in
+        [indexed(5121, &bytes, 6), indexed(5123, shorts.as_flattened(), 6), indexed(5125, ints.as_flattened(), 6)]
+    {
         assert_eq!(load(&root).unwrap().0.triangles, [[0, 1, 2], [2, 1, 3]]);
     }
     assert_eq!(place(load(&indexed(5120, &bytes, 6))), ", accessor 1");
@@ -162,7 +165,10 @@ fn points_and_lines_are_noted() {
 #[test]
 fn primitives_share_vertices() {
     let mut root = indexed(5121, &[0, 1, 2, 2, 1, 3], 3);
-    push(&mut root["accessors"], json!({ "bufferView": 1, "byteOffset": 3, "componentType": 5121, "count": 3, "type": "SCALAR" }));
+    push(
+        &mut root["accessors"],
+        json!({ "bufferView": 1, "byteOffset": 3, "componentType": 5121, "count": 3, "type": "SCALAR" }),
+    );
     push(&mut root["meshes"][0]["primitives"], json!({ "attributes": { "POSITION": 0 }, "indices": 2, "material": 9 }));
     let (mesh, _) = load(&root).unwrap();
     assert_eq!((mesh.positions.len(), mesh.triangles), (4, vec![[0, 1, 2], [2, 1, 3]]));
@@ -182,7 +188,10 @@ fn transforms_nest() {
     for (v, p) in [(1, DVec3::new(10.0, 2.0, 0.0)), (2, DVec3::new(7.0, 0.0, 0.0)), (3, DVec3::new(10.0, 0.0, 4.0))] {
         assert!(mesh.positions[v].distance(p) < 1e-12);
     }
-    assert_eq!(mesh.positions[4..], tetrahedron().positions.iter().map(|&p| p + DVec3::new(10.0, 0.0, 5.0)).collect::<Vec<_>>());
+    assert_eq!(
+        mesh.positions[4..],
+        tetrahedron().positions.iter().map(|&p| p + DVec3::new(10.0, 0.0, 5.0)).collect::<Vec<_>>()
+    );
     assert_eq!(mesh.triangles[4], [4, 6, 5]);
 }
 
@@ -238,7 +247,7 @@ fn buffers_beside_the_file() {
     let bin = glb::split(&bytes).unwrap().bin.unwrap().to_vec();
     let mut root = written();
     root["buffers"][0]["uri"] = "my%20part.bin".into();
-    let files = |name: &str| if name == "my part.bin" { Ok(bin.clone()) } else { Err(format!("no file {name}")) };
+    let files = |name: &str| if name == "my%20part.bin" { Ok(bin.clone()) } else { Err(format!("no file {name}")) };
     assert_eq!(parse(root.to_string().as_bytes(), &files).unwrap().0, tetrahedron());
     assert_eq!((place(load(&root)), cause(load(&root))), (", buffer 0".into(), "no files here".into()));
     // Buffers of textures are not asked for.
@@ -306,9 +315,12 @@ fn sparse_accessors() {
         assert_eq!(place(load(&root)), ", accessor 0");
     }
     assert_eq!(place(load(&sparse(4))), ", accessor 0");
-    for (part, key, value) in
-        [("indices", "componentType", 5126), ("indices", "byteOffset", 13), ("values", "byteOffset", 4), ("values", "bufferView", 2)]
-    {
+    for (part, key, value) in [
+        ("indices", "componentType", 5126),
+        ("indices", "byteOffset", 13),
+        ("values", "byteOffset", 4),
+        ("values", "bufferView", 2),
+    ] {
         let mut root = sparse(2);
         root["accessors"][0]["sparse"][part][key] = value.into();
         assert!(load(&root).is_err(), "{part} {key}");
@@ -346,7 +358,10 @@ fn ranges_are_checked() {
     assert_eq!(place_with("/buffers", json!([{ "byteLength": 96 }])), ", buffer 0");
     assert_eq!(place_with("/buffers", json!([{ "byteLength": 96, "uri": "data:text/plain,what" }])), ", buffer 0");
     assert_eq!(place_with("/buffers", json!([{ "byteLength": 96, "uri": "data:;base64,???" }])), ", buffer 0");
-    assert_eq!(place_with("/accessors", json!([{ "componentType": 5126, "count": 4, "type": "VEC3" }])), ", accessor 0");
+    assert_eq!(
+        place_with("/accessors", json!([{ "componentType": 5126, "count": 4, "type": "VEC3" }])),
+        ", accessor 0"
+    );
 }
 
 #[test]

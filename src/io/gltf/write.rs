@@ -25,8 +25,7 @@ pub(crate) fn write_gltf(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
         let uri = format!("data:application/octet-stream;base64,{}", base64::encode(&bin));
         root["buffers"][0]["uri"] = uri.into();
     }
-    out.write_all(&serde_json::to_vec(&root)?)?;
-    out.flush()
+    out.write_all(&serde_json::to_vec(&root)?)
 }
 
 /// Writes GLB, in single precision.
@@ -36,8 +35,7 @@ pub(crate) fn write_gltf(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
 pub(crate) fn write_glb(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
     let bin = buffer(mesh)?;
     let root = document(mesh, bin.len())?;
-    glb::join(serde_json::to_vec(&root)?, &bin, out)?;
-    out.flush()
+    glb::join(serde_json::to_vec(&root)?, &bin, out)
 }
 
 /// Positions, then indices: both are multiples of four bytes, so everything is aligned.
@@ -52,12 +50,12 @@ fn buffer(mesh: &Mesh) -> io::Result<Vec<u8>> {
     Ok(bin)
 }
 
-/// The JSON that goes with [`buffer`]. A mesh without vertices is a scene without nodes, because nothing in glTF may be
+/// The JSON that goes with [`buffer`]. A mesh without vertices is a file without scenes, because no list in glTF may be
 /// empty; one without triangles is a cloud of points.
 fn document(mesh: &Mesh, length: usize) -> io::Result<Value> {
     let asset = json!({ "version": "2.0", "generator": "spectral-remesh" });
     if mesh.positions.is_empty() {
-        return Ok(json!({ "asset": asset, "scene": 0, "scenes": [{}] }));
+        return Ok(json!({ "asset": asset }));
     }
     let (low, high) = range(mesh)?;
     let split = 12 * mesh.positions.len();

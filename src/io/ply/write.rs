@@ -1,14 +1,13 @@
 //! Writing PLY.
 
 use crate::surface::mesh::Mesh;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 
 /// Writes binary little-endian PLY with double coordinates, so that reading gives the same mesh.
 ///
 /// # Errors
 /// What `out` fails with.
 pub(crate) fn write(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
-    let mut out = BufWriter::with_capacity(1 << 16, out);
     // Most readers know signed indices only, so unsigned ones are for what needs them.
     let index = if mesh.positions.len() > i32::MAX as usize { "uint" } else { "int" };
     write!(
@@ -25,5 +24,5 @@ pub(crate) fn write(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
         out.write_all(&[3])?;
         out.write_all(t.map(u32::to_le_bytes).as_flattened())?;
     }
-    out.flush()
+    Ok(())
 }
