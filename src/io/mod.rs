@@ -61,11 +61,10 @@ pub fn parse(bytes: &[u8], format: Format, resolve: Resolve) -> Result<Loaded> {
     }
     let (mesh, notes) = match format {
         Format::Obj => obj::parse(bytes),
+        Format::Ply => ply::parse(bytes),
+        Format::Stl => stl::parse(bytes),
         Format::Off => off::parse(bytes),
-        _ => {
-            let _ = resolve;
-            todo!()
-        }
+        Format::Gltf | Format::Glb => gltf::parse(bytes, resolve),
     }?;
     check(&mesh, format)?;
     Ok(Loaded { mesh, format, notes })
@@ -80,8 +79,11 @@ pub fn parse(bytes: &[u8], format: Format, resolve: Resolve) -> Result<Loaded> {
 pub fn write(mesh: &Mesh, format: Format, out: &mut dyn std::io::Write) -> std::io::Result<()> {
     match format {
         Format::Obj => obj::write(mesh, out),
+        Format::Ply => ply::write(mesh, out),
+        Format::Stl => stl::write(mesh, out),
         Format::Off => off::write(mesh, out),
-        _ => todo!(),
+        Format::Gltf => gltf::write_gltf(mesh, out),
+        Format::Glb => gltf::write_glb(mesh, out),
     }
 }
 
