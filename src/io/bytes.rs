@@ -1,0 +1,84 @@
+//! What the readers and writers of several formats share: numbers in bytes, errors without a file.
+
+use crate::base::error::{Error, Place, Result};
+use glam::DVec3;
+use std::io;
+
+/// What to do about a file that ends too early.
+pub(super) const CUT_SHORT: &str = "the file seems to be cut short: copy or export it again";
+/// What to do about a line that makes no sense.
+pub(super) const CORRECT_LINE: &str = "correct that line or export the file again";
+/// What to do about a file that contradicts itself.
+pub(super) const EXPORT_AGAIN: &str = "export it again, or repair it with the program that made it";
+
+/// The error for content that is not what the format says; the name of the file is filled in later.
+pub(super) fn malformed(place: Place, cause: impl Into<String>, remedy: &str) -> Error {
+    Error::Format { file: String::new(), place, cause: cause.into(), remedy: remedy.into() }
+}
+
+/// `p`, or the error at `place` if one of its coordinates is not a finite number.
+pub(super) fn finite(p: DVec3, place: impl FnOnce() -> Place) -> Result<DVec3> {
+    if p.is_finite() {
+        return Ok(p);
+    }
+    let cause = format!("the position ({}, {}, {}) is not finite", p.x, p.y, p.z);
+    Err(malformed(place(), cause, "replace or remove this vertex"))
+}
+
+/// A position in single precision, for the formats that have nothing better.
+///
+/// # Errors
+/// `InvalidData` if a coordinate is beyond the range of `f32`.
+pub(super) fn narrow(p: DVec3) -> io::Result<[f32; 3]> {
+    let narrow = p.as_vec3();
+    if narrow.is_finite() {
+        return Ok(narrow.to_array());
+    }
+    let cause =
+        format!("the position ({}, {}, {}) is beyond single precision; write OBJ or PLY instead", p.x, p.y, p.z);
+    Err(io::Error::new(io::ErrorKind::InvalidData, cause))
+}
+
+/// The first `N` bytes from `at` on, if there are that many.
+#[inline]
+pub(super) fn array<const N: usize>(bytes: &[u8], at: usize) -> Option<[u8; N]> {
+    bytes.get(at..)?.first_chunk().copied()
+}
+
+/// The little-endian `u32` at `at`.
+pub(super) fn u32_at(bytes: &[u8], at: usize) -> Option<u32> {
+    array(bytes, at).map(u32::from_le_bytes)
+}
+
+/// The bytes after a byte order mark of UTF-8, if there is one.
+pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
+}
+
+#[cfg(test)]
+pub(super) mod samples {
+    use crate::surface::mesh::Mesh;
+    use glam::DVec3;
+
+    /// A tetrahedron whose faces look outwards.
+    pub fn tetrahedron() -> Mesh {
+        let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+        Mesh { positions, triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]] }
+    }
+
+    /// Six times the enclosed volume: positive when the faces of a closed mesh look outwards.
+    pub fn signed_volume(mesh: &Mesh) -> f64 {
+        (0..mesh.triangles.len()).map(|t| mesh.corners(t)).map(|[a, b, c]| a.dot(b.cross(c))).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn single_precision_has_a_range() {
+        assert_eq!(narrow(DVec3::new(1.0, -2.0, 0.5)).unwrap(), [1.0, -2.0, 0.5]);
+        assert_eq!(narrow(DVec3::splat(1e39)).unwrap_err().kind(), io::ErrorKind::InvalidData);
+    }
+}
