@@ -2,6 +2,7 @@
 
 pub mod base;
 pub mod geom;
+pub mod quality;
 pub mod remesh;
 pub mod surface;
 
