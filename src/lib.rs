@@ -4,6 +4,7 @@ pub mod base;
 pub mod geom;
 pub mod quality;
 pub mod remesh;
+pub mod report;
 pub mod surface;
 
 pub use base::error::{Error, Place, Result};
