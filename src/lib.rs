@@ -2,9 +2,11 @@
 
 pub mod base;
 pub mod geom;
+pub mod io;
 pub mod quality;
 pub mod remesh;
 pub mod report;
+pub mod spectral;
 pub mod surface;
 
 pub use base::error::{Error, Place, Result};

@@ -157,20 +157,7 @@ impl Report {
     /// Why the output is not what the input asked for, a phrase each; empty for a verified result and for a mesh that
     /// was measured only.
     pub fn shortcomings(&self) -> Vec<String> {
-        let (Some(wanted), found) = (&self.repaired, &self.output.topology) else { return Vec::new() };
-        let faults = [
-            (found.nonmanifold_edges, "edges with more than two faces"),
-            (found.nonmanifold_vertices, "vertices with more than one fan"),
-            (found.misoriented_edges, "edges between faces of opposite orientation"),
-        ];
-        let differences = [
-            ("Euler characteristic", found.euler, wanted.euler),
-            ("components", found.components as i64, wanted.components as i64),
-            ("boundary loops", found.boundary_loops as i64, wanted.boundary_loops as i64),
-        ];
-        let faults = faults.iter().filter(|f| f.0 > 0).map(|(count, what)| format!("{count} {what}"));
-        let differences = differences.iter().filter(|(_, found, wanted)| found != wanted);
-        faults.chain(differences.map(|(what, found, wanted)| format!("{what} {found} and not {wanted}"))).collect()
+        self.repaired.as_ref().map_or_else(Vec::new, |wanted| shortcomings(&self.output.topology, wanted))
     }
 
     /// The report as indented JSON that ends with a line break.
@@ -183,6 +170,24 @@ impl Report {
     pub fn to_text(&self) -> String {
         table::text(self)
     }
+}
+
+/// What keeps a result from being an oriented manifold of the wanted Euler characteristic, components and boundary
+/// loops, a phrase each; empty if it is one.
+pub fn shortcomings(found: &Topology, wanted: &Topology) -> Vec<String> {
+    let faults = [
+        (found.nonmanifold_edges, "edges with more than two faces"),
+        (found.nonmanifold_vertices, "vertices with more than one fan"),
+        (found.misoriented_edges, "edges between faces of opposite orientation"),
+    ];
+    let differences = [
+        ("Euler characteristic", found.euler, wanted.euler),
+        ("components", found.components as i64, wanted.components as i64),
+        ("boundary loops", found.boundary_loops as i64, wanted.boundary_loops as i64),
+    ];
+    let faults = faults.iter().filter(|f| f.0 > 0).map(|(count, what)| format!("{count} {what}"));
+    let differences = differences.iter().filter(|(_, found, wanted)| found != wanted);
+    faults.chain(differences.map(|(what, found, wanted)| format!("{what} {found} and not {wanted}"))).collect()
 }
 
 #[cfg(test)]

@@ -13,6 +13,9 @@ const COLUMN: usize = 14;
 /// Characters of a line before its list goes on in the next one.
 const LINE: usize = 80;
 
+/// The name of a row and how its figure is told.
+type Row<T> = (&'static str, fn(&T) -> String);
+
 /// The whole report.
 pub(super) fn text(report: &Report) -> String {
     let mut out = String::new();
@@ -45,7 +48,7 @@ fn heading(out: &mut String, columns: &[&Measured]) {
 }
 
 fn topology_rows(out: &mut String, columns: &[Topology]) {
-    let rows: [(&str, fn(&Topology) -> String); 7] = [
+    let rows: [Row<Topology>; 7] = [
         ("vertices", |t| t.vertices.to_string()),
         ("faces", |t| t.faces.to_string()),
         ("Euler characteristic", |t| t.euler.to_string()),
@@ -60,7 +63,7 @@ fn topology_rows(out: &mut String, columns: &[Topology]) {
 }
 
 fn shape_rows(out: &mut String, columns: &[Option<&Shape>]) {
-    let rows: [(&str, fn(&Shape) -> String); 17] = [
+    let rows: [Row<Shape>; 17] = [
         ("θ min", |s| degrees(s.theta_min)),
         ("θ min, mean", |s| degrees(s.theta_min_mean)),
         ("θ max", |s| degrees(s.theta_max)),

@@ -92,12 +92,17 @@ mod tests {
         let t = topology(mesh.positions.len(), &mesh.triangles);
         assert!(t.is_manifold() && t.is_oriented() && t.euler == 2);
         let longest = mesh.triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
-        assert!(longest.map(|(a, b)| mesh.positions[a as usize].distance(mesh.positions[b as usize])).all(|l| l <= 0.3));
+        assert!(
+            longest.map(|(a, b)| mesh.positions[a as usize].distance(mesh.positions[b as usize])).all(|l| l <= 0.3)
+        );
     }
 
     #[test]
     fn a_fine_mesh_stays_as_it_is() {
-        let mut mesh = Mesh { positions: vec![dvec3(0., 0., 0.), dvec3(1., 0., 0.), dvec3(0., 1., 0.)], triangles: vec![[0, 1, 2]] };
+        let mut mesh = Mesh {
+            positions: vec![dvec3(0., 0., 0.), dvec3(1., 0., 0.), dvec3(0., 1., 0.)],
+            triangles: vec![[0, 1, 2]],
+        };
         let before = mesh.clone();
         refine(&mut mesh, 1.5, usize::MAX);
         assert_eq!(mesh, before);
