@@ -63,7 +63,7 @@ fn topology_rows(out: &mut String, columns: &[Topology]) {
 }
 
 fn shape_rows(out: &mut String, columns: &[Option<&Shape>]) {
-    let rows: [Row<Shape>; 17] = [
+    let rows: [Row<Shape>; 16] = [
         ("θ min", |s| degrees(s.theta_min)),
         ("θ min, mean", |s| degrees(s.theta_min_mean)),
         ("θ max", |s| degrees(s.theta_max)),
@@ -80,7 +80,6 @@ fn shape_rows(out: &mut String, columns: &[Option<&Shape>]) {
         ("valence 6", |s| valence_share(s, 6..=6)),
         ("valence 7", |s| valence_share(s, 7..=7)),
         ("valence 8 or more", |s| valence_share(s, 8..=u32::MAX)),
-        ("interior vertices", |s| s.valence.values().sum::<usize>().to_string()),
     ];
     for (name, figure) in rows {
         row(out, name, columns.iter().map(|shape| shape.map_or("-".into(), figure)));
@@ -90,8 +89,8 @@ fn shape_rows(out: &mut String, columns: &[Option<&Shape>]) {
 fn distance_rows(out: &mut String, report: &Report) {
     let Some(d) = &report.distance else { return };
     row(out, "distance, % of diagonal", ["from output".into(), "from input".into(), "both".into()]);
-    row(out, "RMS", [d.rms_out_to_in, d.rms_in_to_out, d.rms].map(significant));
-    row(out, "Hausdorff", [d.hausdorff_out_to_in, d.hausdorff_in_to_out, d.hausdorff].map(significant));
+    row(out, "RMS", [d.rms_out_to_in, d.rms_in_to_out, d.rms].map(hundredths));
+    row(out, "Hausdorff", [d.hausdorff_out_to_in, d.hausdorff_in_to_out, d.hausdorff].map(hundredths));
 }
 
 /// What is no figure of a mesh: the sampling, the repairs, notes, times, and the verdict last.
@@ -184,6 +183,11 @@ fn degrees(angle: f64) -> String {
 
 fn percent(share: f64) -> String {
     format!("{share:.2} %")
+}
+
+/// A share in percent, whose hundredths matter.
+fn hundredths(share: f64) -> String {
+    format!("{share:.4}")
 }
 
 /// Four significant digits.
