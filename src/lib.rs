@@ -3,11 +3,13 @@
 pub mod base;
 pub mod geom;
 pub mod io;
+pub mod optimize;
 pub mod quality;
 pub mod remesh;
 pub mod report;
 pub mod spectral;
 pub mod surface;
+pub mod triangulate;
 
 pub use base::error::{Error, Place, Result};
 pub use base::progress::{Monitor, Stopwatch};
