@@ -25,6 +25,7 @@ pub fn run(job: &Job) -> Result<Status> {
 
 /// Reads, remeshes, measures, writes, reports.
 fn remesh_file(job: &Remeshing) -> Result<Status> {
+    job.options.validate()?;
     for path in [Some(&job.output.path), job.report.as_ref()].into_iter().flatten() {
         check_target(path)?;
     }
