@@ -72,6 +72,8 @@ pub struct Sampling {
     pub sigma_p: f64,
     /// The spacing that so many points have on the input's area at hexagonal packing, in the units of the input.
     pub spacing: f64,
+    /// Connected pieces whose samples did not settle by themselves and took their connectivity from the input.
+    pub tessellated_pieces: usize,
     /// Seed of all random numbers.
     pub seed: u64,
 }
@@ -103,14 +105,14 @@ impl Report {
     /// The report on a remeshing of `input` with `seed` whose result went to the file `output`. Stages, memory and
     /// threads are the caller's to add, by [`Report::with_run`].
     pub fn of_remesh(remeshed: &Remeshed, input: Named, output: &str, seed: u64) -> Report {
-        let &Remeshed { sigma_p, spacing, wanted, .. } = remeshed;
+        let &Remeshed { sigma_p, spacing, wanted, tessellated_pieces, .. } = remeshed;
         Report {
             verified: Some(remeshed.verified()),
             input: Some(Measured { file: input.file.into(), topology: remeshed.input, shape: shape(input.mesh) }),
             repairs: Some(remeshed.repairs),
             repaired: Some(remeshed.repaired),
             distance: distance(&remeshed.mesh, input.mesh, REPORT_SAMPLES, seed),
-            sampling: Some(Sampling { wanted, sigma_p, spacing, seed }),
+            sampling: Some(Sampling { wanted, sigma_p, spacing, tessellated_pieces, seed }),
             notes: remeshed.notes.clone(),
             ..Report::of_output(Measured {
                 file: output.into(),
@@ -218,6 +220,7 @@ mod tests {
             sigma_p: 0.123_456,
             spacing: 0.5,
             wanted: 4,
+            tessellated_pieces: 0,
             notes: vec!["One face is missing.".into()],
         };
         Report::of_remesh(&remeshed, Named { file: "in.obj", mesh: &input }, "out.ply", 7)

@@ -1,6 +1,6 @@
 //! What was typed, as clap reads it, and what it resolves to.
 //!
-//! [`Args`] has the words of the command line, [`Job`] what there is to do. Between them every field is named, so a
+//! `Args` has the words of the command line, [`Job`] what there is to do. Between them every field is named, so a
 //! flag or an option that is added to one and forgotten in the other does not compile.
 
 use crate::io::Format;
