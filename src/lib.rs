@@ -1,6 +1,8 @@
 //! Remeshing by spectral sampling.
 
 pub mod base;
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod geom;
 pub mod io;
 pub mod optimize;

@@ -162,6 +162,24 @@ fn quality_against_another_mesh_has_distances() {
 }
 
 #[test]
+fn an_stl_file_is_a_surface_and_not_a_heap_of_triangles() {
+    let folder = folder();
+    let facet = |corners: [&str; 3]| {
+        let [a, b, c] = corners;
+        format!("facet normal 0 0 0\nouter loop\nvertex {a}\nvertex {b}\nvertex {c}\nendloop\nendfacet\n")
+    };
+    let [o, x, y, z] = ["0 0 0", "1 0 0", "0 1 0", "0 0 1"];
+    let facets = [[o, y, x], [o, x, z], [x, y, z], [y, o, z]].map(facet).concat();
+    std::fs::write(folder.path().join("t.stl"), format!("solid t\n{facets}endsolid t\n")).unwrap();
+    let report = json(run(folder.path(), "quality t.stl --json").went_well());
+    let topology = &report["output"]["topology"];
+    assert_eq!(
+        (&topology["vertices"], &topology["euler"], &topology["boundary_loops"]),
+        (&4.into(), &2.into(), &0.into())
+    );
+}
+
+#[test]
 fn figures_do_not_depend_on_threads() {
     let folder = folder();
     let figures = |threads: i32| {

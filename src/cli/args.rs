@@ -235,18 +235,11 @@ impl QualityArgs {
 
 impl ValueEnum for Format {
     fn value_variants<'a>() -> &'a [Format] {
-        &[Format::Obj, Format::Ply, Format::Stl, Format::Off, Format::Gltf, Format::Glb]
+        &Format::ALL
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(PossibleValue::new(match self {
-            Format::Obj => "obj",
-            Format::Ply => "ply",
-            Format::Stl => "stl",
-            Format::Off => "off",
-            Format::Gltf => "gltf",
-            Format::Glb => "glb",
-        }))
+        Some(PossibleValue::new(self.extension()))
     }
 }
 

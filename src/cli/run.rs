@@ -5,9 +5,10 @@ use crate::base::progress::{Monitor, Stopwatch, check};
 use crate::cli::Status;
 use crate::cli::args::{Job, Measuring, MeshFile, Remeshing, Voice};
 use crate::cli::terminal::{self, Terminal};
-use crate::io::{Loaded, file};
+use crate::io::{Format, Loaded, file};
 use crate::remesh::{Remeshed, remesh};
 use crate::report::{Named, Report, shortcomings};
+use crate::surface::weld::weld;
 use std::path::Path;
 
 /// Does a job, and says how it went.
@@ -26,9 +27,7 @@ pub fn run(job: &Job) -> Result<Status> {
 /// Reads, remeshes, measures, writes, reports.
 fn remesh_file(job: &Remeshing) -> Result<Status> {
     job.options.validate()?;
-    for path in [Some(&job.output.path), job.report.as_ref()].into_iter().flatten() {
-        check_target(path)?;
-    }
+    check_targets(job)?;
     let (remeshed, report) = {
         let terminal = Terminal::new(job.voice);
         let monitor = Stopwatch::new(&terminal);
@@ -76,26 +75,21 @@ fn with_threads<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Send
     Ok(pool.install(work))
 }
 
-/// Refuses a target that nothing can be written to, before the work for it is done and not after.
-fn check_target(path: &Path) -> Result<()> {
-    let wrong = |cause: &str, remedy: &str| {
-        Err(Error::File { file: path.display().to_string(), cause: cause.into(), remedy: remedy.into() })
-    };
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    if path.is_dir() {
-        wrong("it is a folder", "name a file in it")
-    } else if folder.is_some_and(|folder| !folder.is_dir()) {
-        wrong("its folder does not exist", "make the folder first, or name another file")
-    } else {
-        Ok(())
-    }
+/// Refuses targets that nothing can be written to, before the work for them is done and not after.
+fn check_targets(job: &Remeshing) -> Result<()> {
+    file::output_format(&job.output.path, job.output.format)?;
+    file::check_target(&job.output.path)?;
+    job.report.iter().try_for_each(|path| file::check_target(path))
 }
 
-/// A mesh with triangles from a file.
+/// A mesh with triangles from a file. The facets of an STL file have corners of their own; here they share them.
 fn load(from: &MeshFile, monitor: &dyn Monitor) -> Result<Loaded> {
     monitor.stage("read");
-    let loaded = file::read_file(&from.path, from.format)?;
+    let mut loaded = file::read_file(&from.path, from.format)?;
     check(monitor)?;
+    if loaded.format == Format::Stl {
+        loaded.mesh = weld(&loaded.mesh);
+    }
     if loaded.mesh.triangles.is_empty() {
         let vertices = loaded.mesh.positions.len();
         let cause = format!("{vertices} vertices and no triangles");
@@ -136,7 +130,7 @@ fn with_run(report: Report, stopwatch: &Stopwatch) -> Report {
 /// The report to its file and to standard output.
 fn hand_out(report: &Report, job: &Remeshing) -> Result<()> {
     if let Some(path) = &job.report {
-        file::replace_file(path, |w| w.write_all(report.to_json().as_bytes()))?;
+        file::replace_file(path, &mut |out| out.write_all(report.to_json().as_bytes()))?;
     }
     if job.voice == Voice::Quiet { Ok(()) } else { terminal::print(&report.to_text()) }
 }
