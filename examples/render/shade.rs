@@ -32,7 +32,7 @@ const HOLLOW_PAIRS: usize = 40;
 
 /// The pixels of a panel, row by row from the top.
 pub fn resolve(view: &View, hits: &Hits, panel: &Panel, samples: usize, line: f64) -> Vec<[u8; 3]> {
-    let lit: Vec<DVec3> = view.normals.iter().map(|&n| light(n)).collect();
+    let lit: Vec<DVec3> = (0..view.triangles.len()).map(|t| light(view, t)).collect();
     let half_line = 0.5 * line * samples as f64;
     let lines: Vec<f64> = (0..lit.len()).map(|t| line_opacity(view, t, half_line)).collect();
     let pixel = |n: usize| {
@@ -54,9 +54,12 @@ pub fn resolve(view: &View, hits: &Hits, panel: &Panel, samples: usize, line: f6
     (0..panel.width * panel.height).into_par_iter().map(pixel).collect()
 }
 
-/// The light that a face of normal `n` sends to the camera; the inside of an open surface has its own colour.
-fn light(n: DVec3) -> DVec3 {
-    let (n, colour) = if n.z < 0.0 { (-n, INSIDE) } else { (n, OUTSIDE) };
+/// The light that triangle `t` sends to the camera; the inside of an open surface has its own colour.
+fn light(view: &View, t: usize) -> DVec3 {
+    let [a, b, c] = view.triangles[t].map(|v| view.places[v as usize]);
+    // The picture's y points down, so what is counter-clockwise in space turns the other way in it.
+    let (n, colour) =
+        if (b - a).perp_dot(c - a) > 0.0 { (-view.normals[t], INSIDE) } else { (view.normals[t], OUTSIDE) };
     let around = GROUND.lerp(SKY, 0.5 + 0.5 * n.y);
     let direct: DVec3 = LIGHTS.iter().map(|&(from, colour)| colour * n.dot(from.normalize()).max(0.0)).sum();
     colour * (around + direct)

@@ -6,24 +6,24 @@ use spectral_remesh::Mesh;
 
 /// Four knots, each tied to each other: six struts around three independent holes.
 const KNOTS: [DVec3; 4] = [
-    DVec3::new(0.05, -0.03, 1.02),
-    DVec3::new(0.98, 0.06, -0.38),
-    DVec3::new(-0.52, 0.91, -0.29),
-    DVec3::new(-0.44, -0.86, -0.33),
+    DVec3::new(0.08, -0.05, 0.95),
+    DVec3::new(1.32, 0.07, -0.36),
+    DVec3::new(-0.70, 1.20, -0.27),
+    DVec3::new(-0.60, -1.13, -0.31),
 ];
 
 /// Radius at each knot.
-const RADII: [f64; 4] = [0.34, 0.40, 0.36, 0.44];
+const RADII: [f64; 4] = [0.27, 0.34, 0.29, 0.37];
 
 /// Radius of a strut halfway, as a share of the mean radius at its ends.
-const WAIST: f64 = 0.52;
+const WAIST: f64 = 0.5;
 
 /// How sharply the struts meet, per unit of length: higher means sharper creases.
-const SHARPNESS: f64 = 11.0;
+const SHARPNESS: f64 = 13.0;
 
 /// The model: about 7,000 vertices in a box of side 3.
 pub fn blob() -> Mesh {
-    let grid = Grid { origin: DVec3::new(-1.0712, -1.4237, -0.8843), cell: 0.0547, cells: UVec3::new(47, 52, 43) };
+    let grid = Grid { origin: DVec3::new(-1.2112, -1.7237, -0.8843), cell: 0.0587, cells: UVec3::new(52, 58, 41) };
     isosurface(&grid, distance)
 }
 

@@ -32,13 +32,13 @@ fn lumpy_ball() -> Mesh {
     let lumps: Vec<(DVec3, f64)> = (0..LUMPS)
         .map(|_| {
             let towards = DVec3::new(gauss(&mut rng), gauss(&mut rng), gauss(&mut rng)).normalize();
-            (towards, 0.26 * signed(&mut rng))
+            (towards, 0.38 * signed(&mut rng))
         })
         .collect();
     let mut mesh = ball();
     for p in &mut mesh.positions {
         let direction = p.normalize();
-        let radius: f64 = 1.0 + lumps.iter().map(|(c, h)| h * (7.0 * (direction.dot(*c) - 1.0)).exp()).sum::<f64>();
+        let radius: f64 = 1.0 + lumps.iter().map(|(c, h)| h * (9.0 * (direction.dot(*c) - 1.0)).exp()).sum::<f64>();
         *p = direction * radius;
     }
     mesh
