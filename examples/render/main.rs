@@ -8,6 +8,7 @@ mod shade;
 
 use camera::{Camera, Panel};
 use clap::Parser;
+use spectral_remesh::Error;
 use spectral_remesh::io::file::read_file;
 use std::fs::File;
 use std::io::BufWriter;
@@ -48,7 +49,7 @@ fn angles(text: &str) -> Result<(f64, f64), String> {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments = Arguments::parse();
     let (out, inputs) = arguments.files.split_last().expect("clap asks for two files or three");
-    let mut meshes = inputs.iter().map(|file| read_file(file)).collect::<Result<Vec<_>, _>>()?;
+    let mut meshes = inputs.iter().map(|file| Ok(read_file(file, None)?.mesh)).collect::<Result<Vec<_>, Error>>()?;
     if arguments.up == "y" {
         meshes.iter_mut().flat_map(|m| &mut m.positions).for_each(|p| *p = glam::DVec3::new(p.x, -p.z, p.y));
     }
