@@ -52,7 +52,10 @@ fn faults_of_file(root: &Path, file: &Path) -> Vec<String> {
         return Vec::new();
     }
     let text = fs::read_to_string(file).expect("a source that can be read");
-    faults(module, &text).into_iter().map(|(line, rule)| format!("src/{}.rs:{line}: {rule}", inside.display())).collect()
+    faults(module, &text)
+        .into_iter()
+        .map(|(line, rule)| format!("src/{}.rs:{line}: {rule}", inside.display()))
+        .collect()
 }
 
 /// What is wrong with the `crate::` paths in a source of `module`: lines and the rule that each breaks.

@@ -138,8 +138,7 @@ fn ring(outer: &[DVec2], inner: &[DVec2], centre: DVec2) -> Vec<[DVec2; 3]> {
     let mut triangles = Vec::new();
     while i < outer.len() || j < inner.len() {
         let (o, n) = (outer[i % outer.len()], inner[j % inner.len()]);
-        let outer_goes =
-            j == inner.len() || i < outer.len() && mean_angle(outer, i) <= mean_angle(inner, j) - 1e-6;
+        let outer_goes = j == inner.len() || i < outer.len() && mean_angle(outer, i) <= mean_angle(inner, j) - 1e-6;
         if outer_goes {
             i += 1;
             triangles.push([o, outer[i % outer.len()], n]);

@@ -20,8 +20,7 @@ pub struct Grid {
 }
 
 /// The corners of a cell are numbered by bits: x + 2 y + 4 z. Its sides, counter-clockwise seen from outside.
-const SIDES: [[usize; 4]; 6] =
-    [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+const SIDES: [[usize; 4]; 6] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
 
 /// How close to a grid point the surface may cross an edge of the grid, in cells.
 /// Smaller makes longer slivers; zero lets vertices coincide.

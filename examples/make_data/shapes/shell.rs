@@ -5,7 +5,7 @@ use glam::DVec3;
 use spectral_remesh::Mesh;
 use std::f64::consts::TAU;
 
-/// The bowl's radius is about 1, and 3,000 points on both of its sides are about 0.06 apart.
+/// The bowl's radius is about 1, and 3,000 points on both of its sides are about 0.07 apart.
 const WALL: f64 = 0.012;
 const FLUTES: f64 = 9.0;
 const AROUND: usize = 84;
@@ -31,7 +31,8 @@ fn side(b: &mut Builder, inset: f64, facing: f64) {
         let [p, q] = [k, k + 1].map(|k| at(1, k, inset));
         b.triangle([at(0, 0, inset), p, q], facing * -DVec3::Z);
         for ring in 1..UP {
-            let corners = [at(ring, k, inset), at(ring, k + 1, inset), at(ring + 1, k + 1, inset), at(ring + 1, k, inset)];
+            let corners =
+                [at(ring, k, inset), at(ring, k + 1, inset), at(ring + 1, k + 1, inset), at(ring + 1, k, inset)];
             b.quad(corners, facing * (corners[0] - centre));
         }
     }
