@@ -1,8 +1,11 @@
 //! Remeshing by spectral sampling.
 
 pub mod base;
+pub mod geom;
 pub mod remesh;
+pub mod spectral;
 pub mod surface;
+pub mod triangulate;
 
 pub use base::error::{Error, Place, Result};
 pub use base::progress::{Monitor, Stopwatch};

@@ -44,4 +44,18 @@ impl Mesh {
     pub fn diagonal(&self) -> f64 {
         self.bounds().map_or(0.0, |(lo, hi)| (hi - lo).length())
     }
+
+    /// Removes the vertices that no triangle uses; the others keep their order.
+    pub fn drop_unused(&mut self) {
+        let mut number = vec![u32::MAX; self.positions.len()];
+        self.triangles.iter().flatten().for_each(|&v| number[v as usize] = 0);
+        let mut kept = 0;
+        for (v, n) in number.iter_mut().enumerate().filter(|(_, n)| **n == 0) {
+            *n = kept;
+            self.positions[kept as usize] = self.positions[v];
+            kept += 1;
+        }
+        self.positions.truncate(kept as usize);
+        self.triangles.iter_mut().flatten().for_each(|v| *v = number[*v as usize]);
+    }
 }

@@ -1,5 +1,8 @@
 //! The surface that everything is measured against: a triangle mesh, its topology, what was wrong with it.
 
+pub mod bvh;
+pub mod domain;
 pub mod mesh;
+pub mod refine;
 pub mod repair;
 pub mod topology;

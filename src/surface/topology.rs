@@ -148,16 +148,34 @@ impl Side {
 }
 
 /// All sides of all triangles, those of one edge together, in the order of edge and side.
+///
+/// A counting sort by the smaller end and a small sort for each: linear for meshes of bounded valence.
 pub(crate) fn sorted_sides(triangles: &[[u32; 3]]) -> Vec<Side> {
-    let mut sides: Vec<Side> = (0..3 * triangles.len() as u32)
-        .filter_map(|side| {
-            let (t, k) = ((side / 3) as usize, (side % 3) as usize);
-            let (a, b) = (triangles[t][k], triangles[t][(k + 1) % 3]);
-            (a != b).then_some(Side { ends: [a.min(b), a.max(b)], side, forward: a < b })
+    let sides = || {
+        triangles.iter().zip(0u32..).flat_map(|(t, f)| {
+            (0..3usize).filter_map(move |k| {
+                let (a, b) = (t[k], t[(k + 1) % 3]);
+                (a != b).then_some(Side { ends: [a.min(b), a.max(b)], side: 3 * f + k as u32, forward: a < b })
+            })
         })
-        .collect();
-    sides.sort_unstable_by_key(|s| (s.ends, s.side));
-    sides
+    };
+    let vertices = triangles.iter().flatten().max().map_or(0, |&v| v as usize + 1);
+    let mut start = vec![0u32; vertices + 1];
+    sides().for_each(|s| start[s.ends[0] as usize + 1] += 1);
+    for v in 0..vertices {
+        start[v + 1] += start[v];
+    }
+    let mut fill = start.clone();
+    let mut sorted = vec![Side { ends: [0; 2], side: 0, forward: false }; start[vertices] as usize];
+    for s in sides() {
+        let at = &mut fill[s.ends[0] as usize];
+        sorted[*at as usize] = s;
+        *at += 1;
+    }
+    for v in 0..vertices {
+        sorted[start[v] as usize..start[v + 1] as usize].sort_unstable_by_key(|s| (s.ends[1], s.side));
+    }
+    sorted
 }
 
 /// Disjoint sets of numbers below `n`; the representative of a set is its smallest member.

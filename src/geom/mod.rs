@@ -1,0 +1,3 @@
+//! Small geometry: what can be said about a few points without a mesh.
+
+pub mod triangle;

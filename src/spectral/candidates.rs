@@ -1,0 +1,45 @@
+//! Candidates for the linear scan: area-uniform points of a mesh.
+//!
+//! The vertices of a mesh are no good as candidates (a CAD part has none on its flat sides), so the surface is covered
+//! evenly: of n candidates the i-th lies at the share (i + u) / n of the area, u random. Stratified like this no part
+//! of the surface is missed by chance.
+//!
+//! Cost: linear in candidates and triangles.
+
+use crate::base::rng::{Random, unit};
+use crate::surface::domain::{Domain, Sample};
+
+/// A candidate, small enough that there can be hundreds of millions of them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Candidate {
+    pub triangle: u32,
+    /// Barycentric coordinates of the first two corners.
+    weights: [f32; 2],
+}
+
+impl Candidate {
+    /// The candidate as a point of the surface.
+    #[inline]
+    pub fn sample(&self, domain: &Domain) -> Sample {
+        let [a, b] = self.weights.map(f64::from);
+        domain.sample(self.triangle, [a, b, 1.0 - a - b])
+    }
+}
+
+/// `count` area-uniform points of the surface, in the order of its triangles.
+pub fn candidates(domain: &Domain, count: usize, rng: &mut Random) -> Vec<Candidate> {
+    let step = 2.0 * domain.mesh.area() / count as f64;
+    let mut result = Vec::with_capacity(count);
+    let mut covered = 0.0;
+    let mut next = step * unit(rng);
+    for t in 0..domain.mesh.triangles.len() {
+        covered += domain.mesh.area_vector(t).length();
+        while next < covered && result.len() < count {
+            let (root, u) = (unit(rng).sqrt(), unit(rng));
+            let weights = [1.0 - root, root * (1.0 - u)].map(|w| w as f32);
+            result.push(Candidate { triangle: t as u32, weights });
+            next = step * (result.len() as f64 + unit(rng));
+        }
+    }
+    result
+}

@@ -1,0 +1,212 @@
+//! The measure s(x) of how much a point changes the Laplace-Beltrami spectrum of those that are there already.
+//!
+//! s(x) = 1 - kᵀ K⁻¹ k (paper, equation 9) with the Gaussian kernel k(x, y) = exp(-|x - y|²), x in units of σp, over
+//! the neighbours of x, K their kernel matrix. K = L Lᵀ grows by a row of L for each neighbour; with L y = k the
+//! measure is 1 - |y|², and a neighbour takes the square of one further entry of y off it. The paper updates the
+//! inverse instead (equation 10): the same numbers for more operations.
+//!
+//! Cost: the n-th neighbour n² / 2 multiplications and n kernels.
+
+use glam::DVec3;
+
+/// Neighbours beyond this many, the nearest counted first, change s by less than its use can tell.
+pub const MOST_NEIGHBOURS: usize = 20;
+
+/// Radius of the neighbourhood in units of σ (paper, section 6.3): k is below 0.002 outside.
+pub const RADIUS: f64 = 2.5;
+
+/// A pivot this near zero means that the neighbour lies in the span of those before it (paper, section 6.1).
+const SMALLEST_PIVOT: f64 = 1e-9;
+
+/// s(x) at one point, for neighbours that are added one by one.
+pub struct Measure {
+    /// Rows of L, packed: row i begins at i (i + 1) / 2.
+    factor: [f64; MOST_NEIGHBOURS * (MOST_NEIGHBOURS + 1) / 2],
+    /// L y = k.
+    y: [f64; MOST_NEIGHBOURS],
+    /// Offsets of the neighbours from x, in units of σ.
+    offsets: [DVec3; MOST_NEIGHBOURS],
+    count: usize,
+    value: f64,
+}
+
+impl Measure {
+    /// No neighbours: s = 1.
+    pub fn new() -> Self {
+        Measure {
+            factor: [0.0; MOST_NEIGHBOURS * (MOST_NEIGHBOURS + 1) / 2],
+            y: [0.0; MOST_NEIGHBOURS],
+            offsets: [DVec3::ZERO; MOST_NEIGHBOURS],
+            count: 0,
+            value: 1.0,
+        }
+    }
+
+    /// Forgets all neighbours.
+    pub fn clear(&mut self) {
+        self.count = 0;
+        self.value = 1.0;
+    }
+
+    /// s(x) with the neighbours so far, in 0..=1.
+    pub fn value(&self) -> f64 {
+        self.value
+    }
+
+    /// Adds a neighbour at `offset` from x, in units of σ, and gives the new s(x). A neighbour in the span of the others,
+    /// or beyond [`MOST_NEIGHBOURS`], changes nothing.
+    #[inline]
+    pub fn add(&mut self, offset: DVec3) -> f64 {
+        let n = self.count;
+        if n == MOST_NEIGHBOURS {
+            return self.value;
+        }
+        let start = n * (n + 1) / 2;
+        let mut pivot = 1.0;
+        let mut entry = kernel(offset.length_squared());
+        for j in 0..n {
+            let row = j * (j + 1) / 2;
+            let mut l = kernel(offset.distance_squared(self.offsets[j]));
+            for i in 0..j {
+                l -= self.factor[start + i] * self.factor[row + i];
+            }
+            l /= self.factor[row + j];
+            self.factor[start + j] = l;
+            pivot -= l * l;
+            entry -= l * self.y[j];
+        }
+        if pivot > SMALLEST_PIVOT {
+            let root = pivot.sqrt();
+            self.factor[start + n] = root;
+            self.y[n] = entry / root;
+            self.offsets[n] = offset;
+            self.value = (self.value - self.y[n] * self.y[n]).max(0.0);
+            self.count += 1;
+        }
+        self.value
+    }
+
+    /// ∇s(x) with respect to x in units of σ: 4 Σ aᵢ kᵢ (x - xᵢ), a = K⁻¹ k.
+    ///
+    /// It is the paper's double sum (section 6.2) with the symmetric half carried out.
+    pub fn gradient(&self) -> DVec3 {
+        let n = self.count;
+        let mut a = self.y;
+        for i in (0..n).rev() {
+            for j in i + 1..n {
+                a[i] -= self.factor[j * (j + 1) / 2 + i] * a[j];
+            }
+            a[i] /= self.factor[i * (i + 1) / 2 + i];
+        }
+        let pull: DVec3 = (0..n).map(|i| a[i] * kernel(self.offsets[i].length_squared()) * self.offsets[i]).sum();
+        -4.0 * pull
+    }
+}
+
+impl Default for Measure {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// The Gaussian kernel of a squared distance in units of σ.
+#[inline]
+pub fn kernel(distance_squared: f64) -> f64 {
+    (-distance_squared).exp()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::rng::{Stage, stream, unit};
+    use approx::assert_relative_eq;
+    use glam::dvec3;
+
+    fn points(n: usize, seed: u64) -> Vec<DVec3> {
+        let mut rng = stream(seed, Stage::Candidates);
+        (0..n).map(|_| 2.0 * dvec3(unit(&mut rng) - 0.5, unit(&mut rng) - 0.5, unit(&mut rng) - 0.5)).collect()
+    }
+
+    fn incremental(x: DVec3, others: &[DVec3]) -> Measure {
+        let mut m = Measure::new();
+        others.iter().for_each(|&p| {
+            m.add(p - x);
+        });
+        m
+    }
+
+    /// s(x) by Gaussian elimination with pivoting on the whole matrix.
+    fn dense(x: DVec3, others: &[DVec3]) -> f64 {
+        let n = others.len();
+        let k: Vec<f64> = others.iter().map(|p| kernel(p.distance_squared(x))).collect();
+        let mut rows: Vec<Vec<f64>> = (0..n)
+            .map(|i| {
+                let row = (0..n).map(|j| kernel(others[i].distance_squared(others[j])));
+                row.chain([k[i]]).collect()
+            })
+            .collect();
+        for c in 0..n {
+            let best = (c..n).max_by(|&a, &b| rows[a][c].abs().total_cmp(&rows[b][c].abs())).unwrap();
+            rows.swap(c, best);
+            let pivot = rows[c].clone();
+            for row in rows.iter_mut().skip(c + 1) {
+                let f = row[c] / pivot[c];
+                row.iter_mut().zip(&pivot).for_each(|(x, p)| *x -= f * p);
+            }
+        }
+        let mut a = vec![0.0; n];
+        for i in (0..n).rev() {
+            let known: f64 = (i + 1..n).map(|j| rows[i][j] * a[j]).sum();
+            a[i] = (rows[i][n] - known) / rows[i][i];
+        }
+        1.0 - a.iter().zip(&k).map(|(a, k)| a * k).sum::<f64>()
+    }
+
+    #[test]
+    fn the_measure_is_that_of_a_dense_solve() {
+        for seed in 0..20 {
+            let all = points(13, seed);
+            assert_relative_eq!(incremental(all[0], &all[1..]).value(), dense(all[0], &all[1..]), epsilon = 1e-8);
+        }
+    }
+
+    #[test]
+    fn one_neighbour_leaves_one_minus_k_squared() {
+        let m = incremental(DVec3::ZERO, &[dvec3(0.3, 0.4, 0.0)]);
+        assert_relative_eq!(m.value(), 1.0 - (-0.5f64).exp(), epsilon = 1e-14);
+    }
+
+    #[test]
+    fn the_gradient_is_that_of_finite_differences() {
+        for seed in 0..20 {
+            let all = points(11, seed);
+            let (x, others) = (all[0], &all[1..]);
+            let gradient = incremental(x, others).gradient();
+            for (axis, g) in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().zip(gradient.to_array()) {
+                let h = 1e-5;
+                let difference = (dense(x + h * axis, others) - dense(x - h * axis, others)) / (2.0 * h);
+                assert_relative_eq!(g, difference, epsilon = 1e-6, max_relative = 1e-5);
+            }
+        }
+    }
+
+    #[test]
+    fn the_same_neighbour_twice_counts_once_and_a_coincident_one_leaves_nothing() {
+        let p = dvec3(0.5, 0.2, -0.1);
+        let once = incremental(DVec3::ZERO, &[p]).value();
+        assert_relative_eq!(incremental(DVec3::ZERO, &[p, p]).value(), once, epsilon = 1e-12);
+        assert_relative_eq!(incremental(p, &[p]).value(), 0.0, epsilon = 1e-12);
+    }
+
+    #[test]
+    fn every_neighbour_lowers_the_measure() {
+        let all = points(MOST_NEIGHBOURS + 5, 3);
+        let mut m = Measure::new();
+        let mut last = m.value();
+        for &p in &all[1..] {
+            let now = m.add(p - all[0]);
+            assert!((0.0..=last).contains(&now));
+            last = now;
+        }
+    }
+}

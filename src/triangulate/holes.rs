@@ -1,0 +1,138 @@
+//! Fills what the agreed triangles leave open: mostly quadruples of samples on one circle, where either diagonal is
+//! right, and now and then a place that the samples do not resolve.
+//!
+//! The sides that still need a triangle are chained into polygons, each side followed by the next one around its end,
+//! and each polygon is triangulated such that the smallest angle is largest. An edge that is there already is never
+//! made again. What cannot be filled like this stays open, and the verification that follows sees it.
+//!
+//! Cost: cubic in the sides of a polygon, of which there are four or five nearly always.
+
+use crate::geom::triangle::angles;
+use crate::triangulate::star::INTERIOR;
+use glam::DVec3;
+use std::collections::{HashMap, HashSet};
+
+/// Polygons of more sides are left to the caller: so large a hole is not an ambiguity but a failure.
+const MOST_SIDES: usize = 48;
+
+/// Adds to `triangles` those that close the gaps between them. `successor` is the next sample on a boundary.
+pub fn fill_holes(positions: &[DVec3], normals: &[DVec3], successor: &[u32], triangles: &mut Vec<[u32; 3]>) {
+    let open = open_sides(successor, triangles);
+    if open.is_empty() {
+        return;
+    }
+    let ends: HashSet<u32> = open.iter().flatten().copied().collect();
+    let near = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+    let mut edges: HashSet<[u32; 2]> =
+        near.filter(|e| ends.contains(&e[0]) && ends.contains(&e[1])).map(undirected).collect();
+    edges.extend(open.iter().map(|&e| undirected(e)));
+    for polygon in chain(positions, normals, &open) {
+        if let Some(filling) = triangulate_polygon(positions, &polygon, &edges) {
+            edges.extend(filling.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(undirected));
+            triangles.extend(filling);
+        }
+    }
+}
+
+fn undirected([a, b]: [u32; 2]) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
+/// Directed sides that no triangle has on its left yet, in increasing order: those across from a triangle, and those of
+/// the boundary.
+fn open_sides(successor: &[u32], triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
+    let mut sides: Vec<[u32; 2]> = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
+    sides.sort_unstable();
+    let taken = |side: &[u32; 2]| sides.binary_search(side).is_ok();
+    let along = (0..successor.len() as u32).map(|v| [v, successor[v as usize]]).filter(|s| s[1] != INTERIOR);
+    let across = sides.iter().filter(|s| successor[s[0] as usize] != s[1]).map(|&[a, b]| [b, a]);
+    let mut open: Vec<[u32; 2]> = along.chain(across).filter(|s| !taken(s)).collect();
+    open.sort_unstable();
+    open.dedup();
+    open
+}
+
+/// Chains open sides into closed polygons.
+fn chain(positions: &[DVec3], normals: &[DVec3], open: &[[u32; 2]]) -> Vec<Vec<u32>> {
+    let mut used = vec![false; open.len()];
+    let mut polygons = Vec::new();
+    for first in 0..open.len() {
+        let mut polygon = Vec::new();
+        let mut side = first;
+        while !used[side] {
+            used[side] = true;
+            polygon.push(open[side][0]);
+            match following(positions, normals, open, &used, open[side], first) {
+                Some(next) => side = next,
+                None => break,
+            }
+        }
+        if side == first && polygon.len() >= 3 {
+            polygons.push(polygon);
+        }
+    }
+    polygons
+}
+
+/// The open side to go on with from the end of `from`: the first one clockwise around it, seen from outside.
+fn following(
+    positions: &[DVec3],
+    normals: &[DVec3],
+    open: &[[u32; 2]],
+    used: &[bool],
+    from: [u32; 2],
+    first: usize,
+) -> Option<usize> {
+    let [back, at] = from;
+    let begin = open.partition_point(|s| s[0] < at);
+    let out = (begin..open.len()).take_while(|&i| open[i][0] == at).filter(|&i| !used[i] || i == first);
+    let normal = normals[at as usize];
+    let flat = |v: u32| (positions[v as usize] - positions[at as usize]).reject_from(normal);
+    let reference = flat(back);
+    let clockwise = |i: usize| {
+        let d = flat(open[i][1]);
+        let angle = -normal.dot(reference.cross(d)).atan2(reference.dot(d));
+        if angle <= 0.0 { angle + std::f64::consts::TAU } else { angle }
+    };
+    out.min_by(|&i, &j| clockwise(i).total_cmp(&clockwise(j)).then(i.cmp(&j)))
+}
+
+/// The triangulation of a polygon with the largest smallest angle, without diagonals that are edges already; `None` if
+/// there is none, or if the polygon meets itself or is too large.
+fn triangulate_polygon(positions: &[DVec3], polygon: &[u32], edges: &HashSet<[u32; 2]>) -> Option<Vec<[u32; 3]>> {
+    let n = polygon.len();
+    let distinct: HashSet<u32> = polygon.iter().copied().collect();
+    if n > MOST_SIDES || distinct.len() < n {
+        return None;
+    }
+    let usable = |i: usize, j: usize| j == i + 1 || (i == 0 && j == n - 1) || !edges.contains(&undirected([polygon[i], polygon[j]]));
+    // best[(i, j)]: the smallest angle and the apex of the triangle on diagonal i j of the part from i to j.
+    let mut best: HashMap<(usize, usize), (f64, usize)> = HashMap::new();
+    for length in 1..n {
+        for i in 0..n - length {
+            let j = i + length;
+            if length == 1 {
+                best.insert((i, j), (f64::INFINITY, i));
+            } else if usable(i, j) {
+                let choice = (i + 1..j).filter_map(|k| {
+                    let (left, right) = (best.get(&(i, k))?.0, best.get(&(k, j))?.0);
+                    let own = angles([i, k, j].map(|c| positions[polygon[c] as usize])).into_iter().fold(f64::INFINITY, f64::min);
+                    Some((own.min(left).min(right), k))
+                });
+                if let Some(c) = choice.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1))) {
+                    best.insert((i, j), c);
+                }
+            }
+        }
+    }
+    let mut filling = Vec::with_capacity(n - 2);
+    let mut parts = vec![(0, n - 1)];
+    while let Some((i, j)) = parts.pop() {
+        if j > i + 1 {
+            let k = best.get(&(i, j))?.1;
+            filling.push([polygon[i], polygon[k], polygon[j]]);
+            parts.extend([(i, k), (k, j)]);
+        }
+    }
+    Some(filling)
+}

@@ -1,0 +1,205 @@
+//! The neighbourhood of a sample along the surface, unrolled into a plane.
+//!
+//! From the sample's own triangle the surface is walked edge by edge, nearest edge first, and every triangle reached is
+//! laid flat beside the one it was reached from. Lengths and angles along the way stay what they are on the surface, so
+//! the samples found have the places of a discrete exponential map: a thin sheet is unrolled around its rim, and the
+//! far side of a gap is not reached at all.
+//!
+//! Based on: the unfolding step of J. S. B. Mitchell, D. M. Mount, C. H. Papadimitriou, The discrete geodesic problem,
+//! 1987, DOI 10.1137/0216045, along one path a triangle instead of all.
+//!
+//! Cost: n log n in the triangles within the radius.
+//!
+//! Limits: a triangle has one place, that of the nearest way to it; beyond a spike's tip ways to both sides of it
+//! compete.
+
+use crate::surface::domain::{Domain, Sample};
+use crate::surface::topology::NONE;
+use glam::DVec2;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// Cosine of the largest angle between two normals for which a chord tells the length of the bend.
+const LEAST_AGREEMENT: f64 = 0.2;
+
+/// Samples by the triangle that they lie on.
+pub struct SamplesByTriangle {
+    /// Where each triangle's samples begin in `samples`; one more entry than triangles.
+    start: Vec<u32>,
+    samples: Vec<u32>,
+}
+
+impl SamplesByTriangle {
+    pub fn new(triangle_count: usize, samples: &[Sample]) -> Self {
+        let mut start = vec![0u32; triangle_count + 1];
+        samples.iter().for_each(|s| start[s.triangle as usize + 1] += 1);
+        for t in 0..triangle_count {
+            start[t + 1] += start[t];
+        }
+        let mut fill = start.clone();
+        let mut sorted = vec![0; samples.len()];
+        for (s, i) in samples.iter().zip(0u32..) {
+            let at = &mut fill[s.triangle as usize];
+            sorted[*at as usize] = i;
+            *at += 1;
+        }
+        SamplesByTriangle { start, samples: sorted }
+    }
+
+    pub fn on(&self, t: u32) -> &[u32] {
+        &self.samples[self.start[t as usize] as usize..self.start[t as usize + 1] as usize]
+    }
+}
+
+/// A sample near another one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Neighbour {
+    pub sample: u32,
+    /// Its place in the plane; the sample that was asked about is at the origin, the surface seen from outside.
+    pub place: DVec2,
+}
+
+/// A side that the walk has reached, in the order of distance from the origin.
+#[derive(PartialEq)]
+struct Front {
+    distance: f64,
+    /// The side of the triangle not walked yet.
+    side: u32,
+    /// Places of its two ends.
+    ends: [DVec2; 2],
+}
+
+impl Eq for Front {}
+
+impl PartialOrd for Front {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Front {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.distance.total_cmp(&other.distance).then(self.side.cmp(&other.side))
+    }
+}
+
+/// Walks over a domain; keeps its memory from one walk to the next.
+pub struct Unfolding<'a> {
+    domain: &'a Domain,
+    samples: &'a [Sample],
+    by_triangle: &'a SamplesByTriangle,
+    /// The last walk that came to each triangle.
+    walked: Vec<u32>,
+    walk: u32,
+    front: BinaryHeap<Reverse<Front>>,
+}
+
+impl<'a> Unfolding<'a> {
+    pub fn new(domain: &'a Domain, samples: &'a [Sample], by_triangle: &'a SamplesByTriangle) -> Self {
+        let walked = vec![0; domain.mesh.triangles.len()];
+        Unfolding { domain, samples, by_triangle, walked, walk: 0, front: BinaryHeap::new() }
+    }
+
+    /// Collects into `found` the samples within `radius` of sample `centre` along the surface, itself not included.
+    pub fn neighbours(&mut self, centre: u32, radius: f64, found: &mut Vec<Neighbour>) {
+        found.clear();
+        self.front.clear();
+        self.walk += 1;
+        let t = self.samples[centre as usize].triangle;
+        let corners = self.lay_down(t, &self.samples[centre as usize]);
+        self.visit(t, corners, [None; 3], centre, radius, found);
+        while let Some(Reverse(Front { side, ends: [p, q], .. })) = self.front.pop() {
+            let t = side / 3;
+            if self.walked[t as usize] != self.walk {
+                let k = side as usize % 3;
+                let mut corners = [DVec2::ZERO; 3];
+                corners[k] = p;
+                corners[(k + 1) % 3] = q;
+                corners[(k + 2) % 3] = self.apex(side, p, q);
+                let mut from = [None; 3];
+                from[k] = Some(());
+                self.visit(t, corners, from, centre, radius, found);
+            }
+        }
+    }
+
+    /// Places of the corners of triangle `t` with the sample, which lies on it, at the origin.
+    fn lay_down(&self, t: u32, sample: &Sample) -> [DVec2; 3] {
+        let normal = self.domain.mesh.area_vector(t as usize).normalize_or(sample.normal);
+        let x = sample.normal.any_orthonormal_pair().0.reject_from(normal).normalize_or(normal.any_orthonormal_vector());
+        let y = normal.cross(x);
+        self.domain.mesh.corners(t as usize).map(|p| {
+            let offset = p - sample.position;
+            DVec2::new(offset.dot(x), offset.dot(y))
+        })
+    }
+
+    /// The place of sample `s` if the surface bends evenly on the way to it: its direction in the tangent plane of
+    /// `centre`, at the length of the arc whose chord joins them and whose ends have their normals. `None` where the
+    /// normals differ too much for that.
+    fn along_bend(&self, centre: u32, s: u32) -> Option<DVec2> {
+        let (a, b) = (&self.samples[centre as usize], &self.samples[s as usize]);
+        if a.normal.dot(b.normal) < LEAST_AGREEMENT {
+            return None;
+        }
+        let (x, y) = a.normal.any_orthonormal_pair();
+        let offset = b.position - a.position;
+        let half_sine = 0.5 * a.normal.distance(b.normal);
+        let stretch = if half_sine > 1e-6 { half_sine.asin() / half_sine } else { 1.0 };
+        let direction = DVec2::new(offset.dot(x), offset.dot(y)).normalize_or_zero();
+        Some(direction * offset.length() * stretch)
+    }
+
+    /// Notes the samples of a triangle laid flat, and the sides to go on from.
+    fn visit(
+        &mut self,
+        t: u32,
+        corners: [DVec2; 3],
+        from: [Option<()>; 3],
+        centre: u32,
+        radius: f64,
+        found: &mut Vec<Neighbour>,
+    ) {
+        self.walked[t as usize] = self.walk;
+        for &s in self.by_triangle.on(t).iter().filter(|&&s| s != centre) {
+            let w = crate::geom::triangle::barycentric(
+                self.samples[s as usize].position,
+                self.domain.mesh.corners(t as usize),
+            );
+            let place = corners[0] * w[0] + corners[1] * w[1] + corners[2] * w[2];
+            if place.length_squared() <= radius * radius {
+                let place = self.along_bend(centre, s).unwrap_or(place);
+                found.push(Neighbour { sample: s, place });
+            }
+        }
+        for k in (0..3).filter(|&k| from[k].is_none()) {
+            let side = self.domain.twin[3 * t as usize + k];
+            // Seen from the other face the side runs the other way.
+            let ends = [corners[(k + 1) % 3], corners[k]];
+            let distance = distance_to_origin(ends[0], ends[1]);
+            if side != NONE && distance <= radius && self.walked[side as usize / 3] != self.walk {
+                self.front.push(Reverse(Front { distance, side, ends }));
+            }
+        }
+    }
+
+    /// Where the corner opposite `side` comes to lie, with the side's ends at `p` and `q` and the triangle on its left.
+    fn apex(&self, side: u32, p: DVec2, q: DVec2) -> DVec2 {
+        let k = side as usize % 3;
+        let corners = self.domain.mesh.corners(side as usize / 3);
+        let (a, b, c) = (corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]);
+        let base = a.distance_squared(b);
+        if base == 0.0 {
+            return p;
+        }
+        let along = (c - a).dot(b - a) / base;
+        let height = (b - a).cross(c - a).length() / base;
+        p + along * (q - p) + height * (q - p).perp()
+    }
+}
+
+fn distance_to_origin(p: DVec2, q: DVec2) -> f64 {
+    let way = q - p;
+    let along = (-p.dot(way) / way.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+    (p + along * way).length()
+}
