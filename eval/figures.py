@@ -7,7 +7,8 @@
 The cases are those of eval/cases.json. Files that begin with data/ are the project's own; the others are looked for in
 FOLDER, and left out with a note where they are not there. One run with --report gives the figures of the result. Three
 more runs without it, as a user would type them, are timed as whole processes: the table has the median of their wall
-seconds, and the most memory that any of them had resident.
+seconds, and the most memory that any of them had resident. (About 20 MB are the least that can be seen: what this
+script itself has resident when it starts a run counts for it.)
 
 Exit status: 0 all measured, 1 a run failed or a result was not verified, 2 wrong usage.
 """
@@ -134,6 +135,7 @@ def measure_all(binary, cases, models):
                 result = measure(binary, case, source, scratch)
             except Failed as failure:
                 sys.stderr.write('%-12s failed, %s\n' % (case['name'], failure))
+                results.append({'name': case['name'], 'points': case['points'], 'report': None})
                 bad += 1
                 continue
             sys.stderr.write('%-12s %.2f s, Qave %.3f\n' % (case['name'], result['seconds'], shape(result)['q_mean']))
@@ -142,9 +144,17 @@ def measure_all(binary, cases, models):
     return results, bad
 
 
+def cells(result):
+    """The row of a case. One that failed keeps its row."""
+    if result['report'] is None:
+        blanks = [''] * (len(COLUMNS) - 4)
+        return [result['name'], '', '{:,}'.format(result['points'])] + blanks + ['failed']
+    return [cell(result) for _, _, cell in COLUMNS]
+
+
 def table(results):
     rows = [[heading for heading, _, _ in COLUMNS], [align for _, align, _ in COLUMNS]]
-    rows += [[cell(r) for _, _, cell in COLUMNS] for r in results]
+    rows += [cells(r) for r in results]
     return '\n'.join('| ' + ' | '.join(row) + ' |' for row in rows)
 
 
@@ -154,8 +164,9 @@ def machine():
 
 def section(results):
     """What stands between the markers."""
+    versions = sorted({r['report']['version'] for r in results if r['report']})
     head = 'Version %s, measured on %s (%s). Written by `eval/figures.py --models FOLDER`; do not edit.' % (
-        results[0]['report']['version'], datetime.date.today().isoformat(), machine())
+        ', '.join(versions) or 'unknown', datetime.date.today().isoformat(), machine())
     return '%s\n%s\n\n%s\n%s' % (BEGIN, head, table(results), END)
 
 
@@ -174,7 +185,7 @@ def rewrite(text):
 def main():
     arguments = argparse.ArgumentParser(description='Write the table of figures into README.md.')
     arguments.add_argument('--models', metavar='FOLDER', help='where the models of eval/cases.json are')
-    arguments.add_argument('--only', metavar='NAME,NAME', help='only these cases')
+    arguments.add_argument('--only', metavar='NAME,NAME', help='only these cases; implies --print')
     arguments.add_argument('--binary', default=os.path.join(ROOT, 'target', 'release', 'remesh'))
     arguments.add_argument('--print', action='store_true', help='print the table and leave README.md alone')
     options = arguments.parse_args()
@@ -185,7 +196,7 @@ def main():
     results, bad = measure_all(options.binary, cases, options.models)
     if not results:
         sys.exit('figures: nothing was measured')
-    if options.print:
+    if options.print or options.only:
         print(section(results))
     else:
         rewrite(section(results))
