@@ -1,10 +1,20 @@
 //! The pipeline from mesh to mesh: the only place that knows the order of the stages.
 
-use crate::base::error::Result;
-use crate::base::progress::Monitor;
+use crate::base::error::{Error, Result};
+use crate::base::progress::{Monitor, check};
+use crate::base::rng::{Stage, stream};
+use crate::optimize::counts::meet_count;
+use crate::spectral::ascent::ascend;
+use crate::spectral::boundary::sample_boundaries;
+use crate::spectral::candidates::candidates;
+use crate::spectral::scan::linear_scan;
+use crate::surface::domain::Domain;
 use crate::surface::mesh::Mesh;
-use crate::surface::repair::Repairs;
-use crate::surface::topology::Topology;
+use crate::surface::refine::refine;
+use crate::surface::repair::{Repairs, repair};
+use crate::surface::topology::{Topology, topology};
+use crate::triangulate::{Boundary, triangulate};
+use glam::DVec3;
 
 /// How dense the result shall be. One of the three says it all: with the area they follow from each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,25 +30,61 @@ pub enum Density {
 /// What to make of a mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
-    /// How dense the result shall be. Default: as many vertices as the input has is not a number known here, so 10,000.
+    /// How dense the result shall be. Default: 10,000 points.
     pub density: Density,
-    /// Seed of all random numbers: same seed, same input, same result. Default 0.
+    /// Seed of all random numbers: same seed, same input, same result. Default: 0.
     pub seed: u64,
-    /// Sweeps of gradient ascent over all samples (paper, section 6.2). Default 10.. see code.
+    /// Sweeps of gradient ascent over all samples. Default: 10, as in the paper (section 6.3); more make the triangles a
+    /// little better.
     pub sweeps: usize,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Options { density: Density::Points(10_000), seed: 0, sweeps: 30 }
+        Options { density: Density::Points(10_000), seed: 0, sweeps: 10 }
     }
+}
+
+/// Fewest vertices that can be asked for: those of a triangle.
+pub const FEWEST_POINTS: usize = 3;
+
+/// Most vertices that can be asked for: the candidates for so many take some four gigabytes.
+pub const MOST_POINTS: usize = 5_000_000;
+
+impl Options {
+    /// Refuses what no input can be remeshed with.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for a number of points out of range or a length that is not positive and finite.
+    pub fn validate(&self) -> Result<()> {
+        let length = |option, value: f64| {
+            let remedy = "give a length above zero in the units of the input".into();
+            (value > 0.0 && value.is_finite()).then_some(()).ok_or(Error::Option {
+                option,
+                cause: format!("{value} is not a length"),
+                remedy,
+            })
+        };
+        match self.density {
+            Density::Points(n) => check_count("points", n, format!("{n} vertices are asked for")),
+            Density::EdgeLength(l) => length("edge-length", l),
+            Density::SigmaP(s) => length("sigma-p", s),
+        }
+    }
+}
+
+fn check_count(option: &'static str, n: usize, cause: String) -> Result<()> {
+    if (FEWEST_POINTS..=MOST_POINTS).contains(&n) {
+        return Ok(());
+    }
+    Err(Error::Option { option, cause, remedy: format!("from {FEWEST_POINTS} to {MOST_POINTS} are possible") })
 }
 
 /// A remeshed surface and what there is to say about it.
 #[derive(Debug, Clone)]
 pub struct Remeshed {
     pub mesh: Mesh,
-    /// The input as it was read, before repairs.
+    /// The input as it came, before repairs.
     pub input: Topology,
     /// The input after repairs: what the result's topology is held against.
     pub repaired: Topology,
@@ -47,10 +93,12 @@ pub struct Remeshed {
     pub repairs: Repairs,
     /// Kernel width used, in the units of the input.
     pub sigma_p: f64,
-    /// The spacing d that N points at hexagonal packing have on the input's area, in the units of the input.
+    /// The distance that the wanted vertices have at hexagonal packing on the input's area, in the units of the input.
     pub spacing: f64,
     /// Vertices wanted, as the density says.
     pub wanted: usize,
+    /// Connected pieces whose samples did not settle by themselves and took their connectivity from the input.
+    pub tessellated_pieces: usize,
     /// Things a user should know, a sentence each.
     pub notes: Vec<String>,
 }
@@ -59,14 +107,179 @@ impl Remeshed {
     /// Whether the result is an oriented manifold of the repaired input's Euler characteristic, components and
     /// boundary loops.
     pub fn verified(&self) -> bool {
-        let (a, b) = (&self.output, &self.repaired);
-        a.is_manifold()
-            && a.is_oriented()
-            && (a.euler, a.components, a.boundary_loops) == (b.euler, b.components, b.boundary_loops)
+        let kind = |t: &Topology| (t.euler, t.components, t.boundary_loops);
+        self.output.is_manifold() && self.output.is_oriented() && kind(&self.output) == kind(&self.repaired)
     }
 }
 
-/// Remeshes `input`.
-pub fn remesh(_input: &Mesh, _options: &Options, _monitor: &dyn Monitor) -> Result<Remeshed> {
-    todo!()
+/// σp in units of the mean spacing d at which the scan with ε = 0.5 keeps a density of 2 / (√3 d²): measured on eleven
+/// closed models at 5,000 to 20,000 points, where it met the count within 1 %.
+const SIGMA_OF_SPACING: f64 = 0.866;
+
+/// Candidates for each wanted point: with fewer the scan leaves gaps, with more it only takes longer.
+const CANDIDATES_PER_POINT: usize = 20;
+
+/// Longest edge of the domain in mean spacings, for the sake of the walks over it.
+const LONGEST_EDGE: f64 = 2.0;
+
+/// Remeshes `input`: as many vertices as wanted, evenly spread over its surface, and triangles of its topology.
+///
+/// An input that is not an oriented manifold is made one first; [`Remeshed::repairs`] says what that took.
+///
+/// # Errors
+/// [`Error::Mesh`] for an input without triangles or without area, or with bad numbers; [`Error::Option`] for options
+/// out of range; [`Error::Cancelled`] if the monitor asks for it.
+pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<Remeshed> {
+    options.validate()?;
+    monitor.stage("repair");
+    refuse_bad_numbers(input)?;
+    let unit = Unit::of(input);
+    let (mut clean, repairs) = repair(&unit.inwards(input));
+    let repaired = topology(clean.positions.len(), &clean.triangles);
+    let scale = Scale::new(options.density, &clean, &unit)?;
+    check(monitor)?;
+
+    monitor.stage("sample");
+    let most = 4 * clean.triangles.len() + 16 * scale.wanted;
+    refine(&mut clean, LONGEST_EDGE * scale.spacing, most);
+    let domain = Domain::new(clean);
+    let boundary = sample_boundaries(&domain, scale.spacing);
+    let candidates =
+        candidates(&domain, CANDIDATES_PER_POINT * scale.wanted, &mut stream(options.seed, Stage::Candidates));
+    let samples = linear_scan(&domain, &candidates, &boundary.samples, scale.sigma(), options.seed, monitor)?;
+    drop(candidates);
+
+    monitor.stage("triangulate");
+    let on_boundary = Boundary { sites: &boundary.sites, successor: &boundary.successor };
+    let mut made = triangulate(&domain, &samples, on_boundary, scale.spacing, monitor)?;
+    meet_count(&domain, &mut made.mesh, scale.wanted);
+
+    monitor.stage("ascend");
+    ascend(&domain, &mut made.mesh, scale.spacing, options.sweeps, monitor)?;
+
+    let mesh = unit.outwards(made.mesh.to_mesh());
+    let mut result = Remeshed {
+        input: topology(input.positions.len(), &input.triangles),
+        repaired,
+        output: topology(mesh.positions.len(), &mesh.triangles),
+        mesh,
+        repairs,
+        sigma_p: unit.size * scale.sigma(),
+        spacing: unit.size * scale.spacing,
+        wanted: scale.wanted,
+        tessellated_pieces: made.tessellated_pieces,
+        notes: Vec::new(),
+    };
+    result.notes = notes(&result);
+    Ok(result)
+}
+
+/// The lengths that a density means on a surface, in the pipeline's unit.
+struct Scale {
+    wanted: usize,
+    spacing: f64,
+}
+
+impl Scale {
+    fn new(density: Density, clean: &Mesh, unit: &Unit) -> Result<Scale> {
+        let area = clean.area();
+        if area <= 0.0 {
+            return Err(Error::Mesh {
+                cause: "the triangles have no area".into(),
+                remedy: "a surface is needed; check that the coordinates are not all on one line".into(),
+            });
+        }
+        // N points at hexagonal packing cover √3 / 2 d² each.
+        let count = |spacing: f64| 2.0 * area / (3f64.sqrt() * spacing * spacing);
+        let from_length = |option, length: f64, spacing: f64| {
+            let wanted = count(spacing).round();
+            check_count(option, wanted as usize, format!("a length of {length} means {wanted} vertices"))?;
+            Ok(Scale { wanted: wanted as usize, spacing })
+        };
+        match density {
+            Density::Points(n) => Ok(Scale { wanted: n, spacing: (2.0 * area / (3f64.sqrt() * n as f64)).sqrt() }),
+            Density::EdgeLength(l) => from_length("edge-length", l, l / unit.size),
+            Density::SigmaP(s) => from_length("sigma-p", s, s / unit.size / SIGMA_OF_SPACING),
+        }
+    }
+
+    fn sigma(&self) -> f64 {
+        SIGMA_OF_SPACING * self.spacing
+    }
+}
+
+/// The pipeline's own coordinates: around the origin and about one in size, so that neither the scale of the input nor
+/// its distance from the origin matters.
+struct Unit {
+    centre: DVec3,
+    /// A power of two, so that scaling is exact.
+    size: f64,
+}
+
+impl Unit {
+    fn of(mesh: &Mesh) -> Unit {
+        let (lo, hi) = mesh.bounds().unwrap_or_default();
+        let longest = (hi - lo).max_element();
+        let size = if longest > 0.0 { longest.log2().ceil().exp2() } else { 1.0 };
+        Unit { centre: lo + (hi - lo) / 2.0, size }
+    }
+
+    fn inwards(&self, mesh: &Mesh) -> Mesh {
+        let positions = mesh.positions.iter().map(|&p| (p - self.centre) / self.size).collect();
+        Mesh { positions, triangles: mesh.triangles.clone() }
+    }
+
+    fn outwards(&self, mut mesh: Mesh) -> Mesh {
+        mesh.positions.iter_mut().for_each(|p| *p = *p * self.size + self.centre);
+        mesh
+    }
+}
+
+/// Largest coordinate that can be worked with: squares of differences must stay finite.
+const LARGEST_COORDINATE: f64 = 1e150;
+
+fn refuse_bad_numbers(mesh: &Mesh) -> Result<()> {
+    let mesh_error = |cause: String, remedy: &str| Err(Error::Mesh { cause, remedy: remedy.into() });
+    if mesh.triangles.is_empty() {
+        let n = mesh.positions.len();
+        let remedy = "a surface with faces is needed; reconstruct one from the points first";
+        return mesh_error(format!("{n} points and no faces"), remedy);
+    }
+    if let Some(v) = mesh.positions.iter().position(|p| !(p.abs().max_element() < LARGEST_COORDINATE)) {
+        return mesh_error(format!("vertex {v} is at {}", mesh.positions[v]), "remove it or mend its coordinates");
+    }
+    let bound = mesh.positions.len();
+    if let Some(t) = mesh.triangles.iter().position(|t| t.iter().any(|&v| v as usize >= bound)) {
+        return mesh_error(
+            format!("triangle {t} has a corner that is not there: {:?} of {bound}", mesh.triangles[t]),
+            "mend the indices",
+        );
+    }
+    Ok(())
+}
+
+/// What a user should know about a result.
+fn notes(result: &Remeshed) -> Vec<String> {
+    let mut notes = Vec::new();
+    let r = &result.repairs;
+    let mut note = |n: usize, text: &str| {
+        if n > 0 {
+            notes.push(format!("{n} {text}"));
+        }
+    };
+    note(r.cut_edges, "edges with more than two faces were taken apart into sheets");
+    note(r.split_vertices, "vertices were doubled where sheets met only at a point or an edge");
+    note(r.unorientable_edges, "edges were cut open because the surface has no two sides (like a Möbius strip)");
+    note(r.flipped_triangles, "faces were turned over to agree with their neighbours");
+    note(r.degenerate_triangles + r.duplicate_triangles, "degenerate or repeated faces were dropped");
+    if result.output.vertices != result.wanted {
+        notes.push(format!(
+            "{} vertices instead of {}: the topology of the input needs as many",
+            result.output.vertices, result.wanted
+        ));
+    }
+    if !result.verified() {
+        notes.push("the result does not have the topology of the input".into());
+    }
+    notes
 }

@@ -132,6 +132,13 @@ pub fn angles([a, b, c]: [DVec3; 3]) -> [f64; 3] {
     [at(b - a, c - a), at(c - b, a - b), at(a - c, b - c)]
 }
 
+/// The mean ratio 4 √3 S / (a² + b² + c²): 1 for an equilateral triangle, 0 for a flat one, and cheap.
+pub fn mean_ratio([a, b, c]: [DVec3; 3]) -> f64 {
+    let squares = a.distance_squared(b) + b.distance_squared(c) + c.distance_squared(a);
+    let ratio = 2.0 * 3f64.sqrt() * (b - a).cross(c - a).length() / squares;
+    if ratio.is_finite() { ratio } else { 0.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

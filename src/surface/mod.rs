@@ -1,7 +1,9 @@
 //! The surface that everything is measured against: a triangle mesh, its topology, what was wrong with it.
 
 pub mod bvh;
+pub mod connectivity;
 pub mod domain;
+pub mod manifold;
 pub mod mesh;
 pub mod refine;
 pub mod repair;

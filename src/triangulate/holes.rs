@@ -105,7 +105,9 @@ fn triangulate_polygon(positions: &[DVec3], polygon: &[u32], edges: &HashSet<[u3
     if n > MOST_SIDES || distinct.len() < n {
         return None;
     }
-    let usable = |i: usize, j: usize| j == i + 1 || (i == 0 && j == n - 1) || !edges.contains(&undirected([polygon[i], polygon[j]]));
+    let usable = |i: usize, j: usize| {
+        j == i + 1 || (i == 0 && j == n - 1) || !edges.contains(&undirected([polygon[i], polygon[j]]))
+    };
     // best[(i, j)]: the smallest angle and the apex of the triangle on diagonal i j of the part from i to j.
     let mut best: HashMap<(usize, usize), (f64, usize)> = HashMap::new();
     for length in 1..n {
@@ -116,7 +118,9 @@ fn triangulate_polygon(positions: &[DVec3], polygon: &[u32], edges: &HashSet<[u3
             } else if usable(i, j) {
                 let choice = (i + 1..j).filter_map(|k| {
                     let (left, right) = (best.get(&(i, k))?.0, best.get(&(k, j))?.0);
-                    let own = angles([i, k, j].map(|c| positions[polygon[c] as usize])).into_iter().fold(f64::INFINITY, f64::min);
+                    let own = angles([i, k, j].map(|c| positions[polygon[c] as usize]))
+                        .into_iter()
+                        .fold(f64::INFINITY, f64::min);
                     Some((own.min(left).min(right), k))
                 });
                 if let Some(c) = choice.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1))) {

@@ -126,7 +126,8 @@ impl<'a> Unfolding<'a> {
     /// Places of the corners of triangle `t` with the sample, which lies on it, at the origin.
     fn lay_down(&self, t: u32, sample: &Sample) -> [DVec2; 3] {
         let normal = self.domain.mesh.area_vector(t as usize).normalize_or(sample.normal);
-        let x = sample.normal.any_orthonormal_pair().0.reject_from(normal).normalize_or(normal.any_orthonormal_vector());
+        let x =
+            sample.normal.any_orthonormal_pair().0.reject_from(normal).normalize_or(normal.any_orthonormal_vector());
         let y = normal.cross(x);
         self.domain.mesh.corners(t as usize).map(|p| {
             let offset = p - sample.position;

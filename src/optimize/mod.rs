@@ -1,0 +1,3 @@
+//! Changes to the mesh that sampling does not make: the wanted number of vertices.
+
+pub mod counts;
