@@ -19,7 +19,7 @@ data:
 # The picture of the README.
 picture:
     cargo run --release -- data/blob.obj target/blob.out.obj --points 4000
-    cargo run --release --example render -- data/blob.obj target/blob.out.obj data/before-after.png --size 700 --view 0,88
+    cargo run --release --example render -- data/blob.obj target/blob.out.obj data/before-after.png --size 600 --view 0,88
 
 # Time every stage.
 bench:
