@@ -2,6 +2,7 @@
 
 pub mod base;
 pub mod geom;
+pub mod io;
 pub mod optimize;
 pub mod remesh;
 pub mod spectral;

@@ -53,7 +53,7 @@ impl Model {
     }
 
     /// The file's content.
-    pub fn bytes(&self) -> spectral_remesh::Result<Vec<u8>> {
+    pub fn bytes(&self) -> std::io::Result<Vec<u8>> {
         let format = match self.file.rsplit('.').next() {
             Some("obj") => Format::Obj,
             Some("stl") => Format::Stl,

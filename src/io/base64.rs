@@ -1,0 +1,73 @@
+//! Base64 with the standard alphabet, as the data addresses of glTF have it.
+
+const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+
+/// `bytes` as base64, padded with `=` to a multiple of four characters.
+pub(super) fn encode(bytes: &[u8]) -> String {
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for group in bytes.chunks(3) {
+        let bits = group.iter().enumerate().fold(0u32, |bits, (i, &b)| bits | u32::from(b) << (16 - 8 * i));
+        for i in 0..4 {
+            let digit = char::from(ALPHABET[(bits >> (18 - 6 * i)) as usize & 63]);
+            text.push(if i > group.len() { '=' } else { digit });
+        }
+    }
+    text
+}
+
+/// The bytes that `text` spells; the padding may be missing. `None` if a character or the length is wrong.
+pub(super) fn decode(text: &str) -> Option<Vec<u8>> {
+    let digits = text.trim_ascii().trim_end_matches('=').as_bytes();
+    let values = values();
+    let mut bytes = Vec::with_capacity(digits.len() / 4 * 3 + 2);
+    for group in digits.chunks(4) {
+        let mut bits = 0u32;
+        for (i, &digit) in group.iter().enumerate() {
+            bits |= u32::from(values[digit as usize]?) << (18 - 6 * i);
+        }
+        if group.len() == 1 {
+            return None;
+        }
+        bytes.extend_from_slice(&bits.to_be_bytes()[1..group.len()]);
+    }
+    Some(bytes)
+}
+
+/// The value of each character that is a digit.
+fn values() -> [Option<u8>; 256] {
+    let mut values = [None; 256];
+    for (value, &digit) in (0u8..).zip(ALPHABET) {
+        values[digit as usize] = Some(value);
+    }
+    values
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn known_texts() {
+        // The test vectors of RFC 4648.
+        for (bytes, text) in
+            [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foob", "Zm9vYg=="), ("foobar", "Zm9vYmFy")]
+        {
+            assert_eq!(encode(bytes.as_bytes()), text);
+            assert_eq!(decode(text).as_deref(), Some(bytes.as_bytes()));
+            assert_eq!(decode(text.trim_end_matches('=')).as_deref(), Some(bytes.as_bytes()));
+        }
+    }
+
+    #[test]
+    fn all_bytes_round_trip() {
+        let bytes: Vec<u8> = (0..=255).collect();
+        assert_eq!(decode(&encode(&bytes)), Some(bytes));
+    }
+
+    #[test]
+    fn malformed_texts() {
+        for text in ["A", "AAAAA", "AA-A", "AA A", "é", "A=AA"] {
+            assert_eq!(decode(text), None, "{text}");
+        }
+    }
+}

@@ -1,0 +1,487 @@
+//! Mesh files by name: which format they have, and writing that never leaves half a file.
+
+use super::{Format, Loaded};
+use crate::base::error::{Error, Result};
+use crate::surface::mesh::Mesh;
+use std::borrow::Cow;
+use std::fs::{self, File, Metadata, OpenOptions};
+use std::io::{self, BufWriter, ErrorKind, Write};
+use std::path::{Component, Path, PathBuf};
+
+/// Bytes gathered before each write to a file.
+const BUFFER: usize = 1 << 18;
+
+/// The start of the name of files that are not complete yet.
+const UNFINISHED: &str = ".remesh-";
+
+/// Reads the mesh file at `path`. Its format is `format`, else what the ending says, else what the content looks like.
+/// External buffers of a glTF file are read from its folder and the folders in it.
+///
+/// # Errors
+/// [`Error::File`] if there is no such file, it cannot be read, or its format cannot be told or is another one than the
+/// ending says; [`Error::Format`] for wrong content, with the line, byte or part.
+pub fn read_file(path: &Path, format: Option<Format>) -> Result<Loaded> {
+    let name = path.display().to_string();
+    let bytes = read_bytes(path)?;
+    if bytes.is_empty() {
+        return Err(file_error(path, "the file is empty", "export it again"));
+    }
+    let format = input_format(path, &bytes, format)?;
+    super::parse(&bytes, format, &|address| read_buffer(path, address)).map_err(|error| error.in_file(&name))
+}
+
+/// Writes `mesh` to `path` by [`replace_file`], in the format that [`output_format`] says.
+///
+/// # Errors
+/// [`Error::File`] if the format is not known or the file cannot be written.
+pub fn write_file(path: &Path, mesh: &Mesh, format: Option<Format>) -> Result<()> {
+    let format = output_format(path, format)?;
+    replace_file(path, &mut |out| super::write(mesh, format, out))
+}
+
+/// The format to write to `path`: `format`, else what the ending says.
+///
+/// # Errors
+/// [`Error::File`] if neither says it.
+pub fn output_format(path: &Path, format: Option<Format>) -> Result<Format> {
+    let cause = || match path.extension() {
+        Some(ending) => format!("'.{}' is the ending of no format that can be written", ending.display()),
+        None => "the name has no ending that says the format".into(),
+    };
+    let remedy = || format!("use one of {}, or --format", Format::list("."));
+    format.or_else(|| by_ending(path)).ok_or_else(|| file_error(path, cause(), remedy()))
+}
+
+/// Whether [`replace_file`] could write to `path` as far as can be told without trying: before a long computation.
+///
+/// # Errors
+/// [`Error::File`] if `path` is a folder or a file that must not be written, or its folder does not exist.
+pub fn check_target(path: &Path) -> Result<()> {
+    match fs::metadata(path) {
+        Ok(found) if found.is_dir() => Err(file_error(path, "it is a folder, not a file", "add a file name")),
+        Ok(found) if found.permissions().readonly() => {
+            Err(file_error(path, "the file is write-protected", "change its permissions or choose another name"))
+        }
+        Ok(_) => Ok(()),
+        Err(_) => check_folder(path),
+    }
+}
+
+fn check_folder(path: &Path) -> Result<()> {
+    let folder = folder_of(path);
+    if path.file_name().is_none() || path.as_os_str().as_encoded_bytes().ends_with(b"/") {
+        return Err(file_error(path, "it names a folder, not a file", "add a file name"));
+    }
+    match fs::metadata(folder) {
+        Ok(found) if found.is_dir() => Ok(()),
+        Ok(_) => Err(file_error(path, format!("'{}' is not a folder", folder.display()), "choose another folder")),
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            let cause = format!("the folder '{}' does not exist", folder.display());
+            Err(file_error(path, cause, "create it or choose another one"))
+        }
+        Err(error) => Err(write_error(path, &error)),
+    }
+}
+
+/// Writes what `fill` writes to a new file beside `path`, and gives it that name once it is complete and on the disk.
+/// A failure leaves what was there before. A link is followed; permissions are those of the replaced file, or of any
+/// new file. What is not a file (`/dev/stdout`, a pipe, a device) is written to directly.
+///
+/// # Errors
+/// [`Error::File`] with the cause, also for an error of `fill`.
+pub fn replace_file(path: &Path, fill: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> Result<()> {
+    check_target(path)?;
+    let result = match direct(path) {
+        Some(target) => target.and_then(|mut target| fill_buffered(&mut target, fill)),
+        None => replace(path, fill),
+    };
+    result.map_err(|error| write_error(path, &error))
+}
+
+/// The target that is written as it is, not replaced, if `path` is one.
+fn direct(path: &Path) -> Option<io::Result<Box<dyn Write>>> {
+    // Where standard output is a file, opening it anew would start at its beginning and not where it is.
+    if path == Path::new("/dev/stdout") {
+        return Some(Ok(Box::new(io::stdout())));
+    }
+    if path == Path::new("/dev/stderr") {
+        return Some(Ok(Box::new(io::stderr())));
+    }
+    let is_replaceable = fs::metadata(path).map_or(true, |found| found.is_file()) && !path.starts_with("/dev/fd");
+    let open = || OpenOptions::new().write(true).open(path);
+    (!is_replaceable).then(|| open().map(|file| Box::new(file) as Box<dyn Write>))
+}
+
+fn replace(path: &Path, fill: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let mut temporary = temporary_in(folder_of(&target))?;
+    fill_buffered(temporary.as_file_mut(), fill)?;
+    if let Ok(replaced) = fs::metadata(&target) {
+        temporary.as_file().set_permissions(replaced.permissions())?;
+    }
+    temporary.as_file().sync_all()?;
+    temporary.persist(&target).map(drop).map_err(|failed| failed.error)
+}
+
+fn fill_buffered(out: &mut dyn Write, fill: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let mut buffered = BufWriter::with_capacity(BUFFER, out);
+    fill(&mut buffered)?;
+    buffered.flush()
+}
+
+/// A file that vanishes unless it is kept, with the permissions that any new file gets.
+fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(UNFINISHED);
+    #[cfg(unix)]
+    let all: fs::Permissions = std::os::unix::fs::PermissionsExt::from_mode(0o666);
+    #[cfg(unix)]
+    builder.permissions(all);
+    builder.tempfile_in(folder)
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+fn by_ending(path: &Path) -> Option<Format> {
+    Format::from_extension(path.extension()?.to_str()?)
+}
+
+fn input_format(path: &Path, bytes: &[u8], format: Option<Format>) -> Result<Format> {
+    if let Some(format) = format {
+        return Ok(format);
+    }
+    let by_content = Format::by_signature(bytes);
+    match (by_ending(path), by_content) {
+        // The two forms of one format are read by one reader.
+        (Some(Format::Gltf | Format::Glb), Some(content @ (Format::Gltf | Format::Glb))) => Ok(content),
+        (Some(ending), Some(content)) if ending != content => {
+            let cause = format!("the ending says {ending}, but the content is {content}");
+            Err(file_error(path, cause, format!("rename the file or use --format {}", content.extension())))
+        }
+        (Some(ending), _) => Ok(ending),
+        (None, _) => Format::sniff(bytes).ok_or_else(|| {
+            let cause = "neither the ending nor the content says what format it has";
+            file_error(path, cause, format!("use --format with one of {}", Format::list("")))
+        }),
+    }
+}
+
+fn read_bytes(path: &Path) -> Result<Vec<u8>> {
+    let found = fs::metadata(path).map_err(|error| read_error(path, &error))?;
+    if found.is_dir() {
+        return Err(file_error(path, "it is a folder, not a file", "name a mesh file in it"));
+    }
+    if is_device(&found) {
+        return Err(file_error(path, "it is a device, not a file", "name a mesh file"));
+    }
+    fs::read(path).map_err(|error| read_error(path, &error))
+}
+
+/// Devices may have no end; pipes are read until they close.
+#[cfg(unix)]
+fn is_device(found: &Metadata) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    found.file_type().is_char_device() || found.file_type().is_block_device()
+}
+
+#[cfg(not(unix))]
+fn is_device(_: &Metadata) -> bool {
+    false
+}
+
+/// The bytes of a buffer that the glTF file at `path` names by a relative address.
+fn read_buffer(path: &Path, address: &str) -> std::result::Result<Vec<u8>, String> {
+    let Some(relative) = inside(address) else {
+        return Err(format!("the buffer '{address}' is not in the folder of the file"));
+    };
+    let cannot = |error: io::Error| format!("the buffer '{address}' cannot be read: {}", read_cause(&error));
+    let buffer = folder_of(path).join(relative);
+    let file = File::open(&buffer).map_err(cannot)?;
+    if !file.metadata().map_err(cannot)?.is_file() {
+        return Err(format!("the buffer '{address}' is not a file"));
+    }
+    fs::read(buffer).map_err(cannot)
+}
+
+/// The path that a relative address means, if it stays in its folder: no scheme, no root, not out by `..`.
+fn inside(address: &str) -> Option<PathBuf> {
+    let decoded = percent_decoded(address)?;
+    if decoded.contains(':') || decoded.contains('\0') {
+        return None;
+    }
+    let path = PathBuf::from(&*decoded);
+    let mut depth = 0;
+    for component in path.components() {
+        depth += match component {
+            Component::Normal(_) => 1,
+            Component::CurDir => 0,
+            Component::ParentDir => -1,
+            Component::RootDir | Component::Prefix(_) => return None,
+        };
+        if depth < 0 {
+            return None;
+        }
+    }
+    (depth > 0).then_some(path)
+}
+
+/// `%20` and the like as the characters that they stand for; `None` if these are not UTF-8.
+fn percent_decoded(address: &str) -> Option<Cow<'_, str>> {
+    if !address.contains('%') {
+        return Some(address.into());
+    }
+    let bytes = address.as_bytes();
+    let mut decoded = Vec::with_capacity(bytes.len());
+    let mut at = 0;
+    while at < bytes.len() {
+        let code = bytes.get(at + 1..at + 3).filter(|d| bytes[at] == b'%' && d.iter().all(u8::is_ascii_hexdigit));
+        let code = code.and_then(|d| u8::from_str_radix(std::str::from_utf8(d).ok()?, 16).ok());
+        decoded.push(code.unwrap_or(bytes[at]));
+        at += if code.is_some() { 3 } else { 1 };
+    }
+    String::from_utf8(decoded).ok().map(Cow::from)
+}
+
+fn file_error(path: &Path, cause: impl Into<String>, remedy: impl Into<String>) -> Error {
+    Error::File { file: path.display().to_string(), cause: cause.into(), remedy: remedy.into() }
+}
+
+fn read_error(path: &Path, error: &io::Error) -> Error {
+    let remedy = match error.kind() {
+        ErrorKind::NotFound => "check the name and the folder",
+        ErrorKind::PermissionDenied => "change its permissions",
+        ErrorKind::OutOfMemory => "reduce the mesh before",
+        _ => "check the file and the disk that it is on",
+    };
+    file_error(path, read_cause(error), remedy)
+}
+
+fn read_cause(error: &io::Error) -> String {
+    match error.kind() {
+        ErrorKind::NotFound => "there is no such file".into(),
+        ErrorKind::PermissionDenied => "there is no permission to read it".into(),
+        ErrorKind::OutOfMemory => "the file is larger than the memory".into(),
+        _ => one_line(error),
+    }
+}
+
+fn write_error(path: &Path, error: &io::Error) -> Error {
+    let (cause, remedy) = match error.kind() {
+        ErrorKind::NotFound => ("its folder does not exist".into(), "create it or choose another one"),
+        ErrorKind::PermissionDenied => ("there is no permission to write it".into(), "choose another folder"),
+        ErrorKind::ReadOnlyFilesystem => ("the disk is read-only".into(), "choose another folder"),
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
+            ("no space is left for it".into(), "free some space or choose another folder")
+        }
+        ErrorKind::BrokenPipe => ("the reader of the pipe has closed it".into(), "check the command that reads it"),
+        ErrorKind::InvalidData => (one_line(error), "choose another format or repair the mesh"),
+        _ => (one_line(error), "check the folder and the disk that it is on"),
+    };
+    file_error(path, cause, remedy)
+}
+
+fn one_line(error: &io::Error) -> String {
+    error.to_string().replace(['\n', '\r'], " ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    fn triangle() -> Mesh {
+        Mesh { positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y], triangles: vec![[0, 1, 2]] }
+    }
+
+    /// A folder that vanishes, and the path of a file in it with this content.
+    fn file(name: &str, content: &[u8]) -> (tempfile::TempDir, PathBuf) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name);
+        fs::write(&path, content).unwrap();
+        (folder, path)
+    }
+
+    fn names_in(folder: &Path) -> Vec<String> {
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    }
+
+    #[track_caller]
+    fn fails<T: std::fmt::Debug>(result: Result<T>, path: &Path, words: &str) {
+        let message = result.unwrap_err().to_string();
+        let rest = message.strip_prefix(&*path.display().to_string()).expect(&message);
+        assert!(rest.contains(words), "{message}");
+        assert!(rest.contains("; ") && !message.contains('\n'), "{message}");
+    }
+
+    const OBJ: &[u8] = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    const OFF: &[u8] = b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+
+    #[test]
+    fn the_format_comes_from_the_option_the_ending_or_the_content() {
+        for (name, content, option, expected) in [
+            ("a.obj", OBJ, None, Format::Obj),
+            ("a.OFF", OFF, None, Format::Off),
+            ("a", OFF, None, Format::Off),
+            ("a.txt", OBJ, None, Format::Obj),
+            ("a.obj", OFF, Some(Format::Off), Format::Off),
+        ] {
+            let (_folder, path) = file(name, content);
+            let loaded = read_file(&path, option).unwrap();
+            assert_eq!((loaded.mesh, loaded.format), (triangle(), expected));
+        }
+    }
+
+    #[test]
+    fn wrong_files_are_named_with_the_remedy() {
+        let (folder, path) = file("a.obj", OFF);
+        fails(
+            read_file(&path, None),
+            &path,
+            "ending says OBJ, but the content is OFF; rename the file or use --format off",
+        );
+        fails(read_file(folder.path(), None), folder.path(), "folder");
+        let missing = folder.path().join("b.obj");
+        fails(read_file(&missing, None), &missing, "no such file");
+        let below = path.join("b.obj");
+        fails(read_file(&below, None), &below, "");
+        for (name, content, words) in [
+            ("a.obj", &b""[..], "empty"),
+            ("a.xyz", b"\x89PNG", "--format with one of obj,"),
+            ("a.obj", b"v 0 0 nan", ":1: the coordinate 'nan' is not finite"),
+            ("a.obj", b"\x89PNG", "no vertices"),
+        ] {
+            let (_folder, path) = file(name, content);
+            fails(read_file(&path, None), &path, words);
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn devices_are_not_read() {
+        let zero = Path::new("/dev/zero");
+        fails(read_file(zero, Some(Format::Obj)), zero, "device");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn protected_files_are_neither_read_nor_replaced() {
+        use std::os::unix::fs::PermissionsExt;
+        let (_folder, path) = file("a.obj", OBJ);
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o000)).unwrap();
+        // Whoever may read everything (root) reads this too.
+        if fs::read(&path).is_err() {
+            fails(read_file(&path, None), &path, "permission");
+        }
+        fails(write_file(&path, &triangle(), None), &path, "write-protected");
+    }
+
+    #[test]
+    fn written_files_read_as_the_same_and_nothing_else_is_left() {
+        let folder = tempfile::tempdir().unwrap();
+        for format in Format::ALL {
+            let path = folder.path().join("a").with_extension(format.extension());
+            for _ in 0..2 {
+                write_file(&path, &triangle(), None).unwrap();
+                let loaded = read_file(&path, None).unwrap();
+                assert_eq!((loaded.mesh, loaded.format), (triangle(), format));
+            }
+        }
+        assert_eq!(names_in(folder.path()).len(), Format::ALL.len());
+    }
+
+    #[test]
+    fn a_failure_leaves_what_was_there() {
+        let (folder, path) = file("a.obj", b"old");
+        let full = || Err(io::Error::from(ErrorKind::StorageFull));
+        let result = replace_file(&path, &mut |out| out.write_all(&[b'x'; 2 * BUFFER]).and_then(|()| full()));
+        fails(result, &path, "no space is left");
+        let new = folder.path().join("b.obj");
+        fails(replace_file(&new, &mut |_| Err(io::Error::other("a\nb"))), &new, "a b");
+        let panicked = std::panic::catch_unwind(|| replace_file(&new, &mut |_| panic!("on purpose")));
+        assert!(panicked.is_err());
+        assert_eq!(names_in(folder.path()), ["a.obj"]);
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+    }
+
+    #[test]
+    fn targets_that_cannot_be() {
+        let (folder, path) = file("a.obj", OBJ);
+        fails(write_file(folder.path(), &triangle(), Some(Format::Obj)), folder.path(), "folder");
+        let orphan = folder.path().join("none").join("b.obj");
+        fails(write_file(&orphan, &triangle(), None), &orphan, "none' does not exist");
+        let below = path.join("b.obj");
+        fails(write_file(&below, &triangle(), None), &below, "is not a folder");
+        for name in ["b", "b.xyz"] {
+            let unknown = folder.path().join(name);
+            fails(write_file(&unknown, &triangle(), None), &unknown, "use one of .obj, .ply");
+        }
+        assert_eq!(names_in(folder.path()), ["a.obj"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_and_permissions_stay() {
+        use std::os::unix::fs::PermissionsExt;
+        let (folder, path) = file("a.obj", b"old");
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
+        let usual = mode(&path);
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
+        let link = folder.path().join("link.obj");
+        std::os::unix::fs::symlink("a.obj", &link).unwrap();
+        write_file(&link, &triangle(), None).unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!((fs::read(&path).unwrap(), mode(&path)), (OBJ.to_vec(), 0o640));
+        let new = folder.path().join("new.obj");
+        write_file(&new, &triangle(), None).unwrap();
+        assert_eq!(mode(&new), usual);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn what_is_not_a_file_is_written_directly() {
+        let full = Path::new("/dev/full");
+        fails(write_file(full, &triangle(), Some(Format::Obj)), full, "no space is left");
+        write_file(Path::new("/dev/null"), &triangle(), Some(Format::Obj)).unwrap();
+        assert!(is_device(&fs::metadata("/dev/null").unwrap()));
+    }
+
+    #[test]
+    fn addresses_stay_in_their_folder() {
+        for (address, expected) in [
+            ("a.bin", Some("a.bin")),
+            ("b/../a.bin", Some("b/../a.bin")),
+            ("./b/my%20a.bin", Some("./b/my a.bin")),
+            ("100%.bin", Some("100%.bin")),
+            ("%zz", Some("%zz")),
+            ("../a.bin", None),
+            ("b/../../a.bin", None),
+            ("%2e%2e/a.bin", None),
+            ("/etc/passwd", None),
+            ("%2Fetc/passwd", None),
+            ("http://example.org/a.bin", None),
+            ("file:a.bin", None),
+            ("a%00", None),
+            ("%FF", None),
+            ("", None),
+            (".", None),
+        ] {
+            assert_eq!(inside(address), expected.map(PathBuf::from), "{address}");
+        }
+    }
+
+    #[test]
+    fn buffers_are_read_beside_the_file() {
+        let (folder, path) = file("a.gltf", b"{}");
+        fs::write(folder.path().join("my a.bin"), b"123").unwrap();
+        assert_eq!(read_buffer(&path, "my%20a.bin"), Ok(b"123".to_vec()));
+        assert!(read_buffer(&path, "b.bin").unwrap_err().contains("'b.bin' cannot be read: there is no such file"));
+        assert!(read_buffer(&path, "../b.bin").unwrap_err().contains("not in the folder"));
+        fs::create_dir(folder.path().join("c")).unwrap();
+        assert!(read_buffer(&path, "c").unwrap_err().contains("not a file"));
+    }
+}

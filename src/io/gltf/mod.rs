@@ -1,0 +1,94 @@
+//! glTF 2.0 and GLB.
+//!
+//! The JSON is read with the types of the gltf crate; buffers, views and accessors are read here, because every range in
+//! a file has to be checked (`store`). `scene` walks the nodes. What has no part in geometry (materials, textures,
+//! animations, cameras) is dropped before the JSON gets its types, so that nothing in it can be in the way.
+//!
+//! Read are triangles, strips and fans, indexed or not, positions in floats or quantized (KHR_mesh_quantization), sparse
+//! accessors, data in GLB chunks, in base64 addresses and in files beside.
+//!
+//! Limits: no compressed meshes (Draco, meshopt); points and lines are left out; skins and morph targets are not
+//! applied. A node's mirroring transform turns its triangles, so that outside stays outside.
+
+mod glb;
+mod scene;
+mod store;
+mod write;
+
+pub(crate) use write::{write_glb, write_gltf};
+
+use crate::base::error::{Place, Result};
+use crate::io::bytes::{EXPORT_AGAIN, malformed, without_mark};
+use crate::io::{Parsed, Resolve};
+use ::gltf::json::Root;
+use serde_json::Value;
+use store::Store;
+
+/// What geometry does not depend on.
+const UNUSED: [&str; 9] =
+    ["animations", "cameras", "extensions", "extras", "images", "materials", "samplers", "skins", "textures"];
+/// Required extensions that can be ignored, because they say nothing about geometry, or that are read.
+const HARMLESS: [&str; 9] = [
+    "EXT_lights_",
+    "EXT_texture_",
+    "KHR_animation_pointer",
+    "KHR_lights_",
+    "KHR_materials_",
+    "KHR_mesh_quantization",
+    "KHR_texture_",
+    "KHR_xmp",
+    "MSFT_texture_",
+];
+
+/// The triangles of the default scene (of the first one, if none is the default; of all meshes, if there is no scene).
+/// `resolve` is given the addresses of buffers in other files as they are in the JSON.
+///
+/// # Errors
+/// `Error::Format` with the line, byte or part of what is malformed or not supported.
+pub(crate) fn parse(bytes: &[u8], resolve: Resolve) -> Parsed {
+    if !bytes.starts_with(glb::MAGIC) {
+        return read(bytes, None, resolve, |line| Place::Line(line));
+    }
+    let chunks = glb::split(bytes)?;
+    let (mesh, mut notes) = read(chunks.json, chunks.bin, resolve, |_| Place::Part("JSON chunk".into()))?;
+    if chunks.extra > 0 {
+        notes.push(format!("{} bytes after the end of the GLB are left out", chunks.extra));
+    }
+    Ok((mesh, notes))
+}
+
+fn read(json: &[u8], bin: Option<&[u8]>, resolve: Resolve, place: impl Fn(usize) -> Place) -> Parsed {
+    let root = document(json, place)?;
+    let harmless = |name: &String| HARMLESS.iter().any(|prefix| name.starts_with(prefix));
+    if let Some(name) = root.extensions_required.iter().find(|name| !harmless(name)) {
+        let cause = format!("requires the extension {name}, which is not supported");
+        return Err(malformed(Place::Part("extensionsRequired".into()), cause, "export it without that extension"));
+    }
+    scene::collect(&root, &Store::new(&root, bin, resolve))
+}
+
+/// The JSON as the gltf crate's types. Indices in it may be anything.
+fn document(json: &[u8], place: impl Fn(usize) -> Place) -> Result<Root> {
+    let mut value: Value = serde_json::from_slice(without_mark(json)).map_err(|e| {
+        let cause = format!("neither GLB nor JSON: {e}");
+        malformed(place(e.line()), cause, "check that this is a glTF file and complete")
+    })?;
+    let version = value["asset"]["version"].as_str().unwrap_or("none");
+    if !version.starts_with("2.") {
+        let cause = format!("glTF version {version}, only 2.0 is read");
+        return Err(malformed(Place::Part("asset".into()), cause, "export it as glTF 2.0"));
+    }
+    if let Some(object) = value.as_object_mut() {
+        UNUSED.iter().for_each(|key| drop(object.remove(*key)));
+    }
+    for scene in value.get_mut("scenes").and_then(Value::as_array_mut).into_iter().flatten() {
+        // An empty scene need not have a list of nodes, but the type wants one.
+        if let Some(scene) = scene.as_object_mut() {
+            scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
+        }
+    }
+    serde_json::from_value(value).map_err(|e| malformed(Place::Whole, format!("not glTF: {e}"), EXPORT_AGAIN))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,196 @@
+//! From the nodes of a scene to triangles.
+
+use super::store::{Store, wrong};
+use crate::base::error::{Place, Result};
+use crate::io::bytes::malformed;
+use crate::surface::mesh::Mesh;
+use ::gltf::json::mesh::{Mode, Primitive, Semantic};
+use ::gltf::json::validation::Checked;
+use ::gltf::json::{Node, Root};
+use glam::{DMat4, DQuat, DVec3};
+use std::collections::BTreeMap;
+
+/// How many vertices and indices a scene may have that is larger than its data: meshes may be used many times.
+const REPEATED: usize = 1 << 26;
+
+/// All triangles of the scene, and what was left out.
+pub(super) fn collect(root: &Root, store: &Store) -> Result<(Mesh, Vec<String>)> {
+    let mut scene = Collector { root, store, mesh: Mesh::default(), read: 0, left_out: LeftOut::default() };
+    let scenes = root.scenes.len();
+    match root.scene.map(|s| s.value()).or((scenes > 0).then_some(0)) {
+        Some(index) => scene.nodes(index)?,
+        None => (0..root.meshes.len()).try_for_each(|mesh| scene.mesh(mesh, DMat4::IDENTITY))?,
+    }
+    let mut notes = scene.left_out.notes();
+    if scenes > 1 {
+        notes.push(format!("only one of {scenes} scenes is read"));
+    }
+    Ok((scene.mesh, notes))
+}
+
+struct Collector<'a, 's> {
+    root: &'a Root,
+    store: &'a Store<'s>,
+    mesh: Mesh,
+    /// Vertices and indices read so far.
+    read: usize,
+    left_out: LeftOut,
+}
+
+/// Counts of what is no triangle.
+#[derive(Default)]
+struct LeftOut {
+    points_and_lines: usize,
+    without_positions: usize,
+    morphed: usize,
+    skinned: usize,
+    incomplete: usize,
+}
+
+impl LeftOut {
+    fn notes(&self) -> Vec<String> {
+        let texts = [
+            (self.points_and_lines, "primitives of points or lines are left out"),
+            (self.without_positions, "primitives without positions are left out"),
+            (self.morphed, "primitives are read without their morph targets"),
+            (self.skinned, "nodes are read without their skins"),
+            (self.incomplete, "primitives end with an incomplete triangle, which is left out"),
+        ];
+        texts.into_iter().filter(|(count, _)| *count > 0).map(|(count, text)| format!("{count} {text}")).collect()
+    }
+}
+
+impl Collector<'_, '_> {
+    /// Visits the nodes of scene `index`, parents before their children. The specification wants trees, so a node that
+    /// is met twice is an error, which takes care of cycles too.
+    fn nodes(&mut self, index: usize) -> Result<()> {
+        let root = self.root;
+        let scene = root.scenes.get(index).ok_or_else(|| wrong("scene", index, "does not exist"))?;
+        let mut met = vec![false; root.nodes.len()];
+        let mut open: Vec<(usize, DMat4)> = scene.nodes.iter().rev().map(|n| (n.value(), DMat4::IDENTITY)).collect();
+        while let Some((index, outer)) = open.pop() {
+            let node = root.nodes.get(index).ok_or_else(|| wrong("node", index, "does not exist"))?;
+            if std::mem::replace(&mut met[index], true) {
+                return Err(wrong("node", index, "belongs to more than one parent"));
+            }
+            let transform = outer * local_transform(node);
+            if !transform.is_finite() {
+                return Err(wrong("node", index, "the transform is not finite"));
+            }
+            if let Some(mesh) = node.mesh {
+                self.left_out.skinned += usize::from(node.skin.is_some());
+                self.mesh(mesh.value(), transform)?;
+            }
+            open.extend(node.children.iter().flatten().rev().map(|child| (child.value(), transform)));
+        }
+        Ok(())
+    }
+
+    /// Adds a mesh. Primitives over the same positions share their vertices.
+    fn mesh(&mut self, index: usize, transform: DMat4) -> Result<()> {
+        let mesh = self.root.meshes.get(index).ok_or_else(|| wrong("mesh", index, "does not exist"))?;
+        let mut bases = BTreeMap::new();
+        for primitive in &mesh.primitives {
+            let Checked::Valid(mode) = primitive.mode else {
+                return Err(wrong("mesh", index, "a primitive of unknown mode"));
+            };
+            if matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
+                self.left_out.points_and_lines += 1;
+                continue;
+            }
+            self.left_out.morphed += usize::from(primitive.targets.as_ref().is_some_and(|t| !t.is_empty()));
+            match primitive.attributes.get(&Checked::Valid(Semantic::Positions)) {
+                Some(positions) => self.primitive(primitive, mode, positions.value(), transform, &mut bases)?,
+                None => self.left_out.without_positions += 1,
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds a primitive. `bases` has the first vertex and the number of vertices of every accessor added before.
+    fn primitive(
+        &mut self,
+        primitive: &Primitive,
+        mode: Mode,
+        accessor: usize,
+        transform: DMat4,
+        bases: &mut BTreeMap<usize, (u32, u32)>,
+    ) -> Result<()> {
+        let (base, count) = match bases.get(&accessor) {
+            Some(&known) => known,
+            None => {
+                let added = self.vertices(accessor, transform)?;
+                *bases.entry(accessor).or_insert(added)
+            }
+        };
+        let corners = match primitive.indices {
+            Some(indices) => self.store.indices(indices.value(), count as usize)?,
+            None => (0..count).collect(),
+        };
+        self.budget(corners.len())?;
+        self.left_out.incomplete += usize::from(mode == Mode::Triangles && !corners.len().is_multiple_of(3));
+        // A mirrored triangle looks the other way.
+        let mirrored = transform.determinant() < 0.0;
+        let place = |[a, b, c]: [u32; 3]| {
+            if mirrored { [base + a, base + c, base + b] } else { [base + a, base + b, base + c] }
+        };
+        self.mesh.triangles.extend(triangles(mode, &corners).map(place));
+        Ok(())
+    }
+
+    /// Adds the transformed positions of an accessor; returns the first vertex and their number.
+    fn vertices(&mut self, accessor: usize, transform: DMat4) -> Result<(u32, u32)> {
+        let positions = self.store.positions(accessor)?;
+        self.budget(positions.len())?;
+        let base = self.mesh.positions.len();
+        self.mesh.positions.extend(positions.iter().map(|&p| transform.transform_point3(p)));
+        if !self.mesh.positions[base..].iter().all(|p| p.is_finite()) {
+            return Err(wrong("accessor", accessor, "a position is not finite after its node's transform"));
+        }
+        let range = u32::try_from(base).ok().zip(u32::try_from(positions.len()).ok());
+        range.filter(|(base, count)| base.checked_add(*count).is_some()).ok_or_else(too_large)
+    }
+
+    /// Counts `more` vertices or indices. A scene may be larger than its data, but not beyond all bounds.
+    fn budget(&mut self, more: usize) -> Result<()> {
+        self.read += more;
+        if self.read > REPEATED.max(self.store.loaded()) { Err(too_large()) } else { Ok(()) }
+    }
+}
+
+fn too_large() -> crate::Error {
+    let cause = "the scene repeats its meshes to too many vertices";
+    malformed(Place::Whole, cause, "export fewer copies of the repeated meshes")
+}
+
+/// The transform of a node relative to its parent.
+fn local_transform(node: &Node) -> DMat4 {
+    if let Some(matrix) = node.matrix {
+        return DMat4::from_cols_array(&matrix.map(f64::from));
+    }
+    let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+    let rotation = DQuat::from_array(node.rotation.unwrap_or_default().0.map(f64::from));
+    // The specification wants unit quaternions; normalizing takes the rounding to single precision away.
+    DMat4::from_scale_rotation_translation(
+        vector(node.scale.unwrap_or([1.0; 3])),
+        DQuat::from_vec4(glam::DVec4::from(rotation).normalize()),
+        vector(node.translation.unwrap_or_default()),
+    )
+}
+
+/// The triangles that a row of vertices means. Triangles of strips and fans with a vertex twice are left out, as they
+/// only join pieces.
+fn triangles(mode: Mode, corners: &[u32]) -> Box<dyn Iterator<Item = [u32; 3]> + '_> {
+    let proper = |t: &[u32; 3]| t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
+    match mode {
+        Mode::TriangleStrip => {
+            let turn = |(i, w): (usize, &[u32])| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] };
+            Box::new(corners.windows(3).enumerate().map(turn).filter(proper))
+        }
+        Mode::TriangleFan => {
+            let rim = corners.get(1..).unwrap_or_default();
+            Box::new(rim.windows(2).map(|w| [w[0], w[1], corners[0]]).filter(proper))
+        }
+        _ => Box::new(corners.chunks_exact(3).map(|c| [c[0], c[1], c[2]])),
+    }
+}

@@ -1,0 +1,249 @@
+//! OFF, the Object File Format of Geomview: vertices and polygons in text.
+//!
+//! The keyword is `OFF` with any of the prefixes `ST`, `C` and `N`, or missing; the values that they announce, and
+//! colours of faces, are skipped up to the end of the line. The number of vertices and of faces must be on one line
+//! with or without the keyword; the number of edges is not read. Not supported: the binary form and the forms with
+//! other dimensions (`4OFF`, `nOFF`).
+//!
+//! Cost: one pass; what a header promises is held against the length of the file before memory is reserved.
+
+use super::Parsed;
+use super::faces::Faces;
+use super::text::{Words, note, quote, whole, write_line};
+use crate::base::error::{Error, Place, Result};
+use crate::surface::mesh::Mesh;
+use glam::DVec3;
+use std::io::{self, Write};
+
+/// The shortest vertex is `0 0 0` and an end of line.
+const VERTEX_BYTES: usize = 6;
+
+/// The shortest face with an area is `3 0 1 2` and an end of line; without one it is `0` and an end of line.
+const FACE_BYTES: (usize, usize) = (8, 2);
+
+pub(crate) fn parse(bytes: &[u8]) -> Parsed {
+    let mut words = Words::new(bytes, false);
+    let (vertices, faces) = header(&mut words)?;
+    let positions = read_vertices(&mut words, vertices)?;
+    let faces = read_faces(&mut words, faces, vertices)?;
+    let triangles = faces.triangles(&positions);
+    let mut notes = Vec::new();
+    note(&mut notes, faces.dropped, "face with fewer than three corners", "faces with fewer than three corners");
+    if words.anywhere().is_some() {
+        notes.push(format!("What follows the last face, from line {} on, was left out.", words.line()));
+    }
+    Ok((Mesh { positions, triangles }, notes))
+}
+
+pub(crate) fn write(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "OFF\n{} {} 0", mesh.positions.len(), mesh.triangles.len())?;
+    for p in &mesh.positions {
+        write_line(out, "", p.to_array())?;
+    }
+    for [a, b, c] in &mesh.triangles {
+        writeln!(out, "3 {a} {b} {c}")?;
+    }
+    Ok(())
+}
+
+/// Whether a file starts with the keyword of this format.
+pub(crate) fn has_keyword(bytes: &[u8]) -> bool {
+    Words::new(bytes, false).anywhere().is_some_and(|word| keyword(word).is_some())
+}
+
+/// The prefixes of the keyword that a word starts with, and what follows the keyword in the same word: `OFF8 6 12`, a
+/// keyword and a count run together, is found in some collections.
+fn keyword(word: &[u8]) -> Option<(&[u8], &[u8])> {
+    if word.eq_ignore_ascii_case(b"OFF") {
+        return Some((b"", b""));
+    }
+    let start = word.windows(3).position(|three| three == b"OFF")?;
+    let (prefix, rest) = (&word[..start], &word[start + 3..]);
+    let is_known = prefix.iter().all(|b| b"STCN4n".contains(b)) && rest.iter().all(u8::is_ascii_digit);
+    is_known.then_some((prefix, rest))
+}
+
+/// The numbers of vertices and of faces.
+fn header(words: &mut Words) -> Result<(usize, usize)> {
+    let mut first = words.anywhere();
+    if let Some((prefix, rest)) = first.and_then(keyword) {
+        check_dimensions(words, prefix)?;
+        first = if rest.is_empty() { words.anywhere() } else { Some(rest) };
+    }
+    if first == Some(&b"BINARY"[..]) {
+        return Err(unsupported(words, "binary OFF is not supported"));
+    }
+    let vertices = count(words, first, "vertices", VERTEX_BYTES)?;
+    let second = words.anywhere();
+    let faces = count(words, second, "faces", FACE_BYTES.1)?;
+    words.next_line();
+    Ok((vertices, faces))
+}
+
+fn check_dimensions(words: &Words, prefix: &[u8]) -> Result<()> {
+    if prefix.contains(&b'4') || prefix.contains(&b'n') {
+        return Err(unsupported(words, "OFF with other than three dimensions is not supported"));
+    }
+    Ok(())
+}
+
+fn unsupported(words: &Words, cause: &str) -> Error {
+    Error::Format {
+        file: String::new(),
+        place: Place::Line(words.line()),
+        cause: cause.into(),
+        remedy: "export the file as plain OFF, or as PLY or OBJ".into(),
+    }
+}
+
+fn count(words: &Words, word: Option<&[u8]>, what: &str, bytes_each: usize) -> Result<usize> {
+    let Some(word) = word else { return Err(words.error(format!("the number of {what} is missing"))) };
+    let Some(count) = whole(word) else {
+        return Err(words.error(format!("{} is not a number of {what}", quote(word))));
+    };
+    let left = words.remaining();
+    if count > (left + 1) / bytes_each {
+        return Err(words.error(format!("the file promises {count} {what}, but only {left} bytes follow")));
+    }
+    Ok(count)
+}
+
+fn read_vertices(words: &mut Words, count: usize) -> Result<Vec<DVec3>> {
+    let mut positions = Vec::with_capacity(count);
+    for found in 0..count {
+        let Some(word) = words.anywhere() else {
+            return Err(words.error(format!("the file ends after {found} of {count} vertices")));
+        };
+        let x = words.finite(word)?;
+        let mut next = || words.coordinate(Words::anywhere);
+        positions.push(DVec3::new(x, next()?, next()?));
+        words.next_line();
+    }
+    Ok(positions)
+}
+
+fn read_faces(words: &mut Words, count: usize, vertices: usize) -> Result<Faces> {
+    let mut faces = Faces::with_capacity(count.min(words.remaining() / FACE_BYTES.0));
+    for found in 0..count {
+        let Some(word) = words.anywhere() else {
+            return Err(words.error(format!("the file ends after {found} of {count} faces")));
+        };
+        let Some(corners) = whole(word) else {
+            return Err(words.error(format!("{} is not a number of corners", quote(word))));
+        };
+        for _ in 0..corners {
+            faces.push_corner(corner(words, vertices)?);
+        }
+        faces.end();
+        words.next_line();
+    }
+    Ok(faces)
+}
+
+fn corner(words: &mut Words, vertices: usize) -> Result<u32> {
+    let Some(word) = words.anywhere() else { return Err(words.error("the file ends within a face")) };
+    let index = whole(word).filter(|&v| v < vertices).and_then(|v| u32::try_from(v).ok());
+    index.ok_or_else(|| {
+        let cause = format!("a face uses vertex {}, but vertices go from 0 to {}", quote(word), vertices as i64 - 1);
+        words.error(cause)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn mesh(text: &str) -> Mesh {
+        parse(text.as_bytes()).unwrap().0
+    }
+
+    #[track_caller]
+    fn fails_at(text: &str, line: usize, words: &str) {
+        match parse(text.as_bytes()) {
+            Err(Error::Format { place, cause, .. }) => {
+                assert_eq!(place, Place::Line(line), "{cause}");
+                assert!(cause.contains(words), "{cause}");
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+
+    fn right_angle() -> Mesh {
+        Mesh { positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y], triangles: vec![[0, 1, 2]] }
+    }
+
+    #[test]
+    fn headers_in_all_forms() {
+        for header in ["OFF\n3 1 3", "OFF 3 1 3", "# a\nOFF # b\n\n# c\r\n3 1 0", "off\n3 1", "3 1 0", "OFF3 1 0"] {
+            assert_eq!(mesh(&format!("{header}\n0 0 0\n1 0 0\n# d\n\n0 1 0\n3 0 1 2")), right_angle(), "{header}");
+        }
+    }
+
+    #[test]
+    fn further_values_are_skipped() {
+        for header in ["COFF", "NOFF", "STOFF", "CNOFF", "NCOFF", "STCNOFF", "OFF"] {
+            let text = format!("{header}\n3 1 0\n0 0 0 255 0 0 255\n1 0 0 0 nan 1 2 3\n0 1 0 7\n3 0 1 2 0.5 0.5 0.5\n");
+            assert_eq!(mesh(&text), right_angle(), "{header}");
+        }
+    }
+
+    #[test]
+    fn polygons_points_and_faces_without_area() {
+        let m = mesh("OFF\n5 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n4 0 1 2 3 255 0 0\n3 0 1 4\n");
+        assert_eq!(m.triangles, [[0, 1, 2], [0, 2, 3], [0, 1, 4]]);
+        assert_eq!(mesh("OFF\n1 0 0\n0 0 0\n").positions.len(), 1);
+        let (m, notes) = parse(b"OFF\n3 3 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n0\n3 0 1 2\nmore").unwrap();
+        assert_eq!(m, right_angle());
+        assert_eq!(
+            notes,
+            [
+                "2 faces with fewer than three corners were left out.",
+                "What follows the last face, from line 9 on, was left out.",
+            ]
+        );
+    }
+
+    #[test]
+    fn errors_name_the_line() {
+        fails_at("OFF BINARY\n\0\0\0\x03", 1, "binary OFF");
+        fails_at("# a\nOFF\nBINARY\n", 3, "binary OFF");
+        fails_at("4OFF\n3 1 0\n", 1, "dimensions");
+        fails_at("nOFF\n3\n3 1 0\n", 1, "dimensions");
+        fails_at("C4OFF\n3 1 0\n", 1, "dimensions");
+        fails_at("OFF\n", 1, "number of vertices is missing");
+        fails_at("OFF\n0", 2, "number of faces is missing");
+        fails_at("ply\n", 1, "'ply' is not a number of vertices");
+        fails_at("OFF\n999999999999 1 0\n0 0 0\n", 2, "promises 999999999999 vertices, but only");
+        fails_at("OFF\n1 888888888 0\n0 0 0\n", 2, "promises 888888888 faces");
+        fails_at("OFF\n99999999999999999999999 1 0\n0 0 0\n", 2, "not a number of vertices");
+        fails_at("OFF\n3 1 0\n0 0 0\n1 0 nan\n0 1 0\n3 0 1 2\n", 4, "not finite");
+        fails_at("OFF\n3 1 0\n0 0 0\n1 0 x\n0 1 0\n3 0 1 2\n", 4, "'x' is not a number");
+        fails_at("OFF\n3 0 0\n0 0 0\n1 0 0.000000000000\n", 4, "ends after 2 of 3 vertices");
+        fails_at("OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", 6, "ends after 1 of 2 faces");
+        fails_at("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n", 6, "ends within a face");
+        fails_at("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", 6, "vertex '3', but vertices go from 0 to 2");
+        fails_at("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", 6, "vertex '-1'");
+        fails_at("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n9999999999 0 1 2\n", 6, "ends within a face");
+    }
+
+    #[test]
+    fn the_keyword_is_known() {
+        assert!(has_keyword(b"# x\n\nCOFF\n1 1 1"));
+        assert!(has_keyword(b"4OFF BINARY"));
+        assert!(!has_keyword(b"OFFICE 1") && !has_keyword(b"ply\n") && !has_keyword(b"v 1 2 3 OFF"));
+    }
+
+    proptest! {
+        #[test]
+        fn the_written_reads_as_the_same(points in prop::collection::vec(prop::array::uniform3(prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO), 3..20)) {
+            let last = points.len() as u32 - 1;
+            let m = Mesh { positions: points.into_iter().map(DVec3::from).collect(), triangles: vec![[0, 1, last], [last, 1, 0]] };
+            for (write, parse) in [(write as fn(&Mesh, &mut dyn Write) -> io::Result<()>, parse as fn(&[u8]) -> Parsed), (super::super::obj::write, super::super::obj::parse)] {
+                let mut text = Vec::new();
+                write(&m, &mut text).unwrap();
+                prop_assert_eq!(parse(&text).unwrap(), (m.clone(), Vec::new()));
+            }
+        }
+    }
+}

@@ -1,0 +1,235 @@
+//! The header of a PLY file: which elements follow, and which properties each has.
+
+use crate::base::error::{Error, Place, Result};
+use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed, quote};
+
+/// What a header says, and where the body is.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Header {
+    pub encoding: Encoding,
+    pub elements: Vec<Element>,
+    /// The byte where the body begins.
+    pub body: usize,
+    /// The line where the body begins, from 1.
+    pub line: usize,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Encoding {
+    Text,
+    Little,
+    Big,
+}
+
+/// A table of the body. Its count is a claim until it is compared with the size of the file.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Element {
+    pub name: String,
+    pub count: u64,
+    pub properties: Vec<Property>,
+    /// The line that declares it.
+    pub line: usize,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Property {
+    pub name: String,
+    pub kind: Kind,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Scalar(Scalar),
+    List { count: Scalar, item: Scalar },
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Scalar {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+}
+
+impl Scalar {
+    fn from_name(name: &str) -> Option<Scalar> {
+        Some(match name {
+            "char" | "int8" => Scalar::I8,
+            "uchar" | "uint8" => Scalar::U8,
+            "short" | "int16" => Scalar::I16,
+            "ushort" | "uint16" => Scalar::U16,
+            "int" | "int32" => Scalar::I32,
+            "uint" | "uint32" => Scalar::U32,
+            "float" | "float32" => Scalar::F32,
+            "double" | "float64" => Scalar::F64,
+            _ => return None,
+        })
+    }
+
+    /// The bytes that a value takes in a binary file.
+    pub fn size(self) -> usize {
+        match self {
+            Scalar::I8 | Scalar::U8 => 1,
+            Scalar::I16 | Scalar::U16 => 2,
+            Scalar::I32 | Scalar::U32 | Scalar::F32 => 4,
+            Scalar::F64 => 8,
+        }
+    }
+}
+
+/// The header of the file.
+pub(super) fn parse(bytes: &[u8]) -> Result<Header> {
+    let mut lines = Lines::new(bytes);
+    if lines.next().is_none_or(|first| first != b"ply") {
+        return Err(malformed(Place::Line(1), "the first line is not 'ply'", "check that this is a PLY file"));
+    }
+    let mut encoding = None;
+    let mut elements: Vec<Element> = Vec::new();
+    while let Some(raw) = lines.next() {
+        let place = || Place::Line(lines.number);
+        let wrong = |cause: &str| malformed(place(), format!("{}: {cause}", quote(raw)), EXPORT_AGAIN);
+        let text = String::from_utf8_lossy(raw);
+        let words: Vec<&str> = text.split_whitespace().collect();
+        match words[..] {
+            [] | ["comment" | "obj_info", ..] => {}
+            ["format", name, ..] => encoding = Some(Encoding::from_name(name).ok_or_else(|| wrong("unknown format"))?),
+            ["element", name, count] => {
+                let count = count.parse().map_err(|_| wrong("the count is not a whole number"))?;
+                elements.push(Element { name: name.into(), count, properties: Vec::new(), line: lines.number });
+            }
+            ["property", ref words @ ..] => {
+                let property = property(words).ok_or_else(|| wrong("unknown type of property"))?;
+                let element = elements.last_mut().ok_or_else(|| wrong("a property before any element"))?;
+                element.properties.push(property);
+            }
+            ["end_header"] => {
+                let encoding = encoding.ok_or_else(|| malformed(place(), "no 'format' line", EXPORT_AGAIN))?;
+                return Ok(Header { encoding, elements, body: lines.at, line: lines.number + 1 });
+            }
+            _ => return Err(wrong("not a line of a PLY header")),
+        }
+    }
+    Err(malformed(Place::Line(lines.number), "the header has no 'end_header'", CUT_SHORT))
+}
+
+impl Encoding {
+    fn from_name(name: &str) -> Option<Encoding> {
+        match name {
+            "ascii" => Some(Encoding::Text),
+            "binary_little_endian" => Some(Encoding::Little),
+            "binary_big_endian" => Some(Encoding::Big),
+            _ => None,
+        }
+    }
+}
+
+/// The property that the words after `property` declare.
+fn property(words: &[&str]) -> Option<Property> {
+    let (kind, name) = match *words {
+        ["list", count, item, name] => {
+            let kind = Kind::List { count: Scalar::from_name(count)?, item: Scalar::from_name(item)? };
+            (kind, name)
+        }
+        [scalar, name] => (Kind::Scalar(Scalar::from_name(scalar)?), name),
+        _ => return None,
+    };
+    Some(Property { name: name.into(), kind })
+}
+
+impl Element {
+    /// The error that `cause` is wrong with this element.
+    pub fn error(&self, cause: String, remedy: &str) -> Error {
+        malformed(Place::Line(self.line), cause, remedy)
+    }
+}
+
+/// The lines of a header, whose ends may be LF, CR LF or CR: the first line decides, because the body of a binary file
+/// may begin with any byte.
+struct Lines<'a> {
+    bytes: &'a [u8],
+    end: u8,
+    at: usize,
+    number: usize,
+}
+
+impl<'a> Lines<'a> {
+    fn new(bytes: &'a [u8]) -> Self {
+        let first = bytes.iter().position(|b| matches!(b, b'\n' | b'\r'));
+        let lone_cr = first.is_some_and(|i| bytes[i] == b'\r' && bytes.get(i + 1) != Some(&b'\n'));
+        Lines { bytes, end: if lone_cr { b'\r' } else { b'\n' }, at: 0, number: 0 }
+    }
+
+    /// The next line without its end. The last line of a header has an end too.
+    fn next(&mut self) -> Option<&'a [u8]> {
+        let rest = &self.bytes[self.at..];
+        let length = rest.iter().position(|&b| b == self.end)?;
+        self.at += length + 1;
+        self.number += 1;
+        Some(rest[..length].trim_ascii())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "ply\nformat ascii 1.0\ncomment any thing\nobj_info num_cols 5\nelement vertex 3\n\
+                        property float x\nproperty uint8 red\nelement face 1\nproperty list uchar int vertex_indices\n\
+                        end_header\n";
+
+    fn line(text: &str) -> usize {
+        match parse(text.as_bytes()).unwrap_err() {
+            Error::Format { place: Place::Line(line), .. } => line,
+            other => panic!("{other}"),
+        }
+    }
+
+    #[test]
+    fn elements_and_properties() {
+        let header = parse(TEXT.as_bytes()).unwrap();
+        assert_eq!((header.encoding, header.body, header.line), (Encoding::Text, TEXT.len(), 11));
+        let [vertex, face] = &header.elements[..] else { panic!() };
+        assert_eq!((vertex.name.as_str(), vertex.count, vertex.line), ("vertex", 3, 5));
+        assert_eq!(vertex.properties[1], Property { name: "red".into(), kind: Kind::Scalar(Scalar::U8) });
+        assert_eq!(face.properties[0].kind, Kind::List { count: Scalar::U8, item: Scalar::I32 });
+    }
+
+    #[test]
+    fn all_line_ends() {
+        let elements = parse(TEXT.as_bytes()).unwrap().elements;
+        for end in ["\r\n", "\r", "  \n"] {
+            let text = TEXT.replace('\n', end);
+            let header = parse(text.as_bytes()).unwrap();
+            assert_eq!((&header.elements, header.body), (&elements, text.len()));
+        }
+    }
+
+    #[test]
+    fn both_namings_of_types() {
+        let old = ["char", "uchar", "short", "ushort", "int", "uint", "float", "double"];
+        let new = ["int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64"];
+        for (old, new) in old.into_iter().zip(new) {
+            assert!(Scalar::from_name(old).is_some());
+            assert_eq!(Scalar::from_name(old), Scalar::from_name(new));
+        }
+    }
+
+    #[test]
+    fn malformed_headers_have_a_line() {
+        assert_eq!(line("plyx\n"), 1);
+        assert_eq!(line(""), 1);
+        assert_eq!(line(&TEXT.replace("ascii", "roman")), 2);
+        assert_eq!(line(&TEXT.replace("vertex 3", "vertex three")), 5);
+        assert_eq!(line(&TEXT.replace("vertex 3", "vertex -3")), 5);
+        assert_eq!(line(&TEXT.replace("float x", "quad x")), 6);
+        assert_eq!(line(&TEXT.replace("list uchar int", "list uchar")), 9);
+        assert_eq!(line(&TEXT.replace("element vertex 3", "")), 6);
+        assert_eq!(line(&TEXT.replace("comment", "remark")), 3);
+        assert_eq!(line(&TEXT.replace("format ascii 1.0", "")), 10);
+        assert_eq!(line(&TEXT.replace("end_header", "")), 10);
+    }
+}

@@ -1,0 +1,143 @@
+//! The values of a PLY body, one after the other, whatever their encoding.
+
+use super::header::Scalar;
+use crate::base::error::{Error, Place, Result};
+use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, Words, malformed, number, quote};
+
+/// A body that is read from front to back. Copies go their own ways.
+pub(super) trait Source: Clone {
+    /// The next value. All types fit in `f64` exactly.
+    fn next(&mut self, kind: Scalar) -> Result<f64>;
+    /// Leaves out `count` values.
+    fn skip(&mut self, kind: Scalar, count: usize) -> Result<()>;
+    /// The fewest bytes that a value takes.
+    fn least(kind: Scalar) -> usize;
+    /// The bytes that are left.
+    fn remaining(&self) -> usize;
+    /// Where the last value was.
+    fn place(&self) -> Place;
+    /// Where the file ends.
+    fn end(&self) -> Place;
+    /// Whether anything but white space is left.
+    fn has_more(&self) -> bool;
+}
+
+fn cut_short(place: Place) -> Error {
+    malformed(place, "the file ends before its last value", CUT_SHORT)
+}
+
+/// A body in words.
+#[derive(Clone)]
+pub(super) struct Text<'a>(pub Words<'a>);
+
+impl Source for Text<'_> {
+    #[inline]
+    fn next(&mut self, _: Scalar) -> Result<f64> {
+        let Some(word) = self.0.next() else { return Err(cut_short(self.place())) };
+        number(word).ok_or_else(|| self.0.error(format!("{} is not a number", quote(word)), EXPORT_AGAIN))
+    }
+
+    fn skip(&mut self, _: Scalar, count: usize) -> Result<()> {
+        for _ in 0..count {
+            self.0.next().ok_or_else(|| cut_short(self.place()))?;
+        }
+        Ok(())
+    }
+
+    /// A digit and white space.
+    fn least(_: Scalar) -> usize {
+        2
+    }
+
+    fn remaining(&self) -> usize {
+        // The last value needs no white space after it.
+        self.0.remaining() + 1
+    }
+
+    fn place(&self) -> Place {
+        Place::Line(self.0.line())
+    }
+
+    fn end(&self) -> Place {
+        let mut rest = self.0.clone();
+        while rest.next().is_some() {}
+        Place::Line(rest.line())
+    }
+
+    fn has_more(&self) -> bool {
+        self.0.clone().next().is_some()
+    }
+}
+
+/// A body in bytes, the most significant byte first if `BIG`.
+#[derive(Clone)]
+pub(super) struct Binary<'a, const BIG: bool> {
+    bytes: &'a [u8],
+    at: usize,
+    last: usize,
+}
+
+impl<'a, const BIG: bool> Binary<'a, BIG> {
+    /// The values of a file from byte `at` on.
+    pub fn new(bytes: &'a [u8], at: usize) -> Self {
+        Binary { bytes, at, last: at }
+    }
+
+    /// The next `N` bytes, the least significant first.
+    #[inline]
+    fn take<const N: usize>(&mut self) -> Result<[u8; N]> {
+        let Some(mut bytes) = self.bytes[self.at..].first_chunk::<N>().copied() else {
+            return Err(cut_short(self.end()));
+        };
+        self.last = self.at;
+        self.at += N;
+        if BIG {
+            bytes.reverse();
+        }
+        Ok(bytes)
+    }
+}
+
+impl<const BIG: bool> Source for Binary<'_, BIG> {
+    #[inline]
+    fn next(&mut self, kind: Scalar) -> Result<f64> {
+        Ok(match kind {
+            Scalar::I8 => i8::from_le_bytes(self.take()?).into(),
+            Scalar::U8 => u8::from_le_bytes(self.take()?).into(),
+            Scalar::I16 => i16::from_le_bytes(self.take()?).into(),
+            Scalar::U16 => u16::from_le_bytes(self.take()?).into(),
+            Scalar::I32 => i32::from_le_bytes(self.take()?).into(),
+            Scalar::U32 => u32::from_le_bytes(self.take()?).into(),
+            Scalar::F32 => f32::from_le_bytes(self.take()?).into(),
+            Scalar::F64 => f64::from_le_bytes(self.take()?),
+        })
+    }
+
+    #[inline]
+    fn skip(&mut self, kind: Scalar, count: usize) -> Result<()> {
+        let length = count.checked_mul(kind.size()).filter(|&length| length <= self.remaining());
+        self.at += length.ok_or_else(|| cut_short(self.end()))?;
+        Ok(())
+    }
+
+    fn least(kind: Scalar) -> usize {
+        kind.size()
+    }
+
+    #[inline]
+    fn remaining(&self) -> usize {
+        self.bytes.len() - self.at
+    }
+
+    fn place(&self) -> Place {
+        Place::Byte(self.last)
+    }
+
+    fn end(&self) -> Place {
+        Place::Byte(self.bytes.len())
+    }
+
+    fn has_more(&self) -> bool {
+        !self.bytes[self.at..].trim_ascii().is_empty()
+    }
+}

@@ -1,0 +1,324 @@
+//! STL, ASCII and binary.
+//!
+//! A file is a list of facets, each with three corners of its own; the normals in it are not used, the order of the
+//! corners says where outside is. Many binary files begin with `solid` as ASCII files do: a file is taken as binary if
+//! its size is exactly what its facet count asks for, or if it has a zero byte near its beginning.
+//!
+//! Limits: colours and the attribute bytes of binary facets are left out; several solids become one mesh.
+
+use super::bytes::{
+    CUT_SHORT, EXPORT_AGAIN, Words, array, finite, malformed, narrow, number, quote, u32_at, without_mark,
+};
+use crate::base::error::{Error, Place, Result};
+use crate::io::Parsed;
+use crate::surface::mesh::Mesh;
+use glam::{DVec3, Vec3};
+use std::io::{self, Write};
+
+/// 80 bytes of anything and the number of facets.
+const HEADER: usize = 84;
+/// A normal, three corners and two attribute bytes.
+const FACET: usize = 50;
+/// How far into a file a zero byte is looked for. The facet count is within, and its high byte is zero in all files
+/// below 800 MB.
+const PROBE: usize = 512;
+
+/// The mesh in an STL file, with three vertices a facet.
+///
+/// # Errors
+/// `Error::Format` with the line or byte of what is malformed.
+pub(crate) fn parse(bytes: &[u8]) -> Parsed {
+    if is_text(bytes) { parse_text(bytes) } else { parse_binary(bytes) }
+}
+
+fn is_text(bytes: &[u8]) -> bool {
+    let solid = without_mark(bytes).trim_ascii_start().get(..5).is_some_and(|word| is(word, "solid"));
+    solid && !has_exact_size(bytes) && !bytes[..bytes.len().min(PROBE)].contains(&0)
+}
+
+fn has_exact_size(bytes: &[u8]) -> bool {
+    u32_at(bytes, HEADER - 4).is_some_and(|count| HEADER as u64 + FACET as u64 * u64::from(count) == bytes.len() as u64)
+}
+
+fn parse_binary(bytes: &[u8]) -> Parsed {
+    let end = Place::Byte(bytes.len());
+    let Some(count) = u32_at(bytes, HEADER - 4) else {
+        let cause = "neither an ASCII STL file (no 'solid') nor as long as the header of a binary one";
+        return Err(malformed(end, cause, "check that this is an STL file and complete"));
+    };
+    let whole = (bytes.len() - HEADER) / FACET;
+    let count = count as usize;
+    if count > whole {
+        let cause = format!("the header says {count} facets, but the file ends after {whole}");
+        return Err(malformed(end, cause, CUT_SHORT));
+    }
+    let mut mesh = Mesh::default();
+    mesh.positions.reserve_exact(3 * count);
+    for i in 0..count {
+        push_binary(&mut mesh, bytes, HEADER + i * FACET)?;
+    }
+    number_corners(&mut mesh)?;
+    let extra = bytes.len() - HEADER - count * FACET;
+    let notes = (extra > 0).then(|| format!("{extra} bytes after the last of {count} facets are left out"));
+    Ok((mesh, notes.into_iter().collect()))
+}
+
+/// Adds the corners of the facet at byte `at`.
+fn push_binary(mesh: &mut Mesh, bytes: &[u8], at: usize) -> Result<()> {
+    for corner in [at + 12, at + 24, at + 36] {
+        let coordinate = |k: usize| array(bytes, corner + 4 * k).map_or(f32::NAN, f32::from_le_bytes);
+        let p = Vec3::new(coordinate(0), coordinate(1), coordinate(2)).as_dvec3();
+        mesh.positions.push(finite(p, || Place::Byte(corner))?);
+    }
+    Ok(())
+}
+
+/// Every three vertices are a triangle.
+fn number_corners(mesh: &mut Mesh) -> Result<()> {
+    let Ok(count) = u32::try_from(mesh.positions.len()) else {
+        return Err(malformed(Place::Whole, "more than 4 294 967 295 vertices", "split the file"));
+    };
+    mesh.triangles = (0..count / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    Ok(())
+}
+
+fn parse_text(bytes: &[u8]) -> Parsed {
+    let mut words = Words::new(without_mark(bytes), 1);
+    let mut mesh = Mesh::default();
+    let mut open = false;
+    while let Some(word) = words.next() {
+        if is(word, "solid") || is(word, "endsolid") {
+            open = is(word, "solid");
+            words.skip_line();
+        } else if open && is(word, "facet") {
+            push_text(&mut mesh, &mut words)?;
+        } else {
+            let wanted = if open { "'facet' or 'endsolid'" } else { "'solid'" };
+            return Err(unexpected(&words, wanted, Some(word)));
+        }
+    }
+    if open {
+        return Err(unexpected(&words, "'endsolid'", None));
+    }
+    number_corners(&mut mesh)?;
+    Ok((mesh, Vec::new()))
+}
+
+/// Adds the corners of a facet, from after `facet` to its `endfacet`.
+fn push_text(mesh: &mut Mesh, words: &mut Words) -> Result<()> {
+    skip_normal(words)?;
+    expect(words, "loop")?;
+    for _ in 0..3 {
+        expect(words, "vertex")?;
+        let mut p = DVec3::ZERO;
+        for k in 0..3 {
+            let word = words.next();
+            p[k] = word.and_then(number).ok_or_else(|| unexpected(words, "a coordinate", word))?;
+        }
+        mesh.positions.push(finite(p, || Place::Line(words.line()))?);
+    }
+    expect(words, "endloop")?;
+    expect(words, "endfacet")
+}
+
+/// Normals are not used, so they may be anything: some writers put `nan` there, or nothing.
+fn skip_normal(words: &mut Words) -> Result<()> {
+    for _ in 0..5 {
+        match words.next() {
+            Some(word) if is(word, "outer") => return Ok(()),
+            Some(_) => {}
+            None => break,
+        }
+    }
+    Err(unexpected(words, "'outer loop'", None))
+}
+
+fn expect(words: &mut Words, keyword: &str) -> Result<()> {
+    match words.next() {
+        Some(word) if is(word, keyword) => Ok(()),
+        other => Err(unexpected(words, &format!("'{keyword}'"), other)),
+    }
+}
+
+fn unexpected(words: &Words, wanted: &str, found: Option<&[u8]>) -> Error {
+    match found {
+        Some(word) => words.error(format!("{wanted} expected, {} found", quote(word)), EXPORT_AGAIN),
+        None if words.remaining() == 0 => words.error(format!("the file ends where {wanted} should be"), CUT_SHORT),
+        None => words.error(format!("{wanted} expected"), EXPORT_AGAIN),
+    }
+}
+
+fn is(word: &[u8], keyword: &str) -> bool {
+    word.eq_ignore_ascii_case(keyword.as_bytes())
+}
+
+/// Writes binary STL, in single precision, with the normals of the triangles.
+///
+/// # Errors
+/// `InvalidData` for coordinates beyond single precision; else what `out` fails with.
+pub(crate) fn write(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
+    // Must not begin with 'solid', or readers take it for ASCII.
+    let mut header = [b' '; HEADER - 4];
+    let title = b"binary STL by spectral-remesh";
+    header[..title.len()].copy_from_slice(title);
+    out.write_all(&header)?;
+    let count = u32::try_from(mesh.triangles.len()).map_err(|_| io::Error::other("too many triangles for STL"))?;
+    out.write_all(&count.to_le_bytes())?;
+    for t in 0..mesh.triangles.len() {
+        out.write_all(&facet(mesh, t)?)?;
+    }
+    Ok(())
+}
+
+fn facet(mesh: &Mesh, t: usize) -> io::Result<[u8; FACET]> {
+    let [a, b, c] = mesh.corners(t);
+    let normal = mesh.area_vector(t).normalize_or_zero().as_vec3().to_array();
+    let numbers = [normal, narrow(a)?, narrow(b)?, narrow(c)?];
+    let mut facet = [0; FACET];
+    for (bytes, number) in facet.chunks_exact_mut(4).zip(numbers.as_flattened()) {
+        bytes.copy_from_slice(&number.to_le_bytes());
+    }
+    Ok(facet)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::bytes::samples::{signed_volume, tetrahedron};
+
+    const ONE: &str = "solid a part\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1.5 0 0\n   \
+                       vertex 0 1e0 -2\n  endloop\n endfacet\nendsolid a part\n";
+
+    fn binary() -> Vec<u8> {
+        let mut bytes = Vec::new();
+        write(&tetrahedron(), &mut bytes).unwrap();
+        bytes
+    }
+
+    fn place(bytes: &[u8]) -> Place {
+        match parse(bytes).unwrap_err() {
+            Error::Format { place, .. } => place,
+            other => panic!("{other}"),
+        }
+    }
+
+    #[test]
+    fn text_with_one_facet() {
+        let (mesh, notes) = parse(ONE.as_bytes()).unwrap();
+        assert_eq!(mesh.positions, [DVec3::ZERO, DVec3::new(1.5, 0.0, 0.0), DVec3::new(0.0, 1.0, -2.0)]);
+        assert_eq!((mesh.triangles, notes.len()), (vec![[0, 1, 2]], 0));
+    }
+
+    #[test]
+    fn text_in_capitals_with_other_line_ends_and_a_mark() {
+        let text = format!("\u{feff}{}", ONE.to_uppercase().replace('\n', "\r\n"));
+        assert_eq!(parse(text.as_bytes()).unwrap(), parse(ONE.as_bytes()).unwrap());
+        let text = ONE.replace('\n', "\r");
+        assert_eq!(parse(text.as_bytes()).unwrap(), parse(ONE.as_bytes()).unwrap());
+    }
+
+    #[test]
+    fn several_solids_and_names_that_are_not_text() {
+        let mut bytes = format!("{ONE}\n{ONE}").into_bytes();
+        bytes[8] = 0xe4;
+        let (mesh, _) = parse(&bytes).unwrap();
+        assert_eq!(mesh.triangles, [[0, 1, 2], [3, 4, 5]]);
+    }
+
+    #[test]
+    fn normals_may_be_anything() {
+        for normal in ["normal nan nan nan", "normal", ""] {
+            let text = ONE.replace("normal 0 0 1", normal);
+            assert_eq!(parse(text.as_bytes()).unwrap(), parse(ONE.as_bytes()).unwrap());
+        }
+    }
+
+    #[test]
+    fn facets_without_area_stay() {
+        let text = ONE.replace("vertex 1.5 0 0", "vertex 0 0 0");
+        assert_eq!(parse(text.as_bytes()).unwrap().0.triangles.len(), 1);
+    }
+
+    #[test]
+    fn malformed_text_has_a_line() {
+        assert_eq!(place(ONE.replace("1.5", "1,5").as_bytes()), Place::Line(5));
+        assert_eq!(place(ONE.replace("1.5", "nan").as_bytes()), Place::Line(5));
+        assert_eq!(place(ONE.replace("1.5", "inf").as_bytes()), Place::Line(5));
+        assert_eq!(place(ONE.replace("endloop", "vertex 0 0 7").as_bytes()), Place::Line(7));
+        assert_eq!(place(ONE.replace("vertex 0 0 0\n", "\n").as_bytes()), Place::Line(7));
+        assert_eq!(place(ONE.replace("outer", "inner").as_bytes()), Place::Line(3));
+        assert_eq!(place(ONE.replace("endsolid a part", "").as_bytes()), Place::Line(10));
+        assert_eq!(place(format!("{ONE}what").as_bytes()), Place::Line(10));
+    }
+
+    #[test]
+    fn text_cut_anywhere_is_an_error() {
+        let whole = ONE.find("endsolid").unwrap() + "endsolid".len();
+        for end in 0..ONE.len() {
+            assert_eq!(parse(&ONE.as_bytes()[..end]).is_ok(), end >= whole, "{end}");
+        }
+    }
+
+    #[test]
+    fn binary_round_trip() {
+        let (mesh, notes) = parse(&binary()).unwrap();
+        assert_eq!((mesh.positions.len(), mesh.triangles.len(), notes.len()), (12, 4, 0));
+        assert_eq!(signed_volume(&mesh), signed_volume(&tetrahedron()));
+    }
+
+    #[test]
+    fn normals_are_written() {
+        let bytes = binary();
+        assert_eq!(&bytes[HEADER..HEADER + 12], [0.0f32, 0.0, -1.0].map(f32::to_le_bytes).as_flattened());
+    }
+
+    #[test]
+    fn binary_that_begins_with_solid() {
+        let mut bytes = binary();
+        bytes[..6].copy_from_slice(b"solid ");
+        assert_eq!(parse(&bytes).unwrap(), parse(&binary()).unwrap());
+        bytes.push(b'\n');
+        assert_eq!(parse(&bytes).unwrap().0, parse(&binary()).unwrap().0);
+        bytes.truncate(HEADER + 3 * FACET);
+        assert_eq!(place(&bytes), Place::Byte(HEADER + 3 * FACET));
+    }
+
+    #[test]
+    fn binary_cut_anywhere_is_an_error() {
+        let bytes = binary();
+        for end in 0..bytes.len() {
+            assert_eq!(place(&bytes[..end]), Place::Byte(end));
+        }
+    }
+
+    #[test]
+    fn more_bytes_than_facets_are_noted() {
+        let mut bytes = binary();
+        bytes.extend([0; 7]);
+        let (mesh, notes) = parse(&bytes).unwrap();
+        assert_eq!(mesh.triangles.len(), 4);
+        assert_eq!(notes, ["7 bytes after the last of 4 facets are left out"]);
+    }
+
+    #[test]
+    fn a_header_that_lies() {
+        let mut bytes = binary();
+        bytes[80..84].copy_from_slice(&u32::MAX.to_le_bytes());
+        assert_eq!(place(&bytes), Place::Byte(bytes.len()));
+    }
+
+    #[test]
+    fn binary_coordinates_must_be_finite() {
+        let mut bytes = binary();
+        let at = HEADER + FACET + 24;
+        bytes[at + 4..at + 8].copy_from_slice(&f32::NAN.to_le_bytes());
+        assert_eq!(place(&bytes), Place::Byte(at));
+    }
+
+    #[test]
+    fn coordinates_beyond_single_precision_are_not_written() {
+        let mut mesh = tetrahedron();
+        mesh.positions[1].x = 1e200;
+        assert_eq!(write(&mesh, &mut Vec::new()).unwrap_err().kind(), io::ErrorKind::InvalidData);
+    }
+}

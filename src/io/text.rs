@@ -1,0 +1,261 @@
+//! Words, lines and numbers of text files that need not be UTF-8.
+
+use crate::base::error::{Error, Place, Result};
+use std::fmt::Display;
+use std::io::{self, Write};
+
+/// Longer words of a broken file are cut in messages.
+const QUOTED: usize = 24;
+
+/// A walk over the words of a text. `#` at the start of a word makes the rest of its line a comment; lines end with
+/// LF, CR LF or CR.
+pub(crate) struct Words<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    line: usize,
+    line_of_word: usize,
+    /// Whether a backslash at the end of a line joins the next line to it.
+    continued: bool,
+}
+
+impl<'a> Words<'a> {
+    pub fn new(bytes: &'a [u8], continued: bool) -> Self {
+        let at = if bytes.starts_with(b"\xEF\xBB\xBF") { 3 } else { 0 };
+        Words { bytes, at, line: 1, line_of_word: 1, continued }
+    }
+
+    /// The line of the last word, from 1.
+    pub fn line(&self) -> usize {
+        self.line_of_word
+    }
+
+    /// Bytes that have not been walked over.
+    pub fn remaining(&self) -> usize {
+        self.bytes.len() - self.at
+    }
+
+    /// The next word on this line.
+    #[inline]
+    pub fn here(&mut self) -> Option<&'a [u8]> {
+        loop {
+            let rest = &self.bytes[self.at..];
+            let start = rest.iter().position(|&b| !is_blank(b)).unwrap_or(rest.len());
+            self.at += start;
+            let rest = &rest[start..];
+            let length = rest.iter().position(|&b| is_blank(b) || is_end(b)).unwrap_or(rest.len());
+            let word = &rest[..length];
+            if length == 0 || word[0] == b'#' {
+                return None;
+            }
+            self.at += length;
+            self.line_of_word = self.line;
+            if self.continued && word.ends_with(b"\\") && rest.get(length).is_none_or(|&b| is_end(b)) {
+                self.step_over_end();
+                if length > 1 {
+                    return Some(&word[..length - 1]);
+                }
+                continue;
+            }
+            return Some(word);
+        }
+    }
+
+    /// The next word on this line or a later one.
+    pub fn anywhere(&mut self) -> Option<&'a [u8]> {
+        loop {
+            match self.here() {
+                Some(word) => return Some(word),
+                None if !self.next_line() => return None,
+                None => {}
+            }
+        }
+    }
+
+    /// Goes to the start of the next line; false at the end of the text.
+    pub fn next_line(&mut self) -> bool {
+        loop {
+            let rest = &self.bytes[self.at..];
+            let length = rest.iter().position(|&b| is_end(b)).unwrap_or(rest.len());
+            self.at += length;
+            self.step_over_end();
+            if !(self.continued && rest[..length].ends_with(b"\\") && !has_comment(&rest[..length])) {
+                return self.at < self.bytes.len();
+            }
+        }
+    }
+
+    fn step_over_end(&mut self) {
+        let length = match self.bytes[self.at..] {
+            [] => return,
+            [b'\r', b'\n', ..] => 2,
+            _ => 1,
+        };
+        self.at += length;
+        self.line += 1;
+    }
+
+    /// An error at the line of the last word.
+    pub fn error(&self, cause: impl Into<String>) -> Error {
+        error_at(self.line_of_word, cause)
+    }
+
+    /// A finite number, from the next word that `next` finds.
+    #[inline]
+    pub fn coordinate(&mut self, next: impl FnOnce(&mut Self) -> Option<&'a [u8]>) -> Result<f64> {
+        match next(self) {
+            Some(word) => self.finite(word),
+            None => Err(self.error("a coordinate is missing")),
+        }
+    }
+
+    /// The finite number that a word is.
+    #[inline]
+    pub fn finite(&self, word: &[u8]) -> Result<f64> {
+        match std::str::from_utf8(word).ok().and_then(|word| word.parse::<f64>().ok()) {
+            Some(number) if number.is_finite() => Ok(number),
+            Some(_) => Err(self.error(format!("the coordinate {} is not finite", quote(word)))),
+            None => Err(self.error(format!("{} is not a number", quote(word)))),
+        }
+    }
+}
+
+fn is_blank(b: u8) -> bool {
+    matches!(b, b' ' | b'\t' | 0x0B | 0x0C)
+}
+
+fn is_end(b: u8) -> bool {
+    matches!(b, b'\n' | b'\r')
+}
+
+fn has_comment(line: &[u8]) -> bool {
+    line.starts_with(b"#") || line.windows(2).any(|pair| is_blank(pair[0]) && pair[1] == b'#')
+}
+
+/// An error in the content of a text file.
+pub(crate) fn error_at(line: usize, cause: impl Into<String>) -> Error {
+    Error::Format {
+        file: String::new(),
+        place: Place::Line(line),
+        cause: cause.into(),
+        remedy: "correct that line or export the file again".into(),
+    }
+}
+
+/// A word of a file as it may stand in a message: short, on one line.
+pub(crate) fn quote(word: &[u8]) -> String {
+    let text = String::from_utf8_lossy(word);
+    let short: String = text.chars().take(QUOTED).map(|c| if c.is_control() { '\u{FFFD}' } else { c }).collect();
+    if text.chars().nth(QUOTED).is_some() { format!("'{short}…'") } else { format!("'{short}'") }
+}
+
+/// A whole number without a sign.
+pub(crate) fn whole(word: &[u8]) -> Option<usize> {
+    if word.is_empty() {
+        return None;
+    }
+    word.iter().try_fold(0usize, |sum, &b| {
+        let digit = b.wrapping_sub(b'0');
+        if digit > 9 { None } else { sum.checked_mul(10)?.checked_add(digit.into()) }
+    })
+}
+
+/// Writes the numbers of one line after `head`, in the shortest form that reads as the same f64.
+pub(crate) fn write_line(out: &mut dyn Write, head: &str, numbers: [f64; 3]) -> io::Result<()> {
+    out.write_all(head.as_bytes())?;
+    for (i, number) in numbers.into_iter().enumerate() {
+        if i > 0 || !head.is_empty() {
+            out.write_all(b" ")?;
+        }
+        // Display never uses an exponent: 1e-300 would be three hundred zeros.
+        if number != 0.0 && !(1e-5..1e16).contains(&number.abs()) {
+            write!(out, "{number:e}")?;
+        } else {
+            write!(out, "{number}")?;
+        }
+    }
+    out.write_all(b"\n")
+}
+
+/// A sentence for what was left out, if anything was.
+pub(crate) fn note(notes: &mut Vec<String>, count: usize, one: impl Display, many: impl Display) {
+    match count {
+        0 => {}
+        1 => notes.push(format!("1 {one} was left out.")),
+        _ => notes.push(format!("{count} {many} were left out.")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(text: &str, continued: bool) -> Vec<(usize, String)> {
+        let mut words = Words::new(text.as_bytes(), continued);
+        let mut found = Vec::new();
+        while let Some(word) = words.anywhere() {
+            found.push((words.line(), String::from_utf8_lossy(word).into_owned()));
+        }
+        found
+    }
+
+    #[test]
+    fn lines_end_in_three_ways_and_comments_with_them() {
+        let found = words("\u{FEFF}a b#c\r\n# d\re\n\n  #f\\\ng", true);
+        let expected = [(1, "a"), (1, "b#c"), (3, "e"), (6, "g")];
+        assert_eq!(found, expected.map(|(line, word)| (line, word.to_string())));
+    }
+
+    #[test]
+    fn lines_are_joined_where_the_format_says_so() {
+        let mut joined = Words::new(b"f 1 2\\\r\n 3 \\\n 4\nx \\\n y\nz # \\\nw\\", true);
+        let mut lines = Vec::new();
+        loop {
+            let mut line = Vec::new();
+            while let Some(word) = joined.here() {
+                line.push(String::from_utf8_lossy(word).into_owned());
+            }
+            lines.push(line.join(" "));
+            if !joined.next_line() {
+                break;
+            }
+        }
+        assert_eq!(lines, ["f 1 2 3 4", "x y", "z", "w"]);
+        assert_eq!(words("a\\\nb", false), [(1, "a\\".to_string()), (2, "b".to_string())]);
+        let mut skipped = Words::new(b"g a \\\nv\ng # \\\nb", true);
+        assert!(skipped.next_line() && skipped.here() == Some(b"g") && skipped.next_line());
+        assert_eq!(skipped.here(), Some(&b"b"[..]));
+    }
+
+    #[test]
+    fn numbers_are_finite() {
+        for (text, expected) in [("1e-5", Some(1e-5)), ("-.5", Some(-0.5)), ("+2.", Some(2.0)), ("nan", None)] {
+            assert_eq!(Words::new(text.as_bytes(), false).coordinate(Words::here).ok(), expected);
+        }
+        for text in ["inf", "1e999", "1,5", "", "0x1", "\u{FF11}"] {
+            assert!(Words::new(text.as_bytes(), false).coordinate(Words::here).is_err());
+        }
+        assert_eq!(
+            [&b"12"[..], b"", b"-1", b"1x", b"99999999999999999999999"].map(whole),
+            [Some(12), None, None, None, None]
+        );
+    }
+
+    #[test]
+    fn words_in_messages_are_short_and_on_one_line() {
+        assert_eq!(quote(b"a\x07b\xFF"), "'a\u{FFFD}b\u{FFFD}'");
+        assert_eq!(quote(&[b'x'; 1000]).chars().count(), QUOTED + 3);
+    }
+
+    #[test]
+    fn written_numbers_read_as_the_same() {
+        for number in [0.1, -0.0, 1.0, 1e-300, f64::MIN_POSITIVE / 4.0, f64::MAX, 1.0 / 3.0, 123456.789, 1e16, 9.9e-6] {
+            let mut text = Vec::new();
+            write_line(&mut text, "v", [number; 3]).unwrap();
+            assert!(text.len() < 80);
+            let mut words = Words::new(&text[1..], false);
+            for _ in 0..3 {
+                assert_eq!(words.coordinate(Words::here).unwrap().to_bits(), number.to_bits());
+            }
+        }
+    }
+}
