@@ -1,10 +1,14 @@
 //! Remeshing by spectral sampling.
 
 pub mod base;
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod geom;
 pub mod io;
 pub mod optimize;
+pub mod quality;
 pub mod remesh;
+pub mod report;
 pub mod spectral;
 pub mod surface;
 pub mod triangulate;

@@ -1,1 +1,7 @@
-fn main() {}
+//! The command `remesh`; everything is in the library's `cli`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    spectral_remesh::cli::main()
+}

@@ -104,7 +104,7 @@ impl Bvh {
         while waiting > 0 {
             waiting -= 1;
             let (mut node, distance) = aside[waiting];
-            if !(distance <= best.distance_squared) {
+            if distance > best.distance_squared {
                 continue;
             }
             while let Some((near, far)) = self.children(node, p) {

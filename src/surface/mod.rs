@@ -8,3 +8,4 @@ pub mod mesh;
 pub mod refine;
 pub mod repair;
 pub mod topology;
+pub mod weld;

@@ -1,0 +1,379 @@
+//! What was typed, as clap reads it, and what it resolves to.
+//!
+//! `Args` has the words of the command line, [`Job`] what there is to do. Between them every field is named, so a
+//! flag or an option that is added to one and forgotten in the other does not compile.
+
+use crate::io::Format;
+use crate::remesh::{Density, Options};
+use clap::builder::PossibleValue;
+use clap::{ArgAction, CommandFactory, Parser, Subcommand, ValueEnum};
+use clap_complete::Shell;
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+/// Examples and exit statuses, below the help.
+pub const AFTER_HELP: &str = "\
+Examples:
+  remesh scan.ply clean.ply --points 20000
+      as many vertices as asked for, evenly spread
+  remesh part.stl part.obj --edge-length 0.5 --report part.json
+      triangles of about that size, and a report as JSON
+  remesh quality clean.ply --against scan.ply
+      measure any mesh, and how far it is from another one
+
+Formats, by the ending of the file: obj, ply, stl, off, gltf, glb.
+
+Exit status:
+  0   the result is written and verified: an oriented manifold of the input's topology
+  1   a file cannot be read or written, or holds no mesh that can be remeshed
+  2   wrong usage, or an option out of its range
+  3   the result is written, but could not be verified; the report says why
+  130 interrupted; no file was changed";
+
+const QUALITY_HELP: &str = "\
+Measures the triangles of a mesh as they are: angles, quality Q = 6S/(√3 p h), edge lengths, valences and topology;
+and with --against the distance to another mesh, in percent of the diagonal of that one's bounding box.
+
+Exit status: 0 measured, 1 a file cannot be read, 2 wrong usage, 130 interrupted.";
+
+/// Remesh a surface by spectral sampling: exactly the vertices asked for, well-shaped triangles, the input's topology.
+#[derive(Debug, Parser)]
+#[command(name = "remesh", version, after_help = AFTER_HELP, max_term_width = 100)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+#[command(override_usage = "remesh <IN> <OUT> <--points N | --edge-length L | --sigma-p S> [OPTIONS]\n       \
+                            remesh quality <MESH> [--against <INPUT>] [--json]\n       \
+                            remesh completions <SHELL>")]
+struct Args {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    remesh: Option<RemeshArgs>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Measure a mesh, also one that this tool did not write
+    #[command(long_about = QUALITY_HELP)]
+    Quality(QualityArgs),
+    /// Print the completions of a shell, to be sourced by it
+    Completions { shell: Shell },
+}
+
+#[derive(Debug, clap::Args)]
+struct RemeshArgs {
+    /// The mesh to read
+    #[arg(value_name = "IN")]
+    input: PathBuf,
+    /// The mesh to write; an existing file is replaced when the new one is complete
+    #[arg(value_name = "OUT")]
+    output: PathBuf,
+    /// Number of vertices of the output
+    #[arg(long, value_name = "N", group = "density", allow_negative_numbers = true, value_parser = count)]
+    points: Option<usize>,
+    /// Mean edge length of the output, in the units of the input
+    #[arg(long, value_name = "L", group = "density", allow_negative_numbers = true, value_parser = positive)]
+    edge_length: Option<f64>,
+    /// Kernel width σp of the sampler, in the units of the input
+    #[arg(long, value_name = "S", group = "density", allow_negative_numbers = true, value_parser = positive)]
+    sigma_p: Option<f64>,
+    /// Seed of the random numbers: same seed, same input, same output
+    #[arg(long, value_name = "SEED", default_value_t = 0)]
+    seed: u64,
+    /// Threads to use; the output does not depend on it [default: one a core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Format of the input [default: by its ending, else by its content]
+    #[arg(long, value_name = "FORMAT")]
+    format: Option<Format>,
+    /// Format of the output [default: by its ending]
+    #[arg(long, value_name = "FORMAT")]
+    output_format: Option<Format>,
+    /// Write the report to a file, as JSON
+    #[arg(long, value_name = "F.json")]
+    report: Option<PathBuf>,
+    /// Print nothing but errors
+    #[arg(short, long, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Name each stage on standard error as it begins
+    #[arg(short, long, action = ArgAction::SetTrue)]
+    verbose: bool,
+}
+
+#[derive(Debug, clap::Args)]
+struct QualityArgs {
+    /// The mesh to measure
+    #[arg(value_name = "MESH")]
+    mesh: PathBuf,
+    /// Measure the distance to this mesh, too
+    #[arg(long, value_name = "INPUT")]
+    against: Option<PathBuf>,
+    /// Print the report as JSON
+    #[arg(long)]
+    json: bool,
+    /// Format of the mesh [default: by its ending, else by its content]
+    #[arg(long, value_name = "FORMAT")]
+    format: Option<Format>,
+    /// Threads to use; the figures do not depend on it [default: one a core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+/// What there is to do.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Job {
+    Remesh(Remeshing),
+    Measure(Measuring),
+    /// Print these completions.
+    Complete(String),
+}
+
+/// Remesh a file into another one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Remeshing {
+    pub input: MeshFile,
+    pub output: MeshFile,
+    pub options: Options,
+    pub report: Option<PathBuf>,
+    /// As many as there are cores without.
+    pub threads: Option<usize>,
+    pub voice: Voice,
+}
+
+/// Measure a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measuring {
+    pub mesh: MeshFile,
+    pub against: Option<MeshFile>,
+    pub json: bool,
+    /// As many as there are cores without.
+    pub threads: Option<usize>,
+}
+
+/// A file and the format that it is said to have.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MeshFile {
+    pub path: PathBuf,
+    pub format: Option<Format>,
+}
+
+/// How much is said.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Voice {
+    /// Errors only.
+    Quiet,
+    /// The report, and a progress bar on a terminal.
+    Normal,
+    /// The report, and a line for each stage.
+    Verbose,
+}
+
+/// Why there is nothing to do.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Stop {
+    /// Help or version was asked for: this is it.
+    Shown(String),
+    /// The arguments make no sense: one line that says why.
+    Wrong(String),
+}
+
+/// What the words of a command line, the program's name first, ask for.
+pub fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Job, Stop> {
+    let Args { command, remesh } = Args::try_parse_from(words).map_err(|e| stop(&e))?;
+    match (command, remesh) {
+        (Some(Command::Quality(args)), _) => Ok(Job::Measure(args.resolve())),
+        (Some(Command::Completions { shell }), _) => Ok(Job::Complete(completions(shell))),
+        (None, Some(args)) => args.resolve().map(Job::Remesh),
+        (None, None) => Err(wrong("the input and the output file are missing")),
+    }
+}
+
+impl RemeshArgs {
+    fn resolve(self) -> Result<Remeshing, Stop> {
+        let RemeshArgs {
+            input,
+            output,
+            points,
+            edge_length,
+            sigma_p,
+            seed,
+            threads,
+            format,
+            output_format,
+            report,
+            quiet,
+            verbose,
+        } = self;
+        // Options without a flag keep their default; each is named, so that a new one is thought of here.
+        let Options { density: _, seed: _, sweeps } = Options::default();
+        let density = density(points, edge_length, sigma_p)?;
+        Ok(Remeshing {
+            input: MeshFile { path: input, format },
+            output: MeshFile { path: output, format: output_format },
+            options: Options { density, seed, sweeps },
+            report,
+            threads: threads.map(usize::from),
+            voice: match (quiet, verbose) {
+                (true, _) => Voice::Quiet,
+                (_, true) => Voice::Verbose,
+                _ => Voice::Normal,
+            },
+        })
+    }
+}
+
+impl QualityArgs {
+    fn resolve(self) -> Measuring {
+        let QualityArgs { mesh, against, json, format, threads } = self;
+        Measuring {
+            mesh: MeshFile { path: mesh, format },
+            against: against.map(|path| MeshFile { path, format: None }),
+            json,
+            threads: threads.map(usize::from),
+        }
+    }
+}
+
+impl ValueEnum for Format {
+    fn value_variants<'a>() -> &'a [Format] {
+        &Format::ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.extension()))
+    }
+}
+
+/// The one that is given of three ways to say how dense the output shall be.
+fn density(points: Option<usize>, edge_length: Option<f64>, sigma_p: Option<f64>) -> Result<Density, Stop> {
+    let points = points.map(Density::Points);
+    let others = edge_length.map(Density::EdgeLength).or(sigma_p.map(Density::SigmaP));
+    points.or(others).ok_or_else(|| wrong("how dense? give one of --points N, --edge-length L and --sigma-p S"))
+}
+
+/// A number of vertices; what is too few or too many for a surface is for the library to say.
+fn count(word: &str) -> Result<usize, String> {
+    word.parse().ok().filter(|&n| n > 0).ok_or_else(|| "it must be a whole number of at least 1".into())
+}
+
+/// A length that makes sense.
+fn positive(word: &str) -> Result<f64, String> {
+    let positive = word.parse().ok().filter(|&x: &f64| x > 0.0 && x.is_finite());
+    positive.ok_or_else(|| "it must be a positive number".into())
+}
+
+fn completions(shell: Shell) -> String {
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Args::command(), "remesh", &mut script);
+    String::from_utf8_lossy(&script).into_owned()
+}
+
+fn wrong(cause: &str) -> Stop {
+    Stop::Wrong(format!("{cause}; see remesh --help"))
+}
+
+/// Clap's answer: what it shows as it is, what is wrong as one line without the usage.
+fn stop(error: &clap::Error) -> Stop {
+    let text = error.to_string();
+    if !error.use_stderr() {
+        return Stop::Shown(text);
+    }
+    let paragraphs = text.split("\n\n").take_while(|p| !p.starts_with("Usage:") && !p.starts_with("For more"));
+    let lines: Vec<String> = paragraphs.map(|p| p.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
+    wrong(lines.join("; ").trim_start_matches("error: "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(line: &str) -> Result<Job, Stop> {
+        parse(line.split(' ').map(OsString::from))
+    }
+
+    fn remeshing(line: &str) -> Remeshing {
+        match parsed(line) {
+            Ok(Job::Remesh(job)) => job,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    fn complaint(line: &str) -> String {
+        match parsed(line) {
+            Err(Stop::Wrong(cause)) => cause,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn clap_finds_no_fault_in_the_definition() {
+        Args::command().debug_assert();
+    }
+
+    #[test]
+    fn no_flags_give_the_default() {
+        let file = |path: &str| MeshFile { path: path.into(), format: None };
+        let Remeshing { input, output, options, report, threads, voice } =
+            remeshing("remesh a.obj b.ply --points 10000");
+        assert_eq!(options, Options::default());
+        assert_eq!((input, output), (file("a.obj"), file("b.ply")));
+        assert_eq!((report, threads, voice), (None, None, Voice::Normal));
+    }
+
+    #[test]
+    fn every_flag_arrives() {
+        let line = "remesh a b --sigma-p 0.5 --seed 7 --threads 3 --format ply --output-format glb --report r.json -v";
+        let job = remeshing(line);
+        let options = Options { density: Density::SigmaP(0.5), seed: 7, ..Options::default() };
+        assert_eq!(job.options, options);
+        assert_eq!((job.input.format, job.output.format), (Some(Format::Ply), Some(Format::Glb)));
+        assert_eq!((job.report, job.threads, job.voice), (Some("r.json".into()), Some(3), Voice::Verbose));
+        assert_eq!(remeshing("remesh a b --edge-length 2 -q").options.density, Density::EdgeLength(2.0));
+        assert_eq!(remeshing("remesh a b --points 5 -q").voice, Voice::Quiet);
+    }
+
+    #[test]
+    fn exactly_one_density() {
+        assert!(complaint("remesh a b").contains("one of --points N, --edge-length L and --sigma-p S"));
+        assert!(complaint("remesh a b --points 9 --sigma-p 1").contains("cannot be used with"));
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_one_line() {
+        for line in [
+            "remesh",
+            "remesh a",
+            "remesh a b c --points 5",
+            "remesh a b --points 0",
+            "remesh a b --points many",
+            "remesh a b --points -4",
+            "remesh a b --point 4",
+            "remesh a b --edge-length 0",
+            "remesh a b --edge-length nan",
+            "remesh a b --sigma-p inf",
+            "remesh a b --points 9 --threads 0",
+            "remesh a b --points 9 --format doc",
+            "remesh a b --points 9 -q -v",
+            "remesh quality",
+            "remesh quality a b",
+            "remesh completions klingon",
+        ] {
+            let said = complaint(line);
+            assert!(!said.contains('\n') && said.ends_with("; see remesh --help"), "{line}: {said}");
+        }
+        assert!(complaint("remesh a b --point 4").contains("'--points'"));
+    }
+
+    #[test]
+    fn subcommands() {
+        let file = |path: &str| MeshFile { path: path.into(), format: None };
+        let job = Measuring { mesh: file("m.stl"), against: Some(file("i.obj")), json: true, threads: None };
+        assert_eq!(parsed("remesh quality m.stl --against i.obj --json"), Ok(Job::Measure(job)));
+        assert!(
+            matches!(parsed("remesh completions bash"), Ok(Job::Complete(script)) if script.contains("edge-length"))
+        );
+        assert!(
+            matches!(parsed("remesh --version"), Err(Stop::Shown(text)) if text.contains(env!("CARGO_PKG_VERSION")))
+        );
+        assert!(matches!(parsed("remesh quality --help"), Err(Stop::Shown(text)) if text.contains("--against")));
+    }
+}

@@ -1,0 +1,108 @@
+//! Talking to whoever runs the program: the report on standard output, everything else on standard error, the progress
+//! of a run, and the wish to end it.
+
+use crate::base::error::{Error, Result};
+use crate::base::progress::Monitor;
+use crate::cli::Status;
+use crate::cli::args::Voice;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::{ErrorKind, IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Steps of the progress bar within a stage.
+const STEPS: u64 = 1000;
+
+/// Whether the user wants the run to end.
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// From now on Ctrl-C, and on Unix the signals to terminate and to hang up, ask the run to end; a second one ends it
+/// at once. Without a handler, where the system has none, they end it as they always do.
+pub fn listen_for_interrupts() {
+    let handler = || {
+        if INTERRUPTED.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(Status::Interrupted as u8));
+        }
+    };
+    let _ = ctrlc::set_handler(handler);
+}
+
+/// A monitor that shows the stages of a run on standard error: as a bar if that is a terminal, as lines if they are
+/// asked for, else not at all.
+pub struct Terminal {
+    bar: Option<ProgressBar>,
+    lines: bool,
+    start: Instant,
+}
+
+impl Terminal {
+    pub fn new(voice: Voice) -> Terminal {
+        let wanted = voice == Voice::Normal && std::io::stderr().is_terminal();
+        Terminal { bar: wanted.then(bar), lines: voice == Voice::Verbose, start: Instant::now() }
+    }
+}
+
+/// The bar is wiped, whatever way the run ended.
+impl Drop for Terminal {
+    fn drop(&mut self) {
+        self.bar.iter().for_each(ProgressBar::finish_and_clear);
+    }
+}
+
+impl Monitor for Terminal {
+    fn stage(&self, name: &'static str) {
+        if let Some(bar) = &self.bar {
+            bar.set_message(name);
+            bar.set_position(0);
+        }
+        if self.lines {
+            complain(&format!("{:7.3} s {name}", self.start.elapsed().as_secs_f64()));
+        }
+    }
+
+    fn progress(&self, done: f64) {
+        self.bar.iter().for_each(|bar| bar.set_position((done.clamp(0.0, 1.0) * STEPS as f64) as u64));
+    }
+
+    fn cancelled(&self) -> bool {
+        INTERRUPTED.load(Ordering::Relaxed)
+    }
+}
+
+fn bar() -> ProgressBar {
+    let style = ProgressStyle::with_template("{msg:14} {wide_bar} {percent:>3} % {elapsed:>4}");
+    let bar = ProgressBar::new(STEPS).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.enable_steady_tick(Duration::from_millis(100));
+    bar
+}
+
+/// Puts a text on standard output. That nobody reads on is no error: `remesh quality m.obj | head -1` is fine.
+///
+/// # Errors
+/// [`Error::File`] if the text cannot be written for another reason, such as a full disk.
+pub fn print(text: &str) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Error::File {
+            file: "standard output".into(),
+            cause: e.to_string(),
+            remedy: "write to another place, or use -q".into(),
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// Puts one line on standard error, with the program's name before it. Where that fails there is nobody to tell.
+pub fn complain(cause: &str) {
+    let line = cause.split_whitespace().collect::<Vec<_>>().join(" ");
+    let _ = writeln!(std::io::stderr(), "remesh: {line}");
+}
+
+/// Says why a run failed, and gives its exit status.
+pub fn failed(error: &Error) -> Status {
+    match error {
+        Error::Cancelled => complain("interrupted; no file was changed"),
+        other => complain(&other.to_string()),
+    }
+    Status::of(error)
+}

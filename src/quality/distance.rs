@@ -1,0 +1,169 @@
+//! How far two surfaces are apart.
+//!
+//! From each mesh, points are taken evenly by area, and each has its exact distance to the closest point of the other
+//! mesh. With d the distances one way,
+//!
+//! ```text
+//! RMS = √(mean of d²)      Hausdorff = max d
+//! ```
+//!
+//! both in percent of the diagonal of the reference's bounding box. The Hausdorff distance looks at all vertices, too.
+//!
+//! Cost: two hierarchies, and one closest-point query for each sample and each vertex; in parallel, with the same bits
+//! for any number of threads. Limits: both figures are those of the points looked at. The true Hausdorff distance is
+//! never smaller, and may be larger where a triangle's inside is farther off than its corners and every sample.
+
+use crate::base::rng::{Stage, stream};
+use crate::quality::sampling;
+use crate::surface::bvh::Bvh;
+use crate::surface::mesh::Mesh;
+use glam::DVec3;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// Samples each way that the tool takes for its reports. Between surfaces of 97,000 and 17,000 triangles the whole
+/// measurement then takes 0.08 s on two cores, and the RMS differs between seeds by less than half a percent of
+/// itself; 20,000 samples took 0.05 s for twice the noise, 200,000 took 0.2 s.
+pub const REPORT_SAMPLES: usize = 50_000;
+
+/// Distances between a mesh and a reference, in percent of the diagonal of the reference's bounding box.
+///
+/// "Out" is the mesh that is measured, "in" the reference: the output and the input of a remeshing.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Distance {
+    /// Root of the mean of the squared distances of the samples of the mesh to the reference.
+    pub rms_out_to_in: f64,
+    /// The same from the reference to the mesh.
+    pub rms_in_to_out: f64,
+    /// Root of the mean of both squares.
+    pub rms: f64,
+    /// Largest distance of the samples and vertices of the mesh to the reference.
+    pub hausdorff_out_to_in: f64,
+    /// The same from the reference to the mesh.
+    pub hausdorff_in_to_out: f64,
+    /// The larger of both.
+    pub hausdorff: f64,
+    /// Samples taken on each of the two.
+    pub samples: usize,
+}
+
+/// The distances between `mesh` and `reference`, from `samples` points on each.
+///
+/// `None` if one of them has no triangles or the reference no extent.
+pub fn distance(mesh: &Mesh, reference: &Mesh, samples: usize, seed: u64) -> Option<Distance> {
+    let unit = 100.0 / reference.diagonal();
+    if mesh.triangles.is_empty() || !unit.is_finite() {
+        return None;
+    }
+    let mut rng = stream(seed, Stage::Distance);
+    let on_mesh = sampling::by_area(mesh, samples, &mut rng);
+    let on_reference = sampling::by_area(reference, samples, &mut rng);
+    let out = OneWay::new(mesh, &on_mesh, reference);
+    let back = OneWay::new(reference, &on_reference, mesh);
+    Some(Distance {
+        rms_out_to_in: unit * out.mean_square.sqrt(),
+        rms_in_to_out: unit * back.mean_square.sqrt(),
+        rms: unit * (0.5 * (out.mean_square + back.mean_square)).sqrt(),
+        hausdorff_out_to_in: unit * out.largest_square.sqrt(),
+        hausdorff_in_to_out: unit * back.largest_square.sqrt(),
+        hausdorff: unit * out.largest_square.max(back.largest_square).sqrt(),
+        samples,
+    })
+}
+
+/// Squared distances from one mesh to another.
+struct OneWay {
+    mean_square: f64,
+    largest_square: f64,
+}
+
+impl OneWay {
+    fn new(from: &Mesh, samples: &[DVec3], to: &Mesh) -> OneWay {
+        let bvh = Bvh::new(to);
+        let of_samples = squares(samples, to, &bvh);
+        let of_vertices = squares(&used_vertices(from), to, &bvh);
+        OneWay {
+            mean_square: of_samples.iter().sum::<f64>() / samples.len().max(1) as f64,
+            largest_square: of_samples.into_iter().chain(of_vertices).fold(0.0, f64::max),
+        }
+    }
+}
+
+/// The squared distance of each point to the mesh, in the order of the points.
+fn squares(points: &[DVec3], to: &Mesh, bvh: &Bvh) -> Vec<f64> {
+    let square = |&p: &DVec3| bvh.closest(to, p).map_or(0.0, |hit| hit.distance_squared);
+    points.par_iter().with_min_len(256).map(square).collect()
+}
+
+/// The positions that triangles use, each once.
+fn used_vertices(mesh: &Mesh) -> Vec<DVec3> {
+    let mut used = vec![false; mesh.positions.len()];
+    mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
+    mesh.positions.iter().zip(used).filter_map(|(&p, used)| used.then_some(p)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    /// The unit square at height `z`, as `n` by `n` squares.
+    fn square(n: u32, z: f64) -> Mesh {
+        let at = |i: u32, j: u32| i * (n + 1) + j;
+        let cells = || (0..n).flat_map(move |i| (0..n).map(move |j| (i, j)));
+        let point =
+            |k: u32| DVec3::new(f64::from(k / (n + 1)) / f64::from(n), f64::from(k % (n + 1)) / f64::from(n), z);
+        let halves = |(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]];
+        Mesh { positions: (0..(n + 1) * (n + 1)).map(point).collect(), triangles: cells().flat_map(halves).collect() }
+    }
+
+    #[test]
+    fn parallel_squares_are_as_far_apart_as_they_are() {
+        let found = distance(&square(3, 0.5), &square(2, 0.0), 1000, 0).unwrap();
+        let expected = 50.0 / 2f64.sqrt();
+        let Distance {
+            rms_out_to_in,
+            rms_in_to_out,
+            rms,
+            hausdorff_out_to_in,
+            hausdorff_in_to_out,
+            hausdorff,
+            samples,
+        } = found;
+        for figure in [rms_out_to_in, rms_in_to_out, rms, hausdorff_out_to_in, hausdorff_in_to_out, hausdorff] {
+            assert_relative_eq!(figure, expected, epsilon = 1e-9);
+        }
+        assert_eq!(samples, 1000);
+    }
+
+    #[test]
+    fn a_part_is_near_the_whole_but_the_whole_is_not_near_the_part() {
+        let whole = square(2, 0.0);
+        let part = Mesh { triangles: whole.triangles[..4].to_vec(), ..whole.clone() };
+        let found = distance(&part, &whole, 20_000, 0).unwrap();
+        assert!(found.rms_out_to_in < 1e-12 && found.hausdorff_out_to_in < 1e-12);
+        assert_relative_eq!(found.hausdorff_in_to_out, 100.0 * 0.5 / 2f64.sqrt(), epsilon = 1e-9);
+        // Half of the area is at distances spread evenly over 0 to 1/2.
+        assert_relative_eq!(found.rms_in_to_out, 100.0 * (1.0f64 / 24.0).sqrt() / 2f64.sqrt(), max_relative = 0.01);
+    }
+
+    #[test]
+    fn the_reference_sets_the_unit_and_vertices_count_although_no_sample_hits_them() {
+        let mut spike = square(10, 0.0);
+        spike.positions[60].z = 1e-3;
+        let found = distance(&spike, &square(1, 0.0), 10, 3).unwrap();
+        assert_relative_eq!(found.hausdorff_out_to_in, 0.1 / 2f64.sqrt(), epsilon = 1e-9);
+        assert_eq!(distance(&spike, &Mesh::default(), 10, 3), None);
+        assert_eq!(distance(&Mesh::default(), &spike, 10, 3), None);
+    }
+
+    #[test]
+    fn the_same_bits_with_any_number_of_threads() {
+        let (a, mut b) = (square(40, 0.0), square(37, 0.01));
+        b.positions.iter_mut().for_each(|p| p.z += 0.1 * (7.0 * p.x).sin());
+        let with = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
+        let found = [1, 2, 8].map(|n| with(n).install(|| distance(&a, &b, 5000, 1)));
+        assert!(found[0] == found[1] && found[1] == found[2]);
+        assert_ne!(found[0], distance(&a, &b, 5000, 2));
+    }
+}

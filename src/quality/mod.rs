@@ -1,0 +1,5 @@
+//! How good a mesh is: the shape of its triangles, and its distance to another mesh.
+
+pub mod distance;
+pub mod sampling;
+pub mod shape;

@@ -1,0 +1,286 @@
+//! The program as its users run it: arguments, exit statuses, what is printed where, and what is left on the disk.
+
+#![cfg(feature = "cli")]
+
+use std::fmt::Write;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+/// A run that has ended.
+struct Ran {
+    status: i32,
+    out: String,
+    err: String,
+}
+
+impl Ran {
+    /// It failed with `status`, said nothing on standard output, and one line that contains `words` on standard error.
+    #[track_caller]
+    fn failed(&self, status: i32, words: &[&str]) {
+        assert_eq!(self.status, status, "{}", self.err);
+        assert_eq!(self.out, "");
+        assert!(self.err.starts_with("remesh: ") && self.err.lines().count() == 1, "{:?}", self.err);
+        words.iter().for_each(|word| assert!(self.err.contains(word), "no {word:?} in {:?}", self.err));
+    }
+
+    /// It ended with status 0 and an empty standard error.
+    #[track_caller]
+    fn went_well(&self) -> &str {
+        assert_eq!((self.status, self.err.as_str()), (0, ""));
+        &self.out
+    }
+}
+
+fn command(folder: &Path, words: &str) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_remesh"));
+    command.current_dir(folder).args(words.split_whitespace()).stdin(Stdio::null());
+    command
+}
+
+/// Runs the program in `folder`, with the words of `words` as its arguments.
+fn run(folder: &Path, words: &str) -> Ran {
+    let Output { status, stdout, stderr } = command(folder, words).output().unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    Ran { status: status.code().unwrap_or(-1), out: text(stdout), err: text(stderr) }
+}
+
+/// A folder with `octahedron.off`, `moved.off` (the same a tenth higher), `sphere.off` (1,938 vertices) and more.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write("octahedron.off", &sphere(1, 0.0));
+    write("moved.off", &sphere(1, 0.1));
+    write("sphere.off", &sphere(22, 0.0));
+    write("empty.off", "");
+    write("points.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n");
+    write("nan.off", "OFF\n3 1 0\n0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n");
+    folder
+}
+
+/// An octahedron whose faces are cut into `n` by `n` triangles and blown up to a unit sphere, as OFF. Each of the eight
+/// faces has its own grid; vertices on their seams are found again by their place on the octahedron.
+fn sphere(n: i32, lift: f64) -> String {
+    let mut places: Vec<[i32; 3]> = Vec::new();
+    let mut index = |place: [i32; 3]| {
+        places.iter().position(|&p| p == place).unwrap_or_else(|| {
+            places.push(place);
+            places.len() - 1
+        })
+    };
+    let mut faces = Vec::new();
+    for signs in 0..8 {
+        let [x, y, z] = [0, 1, 2].map(|k| if signs >> k & 1 == 0 { 1 } else { -1 });
+        let mut face = |corners: [(i32, i32); 3]| {
+            let [a, b, c] = corners.map(|(i, j)| index([x * i, y * j, z * (n - i - j)]));
+            faces.push(if x * y * z > 0 { [a, b, c] } else { [a, c, b] });
+        };
+        for (i, j) in (0..n).flat_map(|i| (0..n - i).map(move |j| (i, j))) {
+            face([(i, j), (i + 1, j), (i, j + 1)]);
+            if i + j + 2 <= n {
+                face([(i + 1, j), (i + 1, j + 1), (i, j + 1)]);
+            }
+        }
+    }
+    let mut text = format!("OFF\n{} {} 0\n", places.len(), faces.len());
+    for place in &places {
+        let [x, y, z] = place.map(f64::from);
+        let length = (x * x + y * y + z * z).sqrt();
+        writeln!(text, "{} {} {}", x / length, y / length, z / length + lift).unwrap();
+    }
+    faces.iter().for_each(|[a, b, c]| writeln!(text, "3 {a} {b} {c}").unwrap());
+    text
+}
+
+/// The names of all files in a folder.
+fn files(folder: &Path) -> Vec<String> {
+    let names = std::fs::read_dir(folder).unwrap().map(|f| f.unwrap().file_name().into_string().unwrap());
+    let mut names: Vec<String> = names.collect();
+    names.sort();
+    names
+}
+
+fn json(text: &str) -> serde_json::Value {
+    serde_json::from_str(text).unwrap()
+}
+
+#[test]
+fn help_and_version_are_no_errors() {
+    let folder = folder();
+    let help = run(folder.path(), "--help");
+    for part in ["Usage: remesh <IN> <OUT>", "--points <N>", "Examples:", "Exit status:"] {
+        assert!(help.went_well().contains(part), "{part}");
+    }
+    assert!(run(folder.path(), "quality --help").went_well().contains("--against <INPUT>"));
+    assert_eq!(run(folder.path(), "--version").went_well(), concat!("remesh ", env!("CARGO_PKG_VERSION"), "\n"));
+}
+
+#[test]
+fn wrong_usage_is_two_and_one_line() {
+    let folder = folder();
+    let before = files(folder.path());
+    run(folder.path(), "").failed(2, &["<IN> <OUT>"]);
+    run(folder.path(), "sphere.off out.obj").failed(2, &["--points", "--edge-length", "--sigma-p"]);
+    run(folder.path(), "sphere.off out.obj --points 0").failed(2, &["--points"]);
+    run(folder.path(), "sphere.off out.obj --points -5").failed(2, &["--points", "-5"]);
+    run(folder.path(), "sphere.off out.obj --points 9 --sigma-p 1").failed(2, &["--points", "--sigma-p"]);
+    run(folder.path(), "sphere.off out.obj --edge-length 0").failed(2, &["--edge-length", "positive"]);
+    run(folder.path(), "sphere.off out.obj --pionts 9").failed(2, &["--pionts", "--points"]);
+    run(folder.path(), "quality").failed(2, &["<MESH>"]);
+    assert_eq!(files(folder.path()), before);
+}
+
+#[test]
+fn completions_are_printed_for_each_shell() {
+    let folder = folder();
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let ran = run(folder.path(), &format!("completions {shell}"));
+        assert!(ran.went_well().contains("edge-length"), "{shell}");
+    }
+}
+
+#[test]
+fn quality_prints_a_table() {
+    let ran = run(folder().path(), "quality octahedron.off");
+    let text = ran.went_well();
+    for line in ["octahedron.off", "vertices                              6", "θ min                            60.00°"]
+    {
+        assert!(text.lines().any(|l| l == line), "no {line:?} in\n{text}");
+    }
+    assert!(!text.contains("RMS"));
+}
+
+#[test]
+fn quality_against_another_mesh_has_distances() {
+    let ran = run(folder().path(), "quality moved.off --against octahedron.off --json");
+    let report = json(ran.went_well());
+    assert_eq!(report["schema"], "spectral-remesh/report/1");
+    assert_eq!((&report["output"]["file"], &report["input"]["file"]), (&"moved.off".into(), &"octahedron.off".into()));
+    assert_eq!(report["verified"], serde_json::Value::Null);
+    let hausdorff = report["distance"]["hausdorff"].as_f64().unwrap();
+    assert!((hausdorff - 100.0 * 0.1 / 12f64.sqrt()).abs() < 1e-6, "{hausdorff}");
+    assert_eq!(report["stages"][0]["name"], "read");
+}
+
+#[test]
+fn an_stl_file_is_a_surface_and_not_a_heap_of_triangles() {
+    let folder = folder();
+    let facet = |corners: [&str; 3]| {
+        let [a, b, c] = corners;
+        format!("facet normal 0 0 0\nouter loop\nvertex {a}\nvertex {b}\nvertex {c}\nendloop\nendfacet\n")
+    };
+    let [o, x, y, z] = ["0 0 0", "1 0 0", "0 1 0", "0 0 1"];
+    let facets = [[o, y, x], [o, x, z], [x, y, z], [y, o, z]].map(facet).concat();
+    std::fs::write(folder.path().join("t.stl"), format!("solid t\n{facets}endsolid t\n")).unwrap();
+    let report = json(run(folder.path(), "quality t.stl --json").went_well());
+    let topology = &report["output"]["topology"];
+    assert_eq!(
+        (&topology["vertices"], &topology["euler"], &topology["boundary_loops"]),
+        (&4.into(), &2.into(), &0.into())
+    );
+}
+
+#[test]
+fn figures_do_not_depend_on_threads() {
+    let folder = folder();
+    let figures = |threads: i32| {
+        let words = format!("quality sphere.off --against moved.off --json --threads {threads}");
+        let report = json(run(folder.path(), &words).went_well());
+        assert_eq!(report["threads"], threads);
+        (report["output"].clone(), report["distance"].clone())
+    };
+    assert_eq!(figures(1), figures(3));
+}
+
+#[test]
+fn files_that_are_no_mesh_are_one_and_one_line() {
+    let folder = folder();
+    let before = files(folder.path());
+    for name in ["absent.off", "empty.off", "points.off", "nan.off", "."] {
+        run(folder.path(), &format!("quality {name}")).failed(1, &[name]);
+        run(folder.path(), &format!("quality octahedron.off --against {name}")).failed(1, &[name]);
+        run(folder.path(), &format!("{name} out.obj --points 100")).failed(1, &[name]);
+    }
+    assert_eq!(files(folder.path()), before);
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_error() {
+    let folder = folder();
+    let mut child =
+        command(folder.path(), "completions zsh").stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!((output.status.code(), output.stderr.as_slice()), (Some(0), &[][..]));
+}
+
+// From here on the whole pipeline runs.
+
+#[test]
+fn a_sphere_is_remeshed_and_reported() {
+    let folder = folder();
+    let ran = run(folder.path(), "sphere.off out.obj --points 500 --report report.json --seed 3");
+    let text = ran.went_well();
+    assert!(text.starts_with("sphere.off -> out.obj\n") && text.contains("\nverified "), "{text}");
+    let report = json(&std::fs::read_to_string(folder.path().join("report.json")).unwrap());
+    assert_eq!((&report["verified"], &report["sampling"]["seed"]), (&true.into(), &3.into()));
+    assert_eq!((&report["sampling"]["wanted"], &report["output"]["topology"]["euler"]), (&500.into(), &2.into()));
+    let vertices = report["output"]["topology"]["vertices"].as_u64().unwrap();
+    assert!((495..=505).contains(&vertices), "{vertices}");
+    let written = json(run(folder.path(), "quality out.obj --json").went_well());
+    assert_eq!(written["output"]["topology"], report["output"]["topology"]);
+}
+
+#[test]
+fn quiet_says_nothing_and_verbose_names_the_stages() {
+    let folder = folder();
+    assert_eq!(run(folder.path(), "sphere.off quiet.ply --points 200 -q").went_well(), "");
+    assert!(folder.path().join("quiet.ply").exists());
+    let verbose = run(folder.path(), "sphere.off verbose.ply --points 200 -v");
+    assert_eq!(verbose.status, 0);
+    assert!(verbose.err.lines().all(|line| line.starts_with("remesh: ")), "{}", verbose.err);
+    assert!(verbose.err.contains(" s read\n") && verbose.err.contains(" s write\n"), "{}", verbose.err);
+}
+
+#[test]
+fn threads_do_not_change_a_byte_and_the_seed_does() {
+    let folder = folder();
+    let bytes = |flags: &str| {
+        run(folder.path(), &format!("sphere.off out.ply --points 300 -q {flags}")).went_well();
+        std::fs::read(folder.path().join("out.ply")).unwrap()
+    };
+    let one = bytes("--threads 1");
+    assert!(one == bytes("--threads 3") && one != bytes("--seed 1"));
+}
+
+#[test]
+fn what_cannot_be_written_leaves_nothing_and_an_old_file_stays() {
+    let folder = folder();
+    std::fs::write(folder.path().join("old.obj"), "old").unwrap();
+    let before = files(folder.path());
+    run(folder.path(), "sphere.off absent/out.obj --points 100").failed(1, &["absent"]);
+    run(folder.path(), "sphere.off . --points 100").failed(1, &["."]);
+    run(folder.path(), "sphere.off out.doc --points 100").failed(1, &["out.doc"]);
+    run(folder.path(), "absent.off old.obj --points 100").failed(1, &["absent.off"]);
+    run(folder.path(), "sphere.off old.obj --points 1").failed(2, &["points"]);
+    assert_eq!(files(folder.path()), before);
+    assert_eq!(std::fs::read_to_string(folder.path().join("old.obj")).unwrap(), "old");
+}
+
+#[test]
+#[cfg(unix)]
+fn an_interrupt_ends_the_run_and_leaves_nothing() {
+    use std::io::{BufRead, BufReader, Read};
+    let folder = folder();
+    let before = files(folder.path());
+    let mut command = command(folder.path(), "sphere.off out.obj --points 300000 -v");
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut lines = BufReader::new(child.stderr.take().unwrap());
+    let mut first = String::new();
+    lines.read_line(&mut first).unwrap();
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let mut rest = String::new();
+    lines.read_to_string(&mut rest).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(rest.contains("remesh: interrupted"), "{rest}");
+    assert_eq!(files(folder.path()), before);
+}
