@@ -17,10 +17,13 @@ const REPEATED: usize = 1 << 26;
 pub(super) fn collect(root: &Root, store: &Store) -> Result<(Mesh, Vec<String>)> {
     let mut scene = Collector { root, store, mesh: Mesh::default(), read: 0, left_out: LeftOut::default() };
     let scenes = root.scenes.len();
-    match root.scene.map(|s| s.value()).or((scenes > 0).then_some(0)) {
-        Some(index) => scene.nodes(index)?,
-        None => (0..root.meshes.len()).try_for_each(|mesh| scene.mesh(mesh, DMat4::IDENTITY))?,
-    }
+    let instances = match root.scene.map(|s| s.value()).or((scenes > 0).then_some(0)) {
+        Some(index) => scene_instances(root, index)?,
+        None => {
+            (0..root.meshes.len()).map(|mesh| Instance { mesh, transform: DMat4::IDENTITY, skinned: false }).collect()
+        }
+    };
+    scene.instances(&instances)?;
     let mut notes = scene.left_out.notes();
     if scenes > 1 {
         notes.push(format!("only one of {scenes} scenes is read"));
@@ -32,7 +35,7 @@ struct Collector<'a, 's> {
     root: &'a Root,
     store: &'a Store<'s>,
     mesh: Mesh,
-    /// Vertices and indices read so far.
+    /// Vertices and indices read or asked for so far.
     read: usize,
     left_out: LeftOut,
 }
@@ -61,34 +64,27 @@ impl LeftOut {
 }
 
 impl Collector<'_, '_> {
-    /// Visits the nodes of scene `index`, parents before their children. The specification wants trees, so a node that
-    /// is met twice is an error, which takes care of cycles too.
-    fn nodes(&mut self, index: usize) -> Result<()> {
-        let root = self.root;
-        let scene = root.scenes.get(index).ok_or_else(|| wrong("scene", index, "does not exist"))?;
-        let mut met = vec![false; root.nodes.len()];
-        let mut open: Vec<(usize, DMat4)> = scene.nodes.iter().rev().map(|n| (n.value(), DMat4::IDENTITY)).collect();
-        while let Some((index, outer)) = open.pop() {
-            let node = root.nodes.get(index).ok_or_else(|| wrong("node", index, "does not exist"))?;
-            if std::mem::replace(&mut met[index], true) {
-                return Err(wrong("node", index, "belongs to more than one parent"));
+    /// Adds all instances. The budget for all uses of a mesh is asked for at its first one.
+    fn instances(&mut self, instances: &[Instance]) -> Result<()> {
+        let mut uses = vec![0usize; self.root.meshes.len()];
+        for instance in instances {
+            *uses.get_mut(instance.mesh).ok_or_else(|| wrong("mesh", instance.mesh, "does not exist"))? += 1;
+        }
+        for instance in instances {
+            let before = self.read;
+            self.mesh(instance.mesh, instance.transform)?;
+            self.left_out.skinned += usize::from(instance.skinned);
+            match std::mem::take(&mut uses[instance.mesh]).checked_sub(1) {
+                Some(others) => self.budget((self.read - before).saturating_mul(others))?,
+                None => self.read = before,
             }
-            let transform = outer * local_transform(node);
-            if !transform.is_finite() {
-                return Err(wrong("node", index, "the transform is not finite"));
-            }
-            if let Some(mesh) = node.mesh {
-                self.left_out.skinned += usize::from(node.skin.is_some());
-                self.mesh(mesh.value(), transform)?;
-            }
-            open.extend(node.children.iter().flatten().rev().map(|child| (child.value(), transform)));
         }
         Ok(())
     }
 
-    /// Adds a mesh. Primitives over the same positions share their vertices.
+    /// Adds a mesh that exists. Primitives over the same positions share their vertices.
     fn mesh(&mut self, index: usize, transform: DMat4) -> Result<()> {
-        let mesh = self.root.meshes.get(index).ok_or_else(|| wrong("mesh", index, "does not exist"))?;
+        let mesh = &self.root.meshes[index];
         let mut bases = BTreeMap::new();
         for primitive in &mesh.primitives {
             let Checked::Valid(mode) = primitive.mode else {
@@ -153,7 +149,7 @@ impl Collector<'_, '_> {
 
     /// Counts `more` vertices or indices. A scene may be larger than its data, but not beyond all bounds.
     fn budget(&mut self, more: usize) -> Result<()> {
-        self.read += more;
+        self.read = self.read.saturating_add(more);
         if self.read > REPEATED.max(self.store.loaded()) { Err(too_large()) } else { Ok(()) }
     }
 }
@@ -161,6 +157,36 @@ impl Collector<'_, '_> {
 fn too_large() -> crate::base::error::Error {
     let cause = "the scene repeats its meshes to too many vertices";
     malformed(Place::Whole, cause, "export fewer copies of the repeated meshes")
+}
+
+/// A use of a mesh by a node.
+struct Instance {
+    mesh: usize,
+    transform: DMat4,
+    skinned: bool,
+}
+
+/// The meshes of the nodes of scene `index`, parents before their children. The specification wants trees, so a node
+/// that is met twice is an error, which takes care of cycles too.
+fn scene_instances(root: &Root, index: usize) -> Result<Vec<Instance>> {
+    let scene = root.scenes.get(index).ok_or_else(|| wrong("scene", index, "does not exist"))?;
+    let mut met = vec![false; root.nodes.len()];
+    let mut open: Vec<(usize, DMat4)> = scene.nodes.iter().rev().map(|n| (n.value(), DMat4::IDENTITY)).collect();
+    let mut instances = Vec::new();
+    while let Some((index, outer)) = open.pop() {
+        let node = root.nodes.get(index).ok_or_else(|| wrong("node", index, "does not exist"))?;
+        if std::mem::replace(&mut met[index], true) {
+            return Err(wrong("node", index, "belongs to more than one parent"));
+        }
+        let transform = outer * local_transform(node);
+        if !transform.is_finite() {
+            return Err(wrong("node", index, "the transform is not finite"));
+        }
+        let mesh = node.mesh.map(|m| m.value());
+        instances.extend(mesh.map(|mesh| Instance { mesh, transform, skinned: node.skin.is_some() }));
+        open.extend(node.children.iter().flatten().rev().map(|child| (child.value(), transform)));
+    }
+    Ok(instances)
 }
 
 /// The transform of a node relative to its parent.

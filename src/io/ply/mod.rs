@@ -19,7 +19,8 @@ pub(crate) use write::write;
 use crate::base::error::Result;
 use crate::geom::polygon::triangulate;
 use crate::io::Parsed;
-use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, Words, malformed};
+use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed};
+use crate::io::text::{Words, small_faces};
 use crate::surface::mesh::Mesh;
 use glam::DVec3;
 use header::{Element, Encoding, Header, Kind, Property, Scalar};
@@ -32,7 +33,7 @@ use source::{Binary, Source, Text};
 pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     let header = header::parse(bytes)?;
     match header.encoding {
-        Encoding::Text => read(Text(Words::new(&bytes[header.body..], header.line)), &header),
+        Encoding::Text => read(Text(Words::new(&bytes[header.body..]).from_line(header.line)), &header),
         Encoding::Little => read(Binary::<false>::new(bytes, header.body), &header),
         Encoding::Big => read(Binary::<true>::new(bytes, header.body), &header),
     }
@@ -68,9 +69,7 @@ fn read<S: Source>(mut source: S, header: &Header) -> Parsed {
     for (mut source, element) in early {
         faces.read(&mut source, element)?;
     }
-    if faces.small > 0 {
-        notes.push(format!("{} faces with fewer than three corners are left out", faces.small));
-    }
+    small_faces(&mut notes, faces.small);
     if source.has_more() {
         notes.push("what comes after the last element is left out".into());
     }

@@ -2,7 +2,8 @@
 
 use super::header::Scalar;
 use crate::base::error::{Error, Place, Result};
-use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, Words, malformed, number, quote};
+use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed};
+use crate::io::text::{Words, number, quote};
 
 /// A body that is read from front to back. Copies go their own ways.
 pub(super) trait Source: Clone {
@@ -33,13 +34,13 @@ pub(super) struct Text<'a>(pub Words<'a>);
 impl Source for Text<'_> {
     #[inline]
     fn next(&mut self, _: Scalar) -> Result<f64> {
-        let Some(word) = self.0.next() else { return Err(cut_short(self.place())) };
+        let Some(word) = self.0.anywhere() else { return Err(cut_short(self.place())) };
         number(word).ok_or_else(|| self.0.error(format!("{} is not a number", quote(word)), EXPORT_AGAIN))
     }
 
     fn skip(&mut self, _: Scalar, count: usize) -> Result<()> {
         for _ in 0..count {
-            self.0.next().ok_or_else(|| cut_short(self.place()))?;
+            self.0.anywhere().ok_or_else(|| cut_short(self.place()))?;
         }
         Ok(())
     }
@@ -60,12 +61,12 @@ impl Source for Text<'_> {
 
     fn end(&self) -> Place {
         let mut rest = self.0.clone();
-        while rest.next().is_some() {}
+        while rest.anywhere().is_some() {}
         Place::Line(rest.line())
     }
 
     fn has_more(&self) -> bool {
-        self.0.clone().next().is_some()
+        self.0.clone().anywhere().is_some()
     }
 }
 
