@@ -154,7 +154,7 @@ impl Collector<'_, '_> {
     }
 }
 
-fn too_large() -> crate::Error {
+fn too_large() -> crate::base::error::Error {
     let cause = "the scene repeats its meshes to too many vertices";
     malformed(Place::Whole, cause, "export fewer copies of the repeated meshes")
 }

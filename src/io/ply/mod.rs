@@ -42,7 +42,11 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
 /// Reads all elements. Faces that come before the vertices are skipped first and read at the end.
 fn read<S: Source>(mut source: S, header: &Header) -> Parsed {
     let Some(vertex) = header.elements.iter().position(|e| e.name == "vertex") else {
-        return Err(malformed(crate::Place::Line(header.line - 1), "no element 'vertex' in the header", EXPORT_AGAIN));
+        return Err(malformed(
+            crate::base::error::Place::Line(header.line - 1),
+            "no element 'vertex' in the header",
+            EXPORT_AGAIN,
+        ));
     };
     let mut faces = Faces { positions: Vec::new(), triangles: Vec::new(), small: 0 };
     let mut notes = Vec::new();

@@ -1,0 +1,31 @@
+# Recipes for those who have `just`; each is one plain command that works without it.
+
+# List the recipes.
+default:
+    @just --list
+
+# All tests.
+test:
+    cargo test --release
+
+# Everything that must hold before a change is merged.
+ci:
+    .ci/run
+
+# Write the models of data/ again.
+data:
+    cargo run --release --example make_data
+
+# The picture of the README.
+picture:
+    cargo run --release -- data/blob.obj target/blob.out.obj --points 4000
+    cargo run --release --example render -- data/blob.obj target/blob.out.obj data/before-after.png --size 600 --view 0,88
+
+# Time every stage.
+bench:
+    cargo bench
+
+# Figures of the models in FOLDER and in data/, into the README's table.
+figures FOLDER:
+    cargo build --release
+    eval/figures.py --models {{FOLDER}}
