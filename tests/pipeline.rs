@@ -22,7 +22,9 @@ fn check_with(name: &str, input: &Mesh, options: &Options) -> Remeshed {
     let t = audit(&made.mesh);
     assert_eq!((t.euler, t.components), (made.repaired.euler, made.repaired.components), "{name}");
     if made.mesh.positions.len() != made.wanted {
-        let excused = made.mesh.positions.len() > made.wanted && made.wanted < 150 && !made.notes.is_empty();
+        // A piece of the topology of a sphere has at least four vertices, one of a torus seven, and so on.
+        let few = made.wanted < 150 + 4 * made.repaired.components;
+        let excused = made.mesh.positions.len() > made.wanted && few && !made.notes.is_empty();
         assert!(excused, "{name}: {} of {}", made.mesh.positions.len(), made.wanted);
     }
     on_the_surface(name, input, &made.mesh);
