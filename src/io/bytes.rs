@@ -1,4 +1,4 @@
-//! What the readers and writers of several formats share: words of a text, numbers in bytes, errors without a file.
+//! What the readers and writers of several formats share: numbers in bytes, errors without a file.
 
 use crate::base::error::{Error, Place, Result};
 use glam::DVec3;
@@ -6,6 +6,8 @@ use std::io;
 
 /// What to do about a file that ends too early.
 pub(super) const CUT_SHORT: &str = "the file seems to be cut short: copy or export it again";
+/// What to do about a line that makes no sense.
+pub(super) const CORRECT_LINE: &str = "correct that line or export the file again";
 /// What to do about a file that contradicts itself.
 pub(super) const EXPORT_AGAIN: &str = "export it again, or repair it with the program that made it";
 
@@ -48,66 +50,6 @@ pub(super) fn u32_at(bytes: &[u8], at: usize) -> Option<u32> {
     array(bytes, at).map(u32::from_le_bytes)
 }
 
-/// The words of a text between white space, and the line they are on.
-#[derive(Clone)]
-pub(super) struct Words<'a> {
-    rest: &'a [u8],
-    line: usize,
-}
-
-impl<'a> Words<'a> {
-    /// The words of `rest`, which begins on line `line`.
-    pub fn new(rest: &'a [u8], line: usize) -> Self {
-        Words { rest, line }
-    }
-
-    /// The next word. Afterwards, [`Words::line`] is its line.
-    #[inline]
-    pub fn next(&mut self) -> Option<&'a [u8]> {
-        let blank = self.rest.iter().position(|b| !b.is_ascii_whitespace()).unwrap_or(self.rest.len());
-        let (space, rest) = self.rest.split_at(blank);
-        self.line += space.iter().filter(|&&b| b == b'\n').count();
-        let end = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
-        let (word, rest) = rest.split_at(end);
-        self.rest = rest;
-        (!word.is_empty()).then_some(word)
-    }
-
-    /// Leaves out what is left of this line.
-    pub fn skip_line(&mut self) {
-        let end = self.rest.iter().position(|b| matches!(b, b'\n' | b'\r')).unwrap_or(self.rest.len());
-        self.rest = &self.rest[end..];
-    }
-
-    /// The line of the last word, or of the end, from 1.
-    pub fn line(&self) -> usize {
-        self.line
-    }
-
-    /// How many bytes are left.
-    pub fn remaining(&self) -> usize {
-        self.rest.len()
-    }
-
-    /// The error that `cause` is wrong on this line.
-    pub fn error(&self, cause: impl Into<String>, remedy: &str) -> Error {
-        malformed(Place::Line(self.line), cause, remedy)
-    }
-}
-
-/// The number that a word spells.
-#[inline]
-pub(super) fn number(word: &[u8]) -> Option<f64> {
-    std::str::from_utf8(word).ok()?.parse().ok()
-}
-
-/// A word as it can stand in a message: short and printable.
-pub(super) fn quote(word: &[u8]) -> String {
-    let short = &word[..word.len().min(24)];
-    let dots = if short.len() < word.len() { "..." } else { "" };
-    format!("'{}{dots}'", short.escape_ascii())
-}
-
 /// The bytes after a byte order mark of UTF-8, if there is one.
 pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
@@ -135,31 +77,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_know_their_line() {
-        let mut words = Words::new(b"one  two\r\n\nthree", 1);
-        assert_eq!((words.next(), words.line()), (Some(&b"one"[..]), 1));
-        assert_eq!((words.next(), words.line()), (Some(&b"two"[..]), 1));
-        assert_eq!((words.next(), words.line()), (Some(&b"three"[..]), 3));
-        assert_eq!((words.next(), words.remaining()), (None, 0));
-    }
-
-    #[test]
-    fn a_line_can_be_skipped() {
-        let mut words = Words::new(b"solid my part\rfacet", 1);
-        words.next();
-        words.skip_line();
-        assert_eq!(words.next(), Some(&b"facet"[..]));
-    }
-
-    #[test]
     fn single_precision_has_a_range() {
         assert_eq!(narrow(DVec3::new(1.0, -2.0, 0.5)).unwrap(), [1.0, -2.0, 0.5]);
         assert_eq!(narrow(DVec3::splat(1e39)).unwrap_err().kind(), io::ErrorKind::InvalidData);
-    }
-
-    #[test]
-    fn quotes_are_short_and_printable() {
-        assert_eq!(quote(b"a\x00b"), "'a\\x00b'");
-        assert_eq!(quote(&[b'x'; 30]), format!("'{}...'", "x".repeat(24)));
     }
 }

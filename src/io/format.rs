@@ -96,7 +96,11 @@ fn is_binary_stl(bytes: &[u8]) -> bool {
 }
 
 fn is_obj(bytes: &[u8]) -> bool {
-    super::text::Words::new(bytes, true).anywhere().is_some_and(|word| OBJ_STATEMENTS.contains(&word))
+    super::text::Words::new(bytes)
+        .with_comments()
+        .with_continued_lines()
+        .anywhere()
+        .is_some_and(|word| OBJ_STATEMENTS.contains(&word))
 }
 
 impl fmt::Display for Format {

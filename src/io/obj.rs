@@ -7,9 +7,10 @@
 //! Cost: one pass; memory for the polygons beside that of the mesh.
 
 use super::Parsed;
+use super::bytes::{CORRECT_LINE, malformed};
 use super::faces::Faces;
-use super::text::{Words, error_at, note, quote, whole, write_line};
-use crate::base::error::Result;
+use super::text::{Words, left_out, quote, small_faces, whole, write_line};
+use crate::base::error::{Place, Result};
 use crate::surface::mesh::Mesh;
 use glam::DVec3;
 use std::io::{self, Write};
@@ -82,7 +83,7 @@ struct Reader<'a> {
 impl<'a> Reader<'a> {
     fn new(bytes: &'a [u8]) -> Self {
         Reader {
-            words: Words::new(bytes, true),
+            words: Words::new(bytes).with_comments().with_continued_lines(),
             positions: Vec::new(),
             faces: Faces::default(),
             largest: (0, 0),
@@ -128,15 +129,15 @@ impl<'a> Reader<'a> {
             digits => (false, digits),
         };
         let Some(number) = whole(digits) else {
-            return Err(self.words.error(format!("{} is not a vertex number", quote(corner))));
+            return Err(self.words.mistake(format!("{} is not a vertex number", quote(corner))));
         };
         let known = self.positions.len();
         if number == 0 {
-            return Err(self.words.error("a face uses vertex 0, but OBJ counts from 1"));
+            return Err(self.words.mistake("a face uses vertex 0, but OBJ counts from 1"));
         }
         if back && number > known {
             let cause = format!("a face uses vertex {} from the last, but only {known} precede it", quote(corner));
-            return Err(self.words.error(cause));
+            return Err(self.words.mistake(cause));
         }
         let number = if back { known + 1 - number } else { number };
         if number > self.largest.0 {
@@ -162,27 +163,23 @@ impl<'a> Reader<'a> {
     fn check_indices(&self) -> Result<()> {
         let ((largest, line), count) = (self.largest, self.positions.len());
         if largest > count {
-            return Err(error_at(line, format!("a face uses vertex {largest}, but the file has {count}")));
+            let cause = format!("a face uses vertex {largest}, but the file has {count}");
+            return Err(malformed(Place::Line(line), cause, CORRECT_LINE));
         }
         Ok(())
     }
 
     fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
-        note(
-            &mut notes,
-            self.faces.dropped,
-            "face with fewer than three corners",
-            "faces with fewer than three corners",
-        );
-        note(&mut notes, self.points_and_lines, "point or line element", "point or line elements");
+        small_faces(&mut notes, self.faces.dropped);
+        left_out(&mut notes, self.points_and_lines, "point or line element", "point or line elements");
         if self.free_form > 0 {
-            notes.push("Free-form curves and surfaces were left out.".into());
+            notes.push("free-form curves and surfaces are left out".into());
         }
         if let Some((line, keyword)) = self.first_unknown {
             let (count, keyword) = (self.unknown, quote(keyword));
             notes.push(format!(
-                "Statements that OBJ does not have were left out: {count}, the first {keyword} in line {line}."
+                "statements that OBJ does not have are left out: {count}, the first is {keyword} on line {line}"
             ));
         }
         notes
@@ -258,10 +255,10 @@ mod tests {
         assert_eq!(
             parse(text.as_bytes()).unwrap().1,
             [
-                "2 faces with fewer than three corners were left out.",
-                "2 point or line elements were left out.",
-                "Free-form curves and surfaces were left out.",
-                "Statements that OBJ does not have were left out: 2, the first 'foo' in line 13.",
+                "2 faces with fewer than three corners are left out",
+                "2 point or line elements are left out",
+                "free-form curves and surfaces are left out",
+                "statements that OBJ does not have are left out: 2, the first is 'foo' on line 13",
             ]
         );
     }

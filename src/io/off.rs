@@ -9,8 +9,8 @@
 
 use super::Parsed;
 use super::faces::Faces;
-use super::text::{Words, note, quote, whole, write_line};
-use crate::base::error::{Error, Place, Result};
+use super::text::{Words, quote, small_faces, whole, write_line};
+use crate::base::error::{Error, Result};
 use crate::surface::mesh::Mesh;
 use glam::DVec3;
 use std::io::{self, Write};
@@ -22,15 +22,15 @@ const VERTEX_BYTES: usize = 6;
 const FACE_BYTES: (usize, usize) = (8, 2);
 
 pub(crate) fn parse(bytes: &[u8]) -> Parsed {
-    let mut words = Words::new(bytes, false);
+    let mut words = Words::new(bytes).with_comments();
     let (vertices, faces) = header(&mut words)?;
     let positions = read_vertices(&mut words, vertices)?;
     let faces = read_faces(&mut words, faces, vertices)?;
     let triangles = faces.triangles(&positions);
     let mut notes = Vec::new();
-    note(&mut notes, faces.dropped, "face with fewer than three corners", "faces with fewer than three corners");
+    small_faces(&mut notes, faces.dropped);
     if words.anywhere().is_some() {
-        notes.push(format!("What follows the last face, from line {} on, was left out.", words.line()));
+        notes.push(format!("what follows the last face, from line {} on, is left out", words.line()));
     }
     Ok((Mesh { positions, triangles }, notes))
 }
@@ -48,7 +48,7 @@ pub(crate) fn write(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
 
 /// Whether a file starts with the keyword of this format.
 pub(crate) fn has_keyword(bytes: &[u8]) -> bool {
-    Words::new(bytes, false).anywhere().is_some_and(|word| keyword(word).is_some())
+    Words::new(bytes).with_comments().anywhere().is_some_and(|word| keyword(word).is_some())
 }
 
 /// The prefixes of the keyword that a word starts with, and what follows the keyword in the same word: `OFF8 6 12`, a
@@ -88,22 +88,17 @@ fn check_dimensions(words: &Words, prefix: &[u8]) -> Result<()> {
 }
 
 fn unsupported(words: &Words, cause: &str) -> Error {
-    Error::Format {
-        file: String::new(),
-        place: Place::Line(words.line()),
-        cause: cause.into(),
-        remedy: "export the file as plain OFF, or as PLY or OBJ".into(),
-    }
+    words.error(cause, "export the file as plain OFF, or as PLY or OBJ")
 }
 
 fn count(words: &Words, word: Option<&[u8]>, what: &str, bytes_each: usize) -> Result<usize> {
-    let Some(word) = word else { return Err(words.error(format!("the number of {what} is missing"))) };
+    let Some(word) = word else { return Err(words.mistake(format!("the number of {what} is missing"))) };
     let Some(count) = whole(word) else {
-        return Err(words.error(format!("{} is not a number of {what}", quote(word))));
+        return Err(words.mistake(format!("{} is not a number of {what}", quote(word))));
     };
     let left = words.remaining();
     if count > (left + 1) / bytes_each {
-        return Err(words.error(format!("the file promises {count} {what}, but only {left} bytes follow")));
+        return Err(words.mistake(format!("the file promises {count} {what}, but only {left} bytes follow")));
     }
     Ok(count)
 }
@@ -112,7 +107,7 @@ fn read_vertices(words: &mut Words, count: usize) -> Result<Vec<DVec3>> {
     let mut positions = Vec::with_capacity(count);
     for found in 0..count {
         let Some(word) = words.anywhere() else {
-            return Err(words.error(format!("the file ends after {found} of {count} vertices")));
+            return Err(words.mistake(format!("the file ends after {found} of {count} vertices")));
         };
         let x = words.finite(word)?;
         let mut next = || words.coordinate(Words::anywhere);
@@ -126,10 +121,10 @@ fn read_faces(words: &mut Words, count: usize, vertices: usize) -> Result<Faces>
     let mut faces = Faces::with_capacity(count.min(words.remaining() / FACE_BYTES.0));
     for found in 0..count {
         let Some(word) = words.anywhere() else {
-            return Err(words.error(format!("the file ends after {found} of {count} faces")));
+            return Err(words.mistake(format!("the file ends after {found} of {count} faces")));
         };
         let Some(corners) = whole(word) else {
-            return Err(words.error(format!("{} is not a number of corners", quote(word))));
+            return Err(words.mistake(format!("{} is not a number of corners", quote(word))));
         };
         for _ in 0..corners {
             faces.push_corner(corner(words, vertices)?);
@@ -141,17 +136,18 @@ fn read_faces(words: &mut Words, count: usize, vertices: usize) -> Result<Faces>
 }
 
 fn corner(words: &mut Words, vertices: usize) -> Result<u32> {
-    let Some(word) = words.anywhere() else { return Err(words.error("the file ends within a face")) };
+    let Some(word) = words.anywhere() else { return Err(words.mistake("the file ends within a face")) };
     let index = whole(word).filter(|&v| v < vertices).and_then(|v| u32::try_from(v).ok());
     index.ok_or_else(|| {
         let cause = format!("a face uses vertex {}, but vertices go from 0 to {}", quote(word), vertices as i64 - 1);
-        words.error(cause)
+        words.mistake(cause)
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::error::Place;
     use proptest::prelude::*;
 
     fn mesh(text: &str) -> Mesh {
@@ -198,8 +194,8 @@ mod tests {
         assert_eq!(
             notes,
             [
-                "2 faces with fewer than three corners were left out.",
-                "What follows the last face, from line 9 on, was left out.",
+                "2 faces with fewer than three corners are left out",
+                "what follows the last face, from line 9 on, is left out",
             ]
         );
     }

@@ -6,9 +6,8 @@
 //!
 //! Limits: colours and the attribute bytes of binary facets are left out; several solids become one mesh.
 
-use super::bytes::{
-    CUT_SHORT, EXPORT_AGAIN, Words, array, finite, malformed, narrow, number, quote, u32_at, without_mark,
-};
+use super::bytes::{CUT_SHORT, EXPORT_AGAIN, array, finite, malformed, narrow, u32_at, without_mark};
+use super::text::{Words, number, quote};
 use crate::base::error::{Error, Place, Result};
 use crate::io::Parsed;
 use crate::surface::mesh::Mesh;
@@ -83,13 +82,13 @@ fn number_corners(mesh: &mut Mesh) -> Result<()> {
 }
 
 fn parse_text(bytes: &[u8]) -> Parsed {
-    let mut words = Words::new(without_mark(bytes), 1);
+    let mut words = Words::new(bytes);
     let mut mesh = Mesh::default();
     let mut open = false;
-    while let Some(word) = words.next() {
+    while let Some(word) = words.anywhere() {
         if is(word, "solid") || is(word, "endsolid") {
             open = is(word, "solid");
-            words.skip_line();
+            words.next_line();
         } else if open && is(word, "facet") {
             push_text(&mut mesh, &mut words)?;
         } else {
@@ -112,7 +111,7 @@ fn push_text(mesh: &mut Mesh, words: &mut Words) -> Result<()> {
         expect(words, "vertex")?;
         let mut p = DVec3::ZERO;
         for k in 0..3 {
-            let word = words.next();
+            let word = words.anywhere();
             p[k] = word.and_then(number).ok_or_else(|| unexpected(words, "a coordinate", word))?;
         }
         mesh.positions.push(finite(p, || Place::Line(words.line()))?);
@@ -124,7 +123,7 @@ fn push_text(mesh: &mut Mesh, words: &mut Words) -> Result<()> {
 /// Normals are not used, so they may be anything: some writers put `nan` there, or nothing.
 fn skip_normal(words: &mut Words) -> Result<()> {
     for _ in 0..5 {
-        match words.next() {
+        match words.anywhere() {
             Some(word) if is(word, "outer") => return Ok(()),
             Some(_) => {}
             None => break,
@@ -134,7 +133,7 @@ fn skip_normal(words: &mut Words) -> Result<()> {
 }
 
 fn expect(words: &mut Words, keyword: &str) -> Result<()> {
-    match words.next() {
+    match words.anywhere() {
         Some(word) if is(word, keyword) => Ok(()),
         other => Err(unexpected(words, &format!("'{keyword}'"), other)),
     }
@@ -247,7 +246,7 @@ mod tests {
         assert_eq!(place(ONE.replace("endloop", "vertex 0 0 7").as_bytes()), Place::Line(7));
         assert_eq!(place(ONE.replace("vertex 0 0 0\n", "\n").as_bytes()), Place::Line(7));
         assert_eq!(place(ONE.replace("outer", "inner").as_bytes()), Place::Line(3));
-        assert_eq!(place(ONE.replace("endsolid a part", "").as_bytes()), Place::Line(10));
+        assert_eq!(place(ONE.replace("endsolid a part", "").as_bytes()), Place::Line(8));
         assert_eq!(place(format!("{ONE}what").as_bytes()), Place::Line(10));
     }
 

@@ -1,27 +1,42 @@
 //! Words, lines and numbers of text files that need not be UTF-8.
 
+use super::bytes::{CORRECT_LINE, malformed, without_mark};
 use crate::base::error::{Error, Place, Result};
-use std::fmt::Display;
 use std::io::{self, Write};
 
 /// Longer words of a broken file are cut in messages.
 const QUOTED: usize = 24;
 
-/// A walk over the words of a text. `#` at the start of a word makes the rest of its line a comment; lines end with
-/// LF, CR LF or CR.
-pub(crate) struct Words<'a> {
+/// A walk over the words of a text between white space, after a byte order mark if there is one. Lines end with LF,
+/// CR LF or CR.
+#[derive(Clone)]
+pub(super) struct Words<'a> {
     bytes: &'a [u8],
     at: usize,
     line: usize,
     line_of_word: usize,
-    /// Whether a backslash at the end of a line joins the next line to it.
+    comments: bool,
     continued: bool,
 }
 
 impl<'a> Words<'a> {
-    pub fn new(bytes: &'a [u8], continued: bool) -> Self {
-        let at = if bytes.starts_with(b"\xEF\xBB\xBF") { 3 } else { 0 };
-        Words { bytes, at, line: 1, line_of_word: 1, continued }
+    pub fn new(bytes: &'a [u8]) -> Self {
+        Words { bytes: without_mark(bytes), at: 0, line: 1, line_of_word: 1, comments: false, continued: false }
+    }
+
+    /// The same words, where `#` at the start of one makes the rest of its line a comment.
+    pub fn with_comments(self) -> Self {
+        Words { comments: true, ..self }
+    }
+
+    /// The same words, where a backslash at the end of a line, but not of a comment, joins the next line to it.
+    pub fn with_continued_lines(self) -> Self {
+        Words { continued: true, ..self }
+    }
+
+    /// The same words, for a text that begins on line `line` of its file.
+    pub fn from_line(self, line: usize) -> Self {
+        Words { line, line_of_word: line, ..self }
     }
 
     /// The line of the last word, from 1.
@@ -44,7 +59,7 @@ impl<'a> Words<'a> {
             let rest = &rest[start..];
             let length = rest.iter().position(|&b| is_blank(b) || is_end(b)).unwrap_or(rest.len());
             let word = &rest[..length];
-            if length == 0 || word[0] == b'#' {
+            if length == 0 || (self.comments && word[0] == b'#') {
                 return None;
             }
             self.at += length;
@@ -94,9 +109,14 @@ impl<'a> Words<'a> {
         self.line += 1;
     }
 
-    /// An error at the line of the last word.
-    pub fn error(&self, cause: impl Into<String>) -> Error {
-        error_at(self.line_of_word, cause)
+    /// The error that `cause` is wrong on the line of the last word.
+    pub fn error(&self, cause: impl Into<String>, remedy: &str) -> Error {
+        malformed(Place::Line(self.line_of_word), cause, remedy)
+    }
+
+    /// The error for a line that makes no sense.
+    pub fn mistake(&self, cause: impl Into<String>) -> Error {
+        self.error(cause, CORRECT_LINE)
     }
 
     /// A finite number, from the next word that `next` finds.
@@ -104,17 +124,17 @@ impl<'a> Words<'a> {
     pub fn coordinate(&mut self, next: impl FnOnce(&mut Self) -> Option<&'a [u8]>) -> Result<f64> {
         match next(self) {
             Some(word) => self.finite(word),
-            None => Err(self.error("a coordinate is missing")),
+            None => Err(self.mistake("a coordinate is missing")),
         }
     }
 
     /// The finite number that a word is.
     #[inline]
     pub fn finite(&self, word: &[u8]) -> Result<f64> {
-        match std::str::from_utf8(word).ok().and_then(|word| word.parse::<f64>().ok()) {
+        match number(word) {
             Some(number) if number.is_finite() => Ok(number),
-            Some(_) => Err(self.error(format!("the coordinate {} is not finite", quote(word)))),
-            None => Err(self.error(format!("{} is not a number", quote(word)))),
+            Some(_) => Err(self.mistake(format!("the coordinate {} is not finite", quote(word)))),
+            None => Err(self.mistake(format!("{} is not a number", quote(word)))),
         }
     }
 }
@@ -131,25 +151,21 @@ fn has_comment(line: &[u8]) -> bool {
     line.starts_with(b"#") || line.windows(2).any(|pair| is_blank(pair[0]) && pair[1] == b'#')
 }
 
-/// An error in the content of a text file.
-pub(crate) fn error_at(line: usize, cause: impl Into<String>) -> Error {
-    Error::Format {
-        file: String::new(),
-        place: Place::Line(line),
-        cause: cause.into(),
-        remedy: "correct that line or export the file again".into(),
-    }
+/// The number that a word spells, which may be infinite or none.
+#[inline]
+pub(super) fn number(word: &[u8]) -> Option<f64> {
+    std::str::from_utf8(word).ok()?.parse().ok()
 }
 
-/// A word of a file as it may stand in a message: short, on one line.
-pub(crate) fn quote(word: &[u8]) -> String {
-    let text = String::from_utf8_lossy(word);
-    let short: String = text.chars().take(QUOTED).map(|c| if c.is_control() { '\u{FFFD}' } else { c }).collect();
-    if text.chars().nth(QUOTED).is_some() { format!("'{short}…'") } else { format!("'{short}'") }
+/// A word as it can stand in a message: short and printable.
+pub(super) fn quote(word: &[u8]) -> String {
+    let short = &word[..word.len().min(QUOTED)];
+    let dots = if short.len() < word.len() { "..." } else { "" };
+    format!("'{}{dots}'", short.escape_ascii())
 }
 
 /// A whole number without a sign.
-pub(crate) fn whole(word: &[u8]) -> Option<usize> {
+pub(super) fn whole(word: &[u8]) -> Option<usize> {
     if word.is_empty() {
         return None;
     }
@@ -160,7 +176,7 @@ pub(crate) fn whole(word: &[u8]) -> Option<usize> {
 }
 
 /// Writes the numbers of one line after `head`, in the shortest form that reads as the same f64.
-pub(crate) fn write_line(out: &mut dyn Write, head: &str, numbers: [f64; 3]) -> io::Result<()> {
+pub(super) fn write_line(out: &mut dyn Write, head: &str, numbers: [f64; 3]) -> io::Result<()> {
     out.write_all(head.as_bytes())?;
     for (i, number) in numbers.into_iter().enumerate() {
         if i > 0 || !head.is_empty() {
@@ -176,21 +192,25 @@ pub(crate) fn write_line(out: &mut dyn Write, head: &str, numbers: [f64; 3]) -> 
     out.write_all(b"\n")
 }
 
-/// A sentence for what was left out, if anything was.
-pub(crate) fn note(notes: &mut Vec<String>, count: usize, one: impl Display, many: impl Display) {
+/// A note of `count` things that are left out, if there are any: `one` in words, or `many`.
+pub(super) fn left_out(notes: &mut Vec<String>, count: usize, one: &str, many: &str) {
     match count {
         0 => {}
-        1 => notes.push(format!("1 {one} was left out.")),
-        _ => notes.push(format!("{count} {many} were left out.")),
+        1 => notes.push(format!("1 {one} is left out")),
+        _ => notes.push(format!("{count} {many} are left out")),
     }
+}
+
+/// A note of faces that are no polygons.
+pub(super) fn small_faces(notes: &mut Vec<String>, count: usize) {
+    left_out(notes, count, "face with fewer than three corners", "faces with fewer than three corners");
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn words(text: &str, continued: bool) -> Vec<(usize, String)> {
-        let mut words = Words::new(text.as_bytes(), continued);
+    fn all(mut words: Words) -> Vec<(usize, String)> {
         let mut found = Vec::new();
         while let Some(word) = words.anywhere() {
             found.push((words.line(), String::from_utf8_lossy(word).into_owned()));
@@ -200,14 +220,16 @@ mod tests {
 
     #[test]
     fn lines_end_in_three_ways_and_comments_with_them() {
-        let found = words("\u{FEFF}a b#c\r\n# d\re\n\n  #f\\\ng", true);
+        let found =
+            all(Words::new("\u{FEFF}a b#c\r\n# d\re\n\n  #f\\\ng".as_bytes()).with_comments().with_continued_lines());
         let expected = [(1, "a"), (1, "b#c"), (3, "e"), (6, "g")];
         assert_eq!(found, expected.map(|(line, word)| (line, word.to_string())));
     }
 
     #[test]
     fn lines_are_joined_where_the_format_says_so() {
-        let mut joined = Words::new(b"f 1 2\\\r\n 3 \\\n 4\nx \\\n y\nz # \\\nw\\", true);
+        let mut joined =
+            Words::new(b"f 1 2\\\r\n 3 \\\n 4\nx \\\n y\nz # \\\nw\\").with_comments().with_continued_lines();
         let mut lines = Vec::new();
         loop {
             let mut line = Vec::new();
@@ -220,8 +242,8 @@ mod tests {
             }
         }
         assert_eq!(lines, ["f 1 2 3 4", "x y", "z", "w"]);
-        assert_eq!(words("a\\\nb", false), [(1, "a\\".to_string()), (2, "b".to_string())]);
-        let mut skipped = Words::new(b"g a \\\nv\ng # \\\nb", true);
+        assert_eq!(all(Words::new(b"a\\\nb")), [(1, "a\\".to_string()), (2, "b".to_string())]);
+        let mut skipped = Words::new(b"g a \\\nv\ng # \\\nb").with_comments().with_continued_lines();
         assert!(skipped.next_line() && skipped.here() == Some(b"g") && skipped.next_line());
         assert_eq!(skipped.here(), Some(&b"b"[..]));
     }
@@ -229,10 +251,10 @@ mod tests {
     #[test]
     fn numbers_are_finite() {
         for (text, expected) in [("1e-5", Some(1e-5)), ("-.5", Some(-0.5)), ("+2.", Some(2.0)), ("nan", None)] {
-            assert_eq!(Words::new(text.as_bytes(), false).coordinate(Words::here).ok(), expected);
+            assert_eq!(Words::new(text.as_bytes()).coordinate(Words::here).ok(), expected);
         }
         for text in ["inf", "1e999", "1,5", "", "0x1", "\u{FF11}"] {
-            assert!(Words::new(text.as_bytes(), false).coordinate(Words::here).is_err());
+            assert!(Words::new(text.as_bytes()).coordinate(Words::here).is_err());
         }
         assert_eq!(
             [&b"12"[..], b"", b"-1", b"1x", b"99999999999999999999999"].map(whole),
@@ -241,9 +263,15 @@ mod tests {
     }
 
     #[test]
-    fn words_in_messages_are_short_and_on_one_line() {
-        assert_eq!(quote(b"a\x07b\xFF"), "'a\u{FFFD}b\u{FFFD}'");
-        assert_eq!(quote(&[b'x'; 1000]).chars().count(), QUOTED + 3);
+    fn texts_may_begin_on_any_line_and_be_without_comments() {
+        let expected = [(7, "a"), (8, "#"), (8, "b")];
+        assert_eq!(all(Words::new(b"a\n# b").from_line(7)), expected.map(|(line, word)| (line, word.to_string())));
+    }
+
+    #[test]
+    fn quotes_are_short_and_printable() {
+        assert_eq!(quote(b"a\x00b\xFF"), "'a\\x00b\\xff'");
+        assert_eq!(quote(&[b'x'; 30]), format!("'{}...'", "x".repeat(24)));
     }
 
     #[test]
@@ -252,7 +280,7 @@ mod tests {
             let mut text = Vec::new();
             write_line(&mut text, "v", [number; 3]).unwrap();
             assert!(text.len() < 80);
-            let mut words = Words::new(&text[1..], false);
+            let mut words = Words::new(&text[1..]);
             for _ in 0..3 {
                 assert_eq!(words.coordinate(Words::here).unwrap().to_bits(), number.to_bits());
             }

@@ -1,7 +1,8 @@
 //! The header of a PLY file: which elements follow, and which properties each has.
 
 use crate::base::error::{Error, Place, Result};
-use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed, quote};
+use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed};
+use crate::io::text::quote;
 
 /// What a header says, and where the body is.
 #[derive(Debug, Clone, PartialEq)]

@@ -20,6 +20,7 @@ use crate::base::error::{Error, Place, Result};
 use crate::geom::polygon::triangulate;
 use crate::io::Parsed;
 use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed};
+use crate::io::text::small_faces;
 use crate::surface::mesh::Mesh;
 use glam::DVec3;
 use header::{Element, Encoding, Header, Kind, Property, Scalar};
@@ -64,9 +65,7 @@ fn read<S: Source>(mut source: S, header: &Header) -> Parsed {
     for (mut source, element) in early {
         faces.read(&mut source, element)?;
     }
-    if faces.small > 0 {
-        notes.push(format!("{} faces with fewer than three corners are left out", faces.small));
-    }
+    small_faces(&mut notes, faces.small);
     if source.has_more() {
         notes.push("what comes after the last element is left out".into());
     }

@@ -2,7 +2,8 @@
 
 use super::header::Scalar;
 use crate::base::error::{Error, Place, Result};
-use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, Words, malformed, number, quote};
+use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed};
+use crate::io::text::{Words, number, quote};
 
 /// A body that is read from front to back. Copies go their own ways.
 pub(super) trait Source: Clone {
@@ -47,14 +48,14 @@ pub(super) struct Text<'a> {
 impl<'a> Text<'a> {
     /// The values of a text that begins on line `line` of the file.
     pub fn new(text: &'a [u8], line: usize) -> Self {
-        Text { words: Words::new(text, line), last: None }
+        Text { words: Words::new(text).from_line(line), last: None }
     }
 }
 
 impl Source for Text<'_> {
     #[inline]
     fn next(&mut self, _: Scalar) -> Option<f64> {
-        self.last = self.words.next();
+        self.last = self.words.anywhere();
         number(self.last?)
     }
 
@@ -68,7 +69,7 @@ impl Source for Text<'_> {
 
     fn skip(&mut self, _: Scalar, count: usize) -> Result<()> {
         for _ in 0..count {
-            self.words.next().ok_or_else(|| cut_short(self.place()))?;
+            self.words.anywhere().ok_or_else(|| cut_short(self.place()))?;
         }
         Ok(())
     }
@@ -89,12 +90,12 @@ impl Source for Text<'_> {
 
     fn end(&self) -> Place {
         let mut rest = self.words.clone();
-        while rest.next().is_some() {}
+        while rest.anywhere().is_some() {}
         Place::Line(rest.line())
     }
 
     fn has_more(&self) -> bool {
-        self.words.clone().next().is_some()
+        self.words.clone().anywhere().is_some()
     }
 }
 

@@ -112,7 +112,7 @@ fn polygons_become_triangles() {
     assert_eq!(mesh.triangles.len(), 2);
     assert_eq!(mesh.area(), 1.0);
     assert!((0..2).all(|t| mesh.area_vector(t).z > 0.0));
-    assert_eq!(notes, ["1 faces with fewer than three corners are left out"]);
+    assert_eq!(notes, ["1 face with fewer than three corners is left out"]);
 }
 
 #[test]
@@ -202,7 +202,7 @@ fn counts_are_not_believed() {
             let vertices = TEXT.replace("ascii", encoding).replace("vertex 4", &format!("vertex {count}"));
             assert!(parse(vertices.as_bytes()).is_err());
             let faces = TEXT.replace("face 4", &format!("face {count}"));
-            assert_eq!(place(faces.as_bytes()), Place::Line(18));
+            assert_eq!(place(faces.as_bytes()), Place::Line(17));
             let others = three_vertices(&format!("element other {count}\nproperty int i\n"), "");
             assert!(parse(others.as_bytes()).is_err());
             let nothing = three_vertices(&format!("element other {count}\n"), "");
