@@ -245,7 +245,7 @@ fn refuse_bad_numbers(mesh: &Mesh) -> Result<()> {
         let remedy = "a surface with faces is needed; reconstruct one from the points first";
         return mesh_error(format!("{n} points and no faces"), remedy);
     }
-    if let Some(v) = mesh.positions.iter().position(|p| !(p.abs().max_element() < LARGEST_COORDINATE)) {
+    if let Some(v) = mesh.positions.iter().position(|p| !p.abs().cmplt(DVec3::splat(LARGEST_COORDINATE)).all()) {
         return mesh_error(format!("vertex {v} is at {}", mesh.positions[v]), "remove it or mend its coordinates");
     }
     let bound = mesh.positions.len();
