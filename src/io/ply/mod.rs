@@ -33,7 +33,7 @@ use source::{Binary, Source, Text};
 pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     let header = header::parse(bytes)?;
     match header.encoding {
-        Encoding::Text => read(Text(Words::new(&bytes[header.body..]).from_line(header.line)), &header),
+        Encoding::Text => read(Text(Words::new(&bytes[header.body..]).starting_at(header.line)), &header),
         Encoding::Little => read(Binary::<false>::new(bytes, header.body), &header),
         Encoding::Big => read(Binary::<true>::new(bytes, header.body), &header),
     }
