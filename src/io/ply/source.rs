@@ -48,7 +48,7 @@ pub(super) struct Text<'a> {
 impl<'a> Text<'a> {
     /// The values of a text that begins on line `line` of the file.
     pub fn new(text: &'a [u8], line: usize) -> Self {
-        Text { words: Words::new(text).from_line(line), last: None }
+        Text { words: Words::new(text).starting_at(line), last: None }
     }
 }
 
