@@ -6,7 +6,7 @@ default:
 
 # All tests.
 test:
-    cargo test --release
+    cargo test
 
 # Everything that must hold before a change is merged.
 ci:

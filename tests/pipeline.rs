@@ -318,7 +318,7 @@ impl Monitor for StopAt {
 
 #[test]
 fn every_stage_can_be_stopped() {
-    for stage in ["repair", "sample", "triangulate", "ascend"] {
+    for stage in ["repair", "sample", "triangulate", "ascend", "relax", "improve angles"] {
         let made = remesh(&cage(), &points(300), &StopAt(stage, false.into()));
         assert_eq!(made.err(), Some(Error::Cancelled), "{stage}");
     }

@@ -79,6 +79,9 @@ struct RemeshArgs {
     /// Seed of the random numbers: same seed, same input, same output
     #[arg(long, value_name = "SEED", default_value_t = 0)]
     seed: u64,
+    /// 1 optimises the triangles after sampling, 0 leaves the samples where the paper's gradient ascent does
+    #[arg(long, value_name = "0|1", default_value_t = 1, value_parser = clap::value_parser!(u8).range(0..=1))]
+    optimize: u8,
     /// Threads to use; the output does not depend on it [default: one a core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -196,6 +199,7 @@ impl RemeshArgs {
             edge_length,
             sigma_p,
             seed,
+            optimize,
             threads,
             format,
             output_format,
@@ -204,12 +208,12 @@ impl RemeshArgs {
             verbose,
         } = self;
         // Options without a flag keep their default; each is named, so that a new one is thought of here.
-        let Options { density: _, seed: _, sweeps } = Options::default();
+        let Options { density: _, seed: _, optimize: _, sweeps } = Options::default();
         let density = density(points, edge_length, sigma_p)?;
         Ok(Remeshing {
             input: MeshFile { path: input, format },
             output: MeshFile { path: output, format: output_format },
-            options: Options { density, seed, sweeps },
+            options: Options { density, seed, optimize: optimize != 0, sweeps },
             report,
             threads: threads.map(usize::from),
             voice: match (quiet, verbose) {

@@ -13,15 +13,17 @@ const QUOTED: usize = 24;
 pub(super) struct Words<'a> {
     bytes: &'a [u8],
     at: usize,
+    /// The line that `at` is on.
+    line_here: usize,
+    /// The line of the last word.
     line: usize,
-    line_of_word: usize,
     comments: bool,
     continued: bool,
 }
 
 impl<'a> Words<'a> {
     pub fn new(bytes: &'a [u8]) -> Self {
-        Words { bytes: without_mark(bytes), at: 0, line: 1, line_of_word: 1, comments: false, continued: false }
+        Words { bytes: without_mark(bytes), at: 0, line_here: 1, line: 1, comments: false, continued: false }
     }
 
     /// The same words, where `#` at the start of one makes the rest of its line a comment.
@@ -35,13 +37,13 @@ impl<'a> Words<'a> {
     }
 
     /// The same words, for a text that begins on line `line` of its file.
-    pub fn from_line(self, line: usize) -> Self {
-        Words { line, line_of_word: line, ..self }
+    pub fn starting_at(self, line: usize) -> Self {
+        Words { line_here: line, line, ..self }
     }
 
     /// The line of the last word, from 1.
     pub fn line(&self) -> usize {
-        self.line_of_word
+        self.line
     }
 
     /// Bytes that have not been walked over.
@@ -57,21 +59,22 @@ impl<'a> Words<'a> {
             let start = rest.iter().position(|&b| !is_blank(b)).unwrap_or(rest.len());
             self.at += start;
             let rest = &rest[start..];
-            let length = rest.iter().position(|&b| is_blank(b) || is_end(b)).unwrap_or(rest.len());
-            let word = &rest[..length];
-            if length == 0 || (self.comments && word[0] == b'#') {
+            let length = rest.iter().position(|&b| is_space(b)).unwrap_or(rest.len());
+            let (word, rest) = rest.split_at(length);
+            if word.is_empty() || (self.comments && word[0] == b'#') {
                 return None;
             }
             self.at += length;
-            self.line_of_word = self.line;
-            if self.continued && word.ends_with(b"\\") && rest.get(length).is_none_or(|&b| is_end(b)) {
-                self.step_over_end();
-                if length > 1 {
-                    return Some(&word[..length - 1]);
+            self.line = self.line_here;
+            match word.strip_suffix(b"\\") {
+                Some(word) if self.continued && rest.first().is_none_or(|&b| is_end(b)) => {
+                    self.step_over_end();
+                    if !word.is_empty() {
+                        return Some(word);
+                    }
                 }
-                continue;
+                _ => return Some(word),
             }
-            return Some(word);
         }
     }
 
@@ -106,12 +109,12 @@ impl<'a> Words<'a> {
             _ => 1,
         };
         self.at += length;
-        self.line += 1;
+        self.line_here += 1;
     }
 
     /// The error that `cause` is wrong on the line of the last word.
     pub fn error(&self, cause: impl Into<String>, remedy: &str) -> Error {
-        malformed(Place::Line(self.line_of_word), cause, remedy)
+        malformed(Place::Line(self.line), cause, remedy)
     }
 
     /// The error for a line that makes no sense.
@@ -139,10 +142,19 @@ impl<'a> Words<'a> {
     }
 }
 
+/// Whether a word ends before `b`.
+#[inline]
+fn is_space(b: u8) -> bool {
+    // Nearly all bytes are settled by the first comparison.
+    b <= b' ' && (is_blank(b) || is_end(b))
+}
+
+#[inline]
 fn is_blank(b: u8) -> bool {
     matches!(b, b' ' | b'\t' | 0x0B | 0x0C)
 }
 
+#[inline]
 fn is_end(b: u8) -> bool {
     matches!(b, b'\n' | b'\r')
 }
@@ -164,15 +176,15 @@ pub(super) fn quote(word: &[u8]) -> String {
     format!("'{}{dots}'", short.escape_ascii())
 }
 
-/// A whole number without a sign.
+/// A whole number without a sign, of at most 19 digits.
+#[inline]
 pub(super) fn whole(word: &[u8]) -> Option<usize> {
-    if word.is_empty() {
+    // Twenty digits and more do not fit in any case.
+    if word.is_empty() || word.len() > 19 || !word.iter().all(u8::is_ascii_digit) {
         return None;
     }
-    word.iter().try_fold(0usize, |sum, &b| {
-        let digit = b.wrapping_sub(b'0');
-        if digit > 9 { None } else { sum.checked_mul(10)?.checked_add(digit.into()) }
-    })
+    let number = word.iter().fold(0u64, |sum, b| 10 * sum + u64::from(b - b'0'));
+    usize::try_from(number).ok()
 }
 
 /// Writes the numbers of one line after `head`, in the shortest form that reads as the same f64.
@@ -265,7 +277,7 @@ mod tests {
     #[test]
     fn texts_may_begin_on_any_line_and_be_without_comments() {
         let expected = [(7, "a"), (8, "#"), (8, "b")];
-        assert_eq!(all(Words::new(b"a\n# b").from_line(7)), expected.map(|(line, word)| (line, word.to_string())));
+        assert_eq!(all(Words::new(b"a\n# b").starting_at(7)), expected.map(|(line, word)| (line, word.to_string())));
     }
 
     #[test]

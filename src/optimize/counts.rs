@@ -8,18 +8,22 @@
 use crate::surface::connectivity::next;
 use crate::surface::domain::Domain;
 use crate::surface::manifold::Manifold;
+use crate::surface::topology::NONE;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// Least cosine between a triangle and the surface after a collapse: first with care, then whatever it takes.
-const LEAST_FACING: [f64; 2] = [0.5, -1.0];
+/// Least cosine between a triangle and the surface after a collapse done with care.
+const LEAST_FACING: f64 = 0.5;
 
 /// Brings `mesh` to `wanted` vertices, as far as its topology allows.
 pub fn meet_count(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
     split_longest(domain, mesh, wanted);
-    for least_facing in LEAST_FACING {
-        collapse_shortest(mesh, wanted, least_facing);
-    }
+    // First with care, then whatever it takes.
+    collapse_shortest(mesh, wanted, |mesh, h| {
+        let c = &mesh.connectivity;
+        !c.is_boundary(c.origin(h)) && mesh.after_collapse(h).0 >= LEAST_FACING
+    });
+    collapse_shortest(mesh, wanted, |_, _| true);
 }
 
 /// An edge by its squared length when it was looked at; lengths that have changed since are stale.
@@ -50,7 +54,7 @@ fn split_longest(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
     }
     let entry = |mesh: &Manifold, h: u32| {
         let g = mesh.connectivity.twin(h);
-        (g != crate::surface::topology::NONE).then(|| Entry { key: mesh.length_squared(h), half_edge: h.min(g) })
+        (g != NONE).then(|| Entry { key: mesh.length_squared(h), half_edge: h.min(g) })
     };
     let mut heap: BinaryHeap<Entry> = mesh.half_edges().filter_map(|h| entry(mesh, h)).collect();
     while mesh.connectivity.vertex_count() < wanted {
@@ -58,15 +62,15 @@ fn split_longest(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
         if mesh.length_squared(top.half_edge) != top.key {
             continue;
         }
-        let v = mesh.split_at_middle(domain, top.half_edge);
+        let Some(v) = mesh.split_at_middle(domain, top.half_edge) else { continue };
         let around: Vec<u32> = mesh.connectivity.outgoing(v).flat_map(|h| [h, next(h)]).collect();
         mesh.flip_to_delaunay(around);
         heap.extend(mesh.connectivity.outgoing(v).flat_map(|h| [h, next(h)]).filter_map(|h| entry(mesh, h)));
     }
 }
 
-/// Collapses the shortest inner edges until there are `wanted` vertices; boundary edges only if there is no other way.
-fn collapse_shortest(mesh: &mut Manifold, wanted: usize, least_facing: f64) {
+/// Collapses the shortest of the edges that `may` be until there are `wanted` vertices.
+pub(super) fn collapse_shortest(mesh: &mut Manifold, wanted: usize, may: impl Fn(&Manifold, u32) -> bool) {
     let mut heap = BinaryHeap::new();
     if mesh.connectivity.vertex_count() > wanted {
         heap.extend(mesh.half_edges().map(|h| Entry { key: -mesh.length_squared(h), half_edge: h }));
@@ -74,18 +78,14 @@ fn collapse_shortest(mesh: &mut Manifold, wanted: usize, least_facing: f64) {
     while mesh.connectivity.vertex_count() > wanted {
         let Some(Entry { key, half_edge: h }) = heap.pop() else { return };
         let c = &mesh.connectivity;
-        if !c.has_half_edge(h) || -mesh.length_squared(h) != key {
-            continue;
-        }
-        let spared = c.is_boundary(c.origin(h)) && least_facing > -1.0;
-        if spared || !c.can_collapse(h) || mesh.after_collapse(h).0 < least_facing {
+        if !c.has_half_edge(h) || -mesh.length_squared(h) != key || !c.can_collapse(h) || !may(mesh, h) {
             continue;
         }
         let into = c.target(h);
         mesh.connectivity.collapse(h);
         mesh.flip_to_delaunay(mesh.connectivity.outgoing(into).flat_map(|h| [h, next(h)]).collect());
         let c = &mesh.connectivity;
-        let changed = c.outgoing(into).flat_map(|h| [h, c.twin(h)]).filter(|&h| h != crate::surface::topology::NONE);
+        let changed = c.outgoing(into).flat_map(|h| [h, c.twin(h)]).filter(|&h| h != NONE);
         heap.extend(changed.map(|h| Entry { key: -mesh.length_squared(h), half_edge: h }));
     }
 }

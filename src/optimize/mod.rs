@@ -1,3 +1,6 @@
-//! Changes to the mesh that sampling does not make: the wanted number of vertices.
+//! What is done to a mesh so that its triangles are good, and as many as wanted.
 
+pub mod angles;
 pub mod counts;
+pub mod levels;
+pub mod relax;

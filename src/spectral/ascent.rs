@@ -3,8 +3,7 @@
 //!
 //! Departures from the paper: the samples are the vertices of a manifold already. Their two-rings are the
 //! neighbourhoods, so nothing is searched, and a step that would turn a triangle against the surface is halved, so the
-//! topology cannot be lost. Vertices of one colour, no two of them adjacent, move at the same time: the result is the
-//! same for any number of threads. Flips after each sweep keep the mesh Delaunay.
+//! topology cannot be lost. Flips after each sweep keep the mesh Delaunay.
 //!
 //! Cost: some microseconds a vertex and sweep.
 //!
@@ -13,66 +12,39 @@
 use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};
 use crate::spectral::measure::Measure;
-use crate::surface::domain::{Domain, Sample};
+use crate::surface::domain::Domain;
 use crate::surface::manifold::Manifold;
-use rayon::prelude::*;
-
-/// Kernel width of the ascent in mean spacings: narrower ones leave clusters, wider ones blur the gradient.
-const SIGMA: f64 = 0.94;
+use crate::surface::motion::move_vertices;
+use glam::DVec3;
 
 /// Neighbours that count, the nearest first; more do not change where samples go.
 const NEIGHBOURS: usize = 12;
 
-/// How often a step that would fold the mesh is halved before the vertex stays.
-const HALVINGS: usize = 4;
+/// Kernel width of the ascent in mean spacings: narrower ones leave clusters, wider ones blur the gradient.
+pub const SIGMA_OF_SPACING: f64 = 0.94;
 
-/// Least cosine between a triangle and the surface after a step, unless it was worse before.
-const LEAST_FACING: f64 = 0.3;
-
-/// Vertices that one task moves.
-const CHUNK: usize = 64;
-
-/// Moves all inner vertices of `mesh` for `sweeps` rounds. `spacing` is the mean distance of neighbours.
-pub fn ascend(domain: &Domain, mesh: &mut Manifold, spacing: f64, sweeps: usize, monitor: &dyn Monitor) -> Result<()> {
+/// Moves all inner vertices of `mesh` for `sweeps` rounds. `sigma` is the kernel's width in the units of the domain.
+pub fn ascend(domain: &Domain, mesh: &mut Manifold, sigma: f64, sweeps: usize, monitor: &dyn Monitor) -> Result<()> {
     mesh.make_delaunay();
     for sweep in 0..sweeps {
         check(monitor)?;
-        for class in mesh.colour_classes() {
-            let moved: Vec<Sample> = class
-                .par_iter()
-                .with_min_len(CHUNK)
-                .map_init(Measure::new, |measure, &v| step(domain, mesh, v, SIGMA * spacing, measure))
-                .collect();
-            for (&v, sample) in class.iter().zip(moved) {
-                mesh.samples[v as usize] = sample;
-            }
-        }
+        move_vertices(domain, mesh, Measure::new, |mesh, v, measure| way_up(mesh, v, sigma, measure));
         mesh.make_delaunay();
         monitor.progress((sweep + 1) as f64 / sweeps as f64);
     }
     Ok(())
 }
 
-/// Where vertex `v` goes.
-fn step(domain: &Domain, mesh: &Manifold, v: u32, sigma: f64, measure: &mut Measure) -> Sample {
-    let here = mesh.samples[v as usize];
+/// Where vertex `v` wants to go: up the gradient, half a kernel width at most.
+fn way_up(mesh: &Manifold, v: u32, sigma: f64, measure: &mut Measure) -> DVec3 {
+    if mesh.connectivity.is_boundary(v) {
+        return DVec3::ZERO;
+    }
     measure.clear();
     for neighbour in nearest(mesh, v) {
-        measure.add((mesh.position(neighbour) - here.position) / sigma);
+        measure.add((mesh.position(neighbour) - mesh.position(v)) / sigma);
     }
-    let mut way = 0.5 * sigma * measure.gradient().reject_from_normalized(here.normal);
-    if !way.is_finite() {
-        return here;
-    }
-    let before = mesh.worst_facing(v, &here);
-    for _ in 0..HALVINGS {
-        let there = domain.project(here.position + way, here.normal, here.triangle);
-        if mesh.worst_facing(v, &there) >= before.min(LEAST_FACING) {
-            return there;
-        }
-        way *= 0.5;
-    }
-    here
+    (0.5 * sigma * measure.gradient()).clamp_length_max(0.5 * sigma)
 }
 
 /// The nearest vertices of the two-ring of `v`; of the second ring only those that face the same way.

@@ -32,7 +32,7 @@ const PARALLEL_ABOVE: usize = 4096;
 const DEEPEST: usize = 33;
 
 /// A bounding-volume hierarchy. It holds no positions: queries take the mesh that it was built over, unchanged.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Bvh {
     /// Boxes of all nodes, in the order of a heap.
     boxes: Vec<Aabb>,

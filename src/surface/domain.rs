@@ -27,6 +27,18 @@ pub struct Domain {
     /// Unit normal at each vertex; zero where all its triangles are flat.
     vertex_normals: Vec<DVec3>,
     bvh: Bvh,
+    boundary: BoundaryCurves,
+}
+
+/// The boundary sides of a domain as a mesh of triangles with two equal corners, to find closest points on.
+#[derive(Default)]
+struct BoundaryCurves {
+    /// In increasing order.
+    sides: Vec<u32>,
+    /// The loop of each side.
+    loops: Vec<u32>,
+    segments: Mesh,
+    bvh: Bvh,
 }
 
 impl Domain {
@@ -35,7 +47,9 @@ impl Domain {
         let (vertex_normals, (twin, bvh)) =
             rayon::join(|| vertex_normals(&mesh), || rayon::join(|| twins(&mesh.triangles), || Bvh::new(&mesh)));
         let piece = components(mesh.positions.len(), &mesh.triangles);
-        Domain { mesh, twin, piece, vertex_normals, bvh }
+        let mut domain = Domain { mesh, twin, piece, vertex_normals, bvh, boundary: BoundaryCurves::default() };
+        domain.boundary = BoundaryCurves::new(&domain);
+        domain
     }
 
     /// The piece that triangle `t` belongs to.
@@ -75,6 +89,18 @@ impl Domain {
         self.sample(t, barycentric(point, self.mesh.corners(t as usize)))
     }
 
+    /// The point closest to `p` on the boundary loop that triangle `near` touches with a side.
+    pub fn project_on_boundary(&self, p: DVec3, near: u32) -> Sample {
+        let curves = &self.boundary;
+        let own = (3 * near..3 * near + 3).find_map(|side| curves.sides.binary_search(&side).ok());
+        let is_own = |i: u32| own.is_none_or(|own| curves.loops[i as usize] == curves.loops[own]);
+        let Some(hit) = curves.bvh.closest_where(&curves.segments, p, f64::INFINITY, is_own) else {
+            return self.project(p, DVec3::ZERO, near);
+        };
+        let t = curves.sides[hit.triangle as usize] / 3;
+        self.sample(t, barycentric(hit.point, self.mesh.corners(t as usize)))
+    }
+
     /// The boundary loops, each as the sides `3 t + k` along it with the surface on their left.
     pub fn boundary_loops(&self) -> Vec<Vec<u32>> {
         let mut seen = vec![false; self.twin.len()];
@@ -102,6 +128,21 @@ impl Domain {
             s = next(self.twin[s as usize]);
         }
         s
+    }
+}
+
+impl BoundaryCurves {
+    fn new(domain: &Domain) -> Self {
+        let loops = domain.boundary_loops();
+        let mut sides: Vec<(u32, u32)> =
+            loops.iter().zip(0u32..).flat_map(|(sides, i)| sides.iter().map(move |&s| (s, i))).collect();
+        sides.sort_unstable();
+        let corner = |s: u32| domain.mesh.positions[domain.mesh.triangles[s as usize / 3][s as usize % 3] as usize];
+        let positions = sides.iter().flat_map(|&(s, _)| [corner(s), corner(next(s))]).collect();
+        let triangles = (0..sides.len() as u32).map(|i| [2 * i, 2 * i + 1, 2 * i + 1]).collect();
+        let segments = Mesh { positions, triangles };
+        let (sides, loops) = sides.into_iter().unzip();
+        BoundaryCurves { bvh: Bvh::new(&segments), sides, loops, segments }
     }
 }
 

@@ -1,12 +1,13 @@
 //! A mesh on its way to the result: a 2-manifold whose vertices are samples of a domain, changed by local operations
 //! that keep its topology and never turn a triangle against the surface.
 
-use crate::geom::triangle::mean_ratio;
+use crate::geom::triangle::{closest_point, mean_ratio};
 use crate::surface::connectivity::{Connectivity, next, prev};
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::mesh::Mesh;
 use crate::surface::topology::NONE;
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// A 2-manifold over samples.
 #[derive(Debug, Clone)]
@@ -14,12 +15,15 @@ pub struct Manifold {
     pub connectivity: Connectivity,
     /// A sample for each vertex number, those of removed vertices included.
     pub samples: Vec<Sample>,
+    /// Vertices that neither move nor go.
+    pub fixed: Vec<bool>,
 }
 
 impl Manifold {
     /// The manifold of `triangles`, which have to be an oriented 2-manifold that uses all of `samples`.
     pub fn new(samples: Vec<Sample>, triangles: &[[u32; 3]]) -> Self {
-        Manifold { connectivity: Connectivity::new(samples.len(), triangles), samples }
+        let fixed = vec![false; samples.len()];
+        Manifold { connectivity: Connectivity::new(samples.len(), triangles), samples, fixed }
     }
 
     #[inline]
@@ -94,13 +98,89 @@ impl Manifold {
         (0..self.connectivity.half_edge_bound()).filter(|&h| self.connectivity.has_half_edge(h))
     }
 
-    /// Splits the edge of `h` at its middle, put back on the domain; the new vertex.
-    pub fn split_at_middle(&mut self, domain: &Domain, h: u32) -> u32 {
+    /// One half-edge of each edge, in increasing order.
+    pub fn edges(&self) -> impl Iterator<Item = u32> {
+        self.half_edges().filter(|&h| h < self.connectivity.twin(h))
+    }
+
+    /// Splits the edge of `h` at its middle, put back on the domain; the new vertex. `None`, and nothing is done, if that
+    /// place is not between the ends, as happens where the edge cuts through a thin part.
+    pub fn split_at_middle(&mut self, domain: &Domain, h: u32) -> Option<u32> {
+        let middle = self.middle(domain, h);
+        let ends = [self.connectivity.origin(h), self.connectivity.target(h)].map(|v| self.position(v));
+        let longest = MIDDLE_REACH * MIDDLE_REACH * self.length_squared(h);
+        if ends.iter().any(|end| end.distance_squared(middle.position) > longest) {
+            return None;
+        }
+        self.samples.push(middle);
+        self.fixed.push(false);
+        Some(self.connectivity.split_edge(h))
+    }
+
+    /// The middle of the edge of `h`, put back on the domain, or on its boundary.
+    fn middle(&self, domain: &Domain, h: u32) -> Sample {
         let (a, b) = (self.connectivity.origin(h), self.connectivity.target(h));
         let (a, b) = (&self.samples[a as usize], &self.samples[b as usize]);
-        let middle = domain.project((a.position + b.position) / 2.0, a.normal + b.normal, a.triangle);
-        self.samples.push(middle);
-        self.connectivity.split_edge(h)
+        let middle = (a.position + b.position) / 2.0;
+        if self.connectivity.twin(h) == NONE {
+            domain.project_on_boundary(middle, a.triangle)
+        } else {
+            domain.project(middle, a.normal + b.normal, a.triangle)
+        }
+    }
+
+    /// The mesh with its `count` longest edges split at their middles, put back on the domain: a triangle with three such
+    /// edges becomes four, the others two or three or stay.
+    pub fn with_longest_split(&self, domain: &Domain, count: usize) -> Manifold {
+        let (_, old) = self.connectivity.compact();
+        let mut number = vec![NONE; self.samples.len()];
+        for (&v, n) in old.iter().zip(0u32..) {
+            number[v as usize] = n;
+        }
+        let mut samples: Vec<Sample> = old.iter().map(|&v| self.samples[v as usize]).collect();
+        let mut edges: Vec<u32> = self.edges().collect();
+        edges.sort_by(|&g, &h| self.length_squared(h).total_cmp(&self.length_squared(g)).then(g.cmp(&h)));
+        edges.truncate(count);
+        let mut middle_of = vec![NONE; self.connectivity.half_edge_bound() as usize];
+        for (&h, v) in edges.iter().zip(samples.len() as u32..) {
+            middle_of[h as usize] = v;
+            if self.connectivity.twin(h) != NONE {
+                middle_of[self.connectivity.twin(h) as usize] = v;
+            }
+        }
+        samples.par_extend(edges.par_iter().map(|&h| self.middle(domain, h)));
+        let mut triangles = Vec::with_capacity(4 * self.connectivity.half_edge_bound() as usize / 3);
+        for h in self.half_edges().filter(|h| h % 3 == 0) {
+            let corners = self.connectivity.triangle(h).map(|v| number[v as usize]);
+            let m = [0, 1, 2].map(|k| middle_of[h as usize + k]);
+            let split = m.iter().filter(|&&v| v != NONE).count();
+            match split {
+                0 => triangles.push(corners),
+                3 => {
+                    triangles.extend([[corners[0], m[0], m[2]], [m[0], corners[1], m[1]], [m[2], m[1], corners[2]], m])
+                }
+                _ => {
+                    // Turn so that side 0 is split and, of two split sides, side 1 is the other one.
+                    let k = (0..3).find(|&k| m[k] != NONE && m[(k + 2) % 3] == NONE).unwrap_or(0);
+                    let [a, b, c] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
+                    let (p, q) = (m[k], m[(k + 1) % 3]);
+                    if q == NONE {
+                        triangles.extend([[a, p, c], [p, b, c]]);
+                    } else {
+                        triangles.extend([[p, b, q], [a, p, q], [a, q, c]]);
+                    }
+                }
+            }
+        }
+        Manifold::new(samples, &triangles)
+    }
+
+    /// The vertices where the surface turns by more than the angle of that cosine within two rings.
+    pub fn bent(&self, cosine: f64) -> Vec<bool> {
+        let c = &self.connectivity;
+        let normal = |v: u32| self.samples[v as usize].normal;
+        let turns = |v: u32| c.ring(v).any(|w| c.ring(w).any(|x| normal(x).dot(normal(v)) < cosine));
+        (0..c.vertex_bound()).into_par_iter().map(|v| c.has_vertex(v) && turns(v)).collect()
     }
 
     /// The least cosine between a triangle at `v` and the surface if `v` were at `there`.
@@ -113,13 +193,13 @@ impl Manifold {
         self.connectivity.outgoing(v).map(facing).fold(1.0, f64::min)
     }
 
-    /// The inner vertices in classes such that no two of a class are adjacent: greedily, in the order of their numbers.
+    /// The vertices in classes such that no two of a class are adjacent: greedily, in the order of their numbers.
     pub fn colour_classes(&self) -> Vec<Vec<u32>> {
         const UNCOLOURED: u8 = u8::MAX;
         let c = &self.connectivity;
         let mut colour = vec![UNCOLOURED; c.vertex_bound() as usize];
         let mut classes: Vec<Vec<u32>> = Vec::new();
-        for v in (0..c.vertex_bound()).filter(|&v| c.has_vertex(v) && !c.is_boundary(v)) {
+        for v in (0..c.vertex_bound()).filter(|&v| c.has_vertex(v)) {
             let taken = c.ring(v).map(|w| colour[w as usize]).filter(|&k| k < 64).fold(0u64, |taken, k| taken | 1 << k);
             let free = taken.trailing_ones().min(63) as u8;
             colour[v as usize] = free;
@@ -155,6 +235,36 @@ impl Manifold {
         worst
     }
 }
+
+impl Manifold {
+    /// The least cosine between a triangle and the surface at one of its corners if the origin of `h` merges into its
+    /// target.
+    pub fn bend_after_collapse(&self, h: u32) -> f64 {
+        let c = &self.connectivity;
+        let target = c.target(h);
+        let left = c.outgoing(c.origin(h)).map(|out| c.triangle(out)).filter(|t| !t[1..].contains(&target));
+        let least = left.map(|[_, p, q]| {
+            let corners = [target, p, q].map(|v| &self.samples[v as usize]);
+            let [a, b, c] = corners.map(|s| s.position);
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            corners.iter().map(|s| s.normal.dot(normal)).fold(1.0, f64::min)
+        });
+        least.fold(1.0, f64::min)
+    }
+
+    /// How far the origin of `h` is from the triangles that are left there if it merges into its target.
+    pub fn distance_after_collapse(&self, h: u32) -> f64 {
+        let c = &self.connectivity;
+        let (here, target) = (self.position(c.origin(h)), c.target(h));
+        let squared = c.outgoing(c.origin(h)).map(|out| c.triangle(out)).filter(|t| !t[1..].contains(&target));
+        let squared = squared
+            .map(|[_, p, q]| here.distance_squared(closest_point(here, [target, p, q].map(|v| self.position(v)))));
+        squared.fold(f64::INFINITY, f64::min).sqrt()
+    }
+}
+
+/// How far, in lengths of an edge, the point that splits it may be from either end.
+const MIDDLE_REACH: f64 = 0.75;
 
 /// See [`Manifold::agreement`].
 #[inline]

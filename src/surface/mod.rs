@@ -5,6 +5,7 @@ pub mod connectivity;
 pub mod domain;
 pub mod manifold;
 pub mod mesh;
+pub mod motion;
 pub mod refine;
 pub mod repair;
 pub mod topology;

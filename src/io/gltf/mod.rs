@@ -47,7 +47,7 @@ const HARMLESS: [&str; 9] = [
 /// `Error::Format` with the line, byte or part of what is malformed or not supported.
 pub(crate) fn parse(bytes: &[u8], resolve: Resolve) -> Parsed {
     if !bytes.starts_with(glb::MAGIC) {
-        return read(bytes, None, resolve, |line| Place::Line(line));
+        return read(bytes, None, resolve, Place::Line);
     }
     let chunks = glb::split(bytes)?;
     let (mesh, mut notes) = read(chunks.json, chunks.bin, resolve, |_| Place::Part("JSON chunk".into()))?;

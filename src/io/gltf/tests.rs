@@ -293,7 +293,7 @@ fn quantized_positions() {
 /// Four vertices of which the sparse values replace the third.
 fn sparse(place: u8) -> Value {
     let value = [0.0f32, 7.0, 0.0].map(f32::to_le_bytes);
-    let mut root = with_data(&SQUARE, &[&value.as_flattened()[..], &[place]].concat());
+    let mut root = with_data(&SQUARE, &[value.as_flattened(), &[place]].concat());
     root["accessors"][0]["sparse"] = json!({
         "count": 1,
         "indices": { "bufferView": 1, "byteOffset": 12, "componentType": 5121 },

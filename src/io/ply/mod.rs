@@ -16,11 +16,11 @@ mod write;
 
 pub(crate) use write::write;
 
-use crate::base::error::Result;
+use crate::base::error::{Error, Place, Result};
 use crate::geom::polygon::triangulate;
 use crate::io::Parsed;
 use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed};
-use crate::io::text::{Words, small_faces};
+use crate::io::text::small_faces;
 use crate::surface::mesh::Mesh;
 use glam::DVec3;
 use header::{Element, Encoding, Header, Kind, Property, Scalar};
@@ -33,7 +33,7 @@ use source::{Binary, Source, Text};
 pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     let header = header::parse(bytes)?;
     match header.encoding {
-        Encoding::Text => read(Text(Words::new(&bytes[header.body..]).from_line(header.line)), &header),
+        Encoding::Text => read(Text::new(&bytes[header.body..], header.line), &header),
         Encoding::Little => read(Binary::<false>::new(bytes, header.body), &header),
         Encoding::Big => read(Binary::<true>::new(bytes, header.body), &header),
     }
@@ -42,11 +42,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
 /// Reads all elements. Faces that come before the vertices are skipped first and read at the end.
 fn read<S: Source>(mut source: S, header: &Header) -> Parsed {
     let Some(vertex) = header.elements.iter().position(|e| e.name == "vertex") else {
-        return Err(malformed(
-            crate::base::error::Place::Line(header.line - 1),
-            "no element 'vertex' in the header",
-            EXPORT_AGAIN,
-        ));
+        return Err(malformed(Place::Line(header.line - 1), "no element 'vertex' in the header", EXPORT_AGAIN));
     };
     let mut faces = Faces { positions: Vec::new(), triangles: Vec::new(), small: 0 };
     let mut notes = Vec::new();
@@ -99,11 +95,13 @@ fn checked_count<S: Source>(source: &S, element: &Element) -> Result<usize> {
 }
 
 /// The length of the list that comes next, if the bytes that are left can hold it.
+#[inline]
 fn list_length<S: Source>(source: &mut S, count: Scalar, item: Scalar) -> Result<usize> {
-    let length = source.next(count)?;
+    let length = source.value(count)?;
     let most = source.remaining() / S::least(item);
-    if length.fract() == 0.0 && (0.0..=most as f64).contains(&length) {
-        return Ok(length as usize);
+    let whole = length as usize;
+    if whole as f64 == length && whole <= most {
+        return Ok(whole);
     }
     let cause = format!("a list of {length} values, where there are bytes for at most {most}");
     Err(malformed(source.place(), cause, EXPORT_AGAIN))
@@ -157,11 +155,16 @@ fn position_plan(element: &Element) -> Result<Vec<(Kind, Option<usize>)>> {
 
 #[inline]
 fn coordinate<S: Source>(source: &mut S, kind: Scalar) -> Result<f64> {
-    let value = source.next(kind)?;
+    let value = source.value(kind)?;
     if value.is_finite() {
         return Ok(value);
     }
-    Err(malformed(source.place(), format!("the coordinate {value} is not finite"), "replace or remove this vertex"))
+    Err(not_finite(value, source.place()))
+}
+
+#[cold]
+fn not_finite(value: f64, place: Place) -> Error {
+    malformed(place, format!("the coordinate {value} is not finite"), "replace or remove this vertex")
 }
 
 /// The faces that were read so far, over the vertices of the file.
@@ -202,7 +205,7 @@ impl Faces {
     fn face<S: Source>(&mut self, source: &mut S, length: usize, item: Scalar, corners: &mut Vec<u32>) -> Result<()> {
         corners.clear();
         for _ in 0..length {
-            let index = source.next(item)?;
+            let index = source.value(item)?;
             corners.push(self.checked_index(source, index)?);
         }
         match corners[..] {
@@ -221,7 +224,7 @@ impl Faces {
         let mut last: [Option<u32>; 2] = [None; 2];
         let mut odd = false;
         for _ in 0..length {
-            let index = source.next(item)?;
+            let index = source.value(item)?;
             // In an unsigned list, -1 is the largest number.
             if index == -1.0 || index == f64::from(u32::MAX) {
                 (last, odd) = ([None; 2], false);
@@ -241,11 +244,17 @@ impl Faces {
 
     #[inline]
     fn checked_index<S: Source>(&self, source: &S, index: f64) -> Result<u32> {
-        if index >= 0.0 && index < self.positions.len() as f64 && index.fract() == 0.0 {
-            return Ok(index as u32);
+        // The conversion saturates, so only a whole number in range comes back as it was.
+        let whole = index as u32;
+        if f64::from(whole) == index && (whole as usize) < self.positions.len() {
+            return Ok(whole);
         }
-        let cause = format!("there is no vertex {index}, the file has {}", self.positions.len());
-        Err(malformed(source.place(), cause, EXPORT_AGAIN))
+        Err(self.no_vertex(index, source.place()))
+    }
+
+    #[cold]
+    fn no_vertex(&self, index: f64, place: Place) -> Error {
+        malformed(place, format!("there is no vertex {index}, the file has {}", self.positions.len()), EXPORT_AGAIN)
     }
 }
 

@@ -7,8 +7,18 @@ use crate::io::text::{Words, number, quote};
 
 /// A body that is read from front to back. Copies go their own ways.
 pub(super) trait Source: Clone {
-    /// The next value. All types fit in `f64` exactly.
-    fn next(&mut self, kind: Scalar) -> Result<f64>;
+    /// The next value, if there is one. All types fit in `f64` exactly.
+    fn next(&mut self, kind: Scalar) -> Option<f64>;
+    /// Why there was no next value.
+    fn failure(&self) -> Error;
+    /// The next value, or the error that there is none.
+    #[inline]
+    fn value(&mut self, kind: Scalar) -> Result<f64> {
+        match self.next(kind) {
+            Some(value) => Ok(value),
+            None => Err(self.failure()),
+        }
+    }
     /// Leaves out `count` values.
     fn skip(&mut self, kind: Scalar, count: usize) -> Result<()>;
     /// The fewest bytes that a value takes.
@@ -23,24 +33,43 @@ pub(super) trait Source: Clone {
     fn has_more(&self) -> bool;
 }
 
+#[cold]
 fn cut_short(place: Place) -> Error {
     malformed(place, "the file ends before its last value", CUT_SHORT)
 }
 
 /// A body in words.
 #[derive(Clone)]
-pub(super) struct Text<'a>(pub Words<'a>);
+pub(super) struct Text<'a> {
+    words: Words<'a>,
+    last: Option<&'a [u8]>,
+}
+
+impl<'a> Text<'a> {
+    /// The values of a text that begins on line `line` of the file.
+    pub fn new(text: &'a [u8], line: usize) -> Self {
+        Text { words: Words::new(text).starting_at(line), last: None }
+    }
+}
 
 impl Source for Text<'_> {
     #[inline]
-    fn next(&mut self, _: Scalar) -> Result<f64> {
-        let Some(word) = self.0.anywhere() else { return Err(cut_short(self.place())) };
-        number(word).ok_or_else(|| self.0.error(format!("{} is not a number", quote(word)), EXPORT_AGAIN))
+    fn next(&mut self, _: Scalar) -> Option<f64> {
+        self.last = self.words.anywhere();
+        number(self.last?)
+    }
+
+    #[cold]
+    fn failure(&self) -> Error {
+        match self.last {
+            Some(word) => self.words.error(format!("{} is not a number", quote(word)), EXPORT_AGAIN),
+            None => cut_short(self.place()),
+        }
     }
 
     fn skip(&mut self, _: Scalar, count: usize) -> Result<()> {
         for _ in 0..count {
-            self.0.anywhere().ok_or_else(|| cut_short(self.place()))?;
+            self.words.anywhere().ok_or_else(|| cut_short(self.place()))?;
         }
         Ok(())
     }
@@ -52,21 +81,21 @@ impl Source for Text<'_> {
 
     fn remaining(&self) -> usize {
         // The last value needs no white space after it.
-        self.0.remaining() + 1
+        self.words.remaining() + 1
     }
 
     fn place(&self) -> Place {
-        Place::Line(self.0.line())
+        Place::Line(self.words.line())
     }
 
     fn end(&self) -> Place {
-        let mut rest = self.0.clone();
+        let mut rest = self.words.clone();
         while rest.anywhere().is_some() {}
         Place::Line(rest.line())
     }
 
     fn has_more(&self) -> bool {
-        self.0.clone().anywhere().is_some()
+        self.words.clone().anywhere().is_some()
     }
 }
 
@@ -86,23 +115,21 @@ impl<'a, const BIG: bool> Binary<'a, BIG> {
 
     /// The next `N` bytes, the least significant first.
     #[inline]
-    fn take<const N: usize>(&mut self) -> Result<[u8; N]> {
-        let Some(mut bytes) = self.bytes[self.at..].first_chunk::<N>().copied() else {
-            return Err(cut_short(self.end()));
-        };
+    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let mut bytes = self.bytes[self.at..].first_chunk::<N>().copied()?;
         self.last = self.at;
         self.at += N;
         if BIG {
             bytes.reverse();
         }
-        Ok(bytes)
+        Some(bytes)
     }
 }
 
 impl<const BIG: bool> Source for Binary<'_, BIG> {
     #[inline]
-    fn next(&mut self, kind: Scalar) -> Result<f64> {
-        Ok(match kind {
+    fn next(&mut self, kind: Scalar) -> Option<f64> {
+        Some(match kind {
             Scalar::I8 => i8::from_le_bytes(self.take()?).into(),
             Scalar::U8 => u8::from_le_bytes(self.take()?).into(),
             Scalar::I16 => i16::from_le_bytes(self.take()?).into(),
@@ -112,6 +139,11 @@ impl<const BIG: bool> Source for Binary<'_, BIG> {
             Scalar::F32 => f32::from_le_bytes(self.take()?).into(),
             Scalar::F64 => f64::from_le_bytes(self.take()?),
         })
+    }
+
+    #[cold]
+    fn failure(&self) -> Error {
+        cut_short(self.end())
     }
 
     #[inline]

@@ -1,5 +1,4 @@
 use super::*;
-use crate::base::error::{Error, Place};
 use crate::io::bytes::samples::tetrahedron;
 
 const TEXT: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\

@@ -1,0 +1,143 @@
+//! Raises the smallest angles and lowers the largest, at the worst triangles only.
+//!
+//! Every triangle has a margin: how far its angles are inside of the goal. Vertices of triangles without a margin look
+//! around for a place where the least margin of their triangles is larger, and edges flip where that gives the larger
+//! one. Nothing else moves, so the evenness of the rest is kept.
+//!
+//! Based on: L. A. Freitag, C. Ollivier-Gooch, Tetrahedral mesh improvement using swapping and smoothing, 1997,
+//! DOI 10.1002/(SICI)1097-0207(19971115)40:21<3979::AID-NME251>3.0.CO;2-9. Departure: a pattern search in the tangent
+//! plane takes the place of the search along active gradients.
+//!
+//! Cost: linear in the triangles for each pass, and some hundred triangles looked at for each vertex that is moved.
+
+use crate::base::error::Result;
+use crate::base::progress::{Monitor, check};
+use crate::geom::triangle::angles;
+use crate::surface::connectivity::{next, prev};
+use crate::surface::domain::{Domain, Sample};
+use crate::surface::manifold::Manifold;
+use crate::surface::topology::NONE;
+use glam::DVec3;
+
+/// Angles, in degrees, that triangles shall stay between; a little more than what is promised.
+const SMALLEST: f64 = 40.5;
+const LARGEST: f64 = 89.0;
+
+/// Passes over the worst triangles; most models need fewer.
+const MOST_PASSES: usize = 30;
+
+/// First and last step of the search in mean spacings.
+const FIRST_STEP: f64 = 0.2;
+const LAST_STEP: f64 = 0.01;
+
+/// Directions that the search tries.
+const DIRECTIONS: usize = 8;
+
+/// Least cosine between a triangle and the surface that the search accepts, unless it was worse before.
+const LEAST_FACING: f64 = 0.3;
+
+/// Improves the worst triangles until none is outside of the goal or nothing helps. `spacing` is the mean edge length.
+pub fn improve_angles(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
+    for _ in 0..MOST_PASSES {
+        check(monitor)?;
+        let bad: Vec<u32> = mesh.half_edges().filter(|&h| h % 3 == 0 && margin(mesh, h) < 0.0).collect();
+        let mut changed = false;
+        for h in bad {
+            for side in [h, next(h), prev(h)] {
+                changed |= flip_if_better(mesh, side);
+            }
+            for v in mesh.connectivity.triangle(h) {
+                changed |= move_if_better(domain, mesh, v, spacing);
+            }
+        }
+        if !changed {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// How far, in degrees, the angles of these corners are inside of the goal; negative outside. Largest angles count half
+/// since they are about twice as far from 60 degrees.
+fn margin_of(corners: [DVec3; 3]) -> f64 {
+    let [a, b, c] = angles(corners);
+    let (least, most) = (a.min(b).min(c), a.max(b).max(c));
+    (least - SMALLEST).min(0.5 * (LARGEST - most))
+}
+
+/// The margin of the triangle of `h`.
+fn margin(mesh: &Manifold, h: u32) -> f64 {
+    margin_of(mesh.connectivity.triangle(h).map(|v| mesh.position(v)))
+}
+
+/// The least margin around `v` if it were at `p`.
+fn least_margin(mesh: &Manifold, v: u32, p: DVec3) -> f64 {
+    let around = mesh.connectivity.outgoing(v).map(|h| {
+        let [_, a, b] = mesh.connectivity.triangle(h);
+        margin_of([p, mesh.position(a), mesh.position(b)])
+    });
+    around.fold(f64::INFINITY, f64::min)
+}
+
+fn flip_if_better(mesh: &mut Manifold, h: u32) -> bool {
+    let c = &mesh.connectivity;
+    let g = c.twin(h);
+    if g == NONE || !c.can_flip(h) || !mesh.flip_keeps_facing(h, LEAST_FACING) {
+        return false;
+    }
+    let [a, b, top] = c.triangle(h).map(|v| mesh.position(v));
+    let bottom = mesh.position(c.apex(g));
+    let before = margin_of([a, b, top]).min(margin_of([b, a, bottom]));
+    let after = margin_of([top, a, bottom]).min(margin_of([bottom, b, top]));
+    let better = after > before;
+    if better {
+        mesh.connectivity.flip(h);
+    }
+    better
+}
+
+/// Moves `v` to a place where the worst triangle around it is better; whether there was one.
+fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, spacing: f64) -> bool {
+    if mesh.fixed[v as usize] {
+        return false;
+    }
+    let before = least_margin(mesh, v, mesh.position(v));
+    let mut best = (before, mesh.samples[v as usize]);
+    let mut step = FIRST_STEP * spacing;
+    while step > LAST_STEP * spacing && best.0 < 0.0 {
+        let found = places(domain, mesh, v, &best.1, step)
+            .into_iter()
+            .filter(|s| acceptable(mesh, v, s))
+            .map(|s| (least_margin(mesh, v, s.position), s))
+            .fold(best, |best, other| if other.0 > best.0 { other } else { best });
+        if found.0 > best.0 {
+            best = found;
+        } else {
+            step *= 0.5;
+        }
+    }
+    mesh.samples[v as usize] = best.1;
+    best.0 > before + 1e-3
+}
+
+/// Whether no triangle around `v` turns against the surface with `v` at `there`.
+fn acceptable(mesh: &Manifold, v: u32, there: &Sample) -> bool {
+    let before = mesh.worst_facing(v, &mesh.samples[v as usize]);
+    mesh.worst_facing(v, there) >= before.min(LEAST_FACING)
+}
+
+/// Places around `at`, where `v` is or could be, at distance `step` on the surface, or on the boundary for a vertex there.
+fn places(domain: &Domain, mesh: &Manifold, v: u32, at: &Sample, step: f64) -> Vec<Sample> {
+    if mesh.connectivity.is_boundary(v) {
+        let ends = mesh.connectivity.ring(v).map(|w| mesh.position(w) - at.position);
+        return ends
+            .map(|way| domain.project_on_boundary(at.position + way.normalize_or_zero() * step, at.triangle))
+            .collect();
+    }
+    let (x, y) = at.normal.any_orthonormal_pair();
+    let direction = |i: usize| {
+        let (sin, cos) = (std::f64::consts::TAU * i as f64 / DIRECTIONS as f64).sin_cos();
+        x * cos + y * sin
+    };
+    (0..DIRECTIONS).map(|i| domain.project(at.position + step * direction(i), at.normal, at.triangle)).collect()
+}

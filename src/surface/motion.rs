@@ -1,0 +1,64 @@
+//! Moves the vertices of a manifold over its domain: all of them once, each to where a rule wants it, tangentially and
+//! back on the surface; vertices on the boundary stay on their loop. A step that would turn a triangle against the surface is halved until it does not.
+//!
+//! Vertices of one colour, no two of them adjacent, move at the same time: the result is the same for any number of
+//! threads.
+
+use crate::surface::domain::{Domain, Sample};
+use crate::surface::manifold::Manifold;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// How often a step that would fold the mesh is halved before the vertex stays.
+const HALVINGS: usize = 4;
+
+/// Least cosine between a triangle and the surface after a step, unless it was worse before.
+const LEAST_FACING: f64 = 0.3;
+
+/// Vertices that one task moves.
+const CHUNK: usize = 64;
+
+/// Moves all vertices that are not fixed once. `way` is where a vertex wants to go from where it is; what it needs to work it out is
+/// made by `tools` once for each task.
+pub fn move_vertices<T>(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    tools: impl Fn() -> T + Sync + Send,
+    way: impl Fn(&Manifold, u32, &mut T) -> DVec3 + Sync + Send,
+) {
+    for mut class in mesh.colour_classes() {
+        class.retain(|&v| !mesh.fixed[v as usize]);
+        let moved: Vec<Sample> = class
+            .par_iter()
+            .with_min_len(CHUNK)
+            .map_init(&tools, |tools, &v| step(domain, mesh, v, way(mesh, v, tools)))
+            .collect();
+        for (&v, sample) in class.iter().zip(moved) {
+            mesh.samples[v as usize] = sample;
+        }
+    }
+}
+
+/// Where vertex `v` comes to on its way.
+fn step(domain: &Domain, mesh: &Manifold, v: u32, way: DVec3) -> Sample {
+    let here = mesh.samples[v as usize];
+    let on_boundary = mesh.connectivity.is_boundary(v);
+    let mut way = if on_boundary { way } else { way.reject_from_normalized(here.normal) };
+    if !way.is_finite() || way == DVec3::ZERO {
+        return here;
+    }
+    let before = mesh.worst_facing(v, &here);
+    for _ in 0..HALVINGS {
+        let wanted = here.position + way;
+        let there = if on_boundary {
+            domain.project_on_boundary(wanted, here.triangle)
+        } else {
+            domain.project(wanted, here.normal, here.triangle)
+        };
+        if mesh.worst_facing(v, &there) >= before.min(LEAST_FACING) {
+            return there;
+        }
+        way *= 0.5;
+    }
+    here
+}
