@@ -18,7 +18,7 @@
 //! Cost: sorting the vertices and the edges; linear otherwise.
 
 use crate::surface::mesh::Mesh;
-use crate::surface::topology::{Side, UnionFind, sorted_sides};
+use crate::surface::topology::{NONE, Side, UnionFind, sorted_sides};
 use glam::DVec3;
 use rayon::slice::ParallelSliceMut;
 use serde::{Deserialize, Serialize};
@@ -53,7 +53,7 @@ pub fn repair(mesh: &Mesh) -> (Mesh, Repairs) {
     let mut glued = glue(&mesh.positions, &triangles, &mut repairs);
     orient(&mesh.positions, &mut triangles, &mut glued, &mut repairs);
     let mut result = separate_fans(&mesh.positions, &triangles, &glued, &mut repairs);
-    split_repeated_edges(&mut result);
+    split_repeated_edges(&mut result, &glued);
     drop_flat_pieces(&mut result, &mut repairs);
     (result, repairs)
 }
@@ -270,18 +270,23 @@ fn separate_fans(positions: &[DVec3], triangles: &[[u32; 3]], glued: &[Glued], r
 }
 
 /// Where a surface touches itself along an edge and both ends are in one fan, the edge is still there twice: all but
-/// one of its copies get a vertex in the middle.
-fn split_repeated_edges(mesh: &mut Mesh) {
+/// one of its copies, each a glued pair of sides or a boundary, get a vertex in the middle.
+fn split_repeated_edges(mesh: &mut Mesh, glued: &[Glued]) {
     let sides = sorted_sides(&mesh.triangles);
+    let mut partner = vec![NONE; 3 * mesh.triangles.len()];
+    for &Glued { sides: [a, b], .. } in glued {
+        partner[a as usize] = b;
+        partner[b as usize] = a;
+    }
     let mut middles: Vec<(u32, u32)> = Vec::new();
-    for edge in sides.chunk_by(|a, b| a.ends == b.ends).filter(|e| e.len() > 2) {
-        let (forward, backward): (Vec<&Side>, Vec<&Side>) = edge.iter().partition(|s| s.forward);
-        let [lo, hi] = edge[0].ends.map(|v| mesh.positions[v as usize]);
-        for i in 1..forward.len().max(backward.len()) {
+    for edge in sides.chunk_by(|a, b| a.ends == b.ends) {
+        // Sides of an edge come in increasing order: of a pair the first one speaks for both.
+        let copies = edge.iter().map(|s| s.side).filter(|&s| partner[s as usize] > s);
+        for side in copies.skip(1) {
             let middle = mesh.positions.len() as u32;
+            let [lo, hi] = edge[0].ends.map(|v| mesh.positions[v as usize]);
             mesh.positions.push((lo + hi) / 2.0);
-            middles.extend(forward.get(i).map(|s| (s.side, middle)));
-            middles.extend(backward.get(i).map(|s| (s.side, middle)));
+            middles.extend([side, partner[side as usize]].into_iter().filter(|&s| s != NONE).map(|s| (s, middle)));
         }
     }
     middles.sort_unstable();
@@ -319,8 +324,10 @@ fn drop_flat_pieces(mesh: &mut Mesh, repairs: &mut Repairs) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::rng::{Stage, stream};
     use crate::surface::topology::topology;
     use glam::dvec3;
+    use rand_chacha::rand_core::Rng;
 
     fn cube(origin: DVec3) -> Mesh {
         let positions = (0..8).map(|i| origin + dvec3((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64)).collect();
@@ -421,5 +428,19 @@ mod tests {
         let (mended, repairs) = repair(&mesh);
         assert_eq!((repairs.duplicate_triangles, repairs.degenerate_triangles), (1, 2));
         assert_eq!((audit(&mended).euler, mended.triangles.len()), (2, 12));
+    }
+
+    /// Edges whose copies begin and end in the same two fans are told apart by what is glued to what.
+    #[test]
+    fn heaps_of_triangles_between_few_places_become_manifolds() {
+        for seed in 0..3000 {
+            let mut rng = stream(seed, Stage::Scan);
+            let mut below = |n: u32| rng.next_u32() % n;
+            let vertices = 4 + below(8);
+            let mut place = || dvec3(below(3).into(), below(3).into(), below(2).into());
+            let positions = (0..vertices).map(|_| place()).collect();
+            let triangles = (0..2 + below(30)).map(|_| [0; 3].map(|_| below(vertices))).collect();
+            audit(&repair(&Mesh { positions, triangles }).0);
+        }
     }
 }
