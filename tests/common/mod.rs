@@ -288,8 +288,7 @@ pub fn spiral(n: u32, m: u32, gap: f64) -> Mesh {
 /// Ten spheres in a row, each half of the one before.
 pub fn ten_spheres() -> Mesh {
     let radius = |i: i32| 0.5f64.powi(i);
-    let parts: Vec<Mesh> =
-        (0..10).map(|i| sphere(3, dvec3(4.0 * (1.0 - radius(i)), 0.0, 0.0), radius(i))).collect();
+    let parts: Vec<Mesh> = (0..10).map(|i| sphere(3, dvec3(4.0 * (1.0 - radius(i)), 0.0, 0.0), radius(i))).collect();
     together(&parts)
 }
 
