@@ -200,7 +200,7 @@ fn optimize(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn M
     *mesh = split_to(domain, mesh, wanted);
     relax(domain, mesh, spacing, STIFF, FINE_ROUNDS, monitor)?;
     meet_count(domain, mesh, wanted);
-    relax(domain, mesh, spacing, Stiffness::AsNeeded, FINE_ROUNDS, monitor)?;
+    relax(domain, mesh, spacing, Stiffness::AsNeeded, 2 * FINE_ROUNDS, monitor)?;
     monitor.stage("improve angles");
     improve_angles(domain, mesh, spacing, monitor)
 }
