@@ -32,7 +32,11 @@ const LEAST_FACING: f64 = 0.3;
 /// Vertices that one task moves.
 const CHUNK: usize = 64;
 
-/// Moves all inner vertices of `mesh` for `sweeps` rounds. `spacing` is the mean distance of neighbours.
+/// Moves all inner vertices of `mesh` for `sweeps` rounds. `spacing` is the mean distance of neighbours, in the units of
+/// the domain.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
 pub fn ascend(domain: &Domain, mesh: &mut Manifold, spacing: f64, sweeps: usize, monitor: &dyn Monitor) -> Result<()> {
     mesh.make_delaunay();
     for sweep in 0..sweeps {
