@@ -48,6 +48,6 @@ mod tests {
     #[test]
     fn the_numbers_do_not_change_between_versions() {
         let mut rng = stream(0, Stage::Candidates);
-        assert_eq!([rng.next_u64(), rng.next_u64()], [0, 0]);
+        assert_eq!([rng.next_u64(), rng.next_u64()], [13_937_087_304_575_520_531, 13_615_851_043_850_391_654]);
     }
 }
