@@ -124,7 +124,9 @@ struct QualityArgs {
 /// What there is to do.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Job {
+    /// Remesh this.
     Remesh(Remeshing),
+    /// Measure this.
     Measure(Measuring),
     /// Print these completions.
     Complete(String),
@@ -133,20 +135,28 @@ pub enum Job {
 /// Remesh a file into another one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Remeshing {
+    /// What to read.
     pub input: MeshFile,
+    /// What to write.
     pub output: MeshFile,
+    /// What to make of it.
     pub options: Options,
+    /// Where the report goes as JSON, if it is wanted.
     pub report: Option<PathBuf>,
     /// As many as there are cores without.
     pub threads: Option<usize>,
+    /// How much to say meanwhile.
     pub voice: Voice,
 }
 
 /// Measure a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measuring {
+    /// What to measure.
     pub mesh: MeshFile,
+    /// What to measure the distance to, if to anything.
     pub against: Option<MeshFile>,
+    /// Whether to print JSON and not a table.
     pub json: bool,
     /// As many as there are cores without.
     pub threads: Option<usize>,
@@ -155,7 +165,9 @@ pub struct Measuring {
 /// A file and the format that it is said to have.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MeshFile {
+    /// Its path, as it was given.
     pub path: PathBuf,
+    /// The format, where its ending or content are not to decide.
     pub format: Option<Format>,
 }
 
