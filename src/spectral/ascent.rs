@@ -23,23 +23,8 @@ const NEIGHBOURS: usize = 12;
 /// Kernel width of the ascent in mean spacings: narrower ones leave clusters, wider ones blur the gradient.
 pub const SIGMA_OF_SPACING: f64 = 0.94;
 
-<<<<<<< HEAD
 /// Moves all inner vertices of `mesh` for `sweeps` rounds. `sigma` is the kernel's width in the units of the domain.
 pub fn ascend(domain: &Domain, mesh: &mut Manifold, sigma: f64, sweeps: usize, monitor: &dyn Monitor) -> Result<()> {
-=======
-/// Least cosine between a triangle and the surface after a step, unless it was worse before.
-const LEAST_FACING: f64 = 0.3;
-
-/// Vertices that one task moves.
-const CHUNK: usize = 64;
-
-/// Moves all inner vertices of `mesh` for `sweeps` rounds. `spacing` is the mean distance of neighbours, in the units of
-/// the domain.
-///
-/// # Errors
-/// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
-pub fn ascend(domain: &Domain, mesh: &mut Manifold, spacing: f64, sweeps: usize, monitor: &dyn Monitor) -> Result<()> {
->>>>>>> benches
     mesh.make_delaunay();
     for sweep in 0..sweeps {
         check(monitor)?;
