@@ -234,10 +234,13 @@ struct Scale {
     spacing: f64,
 }
 
+/// Smallest spacing that can be worked with, in the pipeline's unit: cells of the sampler are numbered in 32 bits.
+const SMALLEST_SPACING: f64 = 1e-8;
+
 impl Scale {
     fn new(density: Density, clean: &Mesh, unit: &Unit) -> Result<Scale> {
         let area = clean.area();
-        if area <= 0.0 {
+        if area <= unit.area_of_rounding(clean) {
             return Err(Error::Mesh {
                 cause: "the triangles have no area".into(),
                 remedy: "a surface is needed; check that the coordinates are not all on one line".into(),
@@ -245,13 +248,20 @@ impl Scale {
         }
         // N points at hexagonal packing cover √3 / 2 d² each.
         let count = |spacing: f64| 2.0 * area / (3f64.sqrt() * spacing * spacing);
+        let checked = |wanted: usize, spacing: f64| {
+            if spacing >= SMALLEST_SPACING {
+                return Ok(Scale { wanted, spacing });
+            }
+            let cause = format!("{wanted} vertices would be {:e} apart", spacing * unit.size);
+            Err(Error::Mesh { cause, remedy: "so narrow a surface needs fewer vertices".into() })
+        };
         let from_length = |option, length: f64, spacing: f64| {
             let wanted = count(spacing).round();
             check_count(option, wanted as usize, format!("a length of {length} means {wanted} vertices"))?;
-            Ok(Scale { wanted: wanted as usize, spacing })
+            checked(wanted as usize, spacing)
         };
         match density {
-            Density::Points(n) => Ok(Scale { wanted: n, spacing: (2.0 * area / (3f64.sqrt() * n as f64)).sqrt() }),
+            Density::Points(n) => checked(n, (2.0 * area / (3f64.sqrt() * n as f64)).sqrt()),
             Density::EdgeLength(l) => from_length("edge-length", l, l / unit.size),
             Density::SigmaP(s) => from_length("sigma-p", s, s / unit.size / SIGMA_OF_SPACING),
         }
@@ -276,6 +286,17 @@ impl Unit {
         let longest = (hi - lo).max_element();
         let size = if longest > 0.0 { longest.log2().ceil().exp2() } else { 1.0 };
         Unit { centre: lo + (hi - lo) / 2.0, size }
+    }
+
+    /// The area that `mesh`, in this unit, could have if all its corners were on one line but for the rounding of their
+    /// coordinates.
+    fn area_of_rounding(&self, mesh: &Mesh) -> f64 {
+        let longest = |t: usize| {
+            let [a, b, c] = mesh.corners(t);
+            a.distance(b).max(b.distance(c)).max(c.distance(a))
+        };
+        let rounding = f64::EPSILON * (1.0 + self.centre.abs().max_element() / self.size);
+        (0..mesh.triangles.len()).map(|t| rounding * longest(t)).sum()
     }
 
     fn inwards(&self, mesh: &Mesh) -> Mesh {

@@ -23,6 +23,8 @@ impl Candidate {
     #[inline]
     pub fn sample(&self, domain: &Domain) -> Sample {
         let [a, b] = self.weights.map(f64::from);
+        // Rounded to f32 the two may sum to more than 1, which would be off the triangle.
+        let b = b.min(1.0 - a);
         domain.sample(self.triangle, [a, b, 1.0 - a - b])
     }
 }
