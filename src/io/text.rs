@@ -35,12 +35,12 @@ impl<'a> Words<'a> {
     }
 
     /// The same words, for a text that begins on line `line` of its file.
-    pub fn from_line(self, line: usize) -> Self {
+    pub fn starting_at(self, line: usize) -> Self {
         Words { line, line_of_word: line, ..self }
     }
 
     /// The line of the last word, from 1.
-    pub fn line(&self) -> usize {
+    pub fn line_of_last(&self) -> usize {
         self.line_of_word
     }
 
@@ -213,7 +213,7 @@ mod tests {
     fn all(mut words: Words) -> Vec<(usize, String)> {
         let mut found = Vec::new();
         while let Some(word) = words.anywhere() {
-            found.push((words.line(), String::from_utf8_lossy(word).into_owned()));
+            found.push((words.line_of_last(), String::from_utf8_lossy(word).into_owned()));
         }
         found
     }
@@ -265,7 +265,7 @@ mod tests {
     #[test]
     fn texts_may_begin_on_any_line_and_be_without_comments() {
         let expected = [(7, "a"), (8, "#"), (8, "b")];
-        assert_eq!(all(Words::new(b"a\n# b").from_line(7)), expected.map(|(line, word)| (line, word.to_string())));
+        assert_eq!(all(Words::new(b"a\n# b").starting_at(7)), expected.map(|(line, word)| (line, word.to_string())));
     }
 
     #[test]

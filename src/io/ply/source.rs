@@ -48,7 +48,7 @@ pub(super) struct Text<'a> {
 impl<'a> Text<'a> {
     /// The values of a text that begins on line `line` of the file.
     pub fn new(text: &'a [u8], line: usize) -> Self {
-        Text { words: Words::new(text).from_line(line), last: None }
+        Text { words: Words::new(text).starting_at(line), last: None }
     }
 }
 
@@ -85,13 +85,13 @@ impl Source for Text<'_> {
     }
 
     fn place(&self) -> Place {
-        Place::Line(self.words.line())
+        Place::Line(self.words.line_of_last())
     }
 
     fn end(&self) -> Place {
         let mut rest = self.words.clone();
         while rest.anywhere().is_some() {}
-        Place::Line(rest.line())
+        Place::Line(rest.line_of_last())
     }
 
     fn has_more(&self) -> bool {
