@@ -1,4 +1,4 @@
-//! Mesh files as bytes: readers and writers of the common formats, one a file. Names of files are in [`file`] only.
+//! Mesh files as bytes: readers and writers of the common formats, one a file. Names of files are in `io::file` only.
 //!
 //! ```
 //! use spectral_remesh::io::{self, Format};

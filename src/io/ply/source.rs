@@ -85,13 +85,13 @@ impl Source for Text<'_> {
     }
 
     fn place(&self) -> Place {
-        Place::Line(self.words.line())
+        Place::Line(self.words.line_of_last())
     }
 
     fn end(&self) -> Place {
         let mut rest = self.words.clone();
         while rest.anywhere().is_some() {}
-        Place::Line(rest.line())
+        Place::Line(rest.line_of_last())
     }
 
     fn has_more(&self) -> bool {
