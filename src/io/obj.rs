@@ -141,7 +141,7 @@ impl<'a> Reader<'a> {
         }
         let number = if back { known + 1 - number } else { number };
         if number > self.largest.0 {
-            self.largest = (number, self.words.line_of_last());
+            self.largest = (number, self.words.line());
         }
         // Numbers too large for u32 fail `check_indices` in any case: a file has fewer vertices.
         Ok(u32::try_from(number - 1).unwrap_or(u32::MAX))
@@ -157,7 +157,7 @@ impl<'a> Reader<'a> {
             return;
         }
         self.unknown += 1;
-        self.first_unknown.get_or_insert((self.words.line_of_last(), keyword));
+        self.first_unknown.get_or_insert((self.words.line(), keyword));
     }
 
     fn check_indices(&self) -> Result<()> {

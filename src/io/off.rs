@@ -30,7 +30,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     let mut notes = Vec::new();
     small_faces(&mut notes, faces.dropped);
     if words.anywhere().is_some() {
-        notes.push(format!("what follows the last face, from line {} on, is left out", words.line_of_last()));
+        notes.push(format!("what follows the last face, from line {} on, is left out", words.line()));
     }
     Ok((Mesh { positions, triangles }, notes))
 }

@@ -114,7 +114,7 @@ fn push_text(mesh: &mut Mesh, words: &mut Words) -> Result<()> {
             let word = words.anywhere();
             p[k] = word.and_then(number).ok_or_else(|| unexpected(words, "a coordinate", word))?;
         }
-        mesh.positions.push(finite(p, || Place::Line(words.line_of_last()))?);
+        mesh.positions.push(finite(p, || Place::Line(words.line()))?);
     }
     expect(words, "endloop")?;
     expect(words, "endfacet")

@@ -85,13 +85,13 @@ impl Source for Text<'_> {
     }
 
     fn place(&self) -> Place {
-        Place::Line(self.words.line_of_last())
+        Place::Line(self.words.line())
     }
 
     fn end(&self) -> Place {
         let mut rest = self.words.clone();
         while rest.anywhere().is_some() {}
-        Place::Line(rest.line_of_last())
+        Place::Line(rest.line())
     }
 
     fn has_more(&self) -> bool {
