@@ -16,6 +16,7 @@ use crate::surface::manifold::Manifold;
 use crate::surface::mesh::Mesh;
 use crate::surface::refine::refine;
 use crate::surface::repair::{Repairs, repair};
+use crate::surface::seams::{close_seams, open_seams};
 use crate::surface::topology::{Topology, topology};
 use crate::triangulate::{Boundary, triangulate};
 use glam::DVec3;
@@ -38,6 +39,9 @@ pub struct Options {
     pub density: Density,
     /// Seed of all random numbers: same seed, same input, same result. Default: 0.
     pub seed: u64,
+    /// Boundary vertices as near as this to each other, in the units of the input, become one: closes seams that rounding
+    /// left open. Default: `None`, only vertices at exactly the same place.
+    pub weld: Option<f64>,
     /// Whether the triangles are optimised after sampling. Default: true. Without, the vertices are where the paper's
     /// gradient ascent leaves them: blue noise.
     pub optimize: bool,
@@ -48,7 +52,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Options { density: Density::Points(10_000), seed: 0, optimize: true, sweeps: 10 }
+        Options { density: Density::Points(10_000), seed: 0, weld: None, optimize: true, sweeps: 10 }
     }
 }
 
@@ -72,6 +76,7 @@ impl Options {
                 remedy,
             })
         };
+        self.weld.map_or(Ok(()), |tolerance| length("weld", tolerance))?;
         match self.density {
             Density::Points(n) => check_count("points", n, format!("{n} vertices are asked for")),
             Density::EdgeLength(l) => length("edge-length", l),
@@ -141,7 +146,12 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
     monitor.stage("repair");
     refuse_bad_numbers(input)?;
     let unit = Unit::of(input);
-    let (mut clean, repairs) = repair(&unit.inwards(input));
+    let mut clean = unit.inwards(input);
+    if let Some(tolerance) = options.weld {
+        clean = close_seams(&clean, tolerance / unit.size);
+    }
+    let (mut clean, repairs) = repair(&clean);
+    let open_seams = if options.weld.is_none() { open_seams(&clean) } else { 0 };
     let repaired = topology(clean.positions.len(), &clean.triangles);
     let scale = Scale::new(options.density, &clean, &unit)?;
     check(monitor)?;
@@ -180,7 +190,7 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
         tessellated_pieces: made.tessellated_pieces,
         notes: Vec::new(),
     };
-    result.notes = notes(&result);
+    result.notes = notes(&result, open_seams);
     Ok(result)
 }
 
@@ -200,7 +210,7 @@ fn optimize(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn M
     *mesh = split_to(domain, mesh, wanted);
     relax(domain, mesh, spacing, STIFF, FINE_ROUNDS, monitor)?;
     meet_count(domain, mesh, wanted);
-    relax(domain, mesh, spacing, Stiffness::AsNeeded, FINE_ROUNDS, monitor)?;
+    relax(domain, mesh, spacing, Stiffness::AsNeeded, 2 * FINE_ROUNDS, monitor)?;
     monitor.stage("improve angles");
     improve_angles(domain, mesh, spacing, monitor)
 }
@@ -324,7 +334,7 @@ fn refuse_bad_numbers(mesh: &Mesh) -> Result<()> {
 }
 
 /// What a user should know about a result.
-fn notes(result: &Remeshed) -> Vec<String> {
+fn notes(result: &Remeshed, open_seams: usize) -> Vec<String> {
     let mut notes = Vec::new();
     let r = &result.repairs;
     let mut note = |n: usize, text: &str| {
@@ -337,6 +347,10 @@ fn notes(result: &Remeshed) -> Vec<String> {
     note(r.unorientable_edges, "edges were cut open because the surface has no two sides (like a Möbius strip)");
     note(r.flipped_triangles, "faces were turned over to agree with their neighbours");
     note(r.degenerate_triangles + r.duplicate_triangles, "degenerate or repeated faces were dropped");
+    note(
+        open_seams,
+        "boundary vertices all but touch another one: seams that rounding left open? Welding within a tolerance closes them",
+    );
     if result.output.vertices != result.wanted {
         notes.push(format!(
             "{} vertices instead of {}: the topology of the input needs as many",

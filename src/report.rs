@@ -81,14 +81,18 @@ pub struct Sampling {
 /// A stage and its time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Lap {
+    /// The stage's name, as the progress bar shows it.
     pub name: String,
+    /// How long it took by the clock, in seconds.
     pub seconds: f64,
 }
 
 /// A mesh and the name of its file.
 #[derive(Debug, Clone, Copy)]
 pub struct Named<'a> {
+    /// The name, as it was given.
     pub file: &'a str,
+    /// The mesh in it.
     pub mesh: &'a Mesh,
 }
 

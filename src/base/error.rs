@@ -10,16 +10,44 @@ use std::fmt;
 pub enum Error {
     /// A file cannot be opened, read, created, written or renamed.
     #[error("{file}: {cause}; {remedy}")]
-    File { file: String, cause: String, remedy: String },
+    File {
+        /// The file's name, as it was given.
+        file: String,
+        /// What is wrong.
+        cause: String,
+        /// What to do about it.
+        remedy: String,
+    },
     /// The content of a file is not what its format says.
     #[error("{file}{place}: {cause}; {remedy}")]
-    Format { file: String, place: Place, cause: String, remedy: String },
+    Format {
+        /// The file's name, as it was given; empty from readers that see bytes only.
+        file: String,
+        /// Where in the file.
+        place: Place,
+        /// What is wrong.
+        cause: String,
+        /// What to do about it.
+        remedy: String,
+    },
     /// A mesh that no stage can work on: no triangles, no area, coordinates that are not finite.
     #[error("{cause}; {remedy}")]
-    Mesh { cause: String, remedy: String },
+    Mesh {
+        /// What is wrong.
+        cause: String,
+        /// What to do about it.
+        remedy: String,
+    },
     /// An option outside of its range, or two that exclude each other.
     #[error("{option}: {cause}; {remedy}")]
-    Option { option: &'static str, cause: String, remedy: String },
+    Option {
+        /// The option's name on the command line, without dashes.
+        option: &'static str,
+        /// What is wrong.
+        cause: String,
+        /// What to do about it.
+        remedy: String,
+    },
     /// The caller's monitor asked to stop.
     #[error("cancelled")]
     Cancelled,

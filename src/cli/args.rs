@@ -79,6 +79,9 @@ struct RemeshArgs {
     /// Seed of the random numbers: same seed, same input, same output
     #[arg(long, value_name = "SEED", default_value_t = 0)]
     seed: u64,
+    /// Weld boundary vertices within this distance, in the units of the input, to close seams left open by rounding
+    #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true, value_parser = positive)]
+    weld: Option<f64>,
     /// 1 optimises the triangles after sampling, 0 leaves the samples where the paper's gradient ascent does
     #[arg(long, value_name = "0|1", default_value_t = 1, value_parser = clap::value_parser!(u8).range(0..=1))]
     optimize: u8,
@@ -124,7 +127,9 @@ struct QualityArgs {
 /// What there is to do.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Job {
+    /// Remesh this.
     Remesh(Remeshing),
+    /// Measure this.
     Measure(Measuring),
     /// Print these completions.
     Complete(String),
@@ -133,20 +138,28 @@ pub enum Job {
 /// Remesh a file into another one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Remeshing {
+    /// What to read.
     pub input: MeshFile,
+    /// What to write.
     pub output: MeshFile,
+    /// What to make of it.
     pub options: Options,
+    /// Where the report goes as JSON, if it is wanted.
     pub report: Option<PathBuf>,
     /// As many as there are cores without.
     pub threads: Option<usize>,
+    /// How much to say meanwhile.
     pub voice: Voice,
 }
 
 /// Measure a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measuring {
+    /// What to measure.
     pub mesh: MeshFile,
+    /// What to measure the distance to, if to anything.
     pub against: Option<MeshFile>,
+    /// Whether to print JSON and not a table.
     pub json: bool,
     /// As many as there are cores without.
     pub threads: Option<usize>,
@@ -155,7 +168,9 @@ pub struct Measuring {
 /// A file and the format that it is said to have.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MeshFile {
+    /// Its path, as it was given.
     pub path: PathBuf,
+    /// The format, where its ending or content are not to decide.
     pub format: Option<Format>,
 }
 
@@ -199,6 +214,7 @@ impl RemeshArgs {
             edge_length,
             sigma_p,
             seed,
+            weld,
             optimize,
             threads,
             format,
@@ -208,12 +224,12 @@ impl RemeshArgs {
             verbose,
         } = self;
         // Options without a flag keep their default; each is named, so that a new one is thought of here.
-        let Options { density: _, seed: _, optimize: _, sweeps } = Options::default();
+        let Options { density: _, seed: _, weld: _, optimize: _, sweeps } = Options::default();
         let density = density(points, edge_length, sigma_p)?;
         Ok(Remeshing {
             input: MeshFile { path: input, format },
             output: MeshFile { path: output, format: output_format },
-            options: Options { density, seed, optimize: optimize != 0, sweeps },
+            options: Options { density, seed, weld, optimize: optimize != 0, sweeps },
             report,
             threads: threads.map(usize::from),
             voice: match (quiet, verbose) {

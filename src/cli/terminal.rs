@@ -36,6 +36,7 @@ pub struct Terminal {
 }
 
 impl Terminal {
+    /// A monitor that says as much as `voice`.
     pub fn new(voice: Voice) -> Terminal {
         let wanted = voice == Voice::Normal && std::io::stderr().is_terminal();
         Terminal { bar: wanted.then(bar), lines: voice == Voice::Verbose, start: Instant::now() }

@@ -10,7 +10,7 @@
 //! place as a corner of the ear do not block it (slits that join a hole to the outline); where no ear is left, as in
 //! polygons that cross themselves or have no area, the shortest cut is made all the same.
 //!
-//! Cost: n log n for n corners of which none is reflex, n r with r reflex ones, at most [`BUDGET`] tests. Limits: a
+//! Cost: n log n for n corners of which none is reflex, n r with r reflex ones, at most `BUDGET` tests. Limits: a
 //! polygon that spends the budget has overlapping triangles; every polygon of n corners has n - 2 triangles whose
 //! boundary is the polygon's outline.
 

@@ -10,11 +10,17 @@ use std::str::FromStr;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Format {
+    /// Wavefront OBJ, text.
     Obj,
+    /// Stanford PLY, text or binary.
     Ply,
+    /// STL, text or binary: separate triangles, single precision.
     Stl,
+    /// Object file format of Geomview, text.
     Off,
+    /// glTF 2.0 as JSON, its buffers embedded or beside it; single precision.
     Gltf,
+    /// glTF 2.0 as one binary file; single precision.
     Glb,
 }
 

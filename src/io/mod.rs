@@ -1,4 +1,4 @@
-//! Mesh files as bytes: readers and writers of the common formats, one a file. Names of files are in [`file`] only.
+//! Mesh files as bytes: readers and writers of the common formats, one a file. Names of files are in `io::file` only.
 //!
 //! ```
 //! use spectral_remesh::io::{self, Format};
@@ -36,6 +36,7 @@ pub use format::Format;
 pub struct Loaded {
     /// All triangles of the file over all its vertices. A file without faces gives vertices without triangles.
     pub mesh: Mesh,
+    /// The format that it was read as.
     pub format: Format,
     /// What a user should know of what was left out, a sentence each.
     pub notes: Vec<String>,

@@ -82,5 +82,5 @@ fn needed(mesh: &Manifold, v: u32, spacing: f64) -> f64 {
 
 /// Where β begins to rise and over what range: the relative change of the mean edge length, and one minus the cosine of
 /// the turn of the surface along an edge.
-const STRETCH: (f64, f64) = (0.03, 0.1);
+const STRETCH: (f64, f64) = (0.06, 0.15);
 const BEND: (f64, f64) = (0.1, 0.3);

@@ -7,6 +7,7 @@ use glam::DVec3;
 /// Samples on the boundary loops of a surface.
 #[derive(Debug, Clone, Default)]
 pub struct BoundarySamples {
+    /// The samples, loop by loop, in the order along each.
     pub samples: Vec<Sample>,
     /// For each sample the side `3 t + k` of the domain that it lies on and how far along, in 0..1.
     pub sites: Vec<(u32, f64)>,

@@ -12,6 +12,7 @@ use crate::surface::domain::{Domain, Sample};
 /// A candidate, small enough that there can be hundreds of millions of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Candidate {
+    /// The triangle of the domain that it lies on.
     pub triangle: u32,
     /// Barycentric coordinates of the first two corners.
     weights: [f32; 2],

@@ -13,12 +13,11 @@
 
 use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};
-use crate::base::rng::{Random, Stage, stream};
+use crate::base::rng::{Random, Rng, Stage, stream};
 use crate::spectral::candidates::Candidate;
 use crate::spectral::measure::{MOST_NEIGHBOURS, Measure, RADIUS};
 use crate::surface::domain::{Domain, Sample};
 use glam::{DVec3, IVec3};
-use rand_chacha::rand_core::Rng;
 use rayon::prelude::*;
 
 /// The threshold ε (paper, section 6.3).
@@ -41,7 +40,11 @@ const END: u32 = u32::MAX;
 
 /// The samples that the scan keeps: `fixed` first, which are kept in any case, then candidates.
 ///
-/// `sigma` is σp in the units of the domain.
+/// `sigma` is σp in the units of the domain. The result is the same for
+/// any number of threads.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
 pub fn linear_scan(
     domain: &Domain,
     candidates: &[Candidate],

@@ -1,0 +1,211 @@
+//! Every stage by itself, on a sphere with bumps of 100,000 triangles that becomes 10,000 points.
+//!
+//!     cargo bench                      # all
+//!     cargo bench -- write             # those with that word in their name
+//!     cargo bench -- --sample-count 50
+//!
+//! Times are of the threads that `RAYON_NUM_THREADS` says, by default one a core.
+
+use divan::{Bencher, Divan, black_box};
+use glam::{DVec3, dvec3};
+use spectral_remesh::base::rng::{Stage, stream};
+use spectral_remesh::io::{self, Format, NO_BUFFERS};
+use spectral_remesh::optimize::counts::meet_count;
+use spectral_remesh::quality::distance::{REPORT_SAMPLES, distance};
+use spectral_remesh::quality::shape::shape;
+use spectral_remesh::spectral::ascent::ascend;
+use spectral_remesh::spectral::candidates::{Candidate, candidates};
+use spectral_remesh::spectral::scan::linear_scan;
+use spectral_remesh::surface::bvh::Bvh;
+use spectral_remesh::surface::domain::{Domain, Sample};
+use spectral_remesh::surface::manifold::Manifold;
+use spectral_remesh::surface::repair::repair;
+use spectral_remesh::surface::seams::open_seams;
+use spectral_remesh::surface::topology::{topology, twins};
+use spectral_remesh::triangulate::mutual::{Insertion, mutual_tessellation};
+use spectral_remesh::triangulate::{Boundary, triangulate};
+use spectral_remesh::{Density, Mesh, Options, remesh};
+use std::f64::consts::{PI, TAU};
+use std::sync::LazyLock;
+
+const POINTS: usize = 10_000;
+const SEED: u64 = 0;
+const SWEEPS: usize = 10;
+const NO_BOUNDARY: Boundary = Boundary { sites: &[], successor: &[] };
+
+fn main() {
+    LazyLock::force(&INPUTS);
+    Divan::default().sample_count(10).config_with_args().main();
+}
+
+/// What each stage gets from the ones before it.
+struct Inputs {
+    mesh: Mesh,
+    domain: Domain,
+    spacing: f64,
+    candidates: Vec<Candidate>,
+    samples: Vec<Sample>,
+    manifold: Manifold,
+    result: Mesh,
+}
+
+static INPUTS: LazyLock<Inputs> = LazyLock::new(Inputs::new);
+
+impl Inputs {
+    fn new() -> Inputs {
+        let mesh = bumpy_sphere(160, 315);
+        let spacing = (2.0 * mesh.area() / (3f64.sqrt() * POINTS as f64)).sqrt();
+        let domain = Domain::new(repair(&mesh).0);
+        let candidates = cover(&domain);
+        let samples = scan(&domain, &candidates, spacing);
+        let manifold = join(&domain, &samples, spacing);
+        let mut spread = manifold.clone();
+        ascend(&domain, &mut spread, spacing, SWEEPS, &()).expect("nobody cancels");
+        Inputs { result: spread.to_mesh(), mesh, domain, spacing, candidates, samples, manifold }
+    }
+}
+
+/// A closed surface of `2 columns (rows - 1)` triangles, narrow ones at the poles.
+fn bumpy_sphere(rows: u32, columns: u32) -> Mesh {
+    let bumps = |p: DVec3| p * (1.0 + 0.08 * (7.0 * p.x).sin() * (6.0 * p.y).sin() * (5.0 * p.z).cos());
+    let place = |i: u32, j: u32| {
+        let (polar, round) = (PI * f64::from(i) / f64::from(rows), TAU * f64::from(j) / f64::from(columns));
+        bumps(dvec3(polar.sin() * round.cos(), polar.sin() * round.sin(), polar.cos()))
+    };
+    let rings = (1..rows).flat_map(|i| (0..columns).map(move |j| (i, j)));
+    let positions: Vec<DVec3> = rings.map(|(i, j)| place(i, j)).chain([bumps(DVec3::Z), bumps(DVec3::NEG_Z)]).collect();
+    let at = |i: u32, j: u32| (i - 1) * columns + j % columns;
+    let (top, bottom) = (positions.len() as u32 - 2, positions.len() as u32 - 1);
+    let mut triangles = Vec::new();
+    for j in 0..columns {
+        triangles.push([top, at(1, j), at(1, j + 1)]);
+        triangles.push([bottom, at(rows - 1, j + 1), at(rows - 1, j)]);
+        for i in 1..rows - 1 {
+            triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+            triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+        }
+    }
+    Mesh { positions, triangles }
+}
+
+fn cover(domain: &Domain) -> Vec<Candidate> {
+    candidates(domain, 20 * POINTS, &mut stream(SEED, Stage::Candidates))
+}
+
+fn scan(domain: &Domain, candidates: &[Candidate], spacing: f64) -> Vec<Sample> {
+    linear_scan(domain, candidates, &[], 0.866 * spacing, SEED, &()).expect("nobody cancels")
+}
+
+fn join(domain: &Domain, samples: &[Sample], spacing: f64) -> Manifold {
+    triangulate(domain, samples, NO_BOUNDARY, spacing, &()).expect("nobody cancels").mesh
+}
+
+#[divan::bench]
+fn s01_repair(bencher: Bencher) {
+    bencher.bench(|| repair(black_box(&INPUTS.mesh)));
+}
+
+#[divan::bench]
+fn s02_open_seams(bencher: Bencher) {
+    bencher.bench(|| open_seams(black_box(&INPUTS.mesh)));
+}
+
+#[divan::bench]
+fn s03_topology(bencher: Bencher) {
+    let mesh = &INPUTS.mesh;
+    bencher.bench(|| topology(mesh.positions.len(), black_box(&mesh.triangles)));
+}
+
+#[divan::bench]
+fn s04_domain(bencher: Bencher) {
+    bencher.with_inputs(|| INPUTS.domain.mesh.clone()).bench_values(Domain::new);
+}
+
+#[divan::bench]
+fn s04_domain_hierarchy(bencher: Bencher) {
+    bencher.bench(|| Bvh::new(black_box(&INPUTS.domain.mesh)));
+}
+
+#[divan::bench]
+fn s04_domain_twins(bencher: Bencher) {
+    bencher.bench(|| twins(black_box(&INPUTS.domain.mesh.triangles)));
+}
+
+#[divan::bench]
+fn s05_candidates(bencher: Bencher) {
+    bencher.bench(|| cover(black_box(&INPUTS.domain)));
+}
+
+#[divan::bench]
+fn s06_linear_scan(bencher: Bencher) {
+    let given = &*INPUTS;
+    bencher.bench(|| scan(&given.domain, black_box(&given.candidates), given.spacing));
+}
+
+#[divan::bench]
+fn s07_triangulate(bencher: Bencher) {
+    let given = &*INPUTS;
+    bencher.bench(|| join(&given.domain, black_box(&given.samples), given.spacing));
+}
+
+/// What [`s07_triangulate`] falls back to, for the whole surface.
+#[divan::bench]
+fn s07_mutual_tessellation(bencher: Bencher) {
+    let given = &*INPUTS;
+    let piece: Vec<u32> = (0..given.domain.mesh.triangles.len() as u32).collect();
+    let insertions: Vec<Insertion> = given.samples.iter().map(|&sample| Insertion { sample, on_side: None }).collect();
+    bencher.bench(|| mutual_tessellation(&given.domain, &piece, black_box(&insertions)));
+}
+
+#[divan::bench]
+fn s08_meet_count(bencher: Bencher) {
+    let given = &*INPUTS;
+    bencher.with_inputs(|| given.manifold.clone()).bench_values(|mut mesh| {
+        meet_count(&given.domain, &mut mesh, POINTS);
+        mesh
+    });
+}
+
+#[divan::bench]
+fn s09_ascent(bencher: Bencher) {
+    let given = &*INPUTS;
+    bencher.with_inputs(|| given.manifold.clone()).bench_values(|mut mesh| {
+        ascend(&given.domain, &mut mesh, given.spacing, SWEEPS, &()).expect("nobody cancels");
+        mesh
+    });
+}
+
+#[divan::bench]
+fn s10_report_shape(bencher: Bencher) {
+    bencher.bench(|| shape(black_box(&INPUTS.result)));
+}
+
+#[divan::bench]
+fn s10_report_distance(bencher: Bencher) {
+    bencher.bench(|| distance(&INPUTS.result, black_box(&INPUTS.mesh), REPORT_SAMPLES, SEED));
+}
+
+#[divan::bench]
+fn s11_remesh_all(bencher: Bencher) {
+    let options = Options { density: Density::Points(POINTS), ..Options::default() };
+    bencher.bench(|| remesh(black_box(&INPUTS.mesh), &options, &()).expect("the sphere can be remeshed"));
+}
+
+#[divan::bench(args = Format::ALL)]
+fn s12_read(bencher: Bencher, format: Format) {
+    let bytes = written(format);
+    bencher
+        .counter(divan::counter::BytesCount::new(bytes.len()))
+        .bench(|| io::parse(black_box(&bytes), format, NO_BUFFERS).expect("what was written can be read"));
+}
+
+#[divan::bench(args = Format::ALL)]
+fn s13_write(bencher: Bencher, format: Format) {
+    bencher.bench(|| written(black_box(format)));
+}
+
+fn written(format: Format) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    io::write(&INPUTS.mesh, format, &mut bytes).expect("memory does not fail");
+    bytes
+}

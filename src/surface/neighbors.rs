@@ -1,0 +1,107 @@
+//! Nearest neighbours among points: the one file that knows the k-d tree behind it.
+//!
+//! Answers are in a total order, by distance and then by number, so they do not depend on how the tree was built.
+//!
+//! Cost: n log n to build; a query is logarithmic in n and linear in what it finds.
+//!
+//! Limits: coordinates have to be finite, and small enough that their squares are, too.
+
+use glam::DVec3;
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+
+/// A set of points to ask for neighbours. Any points will do: planar ones, coincident ones, none.
+pub struct Neighbors {
+    /// `None` without points.
+    tree: Option<ImmutableKdTree<f64, 3>>,
+}
+
+/// A point of the set, as seen from the point that was asked about.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Neighbor {
+    /// Its number: the place in the slice that the set was made of.
+    pub point: u32,
+    /// The squared distance to it, in squared units of the points.
+    pub distance_squared: f64,
+}
+
+impl Neighbors {
+    /// The set of `points`, fewer than 2^32 of them.
+    ///
+    /// # Panics
+    /// If there are more points than 32-bit numbers can tell apart.
+    pub fn new(points: &[DVec3]) -> Self {
+        let coordinates: Vec<[f64; 3]> = points.iter().map(DVec3::to_array).collect();
+        let build = || ImmutableKdTree::new_from_slice(&coordinates).expect("fewer than 2^32 points");
+        Neighbors { tree: (!points.is_empty()).then(build) }
+    }
+
+    /// All points within `radius` of `p`, `radius` included, the nearest first; of equally near ones the one with the
+    /// smaller number.
+    pub fn within(&self, p: DVec3, radius: f64) -> Vec<Neighbor> {
+        let Some(tree) = &self.tree else { return Vec::new() };
+        let centre = p.to_array();
+        let found = tree.query(&centre).within::<SquaredEuclidean<f64>>(radius * radius).unsorted().execute();
+        let mut found: Vec<Neighbor> =
+            found.into_iter().map(|f| Neighbor { point: f.item, distance_squared: f.distance }).collect();
+        found.sort_unstable_by(|a, b| a.distance_squared.total_cmp(&b.distance_squared).then(a.point.cmp(&b.point)));
+        found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::rng::{Stage, stream, unit};
+    use proptest::prelude::*;
+
+    /// What [`Neighbors::within`] promises, by looking at all points.
+    fn by_hand(points: &[DVec3], p: DVec3, radius: f64) -> Vec<u32> {
+        let mut all: Vec<(f64, u32)> = points.iter().map(|q| q.distance_squared(p)).zip(0..).collect();
+        all.retain(|f| f.0 <= radius * radius);
+        all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        all.into_iter().map(|f| f.1).collect()
+    }
+
+    fn numbers(found: &[Neighbor]) -> Vec<u32> {
+        found.iter().map(|n| n.point).collect()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(32))]
+        /// Random points whose coordinates along some axes are all the same: boxes, planes, lines, one place.
+        #[test]
+        fn all_within_the_radius_and_in_order(seed in any::<u64>(), flat in 0u32..8, count in 0usize..500) {
+            let mut rng = stream(seed, Stage::Scan);
+            let mut coordinate = |axis: u32| {
+                let x = unit(&mut rng);
+                if flat >> axis & 1 == 1 { 0.25 } else { x }
+            };
+            let points: Vec<DVec3> =
+                (0..count).map(|_| DVec3::new(coordinate(0), coordinate(1), coordinate(2))).collect();
+            let set = Neighbors::new(&points);
+            for p in points.iter().step_by(7).copied().chain([DVec3::ONE]) {
+                let found = set.within(p, 0.3);
+                prop_assert_eq!(numbers(&found), by_hand(&points, p, 0.3));
+                prop_assert!(found.iter().all(|n| n.distance_squared == points[n.point as usize].distance_squared(p)));
+            }
+        }
+    }
+
+    #[test]
+    fn planar_grids_and_coincident_points_are_points_like_others() {
+        let grid: Vec<DVec3> = (0..2500).map(|i| DVec3::new(f64::from(i % 50), f64::from(i / 50), 3.0)).collect();
+        let found = Neighbors::new(&grid).within(grid[51], 1.0);
+        assert_eq!(numbers(&found), [51, 1, 50, 52, 101]);
+        let heap = vec![DVec3::new(0.1, 0.2, 0.3); 3000];
+        let found = Neighbors::new(&heap).within(heap[0], 0.0);
+        assert_eq!(numbers(&found), (0..3000).collect::<Vec<u32>>());
+    }
+
+    #[test]
+    fn few_points_or_none() {
+        assert_eq!(Neighbors::new(&[]).within(DVec3::ZERO, 1.0), []);
+        let one = Neighbors::new(&[DVec3::X]);
+        assert_eq!(one.within(DVec3::ZERO, 1.0), [Neighbor { point: 0, distance_squared: 1.0 }]);
+        assert_eq!(one.within(DVec3::ZERO, 0.99), []);
+    }
+}
