@@ -5,7 +5,7 @@ use crate::base::progress::{Monitor, check};
 use crate::base::rng::{Stage, stream};
 use crate::optimize::angles::improve_angles;
 use crate::optimize::counts::meet_count;
-use crate::optimize::levels::{coarsen, fix_all_but_bent, split_to, trim};
+use crate::optimize::levels::{coarsen, fix_all_but_bent, fix_tips, split_to, trim};
 use crate::optimize::relax::{Stiffness, relax};
 use crate::spectral::ascent::{SIGMA_OF_SPACING as ASCENT_SIGMA, ascend};
 use crate::spectral::boundary::sample_boundaries;
@@ -208,10 +208,12 @@ fn optimize(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn M
     monitor.stage("relax");
     relax(domain, mesh, 2.0 * spacing, STIFF, COARSE_ROUNDS, monitor)?;
     *mesh = split_to(domain, mesh, wanted);
+    fix_tips(mesh);
     relax(domain, mesh, spacing, STIFF, FINE_ROUNDS, monitor)?;
     meet_count(domain, mesh, wanted);
     relax(domain, mesh, spacing, Stiffness::AsNeeded, 2 * FINE_ROUNDS, monitor)?;
     monitor.stage("improve angles");
+    mesh.fixed.fill(false);
     improve_angles(domain, mesh, spacing, monitor)
 }
 

@@ -29,6 +29,15 @@ pub fn fix_all_but_bent(mesh: &mut Manifold) {
     mesh.fixed = mesh.bent(BENT).into_iter().map(|bent| !bent).collect();
 }
 
+/// Fixes the vertices at which the surface turns away within an edge: the ends of spikes, from which relaxation would
+/// take them.
+pub fn fix_tips(mesh: &mut Manifold) {
+    let c = &mesh.connectivity;
+    let normal = |v: u32| mesh.samples[v as usize].normal;
+    let is_tip = |v: u32| c.ring(v).any(|w| normal(w).dot(normal(v)) < BENT);
+    mesh.fixed = (0..c.vertex_bound()).map(|v| c.has_vertex(v) && is_tip(v)).collect();
+}
+
 /// Fixes the vertices that a coarser mesh could not do without and those of the boundary, and collapses the others until
 /// splitting what is left would give about `wanted` vertices again. `spacing` is that of the fine mesh.
 pub fn coarsen(mesh: &mut Manifold, wanted: usize, spacing: f64) {
