@@ -30,6 +30,10 @@ const MOST_PASSES: usize = 30;
 const FIRST_STEP: f64 = 0.2;
 const LAST_STEP: f64 = 0.01;
 
+/// Degrees that a step of the search has to gain, and rings of places that it looks at, so that it ends.
+const LEAST_GAIN: f64 = 0.01;
+const MOST_TRIES: usize = 24;
+
 /// Directions that the search tries.
 const DIRECTIONS: usize = 8;
 
@@ -104,20 +108,23 @@ fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, spacing: f64) ->
     let before = least_margin(mesh, v, mesh.position(v));
     let mut best = (before, mesh.samples[v as usize]);
     let mut step = FIRST_STEP * spacing;
-    while step > LAST_STEP * spacing && best.0 < 0.0 {
+    for _ in 0..MOST_TRIES {
+        if step <= LAST_STEP * spacing || best.0 >= 0.0 {
+            break;
+        }
         let found = places(domain, mesh, v, &best.1, step)
             .into_iter()
             .filter(|s| acceptable(mesh, v, s))
             .map(|s| (least_margin(mesh, v, s.position), s))
             .fold(best, |best, other| if other.0 > best.0 { other } else { best });
-        if found.0 > best.0 {
+        if found.0 > best.0 + LEAST_GAIN {
             best = found;
         } else {
             step *= 0.5;
         }
     }
     mesh.samples[v as usize] = best.1;
-    best.0 > before + 1e-3
+    best.0 > before
 }
 
 /// Whether no triangle around `v` turns against the surface with `v` at `there`.
