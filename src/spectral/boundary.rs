@@ -1,7 +1,8 @@
 //! Samples along the open boundaries of a surface: a loop is a curve, and evenly spaced points of it are what the
 //! measure of section 3 of the paper would settle on in one dimension.
 
-use crate::surface::domain::{Domain, Sample, next};
+use crate::surface::connectivity::next;
+use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 
 /// Samples on the boundary loops of a surface.

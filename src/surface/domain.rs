@@ -3,6 +3,7 @@
 
 use crate::geom::triangle::barycentric;
 use crate::surface::bvh::Bvh;
+use crate::surface::connectivity::next;
 use crate::surface::mesh::Mesh;
 use crate::surface::topology::{NONE, components, twins};
 use glam::DVec3;
@@ -144,12 +145,6 @@ impl BoundaryCurves {
         let (sides, loops) = sides.into_iter().unzip();
         BoundaryCurves { bvh: Bvh::new(&segments), sides, loops, segments }
     }
-}
-
-/// The side after `side` in its triangle.
-#[inline]
-pub fn next(side: u32) -> u32 {
-    if side % 3 == 2 { side - 2 } else { side + 1 }
 }
 
 /// Normals with the weights of N. Max, Weights for computing vertex normals from facet normals, 1999,
