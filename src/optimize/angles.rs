@@ -102,7 +102,7 @@ fn flip_if_better(mesh: &mut Manifold, h: u32) -> bool {
 
 /// Moves `v` to a place where the worst triangle around it is better; whether there was one.
 fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, spacing: f64) -> bool {
-    if mesh.fixed[v as usize] {
+    if mesh.is_held(v) {
         return false;
     }
     let before = least_margin(mesh, v, mesh.position(v));
@@ -133,13 +133,11 @@ fn acceptable(mesh: &Manifold, v: u32, there: &Sample) -> bool {
     mesh.worst_facing(v, there) >= before.min(LEAST_FACING)
 }
 
-/// Places around `at`, where `v` is or could be, at distance `step` on the surface, or on the boundary for a vertex there.
+/// Places around `at`, where `v` is or could be, at distance `step` on the surface, or along the curve of a vertex there.
 fn places(domain: &Domain, mesh: &Manifold, v: u32, at: &Sample, step: f64) -> Vec<Sample> {
-    if mesh.connectivity.is_boundary(v) {
-        let ends = mesh.connectivity.ring(v).map(|w| mesh.position(w) - at.position);
-        return ends
-            .map(|way| domain.project_on_boundary(at.position + way.normalize_or_zero() * step, at.triangle))
-            .collect();
+    if let Some(ends) = mesh.connectivity.along_curve(v) {
+        let ways = ends.map(|w| (mesh.position(w) - at.position).normalize_or_zero());
+        return ways.map(|way| mesh.place_on(domain, v, at.position + way * step, at)).to_vec();
     }
     let (x, y) = at.normal.any_orthonormal_pair();
     let direction = |i: usize| {

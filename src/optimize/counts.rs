@@ -21,7 +21,7 @@ pub fn meet_count(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
     // First with care, then whatever it takes.
     collapse_shortest(mesh, wanted, |mesh, h| {
         let c = &mesh.connectivity;
-        !c.is_boundary(c.origin(h)) && mesh.after_collapse(h).0 >= LEAST_FACING
+        c.curve_at(c.origin(h)) == NONE && mesh.after_collapse(h).0 >= LEAST_FACING
     });
     collapse_shortest(mesh, wanted, |_, _| true);
 }

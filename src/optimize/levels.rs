@@ -10,6 +10,7 @@
 use crate::optimize::counts::collapse_shortest;
 use crate::surface::domain::Domain;
 use crate::surface::manifold::Manifold;
+use crate::surface::topology::NONE;
 
 /// Cosine of the turn of the surface within two rings from which on vertices are fixed: 102 degrees. At 75 degrees a
 /// fifth of the vertices of a detailed model were fixed and stayed irregular.
@@ -38,12 +39,12 @@ pub fn fix_tips(mesh: &mut Manifold) {
     mesh.fixed = (0..c.vertex_bound()).map(|v| c.has_vertex(v) && is_tip(v)).collect();
 }
 
-/// Fixes the vertices that a coarser mesh could not do without and those of the boundary, and collapses the others until
+/// Fixes the vertices that a coarser mesh could not do without and those on curves, and collapses the others until
 /// splitting what is left would give about `wanted` vertices again. `spacing` is that of the fine mesh.
 pub fn coarsen(mesh: &mut Manifold, wanted: usize, spacing: f64) {
     mesh.fixed = mesh.bent(BENT);
     for v in (0..mesh.connectivity.vertex_bound()).filter(|&v| mesh.connectivity.has_vertex(v)) {
-        mesh.fixed[v as usize] |= mesh.connectivity.is_boundary(v);
+        mesh.fixed[v as usize] |= mesh.connectivity.curve_at(v) != NONE;
     }
     let fixed = mesh.fixed.iter().filter(|f| **f).count();
     let coarse = fixed + mesh.connectivity.vertex_count().saturating_sub(fixed) / 4;

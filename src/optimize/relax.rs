@@ -5,7 +5,7 @@
 //! the edges are springs of the rest length d, and the mesh keeps its density. So β is high where the surface bends
 //! within an edge or the edges have left their length, and low elsewhere.
 //!
-//! Vertices of the boundary listen to their two neighbours on it only.
+//! Vertices on a curve, of the boundary or a sharp edge, listen to their two neighbours along it only.
 //!
 //! Cost: a microsecond or two a vertex and round.
 
@@ -47,9 +47,7 @@ pub fn relax(
 fn pull(mesh: &Manifold, v: u32, spacing: f64, stiffness: Stiffness) -> DVec3 {
     let c = &mesh.connectivity;
     let here = mesh.position(v);
-    if c.is_boundary(v) {
-        let mut ends = c.ring(v);
-        let (first, last) = (ends.next().unwrap_or(v), ends.last().unwrap_or(v));
+    if let Some([first, last]) = c.along_curve(v) {
         let (first, last) = (mesh.position(first), mesh.position(last));
         let along = (first - last).normalize_or_zero();
         return 0.25 * (first.distance(here) - last.distance(here)) * along;

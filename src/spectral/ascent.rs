@@ -7,7 +7,7 @@
 //!
 //! Cost: some microseconds a vertex and sweep.
 //!
-//! Limits: boundary vertices stay where they are.
+//! Limits: vertices of the boundary and of sharp edges stay where they are.
 
 use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};
@@ -15,6 +15,7 @@ use crate::spectral::measure::Measure;
 use crate::surface::domain::Domain;
 use crate::surface::manifold::Manifold;
 use crate::surface::motion::move_vertices;
+use crate::surface::topology::NONE;
 use glam::DVec3;
 
 /// Neighbours that count, the nearest first; more do not change where samples go.
@@ -37,7 +38,7 @@ pub fn ascend(domain: &Domain, mesh: &mut Manifold, sigma: f64, sweeps: usize, m
 
 /// Where vertex `v` wants to go: up the gradient, half a kernel width at most.
 fn way_up(mesh: &Manifold, v: u32, sigma: f64, measure: &mut Measure) -> DVec3 {
-    if mesh.connectivity.is_boundary(v) {
+    if mesh.connectivity.curve_at(v) != NONE {
         return DVec3::ZERO;
     }
     measure.clear();
@@ -58,7 +59,7 @@ fn nearest(mesh: &Manifold, v: u32) -> impl Iterator<Item = u32> {
     for i in 0..first_ring {
         for w in mesh.connectivity.ring(found[i].1) {
             let there = &mesh.samples[w as usize];
-            if w != v && there.normal.dot(here.normal) > 0.0 {
+            if w != v && there.normal.dot(here.normal) >= 0.0 {
                 found.push((here.position.distance_squared(there.position), w));
             }
         }

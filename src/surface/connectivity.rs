@@ -4,6 +4,9 @@
 //! origin and twin are stored. Of a boundary vertex the outgoing half-edge that is kept is the one on the boundary:
 //! turning counter-clockwise from it meets all others.
 //!
+//! Edges can be laid on curves: sharp edges of the surface and its boundary. Such an edge is never flipped, a vertex on a
+//! curve merges along it only, and one where curves meet or end, a corner, not at all. So curves stay what they are.
+//!
 //! Removed triangles and vertices leave gaps until [`Connectivity::compact`].
 
 use crate::surface::topology::{NONE, twins};
@@ -20,12 +23,19 @@ pub fn prev(h: u32) -> u32 {
     if h.is_multiple_of(3) { h + 2 } else { h - 1 }
 }
 
+/// In the place of a curve's number: a vertex where curves meet or end.
+pub const CORNER: u32 = NONE - 1;
+
 /// Triangles and their neighbours.
 #[derive(Debug, Clone, Default)]
 pub struct Connectivity {
     origin: Vec<u32>,
     twin: Vec<u32>,
+    /// The curve that each half-edge lies on, or [`NONE`].
+    curve: Vec<u32>,
     out: Vec<u32>,
+    /// The curve that each vertex lies on, [`CORNER`] or [`NONE`].
+    curve_at: Vec<u32>,
     live_vertices: usize,
     live_triangles: usize,
 }
@@ -42,7 +52,63 @@ impl Connectivity {
                 *slot = h as u32;
             }
         }
-        Connectivity { live_triangles: triangles.len(), live_vertices: vertex_count, origin, twin, out }
+        let (curve, curve_at) = (vec![NONE; origin.len()], vec![NONE; vertex_count]);
+        Connectivity {
+            live_triangles: triangles.len(),
+            live_vertices: vertex_count,
+            origin,
+            twin,
+            curve,
+            out,
+            curve_at,
+        }
+    }
+
+    /// Puts vertex `v` on a curve, or makes it a [`CORNER`].
+    pub fn put_on_curve(&mut self, v: u32, curve: u32) {
+        self.curve_at[v as usize] = curve;
+    }
+
+    /// Lays the edge between `v` and `w` on a curve; whether there is one.
+    pub fn lay_on_curve(&mut self, v: u32, w: u32, curve: u32) -> bool {
+        let mut found = false;
+        for (from, to) in [(v, w), (w, v)] {
+            if let Some(h) = self.outgoing(from).find(|&h| self.target(h) == to) {
+                self.curve[h as usize] = curve;
+                found = true;
+            }
+        }
+        found
+    }
+
+    /// The curve that the edge of `h` lies on, or [`NONE`].
+    #[inline]
+    pub fn curve(&self, h: u32) -> u32 {
+        self.curve[h as usize]
+    }
+
+    /// The curve that `v` lies on, [`CORNER`] where curves meet or end, or [`NONE`].
+    #[inline]
+    pub fn curve_at(&self, v: u32) -> u32 {
+        self.curve_at[v as usize]
+    }
+
+    /// The neighbours of `v` along the curve it lies on: none off the curves and at corners.
+    pub fn along_curve(&self, v: u32) -> Option<[u32; 2]> {
+        let curve = self.curve_at(v);
+        if curve >= CORNER {
+            return None;
+        }
+        let mut ends = [NONE; 2];
+        for h in self.outgoing(v) {
+            if self.curve(h) == curve {
+                ends[usize::from(ends[0] != NONE)] = self.target(h);
+            }
+            if self.twin(prev(h)) == NONE && self.curve(prev(h)) == curve {
+                ends[1] = self.apex(h);
+            }
+        }
+        (!ends.contains(&NONE)).then_some(ends)
     }
 
     /// Vertices that are there, gaps not counted.
@@ -140,10 +206,13 @@ impl Connectivity {
         self.ring(v).any(|u| u == w)
     }
 
-    /// Whether the edge of `h` can be flipped: it has two faces and the new edge is not there already.
+    /// Whether the edge of `h` can be flipped: it has two faces, is not on a curve, and the new edge is not there already.
     pub fn can_flip(&self, h: u32) -> bool {
         let g = self.twin(h);
-        g != NONE && self.apex(h) != self.apex(g) && !self.are_adjacent(self.apex(h), self.apex(g))
+        g != NONE
+            && self.curve(h) == NONE
+            && self.apex(h) != self.apex(g)
+            && !self.are_adjacent(self.apex(h), self.apex(g))
     }
 
     /// Replaces the edge of `h` by the other diagonal of its two triangles; `h` is the new edge from the apex across to
@@ -157,8 +226,11 @@ impl Connectivity {
         let outs = [a, b, c, d].map(|v| self.is_boundary(v).then(|| self.out[v as usize]));
         let old = [next(h), prev(h), next(g), prev(g)];
         let new = [prev(g), next(h), prev(h), next(g)];
-        for (side, (from, across)) in new.into_iter().zip([(b, bc), (c, ca), (a, ad), (d, db)]) {
+        let curves = old.map(|side| self.curve(side));
+        for (i, (from, across)) in [(b, bc), (c, ca), (a, ad), (d, db)].into_iter().enumerate() {
+            let side = new[i];
             self.origin[side as usize] = from;
+            self.curve[side as usize] = curves[i];
             self.glue(side, across);
             self.out[from as usize] = side;
         }
@@ -174,11 +246,11 @@ impl Connectivity {
 
     /// The link condition: whether merging the origin of `h` into its target leaves a manifold of the same topology.
     ///
-    /// A boundary vertex merges along the boundary only. H. Edelsbrunner, Geometry and topology for mesh generation,
+    /// A boundary vertex merges along the boundary only, one on a curve along that. H. Edelsbrunner, Geometry and topology for mesh generation,
     /// 2001, section 4.2.
     pub fn can_collapse(&self, h: u32) -> bool {
         let (a, b, g) = (self.origin(h), self.target(h), self.twin(h));
-        if self.is_boundary(a) && g != NONE {
+        if self.is_boundary(a) && g != NONE || !self.keeps_curves(h) {
             return false;
         }
         let shared = self.ring(a).filter(|&v| v != b && self.are_adjacent(v, b)).count();
@@ -188,6 +260,13 @@ impl Connectivity {
             self.valence(c) > if self.is_boundary(c) { 2 } else { 3 }
         };
         shared == faces && apex_stays(h) && (g == NONE || apex_stays(g))
+    }
+
+    /// Whether merging the origin of `h` into its target leaves every curve what it is.
+    fn keeps_curves(&self, h: u32) -> bool {
+        let (curve, g) = (self.curve_at(self.origin(h)), self.twin(h));
+        let alone = || self.curve(prev(h)) == NONE && (g == NONE || self.curve(next(g)) == NONE);
+        curve == NONE || curve != CORNER && self.curve(h) == curve && alone()
     }
 
     /// Merges the origin of `h` into its target. Only if [`Self::can_collapse`].
@@ -210,6 +289,11 @@ impl Connectivity {
     fn close(&mut self, h: u32) {
         let (end, apex) = (self.origin(next(h)), self.apex(h));
         let (one, other) = (self.twin(next(h)), self.twin(prev(h)));
+        // At most one of the two edges that become one is on a curve.
+        let curve = self.curve(next(h)).min(self.curve(prev(h)));
+        for side in [one, other].into_iter().filter(|&side| side != NONE) {
+            self.curve[side as usize] = curve;
+        }
         if one != NONE {
             self.glue(one, other);
         } else if other != NONE {
@@ -253,6 +337,7 @@ impl Connectivity {
         let far = self.split_side(h, v);
         // v keeps the half-edge onwards along h: on the boundary that is the boundary's.
         self.out.push(far);
+        self.curve_at.push(self.curve(h));
         if g == NONE {
             return v;
         }
@@ -269,6 +354,8 @@ impl Connectivity {
         let across = self.twin(next(h));
         self.origin.extend([v, b, c]);
         self.twin.extend([NONE; 3]);
+        self.curve.extend([self.curve(h), self.curve(next(h)), NONE]);
+        self.curve[next(h) as usize] = NONE;
         self.live_triangles += 1;
         self.glue(new + 1, across);
         self.origin[next(h) as usize] = v;

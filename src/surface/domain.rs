@@ -1,9 +1,14 @@
 //! The domain of sampling: an oriented 2-manifold mesh with what it takes to place points on it, to walk over it and
 //! to find back to it.
+//!
+//! It is cut open along its sharp edges, so that walks, normals and projections stay within a smooth patch.
 
 use crate::geom::triangle::barycentric;
 use crate::surface::bvh::Bvh;
 use crate::surface::connectivity::next;
+use crate::surface::curves::Curves;
+use crate::surface::cut::{Cut, cut};
+use crate::surface::features::{Features, sharp_sides};
 use crate::surface::mesh::Mesh;
 use crate::surface::topology::{NONE, components, twins};
 use glam::DVec3;
@@ -12,7 +17,7 @@ use glam::DVec3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
     pub position: DVec3,
-    /// Unit normal of the surface there, smooth across its triangles.
+    /// Unit normal of the surface there, smooth across its triangles; zero on a sharp edge, which has none.
     pub normal: DVec3,
     /// The triangle of the domain that the point lies on.
     pub triangle: u32,
@@ -20,37 +25,42 @@ pub struct Sample {
 
 /// An oriented 2-manifold mesh and its derived data.
 pub struct Domain {
+    /// The mesh, cut open along sharp edges.
     pub mesh: Mesh,
-    /// The side across each side, as [`twins`] says; [`NONE`] at the boundary.
+    /// The side across each side; [`NONE`] at the boundary and at sharp edges.
     pub twin: Vec<u32>,
-    /// The connected piece of each vertex.
+    /// The side across each side of a sharp edge; [`NONE`] elsewhere.
+    pub across: Vec<u32>,
+    /// For each vertex the one it was before sharp edges were cut.
+    pub original: Vec<u32>,
+    /// The connected piece of each vertex: its smooth patch.
     pub piece: Vec<u32>,
+    /// The boundary and the sharp edges.
+    pub curves: Curves,
     /// Unit normal at each vertex; zero where all its triangles are flat.
     vertex_normals: Vec<DVec3>,
-    bvh: Bvh,
-    boundary: BoundaryCurves,
-}
-
-/// The boundary sides of a domain as a mesh of triangles with two equal corners, to find closest points on.
-#[derive(Default)]
-struct BoundaryCurves {
-    /// In increasing order.
-    sides: Vec<u32>,
-    /// The loop of each side.
-    loops: Vec<u32>,
-    segments: Mesh,
     bvh: Bvh,
 }
 
 impl Domain {
-    /// The domain over `mesh`, which has to be an oriented 2-manifold.
+    /// The domain over `mesh`, which has to be an oriented 2-manifold, without sharp edges.
     pub fn new(mesh: Mesh) -> Domain {
-        let (vertex_normals, (twin, bvh)) =
-            rayon::join(|| vertex_normals(&mesh), || rayon::join(|| twins(&mesh.triangles), || Bvh::new(&mesh)));
+        Domain::with_features(mesh, Features::Smooth, f64::INFINITY)
+    }
+
+    /// The domain over `mesh`, which has to be an oriented 2-manifold, with the sharp edges that `features` says.
+    /// `spacing` is that of the samples, in the units of the mesh.
+    pub fn with_features(mesh: Mesh, features: Features, spacing: f64) -> Domain {
+        let twin = twins(&mesh.triangles);
+        let sharp = sharp_sides(&mesh, &twin, features, spacing);
+        let cut = cut(mesh, twin, &sharp);
+        let (curves, (vertex_normals, bvh)) = rayon::join(
+            || Curves::new(&cut, spacing),
+            || rayon::join(|| vertex_normals(&cut.mesh), || Bvh::new(&cut.mesh)),
+        );
+        let Cut { mesh, twin, across, original } = cut;
         let piece = components(mesh.positions.len(), &mesh.triangles);
-        let mut domain = Domain { mesh, twin, piece, vertex_normals, bvh, boundary: BoundaryCurves::default() };
-        domain.boundary = BoundaryCurves::new(&domain);
-        domain
+        Domain { mesh, twin, across, original, piece, curves, vertex_normals, bvh }
     }
 
     /// The piece that triangle `t` belongs to.
@@ -90,19 +100,35 @@ impl Domain {
         self.sample(t, barycentric(point, self.mesh.corners(t as usize)))
     }
 
-    /// The point closest to `p` on the boundary loop that triangle `near` touches with a side.
-    pub fn project_on_boundary(&self, p: DVec3, near: u32) -> Sample {
-        let curves = &self.boundary;
-        let own = (3 * near..3 * near + 3).find_map(|side| curves.sides.binary_search(&side).ok());
-        let is_own = |i: u32| own.is_none_or(|own| curves.loops[i as usize] == curves.loops[own]);
-        let Some(hit) = curves.bvh.closest_where(&curves.segments, p, f64::INFINITY, is_own) else {
-            return self.project(p, DVec3::ZERO, near);
-        };
-        let t = curves.sides[hit.triangle as usize] / 3;
-        self.sample(t, barycentric(hit.point, self.mesh.corners(t as usize)))
+    /// The point of curve `curve` closest to `p`. Its normal is zero on a sharp edge.
+    pub fn project_on_curve(&self, p: DVec3, curve: u32) -> Sample {
+        match self.curves.closest(p, curve) {
+            Some((side, along)) => self.sample_on_side(side, along),
+            None => Sample { position: p, normal: DVec3::ZERO, triangle: 0 },
+        }
     }
 
-    /// The boundary loops, each as the sides `3 t + k` along it with the surface on their left.
+    /// The point closest to `p` on the whole surface.
+    pub fn project_anywhere(&self, p: DVec3) -> Sample {
+        match self.bvh.closest(&self.mesh, p) {
+            Some(hit) => self.sample(hit.triangle, barycentric(hit.point, self.mesh.corners(hit.triangle as usize))),
+            None => Sample { position: p, normal: DVec3::ZERO, triangle: 0 },
+        }
+    }
+
+    /// The point at share `along` of `side`, which lies on a curve. Its normal is zero on a sharp edge.
+    pub fn sample_on_side(&self, side: u32, along: f64) -> Sample {
+        let mut weights = [0.0; 3];
+        weights[side as usize % 3] = 1.0 - along;
+        weights[next(side) as usize % 3] = along;
+        let mut sample = self.sample(side / 3, weights);
+        if self.across[side as usize] != NONE {
+            sample.normal = DVec3::ZERO;
+        }
+        sample
+    }
+
+    /// The loops of the boundary, and of sharp edges, each as the sides `3 t + k` along it with the surface on their left.
     pub fn boundary_loops(&self) -> Vec<Vec<u32>> {
         let mut seen = vec![false; self.twin.len()];
         let mut loops = Vec::new();
@@ -129,21 +155,6 @@ impl Domain {
             s = next(self.twin[s as usize]);
         }
         s
-    }
-}
-
-impl BoundaryCurves {
-    fn new(domain: &Domain) -> Self {
-        let loops = domain.boundary_loops();
-        let mut sides: Vec<(u32, u32)> =
-            loops.iter().zip(0u32..).flat_map(|(sides, i)| sides.iter().map(move |&s| (s, i))).collect();
-        sides.sort_unstable();
-        let corner = |s: u32| domain.mesh.positions[domain.mesh.triangles[s as usize / 3][s as usize % 3] as usize];
-        let positions = sides.iter().flat_map(|&(s, _)| [corner(s), corner(next(s))]).collect();
-        let triangles = (0..sides.len() as u32).map(|i| [2 * i, 2 * i + 1, 2 * i + 1]).collect();
-        let segments = Mesh { positions, triangles };
-        let (sides, loops) = sides.into_iter().unzip();
-        BoundaryCurves { bvh: Bvh::new(&segments), sides, loops, segments }
     }
 }
 

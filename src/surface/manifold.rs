@@ -2,7 +2,7 @@
 //! that keep its topology and never turn a triangle against the surface.
 
 use crate::geom::triangle::{closest_point, mean_ratio};
-use crate::surface::connectivity::{Connectivity, next, prev};
+use crate::surface::connectivity::{CORNER, Connectivity, next, prev};
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::mesh::Mesh;
 use crate::surface::topology::NONE;
@@ -29,6 +29,34 @@ impl Manifold {
     #[inline]
     pub fn position(&self, v: u32) -> DVec3 {
         self.samples[v as usize].position
+    }
+
+    /// Lays edges, each given by its ends and its curve, on curves, and their ends with them; then makes `corners` of these
+    /// vertices. Whether all the edges are there.
+    pub fn lay_curves(&mut self, edges: &[([u32; 2], u32)], corners: impl IntoIterator<Item = u32>) -> bool {
+        let mut all = true;
+        for &([a, b], curve) in edges {
+            all &= self.connectivity.lay_on_curve(a, b, curve);
+            self.connectivity.put_on_curve(a, curve);
+            self.connectivity.put_on_curve(b, curve);
+        }
+        for v in corners {
+            self.connectivity.put_on_curve(v, CORNER);
+        }
+        all
+    }
+
+    /// Whether `v` stays where it is.
+    pub fn is_held(&self, v: u32) -> bool {
+        self.fixed[v as usize] || self.connectivity.curve_at(v) == CORNER
+    }
+
+    /// The point of the domain closest to `p` for a vertex that is at `here` now, on the same curve if it is on one.
+    pub fn place_on(&self, domain: &Domain, v: u32, p: DVec3, here: &Sample) -> Sample {
+        match self.connectivity.curve_at(v) {
+            NONE => domain.project(p, here.normal, here.triangle),
+            curve => domain.project_on_curve(p, curve),
+        }
     }
 
     /// The mesh without gaps.
@@ -117,15 +145,22 @@ impl Manifold {
         Some(self.connectivity.split_edge(h))
     }
 
-    /// The middle of the edge of `h`, put back on the domain, or on its boundary.
+    /// The middle of the edge of `h`, put back on the domain, or on the curve that the edge lies on.
     fn middle(&self, domain: &Domain, h: u32) -> Sample {
-        let (a, b) = (self.connectivity.origin(h), self.connectivity.target(h));
-        let (a, b) = (&self.samples[a as usize], &self.samples[b as usize]);
-        let middle = (a.position + b.position) / 2.0;
-        if self.connectivity.twin(h) == NONE {
-            domain.project_on_boundary(middle, a.triangle)
-        } else {
-            domain.project(middle, a.normal + b.normal, a.triangle)
+        let c = &self.connectivity;
+        let ends = [c.origin(h), c.target(h)];
+        let middle = (self.position(ends[0]) + self.position(ends[1])) / 2.0;
+        if c.curve(h) != NONE {
+            return domain.project_on_curve(middle, c.curve(h));
+        }
+        // Of the corners of both triangles, one that is on no curve knows the patch.
+        let apexes = [c.apex(h), if c.twin(h) == NONE { c.apex(h) } else { c.apex(c.twin(h)) }];
+        let knows = ends.into_iter().chain(apexes).find(|&v| c.curve_at(v) == NONE);
+        let normal = self.samples[ends[0] as usize].normal + self.samples[ends[1] as usize].normal;
+        match knows.map(|v| &self.samples[v as usize]) {
+            Some(near) if normal == DVec3::ZERO => domain.project(middle, near.normal, near.triangle),
+            Some(near) => domain.project(middle, normal, near.triangle),
+            None => domain.project_anywhere(middle),
         }
     }
 
@@ -172,7 +207,25 @@ impl Manifold {
                 }
             }
         }
-        Manifold::new(samples, &triangles)
+        let mut finer = Manifold::new(samples, &triangles);
+        self.hand_curves_on(&mut finer, &number, &middle_of);
+        finer
+    }
+
+    /// Lays the curves of this mesh on one made from it by splitting edges: `number` says what its vertices are there,
+    /// `middle_of` what the middle of each half-edge is.
+    fn hand_curves_on(&self, finer: &mut Manifold, number: &[u32], middle_of: &[u32]) {
+        let c = &self.connectivity;
+        let mut edges = Vec::new();
+        for h in self.edges().filter(|&h| c.curve(h) != NONE) {
+            let [a, b] = [c.origin(h), c.target(h)].map(|v| number[v as usize]);
+            match middle_of[h as usize] {
+                NONE => edges.push(([a, b], c.curve(h))),
+                m => edges.extend([([a, m], c.curve(h)), ([m, b], c.curve(h))]),
+            }
+        }
+        let corners = (0..c.vertex_bound()).filter(|&v| c.has_vertex(v) && c.curve_at(v) == CORNER);
+        finer.lay_curves(&edges, corners.map(|v| number[v as usize]));
     }
 
     /// The vertices where the surface turns by more than the angle of that cosine within two rings.
@@ -247,7 +300,8 @@ impl Manifold {
             let corners = [target, p, q].map(|v| &self.samples[v as usize]);
             let [a, b, c] = corners.map(|s| s.position);
             let normal = (b - a).cross(c - a).normalize_or_zero();
-            corners.iter().map(|s| s.normal.dot(normal)).fold(1.0, f64::min)
+            let known = corners.iter().filter(|s| s.normal != DVec3::ZERO);
+            known.map(|s| s.normal.dot(normal)).fold(1.0, f64::min)
         });
         least.fold(1.0, f64::min)
     }
@@ -271,6 +325,10 @@ const MIDDLE_REACH: f64 = 0.75;
 fn cosine_to_surface([a, b, c]: [&Sample; 3]) -> f64 {
     let own = (b.position - a.position).cross(c.position - a.position);
     let surface = a.normal + b.normal + c.normal;
+    if surface == DVec3::ZERO && own != DVec3::ZERO {
+        // All three are on sharp edges: nothing is known against it.
+        return 1.0;
+    }
     let cosine = own.dot(surface) / (own.length_squared() * surface.length_squared()).sqrt();
     if cosine.is_finite() { cosine } else { -1.0 }
 }

@@ -2,7 +2,10 @@
 
 pub mod bvh;
 pub mod connectivity;
+pub mod curves;
+pub mod cut;
 pub mod domain;
+pub mod features;
 pub mod manifold;
 pub mod mesh;
 pub mod motion;

@@ -6,6 +6,7 @@
 
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::manifold::Manifold;
+use crate::surface::topology::NONE;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -27,7 +28,7 @@ pub fn move_vertices<T>(
     way: impl Fn(&Manifold, u32, &mut T) -> DVec3 + Sync + Send,
 ) {
     for mut class in mesh.colour_classes() {
-        class.retain(|&v| !mesh.fixed[v as usize]);
+        class.retain(|&v| !mesh.is_held(v));
         let moved: Vec<Sample> = class
             .par_iter()
             .with_min_len(CHUNK)
@@ -42,19 +43,14 @@ pub fn move_vertices<T>(
 /// Where vertex `v` comes to on its way.
 fn step(domain: &Domain, mesh: &Manifold, v: u32, way: DVec3) -> Sample {
     let here = mesh.samples[v as usize];
-    let on_boundary = mesh.connectivity.is_boundary(v);
-    let mut way = if on_boundary { way } else { way.reject_from_normalized(here.normal) };
+    let on_curve = mesh.connectivity.curve_at(v) != NONE;
+    let mut way = if on_curve { way } else { way.reject_from_normalized(here.normal) };
     if !way.is_finite() || way == DVec3::ZERO {
         return here;
     }
     let before = mesh.worst_facing(v, &here);
     for _ in 0..HALVINGS {
-        let wanted = here.position + way;
-        let there = if on_boundary {
-            domain.project_on_boundary(wanted, here.triangle)
-        } else {
-            domain.project(wanted, here.normal, here.triangle)
-        };
+        let there = mesh.place_on(domain, v, here.position + way, &here);
         if mesh.worst_facing(v, &there) >= before.min(LEAST_FACING) {
             return there;
         }
