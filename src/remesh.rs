@@ -8,17 +8,19 @@ use crate::optimize::counts::meet_count;
 use crate::optimize::levels::{coarsen, fix_all_but_bent, fix_tips, split_to, trim};
 use crate::optimize::relax::{Stiffness, relax};
 use crate::spectral::ascent::{SIGMA_OF_SPACING as ASCENT_SIGMA, ascend};
-use crate::spectral::boundary::sample_boundaries;
 use crate::spectral::candidates::candidates;
+use crate::spectral::curves::sample_curves;
 use crate::spectral::scan::linear_scan;
 use crate::surface::domain::Domain;
+use crate::surface::features::Features;
 use crate::surface::manifold::Manifold;
 use crate::surface::mesh::Mesh;
 use crate::surface::refine::refine;
 use crate::surface::repair::{Repairs, repair};
 use crate::surface::seams::{close_seams, open_seams};
 use crate::surface::topology::{Topology, topology};
-use crate::triangulate::{Boundary, triangulate};
+use crate::triangulate::glue::{Seams, glue};
+use crate::triangulate::{Boundary, Triangulated, triangulate};
 use glam::DVec3;
 
 /// How dense the result shall be. One of the three says it all: with the area they follow from each other.
@@ -42,6 +44,8 @@ pub struct Options {
     /// Boundary vertices as near as this to each other, in the units of the input, become one: closes seams that rounding
     /// left open. Default: `None`, only vertices at exactly the same place.
     pub weld: Option<f64>,
+    /// Which edges of the input are kept sharp. Default: decided from the input.
+    pub features: Features,
     /// Whether the triangles are optimised after sampling. Default: true. Without, the vertices are where the paper's
     /// gradient ascent leaves them: blue noise.
     pub optimize: bool,
@@ -52,7 +56,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Options { density: Density::Points(10_000), seed: 0, weld: None, optimize: true, sweeps: 10 }
+        Options { density: Density::Points(10_000), seed: 0, weld: None, features: Features::Automatic, optimize: true, sweeps: 10 }
     }
 }
 
@@ -77,6 +81,12 @@ impl Options {
             })
         };
         self.weld.map_or(Ok(()), |tolerance| length("weld", tolerance))?;
+        if let Features::Degrees(degrees) = self.features
+            && !(degrees > 0.0 && degrees < 180.0)
+        {
+            let cause = format!("{degrees} is not an angle between faces");
+            return Err(Error::Option { option: "features", cause, remedy: "give degrees between 0 and 180".into() });
+        }
         match self.density {
             Density::Points(n) => check_count("points", n, format!("{n} vertices are asked for")),
             Density::EdgeLength(l) => length("edge-length", l),
@@ -109,6 +119,8 @@ pub struct Remeshed {
     pub spacing: f64,
     /// Vertices wanted, as the density says.
     pub wanted: usize,
+    /// Sharp edges that were kept, as curves between corners.
+    pub sharp_curves: usize,
     /// Connected pieces whose samples did not settle by themselves and took their connectivity from the input.
     pub tessellated_pieces: usize,
     /// Things a user should know, a sentence each.
@@ -159,16 +171,8 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
     monitor.stage("sample");
     let most = 4 * clean.triangles.len() + 16 * scale.wanted;
     refine(&mut clean, LONGEST_EDGE * scale.spacing, most);
-    let domain = Domain::new(clean);
-    let boundary = sample_boundaries(&domain, scale.spacing);
-    let candidates =
-        candidates(&domain, CANDIDATES_PER_POINT * scale.wanted, &mut stream(options.seed, Stage::Candidates));
-    let samples = linear_scan(&domain, &candidates, &boundary.samples, scale.sigma(), options.seed, monitor)?;
-    drop(candidates);
-
-    monitor.stage("triangulate");
-    let on_boundary = Boundary { sites: &boundary.sites, successor: &boundary.successor };
-    let mut made = triangulate(&domain, &samples, on_boundary, scale.spacing, monitor)?;
+    let domain = Domain::with_features(clean, options.features, scale.spacing);
+    let (domain, mut made) = sample_and_triangulate(domain, &scale, &repaired, options, monitor)?;
     if options.optimize {
         optimize(&domain, &mut made.mesh, &scale, monitor)?;
     } else {
@@ -187,11 +191,67 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
         sigma_p: unit.size * scale.sigma(),
         spacing: unit.size * scale.spacing,
         wanted: scale.wanted,
+        sharp_curves: domain.sharp_curves(),
         tessellated_pieces: made.tessellated_pieces,
         notes: Vec::new(),
     };
     result.notes = notes(&result, open_seams);
     Ok(result)
+}
+
+/// The mesh of the samples of `domain`, which comes back without its sharp edges if they could not be kept.
+fn sample_and_triangulate(
+    mut domain: Domain,
+    scale: &Scale,
+    wanted: &Topology,
+    options: &Options,
+    monitor: &dyn Monitor,
+) -> Result<(Domain, Triangulated)> {
+    for density in CURVE_DENSITIES {
+        if let Some(made) = mesh_of_samples(&domain, scale, density, options, monitor)?
+            && has_kind(&made.mesh, wanted)
+        {
+            return Ok((domain, made));
+        }
+        monitor.stage("sample");
+    }
+    domain = domain.smooth();
+    let made = mesh_of_samples(&domain, scale, 1.0, options, monitor)?;
+    // Without sharp edges nothing is glued that could fail.
+    made.map(|made| (domain, made)).ok_or_else(|| Error::Mesh {
+        cause: "no manifold came of the samples".into(),
+        remedy: "please report this with the input".into(),
+    })
+}
+
+/// Points on curves for each spacing of their length, in one attempt after the other: patches narrower than the spacing
+/// need more of them.
+const CURVE_DENSITIES: [f64; 3] = [1.0, 2.0, 4.0];
+
+/// Samples `domain` and triangulates the samples; `None` if the patches between its curves cannot be glued.
+fn mesh_of_samples(
+    domain: &Domain,
+    scale: &Scale,
+    curve_density: f64,
+    options: &Options,
+    monitor: &dyn Monitor,
+) -> Result<Option<Triangulated>> {
+    let curves = sample_curves(domain, scale.spacing / curve_density);
+    let candidates =
+        candidates(domain, CANDIDATES_PER_POINT * scale.wanted, &mut stream(options.seed, Stage::Candidates));
+    let samples = linear_scan(domain, &candidates, &curves.samples, scale.sigma(), options.seed, monitor)?;
+    drop(candidates);
+    monitor.stage("triangulate");
+    let boundary = Boundary { sites: &curves.sites, successor: &curves.successor };
+    let patches = triangulate(domain, &samples, boundary, scale.spacing, monitor)?;
+    let seams = Seams { point: &curves.point, edges: &curves.edges, corners: &curves.corners };
+    Ok(glue(&patches.mesh, seams).map(|mesh| Triangulated { mesh, ..patches }))
+}
+
+fn has_kind(mesh: &Manifold, wanted: &Topology) -> bool {
+    let (triangles, old) = mesh.connectivity.compact();
+    let made = topology(old.len(), &triangles);
+    (made.euler, made.components, made.boundary_loops) == (wanted.euler, wanted.components, wanted.boundary_loops)
 }
 
 /// The mesh of the samples, coarse to fine and with good angles, at the wanted count.

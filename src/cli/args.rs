@@ -5,6 +5,7 @@
 
 use crate::io::Format;
 use crate::remesh::{Density, Options};
+use crate::surface::features::Features;
 use clap::builder::PossibleValue;
 use clap::{ArgAction, CommandFactory, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
@@ -82,6 +83,10 @@ struct RemeshArgs {
     /// Weld boundary vertices within this distance, in the units of the input, to close seams left open by rounding
     #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true, value_parser = positive)]
     weld: Option<f64>,
+    /// Sharp edges to keep: those across which the input turns by so many degrees, or none [default: decided from the
+    /// input]
+    #[arg(long, value_name = "DEGREES|none", allow_negative_numbers = true, value_parser = features)]
+    features: Option<Features>,
     /// 1 optimises the triangles after sampling, 0 leaves the samples where the paper's gradient ascent does
     #[arg(long, value_name = "0|1", default_value_t = 1, value_parser = clap::value_parser!(u8).range(0..=1))]
     optimize: u8,
@@ -215,6 +220,7 @@ impl RemeshArgs {
             sigma_p,
             seed,
             weld,
+            features,
             optimize,
             threads,
             format,
@@ -224,12 +230,13 @@ impl RemeshArgs {
             verbose,
         } = self;
         // Options without a flag keep their default; each is named, so that a new one is thought of here.
-        let Options { density: _, seed: _, weld: _, optimize: _, sweeps } = Options::default();
+        let Options { density: _, seed: _, weld: _, features: _, optimize: _, sweeps } = Options::default();
         let density = density(points, edge_length, sigma_p)?;
+        let features = features.unwrap_or_default();
         Ok(Remeshing {
             input: MeshFile { path: input, format },
             output: MeshFile { path: output, format: output_format },
-            options: Options { density, seed, weld, optimize: optimize != 0, sweeps },
+            options: Options { density, seed, weld, features, optimize: optimize != 0, sweeps },
             report,
             threads: threads.map(usize::from),
             voice: match (quiet, verbose) {
@@ -273,6 +280,15 @@ fn density(points: Option<usize>, edge_length: Option<f64>, sigma_p: Option<f64>
 /// A number of vertices; what is too few or too many for a surface is for the library to say.
 fn count(word: &str) -> Result<usize, String> {
     word.parse().ok().filter(|&n| n > 0).ok_or_else(|| "it must be a whole number of at least 1".into())
+}
+
+/// Which edges are sharp; what angles make sense is for the library to say.
+fn features(word: &str) -> Result<Features, String> {
+    match word {
+        "auto" => Ok(Features::Automatic),
+        "none" => Ok(Features::Smooth),
+        _ => positive(word).map(Features::Degrees).map_err(|_| "it must be an angle in degrees, auto or none".into()),
+    }
 }
 
 /// A length that makes sense.
@@ -341,12 +357,14 @@ mod tests {
 
     #[test]
     fn every_flag_arrives() {
-        let line = "remesh a b --sigma-p 0.5 --seed 7 --threads 3 --format ply --output-format glb --report r.json -v";
+        let line = "remesh a b --sigma-p 0.5 --seed 7 --threads 3 --format ply --output-format glb --report r.json \
+                    --features 30 -v";
         let job = remeshing(line);
-        let options = Options { density: Density::SigmaP(0.5), seed: 7, ..Options::default() };
+        let options = Options { density: Density::SigmaP(0.5), seed: 7, features: Features::Degrees(30.0), ..Options::default() };
         assert_eq!(job.options, options);
         assert_eq!((job.input.format, job.output.format), (Some(Format::Ply), Some(Format::Glb)));
         assert_eq!((job.report, job.threads, job.voice), (Some("r.json".into()), Some(3), Voice::Verbose));
+        assert_eq!(remeshing("remesh a b --points 5 --features none").options.features, Features::Smooth);
         assert_eq!(remeshing("remesh a b --edge-length 2 -q").options.density, Density::EdgeLength(2.0));
         assert_eq!(remeshing("remesh a b --points 5 -q").voice, Voice::Quiet);
     }
@@ -371,6 +389,8 @@ mod tests {
             "remesh a b --edge-length nan",
             "remesh a b --sigma-p inf",
             "remesh a b --points 9 --threads 0",
+            "remesh a b --points 9 --features sharp",
+            "remesh a b --points 9 --features -20",
             "remesh a b --points 9 --format doc",
             "remesh a b --points 9 -q -v",
             "remesh quality",

@@ -162,10 +162,7 @@ fn sample_loop(
         let at_corner = domain.curves.is_corner(at).then(|| (side, 0.0, corner_points[&domain.original[at as usize]]));
         for (_, along, point) in at_corner.into_iter().chain(on_sides[begin..].iter().copied().take_while(|p| p.0 == side))
         {
-            let mut weights = [0.0; 3];
-            weights[side as usize % 3] = 1.0 - along;
-            weights[next(side) as usize % 3] = along;
-            result.samples.push(domain.sample(side / 3, weights));
+            result.samples.push(domain.sample_on_side(side, along));
             result.sites.push((side, along));
             result.point.push(point);
         }

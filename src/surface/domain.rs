@@ -63,6 +63,21 @@ impl Domain {
         Domain { mesh, twin, across, original, piece, curves, vertex_normals, bvh }
     }
 
+    /// This domain with its sharp edges smoothed over.
+    pub fn smooth(self) -> Domain {
+        let Domain { mut mesh, original, .. } = self;
+        mesh.triangles.iter_mut().flatten().for_each(|v| *v = original[*v as usize]);
+        // The first copy of a vertex has its number, further ones come after all others.
+        let count = original.iter().zip(0..).take_while(|&(&v, i)| v == i).count();
+        mesh.positions.truncate(count);
+        Domain::new(mesh)
+    }
+
+    /// The number of curves along sharp edges.
+    pub fn sharp_curves(&self) -> usize {
+        self.curves.list.iter().filter(|c| self.across[c.sides[0] as usize] != NONE).count()
+    }
+
     /// The piece that triangle `t` belongs to.
     #[inline]
     pub fn piece_of(&self, t: u32) -> u32 {
@@ -103,7 +118,11 @@ impl Domain {
     /// The point of curve `curve` closest to `p`. Its normal is zero on a sharp edge.
     pub fn project_on_curve(&self, p: DVec3, curve: u32) -> Sample {
         match self.curves.closest(p, curve) {
-            Some((side, along)) => self.sample_on_side(side, along),
+            Some((side, along)) => {
+                let sharp = self.across[side as usize] != NONE;
+                let sample = self.sample_on_side(side, along);
+                if sharp { Sample { normal: DVec3::ZERO, ..sample } } else { sample }
+            }
             None => Sample { position: p, normal: DVec3::ZERO, triangle: 0 },
         }
     }
@@ -116,16 +135,12 @@ impl Domain {
         }
     }
 
-    /// The point at share `along` of `side`, which lies on a curve. Its normal is zero on a sharp edge.
+    /// The point at share `along` of `side`, as one of the patch on its left.
     pub fn sample_on_side(&self, side: u32, along: f64) -> Sample {
         let mut weights = [0.0; 3];
         weights[side as usize % 3] = 1.0 - along;
         weights[next(side) as usize % 3] = along;
-        let mut sample = self.sample(side / 3, weights);
-        if self.across[side as usize] != NONE {
-            sample.normal = DVec3::ZERO;
-        }
-        sample
+        self.sample(side / 3, weights)
     }
 
     /// The loops of the boundary, and of sharp edges, each as the sides `3 t + k` along it with the surface on their left.

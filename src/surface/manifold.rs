@@ -46,6 +46,15 @@ impl Manifold {
         all
     }
 
+    /// Makes corners of all vertices on the boundary.
+    pub fn hold_boundary(&mut self) {
+        for v in 0..self.connectivity.vertex_bound() {
+            if self.connectivity.has_vertex(v) && self.connectivity.is_boundary(v) {
+                self.connectivity.put_on_curve(v, CORNER);
+            }
+        }
+    }
+
     /// Whether `v` stays where it is.
     pub fn is_held(&self, v: u32) -> bool {
         self.fixed[v as usize] || self.connectivity.curve_at(v) == CORNER

@@ -1,6 +1,7 @@
 //! From samples on a surface to an oriented 2-manifold with the surface's topology.
 
 pub mod agreement;
+pub mod glue;
 pub mod holes;
 pub mod mutual;
 pub mod star;
@@ -16,6 +17,7 @@ use glam::DVec3;
 use holes::fill_holes;
 use mutual::{Insertion, mutual_tessellation};
 use rayon::prelude::*;
+use std::collections::HashMap;
 use star::{INTERIOR, StarMaker};
 use unfold::{SamplesByTriangle, Unfolding};
 
@@ -64,7 +66,30 @@ pub fn triangulate(
         .collect();
     check(monitor)?;
     let tessellated_pieces = parts.iter().filter(|p| p.1).count();
-    Ok(Triangulated { mesh: join(parts.into_iter().map(|p| p.0)), tessellated_pieces })
+    let mesh = join(parts.into_iter().map(|p| p.0));
+    // TEMPORARY
+    let key = |s: &Sample| (s.position.to_array().map(f64::to_bits), s.triangle);
+    let at: HashMap<_, u32> = mesh.samples.iter().zip(0u32..).map(|(s, i)| (key(s), i)).collect();
+    let mut order: Vec<u32> = Vec::new();
+    for s in &samples[..boundary.successor.len()] {
+        order.extend(at.get(&key(s)));
+    }
+    let mut used = vec![false; mesh.samples.len()];
+    order.iter().for_each(|&v| used[v as usize] = true);
+    if order.len() == boundary.successor.len() {
+        order.extend((0..mesh.samples.len() as u32).filter(|&v| !used[v as usize]));
+    } else {
+        eprintln!("LOST");
+        order = (0..mesh.samples.len() as u32).collect();
+    }
+    let mut number = vec![0; order.len()];
+    for (n, &v) in order.iter().enumerate() {
+        number[v as usize] = n as u32;
+    }
+    let (triangles, _) = mesh.connectivity.compact();
+    let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|v| number[v as usize])).collect();
+    let mesh = Manifold::new(order.iter().map(|&v| mesh.samples[v as usize]).collect(), &triangles);
+    Ok(Triangulated { mesh, tessellated_pieces })
 }
 
 /// Everything by the connected piece of the domain that it belongs to.
