@@ -5,7 +5,7 @@ use crate::base::progress::{Monitor, check};
 use crate::base::rng::{Stage, stream};
 use crate::optimize::angles::improve_angles;
 use crate::optimize::counts::meet_count;
-use crate::optimize::levels::{coarsen, fix_all_but_bent, fix_tips, split_to, trim};
+use crate::optimize::levels::{balance, coarsen, fix_all_but_bent, fix_tips, split_to};
 use crate::optimize::relax::{Stiffness, relax};
 use crate::spectral::ascent::{SIGMA_OF_SPACING as ASCENT_SIGMA, ascend};
 use crate::spectral::candidates::candidates;
@@ -260,10 +260,10 @@ fn optimize(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn M
     monitor.stage("ascend");
     fix_all_but_bent(mesh);
     ascend(domain, mesh, ASCENT_SIGMA * spacing, FINE_SWEEPS, monitor)?;
-    coarsen(mesh, wanted, spacing);
+    coarsen(mesh, spacing);
     for _ in 0..2 {
         ascend(domain, mesh, COARSE_SIGMA * 2.0 * spacing, COARSE_SWEEPS / 2, monitor)?;
-        trim(mesh, wanted, spacing);
+        balance(domain, mesh, wanted, spacing);
     }
     monitor.stage("relax");
     relax(domain, mesh, 2.0 * spacing, STIFF, COARSE_ROUNDS, monitor)?;

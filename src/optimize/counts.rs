@@ -48,7 +48,7 @@ impl Ord for Entry {
 }
 
 /// Splits the longest inner edges until there are `wanted` vertices.
-fn split_longest(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
+pub(super) fn split_longest(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
     if mesh.connectivity.vertex_count() >= wanted {
         return;
     }

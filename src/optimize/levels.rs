@@ -7,7 +7,7 @@
 //!
 //! Cost: a heap operation for each edge that is collapsed, and a sort of the edges that may be split.
 
-use crate::optimize::counts::collapse_shortest;
+use crate::optimize::counts::{collapse_shortest, split_longest};
 use crate::surface::domain::Domain;
 use crate::surface::manifold::Manifold;
 use crate::surface::topology::NONE;
@@ -39,25 +39,27 @@ pub fn fix_tips(mesh: &mut Manifold) {
     mesh.fixed = (0..c.vertex_bound()).map(|v| c.has_vertex(v) && is_tip(v)).collect();
 }
 
-/// Fixes the vertices that a coarser mesh could not do without and those on curves, and collapses the others until
+/// Fixes the vertices that a coarser mesh could not do without, and collapses the others until
 /// splitting what is left would give about `wanted` vertices again. `spacing` is that of the fine mesh.
-pub fn coarsen(mesh: &mut Manifold, wanted: usize, spacing: f64) {
+pub fn coarsen(mesh: &mut Manifold, spacing: f64) {
     mesh.fixed = mesh.bent(BENT);
-    for v in (0..mesh.connectivity.vertex_bound()).filter(|&v| mesh.connectivity.has_vertex(v)) {
-        mesh.fixed[v as usize] |= mesh.connectivity.curve_at(v) != NONE;
-    }
     let fixed = mesh.fixed.iter().filter(|f| **f).count();
     let coarse = fixed + mesh.connectivity.vertex_count().saturating_sub(fixed) / 4;
+    coarsen_curves(mesh, spacing);
     collapse(mesh, coarse, spacing);
-    trim(mesh, wanted, spacing);
 }
 
-/// Collapses what is left too much, now that the vertices have moved, for `wanted` vertices after splitting.
-pub fn trim(mesh: &mut Manifold, wanted: usize, spacing: f64) {
-    let expected = mesh.connectivity.vertex_count() + long_edges(mesh, spacing);
+/// Collapses or splits edges such that splitting all long ones will give about `wanted` vertices, now that the vertices
+/// have moved.
+pub fn balance(domain: &Domain, mesh: &mut Manifold, wanted: usize, spacing: f64) {
+    let count = mesh.connectivity.vertex_count();
+    let expected = count + long_edges(mesh, spacing);
     // Every vertex of the coarse mesh has three edges.
-    let surplus = expected.saturating_sub(wanted) / 4;
-    collapse(mesh, mesh.connectivity.vertex_count().saturating_sub(surplus), spacing);
+    if expected > wanted {
+        collapse(mesh, count - (expected - wanted) / 4, spacing);
+    } else {
+        split_longest(domain, mesh, count + (wanted - expected) / 4);
+    }
 }
 
 /// The mesh with its longest edges split, as many as it takes to have `wanted` vertices, and nothing fixed any more.
@@ -70,10 +72,28 @@ fn long_edges(mesh: &Manifold, spacing: f64) -> usize {
     mesh.edges().filter(|&h| mesh.length_squared(h) > longest).count()
 }
 
+/// Takes every other vertex out of each curve, so that splitting puts as many back.
+fn coarsen_curves(mesh: &mut Manifold, spacing: f64) {
+    for chain in mesh.curve_chains() {
+        for pair in chain[1..chain.len() - 1].chunks(2) {
+            let c = &mesh.connectivity;
+            let along = c.outgoing(pair[0]).find(|&h| c.curve(h) == c.curve_at(pair[0]));
+            if let Some(h) = along.filter(|&h| c.can_collapse(h) && keeps_shape(mesh, h, spacing)) {
+                mesh.collapse(h);
+            }
+        }
+    }
+}
+
+/// Whether the mesh is still that of the same surface if the origin of `h` merges into its target.
+fn keeps_shape(mesh: &Manifold, h: u32, spacing: f64) -> bool {
+    !mesh.fixed[mesh.connectivity.origin(h) as usize]
+        && mesh.bend_after_collapse(h) >= LEAST_FACING
+        && mesh.distance_after_collapse(h) <= TOLERANCE * spacing
+}
+
 fn collapse(mesh: &mut Manifold, wanted: usize, spacing: f64) {
     collapse_shortest(mesh, wanted, |mesh, h| {
-        !mesh.fixed[mesh.connectivity.origin(h) as usize]
-            && mesh.bend_after_collapse(h) >= LEAST_FACING
-            && mesh.distance_after_collapse(h) <= TOLERANCE * spacing
+        mesh.connectivity.curve_at(mesh.connectivity.origin(h)) == NONE && keeps_shape(mesh, h, spacing)
     });
 }

@@ -7,7 +7,7 @@
 //!
 //! Cost: some microseconds a vertex and sweep.
 //!
-//! Limits: vertices of the boundary and of sharp edges stay where they are.
+//! Vertices on a curve, of the boundary or a sharp edge, move along it; corners stay where they are.
 
 use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};
@@ -15,7 +15,6 @@ use crate::spectral::measure::Measure;
 use crate::surface::domain::Domain;
 use crate::surface::manifold::Manifold;
 use crate::surface::motion::move_vertices;
-use crate::surface::topology::NONE;
 use glam::DVec3;
 
 /// Neighbours that count, the nearest first; more do not change where samples go.
@@ -24,7 +23,7 @@ const NEIGHBOURS: usize = 12;
 /// Kernel width of the ascent in mean spacings: narrower ones leave clusters, wider ones blur the gradient.
 pub const SIGMA_OF_SPACING: f64 = 0.94;
 
-/// Moves all inner vertices of `mesh` for `sweeps` rounds. `sigma` is the kernel's width in the units of the domain.
+/// Moves all vertices of `mesh` for `sweeps` rounds. `sigma` is the kernel's width in the units of the domain.
 pub fn ascend(domain: &Domain, mesh: &mut Manifold, sigma: f64, sweeps: usize, monitor: &dyn Monitor) -> Result<()> {
     mesh.make_delaunay();
     for sweep in 0..sweeps {
@@ -38,14 +37,12 @@ pub fn ascend(domain: &Domain, mesh: &mut Manifold, sigma: f64, sweeps: usize, m
 
 /// Where vertex `v` wants to go: up the gradient, half a kernel width at most.
 fn way_up(mesh: &Manifold, v: u32, sigma: f64, measure: &mut Measure) -> DVec3 {
-    if mesh.connectivity.curve_at(v) != NONE {
-        return DVec3::ZERO;
-    }
     measure.clear();
     for neighbour in nearest(mesh, v) {
         measure.add((mesh.position(neighbour) - mesh.position(v)) / sigma);
     }
-    (0.5 * sigma * measure.gradient()).clamp_length_max(0.5 * sigma)
+    let way = (0.5 * sigma * measure.gradient()).clamp_length_max(0.5 * sigma);
+    mesh.along(v).map_or(way, |along| way.project_onto_normalized(along))
 }
 
 /// The nearest vertices of the two-ring of `v`; of the second ring only those that face the same way.

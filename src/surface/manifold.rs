@@ -46,6 +46,50 @@ impl Manifold {
         all
     }
 
+    /// Merges the origin of `h` into its target, with Delaunay flips around it afterwards.
+    pub fn collapse(&mut self, h: u32) {
+        let into = self.connectivity.target(h);
+        self.connectivity.collapse(h);
+        self.flip_to_delaunay(self.connectivity.outgoing(into).flat_map(|h| [h, next(h)]).collect());
+    }
+
+    /// The vertices along each curve, the first one again at the end of a closed one.
+    pub fn curve_chains(&self) -> Vec<Vec<u32>> {
+        let c = &self.connectivity;
+        let mut seen = vec![false; self.samples.len()];
+        let mut chains = Vec::new();
+        let vertices = || (0..c.vertex_bound()).filter(|&v| c.has_vertex(v));
+        let corners = vertices().filter(|&v| c.curve_at(v) == CORNER);
+        let on_curves = vertices().filter(|&v| c.curve_at(v) < CORNER);
+        for start in corners.chain(on_curves) {
+            for first in self.neighbours_on_curves(start) {
+                if c.curve_at(first) == CORNER || seen[first as usize] {
+                    continue;
+                }
+                let mut chain = vec![start, first];
+                seen[start as usize] = true;
+                let (mut before, mut at) = (start, first);
+                while at != start
+                    && let Some(ends) = c.along_curve(at)
+                {
+                    seen[at as usize] = true;
+                    (before, at) = (at, if ends[0] == before { ends[1] } else { ends[0] });
+                    chain.push(at);
+                }
+                chains.push(chain);
+            }
+        }
+        chains
+    }
+
+    /// The neighbours of `v` across edges on curves.
+    fn neighbours_on_curves(&self, v: u32) -> Vec<u32> {
+        let c = &self.connectivity;
+        let last = c.outgoing(v).map(prev).find(|&h| c.twin(h) == NONE && c.curve(h) != NONE);
+        let out = c.outgoing(v).filter(|&h| c.curve(h) != NONE).map(|h| c.target(h));
+        out.chain(last.map(|h| c.origin(h))).collect()
+    }
+
     /// Makes corners of all vertices on the boundary.
     pub fn hold_boundary(&mut self) {
         for v in 0..self.connectivity.vertex_bound() {
@@ -53,6 +97,12 @@ impl Manifold {
                 self.connectivity.put_on_curve(v, CORNER);
             }
         }
+    }
+
+    /// The unit direction of the curve that `v` lies on, if it lies on one.
+    pub fn along(&self, v: u32) -> Option<DVec3> {
+        let [a, b] = self.connectivity.along_curve(v)?;
+        Some((self.position(a) - self.position(b)).normalize_or(DVec3::X))
     }
 
     /// Whether `v` stays where it is.
@@ -237,11 +287,12 @@ impl Manifold {
         finer.lay_curves(&edges, corners.map(|v| number[v as usize]));
     }
 
-    /// The vertices where the surface turns by more than the angle of that cosine within two rings.
+    /// The vertices where the surface turns by more than the angle of that cosine within two rings, curves not crossed.
     pub fn bent(&self, cosine: f64) -> Vec<bool> {
         let c = &self.connectivity;
         let normal = |v: u32| self.samples[v as usize].normal;
-        let turns = |v: u32| c.ring(v).any(|w| c.ring(w).any(|x| normal(x).dot(normal(v)) < cosine));
+        let inside = |v: u32| c.ring(v).filter(|&w| c.curve_at(w) == NONE);
+        let turns = |v: u32| inside(v).any(|w| c.ring(w).any(|x| normal(x).dot(normal(v)) < cosine));
         (0..c.vertex_bound()).into_par_iter().map(|v| c.has_vertex(v) && turns(v)).collect()
     }
 
