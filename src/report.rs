@@ -72,6 +72,8 @@ pub struct Sampling {
     pub sigma_p: f64,
     /// The spacing that so many points have on the input's area at hexagonal packing, in the units of the input.
     pub spacing: f64,
+    /// Sharp edges that were kept, as curves between corners.
+    pub sharp_curves: usize,
     /// Connected pieces whose samples did not settle by themselves and took their connectivity from the input.
     pub tessellated_pieces: usize,
     /// Seed of all random numbers.
@@ -109,14 +111,14 @@ impl Report {
     /// The report on a remeshing of `input` with `seed` whose result went to the file `output`. Stages, memory and
     /// threads are the caller's to add, by [`Report::with_run`].
     pub fn of_remesh(remeshed: &Remeshed, input: Named, output: &str, seed: u64) -> Report {
-        let &Remeshed { sigma_p, spacing, wanted, tessellated_pieces, .. } = remeshed;
+        let &Remeshed { sigma_p, spacing, wanted, sharp_curves, tessellated_pieces, .. } = remeshed;
         Report {
             verified: Some(remeshed.verified()),
             input: Some(Measured { file: input.file.into(), topology: remeshed.input, shape: shape(input.mesh) }),
             repairs: Some(remeshed.repairs),
             repaired: Some(remeshed.repaired),
             distance: distance(&remeshed.mesh, input.mesh, REPORT_SAMPLES, seed),
-            sampling: Some(Sampling { wanted, sigma_p, spacing, tessellated_pieces, seed }),
+            sampling: Some(Sampling { wanted, sigma_p, spacing, sharp_curves, tessellated_pieces, seed }),
             notes: remeshed.notes.clone(),
             ..Report::of_output(Measured {
                 file: output.into(),
@@ -224,6 +226,7 @@ mod tests {
             sigma_p: 0.123_456,
             spacing: 0.5,
             wanted: 4,
+            sharp_curves: 0,
             tessellated_pieces: 0,
             notes: vec!["One face is missing.".into()],
         };
