@@ -32,7 +32,7 @@ pub fn closest_point(p: DVec3, triangle: [DVec3; 3]) -> DVec3 {
     let (bb, bc, cc) = (ab.length_squared(), ab.dot(ac), ac.length_squared());
     let determinant = bb * cc - bc * bc;
     let point = if determinant > SLIVER_SINE_SQUARED * bb * cc {
-        let (v, w) = clamped_foot([bb, bc, cc], determinant, ab.dot(ap), ac.dot(ap));
+        let [_, v, w] = clamped_foot([bb, bc, cc], determinant, ab.dot(ap), ac.dot(ap));
         a + v * ab + w * ac
     } else {
         closest_point_of_sliver(p, triangle)
@@ -40,34 +40,46 @@ pub fn closest_point(p: DVec3, triangle: [DVec3; 3]) -> DVec3 {
     point.max(a.min(b).min(c)).min(a.max(b).max(c))
 }
 
-/// The coordinates v, w of the closest point, from the entries of the system, its determinant and right-hand sides.
+/// The barycentric coordinates of the point of `triangle` that is closest to `p`; on a side or a corner those of the
+/// corners away from it are zero exactly. `None` for a triangle so flat that it has to be solved as segments.
 #[inline]
-fn clamped_foot([bb, bc, cc]: [f64; 3], determinant: f64, pb: f64, pc: f64) -> (f64, f64) {
+pub fn closest_weights(p: DVec3, [a, b, c]: [DVec3; 3]) -> Option<[f64; 3]> {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let (bb, bc, cc) = (ab.length_squared(), ab.dot(ac), ac.length_squared());
+    let determinant = bb * cc - bc * bc;
+    (determinant > SLIVER_SINE_SQUARED * bb * cc)
+        .then(|| clamped_foot([bb, bc, cc], determinant, ab.dot(ap), ac.dot(ap)))
+}
+
+/// The barycentric coordinates of the closest point, from the entries of the system, its determinant and right-hand
+/// sides.
+#[inline]
+fn clamped_foot([bb, bc, cc]: [f64; 3], determinant: f64, pb: f64, pc: f64) -> [f64; 3] {
     if pb <= 0.0 && pc <= 0.0 {
-        return (0.0, 0.0);
+        return [1.0, 0.0, 0.0];
     }
     // The same two right-hand sides, seen from b and from c.
     let (pb_at_b, pc_at_b) = (pb - bb, pc - bc);
     if pb_at_b >= 0.0 && pc_at_b <= pb_at_b {
-        return (1.0, 0.0);
+        return [0.0, 1.0, 0.0];
     }
     let (pb_at_c, pc_at_c) = (pb - bc, pc - cc);
     if pc_at_c >= 0.0 && pb_at_c <= pc_at_c {
-        return (0.0, 1.0);
+        return [0.0, 0.0, 1.0];
     }
     let (v, w) = (cc * pb - bc * pc, bb * pc - bc * pb);
     if w <= 0.0 && pb >= 0.0 && pb_at_b <= 0.0 {
-        return (pb / bb, 0.0);
+        return [1.0 - pb / bb, pb / bb, 0.0];
     }
     if v <= 0.0 && pc >= 0.0 && pc_at_c <= 0.0 {
-        return (0.0, pc / cc);
+        return [1.0 - pc / cc, 0.0, pc / cc];
     }
     let (from_b, from_c) = (pc_at_b - pb_at_b, pb_at_c - pc_at_c);
     if determinant - v - w <= 0.0 && from_b >= 0.0 && from_c >= 0.0 {
         let w = from_b / (from_b + from_c);
-        return (1.0 - w, w);
+        return [0.0, 1.0 - w, w];
     }
-    (v / determinant, w / determinant)
+    [1.0 - (v + w) / determinant, v / determinant, w / determinant]
 }
 
 /// The best of the closest points of the three sides and, where it can be told, the foot inside.

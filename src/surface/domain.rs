@@ -1,9 +1,9 @@
 //! The domain of sampling: an oriented 2-manifold mesh with what it takes to place points on it, to walk over it and
 //! to find back to it.
 
-use crate::geom::triangle::barycentric;
+use crate::geom::triangle::{barycentric, closest_point, closest_weights};
 use crate::surface::bvh::Bvh;
-use crate::surface::connectivity::next;
+use crate::surface::connectivity::{next, prev};
 use crate::surface::mesh::Mesh;
 use crate::surface::topology::{NONE, components, twins};
 use glam::DVec3;
@@ -30,6 +30,22 @@ pub struct Domain {
     bvh: Bvh,
     boundary: BoundaryCurves,
 }
+
+/// A point of a triangle that is the closest one there to another point.
+#[derive(Clone, Copy)]
+struct Foot {
+    triangle: u32,
+    weights: [f64; 3],
+    /// From the point asked about.
+    distance_squared: f64,
+}
+
+/// Triangles that a step may lead over before searching from the root is cheaper.
+const LONGEST_WALK: usize = 64;
+
+/// How far from where it wants to be, in lengths of the step, a walk may end: surface that bends smoothly lies nearer,
+/// a walk that got stuck at a fold does not.
+const WALKED_OF_STEP: f64 = 0.6;
 
 /// The boundary sides of a domain as a mesh of triangles with two equal corners, to find closest points on.
 #[derive(Default)]
@@ -82,12 +98,87 @@ impl Domain {
     /// thin place is not taken for this one. `near` is a triangle known to be close by, of the piece that is meant.
     pub fn project(&self, p: DVec3, normal: DVec3, near: u32) -> Sample {
         let piece = self.piece_of(near);
-        let here = crate::geom::triangle::closest_point(p, self.mesh.corners(near as usize));
+        let here = closest_point(p, self.mesh.corners(near as usize));
         let bound = p.distance_squared(here);
         let faces = |t: u32| self.piece_of(t) == piece && self.mesh.area_vector(t as usize).dot(normal) > 0.0;
         let hit = self.bvh.closest_where(&self.mesh, p, bound, faces);
         let (t, point) = hit.map_or((near, here), |h| (h.triangle, h.point));
         self.sample(t, barycentric(point, self.mesh.corners(t as usize)))
+    }
+
+    /// Where a step of `way` from `from`, tangential or about so, comes down on the surface: the point that is closest to
+    /// its end among those around, found by walking from triangle to triangle.
+    ///
+    /// Where the walk cannot vouch for its end, as in a fold narrower than the step, [`Self::project`] searches instead.
+    pub fn follow(&self, from: &Sample, way: DVec3) -> Sample {
+        let p = from.position + way;
+        let most = WALKED_OF_STEP * WALKED_OF_STEP * way.length_squared();
+        let agrees = |foot: &Foot| {
+            foot.distance_squared <= most && self.mesh.area_vector(foot.triangle as usize).dot(from.normal) > 0.0
+        };
+        match self.walk(p, from.triangle).filter(agrees) {
+            Some(foot) => self.sample(foot.triangle, foot.weights),
+            None => self.project(p, from.normal, from.triangle),
+        }
+    }
+
+    /// From triangle `t` on to triangles that are nearer to `p`, until none of those around is. `None` for a way that is
+    /// too long, or leads to a sliver or a corner of the boundary.
+    fn walk(&self, p: DVec3, t: u32) -> Option<Foot> {
+        let mut at = self.foot(p, t)?;
+        for _ in 0..LONGEST_WALK {
+            let nearer = self.nearer(p, at)?;
+            if nearer.triangle == at.triangle {
+                return Some(at);
+            }
+            at = nearer;
+        }
+        None
+    }
+
+    /// A foot nearer to `p` on a triangle that shares the side or the corner that `at` is on, or `at` if there is none.
+    fn nearer(&self, p: DVec3, at: Foot) -> Option<Foot> {
+        let first = 3 * at.triangle;
+        let corner = match at.weights.map(|w| w > 0.0) {
+            [true, true, true] => return Some(at),
+            [true, true, false] => return self.nearer_across(p, at, first),
+            [false, true, true] => return self.nearer_across(p, at, first + 1),
+            [true, false, true] => return self.nearer_across(p, at, first + 2),
+            [true, ..] => first,
+            [_, true, _] => first + 1,
+            _ => first + 2,
+        };
+        let mut side = self.twin[prev(corner) as usize];
+        while side != corner {
+            if side == NONE {
+                return None;
+            }
+            let other = self.foot(p, side / 3)?;
+            if other.distance_squared < at.distance_squared {
+                return Some(other);
+            }
+            side = self.twin[prev(side) as usize];
+        }
+        Some(at)
+    }
+
+    /// The foot of `p` on the triangle across `side` if it is nearer than `at`.
+    fn nearer_across(&self, p: DVec3, at: Foot, side: u32) -> Option<Foot> {
+        match self.twin[side as usize] {
+            NONE => Some(at),
+            twin => self
+                .foot(p, twin / 3)
+                .map(|other| if other.distance_squared < at.distance_squared { other } else { at }),
+        }
+    }
+
+    /// The point of triangle `t` that is closest to `p`; `None` on a sliver.
+    #[inline]
+    fn foot(&self, p: DVec3, t: u32) -> Option<Foot> {
+        let corners = self.mesh.corners(t as usize);
+        let weights = closest_weights(p, corners)?;
+        let point: DVec3 = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
+        Some(Foot { triangle: t, weights, distance_squared: p.distance_squared(point) })
     }
 
     /// The point closest to `p` on the boundary loop that triangle `near` touches with a side.

@@ -17,13 +17,18 @@ pub struct Manifold {
     pub samples: Vec<Sample>,
     /// Vertices that neither move nor go.
     pub fixed: Vec<bool>,
+    /// See [`Self::colour_classes`]; vertices that are new since have none.
+    colours: Vec<u8>,
 }
+
+/// The colour of a vertex without one.
+const UNCOLOURED: u8 = u8::MAX;
 
 impl Manifold {
     /// The manifold of `triangles`, which have to be an oriented 2-manifold that uses all of `samples`.
     pub fn new(samples: Vec<Sample>, triangles: &[[u32; 3]]) -> Self {
         let fixed = vec![false; samples.len()];
-        Manifold { connectivity: Connectivity::new(samples.len(), triangles), samples, fixed }
+        Manifold { connectivity: Connectivity::new(samples.len(), triangles), samples, fixed, colours: Vec::new() }
     }
 
     #[inline]
@@ -62,6 +67,9 @@ impl Manifold {
         let d = self.position(self.connectivity.apex(g));
         let (ca, cb, da, db) = (a - c, b - c, a - d, b - d);
         let (cos_c, cos_d) = (ca.dot(cb), da.dot(db));
+        if cos_c >= 0.0 && cos_d >= 0.0 {
+            return false;
+        }
         let (sin_c, sin_d) = (ca.cross(cb).length(), da.cross(db).length());
         sin_c * cos_d + cos_c * sin_d < -1e-10 * (cos_c.abs() + sin_c) * (cos_d.abs() + sin_d)
     }
@@ -193,20 +201,43 @@ impl Manifold {
         self.connectivity.outgoing(v).map(facing).fold(1.0, f64::min)
     }
 
-    /// The vertices in classes such that no two of a class are adjacent: greedily, in the order of their numbers.
-    pub fn colour_classes(&self) -> Vec<Vec<u32>> {
-        const UNCOLOURED: u8 = u8::MAX;
+    /// Whether all triangles at `v` would face the surface, by cosines of at least `least`, if `v` were at `there`.
+    pub fn faces_surface(&self, v: u32, there: &Sample, least: f64) -> bool {
+        self.connectivity.outgoing(v).all(|h| {
+            let [_, p, q] = self.connectivity.triangle(h);
+            let (p, q) = (&self.samples[p as usize], &self.samples[q as usize]);
+            let own = (p.position - there.position).cross(q.position - there.position);
+            let surface = there.normal + p.normal + q.normal;
+            let dot = own.dot(surface);
+            dot > 0.0 && dot * dot >= least * least * own.length_squared() * surface.length_squared()
+        })
+    }
+
+    /// The vertices that are not fixed, in classes such that no two of a class are adjacent, each in the order of their
+    /// numbers. Colours of earlier calls stay where nothing has changed.
+    pub fn colour_classes(&mut self) -> Vec<Vec<u32>> {
         let c = &self.connectivity;
-        let mut colour = vec![UNCOLOURED; c.vertex_bound() as usize];
+        let bound = c.vertex_bound();
+        self.colours.resize(bound as usize, UNCOLOURED);
+        let colours = &self.colours;
+        let clashes = |v: u32| {
+            let own = colours[v as usize];
+            own == UNCOLOURED || c.ring(v).any(|w| w < v && colours[w as usize] == own)
+        };
+        let wrong: Vec<u32> =
+            (0..bound).into_par_iter().with_min_len(1024).filter(|&v| c.has_vertex(v) && clashes(v)).collect();
+        for v in wrong {
+            let taken =
+                c.ring(v).map(|w| self.colours[w as usize]).filter(|&k| k < 64).fold(0u64, |taken, k| taken | 1 << k);
+            self.colours[v as usize] = taken.trailing_ones().min(63) as u8;
+        }
         let mut classes: Vec<Vec<u32>> = Vec::new();
-        for v in (0..c.vertex_bound()).filter(|&v| c.has_vertex(v)) {
-            let taken = c.ring(v).map(|w| colour[w as usize]).filter(|&k| k < 64).fold(0u64, |taken, k| taken | 1 << k);
-            let free = taken.trailing_ones().min(63) as u8;
-            colour[v as usize] = free;
-            if classes.len() <= free as usize {
-                classes.resize_with(free as usize + 1, Vec::new);
+        for v in (0..bound).filter(|&v| c.has_vertex(v) && !self.fixed[v as usize]) {
+            let colour = self.colours[v as usize] as usize;
+            if classes.len() <= colour {
+                classes.resize_with(colour + 1, Vec::new);
             }
-            classes[free as usize].push(v);
+            classes[colour].push(v);
         }
         classes
     }
@@ -214,8 +245,10 @@ impl Manifold {
     /// Flips all edges that are not Delaunay.
     pub fn make_delaunay(&mut self) {
         let c = &self.connectivity;
-        let all = (0..c.half_edge_bound()).rev();
-        self.flip_to_delaunay(all.filter(|&h| c.has_half_edge(h) && c.twin(h) != NONE && h < c.twin(h)).collect());
+        let broken = |&h: &u32| c.has_half_edge(h) && h < c.twin(h) && self.breaks_delaunay(h);
+        let mut broken: Vec<u32> = (0..c.half_edge_bound()).into_par_iter().with_min_len(4096).filter(broken).collect();
+        broken.reverse();
+        self.flip_to_delaunay(broken);
     }
 
     /// How well the triangles face the surface and are shaped if the origin of `h` merges into its target: the worst

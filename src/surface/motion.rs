@@ -26,8 +26,7 @@ pub fn move_vertices<T>(
     tools: impl Fn() -> T + Sync + Send,
     way: impl Fn(&Manifold, u32, &mut T) -> DVec3 + Sync + Send,
 ) {
-    for mut class in mesh.colour_classes() {
-        class.retain(|&v| !mesh.fixed[v as usize]);
+    for class in mesh.colour_classes() {
         let moved: Vec<Sample> = class
             .par_iter()
             .with_min_len(CHUNK)
@@ -47,18 +46,22 @@ fn step(domain: &Domain, mesh: &Manifold, v: u32, way: DVec3) -> Sample {
     if !way.is_finite() || way == DVec3::ZERO {
         return here;
     }
-    let before = mesh.worst_facing(v, &here);
     for _ in 0..HALVINGS {
-        let wanted = here.position + way;
         let there = if on_boundary {
-            domain.project_on_boundary(wanted, here.triangle)
+            domain.project_on_boundary(here.position + way, here.triangle)
         } else {
-            domain.project(wanted, here.normal, here.triangle)
+            domain.follow(&here, way)
         };
-        if mesh.worst_facing(v, &there) >= before.min(LEAST_FACING) {
+        if mesh.faces_surface(v, &there, LEAST_FACING) || is_no_worse(mesh, v, &there) {
             return there;
         }
         way *= 0.5;
     }
     here
+}
+
+/// Whether the worst triangle around `v` faces the surface as well with `v` at `there` as it does now.
+#[cold]
+fn is_no_worse(mesh: &Manifold, v: u32, there: &Sample) -> bool {
+    mesh.worst_facing(v, there) >= mesh.worst_facing(v, &mesh.samples[v as usize])
 }
