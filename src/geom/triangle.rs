@@ -144,6 +144,16 @@ pub fn angles([a, b, c]: [DVec3; 3]) -> [f64; 3] {
     [at(b - a, c - a), at(c - b, a - b), at(a - c, b - c)]
 }
 
+/// The smallest and the largest of [`angles`], which are across from the shortest and the longest side.
+pub fn extreme_angles([a, b, c]: [DVec3; 3]) -> (f64, f64) {
+    let twice_area = (b - a).cross(c - a).length();
+    let dots = [(b - a).dot(c - a), (c - b).dot(a - b), (a - c).dot(b - c)];
+    let at = |dot: f64| twice_area.atan2(dot).to_degrees();
+    // All angles have the same sine times the lengths of their sides, so that they fall with the dot product.
+    let (least, most) = (dots[0].max(dots[1]).max(dots[2]), dots[0].min(dots[1]).min(dots[2]));
+    (at(least), at(most))
+}
+
 /// The mean ratio 4 √3 S / (a² + b² + c²): 1 for an equilateral triangle, 0 for a flat one, and cheap.
 pub fn mean_ratio([a, b, c]: [DVec3; 3]) -> f64 {
     let squares = a.distance_squared(b) + b.distance_squared(c) + c.distance_squared(a);

@@ -12,6 +12,7 @@
 use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};
 use crate::spectral::measure::Measure;
+use crate::surface::connectivity::next;
 use crate::surface::domain::Domain;
 use crate::surface::manifold::Manifold;
 use crate::surface::motion::move_vertices;
@@ -41,29 +42,67 @@ fn way_up(mesh: &Manifold, v: u32, sigma: f64, measure: &mut Measure) -> DVec3 {
         return DVec3::ZERO;
     }
     measure.clear();
-    for neighbour in nearest(mesh, v) {
+    for neighbour in nearest(mesh, v).iter() {
         measure.add((mesh.position(neighbour) - mesh.position(v)) / sigma);
     }
     (0.5 * sigma * measure.gradient()).clamp_length_max(0.5 * sigma)
 }
 
 /// The nearest vertices of the two-ring of `v`; of the second ring only those that face the same way.
-fn nearest(mesh: &Manifold, v: u32) -> impl Iterator<Item = u32> {
-    let here = &mesh.samples[v as usize];
-    let mut found: Vec<(f64, u32)> = Vec::with_capacity(48);
-    for w in mesh.connectivity.ring(v) {
-        found.push((here.position.distance_squared(mesh.position(w)), w));
-    }
-    let first_ring = found.len();
-    for i in 0..first_ring {
-        for w in mesh.connectivity.ring(found[i].1) {
-            let there = &mesh.samples[w as usize];
-            if w != v && there.normal.dot(here.normal) > 0.0 {
-                found.push((here.position.distance_squared(there.position), w));
-            }
+fn nearest(mesh: &Manifold, v: u32) -> Nearest {
+    let (c, here) = (&mesh.connectivity, &mesh.samples[v as usize]);
+    let mut found = Nearest::default();
+    let mut add = |w: u32| found.add(here.position.distance_squared(mesh.position(w)), w);
+    c.ring(v).for_each(&mut add);
+    let mut add_facing = |w: u32| {
+        if mesh.samples[w as usize].normal.dot(here.normal) > 0.0 {
+            add(w);
+        }
+    };
+    for out in c.outgoing(v) {
+        let w = c.target(out);
+        if c.is_boundary(w) {
+            c.ring(w).filter(|&w| w != v).for_each(&mut add_facing);
+            continue;
+        }
+        // Around `w`, from beyond the triangle on the left of `out` to that on its right.
+        let last = c.apex(c.twin(out));
+        let mut across = c.twin(next(out));
+        while c.apex(across) != last {
+            add_facing(c.apex(across));
+            across = c.twin(next(across));
         }
     }
-    found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    found.dedup_by_key(|f| f.1);
-    found.into_iter().take(NEIGHBOURS).map(|f| f.1)
+    found
+}
+
+/// Vertices in the order of their distance, then their number.
+#[derive(Default)]
+struct Nearest {
+    list: [(f64, u32); NEIGHBOURS],
+    count: usize,
+}
+
+impl Nearest {
+    /// Takes note of `v` at that squared distance if it is near enough and not known.
+    #[inline]
+    fn add(&mut self, distance: f64, v: u32) {
+        if self.count == NEIGHBOURS && distance > self.list[NEIGHBOURS - 1].0 {
+            return;
+        }
+        let mut place = self.count;
+        while place > 0 && (distance, v) < self.list[place - 1] {
+            place -= 1;
+        }
+        let is_known = place > 0 && self.list[place - 1].1 == v;
+        if place < NEIGHBOURS && !is_known {
+            self.count = (self.count + 1).min(NEIGHBOURS);
+            self.list.copy_within(place..self.count - 1, place + 1);
+            self.list[place] = (distance, v);
+        }
+    }
+
+    fn iter(&self) -> impl Iterator<Item = u32> {
+        self.list[..self.count].iter().map(|&(_, v)| v)
+    }
 }

@@ -20,8 +20,10 @@ const SMALLEST_PIVOT: f64 = 1e-9;
 
 /// s(x) at one point, for neighbours that are added one by one.
 pub struct Measure {
-    /// Rows of L, packed: row i begins at i (i + 1) / 2.
+    /// Rows of L, packed: row i begins at i (i + 1) / 2. The diagonal holds reciprocals: nothing else is asked of it.
     factor: [f64; MOST_NEIGHBOURS * (MOST_NEIGHBOURS + 1) / 2],
+    /// k.
+    kernels: [f64; MOST_NEIGHBOURS],
     /// L y = k.
     y: [f64; MOST_NEIGHBOURS],
     /// Offsets of the neighbours from x, in units of σ.
@@ -35,6 +37,7 @@ impl Measure {
     pub fn new() -> Self {
         Measure {
             factor: [0.0; MOST_NEIGHBOURS * (MOST_NEIGHBOURS + 1) / 2],
+            kernels: [0.0; MOST_NEIGHBOURS],
             y: [0.0; MOST_NEIGHBOURS],
             offsets: [DVec3::ZERO; MOST_NEIGHBOURS],
             count: 0,
@@ -61,25 +64,25 @@ impl Measure {
         if n == MOST_NEIGHBOURS {
             return self.value;
         }
-        let start = n * (n + 1) / 2;
-        let mut pivot = 1.0;
-        let mut entry = kernel(offset.length_squared());
+        let (above, rest) = self.factor.split_at_mut(n * (n + 1) / 2);
+        let new = &mut rest[..=n];
+        let own = kernel(offset.length_squared());
+        let (mut pivot, mut entry) = (1.0, own);
+        let mut rows = &*above;
         for j in 0..n {
-            let row = j * (j + 1) / 2;
-            let mut l = kernel(offset.distance_squared(self.offsets[j]));
-            for i in 0..j {
-                l -= self.factor[start + i] * self.factor[row + i];
-            }
-            l /= self.factor[row + j];
-            self.factor[start + j] = l;
+            let (row, below) = rows.split_at(j + 1);
+            let known: f64 = row[..j].iter().zip(new.iter()).map(|(a, b)| a * b).sum();
+            let l = row[j] * (kernel(offset.distance_squared(self.offsets[j])) - known);
+            new[j] = l;
             pivot -= l * l;
             entry -= l * self.y[j];
+            rows = below;
         }
         if pivot > SMALLEST_PIVOT {
-            let root = pivot.sqrt();
-            self.factor[start + n] = root;
-            self.y[n] = entry / root;
+            new[n] = pivot.sqrt().recip();
+            self.y[n] = entry * new[n];
             self.offsets[n] = offset;
+            self.kernels[n] = own;
             self.value = (self.value - self.y[n] * self.y[n]).max(0.0);
             self.count += 1;
         }
@@ -93,12 +96,12 @@ impl Measure {
         let n = self.count;
         let mut a = self.y;
         for i in (0..n).rev() {
-            for j in i + 1..n {
-                a[i] -= self.factor[j * (j + 1) / 2 + i] * a[j];
-            }
-            a[i] /= self.factor[i * (i + 1) / 2 + i];
+            let (before, rest) = a.split_at_mut(i);
+            let row = &self.factor[i * (i + 1) / 2..][..=i];
+            rest[0] *= row[i];
+            before.iter_mut().zip(row).for_each(|(b, l)| *b -= l * rest[0]);
         }
-        let pull: DVec3 = (0..n).map(|i| a[i] * kernel(self.offsets[i].length_squared()) * self.offsets[i]).sum();
+        let pull: DVec3 = (0..n).map(|i| a[i] * self.kernels[i] * self.offsets[i]).sum();
         -4.0 * pull
     }
 }
