@@ -206,6 +206,9 @@ mod tests {
         ];
         for (p, expected) in cases {
             assert!(closest_point(p.into(), t).distance(expected.into()) < 1e-15);
+            let weights = closest_weights(p.into(), t).unwrap();
+            let away = barycentric(expected.into(), t).map(|w| w.abs() < 1e-15);
+            assert_eq!(weights.map(|w| w == 0.0), away, "{p:?}: {weights:?}");
         }
     }
 
@@ -274,5 +277,6 @@ mod tests {
         assert_relative_eq!(found[1], (4f64 / 3.0).atan().to_degrees(), epsilon = 1e-12);
         assert_relative_eq!(found.iter().sum::<f64>(), 180.0, epsilon = 1e-12);
         assert_eq!(angles([DVec3::ZERO, DVec3::X, 2.0 * DVec3::X]), [0.0, 180.0, 0.0]);
+        assert_eq!(extreme_angles(right), (found[1].min(found[2]), found[0]));
     }
 }

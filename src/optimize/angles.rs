@@ -156,5 +156,5 @@ fn places(domain: &Domain, mesh: &Manifold, v: u32, at: &Sample, step: f64) -> V
         let (sin, cos) = (std::f64::consts::TAU * i as f64 / DIRECTIONS as f64).sin_cos();
         x * cos + y * sin
     };
-    (0..DIRECTIONS).map(|i| domain.follow(at, step * direction(i))).collect()
+    (0..DIRECTIONS).map(|i| domain.project(at.position + step * direction(i), at.normal, at.triangle)).collect()
 }

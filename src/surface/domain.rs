@@ -256,3 +256,46 @@ fn vertex_normals(mesh: &Mesh) -> Vec<DVec3> {
     normals.iter_mut().for_each(|n| *n = n.normalize_or_zero());
     normals
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::rng::{Stage, stream, unit};
+    use glam::dvec3;
+
+    /// A sheet of `n` by `n` squares over the unit square at the height that `f` says.
+    fn sheet(n: u32, f: impl Fn(f64, f64) -> f64) -> Domain {
+        let place = |i: u32| f64::from(i) / f64::from(n);
+        let at = |i: u32, j: u32| i * (n + 1) + j;
+        let squares = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+        let corners = (0..=n).flat_map(|i| (0..=n).map(move |j| (place(i), place(j))));
+        let positions = corners.map(|(x, y)| dvec3(x, y, f(x, y))).collect();
+        let halves = |(i, j)| {
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        };
+        Domain::new(Mesh { positions, triangles: squares.flat_map(halves).collect() })
+    }
+
+    #[test]
+    fn following_a_step_on_a_smooth_surface_finds_the_closest_point() {
+        let domain = sheet(40, |x, y| 0.05 * (7.0 * x).sin() * (6.0 * y).cos());
+        let mut rng = stream(1, Stage::Candidates);
+        for _ in 0..2000 {
+            let t = (unit(&mut rng) * domain.mesh.triangles.len() as f64) as u32;
+            let from = domain.sample(t, [0.2, 0.5, 0.3]);
+            let way = 0.3 * dvec3(unit(&mut rng) - 0.5, unit(&mut rng) - 0.5, 0.0).reject_from_normalized(from.normal);
+            let (walked, searched) = (domain.follow(&from, way), domain.project(from.position + way, from.normal, t));
+            assert!(walked.position.distance(searched.position) < 1e-9, "{walked:?} {searched:?}");
+        }
+    }
+
+    #[test]
+    fn a_walk_that_a_fold_stops_is_not_believed() {
+        // Down into a narrow ditch and up again: the walk would stay on the near side of it.
+        let domain = sheet(60, |x, _| if (0.48..0.52).contains(&x) { -0.5 } else { 0.0 });
+        let from = domain.project(dvec3(0.4, 0.5, 0.0), DVec3::Z, 0);
+        let there = domain.follow(&from, dvec3(0.2, 0.0, 0.0));
+        assert!(there.position.distance(dvec3(0.6, 0.5, 0.0)) < 1e-9, "{there:?}");
+    }
+}

@@ -129,11 +129,11 @@ impl Manifold {
     fn middle(&self, domain: &Domain, h: u32) -> Sample {
         let (a, b) = (self.connectivity.origin(h), self.connectivity.target(h));
         let (a, b) = (&self.samples[a as usize], &self.samples[b as usize]);
-        let middle = (a.position + b.position) / 2.0;
+        let half = (b.position - a.position) / 2.0;
         if self.connectivity.twin(h) == NONE {
-            domain.project_on_boundary(middle, a.triangle)
+            domain.project_on_boundary(a.position + half, a.triangle)
         } else {
-            domain.project(middle, a.normal + b.normal, a.triangle)
+            domain.follow(&Sample { normal: a.normal + b.normal, ..*a }, half)
         }
     }
 
@@ -218,14 +218,16 @@ impl Manifold {
     pub fn colour_classes(&mut self) -> Vec<Vec<u32>> {
         let c = &self.connectivity;
         let bound = c.vertex_bound();
+        let new = self.colours.len() as u32..bound;
         self.colours.resize(bound as usize, UNCOLOURED);
         let colours = &self.colours;
-        let clashes = |v: u32| {
-            let own = colours[v as usize];
-            own == UNCOLOURED || c.ring(v).any(|w| w < v && colours[w as usize] == own)
+        let clash = |h: u32| {
+            let (v, w) = (c.origin(h), c.target(h));
+            (colours[v as usize] == colours[w as usize]).then_some(v.max(w))
         };
-        let wrong: Vec<u32> =
-            (0..bound).into_par_iter().with_min_len(1024).filter(|&v| c.has_vertex(v) && clashes(v)).collect();
+        let mut wrong: Vec<u32> = self.half_edges().filter_map(clash).chain(new).filter(|&v| c.has_vertex(v)).collect();
+        wrong.sort_unstable();
+        wrong.dedup();
         for v in wrong {
             let taken =
                 c.ring(v).map(|w| self.colours[w as usize]).filter(|&k| k < 64).fold(0u64, |taken, k| taken | 1 << k);
@@ -245,8 +247,17 @@ impl Manifold {
     /// Flips all edges that are not Delaunay.
     pub fn make_delaunay(&mut self) {
         let c = &self.connectivity;
-        let broken = |&h: &u32| c.has_half_edge(h) && h < c.twin(h) && self.breaks_delaunay(h);
-        let mut broken: Vec<u32> = (0..c.half_edge_bound()).into_par_iter().with_min_len(4096).filter(broken).collect();
+        // Of a broken edge one angle across is obtuse.
+        let has_obtuse = |h: u32| {
+            let [a, b, c] = c.triangle(h).map(|v| self.position(v));
+            (a - c).dot(b - c) < 0.0
+        };
+        let triangles = (0..c.half_edge_bound() / 3).into_par_iter().with_min_len(2048);
+        let sides = triangles.filter(|t| c.has_half_edge(3 * t)).flat_map_iter(|t| 3 * t..3 * t + 3);
+        let broken = sides.filter(|&h| has_obtuse(h) && self.breaks_delaunay(h)).map(|h| h.min(c.twin(h)));
+        let mut broken: Vec<u32> = broken.collect();
+        broken.sort_unstable();
+        broken.dedup();
         broken.reverse();
         self.flip_to_delaunay(broken);
     }
@@ -310,3 +321,38 @@ fn cosine_to_surface([a, b, c]: [&Sample; 3]) -> f64 {
 
 /// Cosine between a triangle and the surface that a flip must keep: 75 degrees.
 const LEAST_FACING: f64 = 0.26;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A strip of two rows of `n` vertices, of triangles as long as the second row is shifted.
+    fn strip(n: u32, shift: f64) -> Manifold {
+        let sample = |x: f64, y: f64| Sample { position: DVec3::new(x, y, 0.0), normal: DVec3::Z, triangle: 0 };
+        let lower = (0..n).map(|i| sample(f64::from(i), 0.0));
+        let upper = (0..n).map(|i| sample(f64::from(i) + shift, 1.0));
+        let triangles = (0..n - 1).flat_map(|i| [[i, i + 1, n + i + 1], [i, n + i + 1, n + i]]);
+        Manifold::new(lower.chain(upper).collect(), &triangles.collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn neighbours_never_share_a_class_even_after_flips() {
+        let mut mesh = strip(50, 0.8);
+        for _ in 0..2 {
+            let classes = mesh.colour_classes();
+            assert_eq!(classes.iter().map(Vec::len).sum::<usize>(), 100);
+            for class in classes {
+                assert!(class.iter().all(|&v| class.iter().all(|&w| !mesh.connectivity.are_adjacent(v, w))));
+            }
+            mesh.make_delaunay();
+        }
+    }
+
+    #[test]
+    fn no_edge_is_left_that_breaks_delaunay() {
+        let mut mesh = strip(20, 0.8);
+        assert!(mesh.edges().any(|h| mesh.breaks_delaunay(h)));
+        mesh.make_delaunay();
+        assert!(!mesh.edges().any(|h| mesh.breaks_delaunay(h)));
+    }
+}
