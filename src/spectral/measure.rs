@@ -219,7 +219,7 @@ mod tests {
         let p = dvec3(0.5, 0.2, -0.1);
         let once = incremental(DVec3::ZERO, &[p]).value();
         assert_relative_eq!(incremental(DVec3::ZERO, &[p, p]).value(), once, epsilon = 1e-12);
-        assert_relative_eq!(gradient(&[p, p, -0.5 * p]), gradient(&[p, -0.5 * p]), epsilon = 1e-9);
+        assert!(gradient(&[p, p, -0.5 * p]).distance(gradient(&[p, -0.5 * p])) < 1e-9);
         assert_relative_eq!(incremental(p, &[p]).value(), 0.0, epsilon = 1e-12);
     }
 

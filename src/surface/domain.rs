@@ -261,7 +261,7 @@ fn vertex_normals(mesh: &Mesh) -> Vec<DVec3> {
 mod tests {
     use super::*;
     use crate::base::rng::{Stage, stream, unit};
-    use glam::dvec3;
+    use glam::{DVec2, dvec3};
 
     /// A sheet of `n` by `n` squares over the unit square at the height that `f` says.
     fn sheet(n: u32, f: impl Fn(f64, f64) -> f64) -> Domain {
@@ -278,15 +278,21 @@ mod tests {
     }
 
     #[test]
-    fn following_a_step_on_a_smooth_surface_finds_the_closest_point() {
+    fn following_a_step_on_a_smooth_surface_ends_as_near_as_a_search() {
         let domain = sheet(40, |x, y| 0.05 * (7.0 * x).sin() * (6.0 * y).cos());
         let mut rng = stream(1, Stage::Candidates);
         for _ in 0..2000 {
             let t = (unit(&mut rng) * domain.mesh.triangles.len() as f64) as u32;
             let from = domain.sample(t, [0.2, 0.5, 0.3]);
             let way = 0.3 * dvec3(unit(&mut rng) - 0.5, unit(&mut rng) - 0.5, 0.0).reject_from_normalized(from.normal);
-            let (walked, searched) = (domain.follow(&from, way), domain.project(from.position + way, from.normal, t));
-            assert!(walked.position.distance(searched.position) < 1e-9, "{walked:?} {searched:?}");
+            let end = from.position + way;
+            if end.truncate().clamp(DVec2::splat(0.05), DVec2::splat(0.95)) != end.truncate() {
+                continue;
+            }
+            let (walked, searched) = (domain.follow(&from, way), domain.project(end, from.normal, t));
+            // Over a valley each facet may have a foot; an edge is 0.025 long.
+            let (walked, searched) = (end.distance(walked.position), end.distance(searched.position));
+            assert!(walked <= searched + 1e-4, "{walked} {searched}");
         }
     }
 
