@@ -13,7 +13,7 @@ use spectral_remesh::io::{self, Format, NO_BUFFERS};
 use spectral_remesh::optimize::counts::meet_count;
 use spectral_remesh::quality::distance::{REPORT_SAMPLES, distance};
 use spectral_remesh::quality::shape::shape;
-use spectral_remesh::spectral::ascent::ascend;
+use spectral_remesh::spectral::ascent::{Climb, PAPER_STEP, ascend};
 use spectral_remesh::spectral::candidates::{Candidate, candidates};
 use spectral_remesh::spectral::scan::linear_scan;
 use spectral_remesh::surface::bvh::Bvh;
@@ -49,6 +49,10 @@ struct Inputs {
     result: Mesh,
 }
 
+fn climb(spacing: f64) -> Climb {
+    Climb { sigma: spacing, step: PAPER_STEP, sweeps: SWEEPS }
+}
+
 static INPUTS: LazyLock<Inputs> = LazyLock::new(Inputs::new);
 
 impl Inputs {
@@ -60,7 +64,7 @@ impl Inputs {
         let samples = scan(&domain, &candidates, spacing);
         let manifold = join(&domain, &samples, spacing);
         let mut spread = manifold.clone();
-        ascend(&domain, &mut spread, spacing, SWEEPS, &()).expect("nobody cancels");
+        ascend(&domain, &mut spread, climb(spacing), &()).expect("nobody cancels");
         Inputs { result: spread.to_mesh(), mesh, domain, spacing, candidates, samples, manifold }
     }
 }
@@ -170,7 +174,7 @@ fn s08_meet_count(bencher: Bencher) {
 fn s09_ascent(bencher: Bencher) {
     let given = &*INPUTS;
     bencher.with_inputs(|| given.manifold.clone()).bench_values(|mut mesh| {
-        ascend(&given.domain, &mut mesh, given.spacing, SWEEPS, &()).expect("nobody cancels");
+        ascend(&given.domain, &mut mesh, climb(given.spacing), &()).expect("nobody cancels");
         mesh
     });
 }

@@ -7,7 +7,7 @@ use crate::optimize::angles::improve_angles;
 use crate::optimize::counts::meet_count;
 use crate::optimize::levels::{balance, coarsen, fix_all_but_bent, fix_tips, split_to};
 use crate::optimize::relax::{Stiffness, relax};
-use crate::spectral::ascent::{SIGMA_OF_SPACING as ASCENT_SIGMA, ascend};
+use crate::spectral::ascent::{Climb, LONG_STEP, PAPER_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA, ascend};
 use crate::spectral::candidates::candidates;
 use crate::spectral::curves::sample_curves;
 use crate::spectral::scan::linear_scan;
@@ -56,7 +56,14 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Options { density: Density::Points(10_000), seed: 0, weld: None, features: Features::Automatic, optimize: true, sweeps: 10 }
+        Options {
+            density: Density::Points(10_000),
+            seed: 0,
+            weld: None,
+            features: Features::Automatic,
+            optimize: true,
+            sweeps: 10,
+        }
     }
 }
 
@@ -178,7 +185,8 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
     } else {
         meet_count(&domain, &mut made.mesh, scale.wanted);
         monitor.stage("ascend");
-        ascend(&domain, &mut made.mesh, ASCENT_SIGMA * scale.spacing, options.sweeps, monitor)?;
+        let climb = Climb { sigma: ASCENT_SIGMA * scale.spacing, step: PAPER_STEP, sweeps: options.sweeps };
+        ascend(&domain, &mut made.mesh, climb, monitor)?;
     }
 
     let mesh = unit.outwards(made.mesh.to_mesh());
@@ -259,10 +267,12 @@ fn optimize(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn M
     let Scale { wanted, spacing } = *scale;
     monitor.stage("ascend");
     fix_all_but_bent(mesh);
-    ascend(domain, mesh, ASCENT_SIGMA * spacing, FINE_SWEEPS, monitor)?;
+    let fine = Climb { sigma: ASCENT_SIGMA * spacing, step: LONG_STEP, sweeps: FINE_SWEEPS };
+    ascend(domain, mesh, fine, monitor)?;
     coarsen(mesh, spacing);
+    let coarse = Climb { sigma: COARSE_SIGMA * 2.0 * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS / 2 };
     for _ in 0..2 {
-        ascend(domain, mesh, COARSE_SIGMA * 2.0 * spacing, COARSE_SWEEPS / 2, monitor)?;
+        ascend(domain, mesh, coarse, monitor)?;
         balance(domain, mesh, wanted, spacing);
     }
     monitor.stage("relax");
@@ -278,9 +288,9 @@ fn optimize(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn M
 }
 
 /// Sweeps of ascent in the places that no coarser mesh can follow, and those over the coarse mesh: irregular vertices
-/// get fewer up to about a hundred.
-const FINE_SWEEPS: usize = 16;
-const COARSE_SWEEPS: usize = 60;
+/// get fewer up to about seventy.
+const FINE_SWEEPS: usize = 11;
+const COARSE_SWEEPS: usize = 40;
 
 /// Kernel width of the ascent over the coarse mesh, in its spacings: a wide one orders more.
 const COARSE_SIGMA: f64 = 1.1;

@@ -360,7 +360,8 @@ mod tests {
         let line = "remesh a b --sigma-p 0.5 --seed 7 --threads 3 --format ply --output-format glb --report r.json \
                     --features 30 -v";
         let job = remeshing(line);
-        let options = Options { density: Density::SigmaP(0.5), seed: 7, features: Features::Degrees(30.0), ..Options::default() };
+        let options =
+            Options { density: Density::SigmaP(0.5), seed: 7, features: Features::Degrees(30.0), ..Options::default() };
         assert_eq!(job.options, options);
         assert_eq!((job.input.format, job.output.format), (Some(Format::Ply), Some(Format::Glb)));
         assert_eq!((job.report, job.threads, job.voice), (Some("r.json".into()), Some(3), Voice::Verbose));

@@ -32,7 +32,7 @@ pub fn closest_point(p: DVec3, triangle: [DVec3; 3]) -> DVec3 {
     let (bb, bc, cc) = (ab.length_squared(), ab.dot(ac), ac.length_squared());
     let determinant = bb * cc - bc * bc;
     let point = if determinant > SLIVER_SINE_SQUARED * bb * cc {
-        let (v, w) = clamped_foot([bb, bc, cc], determinant, ab.dot(ap), ac.dot(ap));
+        let [_, v, w] = clamped_foot([bb, bc, cc], determinant, ab.dot(ap), ac.dot(ap));
         a + v * ab + w * ac
     } else {
         closest_point_of_sliver(p, triangle)
@@ -40,34 +40,46 @@ pub fn closest_point(p: DVec3, triangle: [DVec3; 3]) -> DVec3 {
     point.max(a.min(b).min(c)).min(a.max(b).max(c))
 }
 
-/// The coordinates v, w of the closest point, from the entries of the system, its determinant and right-hand sides.
+/// The barycentric coordinates of the point of `triangle` that is closest to `p`; on a side or a corner those of the
+/// corners away from it are zero exactly. `None` for a triangle so flat that it has to be solved as segments.
 #[inline]
-fn clamped_foot([bb, bc, cc]: [f64; 3], determinant: f64, pb: f64, pc: f64) -> (f64, f64) {
+pub fn closest_weights(p: DVec3, [a, b, c]: [DVec3; 3]) -> Option<[f64; 3]> {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let (bb, bc, cc) = (ab.length_squared(), ab.dot(ac), ac.length_squared());
+    let determinant = bb * cc - bc * bc;
+    (determinant > SLIVER_SINE_SQUARED * bb * cc)
+        .then(|| clamped_foot([bb, bc, cc], determinant, ab.dot(ap), ac.dot(ap)))
+}
+
+/// The barycentric coordinates of the closest point, from the entries of the system, its determinant and right-hand
+/// sides.
+#[inline]
+fn clamped_foot([bb, bc, cc]: [f64; 3], determinant: f64, pb: f64, pc: f64) -> [f64; 3] {
     if pb <= 0.0 && pc <= 0.0 {
-        return (0.0, 0.0);
+        return [1.0, 0.0, 0.0];
     }
     // The same two right-hand sides, seen from b and from c.
     let (pb_at_b, pc_at_b) = (pb - bb, pc - bc);
     if pb_at_b >= 0.0 && pc_at_b <= pb_at_b {
-        return (1.0, 0.0);
+        return [0.0, 1.0, 0.0];
     }
     let (pb_at_c, pc_at_c) = (pb - bc, pc - cc);
     if pc_at_c >= 0.0 && pb_at_c <= pc_at_c {
-        return (0.0, 1.0);
+        return [0.0, 0.0, 1.0];
     }
     let (v, w) = (cc * pb - bc * pc, bb * pc - bc * pb);
     if w <= 0.0 && pb >= 0.0 && pb_at_b <= 0.0 {
-        return (pb / bb, 0.0);
+        return [1.0 - pb / bb, pb / bb, 0.0];
     }
     if v <= 0.0 && pc >= 0.0 && pc_at_c <= 0.0 {
-        return (0.0, pc / cc);
+        return [1.0 - pc / cc, 0.0, pc / cc];
     }
     let (from_b, from_c) = (pc_at_b - pb_at_b, pb_at_c - pc_at_c);
     if determinant - v - w <= 0.0 && from_b >= 0.0 && from_c >= 0.0 {
         let w = from_b / (from_b + from_c);
-        return (1.0 - w, w);
+        return [0.0, 1.0 - w, w];
     }
-    (v / determinant, w / determinant)
+    [1.0 - (v + w) / determinant, v / determinant, w / determinant]
 }
 
 /// The best of the closest points of the three sides and, where it can be told, the foot inside.
@@ -132,6 +144,16 @@ pub fn angles([a, b, c]: [DVec3; 3]) -> [f64; 3] {
     [at(b - a, c - a), at(c - b, a - b), at(a - c, b - c)]
 }
 
+/// The smallest and the largest of [`angles`], which are across from the shortest and the longest side.
+pub fn extreme_angles([a, b, c]: [DVec3; 3]) -> (f64, f64) {
+    let twice_area = (b - a).cross(c - a).length();
+    let dots = [(b - a).dot(c - a), (c - b).dot(a - b), (a - c).dot(b - c)];
+    let at = |dot: f64| twice_area.atan2(dot).to_degrees();
+    // All angles have the same sine times the lengths of their sides, so that they fall with the dot product.
+    let (least, most) = (dots[0].max(dots[1]).max(dots[2]), dots[0].min(dots[1]).min(dots[2]));
+    (at(least), at(most))
+}
+
 /// The mean ratio 4 √3 S / (a² + b² + c²): 1 for an equilateral triangle, 0 for a flat one, and cheap.
 pub fn mean_ratio([a, b, c]: [DVec3; 3]) -> f64 {
     let squares = a.distance_squared(b) + b.distance_squared(c) + c.distance_squared(a);
@@ -184,6 +206,9 @@ mod tests {
         ];
         for (p, expected) in cases {
             assert!(closest_point(p.into(), t).distance(expected.into()) < 1e-15);
+            let weights = closest_weights(p.into(), t).unwrap();
+            let away = barycentric(expected.into(), t).map(|w| w.abs() < 1e-15);
+            assert_eq!(weights.map(|w| w == 0.0), away, "{p:?}: {weights:?}");
         }
     }
 
@@ -252,5 +277,6 @@ mod tests {
         assert_relative_eq!(found[1], (4f64 / 3.0).atan().to_degrees(), epsilon = 1e-12);
         assert_relative_eq!(found.iter().sum::<f64>(), 180.0, epsilon = 1e-12);
         assert_eq!(angles([DVec3::ZERO, DVec3::X, 2.0 * DVec3::X]), [0.0, 180.0, 0.0]);
+        assert_eq!(extreme_angles(right), (found[1].min(found[2]), found[0]));
     }
 }

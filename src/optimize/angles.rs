@@ -12,7 +12,7 @@
 
 use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};
-use crate::geom::triangle::angles;
+use crate::geom::triangle::extreme_angles;
 use crate::surface::connectivity::{next, prev};
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::manifold::Manifold;
@@ -42,16 +42,29 @@ const LEAST_FACING: f64 = 0.3;
 
 /// Improves the worst triangles until none is outside of the goal or nothing helps. `spacing` is the mean edge length.
 pub fn improve_angles(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
+    // Vertices around which something has changed since they looked for a better place.
+    let mut hopeful = vec![true; mesh.samples.len()];
     for _ in 0..MOST_PASSES {
         check(monitor)?;
-        let bad: Vec<u32> = mesh.half_edges().filter(|&h| h % 3 == 0 && margin(mesh, h) < 0.0).collect();
+        let bad: Vec<u32> = mesh.half_edges().filter(|&h| h % 3 == 0 && is_bad(mesh, h)).collect();
         let mut changed = false;
         for h in bad {
             for side in [h, next(h), prev(h)] {
-                changed |= flip_if_better(mesh, side);
+                if flip_if_better(mesh, side) {
+                    changed = true;
+                    let across = mesh.connectivity.apex(mesh.connectivity.twin(side));
+                    mesh.connectivity
+                        .triangle(side)
+                        .into_iter()
+                        .chain([across])
+                        .for_each(|v| hopeful[v as usize] = true);
+                }
             }
             for v in mesh.connectivity.triangle(h) {
-                changed |= move_if_better(domain, mesh, v, spacing);
+                if std::mem::take(&mut hopeful[v as usize]) && move_if_better(domain, mesh, v, spacing) {
+                    changed = true;
+                    mesh.connectivity.ring(v).chain([v]).for_each(|w| hopeful[w as usize] = true);
+                }
             }
         }
         if !changed {
@@ -64,14 +77,13 @@ pub fn improve_angles(domain: &Domain, mesh: &mut Manifold, spacing: f64, monito
 /// How far, in degrees, the angles of these corners are inside of the goal; negative outside. Largest angles count half
 /// since they are about twice as far from 60 degrees.
 fn margin_of(corners: [DVec3; 3]) -> f64 {
-    let [a, b, c] = angles(corners);
-    let (least, most) = (a.min(b).min(c), a.max(b).max(c));
+    let (least, most) = extreme_angles(corners);
     (least - SMALLEST).min(0.5 * (LARGEST - most))
 }
 
-/// The margin of the triangle of `h`.
-fn margin(mesh: &Manifold, h: u32) -> f64 {
-    margin_of(mesh.connectivity.triangle(h).map(|v| mesh.position(v)))
+/// Whether the triangle of `h` is outside of the goal.
+fn is_bad(mesh: &Manifold, h: u32) -> bool {
+    margin_of(mesh.connectivity.triangle(h).map(|v| mesh.position(v))) < 0.0
 }
 
 /// The least margin around `v` if it were at `p`.
@@ -105,8 +117,10 @@ fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, spacing: f64) ->
     if mesh.is_held(v) {
         return false;
     }
-    let before = least_margin(mesh, v, mesh.position(v));
-    let mut best = (before, mesh.samples[v as usize]);
+    let here = mesh.samples[v as usize];
+    let before = least_margin(mesh, v, here.position);
+    let facing = mesh.worst_facing(v, &here).min(LEAST_FACING);
+    let mut best = (before, here);
     let mut step = FIRST_STEP * spacing;
     for _ in 0..MOST_TRIES {
         if step <= LAST_STEP * spacing || best.0 >= 0.0 {
@@ -114,9 +128,11 @@ fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, spacing: f64) ->
         }
         let found = places(domain, mesh, v, &best.1, step)
             .into_iter()
-            .filter(|s| acceptable(mesh, v, s))
             .map(|s| (least_margin(mesh, v, s.position), s))
-            .fold(best, |best, other| if other.0 > best.0 { other } else { best });
+            .fold(best, |best, other| {
+                let better = other.0 > best.0 && mesh.worst_facing(v, &other.1) >= facing;
+                if better { other } else { best }
+            });
         if found.0 > best.0 + LEAST_GAIN {
             best = found;
         } else {
@@ -125,12 +141,6 @@ fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, spacing: f64) ->
     }
     mesh.samples[v as usize] = best.1;
     best.0 > before
-}
-
-/// Whether no triangle around `v` turns against the surface with `v` at `there`.
-fn acceptable(mesh: &Manifold, v: u32, there: &Sample) -> bool {
-    let before = mesh.worst_facing(v, &mesh.samples[v as usize]);
-    mesh.worst_facing(v, there) >= before.min(LEAST_FACING)
 }
 
 /// Places around `at`, where `v` is or could be, at distance `step` on the surface, or along the curve of a vertex there.

@@ -81,11 +81,7 @@ fn counts(domain: &Domain, loops: &[Vec<u32>], spacing: f64) -> Vec<usize> {
     };
     curves.iter().filter(|c| !c.closed).for_each(|c| *between.entry(key(c)).or_default() += 1);
     let fewest = |curve: &Curve| {
-        if curve.closed || key(curve)[0] == key(curve)[1] {
-            FEWEST
-        } else {
-            1 + usize::from(between[&key(curve)] > 1)
-        }
+        if curve.closed || key(curve)[0] == key(curve)[1] { FEWEST } else { 1 + usize::from(between[&key(curve)] > 1) }
     };
     let wanted = |curve: &Curve| {
         let length: f64 = curve.sides.iter().map(|&s| length(domain, s)).sum();
@@ -160,7 +156,8 @@ fn sample_loop(
         let at = corner(domain, side);
         let begin = on_sides.partition_point(|p| p.0 < side);
         let at_corner = domain.curves.is_corner(at).then(|| (side, 0.0, corner_points[&domain.original[at as usize]]));
-        for (_, along, point) in at_corner.into_iter().chain(on_sides[begin..].iter().copied().take_while(|p| p.0 == side))
+        for (_, along, point) in
+            at_corner.into_iter().chain(on_sides[begin..].iter().copied().take_while(|p| p.0 == side))
         {
             result.samples.push(domain.sample_on_side(side, along));
             result.sites.push((side, along));

@@ -3,7 +3,7 @@
 //! Based on: A. C. Öztireli, M. Alexa, M. Gross, Spectral sampling of manifolds, 2010, DOI 10.1145/1882261.1866190.
 
 pub mod ascent;
-pub mod curves;
 pub mod candidates;
+pub mod curves;
 pub mod measure;
 pub mod scan;

@@ -179,6 +179,7 @@ impl Connectivity {
     }
 
     /// The neighbours of `v`, counter-clockwise.
+    #[inline]
     pub fn ring(&self, v: u32) -> impl Iterator<Item = u32> {
         let mut last = NONE;
         let mut outgoing = self.outgoing(v);

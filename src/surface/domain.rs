@@ -3,9 +3,9 @@
 //!
 //! It is cut open along its sharp edges, so that walks, normals and projections stay within a smooth patch.
 
-use crate::geom::triangle::barycentric;
+use crate::geom::triangle::{barycentric, closest_point, closest_weights};
 use crate::surface::bvh::Bvh;
-use crate::surface::connectivity::next;
+use crate::surface::connectivity::{next, prev};
 use crate::surface::curves::Curves;
 use crate::surface::cut::{Cut, cut};
 use crate::surface::features::{Features, sharp_sides};
@@ -41,6 +41,22 @@ pub struct Domain {
     vertex_normals: Vec<DVec3>,
     bvh: Bvh,
 }
+
+/// A point of a triangle that is the closest one there to another point.
+#[derive(Clone, Copy)]
+struct Foot {
+    triangle: u32,
+    weights: [f64; 3],
+    /// From the point asked about.
+    distance_squared: f64,
+}
+
+/// Triangles that a step may lead over before searching from the root is cheaper.
+const LONGEST_WALK: usize = 64;
+
+/// How far from where it wants to be, in lengths of the step, a walk may end: surface that bends smoothly lies nearer,
+/// a walk that got stuck at a fold does not.
+const WALKED_OF_STEP: f64 = 0.6;
 
 impl Domain {
     /// The domain over `mesh`, which has to be an oriented 2-manifold, without sharp edges.
@@ -107,12 +123,87 @@ impl Domain {
     /// thin place is not taken for this one. `near` is a triangle known to be close by, of the piece that is meant.
     pub fn project(&self, p: DVec3, normal: DVec3, near: u32) -> Sample {
         let piece = self.piece_of(near);
-        let here = crate::geom::triangle::closest_point(p, self.mesh.corners(near as usize));
+        let here = closest_point(p, self.mesh.corners(near as usize));
         let bound = p.distance_squared(here);
         let faces = |t: u32| self.piece_of(t) == piece && self.mesh.area_vector(t as usize).dot(normal) > 0.0;
         let hit = self.bvh.closest_where(&self.mesh, p, bound, faces);
         let (t, point) = hit.map_or((near, here), |h| (h.triangle, h.point));
         self.sample(t, barycentric(point, self.mesh.corners(t as usize)))
+    }
+
+    /// Where a step of `way` from `from`, tangential or about so, comes down on the surface: the point that is closest to
+    /// its end among those around, found by walking from triangle to triangle.
+    ///
+    /// Where the walk cannot vouch for its end, as in a fold narrower than the step, [`Self::project`] searches instead.
+    pub fn follow(&self, from: &Sample, way: DVec3) -> Sample {
+        let p = from.position + way;
+        let most = WALKED_OF_STEP * WALKED_OF_STEP * way.length_squared();
+        let agrees = |foot: &Foot| {
+            foot.distance_squared <= most && self.mesh.area_vector(foot.triangle as usize).dot(from.normal) > 0.0
+        };
+        match self.walk(p, from.triangle).filter(agrees) {
+            Some(foot) => self.sample(foot.triangle, foot.weights),
+            None => self.project(p, from.normal, from.triangle),
+        }
+    }
+
+    /// From triangle `t` on to triangles that are nearer to `p`, until none of those around is. `None` for a way that is
+    /// too long, or leads to a sliver or a corner of the boundary.
+    fn walk(&self, p: DVec3, t: u32) -> Option<Foot> {
+        let mut at = self.foot(p, t)?;
+        for _ in 0..LONGEST_WALK {
+            let nearer = self.nearer(p, at)?;
+            if nearer.triangle == at.triangle {
+                return Some(at);
+            }
+            at = nearer;
+        }
+        None
+    }
+
+    /// A foot nearer to `p` on a triangle that shares the side or the corner that `at` is on, or `at` if there is none.
+    fn nearer(&self, p: DVec3, at: Foot) -> Option<Foot> {
+        let first = 3 * at.triangle;
+        let corner = match at.weights.map(|w| w > 0.0) {
+            [true, true, true] => return Some(at),
+            [true, true, false] => return self.nearer_across(p, at, first),
+            [false, true, true] => return self.nearer_across(p, at, first + 1),
+            [true, false, true] => return self.nearer_across(p, at, first + 2),
+            [true, ..] => first,
+            [_, true, _] => first + 1,
+            _ => first + 2,
+        };
+        let mut side = self.twin[prev(corner) as usize];
+        while side != corner {
+            if side == NONE {
+                return None;
+            }
+            let other = self.foot(p, side / 3)?;
+            if other.distance_squared < at.distance_squared {
+                return Some(other);
+            }
+            side = self.twin[prev(side) as usize];
+        }
+        Some(at)
+    }
+
+    /// The foot of `p` on the triangle across `side` if it is nearer than `at`.
+    fn nearer_across(&self, p: DVec3, at: Foot, side: u32) -> Option<Foot> {
+        match self.twin[side as usize] {
+            NONE => Some(at),
+            twin => self
+                .foot(p, twin / 3)
+                .map(|other| if other.distance_squared < at.distance_squared { other } else { at }),
+        }
+    }
+
+    /// The point of triangle `t` that is closest to `p`; `None` on a sliver.
+    #[inline]
+    fn foot(&self, p: DVec3, t: u32) -> Option<Foot> {
+        let corners = self.mesh.corners(t as usize);
+        let weights = closest_weights(p, corners)?;
+        let point: DVec3 = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
+        Some(Foot { triangle: t, weights, distance_squared: p.distance_squared(point) })
     }
 
     /// The point of curve `curve` closest to `p`. Its normal is zero on a sharp edge.
@@ -190,4 +281,53 @@ fn vertex_normals(mesh: &Mesh) -> Vec<DVec3> {
     }
     normals.iter_mut().for_each(|n| *n = n.normalize_or_zero());
     normals
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::rng::{Stage, stream, unit};
+    use glam::{DVec2, dvec3};
+
+    /// A sheet of `n` by `n` squares over the unit square at the height that `f` says.
+    fn sheet(n: u32, f: impl Fn(f64, f64) -> f64) -> Domain {
+        let place = |i: u32| f64::from(i) / f64::from(n);
+        let at = |i: u32, j: u32| i * (n + 1) + j;
+        let squares = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+        let corners = (0..=n).flat_map(|i| (0..=n).map(move |j| (place(i), place(j))));
+        let positions = corners.map(|(x, y)| dvec3(x, y, f(x, y))).collect();
+        let halves = |(i, j)| {
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        };
+        Domain::new(Mesh { positions, triangles: squares.flat_map(halves).collect() })
+    }
+
+    #[test]
+    fn following_a_step_on_a_smooth_surface_ends_as_near_as_a_search() {
+        let domain = sheet(40, |x, y| 0.05 * (7.0 * x).sin() * (6.0 * y).cos());
+        let mut rng = stream(1, Stage::Candidates);
+        for _ in 0..2000 {
+            let t = (unit(&mut rng) * domain.mesh.triangles.len() as f64) as u32;
+            let from = domain.sample(t, [0.2, 0.5, 0.3]);
+            let way = 0.3 * dvec3(unit(&mut rng) - 0.5, unit(&mut rng) - 0.5, 0.0).reject_from_normalized(from.normal);
+            let end = from.position + way;
+            if end.truncate().clamp(DVec2::splat(0.05), DVec2::splat(0.95)) != end.truncate() {
+                continue;
+            }
+            let (walked, searched) = (domain.follow(&from, way), domain.project(end, from.normal, t));
+            // Over a valley each facet may have a foot; an edge is 0.025 long.
+            let (walked, searched) = (end.distance(walked.position), end.distance(searched.position));
+            assert!(walked <= searched + 1e-4, "{walked} {searched}");
+        }
+    }
+
+    #[test]
+    fn a_walk_that_a_fold_stops_is_not_believed() {
+        // Down into a narrow ditch and up again: the walk would stay on the near side of it.
+        let domain = sheet(60, |x, _| if (0.48..0.52).contains(&x) { -0.5 } else { 0.0 });
+        let from = domain.project(dvec3(0.4, 0.5, 0.0), DVec3::Z, 0);
+        let there = domain.follow(&from, dvec3(0.2, 0.0, 0.0));
+        assert!(there.position.distance(dvec3(0.6, 0.5, 0.0)) < 1e-9, "{there:?}");
+    }
 }

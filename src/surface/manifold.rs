@@ -17,13 +17,18 @@ pub struct Manifold {
     pub samples: Vec<Sample>,
     /// Vertices that neither move nor go.
     pub fixed: Vec<bool>,
+    /// See [`Self::colour_classes`]; vertices that are new since have none.
+    colours: Vec<u8>,
 }
+
+/// The colour of a vertex without one.
+const UNCOLOURED: u8 = u8::MAX;
 
 impl Manifold {
     /// The manifold of `triangles`, which have to be an oriented 2-manifold that uses all of `samples`.
     pub fn new(samples: Vec<Sample>, triangles: &[[u32; 3]]) -> Self {
         let fixed = vec![false; samples.len()];
-        Manifold { connectivity: Connectivity::new(samples.len(), triangles), samples, fixed }
+        Manifold { connectivity: Connectivity::new(samples.len(), triangles), samples, fixed, colours: Vec::new() }
     }
 
     #[inline]
@@ -118,6 +123,14 @@ impl Manifold {
         }
     }
 
+    /// Where a step of `way` takes vertex `v` from `here`, along the same curve if it is on one.
+    pub fn place_after(&self, domain: &Domain, v: u32, way: DVec3, here: &Sample) -> Sample {
+        match self.connectivity.curve_at(v) {
+            NONE => domain.follow(here, way),
+            curve => domain.project_on_curve(here.position + way, curve),
+        }
+    }
+
     /// The mesh without gaps.
     pub fn to_mesh(&self) -> Mesh {
         let (triangles, old) = self.connectivity.compact();
@@ -149,6 +162,9 @@ impl Manifold {
         let d = self.position(self.connectivity.apex(g));
         let (ca, cb, da, db) = (a - c, b - c, a - d, b - d);
         let (cos_c, cos_d) = (ca.dot(cb), da.dot(db));
+        if cos_c >= 0.0 && cos_d >= 0.0 {
+            return false;
+        }
         let (sin_c, sin_d) = (ca.cross(cb).length(), da.cross(db).length());
         sin_c * cos_d + cos_c * sin_d < -1e-10 * (cos_c.abs() + sin_c) * (cos_d.abs() + sin_d)
     }
@@ -218,6 +234,9 @@ impl Manifold {
         let normal = self.samples[ends[0] as usize].normal + self.samples[ends[1] as usize].normal;
         match knows.map(|v| &self.samples[v as usize]) {
             Some(near) if normal == DVec3::ZERO => domain.project(middle, near.normal, near.triangle),
+            Some(_) if c.curve_at(ends[0]) == NONE => {
+                domain.follow(&Sample { normal, ..self.samples[ends[0] as usize] }, middle - self.position(ends[0]))
+            }
             Some(near) => domain.project(middle, normal, near.triangle),
             None => domain.project_anywhere(middle),
         }
@@ -306,20 +325,45 @@ impl Manifold {
         self.connectivity.outgoing(v).map(facing).fold(1.0, f64::min)
     }
 
-    /// The vertices in classes such that no two of a class are adjacent: greedily, in the order of their numbers.
-    pub fn colour_classes(&self) -> Vec<Vec<u32>> {
-        const UNCOLOURED: u8 = u8::MAX;
+    /// Whether all triangles at `v` would face the surface, by cosines of at least `least`, if `v` were at `there`.
+    pub fn faces_surface(&self, v: u32, there: &Sample, least: f64) -> bool {
+        self.connectivity.outgoing(v).all(|h| {
+            let [_, p, q] = self.connectivity.triangle(h);
+            let (p, q) = (&self.samples[p as usize], &self.samples[q as usize]);
+            let own = (p.position - there.position).cross(q.position - there.position);
+            let surface = there.normal + p.normal + q.normal;
+            let dot = own.dot(surface);
+            dot > 0.0 && dot * dot >= least * least * own.length_squared() * surface.length_squared()
+        })
+    }
+
+    /// The vertices that can move, in classes such that no two of a class are adjacent, each in the order of their
+    /// numbers. Colours of earlier calls stay where nothing has changed.
+    pub fn colour_classes(&mut self) -> Vec<Vec<u32>> {
         let c = &self.connectivity;
-        let mut colour = vec![UNCOLOURED; c.vertex_bound() as usize];
+        let bound = c.vertex_bound();
+        let new = self.colours.len() as u32..bound;
+        self.colours.resize(bound as usize, UNCOLOURED);
+        let colours = &self.colours;
+        let clash = |h: u32| {
+            let (v, w) = (c.origin(h), c.target(h));
+            (colours[v as usize] == colours[w as usize]).then_some(v.max(w))
+        };
+        let mut wrong: Vec<u32> = self.half_edges().filter_map(clash).chain(new).filter(|&v| c.has_vertex(v)).collect();
+        wrong.sort_unstable();
+        wrong.dedup();
+        for v in wrong {
+            let taken =
+                c.ring(v).map(|w| self.colours[w as usize]).filter(|&k| k < 64).fold(0u64, |taken, k| taken | 1 << k);
+            self.colours[v as usize] = taken.trailing_ones().min(63) as u8;
+        }
         let mut classes: Vec<Vec<u32>> = Vec::new();
-        for v in (0..c.vertex_bound()).filter(|&v| c.has_vertex(v)) {
-            let taken = c.ring(v).map(|w| colour[w as usize]).filter(|&k| k < 64).fold(0u64, |taken, k| taken | 1 << k);
-            let free = taken.trailing_ones().min(63) as u8;
-            colour[v as usize] = free;
-            if classes.len() <= free as usize {
-                classes.resize_with(free as usize + 1, Vec::new);
+        for v in (0..bound).filter(|&v| c.has_vertex(v) && !self.is_held(v)) {
+            let colour = self.colours[v as usize] as usize;
+            if classes.len() <= colour {
+                classes.resize_with(colour + 1, Vec::new);
             }
-            classes[free as usize].push(v);
+            classes[colour].push(v);
         }
         classes
     }
@@ -327,8 +371,19 @@ impl Manifold {
     /// Flips all edges that are not Delaunay.
     pub fn make_delaunay(&mut self) {
         let c = &self.connectivity;
-        let all = (0..c.half_edge_bound()).rev();
-        self.flip_to_delaunay(all.filter(|&h| c.has_half_edge(h) && c.twin(h) != NONE && h < c.twin(h)).collect());
+        // Of a broken edge one angle across is obtuse.
+        let has_obtuse = |h: u32| {
+            let [a, b, c] = c.triangle(h).map(|v| self.position(v));
+            (a - c).dot(b - c) < 0.0
+        };
+        let triangles = (0..c.half_edge_bound() / 3).into_par_iter().with_min_len(2048);
+        let sides = triangles.filter(|t| c.has_half_edge(3 * t)).flat_map_iter(|t| 3 * t..3 * t + 3);
+        let broken = sides.filter(|&h| has_obtuse(h) && self.breaks_delaunay(h)).map(|h| h.min(c.twin(h)));
+        let mut broken: Vec<u32> = broken.collect();
+        broken.sort_unstable();
+        broken.dedup();
+        broken.reverse();
+        self.flip_to_delaunay(broken);
     }
 
     /// How well the triangles face the surface and are shaped if the origin of `h` merges into its target: the worst
@@ -395,3 +450,38 @@ fn cosine_to_surface([a, b, c]: [&Sample; 3]) -> f64 {
 
 /// Cosine between a triangle and the surface that a flip must keep: 75 degrees.
 const LEAST_FACING: f64 = 0.26;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A strip of two rows of `n` vertices, of triangles as long as the second row is shifted.
+    fn strip(n: u32, shift: f64) -> Manifold {
+        let sample = |x: f64, y: f64| Sample { position: DVec3::new(x, y, 0.0), normal: DVec3::Z, triangle: 0 };
+        let lower = (0..n).map(|i| sample(f64::from(i), 0.0));
+        let upper = (0..n).map(|i| sample(f64::from(i) + shift, 1.0));
+        let triangles = (0..n - 1).flat_map(|i| [[i, i + 1, n + i + 1], [i, n + i + 1, n + i]]);
+        Manifold::new(lower.chain(upper).collect(), &triangles.collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn neighbours_never_share_a_class_even_after_flips() {
+        let mut mesh = strip(50, 0.8);
+        for _ in 0..2 {
+            let classes = mesh.colour_classes();
+            assert_eq!(classes.iter().map(Vec::len).sum::<usize>(), 100);
+            for class in classes {
+                assert!(class.iter().all(|&v| class.iter().all(|&w| !mesh.connectivity.are_adjacent(v, w))));
+            }
+            mesh.make_delaunay();
+        }
+    }
+
+    #[test]
+    fn no_edge_is_left_that_breaks_delaunay() {
+        let mut mesh = strip(20, 0.8);
+        assert!(mesh.edges().any(|h| mesh.breaks_delaunay(h)));
+        mesh.make_delaunay();
+        assert!(!mesh.edges().any(|h| mesh.breaks_delaunay(h)));
+    }
+}

@@ -27,8 +27,7 @@ pub fn move_vertices<T>(
     tools: impl Fn() -> T + Sync + Send,
     way: impl Fn(&Manifold, u32, &mut T) -> DVec3 + Sync + Send,
 ) {
-    for mut class in mesh.colour_classes() {
-        class.retain(|&v| !mesh.is_held(v));
+    for class in mesh.colour_classes() {
         let moved: Vec<Sample> = class
             .par_iter()
             .with_min_len(CHUNK)
@@ -48,13 +47,18 @@ fn step(domain: &Domain, mesh: &Manifold, v: u32, way: DVec3) -> Sample {
     if !way.is_finite() || way == DVec3::ZERO {
         return here;
     }
-    let before = mesh.worst_facing(v, &here);
     for _ in 0..HALVINGS {
-        let there = mesh.place_on(domain, v, here.position + way, &here);
-        if mesh.worst_facing(v, &there) >= before.min(LEAST_FACING) {
+        let there = mesh.place_after(domain, v, way, &here);
+        if mesh.faces_surface(v, &there, LEAST_FACING) || is_no_worse(mesh, v, &there) {
             return there;
         }
         way *= 0.5;
     }
     here
+}
+
+/// Whether the worst triangle around `v` faces the surface as well with `v` at `there` as it does now.
+#[cold]
+fn is_no_worse(mesh: &Manifold, v: u32, there: &Sample) -> bool {
+    mesh.worst_facing(v, there) >= mesh.worst_facing(v, &mesh.samples[v as usize])
 }

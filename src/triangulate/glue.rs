@@ -53,8 +53,7 @@ mod tests {
     /// Two triangles beside each other, each with its own samples of the two points they share.
     fn two_patches() -> Manifold {
         let at = |x: f64, y: f64, triangle: u32| Sample { position: DVec3::new(x, y, 0.0), normal: DVec3::Z, triangle };
-        let samples =
-            vec![at(0., 0., 0), at(1., 0., 0), at(0., 1., 0), at(1., 0., 1), at(1., 1., 1), at(0., 1., 1)];
+        let samples = vec![at(0., 0., 0), at(1., 0., 0), at(0., 1., 0), at(1., 0., 1), at(1., 1., 1), at(0., 1., 1)];
         Manifold::new(samples, &[[0, 1, 2], [3, 4, 5]])
     }
 

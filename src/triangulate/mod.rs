@@ -17,8 +17,8 @@ use glam::DVec3;
 use holes::fill_holes;
 use mutual::{Insertion, mutual_tessellation};
 use rayon::prelude::*;
-use std::collections::HashMap;
 use star::{INTERIOR, StarMaker};
+use std::collections::HashMap;
 use unfold::{SamplesByTriangle, Unfolding};
 
 /// Samples that one task makes the stars of: enough to outweigh the memory that a walk needs.
