@@ -26,7 +26,7 @@ use unfold::SamplesByTriangle;
 const CHUNK: usize = 512;
 
 /// How far around samples that do not settle the domain is tessellated, in mean spacings, in one attempt after the other.
-/// The last one is the whole piece.
+/// The first also goes to where triangles are possible but not good, the last is of the whole piece.
 const REACHES: [f64; 3] = [6.0, 12.0, f64::INFINITY];
 
 /// Samples on the boundary of a domain, the first ones of all samples.
@@ -69,12 +69,9 @@ pub fn triangulate(
         let triangles = joined(&starred);
         let mut centres = starred.at_open_fans(&triangles);
         if reach == REACHES[0] {
-            let a=centres.len();
             centres.extend(starred.not_used(&triangles));
-            let b=centres.len();
             centres.extend(starred.turned_away(&triangles));
-            eprintln!("{a} {} {}", b-a, centres.len()-b);
-        } else {eprintln!("second {}", centres.len());}
+        }
         add_pieces_of_wrong_kind(domain, &starred, &triangles, &wanted, &mut centres);
         if centres.is_empty() {
             return Ok(Triangulated { mesh: manifold(&starred, &triangles), tessellated_pieces });

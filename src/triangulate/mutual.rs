@@ -37,7 +37,10 @@ pub struct Tessellation {
 
 /// Least cosine between a triangle and the surface in each round of removals: what is stuck at first may come loose once
 /// its surroundings are coarser.
-const ROUNDS: [f64; 5] = [0.7, 0.7, 0.5, 0.3, 0.1];
+const ROUNDS: [f64; 6] = [0.7, 0.7, 0.5, 0.3, 0.1, -1.0];
+
+/// A cosine below this between a triangle and the surface means that a fold is not resolved.
+const TURNED: f64 = 0.3;
 
 /// The part of the domain made of the triangles `part`, in increasing order, over `insertions` on them.
 ///
@@ -54,6 +57,11 @@ pub fn mutual_tessellation(domain: &Domain, part: &[u32], insertions: &[Insertio
         }
     }
     mesh.make_delaunay();
+    for v in 0..mesh.connectivity.vertex_bound() {
+        if mesh.connectivity.has_vertex(v) && !mesh.fixed[v as usize] {
+            straighten(&mut mesh, v);
+        }
+    }
     let (triangles, old) = mesh.connectivity.compact();
     let mut left = Manifold::new(old.iter().map(|&v| mesh.samples[v as usize]).collect(), &triangles);
     left.fixed = old.iter().map(|&v| mesh.fixed[v as usize]).collect();
@@ -72,8 +80,27 @@ fn remove(mesh: &mut Manifold, v: u32, least_facing: f64) {
             (best, best_shape) = (Some(h), shape);
         }
     }
-    let Some(h) = best else { return };
-    let into = c.target(h);
+    if let Some(h) = best {
+        merge(mesh, h);
+    }
+}
+
+/// Merges `v` into the neighbour that leaves the least turned triangles if one at it is turned against the surface: a
+/// fold smaller than the samples resolve is left out, samples on it included.
+fn straighten(mesh: &mut Manifold, v: u32) {
+    let c = &mesh.connectivity;
+    if c.is_boundary(v) || c.outgoing(v).all(|h| mesh.agreement(c.triangle(h)) >= TURNED) {
+        return;
+    }
+    let merges = c.outgoing(v).filter(|&h| c.can_collapse(h)).map(|h| (mesh.after_collapse(h).0, h));
+    if let Some((_, h)) = merges.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1))) {
+        merge(mesh, h);
+    }
+}
+
+/// Collapses `h` and makes its surroundings Delaunay.
+fn merge(mesh: &mut Manifold, h: u32) {
+    let into = mesh.connectivity.target(h);
     mesh.connectivity.collapse(h);
     let around = mesh.connectivity.outgoing(into).flat_map(|h| [h, next(h)]).collect();
     mesh.flip_to_delaunay(around);

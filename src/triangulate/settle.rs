@@ -18,7 +18,8 @@ use std::collections::VecDeque;
 /// Edges between a place where a part was cut out of the domain and the nearest samples that take their stars from it.
 const RIM: u32 = 3;
 
-/// Least cosine between a triangle and the surface at its corners that passes for one along the surface.
+/// Least cosine between a triangle and the surface at each of its corners that passes for one along the surface. Between
+/// -0.5 and 0.3 it made no difference to what came out, only to how much had to be done.
 const LEAST_FACING: f64 = 0.0;
 
 /// Samples and their stars.
@@ -63,8 +64,6 @@ impl Starred {
     fn facing(&self, triangle: [u32; 3]) -> f64 {
         let [a, b, c] = triangle.map(|s| self.samples[s as usize]);
         let normal = (b.position - a.position).cross(c.position - a.position).normalize_or_zero();
-        //let surface = (a.normal + b.normal + c.normal).normalize_or_zero();
-        //normal.dot(surface)
         [a, b, c].iter().map(|s| s.normal.dot(normal)).fold(1.0, f64::min)
     }
 }
