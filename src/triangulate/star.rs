@@ -3,7 +3,7 @@
 //! A Delaunay triangle has a circumcircle without samples. All triangles of the star are right once the neighbourhood
 //! reaches twice as far as the largest of their circumradii, so it grows until it does.
 //!
-//! Where all samples within a ball face about the same way they are the neighbourhood; where they do not, the surface is
+//! Where all samples in question face about the same way a ball is the neighbourhood; where they do not, the surface is
 //! walked. The star is read off the sample's Voronoi cell; near a boundary, whose edges are constraints, off a
 //! constrained Delaunay triangulation.
 //!
@@ -23,10 +23,6 @@ const FIRST_RADIUS: f64 = 2.0;
 /// How much a neighbourhood grows when it was too small, and how often.
 const GROWTH: f64 = 1.5;
 const MOST_ATTEMPTS: usize = 3;
-
-/// Least cosine between the normals of a sample and of all others in a ball that is one sheet: 60 degrees. The two sides
-/// of a thin sheet differ by more, and between two layers that face the same way there is one that does not.
-const ONE_SHEET: f64 = 0.5;
 
 /// Marks a sample that is not on a boundary.
 pub const INTERIOR: u32 = u32::MAX;
@@ -84,18 +80,13 @@ impl<'a> StarMaker<'a> {
         let begin = triangles.len();
         for _ in 0..MOST_ATTEMPTS {
             triangles.truncate(begin);
-            if !self.find_in_ball(centre, radius) {
+            let doubtful = self.find_in_ball(centre, radius);
+            let mut reach = self.star_of_found(centre, radius, triangles);
+            if doubtful <= 2.0 * reach {
+                triangles.truncate(begin);
                 self.unfolding.neighbours(centre, radius, &mut self.found);
+                reach = self.star_of_found(centre, radius, triangles);
             }
-            self.found.sort_unstable_by(|a, b| {
-                a.place.length_squared().total_cmp(&b.place.length_squared()).then(a.sample.cmp(&b.sample))
-            });
-            let at_boundary = |s: u32| self.cloud.successor[s as usize] != INTERIOR;
-            let reach = if at_boundary(centre) || self.found.iter().any(|n| at_boundary(n.sample)) {
-                self.constrained_star(centre, triangles)
-            } else {
-                self.star_of_cell(centre, radius, triangles)
-            };
             if 2.0 * reach <= radius {
                 break;
             }
@@ -103,24 +94,39 @@ impl<'a> StarMaker<'a> {
         }
     }
 
-    /// Finds the samples of the piece of `centre` within `radius` of it; `false` if they may not be one sheet.
-    fn find_in_ball(&mut self, centre: u32, radius: f64) -> bool {
+    /// Finds the samples of the piece of `centre` within `radius` of it, as if they were all of one sheet. The distance of
+    /// the nearest that may not be, for facing another way. (The two sides of a thin sheet do, and between two layers
+    /// that face the same way there is one that does not.)
+    fn find_in_ball(&mut self, centre: u32, radius: f64) -> f64 {
         let Cloud { domain, samples, near, .. } = self.cloud;
         let here = &samples[centre as usize];
         near.collect_within(here.position, radius, &mut self.ball);
         self.found.clear();
+        let mut doubtful = f64::INFINITY;
         for neighbor in &self.ball {
             let there = &samples[neighbor.point as usize];
             if neighbor.point == centre || domain.piece_of(there.triangle) != domain.piece_of(here.triangle) {
                 continue;
             }
-            if here.normal.dot(there.normal) < ONE_SHEET {
-                return false;
+            match along_bend(here, there) {
+                Some(place) => self.found.push(Neighbour { sample: neighbor.point, place }),
+                None => doubtful = doubtful.min(neighbor.distance_squared.sqrt()),
             }
-            let Some(place) = along_bend(here, there) else { return false };
-            self.found.push(Neighbour { sample: neighbor.point, place });
         }
-        true
+        doubtful
+    }
+
+    /// The star among the samples found; the largest circumradius, infinite if the star is open where no boundary is.
+    fn star_of_found(&mut self, centre: u32, radius: f64, triangles: &mut Vec<[u32; 3]>) -> f64 {
+        self.found.sort_unstable_by(|a, b| {
+            a.place.length_squared().total_cmp(&b.place.length_squared()).then(a.sample.cmp(&b.sample))
+        });
+        let at_boundary = |s: u32| self.cloud.successor[s as usize] != INTERIOR;
+        if at_boundary(centre) || self.found.iter().any(|n| at_boundary(n.sample)) {
+            self.constrained_star(centre, triangles)
+        } else {
+            self.star_of_cell(centre, radius, triangles)
+        }
     }
 
     /// The star of a sample without boundaries around it; the largest circumradius, infinite if the star is open.
