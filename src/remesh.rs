@@ -109,7 +109,8 @@ pub struct Remeshed {
     pub spacing: f64,
     /// Vertices wanted, as the density says.
     pub wanted: usize,
-    /// Connected pieces whose samples did not settle by themselves and took their connectivity from the input.
+    /// Connected pieces whose samples did not settle even with parts of them tessellated from the input, and that were
+    /// tessellated as a whole.
     pub tessellated_pieces: usize,
     /// Things a user should know, a sentence each.
     pub notes: Vec<String>,
@@ -152,7 +153,9 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
     }
     let (mut clean, repairs) = repair(&clean);
     let open_seams = if options.weld.is_none() { open_seams(&clean) } else { 0 };
-    let repaired = topology(clean.positions.len(), &clean.triangles);
+    let input_topology = topology(input.positions.len(), &input.triangles);
+    let untouched = options.weld.is_none() && repairs == Repairs::default();
+    let repaired = if untouched { input_topology } else { topology(clean.positions.len(), &clean.triangles) };
     let scale = Scale::new(options.density, &clean, &unit)?;
     check(monitor)?;
 
@@ -179,7 +182,7 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
 
     let mesh = unit.outwards(made.mesh.to_mesh());
     let mut result = Remeshed {
-        input: topology(input.positions.len(), &input.triangles),
+        input: input_topology,
         repaired,
         output: topology(mesh.positions.len(), &mesh.triangles),
         mesh,

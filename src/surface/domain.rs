@@ -11,6 +11,7 @@ use glam::DVec3;
 /// A point on a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
+    /// Where it is.
     pub position: DVec3,
     /// Unit normal of the surface there, smooth across its triangles.
     pub normal: DVec3,
@@ -20,6 +21,7 @@ pub struct Sample {
 
 /// An oriented 2-manifold mesh and its derived data.
 pub struct Domain {
+    /// The mesh.
     pub mesh: Mesh,
     /// The side across each side, as [`twins`] says; [`NONE`] at the boundary.
     pub twin: Vec<u32>,

@@ -104,15 +104,21 @@ struct Kind {
 }
 
 impl Kind {
-    /// Those of each of `pieces` pieces. `next` is the vertex after each on the boundary, or [`INTERIOR`].
-    fn of_pieces(pieces: usize, piece: impl Fn(u32) -> u32, triangles: &[[u32; 3]], next: &[u32]) -> Vec<Kind> {
+    /// Those of each of `pieces` pieces. `component` is the connected component of
+    /// each vertex, `next` the vertex after it on the boundary, or [`INTERIOR`].
+    fn of_pieces(
+        pieces: usize,
+        piece: impl Fn(u32) -> u32,
+        triangles: &[[u32; 3]],
+        component: &[u32],
+        next: &[u32],
+    ) -> Vec<Kind> {
         let mut kinds = vec![Kind::default(); pieces];
         let mut used = vec![false; next.len()];
         for t in triangles {
             t.iter().for_each(|&v| used[v as usize] = true);
             kinds[piece(t[0]) as usize].faces += 1;
         }
-        let component = components(next.len(), triangles);
         let mut counted = vec![false; next.len()];
         let mut walked = vec![false; next.len()];
         for v in (0..next.len() as u32).filter(|&v| used[v as usize]) {
@@ -146,7 +152,7 @@ fn kinds_of_domain(domain: &Domain) -> Vec<Kind> {
         }
     }
     let pieces = domain.piece.iter().max().map_or(0, |&p| p as usize + 1);
-    Kind::of_pieces(pieces, |v| domain.piece[v as usize], &domain.mesh.triangles, &next)
+    Kind::of_pieces(pieces, |v| domain.piece[v as usize], &domain.mesh.triangles, &domain.piece, &next)
 }
 
 /// Adds to `unsettled` a point of each further piece whose triangles, although they fit together everywhere, are not of
@@ -159,7 +165,8 @@ fn add_pieces_of_wrong_kind(
     unsettled: &mut Vec<Sample>,
 ) {
     let piece = |s: u32| domain.piece_of(starred.samples[s as usize].triangle);
-    let kinds = Kind::of_pieces(wanted.len(), piece, triangles, &starred.successor);
+    let component = components(starred.samples.len(), triangles);
+    let kinds = Kind::of_pieces(wanted.len(), piece, triangles, &component, &starred.successor);
     let known = pieces_of(domain, unsettled);
     let mut samples_of = vec![0; wanted.len()];
     (0..starred.samples.len() as u32).for_each(|s| samples_of[piece(s) as usize] += 1);

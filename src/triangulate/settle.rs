@@ -213,3 +213,101 @@ fn parts(domain: &Domain, centres: &[Sample], radius: f64) -> Vec<Vec<u32>> {
     }
     parts
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use crate::surface::mesh::Mesh;
+    use crate::surface::topology::topology;
+    use crate::triangulate::agreement::agreed;
+    use glam::dvec3;
+
+    const NO_BOUNDARY: Boundary = Boundary { sites: &[], successor: &[] };
+
+    /// A square of `n` by `n` unit cells, slightly vaulted.
+    fn sheet(n: u32) -> Domain {
+        let at = |i: u32, j: u32| i * (n + 1) + j;
+        let cells = || (0..n).flat_map(move |i| (0..n).map(move |j| (i, j)));
+        let place = |v: u32| {
+            let (x, y) = (f64::from(v / (n + 1)), f64::from(v % (n + 1)));
+            dvec3(x, y, 0.01 * (x * y).sin())
+        };
+        let halves = |(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]];
+        let positions = (0..(n + 1) * (n + 1)).map(place).collect();
+        Domain::new(Mesh { positions, triangles: cells().flat_map(halves).collect() })
+    }
+
+    /// A sample in the middle of every second triangle, without stars.
+    fn without_stars(domain: &Domain) -> Starred {
+        let count = domain.mesh.triangles.len() as u32;
+        let samples: Vec<Sample> = (0..count).step_by(2).map(|t| domain.sample(t, [1.0 / 3.0; 3])).collect();
+        Starred { successor: vec![INTERIOR; samples.len()], samples, stars: Vec::new() }
+    }
+
+    #[test]
+    fn fans_are_settled_if_they_close_or_end_at_the_boundary() {
+        let samples = without_stars(&sheet(3)).samples[..5].to_vec();
+        let star =
+            |successor: [u32; 5]| Starred { samples: samples.clone(), successor: successor.into(), stars: vec![] };
+        let loose = star([INTERIOR; 5]);
+        let rim = star([INTERIOR, 2, 3, 4, 1]);
+        let wheel = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]];
+        assert_eq!(loose.at_open_fans(&wheel).len(), 4);
+        assert_eq!(rim.at_open_fans(&wheel), []);
+        assert_eq!(rim.at_open_fans(&wheel[..3]), [0, 1, 4].map(|s| samples[s]));
+        assert_eq!(rim.not_used(&wheel[..1]), samples[3..]);
+        assert_eq!(rim.turned_away(&[[0, 1, 2], [2, 1, 0]]).len(), 3);
+    }
+
+    #[test]
+    fn a_whole_piece_becomes_a_manifold_of_its_topology() {
+        let domain = sheet(12);
+        let sites: Vec<(u32, f64)> = domain.boundary_loops()[0].iter().map(|&side| (side, 0.5)).collect();
+        let middle = |side: u32| {
+            let mut weights = [0.5; 3];
+            weights[(side as usize + 2) % 3] = 0.0;
+            domain.sample(side / 3, weights)
+        };
+        let rim = sites.iter().map(|s| middle(s.0));
+        let samples: Vec<Sample> = rim.chain(without_stars(&domain).samples).collect();
+        let on_rim: Vec<u32> = (1..sites.len() as u32).chain([0]).collect();
+        let mut successor = on_rim.clone();
+        successor.resize(samples.len(), INTERIOR);
+        let mut starred = Starred { successor, stars: Vec::new(), samples };
+        let boundary = Boundary { sites: &sites, successor: &on_rim };
+        let centre = [starred.samples[0]];
+        tessellate_around(&domain, &mut starred, boundary, &centre, f64::INFINITY);
+        let triangles = agreed(&starred.stars);
+        let t = topology(starred.samples.len(), &triangles);
+        assert!(t.is_manifold() && t.is_oriented(), "{t:?}");
+        assert_eq!((t.euler, t.components, t.boundary_loops), (1, 1, 1));
+        assert!(starred.at_open_fans(&triangles).is_empty() && starred.not_used(&triangles).is_empty());
+    }
+
+    #[test]
+    fn stars_well_inside_a_part_agree_and_others_stay_as_they_are() {
+        let domain = sheet(20);
+        let mut starred = without_stars(&domain);
+        let far = starred.samples.len() as u32 - 1;
+        starred.stars.push([far, 0, 1]);
+        let middle = starred.samples[starred.samples.len() / 2 + 10];
+        tessellate_around(&domain, &mut starred, NO_BOUNDARY, &[middle], 7.0);
+        assert_eq!(starred.stars[0], [far, 0, 1]);
+        let triangles = agreed(&starred.stars[1..]);
+        let open = starred.at_open_fans(&triangles);
+        let settled = |s: &&Sample| !open.contains(s) && !starred.not_used(&triangles).contains(s);
+        let inside: Vec<&Sample> = starred.samples.iter().filter(settled).collect();
+        assert!(inside.len() > 20, "{}", inside.len());
+        assert!(inside.iter().all(|s| s.position.distance(middle.position) < 7.0));
+    }
+
+    #[test]
+    fn parts_that_are_not_joined_by_the_surface_are_apart() {
+        let domain = sheet(20);
+        let ends =
+            [domain.sample(0, [1.0, 0.0, 0.0]), domain.sample(domain.mesh.triangles.len() as u32 - 1, [1.0, 0.0, 0.0])];
+        assert_eq!(parts(&domain, &ends, 4.0).len(), 2);
+        assert_eq!(parts(&domain, &ends, f64::INFINITY), [(0..800).collect::<Vec<u32>>()]);
+    }
+}

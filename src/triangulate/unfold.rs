@@ -30,6 +30,7 @@ pub struct SamplesByTriangle {
 }
 
 impl SamplesByTriangle {
+    /// The samples by triangle, of `triangle_count` triangles.
     pub fn new(triangle_count: usize, samples: &[Sample]) -> Self {
         let mut start = vec![0u32; triangle_count + 1];
         samples.iter().for_each(|s| start[s.triangle as usize + 1] += 1);
@@ -46,6 +47,7 @@ impl SamplesByTriangle {
         SamplesByTriangle { start, samples: sorted }
     }
 
+    /// The samples on triangle `t`, in increasing order.
     pub fn on(&self, t: u32) -> &[u32] {
         &self.samples[self.start[t as usize] as usize..self.start[t as usize + 1] as usize]
     }
@@ -54,6 +56,7 @@ impl SamplesByTriangle {
 /// A sample near another one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Neighbour {
+    /// Its number.
     pub sample: u32,
     /// Its place in the plane; the sample that was asked about is at the origin, the surface seen from outside.
     pub place: DVec2,
@@ -95,6 +98,7 @@ pub struct Unfolding<'a> {
 }
 
 impl<'a> Unfolding<'a> {
+    /// Walks over `domain` between `samples`.
     pub fn new(domain: &'a Domain, samples: &'a [Sample], by_triangle: &'a SamplesByTriangle) -> Self {
         let walked = vec![0; domain.mesh.triangles.len()];
         Unfolding { domain, samples, by_triangle, walked, walk: 0, front: BinaryHeap::new() }
