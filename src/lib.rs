@@ -114,9 +114,7 @@ pub mod quality;
 pub mod remesh;
 pub mod report;
 pub mod spectral;
-#[allow(missing_docs)]
 pub mod surface;
-#[allow(missing_docs)]
 pub mod triangulate;
 
 pub use base::error::{Error, Place, Result};

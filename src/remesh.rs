@@ -20,7 +20,7 @@ use crate::surface::repair::{Repairs, repair};
 use crate::surface::seams::{close_seams, open_seams};
 use crate::surface::topology::{Topology, topology};
 use crate::triangulate::glue::{Seams, glue};
-use crate::triangulate::{Boundary, Triangulated, triangulate};
+use crate::triangulate::{Boundary, triangulate};
 use glam::DVec3;
 
 /// How dense the result shall be. One of the three says it all: with the area they follow from each other.
@@ -128,7 +128,8 @@ pub struct Remeshed {
     pub wanted: usize,
     /// Sharp edges that were kept, as curves between corners.
     pub sharp_curves: usize,
-    /// Connected pieces whose samples did not settle by themselves and took their connectivity from the input.
+    /// Smooth patches whose samples did not settle even with parts of them tessellated from the input, and that were
+    /// tessellated as a whole.
     pub tessellated_pieces: usize,
     /// Things a user should know, a sentence each.
     pub notes: Vec<String>,
@@ -171,7 +172,9 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
     }
     let (mut clean, repairs) = repair(&clean);
     let open_seams = if options.weld.is_none() { open_seams(&clean) } else { 0 };
-    let repaired = topology(clean.positions.len(), &clean.triangles);
+    let input_topology = topology(input.positions.len(), &input.triangles);
+    let untouched = options.weld.is_none() && repairs == Repairs::default();
+    let repaired = if untouched { input_topology } else { topology(clean.positions.len(), &clean.triangles) };
     let scale = Scale::new(options.density, &clean, &unit)?;
     check(monitor)?;
 
@@ -191,7 +194,7 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
 
     let mesh = unit.outwards(made.mesh.to_mesh());
     let mut result = Remeshed {
-        input: topology(input.positions.len(), &input.triangles),
+        input: input_topology,
         repaired,
         output: topology(mesh.positions.len(), &mesh.triangles),
         mesh,
@@ -209,41 +212,44 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
 
 /// The mesh of the samples of `domain`, which comes back without its sharp edges if they could not be kept.
 fn sample_and_triangulate(
-    mut domain: Domain,
+    domain: Domain,
     scale: &Scale,
     wanted: &Topology,
     options: &Options,
     monitor: &dyn Monitor,
-) -> Result<(Domain, Triangulated)> {
+) -> Result<(Domain, Meshed)> {
     for density in CURVE_DENSITIES {
-        if let Some(made) = mesh_of_samples(&domain, scale, density, options, monitor)?
-            && has_kind(&made.mesh, wanted)
-        {
-            return Ok((domain, made));
+        let meshed = mesh_of_samples(&domain, scale, density, options, monitor)?;
+        if meshed.glued && has_kind(&meshed.mesh, wanted) || domain.sharp_curves() == 0 {
+            return Ok((domain, meshed));
         }
         monitor.stage("sample");
     }
-    domain = domain.smooth();
-    let made = mesh_of_samples(&domain, scale, 1.0, options, monitor)?;
-    // Without sharp edges nothing is glued that could fail.
-    made.map(|made| (domain, made)).ok_or_else(|| Error::Mesh {
-        cause: "no manifold came of the samples".into(),
-        remedy: "please report this with the input".into(),
-    })
+    let domain = domain.smooth();
+    let meshed = mesh_of_samples(&domain, scale, 1.0, options, monitor)?;
+    Ok((domain, meshed))
 }
 
 /// Points on curves for each spacing of their length, in one attempt after the other: patches narrower than the spacing
 /// need more of them.
 const CURVE_DENSITIES: [f64; 3] = [1.0, 2.0, 4.0];
 
-/// Samples `domain` and triangulates the samples; `None` if the patches between its curves cannot be glued.
+/// Samples, triangulated.
+struct Meshed {
+    mesh: Manifold,
+    /// Whether the patches between the curves fit together.
+    glued: bool,
+    tessellated_pieces: usize,
+}
+
+/// Samples `domain` and triangulates the samples.
 fn mesh_of_samples(
     domain: &Domain,
     scale: &Scale,
     curve_density: f64,
     options: &Options,
     monitor: &dyn Monitor,
-) -> Result<Option<Triangulated>> {
+) -> Result<Meshed> {
     let curves = sample_curves(domain, scale.spacing / curve_density);
     let candidates =
         candidates(domain, CANDIDATES_PER_POINT * scale.wanted, &mut stream(options.seed, Stage::Candidates));
@@ -253,7 +259,16 @@ fn mesh_of_samples(
     let boundary = Boundary { sites: &curves.sites, successor: &curves.successor };
     let patches = triangulate(domain, &samples, boundary, scale.spacing, monitor)?;
     let seams = Seams { point: &curves.point, edges: &curves.edges, corners: &curves.corners };
-    Ok(glue(&patches.mesh, seams).map(|mesh| Triangulated { mesh, ..patches }))
+    let glued = glue(&patches, seams);
+    let tessellated_pieces = patches.tessellated_pieces;
+    Ok(match glued {
+        Some(mesh) => Meshed { mesh, glued: true, tessellated_pieces },
+        None => {
+            let mut mesh = patches.mesh;
+            mesh.hold_boundary();
+            Meshed { mesh, glued: false, tessellated_pieces }
+        }
+    })
 }
 
 fn has_kind(mesh: &Manifold, wanted: &Topology) -> bool {

@@ -58,8 +58,8 @@ pub fn distance(mesh: &Mesh, reference: &Mesh, samples: usize, seed: u64) -> Opt
     let mut rng = stream(seed, Stage::Distance);
     let on_mesh = sampling::by_area(mesh, samples, &mut rng);
     let on_reference = sampling::by_area(reference, samples, &mut rng);
-    let out = OneWay::new(mesh, &on_mesh, reference);
-    let back = OneWay::new(reference, &on_reference, mesh);
+    let (out, back) =
+        rayon::join(|| OneWay::new(mesh, &on_mesh, reference), || OneWay::new(reference, &on_reference, mesh));
     Some(Distance {
         rms_out_to_in: unit * out.mean_square.sqrt(),
         rms_in_to_out: unit * back.mean_square.sqrt(),

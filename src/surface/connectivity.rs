@@ -138,11 +138,13 @@ impl Connectivity {
         self.origin[h as usize] != NONE
     }
 
+    /// The vertex that `h` begins at.
     #[inline]
     pub fn origin(&self, h: u32) -> u32 {
         self.origin[h as usize]
     }
 
+    /// The vertex that `h` ends at.
     #[inline]
     pub fn target(&self, h: u32) -> u32 {
         self.origin[next(h) as usize]

@@ -33,6 +33,7 @@ pub struct Curve {
 /// All curves of a surface.
 #[derive(Default)]
 pub struct Curves {
+    /// The curves, each known by its place here.
     pub list: Vec<Curve>,
     /// The curve of each side, [`NONE`] off the curves.
     of_side: Vec<u32>,

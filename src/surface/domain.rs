@@ -16,6 +16,7 @@ use glam::DVec3;
 /// A point on a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
+    /// Where it is.
     pub position: DVec3,
     /// Unit normal of the surface there, smooth across its triangles; zero on a sharp edge, which has none.
     pub normal: DVec3,

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 /// A 2-manifold over samples.
 #[derive(Debug, Clone)]
 pub struct Manifold {
+    /// How the vertices are joined.
     pub connectivity: Connectivity,
     /// A sample for each vertex number, those of removed vertices included.
     pub samples: Vec<Sample>,
@@ -31,6 +32,7 @@ impl Manifold {
         Manifold { connectivity: Connectivity::new(samples.len(), triangles), samples, fixed, colours: Vec::new() }
     }
 
+    /// Where vertex `v` is.
     #[inline]
     pub fn position(&self, v: u32) -> DVec3 {
         self.samples[v as usize].position

@@ -35,14 +35,20 @@ impl Neighbors {
         Neighbors { tree: (!points.is_empty()).then(build) }
     }
 
+    /// All points within `radius` of `p`, `radius` included, in no order that means anything.
+    pub fn collect_within(&self, p: DVec3, radius: f64, found: &mut Vec<Neighbor>) {
+        found.clear();
+        let Some(tree) = &self.tree else { return };
+        let centre = p.to_array();
+        let all = tree.query(&centre).within::<SquaredEuclidean<f64>>(radius * radius).unsorted().execute();
+        found.extend(all.into_iter().map(|f| Neighbor { point: f.item, distance_squared: f.distance }));
+    }
+
     /// All points within `radius` of `p`, `radius` included, the nearest first; of equally near ones the one with the
     /// smaller number.
     pub fn within(&self, p: DVec3, radius: f64) -> Vec<Neighbor> {
-        let Some(tree) = &self.tree else { return Vec::new() };
-        let centre = p.to_array();
-        let found = tree.query(&centre).within::<SquaredEuclidean<f64>>(radius * radius).unsorted().execute();
-        let mut found: Vec<Neighbor> =
-            found.into_iter().map(|f| Neighbor { point: f.item, distance_squared: f.distance }).collect();
+        let mut found = Vec::new();
+        self.collect_within(p, radius, &mut found);
         found.sort_unstable_by(|a, b| a.distance_squared.total_cmp(&b.distance_squared).then(a.point.cmp(&b.point)));
         found
     }

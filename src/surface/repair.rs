@@ -18,11 +18,10 @@
 //! Cost: sorting the vertices and the edges; linear otherwise.
 
 use crate::surface::mesh::Mesh;
-use crate::surface::topology::{NONE, Side, UnionFind, sorted_sides};
+use crate::surface::topology::{NONE, Side, UnionFind, components, sorted_sides};
 use glam::DVec3;
 use rayon::slice::ParallelSliceMut;
 use serde::{Deserialize, Serialize};
-use std::collections::HashSet;
 
 /// What was done to an input so that it became an oriented manifold. All zero: nothing had to be done.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -49,11 +48,15 @@ pub struct Repairs {
 pub fn repair(mesh: &Mesh) -> (Mesh, Repairs) {
     let mut repairs = Repairs::default();
     let mut triangles = weld(mesh, &mut repairs);
-    drop_duplicates(&mut triangles, &mut repairs);
-    let mut glued = glue(&mesh.positions, &triangles, &mut repairs);
+    let mut sides = sorted_sides(&triangles);
+    drop_duplicates(&mut triangles, &mut sides, &mut repairs);
+    let mut glued = glue(&mesh.positions, &triangles, &sides, &mut repairs);
+    drop(sides);
     orient(&mesh.positions, &mut triangles, &mut glued, &mut repairs);
     let mut result = separate_fans(&mesh.positions, &triangles, &glued, &mut repairs);
-    split_repeated_edges(&mut result, &glued);
+    if repairs.cut_edges + repairs.unorientable_edges > 0 {
+        split_repeated_edges(&mut result, &glued);
+    }
     drop_flat_pieces(&mut result, &mut repairs);
     (result, repairs)
 }
@@ -78,22 +81,21 @@ fn weld(mesh: &Mesh, repairs: &mut Repairs) -> Vec<[u32; 3]> {
     kept
 }
 
-/// Keeps the first of the triangles that have the same three corners.
-fn drop_duplicates(triangles: &mut Vec<[u32; 3]>, repairs: &mut Repairs) {
-    let corners = |t: &[u32; 3]| {
-        let mut s = *t;
-        s.sort_unstable();
-        s
-    };
-    let mut order: Vec<([u32; 3], u32)> = triangles.iter().zip(0u32..).map(|(t, i)| (corners(t), i)).collect();
-    order.par_sort_unstable();
+/// Keeps the first of the triangles that have the same three corners. Copies are found at one of their edges.
+fn drop_duplicates(triangles: &mut Vec<[u32; 3]>, sides: &mut Vec<Side>, repairs: &mut Repairs) {
     let mut copy = vec![false; triangles.len()];
-    for same in order.chunk_by(|a, b| a.0 == b.0) {
-        same[1..].iter().for_each(|&(_, i)| copy[i as usize] = true);
-        repairs.duplicate_triangles += same.len() - 1;
+    for edge in sides.chunk_by(|a, b| a.ends == b.ends).filter(|e| e.len() > 1) {
+        let apex = |s: &Side| triangles[s.side as usize / 3][(s.side as usize + 2) % 3];
+        let mut faces: Vec<(u32, u32)> = edge.iter().map(|s| (apex(s), s.side / 3)).collect();
+        faces.sort_unstable();
+        faces.windows(2).filter(|w| w[0].0 == w[1].0).for_each(|w| copy[w[1].1 as usize] = true);
     }
-    let mut copy = copy.into_iter();
-    triangles.retain(|_| !copy.next().unwrap_or(false));
+    repairs.duplicate_triangles = copy.iter().filter(|c| **c).count();
+    if repairs.duplicate_triangles > 0 {
+        let mut copy = copy.into_iter();
+        triangles.retain(|_| !copy.next().unwrap_or(false));
+        *sides = sorted_sides(triangles);
+    }
 }
 
 /// Two sides that are the same edge of the manifold, and whether the faces agree in orientation.
@@ -103,8 +105,7 @@ struct Glued {
     agree: bool,
 }
 
-fn glue(positions: &[DVec3], triangles: &[[u32; 3]], repairs: &mut Repairs) -> Vec<Glued> {
-    let sides = sorted_sides(triangles);
+fn glue(positions: &[DVec3], triangles: &[[u32; 3]], sides: &[Side], repairs: &mut Repairs) -> Vec<Glued> {
     let edges = || sides.chunk_by(|a, b| a.ends == b.ends);
     let pair = |a: &Side, b: &Side| Glued { sides: [a.side, b.side], agree: a.forward != b.forward };
     let mut glued: Vec<Glued> = edges().filter(|e| e.len() == 2).map(|e| pair(&e[0], &e[1])).collect();
@@ -306,15 +307,13 @@ fn split_repeated_edges(mesh: &mut Mesh, glued: &[Glued]) {
 }
 
 fn drop_flat_pieces(mesh: &mut Mesh, repairs: &mut Repairs) {
-    let piece = crate::surface::topology::components(mesh.positions.len(), &mesh.triangles);
-    let mut has_area = HashSet::new();
+    let piece = components(mesh.positions.len(), &mesh.triangles);
+    let mut has_area = vec![false; mesh.positions.len()];
     for t in 0..mesh.triangles.len() {
-        if mesh.area_vector(t) != DVec3::ZERO {
-            has_area.insert(piece[mesh.triangles[t][0] as usize]);
-        }
+        has_area[piece[mesh.triangles[t][0] as usize] as usize] |= mesh.area_vector(t) != DVec3::ZERO;
     }
     let before = mesh.triangles.len();
-    mesh.triangles.retain(|t| has_area.contains(&piece[t[0] as usize]));
+    mesh.triangles.retain(|t| has_area[piece[t[0] as usize] as usize]);
     if mesh.triangles.len() < before {
         repairs.degenerate_triangles += before - mesh.triangles.len();
         mesh.drop_unused();

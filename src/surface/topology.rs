@@ -11,8 +11,11 @@ pub const NONE: u32 = u32::MAX;
 /// The topology of a mesh, counted over the vertices that triangles use.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Topology {
+    /// Vertices that triangles use.
     pub vertices: usize,
+    /// Edges, each counted once.
     pub edges: usize,
+    /// Triangles.
     pub faces: usize,
     /// Euler characteristic, vertices - edges + faces.
     pub euler: i64,

@@ -7,7 +7,8 @@ use rayon::slice::ParallelSliceMut;
 
 /// The triangles that occur three times in `stars`, once from each corner, in increasing order of corners; the corner
 /// of the lowest number first.
-pub fn agreed(mut stars: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
+pub fn agreed(stars: &[[u32; 3]]) -> Vec<[u32; 3]> {
+    let mut stars = stars.to_vec();
     for t in &mut stars {
         let lowest = (0..3).min_by_key(|&k| t[k]).unwrap_or(0);
         t.rotate_left(lowest);
@@ -23,6 +24,6 @@ mod tests {
     #[test]
     fn only_what_all_three_corners_say_is_taken() {
         let stars = vec![[1, 2, 3], [2, 3, 1], [3, 1, 2], [1, 3, 4], [3, 4, 1], [4, 3, 1]];
-        assert_eq!(agreed(stars), vec![[1, 2, 3]]);
+        assert_eq!(agreed(&stars), vec![[1, 2, 3]]);
     }
 }

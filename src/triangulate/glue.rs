@@ -3,12 +3,13 @@
 use crate::surface::domain::Sample;
 use crate::surface::manifold::Manifold;
 use crate::surface::topology::{NONE, topology};
+use crate::triangulate::Triangulated;
 use glam::DVec3;
 
 /// How the samples on curves belong together.
 #[derive(Debug, Clone, Copy)]
 pub struct Seams<'a> {
-    /// For each of the first samples the point that it is.
+    /// For each of the samples on curves, the first of all samples, the point that it is.
     pub point: &'a [u32],
     /// The points next to each other along a curve, and the curve.
     pub edges: &'a [([u32; 2], u32)],
@@ -16,27 +17,27 @@ pub struct Seams<'a> {
     pub corners: &'a [u32],
 }
 
-/// The manifold of `patches`, whose first vertices are the samples on curves in their order, with the curves laid on it.
+/// The manifold of `patches` with the curves laid on it.
 ///
 /// `None` if that is no oriented 2-manifold, or an edge of a curve is not there: the points on the curves are too few.
-pub fn glue(patches: &Manifold, seams: Seams<'_>) -> Option<Manifold> {
-    let (triangles, old) = patches.connectivity.compact();
+pub fn glue(patches: &Triangulated, seams: Seams<'_>) -> Option<Manifold> {
     let points = seams.point.iter().max().map_or(0, |&p| p + 1);
-    let on_curves = seams.point.len() as u32;
-    let number = |v: u32| if v < on_curves { seams.point[v as usize] } else { v - on_curves + points };
-    let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(number)).collect();
-    let mut first = vec![NONE; points as usize];
-    let mut samples = vec![Sample { position: DVec3::ZERO, normal: DVec3::ZERO, triangle: 0 }; points as usize];
-    for (v, &p) in seams.point.iter().enumerate() {
-        if first[p as usize] == NONE {
-            first[p as usize] = v as u32;
-            samples[p as usize] = patches.samples[old[v] as usize];
-        } else {
-            // More than one patch: a sharp edge, which has no normal.
-            samples[p as usize].normal = DVec3::ZERO;
-        }
+    let on_curves = patches.source.partition_point(|&s| (s as usize) < seams.point.len());
+    let inner = &patches.mesh.samples[on_curves..];
+    let mut samples = vec![Sample { position: DVec3::ZERO, normal: DVec3::ZERO, triangle: NONE }; points as usize];
+    for (sample, &source) in patches.mesh.samples.iter().zip(&patches.source[..on_curves]) {
+        let point = &mut samples[seams.point[source as usize] as usize];
+        // A point of more than one patch is on a sharp edge, which has no normal.
+        let sharp = point.triangle != NONE;
+        *point = Sample { normal: if sharp { DVec3::ZERO } else { sample.normal }, ..*sample };
     }
-    samples.extend(old[on_curves as usize..].iter().map(|&v| patches.samples[v as usize]));
+    samples.extend(inner);
+    let number = |v: u32| match patches.source[v as usize] {
+        s if (s as usize) < seams.point.len() => seams.point[s as usize],
+        _ => v - on_curves as u32 + points,
+    };
+    let (triangles, _) = patches.mesh.connectivity.compact();
+    let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(number)).collect();
     let made = topology(samples.len(), &triangles);
     if !made.is_manifold() || !made.is_oriented() || made.vertices < samples.len() {
         return None;
@@ -51,10 +52,11 @@ mod tests {
     use crate::surface::connectivity::CORNER;
 
     /// Two triangles beside each other, each with its own samples of the two points they share.
-    fn two_patches() -> Manifold {
+    fn two_patches() -> Triangulated {
         let at = |x: f64, y: f64, triangle: u32| Sample { position: DVec3::new(x, y, 0.0), normal: DVec3::Z, triangle };
         let samples = vec![at(0., 0., 0), at(1., 0., 0), at(0., 1., 0), at(1., 0., 1), at(1., 1., 1), at(0., 1., 1)];
-        Manifold::new(samples, &[[0, 1, 2], [3, 4, 5]])
+        let mesh = Manifold::new(samples, &[[0, 1, 2], [3, 4, 5]]);
+        Triangulated { mesh, source: (0..6).collect(), tessellated_pieces: 0 }
     }
 
     #[test]

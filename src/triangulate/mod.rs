@@ -1,9 +1,11 @@
 //! From samples on a surface to an oriented 2-manifold with the surface's topology.
 
 pub mod agreement;
+pub mod cell;
 pub mod glue;
 pub mod holes;
 pub mod mutual;
+pub mod settle;
 pub mod star;
 pub mod unfold;
 
@@ -11,18 +13,22 @@ use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::manifold::Manifold;
-use crate::surface::topology::{Topology, topology};
+use crate::surface::neighbors::Neighbors;
+use crate::surface::topology::{NONE, components};
 use agreement::agreed;
 use glam::DVec3;
 use holes::fill_holes;
-use mutual::{Insertion, mutual_tessellation};
 use rayon::prelude::*;
-use star::{INTERIOR, StarMaker};
-use std::collections::HashMap;
-use unfold::{SamplesByTriangle, Unfolding};
+use settle::{Starred, tessellate_around};
+use star::{Cloud, INTERIOR, StarMaker};
+use unfold::SamplesByTriangle;
 
 /// Samples that one task makes the stars of: enough to outweigh the memory that a walk needs.
 const CHUNK: usize = 512;
+
+/// How far around samples that do not settle the domain is tessellated, in mean spacings, in one attempt after the other.
+/// The first also goes to where triangles are possible but not good, the last is of the whole piece.
+const REACHES: [f64; 3] = [6.0, 12.0, f64::INFINITY];
 
 /// Samples on the boundary of a domain, the first ones of all samples.
 #[derive(Debug, Clone, Copy)]
@@ -36,12 +42,18 @@ pub struct Boundary<'a> {
 /// A triangulation of samples.
 #[derive(Debug, Clone)]
 pub struct Triangulated {
+    /// The mesh.
     pub mesh: Manifold,
-    /// Pieces whose stars did not settle and that were tessellated from the input.
+    /// For each of its vertices the sample that it is; vertices of the domain come after all samples.
+    pub source: Vec<u32>,
+    /// Pieces whose stars did not settle and that were tessellated from the input as a whole.
     pub tessellated_pieces: usize,
 }
 
 /// The oriented 2-manifold over `samples`, of the topology of the domain. `spacing` is the mean distance of neighbours.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
 pub fn triangulate(
     domain: &Domain,
     samples: &[Sample],
@@ -51,123 +63,151 @@ pub fn triangulate(
 ) -> Result<Triangulated> {
     let mut successor = boundary.successor.to_vec();
     successor.resize(samples.len(), INTERIOR);
-    let mut triangles = agreed(stars(domain, samples, &successor, spacing, monitor)?);
-    let positions: Vec<DVec3> = samples.iter().map(|s| s.position).collect();
-    let normals: Vec<DVec3> = samples.iter().map(|s| s.normal).collect();
-    fill_holes(&positions, &normals, &successor, &mut triangles);
-    check(monitor)?;
-    let pieces = Pieces::new(domain, samples, triangles);
-    let parts: Vec<(Manifold, bool)> = (0..pieces.count)
-        .into_par_iter()
-        .map(|p| match pieces.settled(domain, samples, p) {
-            Some(mesh) => (mesh, false),
-            None => (pieces.tessellate(domain, samples, boundary, p), true),
-        })
-        .collect();
-    check(monitor)?;
-    let tessellated_pieces = parts.iter().filter(|p| p.1).count();
-    let mesh = join(parts.into_iter().map(|p| p.0));
-    // TEMPORARY
-    let key = |s: &Sample| (s.position.to_array().map(f64::to_bits), s.triangle);
-    let at: HashMap<_, u32> = mesh.samples.iter().zip(0u32..).map(|(s, i)| (key(s), i)).collect();
-    let mut order: Vec<u32> = Vec::new();
-    for s in &samples[..boundary.successor.len()] {
-        order.extend(at.get(&key(s)));
+    let stars = stars(domain, samples, &successor, spacing, monitor)?;
+    let mut starred = Starred { samples: samples.to_vec(), successor, stars };
+    let wanted = kinds_of_domain(domain);
+    let mut tessellated_pieces = 0;
+    for reach in REACHES {
+        check(monitor)?;
+        let triangles = joined(&starred);
+        let mut centres = starred.at_open_fans(&triangles);
+        if reach == REACHES[0] {
+            centres.extend(starred.not_used(&triangles));
+            centres.extend(starred.turned_away(&triangles));
+        }
+        add_pieces_of_wrong_kind(domain, &starred, &triangles, &wanted, &mut centres);
+        if centres.is_empty() {
+            return Ok(Triangulated::new(&starred, &triangles, tessellated_pieces));
+        }
+        let whole = reach == f64::INFINITY;
+        tessellated_pieces = if whole { pieces_of(domain, &centres).len() } else { 0 };
+        tessellate_around(domain, &mut starred, boundary, &centres, reach * spacing);
     }
-    let mut used = vec![false; mesh.samples.len()];
-    order.iter().for_each(|&v| used[v as usize] = true);
-    if order.len() == boundary.successor.len() {
-        order.extend((0..mesh.samples.len() as u32).filter(|&v| !used[v as usize]));
-    } else {
-        eprintln!("LOST");
-        order = (0..mesh.samples.len() as u32).collect();
-    }
-    let mut number = vec![0; order.len()];
-    for (n, &v) in order.iter().enumerate() {
-        number[v as usize] = n as u32;
-    }
-    let (triangles, _) = mesh.connectivity.compact();
-    let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|v| number[v as usize])).collect();
-    let mesh = Manifold::new(order.iter().map(|&v| mesh.samples[v as usize]).collect(), &triangles);
-    Ok(Triangulated { mesh, tessellated_pieces })
+    let triangles = agreed(&starred.stars);
+    Ok(Triangulated::new(&starred, &triangles, tessellated_pieces))
 }
 
-/// Everything by the connected piece of the domain that it belongs to.
-struct Pieces {
-    count: usize,
-    /// Triangles of the domain, of each piece.
-    domain: Vec<Vec<u32>>,
-    /// Samples of each piece, in increasing order.
-    samples: Vec<Vec<u32>>,
-    /// Triangles over the samples, of each piece.
-    triangles: Vec<Vec<[u32; 3]>>,
+/// The triangles that stars agree on and those that fill the gaps between them.
+fn joined(starred: &Starred) -> Vec<[u32; 3]> {
+    let mut triangles = agreed(&starred.stars);
+    let positions: Vec<DVec3> = starred.samples.iter().map(|s| s.position).collect();
+    let normals: Vec<DVec3> = starred.samples.iter().map(|s| s.normal).collect();
+    fill_holes(&positions, &normals, &starred.successor, &mut triangles);
+    triangles
 }
 
-impl Pieces {
-    fn new(domain: &Domain, samples: &[Sample], triangles: Vec<[u32; 3]>) -> Self {
-        let count = domain.piece.iter().max().map_or(0, |&p| p as usize + 1);
-        let of = |s: u32| domain.piece_of(samples[s as usize].triangle) as usize;
-        let mut pieces =
-            Pieces { count, domain: vec![vec![]; count], samples: vec![vec![]; count], triangles: vec![vec![]; count] };
-        for t in 0..domain.mesh.triangles.len() as u32 {
-            pieces.domain[domain.piece_of(t) as usize].push(t);
-        }
-        for s in 0..samples.len() as u32 {
-            pieces.samples[of(s)].push(s);
-        }
+/// Counts of a connected piece, or of its mesh, that tell its topology.
+#[derive(Debug, Clone, Copy, Default)]
+struct Kind {
+    vertices: usize,
+    faces: usize,
+    boundary_edges: usize,
+    boundary_loops: usize,
+    components: usize,
+}
+
+impl Kind {
+    /// Those of each of `pieces` pieces. `component` is the connected component of
+    /// each vertex, `next` the vertex after it on the boundary, or [`INTERIOR`].
+    fn of_pieces(
+        pieces: usize,
+        piece: impl Fn(u32) -> u32,
+        triangles: &[[u32; 3]],
+        component: &[u32],
+        next: &[u32],
+    ) -> Vec<Kind> {
+        let mut kinds = vec![Kind::default(); pieces];
+        let mut used = vec![false; next.len()];
         for t in triangles {
-            pieces.triangles[of(t[0])].push(t);
+            t.iter().for_each(|&v| used[v as usize] = true);
+            kinds[piece(t[0]) as usize].faces += 1;
         }
-        pieces
+        let mut counted = vec![false; next.len()];
+        let mut walked = vec![false; next.len()];
+        for v in (0..next.len() as u32).filter(|&v| used[v as usize]) {
+            let kind = &mut kinds[piece(v) as usize];
+            kind.vertices += 1;
+            kind.boundary_edges += usize::from(next[v as usize] != INTERIOR);
+            kind.components += usize::from(!std::mem::replace(&mut counted[component[v as usize] as usize], true));
+            let mut at = v;
+            kind.boundary_loops += usize::from(next[at as usize] != INTERIOR && !walked[at as usize]);
+            while next[at as usize] != INTERIOR && !std::mem::replace(&mut walked[at as usize], true) {
+                at = next[at as usize];
+            }
+        }
+        kinds
     }
 
-    /// The manifold that the stars of piece `p` made, if it is one, uses most of the samples, faces the way of the
-    /// surface and has the topology of the domain there.
-    fn settled(&self, domain: &Domain, samples: &[Sample], p: usize) -> Option<Manifold> {
-        let (old, triangles) = renumber(&self.triangles[p]);
-        let domain_triangles: Vec<[u32; 3]> =
-            self.domain[p].iter().map(|&t| domain.mesh.triangles[t as usize]).collect();
-        let (vertices, domain_triangles) = renumber(&domain_triangles);
-        let wanted = topology(vertices.len(), &domain_triangles);
-        let made = topology(old.len(), &triangles);
-        let kind = |t: &Topology| (t.euler, t.components, t.boundary_loops);
-        let right = made.is_manifold() && made.is_oriented() && kind(&made) == kind(&wanted);
-        let lost = self.samples[p].len() - old.len();
-        (right && LEAST_USED * lost <= old.len())
-            .then(|| Manifold::new(old.iter().map(|&s| samples[s as usize]).collect(), &triangles))
+    /// Euler characteristic, components and boundary loops.
+    fn topology(&self) -> (i64, usize, usize) {
+        let edges = (3 * self.faces + self.boundary_edges) / 2;
+        let euler = self.vertices as i64 - edges as i64 + self.faces as i64;
+        (euler, self.components, self.boundary_loops)
     }
+}
 
-    fn tessellate(&self, domain: &Domain, samples: &[Sample], boundary: Boundary<'_>, p: usize) -> Manifold {
-        let insertion =
-            |&s: &u32| Insertion { sample: samples[s as usize], on_side: boundary.sites.get(s as usize).copied() };
-        let insertions: Vec<Insertion> = self.samples[p].iter().map(insertion).collect();
-        mutual_tessellation(domain, &self.domain[p], &insertions)
+/// The pieces of the domain.
+fn kinds_of_domain(domain: &Domain) -> Vec<Kind> {
+    let mut next = vec![INTERIOR; domain.mesh.positions.len()];
+    for (t, corners) in domain.mesh.triangles.iter().enumerate() {
+        for k in (0..3).filter(|k| domain.twin[3 * t + k] == NONE) {
+            next[corners[k] as usize] = corners[(k + 1) % 3];
+        }
     }
+    let pieces = domain.piece.iter().max().map_or(0, |&p| p as usize + 1);
+    Kind::of_pieces(pieces, |v| domain.piece[v as usize], &domain.mesh.triangles, &domain.piece, &next)
+}
+
+/// Adds to `unsettled` a point of each further piece whose triangles, although they fit together everywhere, are not of
+/// the topology wanted or do not use most of its samples.
+fn add_pieces_of_wrong_kind(
+    domain: &Domain,
+    starred: &Starred,
+    triangles: &[[u32; 3]],
+    wanted: &[Kind],
+    unsettled: &mut Vec<Sample>,
+) {
+    let piece = |s: u32| domain.piece_of(starred.samples[s as usize].triangle);
+    let component = components(starred.samples.len(), triangles);
+    let kinds = Kind::of_pieces(wanted.len(), piece, triangles, &component, &starred.successor);
+    let known = pieces_of(domain, unsettled);
+    let mut samples_of = vec![0; wanted.len()];
+    (0..starred.samples.len() as u32).for_each(|s| samples_of[piece(s) as usize] += 1);
+    let mut triangle_of = vec![NONE; wanted.len()];
+    (0..domain.mesh.triangles.len() as u32).for_each(|t| triangle_of[domain.piece_of(t) as usize] = t);
+    let wrong = |p: usize| {
+        let lost = samples_of[p] - kinds[p].vertices;
+        kinds[p].topology() != wanted[p].topology() || LEAST_USED * lost > kinds[p].vertices
+    };
+    let further = (0..wanted.len()).filter(|&p| wrong(p) && known.binary_search(&(p as u32)).is_err());
+    unsettled.extend(further.map(|p| domain.sample(triangle_of[p], [1.0, 0.0, 0.0])));
+}
+
+/// The pieces that `samples` are of, in increasing order.
+fn pieces_of(domain: &Domain, samples: &[Sample]) -> Vec<u32> {
+    let mut pieces: Vec<u32> = samples.iter().map(|s| domain.piece_of(s.triangle)).collect();
+    pieces.sort_unstable();
+    pieces.dedup();
+    pieces
 }
 
 /// A piece may lose one sample in this many to holes that were filled across it.
 const LEAST_USED: usize = 50;
 
-/// The vertices that triangles use, in increasing order, and the triangles over their ranks.
-fn renumber(triangles: &[[u32; 3]]) -> (Vec<u32>, Vec<[u32; 3]>) {
-    let mut used: Vec<u32> = triangles.iter().flatten().copied().collect();
-    used.par_sort_unstable();
-    used.dedup();
-    let rank = |v: u32| used.partition_point(|&u| u < v) as u32;
-    let triangles = triangles.iter().map(|t| t.map(rank)).collect();
-    (used, triangles)
-}
-
-/// One manifold of several.
-fn join(parts: impl Iterator<Item = Manifold>) -> Manifold {
-    let (mut samples, mut triangles) = (Vec::new(), Vec::new());
-    for part in parts {
-        let base = samples.len() as u32;
-        let (own, _) = part.connectivity.compact();
-        triangles.extend(own.iter().map(|t| t.map(|v| v + base)));
-        samples.extend(part.samples);
+impl Triangulated {
+    /// The manifold of `triangles` over the samples that they use.
+    fn new(starred: &Starred, triangles: &[[u32; 3]], tessellated_pieces: usize) -> Self {
+        let mut number = vec![NONE; starred.samples.len()];
+        triangles.iter().flatten().for_each(|&v| number[v as usize] = 0);
+        let mut source = Vec::new();
+        for (s, number) in number.iter_mut().enumerate().filter(|(_, n)| **n != NONE) {
+            *number = source.len() as u32;
+            source.push(s as u32);
+        }
+        let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|v| number[v as usize])).collect();
+        let mesh = Manifold::new(source.iter().map(|&s| starred.samples[s as usize]).collect(), &triangles);
+        Triangulated { mesh, source, tessellated_pieces }
     }
-    Manifold::new(samples, &triangles)
 }
 
 /// The stars of all samples, as triangles that begin with the centre of the star.
@@ -180,16 +220,21 @@ pub fn stars(
 ) -> Result<Vec<[u32; 3]>> {
     check(monitor)?;
     let by_triangle = SamplesByTriangle::new(domain.mesh.triangles.len(), samples);
-    let maker = || StarMaker::new(Unfolding::new(domain, samples, &by_triangle), spacing, successor);
+    let positions: Vec<DVec3> = samples.iter().map(|s| s.position).collect();
+    let near = Neighbors::new(&positions);
+    let cloud = Cloud { domain, samples, successor, spacing, by_triangle: &by_triangle, near: &near };
     let chunks: Vec<Vec<[u32; 3]>> = (0..samples.len().div_ceil(CHUNK))
         .into_par_iter()
-        .map_init(maker, |maker, chunk| {
-            let mut triangles = Vec::with_capacity(6 * CHUNK);
-            for centre in CHUNK * chunk..(CHUNK * (chunk + 1)).min(samples.len()) {
-                maker.star(centre as u32, &mut triangles);
-            }
-            triangles
-        })
+        .map_init(
+            || StarMaker::new(cloud),
+            |maker, chunk| {
+                let mut triangles = Vec::with_capacity(6 * CHUNK);
+                for centre in CHUNK * chunk..(CHUNK * (chunk + 1)).min(samples.len()) {
+                    maker.star(centre as u32, &mut triangles);
+                }
+                triangles
+            },
+        )
         .collect();
     Ok(chunks.concat())
 }

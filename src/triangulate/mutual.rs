@@ -9,53 +9,98 @@
 //!
 //! Cost: linear in the triangles of the piece, with a large constant: some microseconds a vertex.
 
+use crate::geom::triangle::barycentric;
 use crate::surface::connectivity::next;
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::manifold::Manifold;
+use crate::surface::topology::{NONE, UnionFind};
 use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
-use std::collections::HashMap;
 
 /// A sample to insert: on a triangle, or on a side of it if that is on the boundary.
 #[derive(Debug, Clone, Copy)]
 pub struct Insertion {
+    /// The sample.
     pub sample: Sample,
     /// The side `3 t + k` and how far along, for a sample on the boundary.
     pub on_side: Option<(u32, f64)>,
 }
 
+/// A part of the domain with other vertices.
+#[derive(Debug, Clone)]
+pub struct Tessellation {
+    /// Its vertices are insertions and what could not be removed of the domain's own. Those where the part was cut out
+    /// of the domain are fixed and as they were.
+    pub mesh: Manifold,
+    /// For each vertex the number of its insertion, or [`NONE`].
+    pub insertion: Vec<u32>,
+}
+
 /// Least cosine between a triangle and the surface in each round of removals: what is stuck at first may come loose once
 /// its surroundings are coarser.
-const ROUNDS: [f64; 5] = [0.7, 0.7, 0.5, 0.3, 0.1];
+const ROUNDS: [f64; 6] = [0.7, 0.7, 0.5, 0.3, 0.1, -1.0];
 
-/// The manifold over `insertions` on the piece of the domain made of the triangles `piece`.
+/// A cosine below this between a triangle and the surface means that a fold is not resolved.
+const TURNED: f64 = 0.3;
+
+/// The part of the domain made of the triangles `part`, in increasing order, over `insertions` on them.
 ///
-/// Its vertices are the samples in their order, without those that coincide with another one, and then the vertices of
-/// the domain that could not be removed.
-pub fn mutual_tessellation(domain: &Domain, piece: &[u32], insertions: &[Insertion]) -> Manifold {
-    let (samples, triangles, inserted) = insert(domain, piece, insertions);
-    let mut mesh = Manifold::new(samples, &triangles);
+/// Insertions that coincide with another one are left out.
+pub fn mutual_tessellation(domain: &Domain, part: &[u32], insertions: &[Insertion]) -> Tessellation {
+    let mut mesh = insert(domain, part, insertions);
+    let inserted = insertions.len() as u32;
     mesh.make_delaunay();
     for least_facing in ROUNDS {
-        for v in inserted as u32..mesh.connectivity.vertex_bound() {
-            if mesh.connectivity.has_vertex(v) {
+        for v in inserted..mesh.connectivity.vertex_bound() {
+            if mesh.connectivity.has_vertex(v) && !mesh.fixed[v as usize] {
                 remove(&mut mesh, v, least_facing);
             }
         }
     }
     mesh.make_delaunay();
+    for v in 0..mesh.connectivity.vertex_bound() {
+        if mesh.connectivity.has_vertex(v) && !mesh.fixed[v as usize] {
+            straighten(&mut mesh, v);
+        }
+    }
     let (triangles, old) = mesh.connectivity.compact();
-    Manifold::new(old.iter().map(|&v| mesh.samples[v as usize]).collect(), &triangles)
+    let mut left = Manifold::new(old.iter().map(|&v| mesh.samples[v as usize]).collect(), &triangles);
+    left.fixed = old.iter().map(|&v| mesh.fixed[v as usize]).collect();
+    let insertion = old.iter().map(|&v| if v < inserted { v } else { NONE }).collect();
+    Tessellation { mesh: left, insertion }
 }
 
 /// Merges `v` into the neighbour that leaves the best triangles, if there is one that may be.
 fn remove(mesh: &mut Manifold, v: u32, least_facing: f64) {
     let c = &mesh.connectivity;
-    let candidates = c.outgoing(v).filter(|&h| c.can_collapse(h)).filter_map(|h| {
+    let mut best = None;
+    let mut best_shape = f64::NEG_INFINITY;
+    for h in c.outgoing(v) {
         let (facing, shape) = mesh.after_collapse(h);
-        (facing >= least_facing).then_some((shape, h))
-    });
-    let Some((_, h)) = candidates.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1))) else { return };
-    let into = c.target(h);
+        if facing >= least_facing && shape > best_shape && c.can_collapse(h) {
+            (best, best_shape) = (Some(h), shape);
+        }
+    }
+    if let Some(h) = best {
+        merge(mesh, h);
+    }
+}
+
+/// Merges `v` into the neighbour that leaves the least turned triangles if one at it is turned against the surface: a
+/// fold smaller than the samples resolve is left out, samples on it included.
+fn straighten(mesh: &mut Manifold, v: u32) {
+    let c = &mesh.connectivity;
+    if c.is_boundary(v) || c.outgoing(v).all(|h| mesh.agreement(c.triangle(h)) >= TURNED) {
+        return;
+    }
+    let merges = c.outgoing(v).filter(|&h| c.can_collapse(h)).map(|h| (mesh.after_collapse(h).0, h));
+    if let Some((_, h)) = merges.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1))) {
+        merge(mesh, h);
+    }
+}
+
+/// Collapses `h` and makes its surroundings Delaunay.
+fn merge(mesh: &mut Manifold, h: u32) {
+    let into = mesh.connectivity.target(h);
     mesh.connectivity.collapse(h);
     let around = mesh.connectivity.outgoing(into).flat_map(|h| [h, next(h)]).collect();
     mesh.flip_to_delaunay(around);
@@ -76,59 +121,76 @@ impl HasPosition for Site {
     }
 }
 
-/// The mesh of the piece with the insertions in it: vertices, triangles, and how many of the vertices, the first ones,
-/// are insertions.
-fn insert(domain: &Domain, piece: &[u32], insertions: &[Insertion]) -> (Vec<Sample>, Vec<[u32; 3]>, usize) {
+/// The mesh of the part with the insertions in it; they are the first vertices. Fixed is what the part was cut out along.
+fn insert(domain: &Domain, part: &[u32], insertions: &[Insertion]) -> Manifold {
     let mut by_triangle: Vec<(u32, u32)> =
         insertions.iter().enumerate().map(|(i, p)| (p.sample.triangle, i as u32)).collect();
     by_triangle.sort_unstable();
-    let mut used = vec![false; insertions.len()];
-    // Corners are numbered after the insertions, in the order in which triangles meet them.
-    let mut corners: Vec<Sample> = Vec::new();
-    let mut number: HashMap<u32, u32> = HashMap::new();
-    let mut triangles = Vec::new();
-    for &t in piece {
-        let ends = [0, 1, 2].map(|k| {
-            *number.entry(domain.mesh.triangles[t as usize][k]).or_insert_with(|| {
-                let mut weights = [0.0; 3];
-                weights[k] = 1.0;
-                corners.push(domain.sample(t, weights));
-                (insertions.len() + corners.len() - 1) as u32
-            })
-        });
-        let begin = by_triangle.partition_point(|p| p.0 < t);
-        let own = by_triangle[begin..].iter().take_while(|p| p.0 == t).map(|p| p.1);
-        let first = triangles.len();
-        split(domain, t, ends, own.map(|i| (i, &insertions[i as usize])), &mut triangles);
-        for &v in triangles[first..].iter().flatten() {
-            if let Some(u) = used.get_mut(v as usize) {
-                *u = true;
-            }
+    let Corners { vertices, of_corner, fixed } = Corners::new(domain, part);
+    let first = insertions.len() as u32;
+    let mut triangles = Vec::with_capacity(part.len() + 2 * insertions.len());
+    let mut own = by_triangle.chunk_by(|a, b| a.0 == b.0).peekable();
+    for (&t, of_corner) in part.iter().zip(of_corner.chunks_exact(3)) {
+        let ends = [0, 1, 2].map(|k| first + of_corner[k]);
+        match own.next_if(|own| own[0].0 == t) {
+            Some(own) => split(domain, t, ends, own.iter().map(|p| (p.1, &insertions[p.1 as usize])), &mut triangles),
+            None => triangles.push(ends),
         }
     }
-    close_ranks(insertions, &used, corners, triangles)
+    let samples = insertions.iter().map(|p| p.sample).chain(vertices).collect();
+    let mut mesh = Manifold::new(samples, &triangles);
+    mesh.fixed[first as usize..].copy_from_slice(&fixed);
+    mesh
 }
 
-/// Drops the insertions that are not used, for lying where another one does.
-fn close_ranks(
-    insertions: &[Insertion],
-    used: &[bool],
-    corners: Vec<Sample>,
-    mut triangles: Vec<[u32; 3]>,
-) -> (Vec<Sample>, Vec<[u32; 3]>, usize) {
-    let mut samples: Vec<Sample> = insertions.iter().zip(used).filter(|(_, u)| **u).map(|(p, _)| p.sample).collect();
-    let inserted = samples.len();
-    let mut number: Vec<u32> = Vec::with_capacity(used.len());
-    let mut count = 0;
-    for &u in used {
-        number.push(count);
-        count += u32::from(u);
+/// The vertices of a part of the domain. One at which the part has several fans is several vertices.
+struct Corners {
+    vertices: Vec<Sample>,
+    /// The vertex of each corner, triangle by triangle of the part.
+    of_corner: Vec<u32>,
+    /// The vertices at which the part was cut out of the domain.
+    fixed: Vec<bool>,
+}
+
+impl Corners {
+    fn new(domain: &Domain, part: &[u32]) -> Self {
+        let mut fans = UnionFind::new(3 * part.len());
+        let mut cut = Vec::new();
+        for (i, &t) in part.iter().enumerate() {
+            for k in 0..3 {
+                let (corner, end) = (3 * i as u32 + k, 3 * i as u32 + (k + 1) % 3);
+                let across = domain.twin[3 * t as usize + k as usize];
+                if across == NONE {
+                    continue;
+                }
+                match part.binary_search(&(across / 3)) {
+                    Ok(j) => {
+                        let back = 3 * j as u32 + across % 3;
+                        fans.join(corner, next(back));
+                        fans.join(end, back);
+                    }
+                    Err(_) => cut.extend([corner, end]),
+                }
+            }
+        }
+        let mut vertices = Vec::new();
+        let mut of_corner = vec![NONE; 3 * part.len()];
+        for c in 0..of_corner.len() {
+            // The representative of a fan is its first corner.
+            let first = fans.find(c as u32) as usize;
+            if first == c {
+                let mut weights = [0.0; 3];
+                weights[c % 3] = 1.0;
+                of_corner[c] = vertices.len() as u32;
+                vertices.push(domain.sample(part[c / 3], weights));
+            } else {
+                of_corner[c] = of_corner[first];
+            }
+        }
+        let mut fixed = vec![false; vertices.len()];
+        cut.iter().for_each(|&c| fixed[of_corner[c as usize] as usize] = true);
+        Corners { vertices, of_corner, fixed }
     }
-    for v in triangles.iter_mut().flatten() {
-        *v = if (*v as usize) < used.len() { number[*v as usize] } else { *v - used.len() as u32 + count };
-    }
-    samples.extend(corners);
-    (samples, triangles, inserted)
 }
 
 /// Adds the Delaunay triangles of the points of triangle `t`, whose corners have the numbers `ends`.
@@ -136,12 +198,14 @@ fn split<'a>(
     domain: &Domain,
     t: u32,
     ends: [u32; 3],
-    own: impl Iterator<Item = (u32, &'a Insertion)>,
+    own: impl ExactSizeIterator<Item = (u32, &'a Insertion)>,
     triangles: &mut Vec<[u32; 3]>,
 ) {
     let mut own = own.peekable();
-    if own.peek().is_none() {
-        triangles.push(ends);
+    if own.len() == 1
+        && let Some((v, Insertion { on_side: None, .. })) = own.peek()
+    {
+        triangles.extend([0, 1, 2].map(|k| [*v, ends[k], ends[(k + 1) % 3]]));
         return;
     }
     let mut plane = DelaunayTriangulation::<Site>::new();
@@ -184,7 +248,7 @@ fn on_side(k: u32, along: f64) -> Point2<f64> {
 /// A point kept off the sides by a margin.
 fn inside(domain: &Domain, t: u32, sample: &Sample) -> Point2<f64> {
     const MARGIN: f64 = 1e-6;
-    let w = crate::geom::triangle::barycentric(sample.position, domain.mesh.corners(t as usize));
+    let w = barycentric(sample.position, domain.mesh.corners(t as usize));
     let w = w.map(|w| w.max(MARGIN));
     let sum: f64 = w.iter().sum();
     Point2::new(w[1] / sum, w[2] / sum)

@@ -1,12 +1,19 @@
 //! The star of a sample: its one-ring in the Delaunay triangulation of its neighbours, unrolled into its tangent plane.
 //!
 //! A Delaunay triangle has a circumcircle without samples. All triangles of the star are right once the neighbourhood
-//! reaches twice as far as the largest of their circumradii, so it grows until it does. Boundaries are constraints: a
-//! star ends at them.
+//! reaches twice as far as the largest of their circumradii, so it grows until it does.
 //!
-//! Cost: that of a walk, and a triangulation of some fifteen points.
+//! Where all samples in question face about the same way a ball is the neighbourhood; where they do not, the surface is
+//! walked. The star is read off the sample's Voronoi cell; near a boundary, whose edges are constraints, off a
+//! constrained Delaunay triangulation.
+//!
+//! Cost: a query for some fifteen points and their bisectors; in bent or thin places a walk, near boundaries a
+//! triangulation instead.
 
-use crate::triangulate::unfold::{Neighbour, Unfolding};
+use crate::surface::domain::{Domain, Sample};
+use crate::surface::neighbors::{Neighbor, Neighbors};
+use crate::triangulate::cell::Cell;
+use crate::triangulate::unfold::{Neighbour, SamplesByTriangle, Unfolding, along_bend};
 use glam::DVec2;
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
 
@@ -34,29 +41,52 @@ impl HasPosition for Site {
     }
 }
 
-/// What a star is made from.
-pub struct StarMaker<'a> {
-    pub unfolding: Unfolding<'a>,
+/// The samples that stars are made of.
+#[derive(Clone, Copy)]
+pub struct Cloud<'a> {
+    /// What the samples lie on.
+    pub domain: &'a Domain,
+    /// All samples.
+    pub samples: &'a [Sample],
+    /// For each sample the next one on the boundary, or [`INTERIOR`].
+    pub successor: &'a [u32],
     /// Mean distance of neighbouring samples.
     pub spacing: f64,
-    /// The next sample on the boundary, or [`INTERIOR`].
-    pub successor: &'a [u32],
+    /// The samples by the triangle that they lie on.
+    pub by_triangle: &'a SamplesByTriangle,
+    /// The samples as points.
+    pub near: &'a Neighbors,
+}
+
+/// Makes stars; keeps its memory from one to the next.
+pub struct StarMaker<'a> {
+    cloud: Cloud<'a>,
+    unfolding: Unfolding<'a>,
+    ball: Vec<Neighbor>,
     found: Vec<Neighbour>,
+    cell: Cell,
 }
 
 impl<'a> StarMaker<'a> {
-    pub fn new(unfolding: Unfolding<'a>, spacing: f64, successor: &'a [u32]) -> Self {
-        StarMaker { unfolding, spacing, successor, found: Vec::new() }
+    /// A maker of the stars of a cloud.
+    pub fn new(cloud: Cloud<'a>) -> Self {
+        let unfolding = Unfolding::new(cloud.domain, cloud.samples, cloud.by_triangle);
+        StarMaker { cloud, unfolding, ball: Vec::new(), found: Vec::new(), cell: Cell::default() }
     }
 
     /// Adds the triangles of the star of sample `centre` to `triangles`, counter-clockwise, the centre first.
     pub fn star(&mut self, centre: u32, triangles: &mut Vec<[u32; 3]>) {
-        let mut radius = FIRST_RADIUS * self.spacing;
+        let mut radius = FIRST_RADIUS * self.cloud.spacing;
         let begin = triangles.len();
         for _ in 0..MOST_ATTEMPTS {
             triangles.truncate(begin);
-            self.unfolding.neighbours(centre, radius, &mut self.found);
-            let reach = self.delaunay_star(centre, triangles);
+            let doubtful = self.find_in_ball(centre, radius);
+            let mut reach = self.star_of_found(centre, radius, triangles);
+            if doubtful <= 2.0 * reach {
+                triangles.truncate(begin);
+                self.unfolding.neighbours(centre, radius, &mut self.found);
+                reach = self.star_of_found(centre, radius, triangles);
+            }
             if 2.0 * reach <= radius {
                 break;
             }
@@ -64,19 +94,65 @@ impl<'a> StarMaker<'a> {
         }
     }
 
-    /// The star among the neighbours found; the largest circumradius, infinite if the star is open where no boundary is.
-    fn delaunay_star(&mut self, centre: u32, triangles: &mut Vec<[u32; 3]>) -> f64 {
+    /// Finds the samples of the piece of `centre` within `radius` of it, as if they were all of one sheet. The distance of
+    /// the nearest that may not be, for facing another way. (The two sides of a thin sheet do, and between two layers
+    /// that face the same way there is one that does not.)
+    fn find_in_ball(&mut self, centre: u32, radius: f64) -> f64 {
+        let Cloud { domain, samples, near, .. } = self.cloud;
+        let here = &samples[centre as usize];
+        near.collect_within(here.position, radius, &mut self.ball);
+        self.found.clear();
+        let mut doubtful = f64::INFINITY;
+        for neighbor in &self.ball {
+            let there = &samples[neighbor.point as usize];
+            if neighbor.point == centre || domain.piece_of(there.triangle) != domain.piece_of(here.triangle) {
+                continue;
+            }
+            match along_bend(here, there) {
+                Some(place) => self.found.push(Neighbour { sample: neighbor.point, place }),
+                None => doubtful = doubtful.min(neighbor.distance_squared.sqrt()),
+            }
+        }
+        doubtful
+    }
+
+    /// The star among the samples found; the largest circumradius, infinite if the star is open where no boundary is.
+    fn star_of_found(&mut self, centre: u32, radius: f64, triangles: &mut Vec<[u32; 3]>) -> f64 {
+        self.found.sort_unstable_by(|a, b| {
+            a.place.length_squared().total_cmp(&b.place.length_squared()).then(a.sample.cmp(&b.sample))
+        });
+        let at_boundary = |s: u32| self.cloud.successor[s as usize] != INTERIOR;
+        if at_boundary(centre) || self.found.iter().any(|n| at_boundary(n.sample)) {
+            self.constrained_star(centre, triangles)
+        } else {
+            self.star_of_cell(centre, radius, triangles)
+        }
+    }
+
+    /// The star of a sample without boundaries around it; the largest circumradius, infinite if the star is open.
+    fn star_of_cell(&mut self, centre: u32, radius: f64, triangles: &mut Vec<[u32; 3]>) -> f64 {
+        let reach = self.cell.cut(&self.found, radius);
+        if reach.is_finite() {
+            let ring = self.cell.ring();
+            let next = ring.clone().cycle().skip(1);
+            triangles.extend(ring.zip(next).map(|(a, b)| [centre, a, b]));
+        }
+        reach
+    }
+
+    /// The star among boundaries; the largest circumradius, infinite if the star is open where no boundary is.
+    fn constrained_star(&self, centre: u32, triangles: &mut Vec<[u32; 3]>) -> f64 {
         let Some(plane) = self.triangulation(centre) else { return f64::INFINITY };
         let Some(hub) = plane.fixed_vertices().next().map(|v| plane.vertex(v)) else { return f64::INFINITY };
         let mut ring: Vec<Site> = hub.out_edges().map(|e| *e.to().data()).collect();
         let inner: Vec<bool> = hub.out_edges().map(|e| !e.face().is_outer()).collect();
-        let next = self.successor[centre as usize];
+        let next = self.cloud.successor[centre as usize];
         let mut wedges = ring.len();
         if next != INTERIOR {
             // From the next sample on the boundary counter-clockwise to the one before.
             let Some(first) = ring.iter().position(|s| s.sample == next) else { return f64::INFINITY };
             ring.rotate_left(first);
-            let last = ring.iter().position(|s| self.successor[s.sample as usize] == centre);
+            let last = ring.iter().position(|s| self.cloud.successor[s.sample as usize] == centre);
             let Some(last) = last else { return f64::INFINITY };
             wedges = last;
         } else if inner.contains(&false) {
@@ -88,22 +164,19 @@ impl<'a> StarMaker<'a> {
             triangles.push([centre, a.sample, b.sample]);
             reach = reach.max(circumradius(a.place, b.place));
         }
-        reach * self.spacing
+        reach * self.cloud.spacing
     }
 
     /// The neighbours in units of the spacing, triangulated; the centre is the first vertex.
-    fn triangulation(&mut self, centre: u32) -> Option<ConstrainedDelaunayTriangulation<Site>> {
+    fn triangulation(&self, centre: u32) -> Option<ConstrainedDelaunayTriangulation<Site>> {
         let mut plane = ConstrainedDelaunayTriangulation::<Site>::new();
         let hub = plane.insert(Site { place: Point2::new(0.0, 0.0), sample: centre }).ok()?;
-        self.found.sort_unstable_by(|a, b| {
-            a.place.length_squared().total_cmp(&b.place.length_squared()).then(a.sample.cmp(&b.sample))
-        });
         let mut on_boundary = vec![];
-        if self.successor[centre as usize] != INTERIOR {
+        if self.cloud.successor[centre as usize] != INTERIOR {
             on_boundary.push((centre, hub));
         }
         for n in &self.found {
-            let DVec2 { x, y } = n.place / self.spacing;
+            let DVec2 { x, y } = n.place / self.cloud.spacing;
             let before = plane.num_vertices();
             // Places too small to be told apart are taken by the sample that came first.
             let clean = |c: f64| if c.abs() < 1e-9 { 0.0 } else { c };
@@ -112,12 +185,12 @@ impl<'a> StarMaker<'a> {
                 continue;
             }
             let vertex = plane.insert(Site { place, sample: n.sample }).ok()?;
-            if plane.num_vertices() > before && self.successor[n.sample as usize] != INTERIOR {
+            if plane.num_vertices() > before && self.cloud.successor[n.sample as usize] != INTERIOR {
                 on_boundary.push((n.sample, vertex));
             }
         }
         for &(sample, from) in &on_boundary {
-            let next = on_boundary.iter().find(|b| b.0 == self.successor[sample as usize]);
+            let next = on_boundary.iter().find(|b| b.0 == self.cloud.successor[sample as usize]);
             if let Some(&(_, to)) = next {
                 plane.try_add_constraint(from, to);
             }

@@ -30,6 +30,7 @@ pub struct SamplesByTriangle {
 }
 
 impl SamplesByTriangle {
+    /// The samples by triangle, of `triangle_count` triangles.
     pub fn new(triangle_count: usize, samples: &[Sample]) -> Self {
         let mut start = vec![0u32; triangle_count + 1];
         samples.iter().for_each(|s| start[s.triangle as usize + 1] += 1);
@@ -46,6 +47,7 @@ impl SamplesByTriangle {
         SamplesByTriangle { start, samples: sorted }
     }
 
+    /// The samples on triangle `t`, in increasing order.
     pub fn on(&self, t: u32) -> &[u32] {
         &self.samples[self.start[t as usize] as usize..self.start[t as usize + 1] as usize]
     }
@@ -54,6 +56,7 @@ impl SamplesByTriangle {
 /// A sample near another one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Neighbour {
+    /// Its number.
     pub sample: u32,
     /// Its place in the plane; the sample that was asked about is at the origin, the surface seen from outside.
     pub place: DVec2,
@@ -95,6 +98,7 @@ pub struct Unfolding<'a> {
 }
 
 impl<'a> Unfolding<'a> {
+    /// Walks over `domain` between `samples`.
     pub fn new(domain: &'a Domain, samples: &'a [Sample], by_triangle: &'a SamplesByTriangle) -> Self {
         let walked = vec![0; domain.mesh.triangles.len()];
         Unfolding { domain, samples, by_triangle, walked, walk: 0, front: BinaryHeap::new() }
@@ -135,22 +139,6 @@ impl<'a> Unfolding<'a> {
         })
     }
 
-    /// The place of sample `s` if the surface bends evenly on the way to it: its direction in the tangent plane of
-    /// `centre`, at the length of the arc whose chord joins them and whose ends have their normals. `None` where the
-    /// normals differ too much for that.
-    fn along_bend(&self, centre: u32, s: u32) -> Option<DVec2> {
-        let (a, b) = (&self.samples[centre as usize], &self.samples[s as usize]);
-        if a.normal.dot(b.normal) < LEAST_AGREEMENT {
-            return None;
-        }
-        let (x, y) = a.normal.any_orthonormal_pair();
-        let offset = b.position - a.position;
-        let half_sine = 0.5 * a.normal.distance(b.normal);
-        let stretch = if half_sine > 1e-6 { half_sine.asin() / half_sine } else { 1.0 };
-        let direction = DVec2::new(offset.dot(x), offset.dot(y)).normalize_or_zero();
-        Some(direction * offset.length() * stretch)
-    }
-
     /// Notes the samples of a triangle laid flat, and the sides to go on from.
     fn visit(
         &mut self,
@@ -162,6 +150,7 @@ impl<'a> Unfolding<'a> {
         found: &mut Vec<Neighbour>,
     ) {
         self.walked[t as usize] = self.walk;
+        let here = &self.samples[centre as usize];
         for &s in self.by_triangle.on(t).iter().filter(|&&s| s != centre) {
             let w = crate::geom::triangle::barycentric(
                 self.samples[s as usize].position,
@@ -169,7 +158,7 @@ impl<'a> Unfolding<'a> {
             );
             let place = corners[0] * w[0] + corners[1] * w[1] + corners[2] * w[2];
             if place.length_squared() <= radius * radius {
-                let place = self.along_bend(centre, s).unwrap_or(place);
+                let place = along_bend(here, &self.samples[s as usize]).unwrap_or(place);
                 found.push(Neighbour { sample: s, place });
             }
         }
@@ -197,6 +186,21 @@ impl<'a> Unfolding<'a> {
         let height = (b - a).cross(c - a).length() / base;
         p + along * (q - p) + height * (q - p).perp()
     }
+}
+
+/// The place of `there` in the tangent plane of `here` if the surface bends evenly on the way: the direction is the one
+/// to it, the length that of the arc whose chord joins them and whose ends have their normals. `None` where the normals
+/// differ too much for that.
+pub fn along_bend(here: &Sample, there: &Sample) -> Option<DVec2> {
+    if here.normal.dot(there.normal) < LEAST_AGREEMENT {
+        return None;
+    }
+    let (x, y) = here.normal.any_orthonormal_pair();
+    let offset = there.position - here.position;
+    let half_sine = 0.5 * here.normal.distance(there.normal);
+    let stretch = if half_sine > 1e-6 { half_sine.asin() / half_sine } else { 1.0 };
+    let direction = DVec2::new(offset.dot(x), offset.dot(y)).normalize_or_zero();
+    Some(direction * offset.length() * stretch)
 }
 
 fn distance_to_origin(p: DVec2, q: DVec2) -> f64 {
