@@ -11,6 +11,7 @@ use crate::spectral::ascent::{SIGMA_OF_SPACING as ASCENT_SIGMA, ascend};
 use crate::spectral::boundary::sample_boundaries;
 use crate::spectral::candidates::candidates;
 use crate::spectral::scan::linear_scan;
+use crate::surface::crossings::crossing_faces;
 use crate::surface::domain::Domain;
 use crate::surface::manifold::Manifold;
 use crate::surface::mesh::Mesh;
@@ -111,14 +112,24 @@ pub struct Remeshed {
     pub wanted: usize,
     /// Connected pieces whose samples did not settle by themselves and took their connectivity from the input.
     pub tessellated_pieces: usize,
+    /// Faces of the result that cross or touch another one where they are not joined, in increasing order.
+    pub crossing_faces: Vec<u32>,
+    /// How many faces of the repaired input do; `None` where the result has none, since then nobody needs to know.
+    pub crossing_faces_of_input: Option<usize>,
     /// Things a user should know, a sentence each.
     pub notes: Vec<String>,
 }
 
 impl Remeshed {
+    /// Whether the result is what it should be: of the topology of the repaired input, and without faces that cross each
+    /// other, unless the input has some, too.
+    pub fn verified(&self) -> bool {
+        self.has_topology() && (self.crossing_faces.is_empty() || self.crossing_faces_of_input != Some(0))
+    }
+
     /// Whether the result is an oriented manifold of the repaired input's Euler characteristic, components and
     /// boundary loops.
-    pub fn verified(&self) -> bool {
+    pub fn has_topology(&self) -> bool {
         let kind = |t: &Topology| (t.euler, t.components, t.boundary_loops);
         self.output.is_manifold() && self.output.is_oriented() && kind(&self.output) == kind(&self.repaired)
     }
@@ -177,7 +188,9 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
         ascend(&domain, &mut made.mesh, ASCENT_SIGMA * scale.spacing, options.sweeps, monitor)?;
     }
 
+    monitor.stage("check");
     let mesh = unit.outwards(made.mesh.to_mesh());
+    let crossing = crossing_faces(&mesh);
     let mut result = Remeshed {
         input: topology(input.positions.len(), &input.triangles),
         repaired,
@@ -188,6 +201,8 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
         spacing: unit.size * scale.spacing,
         wanted: scale.wanted,
         tessellated_pieces: made.tessellated_pieces,
+        crossing_faces_of_input: (!crossing.is_empty()).then(|| domain.crossing_faces()),
+        crossing_faces: crossing,
         notes: Vec::new(),
     };
     result.notes = notes(&result, open_seams);
@@ -359,8 +374,21 @@ fn notes(result: &Remeshed, open_seams: usize) -> Vec<String> {
             result.output.vertices, result.wanted
         ));
     }
-    if !result.verified() {
+    notes.extend(note_on_crossings(result));
+    if !result.has_topology() {
         notes.push("the result does not have the topology of the input".into());
     }
     notes
+}
+
+/// How many faces cross, where the first one is, and whether the input is to blame.
+fn note_on_crossings(result: &Remeshed) -> Option<String> {
+    let (first, count) = (*result.crossing_faces.first()?, result.crossing_faces.len());
+    let place = result.mesh.corners(first as usize).into_iter().sum::<DVec3>() / 3.0;
+    let input = match result.crossing_faces_of_input {
+        Some(0) | None => "none of the input do; more points there would part them".into(),
+        Some(n) => format!("so do {n} of the input"),
+    };
+    let [x, y, z] = place.to_array().map(|x| format!("{x:.6}"));
+    Some(format!("{count} faces cross or touch each other, the first near ({x}, {y}, {z}): {input}"))
 }

@@ -4,6 +4,7 @@
 use crate::geom::triangle::barycentric;
 use crate::surface::bvh::Bvh;
 use crate::surface::connectivity::next;
+use crate::surface::crossings::{crossing_pairs, faces_of};
 use crate::surface::mesh::Mesh;
 use crate::surface::topology::{NONE, components, twins};
 use glam::DVec3;
@@ -100,6 +101,11 @@ impl Domain {
         };
         let t = curves.sides[hit.triangle as usize] / 3;
         self.sample(t, barycentric(hit.point, self.mesh.corners(t as usize)))
+    }
+
+    /// How many triangles cross or touch another one where they are not joined.
+    pub fn crossing_faces(&self) -> usize {
+        faces_of(crossing_pairs(&self.mesh, &self.bvh)).len()
     }
 
     /// The boundary loops, each as the sides `3 t + k` along it with the surface on their left.

@@ -2,6 +2,7 @@
 
 pub mod bvh;
 pub mod connectivity;
+pub mod crossings;
 pub mod domain;
 pub mod manifold;
 pub mod mesh;
