@@ -7,6 +7,7 @@ use crate::optimize::angles::improve_angles;
 use crate::optimize::counts::meet_count;
 use crate::optimize::levels::{coarsen, fix_all_but_bent, fix_tips, split_to, trim};
 use crate::optimize::relax::{Stiffness, relax};
+use crate::optimize::untangle::untangle;
 use crate::spectral::ascent::{SIGMA_OF_SPACING as ASCENT_SIGMA, ascend};
 use crate::spectral::boundary::sample_boundaries;
 use crate::spectral::candidates::candidates;
@@ -188,7 +189,8 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
         ascend(&domain, &mut made.mesh, ASCENT_SIGMA * scale.spacing, options.sweeps, monitor)?;
     }
 
-    monitor.stage("check");
+    monitor.stage("untangle");
+    untangle(&domain, &mut made.mesh, monitor)?;
     let mesh = unit.outwards(made.mesh.to_mesh());
     let crossing = crossing_faces(&mesh);
     let mut result = Remeshed {
