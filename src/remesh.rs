@@ -143,6 +143,9 @@ const SIGMA_OF_SPACING: f64 = 0.866;
 /// Candidates for each wanted point: with fewer the scan leaves gaps, with more it only takes longer.
 const CANDIDATES_PER_POINT: usize = 20;
 
+/// Samples of the boundary for each wanted point: a narrow band has two, a heap of needles might have thousands.
+const MOST_ON_BOUNDARY: f64 = 4.0;
+
 /// Longest edge of the domain in mean spacings, for the sake of the walks over it.
 const LONGEST_EDGE: f64 = 2.0;
 
@@ -172,7 +175,7 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
     let most = 4 * clean.triangles.len() + 16 * scale.wanted;
     refine(&mut clean, LONGEST_EDGE * scale.spacing, most);
     let domain = Domain::new(clean);
-    let boundary = sample_boundaries(&domain, scale.spacing);
+    let boundary = sample_boundaries(&domain, scale.boundary_spacing(&domain));
     let candidates =
         candidates(&domain, CANDIDATES_PER_POINT * scale.wanted, &mut stream(options.seed, Stage::Candidates));
     let samples = linear_scan(&domain, &candidates, &boundary.samples, scale.sigma(), options.seed, monitor)?;
@@ -190,7 +193,7 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
     }
 
     monitor.stage("untangle");
-    untangle(&domain, &mut made.mesh, monitor)?;
+    untangle(&domain, &mut made.mesh, scale.spacing, monitor)?;
     let mesh = unit.outwards(made.mesh.to_mesh());
     let crossing = crossing_faces(&mesh);
     let mut result = Remeshed {
@@ -203,7 +206,7 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
         spacing: unit.size * scale.spacing,
         wanted: scale.wanted,
         tessellated_pieces: made.tessellated_pieces,
-        crossing_faces_of_input: (!crossing.is_empty()).then(|| domain.crossing_faces()),
+        crossing_faces_of_input: (!crossing.is_empty()).then(|| domain.crossing_faces().len()),
         crossing_faces: crossing,
         notes: Vec::new(),
     };
@@ -284,6 +287,12 @@ impl Scale {
             Density::EdgeLength(l) => from_length("edge-length", l, l / unit.size),
             Density::SigmaP(s) => from_length("sigma-p", s, s / unit.size / SIGMA_OF_SPACING),
         }
+    }
+
+    /// The spacing along the boundary: wider where the boundary is so long, for its area, that it would take many times
+    /// the wanted vertices.
+    fn boundary_spacing(&self, domain: &Domain) -> f64 {
+        self.spacing.max(domain.boundary_length() / (MOST_ON_BOUNDARY * self.wanted as f64))
     }
 
     fn sigma(&self) -> f64 {

@@ -9,18 +9,20 @@
 //! - Single edges flip and single vertices move to where fewer faces cross; of several such places to the one with the
 //!   best triangles.
 //!
-//! A turn that leaves more crossings than there were is taken back. What is left after the last turn stays, and is for
-//! the report to tell.
+//! A turn that leaves more crossings than there were is taken back. Where turns do not help, samples are missing: the
+//! longest edges of the faces that cross are split, and as many vertices collapse elsewhere, the shortest edges first.
+//! Places where the input crosses itself are left alone: there the sheets are where they should be. What crosses in the
+//! end is for the report to tell.
 //!
 //! Cost: one search for crossings where there are none. Else one for each step of the sheets, and some ten searches
 //! among its surroundings for each corner of a crossing face.
-//!
-//! Limits: no vertices are added, so a place whose samples cannot be joined without a crossing keeps it.
 
 use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};
 use crate::geom::crossing::cross;
-use crate::geom::triangle::mean_ratio;
+use crate::optimize::angles::improve_angles;
+use crate::optimize::counts::collapse_shortest;
+use crate::geom::triangle::{longest_side, mean_ratio};
 use crate::surface::bvh::Bvh;
 use crate::surface::connectivity::{next, prev};
 use crate::surface::crossings::crossing_pairs;
@@ -52,23 +54,33 @@ const DIRECTIONS: usize = 8;
 const LEAST_FACING: f64 = 0.2;
 const LEAST_SHAPE: f64 = 0.25;
 
-/// Moves vertices and flips edges until no faces cross, or nothing helps.
-pub fn untangle(domain: &Domain, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<()> {
-    let mut left = Faces::new(mesh).pairs.len();
-    for _ in 0..TURNS {
-        if left == 0 {
-            break;
+/// Faces that are mended one by one in a turn: where more cross, only parting sheets can help.
+const MOST_MENDED: usize = 2000;
+
+/// Rounds of splitting, the length in spacings above which an edge may be split, and the share of the vertices that may be
+/// added in all.
+const SPLIT_ROUNDS: usize = 3;
+const SPLIT_ABOVE: f64 = 0.5;
+const MOST_ADDED: f64 = 0.02;
+
+/// Least cosine to the surface and least mean ratio of triangles after a collapse that makes up for a split.
+const COLLAPSE_FACING: f64 = 0.7;
+const COLLAPSE_SHAPE: f64 = 0.7;
+
+/// Moves vertices and flips edges, and splits some, until no faces cross that need not, or nothing helps. The count of
+/// vertices stays. `spacing` is the mean edge length.
+pub fn untangle(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
+    if Faces::new(mesh).pairs.is_empty() {
+        return Ok(());
+    }
+    let work = Work { domain, inherited: Inherited::new(domain) };
+    mesh.fixed.fill(false);
+    let left = work.take_turns(mesh, monitor)?;
+    if left > 0 {
+        let mut denser = mesh.clone();
+        if work.exchange_vertices(&mut denser, spacing, monitor)? < left {
+            *mesh = denser;
         }
-        check(monitor)?;
-        let before = mesh.clone();
-        part_sheets(domain, mesh);
-        mend_faces(domain, mesh);
-        let now = Faces::new(mesh).pairs.len();
-        if now >= left {
-            *mesh = before;
-            break;
-        }
-        left = now;
     }
     Ok(())
 }
@@ -95,17 +107,145 @@ impl Faces {
     }
 }
 
-/// Moves the sheets that cross apart, step by step, and keeps the step with the fewest crossings.
-fn part_sheets(domain: &Domain, mesh: &mut Manifold) {
-    let mut best = (Faces::new(mesh).pairs.len(), mesh.samples.clone());
-    for _ in 0..STEPS {
-        let pairs = Faces::new(mesh).pairs;
+/// The triangles of the input that cross each other.
+struct Inherited {
+    mesh: Mesh,
+    bvh: Bvh,
+}
+
+impl Inherited {
+    fn new(domain: &Domain) -> Inherited {
+        let triangles = domain.crossing_faces().into_iter().map(|t| domain.mesh.triangles[t as usize]).collect();
+        let mesh = Mesh { positions: domain.mesh.positions.clone(), triangles };
+        Inherited { bvh: Bvh::new(&mesh), mesh }
+    }
+
+    /// Whether some of them are within a triangle's length of it.
+    fn is_near(&self, triangle: Corners) -> bool {
+        let middle = triangle.iter().sum::<DVec3>() / 3.0;
+        let length = longest_side(triangle);
+        !self.mesh.triangles.is_empty()
+            && self.bvh.closest_where(&self.mesh, middle, length * length, |_| true).is_some()
+    }
+}
+
+/// What all means need.
+struct Work<'a> {
+    domain: &'a Domain,
+    inherited: Inherited,
+}
+
+impl Work<'_> {
+    /// The faces, and of the pairs that cross those that need not.
+    fn faces(&self, mesh: &Manifold) -> Faces {
+        let mut faces = Faces::new(mesh);
+        faces.pairs.retain(|&(t, u)| ![t, u].iter().all(|t| self.inherited.is_near(corners(mesh, 3 * t))));
+        faces
+    }
+
+    /// Parts sheets and mends faces in turns; how many pairs still cross.
+    fn take_turns(&self, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<usize> {
+        let mut faces = self.faces(mesh);
+        for _ in 0..TURNS {
+            if faces.pairs.is_empty() {
+                break;
+            }
+            check(monitor)?;
+            let (before, left) = (mesh.clone(), faces.pairs.len());
+            faces = self.part_sheets(mesh, faces);
+            mend_faces(self.domain, mesh, faces);
+            faces = self.faces(mesh);
+            if faces.pairs.len() >= left {
+                *mesh = before;
+                return Ok(left);
+            }
+        }
+        Ok(faces.pairs.len())
+    }
+
+    /// Splits edges where faces cross, takes turns there, and collapses edges elsewhere; how many pairs still cross.
+    fn exchange_vertices(&self, mesh: &mut Manifold, spacing: f64, monitor: &dyn Monitor) -> Result<usize> {
+        let wanted = mesh.connectivity.vertex_count();
+        let most = wanted + (MOST_ADDED * wanted as f64).ceil() as usize;
+        for _ in 0..SPLIT_ROUNDS {
+            let faces = self.faces(mesh);
+            let room = most.saturating_sub(mesh.connectivity.vertex_count());
+            let split = split_faces(self.domain, mesh, &faces, spacing, room);
+            if split == 0 || self.take_turns(mesh, monitor)? == 0 {
+                break;
+            }
+        }
+        give_back(mesh, wanted);
+        improve_angles(self.domain, mesh, spacing, monitor)?;
+        mesh.fixed.fill(false);
+        let left = self.take_turns(mesh, monitor)?;
+        Ok(if mesh.connectivity.vertex_count() == wanted { left } else { usize::MAX })
+    }
+}
+
+/// Splits the longest edge of each face that crosses, if it is long enough, at most `most` in all; how many it were.
+fn split_faces(domain: &Domain, mesh: &mut Manifold, faces: &Faces, spacing: f64, most: usize) -> usize {
+    let mut count = 0;
+    let crossing: BTreeSet<u32> = faces.pairs.iter().flat_map(|&(t, u)| [t, u]).collect();
+    for h in crossing.into_iter().map(|face| 3 * face) {
+        let sides = [h, next(h), prev(h)].map(|side| (mesh.length_squared(side), side));
+        let (squared, longest) = sides.into_iter().fold(sides[0], |a, b| if b.0 > a.0 { b } else { a });
+        if count == most || squared <= (SPLIT_ABOVE * spacing).powi(2) {
+            continue;
+        }
+        if let Some(v) = mesh.split_at_middle(domain, longest) {
+            mesh.flip_to_delaunay(mesh.connectivity.outgoing(v).flat_map(|h| [h, next(h)]).collect());
+            count += 1;
+        }
+    }
+    count
+}
+
+/// Collapses edges until there are `wanted` vertices, and fixes all vertices but those next to where one went.
+fn give_back(mesh: &mut Manifold, wanted: usize) {
+    let before = mesh.connectivity.clone();
+    collapse_shortest(mesh, wanted, |mesh, h| {
+        let (facing, shape) = mesh.after_collapse(h);
+        !mesh.connectivity.is_boundary(mesh.connectivity.origin(h))
+            && facing >= COLLAPSE_FACING
+            && shape >= COLLAPSE_SHAPE
+    });
+    mesh.fixed.fill(true);
+    let gone = (0..before.vertex_bound()).filter(|&v| before.has_vertex(v) && !mesh.connectivity.has_vertex(v));
+    for v in gone.flat_map(|v| before.ring(v)) {
+        mesh.fixed[v as usize] = false;
+    }
+}
+
+impl Work<'_> {
+    /// Moves the sheets that cross apart, step by step, and keeps the step with the fewest crossings; the faces then.
+    fn part_sheets(&self, mesh: &mut Manifold, faces: Faces) -> Faces {
+        let mut best = (faces, mesh.samples.clone());
+        let mut pairs = best.0.pairs.clone();
+        for _ in 0..STEPS {
+            let ways = self.ways_apart(mesh, &pairs);
+            let moved = ways.into_iter().filter(|&(v, way)| step_off(self.domain, mesh, v, way)).count();
+            if moved == 0 {
+                break;
+            }
+            let faces = self.faces(mesh);
+            pairs.clone_from(&faces.pairs);
+            if pairs.len() < best.0.pairs.len() {
+                best = (faces, mesh.samples.clone());
+            }
+        }
+        mesh.samples = best.1;
+        best.0
+    }
+
+    /// For each corner of the faces that cross the longest step away from a sheet in its way.
+    fn ways_apart(&self, mesh: &Manifold, pairs: &[(u32, u32)]) -> BTreeMap<u32, DVec3> {
         let mut ways: BTreeMap<u32, DVec3> = BTreeMap::new();
-        for &(t, u) in &pairs {
+        for &(t, u) in pairs {
+            let step = STEP * height(self.domain, mesh, t).max(height(self.domain, mesh, u));
             for (face, other) in [(t, u), (u, t)] {
-                let step = STEP * height(domain, mesh, face).max(height(domain, mesh, other));
                 for v in mesh.connectivity.triangle(3 * face) {
-                    let way = step * away_from(domain, mesh, v, other);
+                    let way = step * away_from(self.domain, mesh, v, other);
                     let longest = ways.entry(v).or_default();
                     if way.length_squared() > longest.length_squared() {
                         *longest = way;
@@ -113,22 +253,8 @@ fn part_sheets(domain: &Domain, mesh: &mut Manifold) {
                 }
             }
         }
-        let mut moved = false;
-        for (v, way) in ways {
-            moved |= step_off(domain, mesh, v, way);
-        }
-        if !moved {
-            break;
-        }
-        let count = Faces::new(mesh).pairs.len();
-        if count < best.0 {
-            best = (count, mesh.samples.clone());
-        }
-        if count == 0 {
-            break;
-        }
+        ways
     }
-    mesh.samples = best.1;
 }
 
 /// How far the middle of a face is from the surface that it stands for.
@@ -174,11 +300,10 @@ fn longest_edge(mesh: &Manifold, v: u32) -> f64 {
 }
 
 /// Flips edges and moves vertices of faces that cross, one by one, where that leaves fewer crossings.
-fn mend_faces(domain: &Domain, mesh: &mut Manifold) {
-    let faces = Faces::new(mesh);
+fn mend_faces(domain: &Domain, mesh: &mut Manifold, faces: Faces) {
     let crossing: BTreeSet<u32> = faces.pairs.iter().flat_map(|&(t, u)| [t, u]).collect();
     let mut around = Surroundings { faces, changed: BTreeSet::new() };
-    for face in crossing {
+    for face in crossing.into_iter().take(MOST_MENDED) {
         let h = 3 * face;
         for side in [h, next(h), prev(h)] {
             around.flip_if_fewer(mesh, side);

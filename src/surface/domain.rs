@@ -103,9 +103,15 @@ impl Domain {
         self.sample(t, barycentric(hit.point, self.mesh.corners(t as usize)))
     }
 
-    /// How many triangles cross or touch another one where they are not joined.
-    pub fn crossing_faces(&self) -> usize {
-        faces_of(crossing_pairs(&self.mesh, &self.bvh)).len()
+    /// The triangles that cross or touch another one where they are not joined.
+    pub fn crossing_faces(&self) -> Vec<u32> {
+        faces_of(crossing_pairs(&self.mesh, &self.bvh))
+    }
+
+    /// The length of all boundary loops.
+    pub fn boundary_length(&self) -> f64 {
+        let length = |t: usize| self.boundary.segments.corners(t)[0].distance(self.boundary.segments.corners(t)[1]);
+        (0..self.boundary.sides.len()).map(length).sum()
     }
 
     /// The boundary loops, each as the sides `3 t + k` along it with the surface on their left.
