@@ -193,7 +193,7 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
     }
 
     monitor.stage("untangle");
-    untangle(&domain, &mut made.mesh, scale.spacing, monitor)?;
+    untangle(&domain, &mut made.mesh, monitor)?;
     let mesh = unit.outwards(made.mesh.to_mesh());
     let crossing = crossing_faces(&mesh);
     let mut result = Remeshed {

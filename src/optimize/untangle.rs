@@ -9,19 +9,18 @@
 //! - Single edges flip and single vertices move to where fewer faces cross; of several such places to the one with the
 //!   best triangles.
 //!
-//! A turn that leaves more crossings than there were is taken back. Where turns do not help, samples are missing: the
-//! longest edges of the faces that cross are split, and as many vertices collapse elsewhere, the shortest edges first.
-//! Places where the input crosses itself are left alone: there the sheets are where they should be. What crosses in the
-//! end is for the report to tell.
+//! A turn that leaves as many crossings as there were is taken back, and is the last. Places where the input crosses
+//! itself are left alone: there the sheets are where they should be. What crosses in the end is for the report to tell.
 //!
 //! Cost: one search for crossings where there are none. Else one for each step of the sheets, and some ten searches
 //! among its surroundings for each corner of a crossing face.
+//!
+//! Limits: vertices that step away from the surface stay off it, by at most `FARTHEST`. A place whose samples cannot be
+//! joined without a crossing keeps it: splitting the edges there made more faces cross, not fewer.
 
 use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};
 use crate::geom::crossing::cross;
-use crate::optimize::angles::improve_angles;
-use crate::optimize::counts::collapse_shortest;
 use crate::geom::triangle::{longest_side, mean_ratio};
 use crate::surface::bvh::Bvh;
 use crate::surface::connectivity::{next, prev};
@@ -42,7 +41,7 @@ const STEPS: usize = 6;
 const STEP: f64 = 0.35;
 
 /// How far a vertex may step away from its place on the surface, in lengths of its longest edge.
-const FARTHEST: f64 = 0.15;
+const FARTHEST: f64 = 0.1;
 
 /// Distances, in lengths of the longest edge there, at which a vertex looks for a better place.
 const REACHES: [f64; 4] = [0.06, 0.12, 0.25, 0.5];
@@ -57,32 +56,12 @@ const LEAST_SHAPE: f64 = 0.25;
 /// Faces that are mended one by one in a turn: where more cross, only parting sheets can help.
 const MOST_MENDED: usize = 2000;
 
-/// Rounds of splitting, the length in spacings above which an edge may be split, and the share of the vertices that may be
-/// added in all.
-const SPLIT_ROUNDS: usize = 3;
-const SPLIT_ABOVE: f64 = 0.5;
-const MOST_ADDED: f64 = 0.02;
-
-/// Least cosine to the surface and least mean ratio of triangles after a collapse that makes up for a split.
-const COLLAPSE_FACING: f64 = 0.7;
-const COLLAPSE_SHAPE: f64 = 0.7;
-
-/// Moves vertices and flips edges, and splits some, until no faces cross that need not, or nothing helps. The count of
-/// vertices stays. `spacing` is the mean edge length.
-pub fn untangle(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
+/// Moves vertices and flips edges until no faces cross that need not, or nothing helps.
+pub fn untangle(domain: &Domain, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<()> {
     if Faces::new(mesh).pairs.is_empty() {
         return Ok(());
     }
-    let work = Work { domain, inherited: Inherited::new(domain) };
-    mesh.fixed.fill(false);
-    let left = work.take_turns(mesh, monitor)?;
-    if left > 0 {
-        let mut denser = mesh.clone();
-        if work.exchange_vertices(&mut denser, spacing, monitor)? < left {
-            *mesh = denser;
-        }
-    }
-    Ok(())
+    Work { domain, inherited: Inherited::new(domain) }.take_turns(mesh, monitor)
 }
 
 /// The faces of a mesh at one time.
@@ -143,8 +122,8 @@ impl Work<'_> {
         faces
     }
 
-    /// Parts sheets and mends faces in turns; how many pairs still cross.
-    fn take_turns(&self, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<usize> {
+    /// Parts sheets and mends faces in turns; no turn leaves more pairs that cross.
+    fn take_turns(&self, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<()> {
         let mut faces = self.faces(mesh);
         for _ in 0..TURNS {
             if faces.pairs.is_empty() {
@@ -157,67 +136,12 @@ impl Work<'_> {
             faces = self.faces(mesh);
             if faces.pairs.len() >= left {
                 *mesh = before;
-                return Ok(left);
-            }
-        }
-        Ok(faces.pairs.len())
-    }
-
-    /// Splits edges where faces cross, takes turns there, and collapses edges elsewhere; how many pairs still cross.
-    fn exchange_vertices(&self, mesh: &mut Manifold, spacing: f64, monitor: &dyn Monitor) -> Result<usize> {
-        let wanted = mesh.connectivity.vertex_count();
-        let most = wanted + (MOST_ADDED * wanted as f64).ceil() as usize;
-        for _ in 0..SPLIT_ROUNDS {
-            let faces = self.faces(mesh);
-            let room = most.saturating_sub(mesh.connectivity.vertex_count());
-            let split = split_faces(self.domain, mesh, &faces, spacing, room);
-            if split == 0 || self.take_turns(mesh, monitor)? == 0 {
                 break;
             }
         }
-        give_back(mesh, wanted);
-        improve_angles(self.domain, mesh, spacing, monitor)?;
-        mesh.fixed.fill(false);
-        let left = self.take_turns(mesh, monitor)?;
-        Ok(if mesh.connectivity.vertex_count() == wanted { left } else { usize::MAX })
+        Ok(())
     }
-}
 
-/// Splits the longest edge of each face that crosses, if it is long enough, at most `most` in all; how many it were.
-fn split_faces(domain: &Domain, mesh: &mut Manifold, faces: &Faces, spacing: f64, most: usize) -> usize {
-    let mut count = 0;
-    let crossing: BTreeSet<u32> = faces.pairs.iter().flat_map(|&(t, u)| [t, u]).collect();
-    for h in crossing.into_iter().map(|face| 3 * face) {
-        let sides = [h, next(h), prev(h)].map(|side| (mesh.length_squared(side), side));
-        let (squared, longest) = sides.into_iter().fold(sides[0], |a, b| if b.0 > a.0 { b } else { a });
-        if count == most || squared <= (SPLIT_ABOVE * spacing).powi(2) {
-            continue;
-        }
-        if let Some(v) = mesh.split_at_middle(domain, longest) {
-            mesh.flip_to_delaunay(mesh.connectivity.outgoing(v).flat_map(|h| [h, next(h)]).collect());
-            count += 1;
-        }
-    }
-    count
-}
-
-/// Collapses edges until there are `wanted` vertices, and fixes all vertices but those next to where one went.
-fn give_back(mesh: &mut Manifold, wanted: usize) {
-    let before = mesh.connectivity.clone();
-    collapse_shortest(mesh, wanted, |mesh, h| {
-        let (facing, shape) = mesh.after_collapse(h);
-        !mesh.connectivity.is_boundary(mesh.connectivity.origin(h))
-            && facing >= COLLAPSE_FACING
-            && shape >= COLLAPSE_SHAPE
-    });
-    mesh.fixed.fill(true);
-    let gone = (0..before.vertex_bound()).filter(|&v| before.has_vertex(v) && !mesh.connectivity.has_vertex(v));
-    for v in gone.flat_map(|v| before.ring(v)) {
-        mesh.fixed[v as usize] = false;
-    }
-}
-
-impl Work<'_> {
     /// Moves the sheets that cross apart, step by step, and keeps the step with the fewest crossings; the faces then.
     fn part_sheets(&self, mesh: &mut Manifold, faces: Faces) -> Faces {
         let mut best = (faces, mesh.samples.clone());
@@ -284,14 +208,19 @@ fn away_from(domain: &Domain, mesh: &Manifold, v: u32, other: u32) -> DVec3 {
 fn step_off(domain: &Domain, mesh: &mut Manifold, v: u32, way: DVec3) -> bool {
     let here = mesh.samples[v as usize];
     let there = Sample { position: here.position + way, ..here };
-    let own = domain.project(there.position, here.normal, here.triangle).position;
     let may = way != DVec3::ZERO
-        && own.distance(there.position) <= FARTHEST * longest_edge(mesh, v)
+        && is_near_surface(domain, mesh, v, &there)
         && mesh.worst_facing(v, &there) >= mesh.worst_facing(v, &here).min(LEAST_FACING);
     if may {
         mesh.samples[v as usize] = there;
     }
     may
+}
+
+/// Whether `there` is a place for `v` that is not too far from the surface.
+fn is_near_surface(domain: &Domain, mesh: &Manifold, v: u32, there: &Sample) -> bool {
+    let own = domain.project(there.position, there.normal, there.triangle).position;
+    own.distance(there.position) <= FARTHEST * longest_edge(mesh, v)
 }
 
 fn longest_edge(mesh: &Manifold, v: u32) -> f64 {
@@ -424,5 +353,5 @@ fn places(domain: &Domain, mesh: &Manifold, v: u32, distance: f64) -> Vec<Sample
         domain.project(here.position + distance * (cos * x + sin * y), here.normal, here.triangle)
     });
     let off = [0.3, -0.3].map(|side| Sample { position: here.position + side * distance * here.normal, ..here });
-    around.chain(off).collect()
+    around.chain(off.into_iter().filter(|there| is_near_surface(domain, mesh, v, there))).collect()
 }
