@@ -7,10 +7,12 @@ use crate::optimize::angles::improve_angles;
 use crate::optimize::counts::meet_count;
 use crate::optimize::levels::{balance, coarsen, fix_all_but_bent, fix_tips, split_to};
 use crate::optimize::relax::{Stiffness, relax};
+use crate::optimize::untangle::untangle;
 use crate::spectral::ascent::{Climb, LONG_STEP, PAPER_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA, ascend};
 use crate::spectral::candidates::candidates;
 use crate::spectral::curves::sample_curves;
 use crate::spectral::scan::linear_scan;
+use crate::surface::crossings::crossing_faces;
 use crate::surface::domain::Domain;
 use crate::surface::features::Features;
 use crate::surface::manifold::Manifold;
@@ -131,14 +133,24 @@ pub struct Remeshed {
     /// Smooth patches whose samples did not settle even with parts of them tessellated from the input, and that were
     /// tessellated as a whole.
     pub tessellated_pieces: usize,
+    /// Faces of the result that cross or touch another one where they are not joined, in increasing order.
+    pub crossing_faces: Vec<u32>,
+    /// How many faces of the repaired input do; `None` where the result has none, since then nobody needs to know.
+    pub crossing_faces_of_input: Option<usize>,
     /// Things a user should know, a sentence each.
     pub notes: Vec<String>,
 }
 
 impl Remeshed {
+    /// Whether the result is what it should be: of the topology of the repaired input, and without faces that cross each
+    /// other, unless the input has some, too.
+    pub fn verified(&self) -> bool {
+        self.has_topology() && (self.crossing_faces.is_empty() || self.crossing_faces_of_input != Some(0))
+    }
+
     /// Whether the result is an oriented manifold of the repaired input's Euler characteristic, components and
     /// boundary loops.
-    pub fn verified(&self) -> bool {
+    pub fn has_topology(&self) -> bool {
         let kind = |t: &Topology| (t.euler, t.components, t.boundary_loops);
         self.output.is_manifold() && self.output.is_oriented() && kind(&self.output) == kind(&self.repaired)
     }
@@ -150,6 +162,9 @@ const SIGMA_OF_SPACING: f64 = 0.866;
 
 /// Candidates for each wanted point: with fewer the scan leaves gaps, with more it only takes longer.
 const CANDIDATES_PER_POINT: usize = 20;
+
+/// Samples of the boundary for each wanted point: a narrow band has two, a heap of needles might have thousands.
+const MOST_ON_CURVES: f64 = 4.0;
 
 /// Longest edge of the domain in mean spacings, for the sake of the walks over it.
 const LONGEST_EDGE: f64 = 2.0;
@@ -192,7 +207,10 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
         ascend(&domain, &mut made.mesh, climb, monitor)?;
     }
 
+    monitor.stage("untangle");
+    untangle(&domain, &mut made.mesh, monitor)?;
     let mesh = unit.outwards(made.mesh.to_mesh());
+    let crossing = crossing_faces(&mesh);
     let mut result = Remeshed {
         input: input_topology,
         repaired,
@@ -204,6 +222,8 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
         wanted: scale.wanted,
         sharp_curves: domain.sharp_curves(),
         tessellated_pieces: made.tessellated_pieces,
+        crossing_faces_of_input: (!crossing.is_empty()).then(|| domain.crossing_faces().len()),
+        crossing_faces: crossing,
         notes: Vec::new(),
     };
     result.notes = notes(&result, open_seams);
@@ -250,7 +270,7 @@ fn mesh_of_samples(
     options: &Options,
     monitor: &dyn Monitor,
 ) -> Result<Meshed> {
-    let curves = sample_curves(domain, scale.spacing / curve_density);
+    let curves = sample_curves(domain, scale.curve_spacing(domain) / curve_density);
     let candidates =
         candidates(domain, CANDIDATES_PER_POINT * scale.wanted, &mut stream(options.seed, Stage::Candidates));
     let samples = linear_scan(domain, &candidates, &curves.samples, scale.sigma(), options.seed, monitor)?;
@@ -354,6 +374,12 @@ impl Scale {
         }
     }
 
+    /// The spacing along curves: wider where they are so long, for the area, that they would take many times the wanted
+    /// vertices.
+    fn curve_spacing(&self, domain: &Domain) -> f64 {
+        self.spacing.max(domain.curves.length() / (MOST_ON_CURVES * self.wanted as f64))
+    }
+
     fn sigma(&self) -> f64 {
         SIGMA_OF_SPACING * self.spacing
     }
@@ -444,8 +470,21 @@ fn notes(result: &Remeshed, open_seams: usize) -> Vec<String> {
             result.output.vertices, result.wanted
         ));
     }
-    if !result.verified() {
+    notes.extend(note_on_crossings(result));
+    if !result.has_topology() {
         notes.push("the result does not have the topology of the input".into());
     }
     notes
+}
+
+/// How many faces cross, where the first one is, and whether the input is to blame.
+fn note_on_crossings(result: &Remeshed) -> Option<String> {
+    let (first, count) = (*result.crossing_faces.first()?, result.crossing_faces.len());
+    let place = result.mesh.corners(first as usize).into_iter().sum::<DVec3>() / 3.0;
+    let input = match result.crossing_faces_of_input {
+        Some(0) | None => "none of the input do; more points there would part them".into(),
+        Some(n) => format!("so do {n} of the input"),
+    };
+    let [x, y, z] = place.to_array().map(|x| format!("{x:.6}"));
+    Some(format!("{count} faces cross or touch each other, the first near ({x}, {y}, {z}): {input}"))
 }

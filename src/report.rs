@@ -11,6 +11,7 @@ mod table;
 use crate::quality::distance::{Distance, REPORT_SAMPLES, distance};
 use crate::quality::shape::{Shape, shape};
 use crate::remesh::Remeshed;
+use crate::surface::crossings::crossing_faces;
 use crate::surface::mesh::Mesh;
 use crate::surface::repair::Repairs;
 use crate::surface::topology::{Topology, topology};
@@ -28,7 +29,7 @@ pub struct Report {
     /// Version of the tool that made the report.
     pub version: String,
     /// Whether the output is an oriented manifold of the repaired input's Euler characteristic, components and boundary
-    /// loops; `None` for a mesh that was measured only.
+    /// loops, without faces that cross each other unless the input has some; `None` for a mesh that was measured only.
     pub verified: Option<bool>,
     /// The input as it was read; for a mesh that was measured only, what it was measured against.
     pub input: Option<Measured>,
@@ -38,6 +39,8 @@ pub struct Report {
     pub repaired: Option<Topology>,
     /// The output, or the mesh that was measured.
     pub output: Measured,
+    /// Faces that cross each other.
+    pub crossings: Crossings,
     /// Distances between output and input, in percent of the diagonal of the input's bounding box.
     pub distance: Option<Distance>,
     /// How the output was sampled.
@@ -61,6 +64,15 @@ pub struct Measured {
     pub topology: Topology,
     /// `None` without triangles.
     pub shape: Option<Shape>,
+}
+
+/// Faces that cross or touch another one where they are not joined.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Crossings {
+    /// Those of the output, in increasing order, numbered from 0.
+    pub faces: Vec<u32>,
+    /// How many the repaired input has; `None` where the output has none, and for a mesh that was measured only.
+    pub repaired: Option<usize>,
 }
 
 /// How a result was sampled.
@@ -107,6 +119,13 @@ impl Measured {
     }
 }
 
+impl Crossings {
+    /// Those of a result and of what it was made of.
+    pub fn of(remeshed: &Remeshed) -> Crossings {
+        Crossings { faces: remeshed.crossing_faces.clone(), repaired: remeshed.crossing_faces_of_input }
+    }
+}
+
 impl Report {
     /// The report on a remeshing of `input` with `seed` whose result went to the file `output`. Stages, memory and
     /// threads are the caller's to add, by [`Report::with_run`].
@@ -117,6 +136,7 @@ impl Report {
             input: Some(Measured { file: input.file.into(), topology: remeshed.input, shape: shape(input.mesh) }),
             repairs: Some(remeshed.repairs),
             repaired: Some(remeshed.repaired),
+            crossings: Crossings::of(remeshed),
             distance: distance(&remeshed.mesh, input.mesh, REPORT_SAMPLES, seed),
             sampling: Some(Sampling { wanted, sigma_p, spacing, sharp_curves, tessellated_pieces, seed }),
             notes: remeshed.notes.clone(),
@@ -132,6 +152,7 @@ impl Report {
     pub fn of_mesh(mesh: Named, against: Option<Named>) -> Report {
         Report {
             input: against.map(Measured::of),
+            crossings: Crossings { faces: crossing_faces(mesh.mesh), repaired: None },
             distance: against.and_then(|input| distance(mesh.mesh, input.mesh, REPORT_SAMPLES, 0)),
             ..Report::of_output(Measured::of(mesh))
         }
@@ -146,6 +167,7 @@ impl Report {
             repairs: None,
             repaired: None,
             output,
+            crossings: Crossings::default(),
             distance: None,
             sampling: None,
             notes: Vec::new(),
@@ -165,7 +187,8 @@ impl Report {
     /// Why the output is not what the input asked for, a phrase each; empty for a verified result and for a mesh that
     /// was measured only.
     pub fn shortcomings(&self) -> Vec<String> {
-        self.repaired.as_ref().map_or_else(Vec::new, |wanted| shortcomings(&self.output.topology, wanted))
+        let against = |wanted| shortcomings(&self.output.topology, wanted, &self.crossings);
+        self.repaired.as_ref().map_or_else(Vec::new, against)
     }
 
     /// The report as indented JSON that ends with a line break.
@@ -181,12 +204,14 @@ impl Report {
 }
 
 /// What keeps a result from being an oriented manifold of the wanted Euler characteristic, components and boundary
-/// loops, a phrase each; empty if it is one.
-pub fn shortcomings(found: &Topology, wanted: &Topology) -> Vec<String> {
+/// loops without crossing faces that the input does not have, a phrase each; empty if it is one.
+pub fn shortcomings(found: &Topology, wanted: &Topology, crossings: &Crossings) -> Vec<String> {
+    let new_crossings = if crossings.repaired == Some(0) { crossings.faces.len() } else { 0 };
     let faults = [
         (found.nonmanifold_edges, "edges with more than two faces"),
         (found.nonmanifold_vertices, "vertices with more than one fan"),
         (found.misoriented_edges, "edges between faces of opposite orientation"),
+        (new_crossings, "faces that cross or touch each other"),
     ];
     let differences = [
         ("Euler characteristic", found.euler, wanted.euler),
@@ -228,6 +253,8 @@ mod tests {
             wanted: 4,
             sharp_curves: 0,
             tessellated_pieces: 0,
+            crossing_faces: vec![],
+            crossing_faces_of_input: None,
             notes: vec!["One face is missing.".into()],
         };
         Report::of_remesh(&remeshed, Named { file: "in.obj", mesh: &input }, "out.ply", 7)
@@ -283,6 +310,31 @@ mod tests {
                 "boundary loops 1 and not 0"
             ]
         );
+    }
+
+    /// Two tetrahedra, one a little higher than the other.
+    fn crossing() -> Mesh {
+        let mut mesh = tetrahedron();
+        mesh.positions.extend(tetrahedron().positions.iter().map(|&p| p + DVec3::new(0.1, 0.1, 0.2)));
+        mesh.triangles.extend(tetrahedron().triangles.iter().map(|t| t.map(|v| v + 4)));
+        mesh
+    }
+
+    #[test]
+    fn faces_that_cross_are_named() {
+        let mesh = crossing();
+        let report = Report::of_mesh(Named { file: "m.off", mesh: &mesh }, None);
+        assert_eq!(report.crossings, Crossings { faces: vec![2, 4, 5, 7], repaired: None });
+        assert!(report.to_text().contains("crossing faces           2, 4, 5, 7\n"), "{}", report.to_text());
+        assert_eq!(report.shortcomings(), [""; 0]);
+    }
+
+    #[test]
+    fn faces_that_cross_where_those_of_the_input_do_not_are_a_shortcoming() {
+        let wanted = topology(4, &tetrahedron().triangles);
+        let with = |repaired| shortcomings(&wanted, &wanted, &Crossings { faces: vec![3, 5], repaired });
+        assert_eq!(with(Some(0)), ["2 faces that cross or touch each other"]);
+        assert_eq!((with(Some(7)), with(None)), (vec![], vec![]));
     }
 
     #[test]

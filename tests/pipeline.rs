@@ -18,7 +18,7 @@ fn points(n: usize) -> Options {
 #[track_caller]
 fn check_with(name: &str, input: &Mesh, options: &Options) -> Remeshed {
     let made = remesh(input, options, &()).unwrap_or_else(|e| panic!("{name}, {options:?}: {e}"));
-    assert!(made.verified(), "{name}, {options:?}: {:?} became {:?}", made.repaired, made.output);
+    assert!(made.has_topology(), "{name}, {options:?}: {:?} became {:?}", made.repaired, made.output);
     let t = audit(&made.mesh);
     assert_eq!((t.euler, t.components), (made.repaired.euler, made.repaired.components), "{name}");
     if made.mesh.positions.len() != made.wanted {
@@ -36,13 +36,14 @@ fn check(name: &str, input: &Mesh, n: usize) -> Remeshed {
     check_with(name, input, &points(n))
 }
 
-/// All vertices lie on the input.
+/// All vertices lie on the input, or off it by a share of an edge where sheets had to part.
 #[track_caller]
 fn on_the_surface(name: &str, input: &Mesh, mesh: &Mesh) {
     let bvh = Bvh::new(input);
     let largest = input.positions.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
     // The foot on a sliver has half of the digits.
-    let tolerance = 1e-7 * input.diagonal() + 1e-15 * largest;
+    let exact = 1e-7 * input.diagonal() + 1e-15 * largest;
+    let tolerance = exact + 0.15 * shape(mesh).unwrap().edge_max;
     for &p in &mesh.positions {
         let hit = bvh.closest(input, p).unwrap();
         assert!(hit.distance_squared.sqrt() <= tolerance, "{name}: {p} is {} off", hit.distance_squared.sqrt());
@@ -113,6 +114,41 @@ fn sheets_that_nearly_touch() {
     at_all_counts("spheres beside one another", &together(&[sphere(4, DVec3::ZERO, 1.0), beside]));
     at_all_counts("spiral", &spiral(160, 20, 0.002));
     at_all_counts("wide spiral", &spiral(160, 20, 0.05));
+}
+
+#[test]
+fn sheets_nearer_than_the_triangles_are_high_do_not_cross() {
+    let shell = |gap: f64| together(&[sphere(5, DVec3::ZERO, 1.0), inside_out(sphere(5, DVec3::ZERO, 1.0 - gap))]);
+    let socket = together(&[inside_out(sphere(5, DVec3::ZERO, 1.0)), sphere(5, DVec3::ZERO, 0.997)]);
+    let beside = together(&[sphere(4, DVec3::ZERO, 1.0), sphere(4, 2.002 * DVec3::X, 1.0)]);
+    for (name, input) in
+        [("thick shell", shell(0.01)), ("thin shell", shell(0.002)), ("socket", socket), ("beside", beside)]
+    {
+        let made = check(name, &input, 500);
+        assert!(made.verified() && made.crossing_faces.is_empty(), "{name}: {:?}", made.crossing_faces);
+        assert_eq!(made.crossing_faces_of_input, None, "{name}");
+    }
+}
+
+/// Where the input crosses itself the result does so, too, and nothing is bent for it.
+#[test]
+fn crossings_of_the_input_stay_and_are_told() {
+    let input = together(&[sphere(4, DVec3::ZERO, 1.0), sphere(4, DVec3::X, 1.0)]);
+    let made = check("spheres", &input, 800);
+    assert!(made.crossing_faces.len() > 20 && made.crossing_faces_of_input > Some(20) && made.verified());
+    assert!(made.notes.iter().any(|note| note.contains("cross")), "{:?}", made.notes);
+    let bvh = Bvh::new(&input);
+    assert!(made.mesh.positions.iter().all(|&p| bvh.closest(&input, p).unwrap().distance_squared < 1e-20));
+}
+
+/// Many needles of open ends would take a hundred times the wanted vertices for their boundaries.
+#[test]
+fn a_boundary_that_is_long_for_its_area_ends_in_time() {
+    let needle = |i: i32| cells(&[[i, 0, 0], [i, 1, 0]]);
+    let mut needles = together(&(0..20).map(|i| soup(&needle(2 * i))).collect::<Vec<_>>());
+    needles.triangles = needles.triangles.into_iter().step_by(2).collect();
+    let made = check("needles", &moved(needles, |p| p * dvec3(1e-4, 200.0, 1e-4)), 400);
+    assert!(made.repaired.boundary_loops > 20);
 }
 
 #[test]

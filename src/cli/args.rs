@@ -25,7 +25,8 @@ Examples:
 Formats, by the ending of the file: obj, ply, stl, off, gltf, glb.
 
 Exit status:
-  0   the result is written and verified: an oriented manifold of the input's topology
+  0   the result is written and verified: an oriented manifold of the input's topology whose faces
+      do not cross each other, unless the input's do
   1   a file cannot be read or written, or holds no mesh that can be remeshed
   2   wrong usage, or an option out of its range
   3   the result is written, but could not be verified; the report says why

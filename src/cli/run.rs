@@ -7,7 +7,7 @@ use crate::cli::args::{Job, Measuring, MeshFile, Remeshing, Voice};
 use crate::cli::terminal::{self, Terminal};
 use crate::io::{Format, Loaded, file};
 use crate::remesh::{Remeshed, remesh};
-use crate::report::{Named, Report, shortcomings};
+use crate::report::{Crossings, Named, Report, shortcomings};
 use crate::surface::weld::weld;
 use std::path::Path;
 
@@ -140,7 +140,7 @@ fn verdict(remeshed: &Remeshed, job: &Remeshing) -> Status {
     if remeshed.verified() {
         return Status::Done;
     }
-    let why = shortcomings(&remeshed.output, &remeshed.repaired).join(", ");
+    let why = shortcomings(&remeshed.output, &remeshed.repaired, &Crossings::of(remeshed)).join(", ");
     terminal::complain(&format!(
         "{}: written but not verified: {why}; try another --seed or more points",
         name(&job.output)

@@ -1,4 +1,5 @@
 //! Small geometry: what can be said about a few points without a mesh.
 
+pub mod crossing;
 pub mod polygon;
 pub mod triangle;

@@ -136,6 +136,11 @@ pub fn side_lengths([a, b, c]: [DVec3; 3]) -> [f64; 3] {
     [b.distance(c), c.distance(a), a.distance(b)]
 }
 
+/// The length of the longest side.
+pub fn longest_side(triangle: [DVec3; 3]) -> f64 {
+    side_lengths(triangle).into_iter().fold(0.0, f64::max)
+}
+
 /// The angles at the three corners, in degrees. Without area they are 0, 0 and 180 in the order of the corners'
 /// places on the line; where all corners coincide, all are 0.
 pub fn angles([a, b, c]: [DVec3; 3]) -> [f64; 3] {

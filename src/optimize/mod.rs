@@ -4,3 +4,4 @@ pub mod angles;
 pub mod counts;
 pub mod levels;
 pub mod relax;
+pub mod untangle;

@@ -13,6 +13,9 @@ const COLUMN: usize = 14;
 /// Characters of a line before its list goes on in the next one.
 const LINE: usize = 80;
 
+/// Faces that cross and that the table names; the others are in the JSON report.
+const FACES_NAMED: usize = 20;
+
 /// The name of a row and how its figure is told.
 type Row<T> = (&'static str, fn(&T) -> String);
 
@@ -22,6 +25,7 @@ pub(super) fn text(report: &Report) -> String {
     let columns: Vec<&Measured> = report.input.iter().chain([&report.output]).collect();
     heading(&mut out, &columns);
     topology_rows(&mut out, &columns.iter().map(|m| m.topology).collect::<Vec<_>>());
+    crossing_row(&mut out, report);
     shape_rows(&mut out, &columns.iter().map(|m| m.shape.as_ref()).collect::<Vec<_>>());
     distance_rows(&mut out, report);
     remarks(&mut out, report);
@@ -60,6 +64,13 @@ fn topology_rows(out: &mut String, columns: &[Topology]) {
     for (name, figure) in rows {
         row(out, name, columns.iter().map(figure));
     }
+}
+
+/// How many faces cross; those of the input are counted after its repairs, and only where the output has some.
+fn crossing_row(out: &mut String, report: &Report) {
+    let output = report.crossings.faces.len().to_string();
+    let input = report.input.iter().map(|_| report.crossings.repaired.map_or("-".into(), |n| n.to_string()));
+    row(out, "faces that cross", input.chain([output]));
 }
 
 fn shape_rows(out: &mut String, columns: &[Option<&Shape>]) {
@@ -109,6 +120,7 @@ fn remarks(out: &mut String, report: &Report) {
         );
     }
     list(out, "repairs", &report.repairs.as_ref().map(repairs_made).unwrap_or_default());
+    list(out, "crossing faces", &crossing_faces(&report.crossings.faces));
     report.notes.iter().for_each(|note| list(out, "note", std::slice::from_ref(note)));
     list(out, "seconds", &seconds(report));
     if let Some(bytes) = report.peak_memory_bytes {
@@ -160,6 +172,13 @@ fn repairs_made(repairs: &Repairs) -> Vec<String> {
         (split_vertices, "vertices split"),
     ];
     made.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")).collect()
+}
+
+/// The numbers of the first faces, and how many more there are.
+fn crossing_faces(faces: &[u32]) -> Vec<String> {
+    let more = faces.len().saturating_sub(FACES_NAMED);
+    let named = faces.iter().take(FACES_NAMED).map(u32::to_string);
+    named.chain((more > 0).then(|| format!("and {more} more"))).collect()
 }
 
 /// The total and each stage.
@@ -225,6 +244,7 @@ mod tests {
         has(&text, "vertices                              4              4");
         has(&text, "faces                                 4              3");
         has(&text, "boundary loops                        0              1");
+        has(&text, "faces that cross                      -              0");
         has(&text, "oriented                            yes             no");
         has(&text, "θ max                            90.00°         90.00°");
         has(&text, "valence 4 or less              100.00 %       100.00 %");
@@ -249,6 +269,14 @@ mod tests {
             &Report::of_mesh(Named { file: "m.off", mesh: &mesh }, None).to_text(),
             "Q mean                                -",
         );
+    }
+
+    #[test]
+    fn of_many_crossing_faces_the_first_are_named() {
+        let faces: Vec<u32> = (0..123).collect();
+        let named = crossing_faces(&faces);
+        assert_eq!((named.len(), named[19].as_str(), named[20].as_str()), (21, "19", "and 103 more"));
+        assert_eq!(crossing_faces(&faces[..20]).len(), 20);
     }
 
     #[test]

@@ -146,6 +146,27 @@ impl Bvh {
         }
     }
 
+    /// The pairs of triangles, the lower index first and in increasing order, whose bounding boxes meet and that `accept`
+    /// says yes to. In parallel; the same pairs with any number of threads.
+    pub fn pairs_that_meet(&self, mesh: &Mesh, accept: impl Fn(u32, u32) -> bool + Sync) -> Vec<(u32, u32)> {
+        let meet = |&(a, b): &(u32, u32)| self.boxes[a as usize].meets(&self.boxes[b as usize]);
+        let mut nodes = vec![(0, 0)];
+        for _ in 0..self.depth {
+            nodes =
+                nodes.par_iter().flat_map_iter(|&pair| pairs_below(pair).into_iter().flatten().filter(meet)).collect();
+        }
+        let in_leaves = |&(a, b): &(u32, u32)| {
+            let boxed = |&t: &u32| (t, Aabb::around(mesh, t));
+            let others = move || self.leaf(b).iter().map(boxed);
+            let pairs = self.leaf(a).iter().map(boxed).flat_map(move |one| others().map(move |other| (one, other)));
+            let meeting = pairs.filter(move |((t, _), (u, _))| a != b || t < u).filter(|(t, u)| t.1.meets(&u.1));
+            meeting.map(|((t, _), (u, _))| (t.min(u), t.max(u))).filter(|&(t, u)| accept(t, u))
+        };
+        let mut pairs: Vec<(u32, u32)> = nodes.par_iter().flat_map_iter(in_leaves).collect();
+        pairs.par_sort_unstable();
+        pairs
+    }
+
     /// The children of `node` and their squared distances to `p`, the nearer first; `None` for a leaf.
     #[inline]
     fn children(&self, node: u32, p: DVec3) -> Option<((u32, f64), (u32, f64))> {
@@ -185,6 +206,12 @@ impl Bvh {
         let tree = Tree { count: self.order.len(), depth: self.depth };
         &self.order[tree.range(self.depth, node as usize + 1 - (1 << self.depth))]
     }
+}
+
+/// The pairs of children of two nodes, or of one node and itself, each once.
+fn pairs_below((a, b): (u32, u32)) -> [Option<(u32, u32)>; 4] {
+    let [(k, l), (m, n)] = [a, b].map(|node| (2 * node + 1, 2 * node + 2));
+    [Some((k, m)), Some((k, n)), (a != b).then_some((l, m)), Some((l, n))]
 }
 
 /// The shape of a hierarchy: it follows from the number of triangles.
@@ -314,6 +341,25 @@ mod tests {
             }
         }
         mesh
+    }
+
+    fn agrees_with_all_pairs(mesh: &Mesh) {
+        let boxes: Vec<Aabb> = (0..mesh.triangles.len() as u32).map(|t| Aabb::around(mesh, t)).collect();
+        let all = (0..boxes.len()).flat_map(|t| (t + 1..boxes.len()).map(move |u| (t, u)));
+        let expected: Vec<(u32, u32)> = all
+            .filter(|&(t, u)| boxes[t].meets(&boxes[u]) && (t + u) % 3 > 0)
+            .map(|(t, u)| (t as u32, u as u32))
+            .collect();
+        assert_eq!(Bvh::new(mesh).pairs_that_meet(mesh, |t, u| (t + u) % 3 > 0), expected);
+    }
+
+    #[test]
+    fn all_pairs_of_boxes_that_meet_are_found() {
+        for n in [1, 2, 4, 5, 31, 32, 33, 500] {
+            agrees_with_all_pairs(&soup(n, 0.2, n as u64));
+        }
+        agrees_with_all_pairs(&sheet(15));
+        assert!(Bvh::new(&Mesh::default()).pairs_that_meet(&Mesh::default(), |_, _| true).is_empty());
     }
 
     fn brute_force(mesh: &Mesh, p: DVec3, limit: f64, accept: impl Fn(u32) -> bool) -> Option<Hit> {

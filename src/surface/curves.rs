@@ -68,6 +68,12 @@ impl Curves {
         Curves { list, of_side, corner, sides, bvh: Bvh::new(&segments), segments }
     }
 
+    /// The length of all curves.
+    pub fn length(&self) -> f64 {
+        let length = |t: usize| self.segments.corners(t)[0].distance(self.segments.corners(t)[1]);
+        (0..self.sides.len()).map(length).sum()
+    }
+
     /// The curve of `side`, or [`NONE`].
     #[inline]
     pub fn of_side(&self, side: u32) -> u32 {

@@ -6,6 +6,7 @@
 use crate::geom::triangle::{barycentric, closest_point, closest_weights};
 use crate::surface::bvh::Bvh;
 use crate::surface::connectivity::{next, prev};
+use crate::surface::crossings::{crossing_pairs, faces_of};
 use crate::surface::curves::Curves;
 use crate::surface::cut::{Cut, cut};
 use crate::surface::features::{Features, sharp_sides};
@@ -233,6 +234,11 @@ impl Domain {
         weights[side as usize % 3] = 1.0 - along;
         weights[next(side) as usize % 3] = along;
         self.sample(side / 3, weights)
+    }
+
+    /// The triangles that cross or touch another one where they are not joined.
+    pub fn crossing_faces(&self) -> Vec<u32> {
+        faces_of(crossing_pairs(&self.mesh, &self.bvh))
     }
 
     /// The loops of the boundary, and of sharp edges, each as the sides `3 t + k` along it with the surface on their left.

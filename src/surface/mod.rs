@@ -2,6 +2,7 @@
 
 pub mod bvh;
 pub mod connectivity;
+pub mod crossings;
 pub mod curves;
 pub mod cut;
 pub mod domain;

@@ -1,0 +1,251 @@
+//! Whether two triangles in space have a point in common that they need not have: exactly, for any coordinates.
+//!
+//! Corners at exactly the same place are shared; what two triangles have in common besides their shared corners, and the
+//! side between two of these, is a crossing. Touching counts. All tests come down to one, whether a segment meets a
+//! triangle:
+//!
+//! - Without shared corners triangles cross where a side of one meets the other.
+//! - With one, they cross where the side across from it, of either, meets the other: every ray from the corner that
+//!   begins in both triangles leaves the first of them there.
+//! - With two, they cross where they are coplanar and on the same side of the side that they share.
+//! - With three they are the same.
+//!
+//! A segment that is not in the triangle's plane meets the triangle if its ends are not on the same side of the plane
+//! and its line goes around the three sides of the triangle in one sense. Coplanar things meet in space where their
+//! shadows along all three axes meet: along one of them at least the shadows are as good as the originals.
+//!
+//! Based on: P. Guigue, O. Devillers, Fast and robust triangle-triangle overlap test using orientation predicates, 2003,
+//! DOI 10.1080/10867651.2003.10487580, whose signs these are; and J. R. Shewchuk, Adaptive precision floating-point
+//! arithmetic and fast robust geometric predicates, 1997, DOI 10.1007/PL00009321, who makes them exact. Departures:
+//! shared corners, triangles without area, and no permutation of corners.
+//!
+//! Cost: constant, some ten determinants. Limits: exact as long as products of three coordinates neither overflow nor
+//! underflow.
+
+use glam::DVec3;
+use robust::{Coord, Coord3D};
+
+type Triangle = [DVec3; 3];
+
+/// Whether the triangles have more in common than their shared corners and the side between two of them.
+pub fn cross(a: Triangle, b: Triangle) -> bool {
+    let mut shared = (0..9).map(|i| (i / 3, i % 3)).filter(|&(i, j)| a[i] == b[j]);
+    let Some((i, j)) = shared.next() else { return cross_apart(a, b) };
+    let Some((k, l)) = shared.next() else {
+        let opposite = |t: Triangle, corner: usize| [t[(corner + 1) % 3], t[(corner + 2) % 3]];
+        return meets(opposite(a, i), b) || meets(opposite(b, j), a);
+    };
+    shared.next().is_some() || i == k || j == l || folded([a[i], a[k]], a[3 - i - k], b[3 - j - l])
+}
+
+/// Whether triangles without shared corners meet.
+fn cross_apart(a: Triangle, b: Triangle) -> bool {
+    let beside = |t: Triangle, other: Triangle| {
+        let [p, q, r] = other.map(|p| side_of_plane(t, p));
+        p != 0 && p == q && q == r
+    };
+    let sides = |t: Triangle| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
+    !beside(a, b)
+        && !beside(b, a)
+        && (sides(a).into_iter().any(|s| meets(s, b)) || sides(b).into_iter().any(|s| meets(s, a)))
+}
+
+/// Whether triangles that share a side, with `p` and `q` across from it, lie one on the other.
+fn folded([from, to]: [DVec3; 2], p: DVec3, q: DVec3) -> bool {
+    side_of_plane([from, to, p], q) == 0
+        && (0..3).any(|axis| {
+            let turn = |r: DVec3| side_of_line([from, to].map(|p| shadow(p, axis)), shadow(r, axis));
+            turn(p) * turn(q) > 0
+        })
+}
+
+/// Whether a segment and a triangle, ends and border included, have a point in common.
+fn meets(segment: [DVec3; 2], triangle: Triangle) -> bool {
+    let [p, q] = segment;
+    let ends = segment.map(|p| side_of_plane(triangle, p));
+    if ends[0] * ends[1] > 0 {
+        return false;
+    }
+    let [a, b, c] = triangle;
+    let around = [[a, b], [b, c], [c, a]].map(|[from, to]| side_of_plane([p, q, from], to));
+    if ends == [0, 0] {
+        return around == [0; 3] && (0..3).all(|axis| shadows_meet(segment, triangle, axis));
+    }
+    around.iter().all(|&s| s >= 0) || around.iter().all(|&s| s <= 0)
+}
+
+/// [`meets`] for what is left without the coordinate along `axis`.
+fn shadows_meet(segment: [DVec3; 2], triangle: Triangle, axis: usize) -> bool {
+    let segment = segment.map(|p| shadow(p, axis));
+    let [a, b, c] = triangle.map(|p| shadow(p, axis));
+    let sides = [[a, b], [b, c], [c, a]];
+    let turns = sides.map(|side| side_of_line(side, segment[0]));
+    turns.iter().all(|&t| t > 0)
+        || turns.iter().all(|&t| t < 0)
+        || sides.into_iter().any(|side| segments_meet(segment, side))
+}
+
+/// Whether two segments in the plane, ends included, have a point in common.
+fn segments_meet(a: [Coord<f64>; 2], b: [Coord<f64>; 2]) -> bool {
+    let overlap = |from: fn(&Coord<f64>) -> f64| {
+        let ([p, q], [r, s]) = (a.map(|p| from(&p)), b.map(|p| from(&p)));
+        p.min(q) <= r.max(s) && r.min(s) <= p.max(q)
+    };
+    let astride = |a: [Coord<f64>; 2], b: [Coord<f64>; 2]| side_of_line(a, b[0]) * side_of_line(a, b[1]) <= 0;
+    overlap(|p| p.x) && overlap(|p| p.y) && astride(a, b) && astride(b, a)
+}
+
+/// `p` without its coordinate along `axis`.
+fn shadow(p: DVec3, axis: usize) -> Coord<f64> {
+    Coord { x: p[(axis + 1) % 3], y: p[(axis + 2) % 3] }
+}
+
+/// The sign of the turn from a line to `p`.
+fn side_of_line([from, to]: [Coord<f64>; 2], p: Coord<f64>) -> i32 {
+    sign(robust::orient2d(from, to, p))
+}
+
+/// On which side of the plane of a triangle `p` is; 0 on it, and for a triangle without area.
+fn side_of_plane(triangle: Triangle, p: DVec3) -> i32 {
+    let [a, b, c, p] = [triangle[0], triangle[1], triangle[2], p].map(|p| Coord3D { x: p.x, y: p.y, z: p.z });
+    sign(robust::orient3d(a, b, c, p))
+}
+
+fn sign(x: f64) -> i32 {
+    i32::from(x > 0.0) - i32::from(x < 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::rng::{Random, Stage, stream, unit};
+    use glam::{DMat3, dvec3};
+
+    fn triangle(corners: [[f64; 3]; 3]) -> Triangle {
+        corners.map(DVec3::from)
+    }
+
+    const BASE: [[f64; 3]; 3] = [[0., 0., 0.], [4., 0., 0.], [0., 4., 0.]];
+
+    /// The answer for all orders of corners and both orders of triangles, which have to agree.
+    #[track_caller]
+    fn all_orders(a: Triangle, b: Triangle) -> bool {
+        let orders = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
+        let answer = cross(a, b);
+        for (i, j) in (0..36).map(|i| (orders[i / 6], orders[i % 6])) {
+            let (x, y) = (i.map(|k| a[k]), j.map(|k| b[k]));
+            assert!(cross(x, y) == answer && cross(y, x) == answer, "{a:?} {b:?}");
+        }
+        answer
+    }
+
+    /// The answer for the base triangle and another one, in all orders and with the axes exchanged.
+    #[track_caller]
+    fn crosses(other: [[f64; 3]; 3]) -> bool {
+        let (a, b) = (triangle(BASE), triangle(other));
+        let answer = all_orders(a, b);
+        for turn in [DMat3::from_cols(DVec3::Y, DVec3::Z, DVec3::X), DMat3::from_cols(DVec3::Z, DVec3::X, DVec3::Y)] {
+            assert_eq!(all_orders(a.map(|p| turn * p), b.map(|p| turn * p)), answer);
+        }
+        answer
+    }
+
+    #[test]
+    fn apart() {
+        assert!(crosses([[1., 1., -1.], [1., 1., 1.], [5., 5., 1.]]), "pierced");
+        assert!(crosses([[1., 1., -1.], [1., 9., -1.], [1., 1., 9.]]), "a side of each is pierced");
+        assert!(!crosses([[5., 5., -1.], [5., 5., 1.], [9., 9., 1.]]), "astride of the plane, but beside");
+        assert!(!crosses([[1., 1., 1e-300], [2., 1., 1.], [1., 2., 1.]]), "above by next to nothing");
+        assert!(!crosses([[0., 0., 1.], [4., 0., 1.], [0., 4., 1.]]), "parallel");
+    }
+
+    #[test]
+    fn touching_counts() {
+        assert!(crosses([[1., 1., 0.], [2., 1., 1.], [1., 2., 1.]]), "a corner inside");
+        assert!(crosses([[2., 0., 0.], [2., -1., 1.], [2., -1., -1.]]), "a corner on a side");
+        assert!(crosses([[2., 2., 1.], [2., 2., -1.], [9., 9., 1.]]), "a side against a side");
+        assert!(crosses([[1., 1., 0.], [2., 1., 0.], [1., 1., 1.]]), "a side inside");
+        assert!(crosses([[1., 0., 0.], [3., 0., 0.], [1., -1., 1.]]), "a side on a part of a side");
+        let eps = f64::EPSILON;
+        assert!(!crosses([[2. + 2. * eps, 2. + 2. * eps, 0.], [9., 9., 1.], [9., 9., -1.]]), "all but touching");
+    }
+
+    #[test]
+    fn coplanar() {
+        assert!(crosses([[1., 1., 0.], [9., 1., 0.], [9., 9., 0.]]), "overlapping");
+        assert!(crosses([[1., 1., 0.], [1.5, 1., 0.], [1., 1.5, 0.]]), "inside");
+        assert!(crosses([[-9., -9., 0.], [20., -9., 0.], [-9., 20., 0.]]), "around");
+        assert!(crosses([[2., 2., 0.], [9., 2., 0.], [2., 9., 0.]]), "touching at a corner");
+        assert!(!crosses([[3., 3., 0.], [9., 2., 0.], [2., 9., 0.]]), "beside");
+        assert!(crosses([[0., 3., 0.], [4., 3., 0.], [2., -1., 0.]]), "a star of David");
+    }
+
+    #[test]
+    fn one_shared_corner() {
+        assert!(!crosses([[0., 0., 0.], [1., 1., 1.], [-1., 1., 1.]]), "above");
+        assert!(!crosses([[0., 0., 0.], [-1., -1., 0.], [-1., -2., 0.]]), "coplanar and beside");
+        assert!(crosses([[0., 0., 0.], [1., 1., 1.], [1., 1., -1.]]), "pierced on the far side");
+        assert!(crosses([[0., 0., 0.], [9., 9., 9.], [9., 9., -9.]]), "pierces with the far side");
+        assert!(crosses([[0., 0., 0.], [1., 1., 0.], [1., 2., 0.]]), "coplanar and inside");
+        assert!(crosses([[0., 0., 0.], [9., 1., 0.], [1., 9., 0.]]), "coplanar and around");
+        assert!(crosses([[0., 0., 0.], [2., 0., 0.], [2., -1., 1.]]), "along a part of a side");
+        assert!(crosses([[0., 0., 0.], [9., 0., 0.], [2., -1., 1.]]), "along a side and on");
+        assert!(!crosses([[0., 0., 0.], [-1., 0., 0.], [2., -1., 1.]]), "along the side backwards");
+    }
+
+    #[test]
+    fn shared_sides() {
+        assert!(!crosses([[0., 0., 0.], [4., 0., 0.], [0., -4., 0.]]), "flat neighbours");
+        assert!(!crosses([[0., 0., 0.], [4., 0., 0.], [1., 1., 1e-300]]), "a sharp fold");
+        assert!(crosses([[0., 0., 0.], [4., 0., 0.], [1., 1., 0.]]), "folded over and inside");
+        assert!(crosses([[0., 0., 0.], [4., 0., 0.], [-9., 1., 0.]]), "folded over and beyond");
+        assert!(crosses(BASE), "the same");
+    }
+
+    #[test]
+    fn triangles_without_area_are_segments_and_points() {
+        assert!(crosses([[1., 1., -1.], [1., 1., 0.5], [1., 1., 2.]]), "a pin");
+        assert!(!crosses([[5., 5., -1.], [5., 5., 0.5], [5., 5., 2.]]), "a pin beside");
+        assert!(crosses([[1., 1., 0.], [2., 1., 0.], [9., 1., 0.]]), "a pin in the plane");
+        assert!(!crosses([[5., 1., 0.], [6., 1., 0.], [9., 1., 0.]]), "a pin in the plane and beside");
+        assert!(crosses([[1., 1., 0.]; 3]) && !crosses([[1., 1., 1.]; 3]) && !crosses([[5., 0., 0.]; 3]), "a point");
+        let segments = |b: [[f64; 3]; 3]| all_orders(triangle([[0., 0., 0.], [1., 1., 1.], [4., 4., 4.]]), triangle(b));
+        assert!(segments([[2., 2., 0.], [2., 2., 1.], [2., 2., 3.]]), "two segments");
+        assert!(!segments([[2., 2.5, 0.], [2., 2.5, 1.], [2., 2.5, 3.]]), "two segments that miss each other");
+        assert!(!segments([[5., 5., 5.], [6., 6., 6.], [7., 7., 7.]]), "two segments on one line");
+    }
+
+    fn random_point(rng: &mut Random) -> DVec3 {
+        dvec3(unit(rng), unit(rng), unit(rng))
+    }
+
+    /// The least distance between points of a segment and a triangle, by ternary search: both are convex.
+    fn distance([p, q]: [DVec3; 2], t: Triangle) -> f64 {
+        let at = |s: f64| {
+            let r = p.lerp(q, s);
+            r.distance(crate::geom::triangle::closest_point(r, t))
+        };
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..100 {
+            let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+            if at(a) < at(b) { high = b } else { low = a }
+        }
+        at(low)
+    }
+
+    #[test]
+    fn random_triangles_cross_where_they_are_at_no_distance() {
+        let mut rng = stream(5, Stage::Distance);
+        let mut count = [0; 2];
+        for _ in 0..2000 {
+            let [a, b] = [0; 2].map(|_| [0; 3].map(|_| random_point(&mut rng)));
+            let sides = |t: Triangle| (0..3).map(move |k| [t[k], t[(k + 1) % 3]]);
+            let apart = sides(a).map(|s| distance(s, b)).chain(sides(b).map(|s| distance(s, a)));
+            let apart = apart.fold(f64::INFINITY, f64::min);
+            let found = all_orders(a, b);
+            assert!(found == (apart < 1e-9) || (1e-12..1e-6).contains(&apart), "{a:?} {b:?} {apart}");
+            count[usize::from(found)] += 1;
+        }
+        assert!(count[0] > 300 && count[1] > 300, "{count:?}");
+    }
+}
