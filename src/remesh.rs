@@ -6,8 +6,9 @@ use crate::base::rng::{Stage, stream};
 use crate::optimize::angles::improve_angles;
 use crate::optimize::counts::meet_count;
 use crate::optimize::levels::{balance, coarsen, fix_all_but_bent, fix_tips, split_to};
-use crate::optimize::relax::{Stiffness, relax};
+use crate::optimize::relax::{Flips, relax};
 use crate::optimize::untangle::untangle;
+use crate::optimize::valence::{remove_defects, remove_near_defects};
 use crate::spectral::ascent::{Climb, LONG_STEP, PAPER_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA, ascend};
 use crate::spectral::candidates::candidates;
 use crate::spectral::curves::sample_curves;
@@ -311,12 +312,18 @@ fn optimize(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn M
         balance(domain, mesh, wanted, spacing);
     }
     monitor.stage("relax");
-    relax(domain, mesh, 2.0 * spacing, STIFF, COARSE_ROUNDS, monitor)?;
+    remove_near_defects(mesh, 2.0 * spacing);
+    relax(domain, mesh, 2.0 * spacing, Flips::KeepValence, SETTLING_ROUNDS, monitor)?;
+    relax(domain, mesh, 2.0 * spacing, Flips::Delaunay, ROUNDS, monitor)?;
     *mesh = split_to(domain, mesh, wanted);
     fix_tips(mesh);
-    relax(domain, mesh, spacing, STIFF, FINE_ROUNDS, monitor)?;
+    relax(domain, mesh, spacing, Flips::Delaunay, ROUNDS, monitor)?;
     meet_count(domain, mesh, wanted);
-    relax(domain, mesh, spacing, Stiffness::AsNeeded, 2 * FINE_ROUNDS, monitor)?;
+    for _ in 0..2 {
+        remove_defects(mesh);
+        relax(domain, mesh, spacing, Flips::KeepValence, SETTLING_ROUNDS, monitor)?;
+    }
+    relax(domain, mesh, spacing, Flips::KeepValence, 2 * ROUNDS, monitor)?;
     monitor.stage("improve angles");
     mesh.fixed.fill(false);
     improve_angles(domain, mesh, spacing, monitor)
@@ -330,10 +337,10 @@ const COARSE_SWEEPS: usize = 40;
 /// Kernel width of the ascent over the coarse mesh, in its spacings: a wide one orders more.
 const COARSE_SIGMA: f64 = 1.1;
 
-/// Rounds of relaxation at each level: after ten the lengths of the edges change by less than a per cent.
-const COARSE_ROUNDS: usize = 10;
-const FINE_ROUNDS: usize = 10;
-const STIFF: Stiffness = Stiffness::Even(0.9);
+/// Rounds of relaxation at each level: after ten the lengths of the edges change by less than a per cent. Those after
+/// defects have gone only give the rows room.
+const ROUNDS: usize = 10;
+const SETTLING_ROUNDS: usize = 6;
 
 /// The lengths that a density means on a surface, in the pipeline's unit.
 struct Scale {

@@ -183,7 +183,6 @@ fn ribbon() -> Mesh {
 }
 
 #[test]
-#[ignore = "fails: relaxation pulls the boundary vertices away from the ends, by seven spacings"]
 fn the_ends_of_a_ribbon_stay_where_they_are() {
     covers("ribbon", &ribbon(), &check("ribbon", &ribbon(), 1500), 2.0);
 }

@@ -166,6 +166,16 @@ pub fn mean_ratio([a, b, c]: [DVec3; 3]) -> f64 {
     if ratio.is_finite() { ratio } else { 0.0 }
 }
 
+/// The quality 6 S / (√3 p h), with half the perimeter p and the longest side h: 1 for an equilateral triangle, 0 for a
+/// flat one.
+pub fn quality(corners: [DVec3; 3]) -> f64 {
+    let sides = side_lengths(corners);
+    let longest = sides[0].max(sides[1]).max(sides[2]);
+    let half_perimeter = 0.5 * (sides[0] + sides[1] + sides[2]);
+    let q = 6.0 * area(corners) / (3f64.sqrt() * half_perimeter * longest);
+    if q.is_finite() { q } else { 0.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,6 @@
-//! Raises the smallest angles and lowers the largest, at the worst triangles only.
+//! Raises the smallest angles and the quality of the worst triangles only.
 //!
-//! Every triangle has a margin: how far its angles are inside of the goal. Vertices of triangles without a margin look
+//! Every triangle has a margin: how far its smallest angle and its quality are inside of the goal. Vertices of triangles without a margin look
 //! around for a place where the least margin of their triangles is larger, and edges flip where that gives the larger
 //! one. Nothing else moves, so the evenness of the rest is kept.
 //!
@@ -12,16 +12,20 @@
 
 use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};
-use crate::geom::triangle::extreme_angles;
+use crate::geom::triangle::{extreme_angles, quality};
 use crate::surface::connectivity::{next, prev};
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::manifold::Manifold;
 use crate::surface::topology::NONE;
 use glam::DVec3;
 
-/// Angles, in degrees, that triangles shall stay between; a little more than what is promised.
+/// Smallest angle, in degrees, and quality that triangles shall have: a little more than 40 and 0.75. With both no angle
+/// is above 86 degrees.
 const SMALLEST: f64 = 40.5;
-const LARGEST: f64 = 89.0;
+const LEAST_QUALITY: f64 = 0.76;
+
+/// Degrees of the smallest angle that one unit of quality counts as: 0.01 of it, or 0.8 degrees.
+const DEGREES_OF_QUALITY: f64 = 80.0;
 
 /// Passes over the worst triangles; most models need fewer.
 const MOST_PASSES: usize = 30;
@@ -74,11 +78,10 @@ pub fn improve_angles(domain: &Domain, mesh: &mut Manifold, spacing: f64, monito
     Ok(())
 }
 
-/// How far, in degrees, the angles of these corners are inside of the goal; negative outside. Largest angles count half
-/// since they are about twice as far from 60 degrees.
+/// How far inside of the goal a triangle of these corners is, in degrees of its smallest angle; negative outside.
 fn margin_of(corners: [DVec3; 3]) -> f64 {
-    let (least, most) = extreme_angles(corners);
-    (least - SMALLEST).min(0.5 * (LARGEST - most))
+    let (least, _) = extreme_angles(corners);
+    (least - SMALLEST).min(DEGREES_OF_QUALITY * (quality(corners) - LEAST_QUALITY))
 }
 
 /// Whether the triangle of `h` is outside of the goal.

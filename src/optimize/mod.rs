@@ -5,3 +5,4 @@ pub mod counts;
 pub mod levels;
 pub mod relax;
 pub mod untangle;
+pub mod valence;

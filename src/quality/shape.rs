@@ -13,7 +13,7 @@
 //!
 //! Cost: linear, in parallel over fixed chunks, so the figures have the same bits with any number of threads.
 
-use crate::geom::triangle;
+use crate::geom::triangle::{self, quality};
 use crate::surface::mesh::Mesh;
 use crate::surface::topology::sorted_sides;
 use rayon::prelude::*;
@@ -83,15 +83,6 @@ pub fn shape(mesh: &Mesh) -> Option<Shape> {
         percent_valence_6: percent_of(&valence, 6),
         valence,
     })
-}
-
-/// The quality Q of a triangle, from 0 to 1.
-pub fn quality(corners: [glam::DVec3; 3]) -> f64 {
-    let sides = triangle::side_lengths(corners);
-    let longest = sides[0].max(sides[1]).max(sides[2]);
-    let half_perimeter = 0.5 * (sides[0] + sides[1] + sides[2]);
-    let q = 6.0 * triangle::area(corners) / (3f64.sqrt() * half_perimeter * longest);
-    if q.is_finite() { q } else { 0.0 }
 }
 
 /// What one pass over the triangles gathers.

@@ -1,0 +1,389 @@
+//! Fewer irregular vertices, by flips, glides and collapses.
+//!
+//! A vertex inside that has not six edges, or one on a straight boundary that has not four, is a defect; its excess e is
+//! the number of edges too many. A corner should have as many triangles as angles of 60 degrees fit around it. The energy is the sum of e². Three kinds of moves lower it:
+//!
+//! 1. *Flips* of an edge from a to b between c and d change it by 4 + 2 (e_c + e_d - e_a - e_b).
+//! 2. *Glides*: flips that leave the energy as it is move a pair of a 5 and a 7 along its row. A bounded search follows
+//!    them to where the pair meets another defect and a flip lowers the energy; if it finds none, all is undone.
+//! 3. *Collapses* of an edge, where the number of vertices is not settled yet. They do what no glide can: end a row.
+//!
+//! The rows that a pair has gone along are sheared and need room to straighten before they are Delaunay again, so
+//! relaxation has to follow with flips that add nothing to the energy ([`Defects::flip_level`]).
+//!
+//! On a coarse mesh only what is next to each other should meet: long glides there take away pairs that ease strain, and
+//! every triangle around is the worse for it.
+//!
+//! Based on: Y. Li, E. Zhang, Y. Kobayashi, P. Wonka, Editing operations for irregular vertices in triangle meshes, 2010,
+//! DOI 10.1145/1882261.1866179. Departure: what is edited there by hand or along chosen paths is searched for here.
+//!
+//! Cost: linear in the edges for each pass, and some hundred flips tried for each defect.
+//!
+//! Limits: defects that curvature asks for stay, and so do those next to fixed vertices.
+
+use crate::geom::triangle::{angles, mean_ratio};
+use crate::surface::connectivity::{CORNER, Connectivity, next, prev};
+use crate::surface::manifold::Manifold;
+use crate::surface::topology::NONE;
+use glam::DVec3;
+
+/// Edges of a regular vertex inside and on a straight boundary.
+const REGULAR: i32 = 6;
+const REGULAR_ON_BOUNDARY: i32 = 4;
+
+/// Flips of one glide, and flips that the search for one may try: a pair has one way to go, sometimes two.
+const LONGEST_GLIDE: usize = 12;
+const MOST_TRIES: usize = 40;
+
+/// Least cosine between a triangle and the surface that a move may leave: 60 degrees.
+const LEAST_FACING: f64 = 0.5;
+
+/// Least mean ratio of a triangle that a move may leave: a row sheared twice has 0.27.
+const LEAST_SHAPE: f64 = 0.25;
+
+/// Least cosine of the turn of the surface along an edge that a pair glides over or a vertex is taken from: 60 degrees.
+/// Glides around tips cost their height.
+const FLAT: f64 = 0.5;
+
+/// How far, in spacings, a vertex that is removed may be from what is left.
+const TOLERANCE: f64 = 0.25;
+
+/// Lowers the energy of the fine mesh by flips and glides of up to [`LONGEST_GLIDE`] flips.
+pub fn remove_defects(mesh: &mut Manifold) {
+    let mut defects = Defects::new(mesh);
+    defects.flip_down(mesh.edges().collect(), mesh);
+    defects.glide_all(mesh);
+}
+
+/// Lowers the energy of a mesh whose number of vertices is not settled yet: by flips, and by collapses.
+pub fn remove_near_defects(mesh: &mut Manifold, spacing: f64) {
+    let mut defects = Defects::new(mesh);
+    defects.flip_down(mesh.edges().collect(), mesh);
+    defects.collapse_down(mesh, spacing);
+}
+
+/// The excess of each vertex, kept up to date with the mesh.
+pub(super) struct Defects {
+    excess: Vec<i32>,
+}
+
+impl Defects {
+    pub(super) fn new(mesh: &Manifold) -> Defects {
+        let c = &mesh.connectivity;
+        let excess = |v: u32| if c.has_vertex(v) { excess(mesh, v) } else { 0 };
+        Defects { excess: (0..c.vertex_bound()).map(excess).collect() }
+    }
+
+    #[inline]
+    fn of(&self, v: u32) -> i32 {
+        self.excess[v as usize]
+    }
+
+    /// What flipping the edge of `h`, which has two faces, adds to the energy.
+    #[inline]
+    fn rise(&self, c: &Connectivity, h: u32) -> i32 {
+        let [a, b, top] = c.triangle(h);
+        4 + 2 * (self.of(top) + self.of(c.apex(c.twin(h))) - self.of(a) - self.of(b))
+    }
+
+    fn flip(&mut self, c: &mut Connectivity, h: u32) {
+        let [a, b, top] = c.triangle(h);
+        for (v, change) in [(a, -1), (b, -1), (top, 1), (c.apex(c.twin(h)), 1)] {
+            self.excess[v as usize] += change;
+        }
+        c.flip(h);
+    }
+
+    /// Takes back the flip of `h`: with three more flips even the numbers of the half-edges are what they were.
+    fn flip_back(&mut self, c: &mut Connectivity, h: u32) {
+        (0..3).for_each(|_| self.flip(c, h));
+    }
+
+    /// Flips edges that lower the energy until there are none, beginning with those in `queue`.
+    fn flip_down(&mut self, mut queue: Vec<u32>, mesh: &mut Manifold) {
+        while let Some(h) = queue.pop() {
+            let c = &mesh.connectivity;
+            if c.has_half_edge(h) && c.twin(h) != NONE && self.rise(c, h) < 0 && may_flip(mesh, h) {
+                self.flip(&mut mesh.connectivity, h);
+                queue.extend(touched(&mesh.connectivity, h));
+            }
+        }
+    }
+
+    /// Flips edges that are not Delaunay unless that raises the energy.
+    pub(super) fn flip_level(&mut self, mesh: &mut Manifold) {
+        let mut queue: Vec<u32> = mesh.edges().collect();
+        let mut left = 20 * queue.len();
+        while let Some(h) = queue.pop() {
+            let c = &mesh.connectivity;
+            if left > 0 && c.twin(h) != NONE && mesh.breaks_delaunay(h) && self.rise(c, h) <= 0 && may_flip(mesh, h) {
+                let g = c.twin(h);
+                self.flip(&mut mesh.connectivity, h);
+                queue.extend([next(h), prev(h), next(g), prev(g)]);
+                left -= 1;
+            }
+        }
+    }
+
+    fn glide_all(&mut self, mesh: &mut Manifold) {
+        for h in 0..mesh.connectivity.half_edge_bound() {
+            let c = &mesh.connectivity;
+            if !c.has_half_edge(h) || c.twin(h) == NONE || h > c.twin(h) || self.rise(c, h) != 0 {
+                continue;
+            }
+            if !may_glide(mesh, h) {
+                continue;
+            }
+            let mut glide = Glide { flipped: Vec::new(), gone: Vec::new(), tries: MOST_TRIES };
+            if self.glide(mesh, h, &mut glide) {
+                let around = glide.flipped.iter().flat_map(|&h| touched(&mesh.connectivity, h)).collect();
+                self.flip_down(around, mesh);
+            }
+        }
+    }
+
+    /// Flips `h` and further edges until the energy is lower; if that is not to be had, none.
+    fn glide(&mut self, mesh: &mut Manifold, h: u32, glide: &mut Glide) -> bool {
+        glide.tries -= 1;
+        let lower = self.rise(&mesh.connectivity, h) < 0;
+        glide.gone.push(ends(&mesh.connectivity, h));
+        glide.flipped.push(h);
+        self.flip(&mut mesh.connectivity, h);
+        if lower || self.glide_on(mesh, h, glide) {
+            return true;
+        }
+        self.flip_back(&mut mesh.connectivity, h);
+        glide.flipped.pop();
+        glide.gone.pop();
+        false
+    }
+
+    fn glide_on(&mut self, mesh: &mut Manifold, h: u32, glide: &mut Glide) -> bool {
+        if glide.flipped.len() >= LONGEST_GLIDE {
+            return false;
+        }
+        let c = &mesh.connectivity;
+        let mut ways: Vec<(i32, u32)> = touched(c, h)
+            .filter(|&g| c.twin(g) != NONE)
+            .map(|g| (self.rise(c, g), g))
+            .filter(|&(rise, g)| rise <= 0 && !glide.gone.contains(&ends_after(c, g)))
+            .collect();
+        ways.sort_unstable();
+        ways.dedup_by_key(|way| way.1.min(c.twin(way.1)));
+        ways.into_iter().any(|(_, g)| glide.tries > 0 && may_glide(mesh, g) && self.glide(mesh, g, glide))
+    }
+
+    /// Collapses edges, those first that lower the energy most.
+    fn collapse_down(&mut self, mesh: &mut Manifold, spacing: f64) {
+        let rise = |h| (self.rise_of_collapse(mesh, h), h);
+        let mut falls: Vec<(i32, u32)> = mesh.half_edges().map(rise).filter(|(rise, _)| *rise < 0).collect();
+        falls.sort_unstable();
+        for (_, h) in falls {
+            if mesh.connectivity.has_half_edge(h)
+                && self.rise_of_collapse(mesh, h) < 0
+                && may_collapse(mesh, h, spacing)
+            {
+                self.collapse(mesh, h);
+            }
+        }
+    }
+
+    /// What merging the origin of `h` into its target adds to the energy.
+    fn rise_of_collapse(&self, mesh: &Manifold, h: u32) -> i32 {
+        let c = &mesh.connectivity;
+        if c.twin(h) == NONE {
+            return 0;
+        }
+        let [a, b, top] = c.triangle(h).map(|v| self.of(v));
+        let bottom = self.of(c.apex(c.twin(h)));
+        (a + b + 2).pow(2) - a * a - b * b + 2 - 2 * (top + bottom)
+    }
+
+    fn collapse(&mut self, mesh: &mut Manifold, h: u32) {
+        let c = &mesh.connectivity;
+        let [a, b, top] = c.triangle(h);
+        let bottom = c.apex(c.twin(h));
+        self.excess[b as usize] += self.of(a) + 2;
+        self.excess[a as usize] = 0;
+        [top, bottom].into_iter().for_each(|v| self.excess[v as usize] -= 1);
+        mesh.connectivity.collapse(h);
+        self.flip_down(mesh.connectivity.outgoing(b).flat_map(|h| [h, next(h)]).collect(), mesh);
+    }
+}
+
+/// The flips of a glide so far and the edges that they took away, which must not come back.
+struct Glide {
+    flipped: Vec<u32>,
+    gone: Vec<[u32; 2]>,
+    tries: usize,
+}
+
+fn excess(mesh: &Manifold, v: u32) -> i32 {
+    let c = &mesh.connectivity;
+    let regular = match (c.curve_at(v), c.is_boundary(v)) {
+        (CORNER, on_boundary) => triangles_that_fit(mesh, v) + i32::from(on_boundary),
+        (_, true) => REGULAR_ON_BOUNDARY,
+        (_, false) => REGULAR,
+    };
+    c.valence(v) as i32 - regular
+}
+
+/// How many angles of 60 degrees there is room for around `v`, at least one.
+fn triangles_that_fit(mesh: &Manifold, v: u32) -> i32 {
+    let angle = |h: u32| angles(mesh.connectivity.triangle(h).map(|v| mesh.position(v)))[0];
+    let room: f64 = mesh.connectivity.outgoing(v).map(angle).sum();
+    ((room / 60.0).round() as i32).max(1)
+}
+
+fn sorted(a: u32, b: u32) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
+fn ends(c: &Connectivity, h: u32) -> [u32; 2] {
+    sorted(c.origin(h), c.target(h))
+}
+
+/// The ends of the edge of `h` once it is flipped.
+fn ends_after(c: &Connectivity, h: u32) -> [u32; 2] {
+    sorted(c.apex(h), c.apex(c.twin(h)))
+}
+
+/// The edges whose flip means something else after that of `h`: those at and across from its four vertices.
+fn touched(c: &Connectivity, h: u32) -> impl Iterator<Item = u32> {
+    let [a, b, top] = c.triangle(h);
+    [a, b, top, c.apex(c.twin(h))].into_iter().flat_map(move |v| c.outgoing(v).flat_map(|h| [h, next(h)]))
+}
+
+/// The cosine of the turn of the surface between two vertices; 1 if one is on a sharp edge and has no normal.
+fn turn(mesh: &Manifold, v: u32, w: u32) -> f64 {
+    let [n, m] = [v, w].map(|v| mesh.samples[v as usize].normal);
+    if n == DVec3::ZERO || m == DVec3::ZERO { 1.0 } else { n.dot(m) }
+}
+
+/// Whether the edge of `h`, which has two faces, can be flipped and leaves triangles that can be mended.
+fn may_flip(mesh: &Manifold, h: u32) -> bool {
+    let c = &mesh.connectivity;
+    let [a, b, top] = c.triangle(h);
+    let bottom = c.apex(c.twin(h));
+    let good =
+        |t: [u32; 3]| mesh.agreement(t) >= LEAST_FACING && mean_ratio(t.map(|v| mesh.position(v))) >= LEAST_SHAPE;
+    c.can_flip(h) && good([top, a, bottom]) && good([bottom, b, top])
+}
+
+/// Whether a pair may glide over the edge of `h`: the surface is flat enough, and the vertices are free to move
+/// afterwards.
+fn may_glide(mesh: &Manifold, h: u32) -> bool {
+    let c = &mesh.connectivity;
+    let [a, b, top] = c.triangle(h);
+    let bottom = c.apex(c.twin(h));
+    let free = [a, b, top, bottom].into_iter().all(|v| !mesh.fixed[v as usize]);
+    free && turn(mesh, a, b).min(turn(mesh, top, bottom)) >= FLAT && may_flip(mesh, h)
+}
+
+/// Whether the origin of `h` is free and not missed if it merges into the target.
+fn may_collapse(mesh: &Manifold, h: u32, spacing: f64) -> bool {
+    let c = &mesh.connectivity;
+    let a = c.origin(h);
+    if mesh.fixed[a as usize]
+        || c.curve_at(a) != NONE
+        || !c.can_collapse(h)
+        || c.ring(a).any(|w| turn(mesh, a, w) < FLAT)
+    {
+        return false;
+    }
+    let (facing, shape) = mesh.after_collapse(h);
+    facing >= LEAST_FACING && shape >= LEAST_SHAPE && mesh.distance_after_collapse(h) <= TOLERANCE * spacing
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::domain::Sample;
+    use crate::surface::topology::topology;
+    use glam::DVec3;
+
+    const SIZE: u32 = 12;
+
+    /// A flat sheet of equilateral triangles, `SIZE` by `SIZE` pairs of them.
+    fn sheet() -> Manifold {
+        let at = |i: u32, j: u32| i * (SIZE + 1) + j;
+        let place = |i: u32, j: u32| DVec3::new(f64::from(j) + 0.5 * f64::from(i), 0.75f64.sqrt() * f64::from(i), 0.0);
+        let pairs = (0..SIZE).flat_map(|i| (0..SIZE).map(move |j| (i, j)));
+        let triangles: Vec<[u32; 3]> = pairs
+            .flat_map(|(i, j)| [[at(i, j), at(i, j + 1), at(i + 1, j)], [at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)]])
+            .collect();
+        let samples = (0..=SIZE).flat_map(|i| (0..=SIZE).map(move |j| (i, j)));
+        let samples = samples.map(|(i, j)| Sample { position: place(i, j), normal: DVec3::Z, triangle: 0 }).collect();
+        Manifold::new(samples, &triangles)
+    }
+
+    /// The sum of the squares of all excesses inside.
+    fn energy(mesh: &Manifold) -> i32 {
+        let c = &mesh.connectivity;
+        (0..c.vertex_bound()).filter(|&v| c.has_vertex(v) && !c.is_boundary(v)).map(|v| excess(mesh, v).pow(2)).sum()
+    }
+
+    /// Flips the edge between these two.
+    fn flip(mesh: &mut Manifold, v: u32, w: u32) {
+        let h = mesh.connectivity.outgoing(v).find(|&h| mesh.connectivity.target(h) == w).unwrap();
+        mesh.connectivity.flip(h);
+    }
+
+    /// Flipping edges side by side along a row drives two pairs apart, which only a glide brings together again.
+    #[test]
+    fn pairs_that_were_driven_apart_meet_again() {
+        for length in 1..6 {
+            let mut mesh = sheet();
+            let row = |j: u32| [(6 * (SIZE + 1)) + j, 7 * (SIZE + 1) + j];
+            for j in 3..3 + length {
+                flip(&mut mesh, row(j)[0], row(j)[1]);
+            }
+            assert_eq!(energy(&mesh), 4, "{length}");
+            remove_defects(&mut mesh);
+            assert_eq!(energy(&mesh), 0, "{length}");
+        }
+    }
+
+    #[test]
+    fn a_fixed_vertex_lets_no_pair_pass() {
+        let mut mesh = sheet();
+        (3..8).for_each(|j| flip(&mut mesh, 6 * (SIZE + 1) + j, 7 * (SIZE + 1) + j));
+        let before = mesh.connectivity.clone();
+        mesh.fixed.fill(true);
+        remove_defects(&mut mesh);
+        assert_eq!(mesh.connectivity.compact(), before.compact());
+    }
+
+    /// A vertex put on an edge has four edges, and goes again.
+    #[test]
+    fn an_inserted_vertex_is_collapsed() {
+        let mut mesh = sheet();
+        let h = mesh.edges().find(|&h| mesh.connectivity.origin(h) == 6 * (SIZE + 1) + 6).unwrap();
+        let middle = 0.5 * (mesh.position(mesh.connectivity.origin(h)) + mesh.position(mesh.connectivity.target(h)));
+        mesh.samples.push(Sample { position: middle, normal: DVec3::Z, triangle: 0 });
+        mesh.fixed.push(false);
+        mesh.connectivity.split_edge(h);
+        assert!(energy(&mesh) > 0);
+        remove_near_defects(&mut mesh, 1.0);
+        assert_eq!(energy(&mesh), 0);
+        let made = mesh.to_mesh();
+        let t = topology(made.positions.len(), &made.triangles);
+        assert!(t.is_manifold() && t.is_oriented() && t.euler == 1, "{t:?}");
+    }
+
+    /// Each flip of a glide that comes to nothing is taken back, to the last number.
+    #[test]
+    fn a_flip_taken_back_leaves_no_trace() {
+        let mut mesh = sheet();
+        let mut defects = Defects::new(&mesh);
+        let before = mesh.connectivity.compact();
+        for h in mesh.edges().filter(|&h| mesh.connectivity.twin(h) != NONE).collect::<Vec<_>>() {
+            if mesh.connectivity.can_flip(h) {
+                defects.flip(&mut mesh.connectivity, h);
+                defects.flip_back(&mut mesh.connectivity, h);
+            }
+        }
+        assert_eq!(mesh.connectivity.compact(), before);
+        assert_eq!(defects.excess, Defects::new(&mesh).excess);
+    }
+}
