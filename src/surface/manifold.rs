@@ -245,7 +245,8 @@ impl Manifold {
     }
 
     /// The mesh with its `count` longest edges split at their middles, put back on the domain: a triangle with three such
-    /// edges becomes four, the others two or three or stay.
+    /// edges becomes four, the others two or three or stay. Edges whose middle would turn a triangle against the surface,
+    /// as happens where they cut through a thin part, are left out, and the next longest are split instead.
     pub fn with_longest_split(&self, domain: &Domain, count: usize) -> Manifold {
         let (_, old) = self.connectivity.compact();
         let mut number = vec![NONE; self.samples.len()];
@@ -255,41 +256,80 @@ impl Manifold {
         let mut samples: Vec<Sample> = old.iter().map(|&v| self.samples[v as usize]).collect();
         let mut edges: Vec<u32> = self.edges().collect();
         edges.sort_by(|&g, &h| self.length_squared(h).total_cmp(&self.length_squared(g)).then(g.cmp(&h)));
-        edges.truncate(count);
+        let mut edges = edges.into_iter();
         let mut middle_of = vec![NONE; self.connectivity.half_edge_bound() as usize];
-        for (&h, v) in edges.iter().zip(samples.len() as u32..) {
-            middle_of[h as usize] = v;
-            if self.connectivity.twin(h) != NONE {
-                middle_of[self.connectivity.twin(h) as usize] = v;
+        let first = samples.len();
+        while samples.len() < first + count {
+            let more: Vec<u32> = edges.by_ref().take(first + count - samples.len()).collect();
+            if more.is_empty() {
+                break;
             }
+            for (&h, v) in more.iter().zip(samples.len() as u32..) {
+                self.both_sides(h).for_each(|h| middle_of[h as usize] = v);
+            }
+            samples.par_extend(more.par_iter().map(|&h| self.middle(domain, h)));
+            self.refuse_folds(&number, &mut samples, &mut middle_of, first);
         }
-        samples.par_extend(edges.par_iter().map(|&h| self.middle(domain, h)));
         let mut triangles = Vec::with_capacity(4 * self.connectivity.half_edge_bound() as usize / 3);
-        for h in self.half_edges().filter(|h| h % 3 == 0) {
-            let corners = self.connectivity.triangle(h).map(|v| number[v as usize]);
-            let m = [0, 1, 2].map(|k| middle_of[h as usize + k]);
-            let split = m.iter().filter(|&&v| v != NONE).count();
-            match split {
-                0 => triangles.push(corners),
-                3 => {
-                    triangles.extend([[corners[0], m[0], m[2]], [m[0], corners[1], m[1]], [m[2], m[1], corners[2]], m])
-                }
-                _ => {
-                    // Turn so that side 0 is split and, of two split sides, side 1 is the other one.
-                    let k = (0..3).find(|&k| m[k] != NONE && m[(k + 2) % 3] == NONE).unwrap_or(0);
-                    let [a, b, c] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
-                    let (p, q) = (m[k], m[(k + 1) % 3]);
-                    if q == NONE {
-                        triangles.extend([[a, p, c], [p, b, c]]);
-                    } else {
-                        triangles.extend([[p, b, q], [a, p, q], [a, q, c]]);
-                    }
-                }
-            }
-        }
+        self.half_edges().filter(|h| h % 3 == 0).for_each(|h| triangles.extend(self.parts(h, &number, &middle_of)));
         let mut finer = Manifold::new(samples, &triangles);
         self.hand_curves_on(&mut finer, &number, &middle_of);
         finer
+    }
+
+    /// The half-edges of the edge of `h`, one or two.
+    fn both_sides(&self, h: u32) -> impl Iterator<Item = u32> {
+        [h, self.connectivity.twin(h)].into_iter().filter(|&h| h != NONE)
+    }
+
+    /// The triangles that the one of `h`, the first of its sides, becomes when its sides with a middle are split.
+    fn parts(&self, h: u32, number: &[u32], middle_of: &[u32]) -> Vec<[u32; 3]> {
+        let corners = self.connectivity.triangle(h).map(|v| number[v as usize]);
+        let m = [0, 1, 2].map(|k| middle_of[h as usize + k]);
+        match m.iter().filter(|&&v| v != NONE).count() {
+            0 => vec![corners],
+            3 => vec![[corners[0], m[0], m[2]], [m[0], corners[1], m[1]], [m[2], m[1], corners[2]], m],
+            _ => {
+                // Turn so that side 0 is split and, of two split sides, side 1 is the other one.
+                let k = (0..3).find(|&k| m[k] != NONE && m[(k + 2) % 3] == NONE).unwrap_or(0);
+                let [a, b, c] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
+                match (m[k], m[(k + 1) % 3]) {
+                    (p, NONE) => vec![[a, p, c], [p, b, c]],
+                    (p, q) => vec![[p, b, q], [a, p, q], [a, q, c]],
+                }
+            }
+        }
+    }
+
+    /// Takes the middles away from the sides of triangles with a part that is turned against the surface, and their
+    /// samples, which begin at `first`.
+    fn refuse_folds(&self, number: &[u32], samples: &mut Vec<Sample>, middle_of: &mut [u32], first: usize) {
+        let faces = |t: &[u32; 3]| cosine_to_surface(t.map(|v| &samples[v as usize])) >= LEAST_FACING;
+        let sound = |&h: &u32| {
+            !faces(&self.connectivity.triangle(h).map(|v| number[v as usize]))
+                || self.parts(h, number, middle_of).iter().all(faces)
+        };
+        let triangles = (0..self.connectivity.half_edge_bound() / 3).into_par_iter().map(|t| 3 * t);
+        let folded: Vec<u32> = triangles.filter(|&h| self.connectivity.has_half_edge(h) && !sound(&h)).collect();
+        if folded.is_empty() {
+            return;
+        }
+        for h in folded.into_iter().flat_map(|h| [h, h + 1, h + 2]) {
+            self.both_sides(h).for_each(|h| middle_of[h as usize] = NONE);
+        }
+        let mut kept = vec![false; samples.len()];
+        kept[..first].fill(true);
+        middle_of.iter().filter(|&&v| v != NONE).for_each(|&v| kept[v as usize] = true);
+        let renumbered: Vec<u32> = kept
+            .iter()
+            .scan(0, |n, &k| {
+                *n += u32::from(k);
+                Some(*n - u32::from(k))
+            })
+            .collect();
+        middle_of.iter_mut().filter(|v| **v != NONE).for_each(|v| *v = renumbered[*v as usize]);
+        let mut keep = kept.into_iter();
+        samples.retain(|_| keep.next() == Some(true));
     }
 
     /// Lays the curves of this mesh on one made from it by splitting edges: `number` says what its vertices are there,
