@@ -208,7 +208,6 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
         ascend(&domain, &mut made.mesh, climb, monitor)?;
     }
 
-    dbg(&made.mesh, scale.spacing, "angles");
     monitor.stage("untangle");
     untangle(&domain, &mut made.mesh, monitor)?;
     let mesh = unit.outwards(made.mesh.to_mesh());
@@ -299,68 +298,32 @@ fn has_kind(mesh: &Manifold, wanted: &Topology) -> bool {
     (made.euler, made.components, made.boundary_loops) == (wanted.euler, wanted.components, wanted.boundary_loops)
 }
 
-fn dbg(mesh: &Manifold, spacing: f64, what: &str) {
-    if std::env::var("DBG").is_err() {
-        return;
-    }
-    let c = &mesh.connectivity;
-    let low: Vec<u32> =
-        (0..c.vertex_bound()).filter(|&v| c.has_vertex(v) && !c.is_boundary(v) && c.valence(v) <= 4).collect();
-    let three = low.iter().filter(|&&v| c.valence(v) == 3).count();
-    let short = mesh.edges().map(|h| mesh.length_squared(h).sqrt() / spacing).fold(9.0, f64::min);
-    let worst = mesh
-        .half_edges()
-        .map(|h| crate::geom::triangle::angles(c.triangle(h).map(|v| mesh.position(v)))[0])
-        .fold(99.0, f64::min);
-    let facing = mesh.half_edges().map(|h| mesh.agreement(c.triangle(h))).fold(9.0, f64::min);
-    let fixed = (0..c.vertex_bound()).filter(|&v| c.has_vertex(v) && mesh.fixed[v as usize]).count();
-    eprintln!(
-        "{what}: {} vertices, {} of valence 4, {three} of 3, shortest {short:.2}, worst angle {worst:.1}, facing {facing:.2}, fixed {fixed}",
-        c.vertex_count(),
-        low.len() - three
-    );
-}
-
 /// The mesh of the samples, coarse to fine and with good angles, at the wanted count.
 fn optimize(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
     let Scale { wanted, spacing } = *scale;
     monitor.stage("ascend");
     fix_all_but_bent(mesh);
     let fine = Climb { sigma: ASCENT_SIGMA * spacing, step: LONG_STEP, sweeps: FINE_SWEEPS };
-    dbg(mesh, spacing, "start");
     ascend(domain, mesh, fine, monitor)?;
-    dbg(mesh, spacing, "ascended");
     coarsen(mesh, spacing);
-    dbg(mesh, spacing, "coarse");
     let coarse = Climb { sigma: COARSE_SIGMA * 2.0 * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS / 2 };
     for _ in 0..2 {
         ascend(domain, mesh, coarse, monitor)?;
         balance(domain, mesh, wanted, spacing);
     }
-    dbg(mesh, spacing, "balanced");
     monitor.stage("relax");
     remove_near_defects(mesh, 2.0 * spacing);
     relax(domain, mesh, 2.0 * spacing, Flips::KeepValence, SETTLING_ROUNDS, monitor)?;
     relax(domain, mesh, 2.0 * spacing, Flips::Delaunay, ROUNDS, monitor)?;
-    dbg(mesh, spacing, "coarse relaxed");
     *mesh = split_to(domain, mesh, wanted);
     fix_tips(mesh);
     relax(domain, mesh, spacing, Flips::Delaunay, ROUNDS, monitor)?;
-    dbg(mesh, spacing, "fine relaxed");
     meet_count(domain, mesh, wanted);
     for _ in 0..2 {
         remove_defects(mesh);
         relax(domain, mesh, spacing, Flips::KeepValence, SETTLING_ROUNDS, monitor)?;
     }
-    relax(
-        domain,
-        mesh,
-        spacing,
-        Flips::KeepValence,
-        std::env::var("FR").ok().and_then(|s| s.parse().ok()).unwrap_or(20),
-        monitor,
-    )?;
-    dbg(mesh, spacing, "defects gone");
+    relax(domain, mesh, spacing, Flips::KeepValence, 2 * ROUNDS, monitor)?;
     monitor.stage("improve angles");
     mesh.fixed.fill(false);
     improve_angles(domain, mesh, spacing, monitor)
@@ -374,10 +337,10 @@ const COARSE_SWEEPS: usize = 40;
 /// Kernel width of the ascent over the coarse mesh, in its spacings: a wide one orders more.
 const COARSE_SIGMA: f64 = 1.1;
 
-/// Rounds of relaxation at each level: after ten the lengths of the edges change by less than a per cent. Those after
-/// defects have gone only give the rows room.
-const ROUNDS: usize = 10;
-const SETTLING_ROUNDS: usize = 6;
+/// Rounds of relaxation at each level: after three, vertices move by a hundredth of an edge. Those after defects have gone
+/// only give the rows room.
+const ROUNDS: usize = 3;
+const SETTLING_ROUNDS: usize = 2;
 
 /// The lengths that a density means on a surface, in the pipeline's unit.
 struct Scale {

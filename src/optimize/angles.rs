@@ -12,7 +12,7 @@
 
 use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};
-use crate::geom::triangle::{extreme_angles, quality};
+use crate::geom::triangle::{angles, extreme_angles, quality};
 use crate::surface::connectivity::{next, prev};
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::manifold::Manifold;
@@ -23,6 +23,9 @@ use glam::DVec3;
 /// is above 86 degrees.
 const SMALLEST: f64 = 40.5;
 const LEAST_QUALITY: f64 = 0.76;
+
+/// The largest angle, in degrees, that these two leave.
+const LARGEST: f64 = 86.0;
 
 /// Degrees of the smallest angle that one unit of quality counts as: 0.01 of it, or 0.8 degrees.
 const DEGREES_OF_QUALITY: f64 = 80.0;
@@ -104,6 +107,9 @@ fn flip_if_better(mesh: &mut Manifold, h: u32) -> bool {
     if g == NONE || !c.can_flip(h) || !mesh.flip_keeps_facing(h, LEAST_FACING) {
         return false;
     }
+    if ![c.origin(h), c.target(h)].into_iter().all(|v| can_spare_an_edge(mesh, v)) {
+        return false;
+    }
     let [a, b, top] = c.triangle(h).map(|v| mesh.position(v));
     let bottom = mesh.position(c.apex(g));
     let before = margin_of([a, b, top]).min(margin_of([b, a, bottom]));
@@ -113,6 +119,15 @@ fn flip_if_better(mesh: &mut Manifold, h: u32) -> bool {
         mesh.connectivity.flip(h);
     }
     better
+}
+
+/// Whether the angles around `v` could all be within the goal with one edge less: around four edges in the plane one is
+/// at least 90 degrees.
+fn can_spare_an_edge(mesh: &Manifold, v: u32) -> bool {
+    let c = &mesh.connectivity;
+    let angle = |h: u32| angles(c.triangle(h).map(|v| mesh.position(v)))[0];
+    let (room, count) = c.outgoing(v).fold((0.0, 0.0), |(room, count), h| (room + angle(h), count + 1.0));
+    room <= LARGEST * (count - 1.0)
 }
 
 /// Moves `v` to a place where the worst triangle around it is better; whether there was one.

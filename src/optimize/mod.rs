@@ -4,5 +4,6 @@ pub mod angles;
 pub mod counts;
 pub mod levels;
 pub mod relax;
+mod step;
 pub mod untangle;
 pub mod valence;

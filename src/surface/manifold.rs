@@ -209,17 +209,27 @@ impl Manifold {
     }
 
     /// Splits the edge of `h` at its middle, put back on the domain; the new vertex. `None`, and nothing is done, if that
-    /// place is not between the ends, as happens where the edge cuts through a thin part.
+    /// place is not between the ends or would turn a triangle against the surface, as happens where the edge cuts through a
+    /// thin part.
     pub fn split_at_middle(&mut self, domain: &Domain, h: u32) -> Option<u32> {
         let middle = self.middle(domain, h);
         let ends = [self.connectivity.origin(h), self.connectivity.target(h)].map(|v| self.position(v));
         let longest = MIDDLE_REACH * MIDDLE_REACH * self.length_squared(h);
-        if ends.iter().any(|end| end.distance_squared(middle.position) > longest) {
+        let between = ends.iter().all(|end| end.distance_squared(middle.position) <= longest);
+        if !between || !self.both_sides(h).all(|h| self.halves_face_surface(h, &middle)) {
             return None;
         }
         self.samples.push(middle);
         self.fixed.push(false);
         Some(self.connectivity.split_edge(h))
+    }
+
+    /// Whether the triangle of `h`, split from `middle` to the corner across, faces the surface as well as it must or as it
+    /// does now.
+    fn halves_face_surface(&self, h: u32, middle: &Sample) -> bool {
+        let [a, b, top] = self.connectivity.triangle(h).map(|v| &self.samples[v as usize]);
+        let least = LEAST_FACING.min(cosine_to_surface([a, b, top]));
+        cosine_to_surface([a, middle, top]) >= least && cosine_to_surface([middle, b, top]) >= least
     }
 
     /// The middle of the edge of `h`, put back on the domain, or on the curve that the edge lies on.
