@@ -5,7 +5,7 @@ use crate::base::progress::{Monitor, check};
 use crate::base::rng::{Stage, stream};
 use crate::optimize::angles::improve_angles;
 use crate::optimize::counts::meet_count;
-use crate::optimize::levels::{balance, coarsen, fix_all_but_bent, fix_tips, split_to};
+use crate::optimize::levels::{balance, coarsen, fix_all_but_bent, fix_all_but_narrow, fix_tips, narrow, split_to};
 use crate::optimize::relax::{Flips, relax};
 use crate::optimize::untangle::untangle;
 use crate::optimize::valence::{remove_defects, remove_near_defects};
@@ -302,10 +302,14 @@ fn has_kind(mesh: &Manifold, wanted: &Topology) -> bool {
 fn optimize(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
     let Scale { wanted, spacing } = *scale;
     monitor.stage("ascend");
+    if fix_all_but_narrow(domain, mesh, spacing) {
+        let narrow = Climb { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS };
+        ascend(domain, mesh, narrow, monitor)?;
+    }
     fix_all_but_bent(mesh);
     let fine = Climb { sigma: ASCENT_SIGMA * spacing, step: LONG_STEP, sweeps: FINE_SWEEPS };
     ascend(domain, mesh, fine, monitor)?;
-    coarsen(mesh, spacing);
+    coarsen(domain, mesh, spacing);
     let coarse = Climb { sigma: COARSE_SIGMA * 2.0 * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS / 2 };
     for _ in 0..2 {
         ascend(domain, mesh, coarse, monitor)?;
@@ -317,10 +321,12 @@ fn optimize(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn M
     relax(domain, mesh, 2.0 * spacing, Flips::Delaunay, ROUNDS, monitor)?;
     *mesh = split_to(domain, mesh, wanted);
     fix_tips(mesh);
+    remove_near_defects(mesh, spacing);
     relax(domain, mesh, spacing, Flips::Delaunay, ROUNDS, monitor)?;
     meet_count(domain, mesh, wanted);
     for _ in 0..2 {
-        remove_defects(mesh);
+        let wide: Vec<bool> = narrow(domain, mesh, spacing).into_iter().map(|narrow| !narrow).collect();
+        remove_defects(mesh, &wide);
         relax(domain, mesh, spacing, Flips::KeepValence, SETTLING_ROUNDS, monitor)?;
     }
     relax(domain, mesh, spacing, Flips::KeepValence, 2 * ROUNDS, monitor)?;

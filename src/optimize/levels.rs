@@ -16,6 +16,10 @@ use crate::surface::topology::NONE;
 /// fifth of the vertices of a detailed model were fixed and stayed irregular.
 const BENT: f64 = -0.2;
 
+/// Width of a patch in spacings of the fine mesh below which its vertices are fixed: what a coarser mesh gains inside it
+/// loses at the curves around.
+const NARROW: f64 = 12.0;
+
 /// Least cosine between a triangle of the coarse mesh and the surface at any of its corners: 72 degrees.
 const LEAST_FACING: f64 = 0.3;
 
@@ -25,9 +29,24 @@ const TOLERANCE: f64 = 0.25;
 /// Edges longer than this many fine spacings are to be split: the middle, in ratio, between one spacing and two.
 const SPLIT_ABOVE: f64 = std::f64::consts::SQRT_2;
 
-/// Fixes all vertices but those that a coarser mesh could not do without.
+/// Fixes all vertices but those in patches too narrow for a coarser mesh; whether there are any.
+pub fn fix_all_but_narrow(domain: &Domain, mesh: &mut Manifold, spacing: f64) -> bool {
+    mesh.fixed = narrow(domain, mesh, spacing).into_iter().map(|narrow| !narrow).collect();
+    mesh.fixed.iter().any(|fixed| !fixed)
+}
+
+/// Fixes all vertices but those that a coarser mesh could not do without because the surface bends there.
 pub fn fix_all_but_bent(mesh: &mut Manifold) {
     mesh.fixed = mesh.bent(BENT).into_iter().map(|bent| !bent).collect();
+}
+
+/// The vertices in patches, between curves, that are too narrow for a coarser mesh, and those on the curves around them.
+pub fn narrow(domain: &Domain, mesh: &Manifold, spacing: f64) -> Vec<bool> {
+    let narrow: Vec<bool> = domain.widths().into_iter().map(|width| width < NARROW * spacing).collect();
+    let c = &mesh.connectivity;
+    let own = |v: u32| narrow[domain.piece_of(mesh.samples[v as usize].triangle) as usize];
+    let is_narrow = |v: u32| own(v) || c.curve_at(v) != NONE && c.ring(v).any(|w| c.curve_at(w) == NONE && own(w));
+    (0..c.vertex_bound()).map(|v| c.has_vertex(v) && is_narrow(v)).collect()
 }
 
 /// Fixes the vertices at which the surface turns away within an edge: the ends of spikes, from which relaxation would
@@ -41,8 +60,9 @@ pub fn fix_tips(mesh: &mut Manifold) {
 
 /// Fixes the vertices that a coarser mesh could not do without, and collapses the others until
 /// splitting what is left would give about `wanted` vertices again. `spacing` is that of the fine mesh.
-pub fn coarsen(mesh: &mut Manifold, spacing: f64) {
-    mesh.fixed = mesh.bent(BENT);
+pub fn coarsen(domain: &Domain, mesh: &mut Manifold, spacing: f64) {
+    let narrow = narrow(domain, mesh, spacing);
+    mesh.fixed = mesh.bent(BENT).into_iter().zip(narrow).map(|(bent, narrow)| bent || narrow).collect();
     let fixed = mesh.fixed.iter().filter(|f| **f).count();
     let coarse = fixed + mesh.connectivity.vertex_count().saturating_sub(fixed) / 4;
     coarsen_curves(mesh, spacing);

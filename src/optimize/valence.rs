@@ -1,7 +1,8 @@
 //! Fewer irregular vertices, by flips, glides and collapses.
 //!
-//! A vertex inside that has not six edges, or one on a straight boundary that has not four, is a defect; its excess e is
-//! the number of edges too many. A corner should have as many triangles as angles of 60 degrees fit around it. The energy is the sum of e². Three kinds of moves lower it:
+//! A vertex inside that has not six edges is a defect; its excess e is the number of edges too many. A vertex on a curve,
+//! of the boundary or a sharp edge, has a fan of triangles on each side of the curve, with as many triangles as angles of
+//! 60 degrees fit between: each fan has an excess of its own. The energy is the sum of e². Three kinds of moves lower it:
 //!
 //! 1. *Flips* of an edge from a to b between c and d change it by 4 + 2 (e_c + e_d - e_a - e_b).
 //! 2. *Glides*: flips that leave the energy as it is move a pair of a 5 and a 7 along its row. A bounded search follows
@@ -22,14 +23,13 @@
 //! Limits: defects that curvature asks for stay, and so do those next to fixed vertices.
 
 use crate::geom::triangle::{angles, mean_ratio};
-use crate::surface::connectivity::{CORNER, Connectivity, next, prev};
+use crate::surface::connectivity::{Connectivity, next, prev};
 use crate::surface::manifold::Manifold;
 use crate::surface::topology::NONE;
 use glam::DVec3;
 
-/// Edges of a regular vertex inside and on a straight boundary.
+/// Edges of a regular vertex inside.
 const REGULAR: i32 = 6;
-const REGULAR_ON_BOUNDARY: i32 = 4;
 
 /// Flips of one glide, and flips that the search for one may try: a pair has one way to go, sometimes two.
 const LONGEST_GLIDE: usize = 12;
@@ -48,11 +48,12 @@ const FLAT: f64 = 0.5;
 /// How far, in spacings, a vertex that is removed may be from what is left.
 const TOLERANCE: f64 = 0.25;
 
-/// Lowers the energy of the fine mesh by flips and glides of up to [`LONGEST_GLIDE`] flips.
-pub fn remove_defects(mesh: &mut Manifold) {
+/// Lowers the energy of the fine mesh by flips, and by glides of up to [`LONGEST_GLIDE`] flips that begin at vertices where
+/// `glides` says so. Between near curves they would shear rows that have no room to straighten.
+pub fn remove_defects(mesh: &mut Manifold, glides: &[bool]) {
     let mut defects = Defects::new(mesh);
     defects.flip_down(mesh.edges().collect(), mesh);
-    defects.glide_all(mesh);
+    defects.glide_all(mesh, glides);
 }
 
 /// Lowers the energy of a mesh whose number of vertices is not settled yet: by flips, and by collapses.
@@ -62,7 +63,7 @@ pub fn remove_near_defects(mesh: &mut Manifold, spacing: f64) {
     defects.collapse_down(mesh, spacing);
 }
 
-/// The excess of each vertex, kept up to date with the mesh.
+/// The excess of each vertex that is not on a curve, kept up to date with the mesh.
 pub(super) struct Defects {
     excess: Vec<i32>,
 }
@@ -70,20 +71,26 @@ pub(super) struct Defects {
 impl Defects {
     pub(super) fn new(mesh: &Manifold) -> Defects {
         let c = &mesh.connectivity;
-        let excess = |v: u32| if c.has_vertex(v) { excess(mesh, v) } else { 0 };
+        let excess = |v: u32| if c.has_vertex(v) { c.valence(v) as i32 - REGULAR } else { 0 };
         Defects { excess: (0..c.vertex_bound()).map(excess).collect() }
     }
 
+    /// The excess at the origin of `h`, on the side of the curve that the triangle of `h` is on.
     #[inline]
-    fn of(&self, v: u32) -> i32 {
-        self.excess[v as usize]
+    fn at(&self, mesh: &Manifold, h: u32) -> i32 {
+        let v = mesh.connectivity.origin(h);
+        match mesh.connectivity.curve_at(v) {
+            NONE => self.excess[v as usize],
+            _ => excess_of_fan(mesh, h),
+        }
     }
 
     /// What flipping the edge of `h`, which has two faces, adds to the energy.
     #[inline]
-    fn rise(&self, c: &Connectivity, h: u32) -> i32 {
-        let [a, b, top] = c.triangle(h);
-        4 + 2 * (self.of(top) + self.of(c.apex(c.twin(h))) - self.of(a) - self.of(b))
+    fn rise(&self, mesh: &Manifold, h: u32) -> i32 {
+        let g = mesh.connectivity.twin(h);
+        let (ends, tops) = (self.at(mesh, h) + self.at(mesh, g), self.at(mesh, prev(h)) + self.at(mesh, prev(g)));
+        4 + 2 * (tops - ends)
     }
 
     fn flip(&mut self, c: &mut Connectivity, h: u32) {
@@ -103,7 +110,7 @@ impl Defects {
     fn flip_down(&mut self, mut queue: Vec<u32>, mesh: &mut Manifold) {
         while let Some(h) = queue.pop() {
             let c = &mesh.connectivity;
-            if c.has_half_edge(h) && c.twin(h) != NONE && self.rise(c, h) < 0 && may_flip(mesh, h) {
+            if c.has_half_edge(h) && c.twin(h) != NONE && self.rise(mesh, h) < 0 && may_flip(mesh, h) {
                 self.flip(&mut mesh.connectivity, h);
                 queue.extend(touched(&mesh.connectivity, h));
             }
@@ -116,7 +123,8 @@ impl Defects {
         let mut left = 20 * queue.len();
         while let Some(h) = queue.pop() {
             let c = &mesh.connectivity;
-            if left > 0 && c.twin(h) != NONE && mesh.breaks_delaunay(h) && self.rise(c, h) <= 0 && may_flip(mesh, h) {
+            if left > 0 && c.twin(h) != NONE && mesh.breaks_delaunay(h) && self.rise(mesh, h) <= 0 && may_flip(mesh, h)
+            {
                 let g = c.twin(h);
                 self.flip(&mut mesh.connectivity, h);
                 queue.extend([next(h), prev(h), next(g), prev(g)]);
@@ -125,13 +133,13 @@ impl Defects {
         }
     }
 
-    fn glide_all(&mut self, mesh: &mut Manifold) {
+    fn glide_all(&mut self, mesh: &mut Manifold, glides: &[bool]) {
         for h in 0..mesh.connectivity.half_edge_bound() {
             let c = &mesh.connectivity;
-            if !c.has_half_edge(h) || c.twin(h) == NONE || h > c.twin(h) || self.rise(c, h) != 0 {
+            if !c.has_half_edge(h) || c.twin(h) == NONE || h > c.twin(h) || self.rise(mesh, h) != 0 {
                 continue;
             }
-            if !may_glide(mesh, h) {
+            if !glides[mesh.connectivity.origin(h) as usize] || !may_glide(mesh, h) {
                 continue;
             }
             let mut glide = Glide { flipped: Vec::new(), gone: Vec::new(), tries: MOST_TRIES };
@@ -145,7 +153,7 @@ impl Defects {
     /// Flips `h` and further edges until the energy is lower; if that is not to be had, none.
     fn glide(&mut self, mesh: &mut Manifold, h: u32, glide: &mut Glide) -> bool {
         glide.tries -= 1;
-        let lower = self.rise(&mesh.connectivity, h) < 0;
+        let lower = self.rise(mesh, h) < 0;
         glide.gone.push(ends(&mesh.connectivity, h));
         glide.flipped.push(h);
         self.flip(&mut mesh.connectivity, h);
@@ -165,7 +173,7 @@ impl Defects {
         let c = &mesh.connectivity;
         let mut ways: Vec<(i32, u32)> = touched(c, h)
             .filter(|&g| c.twin(g) != NONE)
-            .map(|g| (self.rise(c, g), g))
+            .map(|g| (self.rise(mesh, g), g))
             .filter(|&(rise, g)| rise <= 0 && !glide.gone.contains(&ends_after(c, g)))
             .collect();
         ways.sort_unstable();
@@ -194,8 +202,8 @@ impl Defects {
         if c.twin(h) == NONE {
             return 0;
         }
-        let [a, b, top] = c.triangle(h).map(|v| self.of(v));
-        let bottom = self.of(c.apex(c.twin(h)));
+        let [a, b, top] = [h, next(h), prev(h)].map(|h| self.at(mesh, h));
+        let bottom = self.at(mesh, prev(c.twin(h)));
         (a + b + 2).pow(2) - a * a - b * b + 2 - 2 * (top + bottom)
     }
 
@@ -203,7 +211,7 @@ impl Defects {
         let c = &mesh.connectivity;
         let [a, b, top] = c.triangle(h);
         let bottom = c.apex(c.twin(h));
-        self.excess[b as usize] += self.of(a) + 2;
+        self.excess[b as usize] += self.excess[a as usize] + 2;
         self.excess[a as usize] = 0;
         [top, bottom].into_iter().for_each(|v| self.excess[v as usize] -= 1);
         mesh.connectivity.collapse(h);
@@ -218,21 +226,31 @@ struct Glide {
     tries: usize,
 }
 
-fn excess(mesh: &Manifold, v: u32) -> i32 {
+/// How many more triangles there are around the origin of `h` than angles of 60 degrees fit, between the curves on either
+/// side of the triangle of `h`.
+fn excess_of_fan(mesh: &Manifold, h: u32) -> i32 {
     let c = &mesh.connectivity;
-    let regular = match (c.curve_at(v), c.is_boundary(v)) {
-        (CORNER, on_boundary) => triangles_that_fit(mesh, v) + i32::from(on_boundary),
-        (_, true) => REGULAR_ON_BOUNDARY,
-        (_, false) => REGULAR,
-    };
-    c.valence(v) as i32 - regular
-}
-
-/// How many angles of 60 degrees there is room for around `v`, at least one.
-fn triangles_that_fit(mesh: &Manifold, v: u32) -> i32 {
-    let angle = |h: u32| angles(mesh.connectivity.triangle(h).map(|v| mesh.position(v)))[0];
-    let room: f64 = mesh.connectivity.outgoing(v).map(angle).sum();
-    ((room / 60.0).round() as i32).max(1)
+    let ends = |h: u32| c.curve(h) != NONE || c.twin(h) == NONE;
+    let mut first = h;
+    while !ends(first) {
+        first = next(c.twin(first));
+        if first == h {
+            break;
+        }
+    }
+    let (mut count, mut room, mut at) = (0, 0.0, first);
+    loop {
+        count += 1;
+        room += angles(c.triangle(at).map(|v| mesh.position(v)))[0];
+        if ends(prev(at)) {
+            break;
+        }
+        at = c.twin(prev(at));
+        if at == first {
+            break;
+        }
+    }
+    count - ((room / 60.0).round() as i32).max(1)
 }
 
 fn sorted(a: u32, b: u32) -> [u32; 2] {
@@ -320,7 +338,10 @@ mod tests {
     /// The sum of the squares of all excesses inside.
     fn energy(mesh: &Manifold) -> i32 {
         let c = &mesh.connectivity;
-        (0..c.vertex_bound()).filter(|&v| c.has_vertex(v) && !c.is_boundary(v)).map(|v| excess(mesh, v).pow(2)).sum()
+        (0..c.vertex_bound())
+            .filter(|&v| c.has_vertex(v) && !c.is_boundary(v))
+            .map(|v| (c.valence(v) as i32 - REGULAR).pow(2))
+            .sum()
     }
 
     /// Flips the edge between these two.
@@ -339,7 +360,7 @@ mod tests {
                 flip(&mut mesh, row(j)[0], row(j)[1]);
             }
             assert_eq!(energy(&mesh), 4, "{length}");
-            remove_defects(&mut mesh);
+            remove_defects(&mut mesh, &[true; ((SIZE + 1) * (SIZE + 1)) as usize]);
             assert_eq!(energy(&mesh), 0, "{length}");
         }
     }
@@ -350,7 +371,7 @@ mod tests {
         (3..8).for_each(|j| flip(&mut mesh, 6 * (SIZE + 1) + j, 7 * (SIZE + 1) + j));
         let before = mesh.connectivity.clone();
         mesh.fixed.fill(true);
-        remove_defects(&mut mesh);
+        remove_defects(&mut mesh, &[true; ((SIZE + 1) * (SIZE + 1)) as usize]);
         assert_eq!(mesh.connectivity.compact(), before.compact());
     }
 

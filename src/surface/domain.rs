@@ -102,6 +102,20 @@ impl Domain {
         self.piece[self.mesh.triangles[t as usize][0] as usize]
     }
 
+    /// How wide each piece is, by the number of its piece: twice its area for the length of its boundary, which is the
+    /// width of a long strip; infinite for a closed one.
+    pub fn widths(&self) -> Vec<f64> {
+        let mut sums = vec![(0.0, 0.0); self.mesh.positions.len()];
+        for t in 0..self.mesh.triangles.len() {
+            let corners = self.mesh.corners(t);
+            let (area, length) = &mut sums[self.piece_of(t as u32) as usize];
+            *area += 0.5 * self.mesh.area_vector(t).length();
+            let open = (0..3).filter(|&k| self.twin[3 * t + k] == NONE);
+            *length += open.map(|k| corners[k].distance(corners[(k + 1) % 3])).sum::<f64>();
+        }
+        sums.into_iter().map(|(area, length)| 2.0 * area / length).collect()
+    }
+
     /// The point with barycentric coordinates `weights` (three, of sum 1) on triangle `t`.
     #[inline]
     pub fn sample(&self, t: u32, weights: [f64; 3]) -> Sample {
