@@ -72,22 +72,6 @@ pub fn relax(
         let steps = newton_step(mesh, spacing, |t| strain(t.map(|v| mesh.position(v)), spacing));
         move_vertices(domain, mesh, || (), |_, v, ()| steps[v as usize].clamp_length_max(LONGEST_STEP * spacing));
         flip(mesh, flips);
-        if std::env::var("DBG").is_ok() {
-            let c = &mesh.connectivity;
-            let q: Vec<f64> = mesh
-                .half_edges()
-                .filter(|h| h % 3 == 0)
-                .map(|h| crate::geom::triangle::quality(c.triangle(h).map(|v| mesh.position(v))))
-                .collect();
-            let six = (0..c.vertex_bound()).filter(|&v| c.has_vertex(v) && c.valence(v) == 6).count() * 100
-                / c.vertex_count();
-            let len = steps.iter().map(|s| s.length_squared()).sum::<f64>() / steps.len() as f64;
-            eprintln!(
-                "   {flips:?} {spacing:.4} Q {:.4} v6 {six} rms step {:.4}",
-                q.iter().sum::<f64>() / q.len() as f64,
-                len.sqrt() / spacing
-            );
-        }
     }
     Ok(())
 }
