@@ -1,0 +1,209 @@
+//! Sharp edges, corners and rims on shapes made for it: they come out where they were, and no triangle crosses them.
+
+mod common;
+
+use common::*;
+use glam::{DVec3, dvec3};
+use spectral_remesh::quality::shape::shape;
+use spectral_remesh::surface::features::Features;
+use spectral_remesh::{Density, Mesh, Options, Remeshed, remesh};
+use std::f64::consts::TAU;
+
+#[track_caller]
+fn check_with(input: &Mesh, n: usize, features: Features) -> Remeshed {
+    let made = remesh(input, &Options { density: Density::Points(n), features, ..Options::default() }, &()).unwrap();
+    assert!(made.verified(), "{:?} became {:?}: {:?}", made.repaired, made.output, made.notes);
+    assert!(made.crossing_faces.is_empty());
+    assert_eq!(made.mesh.positions.len(), n);
+    audit(&made.mesh);
+    made
+}
+
+#[track_caller]
+fn check(input: &Mesh, n: usize) -> Remeshed {
+    check_with(input, n, Features::Automatic)
+}
+
+/// How far the nearest vertex is from `p`.
+fn nearest(mesh: &Mesh, p: DVec3) -> f64 {
+    mesh.positions.iter().map(|q| q.distance(p)).fold(f64::INFINITY, f64::min)
+}
+
+/// All triangles lie in one of the planes `n · p = d`, given as (n, d), with n outwards.
+#[track_caller]
+fn lies_in_planes(mesh: &Mesh, planes: &[(DVec3, f64)]) {
+    for t in 0..mesh.triangles.len() {
+        let corners = mesh.corners(t);
+        let normal = mesh.area_vector(t).normalize();
+        let lies = |&(n, d): &(DVec3, f64)| {
+            normal.dot(n) > 1.0 - 1e-9 && corners.iter().all(|p| (n.dot(*p) - d).abs() < 1e-9)
+        };
+        assert!(planes.iter().any(lies), "triangle {t} at {corners:?}");
+    }
+}
+
+/// The least angle, the largest one and mean quality.
+#[track_caller]
+fn is_good(mesh: &Mesh, smallest: f64, largest: f64, mean: f64) {
+    let s = shape(mesh).unwrap();
+    assert!(s.theta_min >= smallest && s.theta_max <= largest && s.q_mean >= mean, "{s:?}");
+}
+
+fn box_planes(size: DVec3) -> Vec<(DVec3, f64)> {
+    DVec3::AXES.into_iter().flat_map(|axis| [(axis, axis.dot(size)), (-axis, 0.0)]).collect()
+}
+
+#[test]
+fn a_cube_keeps_its_corners_edges_and_faces() {
+    for n in [100, 1000, 3000] {
+        let size = DVec3::splat(2.0);
+        let made = check(&cuboid(size), n);
+        assert_eq!(made.sharp_curves, 12);
+        lies_in_planes(&made.mesh, &box_planes(size));
+        for corner in 0..8 {
+            let p = DVec3::from_array([0, 1, 2].map(|k| if corner >> k & 1 == 1 { 2.0 } else { 0.0 }));
+            assert!(nearest(&made.mesh, p) < 1e-12);
+        }
+        assert!((volume(&made.mesh) - 8.0).abs() < 1e-9);
+        if n > 100 {
+            is_good(&made.mesh, 30.0, 110.0, 0.94);
+        }
+    }
+}
+
+#[test]
+fn a_cylinder_keeps_its_rims_which_have_no_corner() {
+    let n = 120;
+    let made = check(&cylinder(n, 1.0, 1.0, 2.0), 2500);
+    assert_eq!(made.sharp_curves, 2);
+    for t in 0..made.mesh.triangles.len() {
+        let heights = made.mesh.corners(t).map(|p| p.z);
+        let flat = made.mesh.area_vector(t).normalize().z.abs();
+        let on_cap = heights.iter().all(|z| z.abs() < 1e-9) || heights.iter().all(|z| (z - 2.0).abs() < 1e-9);
+        assert!(on_cap && flat > 1.0 - 1e-9 || !on_cap && flat < 0.1, "triangle {t} crosses a rim: {heights:?}");
+    }
+    is_good(&made.mesh, 30.0, 110.0, 0.95);
+}
+
+/// A house of width 2 and length 3 whose roof bends by 20 degrees at the ridge.
+fn house() -> Mesh {
+    let rise = 10f64.to_radians().tan();
+    let gable = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0 + rise), (0.0, 1.0)];
+    let place = |i: u32| dvec3(3.0 * f64::from(i / 5), gable[i as usize % 5].0, gable[i as usize % 5].1);
+    let positions = (0..10).map(place).collect();
+    let sides = (0..5).flat_map(|i| {
+        let (a, b) = (i, (i + 1) % 5);
+        [[a, b + 5, b], [a, a + 5, b + 5]]
+    });
+    let ends = [[0, 1, 2], [0, 2, 3], [0, 3, 4]].into_iter();
+    let back = ends.clone().map(|[a, b, c]| [a + 5, c + 5, b + 5]);
+    inside_out(Mesh { positions, triangles: sides.chain(ends).chain(back).collect() })
+}
+
+#[test]
+fn a_ridge_of_twenty_degrees_is_kept() {
+    let input = house();
+    let whole = volume(&input);
+    let input = if whole < 0.0 { inside_out(input) } else { input };
+    for features in [Features::Automatic, Features::Degrees(15.0)] {
+        let made = check_with(&input, 2000, features);
+        assert_eq!(made.sharp_curves, 15);
+        assert!((volume(&made.mesh) - whole.abs()).abs() < 1e-9, "{} {whole}", volume(&made.mesh));
+        is_good(&made.mesh, 30.0, 110.0, 0.94);
+    }
+    let smooth = check_with(&input, 2000, Features::Smooth);
+    assert_eq!(smooth.sharp_curves, 0);
+}
+
+#[test]
+fn a_threshold_above_all_edges_keeps_none() {
+    assert_eq!(check_with(&house(), 800, Features::Degrees(100.0)).sharp_curves, 0);
+    assert_eq!(check_with(&cuboid(DVec3::ONE), 800, Features::Degrees(80.0)).sharp_curves, 12);
+}
+
+#[test]
+fn the_apex_of_a_cone_stays() {
+    for top in [0.4, 1.0, 3.0] {
+        let made = check(&cylinder(120, 1.0, 0.0, top), 2000);
+        assert_eq!(made.sharp_curves, 1);
+        let off = nearest(&made.mesh, top * DVec3::Z) / made.spacing;
+        assert!(off < 0.5, "a cone of height {top}: {off} spacings from the apex");
+    }
+}
+
+/// A crease that ends inside of a face: folded at one end, flat at the other.
+#[test]
+fn a_dart_ends_where_it_ends() {
+    let fold = |u: f64, v: f64| dvec3(u, v, -(0.6 * (0.6 - u).max(0.0)) * (v - 0.5).abs());
+    let input = grid(60, 60, Ends::Open, Ends::Open, fold);
+    let made = check_with(&input, 2500, Features::Degrees(12.0));
+    assert_eq!(made.output.boundary_loops, 1);
+    assert!(made.sharp_curves >= 2, "{}", made.sharp_curves);
+    let ridge = nearest(&made.mesh, dvec3(0.0, 0.5, 0.0));
+    assert!(ridge < 1e-9, "the mouth of the dart is {ridge} off");
+}
+
+/// Six faces meet in the middle of a star of creases.
+#[test]
+fn curves_that_meet_in_a_corner_stay_joined() {
+    let crease = |u: f64, v: f64| {
+        let angle = (v - 0.5).atan2(u - 0.5);
+        let away = (u - 0.5).hypot(v - 0.5);
+        dvec3(u, v, 0.5 * away * (2.0 * (6.0 * angle / TAU - (6.0 * angle / TAU).round()).abs() - 0.5))
+    };
+    // Triangles around the middle, so that edges lie on the creases.
+    let n = 48;
+    let ring = |r: u32, i: u32| {
+        let (sin, cos) = (TAU * f64::from(i) / f64::from(n)).sin_cos();
+        let r = f64::from(r) / 40.0;
+        crease(0.5 + r * cos, 0.5 + r * sin)
+    };
+    let at = |r: u32, i: u32| 1 + (r - 1) * n + i % n;
+    let positions = std::iter::once(crease(0.5, 0.5)).chain((1..=20).flat_map(|r| (0..n).map(move |i| ring(r, i))));
+    let first = (0..n).map(|i| [0, at(1, i), at(1, i + 1)]);
+    let rest = (1..20).flat_map(|r| {
+        (0..n).flat_map(move |i| [[at(r, i), at(r + 1, i), at(r + 1, i + 1)], [at(r, i), at(r + 1, i + 1), at(r, i + 1)]])
+    });
+    let input = Mesh { positions: positions.collect(), triangles: first.chain(rest).collect() };
+    let made = check_with(&input, 2000, Features::Degrees(10.0));
+    assert!(nearest(&made.mesh, crease(0.5, 0.5)) < 1e-12);
+    assert!(made.sharp_curves >= 12, "{}", made.sharp_curves);
+}
+
+#[test]
+fn a_plate_a_tenth_of_the_spacing_thick_stays_two_sheets() {
+    let n = 1500;
+    // The spacing of so many vertices on two unit squares.
+    let spacing = (2.0 * 2.0 / (3f64.sqrt() * n as f64)).sqrt();
+    let size = dvec3(1.0, 1.0, 0.1 * spacing);
+    let made = check(&cuboid(size), n);
+    let thick = volume(&made.mesh) / size.z;
+    assert!((thick - 1.0).abs() < 0.02, "{thick} of the volume is left");
+}
+
+#[test]
+fn two_spheres_a_thousandth_apart_stay_two() {
+    let input = together(&[sphere(5, DVec3::ZERO, 0.5), sphere(5, 1.001 * DVec3::X, 0.5)]);
+    for n in [300, 3000] {
+        let made = check(&input, n);
+        assert_eq!((made.output.components, made.output.euler), (2, 4));
+    }
+}
+
+#[test]
+fn scans_do_not_break_up_in_false_edges() {
+    let noisy = noisy(sphere(5, DVec3::ZERO, 1.0), 0.004, &mut random(3));
+    assert_eq!(check(&noisy, 1500).sharp_curves, 0);
+    assert_eq!(check(&torus(60, 30, 3.0, 1.0), 1500).sharp_curves, 0);
+}
+
+/// A million vertices, far away and large or tiny: the same figures as for those at the origin.
+#[test]
+fn a_million_vertices_at_any_place_and_scale() {
+    let torus = torus(1400, 720, 3.0, 1.0);
+    for (size, place) in [(1.0, dvec3(1e6, -1e6, 1e6)), (1e-6, DVec3::ZERO)] {
+        let made = check(&moved(torus.clone(), |p| size * p + place), 2000);
+        assert_eq!((made.output.euler, made.sharp_curves), (0, 0));
+        is_good(&made.mesh, 40.0, 90.0, 0.97);
+    }
+}
