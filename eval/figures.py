@@ -4,7 +4,8 @@
     cargo build --release
     eval/figures.py [--models FOLDER] [--only NAME,NAME] [--print]
 
-The cases are those of eval/cases.json. Files that begin with data/ are the project's own; the others are looked for in
+The cases are those of eval/cases.json; eval/peers.json has what other remeshers reach on some of them, for the tables that
+put both side by side. Files that begin with data/ are the project's own; the others are looked for in
 FOLDER, and left out with a note where they are not there. One run with --report gives the figures of the result. Three
 more runs without it, as a user would type them, are timed as whole processes: the table has the median of their wall
 seconds, and the most memory that any of them had resident. (About 20 MB are the least that can be seen: what this
@@ -158,16 +159,40 @@ def table(results):
     return '\n'.join('| ' + ' | '.join(row) + ' |' for row in rows)
 
 
+def beside(results, peers):
+    """Our figures and those of other programs, a table for each measure."""
+    ours = {r['name']: r for r in results if r['report']}
+    models = [m for m in peers['models'] if m in ours]
+    if not models:
+        return ''
+    own = {
+        'angles': lambda r: '%.1f / %.1f' % (shape(r)['theta_min'], shape(r)['theta_min_mean']),
+        'quality': lambda r: '%.2f / %.3f' % (shape(r)['q_min'], shape(r)['q_mean']),
+        'distance': lambda r: '%.3f / %.2f' % (distance(r, 'rms'), distance(r, 'hausdorff')),
+        'seconds': lambda r: '%.2f' % r['seconds'],
+    }
+    parts = []
+    for measure in peers['measures']:
+        rows = [[measure['title']] + models, [':--'] + ['--:'] * len(models)]
+        rows.append(['**remesh**'] + ['**%s**' % own[measure['key']](ours[m]) for m in models])
+        rows += [[name] + [row[m] for m in models] for name, row in measure['rows'].items()]
+        parts.append('\n'.join('| ' + ' | '.join(row) + ' |' for row in rows))
+    programs = ', '.join('%s (%s)' % item for item in peers['programs'].items())
+    head = 'Other programs at the same counts, measured on %s: %s. Our seconds are those of the whole process.' % (
+        peers['measured'], programs)
+    return '\n\n%s\n\n%s' % (head, '\n\n'.join(parts))
+
+
 def machine():
     return '%d cores, %s, %s' % (os.cpu_count() or 1, platform.machine(), platform.system())
 
 
-def section(results):
+def section(results, peers):
     """What stands between the markers."""
     versions = sorted({r['report']['version'] for r in results if r['report']})
     head = 'Version %s, measured on %s (%s). Written by `eval/figures.py --models FOLDER`; do not edit.' % (
         ', '.join(versions) or 'unknown', datetime.date.today().isoformat(), machine())
-    return '%s\n%s\n\n%s\n%s' % (BEGIN, head, table(results), END)
+    return '%s\n%s\n\n%s%s\n%s' % (BEGIN, head, table(results), beside(results, peers), END)
 
 
 def rewrite(text):
@@ -176,10 +201,10 @@ def rewrite(text):
     if readme.count(BEGIN) != 1 or readme.count(END) != 1 or readme.index(BEGIN) > readme.index(END):
         sys.exit('figures: README.md needs one %s and, after it, one %s' % (BEGIN, END))
     before, rest = readme.split(BEGIN)
-    beside = README + '.new'
-    with open(beside, 'w', encoding='utf-8') as f:
+    new = README + '.new'
+    with open(new, 'w', encoding='utf-8') as f:
         f.write(before + text + rest.split(END)[1])
-    os.replace(beside, README)
+    os.replace(new, README)
 
 
 def main():
@@ -193,13 +218,15 @@ def main():
         sys.exit('figures: no %s; run `cargo build --release` first' % options.binary)
     with open(os.path.join(HERE, 'cases.json'), encoding='utf-8') as f:
         cases = chosen(json.load(f), options.only)
+    with open(os.path.join(HERE, 'peers.json'), encoding='utf-8') as f:
+        peers = json.load(f)
     results, bad = measure_all(options.binary, cases, options.models)
     if not results:
         sys.exit('figures: nothing was measured')
     if options.print or options.only:
-        print(section(results))
+        print(section(results, peers))
     else:
-        rewrite(section(results))
+        rewrite(section(results, peers))
     sys.exit(1 if bad else 0)
 
 
