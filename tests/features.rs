@@ -35,9 +35,8 @@ fn lies_in_planes(mesh: &Mesh, planes: &[(DVec3, f64)]) {
     for t in 0..mesh.triangles.len() {
         let corners = mesh.corners(t);
         let normal = mesh.area_vector(t).normalize();
-        let lies = |&(n, d): &(DVec3, f64)| {
-            normal.dot(n) > 1.0 - 1e-9 && corners.iter().all(|p| (n.dot(*p) - d).abs() < 1e-9)
-        };
+        let lies =
+            |&(n, d): &(DVec3, f64)| normal.dot(n) > 1.0 - 1e-9 && corners.iter().all(|p| (n.dot(*p) - d).abs() < 1e-9);
         assert!(planes.iter().any(lies), "triangle {t} at {corners:?}");
     }
 }
@@ -162,7 +161,8 @@ fn curves_that_meet_in_a_corner_stay_joined() {
     let positions = std::iter::once(crease(0.5, 0.5)).chain((1..=20).flat_map(|r| (0..n).map(move |i| ring(r, i))));
     let first = (0..n).map(|i| [0, at(1, i), at(1, i + 1)]);
     let rest = (1..20).flat_map(|r| {
-        (0..n).flat_map(move |i| [[at(r, i), at(r + 1, i), at(r + 1, i + 1)], [at(r, i), at(r + 1, i + 1), at(r, i + 1)]])
+        (0..n)
+            .flat_map(move |i| [[at(r, i), at(r + 1, i), at(r + 1, i + 1)], [at(r, i), at(r + 1, i + 1), at(r, i + 1)]])
     });
     let input = Mesh { positions: positions.collect(), triangles: first.chain(rest).collect() };
     let made = check_with(&input, 2000, Features::Degrees(10.0));

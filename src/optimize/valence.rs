@@ -332,7 +332,9 @@ mod tests {
             .collect();
         let samples = (0..=SIZE).flat_map(|i| (0..=SIZE).map(move |j| (i, j)));
         let samples = samples.map(|(i, j)| Sample { position: place(i, j), normal: DVec3::Z, triangle: 0 }).collect();
-        Manifold::new(samples, &triangles)
+        let mut mesh = Manifold::new(samples, &triangles);
+        mesh.hold_boundary();
+        mesh
     }
 
     /// The sum of the squares of all excesses inside.

@@ -120,7 +120,9 @@ mod tests {
             }
             let mut plane = DelaunayTriangulation::<Point2<f64>>::new();
             let hub = plane.insert(Point2::new(0.0, 0.0)).unwrap();
-            places.iter().for_each(|p| drop(plane.insert(Point2::new(p.x, p.y)).unwrap()));
+            for p in &places {
+                plane.insert(Point2::new(p.x, p.y)).unwrap();
+            }
             let expected = plane.vertex(hub).out_edges().map(|e| e.to().index() as u32 - 1).collect();
             assert_eq!(from_lowest(cell.ring().collect()), from_lowest(expected));
         }
