@@ -45,7 +45,8 @@ const DAMPING: f64 = 0.8;
 const LONGEST_STEP: f64 = 0.3;
 
 /// Relaxes all vertices of `mesh` that are not fixed for `rounds` rounds, with flips after each. `spacing` is the edge
-/// length that is wanted.
+/// length that is wanted where the
+/// size of samples is 1.
 pub fn relax(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -74,9 +75,12 @@ fn flip(mesh: &mut Manifold, flips: Flips) {
 fn way_down(mesh: &Manifold, v: u32, spacing: f64) -> DVec3 {
     let (mut gradient, mut count) = (DVec3::ZERO, 0.0);
     for h in mesh.connectivity.outgoing(v) {
-        gradient += energy_gradient(mesh.connectivity.triangle(h).map(|v| mesh.position(v)), spacing);
+        let corners = mesh.connectivity.triangle(h);
+        let size = corners.iter().map(|&v| mesh.samples[v as usize].size).sum::<f64>() / 3.0;
+        gradient += energy_gradient(corners.map(|v| mesh.position(v)), size * spacing);
         count += 1.0;
     }
+    let spacing = spacing * mesh.samples[v as usize].size;
     // The second derivative of an equilateral triangle: 4/3 of its shape, half as much of its size, in 1 / spacing².
     let hessian = count * (4.0 / 3.0 + 2.0 / 3.0 * SIZE_WEIGHT) / (spacing * spacing);
     let way = (-DAMPING / hessian * gradient).clamp_length_max(LONGEST_STEP * spacing);

@@ -21,7 +21,7 @@ use glam::DVec3;
 /// How an ascent goes.
 #[derive(Debug, Clone, Copy)]
 pub struct Climb {
-    /// Width of the kernel, in the units of the domain.
+    /// Width of the kernel where the wanted size is 1, in the units of the domain.
     pub sigma: f64,
     /// Share of the gradient that a vertex goes at once: [`PAPER_STEP`] or [`LONG_STEP`].
     pub step: f64,
@@ -55,6 +55,7 @@ pub fn ascend(domain: &Domain, mesh: &mut Manifold, climb: Climb, monitor: &dyn 
 
 /// Where vertex `v` wants to go: up the gradient.
 fn way_up(mesh: &Manifold, v: u32, Climb { sigma, step, .. }: Climb) -> DVec3 {
+    let sigma = sigma * mesh.samples[v as usize].size;
     let mut offsets = [DVec3::ZERO; GRADIENT_NEIGHBOURS];
     let found = nearest(mesh, v);
     for (offset, &(_, w)) in offsets.iter_mut().zip(found.list()) {
