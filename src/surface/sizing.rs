@@ -1,7 +1,7 @@
 //! The edge lengths that are wanted at the vertices of a domain: from its shape, or from a field of lengths.
 //!
-//! *From the shape.* The radius ρ at a vertex is the smaller of two: that of its curvature, and that of the largest ball
-//! inside that touches the surface there and no surface that faces the other way, which is half the thickness of a wall.
+//! *From the shape.* The radius ρ at a vertex is the smaller of two: that of its curvature, and half the thickness along
+//! the normal there.
 //! Edges of length h leave an error of about h² / (8 ρ), so h ∝ √ρ makes it the same everywhere; A between 0 and 1 asks
 //! for h ∝ ρ^(A/2). Radii are cut off at [`RANGE`] times and a [`RANGE`]-th of their geometric mean over the area.
 //!
@@ -15,13 +15,13 @@
 //!
 //! Based on: D. Cohen-Steiner, J.-M. Morvan, Restricted Delaunay triangulations and normal cycle, 2003,
 //! DOI 10.1145/777792.777839 (tensor); J. J. Koenderink, A. J. van Doorn, Surface shape and curvature scales, 1992,
-//! DOI 10.1016/0262-8856(92)90076-F (curvedness); J. Ma, S. W. Bae, S. Choi, 3D medial axis point approximation using
-//! nearest neighbors and the normal field, 2012, DOI 10.1007/s00371-011-0594-7 (shrinking ball); P.-O. Persson, Mesh size
-//! functions for implicit geometries and PDE-based gradient limiting, 2006, DOI 10.1007/s00366-006-0014-1. Departures:
-//! the mean of the tensor is one of random walks; the ball stops at triangles that face the other way only; the limit
-//! is along edges, which are longer than the shortest way.
+//! DOI 10.1016/0262-8856(92)90076-F (curvedness); P.-O. Persson, Mesh size functions for implicit
+//! geometries and PDE-based gradient limiting, 2006, DOI 10.1007/s00366-006-0014-1. Departures: the mean of the tensor
+//! is one of random walks; one ray tells the thickness; the limit is along edges, which are longer than the shortest way.
 //!
-//! Cost: some searches for a closest point for each vertex, and a sum over its neighbours for each step of the walks.
+//! Cost: a ray for each vertex, and a sum over its neighbours for each step of the walks.
+//!
+//! Limits: where curves of the boundary or along sharp edges bend is not looked at.
 
 use crate::geom::triangle::barycentric;
 use crate::surface::bvh::Bvh;
@@ -45,13 +45,6 @@ pub const MOST_GRADIENT: f64 = 0.2;
 
 /// Steps of the random walks that a mean is taken over: inputs whose edges are a tenth of the spacing need a hundred.
 const MOST_STEPS: f64 = 100.0;
-
-/// Times that a ball shrinks, and the share of its radius below which it has stopped; most stop after three times.
-const MOST_SHRINKS: usize = 10;
-const LEAST_SHRINK: f64 = 1e-3;
-
-/// Cosine between two normals below which the surface faces the other way: 120 degrees.
-const OPPOSITE: f64 = -0.5;
 
 /// Turns of limiting and normalising, and the error of the mean length at which they end.
 const MOST_TURNS: usize = 40;
@@ -224,7 +217,7 @@ fn radii(domain: &Domain, spacing: f64) -> Vec<f64> {
     let curvatures = curvatures(domain, &graph, &areas, steps);
     let logarithm = |v: usize| {
         let of_curvature = (1.0 / curvatures[v]).clamp(smallest, widest);
-        inner_radius(domain, v, of_curvature).max(smallest).ln()
+        half_thickness(domain, v, of_curvature).max(smallest).ln()
     };
     let logarithms: Vec<f64> = (0..areas.len()).into_par_iter().map(logarithm).collect();
     let mean = areas.iter().zip(&logarithms).map(|(a, l)| a * l).sum::<f64>() / areas.iter().sum::<f64>();
@@ -283,25 +276,10 @@ fn curvatures(domain: &Domain, graph: &Graph, areas: &[f64], steps: usize) -> Ve
     graph.spread(amounts, steps).into_iter().map(curvature).collect()
 }
 
-/// The radius, at most `widest`, of the largest ball inside that touches the surface at vertex `v` and holds no surface
-/// that faces the other way.
-fn inner_radius(domain: &Domain, v: usize, widest: f64) -> f64 {
-    let (mesh, p, normal) = (&domain.mesh, domain.mesh.positions[v], domain.vertex_normals[v]);
-    let faces_away = |t: u32| {
-        let own = mesh.area_vector(t as usize);
-        own.dot(normal) < OPPOSITE * own.length()
-    };
-    let mut radius = widest;
-    for _ in 0..MOST_SHRINKS {
-        let centre = p - radius * normal;
-        let Some(hit) = domain.bvh.closest_where(mesh, centre, radius * radius, faces_away) else { break };
-        let way = p - hit.point;
-        let smaller = way.length_squared() / (2.0 * normal.dot(way));
-        let has_stopped = !(smaller < (1.0 - LEAST_SHRINK) * radius);
-        if has_stopped {
-            break;
-        }
-        radius = smaller;
-    }
-    radius
+/// Half the way through the inside at vertex `v`, along its normal; at most `widest`.
+fn half_thickness(domain: &Domain, v: usize, widest: f64) -> f64 {
+    let (mesh, inwards) = (&domain.mesh, -domain.vertex_normals[v]);
+    let leads_out = |t: u32| mesh.area_vector(t as usize).dot(inwards) > 0.0;
+    let thickness = domain.bvh.along_ray(mesh, mesh.positions[v], inwards, 2.0 * widest, leads_out);
+    thickness.map_or(widest, |thickness| 0.5 * thickness)
 }

@@ -127,15 +127,20 @@ pub fn tessellate_around(
         let insertions: Vec<Insertion> = own.iter().map(insertion).collect();
         let mut made = mutual_tessellation(domain, part, &insertions);
         made.insertion.iter_mut().filter(|i| **i != NONE).for_each(|i| *i = own[*i as usize]);
-        made
+        (made, own)
     };
-    let made: Vec<Tessellation> = parts(domain, centres, radius).par_iter().map(tessellate).collect();
+    let made: Vec<(Tessellation, Vec<u32>)> = parts(domain, centres, radius).par_iter().map(tessellate).collect();
     let mut replaced = vec![false; samples.len()];
+    let mut left_out = vec![false; samples.len()];
     let mut stars = Vec::new();
-    for tessellation in made {
+    for (tessellation, own) in made {
+        own.iter().for_each(|&s| left_out[s as usize] = true);
+        tessellation.insertion.iter().filter(|s| **s != NONE).for_each(|&s| left_out[s as usize] = false);
         starred.transplant(&tessellation, &mut replaced, &mut stars);
     }
-    starred.stars.retain(|t| !replaced[t[0] as usize]);
+    // Samples that were left out agree among themselves only.
+    let is_gone = |s: u32| replaced[s as usize] || left_out[s as usize];
+    starred.stars.retain(|t| !replaced[t[0] as usize] && !t.iter().all(|&s| is_gone(s)));
     starred.stars.extend(stars);
 }
 
