@@ -21,7 +21,7 @@ use crate::surface::mesh::Mesh;
 use crate::surface::refine::refine;
 use crate::surface::repair::{Repairs, repair};
 use crate::surface::seams::{close_seams, open_seams};
-use crate::surface::sizing::{adapted_sizes, limited_lengths, mean_density, normalised_sizes, transferred};
+use crate::surface::sizing::{adapted_sizes, field_lengths, field_sizes, mean_density, transferred};
 use crate::surface::topology::{Topology, topology};
 use crate::triangulate::glue::{Seams, glue};
 use crate::triangulate::{Boundary, triangulate};
@@ -421,10 +421,10 @@ impl Field {
     fn grade(&self, domain: &mut Domain, density: Density, scale: Scale) -> Result<Scale> {
         let lengths = transferred(&self.lengths, &self.mesh, &domain.mesh.positions);
         if density != Density::OfSizing {
-            domain.grade(normalised_sizes(domain, lengths, scale.spacing));
+            domain.grade(field_sizes(domain, lengths, scale.spacing));
             return Ok(scale);
         }
-        let lengths = limited_lengths(domain, lengths);
+        let lengths = field_lengths(domain, lengths);
         let spacing = mean_density(&domain.mesh, &lengths).sqrt().recip();
         domain.grade(lengths.into_iter().map(|length| length / spacing).collect());
         let wanted = count(domain.mesh.area(), spacing);

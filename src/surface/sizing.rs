@@ -40,8 +40,11 @@ const RANGE: f64 = 8.0;
 /// Smallest radius that is told from zero, in spacings.
 const SMALLEST_RADIUS: f64 = 0.1;
 
-/// Largest gradient of the wanted length: how much longer edges may be for each length of an edge gone.
-pub const MOST_GRADIENT: f64 = 0.2;
+/// Largest gradient of the length: how much longer edges may be for each length of an edge gone. Three animals at A = 1
+/// have the same distance to the input with 0.1 and 0.2, and a mean Q of 0.955 and 0.952. Whoever gives a field knows
+/// better.
+const ADAPTED_GRADIENT: f64 = 0.1;
+const FIELD_GRADIENT: f64 = 0.2;
 
 /// Steps of the random walks that a mean is taken over: inputs whose edges are a tenth of the spacing need a hundred.
 const MOST_STEPS: f64 = 100.0;
@@ -53,17 +56,27 @@ const MEAN_TOLERANCE: f64 = 1e-3;
 /// The sizes for adaptivity `adapt`, from 0 for none to 1 for the same error everywhere, relative to `spacing`.
 pub fn adapted_sizes(domain: &Domain, adapt: f64, spacing: f64) -> Vec<f64> {
     let lengths = radii(domain, spacing).into_iter().map(|radius| radius.powf(0.5 * adapt)).collect();
-    normalised_sizes(domain, lengths, spacing)
+    normalised(domain, lengths, spacing, ADAPTED_GRADIENT)
 }
 
-/// The sizes for `lengths` that are known but for a factor, relative to `spacing` and of as many vertices as that means.
-pub fn normalised_sizes(domain: &Domain, mut lengths: Vec<f64>, spacing: f64) -> Vec<f64> {
+/// The sizes for a field of `lengths`, scaled by one factor to as many vertices as `spacing` means and relative to it.
+pub fn field_sizes(domain: &Domain, lengths: Vec<f64>, spacing: f64) -> Vec<f64> {
+    normalised(domain, lengths, spacing, FIELD_GRADIENT)
+}
+
+/// The lengths of a field, made shorter where their gradient is too large.
+pub fn field_lengths(domain: &Domain, lengths: Vec<f64>) -> Vec<f64> {
+    limited(domain, &Graph::whole(domain), lengths, FIELD_GRADIENT)
+}
+
+/// Lengths that are known but for a factor, relative to `spacing` and of as many vertices as that means.
+fn normalised(domain: &Domain, mut lengths: Vec<f64>, spacing: f64, gradient: f64) -> Vec<f64> {
     let graph = Graph::whole(domain);
     let excess = mean_density(&domain.mesh, &lengths).sqrt();
     scale(&mut lengths, excess);
     let mut turns = 0;
     loop {
-        let mut sizes = limited(domain, &graph, lengths.clone(), MOST_GRADIENT / spacing);
+        let mut sizes = limited(domain, &graph, lengths.clone(), gradient / spacing);
         let excess = mean_density(&domain.mesh, &sizes).sqrt();
         turns += 1;
         if (excess - 1.0).abs() <= MEAN_TOLERANCE || turns == MOST_TURNS {
@@ -72,11 +85,6 @@ pub fn normalised_sizes(domain: &Domain, mut lengths: Vec<f64>, spacing: f64) ->
         }
         scale(&mut lengths, excess);
     }
-}
-
-/// `lengths`, absolute ones, made shorter where their gradient is too large.
-pub fn limited_lengths(domain: &Domain, lengths: Vec<f64>) -> Vec<f64> {
-    limited(domain, &Graph::whole(domain), lengths, MOST_GRADIENT)
 }
 
 /// The mean of 1 / h² over the area of `mesh`, for lengths h at its vertices; of each triangle at the middles of its sides.
