@@ -49,6 +49,10 @@ const FIELD_GRADIENT: f64 = 0.2;
 /// Steps of the random walks that a mean is taken over: inputs whose edges are a tenth of the spacing need a hundred.
 const MOST_STEPS: f64 = 100.0;
 
+/// Least cosine between the way into the inside and the normal of a face that ends it: 60 degrees. Next to a sharp edge
+/// that way runs along a face.
+const OPPOSITE: f64 = 0.5;
+
 /// Turns of limiting and normalising, and the error of the mean length at which they end.
 const MOST_TURNS: usize = 40;
 const MEAN_TOLERANCE: f64 = 1e-3;
@@ -287,7 +291,10 @@ fn curvatures(domain: &Domain, graph: &Graph, areas: &[f64], steps: usize) -> Ve
 /// Half the way through the inside at vertex `v`, along its normal; at most `widest`.
 fn half_thickness(domain: &Domain, v: usize, widest: f64) -> f64 {
     let (mesh, inwards) = (&domain.mesh, -domain.vertex_normals[v]);
-    let leads_out = |t: u32| mesh.area_vector(t as usize).dot(inwards) > 0.0;
-    let thickness = domain.bvh.along_ray(mesh, mesh.positions[v], inwards, 2.0 * widest, leads_out);
+    let faces_away = |t: u32| {
+        let own = mesh.area_vector(t as usize);
+        own.dot(inwards) > OPPOSITE * own.length()
+    };
+    let thickness = domain.bvh.along_ray(mesh, mesh.positions[v], inwards, 2.0 * widest, faces_away);
     thickness.map_or(widest, |thickness| 0.5 * thickness)
 }
