@@ -140,7 +140,15 @@ impl Report {
             repaired: Some(remeshed.repaired),
             crossings: Crossings::of(remeshed),
             distance: distance(&remeshed.mesh, input.mesh, REPORT_SAMPLES, seed),
-            sampling: Some(Sampling { wanted, sigma_p, spacing, spacing_range, sharp_curves, tessellated_pieces, seed }),
+            sampling: Some(Sampling {
+                wanted,
+                sigma_p,
+                spacing,
+                spacing_range,
+                sharp_curves,
+                tessellated_pieces,
+                seed,
+            }),
             notes: remeshed.notes.clone(),
             ..Report::of_output(Measured {
                 file: output.into(),

@@ -321,7 +321,10 @@ fn density(
     let points = points.map(Density::Points);
     let others = edge_length.map(Density::EdgeLength).or(sigma_p.map(Density::SigmaP));
     let of_sizing = sizing.map(|_| Density::OfSizing);
-    points.or(others).or(of_sizing).ok_or_else(|| wrong("how dense? give one of --points N, --edge-length L and --sigma-p S"))
+    points
+        .or(others)
+        .or(of_sizing)
+        .ok_or_else(|| wrong("how dense? give one of --points N, --edge-length L and --sigma-p S"))
 }
 
 /// A number of vertices; what is too few or too many for a surface is for the library to say.

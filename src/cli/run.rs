@@ -119,12 +119,7 @@ fn with_triangles(mut loaded: Loaded, from: &MeshFile) -> Result<Loaded> {
     Ok(loaded)
 }
 
-fn remesh_loaded(
-    input: &Loaded,
-    sizing: Option<Vec<f64>>,
-    job: &Remeshing,
-    monitor: &dyn Monitor,
-) -> Result<Remeshed> {
+fn remesh_loaded(input: &Loaded, sizing: Option<Vec<f64>>, job: &Remeshing, monitor: &dyn Monitor) -> Result<Remeshed> {
     let options = Options { sizing, ..job.options.clone() };
     let mut remeshed = remesh(&input.mesh, &options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
     remeshed.notes.splice(0..0, input.notes.iter().cloned());

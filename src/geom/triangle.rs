@@ -126,6 +126,9 @@ fn barycentric_on_longest_side(p: DVec3, triangle: [DVec3; 3]) -> [f64; 3] {
     weights
 }
 
+/// How far beyond a side, in barycentric coordinates, a ray still meets a triangle, so that none slips between two.
+const SIDE_WIDTH: f64 = 1e-9;
+
 /// How far from `origin` along the unit vector `direction` `triangle` is, if that meets it; never less than zero.
 ///
 /// Based on: T. Möller, B. Trumbore, Fast, minimum storage ray-triangle intersection, 1997,
@@ -136,7 +139,8 @@ pub fn along_ray(origin: DVec3, direction: DVec3, [a, b, c]: [DVec3; 3]) -> Opti
     let scale = to_b.dot(p).recip();
     let (v, w) = (scale * from_a.dot(p), scale * direction.dot(q));
     let distance = scale * to_c.dot(q);
-    (v >= 0.0 && w >= 0.0 && v + w <= 1.0 && distance >= 0.0 && distance.is_finite()).then_some(distance)
+    let inside = v.min(w).min(1.0 - v - w) >= -SIDE_WIDTH;
+    (inside && distance >= 0.0 && distance.is_finite()).then_some(distance)
 }
 
 /// The area.

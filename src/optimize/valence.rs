@@ -292,7 +292,9 @@ fn may_collapse(mesh: &Manifold, h: u32, spacing: f64) -> bool {
         return false;
     }
     let (facing, shape) = mesh.after_collapse(h);
-    facing >= LEAST_FACING && shape >= LEAST_SHAPE && mesh.distance_after_collapse(h) <= TOLERANCE * spacing * mesh.samples[a as usize].size
+    facing >= LEAST_FACING
+        && shape >= LEAST_SHAPE
+        && mesh.distance_after_collapse(h) <= TOLERANCE * spacing * mesh.samples[a as usize].size
 }
 
 #[cfg(test)]
@@ -313,7 +315,8 @@ mod tests {
             .flat_map(|(i, j)| [[at(i, j), at(i, j + 1), at(i + 1, j)], [at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)]])
             .collect();
         let samples = (0..=SIZE).flat_map(|i| (0..=SIZE).map(move |j| (i, j)));
-        let samples = samples.map(|(i, j)| Sample { position: place(i, j), normal: DVec3::Z, triangle: 0, size: 1.0 }).collect();
+        let samples =
+            samples.map(|(i, j)| Sample { position: place(i, j), normal: DVec3::Z, triangle: 0, size: 1.0 }).collect();
         Manifold::new(samples, &triangles)
     }
 

@@ -468,7 +468,8 @@ mod tests {
 
     /// A strip of two rows of `n` vertices, of triangles as long as the second row is shifted.
     fn strip(n: u32, shift: f64) -> Manifold {
-        let sample = |x: f64, y: f64| Sample { position: DVec3::new(x, y, 0.0), normal: DVec3::Z, triangle: 0, size: 1.0 };
+        let sample =
+            |x: f64, y: f64| Sample { position: DVec3::new(x, y, 0.0), normal: DVec3::Z, triangle: 0, size: 1.0 };
         let lower = (0..n).map(|i| sample(f64::from(i), 0.0));
         let upper = (0..n).map(|i| sample(f64::from(i) + shift, 1.0));
         let triangles = (0..n - 1).flat_map(|i| [[i, i + 1, n + i + 1], [i, n + i + 1, n + i]]);

@@ -54,7 +54,12 @@ mod tests {
 
     /// Two triangles beside each other, each with its own samples of the two points they share.
     fn two_patches() -> Triangulated {
-        let at = |x: f64, y: f64, triangle: u32| Sample { position: DVec3::new(x, y, 0.0), normal: DVec3::Z, triangle, size: 1.0 };
+        let at = |x: f64, y: f64, triangle: u32| Sample {
+            position: DVec3::new(x, y, 0.0),
+            normal: DVec3::Z,
+            triangle,
+            size: 1.0,
+        };
         let samples = vec![at(0., 0., 0), at(1., 0., 0), at(0., 1., 0), at(1., 0., 1), at(1., 1., 1), at(0., 1., 1)];
         let mesh = Manifold::new(samples, &[[0, 1, 2], [3, 4, 5]]);
         Triangulated { mesh, source: (0..6).collect(), tessellated_pieces: 0 }

@@ -21,8 +21,8 @@ use crate::base::error::{Place, Result};
 use crate::io::bytes::{EXPORT_AGAIN, malformed, without_mark};
 use crate::io::{Parsed, Resolve};
 use ::gltf::json::Root;
-use serde_json::Value;
 use scene::Collected;
+use serde_json::Value;
 use store::Store;
 
 /// What geometry does not depend on.
