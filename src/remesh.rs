@@ -21,12 +21,13 @@ use crate::surface::mesh::Mesh;
 use crate::surface::refine::refine;
 use crate::surface::repair::{Repairs, repair};
 use crate::surface::seams::{close_seams, open_seams};
+use crate::surface::sizing::{adapted_sizes, field_lengths, field_sizes, mean_density, transferred};
 use crate::surface::topology::{Topology, topology};
 use crate::triangulate::glue::{Seams, glue};
 use crate::triangulate::{Boundary, triangulate};
 use glam::DVec3;
 
-/// How dense the result shall be. One of the three says it all: with the area they follow from each other.
+/// How dense the result shall be. One of them says it all: with the area they follow from each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Density {
     /// The number of vertices of the result.
@@ -35,6 +36,8 @@ pub enum Density {
     EdgeLength(f64),
     /// The kernel width σp of the sampler, in the units of the input.
     SigmaP(f64),
+    /// As many vertices as the lengths of [`Options::sizing`] ask for.
+    OfSizing,
 }
 
 /// What to make of a mesh.
@@ -49,6 +52,12 @@ pub struct Options {
     pub weld: Option<f64>,
     /// Which edges of the input are kept sharp. Default: decided from the input.
     pub features: Features,
+    /// How much the edge lengths follow the shape, from 0 (they are even) to 1 (short where the surface bends or is thin,
+    /// in proportion to the root of the radius). Default: 0.
+    pub adapt: f64,
+    /// The edge length wanted at each vertex of the input, in its units; with a density other than [`Density::OfSizing`]
+    /// all are scaled by one factor to meet that. Default: `None`, lengths are even or as `adapt` says.
+    pub sizing: Option<Vec<f64>>,
     /// Whether the triangles are optimised after sampling. Default: true. Without, the vertices are where the paper's
     /// gradient ascent leaves them: blue noise.
     pub optimize: bool,
@@ -64,6 +73,8 @@ impl Default for Options {
             seed: 0,
             weld: None,
             features: Features::Automatic,
+            adapt: 0.0,
+            sizing: None,
             optimize: true,
             sweeps: 10,
         }
@@ -97,12 +108,48 @@ impl Options {
             let cause = format!("{degrees} is not an angle between faces");
             return Err(Error::Option { option: "features", cause, remedy: "give degrees between 0 and 180".into() });
         }
+        if !(0.0..=1.0).contains(&self.adapt) {
+            let cause = format!("{} is not a degree of adaptivity", self.adapt);
+            return Err(Error::Option { option: "adapt", cause, remedy: "give a number from 0 to 1".into() });
+        }
+        if self.adapt > 0.0 && self.sizing.is_some() {
+            let cause = "edge lengths cannot follow the shape and a field at the same time".into();
+            return Err(Error::Option { option: "adapt", cause, remedy: "leave out adapt or sizing".into() });
+        }
+        self.sizing.as_deref().map_or(Ok(()), check_lengths)?;
         match self.density {
+            Density::OfSizing if self.sizing.is_none() => Err(Error::Option {
+                option: "sizing",
+                cause: "there are no lengths that say how dense the result shall be".into(),
+                remedy: "give lengths or another density".into(),
+            }),
+            Density::OfSizing => Ok(()),
             Density::Points(n) => check_count("points", n, format!("{n} vertices are asked for")),
             Density::EdgeLength(l) => length("edge-length", l),
             Density::SigmaP(s) => length("sigma-p", s),
         }
     }
+}
+
+fn check_lengths(lengths: &[f64]) -> Result<()> {
+    let is_length = |length: &f64| *length > 0.0 && length.is_finite();
+    lengths.iter().position(|length| !is_length(length)).map_or(Ok(()), |v| {
+        Err(Error::Option {
+            option: "sizing",
+            cause: format!("vertex {v} has {}, which is not a length", lengths[v]),
+            remedy: "give each vertex a length above zero in the units of the input".into(),
+        })
+    })
+}
+
+/// Refuses a field of another number of lengths than the input has vertices.
+fn check_field(input: &Mesh, lengths: &[f64]) -> Result<()> {
+    let (vertices, given) = (input.positions.len(), lengths.len());
+    if given == vertices {
+        return Ok(());
+    }
+    let cause = format!("{given} lengths for the {vertices} vertices of the input");
+    Err(Error::Option { option: "sizing", cause, remedy: "give one length for each vertex".into() })
 }
 
 fn check_count(option: &'static str, n: usize, cause: String) -> Result<()> {
@@ -127,6 +174,8 @@ pub struct Remeshed {
     pub sigma_p: f64,
     /// The distance that the wanted vertices have at hexagonal packing on the input's area, in the units of the input.
     pub spacing: f64,
+    /// The smallest and the largest of the distances wanted, both the spacing where nothing is graded.
+    pub spacing_range: [f64; 2],
     /// Vertices wanted, as the density says.
     pub wanted: usize,
     /// Sharp edges that were kept, as curves between corners.
@@ -181,6 +230,7 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
     options.validate()?;
     monitor.stage("repair");
     refuse_bad_numbers(input)?;
+    options.sizing.as_deref().map_or(Ok(()), |lengths| check_field(input, lengths))?;
     let unit = Unit::of(input);
     let mut clean = unit.inwards(input);
     if let Some(tolerance) = options.weld {
@@ -191,13 +241,19 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
     let input_topology = topology(input.positions.len(), &input.triangles);
     let untouched = options.weld.is_none() && repairs == Repairs::default();
     let repaired = if untouched { input_topology } else { topology(clean.positions.len(), &clean.triangles) };
-    let scale = Scale::new(options.density, &clean, &unit)?;
+    let field = options.sizing.as_deref().map(|lengths| Field::new(lengths, input, &unit));
+    let mut scale = Scale::new(options.density, field.as_ref(), &clean, &unit)?;
     check(monitor)?;
 
     monitor.stage("sample");
     let most = 4 * clean.triangles.len() + 16 * scale.wanted;
     refine(&mut clean, LONGEST_EDGE * scale.spacing, most);
-    let domain = Domain::with_features(clean, options.features, scale.spacing);
+    let mut domain = Domain::with_features(clean, options.features, scale.spacing);
+    if let Some(field) = &field {
+        scale = field.grade(&mut domain, options.density, scale)?;
+    } else if options.adapt > 0.0 {
+        domain.grade(adapted_sizes(&domain, options.adapt, scale.spacing));
+    }
     let (domain, mut made) = sample_and_triangulate(domain, &scale, &repaired, options, monitor)?;
     if options.optimize {
         optimize(&domain, &mut made.mesh, &scale, monitor)?;
@@ -220,6 +276,7 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
         repairs,
         sigma_p: unit.size * scale.sigma(),
         spacing: unit.size * scale.spacing,
+        spacing_range: domain.size_range().map(|size| unit.size * scale.spacing * size),
         wanted: scale.wanted,
         sharp_curves: domain.sharp_curves(),
         tessellated_pieces: made.tessellated_pieces,
@@ -348,6 +405,45 @@ const COARSE_SIGMA: f64 = 1.1;
 const ROUNDS: usize = 3;
 const SETTLING_ROUNDS: usize = 2;
 
+/// A field of wanted edge lengths, in the pipeline's unit.
+struct Field {
+    mesh: Mesh,
+    lengths: Vec<f64>,
+}
+
+impl Field {
+    /// `lengths` at the vertices of `input`.
+    fn new(lengths: &[f64], input: &Mesh, unit: &Unit) -> Field {
+        Field { mesh: unit.inwards(input), lengths: lengths.iter().map(|length| length / unit.size).collect() }
+    }
+
+    /// The spacing of as many vertices as the lengths ask for.
+    fn spacing(&self) -> f64 {
+        mean_density(&self.mesh, &self.lengths).sqrt().recip()
+    }
+
+    /// Gives `domain` the sizes of the field, and the scale that they have with that density. Repairs number the
+    /// vertices anew, so the lengths are looked up by place.
+    fn grade(&self, domain: &mut Domain, density: Density, scale: Scale) -> Result<Scale> {
+        let lengths = transferred(&self.lengths, &self.mesh, &domain.mesh.positions);
+        if density != Density::OfSizing {
+            domain.grade(field_sizes(domain, lengths, scale.spacing));
+            return Ok(scale);
+        }
+        let lengths = field_lengths(domain, lengths);
+        let spacing = mean_density(&domain.mesh, &lengths).sqrt().recip();
+        domain.grade(lengths.into_iter().map(|length| length / spacing).collect());
+        let wanted = count(domain.mesh.area(), spacing);
+        check_count("sizing", wanted, format!("the lengths mean {wanted} vertices"))?;
+        Ok(Scale { wanted, spacing })
+    }
+}
+
+/// How many vertices at distance `spacing` cover `area` at hexagonal packing: √3 / 2 d² each.
+fn count(area: f64, spacing: f64) -> usize {
+    (2.0 * area / (3f64.sqrt() * spacing * spacing)).round() as usize
+}
+
 /// The lengths that a density means on a surface, in the pipeline's unit.
 struct Scale {
     wanted: usize,
@@ -358,7 +454,7 @@ struct Scale {
 const SMALLEST_SPACING: f64 = 1e-8;
 
 impl Scale {
-    fn new(density: Density, clean: &Mesh, unit: &Unit) -> Result<Scale> {
+    fn new(density: Density, field: Option<&Field>, clean: &Mesh, unit: &Unit) -> Result<Scale> {
         let area = clean.area();
         if area <= unit.area_of_rounding(clean) {
             return Err(Error::Mesh {
@@ -366,8 +462,6 @@ impl Scale {
                 remedy: "a surface is needed; check that the coordinates are not all on one line".into(),
             });
         }
-        // N points at hexagonal packing cover √3 / 2 d² each.
-        let count = |spacing: f64| 2.0 * area / (3f64.sqrt() * spacing * spacing);
         let checked = |wanted: usize, spacing: f64| {
             if spacing >= SMALLEST_SPACING {
                 return Ok(Scale { wanted, spacing });
@@ -376,13 +470,17 @@ impl Scale {
             Err(Error::Mesh { cause, remedy: "so narrow a surface needs fewer vertices".into() })
         };
         let from_length = |option, length: f64, spacing: f64| {
-            let wanted = count(spacing).round();
-            check_count(option, wanted as usize, format!("a length of {length} means {wanted} vertices"))?;
-            checked(wanted as usize, spacing)
+            let wanted = count(area, spacing);
+            check_count(option, wanted, format!("a length of {length} means {wanted} vertices"))?;
+            checked(wanted, spacing)
         };
         match density {
             Density::Points(n) => checked(n, (2.0 * area / (3f64.sqrt() * n as f64)).sqrt()),
             Density::EdgeLength(l) => from_length("edge-length", l, l / unit.size),
+            Density::OfSizing => {
+                let spacing = field.map_or(f64::NAN, Field::spacing);
+                from_length("sizing", spacing * unit.size, spacing)
+            }
             Density::SigmaP(s) => from_length("sigma-p", s, s / unit.size / SIGMA_OF_SPACING),
         }
     }

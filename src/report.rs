@@ -84,6 +84,8 @@ pub struct Sampling {
     pub sigma_p: f64,
     /// The spacing that so many points have on the input's area at hexagonal packing, in the units of the input.
     pub spacing: f64,
+    /// The smallest and the largest spacing wanted anywhere; both are `spacing` where nothing is graded.
+    pub spacing_range: [f64; 2],
     /// Sharp edges that were kept, as curves between corners.
     pub sharp_curves: usize,
     /// Connected pieces whose samples did not settle by themselves and took their connectivity from the input.
@@ -130,7 +132,7 @@ impl Report {
     /// The report on a remeshing of `input` with `seed` whose result went to the file `output`. Stages, memory and
     /// threads are the caller's to add, by [`Report::with_run`].
     pub fn of_remesh(remeshed: &Remeshed, input: Named, output: &str, seed: u64) -> Report {
-        let &Remeshed { sigma_p, spacing, wanted, sharp_curves, tessellated_pieces, .. } = remeshed;
+        let &Remeshed { sigma_p, spacing, spacing_range, wanted, sharp_curves, tessellated_pieces, .. } = remeshed;
         Report {
             verified: Some(remeshed.verified()),
             input: Some(Measured { file: input.file.into(), topology: remeshed.input, shape: shape(input.mesh) }),
@@ -138,7 +140,15 @@ impl Report {
             repaired: Some(remeshed.repaired),
             crossings: Crossings::of(remeshed),
             distance: distance(&remeshed.mesh, input.mesh, REPORT_SAMPLES, seed),
-            sampling: Some(Sampling { wanted, sigma_p, spacing, sharp_curves, tessellated_pieces, seed }),
+            sampling: Some(Sampling {
+                wanted,
+                sigma_p,
+                spacing,
+                spacing_range,
+                sharp_curves,
+                tessellated_pieces,
+                seed,
+            }),
             notes: remeshed.notes.clone(),
             ..Report::of_output(Measured {
                 file: output.into(),
@@ -250,6 +260,7 @@ mod tests {
             repairs: Repairs { welded_vertices: 2, flipped_triangles: 1, ..Repairs::default() },
             sigma_p: 0.123_456,
             spacing: 0.5,
+            spacing_range: [0.5; 2],
             wanted: 4,
             sharp_curves: 0,
             tessellated_pieces: 0,

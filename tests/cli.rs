@@ -284,3 +284,50 @@ fn an_interrupt_ends_the_run_and_leaves_nothing() {
     assert!(rest.contains("remesh: interrupted"), "{rest}");
     assert_eq!(files(folder.path()), before);
 }
+
+/// `graded.ply`: the mesh of `octahedron.off` with a property `h`, one of whose values is given.
+fn with_property(folder: &Path, h: &str) {
+    let text = sphere(1, 0.0);
+    let mut lines = text.lines().skip(2);
+    let vertices: Vec<String> = lines.by_ref().take(6).map(|line| format!("{line} 0.4")).collect();
+    let faces = lines.collect::<Vec<_>>().join("\n");
+    let vertices = vertices.join("\n").replacen("0.4", h, 1);
+    let header = "ply\nformat ascii 1.0\nelement vertex 6\nproperty double x\nproperty double y\nproperty double z\n\
+                  property float h\nelement face 8\nproperty list uchar int vertex_indices\nend_header";
+    std::fs::write(folder.join("graded.ply"), format!("{header}\n{vertices}\n{faces}\n")).unwrap();
+}
+
+#[test]
+fn lengths_come_from_a_property_or_a_list() {
+    let folder = folder();
+    let path = folder.path();
+    let lengths = |text: &str| std::fs::write(path.join("h.json"), text).unwrap();
+    with_property(path, "0.1");
+    lengths("[0.1, 0.4, 0.4, 0.4, 0.4, 0.4]");
+    run(path, "graded.ply a.off --sizing h --report a.json").went_well();
+    run(path, "octahedron.off b.off --sizing h.json").went_well();
+    let read = |name: &str| std::fs::read_to_string(path.join(name)).unwrap();
+    assert_eq!(json(&read("a.json"))["sampling"]["wanted"], json(&read("a.json"))["output"]["topology"]["vertices"]);
+    assert_eq!(read("a.off").lines().nth(1), read("b.off").lines().nth(1));
+    run(path, "octahedron.off b.off --sizing h.json --points 123").went_well();
+    assert!(read("b.off").lines().nth(1).unwrap().starts_with("123 "));
+
+    run(path, "graded.ply c.off --sizing size")
+        .failed(1, &["graded.ply:3: ", "no property 'size'", "one of x, y, z, h"]);
+    run(path, "octahedron.off c.off --sizing h").failed(1, &["octahedron.off: OFF has no properties", "JSON"]);
+    run(path, "octahedron.off c.off --sizing none.json").failed(1, &["none.json", "no such file"]);
+    run(path, "octahedron.off c.off --sizing h.json --adapt 1").failed(2, &["--adapt"]);
+    run(path, "octahedron.off c.off --points 99 --adapt 1.5").failed(2, &["adapt: 1.5", "from 0 to 1"]);
+    with_property(path, "-1");
+    run(path, "graded.ply c.off --sizing h").failed(2, &["sizing: vertex 0 has -1"]);
+    for (text, words) in [
+        ("[0.1, 0.4]", "2 lengths for the 6 vertices"),
+        ("[1, 1, 1, 0, 1, 1]", "vertex 3 has 0, which is not a length"),
+    ] {
+        lengths(text);
+        run(path, "octahedron.off c.off --sizing h.json").failed(2, &["sizing: ", words]);
+    }
+    lengths("[1,\n\"a\"]");
+    run(path, "octahedron.off c.off --sizing h.json").failed(1, &["h.json:2: not a JSON list of numbers"]);
+    assert!(!path.join("c.off").exists());
+}

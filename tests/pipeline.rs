@@ -321,6 +321,89 @@ fn heaps_of_random_triangles() {
     }
 }
 
+/// A sphere and a field over it that grows threefold from its lowest point to its highest.
+fn sphere_with_field() -> (Mesh, fn(DVec3) -> f64) {
+    (sphere(5, DVec3::ZERO, 1.0), |p| 0.08 * (1.0 + 0.5 * p.z))
+}
+
+fn at_vertices(mesh: &Mesh, field: impl Fn(DVec3) -> f64) -> Vec<f64> {
+    mesh.positions.iter().map(|&p| field(p)).collect()
+}
+
+/// The lengths of the edges of `mesh`, in those that `field` has at their middles.
+fn relative_lengths(mesh: &Mesh, field: impl Fn(DVec3) -> f64) -> Vec<f64> {
+    let ends = mesh.triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
+    let ends = ends.map(|(a, b)| (mesh.positions[a as usize], mesh.positions[b as usize]));
+    ends.map(|(a, b)| a.distance(b) / field((a + b) / 2.0)).collect()
+}
+
+#[test]
+fn edges_follow_a_field() {
+    let (input, field) = sphere_with_field();
+    let sizing = Some(at_vertices(&input, field));
+    for optimize in [true, false] {
+        for density in [Density::OfSizing, Density::Points(1500)] {
+            let made =
+                check_with("graded", &input, &Options { density, sizing: sizing.clone(), optimize, ..points(9) });
+            assert_eq!(made.mesh.positions.len(), made.wanted);
+            let lengths = relative_lengths(&made.mesh, field);
+            let mean = lengths.iter().sum::<f64>() / lengths.len() as f64;
+            let off = lengths.iter().map(|l| (l / mean - 1.0).abs()).sum::<f64>() / lengths.len() as f64;
+            assert!(off < 0.15, "{density:?}, {optimize}: {off}");
+            assert!(density != Density::OfSizing || (mean - 1.0).abs() < 0.1, "{mean}");
+            let [smallest, largest] = made.spacing_range;
+            assert!((2.5..3.2).contains(&(largest / smallest)), "{smallest} {largest}");
+        }
+    }
+}
+
+/// The vertices of a field are not those of the repaired input: its lengths are found again by place.
+#[test]
+fn a_field_survives_repairs() {
+    let (input, field) = sphere_with_field();
+    let with = |input: &Mesh| {
+        let sizing = Some(at_vertices(input, field));
+        check_with("field", input, &Options { density: Density::OfSizing, sizing, ..points(9) })
+    };
+    let mut turned = soup(&input);
+    turned.positions.insert(0, DVec3::splat(9.0));
+    turned.triangles.iter_mut().flatten().for_each(|v| *v += 1);
+    turned.triangles.iter_mut().step_by(3).for_each(|t| t.swap(0, 1));
+    let made = with(&turned);
+    assert!(made.repairs.welded_vertices > 0 && made.repairs.flipped_triangles > 0);
+    let lengths = relative_lengths(&made.mesh, field);
+    assert!((lengths.iter().sum::<f64>() / lengths.len() as f64 - 1.0).abs() < 0.1);
+    assert_eq!(made.wanted, with(&input).wanted);
+}
+
+#[test]
+fn shapes_of_all_kinds_are_graded() {
+    let shapes = [
+        ("torus", torus(60, 20, 3.0, 0.5)),
+        ("box", cuboid(dvec3(1.0, 2.0, 3.0))),
+        ("cone", cylinder(40, 1.0, 0.0, 2.0)),
+        ("plate", plate(12, 0.01)),
+        ("sheet", sheet(30, 20)),
+        ("sieve", sieve(24)),
+        ("spheres", ten_spheres()),
+    ];
+    for (name, input) in shapes {
+        for (adapt, optimize) in [(0.5, true), (1.0, true), (1.0, false)] {
+            check_with(name, &input, &Options { adapt, optimize, ..points(800) });
+        }
+    }
+}
+
+#[test]
+fn a_graded_result_has_the_same_bytes_with_any_number_of_threads() {
+    let input = together(&[cylinder(40, 1.0, 0.3, 3.0), sphere(4, 3.0 * DVec3::X, 1.0)]);
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| check_with("graded", &input, &Options { adapt: 1.0, ..points(900) }).mesh)
+    };
+    assert!(with(1) == with(3));
+}
+
 #[track_caller]
 fn refused(input: &Mesh, options: &Options, words: &str) {
     let text = remesh(input, options, &()).expect_err(words).to_string();
@@ -353,6 +436,17 @@ fn what_cannot_be_remeshed_is_refused_with_a_reason() {
         refused(&cube, &Options { density: Density::EdgeLength(length), ..Options::default() }, "edge-length");
         refused(&cube, &Options { density: Density::SigmaP(length), ..Options::default() }, "sigma-p");
     }
+    for adapt in [f64::NAN, -0.1, 1.5] {
+        refused(&cube, &Options { adapt, ..points(100) }, "adapt");
+    }
+    let field = |lengths: &[f64]| Options { sizing: Some(lengths.to_vec()), ..points(100) };
+    refused(&cube, &field(&[1.0; 7]), "sizing: 7 lengths for the 8 vertices");
+    for bad in [f64::NAN, f64::INFINITY, 0.0, -1.0] {
+        refused(&cube, &field(&[1.0, 1.0, bad, 1.0, 1.0, 1.0, 1.0, 1.0]), "sizing: vertex 2");
+    }
+    refused(&cube, &Options { adapt: 1.0, ..field(&[1.0; 8]) }, "adapt");
+    refused(&cube, &Options { density: Density::OfSizing, ..Options::default() }, "sizing");
+    refused(&cube, &Options { density: Density::OfSizing, ..field(&[1e-6; 8]) }, "sizing");
     for length in [1e-9, 1e9] {
         refused(&cube, &Options { density: Density::EdgeLength(length), ..Options::default() }, "edge-length");
     }

@@ -88,6 +88,13 @@ struct RemeshArgs {
     /// input]
     #[arg(long, value_name = "DEGREES|none", allow_negative_numbers = true, value_parser = features)]
     features: Option<Features>,
+    /// How much edge lengths follow the shape: from 0, even, to 1, short where it bends or is thin
+    #[arg(long, value_name = "A", default_value_t = 0.0, allow_negative_numbers = true, conflicts_with = "sizing")]
+    adapt: f64,
+    /// Edge lengths wanted at the vertices of the input: a property of its vertices (PLY), an attribute like _SIZE
+    /// (glTF), or a .json file with a list; also says how dense, if nothing else does
+    #[arg(long, value_name = "PROPERTY|F.json")]
+    sizing: Option<String>,
     /// 1 optimises the triangles after sampling, 0 leaves the samples where the paper's gradient ascent does
     #[arg(long, value_name = "0|1", default_value_t = 1, value_parser = clap::value_parser!(u8).range(0..=1))]
     optimize: u8,
@@ -148,8 +155,10 @@ pub struct Remeshing {
     pub input: MeshFile,
     /// What to write.
     pub output: MeshFile,
-    /// What to make of it.
+    /// What to make of it; lengths that it has a place for are still to be read.
     pub options: Options,
+    /// Where the lengths for [`Options::sizing`] are, if there are any.
+    pub sizing: Option<Sizing>,
     /// Where the report goes as JSON, if it is wanted.
     pub report: Option<PathBuf>,
     /// As many as there are cores without.
@@ -178,6 +187,15 @@ pub struct MeshFile {
     pub path: PathBuf,
     /// The format, where its ending or content are not to decide.
     pub format: Option<Format>,
+}
+
+/// Where the wanted edge lengths are.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Sizing {
+    /// In the input, as the property of this name.
+    Property(String),
+    /// In a JSON file.
+    File(PathBuf),
 }
 
 /// How much is said.
@@ -222,6 +240,8 @@ impl RemeshArgs {
             seed,
             weld,
             features,
+            adapt,
+            sizing,
             optimize,
             threads,
             format,
@@ -231,13 +251,25 @@ impl RemeshArgs {
             verbose,
         } = self;
         // Options without a flag keep their default; each is named, so that a new one is thought of here.
-        let Options { density: _, seed: _, weld: _, features: _, optimize: _, sweeps } = Options::default();
-        let density = density(points, edge_length, sigma_p)?;
+        let Options { density: _, seed: _, weld: _, features: _, adapt: _, sizing: _, optimize: _, sweeps } =
+            Options::default();
+        let sizing = sizing.map(Sizing::from);
+        let density = density(points, edge_length, sigma_p, sizing.as_ref())?;
         let features = features.unwrap_or_default();
         Ok(Remeshing {
             input: MeshFile { path: input, format },
             output: MeshFile { path: output, format: output_format },
-            options: Options { density, seed, weld, features, optimize: optimize != 0, sweeps },
+            options: Options {
+                density,
+                seed,
+                weld,
+                features,
+                adapt,
+                sizing: sizing.as_ref().map(|_| Vec::new()),
+                optimize: optimize != 0,
+                sweeps,
+            },
+            sizing,
             report,
             threads: threads.map(usize::from),
             voice: match (quiet, verbose) {
@@ -271,11 +303,28 @@ impl ValueEnum for Format {
     }
 }
 
-/// The one that is given of three ways to say how dense the output shall be.
-fn density(points: Option<usize>, edge_length: Option<f64>, sigma_p: Option<f64>) -> Result<Density, Stop> {
+impl From<String> for Sizing {
+    fn from(word: String) -> Sizing {
+        let path = PathBuf::from(&word);
+        let is_json = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"));
+        if is_json { Sizing::File(path) } else { Sizing::Property(word) }
+    }
+}
+
+/// The one that is given of the ways to say how dense the output shall be.
+fn density(
+    points: Option<usize>,
+    edge_length: Option<f64>,
+    sigma_p: Option<f64>,
+    sizing: Option<&Sizing>,
+) -> Result<Density, Stop> {
     let points = points.map(Density::Points);
     let others = edge_length.map(Density::EdgeLength).or(sigma_p.map(Density::SigmaP));
-    points.or(others).ok_or_else(|| wrong("how dense? give one of --points N, --edge-length L and --sigma-p S"))
+    let of_sizing = sizing.map(|_| Density::OfSizing);
+    points
+        .or(others)
+        .or(of_sizing)
+        .ok_or_else(|| wrong("how dense? give one of --points N, --edge-length L and --sigma-p S"))
 }
 
 /// A number of vertices; what is too few or too many for a surface is for the library to say.
@@ -349,11 +398,11 @@ mod tests {
     #[test]
     fn no_flags_give_the_default() {
         let file = |path: &str| MeshFile { path: path.into(), format: None };
-        let Remeshing { input, output, options, report, threads, voice } =
+        let Remeshing { input, output, options, sizing, report, threads, voice } =
             remeshing("remesh a.obj b.ply --points 10000");
         assert_eq!(options, Options::default());
         assert_eq!((input, output), (file("a.obj"), file("b.ply")));
-        assert_eq!((report, threads, voice), (None, None, Voice::Normal));
+        assert_eq!((sizing, report, threads, voice), (None, None, None, Voice::Normal));
     }
 
     #[test]
@@ -367,6 +416,10 @@ mod tests {
         assert_eq!((job.input.format, job.output.format), (Some(Format::Ply), Some(Format::Glb)));
         assert_eq!((job.report, job.threads, job.voice), (Some("r.json".into()), Some(3), Voice::Verbose));
         assert_eq!(remeshing("remesh a b --points 5 --features none").options.features, Features::Smooth);
+        assert_eq!(remeshing("remesh a b --points 5 --adapt 0.5").options.adapt, 0.5);
+        assert_eq!(remeshing("remesh a b --sizing h").options.density, Density::OfSizing);
+        assert_eq!(remeshing("remesh a b --points 5 --sizing h").sizing, Some(Sizing::Property("h".into())));
+        assert_eq!(remeshing("remesh a b --points 5 --sizing h.JSON").sizing, Some(Sizing::File("h.JSON".into())));
         assert_eq!(remeshing("remesh a b --edge-length 2 -q").options.density, Density::EdgeLength(2.0));
         assert_eq!(remeshing("remesh a b --points 5 -q").voice, Voice::Quiet);
     }
@@ -375,6 +428,7 @@ mod tests {
     fn exactly_one_density() {
         assert!(complaint("remesh a b").contains("one of --points N, --edge-length L and --sigma-p S"));
         assert!(complaint("remesh a b --points 9 --sigma-p 1").contains("cannot be used with"));
+        assert!(complaint("remesh a b --sizing h --adapt 1").contains("cannot be used with"));
     }
 
     #[test]

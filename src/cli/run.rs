@@ -3,10 +3,10 @@
 use crate::base::error::{Error, Result};
 use crate::base::progress::{Monitor, Stopwatch, check};
 use crate::cli::Status;
-use crate::cli::args::{Job, Measuring, MeshFile, Remeshing, Voice};
+use crate::cli::args::{Job, Measuring, MeshFile, Remeshing, Sizing, Voice};
 use crate::cli::terminal::{self, Terminal};
 use crate::io::{Format, Loaded, file};
-use crate::remesh::{Remeshed, remesh};
+use crate::remesh::{Options, Remeshed, remesh};
 use crate::report::{Crossings, Named, Report, shortcomings};
 use crate::surface::weld::weld;
 use std::path::Path;
@@ -31,8 +31,8 @@ fn remesh_file(job: &Remeshing) -> Result<Status> {
     let (remeshed, report) = {
         let terminal = Terminal::new(job.voice);
         let monitor = Stopwatch::new(&terminal);
-        let input = load(&job.input, &monitor)?;
-        let remeshed = remesh_loaded(&input, job, &monitor)?;
+        let (input, lengths) = load_with_lengths(job, &monitor)?;
+        let remeshed = remesh_loaded(&input, lengths, job, &monitor)?;
         let report = wants_report(job).then(|| measure(&remeshed, &input, job, &monitor));
         store(&remeshed, job, &monitor)?;
         (remeshed, report.map(|report| with_run(report, &monitor)))
@@ -82,11 +82,31 @@ fn check_targets(job: &Remeshing) -> Result<()> {
     job.report.iter().try_for_each(|path| file::check_target(path))
 }
 
-/// A mesh with triangles from a file. The facets of an STL file have corners of their own; here they share them.
+/// A mesh with triangles from a file.
 fn load(from: &MeshFile, monitor: &dyn Monitor) -> Result<Loaded> {
     monitor.stage("read");
-    let mut loaded = file::read_file(&from.path, from.format)?;
+    let loaded = file::read_file(&from.path, from.format)?;
     check(monitor)?;
+    with_triangles(loaded, from)
+}
+
+/// The input and, if there are some, the lengths wanted at its vertices.
+fn load_with_lengths(job: &Remeshing, monitor: &dyn Monitor) -> Result<(Loaded, Option<Vec<f64>>)> {
+    let lengths = match &job.sizing {
+        Some(Sizing::Property(name)) => {
+            monitor.stage("read");
+            let (loaded, lengths) = file::read_file_and_property(&job.input.path, job.input.format, name)?;
+            check(monitor)?;
+            return Ok((with_triangles(loaded, &job.input)?, Some(lengths)));
+        }
+        Some(Sizing::File(path)) => Some(file::read_numbers(path)?),
+        None => None,
+    };
+    Ok((load(&job.input, monitor)?, lengths))
+}
+
+/// A loaded mesh, which has to have triangles. The facets of an STL file have corners of their own; here they share them.
+fn with_triangles(mut loaded: Loaded, from: &MeshFile) -> Result<Loaded> {
     if loaded.format == Format::Stl {
         loaded.mesh = weld(&loaded.mesh);
     }
@@ -99,8 +119,9 @@ fn load(from: &MeshFile, monitor: &dyn Monitor) -> Result<Loaded> {
     Ok(loaded)
 }
 
-fn remesh_loaded(input: &Loaded, job: &Remeshing, monitor: &dyn Monitor) -> Result<Remeshed> {
-    let mut remeshed = remesh(&input.mesh, &job.options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
+fn remesh_loaded(input: &Loaded, sizing: Option<Vec<f64>>, job: &Remeshing, monitor: &dyn Monitor) -> Result<Remeshed> {
+    let options = Options { sizing, ..job.options.clone() };
+    let mut remeshed = remesh(&input.mesh, &options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
     remeshed.notes.splice(0..0, input.notes.iter().cloned());
     Ok(remeshed)
 }

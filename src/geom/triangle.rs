@@ -126,6 +126,23 @@ fn barycentric_on_longest_side(p: DVec3, triangle: [DVec3; 3]) -> [f64; 3] {
     weights
 }
 
+/// How far beyond a side, in barycentric coordinates, a ray still meets a triangle, so that none slips between two.
+const SIDE_WIDTH: f64 = 1e-9;
+
+/// How far from `origin` along the unit vector `direction` `triangle` is, if that meets it; never less than zero.
+///
+/// Based on: T. Möller, B. Trumbore, Fast, minimum storage ray-triangle intersection, 1997,
+/// DOI 10.1080/10867651.1997.10487468.
+pub fn along_ray(origin: DVec3, direction: DVec3, [a, b, c]: [DVec3; 3]) -> Option<f64> {
+    let (to_b, to_c, from_a) = (b - a, c - a, origin - a);
+    let (p, q) = (direction.cross(to_c), from_a.cross(to_b));
+    let scale = to_b.dot(p).recip();
+    let (v, w) = (scale * from_a.dot(p), scale * direction.dot(q));
+    let distance = scale * to_c.dot(q);
+    let inside = v.min(w).min(1.0 - v - w) >= -SIDE_WIDTH;
+    (inside && distance >= 0.0 && distance.is_finite()).then_some(distance)
+}
+
 /// The area.
 pub fn area([a, b, c]: [DVec3; 3]) -> f64 {
     0.5 * (b - a).cross(c - a).length()
@@ -179,6 +196,14 @@ pub fn quality(corners: [DVec3; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_ray_meets_a_triangle_in_front_of_it() {
+        let triangle = [DVec3::ZERO, 2.0 * DVec3::X, 2.0 * DVec3::Y];
+        let from = |x: f64, y: f64, z: f64| along_ray(DVec3::new(x, y, z), DVec3::NEG_Z, triangle);
+        assert_eq!((from(0.5, 0.5, 3.0), from(0.5, 0.5, -3.0), from(1.5, 1.5, 3.0)), (Some(3.0), None, None));
+        assert_eq!(along_ray(DVec3::new(-1.0, 0.5, 0.0), DVec3::X, triangle), None);
+    }
     use crate::base::rng::{Random, Stage, stream, unit};
     use approx::assert_relative_eq;
 

@@ -1,7 +1,7 @@
 //! Mesh files by name: which format they have, and writing that never leaves half a file.
 
-use super::{Format, Loaded};
-use crate::base::error::{Error, Result};
+use super::{Format, Loaded, Resolve};
+use crate::base::error::{Error, Place, Result};
 use crate::surface::mesh::Mesh;
 use std::borrow::Cow;
 use std::fs::{self, File, Metadata, OpenOptions};
@@ -21,13 +21,40 @@ const UNFINISHED: &str = ".remesh-";
 /// [`Error::File`] if there is no such file, it cannot be read, or its format cannot be told or is another one than the
 /// ending says; [`Error::Format`] for wrong content, with the line, byte or part.
 pub fn read_file(path: &Path, format: Option<Format>) -> Result<Loaded> {
+    read(path, format, super::parse)
+}
+
+/// Reads the mesh file at `path` like [`read_file`], and the property `name` of its vertices.
+///
+/// # Errors
+/// Those of [`read_file`] and [`property`](super::property).
+pub fn read_file_and_property(path: &Path, format: Option<Format>, name: &str) -> Result<(Loaded, Vec<f64>)> {
+    read(path, format, |bytes, format, resolve| {
+        Ok((super::parse(bytes, format, resolve)?, super::property(bytes, format, resolve, name)?))
+    })
+}
+
+/// Reads a list of numbers from the JSON file at `path`.
+///
+/// # Errors
+/// [`Error::File`] if it cannot be read; [`Error::Format`] with the line of what is no list of numbers.
+pub fn read_numbers(path: &Path) -> Result<Vec<f64>> {
+    serde_json::from_slice(&read_bytes(path)?).map_err(|e| Error::Format {
+        file: path.display().to_string(),
+        place: Place::Line(e.line()),
+        cause: format!("not a JSON list of numbers: {e}"),
+        remedy: "write it as [0.5, 0.25, 0.5]".into(),
+    })
+}
+
+fn read<T>(path: &Path, format: Option<Format>, parse: impl Fn(&[u8], Format, Resolve) -> Result<T>) -> Result<T> {
     let name = path.display().to_string();
     let bytes = read_bytes(path)?;
     if bytes.is_empty() {
         return Err(file_error(path, "the file is empty", "export it again"));
     }
     let format = input_format(path, &bytes, format)?;
-    super::parse(&bytes, format, &|address| read_buffer(path, address)).map_err(|error| error.in_file(&name))
+    parse(&bytes, format, &|address| read_buffer(path, address)).map_err(|error| error.in_file(&name))
 }
 
 /// Writes `mesh` to `path` by [`replace_file`], in the format that [`output_format`] says.

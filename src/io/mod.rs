@@ -71,6 +71,22 @@ pub fn parse(bytes: &[u8], format: Format, resolve: Resolve) -> Result<Loaded> {
     Ok(Loaded { mesh, format, notes })
 }
 
+/// Reads the property `name` of the vertices of a mesh from the bytes of its file, a number for each vertex that [`parse`]
+/// gives: a property of the vertices of a PLY file, or an attribute of glTF, whose name begins with an underscore.
+///
+/// # Errors
+/// [`Error::Format`] as [`parse`] gives it, if the vertices have no such property, and for the other formats.
+pub fn property(bytes: &[u8], format: Format, resolve: Resolve, name: &str) -> Result<Vec<f64>> {
+    match format {
+        Format::Ply => ply::property(bytes, name),
+        Format::Gltf | Format::Glb => gltf::property(bytes, resolve, name),
+        Format::Obj | Format::Stl | Format::Off => {
+            let cause = format!("{format} has no properties of vertices such as {}", text::quote(name.as_bytes()));
+            Err(whole(cause, "give them as a JSON file, or the mesh as PLY or glTF"))
+        }
+    }
+}
+
 /// Writes a mesh as the content of a file. `out` should be buffered.
 ///
 /// OBJ and OFF keep every bit of the coordinates; STL and glTF have single precision.

@@ -136,6 +136,7 @@ fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, spacing: f64) ->
         return false;
     }
     let here = mesh.samples[v as usize];
+    let spacing = spacing * here.size;
     let before = least_margin(mesh, v, here.position);
     let facing = mesh.worst_facing(v, &here).min(LEAST_FACING);
     let mut best = (before, here);

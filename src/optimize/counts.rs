@@ -1,4 +1,5 @@
-//! Exactly the wanted number of vertices: the longest edges are split or the shortest collapsed.
+//! Exactly the wanted number of vertices: the longest edges are split or the shortest collapsed, by their length relative
+//! to the one that is wanted there.
 //!
 //! Every step keeps the topology. Where that needs more vertices than are wanted, there are more in the end; the caller
 //! compares.
@@ -26,7 +27,7 @@ pub fn meet_count(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
     collapse_shortest(mesh, wanted, |_, _| true);
 }
 
-/// An edge by its squared length when it was looked at; lengths that have changed since are stale.
+/// An edge by its squared relative length when it was looked at; lengths that have changed since are stale.
 #[derive(PartialEq)]
 struct Entry {
     key: f64,
@@ -54,12 +55,12 @@ pub(super) fn split_longest(domain: &Domain, mesh: &mut Manifold, wanted: usize)
     }
     let entry = |mesh: &Manifold, h: u32| {
         let g = mesh.connectivity.twin(h);
-        (g != NONE).then(|| Entry { key: mesh.length_squared(h), half_edge: h.min(g) })
+        (g != NONE).then(|| Entry { key: mesh.relative_length_squared(h), half_edge: h.min(g) })
     };
     let mut heap: BinaryHeap<Entry> = mesh.half_edges().filter_map(|h| entry(mesh, h)).collect();
     while mesh.connectivity.vertex_count() < wanted {
         let Some(top) = heap.pop() else { return };
-        if mesh.length_squared(top.half_edge) != top.key {
+        if mesh.relative_length_squared(top.half_edge) != top.key {
             continue;
         }
         let Some(v) = mesh.split_at_middle(domain, top.half_edge) else { continue };
@@ -73,12 +74,12 @@ pub(super) fn split_longest(domain: &Domain, mesh: &mut Manifold, wanted: usize)
 pub(super) fn collapse_shortest(mesh: &mut Manifold, wanted: usize, may: impl Fn(&Manifold, u32) -> bool) {
     let mut heap = BinaryHeap::new();
     if mesh.connectivity.vertex_count() > wanted {
-        heap.extend(mesh.half_edges().map(|h| Entry { key: -mesh.length_squared(h), half_edge: h }));
+        heap.extend(mesh.half_edges().map(|h| Entry { key: -mesh.relative_length_squared(h), half_edge: h }));
     }
     while mesh.connectivity.vertex_count() > wanted {
         let Some(Entry { key, half_edge: h }) = heap.pop() else { return };
         let c = &mesh.connectivity;
-        if !c.has_half_edge(h) || -mesh.length_squared(h) != key || !c.can_collapse(h) || !may(mesh, h) {
+        if !c.has_half_edge(h) || -mesh.relative_length_squared(h) != key || !c.can_collapse(h) || !may(mesh, h) {
             continue;
         }
         let into = c.target(h);
@@ -86,6 +87,6 @@ pub(super) fn collapse_shortest(mesh: &mut Manifold, wanted: usize, may: impl Fn
         mesh.flip_to_delaunay(mesh.connectivity.outgoing(into).flat_map(|h| [h, next(h)]).collect());
         let c = &mesh.connectivity;
         let changed = c.outgoing(into).flat_map(|h| [h, c.twin(h)]).filter(|&h| h != NONE);
-        heap.extend(changed.map(|h| Entry { key: -mesh.length_squared(h), half_edge: h }));
+        heap.extend(changed.map(|h| Entry { key: -mesh.relative_length_squared(h), half_edge: h }));
     }
 }

@@ -89,7 +89,7 @@ pub fn split_to(domain: &Domain, mesh: &Manifold, wanted: usize) -> Manifold {
 
 fn long_edges(mesh: &Manifold, spacing: f64) -> usize {
     let longest = SPLIT_ABOVE * SPLIT_ABOVE * spacing * spacing;
-    mesh.edges().filter(|&h| mesh.length_squared(h) > longest).count()
+    mesh.edges().filter(|&h| mesh.relative_length_squared(h) > longest).count()
 }
 
 /// Takes every other vertex out of each curve, so that splitting puts as many back.
@@ -107,9 +107,10 @@ fn coarsen_curves(mesh: &mut Manifold, spacing: f64) {
 
 /// Whether the mesh is still that of the same surface if the origin of `h` merges into its target.
 fn keeps_shape(mesh: &Manifold, h: u32, spacing: f64) -> bool {
-    !mesh.fixed[mesh.connectivity.origin(h) as usize]
+    let origin = mesh.connectivity.origin(h) as usize;
+    !mesh.fixed[origin]
         && mesh.bend_after_collapse(h) >= LEAST_FACING
-        && mesh.distance_after_collapse(h) <= TOLERANCE * spacing
+        && mesh.distance_after_collapse(h) <= TOLERANCE * spacing * mesh.samples[origin].size
 }
 
 fn collapse(mesh: &mut Manifold, wanted: usize, spacing: f64) {

@@ -57,7 +57,7 @@ const LEAST_AREA: f64 = 0.03;
 const LONGEST_STEP: f64 = 0.25;
 
 /// Relaxes all vertices of `mesh` that are not fixed for `rounds` rounds, with flips after each. `spacing` is the edge
-/// length that is wanted.
+/// length that is wanted where the size of samples is 1.
 pub fn relax(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -69,8 +69,11 @@ pub fn relax(
     flip(mesh, flips);
     for _ in 0..rounds {
         check(monitor)?;
-        let steps = newton_step(mesh, spacing, |t| strain(t.map(|v| mesh.position(v)), spacing));
-        move_vertices(domain, mesh, || (), |_, v, ()| steps[v as usize].clamp_length_max(LONGEST_STEP * spacing));
+        let size = |v: u32| mesh.samples[v as usize].size;
+        let mean_size = |t: [u32; 3]| t.into_iter().map(size).sum::<f64>() / 3.0;
+        let steps = newton_step(mesh, spacing, |t| strain(t.map(|v| mesh.position(v)), spacing * mean_size(t)));
+        let longest = |mesh: &Manifold, v: u32| LONGEST_STEP * spacing * mesh.samples[v as usize].size;
+        move_vertices(domain, mesh, || (), |mesh, v, ()| steps[v as usize].clamp_length_max(longest(mesh, v)));
         flip(mesh, flips);
     }
     Ok(())

@@ -35,7 +35,7 @@ const TOLERANCE: f64 = 0.05;
 const CHUNK: usize = 1024;
 
 /// The step of each vertex, by its number. `strain_of` is asked for each triangle, by its vertices, one of them not held;
-/// `spacing` is the edge length that is wanted.
+/// `spacing` is the edge length that is wanted where the size of samples is 1.
 pub(super) fn newton_step(mesh: &Manifold, spacing: f64, strain_of: impl Fn([u32; 3]) -> Strain + Sync) -> Vec<DVec3> {
     let axes: Vec<[DVec3; 2]> = (0..mesh.connectivity.vertex_bound()).into_par_iter().map(|v| axes(mesh, v)).collect();
     let steps = Equations::new(mesh, &axes, spacing, strain_of).solve();
@@ -89,8 +89,9 @@ impl Equations {
                 false => [Share::default(); 3],
             })
             .collect();
-        let damping = DMat2::from_diagonal(DVec2::splat(DAMPING * OF_REGULAR / (spacing * spacing)));
         let at_vertex = |v: u32| {
+            let spacing = spacing * mesh.samples[v as usize].size;
+            let damping = DMat2::from_diagonal(DVec2::splat(DAMPING * OF_REGULAR / (spacing * spacing)));
             let around = c.has_vertex(v).then(|| c.outgoing(v)).into_iter().flatten();
             around.fold((damping, DVec2::ZERO), |(diagonal, force), h| {
                 let share = &shares[h as usize];
@@ -189,7 +190,7 @@ mod tests {
             DVec3::new(cos, sin, 0.0)
         };
         let places = std::iter::once(middle).chain((0..6).map(corner));
-        let samples = places.map(|position| Sample { position, normal: DVec3::Z, triangle: 0 }).collect();
+        let samples = places.map(|position| Sample { position, normal: DVec3::Z, triangle: 0, size: 1.0 }).collect();
         let triangles: Vec<[u32; 3]> = (0..6).map(|i| [0, 1 + i, 1 + (i + 1) % 6]).collect();
         let mut mesh = Manifold::new(samples, &triangles);
         mesh.fixed[1..].fill(true);

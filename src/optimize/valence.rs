@@ -310,7 +310,9 @@ fn may_collapse(mesh: &Manifold, h: u32, spacing: f64) -> bool {
         return false;
     }
     let (facing, shape) = mesh.after_collapse(h);
-    facing >= LEAST_FACING && shape >= LEAST_SHAPE && mesh.distance_after_collapse(h) <= TOLERANCE * spacing
+    facing >= LEAST_FACING
+        && shape >= LEAST_SHAPE
+        && mesh.distance_after_collapse(h) <= TOLERANCE * spacing * mesh.samples[a as usize].size
 }
 
 #[cfg(test)]
@@ -331,7 +333,8 @@ mod tests {
             .flat_map(|(i, j)| [[at(i, j), at(i, j + 1), at(i + 1, j)], [at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)]])
             .collect();
         let samples = (0..=SIZE).flat_map(|i| (0..=SIZE).map(move |j| (i, j)));
-        let samples = samples.map(|(i, j)| Sample { position: place(i, j), normal: DVec3::Z, triangle: 0 }).collect();
+        let samples =
+            samples.map(|(i, j)| Sample { position: place(i, j), normal: DVec3::Z, triangle: 0, size: 1.0 }).collect();
         let mut mesh = Manifold::new(samples, &triangles);
         mesh.hold_boundary();
         mesh
@@ -383,7 +386,7 @@ mod tests {
         let mut mesh = sheet();
         let h = mesh.edges().find(|&h| mesh.connectivity.origin(h) == 6 * (SIZE + 1) + 6).unwrap();
         let middle = 0.5 * (mesh.position(mesh.connectivity.origin(h)) + mesh.position(mesh.connectivity.target(h)));
-        mesh.samples.push(Sample { position: middle, normal: DVec3::Z, triangle: 0 });
+        mesh.samples.push(Sample { position: middle, normal: DVec3::Z, triangle: 0, size: 1.0 });
         mesh.fixed.push(false);
         mesh.connectivity.split_edge(h);
         assert!(energy(&mesh) > 0);

@@ -108,13 +108,17 @@ fn distance_rows(out: &mut String, report: &Report) {
 fn remarks(out: &mut String, report: &Report) {
     if let Some(s) = &report.sampling {
         let (sigma, spacing) = (significant(s.sigma_p), significant(s.spacing));
+        let [smallest, largest] = s.spacing_range;
+        let is_even = smallest == largest;
+        let range =
+            if is_even { String::new() } else { format!(" ({} to {})", significant(smallest), significant(largest)) };
         list(
             out,
             "sampling",
             &[
                 format!("{} vertices wanted", s.wanted),
                 format!("σp {sigma}"),
-                format!("spacing {spacing}"),
+                format!("spacing {spacing}{range}"),
                 format!("seed {}", s.seed),
             ],
         );

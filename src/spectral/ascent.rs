@@ -21,7 +21,7 @@ use glam::DVec3;
 /// How an ascent goes.
 #[derive(Debug, Clone, Copy)]
 pub struct Climb {
-    /// Width of the kernel, in the units of the domain.
+    /// Width of the kernel where the wanted size is 1, in the units of the domain.
     pub sigma: f64,
     /// Share of the gradient that a vertex goes at once: [`PAPER_STEP`] or [`LONG_STEP`].
     pub step: f64,
@@ -58,17 +58,27 @@ fn way_up(mesh: &Manifold, v: u32, Climb { sigma, step, .. }: Climb) -> DVec3 {
     let mut offsets = [DVec3::ZERO; GRADIENT_NEIGHBOURS];
     let found = nearest(mesh, v);
     for (offset, &(_, w)) in offsets.iter_mut().zip(found.list()) {
-        *offset = (mesh.position(w) - mesh.position(v)) / sigma;
+        *offset = (mesh.position(w) - mesh.position(v)) / (sigma * mean_size(mesh, v, w));
     }
+    let sigma = sigma * mesh.samples[v as usize].size;
     let way = (step * sigma * gradient(&offsets[..found.count])).clamp_length_max(MOST_STEP * sigma);
     mesh.along(v).map_or(way, |along| way.project_onto_normalized(along))
 }
 
-/// The nearest vertices of the two-ring of `v`; of the second ring only those that face the same way.
+/// The size that is wanted between two vertices. Were it that of one of them, all would move to where sizes are larger.
+#[inline]
+fn mean_size(mesh: &Manifold, v: u32, w: u32) -> f64 {
+    0.5 * (mesh.samples[v as usize].size + mesh.samples[w as usize].size)
+}
+
+/// The nearest vertices, for the size wanted there, of the two-ring of `v`; of the second ring only those that face the same way.
 fn nearest(mesh: &Manifold, v: u32) -> Nearest {
     let (c, here) = (&mesh.connectivity, &mesh.samples[v as usize]);
     let mut found = Nearest::default();
-    let mut add = |w: u32| found.add(here.position.distance_squared(mesh.position(w)), w);
+    let mut add = |w: u32| {
+        let size = mean_size(mesh, v, w);
+        found.add(here.position.distance_squared(mesh.position(w)) / (size * size), w)
+    };
     c.ring(v).for_each(&mut add);
     let mut add_facing = |w: u32| {
         if mesh.samples[w as usize].normal.dot(here.normal) >= 0.0 {
@@ -96,7 +106,7 @@ fn nearest(mesh: &Manifold, v: u32) -> Nearest {
     found
 }
 
-/// Vertices in the order of their distance, then their number.
+/// Vertices in the order of their relative distance, then their number.
 #[derive(Default)]
 struct Nearest {
     list: [(f64, u32); GRADIENT_NEIGHBOURS],
@@ -104,7 +114,7 @@ struct Nearest {
 }
 
 impl Nearest {
-    /// Takes note of `v` at that squared distance if it is near enough and not known.
+    /// Takes note of `v` at that squared relative distance if it is near enough and not known.
     #[inline]
     fn add(&mut self, distance: f64, v: u32) {
         if self.count == GRADIENT_NEIGHBOURS && distance > self.list[GRADIENT_NEIGHBOURS - 1].0 {

@@ -1,5 +1,5 @@
 //! Samples along the curves of a surface, its boundary and its sharp edges: evenly spaced points are what the measure of
-//! section 3 of the paper settles on in one dimension.
+//! section 3 of the paper settles on in one dimension. Where other sizes are wanted, lengths count relative to them.
 //!
 //! Corners are points as they are. Every smooth patch gets samples of its own for the points along its rim, so that it is
 //! sampled and triangulated by itself; [`CurveSamples::point`] says which of them are the same point.
@@ -35,7 +35,7 @@ const FEWEST: usize = 3;
 /// A point on a side of the domain: the side, how far along, and the number of the point.
 type OnSide = (u32, f64, u32);
 
-/// Samples all curves at distances of about `spacing` along them.
+/// Samples all curves at distances of about `spacing` times the wanted size along them.
 pub fn sample_curves(domain: &Domain, spacing: f64) -> CurveSamples {
     let loops = domain.boundary_loops();
     let counts = counts(domain, &loops, spacing);
@@ -70,7 +70,7 @@ pub fn sample_curves(domain: &Domain, spacing: f64) -> CurveSamples {
     result
 }
 
-/// The number of edges that each curve becomes: its length in spacings, but so many that no two curves have the same
+/// The number of edges that each curve becomes: its relative length in spacings, but so many that no two curves have the same
 /// ends and no loop is without an inside.
 fn counts(domain: &Domain, loops: &[Vec<u32>], spacing: f64) -> Vec<usize> {
     let curves = &domain.curves.list;
@@ -106,9 +106,12 @@ fn is_first(domain: &Domain, side: u32) -> bool {
     side == curve.sides[0] || domain.across[last as usize] == side
 }
 
+/// The length of `side`, relative to the size that is wanted along it.
 fn length(domain: &Domain, side: u32) -> f64 {
-    let [a, b] = [side, next(side)].map(|s| domain.mesh.positions[corner(domain, s) as usize]);
-    a.distance(b)
+    let ends = [side, next(side)].map(|s| corner(domain, s));
+    let [a, b] = ends.map(|v| domain.mesh.positions[v as usize]);
+    let [size_a, size_b] = ends.map(|v| domain.size_at(v));
+    2.0 * a.distance(b) / (size_a + size_b)
 }
 
 /// The vertex that `side` leaves.

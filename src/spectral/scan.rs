@@ -6,6 +6,9 @@
 //! does not depend on the number of threads, and what a look-up touches stays in the cache however many points there
 //! are.
 //!
+//! Where edges of another relative length than 1 are wanted, the kernel of a candidate is as much wider or narrower;
+//! cells are for the widest.
+//!
 //! A candidate listens only to neighbours of its own piece that face its way: two sheets that nearly touch are sampled
 //! each for itself.
 //!
@@ -26,7 +29,7 @@ pub const EPSILON: f64 = 0.5;
 /// Cells of a block along each axis. A block of eight holds about a hundred samples, enough to outweigh its halo.
 const BLOCK: i32 = 8;
 
-/// Cells around a block within the kernel's reach: a cell is half of [`RADIUS`] wide.
+/// Cells around a block within the kernel's reach: a cell is half of [`RADIUS`] wide, in units of the widest σ.
 const HALO: i32 = 2;
 
 /// Cells of a block and its halo along each axis.
@@ -40,7 +43,7 @@ const END: u32 = u32::MAX;
 
 /// The samples that the scan keeps: `fixed` first, which are kept in any case, then candidates.
 ///
-/// `sigma` is σp in the units of the domain. The result is the same for
+/// `sigma` is σp where the wanted size is 1, in the units of the domain. The result is the same for
 /// any number of threads.
 ///
 /// # Errors
@@ -88,7 +91,8 @@ struct Block {
 
 impl Blocks {
     fn new(domain: &Domain, candidates: &[Candidate], fixed: &[Sample], sigma: f64, rng: &mut Random) -> Self {
-        let cell = sigma * RADIUS / 2.0;
+        let [_, largest_size] = domain.size_range();
+        let cell = sigma * largest_size * RADIUS / 2.0;
         let place = |p: DVec3| (p / (cell * f64::from(BLOCK))).floor().as_ivec3();
         let random: Vec<u32> = candidates.iter().map(|_| rng.next_u32()).collect();
         let mut keyed: Vec<([i32; 3], u32, u32)> = (candidates.par_iter().zip(&random).enumerate())
@@ -202,16 +206,19 @@ impl Neighbourhood {
         if self.found.iter().any(|f| f.0 <= TOO_NEAR) {
             return false;
         }
+        let reach = self.sigma * x.size * RADIUS;
+        let (lowest, highest) = (self.cell_of(x.position - reach), self.cell_of(x.position + reach));
         (1..=HALO).all(|reach| {
-            self.gather(x, piece, home - reach, home + reach);
-            self.exceeds_epsilon(x.position)
+            self.gather(x, piece, (home - reach).max(lowest), (home + reach).min(highest));
+            self.exceeds_epsilon(x)
         })
     }
 
     /// Collects the samples of a box of cells that `x` listens to, with their squared distances in units of σ.
     fn gather(&mut self, x: &Sample, piece: u32, lo: IVec3, hi: IVec3) {
         self.found.clear();
-        let scale = 1.0 / (self.sigma * self.sigma);
+        let sigma = self.sigma * x.size;
+        let scale = 1.0 / (sigma * sigma);
         for z in lo.z..=hi.z {
             for y in lo.y..=hi.y {
                 let row = SPAN * (y + SPAN * z);
@@ -231,12 +238,13 @@ impl Neighbourhood {
     }
 
     /// Whether s(x) > ε over the samples found, nearest first and no farther than it takes to know.
-    fn exceeds_epsilon(&mut self, x: DVec3) -> bool {
+    fn exceeds_epsilon(&mut self, x: &Sample) -> bool {
+        let sigma = self.sigma * x.size;
         self.found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         self.measure.clear();
         let nearest = self.found.iter().take(MOST_NEIGHBOURS);
         for &(_, i) in nearest {
-            let offset = (self.members[i as usize].position - x) / self.sigma;
+            let offset = (self.members[i as usize].position - x.position) / sigma;
             if self.measure.add(offset) <= EPSILON {
                 return false;
             }

@@ -1,4 +1,4 @@
-//! A hierarchy of bounding boxes over a mesh's triangles, for exact closest points.
+//! A hierarchy of bounding boxes over a mesh's triangles, for exact closest points and rays.
 //!
 //! The tree is a complete binary tree in the order of a heap: the children of node i are 2i + 1 and 2i + 2, and with n
 //! triangles the node at place j of level l holds the triangles from ⌊j n / 2^l⌋ up to ⌊(j + 1) n / 2^l⌋ of an order
@@ -122,6 +122,38 @@ impl Bvh {
             }
         }
         (best.triangle != u32::MAX).then_some(best)
+    }
+
+    /// How far from `origin` along the unit vector `direction` the nearest of the triangles is that `accept` says yes to;
+    /// `None` if there is none nearer than `longest`.
+    pub fn along_ray(
+        &self,
+        mesh: &Mesh,
+        origin: DVec3,
+        direction: DVec3,
+        longest: f64,
+        accept: impl Fn(u32) -> bool,
+    ) -> Option<f64> {
+        let mut nearest = longest;
+        let mut aside = [0u32; DEEPEST];
+        let mut waiting = 1;
+        while waiting > 0 {
+            waiting -= 1;
+            let node = aside[waiting];
+            if !self.boxes[node as usize].meets_ray(origin, direction.recip(), nearest) {
+                continue;
+            }
+            if self.is_leaf(node) {
+                let accepted = self.leaf(node).iter().filter(|&&t| accept(t));
+                let hits = accepted.filter_map(|&t| triangle::along_ray(origin, direction, mesh.corners(t as usize)));
+                nearest = hits.fold(nearest, f64::min);
+            } else {
+                aside[waiting] = 2 * node + 2;
+                aside[waiting + 1] = 2 * node + 1;
+                waiting += 2;
+            }
+        }
+        (nearest < longest).then_some(nearest)
     }
 
     /// Calls `visit` with every triangle whose bounding box meets the box from `lo` to `hi`, touching included.
@@ -299,6 +331,19 @@ impl Aabb {
         (self.lo - p).max(p - self.hi).max(DVec3::ZERO).length_squared()
     }
 
+    /// Whether a ray comes through within the distance `longest`. `inverse` has the reciprocals of its unit direction.
+    #[inline]
+    fn meets_ray(&self, origin: DVec3, inverse: DVec3, longest: f64) -> bool {
+        let (a, b) = ((self.lo - origin) * inverse, (self.hi - origin) * inverse);
+        // Where the ray runs along a side, 0 times infinity is no number and says nothing.
+        let (enters, leaves) = (a.min(b), a.max(b));
+        let last = |leaves: f64, so_far: f64| if leaves < so_far { leaves } else { so_far };
+        let first = |enters: f64, so_far: f64| if enters > so_far { enters } else { so_far };
+        let enters = enters.to_array().into_iter().fold(0.0, |so_far, x| first(x, so_far));
+        let leaves = leaves.to_array().into_iter().fold(longest, |so_far, x| last(x, so_far));
+        enters <= leaves
+    }
+
     #[inline]
     fn meets(&self, other: &Aabb) -> bool {
         self.lo.cmple(other.hi).all() && other.lo.cmple(self.hi).all()
@@ -380,6 +425,10 @@ mod tests {
             assert_eq!(bvh.closest(mesh, p), brute_force(mesh, p, f64::INFINITY, |_| true));
             let accept = |t: u32| !(t as usize + q).is_multiple_of(3);
             assert_eq!(bvh.closest_where(mesh, p, 0.01, accept), brute_force(mesh, p, 0.01, accept));
+            let way = (random_point(&mut rng) - DVec3::splat(0.5)).normalize();
+            let all = (0..mesh.triangles.len()).filter(|&t| accept(t as u32));
+            let hits = all.filter_map(|t| triangle::along_ray(p, way, mesh.corners(t))).filter(|&t| t < 2.0);
+            assert_eq!(bvh.along_ray(mesh, p, way, 2.0, accept), hits.reduce(f64::min));
             let (lo, hi) = (p, p + 0.2 * random_point(&mut rng));
             let mut found = Vec::new();
             bvh.in_box(mesh, lo, hi, |t| found.push(t));

@@ -23,6 +23,8 @@ pub struct Sample {
     pub normal: DVec3,
     /// The triangle of the domain that the point lies on.
     pub triangle: u32,
+    /// The edge length that is wanted there, relative to the mean spacing.
+    pub size: f64,
 }
 
 /// An oriented 2-manifold mesh and its derived data.
@@ -40,8 +42,10 @@ pub struct Domain {
     /// The boundary and the sharp edges.
     pub curves: Curves,
     /// Unit normal at each vertex; zero where all its triangles are flat.
-    vertex_normals: Vec<DVec3>,
-    bvh: Bvh,
+    pub(super) vertex_normals: Vec<DVec3>,
+    /// The wanted edge length at each vertex, relative to the mean spacing; empty if it is 1 everywhere.
+    sizes: Vec<f64>,
+    pub(super) bvh: Bvh,
 }
 
 /// A point of a triangle that is the closest one there to another point.
@@ -78,17 +82,31 @@ impl Domain {
         );
         let Cut { mesh, twin, across, original } = cut;
         let piece = components(mesh.positions.len(), &mesh.triangles);
-        Domain { mesh, twin, across, original, piece, curves, vertex_normals, bvh }
+        Domain { mesh, twin, across, original, piece, curves, vertex_normals, sizes: Vec::new(), bvh }
+    }
+
+    /// Wants edges of these lengths, relative to the mean spacing, at the vertices, instead of 1 everywhere. Vertices
+    /// that were one before sharp edges were cut have to have the same.
+    pub fn grade(&mut self, sizes: Vec<f64>) {
+        self.sizes = sizes;
+    }
+
+    /// The smallest and the largest edge length wanted, relative to the mean spacing.
+    pub fn size_range(&self) -> [f64; 2] {
+        let mut sizes = self.sizes.iter().copied();
+        let first = sizes.next().unwrap_or(1.0);
+        sizes.fold([first; 2], |[lo, hi], size| [lo.min(size), hi.max(size)])
     }
 
     /// This domain with its sharp edges smoothed over.
     pub fn smooth(self) -> Domain {
-        let Domain { mut mesh, original, .. } = self;
+        let Domain { mut mesh, original, mut sizes, .. } = self;
         mesh.triangles.iter_mut().flatten().for_each(|v| *v = original[*v as usize]);
         // The first copy of a vertex has its number, further ones come after all others.
         let count = original.iter().zip(0..).take_while(|&(&v, i)| v == i).count();
         mesh.positions.truncate(count);
-        Domain::new(mesh)
+        sizes.truncate(count);
+        Domain { sizes, ..Domain::new(mesh) }
     }
 
     /// The number of curves along sharp edges.
@@ -121,7 +139,23 @@ impl Domain {
     pub fn sample(&self, t: u32, weights: [f64; 3]) -> Sample {
         let [a, b, c] = self.mesh.corners(t as usize);
         let position = a * weights[0] + b * weights[1] + c * weights[2];
-        Sample { position, normal: self.normal(t, weights), triangle: t }
+        Sample { position, normal: self.normal(t, weights), triangle: t, size: self.size(t, weights) }
+    }
+
+    /// The wanted edge length at a point of triangle `t`, relative to the mean spacing: that of the corners, interpolated.
+    #[inline]
+    fn size(&self, t: u32, weights: [f64; 3]) -> f64 {
+        if self.sizes.is_empty() {
+            return 1.0;
+        }
+        let corners = self.mesh.triangles[t as usize];
+        (0..3).map(|k| weights[k] * self.sizes[corners[k] as usize]).sum()
+    }
+
+    /// The wanted edge length at vertex `v`, relative to the mean spacing.
+    #[inline]
+    pub fn size_at(&self, v: u32) -> f64 {
+        self.sizes.get(v as usize).copied().unwrap_or(1.0)
     }
 
     /// The normal at a point of triangle `t`: that of the vertices, interpolated, where it stays within 60 degrees of
@@ -230,7 +264,7 @@ impl Domain {
                 let sample = self.sample_on_side(side, along);
                 if sharp { Sample { normal: DVec3::ZERO, ..sample } } else { sample }
             }
-            None => Sample { position: p, normal: DVec3::ZERO, triangle: 0 },
+            None => Sample { position: p, normal: DVec3::ZERO, triangle: 0, size: 1.0 },
         }
     }
 
@@ -238,7 +272,7 @@ impl Domain {
     pub fn project_anywhere(&self, p: DVec3) -> Sample {
         match self.bvh.closest(&self.mesh, p) {
             Some(hit) => self.sample(hit.triangle, barycentric(hit.point, self.mesh.corners(hit.triangle as usize))),
-            None => Sample { position: p, normal: DVec3::ZERO, triangle: 0 },
+            None => Sample { position: p, normal: DVec3::ZERO, triangle: 0, size: 1.0 },
         }
     }
 

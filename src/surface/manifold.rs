@@ -152,6 +152,14 @@ impl Manifold {
         self.position(self.connectivity.origin(h)).distance_squared(self.position(self.connectivity.target(h)))
     }
 
+    /// The squared length of the edge of `h`, relative to what is wanted at its ends; in squared mean spacings.
+    #[inline]
+    pub fn relative_length_squared(&self, h: u32) -> f64 {
+        let c = &self.connectivity;
+        let [a, b] = [c.origin(h), c.target(h)].map(|v| &self.samples[v as usize]);
+        a.position.distance_squared(b.position) / (a.size * b.size)
+    }
+
     /// Whether the edge of `h` is not Delaunay: the angles across from it sum to more than two right ones.
     ///
     /// With the cosines and sines of both the sum's sine is negative then; no angle needs to be computed.
@@ -254,7 +262,7 @@ impl Manifold {
         }
     }
 
-    /// The mesh with its `count` longest edges split at their middles, put back on the domain: a triangle with three such
+    /// The mesh with its `count` relatively longest edges split at their middles, put back on the domain: a triangle with three such
     /// edges becomes four, the others two or three or stay. Edges whose middle would turn a triangle against the surface,
     /// as happens where they cut through a thin part, are left out, and the next longest are split instead.
     pub fn with_longest_split(&self, domain: &Domain, count: usize) -> Manifold {
@@ -265,7 +273,8 @@ impl Manifold {
         }
         let mut samples: Vec<Sample> = old.iter().map(|&v| self.samples[v as usize]).collect();
         let mut edges: Vec<u32> = self.edges().collect();
-        edges.sort_by(|&g, &h| self.length_squared(h).total_cmp(&self.length_squared(g)).then(g.cmp(&h)));
+        let length = |h: u32| self.relative_length_squared(h);
+        edges.sort_by(|&g, &h| length(h).total_cmp(&length(g)).then(g.cmp(&h)));
         let mut edges = edges.into_iter();
         let mut middle_of = vec![NONE; self.connectivity.half_edge_bound() as usize];
         let first = samples.len();
@@ -509,7 +518,8 @@ mod tests {
 
     /// A strip of two rows of `n` vertices, of triangles as long as the second row is shifted.
     fn strip(n: u32, shift: f64) -> Manifold {
-        let sample = |x: f64, y: f64| Sample { position: DVec3::new(x, y, 0.0), normal: DVec3::Z, triangle: 0 };
+        let sample =
+            |x: f64, y: f64| Sample { position: DVec3::new(x, y, 0.0), normal: DVec3::Z, triangle: 0, size: 1.0 };
         let lower = (0..n).map(|i| sample(f64::from(i), 0.0));
         let upper = (0..n).map(|i| sample(f64::from(i) + shift, 1.0));
         let triangles = (0..n - 1).flat_map(|i| [[i, i + 1, n + i + 1], [i, n + i + 1, n + i]]);

@@ -14,5 +14,6 @@ pub mod neighbors;
 pub mod refine;
 pub mod repair;
 pub mod seams;
+pub mod sizing;
 pub mod topology;
 pub mod weld;

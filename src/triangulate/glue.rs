@@ -24,7 +24,8 @@ pub fn glue(patches: &Triangulated, seams: Seams<'_>) -> Option<Manifold> {
     let points = seams.point.iter().max().map_or(0, |&p| p + 1);
     let on_curves = patches.source.partition_point(|&s| (s as usize) < seams.point.len());
     let inner = &patches.mesh.samples[on_curves..];
-    let mut samples = vec![Sample { position: DVec3::ZERO, normal: DVec3::ZERO, triangle: NONE }; points as usize];
+    let none = Sample { position: DVec3::ZERO, normal: DVec3::ZERO, triangle: NONE, size: 1.0 };
+    let mut samples = vec![none; points as usize];
     for (sample, &source) in patches.mesh.samples.iter().zip(&patches.source[..on_curves]) {
         let point = &mut samples[seams.point[source as usize] as usize];
         // A point of more than one patch is on a sharp edge, which has no normal.
@@ -53,7 +54,12 @@ mod tests {
 
     /// Two triangles beside each other, each with its own samples of the two points they share.
     fn two_patches() -> Triangulated {
-        let at = |x: f64, y: f64, triangle: u32| Sample { position: DVec3::new(x, y, 0.0), normal: DVec3::Z, triangle };
+        let at = |x: f64, y: f64, triangle: u32| Sample {
+            position: DVec3::new(x, y, 0.0),
+            normal: DVec3::Z,
+            triangle,
+            size: 1.0,
+        };
         let samples = vec![at(0., 0., 0), at(1., 0., 0), at(0., 1., 0), at(1., 0., 1), at(1., 1., 1), at(0., 1., 1)];
         let mesh = Manifold::new(samples, &[[0, 1, 2], [3, 4, 5]]);
         Triangulated { mesh, source: (0..6).collect(), tessellated_pieces: 0 }

@@ -109,8 +109,8 @@ impl Fans {
     }
 }
 
-/// Gives the samples around `centres` the stars of a mutual tessellation of the domain within `radius` of them, or of all
-/// of their pieces if `radius` is infinite.
+/// Gives the samples around `centres` the stars of a mutual tessellation of the domain within `radius` times
+/// their size of them, or of all of their pieces if `radius` is infinite.
 pub fn tessellate_around(
     domain: &Domain,
     starred: &mut Starred,
@@ -127,15 +127,20 @@ pub fn tessellate_around(
         let insertions: Vec<Insertion> = own.iter().map(insertion).collect();
         let mut made = mutual_tessellation(domain, part, &insertions);
         made.insertion.iter_mut().filter(|i| **i != NONE).for_each(|i| *i = own[*i as usize]);
-        made
+        (made, own)
     };
-    let made: Vec<Tessellation> = parts(domain, centres, radius).par_iter().map(tessellate).collect();
+    let made: Vec<(Tessellation, Vec<u32>)> = parts(domain, centres, radius).par_iter().map(tessellate).collect();
     let mut replaced = vec![false; samples.len()];
+    let mut left_out = vec![false; samples.len()];
     let mut stars = Vec::new();
-    for tessellation in made {
+    for (tessellation, own) in made {
+        own.iter().for_each(|&s| left_out[s as usize] = true);
+        tessellation.insertion.iter().filter(|s| **s != NONE).for_each(|&s| left_out[s as usize] = false);
         starred.transplant(&tessellation, &mut replaced, &mut stars);
     }
-    starred.stars.retain(|t| !replaced[t[0] as usize]);
+    // Samples that were left out agree among themselves only.
+    let is_gone = |s: u32| replaced[s as usize] || left_out[s as usize];
+    starred.stars.retain(|t| !replaced[t[0] as usize] && !t.iter().all(|&s| is_gone(s)));
     starred.stars.extend(stars);
 }
 
@@ -178,20 +183,20 @@ fn rings_from_fixed(from: &Tessellation) -> Vec<u32> {
 }
 
 /// The connected parts of the domain that are reached from the samples `centres` without leaving the ball of `radius`
-/// around them, each as its triangles in increasing order.
+/// times their size around them, each as its triangles in increasing order.
 fn parts(domain: &Domain, centres: &[Sample], radius: f64) -> Vec<Vec<u32>> {
     let mut reached = vec![false; domain.mesh.triangles.len()];
     let mut queue = VecDeque::new();
     for centre in centres {
         reached[centre.triangle as usize] = true;
-        queue.push_back((centre.triangle, centre.position));
+        queue.push_back((centre.triangle, centre.position, radius * centre.size));
     }
     let across = |t: u32| (0..3).map(move |k| domain.twin[3 * t as usize + k]).filter(|&s| s != NONE).map(|s| s / 3);
-    while let Some((t, centre)) = queue.pop_front() {
+    while let Some((t, centre, radius)) = queue.pop_front() {
         for u in across(t) {
             let near = domain.mesh.corners(u as usize).iter().any(|p| p.distance(centre) <= radius);
             if near && !std::mem::replace(&mut reached[u as usize], true) {
-                queue.push_back((u, centre));
+                queue.push_back((u, centre, radius));
             }
         }
     }

@@ -50,7 +50,7 @@ pub struct Cloud<'a> {
     pub samples: &'a [Sample],
     /// For each sample the next one on the boundary, or [`INTERIOR`].
     pub successor: &'a [u32],
-    /// Mean distance of neighbouring samples.
+    /// Mean distance of neighbouring samples where their size is 1.
     pub spacing: f64,
     /// The samples by the triangle that they lie on.
     pub by_triangle: &'a SamplesByTriangle,
@@ -76,7 +76,7 @@ impl<'a> StarMaker<'a> {
 
     /// Adds the triangles of the star of sample `centre` to `triangles`, counter-clockwise, the centre first.
     pub fn star(&mut self, centre: u32, triangles: &mut Vec<[u32; 3]>) {
-        let mut radius = FIRST_RADIUS * self.cloud.spacing;
+        let mut radius = FIRST_RADIUS * self.spacing_at(centre);
         let begin = triangles.len();
         for _ in 0..MOST_ATTEMPTS {
             triangles.truncate(begin);
@@ -92,6 +92,11 @@ impl<'a> StarMaker<'a> {
             }
             radius *= GROWTH;
         }
+    }
+
+    /// The distance at which sample `s` should have its neighbours.
+    fn spacing_at(&self, s: u32) -> f64 {
+        self.cloud.spacing * self.cloud.samples[s as usize].size
     }
 
     /// Finds the samples of the piece of `centre` within `radius` of it, as if they were all of one sheet. The distance of
@@ -164,19 +169,20 @@ impl<'a> StarMaker<'a> {
             triangles.push([centre, a.sample, b.sample]);
             reach = reach.max(circumradius(a.place, b.place));
         }
-        reach * self.cloud.spacing
+        reach * self.spacing_at(centre)
     }
 
     /// The neighbours in units of the spacing, triangulated; the centre is the first vertex.
     fn triangulation(&self, centre: u32) -> Option<ConstrainedDelaunayTriangulation<Site>> {
         let mut plane = ConstrainedDelaunayTriangulation::<Site>::new();
         let hub = plane.insert(Site { place: Point2::new(0.0, 0.0), sample: centre }).ok()?;
+        let spacing = self.spacing_at(centre);
         let mut on_boundary = vec![];
         if self.cloud.successor[centre as usize] != INTERIOR {
             on_boundary.push((centre, hub));
         }
         for n in &self.found {
-            let DVec2 { x, y } = n.place / self.cloud.spacing;
+            let DVec2 { x, y } = n.place / spacing;
             let before = plane.num_vertices();
             // Places too small to be told apart are taken by the sample that came first.
             let clean = |c: f64| if c.abs() < 1e-9 { 0.0 } else { c };

@@ -21,6 +21,7 @@ use crate::base::error::{Place, Result};
 use crate::io::bytes::{EXPORT_AGAIN, malformed, without_mark};
 use crate::io::{Parsed, Resolve};
 use ::gltf::json::Root;
+use scene::Collected;
 use serde_json::Value;
 use store::Store;
 
@@ -46,25 +47,43 @@ const HARMLESS: [&str; 9] = [
 /// # Errors
 /// `Error::Format` with the line, byte or part of what is malformed or not supported.
 pub(crate) fn parse(bytes: &[u8], resolve: Resolve) -> Parsed {
-    if !bytes.starts_with(glb::MAGIC) {
-        return read(bytes, None, resolve, Place::Line);
-    }
-    let chunks = glb::split(bytes)?;
-    let (mesh, mut notes) = read(chunks.json, chunks.bin, resolve, |_| Place::Part("JSON chunk".into()))?;
-    if chunks.extra > 0 {
-        notes.push(format!("{} bytes after the end of the GLB are left out", chunks.extra));
-    }
-    Ok((mesh, notes))
+    let (Collected { mesh, notes, .. }, extra) = read_file(bytes, resolve, None)?;
+    let note = (extra > 0).then(|| format!("{extra} bytes after the end of the GLB are left out"));
+    Ok((mesh, notes.into_iter().chain(note).collect()))
 }
 
-fn read(json: &[u8], bin: Option<&[u8]>, resolve: Resolve, place: impl Fn(usize) -> Place) -> Parsed {
+/// The attribute `name`, which begins with an underscore, of all vertices of [`parse`], a number each.
+///
+/// # Errors
+/// Those of [`parse`], and `Error::Format` with the mesh that has no such attribute.
+pub(crate) fn property(bytes: &[u8], resolve: Resolve, name: &str) -> Result<Vec<f64>> {
+    read_file(bytes, resolve, Some(name)).map(|(collected, _)| collected.values)
+}
+
+/// What is in a file, and the number of bytes that come after it. `attribute` is that to read values of.
+fn read_file(bytes: &[u8], resolve: Resolve, attribute: Option<&str>) -> Result<(Collected, usize)> {
+    if !bytes.starts_with(glb::MAGIC) {
+        return Ok((read(bytes, None, resolve, attribute, Place::Line)?, 0));
+    }
+    let chunks = glb::split(bytes)?;
+    let in_chunk = |_| Place::Part("JSON chunk".into());
+    Ok((read(chunks.json, chunks.bin, resolve, attribute, in_chunk)?, chunks.extra))
+}
+
+fn read(
+    json: &[u8],
+    bin: Option<&[u8]>,
+    resolve: Resolve,
+    attribute: Option<&str>,
+    place: impl Fn(usize) -> Place,
+) -> Result<Collected> {
     let root = document(json, place)?;
     let harmless = |name: &String| HARMLESS.iter().any(|prefix| name.starts_with(prefix));
     if let Some(name) = root.extensions_required.iter().find(|name| !harmless(name)) {
         let cause = format!("requires the extension {name}, which is not supported");
         return Err(malformed(Place::Part("extensionsRequired".into()), cause, "export it without that extension"));
     }
-    scene::collect(&root, &Store::new(&root, bin, resolve))
+    scene::collect(&root, &Store::new(&root, bin, resolve), attribute)
 }
 
 /// The JSON as the gltf crate's types. Indices in it may be anything.

@@ -3,6 +3,7 @@
 use super::store::{Store, wrong};
 use crate::base::error::{Place, Result};
 use crate::io::bytes::malformed;
+use crate::io::text::quote;
 use crate::surface::mesh::Mesh;
 use ::gltf::json::mesh::{Mode, Primitive, Semantic};
 use ::gltf::json::validation::Checked;
@@ -13,9 +14,20 @@ use std::collections::BTreeMap;
 /// How many vertices and indices a scene may have that is larger than its data: meshes may be used many times.
 const REPEATED: usize = 1 << 26;
 
-/// All triangles of the scene, and what was left out.
-pub(super) fn collect(root: &Root, store: &Store) -> Result<(Mesh, Vec<String>)> {
-    let mut scene = Collector { root, store, mesh: Mesh::default(), read: 0, left_out: LeftOut::default() };
+/// What is in a scene.
+pub(super) struct Collected {
+    /// All its triangles.
+    pub mesh: Mesh,
+    /// For each vertex its value of the attribute asked for; empty if none was.
+    pub values: Vec<f64>,
+    /// What was left out.
+    pub notes: Vec<String>,
+}
+
+/// What is in the scene, with the values of `attribute` if there is one to read.
+pub(super) fn collect(root: &Root, store: &Store, attribute: Option<&str>) -> Result<Collected> {
+    let (mesh, left_out) = (Mesh::default(), LeftOut::default());
+    let mut scene = Collector { root, store, attribute, mesh, values: Vec::new(), read: 0, left_out };
     let scenes = root.scenes.len();
     let instances = match root.scene.map(|s| s.value()).or((scenes > 0).then_some(0)) {
         Some(index) => scene_instances(root, index)?,
@@ -28,13 +40,15 @@ pub(super) fn collect(root: &Root, store: &Store) -> Result<(Mesh, Vec<String>)>
     if scenes > 1 {
         notes.push(format!("only one of {scenes} scenes is read"));
     }
-    Ok((scene.mesh, notes))
+    Ok(Collected { mesh: scene.mesh, values: scene.values, notes })
 }
 
 struct Collector<'a, 's> {
     root: &'a Root,
     store: &'a Store<'s>,
+    attribute: Option<&'a str>,
     mesh: Mesh,
+    values: Vec<f64>,
     /// Vertices and indices read or asked for so far.
     read: usize,
     left_out: LeftOut,
@@ -116,6 +130,7 @@ impl Collector<'_, '_> {
             Some(&known) => known,
             None => {
                 let added = self.vertices(accessor, transform)?;
+                self.values_of(primitive, added.1)?;
                 *bases.entry(accessor).or_insert(added)
             }
         };
@@ -145,6 +160,23 @@ impl Collector<'_, '_> {
         }
         let range = u32::try_from(base).ok().zip(u32::try_from(positions.len()).ok());
         range.filter(|(base, count)| base.checked_add(*count).is_some()).ok_or_else(too_large)
+    }
+
+    /// Adds the values of the attribute asked for, if there is one, at the `count` vertices of a primitive.
+    fn values_of(&mut self, primitive: &Primitive, count: u32) -> Result<()> {
+        let Some(name) = self.attribute else { return Ok(()) };
+        let semantic = name.strip_prefix('_').map(|rest| Checked::Valid(Semantic::Extras(rest.into())));
+        let Some(accessor) = semantic.and_then(|semantic| primitive.attributes.get(&semantic)) else {
+            let cause = format!("a primitive has no attribute {}", quote(name.as_bytes()));
+            return Err(malformed(Place::Whole, cause, "use the name of an attribute of its own, like _SIZE"));
+        };
+        let values = self.store.scalars(accessor.value())?;
+        if values.len() != count as usize {
+            let cause = format!("{} values for {count} vertices", values.len());
+            return Err(wrong("accessor", accessor.value(), cause));
+        }
+        self.values.extend(values);
+        Ok(())
     }
 
     /// Counts `more` vertices or indices. A scene may be larger than its data, but not beyond all bounds.

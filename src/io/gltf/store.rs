@@ -61,6 +61,19 @@ impl<'a> Store<'a> {
         }
     }
 
+    /// The numbers of accessor `index`, one an element.
+    pub fn scalars(&self, index: usize) -> Result<Vec<f64>> {
+        let accessor = self.accessor(index)?;
+        let read = match (component(accessor), shape(accessor)) {
+            (Some(component), Some(Type::Scalar)) => reader(component, accessor.normalized),
+            _ => None,
+        };
+        let Some((size, read)) = read else {
+            return Err(wrong("accessor", index, "values are one float, byte or short each, these are not"));
+        };
+        self.decode(index, accessor, size, |b| read(b, 0))
+    }
+
     /// The numbers of accessor `index`, of which each is less than `vertices`.
     pub fn indices(&self, index: usize, vertices: usize) -> Result<Vec<u32>> {
         let accessor = self.accessor(index)?;

@@ -471,3 +471,26 @@ fn any_one_byte_changed_is_no_panic() {
         }
     }
 }
+
+#[test]
+fn attributes_of_vertices() {
+    let values: Vec<u8> = [0.5f32, 0.25, 2.0].iter().flat_map(|x| x.to_le_bytes()).collect();
+    let mut root = with_data(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &values);
+    let read = |root: &Value, name: &str| property(root.to_string().as_bytes(), &no_files, name);
+    let accessor = json!({ "bufferView": 1, "componentType": 5126, "count": 3, "type": "SCALAR" });
+    root["accessors"].as_array_mut().unwrap().push(accessor);
+    root["meshes"][0]["primitives"][0]["attributes"]["_SIZE"] = json!(1);
+    assert_eq!(read(&root, "_SIZE"), Ok(vec![0.5, 0.25, 2.0]));
+    assert_eq!(load(&root).unwrap().0.positions.len(), 3);
+    for missing in ["_WIDTH", "SIZE", ""] {
+        assert!(read(&root, missing).unwrap_err().to_string().contains("has no attribute"), "{missing}");
+    }
+    // A mesh that is used twice has its values twice.
+    root["scenes"] = json!([{ "nodes": [0, 1] }]);
+    root["nodes"] = json!([{ "mesh": 0 }, { "mesh": 0, "translation": [5.0, 0.0, 0.0] }]);
+    assert_eq!(read(&root, "_SIZE"), Ok(vec![0.5, 0.25, 2.0, 0.5, 0.25, 2.0]));
+    root["accessors"][1]["count"] = json!(2);
+    assert!(read(&root, "_SIZE").unwrap_err().to_string().contains("accessor 1: 2 values for 3 vertices"));
+    root["accessors"][1]["type"] = json!("VEC2");
+    assert!(read(&root, "_SIZE").unwrap_err().to_string().contains("accessor 1: values are one"));
+}

@@ -20,7 +20,7 @@ use crate::base::error::{Error, Place, Result};
 use crate::geom::polygon::triangulate;
 use crate::io::Parsed;
 use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed};
-use crate::io::text::small_faces;
+use crate::io::text::{quote, small_faces};
 use crate::surface::mesh::Mesh;
 use glam::DVec3;
 use header::{Element, Encoding, Header, Kind, Property, Scalar};
@@ -39,10 +39,44 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     }
 }
 
+/// The property `name` of all vertices of a PLY file, a number each.
+///
+/// # Errors
+/// `Error::Format` if the vertices have none, and with the line or byte of what is malformed.
+pub(crate) fn property(bytes: &[u8], name: &str) -> Result<Vec<f64>> {
+    let header = header::parse(bytes)?;
+    match header.encoding {
+        Encoding::Text => read_property(Text::new(&bytes[header.body..], header.line), &header, name),
+        Encoding::Little => read_property(Binary::<false>::new(bytes, header.body), &header, name),
+        Encoding::Big => read_property(Binary::<true>::new(bytes, header.body), &header, name),
+    }
+}
+
+fn read_property<S: Source>(mut source: S, header: &Header, name: &str) -> Result<Vec<f64>> {
+    for element in &header.elements {
+        if element.name == "vertex" {
+            let scalars = element.properties.iter().filter(|p| matches!(p.kind, Kind::Scalar(_)));
+            let names: Vec<&str> = scalars.map(|p| p.name.as_str()).collect();
+            if !names.contains(&name) {
+                let cause = format!("a vertex has no property {}", quote(name.as_bytes()));
+                return Err(element.error(cause, &format!("use one of {}", names.join(", "))));
+            }
+            let rows = read_columns(&mut source, element, [name], S::value)?;
+            return Ok(rows.into_iter().map(|[value]| value).collect());
+        }
+        skip_element(&mut source, element)?;
+    }
+    Err(no_vertices(header))
+}
+
+fn no_vertices(header: &Header) -> Error {
+    malformed(Place::Line(header.line - 1), "no element 'vertex' in the header", EXPORT_AGAIN)
+}
+
 /// Reads all elements. Faces that come before the vertices are skipped first and read at the end.
 fn read<S: Source>(mut source: S, header: &Header) -> Parsed {
     let Some(vertex) = header.elements.iter().position(|e| e.name == "vertex") else {
-        return Err(malformed(Place::Line(header.line - 1), "no element 'vertex' in the header", EXPORT_AGAIN));
+        return Err(no_vertices(header));
     };
     let mut faces = Faces { positions: Vec::new(), triangles: Vec::new(), small: 0 };
     let mut notes = Vec::new();
@@ -50,7 +84,8 @@ fn read<S: Source>(mut source: S, header: &Header) -> Parsed {
     for (i, element) in header.elements.iter().enumerate() {
         let surface = matches!(element.name.as_str(), "face" | "tristrips");
         if i == vertex {
-            faces.positions = read_positions(&mut source, element)?;
+            let rows = read_columns(&mut source, element, ["x", "y", "z"], coordinate)?;
+            faces.positions = rows.into_iter().map(DVec3::from_array).collect();
         } else if surface && i > vertex {
             faces.read(&mut source, element)?;
         } else {
@@ -125,30 +160,36 @@ fn skip_element<S: Source>(source: &mut S, element: &Element) -> Result<()> {
     Ok(())
 }
 
-fn read_positions<S: Source>(source: &mut S, element: &Element) -> Result<Vec<DVec3>> {
-    let plan = position_plan(element)?;
+/// The properties `names` of all rows of a table, each read by `value`; all others are skipped.
+fn read_columns<S: Source, const N: usize>(
+    source: &mut S,
+    element: &Element,
+    names: [&str; N],
+    value: impl Fn(&mut S, Scalar) -> Result<f64>,
+) -> Result<Vec<[f64; N]>> {
+    let plan = columns(element, names)?;
     let count = checked_count(source, element)?;
-    let mut positions = Vec::with_capacity(count);
+    let mut rows = Vec::with_capacity(count);
     for _ in 0..count {
-        let mut p = [0.0; 3];
-        for &(kind, axis) in &plan {
-            match (kind, axis) {
-                (Kind::Scalar(scalar), Some(axis)) => p[axis] = coordinate(source, scalar)?,
+        let mut row = [0.0; N];
+        for &(kind, column) in &plan {
+            match (kind, column) {
+                (Kind::Scalar(scalar), Some(column)) => row[column] = value(source, scalar)?,
                 _ => skip(source, kind)?,
             }
         }
-        positions.push(DVec3::from_array(p));
+        rows.push(row);
     }
-    Ok(positions)
+    Ok(rows)
 }
 
-/// Which of `x`, `y`, `z` each property of a vertex is.
-fn position_plan(element: &Element) -> Result<Vec<(Kind, Option<usize>)>> {
+/// Which of `names` each property of an element is.
+fn columns<const N: usize>(element: &Element, names: [&str; N]) -> Result<Vec<(Kind, Option<usize>)>> {
     let mut plan: Vec<_> = element.properties.iter().map(|p| (p.kind, None)).collect();
-    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+    for (column, name) in names.into_iter().enumerate() {
         let found = element.properties.iter().position(|p| p.name == name && matches!(p.kind, Kind::Scalar(_)));
         let i = found.ok_or_else(|| element.error(format!("a vertex has no property '{name}'"), EXPORT_AGAIN))?;
-        plan[i].1 = Some(axis);
+        plan[i].1 = Some(column);
     }
     Ok(plan)
 }

@@ -224,3 +224,16 @@ fn cut_anywhere() {
         assert!(parse(&bytes[..end]).is_err(), "{end}");
     }
 }
+
+#[test]
+fn properties_of_vertices() {
+    let text = "ply\nformat ascii 1.0\nelement before 1\nproperty int i\nelement vertex 3\nproperty float h\n\
+                property list uchar int l\nproperty float x\nproperty float y\nproperty float z\nproperty uchar n\n\
+                element face 1\nproperty list uchar int vertex_indices\nend_header\n\
+                9\n0.5 0 0 0 0 1\n0.25 1 7 1 0 0 2\n2 2 8 9 0 1 0 3\n3 0 1 2\n";
+    let read = |name| property(text.as_bytes(), name);
+    assert_eq!((read("h"), read("n")), (Ok(vec![0.5, 0.25, 2.0]), Ok(vec![1.0, 2.0, 3.0])));
+    let message = read("size").unwrap_err().to_string();
+    assert_eq!(message, ":5: a vertex has no property 'size'; use one of h, x, y, z, n");
+    assert!(read("l").is_err() && property(b"ply\nformat ascii 1.0\nend_header\n", "h").is_err());
+}
