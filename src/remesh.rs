@@ -5,6 +5,7 @@ use crate::base::progress::{Monitor, check};
 use crate::base::rng::{Stage, stream};
 use crate::optimize::angles::improve_angles;
 use crate::optimize::counts::meet_count;
+use crate::optimize::fit::fit;
 use crate::optimize::levels::{balance, coarsen, fix_all_but_bent, fix_tips, split_to};
 use crate::optimize::relax::{Flips, relax};
 use crate::optimize::untangle::untangle;
@@ -326,7 +327,9 @@ fn optimize(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn M
     relax(domain, mesh, spacing, Flips::KeepValence, 2 * ROUNDS, monitor)?;
     monitor.stage("improve angles");
     mesh.fixed.fill(false);
-    improve_angles(domain, mesh, spacing, monitor)
+    improve_angles(domain, mesh, spacing, monitor)?;
+    monitor.stage("fit");
+    fit(domain, mesh, spacing, monitor)
 }
 
 /// Sweeps of ascent in the places that no coarser mesh can follow, and those over the coarse mesh: irregular vertices

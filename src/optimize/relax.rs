@@ -72,15 +72,21 @@ fn flip(mesh: &mut Manifold, flips: Flips) {
 
 /// A damped Newton step down the energy of the triangles at `v`.
 fn way_down(mesh: &Manifold, v: u32, spacing: f64) -> DVec3 {
+    let (gradient, hessian) = pull(mesh, v, spacing);
+    let way = (-DAMPING / hessian * gradient).clamp_length_max(LONGEST_STEP * spacing);
+    mesh.along(v).map_or(way, |along| way.project_onto_normalized(along))
+}
+
+/// The gradient of the energy of the triangles at `v`, and the second derivative, in any direction along the surface,
+/// that it would have if they were equilateral.
+pub fn pull(mesh: &Manifold, v: u32, spacing: f64) -> (DVec3, f64) {
     let (mut gradient, mut count) = (DVec3::ZERO, 0.0);
     for h in mesh.connectivity.outgoing(v) {
         gradient += energy_gradient(mesh.connectivity.triangle(h).map(|v| mesh.position(v)), spacing);
         count += 1.0;
     }
     // The second derivative of an equilateral triangle: 4/3 of its shape, half as much of its size, in 1 / spacing².
-    let hessian = count * (4.0 / 3.0 + 2.0 / 3.0 * SIZE_WEIGHT) / (spacing * spacing);
-    let way = (-DAMPING / hessian * gradient).clamp_length_max(LONGEST_STEP * spacing);
-    mesh.along(v).map_or(way, |along| way.project_onto_normalized(along))
+    (gradient, count * (4.0 / 3.0 + 2.0 / 3.0 * SIZE_WEIGHT) / (spacing * spacing))
 }
 
 /// How the energy of a triangle changes with its first corner; not finite where it has no area.

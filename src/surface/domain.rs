@@ -121,6 +121,12 @@ impl Domain {
         if smooth.dot(own) >= 0.5 * own.length() { smooth } else { own.normalize_or_zero() }
     }
 
+    /// The unit normal at vertex `v`; zero where all its triangles are flat.
+    #[inline]
+    pub fn vertex_normal(&self, v: u32) -> DVec3 {
+        self.vertex_normals[v as usize]
+    }
+
     /// The point closest to `p` among those where the surface faces the way of `normal`, so that the other side of a
     /// thin place is not taken for this one. `near` is a triangle known to be close by, of the piece that is meant.
     pub fn project(&self, p: DVec3, normal: DVec3, near: u32) -> Sample {
