@@ -329,7 +329,7 @@ fn optimize(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn M
     mesh.fixed.fill(false);
     improve_angles(domain, mesh, spacing, monitor)?;
     monitor.stage("fit");
-    fit(domain, mesh, spacing, monitor)
+    fit(domain, mesh, spacing, None, monitor)
 }
 
 /// Sweeps of ascent in the places that no coarser mesh can follow, and those over the coarse mesh: irregular vertices

@@ -23,8 +23,8 @@
 //! in J. R. Rice, K. H. Usow, The Lawson algorithm and extensions, 1968, DOI 10.1090/S0025-5718-1968-0227663-1.
 //! Departures: the connectivity stays, and weights start anew in every round.
 //!
-//! No step takes a triangle out of the goal for angles and quality, or further out. Vertices on the boundary and on
-//! sharp edges stay.
+//! No step takes a triangle out of the goal for angles and quality, or further out, or a vertex far from the surface.
+//! Vertices on the boundary and on sharp edges stay.
 //!
 //! Cost: some ten microseconds a vertex, and a search for each vertex of the input.
 
@@ -45,6 +45,12 @@ use rayon::prelude::*;
 const PLAIN_ROUNDS: usize = 1;
 const DRAWN_ROUNDS: usize = 2;
 
+/// Further rounds where the distance has a limit.
+const LIMITED_ROUNDS: usize = 4;
+
+/// Share of the limit from which on points weigh more.
+const OF_LIMIT: f64 = 0.7;
+
 /// Steps of every vertex in a round.
 const SWEEPS: usize = 3;
 
@@ -61,6 +67,12 @@ const LONGEST_STEP: f64 = 0.2;
 /// Shortest step in spacings: a tenth of the distance that is left in the end.
 const SHORTEST_STEP: f64 = 0.001;
 
+/// How far from the surface a vertex may be, in spacings.
+const FARTHEST: f64 = 0.1;
+
+/// How far from the surface, in spacings, a walk over it is believed to have found the closest point.
+const REACH: f64 = 0.3;
+
 /// How often a step that would spoil a triangle is halved before the vertex stays.
 const HALVINGS: usize = 3;
 
@@ -70,10 +82,10 @@ const LEAST_FACING: f64 = 0.3;
 /// Vertices that one task moves, or triangles or points that it looks at.
 const CHUNK: usize = 64;
 
-/// Distances, in roots of the mean square, from which on points weigh more, and from which on vertices of the input are
-/// watched.
+/// Distance, in roots of the mean square, from which on points weigh more, and the share of it from which on vertices of
+/// the input are watched.
 const FAR: f64 = 5.5;
-const WATCHED: f64 = 3.0;
+const WATCHED: f64 = 0.55;
 
 /// How much more a point weighs for each mean square farther. With six times as much the root of the mean square rose
 /// by a tenth, and ridges were overshot.
@@ -96,28 +108,57 @@ const POINTS: [([f64; 3], f64); 6] = {
     ]
 };
 
-/// Moves the vertices to where the triangles fit the surface. `spacing` is the mean edge length.
-pub fn fit(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
+/// Moves the vertices to where the triangles fit the surface. `spacing` is the mean edge length; what is farther from
+/// the other surface than `limit`, an absolute length, is drawn in as far as it can be.
+pub fn fit(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    spacing: f64,
+    limit: Option<f64>,
+    monitor: &dyn Monitor,
+) -> Result<()> {
     let classes = mesh.colour_classes();
     let mut targets = Targets::new(mesh);
-    let mut watched: Option<Vec<u32>> = None;
-    for round in 0..PLAIN_ROUNDS + DRAWN_ROUNDS {
+    let mut watched: Vec<u32> = (0..domain.mesh.positions.len() as u32).collect();
+    let drawn_rounds = DRAWN_ROUNDS + limit.map_or(0, |_| LIMITED_ROUNDS);
+    for round in 0..PLAIN_ROUNDS + drawn_rounds {
         check(monitor)?;
-        targets.find(domain, mesh);
+        targets.find(domain, mesh, spacing);
         if round >= PLAIN_ROUNDS {
-            let mean_square = targets.mean_square(mesh);
-            let all = || (0..domain.mesh.positions.len() as u32).collect();
-            let vertices = watched.take().unwrap_or_else(all);
-            let longest = spacing * spacing;
-            let far = vertices_beyond(WATCHED * WATCHED * mean_square..longest, domain, mesh, &vertices);
-            watched = Some(far.iter().map(|f| f.0).collect());
-            targets.weigh(mesh, mean_square, far);
+            let scale = Scale::new(targets.mean_square(mesh), limit);
+            let far = vertices_beyond(scale.watched()..spacing * spacing, domain, mesh, &watched);
+            watched = far.iter().map(|f| f.0).collect();
+            targets.weigh(mesh, &scale, far);
         }
         for _ in 0..SWEEPS {
             classes.iter().for_each(|class| move_all(mesh, class, &targets, spacing));
         }
     }
     Ok(())
+}
+
+/// What is far.
+struct Scale {
+    mean_square: f64,
+    /// The squared distance from which on points weigh more.
+    far: f64,
+}
+
+impl Scale {
+    fn new(mean_square: f64, limit: Option<f64>) -> Scale {
+        let limit = limit.map_or(f64::INFINITY, |limit| OF_LIMIT * limit);
+        Scale { mean_square, far: (FAR * FAR * mean_square).min(limit * limit) }
+    }
+
+    /// The squared distance from which on vertices of the input are watched.
+    fn watched(&self) -> f64 {
+        WATCHED * WATCHED * self.far
+    }
+
+    /// The factor of the weight of a point at this distance: zero for those that are not far.
+    fn excess(&self, distance: f64) -> f64 {
+        GAIN * ((distance * distance - self.far) / self.mean_square).max(0.0)
+    }
 }
 
 /// A plane that a point of a triangle is drawn to.
@@ -141,11 +182,6 @@ impl Target {
     fn residual(&self, x: [DVec3; 3]) -> f64 {
         self.normal.dot(point(x, self.at)) - self.offset
     }
-
-    /// The factor of the weight of a point that is far: zero within [`FAR`] roots of the mean square.
-    fn excess(&self, x: [DVec3; 3], mean_square: f64) -> f64 {
-        GAIN * (self.residual(x).powi(2) / mean_square - FAR * FAR).max(0.0)
-    }
 }
 
 #[inline]
@@ -159,12 +195,14 @@ struct Targets {
     own: Vec<[Target; POINTS.len()]>,
     /// Those of far vertices of the input, each with its triangle, by increasing triangles.
     far: Vec<(u32, Target)>,
+    /// For each vertex that moves, how far along its normal the surface is from the origin.
+    heights: Vec<f64>,
 }
 
 impl Targets {
     fn new(mesh: &Manifold) -> Targets {
         let count = mesh.connectivity.half_edge_bound() as usize / 3;
-        Targets { own: vec![[Target::NONE; POINTS.len()]; count], far: Vec::new() }
+        Targets { own: vec![[Target::NONE; POINTS.len()]; count], far: Vec::new(), heights: Vec::new() }
     }
 
     /// Those of triangle `t`.
@@ -174,11 +212,21 @@ impl Targets {
         self.own[t as usize].iter().chain(far.map(|f| &f.1))
     }
 
-    /// Looks for the planes anew, from where they were.
-    fn find(&mut self, domain: &Domain, mesh: &Manifold) {
+    /// Looks for the planes anew, from where they were; the vertices take the normals of where they are.
+    fn find(&mut self, domain: &Domain, mesh: &mut Manifold, spacing: f64) {
+        let reach = REACH * spacing;
+        let settle = |v: usize| {
+            let here = mesh.samples[v];
+            let moves = mesh.connectivity.has_vertex(v as u32) && mesh.connectivity.curve_at(v as u32) == NONE;
+            let foot = if moves { domain.settle(&here, reach) } else { here };
+            (Sample { position: here.position, ..foot }, foot.normal.dot(foot.position))
+        };
+        let feet = (0..mesh.samples.len()).into_par_iter().with_min_len(CHUNK).map(settle);
+        let (samples, heights) = feet.unzip();
+        (mesh.samples, self.heights) = (samples, heights);
         let triangles = self.own.par_iter_mut().enumerate().with_min_len(CHUNK).map(|(t, own)| (t as u32, own));
         let there = triangles.filter(|(t, _)| mesh.connectivity.has_half_edge(3 * t));
-        there.for_each(|(t, own)| find_planes(domain, mesh, t, own));
+        there.for_each(|(t, own)| find_planes(domain, mesh, t, own, reach));
     }
 
     /// The mean of the squared distances of the triangles' own points to their planes.
@@ -193,14 +241,14 @@ impl Targets {
     }
 
     /// Gives weight to what is far: to points of triangles, and to the vertices of the input in `far`.
-    fn weigh(&mut self, mesh: &Manifold, mean_square: f64, far: Vec<Far>) {
+    fn weigh(&mut self, mesh: &Manifold, scale: &Scale, far: Vec<Far>) {
         for (own, t) in self.own.iter_mut().zip(0..).filter(|(own, _)| own[0].weight > 0.0) {
             let x = corners(mesh, t);
-            own.iter_mut().for_each(|target| target.weight *= 1.0 + target.excess(x, mean_square));
+            own.iter_mut().for_each(|target| target.weight *= 1.0 + scale.excess(target.residual(x)));
         }
         self.far.clear();
         for Far(_, t, target) in far {
-            let weight = WEIGHT_OF_VERTEX * target.excess(corners(mesh, t), mean_square);
+            let weight = WEIGHT_OF_VERTEX * scale.excess(target.residual(corners(mesh, t)));
             if weight > 0.0 {
                 self.far.push((t, Target { weight, ..target }));
             }
@@ -215,21 +263,20 @@ fn corners(mesh: &Manifold, t: u32) -> [DVec3; 3] {
 }
 
 /// The planes of the points of triangle `t`; none if all its corners stay where they are.
-fn find_planes(domain: &Domain, mesh: &Manifold, t: u32, own: &mut [Target; POINTS.len()]) {
+fn find_planes(domain: &Domain, mesh: &Manifold, t: u32, own: &mut [Target; POINTS.len()], reach: f64) {
     let numbers = mesh.connectivity.triangle(3 * t);
     // A corner on no curve knows the patch.
     let Some(v) = numbers.into_iter().find(|&v| mesh.connectivity.curve_at(v) == NONE) else {
         return;
     };
-    let (x, here) = (corners(mesh, t), mesh.samples[v as usize]);
+    let x = corners(mesh, t);
     let normal = (x[1] - x[0]).cross(x[2] - x[0]);
-    let mut triangle = here.triangle;
+    let mut triangle = mesh.samples[v as usize].triangle;
     for (target, (at, weight)) in own.iter_mut().zip(POINTS) {
         if target.foot != NONE {
             triangle = target.foot;
         }
-        let from = Sample { position: here.position, normal, triangle };
-        let foot = domain.follow(&from, point(x, at) - here.position);
+        let foot = domain.settle(&Sample { position: point(x, at), normal, triangle }, reach);
         triangle = foot.triangle;
         *target = Target { at, normal: foot.normal, offset: foot.normal.dot(foot.position), weight, foot: triangle };
     }
@@ -273,6 +320,9 @@ fn step(mesh: &Manifold, targets: &Targets, v: u32, spacing: f64) -> Sample {
         return here;
     }
     let mut way = newton_step(mesh, targets, v, spacing).clamp_length_max(LONGEST_STEP * spacing);
+    let height = here.normal.dot(here.position + way) - targets.heights[v as usize];
+    let farthest = FARTHEST * spacing;
+    way += (height.clamp(-farthest, farthest) - height) * here.normal;
     if way.length() <= SHORTEST_STEP * spacing || !way.is_finite() {
         return here;
     }

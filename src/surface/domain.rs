@@ -144,14 +144,19 @@ impl Domain {
     ///
     /// Where the walk cannot vouch for its end, as in a fold narrower than the step, [`Self::project`] searches instead.
     pub fn follow(&self, from: &Sample, way: DVec3) -> Sample {
-        let p = from.position + way;
-        let most = WALKED_OF_STEP * WALKED_OF_STEP * way.length_squared();
+        self.settle(&Sample { position: from.position + way, ..*from }, WALKED_OF_STEP * way.length())
+    }
+
+    /// The point of the surface closest to that of `off`, which lies off it, among those around: found by walking from
+    /// its triangle, or by [`Self::project`] if the walk ends farther away than `reach`.
+    pub fn settle(&self, off: &Sample, reach: f64) -> Sample {
         let agrees = |foot: &Foot| {
-            foot.distance_squared <= most && self.mesh.area_vector(foot.triangle as usize).dot(from.normal) > 0.0
+            foot.distance_squared <= reach * reach
+                && self.mesh.area_vector(foot.triangle as usize).dot(off.normal) > 0.0
         };
-        match self.walk(p, from.triangle).filter(agrees) {
+        match self.walk(off.position, off.triangle).filter(agrees) {
             Some(foot) => self.sample(foot.triangle, foot.weights),
-            None => self.project(p, from.normal, from.triangle),
+            None => self.project(off.position, off.normal, off.triangle),
         }
     }
 
