@@ -10,7 +10,7 @@ mod table;
 
 use crate::quality::distance::{Distance, REPORT_SAMPLES, distance};
 use crate::quality::shape::{Shape, shape};
-use crate::remesh::Remeshed;
+use crate::remesh::{Deviation, Remeshed};
 use crate::surface::crossings::crossing_faces;
 use crate::surface::mesh::Mesh;
 use crate::surface::repair::Repairs;
@@ -29,7 +29,8 @@ pub struct Report {
     /// Version of the tool that made the report.
     pub version: String,
     /// Whether the output is an oriented manifold of the repaired input's Euler characteristic, components and boundary
-    /// loops, without faces that cross each other unless the input has some; `None` for a mesh that was measured only.
+    /// loops, without faces that cross each other unless the input has some, and within the error asked for; `None` for a
+    /// mesh that was measured only.
     pub verified: Option<bool>,
     /// The input as it was read; for a mesh that was measured only, what it was measured against.
     pub input: Option<Measured>,
@@ -43,6 +44,8 @@ pub struct Report {
     pub crossings: Crossings,
     /// Distances between output and input, in percent of the diagonal of the input's bounding box.
     pub distance: Option<Distance>,
+    /// How far the output is from the repaired input, and may be; `None` if no bound was asked for.
+    pub deviation: Option<Deviation>,
     /// How the output was sampled.
     pub sampling: Option<Sampling>,
     /// Things a user should know, a sentence each.
@@ -138,6 +141,7 @@ impl Report {
             repaired: Some(remeshed.repaired),
             crossings: Crossings::of(remeshed),
             distance: distance(&remeshed.mesh, input.mesh, REPORT_SAMPLES, seed),
+            deviation: remeshed.deviation,
             sampling: Some(Sampling { wanted, sigma_p, spacing, sharp_curves, tessellated_pieces, seed }),
             notes: remeshed.notes.clone(),
             ..Report::of_output(Measured {
@@ -169,6 +173,7 @@ impl Report {
             output,
             crossings: Crossings::default(),
             distance: None,
+            deviation: None,
             sampling: None,
             notes: Vec::new(),
             stages: Vec::new(),
@@ -187,7 +192,7 @@ impl Report {
     /// Why the output is not what the input asked for, a phrase each; empty for a verified result and for a mesh that
     /// was measured only.
     pub fn shortcomings(&self) -> Vec<String> {
-        let against = |wanted| shortcomings(&self.output.topology, wanted, &self.crossings);
+        let against = |wanted| shortcomings(&self.output.topology, wanted, &self.crossings, self.deviation.as_ref());
         self.repaired.as_ref().map_or_else(Vec::new, against)
     }
 
@@ -204,8 +209,14 @@ impl Report {
 }
 
 /// What keeps a result from being an oriented manifold of the wanted Euler characteristic, components and boundary
-/// loops without crossing faces that the input does not have, a phrase each; empty if it is one.
-pub fn shortcomings(found: &Topology, wanted: &Topology, crossings: &Crossings) -> Vec<String> {
+/// loops, without crossing faces that the input does not have and within the error asked for, a phrase each; empty if it
+/// is one.
+pub fn shortcomings(
+    found: &Topology,
+    wanted: &Topology,
+    crossings: &Crossings,
+    deviation: Option<&Deviation>,
+) -> Vec<String> {
     let new_crossings = if crossings.repaired == Some(0) { crossings.faces.len() } else { 0 };
     let faults = [
         (found.nonmanifold_edges, "edges with more than two faces"),
@@ -220,7 +231,10 @@ pub fn shortcomings(found: &Topology, wanted: &Topology, crossings: &Crossings) 
     ];
     let faults = faults.iter().filter(|f| f.0 > 0).map(|(count, what)| format!("{count} {what}"));
     let differences = differences.iter().filter(|(_, found, wanted)| found != wanted);
-    faults.chain(differences.map(|(what, found, wanted)| format!("{what} {found} and not {wanted}"))).collect()
+    let differences = differences.map(|(what, found, wanted)| format!("{what} {found} and not {wanted}"));
+    let far = deviation.filter(|d| !d.is_allowed());
+    let far = far.map(|d| format!("up to {:.4e} from the input and not {:.4e}", d.reached, d.allowed));
+    faults.chain(differences).chain(far).collect()
 }
 
 #[cfg(test)]

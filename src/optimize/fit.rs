@@ -68,7 +68,7 @@ const LONGEST_STEP: f64 = 0.2;
 const SHORTEST_STEP: f64 = 0.001;
 
 /// How far from the surface a vertex may be, in spacings.
-const FARTHEST: f64 = 0.1;
+const FARTHEST: f64 = 0.15;
 
 /// How far from the surface, in spacings, a walk over it is believed to have found the closest point.
 const REACH: f64 = 0.3;
