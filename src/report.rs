@@ -265,6 +265,7 @@ mod tests {
             sigma_p: 0.123_456,
             spacing: 0.5,
             wanted: 4,
+            deviation: Some(Deviation { allowed: 1.0, reached: 0.5, place: [0.0; 3] }),
             sharp_curves: 0,
             tessellated_pieces: 0,
             crossing_faces: vec![],
@@ -346,7 +347,7 @@ mod tests {
     #[test]
     fn faces_that_cross_where_those_of_the_input_do_not_are_a_shortcoming() {
         let wanted = topology(4, &tetrahedron().triangles);
-        let with = |repaired| shortcomings(&wanted, &wanted, &Crossings { faces: vec![3, 5], repaired });
+        let with = |repaired| shortcomings(&wanted, &wanted, &Crossings { faces: vec![3, 5], repaired }, None);
         assert_eq!(with(Some(0)), ["2 faces that cross or touch each other"]);
         assert_eq!((with(Some(7)), with(None)), (vec![], vec![]));
     }

@@ -401,3 +401,123 @@ fn keeps_shape(mesh: &Manifold, v: u32, p: DVec3) -> bool {
     let margin = least_margin(mesh, v, p);
     margin >= 0.0 || margin >= least_margin(mesh, v, mesh.position(v))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+
+    /// An icosahedron whose faces are split in four `levels` times, blown up to a unit ball.
+    fn ball(levels: u32) -> Mesh {
+        let g = 0.5 + 1.25f64.sqrt();
+        let rectangle = [(1.0, g), (-1.0, g), (1.0, -g), (-1.0, -g)];
+        let corners = rectangle.map(|(a, b)| [DVec3::new(0.0, a, b), DVec3::new(a, b, 0.0), DVec3::new(b, 0.0, a)]);
+        let mut positions: Vec<DVec3> = corners.into_iter().flatten().map(DVec3::normalize).collect();
+        let near = |a: usize, b: usize| positions[a].distance(positions[b]) < 1.1;
+        let triples = (0..12).flat_map(|a| (0..12).flat_map(move |b| (0..12).map(move |c| [a, b, c])));
+        let outside = |[a, b, c]: [usize; 3]| positions[a].cross(positions[b]).dot(positions[c]) > 0.0;
+        let faces = triples.filter(|&t| t[0] < t[1] && t[0] < t[2] && outside(t));
+        let faces = faces.filter(|&[a, b, c]| near(a, b) && near(b, c) && near(c, a));
+        let mut triangles: Vec<[u32; 3]> = faces.map(|t| t.map(|v| v as u32)).collect();
+        for _ in 0..levels {
+            let mut middles = BTreeMap::new();
+            let mut middle = |a: u32, b: u32| {
+                *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                    positions.push((positions[a as usize] + positions[b as usize]).normalize());
+                    positions.len() as u32 - 1
+                })
+            };
+            let split = |[a, b, c]: [u32; 3]| {
+                let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
+                [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+            };
+            triangles = triangles.into_iter().flat_map(split).collect();
+        }
+        Mesh { positions, triangles }
+    }
+
+    /// A sheet of `n` by `n` squares, each two triangles, with a bump.
+    fn bump(n: u32) -> Mesh {
+        let place = |i: u32| f64::from(i) / f64::from(n);
+        let height = |x: f64, y: f64| 0.3 * (-20.0 * ((x - 0.5).powi(2) + (y - 0.5).powi(2))).exp();
+        let at = |i: u32, j: u32| i * (n + 1) + j;
+        let squares = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+        let corners = (0..=n).flat_map(|i| (0..=n).map(move |j| (place(i), place(j))));
+        Mesh {
+            positions: corners.map(|(x, y)| DVec3::new(x, y, height(x, y))).collect(),
+            triangles: squares
+                .flat_map(|(i, j)| {
+                    let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+                    [[a, b, c], [a, c, d]]
+                })
+                .collect(),
+        }
+    }
+
+    /// A manifold whose vertices are those of `mesh`, put on the domain.
+    fn on(domain: &Domain, mesh: &Mesh) -> Manifold {
+        let samples = mesh.positions.iter().map(|&p| domain.project_anywhere(p)).collect();
+        let mut manifold = Manifold::new(samples, &mesh.triangles);
+        manifold.hold_boundary();
+        manifold
+    }
+
+    /// Root of the mean squared distance of points of the triangles to the domain.
+    fn rms(domain: &Domain, mesh: &Manifold) -> f64 {
+        let squares = mesh.half_edges().filter(|h| h % 3 == 0).flat_map(|h| {
+            let x = corners(mesh, h / 3);
+            POINTS.map(|(at, weight)| {
+                weight * domain.project_anywhere(point(x, at)).position.distance_squared(point(x, at))
+            })
+        });
+        (squares.sum::<f64>() / (mesh.connectivity.half_edge_bound() / 3) as f64).sqrt()
+    }
+
+    fn volume(mesh: &Mesh) -> f64 {
+        (0..mesh.triangles.len()).map(|t| mesh.corners(t)).map(|[a, b, c]| a.cross(b).dot(c) / 6.0).sum()
+    }
+
+    fn margins(mesh: &Manifold) -> Vec<f64> {
+        (0..mesh.connectivity.vertex_bound()).map(|v| least_margin(mesh, v, mesh.position(v))).collect()
+    }
+
+    #[test]
+    fn a_ball_is_fitted_with_half_the_error_and_its_volume() {
+        let fine = ball(5);
+        let domain = Domain::new(fine.clone());
+        let mut mesh = on(&domain, &ball(2));
+        let (before, lost) = (rms(&domain, &mesh), volume(&fine) - volume(&mesh.to_mesh()));
+        fit(&domain, &mut mesh, 0.31, None, &()).unwrap();
+        let (after, left) = (rms(&domain, &mesh), volume(&fine) - volume(&mesh.to_mesh()));
+        assert!(after < 0.5 * before, "{before} {after}");
+        assert!(left.abs() < 0.1 * lost, "{lost} {left}");
+    }
+
+    #[test]
+    fn no_triangle_leaves_the_goal_and_the_boundary_stays() {
+        let domain = Domain::new(bump(60));
+        let mut mesh = on(&domain, &bump(10));
+        let start = mesh.clone();
+        fit(&domain, &mut mesh, 0.11, None, &()).unwrap();
+        assert!(rms(&domain, &mesh) < 0.8 * rms(&domain, &start));
+        let worst = |mesh: &Manifold| margins(mesh).into_iter().fold(0.0, f64::min);
+        assert!(worst(&mesh) >= worst(&start));
+        let c = &mesh.connectivity;
+        let (held, free): (Vec<u32>, Vec<u32>) = (0..c.vertex_bound()).partition(|&v| c.is_boundary(v));
+        assert!(held.iter().all(|&v| mesh.position(v) == start.position(v)));
+        assert!(free.iter().filter(|&&v| mesh.position(v) != start.position(v)).count() > free.len() / 2);
+    }
+
+    #[test]
+    fn the_same_bits_with_any_number_of_threads() {
+        let domain = Domain::new(ball(4));
+        let start = on(&domain, &ball(2));
+        let with = |threads| {
+            let mut mesh = start.clone();
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| fit(&domain, &mut mesh, 0.31, Some(0.02), &())).unwrap();
+            mesh.samples
+        };
+        assert!(with(1) == with(8));
+    }
+}
