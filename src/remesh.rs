@@ -188,7 +188,8 @@ pub struct Deviation {
     /// How far it may be, in the units of the input.
     pub allowed: f64,
     /// No point of the result is farther from the repaired input, and none of that from the result, but for rounding: an
-    /// upper bound, mostly within a twentieth of the Hausdorff distance, in the units of the input.
+    /// upper bound, mostly within a tenth of the Hausdorff distance or a quarter of `allowed`, in the units of the
+    /// input.
     pub reached: f64,
     /// A point that is about as far: x, y and z.
     pub place: [f64; 3],
@@ -226,6 +227,9 @@ const CANDIDATES_PER_POINT: usize = 20;
 
 /// Samples of the boundary for each wanted point: a narrow band has two, a heap of needles might have thousands.
 const MOST_ON_CURVES: f64 = 4.0;
+
+/// Share of the error that is allowed below which it does not matter how small it is.
+const OF_INTEREST: f64 = 0.25;
 
 /// Longest edge of the domain in mean spacings, for the sake of the walks over it.
 const LONGEST_EDGE: f64 = 2.0;
@@ -321,7 +325,7 @@ fn remesh_once(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result
     let mesh = made.mesh.to_mesh();
     let deviation = allowed.and_then(|allowed| {
         monitor.stage("bound");
-        let Bounds { upper, place, .. } = hausdorff_bounds(&mesh, &domain.mesh)?;
+        let Bounds { upper, place, .. } = hausdorff_bounds(&mesh, &domain.mesh, OF_INTEREST * allowed / unit.size)?;
         Some(Deviation { allowed, reached: unit.size * upper, place: unit.outwards_point(place).to_array() })
     });
     let mesh = unit.outwards(mesh);
