@@ -119,5 +119,5 @@ pub mod triangulate;
 
 pub use base::error::{Error, Place, Result};
 pub use base::progress::{Monitor, Stopwatch};
-pub use remesh::{Density, Options, Remeshed, remesh};
+pub use remesh::{Density, Deviation, MaxError, Options, Remeshed, remesh};
 pub use surface::mesh::Mesh;

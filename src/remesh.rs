@@ -5,10 +5,12 @@ use crate::base::progress::{Monitor, check};
 use crate::base::rng::{Stage, stream};
 use crate::optimize::angles::improve_angles;
 use crate::optimize::counts::meet_count;
+use crate::optimize::fit::fit;
 use crate::optimize::levels::{balance, coarsen, fix_all_but_bent, fix_all_but_narrow, fix_tips, narrow, split_to};
 use crate::optimize::relax::{Flips, relax};
 use crate::optimize::untangle::untangle;
 use crate::optimize::valence::{remove_defects, remove_near_defects};
+use crate::quality::bound::{Bounds, hausdorff_bounds};
 use crate::spectral::ascent::{Climb, LONG_STEP, PAPER_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA, ascend};
 use crate::spectral::candidates::candidates;
 use crate::spectral::curves::sample_curves;
@@ -26,8 +28,9 @@ use crate::surface::topology::{Topology, topology};
 use crate::triangulate::glue::{Seams, glue};
 use crate::triangulate::{Boundary, triangulate};
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
-/// How dense the result shall be. One of them says it all: with the area they follow from each other.
+/// How dense the result shall be. Each says it all.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Density {
     /// The number of vertices of the result.
@@ -38,6 +41,26 @@ pub enum Density {
     SigmaP(f64),
     /// As many vertices as the lengths of [`Options::sizing`] ask for.
     OfSizing,
+    /// As many vertices as [`Options::max_error`] needs, and hardly more: see [`remesh`].
+    Auto,
+}
+
+/// How far the result may be from the input.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum MaxError {
+    /// A length, in the units of the input.
+    Length(f64),
+    /// A share of the diagonal of the input's bounding box: 0.001 is a tenth of a per cent.
+    OfDiagonal(f64),
+}
+
+impl MaxError {
+    fn length(self, diagonal: f64) -> f64 {
+        match self {
+            MaxError::Length(length) => length,
+            MaxError::OfDiagonal(share) => share * diagonal,
+        }
+    }
 }
 
 /// What to make of a mesh.
@@ -58,6 +81,9 @@ pub struct Options {
     /// The edge length wanted at each vertex of the input, in its units; with a density other than [`Density::OfSizing`]
     /// all are scaled by one factor to meet that. Default: `None`, lengths are even or as `adapt` says.
     pub sizing: Option<Vec<f64>>,
+    /// How far any point of the result may be from the repaired input, and any point of that from the result. Default:
+    /// `None`, as near as the vertices allow on average.
+    pub max_error: Option<MaxError>,
     /// Whether the triangles are optimised after sampling. Default: true. Without, the vertices are where the paper's
     /// gradient ascent leaves them: blue noise.
     pub optimize: bool,
@@ -75,6 +101,7 @@ impl Default for Options {
             features: Features::Automatic,
             adapt: 0.0,
             sizing: None,
+            max_error: None,
             optimize: true,
             sweeps: 10,
         }
@@ -117,6 +144,11 @@ impl Options {
             return Err(Error::Option { option: "adapt", cause, remedy: "leave out adapt or sizing".into() });
         }
         self.sizing.as_deref().map_or(Ok(()), check_lengths)?;
+        match self.max_error {
+            Some(MaxError::Length(l)) => length("max-error", l)?,
+            Some(MaxError::OfDiagonal(share)) => length("max-error", share)?,
+            None => {}
+        }
         match self.density {
             Density::OfSizing if self.sizing.is_none() => Err(Error::Option {
                 option: "sizing",
@@ -127,6 +159,12 @@ impl Options {
             Density::Points(n) => check_count("points", n, format!("{n} vertices are asked for")),
             Density::EdgeLength(l) => length("edge-length", l),
             Density::SigmaP(s) => length("sigma-p", s),
+            Density::Auto if self.max_error.is_none() => Err(Error::Option {
+                option: "points",
+                cause: "nothing says how many are needed".into(),
+                remedy: "give a max-error, or a number of points".into(),
+            }),
+            Density::Auto => Ok(()),
         }
     }
 }
@@ -187,15 +225,38 @@ pub struct Remeshed {
     pub crossing_faces: Vec<u32>,
     /// How many faces of the repaired input do; `None` where the result has none, since then nobody needs to know.
     pub crossing_faces_of_input: Option<usize>,
+    /// How far the result is from the repaired input; `None` if no bound was asked for.
+    pub deviation: Option<Deviation>,
     /// Things a user should know, a sentence each.
     pub notes: Vec<String>,
 }
 
+/// How far a result is from what it was made of, and may be.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Deviation {
+    /// How far it may be, in the units of the input.
+    pub allowed: f64,
+    /// No point of the result is farther from the repaired input, and none of that from the result, but for rounding: an
+    /// upper bound, mostly within a tenth of the Hausdorff distance or a quarter of `allowed`, in the units of the
+    /// input.
+    pub reached: f64,
+    /// A point that is about as far: x, y and z.
+    pub place: [f64; 3],
+}
+
+impl Deviation {
+    /// Whether the result is as near as it has to be.
+    pub fn is_allowed(&self) -> bool {
+        self.reached <= self.allowed
+    }
+}
+
 impl Remeshed {
-    /// Whether the result is what it should be: of the topology of the repaired input, and without faces that cross each
-    /// other, unless the input has some, too.
+    /// Whether the result is what it should be: of the topology of the repaired input, without faces that cross each
+    /// other, unless the input has some, too, and as near to the input as was asked for.
     pub fn verified(&self) -> bool {
-        self.has_topology() && (self.crossing_faces.is_empty() || self.crossing_faces_of_input != Some(0))
+        let crosses = !self.crossing_faces.is_empty() && self.crossing_faces_of_input == Some(0);
+        self.has_topology() && !crosses && self.deviation.is_none_or(|d| d.is_allowed())
     }
 
     /// Whether the result is an oriented manifold of the repaired input's Euler characteristic, components and
@@ -216,6 +277,9 @@ const CANDIDATES_PER_POINT: usize = 20;
 /// Samples of the boundary for each wanted point: a narrow band has two, a heap of needles might have thousands.
 const MOST_ON_CURVES: f64 = 4.0;
 
+/// Share of the error that is allowed below which it does not matter how small it is.
+const OF_INTEREST: f64 = 0.25;
+
 /// Longest edge of the domain in mean spacings, for the sake of the walks over it.
 const LONGEST_EDGE: f64 = 2.0;
 
@@ -223,11 +287,58 @@ const LONGEST_EDGE: f64 = 2.0;
 ///
 /// An input that is not an oriented manifold is made one first; [`Remeshed::repairs`] says what that took.
 ///
+/// With [`Density::Auto`] the input is remeshed several times. The error falls about as one over the number of vertices,
+/// so the next number follows from the last error, between the largest one that did not do and the smallest one that
+/// did. The result is the latter, once both are within a tenth of each other.
+///
 /// # Errors
 /// [`Error::Mesh`] for an input without triangles or without area, or with bad numbers; [`Error::Option`] for options
 /// out of range; [`Error::Cancelled`] if the monitor asks for it.
 pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<Remeshed> {
     options.validate()?;
+    match options.density {
+        Density::Auto => with_fewest_points(input, options, monitor),
+        _ => remesh_once(input, options, monitor),
+    }
+}
+
+/// The vertices that the search for as few as needed begins with, the tries that it takes at most, and the factor
+/// between two numbers at which it ends.
+const FIRST_POINTS: usize = 2_000;
+const MOST_TRIES: usize = 8;
+const NEAR_ENOUGH: f64 = 1.1;
+
+/// Most that the number of vertices changes by from one try to the next: a single far place says little about others.
+const LARGEST_CHANGE: f64 = 8.0;
+
+/// The result of the fewest vertices that keep to the error asked for, of those that were tried; if none did, the last.
+fn with_fewest_points(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<Remeshed> {
+    let (mut too_few, mut enough) = (FEWEST_POINTS as f64, MOST_POINTS as f64);
+    let (mut best, mut last) = (None, None);
+    let mut n = FIRST_POINTS as f64;
+    for _ in 0..MOST_TRIES {
+        let density = Density::Points(n.round() as usize);
+        let made = remesh_once(input, &Options { density, ..options.clone() }, monitor)?;
+        let ratio = made.deviation.map_or(1.0, |d| d.reached / d.allowed);
+        if ratio <= 1.0 {
+            enough = n;
+            best = Some(made);
+        } else {
+            too_few = n;
+            last = Some(made);
+        }
+        if enough <= NEAR_ENOUGH * too_few || n == enough && n <= NEAR_ENOUGH * FEWEST_POINTS as f64 {
+            break;
+        }
+        let wanted = n * ratio.clamp(1.0 / LARGEST_CHANGE, LARGEST_CHANGE);
+        // Well inside of what is left, so that each try narrows it down.
+        let step = (enough / too_few).powf(0.2).min(NEAR_ENOUGH);
+        n = wanted.clamp(step * too_few, enough / step);
+    }
+    Ok(best.or(last).expect("at least one try was made"))
+}
+
+fn remesh_once(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<Remeshed> {
     monitor.stage("repair");
     refuse_bad_numbers(input)?;
     options.sizing.as_deref().map_or(Ok(()), |lengths| check_field(input, lengths))?;
@@ -243,6 +354,7 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
     let repaired = if untouched { input_topology } else { topology(clean.positions.len(), &clean.triangles) };
     let field = options.sizing.as_deref().map(|lengths| Field::new(lengths, input, &unit));
     let mut scale = Scale::new(options.density, field.as_ref(), &clean, &unit)?;
+    let allowed = options.max_error.map(|e| e.length(unit.size * clean.diagonal()));
     check(monitor)?;
 
     monitor.stage("sample");
@@ -256,7 +368,7 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
     }
     let (domain, mut made) = sample_and_triangulate(domain, &scale, &repaired, options, monitor)?;
     if options.optimize {
-        optimize(&domain, &mut made.mesh, &scale, monitor)?;
+        optimize(&domain, &mut made.mesh, &scale, allowed.map(|a| a / unit.size), monitor)?;
     } else {
         meet_count(&domain, &mut made.mesh, scale.wanted);
         monitor.stage("ascend");
@@ -266,7 +378,13 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
 
     monitor.stage("untangle");
     untangle(&domain, &mut made.mesh, monitor)?;
-    let mesh = unit.outwards(made.mesh.to_mesh());
+    let mesh = made.mesh.to_mesh();
+    let deviation = allowed.and_then(|allowed| {
+        monitor.stage("bound");
+        let Bounds { upper, place, .. } = hausdorff_bounds(&mesh, &domain.mesh, OF_INTEREST * allowed / unit.size)?;
+        Some(Deviation { allowed, reached: unit.size * upper, place: unit.outwards_point(place).to_array() })
+    });
+    let mesh = unit.outwards(mesh);
     let crossing = crossing_faces(&mesh);
     let mut result = Remeshed {
         input: input_topology,
@@ -282,6 +400,7 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
         tessellated_pieces: made.tessellated_pieces,
         crossing_faces_of_input: (!crossing.is_empty()).then(|| domain.crossing_faces().len()),
         crossing_faces: crossing,
+        deviation,
         notes: Vec::new(),
     };
     result.notes = notes(&result, open_seams);
@@ -355,8 +474,15 @@ fn has_kind(mesh: &Manifold, wanted: &Topology) -> bool {
     (made.euler, made.components, made.boundary_loops) == (wanted.euler, wanted.components, wanted.boundary_loops)
 }
 
-/// The mesh of the samples, coarse to fine and with good angles, at the wanted count.
-fn optimize(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
+/// The mesh of the samples, coarse to fine, with good angles, at the wanted count, and fitted to the surface: to within
+/// `limit`, in the pipeline's unit, if that can be.
+fn optimize(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    scale: &Scale,
+    limit: Option<f64>,
+    monitor: &dyn Monitor,
+) -> Result<()> {
     let Scale { wanted, spacing } = *scale;
     monitor.stage("ascend");
     if fix_all_but_narrow(domain, mesh, spacing) {
@@ -389,7 +515,9 @@ fn optimize(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn M
     relax(domain, mesh, spacing, Flips::KeepValence, 2 * ROUNDS, monitor)?;
     monitor.stage("improve angles");
     mesh.fixed.fill(false);
-    improve_angles(domain, mesh, spacing, monitor)
+    improve_angles(domain, mesh, spacing, monitor)?;
+    monitor.stage("fit");
+    fit(domain, mesh, spacing, limit, monitor)
 }
 
 /// Sweeps of ascent in the places that no coarser mesh can follow, and those over the coarse mesh: irregular vertices
@@ -474,14 +602,16 @@ impl Scale {
             check_count(option, wanted, format!("a length of {length} means {wanted} vertices"))?;
             checked(wanted, spacing)
         };
+        let points = |n: usize| checked(n, (2.0 * area / (3f64.sqrt() * n as f64)).sqrt());
         match density {
-            Density::Points(n) => checked(n, (2.0 * area / (3f64.sqrt() * n as f64)).sqrt()),
+            Density::Points(n) => points(n),
             Density::EdgeLength(l) => from_length("edge-length", l, l / unit.size),
             Density::OfSizing => {
                 let spacing = field.map_or(f64::NAN, Field::spacing);
                 from_length("sizing", spacing * unit.size, spacing)
             }
             Density::SigmaP(s) => from_length("sigma-p", s, s / unit.size / SIGMA_OF_SPACING),
+            Density::Auto => points(FIRST_POINTS),
         }
     }
 
@@ -529,8 +659,12 @@ impl Unit {
     }
 
     fn outwards(&self, mut mesh: Mesh) -> Mesh {
-        mesh.positions.iter_mut().for_each(|p| *p = *p * self.size + self.centre);
+        mesh.positions.iter_mut().for_each(|p| *p = self.outwards_point(*p));
         mesh
+    }
+
+    fn outwards_point(&self, p: DVec3) -> DVec3 {
+        p * self.size + self.centre
     }
 }
 
@@ -582,6 +716,7 @@ fn notes(result: &Remeshed, open_seams: usize) -> Vec<String> {
         ));
     }
     notes.extend(note_on_crossings(result));
+    notes.extend(result.deviation.as_ref().filter(|d| !d.is_allowed()).map(note_on_deviation));
     if !result.has_topology() {
         notes.push("the result does not have the topology of the input".into());
     }
@@ -591,11 +726,22 @@ fn notes(result: &Remeshed, open_seams: usize) -> Vec<String> {
 /// How many faces cross, where the first one is, and whether the input is to blame.
 fn note_on_crossings(result: &Remeshed) -> Option<String> {
     let (first, count) = (*result.crossing_faces.first()?, result.crossing_faces.len());
-    let place = result.mesh.corners(first as usize).into_iter().sum::<DVec3>() / 3.0;
+    let place = near(result.mesh.corners(first as usize).into_iter().sum::<DVec3>() / 3.0);
     let input = match result.crossing_faces_of_input {
         Some(0) | None => "none of the input do; more points there would part them".into(),
         Some(n) => format!("so do {n} of the input"),
     };
+    Some(format!("{count} faces cross or touch each other, the first {place}: {input}"))
+}
+
+/// By how much the error that was asked for is exceeded, and where.
+fn note_on_deviation(deviation: &Deviation) -> String {
+    let Deviation { allowed, reached, place } = deviation;
+    let place = near(DVec3::from_array(*place));
+    format!("{reached:.4e} from the input {place}, and not within {allowed:.4e}: more points come nearer")
+}
+
+fn near(place: DVec3) -> String {
     let [x, y, z] = place.to_array().map(|x| format!("{x:.6}"));
-    Some(format!("{count} faces cross or touch each other, the first near ({x}, {y}, {z}): {input}"))
+    format!("near ({x}, {y}, {z})")
 }

@@ -10,7 +10,7 @@ mod table;
 
 use crate::quality::distance::{Distance, REPORT_SAMPLES, distance};
 use crate::quality::shape::{Shape, shape};
-use crate::remesh::Remeshed;
+use crate::remesh::{Deviation, Remeshed};
 use crate::surface::crossings::crossing_faces;
 use crate::surface::mesh::Mesh;
 use crate::surface::repair::Repairs;
@@ -29,7 +29,8 @@ pub struct Report {
     /// Version of the tool that made the report.
     pub version: String,
     /// Whether the output is an oriented manifold of the repaired input's Euler characteristic, components and boundary
-    /// loops, without faces that cross each other unless the input has some; `None` for a mesh that was measured only.
+    /// loops, without faces that cross each other unless the input has some, and within the error asked for; `None` for a
+    /// mesh that was measured only.
     pub verified: Option<bool>,
     /// The input as it was read; for a mesh that was measured only, what it was measured against.
     pub input: Option<Measured>,
@@ -43,6 +44,8 @@ pub struct Report {
     pub crossings: Crossings,
     /// Distances between output and input, in percent of the diagonal of the input's bounding box.
     pub distance: Option<Distance>,
+    /// How far the output is from the repaired input, and may be; `None` if no bound was asked for.
+    pub deviation: Option<Deviation>,
     /// How the output was sampled.
     pub sampling: Option<Sampling>,
     /// Things a user should know, a sentence each.
@@ -140,6 +143,7 @@ impl Report {
             repaired: Some(remeshed.repaired),
             crossings: Crossings::of(remeshed),
             distance: distance(&remeshed.mesh, input.mesh, REPORT_SAMPLES, seed),
+            deviation: remeshed.deviation,
             sampling: Some(Sampling {
                 wanted,
                 sigma_p,
@@ -179,6 +183,7 @@ impl Report {
             output,
             crossings: Crossings::default(),
             distance: None,
+            deviation: None,
             sampling: None,
             notes: Vec::new(),
             stages: Vec::new(),
@@ -197,7 +202,7 @@ impl Report {
     /// Why the output is not what the input asked for, a phrase each; empty for a verified result and for a mesh that
     /// was measured only.
     pub fn shortcomings(&self) -> Vec<String> {
-        let against = |wanted| shortcomings(&self.output.topology, wanted, &self.crossings);
+        let against = |wanted| shortcomings(&self.output.topology, wanted, &self.crossings, self.deviation.as_ref());
         self.repaired.as_ref().map_or_else(Vec::new, against)
     }
 
@@ -214,8 +219,14 @@ impl Report {
 }
 
 /// What keeps a result from being an oriented manifold of the wanted Euler characteristic, components and boundary
-/// loops without crossing faces that the input does not have, a phrase each; empty if it is one.
-pub fn shortcomings(found: &Topology, wanted: &Topology, crossings: &Crossings) -> Vec<String> {
+/// loops, without crossing faces that the input does not have and within the error asked for, a phrase each; empty if it
+/// is one.
+pub fn shortcomings(
+    found: &Topology,
+    wanted: &Topology,
+    crossings: &Crossings,
+    deviation: Option<&Deviation>,
+) -> Vec<String> {
     let new_crossings = if crossings.repaired == Some(0) { crossings.faces.len() } else { 0 };
     let faults = [
         (found.nonmanifold_edges, "edges with more than two faces"),
@@ -230,7 +241,10 @@ pub fn shortcomings(found: &Topology, wanted: &Topology, crossings: &Crossings) 
     ];
     let faults = faults.iter().filter(|f| f.0 > 0).map(|(count, what)| format!("{count} {what}"));
     let differences = differences.iter().filter(|(_, found, wanted)| found != wanted);
-    faults.chain(differences.map(|(what, found, wanted)| format!("{what} {found} and not {wanted}"))).collect()
+    let differences = differences.map(|(what, found, wanted)| format!("{what} {found} and not {wanted}"));
+    let far = deviation.filter(|d| !d.is_allowed());
+    let far = far.map(|d| format!("up to {:.4e} from the input and not {:.4e}", d.reached, d.allowed));
+    faults.chain(differences).chain(far).collect()
 }
 
 #[cfg(test)]
@@ -262,6 +276,7 @@ mod tests {
             spacing: 0.5,
             spacing_range: [0.5; 2],
             wanted: 4,
+            deviation: Some(Deviation { allowed: 1.0, reached: 0.5, place: [0.0; 3] }),
             sharp_curves: 0,
             tessellated_pieces: 0,
             crossing_faces: vec![],
@@ -343,7 +358,7 @@ mod tests {
     #[test]
     fn faces_that_cross_where_those_of_the_input_do_not_are_a_shortcoming() {
         let wanted = topology(4, &tetrahedron().triangles);
-        let with = |repaired| shortcomings(&wanted, &wanted, &Crossings { faces: vec![3, 5], repaired });
+        let with = |repaired| shortcomings(&wanted, &wanted, &Crossings { faces: vec![3, 5], repaired }, None);
         assert_eq!(with(Some(0)), ["2 faces that cross or touch each other"]);
         assert_eq!((with(Some(7)), with(None)), (vec![], vec![]));
     }

@@ -231,6 +231,19 @@ fn a_sphere_is_remeshed_and_reported() {
 }
 
 #[test]
+fn an_error_that_is_exceeded_is_status_three_and_auto_keeps_it() {
+    let folder = folder();
+    let ran = run(folder.path(), "sphere.off out.off --points 300 --max-error 0.01% --report r.json -q");
+    assert_eq!(ran.status, 3, "{}", ran.err);
+    assert!(ran.err.contains("from the input"), "{}", ran.err);
+    let report = json(&std::fs::read_to_string(folder.path().join("r.json")).unwrap());
+    let length = |name: &str| report["deviation"][name].as_f64().unwrap();
+    assert!(length("reached") > length("allowed"), "{report}");
+    run(folder.path(), "sphere.off out.off --points auto --max-error 0.02 -q").went_well();
+    run(folder.path(), "sphere.off out.off --points auto").failed(2, &["points", "max-error"]);
+}
+
+#[test]
 fn quiet_says_nothing_and_verbose_names_the_stages() {
     let folder = folder();
     assert_eq!(run(folder.path(), "sphere.off quiet.ply --points 200 -q").went_well(), "");

@@ -5,10 +5,11 @@ mod common;
 use common::*;
 use glam::{DVec3, dvec3};
 use proptest::prelude::*;
+use spectral_remesh::quality::distance::distance;
 use spectral_remesh::quality::shape::shape;
 use spectral_remesh::surface::bvh::Bvh;
 use spectral_remesh::surface::repair::Repairs;
-use spectral_remesh::{Density, Error, Mesh, Monitor, Options, Remeshed, remesh};
+use spectral_remesh::{Density, Error, MaxError, Mesh, Monitor, Options, Remeshed, remesh};
 
 fn points(n: usize) -> Options {
     Options { density: Density::Points(n), ..Options::default() }
@@ -447,9 +448,37 @@ fn what_cannot_be_remeshed_is_refused_with_a_reason() {
     refused(&cube, &Options { adapt: 1.0, ..field(&[1.0; 8]) }, "adapt");
     refused(&cube, &Options { density: Density::OfSizing, ..Options::default() }, "sizing");
     refused(&cube, &Options { density: Density::OfSizing, ..field(&[1e-6; 8]) }, "sizing");
+    for error in [MaxError::Length(0.0), MaxError::OfDiagonal(f64::NAN)] {
+        refused(&cube, &Options { max_error: Some(error), ..Options::default() }, "max-error");
+    }
+    refused(&cube, &Options { density: Density::Auto, ..Options::default() }, "how many");
     for length in [1e-9, 1e9] {
         refused(&cube, &Options { density: Density::EdgeLength(length), ..Options::default() }, "edge-length");
     }
+}
+
+/// The bound of the distance is one of the samples, too, and not kept by too few points; those chosen keep it.
+#[test]
+fn the_error_is_bounded() {
+    let ball = sphere(4, DVec3::ZERO, 1.0);
+    let within = |density, share| {
+        let options = Options { density, max_error: Some(MaxError::OfDiagonal(share)), ..Options::default() };
+        let made = check_with("bounded", &ball, &options);
+        let deviation = made.deviation.expect("a bound was asked for");
+        let sampled = distance(&made.mesh, &ball, 20_000, 0).unwrap().hausdorff / 100.0 * ball.diagonal();
+        assert!(
+            deviation.reached >= sampled * (1.0 - 1e-9) && deviation.reached <= 1.3 * sampled,
+            "{deviation:?} {sampled}"
+        );
+        assert_eq!(made.verified(), deviation.is_allowed());
+        made
+    };
+    let made = within(Density::Points(500), 0.001);
+    assert!(!made.verified() && made.notes.iter().any(|note| note.contains("more points")), "{:?}", made.notes);
+    let made = within(Density::Auto, 0.001);
+    assert!(made.verified() && made.notes.is_empty(), "{:?}", made.notes);
+    let fewer = within(Density::Points(made.wanted * 3 / 4), 0.001);
+    assert!(!fewer.verified(), "{} of {}", fewer.wanted, made.wanted);
 }
 
 /// A monitor that stops at the stage of a name.
@@ -468,7 +497,7 @@ impl Monitor for StopAt {
 
 #[test]
 fn every_stage_can_be_stopped() {
-    for stage in ["repair", "sample", "triangulate", "ascend", "relax", "improve angles"] {
+    for stage in ["repair", "sample", "triangulate", "ascend", "relax", "improve angles", "fit"] {
         let made = remesh(&cage(), &points(300), &StopAt(stage, false.into()));
         assert_eq!(made.err(), Some(Error::Cancelled), "{stage}");
     }

@@ -4,7 +4,7 @@
 //! flag or an option that is added to one and forgotten in the other does not compile.
 
 use crate::io::Format;
-use crate::remesh::{Density, Options};
+use crate::remesh::{Density, MaxError, Options};
 use crate::surface::features::Features;
 use clap::builder::PossibleValue;
 use clap::{ArgAction, CommandFactory, Parser, Subcommand, ValueEnum};
@@ -19,6 +19,8 @@ Examples:
       as many vertices as asked for, evenly spread
   remesh part.stl part.obj --edge-length 0.5 --report part.json
       triangles of about that size, and a report as JSON
+  remesh scan.ply clean.ply --points auto --max-error 0.2%
+      as few vertices as stay within 0.2 % of the diagonal of the input
   remesh quality clean.ply --against scan.ply
       measure any mesh, and how far it is from another one
 
@@ -26,7 +28,7 @@ Formats, by the ending of the file: obj, ply, stl, off, gltf, glb.
 
 Exit status:
   0   the result is written and verified: an oriented manifold of the input's topology whose faces
-      do not cross each other, unless the input's do
+      do not cross each other, unless the input's do, and within --max-error if that is given
   1   a file cannot be read or written, or holds no mesh that can be remeshed
   2   wrong usage, or an option out of its range
   3   the result is written, but could not be verified; the report says why
@@ -42,7 +44,7 @@ Exit status: 0 measured, 1 a file cannot be read, 2 wrong usage, 130 interrupted
 #[derive(Debug, Parser)]
 #[command(name = "remesh", version, after_help = AFTER_HELP, max_term_width = 100)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
-#[command(override_usage = "remesh <IN> <OUT> <--points N | --edge-length L | --sigma-p S> [OPTIONS]\n       \
+#[command(override_usage = "remesh <IN> <OUT> <--points N|auto | --edge-length L | --sigma-p S> [OPTIONS]\n       \
                             remesh quality <MESH> [--against <INPUT>] [--json]\n       \
                             remesh completions <SHELL>")]
 struct Args {
@@ -69,9 +71,9 @@ struct RemeshArgs {
     /// The mesh to write; an existing file is replaced when the new one is complete
     #[arg(value_name = "OUT")]
     output: PathBuf,
-    /// Number of vertices of the output
-    #[arg(long, value_name = "N", group = "density", allow_negative_numbers = true, value_parser = count)]
-    points: Option<usize>,
+    /// Number of vertices of the output; auto, with --max-error, takes as many as that needs
+    #[arg(long, value_name = "N|auto", group = "density", allow_negative_numbers = true, value_parser = points)]
+    points: Option<Density>,
     /// Mean edge length of the output, in the units of the input
     #[arg(long, value_name = "L", group = "density", allow_negative_numbers = true, value_parser = positive)]
     edge_length: Option<f64>,
@@ -95,6 +97,10 @@ struct RemeshArgs {
     /// (glTF), or a .json file with a list; also says how dense, if nothing else does
     #[arg(long, value_name = "PROPERTY|F.json")]
     sizing: Option<String>,
+    /// How far any point of the output may be from the input, and back: a length, or a share of the diagonal of the
+    /// input's bounding box, as in 0.1%
+    #[arg(long, value_name = "E|E%", allow_negative_numbers = true, value_parser = max_error)]
+    max_error: Option<MaxError>,
     /// 1 optimises the triangles after sampling, 0 leaves the samples where the paper's gradient ascent does
     #[arg(long, value_name = "0|1", default_value_t = 1, value_parser = clap::value_parser!(u8).range(0..=1))]
     optimize: u8,
@@ -242,6 +248,7 @@ impl RemeshArgs {
             features,
             adapt,
             sizing,
+            max_error,
             optimize,
             threads,
             format,
@@ -251,8 +258,17 @@ impl RemeshArgs {
             verbose,
         } = self;
         // Options without a flag keep their default; each is named, so that a new one is thought of here.
-        let Options { density: _, seed: _, weld: _, features: _, adapt: _, sizing: _, optimize: _, sweeps } =
-            Options::default();
+        let Options {
+            density: _,
+            seed: _,
+            weld: _,
+            features: _,
+            adapt: _,
+            sizing: _,
+            max_error: _,
+            optimize: _,
+            sweeps,
+        } = Options::default();
         let sizing = sizing.map(Sizing::from);
         let density = density(points, edge_length, sigma_p, sizing.as_ref())?;
         let features = features.unwrap_or_default();
@@ -266,6 +282,7 @@ impl RemeshArgs {
                 features,
                 adapt,
                 sizing: sizing.as_ref().map(|_| Vec::new()),
+                max_error,
                 optimize: optimize != 0,
                 sweeps,
             },
@@ -313,12 +330,11 @@ impl From<String> for Sizing {
 
 /// The one that is given of the ways to say how dense the output shall be.
 fn density(
-    points: Option<usize>,
+    points: Option<Density>,
     edge_length: Option<f64>,
     sigma_p: Option<f64>,
     sizing: Option<&Sizing>,
 ) -> Result<Density, Stop> {
-    let points = points.map(Density::Points);
     let others = edge_length.map(Density::EdgeLength).or(sigma_p.map(Density::SigmaP));
     let of_sizing = sizing.map(|_| Density::OfSizing);
     points
@@ -328,8 +344,17 @@ fn density(
 }
 
 /// A number of vertices; what is too few or too many for a surface is for the library to say.
-fn count(word: &str) -> Result<usize, String> {
-    word.parse().ok().filter(|&n| n > 0).ok_or_else(|| "it must be a whole number of at least 1".into())
+fn points(word: &str) -> Result<Density, String> {
+    let count = || word.parse().ok().filter(|&n| n > 0).map(Density::Points);
+    let density = if word == "auto" { Some(Density::Auto) } else { count() };
+    density.ok_or_else(|| "it must be a whole number of at least 1, or auto".into())
+}
+
+/// A length, or a share of the diagonal in per cent.
+fn max_error(word: &str) -> Result<MaxError, String> {
+    let share = |number: &str| positive(number).map(|percent| MaxError::OfDiagonal(percent / 100.0));
+    let error = word.strip_suffix('%').map_or_else(|| positive(word).map(MaxError::Length), share);
+    error.map_err(|_| "it must be a positive length, or a positive number with a %".into())
 }
 
 /// Which edges are sharp; what angles make sense is for the library to say.
@@ -422,6 +447,10 @@ mod tests {
         assert_eq!(remeshing("remesh a b --points 5 --sizing h.JSON").sizing, Some(Sizing::File("h.JSON".into())));
         assert_eq!(remeshing("remesh a b --edge-length 2 -q").options.density, Density::EdgeLength(2.0));
         assert_eq!(remeshing("remesh a b --points 5 -q").voice, Voice::Quiet);
+        let options = remeshing("remesh a b --points auto --max-error 0.5%").options;
+        assert_eq!((options.density, options.max_error), (Density::Auto, Some(MaxError::OfDiagonal(0.005))));
+        let options = remeshing("remesh a b --points 9 --max-error 0.5").options;
+        assert_eq!(options.max_error, Some(MaxError::Length(0.5)));
     }
 
     #[test]
@@ -441,6 +470,8 @@ mod tests {
             "remesh a b --points many",
             "remesh a b --points -4",
             "remesh a b --point 4",
+            "remesh a b --points 4 --max-error 0",
+            "remesh a b --points 4 --max-error x%",
             "remesh a b --edge-length 0",
             "remesh a b --edge-length nan",
             "remesh a b --sigma-p inf",

@@ -161,7 +161,8 @@ fn verdict(remeshed: &Remeshed, job: &Remeshing) -> Status {
     if remeshed.verified() {
         return Status::Done;
     }
-    let why = shortcomings(&remeshed.output, &remeshed.repaired, &Crossings::of(remeshed)).join(", ");
+    let why = shortcomings(&remeshed.output, &remeshed.repaired, &Crossings::of(remeshed), remeshed.deviation.as_ref());
+    let why = why.join(", ");
     terminal::complain(&format!(
         "{}: written but not verified: {why}; try another --seed or more points",
         name(&job.output)

@@ -166,14 +166,12 @@ pub fn angles([a, b, c]: [DVec3; 3]) -> [f64; 3] {
     [at(b - a, c - a), at(c - b, a - b), at(a - c, b - c)]
 }
 
-/// The smallest and the largest of [`angles`], which are across from the shortest and the longest side.
-pub fn extreme_angles([a, b, c]: [DVec3; 3]) -> (f64, f64) {
+/// The smallest of [`angles`].
+pub fn smallest_angle([a, b, c]: [DVec3; 3]) -> f64 {
     let twice_area = (b - a).cross(c - a).length();
-    let dots = [(b - a).dot(c - a), (c - b).dot(a - b), (a - c).dot(b - c)];
-    let at = |dot: f64| twice_area.atan2(dot).to_degrees();
     // All angles have the same sine times the lengths of their sides, so that they fall with the dot product.
-    let (least, most) = (dots[0].max(dots[1]).max(dots[2]), dots[0].min(dots[1]).min(dots[2]));
-    (at(least), at(most))
+    let dot = (b - a).dot(c - a).max((c - b).dot(a - b)).max((a - c).dot(b - c));
+    twice_area.atan2(dot).to_degrees()
 }
 
 /// The mean ratio 4 √3 S / (a² + b² + c²): 1 for an equilateral triangle, 0 for a flat one, and cheap.
@@ -317,6 +315,6 @@ mod tests {
         assert_relative_eq!(found[1], (4f64 / 3.0).atan().to_degrees(), epsilon = 1e-12);
         assert_relative_eq!(found.iter().sum::<f64>(), 180.0, epsilon = 1e-12);
         assert_eq!(angles([DVec3::ZERO, DVec3::X, 2.0 * DVec3::X]), [0.0, 180.0, 0.0]);
-        assert_eq!(extreme_angles(right), (found[1].min(found[2]), found[0]));
+        assert_eq!(smallest_angle(right), found[1].min(found[2]));
     }
 }

@@ -12,7 +12,7 @@
 
 use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};
-use crate::geom::triangle::{angles, extreme_angles, quality};
+use crate::geom::triangle::{angles, quality, smallest_angle};
 use crate::surface::connectivity::{next, prev};
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::manifold::Manifold;
@@ -83,8 +83,7 @@ pub fn improve_angles(domain: &Domain, mesh: &mut Manifold, spacing: f64, monito
 
 /// How far inside of the goal a triangle of these corners is, in degrees of its smallest angle; negative outside.
 fn margin_of(corners: [DVec3; 3]) -> f64 {
-    let (least, _) = extreme_angles(corners);
-    (least - SMALLEST).min(DEGREES_OF_QUALITY * (quality(corners) - LEAST_QUALITY))
+    (smallest_angle(corners) - SMALLEST).min(DEGREES_OF_QUALITY * (quality(corners) - LEAST_QUALITY))
 }
 
 /// Whether the triangle of `h` is outside of the goal.
@@ -92,8 +91,8 @@ fn is_bad(mesh: &Manifold, h: u32) -> bool {
     margin_of(mesh.connectivity.triangle(h).map(|v| mesh.position(v))) < 0.0
 }
 
-/// The least margin around `v` if it were at `p`.
-fn least_margin(mesh: &Manifold, v: u32, p: DVec3) -> f64 {
+/// The least margin of the triangles around `v` if it were at `p`, in degrees; negative outside of the goal.
+pub fn least_margin(mesh: &Manifold, v: u32, p: DVec3) -> f64 {
     let around = mesh.connectivity.outgoing(v).map(|h| {
         let [_, a, b] = mesh.connectivity.triangle(h);
         margin_of([p, mesh.position(a), mesh.position(b)])

@@ -2,6 +2,7 @@
 
 pub mod angles;
 pub mod counts;
+pub mod fit;
 pub mod levels;
 pub mod relax;
 mod step;

@@ -69,9 +69,7 @@ pub fn relax(
     flip(mesh, flips);
     for _ in 0..rounds {
         check(monitor)?;
-        let size = |v: u32| mesh.samples[v as usize].size;
-        let mean_size = |t: [u32; 3]| t.into_iter().map(size).sum::<f64>() / 3.0;
-        let steps = newton_step(mesh, spacing, |t| strain(t.map(|v| mesh.position(v)), spacing * mean_size(t)));
+        let steps = newton_step(mesh, spacing, |t| strain_of(mesh, t, spacing));
         let longest = |mesh: &Manifold, v: u32| LONGEST_STEP * spacing * mesh.samples[v as usize].size;
         move_vertices(domain, mesh, || (), |mesh, v, ()| steps[v as usize].clamp_length_max(longest(mesh, v)));
         flip(mesh, flips);
@@ -86,8 +84,22 @@ fn flip(mesh: &mut Manifold, flips: Flips) {
     }
 }
 
+/// The gradient at `v` of the energy of the triangles around it, and the mean second derivative along the surface.
+pub(super) fn pull(mesh: &Manifold, v: u32, spacing: f64) -> (DVec3, f64) {
+    let strains = mesh.connectivity.outgoing(v).map(|h| strain_of(mesh, mesh.connectivity.triangle(h), spacing));
+    strains.fold((DVec3::ZERO, 0.0), |(gradient, stiffness), strain| {
+        let squares: f64 = strain.forms.iter().map(|form| form[0].length_squared()).sum();
+        (gradient + strain.gradient[0], stiffness + 0.5 * squares)
+    })
+}
+
+fn strain_of(mesh: &Manifold, corners: [u32; 3], spacing: f64) -> Strain {
+    let size = corners.into_iter().map(|v| mesh.samples[v as usize].size).sum::<f64>() / 3.0;
+    strain(corners.map(|v| mesh.position(v)), spacing * size)
+}
+
 /// How the energy of a triangle changes with its corners.
-pub(super) fn strain([p, q, r]: [DVec3; 3], spacing: f64) -> Strain {
+fn strain([p, q, r]: [DVec3; 3], spacing: f64) -> Strain {
     let sides = [r - q, p - r, q - p];
     let area_vector = 0.5 * sides[2].cross(-sides[1]);
     let normal = area_vector.normalize_or_zero();

@@ -1,5 +1,6 @@
 //! How good a mesh is: the shape of its triangles, and its distance to another mesh.
 
+pub mod bound;
 pub mod distance;
 pub mod sampling;
 pub mod shape;

@@ -106,6 +106,10 @@ fn distance_rows(out: &mut String, report: &Report) {
 
 /// What is no figure of a mesh: the sampling, the repairs, notes, times, and the verdict last.
 fn remarks(out: &mut String, report: &Report) {
+    if let Some(d) = &report.deviation {
+        let phrases = [format!("{} at most", significant(d.reached)), format!("{} asked for", significant(d.allowed))];
+        list(out, "distance, any point", &phrases);
+    }
     if let Some(s) = &report.sampling {
         let (sigma, spacing) = (significant(s.sigma_p), significant(s.spacing));
         let [smallest, largest] = s.spacing_range;

@@ -169,6 +169,12 @@ impl Domain {
         if smooth.dot(own) >= 0.5 * own.length() { smooth } else { own.normalize_or_zero() }
     }
 
+    /// The unit normal at vertex `v`; zero where all its triangles are flat.
+    #[inline]
+    pub fn vertex_normal(&self, v: u32) -> DVec3 {
+        self.vertex_normals[v as usize]
+    }
+
     /// The point closest to `p` among those where the surface faces the way of `normal`, so that the other side of a
     /// thin place is not taken for this one. `near` is a triangle known to be close by, of the piece that is meant.
     pub fn project(&self, p: DVec3, normal: DVec3, near: u32) -> Sample {
@@ -186,14 +192,19 @@ impl Domain {
     ///
     /// Where the walk cannot vouch for its end, as in a fold narrower than the step, [`Self::project`] searches instead.
     pub fn follow(&self, from: &Sample, way: DVec3) -> Sample {
-        let p = from.position + way;
-        let most = WALKED_OF_STEP * WALKED_OF_STEP * way.length_squared();
+        self.settle(&Sample { position: from.position + way, ..*from }, WALKED_OF_STEP * way.length())
+    }
+
+    /// The point of the surface closest to that of `off`, which lies off it, among those around: found by walking from
+    /// its triangle, or by [`Self::project`] if the walk ends farther away than `reach`.
+    pub fn settle(&self, off: &Sample, reach: f64) -> Sample {
         let agrees = |foot: &Foot| {
-            foot.distance_squared <= most && self.mesh.area_vector(foot.triangle as usize).dot(from.normal) > 0.0
+            foot.distance_squared <= reach * reach
+                && self.mesh.area_vector(foot.triangle as usize).dot(off.normal) > 0.0
         };
-        match self.walk(p, from.triangle).filter(agrees) {
+        match self.walk(off.position, off.triangle).filter(agrees) {
             Some(foot) => self.sample(foot.triangle, foot.weights),
-            None => self.project(p, from.normal, from.triangle),
+            None => self.project(off.position, off.normal, off.triangle),
         }
     }
 

@@ -1,0 +1,165 @@
+//! Bounds of the Hausdorff distance between two meshes: samples alone only bound it from below.
+//!
+//! The distance to one triangle f is convex, so that on another triangle T it is nowhere larger than at a corner; and no
+//! distance grows faster than one goes. With m the centroid of T, f the triangle of the other mesh that is closest to m,
+//! and d the distance to that mesh,
+//!
+//! ```text
+//! d(m)  ≤  max d on T  ≤  min( max over the corners of the distance to f,  d(m) + distance of the farthest corner to m )
+//! ```
+//!
+//! T is split in four until both ends are close, or the upper one is below what is known to be there elsewhere, or below
+//! what is of interest.
+//!
+//! Based on: M. Tang, M. Lee, Y. J. Kim, Interactive Hausdorff distance computation for general polygonal models, 2009,
+//! DOI 10.1145/1531326.1531380. Departure: no pairs of boxes are culled; triangles are as small as the distance matters.
+//!
+//! Cost: two hierarchies, and some twenty closest-point queries for each triangle. Limits: the upper bound is one up to
+//! the rounding of the closest points; where triangles are
+//! more than a hundred times as long as the distance, it may be several times as large as that.
+
+use crate::geom::triangle::closest_point;
+use crate::surface::bvh::Bvh;
+use crate::surface::mesh::Mesh;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// How much larger the upper bound may be than what is known to be there.
+const CLOSE: f64 = 1.05;
+
+/// How often a triangle is split in four.
+const DEEPEST: u32 = 7;
+
+/// Triangles that one task looks at.
+const CHUNK: usize = 64;
+
+/// Between what and what a Hausdorff distance is, in the units of the meshes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    /// The distance at `place`.
+    pub lower: f64,
+    /// No point of either mesh is farther from the other one.
+    pub upper: f64,
+    /// A point of one of the meshes about as far from the other one as any.
+    pub place: DVec3,
+}
+
+/// Bounds of the Hausdorff distance, both ways, between two meshes, in whose units `enough` is an upper bound below which
+/// nobody asks for more. `None` if one of them has no triangles.
+pub fn hausdorff_bounds(a: &Mesh, b: &Mesh, enough: f64) -> Option<Bounds> {
+    if a.triangles.is_empty() || b.triangles.is_empty() {
+        return None;
+    }
+    let (of_a, of_b) = rayon::join(|| Bvh::new(a), || Bvh::new(b));
+    let (a, b) = (Side { mesh: a, bvh: &of_a }, Side { mesh: b, bvh: &of_b });
+    let known = a.farthest_centroid(&b).max(b.farthest_centroid(&a)).max(enough / CLOSE);
+    Some(a.bounds(&b, known).join(b.bounds(&a, known)))
+}
+
+impl Bounds {
+    /// Those of two sets of points together.
+    fn join(self, other: Bounds) -> Bounds {
+        let (lower, place) =
+            if other.lower > self.lower { (other.lower, other.place) } else { (self.lower, self.place) };
+        Bounds { lower, upper: self.upper.max(other.upper), place }
+    }
+}
+
+/// One of the meshes.
+#[derive(Clone, Copy)]
+struct Side<'a> {
+    mesh: &'a Mesh,
+    bvh: &'a Bvh,
+}
+
+impl Side<'_> {
+    fn triangles(&self) -> impl IndexedParallelIterator<Item = [DVec3; 3]> {
+        let mesh = self.mesh;
+        (0..mesh.triangles.len()).into_par_iter().with_min_len(CHUNK).map(|t| mesh.corners(t))
+    }
+
+    /// The largest distance of a triangle's centroid to the other mesh.
+    fn farthest_centroid(&self, other: &Side) -> f64 {
+        self.triangles().map(|t| other.bounds_on(t).lower).reduce(|| 0.0, f64::max)
+    }
+
+    /// Bounds of the largest distance to the other mesh, where nobody cares for less than `known`.
+    fn bounds(&self, other: &Side, known: f64) -> Bounds {
+        let none = Bounds { lower: f64::NEG_INFINITY, upper: 0.0, place: DVec3::ZERO };
+        let all: Vec<Bounds> = self.triangles().map(|t| other.split_bounds(t, known, DEEPEST)).collect();
+        all.into_iter().fold(none, Bounds::join)
+    }
+
+    /// Bounds of the distance to this mesh on a triangle, which is split where they are not close.
+    fn split_bounds(&self, triangle: [DVec3; 3], known: f64, depth: u32) -> Bounds {
+        let whole = self.bounds_on(triangle);
+        if depth == 0 || whole.upper <= CLOSE * known.max(whole.lower) {
+            return whole;
+        }
+        let [a, b, c] = triangle;
+        let [ab, bc, ca] = [(a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0];
+        let quarters = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
+        let none = Bounds { upper: 0.0, ..whole };
+        let parts = quarters.into_iter().map(|t| self.split_bounds(t, known.max(whole.lower), depth - 1));
+        let parts = parts.fold(none, Bounds::join);
+        Bounds { upper: parts.upper.min(whole.upper), ..parts }
+    }
+
+    /// Bounds of the distance to this mesh on a triangle.
+    fn bounds_on(&self, triangle: [DVec3; 3]) -> Bounds {
+        let middle = triangle.iter().sum::<DVec3>() / 3.0;
+        let Some(hit) = self.bvh.closest(self.mesh, middle) else {
+            return Bounds { lower: f64::INFINITY, upper: f64::INFINITY, place: middle };
+        };
+        let nearest = self.mesh.corners(hit.triangle as usize);
+        let farthest = |distance: &dyn Fn(DVec3) -> f64| triangle.iter().map(|&c| distance(c)).fold(0.0, f64::max);
+        let lower = hit.distance_squared.sqrt();
+        let upper = farthest(&|c| c.distance(closest_point(c, nearest))).min(lower + farthest(&|c| c.distance(middle)));
+        Bounds { lower, upper, place: middle }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quality::distance::distance;
+
+    /// The unit square at the height that `f` says, as `n` by `n` squares.
+    fn sheet(n: u32, f: impl Fn(f64, f64) -> f64) -> Mesh {
+        let at = |i: u32, j: u32| i * (n + 1) + j;
+        let place = |i: u32| f64::from(i) / f64::from(n);
+        let cells = || (0..n).flat_map(move |i| (0..n).map(move |j| (i, j)));
+        let corners = (0..=n).flat_map(|i| (0..=n).map(move |j| (place(i), place(j))));
+        let halves = |(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]];
+        Mesh {
+            positions: corners.map(|(x, y)| DVec3::new(x, y, f(x, y))).collect(),
+            triangles: cells().flat_map(halves).collect(),
+        }
+    }
+
+    #[test]
+    fn the_truth_is_between_the_bounds_and_they_are_close() {
+        // A single vertex stands out, and no sample hits it.
+        for height in [0.01, 0.03, 0.1] {
+            let mut spike = sheet(20, |_, _| 0.0);
+            spike.positions[21 * 10 + 10].z = height;
+            for (a, b) in [(&spike, &sheet(10, |_, _| 0.0)), (&sheet(7, |_, _| 0.0), &spike)] {
+                let found = hausdorff_bounds(a, b, 0.0).unwrap();
+                assert!(found.lower <= height * (1.0 + 1e-9) && found.upper >= height * (1.0 - 1e-9), "{found:?}");
+                assert!(found.upper <= 1.1 * height, "{height}: {found:?}");
+                assert!(found.place.truncate().distance(glam::DVec2::splat(0.5)) < 0.02, "{found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn never_below_what_samples_find() {
+        let (a, b) = (sheet(9, |x, y| 0.1 * (7.0 * x + y).sin()), sheet(31, |x, y| 0.1 * (7.0 * x + y).sin()));
+        let found = hausdorff_bounds(&a, &b, 0.0).unwrap();
+        let sampled = distance(&a, &b, 20_000, 0).unwrap().hausdorff * b.diagonal() / 100.0;
+        assert!(found.upper >= sampled && found.upper <= 1.1 * sampled, "{found:?} {sampled}");
+        assert_eq!(hausdorff_bounds(&a, &Mesh::default(), 0.0), None);
+        let same = hausdorff_bounds(&a, &a, 0.01).unwrap();
+        assert!(same.upper <= 0.01 && same.lower < 1e-12, "{same:?}");
+    }
+}
