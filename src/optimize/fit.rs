@@ -119,6 +119,8 @@ pub fn fit(
 ) -> Result<()> {
     let classes = mesh.colour_classes();
     let mut targets = Targets::new(mesh);
+    let longest = mesh.edges().map(|h| mesh.length_squared(h)).fold(0.0, f64::max).sqrt();
+    let spacing = spacing.min(longest);
     let mut watched: Vec<u32> = (0..domain.mesh.positions.len() as u32).collect();
     let drawn_rounds = DRAWN_ROUNDS + limit.map_or(0, |_| LIMITED_ROUNDS);
     for round in 0..PLAIN_ROUNDS + drawn_rounds {
@@ -134,6 +136,7 @@ pub fn fit(
             classes.iter().for_each(|class| move_all(mesh, class, &targets, spacing));
         }
     }
+    settle_vertices(domain, mesh, spacing);
     Ok(())
 }
 
@@ -212,21 +215,12 @@ impl Targets {
         self.own[t as usize].iter().chain(far.map(|f| &f.1))
     }
 
-    /// Looks for the planes anew, from where they were; the vertices take the normals of where they are.
+    /// Looks for the planes anew, from where they were.
     fn find(&mut self, domain: &Domain, mesh: &mut Manifold, spacing: f64) {
-        let reach = REACH * spacing;
-        let settle = |v: usize| {
-            let here = mesh.samples[v];
-            let moves = mesh.connectivity.has_vertex(v as u32) && mesh.connectivity.curve_at(v as u32) == NONE;
-            let foot = if moves { domain.settle(&here, reach) } else { here };
-            (Sample { position: here.position, ..foot }, foot.normal.dot(foot.position))
-        };
-        let feet = (0..mesh.samples.len()).into_par_iter().with_min_len(CHUNK).map(settle);
-        let (samples, heights) = feet.unzip();
-        (mesh.samples, self.heights) = (samples, heights);
+        self.heights = settle_vertices(domain, mesh, spacing);
         let triangles = self.own.par_iter_mut().enumerate().with_min_len(CHUNK).map(|(t, own)| (t as u32, own));
         let there = triangles.filter(|(t, _)| mesh.connectivity.has_half_edge(3 * t));
-        there.for_each(|(t, own)| find_planes(domain, mesh, t, own, reach));
+        there.for_each(|(t, own)| find_planes(domain, mesh, t, own, REACH * spacing));
     }
 
     /// The mean of the squared distances of the triangles' own points to their planes.
@@ -255,6 +249,23 @@ impl Targets {
         }
         self.far.sort_by_key(|f| f.0);
     }
+}
+
+/// Gives the vertices that move the normals of where they are, and takes them back to near the surface if a slide around
+/// a bend has led them away. For each, how far along its normal the surface is from the origin.
+fn settle_vertices(domain: &Domain, mesh: &mut Manifold, spacing: f64) -> Vec<f64> {
+    let settle = |v: usize| {
+        let here = mesh.samples[v];
+        if !mesh.connectivity.has_vertex(v as u32) || mesh.connectivity.curve_at(v as u32) != NONE {
+            return (here, 0.0);
+        }
+        let foot = domain.settle(&here, REACH * spacing);
+        let off = (here.position - foot.position).clamp_length_max(FARTHEST * spacing);
+        (Sample { position: foot.position + off, ..foot }, foot.normal.dot(foot.position))
+    };
+    let (samples, heights) = (0..mesh.samples.len()).into_par_iter().with_min_len(CHUNK).map(settle).unzip();
+    mesh.samples = samples;
+    heights
 }
 
 #[inline]
