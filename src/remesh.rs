@@ -517,7 +517,9 @@ fn optimize(
     mesh.fixed.fill(false);
     improve_angles(domain, mesh, spacing, monitor)?;
     monitor.stage("fit");
-    fit(domain, mesh, spacing, limit, monitor)
+    fit(domain, mesh, spacing, limit, monitor)?;
+    // A vertex that was taken back to the surface may have spoilt its triangles.
+    improve_angles(domain, mesh, spacing, monitor)
 }
 
 /// Sweeps of ascent in the places that no coarser mesh can follow, and those over the coarse mesh: irregular vertices
