@@ -107,7 +107,7 @@ fn json(text: &str) -> serde_json::Value {
 fn help_and_version_are_no_errors() {
     let folder = folder();
     let help = run(folder.path(), "--help");
-    for part in ["Usage: remesh <IN> <OUT>", "--points <N>", "Examples:", "Exit status:"] {
+    for part in ["Usage: remesh <IN> <OUT>", "--points <N|auto>", "Examples:", "Exit status:"] {
         assert!(help.went_well().contains(part), "{part}");
     }
     assert!(run(folder.path(), "quality --help").went_well().contains("--against <INPUT>"));

@@ -25,6 +25,11 @@ pub fn meet_count(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
         c.curve_at(c.origin(h)) == NONE && mesh.after_collapse(h).0 >= LEAST_FACING
     });
     collapse_shortest(mesh, wanted, |_, _| true);
+    if mesh.connectivity.vertex_count() > wanted {
+        // The count goes before sharp edges and the corners of the boundary.
+        mesh.connectivity.forget_curves();
+        collapse_shortest(mesh, wanted, |_, _| true);
+    }
 }
 
 /// An edge by its squared relative length when it was looked at; lengths that have changed since are stale.

@@ -247,6 +247,12 @@ impl Connectivity {
         }
     }
 
+    /// Takes all edges and vertices off their curves.
+    pub fn forget_curves(&mut self) {
+        self.curve.fill(NONE);
+        self.curve_at.fill(NONE);
+    }
+
     /// The link condition: whether merging the origin of `h` into its target leaves a manifold of the same topology.
     ///
     /// A boundary vertex merges along the boundary only, one on a curve along that. H. Edelsbrunner, Geometry and topology for mesh generation,
