@@ -139,7 +139,8 @@ fn crossings_of_the_input_stay_and_are_told() {
     assert!(made.crossing_faces.len() > 20 && made.crossing_faces_of_input > Some(20) && made.verified());
     assert!(made.notes.iter().any(|note| note.contains("cross")), "{:?}", made.notes);
     let bvh = Bvh::new(&input);
-    assert!(made.mesh.positions.iter().all(|&p| bvh.closest(&input, p).unwrap().distance_squared < 1e-20));
+    // The fit takes them off the surface by some thousandths, parting sheets would by 0.15 of an edge, 0.03.
+    assert!(made.mesh.positions.iter().all(|&p| bvh.closest(&input, p).unwrap().distance_squared < 0.01 * 0.01));
 }
 
 /// Many needles of open ends would take a hundred times the wanted vertices for their boundaries.

@@ -23,8 +23,9 @@
 //! in J. R. Rice, K. H. Usow, The Lawson algorithm and extensions, 1968, DOI 10.1090/S0025-5718-1968-0227663-1.
 //! Departures: the connectivity stays, and weights start anew in every round.
 //!
-//! No step takes a triangle out of the goal for angles and quality, or further out, or a vertex far from the surface.
-//! Vertices on the boundary and on sharp edges stay.
+//! No step takes a triangle out of the goal for angles and quality, or further out. A vertex that a slide around a sharp
+//! bend has led away from all of the surface is taken back, whatever that does to its triangles. Vertices on the boundary
+//! and on sharp edges stay.
 //!
 //! Cost: some ten microseconds a vertex, and a search for each vertex of the input.
 
@@ -120,6 +121,7 @@ pub fn fit(
     let classes = mesh.colour_classes();
     let mut targets = Targets::new(mesh);
     let longest = mesh.edges().map(|h| mesh.length_squared(h)).fold(0.0, f64::max).sqrt();
+    // Where the topology takes more vertices than were asked for, no edge is as long as the spacing.
     let spacing = spacing.min(longest);
     let mut watched: Vec<u32> = (0..domain.mesh.positions.len() as u32).collect();
     let drawn_rounds = DRAWN_ROUNDS + limit.map_or(0, |_| LIMITED_ROUNDS);
@@ -133,10 +135,10 @@ pub fn fit(
             targets.weigh(mesh, &scale, far);
         }
         for _ in 0..SWEEPS {
-            classes.iter().for_each(|class| move_all(mesh, class, &targets, spacing));
+            classes.iter().for_each(|class| move_all(mesh, class, |mesh, v| step(mesh, &targets, v, spacing)));
         }
     }
-    settle_vertices(domain, mesh, spacing);
+    take_back(domain, mesh, spacing);
     Ok(())
 }
 
@@ -198,14 +200,14 @@ struct Targets {
     own: Vec<[Target; POINTS.len()]>,
     /// Those of far vertices of the input, each with its triangle, by increasing triangles.
     far: Vec<(u32, Target)>,
-    /// For each vertex that moves, how far along its normal the surface is from the origin.
-    heights: Vec<f64>,
+    /// For each vertex the closest point of the surface.
+    feet: Vec<DVec3>,
 }
 
 impl Targets {
     fn new(mesh: &Manifold) -> Targets {
         let count = mesh.connectivity.half_edge_bound() as usize / 3;
-        Targets { own: vec![[Target::NONE; POINTS.len()]; count], far: Vec::new(), heights: Vec::new() }
+        Targets { own: vec![[Target::NONE; POINTS.len()]; count], far: Vec::new(), feet: Vec::new() }
     }
 
     /// Those of triangle `t`.
@@ -217,7 +219,7 @@ impl Targets {
 
     /// Looks for the planes anew, from where they were.
     fn find(&mut self, domain: &Domain, mesh: &mut Manifold, spacing: f64) {
-        self.heights = settle_vertices(domain, mesh, spacing);
+        self.feet = settle_vertices(domain, mesh, spacing);
         let triangles = self.own.par_iter_mut().enumerate().with_min_len(CHUNK).map(|(t, own)| (t as u32, own));
         let there = triangles.filter(|(t, _)| mesh.connectivity.has_half_edge(3 * t));
         there.for_each(|(t, own)| find_planes(domain, mesh, t, own, REACH * spacing));
@@ -251,21 +253,29 @@ impl Targets {
     }
 }
 
-/// Gives the vertices that move the normals of where they are, and takes them back to near the surface if a slide around
-/// a bend has led them away. For each, how far along its normal the surface is from the origin.
-fn settle_vertices(domain: &Domain, mesh: &mut Manifold, spacing: f64) -> Vec<f64> {
+/// Gives the vertices that move the normals of where they are. For each, the closest point of the surface.
+fn settle_vertices(domain: &Domain, mesh: &mut Manifold, spacing: f64) -> Vec<DVec3> {
     let settle = |v: usize| {
         let here = mesh.samples[v];
-        if !mesh.connectivity.has_vertex(v as u32) || mesh.connectivity.curve_at(v as u32) != NONE {
-            return (here, 0.0);
-        }
-        let foot = domain.settle(&here, REACH * spacing);
-        let off = (here.position - foot.position).clamp_length_max(FARTHEST * spacing);
-        (Sample { position: foot.position + off, ..foot }, foot.normal.dot(foot.position))
+        let moves = mesh.connectivity.has_vertex(v as u32) && mesh.connectivity.curve_at(v as u32) == NONE;
+        let foot = if moves { domain.settle(&here, REACH * spacing) } else { here };
+        (Sample { position: here.position, ..foot }, foot.position)
     };
-    let (samples, heights) = (0..mesh.samples.len()).into_par_iter().with_min_len(CHUNK).map(settle).unzip();
+    let (samples, feet) = (0..mesh.samples.len()).into_par_iter().with_min_len(CHUNK).map(settle).unzip();
     mesh.samples = samples;
-    heights
+    feet
+}
+
+/// Takes vertices that have slid away from the surface back to near it.
+fn take_back(domain: &Domain, mesh: &mut Manifold, spacing: f64) {
+    let feet = settle_vertices(domain, mesh, spacing);
+    mesh.samples.par_iter_mut().zip(feet).with_min_len(CHUNK).for_each(|(here, foot)| {
+        let (p, farthest) = (here.position, FARTHEST * spacing * here.size);
+        // At the end of a fin the surface may be near, and only face another way.
+        if p.distance(foot) > farthest && domain.project_anywhere(p).position.distance(p) > farthest {
+            here.position = foot + (p - foot).clamp_length_max(farthest);
+        }
+    });
 }
 
 #[inline]
@@ -315,10 +325,9 @@ fn vertices_beyond(range: std::ops::Range<f64>, domain: &Domain, mesh: &Manifold
     vertices.par_iter().with_min_len(CHUNK).filter_map(far).collect()
 }
 
-/// Moves vertices, no two of them adjacent, each a step.
-fn move_all(mesh: &mut Manifold, vertices: &[u32], targets: &Targets, spacing: f64) {
-    let moved: Vec<Sample> =
-        vertices.par_iter().with_min_len(CHUNK).map(|&v| step(mesh, targets, v, spacing)).collect();
+/// Moves vertices, no two of them adjacent, each to its `place`.
+fn move_all(mesh: &mut Manifold, vertices: &[u32], place: impl Fn(&Manifold, u32) -> Sample + Sync) {
+    let moved: Vec<Sample> = vertices.par_iter().with_min_len(CHUNK).map(|&v| place(mesh, v)).collect();
     for (&v, sample) in vertices.iter().zip(moved) {
         mesh.samples[v as usize] = sample;
     }
@@ -333,7 +342,7 @@ fn step(mesh: &Manifold, targets: &Targets, v: u32, spacing: f64) -> Sample {
     let way = newton_step(mesh, targets, v, spacing);
     let spacing = spacing * here.size;
     let mut way = way.clamp_length_max(LONGEST_STEP * spacing);
-    let height = here.normal.dot(here.position + way) - targets.heights[v as usize];
+    let height = here.normal.dot(here.position + way - targets.feet[v as usize]);
     let farthest = FARTHEST * spacing;
     way += (height.clamp(-farthest, farthest) - height) * here.normal;
     if way.length() <= SHORTEST_STEP * spacing || !way.is_finite() {
