@@ -68,7 +68,7 @@ const LONGEST_STEP: f64 = 0.2;
 /// Shortest step in spacings: a tenth of the distance that is left in the end.
 const SHORTEST_STEP: f64 = 0.001;
 
-/// How far from the surface a vertex may be, in spacings.
+/// How far from the surface a vertex may be, in spacings or lengths of its shortest edge, whichever is less.
 const FARTHEST: f64 = 0.15;
 
 /// How far from the surface, in spacings, a walk over it is believed to have found the closest point.
@@ -269,13 +269,27 @@ fn settle_vertices(domain: &Domain, mesh: &mut Manifold, spacing: f64) -> Vec<DV
 /// Takes vertices that have slid away from the surface back to near it.
 fn take_back(domain: &Domain, mesh: &mut Manifold, spacing: f64) {
     let feet = settle_vertices(domain, mesh, spacing);
-    mesh.samples.par_iter_mut().zip(feet).with_min_len(CHUNK).for_each(|(here, foot)| {
-        let (p, farthest) = (here.position, FARTHEST * spacing * here.size);
-        // At the end of a fin the surface may be near, and only face another way.
-        if p.distance(foot) > farthest && domain.project_anywhere(p).position.distance(p) > farthest {
-            here.position = foot + (p - foot).clamp_length_max(farthest);
+    let back = |(v, foot): (u32, DVec3)| {
+        let here = &mesh.samples[v as usize];
+        let (p, size) = (here.position, here.size);
+        let far = |q: DVec3, most: f64| p.distance_squared(q) > most * most;
+        if !far(foot, 0.0) {
+            return p;
         }
-    });
+        let farthest = FARTHEST * shortest_edge(mesh, v).min(spacing * size);
+        // At the end of a fin the surface may be near, and only face another way.
+        let away = far(foot, farthest) && far(domain.project_anywhere(p).position, farthest);
+        if away { foot + (p - foot).clamp_length_max(farthest) } else { p }
+    };
+    let places: Vec<DVec3> = (0..).zip(feet).collect::<Vec<_>>().into_par_iter().with_min_len(CHUNK).map(back).collect();
+    mesh.samples.iter_mut().zip(places).for_each(|(sample, p)| sample.position = p);
+}
+
+/// The length of the shortest edge at `v`; infinite where it has none.
+fn shortest_edge(mesh: &Manifold, v: u32) -> f64 {
+    let c = &mesh.connectivity;
+    let squares = c.has_vertex(v).then(|| c.outgoing(v)).into_iter().flatten().map(|h| mesh.length_squared(h));
+    squares.fold(f64::INFINITY, f64::min).sqrt()
 }
 
 #[inline]
@@ -343,7 +357,7 @@ fn step(mesh: &Manifold, targets: &Targets, v: u32, spacing: f64) -> Sample {
     let spacing = spacing * here.size;
     let mut way = way.clamp_length_max(LONGEST_STEP * spacing);
     let height = here.normal.dot(here.position + way - targets.feet[v as usize]);
-    let farthest = FARTHEST * spacing;
+    let farthest = FARTHEST * shortest_edge(mesh, v).min(spacing);
     way += (height.clamp(-farthest, farthest) - height) * here.normal;
     if way.length() <= SHORTEST_STEP * spacing || !way.is_finite() {
         return here;
