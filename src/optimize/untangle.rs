@@ -41,7 +41,7 @@ const STEPS: usize = 6;
 const STEP: f64 = 0.35;
 
 /// How far a vertex may step away from its place on the surface, in lengths of its longest edge.
-const FARTHEST: f64 = 0.15;
+const FARTHEST: f64 = 0.14;
 
 /// Distances, in lengths of the longest edge there, at which a vertex looks for a better place.
 const REACHES: [f64; 4] = [0.06, 0.12, 0.25, 0.5];
