@@ -10,7 +10,13 @@ use divan::{Bencher, Divan, black_box};
 use glam::{DVec3, dvec3};
 use spectral_remesh::base::rng::{Stage, stream};
 use spectral_remesh::io::{self, Format, NO_BUFFERS};
+use spectral_remesh::optimize::angles::improve_angles;
 use spectral_remesh::optimize::counts::meet_count;
+use spectral_remesh::optimize::fit::fit;
+use spectral_remesh::optimize::levels::coarsen;
+use spectral_remesh::optimize::relax::{Flips, relax};
+use spectral_remesh::optimize::untangle::untangle;
+use spectral_remesh::optimize::valence::remove_defects;
 use spectral_remesh::quality::distance::{REPORT_SAMPLES, distance};
 use spectral_remesh::quality::shape::shape;
 use spectral_remesh::spectral::ascent::{Climb, PAPER_STEP, ascend};
@@ -24,7 +30,7 @@ use spectral_remesh::surface::seams::open_seams;
 use spectral_remesh::surface::topology::{topology, twins};
 use spectral_remesh::triangulate::mutual::{Insertion, mutual_tessellation};
 use spectral_remesh::triangulate::{Boundary, triangulate};
-use spectral_remesh::{Density, Mesh, Options, remesh};
+use spectral_remesh::{Density, Mesh, Options, Result, remesh};
 use std::f64::consts::{PI, TAU};
 use std::sync::LazyLock;
 
@@ -179,24 +185,70 @@ fn s09_ascent(bencher: Bencher) {
     });
 }
 
+/// One of the stages of optimising, on the manifold as it comes from triangulation.
+fn optimising(bencher: Bencher, stage: impl Fn(&Domain, &mut Manifold, f64) -> Result<()> + Sync) {
+    let given = &*INPUTS;
+    bencher.with_inputs(|| given.manifold.clone()).bench_values(|mut mesh| {
+        stage(&given.domain, &mut mesh, given.spacing).expect("nobody cancels");
+        mesh
+    });
+}
+
 #[divan::bench]
-fn s10_report_shape(bencher: Bencher) {
+fn s10_coarsen(bencher: Bencher) {
+    optimising(bencher, |domain, mesh, spacing| {
+        coarsen(domain, mesh, spacing);
+        Ok(())
+    });
+}
+
+#[divan::bench]
+fn s10_relax_one_round(bencher: Bencher) {
+    optimising(bencher, |domain, mesh, spacing| relax(domain, mesh, spacing, Flips::Delaunay, 1, &()));
+}
+
+#[divan::bench]
+fn s10_remove_defects(bencher: Bencher) {
+    optimising(bencher, |_, mesh, _| {
+        let everywhere = vec![true; mesh.samples.len()];
+        remove_defects(mesh, &everywhere);
+        Ok(())
+    });
+}
+
+#[divan::bench]
+fn s10_improve_angles(bencher: Bencher) {
+    optimising(bencher, |domain, mesh, spacing| improve_angles(domain, mesh, spacing, &()));
+}
+
+#[divan::bench]
+fn s10_fit(bencher: Bencher) {
+    optimising(bencher, |domain, mesh, spacing| fit(domain, mesh, spacing, None, &()));
+}
+
+#[divan::bench]
+fn s10_untangle(bencher: Bencher) {
+    optimising(bencher, |domain, mesh, _| untangle(domain, mesh, &()));
+}
+
+#[divan::bench]
+fn s11_report_shape(bencher: Bencher) {
     bencher.bench(|| shape(black_box(&INPUTS.result)));
 }
 
 #[divan::bench]
-fn s10_report_distance(bencher: Bencher) {
+fn s11_report_distance(bencher: Bencher) {
     bencher.bench(|| distance(&INPUTS.result, black_box(&INPUTS.mesh), REPORT_SAMPLES, SEED));
 }
 
 #[divan::bench]
-fn s11_remesh_all(bencher: Bencher) {
+fn s12_remesh_all(bencher: Bencher) {
     let options = Options { density: Density::Points(POINTS), ..Options::default() };
     bencher.bench(|| remesh(black_box(&INPUTS.mesh), &options, &()).expect("the sphere can be remeshed"));
 }
 
 #[divan::bench(args = Format::ALL)]
-fn s12_read(bencher: Bencher, format: Format) {
+fn s13_read(bencher: Bencher, format: Format) {
     let bytes = written(format);
     bencher
         .counter(divan::counter::BytesCount::new(bytes.len()))
@@ -204,7 +256,7 @@ fn s12_read(bencher: Bencher, format: Format) {
 }
 
 #[divan::bench(args = Format::ALL)]
-fn s13_write(bencher: Bencher, format: Format) {
+fn s14_write(bencher: Bencher, format: Format) {
     bencher.bench(|| written(black_box(format)));
 }
 

@@ -39,9 +39,10 @@
 //! 2. [`surface::repair`] makes an oriented 2-manifold of it and counts what that took; [`surface::domain`] adds what it
 //!    takes to walk over it and to find back to it.
 //! 3. [`spectral`] covers it with candidates, and a randomized scan keeps those that add to the spectrum of the samples
-//!    so far. Boundaries are sampled as curves.
+//!    so far. Boundaries and sharp edges are sampled as curves.
 //! 4. [`triangulate`] joins the samples by Delaunay stars along the surface to a manifold of the same topology.
-//! 5. [`optimize`] brings it to exactly the wanted number of vertices, and gradient ascent in [`spectral`] spreads them.
+//! 5. [`optimize`] arranges a coarse mesh first, with gradient ascent in [`spectral`], refines it to exactly the wanted
+//!    number of vertices, mends triangles and crossings, and fits the vertices to the surface.
 //! 6. [`quality`] measures the result, [`report`] says how good it is, [`io`] writes it.
 //!
 //! Only [`mod@remesh`] knows that order. Each stage takes plain data and can be used by itself; here it is the sampler
@@ -51,7 +52,7 @@
 //! use glam::{DVec3, dvec3};
 //! use spectral_remesh::Mesh;
 //! use spectral_remesh::base::rng::{Stage, stream};
-//! use spectral_remesh::spectral::{boundary::sample_boundaries, candidates::candidates, scan::linear_scan};
+//! use spectral_remesh::spectral::{candidates::candidates, curves::sample_curves, scan::linear_scan};
 //! use spectral_remesh::surface::domain::Domain;
 //!
 //! // A unit square, which is an oriented manifold already. (Others go through `surface::repair::repair` first.)
@@ -61,7 +62,7 @@
 //! };
 //! let domain = Domain::new(square);
 //! let (spacing, seed) = (0.05, 1);
-//! let rim = sample_boundaries(&domain, spacing).samples;
+//! let rim = sample_curves(&domain, spacing).samples;
 //! let candidates = candidates(&domain, 10_000, &mut stream(seed, Stage::Candidates));
 //! let sigma = 0.866 * spacing;
 //! let samples = linear_scan(&domain, &candidates, &rim, sigma, seed, &())?;
@@ -110,7 +111,6 @@ pub mod geom;
 pub mod io;
 pub mod optimize;
 pub mod quality;
-#[allow(missing_docs)]
 pub mod remesh;
 pub mod report;
 pub mod spectral;

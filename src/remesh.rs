@@ -200,6 +200,7 @@ fn check_count(option: &'static str, n: usize, cause: String) -> Result<()> {
 /// A remeshed surface and what there is to say about it.
 #[derive(Debug, Clone)]
 pub struct Remeshed {
+    /// The result, in the coordinates of the input.
     pub mesh: Mesh,
     /// The input as it came, before repairs.
     pub input: Topology,
@@ -207,6 +208,7 @@ pub struct Remeshed {
     pub repaired: Topology,
     /// The result.
     pub output: Topology,
+    /// What was mended in the input.
     pub repairs: Repairs,
     /// Kernel width used, in the units of the input.
     pub sigma_p: f64,

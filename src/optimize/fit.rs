@@ -281,7 +281,8 @@ fn take_back(domain: &Domain, mesh: &mut Manifold, spacing: f64) {
         let away = far(foot, farthest) && far(domain.project_anywhere(p).position, farthest);
         if away { foot + (p - foot).clamp_length_max(farthest) } else { p }
     };
-    let places: Vec<DVec3> = (0..).zip(feet).collect::<Vec<_>>().into_par_iter().with_min_len(CHUNK).map(back).collect();
+    let places: Vec<DVec3> =
+        (0..).zip(feet).collect::<Vec<_>>().into_par_iter().with_min_len(CHUNK).map(back).collect();
     mesh.samples.iter_mut().zip(places).for_each(|(sample, p)| sample.position = p);
 }
 

@@ -12,7 +12,7 @@
 //! least at the area A₀ of an equilateral triangle of the mean edge length: without it the vertices would drain from every
 //! tip of the surface, as in conformal maps.
 //!
-//! Each round is a Gauss-Newton step for all vertices at once ([`crate::optimize::step`]): strain evens out over hundreds of
+//! Each round is a Gauss-Newton step for all vertices at once (`step.rs`): strain evens out over hundreds of
 //! edges, which steps of single vertices take as many rounds for. With the corners z₀, z₁, z₂ of a triangle as complex
 //! numbers in its plane and ω a third root of one, E = |β|² / (2 √3 A) for β = z₀ + ω z₁ + ω² z₂.
 //!

@@ -10,7 +10,7 @@
 //! 3. *Collapses* of an edge, where the number of vertices is not settled yet. They do what no glide can: end a row.
 //!
 //! The rows that a pair has gone along are sheared and need room to straighten before they are Delaunay again, so
-//! relaxation has to follow with flips that add nothing to the energy ([`Defects::flip_level`]).
+//! relaxation has to follow with flips that add nothing to the energy (`Flips::KeepValence` in `relax.rs`).
 //!
 //! On a coarse mesh only what is next to each other should meet: long glides there take away pairs that ease strain, and
 //! every triangle around is the worse for it.
@@ -48,7 +48,7 @@ const FLAT: f64 = 0.5;
 /// How far, in spacings, a vertex that is removed may be from what is left.
 const TOLERANCE: f64 = 0.25;
 
-/// Lowers the energy of the fine mesh by flips, and by glides of up to [`LONGEST_GLIDE`] flips that begin at vertices where
+/// Lowers the energy of the fine mesh by flips, and by glides of up to a dozen flips that begin at vertices where
 /// `glides` says so. Between near curves they would shear rows that have no room to straighten.
 pub fn remove_defects(mesh: &mut Manifold, glides: &[bool]) {
     let mut defects = Defects::new(mesh);

@@ -3,7 +3,7 @@
 //! *From the shape.* The radius ρ at a vertex is the smaller of two: that of its curvature, and half the thickness along
 //! the normal there.
 //! Edges of length h leave an error of about h² / (8 ρ), so h ∝ √ρ makes it the same everywhere; A between 0 and 1 asks
-//! for h ∝ ρ^(A/2). Radii are cut off at [`RANGE`] times and a [`RANGE`]-th of their geometric mean over the area.
+//! for h ∝ ρ^(A/2). Radii are cut off at `RANGE` times and a `RANGE`-th of their geometric mean over the area.
 //!
 //! *Curvature* is the mean of the curvature tensor over about a spacing, so that the noise of a scan cancels: each edge
 //! of length l, direction e and dihedral angle β adds β l e eᵗ to both its ends. The radius is 1 / √((κ₁² + κ₂²) / 2).
