@@ -3,6 +3,7 @@
 #[path = "../examples/make_data/shapes/mod.rs"]
 mod shapes;
 
+use spectral_remesh::{Density, Options, remesh};
 use std::path::Path;
 
 #[test]
@@ -14,5 +15,16 @@ fn the_models_are_what_the_program_writes() {
         let same = file == model.bytes().expect("a model that can be written");
         assert!(same, "{} differs; run `cargo run --example make_data`", path.display());
         assert!(file.len() < 500_000, "{} has {} bytes", path.display(), file.len());
+    }
+}
+
+/// The wall of the shell is a sixth of the spacing: its faces cross with some samples, and others are tried.
+#[test]
+fn the_models_are_remeshed() {
+    for model in shapes::all() {
+        let options = Options { density: Density::Points(3000), ..Options::default() };
+        let made = remesh(&model.mesh, &options, &()).expect("a mesh that can be remeshed");
+        assert!(made.verified(), "{}: {:?}", model.file, made.notes);
+        assert_eq!(made.mesh.positions.len(), 3000, "{}", model.file);
     }
 }

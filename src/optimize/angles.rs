@@ -38,7 +38,7 @@ const FIRST_STEP: f64 = 0.2;
 const LAST_STEP: f64 = 0.01;
 
 /// Degrees that a step of the search has to gain, and rings of places that it looks at, so that it ends.
-const LEAST_GAIN: f64 = 0.01;
+const LEAST_GAIN: f64 = 0.05;
 const MOST_TRIES: usize = 24;
 
 /// Directions that the search tries.
