@@ -71,7 +71,7 @@ pub fn relax(
         check(monitor)?;
         let steps = newton_step(mesh, spacing, |t| strain_of(mesh, t, spacing));
         let longest = |mesh: &Manifold, v: u32| LONGEST_STEP * spacing * mesh.samples[v as usize].size;
-        move_vertices(domain, mesh, || (), |mesh, v, ()| steps[v as usize].clamp_length_max(longest(mesh, v)));
+        move_vertices(domain, mesh, |mesh, v| steps[v as usize].clamp_length_max(longest(mesh, v)));
         flip(mesh, flips);
     }
     Ok(())

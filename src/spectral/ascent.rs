@@ -46,7 +46,7 @@ pub fn ascend(domain: &Domain, mesh: &mut Manifold, climb: Climb, monitor: &dyn 
     mesh.make_delaunay();
     for sweep in 0..climb.sweeps {
         check(monitor)?;
-        move_vertices(domain, mesh, || (), |mesh, v, ()| way_up(mesh, v, climb));
+        move_vertices(domain, mesh, |mesh, v| way_up(mesh, v, climb));
         mesh.make_delaunay();
         monitor.progress((sweep + 1) as f64 / climb.sweeps as f64);
     }

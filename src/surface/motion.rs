@@ -1,5 +1,6 @@
 //! Moves the vertices of a manifold over its domain: all of them once, each to where a rule wants it, tangentially and
-//! back on the surface; vertices on the boundary stay on their loop. A step that would turn a triangle against the surface is halved until it does not.
+//! back on the surface; vertices on a curve stay on it. A step that would turn a triangle against the surface is halved
+//! until it does not.
 //!
 //! Vertices of one colour, no two of them adjacent, move at the same time: the result is the same for any number of
 //! threads.
@@ -19,20 +20,11 @@ const LEAST_FACING: f64 = 0.3;
 /// Vertices that one task moves.
 const CHUNK: usize = 64;
 
-/// Moves all vertices that are not fixed once. `way` is where a vertex wants to go from where it is; what it needs to work it out is
-/// made by `tools` once for each task.
-pub fn move_vertices<T>(
-    domain: &Domain,
-    mesh: &mut Manifold,
-    tools: impl Fn() -> T + Sync + Send,
-    way: impl Fn(&Manifold, u32, &mut T) -> DVec3 + Sync + Send,
-) {
+/// Moves all vertices that are not fixed once. `way` is where a vertex wants to go from where it is.
+pub fn move_vertices(domain: &Domain, mesh: &mut Manifold, way: impl Fn(&Manifold, u32) -> DVec3 + Sync + Send) {
     for class in mesh.colour_classes() {
-        let moved: Vec<Sample> = class
-            .par_iter()
-            .with_min_len(CHUNK)
-            .map_init(&tools, |tools, &v| step(domain, mesh, v, way(mesh, v, tools)))
-            .collect();
+        let moved: Vec<Sample> =
+            class.par_iter().with_min_len(CHUNK).map(|&v| step(domain, mesh, v, way(mesh, v))).collect();
         for (&v, sample) in class.iter().zip(moved) {
             mesh.samples[v as usize] = sample;
         }
