@@ -1,5 +1,10 @@
 //! The pipeline from mesh to mesh: the only place that knows the order of the stages.
 
+mod options;
+mod result;
+mod scale;
+mod unit;
+
 use crate::base::error::{Error, Result};
 use crate::base::progress::{Monitor, check};
 use crate::base::rng::{Stage, stream};
@@ -17,272 +22,26 @@ use crate::spectral::curves::sample_curves;
 use crate::spectral::scan::linear_scan;
 use crate::surface::crossings::crossing_faces;
 use crate::surface::domain::Domain;
-use crate::surface::features::Features;
 use crate::surface::manifold::Manifold;
 use crate::surface::mesh::Mesh;
 use crate::surface::refine::refine;
 use crate::surface::repair::{Repairs, repair};
 use crate::surface::seams::{close_seams, open_seams};
-use crate::surface::sizing::{adapted_sizes, field_lengths, field_sizes, mean_density, transferred};
+use crate::surface::sizing::adapted_sizes;
 use crate::surface::topology::{Topology, topology};
 use crate::triangulate::glue::{Seams, glue};
 use crate::triangulate::{Boundary, triangulate};
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
+use options::{FIRST_POINTS, check_field};
+use result::notes;
+use scale::{Field, Scale};
+use unit::Unit;
 
-/// How dense the result shall be. Each says it all.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Density {
-    /// The number of vertices of the result.
-    Points(usize),
-    /// The mean edge length, in the units of the input.
-    EdgeLength(f64),
-    /// The kernel width σp of the sampler, in the units of the input.
-    SigmaP(f64),
-    /// As many vertices as the lengths of [`Options::sizing`] ask for.
-    OfSizing,
-    /// As many vertices as [`Options::max_error`] needs, and hardly more: see [`remesh`].
-    Auto,
-}
-
-/// How far the result may be from the input.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum MaxError {
-    /// A length, in the units of the input.
-    Length(f64),
-    /// A share of the diagonal of the input's bounding box: 0.001 is a tenth of a per cent.
-    OfDiagonal(f64),
-}
-
-impl MaxError {
-    fn length(self, diagonal: f64) -> f64 {
-        match self {
-            MaxError::Length(length) => length,
-            MaxError::OfDiagonal(share) => share * diagonal,
-        }
-    }
-}
-
-/// What to make of a mesh.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Options {
-    /// How dense the result shall be. Default: 10,000 points.
-    pub density: Density,
-    /// Seed of all random numbers: same seed, same input, same result. Default: 0.
-    pub seed: u64,
-    /// Boundary vertices as near as this to each other, in the units of the input, become one: closes seams that rounding
-    /// left open. Default: `None`, only vertices at exactly the same place.
-    pub weld: Option<f64>,
-    /// Which edges of the input are kept sharp. Default: decided from the input.
-    pub features: Features,
-    /// How much the edge lengths follow the shape, from 0 (they are even) to 1 (short where the surface bends or is thin,
-    /// in proportion to the root of the radius). Default: 0.
-    pub adapt: f64,
-    /// The edge length wanted at each vertex of the input, in its units; with a density other than [`Density::OfSizing`]
-    /// all are scaled by one factor to meet that. Default: `None`, lengths are even or as `adapt` says.
-    pub sizing: Option<Vec<f64>>,
-    /// How far any point of the result may be from the repaired input, and any point of that from the result. Default:
-    /// `None`, as near as the vertices allow on average.
-    pub max_error: Option<MaxError>,
-    /// Whether the triangles are optimised after sampling. Default: true. Without, the vertices are where the paper's
-    /// gradient ascent leaves them: blue noise.
-    pub optimize: bool,
-    /// Sweeps of gradient ascent over all samples if nothing is optimised. Default: 10, as in the paper (section 6.3);
-    /// more make the triangles a little better.
-    pub sweeps: usize,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Options {
-            density: Density::Points(10_000),
-            seed: 0,
-            weld: None,
-            features: Features::Automatic,
-            adapt: 0.0,
-            sizing: None,
-            max_error: None,
-            optimize: true,
-            sweeps: 10,
-        }
-    }
-}
-
-/// Fewest vertices that can be asked for: those of a triangle.
-pub const FEWEST_POINTS: usize = 3;
-
-/// Most vertices that can be asked for: the candidates for so many take some four gigabytes.
-pub const MOST_POINTS: usize = 5_000_000;
-
-impl Options {
-    /// Refuses what no input can be remeshed with.
-    ///
-    /// # Errors
-    /// [`Error::Option`] for a number of points out of range or a length that is not positive and finite.
-    pub fn validate(&self) -> Result<()> {
-        let length = |option, value: f64| {
-            let remedy = "give a length above zero in the units of the input".into();
-            (value > 0.0 && value.is_finite()).then_some(()).ok_or(Error::Option {
-                option,
-                cause: format!("{value} is not a length"),
-                remedy,
-            })
-        };
-        self.weld.map_or(Ok(()), |tolerance| length("weld", tolerance))?;
-        if let Features::Degrees(degrees) = self.features
-            && !(degrees > 0.0 && degrees < 180.0)
-        {
-            let cause = format!("{degrees} is not an angle between faces");
-            return Err(Error::Option { option: "features", cause, remedy: "give degrees between 0 and 180".into() });
-        }
-        if !(0.0..=1.0).contains(&self.adapt) {
-            let cause = format!("{} is not a degree of adaptivity", self.adapt);
-            return Err(Error::Option { option: "adapt", cause, remedy: "give a number from 0 to 1".into() });
-        }
-        if self.adapt > 0.0 && self.sizing.is_some() {
-            let cause = "edge lengths cannot follow the shape and a field at the same time".into();
-            return Err(Error::Option { option: "adapt", cause, remedy: "leave out adapt or sizing".into() });
-        }
-        self.sizing.as_deref().map_or(Ok(()), check_lengths)?;
-        match self.max_error {
-            Some(MaxError::Length(l)) => length("max-error", l)?,
-            Some(MaxError::OfDiagonal(share)) => length("max-error", share)?,
-            None => {}
-        }
-        match self.density {
-            Density::OfSizing if self.sizing.is_none() => Err(Error::Option {
-                option: "sizing",
-                cause: "there are no lengths that say how dense the result shall be".into(),
-                remedy: "give lengths or another density".into(),
-            }),
-            Density::OfSizing => Ok(()),
-            Density::Points(n) => check_count("points", n, format!("{n} vertices are asked for")),
-            Density::EdgeLength(l) => length("edge-length", l),
-            Density::SigmaP(s) => length("sigma-p", s),
-            Density::Auto if self.max_error.is_none() => Err(Error::Option {
-                option: "points",
-                cause: "nothing says how many are needed".into(),
-                remedy: "give a max-error, or a number of points".into(),
-            }),
-            Density::Auto => Ok(()),
-        }
-    }
-}
-
-fn check_lengths(lengths: &[f64]) -> Result<()> {
-    let is_length = |length: &f64| *length > 0.0 && length.is_finite();
-    lengths.iter().position(|length| !is_length(length)).map_or(Ok(()), |v| {
-        Err(Error::Option {
-            option: "sizing",
-            cause: format!("vertex {v} has {}, which is not a length", lengths[v]),
-            remedy: "give each vertex a length above zero in the units of the input".into(),
-        })
-    })
-}
-
-/// Refuses a field of another number of lengths than the input has vertices.
-fn check_field(input: &Mesh, lengths: &[f64]) -> Result<()> {
-    let (vertices, given) = (input.positions.len(), lengths.len());
-    if given == vertices {
-        return Ok(());
-    }
-    let cause = format!("{given} lengths for the {vertices} vertices of the input");
-    Err(Error::Option { option: "sizing", cause, remedy: "give one length for each vertex".into() })
-}
-
-fn check_count(option: &'static str, n: usize, cause: String) -> Result<()> {
-    if (FEWEST_POINTS..=MOST_POINTS).contains(&n) {
-        return Ok(());
-    }
-    Err(Error::Option { option, cause, remedy: format!("from {FEWEST_POINTS} to {MOST_POINTS} are possible") })
-}
-
-/// A remeshed surface and what there is to say about it.
-#[derive(Debug, Clone)]
-pub struct Remeshed {
-    /// The result, in the coordinates of the input.
-    pub mesh: Mesh,
-    /// The input as it came, before repairs.
-    pub input: Topology,
-    /// The input after repairs: what the result's topology is held against.
-    pub repaired: Topology,
-    /// The result.
-    pub output: Topology,
-    /// What was mended in the input.
-    pub repairs: Repairs,
-    /// Kernel width used, in the units of the input.
-    pub sigma_p: f64,
-    /// The distance that the wanted vertices have at hexagonal packing on the input's area, in the units of the input.
-    pub spacing: f64,
-    /// The smallest and the largest of the distances wanted, both the spacing where nothing is graded.
-    pub spacing_range: [f64; 2],
-    /// Vertices wanted, as the density says.
-    pub wanted: usize,
-    /// Sharp edges that were kept, as curves between corners.
-    pub sharp_curves: usize,
-    /// Smooth patches whose samples did not settle even with parts of them tessellated from the input, and that were
-    /// tessellated as a whole.
-    pub tessellated_pieces: usize,
-    /// Faces of the result that cross or touch another one where they are not joined, in increasing order.
-    pub crossing_faces: Vec<u32>,
-    /// How many faces of the repaired input do; `None` where the result has none, since then nobody needs to know.
-    pub crossing_faces_of_input: Option<usize>,
-    /// How far the result is from the repaired input; `None` if no bound was asked for.
-    pub deviation: Option<Deviation>,
-    /// Things a user should know, a sentence each.
-    pub notes: Vec<String>,
-}
-
-/// How far a result is from what it was made of, and may be.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Deviation {
-    /// How far it may be, in the units of the input.
-    pub allowed: f64,
-    /// No point of the result is farther from the repaired input, and none of that from the result, but for rounding: an
-    /// upper bound, mostly within a tenth of the Hausdorff distance or a quarter of `allowed`, in the units of the
-    /// input.
-    pub reached: f64,
-    /// A point that is about as far: x, y and z.
-    pub place: [f64; 3],
-}
-
-impl Deviation {
-    /// Whether the result is as near as it has to be.
-    pub fn is_allowed(&self) -> bool {
-        self.reached <= self.allowed
-    }
-}
-
-impl Remeshed {
-    /// Whether the result is what it should be: of the topology of the repaired input, without faces that cross each
-    /// other, unless the input has some, too, and as near to the input as was asked for.
-    pub fn verified(&self) -> bool {
-        self.is_sound() && self.deviation.is_none_or(|d| d.is_allowed())
-    }
-
-    /// Whether the result is of the topology of the repaired input, without faces that cross each other, unless the input
-    /// has some, too.
-    pub fn is_sound(&self) -> bool {
-        self.has_topology() && (self.crossing_faces.is_empty() || self.crossing_faces_of_input != Some(0))
-    }
-
-    /// Whether the result is an oriented manifold of the repaired input's Euler characteristic, components and
-    /// boundary loops.
-    pub fn has_topology(&self) -> bool {
-        let kind = |t: &Topology| (t.euler, t.components, t.boundary_loops);
-        self.output.is_manifold() && self.output.is_oriented() && kind(&self.output) == kind(&self.repaired)
-    }
-}
-
-/// σp in units of the mean spacing d at which the scan with ε = 0.5 keeps a density of 2 / (√3 d²): measured on eleven
-/// closed models at 5,000 to 20,000 points, where it met the count within 1 %.
-const SIGMA_OF_SPACING: f64 = 0.866;
+pub use options::{Density, FEWEST_POINTS, MOST_POINTS, MaxError, Options};
+pub use result::{Deviation, Remeshed};
 
 /// Candidates for each wanted point: with fewer the scan leaves gaps, with more it only takes longer.
 const CANDIDATES_PER_POINT: usize = 20;
-
-/// Samples of the boundary for each wanted point: a narrow band has two, a heap of needles might have thousands.
-const MOST_ON_CURVES: f64 = 4.0;
 
 /// Share of the error that is allowed below which it does not matter how small it is.
 const OF_INTEREST: f64 = 0.25;
@@ -309,9 +68,8 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
     }
 }
 
-/// The vertices that the search for as few as needed begins with, the tries that it takes at most, and the factor
-/// between two numbers at which it ends.
-const FIRST_POINTS: usize = 2_000;
+/// The tries that the search for as few vertices as needed takes at most, and the factor between two numbers at which it
+/// ends.
 const MOST_TRIES: usize = 8;
 const NEAR_ENOUGH: f64 = 1.1;
 
@@ -358,7 +116,10 @@ fn remesh_soundly(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Res
         let mut made = remesh_once(input, &Options { seed, ..options.clone() }, monitor)?;
         let sound = made.is_sound();
         if sound && attempt > 0 {
-            made.notes.push(format!("attempt {} of {MOST_ATTEMPTS}: before it, some faces crossed", attempt + 1));
+            made.notes.push(format!(
+                "attempt {} of {MOST_ATTEMPTS}: before it, samples that could not be made a sound mesh",
+                attempt + 1
+            ));
         }
         let rank = |r: &Remeshed| (!r.has_topology(), r.crossing_faces.len());
         if best.as_ref().is_none_or(|best| rank(&made) < rank(best)) {
@@ -516,6 +277,20 @@ fn optimize(
     limit: Option<f64>,
     monitor: &dyn Monitor,
 ) -> Result<()> {
+    arrange_coarse(domain, mesh, scale, monitor)?;
+    refine_to_count(domain, mesh, scale, monitor)?;
+    let spacing = scale.spacing;
+    monitor.stage("improve angles");
+    mesh.fixed.fill(false);
+    improve_angles(domain, mesh, spacing, monitor)?;
+    monitor.stage("fit");
+    fit(domain, mesh, spacing, limit, monitor)?;
+    // A vertex that was taken back to the surface may have spoilt its triangles.
+    improve_angles(domain, mesh, spacing, monitor)
+}
+
+/// A quarter of the vertices, in good order; all of them where a coarser mesh could not follow the surface.
+fn arrange_coarse(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
     let Scale { wanted, spacing } = *scale;
     monitor.stage("ascend");
     if fix_all_but_narrow(domain, mesh, spacing) {
@@ -534,25 +309,23 @@ fn optimize(
     monitor.stage("relax");
     remove_near_defects(mesh, 2.0 * spacing);
     relax(domain, mesh, 2.0 * spacing, Flips::KeepValence, SETTLING_ROUNDS, monitor)?;
-    relax(domain, mesh, 2.0 * spacing, Flips::Delaunay, ROUNDS, monitor)?;
+    relax(domain, mesh, 2.0 * spacing, Flips::Delaunay, ROUNDS, monitor)
+}
+
+/// All the wanted vertices, relaxed, with as few irregular ones as can be.
+fn refine_to_count(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
+    let Scale { wanted, spacing } = *scale;
     *mesh = split_to(domain, mesh, wanted);
     fix_tips(mesh);
     remove_near_defects(mesh, spacing);
     relax(domain, mesh, spacing, Flips::Delaunay, ROUNDS, monitor)?;
     meet_count(domain, mesh, wanted);
+    let wide: Vec<bool> = narrow(domain, mesh, spacing).into_iter().map(|narrow| !narrow).collect();
     for _ in 0..2 {
-        let wide: Vec<bool> = narrow(domain, mesh, spacing).into_iter().map(|narrow| !narrow).collect();
         remove_defects(mesh, &wide);
         relax(domain, mesh, spacing, Flips::KeepValence, SETTLING_ROUNDS, monitor)?;
     }
-    relax(domain, mesh, spacing, Flips::KeepValence, 2 * ROUNDS, monitor)?;
-    monitor.stage("improve angles");
-    mesh.fixed.fill(false);
-    improve_angles(domain, mesh, spacing, monitor)?;
-    monitor.stage("fit");
-    fit(domain, mesh, spacing, limit, monitor)?;
-    // A vertex that was taken back to the surface may have spoilt its triangles.
-    improve_angles(domain, mesh, spacing, monitor)
+    relax(domain, mesh, spacing, Flips::KeepValence, 2 * ROUNDS, monitor)
 }
 
 /// Sweeps of ascent in the places that no coarser mesh can follow, and those over the coarse mesh: irregular vertices
@@ -563,145 +336,10 @@ const COARSE_SWEEPS: usize = 40;
 /// Kernel width of the ascent over the coarse mesh, in its spacings: a wide one orders more.
 const COARSE_SIGMA: f64 = 1.1;
 
-/// Rounds of relaxation at each level: after three, vertices move by a hundredth of an edge. Those after defects have gone
-/// only give the rows room.
+/// Rounds of relaxation at each level: after three, vertices move by a hundredth of an edge. Those after defects have
+/// gone only give the rows room.
 const ROUNDS: usize = 3;
 const SETTLING_ROUNDS: usize = 2;
-
-/// A field of wanted edge lengths, in the pipeline's unit.
-struct Field {
-    mesh: Mesh,
-    lengths: Vec<f64>,
-}
-
-impl Field {
-    /// `lengths` at the vertices of `input`.
-    fn new(lengths: &[f64], input: &Mesh, unit: &Unit) -> Field {
-        Field { mesh: unit.inwards(input), lengths: lengths.iter().map(|length| length / unit.size).collect() }
-    }
-
-    /// The spacing of as many vertices as the lengths ask for.
-    fn spacing(&self) -> f64 {
-        mean_density(&self.mesh, &self.lengths).sqrt().recip()
-    }
-
-    /// Gives `domain` the sizes of the field, and the scale that they have with that density. Repairs number the
-    /// vertices anew, so the lengths are looked up by place.
-    fn grade(&self, domain: &mut Domain, density: Density, scale: Scale) -> Result<Scale> {
-        let lengths = transferred(&self.lengths, &self.mesh, &domain.mesh.positions);
-        if density != Density::OfSizing {
-            domain.grade(field_sizes(domain, lengths, scale.spacing));
-            return Ok(scale);
-        }
-        let lengths = field_lengths(domain, lengths);
-        let spacing = mean_density(&domain.mesh, &lengths).sqrt().recip();
-        domain.grade(lengths.into_iter().map(|length| length / spacing).collect());
-        let wanted = count(domain.mesh.area(), spacing);
-        check_count("sizing", wanted, format!("the lengths mean {wanted} vertices"))?;
-        Ok(Scale { wanted, spacing })
-    }
-}
-
-/// How many vertices at distance `spacing` cover `area` at hexagonal packing: √3 / 2 d² each.
-fn count(area: f64, spacing: f64) -> usize {
-    (2.0 * area / (3f64.sqrt() * spacing * spacing)).round() as usize
-}
-
-/// The lengths that a density means on a surface, in the pipeline's unit.
-struct Scale {
-    wanted: usize,
-    spacing: f64,
-}
-
-/// Smallest spacing that can be worked with, in the pipeline's unit: cells of the sampler are numbered in 32 bits.
-const SMALLEST_SPACING: f64 = 1e-8;
-
-impl Scale {
-    fn new(density: Density, field: Option<&Field>, clean: &Mesh, unit: &Unit) -> Result<Scale> {
-        let area = clean.area();
-        if area <= unit.area_of_rounding(clean) {
-            return Err(Error::Mesh {
-                cause: "the triangles have no area".into(),
-                remedy: "a surface is needed; check that the coordinates are not all on one line".into(),
-            });
-        }
-        let checked = |wanted: usize, spacing: f64| {
-            if spacing >= SMALLEST_SPACING {
-                return Ok(Scale { wanted, spacing });
-            }
-            let cause = format!("{wanted} vertices would be {:e} apart", spacing * unit.size);
-            Err(Error::Mesh { cause, remedy: "so narrow a surface needs fewer vertices".into() })
-        };
-        let from_length = |option, length: f64, spacing: f64| {
-            let wanted = count(area, spacing);
-            check_count(option, wanted, format!("a length of {length} means {wanted} vertices"))?;
-            checked(wanted, spacing)
-        };
-        let points = |n: usize| checked(n, (2.0 * area / (3f64.sqrt() * n as f64)).sqrt());
-        match density {
-            Density::Points(n) => points(n),
-            Density::EdgeLength(l) => from_length("edge-length", l, l / unit.size),
-            Density::OfSizing => {
-                let spacing = field.map_or(f64::NAN, Field::spacing);
-                from_length("sizing", spacing * unit.size, spacing)
-            }
-            Density::SigmaP(s) => from_length("sigma-p", s, s / unit.size / SIGMA_OF_SPACING),
-            Density::Auto => points(FIRST_POINTS),
-        }
-    }
-
-    /// The spacing along curves: wider where they are so long, for the area, that they would take many times the wanted
-    /// vertices.
-    fn curve_spacing(&self, domain: &Domain) -> f64 {
-        self.spacing.max(domain.curves.length() / (MOST_ON_CURVES * self.wanted as f64))
-    }
-
-    fn sigma(&self) -> f64 {
-        SIGMA_OF_SPACING * self.spacing
-    }
-}
-
-/// The pipeline's own coordinates: around the origin and about one in size, so that neither the scale of the input nor
-/// its distance from the origin matters.
-struct Unit {
-    centre: DVec3,
-    /// A power of two, so that scaling is exact.
-    size: f64,
-}
-
-impl Unit {
-    fn of(mesh: &Mesh) -> Unit {
-        let (lo, hi) = mesh.bounds().unwrap_or_default();
-        let longest = (hi - lo).max_element();
-        let size = if longest > 0.0 { longest.log2().ceil().exp2() } else { 1.0 };
-        Unit { centre: lo + (hi - lo) / 2.0, size }
-    }
-
-    /// The area that `mesh`, in this unit, could have if all its corners were on one line but for the rounding of their
-    /// coordinates.
-    fn area_of_rounding(&self, mesh: &Mesh) -> f64 {
-        let longest = |t: usize| {
-            let [a, b, c] = mesh.corners(t);
-            a.distance(b).max(b.distance(c)).max(c.distance(a))
-        };
-        let rounding = f64::EPSILON * (1.0 + self.centre.abs().max_element() / self.size);
-        (0..mesh.triangles.len()).map(|t| rounding * longest(t)).sum()
-    }
-
-    fn inwards(&self, mesh: &Mesh) -> Mesh {
-        let positions = mesh.positions.iter().map(|&p| (p - self.centre) / self.size).collect();
-        Mesh { positions, triangles: mesh.triangles.clone() }
-    }
-
-    fn outwards(&self, mut mesh: Mesh) -> Mesh {
-        mesh.positions.iter_mut().for_each(|p| *p = self.outwards_point(*p));
-        mesh
-    }
-
-    fn outwards_point(&self, p: DVec3) -> DVec3 {
-        p * self.size + self.centre
-    }
-}
 
 /// Largest coordinate that can be worked with: squares of differences must stay finite.
 const LARGEST_COORDINATE: f64 = 1e150;
@@ -724,59 +362,4 @@ fn refuse_bad_numbers(mesh: &Mesh) -> Result<()> {
         );
     }
     Ok(())
-}
-
-/// What a user should know about a result.
-fn notes(result: &Remeshed, open_seams: usize) -> Vec<String> {
-    let mut notes = Vec::new();
-    let r = &result.repairs;
-    let mut note = |n: usize, text: &str| {
-        if n > 0 {
-            notes.push(format!("{n} {text}"));
-        }
-    };
-    note(r.cut_edges, "edges with more than two faces were taken apart into sheets");
-    note(r.split_vertices, "vertices were doubled where sheets met only at a point or an edge");
-    note(r.unorientable_edges, "edges were cut open because the surface has no two sides (like a Möbius strip)");
-    note(r.flipped_triangles, "faces were turned over to agree with their neighbours");
-    note(r.degenerate_triangles + r.duplicate_triangles, "degenerate or repeated faces were dropped");
-    note(
-        open_seams,
-        "boundary vertices all but touch another one: seams that rounding left open? Welding within a tolerance closes them",
-    );
-    if result.output.vertices != result.wanted {
-        notes.push(format!(
-            "{} vertices instead of {}: the topology of the input needs as many",
-            result.output.vertices, result.wanted
-        ));
-    }
-    notes.extend(note_on_crossings(result));
-    notes.extend(result.deviation.as_ref().filter(|d| !d.is_allowed()).map(note_on_deviation));
-    if !result.has_topology() {
-        notes.push("the result does not have the topology of the input".into());
-    }
-    notes
-}
-
-/// How many faces cross, where the first one is, and whether the input is to blame.
-fn note_on_crossings(result: &Remeshed) -> Option<String> {
-    let (first, count) = (*result.crossing_faces.first()?, result.crossing_faces.len());
-    let place = near(result.mesh.corners(first as usize).into_iter().sum::<DVec3>() / 3.0);
-    let input = match result.crossing_faces_of_input {
-        Some(0) | None => "none of the input do; more points there would part them".into(),
-        Some(n) => format!("so do {n} of the input"),
-    };
-    Some(format!("{count} faces cross or touch each other, the first {place}: {input}"))
-}
-
-/// By how much the error that was asked for is exceeded, and where.
-fn note_on_deviation(deviation: &Deviation) -> String {
-    let Deviation { allowed, reached, place } = deviation;
-    let place = near(DVec3::from_array(*place));
-    format!("{reached:.4e} from the input {place}, and not within {allowed:.4e}: more points come nearer")
-}
-
-fn near(place: DVec3) -> String {
-    let [x, y, z] = place.to_array().map(|x| format!("{x:.6}"));
-    format!("near ({x}, {y}, {z})")
 }

@@ -29,8 +29,8 @@ pub struct Report {
     /// Version of the tool that made the report.
     pub version: String,
     /// Whether the output is an oriented manifold of the repaired input's Euler characteristic, components and boundary
-    /// loops, without faces that cross each other unless the input has some, and within the error asked for; `None` for a
-    /// mesh that was measured only.
+    /// loops, without faces that cross each other unless the input has some, and within the error asked for; `None` for
+    /// a mesh that was measured only.
     pub verified: Option<bool>,
     /// The input as it was read; for a mesh that was measured only, what it was measured against.
     pub input: Option<Measured>,

@@ -105,7 +105,8 @@ fn load_with_lengths(job: &Remeshing, monitor: &dyn Monitor) -> Result<(Loaded, 
     Ok((load(&job.input, monitor)?, lengths))
 }
 
-/// A loaded mesh, which has to have triangles. The facets of an STL file have corners of their own; here they share them.
+/// A loaded mesh, which has to have triangles. The facets of an STL file have corners of their own; here they share
+/// them.
 fn with_triangles(mut loaded: Loaded, from: &MeshFile) -> Result<Loaded> {
     if loaded.format == Format::Stl {
         loaded.mesh = weld(&loaded.mesh);

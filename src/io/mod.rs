@@ -71,8 +71,9 @@ pub fn parse(bytes: &[u8], format: Format, resolve: Resolve) -> Result<Loaded> {
     Ok(Loaded { mesh, format, notes })
 }
 
-/// Reads the property `name` of the vertices of a mesh from the bytes of its file, a number for each vertex that [`parse`]
-/// gives: a property of the vertices of a PLY file, or an attribute of glTF, whose name begins with an underscore.
+/// Reads the property `name` of the vertices of a mesh from the bytes of its file, a number for each vertex that
+/// [`parse`] gives: a property of the vertices of a PLY file, or an attribute of glTF, whose name begins with an
+/// underscore.
 ///
 /// # Errors
 /// [`Error::Format`] as [`parse`] gives it, if the vertices have no such property, and for the other formats.

@@ -1,8 +1,8 @@
 //! Raises the smallest angles and the quality of the worst triangles only.
 //!
-//! Every triangle has a margin: how far its smallest angle and its quality are inside of the goal. Vertices of triangles without a margin look
-//! around for a place where the least margin of their triangles is larger, and edges flip where that gives the larger
-//! one. Nothing else moves, so the evenness of the rest is kept.
+//! Every triangle has a margin: how far its smallest angle and its quality are inside of the goal. Vertices of
+//! triangles without a margin look around for a place where the least margin of their triangles is larger, and edges
+//! flip where that gives the larger one. Nothing else moves, so the evenness of the rest is kept.
 //!
 //! Based on: L. A. Freitag, C. Ollivier-Gooch, Tetrahedral mesh improvement using swapping and smoothing, 1997,
 //! DOI 10.1002/(SICI)1097-0207(19971115)40:21<3979::AID-NME251>3.0.CO;2-9. Departure: a pattern search in the tangent
@@ -161,7 +161,8 @@ fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, spacing: f64) ->
     best.0 > before
 }
 
-/// Places around `at`, where `v` is or could be, at distance `step` on the surface, or along the curve of a vertex there.
+/// Places around `at`, where `v` is or could be, at distance `step` on the surface, or along the curve of a vertex
+/// there.
 fn places(domain: &Domain, mesh: &Manifold, v: u32, at: &Sample, step: f64) -> Vec<Sample> {
     if let Some(ends) = mesh.connectivity.along_curve(v) {
         let ways = ends.map(|w| (mesh.position(w) - at.position).normalize_or_zero());

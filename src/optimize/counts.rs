@@ -1,16 +1,16 @@
-//! Exactly the wanted number of vertices: the longest edges are split or the shortest collapsed, by their length relative
-//! to the one that is wanted there.
+//! Exactly the wanted number of vertices: the longest edges are split or the shortest collapsed, by their length
+//! relative to the one that is wanted there.
 //!
 //! Every step keeps the topology. Where that needs more vertices than are wanted, there are more in the end; the caller
 //! compares.
 //!
 //! Cost: n log n in the edges once, and a heap operation for each edge changed.
 
+use crate::base::ranked::Ranked;
 use crate::surface::connectivity::next;
 use crate::surface::domain::Domain;
 use crate::surface::manifold::Manifold;
 use crate::surface::topology::NONE;
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// Least cosine between a triangle and the surface after a collapse done with care.
@@ -32,27 +32,6 @@ pub fn meet_count(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
     }
 }
 
-/// An edge by its squared relative length when it was looked at; lengths that have changed since are stale.
-#[derive(PartialEq)]
-struct Entry {
-    key: f64,
-    half_edge: u32,
-}
-
-impl Eq for Entry {}
-
-impl PartialOrd for Entry {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Entry {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.key.total_cmp(&other.key).then(other.half_edge.cmp(&self.half_edge))
-    }
-}
-
 /// Splits the longest inner edges until there are `wanted` vertices.
 pub(super) fn split_longest(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
     if mesh.connectivity.vertex_count() >= wanted {
@@ -60,15 +39,15 @@ pub(super) fn split_longest(domain: &Domain, mesh: &mut Manifold, wanted: usize)
     }
     let entry = |mesh: &Manifold, h: u32| {
         let g = mesh.connectivity.twin(h);
-        (g != NONE).then(|| Entry { key: mesh.relative_length_squared(h), half_edge: h.min(g) })
+        (g != NONE).then(|| Ranked::new(mesh.relative_length_squared(h), h.min(g)))
     };
-    let mut heap: BinaryHeap<Entry> = mesh.half_edges().filter_map(|h| entry(mesh, h)).collect();
+    let mut heap: BinaryHeap<Ranked> = mesh.half_edges().filter_map(|h| entry(mesh, h)).collect();
     while mesh.connectivity.vertex_count() < wanted {
         let Some(top) = heap.pop() else { return };
-        if mesh.relative_length_squared(top.half_edge) != top.key {
+        if mesh.relative_length_squared(top.index) != top.rank {
             continue;
         }
-        let Some(v) = mesh.split_at_middle(domain, top.half_edge) else { continue };
+        let Some(v) = mesh.split_at_middle(domain, top.index) else { continue };
         let around: Vec<u32> = mesh.connectivity.outgoing(v).flat_map(|h| [h, next(h)]).collect();
         mesh.flip_to_delaunay(around);
         heap.extend(mesh.connectivity.outgoing(v).flat_map(|h| [h, next(h)]).filter_map(|h| entry(mesh, h)));
@@ -79,12 +58,12 @@ pub(super) fn split_longest(domain: &Domain, mesh: &mut Manifold, wanted: usize)
 pub(super) fn collapse_shortest(mesh: &mut Manifold, wanted: usize, may: impl Fn(&Manifold, u32) -> bool) {
     let mut heap = BinaryHeap::new();
     if mesh.connectivity.vertex_count() > wanted {
-        heap.extend(mesh.half_edges().map(|h| Entry { key: -mesh.relative_length_squared(h), half_edge: h }));
+        heap.extend(mesh.half_edges().map(|h| Ranked::new(-mesh.relative_length_squared(h), h)));
     }
     while mesh.connectivity.vertex_count() > wanted {
-        let Some(Entry { key, half_edge: h }) = heap.pop() else { return };
+        let Some(Ranked { rank, index: h, .. }) = heap.pop() else { return };
         let c = &mesh.connectivity;
-        if !c.has_half_edge(h) || -mesh.relative_length_squared(h) != key || !c.can_collapse(h) || !may(mesh, h) {
+        if !c.has_half_edge(h) || -mesh.relative_length_squared(h) != rank || !c.can_collapse(h) || !may(mesh, h) {
             continue;
         }
         let into = c.target(h);
@@ -92,6 +71,6 @@ pub(super) fn collapse_shortest(mesh: &mut Manifold, wanted: usize, may: impl Fn
         mesh.flip_to_delaunay(mesh.connectivity.outgoing(into).flat_map(|h| [h, next(h)]).collect());
         let c = &mesh.connectivity;
         let changed = c.outgoing(into).flat_map(|h| [h, c.twin(h)]).filter(|&h| h != NONE);
-        heap.extend(changed.map(|h| Entry { key: -mesh.relative_length_squared(h), half_edge: h }));
+        heap.extend(changed.map(|h| Ranked::new(-mesh.relative_length_squared(h), h)));
     }
 }

@@ -24,8 +24,8 @@
 //! Departures: the connectivity stays, and weights start anew in every round.
 //!
 //! No step takes a triangle out of the goal for angles and quality, or further out. A vertex that a slide around a sharp
-//! bend has led away from all of the surface is taken back, whatever that does to its triangles. Vertices on the boundary
-//! and on sharp edges stay.
+//! bend has led away from all of the surface is taken back, whatever that does to its triangles. Vertices on the
+//! boundary and on sharp edges stay.
 //!
 //! Cost: some ten microseconds a vertex, and a search for each vertex of the input.
 

@@ -6,11 +6,11 @@
 //! 2 √(ε (E + ε))  +  E² / 2  +  λ/2 (A / A₀ + A₀ / A)        E = (a² + b² + c²) / (4 √3 A) - 1
 //! ```
 //!
-//! E is 0 for an equilateral triangle of any size and grows with the square of its strain. The root makes that linear, as
-//! quality and angles are, but for the smallest strains: strain gathers at the irregular vertices that cannot be without,
-//! and the rows between them are straight. The square keeps it from gathering in a few triangles alone. The last part is
-//! least at the area A₀ of an equilateral triangle of the mean edge length: without it the vertices would drain from every
-//! tip of the surface, as in conformal maps.
+//! E is 0 for an equilateral triangle of any size and grows with the square of its strain. The root makes that linear,
+//! as quality and angles are, but for the smallest strains: strain gathers at the irregular vertices that cannot be
+//! without, and the rows between them are straight. The square keeps it from gathering in a few triangles alone. The
+//! last part is least at the area A₀ of an equilateral triangle of the mean edge length: without it the vertices would
+//! drain from every tip of the surface, as in conformal maps.
 //!
 //! Each round is a Gauss-Newton step for all vertices at once (`step.rs`): strain evens out over hundreds of
 //! edges, which steps of single vertices take as many rounds for. With the corners z₀, z₁, z₂ of a triangle as complex

@@ -1,9 +1,9 @@
 //! One Gauss-Newton step for all vertices of a mesh at once.
 //!
-//! Each vertex has two unknowns, its step along two axes of its tangent plane; on a curve one, along the curve; none where
-//! it is held. The energy's gradient is the sum of those of the triangles, its Hessian the sum of the squares of linear
-//! forms that the triangles give. The equations are solved by conjugate gradients, preconditioned by the 2 x 2 blocks of
-//! the vertices.
+//! Each vertex has two unknowns, its step along two axes of its tangent plane; on a curve one, along the curve; none
+//! where it is held. The energy's gradient is the sum of those of the triangles, its Hessian the sum of the squares of
+//! linear forms that the triangles give. The equations are solved by conjugate gradients, preconditioned by the 2 x 2
+//! blocks of the vertices.
 //!
 //! Based on: J. Nocedal, S. J. Wright, Numerical Optimization, 2006, chapters 5 and 10, DOI 10.1007/978-0-387-40065-5.
 //!
@@ -19,7 +19,8 @@ use rayon::prelude::*;
 pub(super) struct Strain {
     /// The gradient at each corner.
     pub gradient: [DVec3; 3],
-    /// Three linear forms, the sum of whose squares is the Hessian, each as what it multiplies the steps of the corners with.
+    /// Three linear forms, the sum of whose squares is the Hessian, each as what it multiplies the steps of the corners
+    /// with.
     pub forms: [[DVec3; 3]; 3],
 }
 
@@ -34,8 +35,8 @@ const TOLERANCE: f64 = 0.05;
 /// Vertices that one task works on.
 const CHUNK: usize = 1024;
 
-/// The step of each vertex, by its number. `strain_of` is asked for each triangle, by its vertices, one of them not held;
-/// `spacing` is the edge length that is wanted where the size of samples is 1.
+/// The step of each vertex, by its number. `strain_of` is asked for each triangle, by its vertices, one of them not
+/// held; `spacing` is the edge length that is wanted where the size of samples is 1.
 pub(super) fn newton_step(mesh: &Manifold, spacing: f64, strain_of: impl Fn([u32; 3]) -> Strain + Sync) -> Vec<DVec3> {
     let axes: Vec<[DVec3; 2]> = (0..mesh.connectivity.vertex_bound()).into_par_iter().map(|v| axes(mesh, v)).collect();
     let steps = Equations::new(mesh, &axes, spacing, strain_of).solve();

@@ -1,8 +1,9 @@
 //! Fewer irregular vertices, by flips, glides and collapses.
 //!
-//! A vertex inside that has not six edges is a defect; its excess e is the number of edges too many. A vertex on a curve,
-//! of the boundary or a sharp edge, has a fan of triangles on each side of the curve, with as many triangles as angles of
-//! 60 degrees fit between: each fan has an excess of its own. The energy is the sum of e². Three kinds of moves lower it:
+//! A vertex inside that has not six edges is a defect; its excess e is the number of edges too many. A vertex on a
+//! curve, of the boundary or a sharp edge, has a fan of triangles on each side of the curve, with as many triangles as
+//! angles of 60 degrees fit between: each fan has an excess of its own. The energy is the sum of e². Three kinds of
+//! moves lower it:
 //!
 //! 1. *Flips* of an edge from a to b between c and d change it by 4 + 2 (e_c + e_d - e_a - e_b).
 //! 2. *Glides*: flips that leave the energy as it is move a pair of a 5 and a 7 along its row. A bounded search follows
@@ -15,8 +16,9 @@
 //! On a coarse mesh only what is next to each other should meet: long glides there take away pairs that ease strain, and
 //! every triangle around is the worse for it.
 //!
-//! Based on: Y. Li, E. Zhang, Y. Kobayashi, P. Wonka, Editing operations for irregular vertices in triangle meshes, 2010,
-//! DOI 10.1145/1882261.1866179. Departure: what is edited there by hand or along chosen paths is searched for here.
+//! Based on: Y. Li, E. Zhang, Y. Kobayashi, P. Wonka, Editing operations for irregular vertices in triangle meshes,
+//! 2010, DOI 10.1145/1882261.1866179. Departure: what is edited there by hand or along chosen paths is searched for
+//! here.
 //!
 //! Cost: linear in the edges for each pass, and some hundred flips tried for each defect.
 //!
@@ -226,8 +228,8 @@ struct Glide {
     tries: usize,
 }
 
-/// How many more triangles there are around the origin of `h` than angles of 60 degrees fit, between the curves on either
-/// side of the triangle of `h`.
+/// How many more triangles there are around the origin of `h` than angles of 60 degrees fit, between the curves on
+/// either side of the triangle of `h`.
 fn excess_of_fan(mesh: &Manifold, h: u32) -> i32 {
     let c = &mesh.connectivity;
     let ends = |h: u32| c.curve(h) != NONE || c.twin(h) == NONE;

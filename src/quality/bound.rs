@@ -44,8 +44,8 @@ pub struct Bounds {
     pub place: DVec3,
 }
 
-/// Bounds of the Hausdorff distance, both ways, between two meshes, in whose units `enough` is an upper bound below which
-/// nobody asks for more. `None` if one of them has no triangles.
+/// Bounds of the Hausdorff distance, both ways, between two meshes, in whose units `enough` is an upper bound below
+/// which nobody asks for more. `None` if one of them has no triangles.
 pub fn hausdorff_bounds(a: &Mesh, b: &Mesh, enough: f64) -> Option<Bounds> {
     if a.triangles.is_empty() || b.triangles.is_empty() {
         return None;

@@ -71,7 +71,8 @@ fn mean_size(mesh: &Manifold, v: u32, w: u32) -> f64 {
     0.5 * (mesh.samples[v as usize].size + mesh.samples[w as usize].size)
 }
 
-/// The nearest vertices, for the size wanted there, of the two-ring of `v`; of the second ring only those that face the same way.
+/// The nearest vertices, for the size wanted there, of the two-ring of `v`; of the second ring only those that face the
+/// same way.
 fn nearest(mesh: &Manifold, v: u32) -> Nearest {
     let (c, here) = (&mesh.connectivity, &mesh.samples[v as usize]);
     let mut found = Nearest::default();

@@ -1,8 +1,8 @@
 //! Samples along the curves of a surface, its boundary and its sharp edges: evenly spaced points are what the measure of
 //! section 3 of the paper settles on in one dimension. Where other sizes are wanted, lengths count relative to them.
 //!
-//! Corners are points as they are. Every smooth patch gets samples of its own for the points along its rim, so that it is
-//! sampled and triangulated by itself; [`CurveSamples::point`] says which of them are the same point.
+//! Corners are points as they are. Every smooth patch gets samples of its own for the points along its rim, so that it
+//! is sampled and triangulated by itself; [`CurveSamples::point`] says which of them are the same point.
 //!
 //! Cost: linear in the sides on curves, and a sort of the points.
 
@@ -70,8 +70,8 @@ pub fn sample_curves(domain: &Domain, spacing: f64) -> CurveSamples {
     result
 }
 
-/// The number of edges that each curve becomes: its relative length in spacings, but so many that no two curves have the same
-/// ends and no loop is without an inside.
+/// The number of edges that each curve becomes: its relative length in spacings, but so many that no two curves have
+/// the same ends and no loop is without an inside.
 fn counts(domain: &Domain, loops: &[Vec<u32>], spacing: f64) -> Vec<usize> {
     let curves = &domain.curves.list;
     let mut between: BTreeMap<[u32; 2], usize> = BTreeMap::new();
@@ -175,21 +175,12 @@ fn sample_loop(
 mod tests {
     use super::*;
     use crate::surface::features::Features;
-    use crate::surface::mesh::Mesh;
+    use crate::surface::mesh::{Mesh, unit_cube};
     use approx::assert_relative_eq;
-    use glam::DVec3;
-
-    /// The unit cube, each face two triangles.
-    fn cube() -> Mesh {
-        let positions = (0..8).map(|v| DVec3::new(f64::from(v & 1), f64::from(v >> 1 & 1), f64::from(v >> 2)));
-        let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-        let triangles = faces.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-        Mesh { positions: positions.collect(), triangles }
-    }
 
     #[test]
     fn each_face_of_a_cube_gets_its_own_samples_of_the_same_points() {
-        let domain = Domain::with_features(cube(), Features::Automatic, 0.25);
+        let domain = Domain::with_features(unit_cube(), Features::Automatic, 0.25);
         let made = sample_curves(&domain, 0.25);
         assert_eq!((made.samples.len(), made.edges.len(), made.corners.len()), (6 * 16, 12 * 4, 8));
         for (i, a) in made.samples.iter().enumerate() {
@@ -204,10 +195,10 @@ mod tests {
 
     #[test]
     fn curves_too_short_for_the_spacing_still_bound_something() {
-        let domain = Domain::with_features(cube(), Features::Automatic, 2.0);
+        let domain = Domain::with_features(unit_cube(), Features::Automatic, 2.0);
         let made = sample_curves(&domain, 2.0);
         assert_eq!((made.samples.len(), made.edges.len(), made.corners.len()), (24, 12, 8));
-        let open = Domain::new(Mesh { triangles: cube().triangles[..2].to_vec(), ..cube() });
+        let open = Domain::new(Mesh { triangles: unit_cube().triangles[..2].to_vec(), ..unit_cube() });
         assert_eq!(sample_curves(&open, 10.0).samples.len(), 4);
     }
 }

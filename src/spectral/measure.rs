@@ -53,8 +53,8 @@ impl Measure {
         self.value
     }
 
-    /// Adds a neighbour at `offset` from x, in units of σ, and gives the new s(x). A neighbour in the span of the others,
-    /// or beyond [`MOST_NEIGHBOURS`], changes nothing.
+    /// Adds a neighbour at `offset` from x, in units of σ, and gives the new s(x). A neighbour in the span of the
+    /// others, or beyond [`MOST_NEIGHBOURS`], changes nothing.
     #[inline]
     pub fn add(&mut self, offset: DVec3) -> f64 {
         let n = self.count;

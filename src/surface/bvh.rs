@@ -124,8 +124,8 @@ impl Bvh {
         (best.triangle != u32::MAX).then_some(best)
     }
 
-    /// How far from `origin` along the unit vector `direction` the nearest of the triangles is that `accept` says yes to;
-    /// `None` if there is none nearer than `longest`.
+    /// How far from `origin` along the unit vector `direction` the nearest of the triangles is that `accept` says yes
+    /// to; `None` if there is none nearer than `longest`.
     pub fn along_ray(
         &self,
         mesh: &Mesh,
@@ -178,8 +178,8 @@ impl Bvh {
         }
     }
 
-    /// The pairs of triangles, the lower index first and in increasing order, whose bounding boxes meet and that `accept`
-    /// says yes to. In parallel; the same pairs with any number of threads.
+    /// The pairs of triangles, the lower index first and in increasing order, whose bounding boxes meet and that
+    /// `accept` says yes to. In parallel; the same pairs with any number of threads.
     pub fn pairs_that_meet(&self, mesh: &Mesh, accept: impl Fn(u32, u32) -> bool + Sync) -> Vec<(u32, u32)> {
         let meet = |&(a, b): &(u32, u32)| self.boxes[a as usize].meets(&self.boxes[b as usize]);
         let mut nodes = vec![(0, 0)];

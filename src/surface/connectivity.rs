@@ -4,8 +4,8 @@
 //! origin and twin are stored. Of a boundary vertex the outgoing half-edge that is kept is the one on the boundary:
 //! turning counter-clockwise from it meets all others.
 //!
-//! Edges can be laid on curves: sharp edges of the surface and its boundary. Such an edge is never flipped, a vertex on a
-//! curve merges along it only, and one where curves meet or end, a corner, not at all. So curves stay what they are.
+//! Edges can be laid on curves: sharp edges of the surface and its boundary. Such an edge is never flipped, a vertex on
+//! a curve merges along it only, and one where curves meet or end, a corner, not at all. So curves stay what they are.
 //!
 //! Removed triangles and vertices leave gaps until [`Connectivity::compact`].
 
@@ -209,7 +209,8 @@ impl Connectivity {
         self.ring(v).any(|u| u == w)
     }
 
-    /// Whether the edge of `h` can be flipped: it has two faces, is not on a curve, and the new edge is not there already.
+    /// Whether the edge of `h` can be flipped: it has two faces, is not on a curve, and the new edge is not there
+    /// already.
     pub fn can_flip(&self, h: u32) -> bool {
         let g = self.twin(h);
         g != NONE
@@ -255,8 +256,8 @@ impl Connectivity {
 
     /// The link condition: whether merging the origin of `h` into its target leaves a manifold of the same topology.
     ///
-    /// A boundary vertex merges along the boundary only, one on a curve along that. H. Edelsbrunner, Geometry and topology for mesh generation,
-    /// 2001, section 4.2.
+    /// A boundary vertex merges along the boundary only, one on a curve along that. H. Edelsbrunner, Geometry and
+    /// topology for mesh generation, 2001, section 4.2.
     pub fn can_collapse(&self, h: u32) -> bool {
         let (a, b, g) = (self.origin(h), self.target(h), self.twin(h));
         if self.is_boundary(a) && g != NONE || !self.keeps_curves(h) {

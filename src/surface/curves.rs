@@ -255,6 +255,7 @@ mod tests {
     use super::*;
     use crate::surface::cut::cut;
     use crate::surface::features::{Features, sharp_sides};
+    use crate::surface::mesh::unit_cube;
     use crate::surface::topology::twins;
 
     fn curves_of(mesh: Mesh, features: Features) -> (Cut, Curves) {
@@ -265,17 +266,9 @@ mod tests {
         (cut, curves)
     }
 
-    /// The unit cube, each face two triangles.
-    fn cube() -> Mesh {
-        let positions = (0..8).map(|v| DVec3::new(f64::from(v & 1), f64::from(v >> 1 & 1), f64::from(v >> 2)));
-        let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-        let triangles = faces.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-        Mesh { positions: positions.collect(), triangles }
-    }
-
     #[test]
     fn a_cube_has_twelve_curves_between_eight_corners() {
-        let (cut, curves) = curves_of(cube(), Features::Automatic);
+        let (cut, curves) = curves_of(unit_cube(), Features::Automatic);
         assert_eq!(curves.list.len(), 12);
         assert!(curves.list.iter().all(|c| !c.closed && c.sides.len() == 1));
         assert!((0..cut.original.len() as u32).all(|v| curves.is_corner(v)));
@@ -287,7 +280,7 @@ mod tests {
 
     #[test]
     fn the_boundary_of_a_square_has_four_corners_and_that_of_a_disk_none() {
-        let mut square = cube();
+        let mut square = unit_cube();
         square.triangles.truncate(2);
         square.drop_unused();
         let (_, curves) = curves_of(square, Features::Smooth);
@@ -305,7 +298,7 @@ mod tests {
 
     #[test]
     fn the_sides_of_a_curve_follow_each_other() {
-        let (cut, curves) = curves_of(cube(), Features::Automatic);
+        let (cut, curves) = curves_of(unit_cube(), Features::Automatic);
         let net = Net::new(&cut);
         for curve in &curves.list {
             for pair in curve.sides.windows(2) {

@@ -142,7 +142,8 @@ impl Domain {
         Sample { position, normal: self.normal(t, weights), triangle: t, size: self.size(t, weights) }
     }
 
-    /// The wanted edge length at a point of triangle `t`, relative to the mean spacing: that of the corners, interpolated.
+    /// The wanted edge length at a point of triangle `t`, relative to the mean spacing: that of the corners,
+    /// interpolated.
     #[inline]
     fn size(&self, t: u32, weights: [f64; 3]) -> f64 {
         if self.sizes.is_empty() {
@@ -187,8 +188,8 @@ impl Domain {
         self.sample(t, barycentric(point, self.mesh.corners(t as usize)))
     }
 
-    /// Where a step of `way` from `from`, tangential or about so, comes down on the surface: the point that is closest to
-    /// its end among those around, found by walking from triangle to triangle.
+    /// Where a step of `way` from `from`, tangential or about so, comes down on the surface: the point that is closest
+    /// to its end among those around, found by walking from triangle to triangle.
     ///
     /// Where the walk cannot vouch for its end, as in a fold narrower than the step, [`Self::project`] searches instead.
     pub fn follow(&self, from: &Sample, way: DVec3) -> Sample {
@@ -300,7 +301,8 @@ impl Domain {
         faces_of(crossing_pairs(&self.mesh, &self.bvh))
     }
 
-    /// The loops of the boundary, and of sharp edges, each as the sides `3 t + k` along it with the surface on their left.
+    /// The loops of the boundary, and of sharp edges, each as the sides `3 t + k` along it with the surface on their
+    /// left.
     pub fn boundary_loops(&self) -> Vec<Vec<u32>> {
         let mut seen = vec![false; self.twin.len()];
         let mut loops = Vec::new();

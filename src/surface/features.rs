@@ -1,9 +1,9 @@
 //! Sharp edges of a mesh.
 //!
 //! An edge is sharp where the surface turns across it by a threshold or more. Asked for none, the threshold comes from
-//! the mesh: the smallest at which the turns fall apart into two groups. On a part from a CAD system nearly all edges are
-//! either almost flat or clearly sharp. On a scan there are ever fewer edges of ever larger turns and no gap between;
-//! there, none is sharp.
+//! the mesh: the smallest at which the turns fall apart into two groups. On a part from a CAD system nearly all edges
+//! are either almost flat or clearly sharp. On a scan there are ever fewer edges of ever larger turns and no gap
+//! between; there, none is sharp.
 //!
 //! Short scraps, shorter than a few spacings of the samples in all, are left out: at that spacing they are noise.
 //!

@@ -38,8 +38,8 @@ impl Manifold {
         self.samples[v as usize].position
     }
 
-    /// Lays edges, each given by its ends and its curve, on curves, and their ends with them; then makes `corners` of these
-    /// vertices. Whether all the edges are there.
+    /// Lays edges, each given by its ends and its curve, on curves, and their ends with them; then makes `corners` of
+    /// these vertices. Whether all the edges are there.
     pub fn lay_curves(&mut self, edges: &[([u32; 2], u32)], corners: impl IntoIterator<Item = u32>) -> bool {
         let mut all = true;
         for &([a, b], curve) in edges {
@@ -216,9 +216,9 @@ impl Manifold {
         self.half_edges().filter(|&h| h < self.connectivity.twin(h))
     }
 
-    /// Splits the edge of `h` at its middle, put back on the domain; the new vertex. `None`, and nothing is done, if that
-    /// place is not between the ends or would turn a triangle against the surface, as happens where the edge cuts through a
-    /// thin part.
+    /// Splits the edge of `h` at its middle, put back on the domain; the new vertex. `None`, and nothing is done, if
+    /// that place is not between the ends or would turn a triangle against the surface, as happens where the edge cuts
+    /// through a thin part.
     pub fn split_at_middle(&mut self, domain: &Domain, h: u32) -> Option<u32> {
         let middle = self.middle(domain, h);
         let ends = [self.connectivity.origin(h), self.connectivity.target(h)].map(|v| self.position(v));
@@ -232,8 +232,8 @@ impl Manifold {
         Some(self.connectivity.split_edge(h))
     }
 
-    /// Whether the triangle of `h`, split from `middle` to the corner across, faces the surface as well as it must or as it
-    /// does now.
+    /// Whether the triangle of `h`, split from `middle` to the corner across, faces the surface as well as it must or
+    /// as it does now.
     fn halves_face_surface(&self, h: u32, middle: &Sample) -> bool {
         let [a, b, top] = self.connectivity.triangle(h).map(|v| &self.samples[v as usize]);
         let least = LEAST_FACING.min(cosine_to_surface([a, b, top]));
@@ -262,9 +262,10 @@ impl Manifold {
         }
     }
 
-    /// The mesh with its `count` relatively longest edges split at their middles, put back on the domain: a triangle with three such
-    /// edges becomes four, the others two or three or stay. Edges whose middle would turn a triangle against the surface,
-    /// as happens where they cut through a thin part, are left out, and the next longest are split instead.
+    /// The mesh with its `count` relatively longest edges split at their middles, put back on the domain: a triangle
+    /// with three such edges becomes four, the others two or three or stay. Edges whose middle would turn a triangle
+    /// against the surface, as happens where they cut through a thin part, are left out, and the next longest are split
+    /// instead.
     pub fn with_longest_split(&self, domain: &Domain, count: usize) -> Manifold {
         let (_, old) = self.connectivity.compact();
         let mut number = vec![NONE; self.samples.len()];
@@ -463,9 +464,7 @@ impl Manifold {
         }
         worst
     }
-}
 
-impl Manifold {
     /// The least cosine between a triangle and the surface at one of its corners if the origin of `h` merges into its
     /// target.
     pub fn bend_after_collapse(&self, h: u32) -> f64 {

@@ -17,12 +17,14 @@
 //! DOI 10.1145/777792.777839 (tensor); J. J. Koenderink, A. J. van Doorn, Surface shape and curvature scales, 1992,
 //! DOI 10.1016/0262-8856(92)90076-F (curvedness); P.-O. Persson, Mesh size functions for implicit
 //! geometries and PDE-based gradient limiting, 2006, DOI 10.1007/s00366-006-0014-1. Departures: the mean of the tensor
-//! is one of random walks; one ray tells the thickness; the limit is along edges, which are longer than the shortest way.
+//! is one of random walks; one ray tells the thickness; the limit is along edges, which are longer than the shortest
+//! way.
 //!
 //! Cost: a ray for each vertex, and a sum over its neighbours for each step of the walks.
 //!
 //! Limits: where curves of the boundary or along sharp edges bend is not looked at.
 
+use crate::base::ranked::Ranked;
 use crate::geom::triangle::barycentric;
 use crate::surface::bvh::Bvh;
 use crate::surface::connectivity::next;
@@ -31,7 +33,6 @@ use crate::surface::mesh::Mesh;
 use crate::surface::topology::NONE;
 use glam::DVec3;
 use rayon::prelude::*;
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// Radii that are told apart, as a ratio to their geometric mean: with A = 1 edge lengths differ by a factor of 8.
@@ -90,7 +91,8 @@ fn normalised(domain: &Domain, mut lengths: Vec<f64>, spacing: f64, gradient: f6
     }
 }
 
-/// The mean of 1 / h² over the area of `mesh`, for lengths h at its vertices; of each triangle at the middles of its sides.
+/// The mean of 1 / h² over the area of `mesh`, for lengths h at its vertices; of each triangle at the middles of its
+/// sides.
 pub fn mean_density(mesh: &Mesh, lengths: &[f64]) -> f64 {
     let (mut sum, mut area) = (0.0, 0.0);
     for (t, corners) in mesh.triangles.iter().enumerate() {
@@ -173,37 +175,17 @@ impl Graph {
     }
 }
 
-/// A vertex and its length, the shortest first.
-#[derive(PartialEq)]
-struct Entry {
-    length: f64,
-    vertex: u32,
-}
-
-impl Eq for Entry {}
-
-impl PartialOrd for Entry {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Entry {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.length.total_cmp(&self.length).then(other.vertex.cmp(&self.vertex))
-    }
-}
-
-/// `lengths` such that none exceeds that of a neighbour by more than `slope` times their distance. `graph` is that of the
-/// whole domain: copies of a vertex get the same length.
+/// `lengths` such that none exceeds that of a neighbour by more than `slope` times their distance. `graph` is that of
+/// the whole domain: copies of a vertex get the same length.
 fn limited(domain: &Domain, graph: &Graph, mut lengths: Vec<f64>, slope: f64) -> Vec<f64> {
     for (v, &first) in domain.original.iter().enumerate() {
         lengths[first as usize] = lengths[first as usize].min(lengths[v]);
     }
     let position = |v: u32| domain.mesh.positions[v as usize];
     let vertices = (0..lengths.len() as u32).filter(|&v| domain.original[v as usize] == v);
-    let mut heap: BinaryHeap<Entry> = vertices.map(|v| Entry { length: lengths[v as usize], vertex: v }).collect();
-    while let Some(Entry { length, vertex }) = heap.pop() {
+    let mut heap: BinaryHeap<Ranked> = vertices.map(|v| Ranked::new(-lengths[v as usize], v)).collect();
+    while let Some(Ranked { rank, index: vertex, .. }) = heap.pop() {
+        let length = -rank;
         if length > lengths[vertex as usize] {
             continue;
         }
@@ -211,7 +193,7 @@ fn limited(domain: &Domain, graph: &Graph, mut lengths: Vec<f64>, slope: f64) ->
             let most = length + slope * position(vertex).distance(position(w));
             if most < lengths[w as usize] {
                 lengths[w as usize] = most;
-                heap.push(Entry { length: most, vertex: w });
+                heap.push(Ranked::new(-most, w));
             }
         }
     }

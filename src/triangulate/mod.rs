@@ -26,8 +26,8 @@ use unfold::SamplesByTriangle;
 /// Samples that one task makes the stars of: enough to outweigh the memory that a walk needs.
 const CHUNK: usize = 512;
 
-/// How far around samples that do not settle the domain is tessellated, in mean spacings, in one attempt after the other.
-/// The first also goes to where triangles are possible but not good, the last is of the whole piece.
+/// How far around samples that do not settle the domain is tessellated, in mean spacings, in one attempt after the
+/// other. The first also goes to where triangles are possible but not good, the last is of the whole piece.
 const REACHES: [f64; 3] = [6.0, 12.0, f64::INFINITY];
 
 /// Samples on the boundary of a domain, the first ones of all samples.

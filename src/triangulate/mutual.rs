@@ -121,7 +121,8 @@ impl HasPosition for Site {
     }
 }
 
-/// The mesh of the part with the insertions in it; they are the first vertices. Fixed is what the part was cut out along.
+/// The mesh of the part with the insertions in it; they are the first vertices. Fixed is what the part was cut out
+/// along.
 fn insert(domain: &Domain, part: &[u32], insertions: &[Insertion]) -> Manifold {
     let mut by_triangle: Vec<(u32, u32)> =
         insertions.iter().enumerate().map(|(i, p)| (p.sample.triangle, i as u32)).collect();

@@ -13,10 +13,10 @@
 //! Limits: a triangle has one place, that of the nearest way to it; beyond a spike's tip ways to both sides of it
 //! compete.
 
+use crate::base::ranked::Ranked;
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::topology::NONE;
 use glam::DVec2;
-use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Cosine of the largest angle between two normals for which a chord tells the length of the bend.
@@ -62,29 +62,9 @@ pub struct Neighbour {
     pub place: DVec2,
 }
 
-/// A side that the walk has reached, in the order of distance from the origin.
-#[derive(PartialEq)]
-struct Front {
-    distance: f64,
-    /// The side of the triangle not walked yet.
-    side: u32,
-    /// Places of its two ends.
-    ends: [DVec2; 2],
-}
-
-impl Eq for Front {}
-
-impl PartialOrd for Front {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Front {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.distance.total_cmp(&other.distance).then(self.side.cmp(&other.side))
-    }
-}
+/// A side of a triangle not walked yet that the walk has reached, the nearest to the origin first, and the places of its
+/// two ends.
+type Front = Ranked<[DVec2; 2]>;
 
 /// Walks over a domain; keeps its memory from one walk to the next.
 pub struct Unfolding<'a> {
@@ -94,7 +74,7 @@ pub struct Unfolding<'a> {
     /// The last walk that came to each triangle.
     walked: Vec<u32>,
     walk: u32,
-    front: BinaryHeap<Reverse<Front>>,
+    front: BinaryHeap<Front>,
 }
 
 impl<'a> Unfolding<'a> {
@@ -112,7 +92,7 @@ impl<'a> Unfolding<'a> {
         let t = self.samples[centre as usize].triangle;
         let corners = self.lay_down(t, &self.samples[centre as usize]);
         self.visit(t, corners, [None; 3], centre, radius, found);
-        while let Some(Reverse(Front { side, ends: [p, q], .. })) = self.front.pop() {
+        while let Some(Ranked { index: side, item: [p, q], .. }) = self.front.pop() {
             let t = side / 3;
             if self.walked[t as usize] != self.walk {
                 let k = side as usize % 3;
@@ -168,7 +148,7 @@ impl<'a> Unfolding<'a> {
             let ends = [corners[(k + 1) % 3], corners[k]];
             let distance = distance_to_origin(ends[0], ends[1]);
             if side != NONE && distance <= radius && self.walked[side as usize / 3] != self.walk {
-                self.front.push(Reverse(Front { distance, side, ends }));
+                self.front.push(Ranked { rank: -distance, index: side, item: ends });
             }
         }
     }

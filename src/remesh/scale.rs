@@ -1,0 +1,108 @@
+//! How many vertices there shall be, and how far apart: of a density, or of a field of wanted lengths.
+
+use crate::base::error::{Error, Result};
+use crate::remesh::options::{Density, FIRST_POINTS, check_count};
+use crate::remesh::unit::Unit;
+use crate::surface::domain::Domain;
+use crate::surface::mesh::Mesh;
+use crate::surface::sizing::{field_lengths, field_sizes, mean_density, transferred};
+
+/// σp in units of the mean spacing d at which the scan with ε = 0.5 keeps a density of 2 / (√3 d²): measured on eleven
+/// closed models at 5,000 to 20,000 points, where it met the count within 1 %.
+const SIGMA_OF_SPACING: f64 = 0.866;
+
+/// Samples of the boundary for each wanted point: a narrow band has two, a heap of needles might have thousands.
+const MOST_ON_CURVES: f64 = 4.0;
+
+/// A field of wanted edge lengths, in the pipeline's unit.
+pub(super) struct Field {
+    mesh: Mesh,
+    lengths: Vec<f64>,
+}
+
+impl Field {
+    /// `lengths` at the vertices of `input`.
+    pub(super) fn new(lengths: &[f64], input: &Mesh, unit: &Unit) -> Field {
+        Field { mesh: unit.inwards(input), lengths: lengths.iter().map(|length| length / unit.size).collect() }
+    }
+
+    /// The spacing of as many vertices as the lengths ask for.
+    fn spacing(&self) -> f64 {
+        mean_density(&self.mesh, &self.lengths).sqrt().recip()
+    }
+
+    /// Gives `domain` the sizes of the field, and the scale that they have with that density. Repairs number the
+    /// vertices anew, so the lengths are looked up by place.
+    pub(super) fn grade(&self, domain: &mut Domain, density: Density, scale: Scale) -> Result<Scale> {
+        let lengths = transferred(&self.lengths, &self.mesh, &domain.mesh.positions);
+        if density != Density::OfSizing {
+            domain.grade(field_sizes(domain, lengths, scale.spacing));
+            return Ok(scale);
+        }
+        let lengths = field_lengths(domain, lengths);
+        let spacing = mean_density(&domain.mesh, &lengths).sqrt().recip();
+        domain.grade(lengths.into_iter().map(|length| length / spacing).collect());
+        let wanted = count(domain.mesh.area(), spacing);
+        check_count("sizing", wanted, format!("the lengths mean {wanted} vertices"))?;
+        Ok(Scale { wanted, spacing })
+    }
+}
+
+/// How many vertices at distance `spacing` cover `area` at hexagonal packing: √3 / 2 d² each.
+fn count(area: f64, spacing: f64) -> usize {
+    (2.0 * area / (3f64.sqrt() * spacing * spacing)).round() as usize
+}
+
+/// The lengths that a density means on a surface, in the pipeline's unit.
+pub(super) struct Scale {
+    pub wanted: usize,
+    pub spacing: f64,
+}
+
+/// Smallest spacing that can be worked with, in the pipeline's unit: cells of the sampler are numbered in 32 bits.
+const SMALLEST_SPACING: f64 = 1e-8;
+
+impl Scale {
+    pub(super) fn new(density: Density, field: Option<&Field>, clean: &Mesh, unit: &Unit) -> Result<Scale> {
+        let area = clean.area();
+        if area <= unit.area_of_rounding(clean) {
+            return Err(Error::Mesh {
+                cause: "the triangles have no area".into(),
+                remedy: "a surface is needed; check that the coordinates are not all on one line".into(),
+            });
+        }
+        let checked = |wanted: usize, spacing: f64| {
+            if spacing >= SMALLEST_SPACING {
+                return Ok(Scale { wanted, spacing });
+            }
+            let cause = format!("{wanted} vertices would be {:e} apart", spacing * unit.size);
+            Err(Error::Mesh { cause, remedy: "so narrow a surface needs fewer vertices".into() })
+        };
+        let from_length = |option, length: f64, spacing: f64| {
+            let wanted = count(area, spacing);
+            check_count(option, wanted, format!("a length of {length} means {wanted} vertices"))?;
+            checked(wanted, spacing)
+        };
+        let points = |n: usize| checked(n, (2.0 * area / (3f64.sqrt() * n as f64)).sqrt());
+        match density {
+            Density::Points(n) => points(n),
+            Density::EdgeLength(l) => from_length("edge-length", l, l / unit.size),
+            Density::OfSizing => {
+                let spacing = field.map_or(f64::NAN, Field::spacing);
+                from_length("sizing", spacing * unit.size, spacing)
+            }
+            Density::SigmaP(s) => from_length("sigma-p", s, s / unit.size / SIGMA_OF_SPACING),
+            Density::Auto => points(FIRST_POINTS),
+        }
+    }
+
+    /// The spacing along curves: wider where they are so long, for the area, that they would take many times the wanted
+    /// vertices.
+    pub(super) fn curve_spacing(&self, domain: &Domain) -> f64 {
+        self.spacing.max(domain.curves.length() / (MOST_ON_CURVES * self.wanted as f64))
+    }
+
+    pub(super) fn sigma(&self) -> f64 {
+        SIGMA_OF_SPACING * self.spacing
+    }
+}
