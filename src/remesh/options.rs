@@ -15,7 +15,7 @@ pub enum Density {
     SigmaP(f64),
     /// As many vertices as the lengths of [`Options::sizing`] ask for.
     OfSizing,
-    /// As many vertices as [`Options::max_error`] needs, and hardly more: see [`remesh`].
+    /// As many vertices as [`Options::max_error`] needs, and hardly more: see [`crate::remesh()`].
     Auto,
 }
 
