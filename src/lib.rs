@@ -121,3 +121,4 @@ pub use base::error::{Error, Place, Result};
 pub use base::progress::{Monitor, Stopwatch};
 pub use remesh::{Density, Deviation, MaxError, Options, Remeshed, remesh};
 pub use surface::mesh::Mesh;
+pub use surface::points::Points;

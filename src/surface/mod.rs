@@ -11,6 +11,7 @@ pub mod manifold;
 pub mod mesh;
 pub mod motion;
 pub mod neighbors;
+pub mod points;
 pub mod refine;
 pub mod repair;
 pub mod seams;
