@@ -1,5 +1,6 @@
 //! The pipeline from mesh to mesh: the only place that knows the order of the stages.
 
+pub mod cloud;
 mod options;
 mod result;
 mod scale;

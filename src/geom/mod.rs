@@ -1,5 +1,6 @@
 //! Small geometry: what can be said about a few points without a mesh.
 
 pub mod crossing;
+pub mod eigen;
 pub mod polygon;
 pub mod triangle;

@@ -8,6 +8,7 @@
 
 use glam::DVec3;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use std::num::NonZeroUsize;
 
 /// A set of points to ask for neighbours. Any points will do: planar ones, coincident ones, none.
 pub struct Neighbors {
@@ -44,14 +45,29 @@ impl Neighbors {
         found.extend(all.into_iter().map(|f| Neighbor { point: f.item, distance_squared: f.distance }));
     }
 
+    /// The `count` points nearest to `p`, the nearest first, all of them if there are fewer; of equally near ones the
+    /// one with the smaller number comes first, but which of those farthest away are among them is the tree's choice.
+    pub fn collect_nearest(&self, p: DVec3, count: usize, found: &mut Vec<Neighbor>) {
+        found.clear();
+        let (Some(tree), Some(count)) = (&self.tree, NonZeroUsize::new(count)) else { return };
+        let centre = p.to_array();
+        let all = tree.query(&centre).nearest_n::<SquaredEuclidean<f64>>(count).execute();
+        found.extend(all.into_iter().map(|f| Neighbor { point: f.item, distance_squared: f.distance }));
+        sort(found);
+    }
+
     /// All points within `radius` of `p`, `radius` included, the nearest first; of equally near ones the one with the
     /// smaller number.
     pub fn within(&self, p: DVec3, radius: f64) -> Vec<Neighbor> {
         let mut found = Vec::new();
         self.collect_within(p, radius, &mut found);
-        found.sort_unstable_by(|a, b| a.distance_squared.total_cmp(&b.distance_squared).then(a.point.cmp(&b.point)));
+        sort(&mut found);
         found
     }
+}
+
+fn sort(found: &mut [Neighbor]) {
+    found.sort_unstable_by(|a, b| a.distance_squared.total_cmp(&b.distance_squared).then(a.point.cmp(&b.point)));
 }
 
 #[cfg(test)]
@@ -89,6 +105,10 @@ mod tests {
                 let found = set.within(p, 0.3);
                 prop_assert_eq!(numbers(&found), by_hand(&points, p, 0.3));
                 prop_assert!(found.iter().all(|n| n.distance_squared == points[n.point as usize].distance_squared(p)));
+                let mut nearest = Vec::new();
+                set.collect_nearest(p, found.len(), &mut nearest);
+                let distances = |found: &[Neighbor]| found.iter().map(|n| n.distance_squared).collect::<Vec<f64>>();
+                prop_assert_eq!(distances(&nearest), distances(&found));
             }
         }
     }

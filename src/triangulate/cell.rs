@@ -61,6 +61,14 @@ impl Cell {
         self.corners.iter().map(|c| c.across)
     }
 
+    /// The neighbours across each two sides that meet, counter-clockwise, and where they do: the circumcentre of their
+    /// triangle with the origin. Corners of the square are left out.
+    pub fn wedges(&self) -> impl Iterator<Item = ([u32; 2], DVec2)> {
+        let before = self.corners.iter().cycle().skip(self.corners.len().saturating_sub(1));
+        let wedges = before.zip(&self.corners).map(|(from, to)| ([from.across, to.across], to.place));
+        wedges.filter(|(sides, _)| !sides.contains(&WALL))
+    }
+
     /// Takes off what is nearer to the neighbour at `place` than to the origin; whether that is anything.
     fn cut_by(&mut self, place: DVec2, sample: u32) -> bool {
         let middle = 0.5 * place.length_squared();

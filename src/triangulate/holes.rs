@@ -12,11 +12,15 @@ use crate::triangulate::star::INTERIOR;
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
 
-/// Polygons of more sides are left to the caller: so large a hole is not an ambiguity but a failure.
-const MOST_SIDES: usize = 48;
-
-/// Adds to `triangles` those that close the gaps between them. `successor` is the next sample on a boundary.
-pub fn fill_holes(positions: &[DVec3], normals: &[DVec3], successor: &[u32], triangles: &mut Vec<[u32; 3]>) {
+/// Adds to `triangles` those that close the gaps of at most `most_sides` sides between them. `successor` is the next
+/// sample on a boundary.
+pub fn fill_holes(
+    positions: &[DVec3],
+    normals: &[DVec3],
+    successor: &[u32],
+    most_sides: usize,
+    triangles: &mut Vec<[u32; 3]>,
+) {
     let open = open_sides(successor, triangles);
     if open.is_empty() {
         return;
@@ -26,7 +30,7 @@ pub fn fill_holes(positions: &[DVec3], normals: &[DVec3], successor: &[u32], tri
     let mut edges: HashSet<[u32; 2]> =
         near.filter(|e| ends.contains(&e[0]) && ends.contains(&e[1])).map(undirected).collect();
     edges.extend(open.iter().map(|&e| undirected(e)));
-    for polygon in chain(positions, normals, &open) {
+    for polygon in chain(positions, normals, &open).into_iter().filter(|p| p.len() <= most_sides) {
         if let Some(filling) = triangulate_polygon(positions, &polygon, &edges) {
             edges.extend(filling.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(undirected));
             triangles.extend(filling);
@@ -98,11 +102,11 @@ fn following(
 }
 
 /// The triangulation of a polygon with the largest smallest angle, without diagonals that are edges already; `None` if
-/// there is none, or if the polygon meets itself or is too large.
+/// there is none, or if the polygon meets itself.
 fn triangulate_polygon(positions: &[DVec3], polygon: &[u32], edges: &HashSet<[u32; 2]>) -> Option<Vec<[u32; 3]>> {
     let n = polygon.len();
     let distinct: HashSet<u32> = polygon.iter().copied().collect();
-    if n > MOST_SIDES || distinct.len() < n {
+    if distinct.len() < n {
         return None;
     }
     let usable = |i: usize, j: usize| {

@@ -5,6 +5,7 @@ pub mod cell;
 pub mod glue;
 pub mod holes;
 pub mod mutual;
+pub mod points;
 pub mod settle;
 pub mod star;
 pub mod unfold;
@@ -29,6 +30,9 @@ const CHUNK: usize = 512;
 /// How far around samples that do not settle the domain is tessellated, in mean spacings, in one attempt after the
 /// other. The first also goes to where triangles are possible but not good, the last is of the whole piece.
 const REACHES: [f64; 3] = [6.0, 12.0, f64::INFINITY];
+
+/// Gaps of more sides than this are no ambiguity but a failure.
+const MOST_SIDES: usize = 48;
 
 /// Samples on the boundary of a domain, the first ones of all samples.
 #[derive(Debug, Clone, Copy)]
@@ -92,7 +96,7 @@ fn joined(starred: &Starred) -> Vec<[u32; 3]> {
     let mut triangles = agreed(&starred.stars);
     let positions: Vec<DVec3> = starred.samples.iter().map(|s| s.position).collect();
     let normals: Vec<DVec3> = starred.samples.iter().map(|s| s.normal).collect();
-    fill_holes(&positions, &normals, &starred.successor, &mut triangles);
+    fill_holes(&positions, &normals, &starred.successor, MOST_SIDES, &mut triangles);
     triangles
 }
 

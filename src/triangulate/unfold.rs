@@ -16,7 +16,7 @@
 use crate::base::ranked::Ranked;
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::topology::NONE;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use std::collections::BinaryHeap;
 
 /// Cosine of the largest angle between two normals for which a chord tells the length of the bend.
@@ -138,7 +138,9 @@ impl<'a> Unfolding<'a> {
             );
             let place = corners[0] * w[0] + corners[1] * w[1] + corners[2] * w[2];
             if place.length_squared() <= radius * radius {
-                let place = along_bend(here, &self.samples[s as usize]).unwrap_or(place);
+                let there = &self.samples[s as usize];
+                let offset = there.position - here.position;
+                let place = along_bend(here.normal, there.normal, offset).unwrap_or(place);
                 found.push(Neighbour { sample: s, place });
             }
         }
@@ -168,16 +170,15 @@ impl<'a> Unfolding<'a> {
     }
 }
 
-/// The place of `there` in the tangent plane of `here` if the surface bends evenly on the way: the direction is the one
-/// to it, the length that of the arc whose chord joins them and whose ends have their normals. `None` where the normals
-/// differ too much for that.
-pub fn along_bend(here: &Sample, there: &Sample) -> Option<DVec2> {
-    if here.normal.dot(there.normal) < LEAST_AGREEMENT {
+/// The place at `offset` in the tangent plane across `here` if the surface bends evenly on the way: the direction is the
+/// one to it, the length that of the arc whose chord is the offset and whose ends have the unit normals `here` and
+/// `there`. `None` where the normals differ too much for that.
+pub fn along_bend(here: DVec3, there: DVec3, offset: DVec3) -> Option<DVec2> {
+    if here.dot(there) < LEAST_AGREEMENT {
         return None;
     }
-    let (x, y) = here.normal.any_orthonormal_pair();
-    let offset = there.position - here.position;
-    let half_sine = 0.5 * here.normal.distance(there.normal);
+    let (x, y) = here.any_orthonormal_pair();
+    let half_sine = 0.5 * here.distance(there);
     let stretch = if half_sine > 1e-6 { half_sine.asin() / half_sine } else { 1.0 };
     let direction = DVec2::new(offset.dot(x), offset.dot(y)).normalize_or_zero();
     Some(direction * offset.length() * stretch)

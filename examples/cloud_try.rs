@@ -1,0 +1,21 @@
+use spectral_remesh::*;
+use glam::DVec3;
+fn main() {
+    let a: Vec<String> = std::env::args().collect();
+    let with_normals = a.get(3).is_some_and(|x| x == "n");
+    let l = io::file::read_file(std::path::Path::new(&a[1]), None).unwrap();
+    let mesh = surface::repair::repair(&l.mesh).0;
+    let t0 = surface::topology::topology(mesh.positions.len(), &mesh.triangles);
+    let mut normals = vec![DVec3::ZERO; mesh.positions.len()];
+    for (t, c) in mesh.triangles.iter().enumerate() { for &v in c { normals[v as usize] += mesh.area_vector(t); } }
+    let normals: Vec<DVec3> = normals.iter().map(|n| n.normalize_or_zero()).collect();
+    let pts = Points { positions: mesh.positions.clone(), normals: if with_normals { normals.clone() } else { vec![] } };
+    let t = std::time::Instant::now();
+    let m = remesh::cloud::surface_of(&pts, &()).unwrap();
+    println!("{:?}", t.elapsed());
+    let t1 = surface::topology::topology(m.positions.len(), &m.triangles);
+    println!("{t0:?}\n{t1:?}");
+    let (m2, r) = surface::repair::repair(&m);
+    println!("{:?}\n{r:?}", surface::topology::topology(m2.positions.len(), &m2.triangles));
+    io::file::write_file(std::path::Path::new(&a[2]), &m, None).unwrap();
+}

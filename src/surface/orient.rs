@@ -1,0 +1,134 @@
+//! A common side for the normals of a cloud: they spread along a minimum spanning tree of the neighbour graph, over the
+//! clearest neighbours first.
+//!
+//! Two points at an offset e belong to a surface that bends evenly if the normal of one, mirrored in the plane across e,
+//! is that of the other: n' = n - 2 (n·e) e / e·e. So their normals agree if n' and the other normal do, also around a
+//! narrow rim and between the two sides of a thin sheet, where normals themselves point apart.
+//!
+//! Based on: H. Hoppe et al., Surface reconstruction from unorganized points, 1992, DOI 10.1145/133994.134011 (the
+//! tree); S. König, S. Gumhold, Consistent propagation of normal orientations in point clouds, 2009, and H. Xie et al.,
+//! Piecewise C1 continuous surface reconstruction of noisy point clouds via local implicit quadric regression, 2003,
+//! DOI 10.1109/VISUAL.2003.1250359 (the mirror).
+//!
+//! Departure: Kruskal's algorithm, over a union-find with two nodes for each point, one for each of its sides.
+//!
+//! Cost: sorting the edges of the graph.
+
+use crate::surface::graph::NeighborGraph;
+use crate::surface::topology::UnionFind;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// An edge of the graph.
+#[derive(Clone, Copy)]
+struct Edge {
+    /// How unclear it is whether the normals agree, from 0 to 1.
+    doubt: f32,
+    ends: [u32; 2],
+}
+
+/// Turns over some of `normals` so that all of a connected part of the graph agree.
+pub fn orient(points: &[DVec3], normals: &mut [DVec3], graph: &NeighborGraph) {
+    let agreement = |[a, b]: [u32; 2]| agreement(points, normals, a, b);
+    let mut edges: Vec<Edge> = (0..points.len() as u32)
+        .into_par_iter()
+        .flat_map_iter(|a| graph.of(a).iter().map(move |&b| [a, b]))
+        .map(|ends| Edge { doubt: 1.0 - agreement(ends).abs() as f32, ends })
+        .collect();
+    edges.par_sort_unstable_by(|a, b| a.doubt.total_cmp(&b.doubt).then(a.ends.cmp(&b.ends)));
+    let mut sides = UnionFind::new(2 * points.len());
+    for Edge { ends: [a, b], .. } in edges {
+        let is_apart = sides.find(2 * a) != sides.find(2 * b) && sides.find(2 * a) != sides.find(2 * b + 1);
+        if is_apart {
+            let turned = u32::from(agreement([a, b]) < 0.0);
+            sides.join(2 * a, 2 * b + turned);
+            sides.join(2 * a + 1, 2 * b + 1 - turned);
+        }
+    }
+    // The root of a set is its lowest node, which is even for all points that are on the side of the lowest point.
+    let turned: Vec<bool> = (0..points.len() as u32).map(|p| sides.find(2 * p) % 2 == 1).collect();
+    normals.iter_mut().zip(turned).filter(|(_, turned)| *turned).for_each(|(n, _)| *n = -*n);
+}
+
+/// The share of neighbours, among those whose normals can be compared, that look to other sides.
+pub fn disagreement(points: &[DVec3], normals: &[DVec3], graph: &NeighborGraph) -> f64 {
+    let (clear, turned) = (0..points.len() as u32)
+        .into_par_iter()
+        .flat_map_iter(|a| graph.of(a).iter().map(move |&b| agreement(points, normals, a, b)))
+        .filter(|agreement| agreement.abs() > CLEAR)
+        .map(|agreement| (1usize, usize::from(agreement < 0.0)))
+        .reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+    turned as f64 / clear.max(1) as f64
+}
+
+/// An agreement that leaves no doubt.
+const CLEAR: f64 = 0.8;
+
+/// The cosine between the normal of `a`, mirrored in the plane half-way to `b`, and that of `b`.
+fn agreement(points: &[DVec3], normals: &[DVec3], a: u32, b: u32) -> f64 {
+    let (a, b) = (a as usize, b as usize);
+    let offset = points[b] - points[a];
+    let mirrored = normals[a] - 2.0 * normals[a].project_onto(offset);
+    if mirrored.is_finite() { mirrored.dot(normals[b]) } else { normals[a].dot(normals[b]) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::rng::{Stage, stream, unit};
+    use crate::surface::neighbors::Neighbors;
+    use crate::surface::normals::plane_normals;
+
+    fn oriented(points: &[DVec3]) -> Vec<DVec3> {
+        let graph = NeighborGraph::new(points, &Neighbors::new(points), 12);
+        let mut normals = plane_normals(points, &graph);
+        orient(points, &mut normals, &graph);
+        assert!(disagreement(points, &normals, &graph) < 0.01);
+        normals
+    }
+
+    /// Points of a sphere around the origin, by the golden angle.
+    fn sphere(count: u32, radius: f64) -> impl Iterator<Item = DVec3> {
+        (0..count).map(move |i| {
+            let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(count);
+            let (sine, cosine) = (2.399_963_229_728_653 * f64::from(i)).sin_cos();
+            radius * DVec3::new((1.0 - z * z).sqrt() * cosine, (1.0 - z * z).sqrt() * sine, z)
+        })
+    }
+
+    #[test]
+    fn two_nested_spheres_have_a_side_each() {
+        let points: Vec<DVec3> = sphere(3000, 1.0).chain(sphere(1500, 0.7)).collect();
+        let normals = oriented(&points);
+        for part in [0..3000, 3000..4500] {
+            let first = normals[part.start].dot(points[part.start]).signum();
+            assert!(part.clone().all(|p| first * normals[p].dot(points[p]) > 0.0), "{part:?}");
+        }
+    }
+
+    #[test]
+    fn the_two_sides_of_a_thin_sheet_look_apart() {
+        // A closed sheet a twentieth as thick as wide, points a fortieth of its width apart, with a round rim.
+        let mut rng = stream(2, Stage::Scan);
+        let (width, half) = (40.0, 1.0);
+        let side = (0..1600).map(|i| DVec3::new(f64::from(i % 40) + 0.5, f64::from(i / 40) + 0.5, 0.0));
+        let sheet = |z: f64| side.clone().map(move |p| p + z * DVec3::Z);
+        let rim: Vec<DVec3> = (0..4 * 40 * 3)
+            .map(|i| {
+                let (along, turn) = (f64::from(i / 12) + unit(&mut rng), (f64::from(i / 4 % 3) - 1.0) * 0.9);
+                let (out, up) = (half * f64::cos(turn), half * f64::sin(turn));
+                match i % 4 {
+                    0 => DVec3::new(along, -out, up),
+                    1 => DVec3::new(along, width + out, up),
+                    2 => DVec3::new(-out, along, up),
+                    _ => DVec3::new(width + out, along, up),
+                }
+            })
+            .collect();
+        let points: Vec<DVec3> = sheet(half).chain(sheet(-half)).chain(rim).collect();
+        let normals = oriented(&points);
+        let up = normals[820].z.signum();
+        let wrong = (0..3200).filter(|&p| normals[p].z * up * points[p].z < 0.0).count();
+        assert_eq!(wrong, 0);
+    }
+}

@@ -1,0 +1,139 @@
+//! A triangulation of the points of a cloud, all of them where they can be.
+//!
+//! The stars are those of samples of a mesh, with the neighbour graph in the place of the mesh: neighbours are points
+//! nearby whose normals, and the way to them, are those of a surface that bends evenly. A triangle whose circumcircle is
+//! large, measured by how far apart its corners are from their neighbours, spans a hole of the scan and is left out.
+//!
+//! Cost: as for stars of samples.
+
+use crate::base::error::Result;
+use crate::base::progress::{Monitor, check};
+use crate::surface::graph::NeighborGraph;
+use crate::surface::neighbors::{Neighbor, Neighbors};
+use crate::triangulate::agreement::agreed;
+use crate::triangulate::cell::Cell;
+use crate::triangulate::holes::fill_holes;
+use crate::triangulate::star::INTERIOR;
+use crate::triangulate::unfold::{Neighbour, along_bend};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// The largest circumradius of a triangle in spacings of its corners.
+const LARGEST_CIRCUMRADIUS: f64 = 1.5;
+
+/// The largest sine between the way to a neighbour and the plane across the mean of both normals. On an arc it is
+/// zero; towards the next layer of a fold it is large.
+const STEEPEST: f64 = 0.6;
+
+/// How much a neighbourhood grows when it was too small.
+const GROWTH: f64 = 1.5;
+
+/// Gaps of no more sides than this are closed: a scan has no holes that small.
+const MOST_SIDES: usize = 12;
+
+/// Points, with what is known of their neighbours.
+#[derive(Clone, Copy)]
+pub struct Surroundings<'a> {
+    /// The points.
+    pub positions: &'a [DVec3],
+    /// Their unit normals.
+    pub normals: &'a [DVec3],
+    /// The points, to be asked for neighbours.
+    pub near: &'a Neighbors,
+    /// The nearest neighbours of each.
+    pub graph: &'a NeighborGraph,
+    /// How far apart the points are around each.
+    pub spacings: &'a [f64],
+}
+
+/// The triangles between the points, counter-clockwise seen from where normals point.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
+pub fn triangulate_points(points: Surroundings<'_>, monitor: &dyn Monitor) -> Result<Vec<[u32; 3]>> {
+    check(monitor)?;
+    let stars: Vec<[u32; 3]> = (0..points.positions.len() as u32)
+        .into_par_iter()
+        .map_init(|| StarMaker::new(points), |maker, p| maker.star(p))
+        .flatten_iter()
+        .collect();
+    let mut triangles = agreed(&stars);
+    eprintln!("{} stars {} agreed", stars.len(), triangles.len());
+    triangles.retain(|t| points.is_near(*t));
+    let interior = vec![INTERIOR; points.positions.len()];
+    fill_holes(points.positions, points.normals, &interior, MOST_SIDES, &mut triangles);
+    eprintln!("filled {}", triangles.len());
+    Ok(triangles)
+}
+
+impl Surroundings<'_> {
+    /// Whether a triangle spans no hole.
+    fn is_near(&self, triangle: [u32; 3]) -> bool {
+        let [a, b, c] = triangle.map(|p| self.positions[p as usize]);
+        let sides = (b - a).length() * (c - b).length() * (a - c).length();
+        let circumradius = sides / (2.0 * (b - a).cross(c - a).length());
+        let spacing = triangle.iter().map(|&p| self.spacings[p as usize]).fold(0.0, f64::max);
+        circumradius <= LARGEST_CIRCUMRADIUS * spacing
+    }
+
+    /// Where point `b` lies in the tangent plane of `a`; `None` if they are not of one sheet.
+    fn place(&self, a: u32, b: u32) -> Option<glam::DVec2> {
+        let (a, b) = (a as usize, b as usize);
+        let offset = self.positions[b] - self.positions[a];
+        let across = (self.normals[a] + self.normals[b]).normalize_or_zero();
+        let is_steep = offset.dot(across).abs() > STEEPEST * offset.length();
+        if is_steep { None } else { along_bend(self.normals[a], self.normals[b], offset) }
+    }
+}
+
+/// Makes stars; keeps its memory from one to the next.
+struct StarMaker<'a> {
+    points: Surroundings<'a>,
+    ball: Vec<Neighbor>,
+    found: Vec<Neighbour>,
+    cell: Cell,
+}
+
+impl<'a> StarMaker<'a> {
+    fn new(points: Surroundings<'a>) -> Self {
+        StarMaker { points, ball: Vec::new(), found: Vec::new(), cell: Cell::default() }
+    }
+
+    /// The triangles of the star of `centre`, which comes first in each.
+    fn star(&mut self, centre: u32) -> Vec<[u32; 3]> {
+        let points = self.points;
+        let nearest = points.graph.of(centre);
+        let here = points.positions[centre as usize];
+        let spacing = nearest.iter().map(|&n| points.spacings[n as usize]).fold(points.spacings[centre as usize], f64::max);
+        let largest = LARGEST_CIRCUMRADIUS * spacing;
+        let mut radius = nearest.last().map_or(0.0, |&n| here.distance(points.positions[n as usize]));
+        self.found.clear();
+        self.found.extend(nearest.iter().filter_map(|&n| Some(Neighbour { sample: n, place: points.place(centre, n)? })));
+        loop {
+            let reach = self.cut(largest);
+            if 2.0 * reach <= radius || radius >= 2.0 * largest {
+                break;
+            }
+            radius = (GROWTH * radius).min(2.0 * largest);
+            self.find(centre, radius);
+        }
+        self.cell.wedges().filter(|w| w.1.length() <= largest).map(|([a, b], _)| [centre, a, b]).collect()
+    }
+
+    /// Finds the neighbours of `centre` within `radius`.
+    fn find(&mut self, centre: u32, radius: f64) {
+        let points = self.points;
+        points.near.collect_within(points.positions[centre as usize], radius, &mut self.ball);
+        self.found.clear();
+        let others = self.ball.iter().map(|n| n.point).filter(|&n| n != centre);
+        self.found.extend(others.filter_map(|n| Some(Neighbour { sample: n, place: points.place(centre, n)? })));
+    }
+
+    /// Cuts the cell among the neighbours found; the distance of its farthest corner.
+    fn cut(&mut self, largest: f64) -> f64 {
+        self.found.sort_unstable_by(|a, b| {
+            a.place.length_squared().total_cmp(&b.place.length_squared()).then(a.sample.cmp(&b.sample))
+        });
+        self.cell.cut(&self.found, largest)
+    }
+}
