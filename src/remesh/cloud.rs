@@ -30,6 +30,6 @@ pub fn surface_of(points: &Points, monitor: &dyn Monitor) -> Result<Mesh> {
     monitor.stage("connect");
     let spacings = graph.spacings(positions);
     let surroundings = Surroundings { positions, normals: &normals, near: &near, graph: &graph, spacings: &spacings };
-    let triangles = triangulate_points(surroundings, monitor)?;
+    let triangles = triangulate_points(surroundings, 0.0, monitor)?;
     Ok(Mesh { positions: positions.clone(), triangles })
 }

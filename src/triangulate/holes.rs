@@ -10,19 +10,21 @@
 use crate::geom::triangle::angles;
 use crate::triangulate::star::INTERIOR;
 use glam::DVec3;
-use std::collections::{HashMap, HashSet};
+use rayon::slice::ParallelSliceMut;
+use std::collections::HashSet;
 
-/// Adds to `triangles` those that close the gaps of at most `most_sides` sides between them. `successor` is the next
-/// sample on a boundary.
+/// Adds to `triangles` those that close the gaps between them that are `to_fill`: polygons with the gap on their left.
+/// `successor` is the next sample on a boundary.
 pub fn fill_holes(
     positions: &[DVec3],
     normals: &[DVec3],
     successor: &[u32],
-    most_sides: usize,
+    to_fill: impl Fn(&[u32]) -> bool,
     triangles: &mut Vec<[u32; 3]>,
 ) {
     let open = open_sides(successor, triangles);
-    if open.is_empty() {
+    let polygons = chain(positions, normals, &open);
+    if polygons.is_empty() {
         return;
     }
     let ends: HashSet<u32> = open.iter().flatten().copied().collect();
@@ -30,12 +32,17 @@ pub fn fill_holes(
     let mut edges: HashSet<[u32; 2]> =
         near.filter(|e| ends.contains(&e[0]) && ends.contains(&e[1])).map(undirected).collect();
     edges.extend(open.iter().map(|&e| undirected(e)));
-    for polygon in chain(positions, normals, &open).into_iter().filter(|p| p.len() <= most_sides) {
+    for polygon in polygons.into_iter().filter(|p| to_fill(p)) {
         if let Some(filling) = triangulate_polygon(positions, &polygon, &edges) {
             edges.extend(filling.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(undirected));
             triangles.extend(filling);
         }
     }
+}
+
+/// The gaps between `triangles`, as polygons with the gap on their left.
+pub fn gaps(positions: &[DVec3], normals: &[DVec3], successor: &[u32], triangles: &[[u32; 3]]) -> Vec<Vec<u32>> {
+    chain(positions, normals, &open_sides(successor, triangles))
 }
 
 fn undirected([a, b]: [u32; 2]) -> [u32; 2] {
@@ -46,12 +53,12 @@ fn undirected([a, b]: [u32; 2]) -> [u32; 2] {
 /// the boundary.
 fn open_sides(successor: &[u32], triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
     let mut sides: Vec<[u32; 2]> = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
-    sides.sort_unstable();
+    sides.par_sort_unstable();
     let taken = |side: &[u32; 2]| sides.binary_search(side).is_ok();
     let along = (0..successor.len() as u32).map(|v| [v, successor[v as usize]]).filter(|s| s[1] != INTERIOR);
     let across = sides.iter().filter(|s| successor[s[0] as usize] != s[1]).map(|&[a, b]| [b, a]);
     let mut open: Vec<[u32; 2]> = along.chain(across).filter(|s| !taken(s)).collect();
-    open.sort_unstable();
+    open.par_sort_unstable();
     open.dedup();
     open
 }
@@ -112,24 +119,22 @@ fn triangulate_polygon(positions: &[DVec3], polygon: &[u32], edges: &HashSet<[u3
     let usable = |i: usize, j: usize| {
         j == i + 1 || (i == 0 && j == n - 1) || !edges.contains(&undirected([polygon[i], polygon[j]]))
     };
-    // best[(i, j)]: the smallest angle and the apex of the triangle on diagonal i j of the part from i to j.
-    let mut best: HashMap<(usize, usize), (f64, usize)> = HashMap::new();
+    // For diagonal i j the smallest angle of the best triangulation of the part from i to j, and the apex on it.
+    let mut best: Vec<Option<(f64, usize)>> = vec![None; n * n];
     for length in 1..n {
         for i in 0..n - length {
             let j = i + length;
             if length == 1 {
-                best.insert((i, j), (f64::INFINITY, i));
+                best[n * i + j] = Some((f64::INFINITY, i));
             } else if usable(i, j) {
                 let choice = (i + 1..j).filter_map(|k| {
-                    let (left, right) = (best.get(&(i, k))?.0, best.get(&(k, j))?.0);
+                    let (left, right) = (best[n * i + k]?.0, best[n * k + j]?.0);
                     let own = angles([i, k, j].map(|c| positions[polygon[c] as usize]))
                         .into_iter()
                         .fold(f64::INFINITY, f64::min);
                     Some((own.min(left).min(right), k))
                 });
-                if let Some(c) = choice.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1))) {
-                    best.insert((i, j), c);
-                }
+                best[n * i + j] = choice.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
             }
         }
     }
@@ -137,7 +142,7 @@ fn triangulate_polygon(positions: &[DVec3], polygon: &[u32], edges: &HashSet<[u3
     let mut parts = vec![(0, n - 1)];
     while let Some((i, j)) = parts.pop() {
         if j > i + 1 {
-            let k = best.get(&(i, j))?.1;
+            let k = best[n * i + j]?.1;
             filling.push([polygon[i], polygon[k], polygon[j]]);
             parts.extend([(i, k), (k, j)]);
         }

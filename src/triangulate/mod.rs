@@ -2,6 +2,7 @@
 
 pub mod agreement;
 pub mod cell;
+pub mod gaps;
 pub mod glue;
 pub mod holes;
 pub mod mutual;
@@ -96,7 +97,7 @@ fn joined(starred: &Starred) -> Vec<[u32; 3]> {
     let mut triangles = agreed(&starred.stars);
     let positions: Vec<DVec3> = starred.samples.iter().map(|s| s.position).collect();
     let normals: Vec<DVec3> = starred.samples.iter().map(|s| s.normal).collect();
-    fill_holes(&positions, &normals, &starred.successor, MOST_SIDES, &mut triangles);
+    fill_holes(&positions, &normals, &starred.successor, |polygon| polygon.len() <= MOST_SIDES, &mut triangles);
     triangles
 }
 

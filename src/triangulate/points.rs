@@ -10,16 +10,14 @@ use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};
 use crate::surface::graph::NeighborGraph;
 use crate::surface::neighbors::{Neighbor, Neighbors};
-use crate::triangulate::agreement::agreed;
 use crate::triangulate::cell::Cell;
-use crate::triangulate::holes::fill_holes;
-use crate::triangulate::star::INTERIOR;
+use crate::triangulate::gaps::{Look, settle};
 use crate::triangulate::unfold::{Neighbour, along_bend};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-/// The largest circumradius of a triangle in spacings of its corners.
-const LARGEST_CIRCUMRADIUS: f64 = 1.5;
+/// The largest circumradius of a triangle in the star of a point, in spacings of its corners.
+const LARGEST_CIRCUMRADIUS: f64 = 2.5;
 
 /// The largest sine between the way to a neighbour and the plane across the mean of both normals. On an arc it is
 /// zero; towards the next layer of a fold it is large.
@@ -27,9 +25,6 @@ const STEEPEST: f64 = 0.6;
 
 /// How much a neighbourhood grows when it was too small.
 const GROWTH: f64 = 1.5;
-
-/// Gaps of no more sides than this are closed: a scan has no holes that small.
-const MOST_SIDES: usize = 12;
 
 /// Points, with what is known of their neighbours.
 #[derive(Clone, Copy)]
@@ -46,38 +41,48 @@ pub struct Surroundings<'a> {
     pub spacings: &'a [f64],
 }
 
-/// The triangles between the points, counter-clockwise seen from where normals point.
+/// The triangles between the points, counter-clockwise seen from where normals point. Each point has one fan of them at
+/// most. Holes whose loops have a bounding box with a diagonal of up to `close_up_to` are closed.
+///
+/// Where even a lenient look finds holes the scan is an open one, and a stricter look finds the smaller ones, too: none
+/// of them could be told from places that are only sparse otherwise.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
-pub fn triangulate_points(points: Surroundings<'_>, monitor: &dyn Monitor) -> Result<Vec<[u32; 3]>> {
+pub fn triangulate_points(points: Surroundings<'_>, close_up_to: f64, monitor: &dyn Monitor) -> Result<Vec<[u32; 3]>> {
     check(monitor)?;
     let stars: Vec<[u32; 3]> = (0..points.positions.len() as u32)
         .into_par_iter()
         .map_init(|| StarMaker::new(points), |maker, p| maker.star(p))
         .flatten_iter()
         .collect();
-    let mut triangles = agreed(&stars);
-    eprintln!("{} stars {} agreed", stars.len(), triangles.len());
-    triangles.retain(|t| points.is_near(*t));
-    let interior = vec![INTERIOR; points.positions.len()];
-    fill_holes(points.positions, points.normals, &interior, MOST_SIDES, &mut triangles);
-    eprintln!("filled {}", triangles.len());
-    Ok(triangles)
+    check(monitor)?;
+    let closed = settle(points, &stars, Look { close_up_to, ..LENIENT });
+    check(monitor)?;
+    if closed.holes == 0 {
+        return Ok(closed.triangles);
+    }
+    Ok(settle(points, &stars, Look { close_up_to, ..STRICT }).triangles)
 }
 
+/// A look at a closed scan, whose gaps may be where it is only sparse.
+const LENIENT: Look = Look { largest_circumradius: LARGEST_CIRCUMRADIUS, most_sides: 16, close_up_to: 0.0 };
+
+/// A look at a scan that has holes.
+const STRICT: Look = Look { largest_circumradius: 1.2, most_sides: 12, close_up_to: 0.0 };
+
 impl Surroundings<'_> {
-    /// Whether a triangle spans no hole.
-    fn is_near(&self, triangle: [u32; 3]) -> bool {
+    /// Whether the circumradius of a triangle is at most `largest` spacings of its corners.
+    pub(super) fn is_small(&self, triangle: [u32; 3], largest: f64) -> bool {
         let [a, b, c] = triangle.map(|p| self.positions[p as usize]);
         let sides = (b - a).length() * (c - b).length() * (a - c).length();
         let circumradius = sides / (2.0 * (b - a).cross(c - a).length());
         let spacing = triangle.iter().map(|&p| self.spacings[p as usize]).fold(0.0, f64::max);
-        circumradius <= LARGEST_CIRCUMRADIUS * spacing
+        circumradius <= largest * spacing
     }
 
     /// Where point `b` lies in the tangent plane of `a`; `None` if they are not of one sheet.
-    fn place(&self, a: u32, b: u32) -> Option<glam::DVec2> {
+    fn place(&self, a: u32, b: u32) -> Option<DVec2> {
         let (a, b) = (a as usize, b as usize);
         let offset = self.positions[b] - self.positions[a];
         let across = (self.normals[a] + self.normals[b]).normalize_or_zero();

@@ -1,0 +1,193 @@
+//! Gaps between the stars of the points of a cloud: those that are holes of the scan stay, all others are closed.
+//!
+//! A gap is no hole if the stars around it are complete and only contradict each other, if it has but a few sides, or if
+//! it is a flat place of a flat surface, which needs no points. Points with several fans of triangles keep the largest
+//! one, so that every gap is a simple polygon, which is triangulated. Where that cannot be, the triangles around it go,
+//! and the polygon is a larger one.
+//!
+//! Cost: sorting the sides of the triangles, a few times.
+
+use crate::geom::eigen::eigen;
+use crate::surface::topology::components;
+use crate::triangulate::agreement::agreed;
+use crate::triangulate::holes::{fill_holes, gaps};
+use crate::triangulate::points::Surroundings;
+use crate::triangulate::star::INTERIOR;
+use glam::{DMat3, DVec3};
+
+/// What passes for a hole.
+#[derive(Debug, Clone, Copy)]
+pub struct Look {
+    /// Triangles whose circumradius is larger than so many spacings of their corners span one.
+    pub largest_circumradius: f64,
+    /// Gaps of so many sides are none.
+    pub most_sides: usize,
+    /// Those in a box of no longer a diagonal are closed, too.
+    pub close_up_to: f64,
+}
+
+/// Triangles, each point with at most one fan of them.
+pub struct Settled {
+    /// The triangles.
+    pub triangles: Vec<[u32; 3]>,
+    /// Holes that were left.
+    pub holes: usize,
+}
+
+/// Rounds of closing gaps and widening those that cannot be closed.
+const ROUNDS: usize = 6;
+
+/// Triangles of fewer connected points than this are no surface.
+const FEWEST_POINTS: usize = 8;
+
+/// How flat a gap is, thickness over width, that passes for a flat place; and the least mean cosine between the normals
+/// around it and its own.
+const FLATNESS: f64 = 0.03;
+const LEAST_FACING: f64 = 0.95;
+
+/// Mean cosine, of the normals around a gap and its own, below which the gap is all that is outside of a sheet.
+const OUTSIDE: f64 = -0.5;
+
+/// The triangles that stars agree on and those that close the gaps between them which are no holes.
+pub fn settle(points: Surroundings<'_>, stars: &[[u32; 3]], look: Look) -> Settled {
+    let stars: Vec<[u32; 3]> =
+        stars.iter().copied().filter(|t| points.is_small(*t, look.largest_circumradius)).collect();
+    let ends = ends(&stars, points.positions.len());
+    let successor = vec![INTERIOR; points.positions.len()];
+    let mut triangles = agreed(&stars);
+    drop(stars);
+    let is_hole = |polygon: &[u32]| is_hole(points, &ends, look, polygon);
+    for _ in 0..ROUNDS {
+        keep_largest_fans(&mut triangles, points.positions.len());
+        drop_islands(&mut triangles, points.positions.len());
+        fill_holes(points.positions, points.normals, &successor, |p| !is_hole(p), &mut triangles);
+        let mut left = gaps(points.positions, points.normals, &successor, &triangles);
+        left.retain(|polygon| !is_hole(polygon));
+        if left.is_empty() {
+            break;
+        }
+        let mut at_gap = vec![false; points.positions.len()];
+        left.iter().flatten().for_each(|&p| at_gap[p as usize] = true);
+        triangles.retain(|t| !t.iter().any(|&p| at_gap[p as usize]));
+    }
+    keep_largest_fans(&mut triangles, points.positions.len());
+    let holes = gaps(points.positions, points.normals, &successor, &triangles).len();
+    Settled { triangles, holes }
+}
+
+/// The points whose stars are not closed.
+fn ends(stars: &[[u32; 3]], points: usize) -> Vec<bool> {
+    // Around a closed star every neighbour comes once as a first and once as a second corner.
+    let mut balance = vec![0u32; points];
+    for &[centre, a, b] in stars {
+        balance[centre as usize] = balance[centre as usize].wrapping_add(b.wrapping_sub(a));
+    }
+    let mut has_star = vec![false; points];
+    stars.iter().for_each(|s| has_star[s[0] as usize] = true);
+    balance.into_iter().zip(has_star).map(|(balance, has_star)| balance != 0 || !has_star).collect()
+}
+
+fn is_hole(points: Surroundings<'_>, ends: &[bool], look: Look, polygon: &[u32]) -> bool {
+    let open = polygon.iter().filter(|&&p| ends[p as usize]).count();
+    if 2 * open < polygon.len() {
+        return false;
+    }
+    let rim: Vec<DVec3> = polygon.iter().map(|&p| points.positions[p as usize]).collect();
+    let normal = area_vector(&rim).normalize_or_zero();
+    let facing = polygon.iter().map(|&p| points.normals[p as usize].dot(normal)).sum::<f64>() / rim.len() as f64;
+    let (lo, hi) = rim.iter().fold((rim[0], rim[0]), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+    let is_flat = facing > LEAST_FACING && flatness(&rim) < FLATNESS;
+    let is_small = polygon.len() <= look.most_sides || lo.distance(hi) <= look.close_up_to;
+    facing < OUTSIDE || !is_flat && !is_small
+}
+
+/// Twice the area of a polygon times its normal, wherever it is flat.
+fn area_vector(rim: &[DVec3]) -> DVec3 {
+    let origin = rim[0];
+    rim.windows(2).map(|side| (side[0] - origin).cross(side[1] - origin)).sum()
+}
+
+/// The smallest spread of points over the middle one.
+fn flatness(rim: &[DVec3]) -> f64 {
+    let mean = rim.iter().sum::<DVec3>() / rim.len() as f64;
+    let outer = |d: DVec3| DMat3::from_cols(d.x * d, d.y * d, d.z * d);
+    let spread = rim.iter().map(|&p| outer(p - mean)).fold(DMat3::ZERO, |sum, m| sum + m);
+    let [thin, wide, _] = eigen(spread).0.map(|v| v.max(0.0).sqrt());
+    thin / wide.max(f64::MIN_POSITIVE)
+}
+
+/// Removes triangles until every point has one fan of them, its largest.
+fn keep_largest_fans(triangles: &mut Vec<[u32; 3]>, points: usize) {
+    let mut start = vec![0u32; points + 1];
+    triangles.iter().flatten().for_each(|&p| start[p as usize + 1] += 1);
+    (0..points).for_each(|p| start[p + 1] += start[p]);
+    let mut fill = start.clone();
+    let mut corners = vec![0u32; 3 * triangles.len()];
+    for (t, triangle) in triangles.iter().enumerate() {
+        for (k, &p) in triangle.iter().enumerate() {
+            corners[fill[p as usize] as usize] = (3 * t + k) as u32;
+            fill[p as usize] += 1;
+        }
+    }
+    let mut gone = vec![false; triangles.len()];
+    for p in 0..points {
+        let corners = &corners[start[p] as usize..start[p + 1] as usize];
+        beside_largest_fan(triangles, corners, |t| gone[t] = true);
+    }
+    let mut gone = gone.into_iter();
+    triangles.retain(|_| !gone.next().unwrap_or(false));
+}
+
+/// Calls `remove` with the triangles that are not of the largest fan among those with `corners` at one point.
+fn beside_largest_fan(triangles: &[[u32; 3]], corners: &[u32], mut remove: impl FnMut(usize)) {
+    let from = |c: u32| triangles[c as usize / 3][(c as usize + 1) % 3];
+    let to = |c: u32| triangles[c as usize / 3][(c as usize + 2) % 3];
+    let follows = |c: u32| corners.iter().position(|&d| from(d) == to(c));
+    let mut fan = vec![usize::MAX; corners.len()];
+    let mut sizes: Vec<usize> = Vec::new();
+    let begins = |i: &usize| !corners.iter().any(|&d| to(d) == from(corners[*i]));
+    // Fans with two ends first, then those that go around.
+    for first in (0..corners.len()).filter(begins).chain(0..corners.len()) {
+        let mut at = Some(first);
+        let mut size = 0;
+        while let Some(i) = at.filter(|&i| fan[i] == usize::MAX) {
+            fan[i] = sizes.len();
+            size += 1;
+            at = follows(corners[i]);
+        }
+        if size > 0 {
+            sizes.push(size);
+        }
+    }
+    if sizes.len() > 1 {
+        let largest = (0..sizes.len()).max_by_key(|&f| (sizes[f], usize::MAX - f)).unwrap_or(0);
+        (0..corners.len()).filter(|&i| fan[i] != largest).for_each(|i| remove(corners[i] as usize / 3));
+    }
+}
+
+/// Removes the triangles of pieces of a few points.
+fn drop_islands(triangles: &mut Vec<[u32; 3]>, points: usize) {
+    let piece = components(points, triangles);
+    let mut sizes = vec![0usize; points];
+    piece.iter().for_each(|&p| sizes[p as usize] += 1);
+    triangles.retain(|t| sizes[piece[t[0] as usize] as usize] >= FEWEST_POINTS);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_keeps_its_largest_fan() {
+        // A fan of two and one of one at point 0, and a closed one at point 9.
+        let mut triangles = vec![[0, 1, 2], [0, 2, 3], [0, 4, 5], [9, 6, 7], [9, 7, 8], [9, 8, 6]];
+        keep_largest_fans(&mut triangles, 10);
+        assert_eq!(triangles, [[0, 1, 2], [0, 2, 3], [9, 6, 7], [9, 7, 8], [9, 8, 6]]);
+    }
+
+    #[test]
+    fn stars_end_where_they_are_not_closed() {
+        let stars = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 2, 0], [1, 0, 3]];
+        assert_eq!(ends(&stars, 3), [false, true, true]);
+    }
+}
