@@ -14,8 +14,6 @@ fn main() {
     let m = remesh::cloud::surface_of(&pts, &()).unwrap();
     println!("{:?}", t.elapsed());
     let t1 = surface::topology::topology(m.positions.len(), &m.triangles);
-    println!("{t0:?}\n{t1:?}");
-    let (m2, r) = surface::repair::repair(&m);
-    println!("{:?}\n{r:?}", surface::topology::topology(m2.positions.len(), &m2.triangles));
+    println!("T in χ{} L{} | V{}/{} χ{} C{} L{} nm{},{} {:?}", t0.euler,t0.boundary_loops,t1.vertices,t0.vertices,t1.euler,t1.components,t1.boundary_loops,t1.nonmanifold_edges,t1.nonmanifold_vertices, t.elapsed());
     io::file::write_file(std::path::Path::new(&a[2]), &m, None).unwrap();
 }

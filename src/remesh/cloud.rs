@@ -21,10 +21,9 @@ pub fn surface_of(points: &Points, monitor: &dyn Monitor) -> Result<Mesh> {
     let graph = NeighborGraph::new(positions, &near, NEIGHBORS);
     let mut normals = points.normals.clone();
     if normals.is_empty() {
-        normals = plane_normals(positions, &graph);
+        normals = plane_normals(positions, &NeighborGraph::new(positions, &near, std::env::var("KK").map_or(8, |p| p.parse().unwrap())));
         monitor.stage("orient");
         orient(positions, &mut normals, &graph);
-        normals = sphere_normals(positions, &normals, &graph);
     }
     eprintln!("disagree {}", disagreement(positions, &normals, &graph));
     monitor.stage("connect");

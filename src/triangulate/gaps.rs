@@ -22,8 +22,8 @@ pub struct Look {
     pub largest_circumradius: f64,
     /// Gaps of so many sides are none.
     pub most_sides: usize,
-    /// Those in a box of no longer a diagonal are closed, too.
-    pub close_up_to: f64,
+    /// Gaps in a box of no longer a diagonal are none.
+    pub smallest_diagonal: f64,
 }
 
 /// Triangles, each point with at most one fan of them.
@@ -40,10 +40,18 @@ const ROUNDS: usize = 6;
 /// Triangles of fewer connected points than this are no surface.
 const FEWEST_POINTS: usize = 8;
 
-/// How flat a gap is, thickness over width, that passes for a flat place; and the least mean cosine between the normals
-/// around it and its own.
-const FLATNESS: f64 = 0.03;
-const LEAST_FACING: f64 = 0.95;
+/// One in so many points around a hole has a star that ends there.
+const ENDS: usize = 3;
+
+/// The share of points around a flat place that lie in its plane, and how far off they may be as a share of its width.
+const IN_PLANE: f64 = 0.8;
+const THICKNESS: f64 = 0.03;
+
+/// The share of points around it that have the normal of a flat place at least, and the share of those that do not; the
+/// cosines that tell.
+const SOME: f64 = 0.05;
+const ALIKE: f64 = 0.98;
+const APART: f64 = 0.94;
 
 /// Mean cosine, of the normals around a gap and its own, below which the gap is all that is outside of a sheet.
 const OUTSIDE: f64 = -0.5;
@@ -89,15 +97,15 @@ fn ends(stars: &[[u32; 3]], points: usize) -> Vec<bool> {
 
 fn is_hole(points: Surroundings<'_>, ends: &[bool], look: Look, polygon: &[u32]) -> bool {
     let open = polygon.iter().filter(|&&p| ends[p as usize]).count();
-    if 2 * open < polygon.len() {
+    if ENDS * open < polygon.len() {
         return false;
     }
     let rim: Vec<DVec3> = polygon.iter().map(|&p| points.positions[p as usize]).collect();
     let normal = area_vector(&rim).normalize_or_zero();
     let facing = polygon.iter().map(|&p| points.normals[p as usize].dot(normal)).sum::<f64>() / rim.len() as f64;
     let (lo, hi) = rim.iter().fold((rim[0], rim[0]), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
-    let is_flat = facing > LEAST_FACING && flatness(&rim) < FLATNESS;
-    let is_small = polygon.len() <= look.most_sides || lo.distance(hi) <= look.close_up_to;
+    let is_flat = is_flat_place(points, polygon);
+    let is_small = polygon.len() <= look.most_sides || lo.distance(hi) <= look.smallest_diagonal;
     facing < OUTSIDE || !is_flat && !is_small
 }
 
@@ -107,13 +115,28 @@ fn area_vector(rim: &[DVec3]) -> DVec3 {
     rim.windows(2).map(|side| (side[0] - origin).cross(side[1] - origin)).sum()
 }
 
-/// The smallest spread of points over the middle one.
-fn flatness(rim: &[DVec3]) -> f64 {
-    let mean = rim.iter().sum::<DVec3>() / rim.len() as f64;
+/// Whether a gap is part of a flat face, as of a machine part, that has points at its sharp rim only: most of the points
+/// around it lie in one plane, and some have its normal but others do not.
+fn is_flat_place(points: Surroundings<'_>, polygon: &[u32]) -> bool {
+    let mut rim: Vec<DVec3> = polygon.iter().map(|&p| points.positions[p as usize]).collect();
+    let (mut mean, mut normal, width) = plane(&rim);
+    let height = |p: &DVec3, mean: DVec3, normal: DVec3| (p - mean).dot(normal).abs();
+    rim.sort_by(|a, b| height(a, mean, normal).total_cmp(&height(b, mean, normal)));
+    let core = (IN_PLANE * rim.len() as f64).ceil() as usize;
+    (mean, normal, _) = plane(&rim[..core]);
+    let in_plane = rim.iter().filter(|p| height(p, mean, normal) < THICKNESS * width).count();
+    let turned = |cosine: f64| polygon.iter().filter(|&&p| points.normals[p as usize].dot(normal).abs() > cosine).count();
+    let some = (SOME * rim.len() as f64).ceil() as usize;
+    in_plane >= core && turned(ALIKE) >= some && polygon.len() - turned(APART) >= some
+}
+
+/// The mean of points, the normal of the plane that fits them best, and how far they spread across their longest extent.
+fn plane(points: &[DVec3]) -> (DVec3, DVec3, f64) {
+    let mean = points.iter().sum::<DVec3>() / points.len() as f64;
     let outer = |d: DVec3| DMat3::from_cols(d.x * d, d.y * d, d.z * d);
-    let spread = rim.iter().map(|&p| outer(p - mean)).fold(DMat3::ZERO, |sum, m| sum + m);
-    let [thin, wide, _] = eigen(spread).0.map(|v| v.max(0.0).sqrt());
-    thin / wide.max(f64::MIN_POSITIVE)
+    let spread = points.iter().map(|&p| outer(p - mean)).fold(DMat3::ZERO, |sum, m| sum + m);
+    let (values, vectors) = eigen(spread);
+    (mean, vectors[0], (values[1] / points.len() as f64).max(0.0).sqrt())
 }
 
 /// Removes triangles until every point has one fan of them, its largest.

@@ -57,19 +57,30 @@ pub fn triangulate_points(points: Surroundings<'_>, close_up_to: f64, monitor: &
         .flatten_iter()
         .collect();
     check(monitor)?;
-    let closed = settle(points, &stars, Look { close_up_to, ..LENIENT });
+    let smallest_diagonal = close_up_to.max(SMALL_HOLE * diagonal(points.positions));
+    let closed = settle(points, &stars, Look { smallest_diagonal, ..LENIENT });
     check(monitor)?;
     if closed.holes == 0 {
         return Ok(closed.triangles);
     }
-    Ok(settle(points, &stars, Look { close_up_to, ..STRICT }).triangles)
+    Ok(settle(points, &stars, Look { smallest_diagonal: close_up_to, ..STRICT }).triangles)
 }
 
 /// A look at a closed scan, whose gaps may be where it is only sparse.
-const LENIENT: Look = Look { largest_circumradius: LARGEST_CIRCUMRADIUS, most_sides: 16, close_up_to: 0.0 };
+const LENIENT: Look = Look { largest_circumradius: LARGEST_CIRCUMRADIUS, most_sides: 16, smallest_diagonal: 0.0 };
+
+/// A scan whose holes have boxes with diagonals below this share of that of all points is taken for a closed one.
+const SMALL_HOLE: f64 = 0.08;
 
 /// A look at a scan that has holes.
-const STRICT: Look = Look { largest_circumradius: 1.2, most_sides: 12, close_up_to: 0.0 };
+const STRICT: Look = Look { largest_circumradius: 1.2, most_sides: 12, smallest_diagonal: 0.0 };
+
+/// The diagonal of the bounding box.
+fn diagonal(positions: &[DVec3]) -> f64 {
+    let first = positions.first().copied().unwrap_or_default();
+    let (lo, hi) = positions.iter().fold((first, first), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+    lo.distance(hi)
+}
 
 impl Surroundings<'_> {
     /// Whether the circumradius of a triangle is at most `largest` spacings of its corners.
@@ -85,9 +96,14 @@ impl Surroundings<'_> {
     fn place(&self, a: u32, b: u32) -> Option<DVec2> {
         let (a, b) = (a as usize, b as usize);
         let offset = self.positions[b] - self.positions[a];
-        let across = (self.normals[a] + self.normals[b]).normalize_or_zero();
-        let is_steep = offset.dot(across).abs() > STEEPEST * offset.length();
-        if is_steep { None } else { along_bend(self.normals[a], self.normals[b], offset) }
+        let (here, there) = (self.normals[a], self.normals[b]);
+        let cosine = here.dot(there);
+        let half_sine = (0.5 - 0.5 * cosine).max(0.0).sqrt();
+        let e = |n: &str, d: f64| std::env::var(n).map_or(d, |p| p.parse().unwrap());
+        if cosine < e("DOT", -0.2) || offset.dot((here + there).normalize()).abs() > (e("STEEP", 0.5) + e("SL", 0.5) * half_sine) * offset.length() {
+            return None;
+        }
+        along_bend(here, there, offset)
     }
 }
 

@@ -113,7 +113,7 @@ impl<'a> StarMaker<'a> {
             if neighbor.point == centre || domain.piece_of(there.triangle) != domain.piece_of(here.triangle) {
                 continue;
             }
-            match along_bend(here.normal, there.normal, there.position - here.position) {
+            match along_bend(here.normal, there.normal, there.position - here.position).filter(|_| here.normal.dot(there.normal) >= 0.2) {
                 Some(place) => self.found.push(Neighbour { sample: neighbor.point, place }),
                 None => doubtful = doubtful.min(neighbor.distance_squared.sqrt()),
             }

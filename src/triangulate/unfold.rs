@@ -140,7 +140,7 @@ impl<'a> Unfolding<'a> {
             if place.length_squared() <= radius * radius {
                 let there = &self.samples[s as usize];
                 let offset = there.position - here.position;
-                let place = along_bend(here.normal, there.normal, offset).unwrap_or(place);
+                let place = if here.normal.dot(there.normal) < LEAST_AGREEMENT { place } else { along_bend(here.normal, there.normal, offset).unwrap_or(place) };
                 found.push(Neighbour { sample: s, place });
             }
         }
@@ -174,7 +174,7 @@ impl<'a> Unfolding<'a> {
 /// one to it, the length that of the arc whose chord is the offset and whose ends have the unit normals `here` and
 /// `there`. `None` where the normals differ too much for that.
 pub fn along_bend(here: DVec3, there: DVec3, offset: DVec3) -> Option<DVec2> {
-    if here.dot(there) < LEAST_AGREEMENT {
+    if here.dot(there) < -0.5 {
         return None;
     }
     let (x, y) = here.any_orthonormal_pair();
