@@ -110,6 +110,7 @@ pub mod cli;
 pub mod geom;
 pub mod io;
 pub mod optimize;
+pub mod project;
 pub mod quality;
 pub mod remesh;
 pub mod report;

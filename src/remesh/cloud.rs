@@ -1,34 +1,228 @@
-//! From a point cloud to a mesh through its points.
+//! From a point cloud to a mesh through its points, which is then remeshed like any other.
 
-use crate::base::error::Result;
-use crate::base::progress::Monitor;
+use crate::base::error::{Error, Result};
+use crate::base::progress::{Monitor, check};
+use crate::geom::eigen::eigen;
+use crate::project::rimls::Rimls;
 use crate::surface::graph::NeighborGraph;
 use crate::surface::mesh::Mesh;
 use crate::surface::neighbors::Neighbors;
-use crate::surface::normals::{plane_normals, sphere_normals};
-use crate::surface::orient::{disagreement, orient};
-use crate::surface::points::Points;
+use crate::surface::normals::{Neighborhood, plane_normals, sphere_normals};
+use crate::surface::orient::{disagreement, orient, side_with};
+use crate::surface::points::{Points, distinct, wanted_by_others};
+use crate::surface::topology::components;
 use crate::triangulate::points::{Surroundings, triangulate_points};
+use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
 
-const NEIGHBORS: usize = 16;
-const FIT_NEIGHBORS: usize = 12;
+/// What to make of a cloud.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CloudOptions {
+    /// What normals are fitted to, where there are none. Default: planes.
+    pub fit: NormalFit,
+    /// The neighbours that they are fitted to. Default: the nearest eight, or the nearest sixteen if noise is smoothed.
+    pub neighborhood: Option<Reach>,
+    /// How far points reach on the implicit surface that they are projected on, in mean distances of neighbouring
+    /// points: the larger, the smoother. Default: `None`, points stay where they are.
+    pub smooth: Option<f64>,
+    /// Holes in a box with no longer a diagonal than this, in the units of the input, are closed. Default: 0, those stay
+    /// that are larger than gaps between points.
+    pub fill_holes: f64,
+}
 
-/// The mesh through all points.
-pub fn surface_of(points: &Points, monitor: &dyn Monitor) -> Result<Mesh> {
-    monitor.stage("normals");
-    let positions = &points.positions;
-    let near = Neighbors::new(positions);
-    let graph = NeighborGraph::new(positions, &near, NEIGHBORS);
-    let mut normals = points.normals.clone();
-    if normals.is_empty() {
-        normals = plane_normals(positions, &NeighborGraph::new(positions, &near, std::env::var("KK").map_or(8, |p| p.parse().unwrap())));
-        monitor.stage("orient");
-        orient(positions, &mut normals, &graph);
+impl Default for CloudOptions {
+    fn default() -> Self {
+        CloudOptions { fit: NormalFit::Plane, neighborhood: None, smooth: None, fill_holes: 0.0 }
     }
-    eprintln!("disagree {}", disagreement(positions, &normals, &graph));
+}
+
+/// What normals are fitted to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NormalFit {
+    /// Planes: the sharpest where there is little noise.
+    Plane,
+    /// Algebraic spheres, after planes: smoother, and right where the surface bends evenly.
+    Sphere,
+}
+
+/// Which points are neighbours of another one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Reach {
+    /// So many of the nearest.
+    Count(usize),
+    /// Those within this distance, in the units of the input.
+    Radius(f64),
+}
+
+/// What a mesh through the points of a cloud was made of.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct CloudSummary {
+    /// Points of the input.
+    pub points: usize,
+    /// Points at exactly the place of another one.
+    pub duplicates: usize,
+    /// Points that are no other point's neighbours.
+    pub strays: usize,
+    /// Other points that no triangle of the mesh has as a corner.
+    pub unused: usize,
+    /// Normals that were estimated.
+    pub estimated_normals: usize,
+    /// Normals that were given and turned over.
+    pub turned_normals: usize,
+}
+
+/// Neighbours of each point that are known to start with: those of a star, and some to spare.
+const DEGREE: usize = 16;
+
+/// Neighbours that planes are fitted to: as few as possible keep to what is sharp, and more are steadier.
+const FEW_NEIGHBORS: usize = 8;
+const MANY_NEIGHBORS: usize = 16;
+
+/// Share of neighbours with normals to other sides from which on normals that were given are not believed.
+const MOST_DISAGREEMENT: f64 = 0.01;
+
+/// Points that a cloud must have.
+const FEWEST_POINTS: usize = 8;
+
+/// The mesh through the points of a cloud: an oriented manifold, closed where the cloud is.
+///
+/// # Errors
+/// [`Error::Mesh`] for points that no surface goes through: too few, all in one place or on a line;
+/// [`Error::Option`] for options out of range; [`Error::Cancelled`] if the monitor asks for it.
+pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Monitor) -> Result<(Mesh, CloudSummary)> {
+    monitor.stage("clean");
+    let mut summary = CloudSummary { points: points.positions.len(), ..CloudSummary::default() };
+    let mut points = points.clone();
+    points.retain(&distinct(&points.positions));
+    summary.duplicates = summary.points - points.positions.len();
+    refuse_without_surface(&points.positions)?;
+    let mut near = Neighbors::new(&points.positions);
+    let mut graph = NeighborGraph::new(&points.positions, &near, DEGREE);
+    check(monitor)?;
+    let wanted = wanted_by_others(&graph, points.positions.len());
+    summary.strays = wanted.iter().filter(|w| !**w).count();
+    if summary.strays > 0 {
+        points.retain(&wanted);
+        near = Neighbors::new(&points.positions);
+        graph = NeighborGraph::new(&points.positions, &near, DEGREE);
+    }
+    check(monitor)?;
+
+    monitor.stage("normals");
+    let mut normals = normals(&points, &near, &graph, options, &mut summary);
+    let spacings = graph.spacings(&points.positions);
+    if let Some(reach) = options.smooth {
+        check(monitor)?;
+        monitor.stage("smooth");
+        (points.positions, normals) = Rimls::new(&points.positions, &normals, &near, &spacings, reach).smoothed();
+        near = Neighbors::new(&points.positions);
+    }
+
     monitor.stage("connect");
-    let spacings = graph.spacings(positions);
+    let positions = &points.positions;
     let surroundings = Surroundings { positions, normals: &normals, near: &near, graph: &graph, spacings: &spacings };
-    let triangles = triangulate_points(surroundings, 0.0, monitor)?;
-    Ok(Mesh { positions: positions.clone(), triangles })
+    let triangles = triangulate_points(surroundings, options.fill_holes, monitor)?;
+    let mut mesh = Mesh { positions: points.positions, triangles };
+    let all = mesh.positions.len();
+    mesh.drop_unused();
+    summary.unused = all - mesh.positions.len();
+    if summary.estimated_normals == all {
+        face_outwards(&mut mesh);
+    }
+    if mesh.triangles.is_empty() {
+        let cause = format!("no surface goes through these {all} points: neighbours do not agree on one");
+        return Err(Error::Mesh { cause, remedy: "give more points, or less noisy ones, or try smoothing".into() });
+    }
+    Ok((mesh, summary))
+}
+
+/// Refuses points without an area.
+fn refuse_without_surface(positions: &[DVec3]) -> Result<()> {
+    let refuse = |cause: String| Err(Error::Mesh { cause, remedy: "give points all over a surface".into() });
+    if let Some(p) = positions.iter().position(|p| !p.is_finite()) {
+        return refuse(format!("point {p} is at {}", positions[p]));
+    }
+    let n = positions.len();
+    if n == 1 {
+        return refuse("all points are at one place".into());
+    }
+    let mean = positions.iter().sum::<DVec3>() / n.max(1) as f64;
+    let outer = |d: DVec3| DMat3::from_cols(d.x * d, d.y * d, d.z * d);
+    let spread = positions.iter().fold(DMat3::ZERO, |sum, &p| sum + outer(p - mean));
+    let ([_, middle, largest], _) = eigen(spread);
+    if n > 1 && middle.max(0.0).sqrt() <= 1e-7 * largest.sqrt() {
+        return refuse(format!("all {n} points lie on a line"));
+    }
+    if n < FEWEST_POINTS {
+        return refuse(format!("{n} points at different places are too few for a surface"));
+    }
+    Ok(())
+}
+
+/// Unit normals on a common side: those that are given, as far as they are of use, and estimates.
+fn normals(
+    points: &Points,
+    near: &Neighbors,
+    graph: &NeighborGraph,
+    options: &CloudOptions,
+    summary: &mut CloudSummary,
+) -> Vec<DVec3> {
+    let positions = &points.positions;
+    let mut given: Vec<DVec3> = points.normals.iter().map(|n| n.normalize_or_zero()).collect();
+    given.resize(positions.len(), DVec3::ZERO);
+    let missing = given.iter().filter(|n| **n == DVec3::ZERO).count();
+    summary.estimated_normals = missing;
+    if missing == 0 && disagreement(positions, &given, graph) <= MOST_DISAGREEMENT {
+        return given;
+    }
+    let few = if options.smooth.is_some() { MANY_NEIGHBORS } else { FEW_NEIGHBORS };
+    let fewer;
+    let neighborhood = match options.neighborhood.unwrap_or(Reach::Count(few)) {
+        Reach::Count(count) => {
+            fewer = NeighborGraph::new(positions, near, count);
+            Neighborhood::Nearest(&fewer)
+        }
+        Reach::Radius(radius) => Neighborhood::Within(near, radius),
+    };
+    let mut normals = given.clone();
+    if missing > 0 {
+        let planes = plane_normals(positions, &neighborhood);
+        normals.iter_mut().zip(planes).filter(|(n, _)| **n == DVec3::ZERO).for_each(|(n, plane)| *n = plane);
+    }
+    let part = orient(positions, &mut normals, graph);
+    summary.turned_normals = side_with(&given, &mut normals, &part);
+    if missing > 0 && options.fit == NormalFit::Sphere {
+        let spheres = sphere_normals(positions, &normals, &neighborhood);
+        normals.iter_mut().zip(spheres).zip(&given).filter(|(_, g)| **g == DVec3::ZERO).for_each(|((n, s), _)| *n = s);
+    }
+    normals
+}
+
+/// A piece whose area looks this way, as a share of all of it, is a sheet: it has an upper side and no outside.
+const SHEET: f64 = 0.6;
+
+/// Turns over the pieces that look inwards; of those that are sheets, like ground, the ones that look down.
+fn face_outwards(mesh: &mut Mesh) {
+    let piece = components(mesh.positions.len(), &mesh.triangles);
+    let pieces = piece.iter().max().map_or(0, |&p| p as usize + 1);
+    let mut origin = vec![DVec3::ZERO; pieces];
+    piece.iter().zip(&mesh.positions).for_each(|(&p, x)| origin[p as usize] = *x);
+    let mut volume = vec![0.0; pieces];
+    let mut area = vec![(DVec3::ZERO, 0.0); pieces];
+    for (t, corners) in mesh.triangles.iter().enumerate() {
+        let p = piece[corners[0] as usize] as usize;
+        let [a, b, c] = mesh.corners(t).map(|x| x - origin[p]);
+        volume[p] += a.dot(b.cross(c));
+        area[p].0 += mesh.area_vector(t);
+        area[p].1 += mesh.area_vector(t).length();
+    }
+    let looks_in = |p: usize| {
+        let (sum, all) = area[p];
+        let upwards = [sum.z, sum.y, sum.x].into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs()));
+        if sum.length() > SHEET * all { upwards < Some(0.0) } else { volume[p] < 0.0 }
+    };
+    let turned: Vec<bool> = (0..pieces).map(looks_in).collect();
+    for t in mesh.triangles.iter_mut().filter(|t| turned[piece[t[0] as usize] as usize]) {
+        t.swap(1, 2);
+    }
 }

@@ -13,12 +13,38 @@
 
 use crate::geom::eigen::eigen;
 use crate::surface::graph::NeighborGraph;
+use crate::surface::neighbors::Neighbors;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
+/// The neighbours of each point that its normal follows from.
+pub enum Neighborhood<'a> {
+    /// The nearest ones.
+    Nearest(&'a NeighborGraph),
+    /// All within a radius.
+    Within(&'a Neighbors, f64),
+}
+
+impl Neighborhood<'_> {
+    /// Calls `fit` with each point and its neighbours, in parallel.
+    fn map(&self, points: &[DVec3], fit: impl Fn(u32, &[u32]) -> DVec3 + Sync) -> Vec<DVec3> {
+        let all = (0..points.len() as u32).into_par_iter();
+        match *self {
+            Neighborhood::Nearest(graph) => all.map(|p| fit(p, graph.of(p))).collect(),
+            Neighborhood::Within(near, radius) => all
+                .map(|p| {
+                    let found = near.within(points[p as usize], radius);
+                    let others: Vec<u32> = found.iter().map(|n| n.point).filter(|&n| n != p).collect();
+                    fit(p, &others)
+                })
+                .collect(),
+        }
+    }
+}
+
 /// Unit normals without a common side, from planes through each point's neighbours.
-pub fn plane_normals(points: &[DVec3], graph: &NeighborGraph) -> Vec<DVec3> {
-    (0..points.len() as u32).into_par_iter().map(|p| plane_normal(points, p, graph.of(p))).collect()
+pub fn plane_normals(points: &[DVec3], neighborhood: &Neighborhood) -> Vec<DVec3> {
+    neighborhood.map(points, |p, neighbors| plane_normal(points, p, neighbors))
 }
 
 fn plane_normal(points: &[DVec3], p: u32, neighbors: &[u32]) -> DVec3 {
@@ -31,8 +57,8 @@ fn plane_normal(points: &[DVec3], p: u32, neighbors: &[u32]) -> DVec3 {
 }
 
 /// Unit normals from spheres that fit to the neighbours and their normals, on the side of `normals`.
-pub fn sphere_normals(points: &[DVec3], normals: &[DVec3], graph: &NeighborGraph) -> Vec<DVec3> {
-    (0..points.len() as u32).into_par_iter().map(|p| sphere_normal(points, normals, p, graph.of(p))).collect()
+pub fn sphere_normals(points: &[DVec3], normals: &[DVec3], neighborhood: &Neighborhood) -> Vec<DVec3> {
+    neighborhood.map(points, |p, neighbors| sphere_normal(points, normals, p, neighbors))
 }
 
 fn sphere_normal(points: &[DVec3], normals: &[DVec3], p: u32, neighbors: &[u32]) -> DVec3 {
@@ -84,7 +110,6 @@ impl SphereFit {
 mod tests {
     use super::*;
     use crate::base::rng::{Stage, stream, unit};
-    use crate::surface::neighbors::Neighbors;
 
     /// Random points of the unit sphere.
     fn sphere(count: usize) -> Vec<DVec3> {
@@ -102,16 +127,25 @@ mod tests {
     fn planes_find_normals_but_for_their_side_and_spheres_find_them_better() {
         let points = sphere(2000);
         let graph = NeighborGraph::new(&points, &Neighbors::new(&points), 12);
-        let mut normals = plane_normals(&points, &graph);
+        let nearest = Neighborhood::Nearest(&graph);
+        let mut normals = plane_normals(&points, &nearest);
         let off = |normals: &[DVec3]| {
             let angles = normals.iter().zip(&points).map(|(n, p)| n.dot(*p).abs().min(1.0).acos().to_degrees());
             angles.sum::<f64>() / points.len() as f64
         };
         assert!(off(&normals) < 2.0, "{}", off(&normals));
         normals.iter_mut().zip(&points).for_each(|(n, p)| *n *= n.dot(*p).signum());
-        let better = sphere_normals(&points, &normals, &graph);
+        let better = sphere_normals(&points, &normals, &nearest);
         assert!(off(&better) < 0.7 * off(&normals), "{} {}", off(&better), off(&normals));
         assert!(better.iter().zip(&points).all(|(n, p)| n.dot(*p) > 0.0));
+    }
+
+    #[test]
+    fn a_radius_says_as_much_as_a_count() {
+        let points = sphere(2000);
+        let near = Neighbors::new(&points);
+        let normals = plane_normals(&points, &Neighborhood::Within(&near, 0.15));
+        assert!(normals.iter().zip(&points).all(|(n, p)| n.dot(*p).abs() > 0.99));
     }
 
     #[test]
@@ -121,7 +155,7 @@ mod tests {
         let side = |i: usize| if i < 400 { -DVec3::Z } else { DVec3::Z };
         let tilted: Vec<DVec3> = (0..800).map(|i| (side(i) + 0.1 * DVec3::X).normalize()).collect();
         let graph = NeighborGraph::new(&points, &Neighbors::new(&points), 16);
-        for (i, n) in sphere_normals(&points, &tilted, &graph).into_iter().enumerate() {
+        for (i, n) in sphere_normals(&points, &tilted, &Neighborhood::Nearest(&graph)).into_iter().enumerate() {
             assert!(n.dot(side(i)) > 0.99);
         }
     }

@@ -27,8 +27,9 @@ struct Edge {
     ends: [u32; 2],
 }
 
-/// Turns over some of `normals` so that all of a connected part of the graph agree.
-pub fn orient(points: &[DVec3], normals: &mut [DVec3], graph: &NeighborGraph) {
+/// Turns over some of `normals` so that all of a connected part of the graph agree. For each point the number of its
+/// part: the lowest point in it.
+pub fn orient(points: &[DVec3], normals: &mut [DVec3], graph: &NeighborGraph) -> Vec<u32> {
     let agreement = |[a, b]: [u32; 2]| agreement(points, normals, a, b);
     let mut edges: Vec<Edge> = (0..points.len() as u32)
         .into_par_iter()
@@ -46,8 +47,20 @@ pub fn orient(points: &[DVec3], normals: &mut [DVec3], graph: &NeighborGraph) {
         }
     }
     // The root of a set is its lowest node, which is even for all points that are on the side of the lowest point.
-    let turned: Vec<bool> = (0..points.len() as u32).map(|p| sides.find(2 * p) % 2 == 1).collect();
-    normals.iter_mut().zip(turned).filter(|(_, turned)| *turned).for_each(|(n, _)| *n = -*n);
+    let root: Vec<u32> = (0..points.len() as u32).map(|p| sides.find(2 * p)).collect();
+    normals.iter_mut().zip(&root).filter(|(_, root)| **root % 2 == 1).for_each(|(n, _)| *n = -*n);
+    root.into_iter().map(|root| root / 2).collect()
+}
+
+/// Turns over the normals of each part of the points that disagrees, on the whole, with those that are `given`, which
+/// are zero where none is. How many of these were turned against what was given.
+pub fn side_with(given: &[DVec3], normals: &mut [DVec3], part: &[u32]) -> usize {
+    let mut votes = vec![0i64; normals.len()];
+    for ((n, g), part) in normals.iter().zip(given).zip(part) {
+        votes[*part as usize] += i64::from(n.dot(*g) > 0.0) - i64::from(n.dot(*g) < 0.0);
+    }
+    normals.iter_mut().zip(part).filter(|(_, part)| votes[**part as usize] < 0).for_each(|(n, _)| *n = -*n);
+    normals.iter().zip(given).filter(|(n, g)| n.dot(**g) < 0.0).count()
 }
 
 /// The share of neighbours, among those whose normals can be compared, that look to other sides.
@@ -77,11 +90,11 @@ mod tests {
     use super::*;
     use crate::base::rng::{Stage, stream, unit};
     use crate::surface::neighbors::Neighbors;
-    use crate::surface::normals::plane_normals;
+    use crate::surface::normals::{Neighborhood, plane_normals};
 
     fn oriented(points: &[DVec3]) -> Vec<DVec3> {
         let graph = NeighborGraph::new(points, &Neighbors::new(points), 12);
-        let mut normals = plane_normals(points, &graph);
+        let mut normals = plane_normals(points, &Neighborhood::Nearest(&graph));
         orient(points, &mut normals, &graph);
         assert!(disagreement(points, &normals, &graph) < 0.01);
         normals

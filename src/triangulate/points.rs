@@ -19,9 +19,13 @@ use rayon::prelude::*;
 /// The largest circumradius of a triangle in the star of a point, in spacings of its corners.
 const LARGEST_CIRCUMRADIUS: f64 = 2.5;
 
-/// The largest sine between the way to a neighbour and the plane across the mean of both normals. On an arc it is
-/// zero; towards the next layer of a fold it is large.
-const STEEPEST: f64 = 0.6;
+/// Least cosine between the normals of two points of one sheet: sharp edges are part of it, the two sides of a thin wall
+/// are not.
+const LEAST_AGREEMENT: f64 = -0.2;
+
+/// The largest sine between the way to a neighbour that faces the same way and the plane of both. On a sheet it is near
+/// zero, towards another layer of a fold it is large; across an edge it may be anything up to the sine of half the angle.
+const STEEPEST: f64 = 0.5;
 
 /// How much a neighbourhood grows when it was too small.
 const GROWTH: f64 = 1.5;
@@ -99,11 +103,9 @@ impl Surroundings<'_> {
         let (here, there) = (self.normals[a], self.normals[b]);
         let cosine = here.dot(there);
         let half_sine = (0.5 - 0.5 * cosine).max(0.0).sqrt();
-        let e = |n: &str, d: f64| std::env::var(n).map_or(d, |p| p.parse().unwrap());
-        if cosine < e("DOT", -0.2) || offset.dot((here + there).normalize()).abs() > (e("STEEP", 0.5) + e("SL", 0.5) * half_sine) * offset.length() {
-            return None;
-        }
-        along_bend(here, there, offset)
+        let steepness = offset.dot((here + there).normalize_or_zero()).abs();
+        let is_steep = steepness > (STEEPEST + (1.0 - STEEPEST) * half_sine) * offset.length();
+        if cosine < LEAST_AGREEMENT || is_steep { None } else { Some(along_bend(here, there, offset)) }
     }
 }
 

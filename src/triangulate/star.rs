@@ -13,7 +13,7 @@
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::neighbors::{Neighbor, Neighbors};
 use crate::triangulate::cell::Cell;
-use crate::triangulate::unfold::{Neighbour, SamplesByTriangle, Unfolding, along_bend};
+use crate::triangulate::unfold::{Neighbour, SamplesByTriangle, Unfolding, along_gentle_bend};
 use glam::DVec2;
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
 
@@ -113,7 +113,7 @@ impl<'a> StarMaker<'a> {
             if neighbor.point == centre || domain.piece_of(there.triangle) != domain.piece_of(here.triangle) {
                 continue;
             }
-            match along_bend(here.normal, there.normal, there.position - here.position).filter(|_| here.normal.dot(there.normal) >= 0.2) {
+            match along_gentle_bend(here, there) {
                 Some(place) => self.found.push(Neighbour { sample: neighbor.point, place }),
                 None => doubtful = doubtful.min(neighbor.distance_squared.sqrt()),
             }

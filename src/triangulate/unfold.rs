@@ -139,8 +139,7 @@ impl<'a> Unfolding<'a> {
             let place = corners[0] * w[0] + corners[1] * w[1] + corners[2] * w[2];
             if place.length_squared() <= radius * radius {
                 let there = &self.samples[s as usize];
-                let offset = there.position - here.position;
-                let place = if here.normal.dot(there.normal) < LEAST_AGREEMENT { place } else { along_bend(here.normal, there.normal, offset).unwrap_or(place) };
+                let place = along_gentle_bend(here, there).unwrap_or(place);
                 found.push(Neighbour { sample: s, place });
             }
         }
@@ -170,18 +169,21 @@ impl<'a> Unfolding<'a> {
     }
 }
 
+/// The place of `there` in the tangent plane of `here`, see [`along_bend`]; `None` where the normals differ too much.
+pub fn along_gentle_bend(here: &Sample, there: &Sample) -> Option<DVec2> {
+    let is_gentle = here.normal.dot(there.normal) >= LEAST_AGREEMENT;
+    is_gentle.then(|| along_bend(here.normal, there.normal, there.position - here.position))
+}
+
 /// The place at `offset` in the tangent plane across `here` if the surface bends evenly on the way: the direction is the
 /// one to it, the length that of the arc whose chord is the offset and whose ends have the unit normals `here` and
-/// `there`. `None` where the normals differ too much for that.
-pub fn along_bend(here: DVec3, there: DVec3, offset: DVec3) -> Option<DVec2> {
-    if here.dot(there) < -0.5 {
-        return None;
-    }
+/// `there`.
+pub fn along_bend(here: DVec3, there: DVec3, offset: DVec3) -> DVec2 {
     let (x, y) = here.any_orthonormal_pair();
     let half_sine = 0.5 * here.distance(there);
-    let stretch = if half_sine > 1e-6 { half_sine.asin() / half_sine } else { 1.0 };
+    let stretch = if half_sine > 1e-6 { half_sine.min(1.0).asin() / half_sine } else { 1.0 };
     let direction = DVec2::new(offset.dot(x), offset.dot(y)).normalize_or_zero();
-    Some(direction * offset.length() * stretch)
+    direction * offset.length() * stretch
 }
 
 fn distance_to_origin(p: DVec2, q: DVec2) -> f64 {

@@ -1,0 +1,3 @@
+//! Surfaces that points are projected on, where there is no mesh.
+
+pub mod rimls;
