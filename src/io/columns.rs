@@ -23,9 +23,8 @@ impl Columns {
     /// Reads the rest of a vertex's line, at most `most` numbers.
     #[inline]
     pub fn read_line(&mut self, words: &mut Words, most: usize) {
-        if self.width == Some(0) && !self.ragged {
-            self.ragged = most > 0 && words.here().is_some();
-        } else if !self.ragged {
+        let as_before = self.width == Some(0) && words.ends_here();
+        if !as_before && !self.ragged {
             self.read_numbers(words, most);
         }
     }

@@ -78,6 +78,12 @@ impl<'a> Words<'a> {
         }
     }
 
+    /// Whether this line ends at once; false if that cannot be told from the next byte.
+    #[inline]
+    pub fn ends_here(&self) -> bool {
+        self.bytes.get(self.at).is_none_or(|&b| is_end(b))
+    }
+
     /// The next word on this line or a later one.
     pub fn anywhere(&mut self) -> Option<&'a [u8]> {
         loop {

@@ -10,8 +10,8 @@
 //! Cost: for each output triangle the input triangles below it.
 //!
 //! Limits: next to a seam that is shorter than an edge of the output, or to a chart that is narrower, coordinates are
-//! distorted. A triangle at a seam is counted as such if along one of its sides they differ by more than half of its
-//! longest side from what the affine map says.
+//! distorted. A triangle at a seam is counted as such if all its corners are beyond it, or if along one of its sides they
+//! differ by more than half of its longest side from what the affine map says.
 
 use crate::geom::triangle::{area, barycentric, closest_point};
 use crate::surface::attributes::Wedges;
@@ -81,7 +81,8 @@ impl<'a> Atlas<'a> {
             }
         };
         let coordinates = [0, 1, 2].map(at);
-        (coordinates, is_distorted(coordinates, corners.map(|p| map * frame.flat(p))))
+        let expected = corners.map(|p| map * frame.flat(p));
+        (coordinates, met == [false; 3] || is_distorted(coordinates, expected))
     }
 
     /// The triangles that a walk from that of `centre` meets within `radius`; it ends early once it has met all that are
