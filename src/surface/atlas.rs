@@ -13,7 +13,7 @@
 //! distorted. A triangle at a seam is counted as such if all its corners are beyond it, or if along one of its sides they
 //! differ by more than half of its longest side from what the affine map says.
 
-use crate::geom::triangle::{area, barycentric, closest_point};
+use crate::geom::triangle::{area, barycentric, closest_point, longest_side};
 use crate::surface::attributes::Wedges;
 use crate::surface::mesh::Mesh;
 use crate::surface::topology::{NONE, twins};
@@ -25,6 +25,9 @@ use std::collections::HashSet;
 
 /// How far, in sides of a triangle in the texture, coordinates may be from those of an affine map.
 const DISTORTED: f64 = 0.5;
+
+/// How far beyond seams, in longest sides, all corners of a triangle may be.
+const BEYOND: f64 = 0.1;
 
 /// A mesh with texture coordinates.
 pub(super) struct Atlas<'a> {
@@ -75,14 +78,15 @@ impl<'a> Atlas<'a> {
         let map = self.affine_map(&patch, &frame);
         let at = |k: usize| {
             if met[k] {
-                self.at(feet[k].triangle, feet[k].weights)
+                (self.at(feet[k].triangle, feet[k].weights), 0.0)
             } else {
                 self.beyond(corners[k], &patch, &frame, map)
             }
         };
-        let coordinates = [0, 1, 2].map(at);
-        let expected = corners.map(|p| map * frame.flat(p));
-        (coordinates, met == [false; 3] || is_distorted(coordinates, expected))
+        let found = [0, 1, 2].map(at);
+        let coordinates = found.map(|(at, _)| at);
+        let is_beyond = found.iter().all(|(_, distance)| *distance > BEYOND * longest_side(corners));
+        (coordinates, is_beyond || is_distorted(coordinates, corners.map(|p| map * frame.flat(p))))
     }
 
     /// The triangles that a walk from that of `centre` meets within `radius`; it ends early once it has met all that are
@@ -116,15 +120,16 @@ impl<'a> Atlas<'a> {
         a * weights[0] + b * weights[1] + c * weights[2]
     }
 
-    /// The coordinates at `p`, which lies beyond a seam of the patch.
-    fn beyond(&self, p: DVec3, patch: &Patch, frame: &Frame, map: DMat2) -> DVec2 {
+    /// The coordinates at `p`, which lies beyond a seam of the patch, and how far.
+    fn beyond(&self, p: DVec3, patch: &Patch, frame: &Frame, map: DMat2) -> (DVec2, f64) {
         let foot = |&t: &u32| {
             let point = closest_point(p, self.mesh.corners(t as usize));
-            (p.distance_squared(point), t, point)
+            (p.distance(point), t, point)
         };
-        let (_, t, point) =
+        let (distance, t, point) =
             patch.triangles.iter().map(foot).min_by(|a, b| a.0.total_cmp(&b.0)).expect("a patch is not empty");
-        self.at(t, barycentric(point, self.mesh.corners(t as usize))) + map * (frame.flat(p) - frame.flat(point))
+        let at = self.at(t, barycentric(point, self.mesh.corners(t as usize)));
+        (at + map * (frame.flat(p) - frame.flat(point)), distance)
     }
 
     /// The linear part of the affine map from the frame to the texture that fits the patch best; zero if it is too thin
