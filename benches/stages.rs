@@ -247,7 +247,7 @@ fn s12_remesh_all(bencher: Bencher) {
     bencher.bench(|| remesh(black_box(&INPUTS.mesh), &options, &()).expect("the sphere can be remeshed"));
 }
 
-#[divan::bench(args = Format::ALL)]
+#[divan::bench(args = Format::OF_MESHES)]
 fn s13_read(bencher: Bencher, format: Format) {
     let bytes = written(format);
     bencher
@@ -255,7 +255,7 @@ fn s13_read(bencher: Bencher, format: Format) {
         .bench(|| io::parse(black_box(&bytes), format, NO_BUFFERS).expect("what was written can be read"));
 }
 
-#[divan::bench(args = Format::ALL)]
+#[divan::bench(args = Format::OF_MESHES)]
 fn s14_write(bencher: Bencher, format: Format) {
     bencher.bench(|| written(black_box(format)));
 }

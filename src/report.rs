@@ -11,10 +11,12 @@ mod table;
 use crate::quality::distance::{Distance, REPORT_SAMPLES, distance};
 use crate::quality::shape::{Shape, shape};
 use crate::remesh::{Deviation, Remeshed};
+use crate::surface::attributes::Lost;
 use crate::surface::crossings::crossing_faces;
 use crate::surface::mesh::Mesh;
 use crate::surface::repair::Repairs;
 use crate::surface::topology::{Topology, topology};
+use crate::surface::transfer::Carried;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
@@ -48,6 +50,8 @@ pub struct Report {
     pub deviation: Option<Deviation>,
     /// How the output was sampled.
     pub sampling: Option<Sampling>,
+    /// What became of the attributes of the input; `None` if they were not wanted.
+    pub attributes: Option<AttributesKept>,
     /// Things a user should know, a sentence each.
     pub notes: Vec<String>,
     /// Seconds of each stage, in the order in which they ran.
@@ -95,6 +99,21 @@ pub struct Sampling {
     pub tessellated_pieces: usize,
     /// Seed of all random numbers.
     pub seed: u64,
+}
+
+/// What became of attributes such as colours.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct AttributesKept {
+    /// Names of those that the output has.
+    pub carried: Vec<String>,
+    /// Those of the input that it has not, and why.
+    pub lost: Vec<Lost>,
+}
+
+impl From<&Carried> for AttributesKept {
+    fn from(carried: &Carried) -> AttributesKept {
+        AttributesKept { carried: carried.attributes.names(), lost: carried.lost.clone() }
+    }
 }
 
 /// A stage and its time.
@@ -185,6 +204,7 @@ impl Report {
             distance: None,
             deviation: None,
             sampling: None,
+            attributes: None,
             notes: Vec::new(),
             stages: Vec::new(),
             peak_memory_bytes: None,

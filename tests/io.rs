@@ -1,9 +1,10 @@
 //! Whatever the bytes, a reader gives a mesh or an error; what a writer writes is read as the same mesh.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use spectral_remesh::io::{self, Format, NO_BUFFERS};
-use spectral_remesh::{Error, Mesh};
+use spectral_remesh::surface::attributes::{Attribute, Attributes, Materials, Scalar};
+use spectral_remesh::{Error, Mesh, Points};
 
 /// An octahedron, in coordinates that f32 holds exactly.
 fn octahedron() -> Mesh {
@@ -21,9 +22,14 @@ fn written(mesh: &Mesh, format: Format) -> Vec<u8> {
 
 /// Files of every format and its variants, none of them broken.
 fn valid_files() -> Vec<(Format, Vec<u8>)> {
-    let mut files: Vec<_> = Format::ALL.map(|format| (format, written(&octahedron(), format))).to_vec();
+    let mut files: Vec<_> = Format::OF_MESHES.map(|format| (format, written(&octahedron(), format))).to_vec();
     let texts = [
         (Format::Obj, "# a\nv 0 0 0 1 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\ng b\nf 1/1 2/1/1 \\\n 3//1 -1\nl 1 2\n"),
+        (
+            Format::Obj,
+            "mtllib a.mtl\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 1\nusemtl b\nf 1/1/1 2/2/1 -1/-1/-1\n",
+        ),
+        (Format::Off, "STCNOFF\n3 1 0\n0 0 0 0 0 1 9 9 9 0 0\n1 0 0 0 0 1 9 9 9 0 1\n0 1 0 0 0 1 9 9 9 1 0\n3 0 1 2\n"),
         (Format::Off, "CNOFF\n4 2 0\n0 0 0 0 0 1 9 9 9 9\n1 0 0 1\n1 1 0\n0 1 0\n4 0 1 2 3 255 0 0\n2 0 1\n"),
         (
             Format::Stl,
@@ -32,6 +38,10 @@ fn valid_files() -> Vec<(Format, Vec<u8>)> {
         (
             Format::Ply,
             "ply\nformat ascii 1.0\ncomment a\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nelement face 1\nproperty list uchar int vertex_indices\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n0 0 0 1\n1 0 0 1\n1 1 0 1\n0 1 0 1\n4 0 1 2 3\n5 0 1 2 -1 3\n",
+        ),
+        (
+            Format::Ply,
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\nproperty short label\nelement face 1\nproperty list uchar float texcoord\nproperty list uchar int vertex_indices\nend_header\n0 0 0 0 0 1 5\n1 0 0 0 0 1 6\n1 1 0 0 0 1 7\n6 0 0 1 0 0 1 3 0 1 2\n",
         ),
         (
             Format::Gltf,
@@ -47,7 +57,10 @@ fn read_as_anything(bytes: &[u8]) {
     let _ = Format::sniff(bytes);
     for format in Format::ALL {
         match io::parse(bytes, format, NO_BUFFERS) {
-            Ok(loaded) => audit(&loaded.mesh),
+            Ok(loaded) => {
+                audit(&loaded.mesh);
+                audit_attributes(&loaded.mesh, &loaded.attributes);
+            }
             Err(error) => audit_error(error),
         }
     }
@@ -56,6 +69,13 @@ fn read_as_anything(bytes: &[u8]) {
 fn audit(mesh: &Mesh) {
     assert!(mesh.positions.iter().all(|p| p.is_finite()));
     assert!(mesh.triangles.iter().flatten().all(|&v| (v as usize) < mesh.positions.len()));
+}
+
+fn audit_attributes(mesh: &Mesh, attributes: &Attributes) {
+    let is_whole = |a: &Attribute| a.values.len() == a.components * mesh.positions.len();
+    assert!(attributes.vertex.iter().all(is_whole));
+    assert!(attributes.texture.is_empty() || attributes.texture.len() == mesh.triangles.len());
+    assert!(attributes.materials.as_ref().is_none_or(|m| m.of_triangle.len() == mesh.triangles.len()));
 }
 
 fn audit_error(error: Error) {
@@ -68,7 +88,7 @@ fn audit_error(error: Error) {
 #[test]
 fn every_format_comes_back() {
     let mesh = octahedron();
-    for format in Format::ALL {
+    for format in Format::OF_MESHES {
         let bytes = written(&mesh, format);
         assert_eq!(Format::sniff(&bytes), Some(format));
         let loaded = io::parse(&bytes, format, NO_BUFFERS).unwrap();
@@ -88,6 +108,94 @@ fn valid_files_are_read() {
         let loaded = io::parse(&bytes, format, NO_BUFFERS).unwrap();
         assert!(!loaded.mesh.triangles.is_empty());
         assert_eq!(Format::sniff(&bytes), Some(format));
+    }
+}
+
+/// An octahedron's vertices with what a scanner gives.
+fn scan() -> (Points, Attributes) {
+    let positions = octahedron().positions;
+    let normals: Vec<DVec3> = positions.iter().map(|p| p.normalize()).collect();
+    let attribute = |name: &str, components, scalar| Attribute {
+        name: name.into(),
+        components,
+        values: (0..6 * components).map(|i| f64::from(i as u8) * 3.0).collect(),
+        scalar,
+    };
+    let vertex = vec![attribute("color", 3, Scalar::U8), attribute("_LABEL", 1, Scalar::U16)];
+    (Points { positions, normals }, Attributes { vertex, ..Attributes::default() })
+}
+
+#[test]
+fn points_come_back_from_every_format_that_has_them() {
+    let (points, attributes) = scan();
+    for format in Format::OF_POINTS {
+        let mut bytes = Vec::new();
+        io::write_points(&points, &attributes, format, &mut bytes).unwrap();
+        assert_eq!(Format::sniff(&bytes), Some(format));
+        let loaded = io::parse(&bytes, format, NO_BUFFERS).unwrap();
+        let holds = |name: &str| !format.cannot_hold(&attributes).iter().any(|lost| lost.name == name);
+        assert_eq!(loaded.attributes.color().is_some(), holds("color"));
+        if let Some(color) = loaded.attributes.color() {
+            let written = attributes.color().unwrap();
+            let off = |v: usize| (0..3).map(|k| (color.color(v)[k] - written.color(v)[k]).abs()).fold(0.0, f64::max);
+            assert!((0..6).all(|v| off(v) < 1e-12), "{format}");
+        }
+        let label = loaded.attributes.vertex.iter().find(|a| a.components == 1);
+        assert_eq!(label.map(|a| a.values.clone()), holds("_LABEL").then(|| attributes.vertex[1].values.clone()));
+        let back = loaded.into_points();
+        assert_eq!(back.positions, points.positions, "{format}");
+        assert!((0..6).all(|v| back.normals[v].distance(points.normals[v]) < 1e-6), "{format}");
+    }
+}
+
+#[test]
+fn clouds_are_read_from_all_that_holds_them() {
+    let normals = [DVec3::Z; 3];
+    for (format, text, with_normals) in [
+        (Format::Obj, "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\np 1 2 3\n", true),
+        (Format::Obj, "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\n", false),
+        (Format::Off, "NOFF\n3 0 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n", true),
+        (Format::Off, "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n", false),
+        (Format::Xyz, "0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n", true),
+    ] {
+        let loaded = io::parse(text.as_bytes(), format, NO_BUFFERS).unwrap();
+        assert_eq!(loaded.mesh.triangles.len(), 0);
+        let points = loaded.into_points();
+        assert_eq!(points.positions, [DVec3::ZERO, DVec3::X, DVec3::Y], "{format}");
+        assert_eq!(points.normals, &normals[..if with_normals { 3 } else { 0 }], "{format}");
+    }
+}
+
+/// An octahedron with everything: normals, colours, labels, textured faces of two materials.
+fn dressed() -> (Mesh, Attributes) {
+    let (points, mut attributes) = scan();
+    let values = points.normals.iter().flat_map(|n| n.to_array()).collect();
+    attributes.vertex.insert(0, Attribute { name: "normal".into(), components: 3, values, scalar: Scalar::F64 });
+    attributes.texture = (0..8).map(|t| [0.0, 0.25, 0.5].map(|x| DVec2::new(x, f64::from(t / 4) / 2.0))).collect();
+    let of_triangle = (0..8).map(|t| t / 4).collect();
+    let names = vec!["red".into(), "a blue one".into()];
+    attributes.materials = Some(Materials { libraries: vec!["a.mtl".into()], names, of_triangle });
+    (octahedron(), attributes)
+}
+
+#[test]
+fn attributes_come_back_from_every_format_that_has_them() {
+    let (mesh, attributes) = dressed();
+    for format in Format::OF_MESHES {
+        let mut bytes = Vec::new();
+        io::write_with_attributes(&mesh, &attributes, format, &mut bytes).unwrap();
+        let loaded = io::parse(&bytes, format, NO_BUFFERS).unwrap();
+        assert!(loaded.notes.is_empty(), "{format} {:?}", loaded.notes);
+        let mut expected = attributes.clone();
+        format.cannot_hold(&attributes).iter().for_each(|lost| expected.remove(&lost.name));
+        let mut names = [loaded.attributes.names(), expected.names()];
+        names.iter_mut().for_each(|names| names.sort());
+        assert_eq!(names[0], names[1], "{format}");
+        assert_eq!(loaded.attributes.texture, expected.texture, "{format}");
+        assert_eq!(loaded.attributes.materials, expected.materials, "{format}");
+        if format == Format::Ply {
+            assert_eq!(loaded.attributes, expected);
+        }
     }
 }
 

@@ -24,7 +24,8 @@ Examples:
   remesh quality clean.ply --against scan.ply
       measure any mesh, and how far it is from another one
 
-Formats, by the ending of the file: obj, ply, stl, off, gltf, glb.
+Formats, by the ending of the file: obj, ply, stl, off, gltf, glb. Points without triangles are
+read from all of them but stl, and from columns of numbers: xyz, xyzn, pts, asc, txt.
 
 Exit status:
   0   the result is written and verified: an oriented manifold of the input's topology whose faces
@@ -101,6 +102,9 @@ struct RemeshArgs {
     /// input's bounding box, as in 0.1%
     #[arg(long, value_name = "E|E%", allow_negative_numbers = true, value_parser = max_error)]
     max_error: Option<MaxError>,
+    /// Leave out colours, texture coordinates, normals and other attributes of the input
+    #[arg(long)]
+    no_attributes: bool,
     /// 1 optimises the triangles after sampling, 0 leaves the samples where the paper's gradient ascent does
     #[arg(long, value_name = "0|1", default_value_t = 1, value_parser = clap::value_parser!(u8).range(0..=1))]
     optimize: u8,
@@ -165,6 +169,8 @@ pub struct Remeshing {
     pub options: Options,
     /// Where the lengths for [`Options::sizing`] are, if there are any.
     pub sizing: Option<Sizing>,
+    /// Whether the attributes of the input are carried to the output.
+    pub attributes: bool,
     /// Where the report goes as JSON, if it is wanted.
     pub report: Option<PathBuf>,
     /// As many as there are cores without.
@@ -249,6 +255,7 @@ impl RemeshArgs {
             adapt,
             sizing,
             max_error,
+            no_attributes,
             optimize,
             threads,
             format,
@@ -287,6 +294,7 @@ impl RemeshArgs {
                 sweeps,
             },
             sizing,
+            attributes: !no_attributes,
             report,
             threads: threads.map(usize::from),
             voice: match (quiet, verbose) {
@@ -423,11 +431,11 @@ mod tests {
     #[test]
     fn no_flags_give_the_default() {
         let file = |path: &str| MeshFile { path: path.into(), format: None };
-        let Remeshing { input, output, options, sizing, report, threads, voice } =
+        let Remeshing { input, output, options, sizing, attributes, report, threads, voice } =
             remeshing("remesh a.obj b.ply --points 10000");
         assert_eq!(options, Options::default());
         assert_eq!((input, output), (file("a.obj"), file("b.ply")));
-        assert_eq!((sizing, report, threads, voice), (None, None, None, Voice::Normal));
+        assert_eq!((sizing, attributes, report, threads, voice), (None, true, None, None, Voice::Normal));
     }
 
     #[test]
@@ -445,6 +453,7 @@ mod tests {
         assert_eq!(remeshing("remesh a b --sizing h").options.density, Density::OfSizing);
         assert_eq!(remeshing("remesh a b --points 5 --sizing h").sizing, Some(Sizing::Property("h".into())));
         assert_eq!(remeshing("remesh a b --points 5 --sizing h.JSON").sizing, Some(Sizing::File("h.JSON".into())));
+        assert!(!remeshing("remesh a b --points 5 --no-attributes").attributes);
         assert_eq!(remeshing("remesh a b --edge-length 2 -q").options.density, Density::EdgeLength(2.0));
         assert_eq!(remeshing("remesh a b --points 5 -q").voice, Voice::Quiet);
         let options = remeshing("remesh a b --points auto --max-error 0.5%").options;

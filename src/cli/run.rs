@@ -8,6 +8,8 @@ use crate::cli::terminal::{self, Terminal};
 use crate::io::{Format, Loaded, file};
 use crate::remesh::{Options, Remeshed, remesh};
 use crate::report::{Crossings, Named, Report, shortcomings};
+use crate::surface::attributes::Attributes;
+use crate::surface::transfer::{Carried, carry};
 use crate::surface::weld::weld;
 use std::path::Path;
 
@@ -31,10 +33,12 @@ fn remesh_file(job: &Remeshing) -> Result<Status> {
     let (remeshed, report) = {
         let terminal = Terminal::new(job.voice);
         let monitor = Stopwatch::new(&terminal);
-        let (input, lengths) = load_with_lengths(job, &monitor)?;
-        let remeshed = remesh_loaded(&input, lengths, job, &monitor)?;
-        let report = wants_report(job).then(|| measure(&remeshed, &input, job, &monitor));
-        store(&remeshed, job, &monitor)?;
+        let mut input = load(&job.input, &monitor)?;
+        let lengths = lengths(&input, job)?;
+        let mut remeshed = remesh_loaded(&input, lengths, job, &monitor)?;
+        let carried = carry_attributes(&mut input, &mut remeshed, job, &monitor)?;
+        let report = wants_report(job).then(|| measure(&remeshed, &carried, &input, job, &monitor));
+        store(&remeshed, &carried.attributes, job, &monitor)?;
         (remeshed, report.map(|report| with_run(report, &monitor)))
     };
     if let Some(report) = &report {
@@ -90,19 +94,15 @@ fn load(from: &MeshFile, monitor: &dyn Monitor) -> Result<Loaded> {
     with_triangles(loaded, from)
 }
 
-/// The input and, if there are some, the lengths wanted at its vertices.
-fn load_with_lengths(job: &Remeshing, monitor: &dyn Monitor) -> Result<(Loaded, Option<Vec<f64>>)> {
-    let lengths = match &job.sizing {
-        Some(Sizing::Property(name)) => {
-            monitor.stage("read");
-            let (loaded, lengths) = file::read_file_and_property(&job.input.path, job.input.format, name)?;
-            check(monitor)?;
-            return Ok((with_triangles(loaded, &job.input)?, Some(lengths)));
+/// The lengths wanted at the vertices of the input, if there are some.
+fn lengths(input: &Loaded, job: &Remeshing) -> Result<Option<Vec<f64>>> {
+    match &job.sizing {
+        Some(Sizing::Property(property)) => {
+            input.attributes.numbers(property).map(Some).map_err(|e| e.in_file(&name(&job.input)))
         }
-        Some(Sizing::File(path)) => Some(file::read_numbers(path)?),
-        None => None,
-    };
-    Ok((load(&job.input, monitor)?, lengths))
+        Some(Sizing::File(path)) => file::read_numbers(path).map(Some),
+        None => Ok(None),
+    }
 }
 
 /// A loaded mesh, which has to have triangles. The facets of an STL file have corners of their own; here they share
@@ -127,21 +127,44 @@ fn remesh_loaded(input: &Loaded, sizing: Option<Vec<f64>>, job: &Remeshing, moni
     Ok(remeshed)
 }
 
+/// The attributes of the input on the output, as far as its file has a place for them; notes on the others go with those
+/// of the result.
+fn carry_attributes(
+    input: &mut Loaded,
+    remeshed: &mut Remeshed,
+    job: &Remeshing,
+    monitor: &dyn Monitor,
+) -> Result<Carried> {
+    if !job.attributes || input.attributes.is_empty() {
+        return Ok(Carried::default());
+    }
+    monitor.stage("carry attributes");
+    let lost = file::output_format(&job.output.path, job.output.format)?.cannot_hold(&input.attributes);
+    let mut attributes = std::mem::take(&mut input.attributes);
+    lost.iter().for_each(|l| attributes.remove(&l.name));
+    let mut carried = carry(&input.mesh, &attributes, &remeshed.mesh);
+    carried.lost.splice(0..0, lost);
+    remeshed.notes.append(&mut carried.notes);
+    check(monitor)?;
+    Ok(carried)
+}
+
 /// Whether anybody sees the report: measuring takes time.
 fn wants_report(job: &Remeshing) -> bool {
     job.voice != Voice::Quiet || job.report.is_some()
 }
 
-fn measure(remeshed: &Remeshed, input: &Loaded, job: &Remeshing, monitor: &dyn Monitor) -> Report {
+fn measure(remeshed: &Remeshed, carried: &Carried, input: &Loaded, job: &Remeshing, monitor: &dyn Monitor) -> Report {
     monitor.stage("measure");
     let input = Named { file: &name(&job.input), mesh: &input.mesh };
-    Report::of_remesh(remeshed, input, &name(&job.output), job.options.seed)
+    let report = Report::of_remesh(remeshed, input, &name(&job.output), job.options.seed);
+    Report { attributes: job.attributes.then(|| carried.into()), ..report }
 }
 
-fn store(remeshed: &Remeshed, job: &Remeshing, monitor: &dyn Monitor) -> Result<()> {
+fn store(remeshed: &Remeshed, attributes: &Attributes, job: &Remeshing, monitor: &dyn Monitor) -> Result<()> {
     check(monitor)?;
     monitor.stage("write");
-    file::write_file(&job.output.path, &remeshed.mesh, job.output.format)
+    file::write_file(&job.output.path, &remeshed.mesh, attributes, job.output.format)
 }
 
 /// The report with the times of the stages until now, the memory and the threads.

@@ -36,22 +36,43 @@ impl Faces {
         }
     }
 
+    /// Corners so far.
+    #[inline]
+    pub fn corners(&self) -> usize {
+        self.corners.len()
+    }
+
+    /// The vertex of each corner.
+    pub fn corner_list(&self) -> &[u32] {
+        &self.corners
+    }
+
+    /// Polygons so far.
+    pub fn count(&self) -> usize {
+        self.ends.len()
+    }
+
     /// All triangles, polygon by polygon. The corners must be indices of `positions`.
     pub fn triangles(&self, positions: &[DVec3]) -> Vec<[u32; 3]> {
         let mut triangles = Vec::with_capacity(self.corners.len() - 2 * self.ends.len());
+        self.each(positions, |_, t| triangles.push(t.map(|i| self.corners[i])));
+        triangles
+    }
+
+    /// Calls `visit` for all triangles in the order of [`Self::triangles`], with the number of the polygon and those of
+    /// the corners, counted over all polygons.
+    pub fn each(&self, positions: &[DVec3], mut visit: impl FnMut(usize, [usize; 3])) {
         let mut start = 0;
-        for &end in &self.ends {
-            match self.corners[start..end] {
-                [a, b, c] => triangles.push([a, b, c]),
-                ref corners => split(corners, positions, &mut triangles),
+        for (polygon, &end) in self.ends.iter().enumerate() {
+            if end - start == 3 {
+                visit(polygon, [start, start + 1, start + 2]);
+            } else {
+                let places: Vec<DVec3> = self.corners[start..end].iter().map(|&v| positions[v as usize]).collect();
+                for t in polygon::triangulate(&places) {
+                    visit(polygon, t.map(|i| start + i));
+                }
             }
             start = end;
         }
-        triangles
     }
-}
-
-fn split(corners: &[u32], positions: &[DVec3], triangles: &mut Vec<[u32; 3]>) {
-    let places: Vec<DVec3> = corners.iter().map(|&v| positions[v as usize]).collect();
-    triangles.extend(polygon::triangulate(&places).into_iter().map(|t| t.map(|i| corners[i])));
 }

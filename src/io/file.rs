@@ -2,7 +2,9 @@
 
 use super::{Format, Loaded, Resolve};
 use crate::base::error::{Error, Place, Result};
+use crate::surface::attributes::Attributes;
 use crate::surface::mesh::Mesh;
+use crate::surface::points::Points;
 use std::borrow::Cow;
 use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, BufWriter, ErrorKind, Write};
@@ -21,17 +23,13 @@ const UNFINISHED: &str = ".remesh-";
 /// [`Error::File`] if there is no such file, it cannot be read, or its format cannot be told or is another one than the
 /// ending says; [`Error::Format`] for wrong content, with the line, byte or part.
 pub fn read_file(path: &Path, format: Option<Format>) -> Result<Loaded> {
-    read(path, format, super::parse)
-}
-
-/// Reads the mesh file at `path` like [`read_file`], and the property `name` of its vertices.
-///
-/// # Errors
-/// Those of [`read_file`] and [`property`](super::property).
-pub fn read_file_and_property(path: &Path, format: Option<Format>, name: &str) -> Result<(Loaded, Vec<f64>)> {
-    read(path, format, |bytes, format, resolve| {
-        Ok((super::parse(bytes, format, resolve)?, super::property(bytes, format, resolve, name)?))
-    })
+    let bytes = read_bytes(path)?;
+    if bytes.is_empty() {
+        return Err(file_error(path, "the file is empty", "export it again"));
+    }
+    let format = input_format(path, &bytes, format)?;
+    let resolve: Resolve = &|address| read_buffer(path, address);
+    super::parse(&bytes, format, resolve).map_err(|error| error.in_file(&path.display().to_string()))
 }
 
 /// Reads a list of numbers from the JSON file at `path`.
@@ -47,36 +45,50 @@ pub fn read_numbers(path: &Path) -> Result<Vec<f64>> {
     })
 }
 
-fn read<T>(path: &Path, format: Option<Format>, parse: impl Fn(&[u8], Format, Resolve) -> Result<T>) -> Result<T> {
-    let name = path.display().to_string();
-    let bytes = read_bytes(path)?;
-    if bytes.is_empty() {
-        return Err(file_error(path, "the file is empty", "export it again"));
-    }
-    let format = input_format(path, &bytes, format)?;
-    parse(&bytes, format, &|address| read_buffer(path, address)).map_err(|error| error.in_file(&name))
-}
-
-/// Writes `mesh` to `path` by [`replace_file`], in the format that [`output_format`] says.
+/// Writes `mesh`, and those of its `attributes` that the format can hold, to `path` by [`replace_file`], in the format
+/// that [`output_format`] says.
 ///
 /// # Errors
 /// [`Error::File`] if the format is not known or the file cannot be written.
-pub fn write_file(path: &Path, mesh: &Mesh, format: Option<Format>) -> Result<()> {
+pub fn write_file(path: &Path, mesh: &Mesh, attributes: &Attributes, format: Option<Format>) -> Result<()> {
     let format = output_format(path, format)?;
-    replace_file(path, &mut |out| super::write(mesh, format, out))
+    replace_file(path, &mut |out| super::write_with_attributes(mesh, attributes, format, out))
 }
 
-/// The format to write to `path`: `format`, else what the ending says.
+/// Writes `points`, and those of their `attributes` that the format can hold, to `path` by [`replace_file`], in the
+/// format that [`points_format`] says.
 ///
 /// # Errors
-/// [`Error::File`] if neither says it.
+/// [`Error::File`] if the format is not known or the file cannot be written.
+pub fn write_points_file(path: &Path, points: &Points, attributes: &Attributes, format: Option<Format>) -> Result<()> {
+    let format = points_format(path, format)?;
+    replace_file(path, &mut |out| super::write_points(points, attributes, format, out))
+}
+
+/// The format to write a mesh to `path` in: `format`, else what the ending says.
+///
+/// # Errors
+/// [`Error::File`] if neither says it, or if it has no triangles.
 pub fn output_format(path: &Path, format: Option<Format>) -> Result<Format> {
-    let cause = || match path.extension() {
-        Some(ending) => format!("'.{}' is the ending of no format that can be written", ending.display()),
-        None => "the name has no ending that says the format".into(),
+    format_among(&Format::OF_MESHES, "triangles", path, format)
+}
+
+/// The format to write points to `path` in: `format`, else what the ending says.
+///
+/// # Errors
+/// [`Error::File`] if neither says it, or if it has no points without triangles.
+pub fn points_format(path: &Path, format: Option<Format>) -> Result<Format> {
+    format_among(&Format::OF_POINTS, "points without triangles", path, format)
+}
+
+fn format_among(known: &[Format], content: &str, path: &Path, format: Option<Format>) -> Result<Format> {
+    let cause = match (format.or_else(|| by_ending(path)), path.extension()) {
+        (Some(format), _) if known.contains(&format) => return Ok(format),
+        (Some(format), _) => format!("{format} has no {content}"),
+        (None, Some(ending)) => format!("'.{}' is the ending of no format that can be written", ending.display()),
+        (None, None) => "the name has no ending that says the format".into(),
     };
-    let remedy = || format!("use one of {}, or --format", Format::list("."));
-    format.or_else(|| by_ending(path)).ok_or_else(|| file_error(path, cause(), remedy()))
+    Err(file_error(path, cause, format!("use one of {}, or --format", Format::list(known, "."))))
 }
 
 /// Whether [`replace_file`] could write to `path` as far as can be told without trying: before a long computation.
@@ -186,6 +198,8 @@ fn input_format(path: &Path, bytes: &[u8], format: Option<Format>) -> Result<For
     match (by_ending(path), by_content) {
         // The two forms of one format are read by one reader.
         (Some(Format::Gltf | Format::Glb), Some(content @ (Format::Gltf | Format::Glb))) => Ok(content),
+        // What has columns of numbers as a rule may have anything.
+        (Some(Format::Xyz), _) => Ok(Format::sniff(bytes).unwrap_or(Format::Xyz)),
         (Some(ending), Some(content)) if ending != content => {
             let cause = format!("the ending says {ending}, but the content is {content}");
             Err(file_error(path, cause, format!("rename the file or use --format {}", content.extension())))
@@ -193,7 +207,7 @@ fn input_format(path: &Path, bytes: &[u8], format: Option<Format>) -> Result<For
         (Some(ending), _) => Ok(ending),
         (None, _) => Format::sniff(bytes).ok_or_else(|| {
             let cause = "neither the ending nor the content says what format it has";
-            file_error(path, cause, format!("use --format with one of {}", Format::list("")))
+            file_error(path, cause, format!("use --format with one of {}", Format::list(&Format::ALL, "")))
         }),
     }
 }
@@ -325,6 +339,10 @@ mod tests {
         Mesh { positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y], triangles: vec![[0, 1, 2]] }
     }
 
+    fn write(path: &Path, format: Option<Format>) -> Result<()> {
+        write_file(path, &triangle(), &Attributes::default(), format)
+    }
+
     /// A folder that vanishes, and the path of a file in it with this content.
     fn file(name: &str, content: &[u8]) -> (tempfile::TempDir, PathBuf) {
         let folder = tempfile::tempdir().unwrap();
@@ -378,7 +396,8 @@ mod tests {
         fails(read_file(&below, None), &below, "");
         for (name, content, words) in [
             ("a.obj", &b""[..], "empty"),
-            ("a.xyz", b"\x89PNG", "--format with one of obj,"),
+            ("a.doc", b"\x89PNG", "--format with one of obj,"),
+            ("a.xyz", b"\x89PNG", "no numbers"),
             ("a.obj", b"v 0 0 nan", ":1: the coordinate 'nan' is not finite"),
             ("a.obj", b"\x89PNG", "no vertices"),
         ] {
@@ -404,21 +423,21 @@ mod tests {
         if fs::read(&path).is_err() {
             fails(read_file(&path, None), &path, "permission");
         }
-        fails(write_file(&path, &triangle(), None), &path, "write-protected");
+        fails(write(&path, None), &path, "write-protected");
     }
 
     #[test]
     fn written_files_read_as_the_same_and_nothing_else_is_left() {
         let folder = tempfile::tempdir().unwrap();
-        for format in Format::ALL {
+        for format in Format::OF_MESHES {
             let path = folder.path().join("a").with_extension(format.extension());
             for _ in 0..2 {
-                write_file(&path, &triangle(), None).unwrap();
+                write(&path, None).unwrap();
                 let loaded = read_file(&path, None).unwrap();
                 assert_eq!((loaded.mesh, loaded.format), (triangle(), format));
             }
         }
-        assert_eq!(names_in(folder.path()).len(), Format::ALL.len());
+        assert_eq!(names_in(folder.path()).len(), Format::OF_MESHES.len());
     }
 
     #[test]
@@ -438,14 +457,14 @@ mod tests {
     #[test]
     fn targets_that_cannot_be() {
         let (folder, path) = file("a.obj", OBJ);
-        fails(write_file(folder.path(), &triangle(), Some(Format::Obj)), folder.path(), "folder");
+        fails(write(folder.path(), Some(Format::Obj)), folder.path(), "folder");
         let orphan = folder.path().join("none").join("b.obj");
-        fails(write_file(&orphan, &triangle(), None), &orphan, "none' does not exist");
+        fails(write(&orphan, None), &orphan, "none' does not exist");
         let below = path.join("b.obj");
-        fails(write_file(&below, &triangle(), None), &below, "is not a folder");
-        for name in ["b", "b.xyz"] {
+        fails(write(&below, None), &below, "is not a folder");
+        for name in ["b", "b.doc", "b.xyz"] {
             let unknown = folder.path().join(name);
-            fails(write_file(&unknown, &triangle(), None), &unknown, "use one of .obj, .ply");
+            fails(write(&unknown, None), &unknown, "use one of .obj, .ply");
         }
         assert_eq!(names_in(folder.path()), ["a.obj"]);
     }
@@ -460,11 +479,11 @@ mod tests {
         fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
         let link = folder.path().join("link.obj");
         std::os::unix::fs::symlink("a.obj", &link).unwrap();
-        write_file(&link, &triangle(), None).unwrap();
+        write(&link, None).unwrap();
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!((fs::read(&path).unwrap(), mode(&path)), (OBJ.to_vec(), 0o640));
         let new = folder.path().join("new.obj");
-        write_file(&new, &triangle(), None).unwrap();
+        write(&new, None).unwrap();
         assert_eq!(mode(&new), usual);
     }
 
@@ -472,8 +491,8 @@ mod tests {
     #[test]
     fn what_is_not_a_file_is_written_directly() {
         let full = Path::new("/dev/full");
-        fails(write_file(full, &triangle(), Some(Format::Obj)), full, "no space is left");
-        write_file(Path::new("/dev/null"), &triangle(), Some(Format::Obj)).unwrap();
+        fails(write(full, Some(Format::Obj)), full, "no space is left");
+        write(Path::new("/dev/null"), Some(Format::Obj)).unwrap();
         assert!(is_device(&fs::metadata("/dev/null").unwrap()));
     }
 

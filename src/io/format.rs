@@ -1,12 +1,13 @@
 //! The formats by name, by ending and by content.
 
-use super::off;
+use super::{off, xyz};
 use crate::base::error::{Error, Result};
+use crate::surface::attributes::{Attribute, Attributes, Lost, MATERIALS, TEXTURE};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
 
-/// A mesh file format.
+/// A file format of meshes or points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Format {
@@ -22,6 +23,8 @@ pub enum Format {
     Gltf,
     /// glTF 2.0 as one binary file; single precision.
     Glb,
+    /// Columns of numbers in text: points and what they have, no triangles.
+    Xyz,
 }
 
 /// Where a keyword that is not at the very start must appear for the content to be recognised.
@@ -30,13 +33,23 @@ const HEAD: usize = 4096;
 /// Header and triangle count of a binary STL, and each of its triangles.
 const STL_BYTES: (usize, usize) = (84, 50);
 
+/// Further endings of files with columns of numbers.
+const XYZ_ENDINGS: [&str; 4] = ["xyzn", "txt", "pts", "asc"];
+
 /// What the first statement of an OBJ may be.
 const OBJ_STATEMENTS: [&[u8]; 12] =
     [b"v", b"vt", b"vn", b"vp", b"f", b"o", b"g", b"s", b"l", b"p", b"mtllib", b"usemtl"];
 
 impl Format {
     /// All formats, in the order of the documentation.
-    pub const ALL: [Format; 6] = [Format::Obj, Format::Ply, Format::Stl, Format::Off, Format::Gltf, Format::Glb];
+    pub const ALL: [Format; 7] =
+        [Format::Obj, Format::Ply, Format::Stl, Format::Off, Format::Gltf, Format::Glb, Format::Xyz];
+
+    /// Those that have triangles.
+    pub const OF_MESHES: [Format; 6] = [Format::Obj, Format::Ply, Format::Stl, Format::Off, Format::Gltf, Format::Glb];
+
+    /// Those that have points without triangles and are written.
+    pub const OF_POINTS: [Format; 6] = [Format::Obj, Format::Ply, Format::Off, Format::Gltf, Format::Glb, Format::Xyz];
 
     /// The ending of its files, without a dot.
     pub fn extension(self) -> &'static str {
@@ -47,6 +60,7 @@ impl Format {
             Format::Off => "off",
             Format::Gltf => "gltf",
             Format::Glb => "glb",
+            Format::Xyz => "xyz",
         }
     }
 
@@ -59,17 +73,21 @@ impl Format {
             Format::Off => "OFF",
             Format::Gltf => "glTF",
             Format::Glb => "GLB",
+            Format::Xyz => "XYZ",
         }
     }
 
     /// The format whose files have this ending (without a dot, upper or lower case).
     pub fn from_extension(extension: &str) -> Option<Format> {
-        Format::ALL.into_iter().find(|f| f.extension().eq_ignore_ascii_case(extension))
+        let is = |ending: &str| ending.eq_ignore_ascii_case(extension);
+        let of_columns = || XYZ_ENDINGS.into_iter().any(is).then_some(Format::Xyz);
+        Format::ALL.into_iter().find(|f| is(f.extension())).or_else(of_columns)
     }
 
     /// The format of a file by its content: a signature, or a first statement that only one format has.
     pub fn sniff(bytes: &[u8]) -> Option<Format> {
-        Format::by_signature(bytes).or_else(|| is_obj(bytes).then_some(Format::Obj))
+        let by_statement = || is_obj(bytes).then_some(Format::Obj);
+        Format::by_signature(bytes).or_else(by_statement).or_else(|| xyz::is_table(bytes).then_some(Format::Xyz))
     }
 
     /// The format that `bytes` are in without doubt: a file of another format does not start like this.
@@ -122,15 +140,34 @@ impl FromStr for Format {
         Format::from_extension(name).ok_or_else(|| Error::Option {
             option: "format",
             cause: format!("{} is no mesh format", super::text::quote(name.as_bytes())),
-            remedy: format!("use one of {}", Format::list("")),
+            remedy: format!("use one of {}", Format::list(&Format::ALL, "")),
         })
     }
 }
 
 impl Format {
-    /// All endings, each after `before`, for messages.
-    pub(crate) fn list(before: &str) -> String {
-        Format::ALL.map(|f| format!("{before}{}", f.extension())).join(", ")
+    /// The endings of `formats`, each after `before`, for messages.
+    pub(crate) fn list(formats: &[Format], before: &str) -> String {
+        formats.iter().map(|f| format!("{before}{}", f.extension())).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Those of `attributes` that files of this format have no place for.
+    pub fn cannot_hold(self, attributes: &Attributes) -> Vec<Lost> {
+        let lost = |name: &str| Lost { name: name.into(), cause: format!("{self} has no place for it") };
+        let vertex = attributes.vertex.iter().filter(|a| !self.holds(a)).map(|a| lost(&a.name));
+        let texture = !attributes.texture.is_empty() && matches!(self, Format::Stl | Format::Off | Format::Xyz);
+        let materials = attributes.materials.is_some() && self != Format::Obj;
+        vertex.chain(texture.then(|| lost(TEXTURE))).chain(materials.then(|| lost(MATERIALS))).collect()
+    }
+
+    /// Whether files have a place for an attribute of vertices.
+    fn holds(self, attribute: &Attribute) -> bool {
+        match self {
+            Format::Ply | Format::Xyz => true,
+            Format::Obj | Format::Off => attribute.is_color() || attribute.is_normal(),
+            Format::Gltf | Format::Glb => attribute.components <= 4,
+            Format::Stl => false,
+        }
     }
 }
 
@@ -147,8 +184,9 @@ mod tests {
         }
         assert_eq!(Format::from_extension("PLY"), Some(Format::Ply));
         assert_eq!(Format::from_extension("ply "), None);
-        let message = "xyz".parse::<Format>().unwrap_err().to_string();
-        assert_eq!(message, "format: 'xyz' is no mesh format; use one of obj, ply, stl, off, gltf, glb");
+        let message = "doc".parse::<Format>().unwrap_err().to_string();
+        assert_eq!(message, "format: 'doc' is no mesh format; use one of obj, ply, stl, off, gltf, glb, xyz");
+        assert_eq!(["XYZN", "txt", "pts", "asc"].map(Format::from_extension), [Some(Format::Xyz); 4]);
     }
 
     #[test]
@@ -173,6 +211,9 @@ mod tests {
             (b"# a\nCOFF\n1 0 0\n", Some(Format::Off)),
             (b"# a\n\nmtllib b.mtl\nv 0 0 0\n", Some(Format::Obj)),
             (b"v 0 0 0", Some(Format::Obj)),
+            (b"# a\n1;2;3\n4;5;6\n", Some(Format::Xyz)),
+            (b"2\n1 2 3\n4 5 6\n", Some(Format::Xyz)),
+            (b"1 2\n3 4\n", None),
             (b"", None),
             (b"\x89PNG\r\n", None),
             (b"hello world", None),

@@ -14,10 +14,14 @@
 //! ```
 
 use crate::base::error::{Error, Place, Result};
+use crate::surface::attributes::{Attribute, Attributes, NORMAL, Scalar};
 use crate::surface::mesh::Mesh;
+use crate::surface::points::Points;
+use glam::DVec3;
 
 mod base64;
 mod bytes;
+mod columns;
 mod faces;
 #[cfg(feature = "fs")]
 pub mod file;
@@ -28,14 +32,17 @@ mod off;
 mod ply;
 mod stl;
 mod text;
+mod xyz;
 
 pub use format::Format;
 
-/// A mesh as it was read.
+/// A mesh or a cloud as it was read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Loaded {
     /// All triangles of the file over all its vertices. A file without faces gives vertices without triangles.
     pub mesh: Mesh,
+    /// What its vertices, corners and triangles have beside their places.
+    pub attributes: Attributes,
     /// The format that it was read as.
     pub format: Format,
     /// What a user should know of what was left out, a sentence each.
@@ -48,8 +55,30 @@ pub type Resolve<'a> = &'a dyn Fn(&str) -> std::result::Result<Vec<u8>, String>;
 /// For bytes without a place: glTF files with external buffers are refused.
 pub const NO_BUFFERS: Resolve<'static> = &|_| Err("external buffers need the file's folder".into());
 
-/// What a format's reader gives to [`parse`]: the mesh and its notes.
-pub(crate) type Parsed = Result<(Mesh, Vec<String>)>;
+/// What a format's reader gives to [`parse`], or the error.
+pub(crate) type Parsed = Result<Read>;
+
+/// What a file is read as.
+#[derive(Debug, Default, PartialEq)]
+pub(crate) struct Read {
+    pub mesh: Mesh,
+    pub attributes: Attributes,
+    pub notes: Vec<String>,
+}
+
+/// What a format's writer writes.
+pub(crate) struct Content<'a> {
+    pub positions: &'a [DVec3],
+    pub triangles: &'a [[u32; 3]],
+    pub attributes: &'a Attributes,
+}
+
+impl Loaded {
+    /// The vertices as points, with their normals if the file has them.
+    pub fn into_points(self) -> Points {
+        Points { normals: self.attributes.normals(), positions: self.mesh.positions }
+    }
+}
 
 /// Reads a mesh from the bytes of a file. Indices of the result are in range and coordinates finite; vertices and
 /// triangles are those of the file, in its order, with nothing merged or repaired.
@@ -60,32 +89,17 @@ pub fn parse(bytes: &[u8], format: Format, resolve: Resolve) -> Result<Loaded> {
     if bytes.is_empty() {
         return Err(whole("the file is empty", "export it again"));
     }
-    let (mesh, notes) = match format {
+    let Read { mesh, attributes, notes } = match format {
         Format::Obj => obj::parse(bytes),
         Format::Ply => ply::parse(bytes),
         Format::Stl => stl::parse(bytes),
         Format::Off => off::parse(bytes),
         Format::Gltf | Format::Glb => gltf::parse(bytes, resolve),
+        Format::Xyz => xyz::parse(bytes),
     }?;
     check(&mesh, format)?;
-    Ok(Loaded { mesh, format, notes })
-}
-
-/// Reads the property `name` of the vertices of a mesh from the bytes of its file, a number for each vertex that
-/// [`parse`] gives: a property of the vertices of a PLY file, or an attribute of glTF, whose name begins with an
-/// underscore.
-///
-/// # Errors
-/// [`Error::Format`] as [`parse`] gives it, if the vertices have no such property, and for the other formats.
-pub fn property(bytes: &[u8], format: Format, resolve: Resolve, name: &str) -> Result<Vec<f64>> {
-    match format {
-        Format::Ply => ply::property(bytes, name),
-        Format::Gltf | Format::Glb => gltf::property(bytes, resolve, name),
-        Format::Obj | Format::Stl | Format::Off => {
-            let cause = format!("{format} has no properties of vertices such as {}", text::quote(name.as_bytes()));
-            Err(whole(cause, "give them as a JSON file, or the mesh as PLY or glTF"))
-        }
-    }
+    check_attributes(&mesh, &attributes)?;
+    Ok(Loaded { mesh, attributes, format, notes })
 }
 
 /// Writes a mesh as the content of a file. `out` should be buffered.
@@ -95,13 +109,51 @@ pub fn property(bytes: &[u8], format: Format, resolve: Resolve, name: &str) -> R
 /// # Errors
 /// Those of `out`; `InvalidData` for a mesh that the format cannot hold.
 pub fn write(mesh: &Mesh, format: Format, out: &mut dyn std::io::Write) -> std::io::Result<()> {
+    write_with_attributes(mesh, &Attributes::default(), format, out)
+}
+
+/// Writes a mesh like [`write()`], and those of `attributes`, which have to be its own, that
+/// [`Format::cannot_hold`] does not name.
+///
+/// # Errors
+/// Those of [`write()`].
+pub fn write_with_attributes(
+    mesh: &Mesh,
+    attributes: &Attributes,
+    format: Format,
+    out: &mut dyn std::io::Write,
+) -> std::io::Result<()> {
+    write_content(&Content { positions: &mesh.positions, triangles: &mesh.triangles, attributes }, format, out)
+}
+
+/// Writes points with their normals, if they have some, and those of `attributes` of theirs that the format can hold.
+///
+/// # Errors
+/// Those of [`write()`].
+pub fn write_points(
+    points: &Points,
+    attributes: &Attributes,
+    format: Format,
+    out: &mut dyn std::io::Write,
+) -> std::io::Result<()> {
+    let mut attributes = attributes.clone();
+    if !points.normals.is_empty() {
+        let values = points.normals.iter().flat_map(|n| n.to_array()).collect();
+        attributes.vertex.retain(|a| !a.is_normal());
+        attributes.vertex.insert(0, Attribute { name: NORMAL.into(), components: 3, values, scalar: Scalar::F64 });
+    }
+    write_content(&Content { positions: &points.positions, triangles: &[], attributes: &attributes }, format, out)
+}
+
+fn write_content(content: &Content, format: Format, out: &mut dyn std::io::Write) -> std::io::Result<()> {
     match format {
-        Format::Obj => obj::write(mesh, out),
-        Format::Ply => ply::write(mesh, out),
-        Format::Stl => stl::write(mesh, out),
-        Format::Off => off::write(mesh, out),
-        Format::Gltf => gltf::write_gltf(mesh, out),
-        Format::Glb => gltf::write_glb(mesh, out),
+        Format::Obj => obj::write(content, out),
+        Format::Ply => ply::write(content, out),
+        Format::Stl => stl::write(content, out),
+        Format::Off => off::write(content, out),
+        Format::Gltf => gltf::write_gltf(content, out),
+        Format::Glb => gltf::write_glb(content, out),
+        Format::Xyz => xyz::write(content, out),
     }
 }
 
@@ -126,6 +178,23 @@ fn check(mesh: &Mesh, format: Format) -> Result<()> {
             format!("triangle {t}"),
             &format!("an index is not below the number of vertices, {vertices}"),
         ));
+    }
+    Ok(())
+}
+
+/// That there is a value for each vertex, corner and triangle.
+fn check_attributes(mesh: &Mesh, attributes: &Attributes) -> Result<()> {
+    let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
+    let is_whole = |a: &Attribute| a.components > 0 && Some(a.values.len()) == a.components.checked_mul(vertices);
+    if let Some(a) = attributes.vertex.iter().find(|a| !is_whole(a)) {
+        return Err(part(
+            format!("attribute {}", text::quote(a.name.as_bytes())),
+            "its values are not those of all vertices",
+        ));
+    }
+    let of_triangles = attributes.materials.as_ref().map_or(triangles, |m| m.of_triangle.len());
+    if of_triangles != triangles || !attributes.texture.is_empty() && attributes.texture.len() != triangles {
+        return Err(whole("texture coordinates or materials are not those of all triangles", "export the file again"));
     }
     Ok(())
 }

@@ -1,30 +1,30 @@
 //! Wavefront OBJ: the polygons of all objects and groups over all vertices, in the order of the file.
 //!
-//! Only `v` and `f` are read, and of a corner only its vertex: texture and normal seams split nothing. Weights and
-//! colours behind the coordinates, materials, smoothing groups and names are skipped; points, lines, and free-form
-//! curves and surfaces are left out with a note. A face may use vertices that come later in the file.
+//! Texture and normal seams split nothing: texture coordinates are kept corner by corner, and the normals of the corners
+//! at a vertex are added up. Three or four numbers behind the coordinates of every vertex are its colour. Materials are
+//! kept by name. Weights, smoothing groups and the names of groups are skipped; points and lines beside polygons, and
+//! free-form curves and surfaces are left out with a note. A face may use vertices that come later in the file.
 //!
 //! Cost: one pass; memory for the polygons beside that of the mesh.
 
-use super::Parsed;
 use super::bytes::{CORRECT_LINE, malformed};
+use super::columns::{Columns, color, normal};
 use super::faces::Faces;
-use super::text::{Words, left_out, quote, small_faces, whole, write_line};
+use super::text::{Words, left_out, number, quote, small_faces, whole, write_line};
+use super::{Content, Parsed, Read};
 use crate::base::error::{Place, Result};
+use crate::surface::attributes::{Attribute, Attributes, Materials, Wedges};
 use crate::surface::mesh::Mesh;
-use glam::DVec3;
+use crate::surface::topology::NONE;
+use glam::{DVec2, DVec3};
 use std::io::{self, Write};
 
 /// Statements that say nothing about the shape of polygons.
 const SKIPPED: &[&str] = &[
-    "vt",
-    "vn",
     "g",
     "o",
     "s",
     "mg",
-    "usemtl",
-    "mtllib",
     "usemap",
     "maplib",
     "bevel",
@@ -36,6 +36,9 @@ const SKIPPED: &[&str] = &[
     "call",
     "csh",
 ];
+
+/// Numbers of a colour, the last of which is the opacity.
+const COLOR_COLUMNS: usize = 4;
 
 /// Statements of free-form curves and surfaces.
 const FREE_FORM: &[&str] = &[
@@ -52,29 +55,75 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
         }
     }
     reader.check_indices()?;
-    let triangles = reader.faces.triangles(&reader.positions);
-    let notes = reader.notes();
-    Ok((Mesh { positions: reader.positions, triangles }, notes))
+    Ok(reader.finish())
 }
 
-pub(crate) fn write(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
-    for p in &mesh.positions {
-        write_line(out, "v", p.to_array())?;
+pub(crate) fn write(content: &Content, out: &mut dyn Write) -> io::Result<()> {
+    let Content { positions, triangles, attributes } = content;
+    let (color, normal, materials) = (attributes.color(), attributes.normal(), attributes.materials.as_ref());
+    for library in materials.iter().flat_map(|m| &m.libraries) {
+        writeln!(out, "mtllib {library}")?;
     }
-    for t in &mesh.triangles {
-        let [a, b, c] = t.map(|v| u64::from(v) + 1);
-        writeln!(out, "f {a} {b} {c}")?;
+    for (v, p) in positions.iter().enumerate() {
+        write_line(out, "v", p.to_array().into_iter().chain(color.into_iter().flat_map(|c| c.color(v))))?;
+    }
+    for n in normal.iter().flat_map(|n| n.values.chunks_exact(3)) {
+        write_line(out, "vn", n.iter().copied())?;
+    }
+    let wedges = Wedges::new(triangles, &attributes.texture);
+    for at in &wedges.coordinates {
+        // Corners without coordinates are not written with them.
+        write_line(out, "vt", if at.is_finite() { at.to_array() } else { [0.0; 2] })?;
+    }
+    for (t, triangle) in triangles.iter().enumerate() {
+        write_material(materials, t, out)?;
+        let wedge = wedges.corners.get(t).filter(|_| attributes.texture[t].iter().all(|at| at.is_finite()));
+        write_face(triangle, wedge, normal.is_some(), out)?;
     }
     Ok(())
+}
+
+/// The material of triangle `t`, where it is not that of the one before.
+fn write_material(materials: Option<&Materials>, t: usize, out: &mut dyn Write) -> io::Result<()> {
+    let Some(Materials { names, of_triangle, .. }) = materials else { return Ok(()) };
+    match names.get(of_triangle[t] as usize) {
+        Some(name) if t == 0 || of_triangle[t - 1] != of_triangle[t] => writeln!(out, "usemtl {name}"),
+        _ => Ok(()),
+    }
+}
+
+/// A triangle with its texture coordinates, if it has some, and the normals of its vertices.
+fn write_face(triangle: &[u32; 3], wedge: Option<&[u32; 3]>, normals: bool, out: &mut dyn Write) -> io::Result<()> {
+    let [a, b, c] = triangle.map(|v| u64::from(v) + 1);
+    match (wedge.map(|w| w.map(|w| u64::from(w) + 1)), normals) {
+        (None, false) => writeln!(out, "f {a} {b} {c}"),
+        (None, true) => writeln!(out, "f {a}//{a} {b}//{b} {c}//{c}"),
+        (Some([i, j, k]), false) => writeln!(out, "f {a}/{i} {b}/{j} {c}/{k}"),
+        (Some([i, j, k]), true) => writeln!(out, "f {a}/{i}/{a} {b}/{j}/{b} {c}/{k}/{c}"),
+    }
 }
 
 struct Reader<'a> {
     words: Words<'a>,
     positions: Vec<DVec3>,
+    /// What follows the coordinates.
+    columns: Columns,
+    texture: Vec<DVec2>,
+    normals: Vec<DVec3>,
     faces: Faces,
+    /// For each corner of a face the numbers of its texture coordinates and of its normal; they end with the last corner
+    /// that has one.
+    corner_texture: Vec<u32>,
+    corner_normal: Vec<u32>,
+    materials: Materials,
+    /// The material that faces have from here on.
+    material: u32,
+    /// The material of each face; ends with the last face before the first material.
+    face_material: Vec<u32>,
     /// The largest vertex number that a face uses, and the line that it is first used on.
     largest: (usize, usize),
-    points_and_lines: usize,
+    points: usize,
+    lines: usize,
     free_form: usize,
     unknown: usize,
     first_unknown: Option<(usize, &'a [u8])>,
@@ -85,9 +134,18 @@ impl<'a> Reader<'a> {
         Reader {
             words: Words::new(bytes).with_comments().with_continued_lines(),
             positions: Vec::new(),
+            columns: Columns::default(),
+            texture: Vec::new(),
+            normals: Vec::new(),
             faces: Faces::default(),
+            corner_texture: Vec::new(),
+            corner_normal: Vec::new(),
+            materials: Materials::default(),
+            material: NONE,
+            face_material: Vec::new(),
             largest: (0, 0),
-            points_and_lines: 0,
+            points: 0,
+            lines: 0,
             free_form: 0,
             unknown: 0,
             first_unknown: None,
@@ -99,7 +157,21 @@ impl<'a> Reader<'a> {
         match keyword {
             b"v" => self.vertex()?,
             b"f" | b"fo" => self.face()?,
-            b"p" | b"l" => self.points_and_lines += 1,
+            b"p" => self.points += 1,
+            b"l" => self.lines += 1,
+            b"vt" => {
+                let [u, v, _] = self.vector();
+                self.texture.push(DVec2::new(u, v));
+            }
+            b"vn" => {
+                let normal = self.vector();
+                self.normals.push(normal.into());
+            }
+            b"usemtl" => self.use_material(),
+            b"mtllib" => {
+                let library = self.rest_of_line();
+                self.materials.libraries.push(library);
+            }
             _ => self.other(keyword),
         }
         Ok(())
@@ -108,7 +180,32 @@ impl<'a> Reader<'a> {
     fn vertex(&mut self) -> Result<()> {
         let mut next = || self.words.coordinate(Words::here);
         self.positions.push(DVec3::new(next()?, next()?, next()?));
+        self.columns.read_line(&mut self.words, COLOR_COLUMNS);
         Ok(())
+    }
+
+    /// Three numbers, not a number where there is none.
+    fn vector(&mut self) -> [f64; 3] {
+        [0; 3].map(|_| self.words.here().and_then(number).unwrap_or(f64::NAN))
+    }
+
+    fn rest_of_line(&mut self) -> String {
+        let mut rest = Vec::new();
+        while let Some(word) = self.words.here() {
+            rest.push(String::from_utf8_lossy(word));
+        }
+        rest.join(" ")
+    }
+
+    fn use_material(&mut self) {
+        let name = self.rest_of_line();
+        let names = &mut self.materials.names;
+        let known = names.iter().position(|known| *known == name).unwrap_or_else(|| {
+            names.push(name);
+            names.len() - 1
+        });
+        self.face_material.resize(self.faces.count(), self.material);
+        self.material = known as u32;
     }
 
     fn face(&mut self) -> Result<()> {
@@ -117,6 +214,9 @@ impl<'a> Reader<'a> {
             self.faces.push_corner(vertex);
         }
         self.faces.end();
+        let corners = self.faces.corners();
+        self.corner_texture.truncate(corners);
+        self.corner_normal.truncate(corners);
         Ok(())
     }
 
@@ -143,8 +243,25 @@ impl<'a> Reader<'a> {
         if number > self.largest.0 {
             self.largest = (number, self.words.line());
         }
+        if length < corner.len() {
+            self.further_of_corner(&corner[length + 1..]);
+        }
         // Numbers too large for u32 fail `check_indices` in any case: a file has fewer vertices.
         Ok(u32::try_from(number - 1).unwrap_or(u32::MAX))
+    }
+
+    /// Keeps what follows the vertex of the next corner: `vt`, `/vn` or `vt/vn`.
+    fn further_of_corner(&mut self, words: &[u8]) {
+        let at = self.faces.corners();
+        let mut words = words.split(|&b| b == b'/');
+        let mut keep = |list: &mut Vec<u32>, known: usize| {
+            if let Some(number) = words.next().and_then(|word| relative(word, known)) {
+                list.resize(at, NONE);
+                list.push(number);
+            }
+        };
+        keep(&mut self.corner_texture, self.texture.len());
+        keep(&mut self.corner_normal, self.normals.len());
     }
 
     fn other(&mut self, keyword: &'a [u8]) {
@@ -169,10 +286,92 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
+    /// What was read, once all of it has been.
+    fn finish(mut self) -> Read {
+        let mut notes = self.notes();
+        let triangles = self.faces.triangles(&self.positions);
+        let attributes = Attributes {
+            vertex: self.colors(&mut notes).into_iter().chain(self.vertex_normals(&triangles, &mut notes)).collect(),
+            texture: self.texture_of_triangles(&mut notes),
+            materials: self.materials_of_triangles(),
+        };
+        Read { mesh: Mesh { positions: self.positions, triangles }, attributes, notes }
+    }
+
+    fn colors(&mut self, notes: &mut Vec<String>) -> Option<Attribute> {
+        let columns = std::mem::take(&mut self.columns);
+        let ragged = columns.ragged;
+        let (values, width) = columns.into_table();
+        let colors = if width >= 3 { color(values, width) } else { None };
+        if colors.is_none() && (ragged || width >= 3) {
+            notes
+                .push("the numbers behind the coordinates of vertices are left out: not colours of all of them".into());
+        }
+        colors
+    }
+
+    /// For a cloud the normals as they are, if there are as many as points; for a mesh the sum of those of the corners
+    /// at each vertex.
+    fn vertex_normals(&self, triangles: &[[u32; 3]], notes: &mut Vec<String>) -> Option<Attribute> {
+        let count = self.positions.len();
+        let mut sums = vec![DVec3::ZERO; if self.corner_normal.is_empty() { 0 } else { count }];
+        let corner = |(&vertex, &number): (&u32, &u32)| {
+            let sum = sums.get_mut(vertex as usize)?;
+            *sum += self.normals.get(number as usize).filter(|n| n.is_finite())?.normalize_or_zero();
+            Some(())
+        };
+        let used = self.faces.corner_list().iter().zip(&self.corner_normal).filter_map(corner).count();
+        let is_cloud =
+            triangles.is_empty() && self.normals.len() == count && self.normals.iter().all(|n| n.is_finite());
+        if is_cloud && count > 0 {
+            return Some(normal(self.normals.iter().flat_map(|n| n.to_array()).collect()));
+        }
+        if used == 0 {
+            left_out(notes, self.normals.len(), "normal that no face uses", "normals that no face uses");
+            return None;
+        }
+        Some(normal(sums.into_iter().flat_map(|n| n.normalize_or_zero().to_array()).collect()))
+    }
+
+    fn texture_of_triangles(&mut self, notes: &mut Vec<String>) -> Vec<[DVec2; 3]> {
+        let at = |corner: usize| {
+            let number = self.corner_texture.get(corner).copied().unwrap_or(NONE);
+            self.texture.get(number as usize).copied().unwrap_or(DVec2::NAN)
+        };
+        let (mut texture, mut found) = (Vec::new(), false);
+        if !self.texture.is_empty() && !self.corner_texture.is_empty() {
+            self.faces.each(&self.positions, |_, corners| texture.push(corners.map(at)));
+            found = texture.iter().flatten().any(|at| at.is_finite());
+        }
+        if !found {
+            let (one, many) = ("pair of texture coordinates", "pairs of texture coordinates");
+            left_out(
+                notes,
+                self.texture.len(),
+                &format!("{one} that no face uses"),
+                &format!("{many} that no face uses"),
+            );
+            texture.clear();
+        }
+        texture
+    }
+
+    fn materials_of_triangles(&mut self) -> Option<Materials> {
+        let mut materials = std::mem::take(&mut self.materials);
+        if materials.names.is_empty() {
+            return None;
+        }
+        self.face_material.resize(self.faces.count(), self.material);
+        self.faces.each(&self.positions, |face, _| materials.of_triangle.push(self.face_material[face]));
+        Some(materials)
+    }
+
     fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         small_faces(&mut notes, self.faces.dropped);
-        left_out(&mut notes, self.points_and_lines, "point or line element", "point or line elements");
+        // Without faces all vertices are points.
+        let points = if self.faces.count() > 0 { self.points } else { 0 };
+        left_out(&mut notes, points + self.lines, "point or line element", "point or line elements");
         if self.free_form > 0 {
             notes.push("free-form curves and surfaces are left out".into());
         }
@@ -186,6 +385,13 @@ impl<'a> Reader<'a> {
     }
 }
 
+/// The number, from 0, that a word counts from 1 or, below zero, from the last of the `known` ones.
+fn relative(word: &[u8], known: usize) -> Option<u32> {
+    let from_last = word.strip_prefix(b"-").and_then(whole);
+    let number = from_last.map_or_else(|| whole(word)?.checked_sub(1), |back| known.checked_sub(back.max(1)));
+    number.and_then(|number| u32::try_from(number).ok())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -193,7 +399,11 @@ mod tests {
     use proptest::prelude::*;
 
     fn mesh(text: &str) -> Mesh {
-        parse(text.as_bytes()).unwrap().0
+        parse(text.as_bytes()).unwrap().mesh
+    }
+
+    fn notes(text: &str) -> Vec<String> {
+        parse(text.as_bytes()).unwrap().notes
     }
 
     fn triangles(text: &str) -> Vec<[u32; 3]> {
@@ -234,7 +444,7 @@ mod tests {
             "# C:\\models\\\nmtllib gone.mtl\n{SQUARE}o one\ng a b\ns off\nusemtl red\nf 1 2 3\no two\nv 0 0 1\nf -1 1 2\n"
         );
         assert_eq!(triangles(&text), [[0, 1, 2], [4, 0, 1]]);
-        assert!(parse(text.as_bytes()).unwrap().1.is_empty());
+        assert!(notes(&text).is_empty());
     }
 
     #[test]
@@ -253,10 +463,10 @@ mod tests {
     fn what_is_left_out_is_said() {
         let text = format!("{SQUARE}p 1\nl 1 2\nf 1 2\nf\nvp 1 2\ncstype bezier\nsurf 0 1\nend\nfoo\nbar\n");
         assert_eq!(
-            parse(text.as_bytes()).unwrap().1,
+            notes(&text),
             [
                 "2 faces with fewer than three corners are left out",
-                "2 point or line elements are left out",
+                "1 point or line element is left out",
                 "free-form curves and surfaces are left out",
                 "statements that OBJ does not have are left out: 2, the first is 'foo' on line 13",
             ]
@@ -268,7 +478,7 @@ mod tests {
         let mut text = b"# caf\xE9\r\ng \xFF\xFE\r\n".to_vec();
         text.extend(SQUARE.bytes());
         text.extend(b"f 1 2 3\r\n");
-        assert_eq!(parse(&text).unwrap().0.triangles, [[0, 1, 2]]);
+        assert_eq!(parse(&text).unwrap().mesh.triangles, [[0, 1, 2]]);
     }
 
     #[test]
@@ -293,7 +503,8 @@ mod tests {
         let m =
             Mesh { positions: vec![DVec3::ZERO, DVec3::X, DVec3::new(-0.5, 1e-7, 0.1)], triangles: vec![[0, 1, 2]] };
         let mut text = Vec::new();
-        write(&m, &mut text).unwrap();
+        let content = Content { positions: &m.positions, triangles: &m.triangles, attributes: &Attributes::default() };
+        write(&content, &mut text).unwrap();
         assert_eq!(String::from_utf8(text).unwrap(), "v 0 0 0\nv 1 0 0\nv -0.5 1e-7 0.1\nf 1 2 3\n");
     }
 

@@ -1,18 +1,21 @@
 //! OFF, the Object File Format of Geomview: vertices and polygons in text.
 //!
-//! The keyword is `OFF` with any of the prefixes `ST`, `C` and `N`, or missing; the values that they announce, and
-//! colours of faces, are skipped up to the end of the line. The number of vertices and of faces must be on one line
-//! with or without the keyword; the number of edges is not read. Not supported: the binary form and the forms with
-//! other dimensions (`4OFF`, `nOFF`).
+//! The keyword is `OFF` with any of the prefixes `ST`, `C` and `N`, or missing. They announce that normals, colours and
+//! texture coordinates follow the position of each vertex, in this order; what else follows it, and colours of faces, are
+//! skipped up to the end of the line. The number of vertices and of faces must be on one line with or without the
+//! keyword; the number of edges is not read. Not supported: the binary form and the forms with other dimensions (`4OFF`,
+//! `nOFF`).
 //!
 //! Cost: one pass; what a header promises is held against the length of the file before memory is reserved.
 
-use super::Parsed;
+use super::columns::{Columns, color, cut, normal};
 use super::faces::Faces;
 use super::text::{Words, quote, small_faces, whole, write_line};
+use super::{Content, Parsed, Read};
 use crate::base::error::{Error, Result};
+use crate::surface::attributes::Attributes;
 use crate::surface::mesh::Mesh;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::io::{self, Write};
 
 /// The shortest vertex is `0 0 0` and an end of line.
@@ -21,10 +24,21 @@ const VERTEX_BYTES: usize = 6;
 /// The shortest face with an area is `3 0 1 2` and an end of line; without one it is `0` and an end of line.
 const FACE_BYTES: (usize, usize) = (8, 2);
 
+/// Numbers of a vertex behind its position: a normal, a colour with opacity, texture coordinates.
+const MOST_COLUMNS: usize = 3 + 4 + 2;
+
+/// What follows the position of each vertex.
+#[derive(Clone, Copy, Default)]
+struct Further {
+    normals: bool,
+    colors: bool,
+    texture: bool,
+}
+
 pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     let mut words = Words::new(bytes).with_comments();
-    let (vertices, faces) = header(&mut words)?;
-    let positions = read_vertices(&mut words, vertices)?;
+    let (vertices, faces, further) = header(&mut words)?;
+    let (positions, columns) = read_vertices(&mut words, vertices, further)?;
     let faces = read_faces(&mut words, faces, vertices)?;
     let triangles = faces.triangles(&positions);
     let mut notes = Vec::new();
@@ -32,18 +46,61 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     if words.anywhere().is_some() {
         notes.push(format!("what follows the last face, from line {} on, is left out", words.line()));
     }
-    Ok((Mesh { positions, triangles }, notes))
+    let attributes = further.attributes(columns, &triangles, &mut notes);
+    Ok(Read { mesh: Mesh { positions, triangles }, attributes, notes })
 }
 
-pub(crate) fn write(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "OFF\n{} {} 0", mesh.positions.len(), mesh.triangles.len())?;
-    for p in &mesh.positions {
-        write_line(out, "", p.to_array())?;
+pub(crate) fn write(content: &Content, out: &mut dyn Write) -> io::Result<()> {
+    let Content { positions, triangles, attributes } = content;
+    let (color, normal) = (attributes.color(), attributes.normal());
+    let prefix = [color.map_or("", |_| "C"), normal.map_or("", |_| "N")].concat();
+    writeln!(out, "{prefix}OFF\n{} {} 0", positions.len(), triangles.len())?;
+    for (v, p) in positions.iter().enumerate() {
+        let further = normal.into_iter().chain(color).flat_map(|a| a.of(v)).copied();
+        write_line(out, "", p.to_array().into_iter().chain(further))?;
     }
-    for [a, b, c] in &mesh.triangles {
+    for [a, b, c] in *triangles {
         writeln!(out, "3 {a} {b} {c}")?;
     }
     Ok(())
+}
+
+impl Further {
+    fn of_prefix(prefix: &[u8]) -> Further {
+        let has = |word: &[u8]| prefix.windows(word.len()).any(|w| w == word);
+        Further { normals: has(b"N"), colors: has(b"C"), texture: has(b"ST") }
+    }
+
+    fn is_nothing(self) -> bool {
+        !(self.normals || self.colors || self.texture)
+    }
+
+    /// What the numbers of vertices are; a note if they are not what the keyword announces.
+    fn attributes(self, columns: Columns, triangles: &[[u32; 3]], notes: &mut Vec<String>) -> Attributes {
+        let (values, width) = columns.into_table();
+        let normals = if self.normals { 3 } else { 0 };
+        let texture = if self.texture { 2 } else { 0 };
+        let colors = width.saturating_sub(normals + texture);
+        let as_announced = if self.colors { matches!(colors, 3 | 4) } else { width == normals + texture };
+        let mut attributes = Attributes::default();
+        if self.is_nothing() || values.is_empty() || !as_announced {
+            if !self.is_nothing() && !triangles.is_empty() {
+                notes.push("normals, colours and texture coordinates are left out: not as the keyword says".into());
+            }
+            return attributes;
+        }
+        if self.normals {
+            attributes.vertex.push(normal(cut(&values, width, 0, 3)));
+        }
+        if self.colors {
+            attributes.vertex.extend(color(cut(&values, width, normals, normals + colors), colors));
+        }
+        if self.texture {
+            let row = |v: u32| &values[v as usize * width + width - 2..][..2];
+            attributes.texture = triangles.iter().map(|t| t.map(|v| DVec2::from_slice(row(v)))).collect();
+        }
+        attributes
+    }
 }
 
 /// Whether a file starts with the keyword of this format.
@@ -63,11 +120,13 @@ fn keyword(word: &[u8]) -> Option<(&[u8], &[u8])> {
     is_known.then_some((prefix, rest))
 }
 
-/// The numbers of vertices and of faces.
-fn header(words: &mut Words) -> Result<(usize, usize)> {
+/// The numbers of vertices and of faces, and what the keyword announces.
+fn header(words: &mut Words) -> Result<(usize, usize, Further)> {
     let mut first = words.anywhere();
+    let mut further = Further::default();
     if let Some((prefix, rest)) = first.and_then(keyword) {
         check_dimensions(words, prefix)?;
+        further = Further::of_prefix(prefix);
         first = if rest.is_empty() { words.anywhere() } else { Some(rest) };
     }
     if first == Some(&b"BINARY"[..]) {
@@ -77,7 +136,7 @@ fn header(words: &mut Words) -> Result<(usize, usize)> {
     let second = words.anywhere();
     let faces = count(words, second, "faces", FACE_BYTES.1)?;
     words.next_line();
-    Ok((vertices, faces))
+    Ok((vertices, faces, further))
 }
 
 fn check_dimensions(words: &Words, prefix: &[u8]) -> Result<()> {
@@ -103,8 +162,9 @@ fn count(words: &Words, word: Option<&[u8]>, what: &str, bytes_each: usize) -> R
     Ok(count)
 }
 
-fn read_vertices(words: &mut Words, count: usize) -> Result<Vec<DVec3>> {
+fn read_vertices(words: &mut Words, count: usize, further: Further) -> Result<(Vec<DVec3>, Columns)> {
     let mut positions = Vec::with_capacity(count);
+    let mut columns = Columns::default();
     for found in 0..count {
         let Some(word) = words.anywhere() else {
             return Err(words.mistake(format!("the file ends after {found} of {count} vertices")));
@@ -112,9 +172,12 @@ fn read_vertices(words: &mut Words, count: usize) -> Result<Vec<DVec3>> {
         let x = words.finite(word)?;
         let mut next = || words.coordinate(Words::anywhere);
         positions.push(DVec3::new(x, next()?, next()?));
+        if !further.is_nothing() {
+            columns.read_line(words, MOST_COLUMNS);
+        }
         words.next_line();
     }
-    Ok(positions)
+    Ok((positions, columns))
 }
 
 fn read_faces(words: &mut Words, count: usize, vertices: usize) -> Result<Faces> {
@@ -148,10 +211,11 @@ fn corner(words: &mut Words, vertices: usize) -> Result<u32> {
 mod tests {
     use super::*;
     use crate::base::error::Place;
+    use crate::io::Format;
     use proptest::prelude::*;
 
     fn mesh(text: &str) -> Mesh {
-        parse(text.as_bytes()).unwrap().0
+        parse(text.as_bytes()).unwrap().mesh
     }
 
     #[track_caller]
@@ -189,7 +253,7 @@ mod tests {
         let m = mesh("OFF\n5 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n4 0 1 2 3 255 0 0\n3 0 1 4\n");
         assert_eq!(m.triangles, [[0, 1, 2], [0, 2, 3], [0, 1, 4]]);
         assert_eq!(mesh("OFF\n1 0 0\n0 0 0\n").positions.len(), 1);
-        let (m, notes) = parse(b"OFF\n3 3 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n0\n3 0 1 2\nmore").unwrap();
+        let Read { mesh: m, notes, .. } = parse(b"OFF\n3 3 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n0\n3 0 1 2\nmore").unwrap();
         assert_eq!(m, right_angle());
         assert_eq!(
             notes,
@@ -235,10 +299,11 @@ mod tests {
         fn the_written_reads_as_the_same(points in prop::collection::vec(prop::array::uniform3(prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO), 3..20)) {
             let last = points.len() as u32 - 1;
             let m = Mesh { positions: points.into_iter().map(DVec3::from).collect(), triangles: vec![[0, 1, last], [last, 1, 0]] };
-            for (write, parse) in [(write as fn(&Mesh, &mut dyn Write) -> io::Result<()>, parse as fn(&[u8]) -> Parsed), (super::super::obj::write, super::super::obj::parse)] {
+            for format in [Format::Off, Format::Obj] {
                 let mut text = Vec::new();
-                write(&m, &mut text).unwrap();
-                prop_assert_eq!(parse(&text).unwrap(), (m.clone(), Vec::new()));
+                crate::io::write(&m, format, &mut text).unwrap();
+                let loaded = crate::io::parse(&text, format, crate::io::NO_BUFFERS).unwrap();
+                prop_assert_eq!((loaded.mesh, loaded.attributes, loaded.notes), (m.clone(), Attributes::default(), Vec::new()));
             }
         }
     }

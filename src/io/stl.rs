@@ -9,7 +9,7 @@
 use super::bytes::{CUT_SHORT, EXPORT_AGAIN, array, finite, malformed, narrow, u32_at, without_mark};
 use super::text::{Words, number, quote};
 use crate::base::error::{Error, Place, Result};
-use crate::io::Parsed;
+use crate::io::{Content, Parsed, Read};
 use crate::surface::mesh::Mesh;
 use glam::{DVec3, Vec3};
 use std::io::{self, Write};
@@ -59,7 +59,7 @@ fn parse_binary(bytes: &[u8]) -> Parsed {
     number_corners(&mut mesh)?;
     let extra = bytes.len() - HEADER - count * FACET;
     let notes = (extra > 0).then(|| format!("{extra} bytes after the last of {count} facets are left out"));
-    Ok((mesh, notes.into_iter().collect()))
+    Ok(Read { mesh, notes: notes.into_iter().collect(), ..Read::default() })
 }
 
 /// Adds the corners of the facet at byte `at`.
@@ -100,7 +100,7 @@ fn parse_text(bytes: &[u8]) -> Parsed {
         return Err(unexpected(&words, "'endsolid'", None));
     }
     number_corners(&mut mesh)?;
-    Ok((mesh, Vec::new()))
+    Ok(Read { mesh, ..Read::default() })
 }
 
 /// Adds the corners of a facet, from after `facet` to its `endfacet`.
@@ -155,23 +155,20 @@ fn is(word: &[u8], keyword: &str) -> bool {
 ///
 /// # Errors
 /// `InvalidData` for coordinates beyond single precision; else what `out` fails with.
-pub(crate) fn write(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
+pub(crate) fn write(content: &Content, out: &mut dyn Write) -> io::Result<()> {
+    let Content { positions, triangles, .. } = content;
     // Must not begin with 'solid', or readers take it for ASCII.
     let mut header = [b' '; HEADER - 4];
     let title = b"binary STL by spectral-remesh";
     header[..title.len()].copy_from_slice(title);
     out.write_all(&header)?;
-    let count = u32::try_from(mesh.triangles.len()).map_err(|_| io::Error::other("too many triangles for STL"))?;
+    let count = u32::try_from(triangles.len()).map_err(|_| io::Error::other("too many triangles for STL"))?;
     out.write_all(&count.to_le_bytes())?;
-    for t in 0..mesh.triangles.len() {
-        out.write_all(&facet(mesh, t)?)?;
-    }
-    Ok(())
+    triangles.iter().try_for_each(|t| out.write_all(&facet(t.map(|v| positions[v as usize]))?))
 }
 
-fn facet(mesh: &Mesh, t: usize) -> io::Result<[u8; FACET]> {
-    let [a, b, c] = mesh.corners(t);
-    let normal = mesh.area_vector(t).normalize_or_zero().as_vec3().to_array();
+fn facet([a, b, c]: [DVec3; 3]) -> io::Result<[u8; FACET]> {
+    let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3().to_array();
     let numbers = [normal, narrow(a)?, narrow(b)?, narrow(c)?];
     let mut facet = [0; FACET];
     for (bytes, number) in facet.chunks_exact_mut(4).zip(numbers.as_flattened()) {
@@ -187,6 +184,15 @@ mod tests {
 
     const ONE: &str = "solid a part\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1.5 0 0\n   \
                        vertex 0 1e0 -2\n  endloop\n endfacet\nendsolid a part\n";
+
+    /// The mesh and the notes.
+    fn parse(bytes: &[u8]) -> Result<(Mesh, Vec<String>)> {
+        super::parse(bytes).map(|read| (read.mesh, read.notes))
+    }
+
+    fn write(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
+        crate::io::write(mesh, crate::io::Format::Stl, out)
+    }
 
     fn binary() -> Vec<u8> {
         let mut bytes = Vec::new();

@@ -78,6 +78,12 @@ impl<'a> Words<'a> {
         }
     }
 
+    /// Whether this line ends at once; false if that cannot be told from the next byte.
+    #[inline]
+    pub fn ends_here(&self) -> bool {
+        self.bytes.get(self.at).is_none_or(|&b| is_end(b))
+    }
+
     /// The next word on this line or a later one.
     pub fn anywhere(&mut self) -> Option<&'a [u8]> {
         loop {
@@ -188,20 +194,25 @@ pub(super) fn whole(word: &[u8]) -> Option<usize> {
 }
 
 /// Writes the numbers of one line after `head`, in the shortest form that reads as the same f64.
-pub(super) fn write_line(out: &mut dyn Write, head: &str, numbers: [f64; 3]) -> io::Result<()> {
+pub(super) fn write_line(out: &mut dyn Write, head: &str, numbers: impl IntoIterator<Item = f64>) -> io::Result<()> {
     out.write_all(head.as_bytes())?;
     for (i, number) in numbers.into_iter().enumerate() {
         if i > 0 || !head.is_empty() {
             out.write_all(b" ")?;
         }
-        // Display never uses an exponent: 1e-300 would be three hundred zeros.
-        if number != 0.0 && !(1e-5..1e16).contains(&number.abs()) {
-            write!(out, "{number:e}")?;
-        } else {
-            write!(out, "{number}")?;
-        }
+        write_number(out, number)?;
     }
     out.write_all(b"\n")
+}
+
+/// Writes a number in the shortest form that reads as the same f64.
+pub(super) fn write_number(out: &mut dyn Write, number: f64) -> io::Result<()> {
+    // Display never uses an exponent: 1e-300 would be three hundred zeros.
+    if number != 0.0 && !(1e-5..1e16).contains(&number.abs()) {
+        write!(out, "{number:e}")
+    } else {
+        write!(out, "{number}")
+    }
 }
 
 /// A note of `count` things that are left out, if there are any: `one` in words, or `many`.

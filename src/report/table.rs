@@ -129,6 +129,11 @@ fn remarks(out: &mut String, report: &Report) {
     }
     list(out, "repairs", &report.repairs.as_ref().map(repairs_made).unwrap_or_default());
     list(out, "crossing faces", &crossing_faces(&report.crossings.faces));
+    if let Some(kept) = &report.attributes {
+        list(out, "attributes", &kept.carried);
+        let lost: Vec<String> = kept.lost.iter().map(|l| format!("{}: {}", l.name, l.cause)).collect();
+        list(out, "attributes, lost", &lost);
+    }
     report.notes.iter().for_each(|note| list(out, "note", std::slice::from_ref(note)));
     list(out, "seconds", &seconds(report));
     if let Some(bytes) = report.peak_memory_bytes {

@@ -334,7 +334,7 @@ impl Domain {
 
 /// Normals with the weights of N. Max, Weights for computing vertex normals from facet normals, 1999,
 /// DOI 10.1080/10867651.1999.10487501: exact on a sphere, and slivers do not count for more than they are.
-fn vertex_normals(mesh: &Mesh) -> Vec<DVec3> {
+pub(super) fn vertex_normals(mesh: &Mesh) -> Vec<DVec3> {
     let mut normals = vec![DVec3::ZERO; mesh.positions.len()];
     for (t, corners) in mesh.triangles.iter().enumerate() {
         let p = mesh.corners(t);

@@ -1,5 +1,7 @@
 //! The surface that everything is measured against: a triangle mesh, its topology, what was wrong with it.
 
+mod atlas;
+pub mod attributes;
 pub mod bvh;
 pub mod connectivity;
 pub mod crossings;
@@ -20,4 +22,5 @@ pub mod repair;
 pub mod seams;
 pub mod sizing;
 pub mod topology;
+pub mod transfer;
 pub mod weld;

@@ -4,24 +4,26 @@
 //! a file has to be checked (`store`). `scene` walks the nodes. What has no part in geometry (materials, textures,
 //! animations, cameras) is dropped before the JSON gets its types, so that nothing in it can be in the way.
 //!
-//! Read are triangles, strips and fans, indexed or not, positions in floats or quantized (KHR_mesh_quantization), sparse
-//! accessors, data in GLB chunks, in base64 addresses and in files beside.
+//! Read are points, triangles, strips and fans, indexed or not, positions in floats or quantized (KHR_mesh_quantization),
+//! sparse accessors, data in GLB chunks, in base64 addresses and in files beside. Of the attributes of vertices NORMAL,
+//! COLOR_0, TEXCOORD_0 and those whose names begin with an underscore are read, if all primitives have them. Colours
+//! keep their numbers: between files that have them linear, as glTF, and others nothing is converted.
 //!
-//! Limits: no compressed meshes (Draco, meshopt); points and lines are left out; skins and morph targets are not
-//! applied. A node's mirroring transform turns its triangles, so that outside stays outside.
+//! Limits: no compressed meshes (Draco, meshopt); lines, materials and images are left out; skins and morph targets are
+//! not applied. A node's mirroring transform turns its triangles, so that outside stays outside.
 
 mod glb;
 mod scene;
 mod store;
+mod vertices;
 mod write;
 
 pub(crate) use write::{write_glb, write_gltf};
 
 use crate::base::error::{Place, Result};
 use crate::io::bytes::{EXPORT_AGAIN, malformed, without_mark};
-use crate::io::{Parsed, Resolve};
+use crate::io::{Parsed, Read, Resolve};
 use ::gltf::json::Root;
-use scene::Collected;
 use serde_json::Value;
 use store::Store;
 
@@ -41,53 +43,39 @@ const HARMLESS: [&str; 9] = [
     "MSFT_texture_",
 ];
 
-/// The triangles of the default scene (of the first one, if none is the default; of all meshes, if there is no scene).
-/// `resolve` is given the addresses of buffers in other files as they are in the JSON.
+/// The triangles and points of the default scene (of the first one, if none is the default; of all meshes, if there is
+/// no scene). `resolve` is given the addresses of buffers in other files as they are in the JSON.
 ///
 /// # Errors
 /// `Error::Format` with the line, byte or part of what is malformed or not supported.
 pub(crate) fn parse(bytes: &[u8], resolve: Resolve) -> Parsed {
-    let (Collected { mesh, notes, .. }, extra) = read_file(bytes, resolve, None)?;
-    let note = (extra > 0).then(|| format!("{extra} bytes after the end of the GLB are left out"));
-    Ok((mesh, notes.into_iter().chain(note).collect()))
-}
-
-/// The attribute `name`, which begins with an underscore, of all vertices of [`parse`], a number each.
-///
-/// # Errors
-/// Those of [`parse`], and `Error::Format` with the mesh that has no such attribute.
-pub(crate) fn property(bytes: &[u8], resolve: Resolve, name: &str) -> Result<Vec<f64>> {
-    read_file(bytes, resolve, Some(name)).map(|(collected, _)| collected.values)
-}
-
-/// What is in a file, and the number of bytes that come after it. `attribute` is that to read values of.
-fn read_file(bytes: &[u8], resolve: Resolve, attribute: Option<&str>) -> Result<(Collected, usize)> {
     if !bytes.starts_with(glb::MAGIC) {
-        return Ok((read(bytes, None, resolve, attribute, Place::Line)?, 0));
+        return read(bytes, None, resolve, Place::Line);
     }
     let chunks = glb::split(bytes)?;
-    let in_chunk = |_| Place::Part("JSON chunk".into());
-    Ok((read(chunks.json, chunks.bin, resolve, attribute, in_chunk)?, chunks.extra))
+    let mut all = read(chunks.json, chunks.bin, resolve, |_| Place::Part("JSON chunk".into()))?;
+    if chunks.extra > 0 {
+        all.notes.push(format!("{} bytes after the end of the GLB are left out", chunks.extra));
+    }
+    Ok(all)
 }
 
-fn read(
-    json: &[u8],
-    bin: Option<&[u8]>,
-    resolve: Resolve,
-    attribute: Option<&str>,
-    place: impl Fn(usize) -> Place,
-) -> Result<Collected> {
-    let root = document(json, place)?;
+fn read(json: &[u8], bin: Option<&[u8]>, resolve: Resolve, place: impl Fn(usize) -> Place) -> Parsed {
+    let (root, has_materials) = document(json, place)?;
     let harmless = |name: &String| HARMLESS.iter().any(|prefix| name.starts_with(prefix));
     if let Some(name) = root.extensions_required.iter().find(|name| !harmless(name)) {
         let cause = format!("requires the extension {name}, which is not supported");
         return Err(malformed(Place::Part("extensionsRequired".into()), cause, "export it without that extension"));
     }
-    scene::collect(&root, &Store::new(&root, bin, resolve), attribute)
+    let mut all: Read = scene::collect(&root, &Store::new(&root, bin, resolve))?;
+    if has_materials {
+        all.notes.push("materials and images are left out".into());
+    }
+    Ok(all)
 }
 
-/// The JSON as the gltf crate's types. Indices in it may be anything.
-fn document(json: &[u8], place: impl Fn(usize) -> Place) -> Result<Root> {
+/// The JSON as the gltf crate's types, and whether it had materials or images. Indices in it may be anything.
+fn document(json: &[u8], place: impl Fn(usize) -> Place) -> Result<(Root, bool)> {
     let mut value: Value = serde_json::from_slice(without_mark(json)).map_err(|e| {
         let cause = format!("neither GLB nor JSON: {e}");
         malformed(place(e.line()), cause, "check that this is a glTF file and complete")
@@ -97,6 +85,8 @@ fn document(json: &[u8], place: impl Fn(usize) -> Place) -> Result<Root> {
         let cause = format!("glTF version {version}, only 2.0 is read");
         return Err(malformed(Place::Part("asset".into()), cause, "export it as glTF 2.0"));
     }
+    let has = |key: &str| value[key].as_array().is_some_and(|list| !list.is_empty());
+    let has_materials = has("materials") || has("images");
     if let Some(object) = value.as_object_mut() {
         UNUSED.iter().for_each(|key| drop(object.remove(*key)));
     }
@@ -106,7 +96,9 @@ fn document(json: &[u8], place: impl Fn(usize) -> Place) -> Result<Root> {
             scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
         }
     }
-    serde_json::from_value(value).map_err(|e| malformed(Place::Whole, format!("not glTF: {e}"), EXPORT_AGAIN))
+    let root = serde_json::from_value(value);
+    let root = root.map_err(|e| malformed(Place::Whole, format!("not glTF: {e}"), EXPORT_AGAIN))?;
+    Ok((root, has_materials))
 }
 
 #[cfg(test)]

@@ -1,33 +1,24 @@
 //! From the nodes of a scene to triangles.
 
 use super::store::{Store, wrong};
+use super::vertices::{Columns, accessors};
 use crate::base::error::{Place, Result};
+use crate::io::Read;
 use crate::io::bytes::malformed;
-use crate::io::text::quote;
 use crate::surface::mesh::Mesh;
 use ::gltf::json::mesh::{Mode, Primitive, Semantic};
 use ::gltf::json::validation::Checked;
 use ::gltf::json::{Node, Root};
-use glam::{DMat4, DQuat, DVec3};
+use glam::{DMat3, DMat4, DQuat, DVec3};
 use std::collections::BTreeMap;
 
 /// How many vertices and indices a scene may have that is larger than its data: meshes may be used many times.
 const REPEATED: usize = 1 << 26;
 
-/// What is in a scene.
-pub(super) struct Collected {
-    /// All its triangles.
-    pub mesh: Mesh,
-    /// For each vertex its value of the attribute asked for; empty if none was.
-    pub values: Vec<f64>,
-    /// What was left out.
-    pub notes: Vec<String>,
-}
-
-/// What is in the scene, with the values of `attribute` if there is one to read.
-pub(super) fn collect(root: &Root, store: &Store, attribute: Option<&str>) -> Result<Collected> {
-    let (mesh, left_out) = (Mesh::default(), LeftOut::default());
-    let mut scene = Collector { root, store, attribute, mesh, values: Vec::new(), read: 0, left_out };
+/// What is in the scene: all its triangles and the points of its clouds.
+pub(super) fn collect(root: &Root, store: &Store) -> Result<Read> {
+    let (mesh, columns, left_out) = (Mesh::default(), Columns::default(), LeftOut::default());
+    let mut scene = Collector { root, store, mesh, columns, read: 0, left_out };
     let scenes = root.scenes.len();
     let instances = match root.scene.map(|s| s.value()).or((scenes > 0).then_some(0)) {
         Some(index) => scene_instances(root, index)?,
@@ -40,15 +31,16 @@ pub(super) fn collect(root: &Root, store: &Store, attribute: Option<&str>) -> Re
     if scenes > 1 {
         notes.push(format!("only one of {scenes} scenes is read"));
     }
-    Ok(Collected { mesh: scene.mesh, values: scene.values, notes })
+    let (attributes, left_out) = scene.columns.finish(scene.mesh.positions.len(), &scene.mesh.triangles);
+    notes.extend(left_out);
+    Ok(Read { mesh: scene.mesh, attributes, notes })
 }
 
 struct Collector<'a, 's> {
     root: &'a Root,
     store: &'a Store<'s>,
-    attribute: Option<&'a str>,
     mesh: Mesh,
-    values: Vec<f64>,
+    columns: Columns,
     /// Vertices and indices read or asked for so far.
     read: usize,
     left_out: LeftOut,
@@ -57,7 +49,7 @@ struct Collector<'a, 's> {
 /// Counts of what is no triangle.
 #[derive(Default)]
 struct LeftOut {
-    points_and_lines: usize,
+    lines: usize,
     without_positions: usize,
     morphed: usize,
     skinned: usize,
@@ -67,7 +59,7 @@ struct LeftOut {
 impl LeftOut {
     fn notes(&self) -> Vec<String> {
         let texts = [
-            (self.points_and_lines, "primitives of points or lines are left out"),
+            (self.lines, "primitives of lines are left out"),
             (self.without_positions, "primitives without positions are left out"),
             (self.morphed, "primitives are read without their morph targets"),
             (self.skinned, "nodes are read without their skins"),
@@ -104,8 +96,8 @@ impl Collector<'_, '_> {
             let Checked::Valid(mode) = primitive.mode else {
                 return Err(wrong("mesh", index, "a primitive of unknown mode"));
             };
-            if matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
-                self.left_out.points_and_lines += 1;
+            if matches!(mode, Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
+                self.left_out.lines += 1;
                 continue;
             }
             self.left_out.morphed += usize::from(primitive.targets.as_ref().is_some_and(|t| !t.is_empty()));
@@ -117,23 +109,29 @@ impl Collector<'_, '_> {
         Ok(())
     }
 
-    /// Adds a primitive. `bases` has the first vertex and the number of vertices of every accessor added before.
+    /// Adds a primitive. `bases` has the first vertex and the number of vertices for the accessors added before.
     fn primitive(
         &mut self,
         primitive: &Primitive,
         mode: Mode,
         accessor: usize,
         transform: DMat4,
-        bases: &mut BTreeMap<usize, (u32, u32)>,
+        bases: &mut BTreeMap<(usize, Vec<usize>), (u32, u32)>,
     ) -> Result<()> {
-        let (base, count) = match bases.get(&accessor) {
+        let key = (accessor, accessors(primitive));
+        let (base, count) = match bases.get(&key) {
             Some(&known) => known,
             None => {
-                let added = self.vertices(accessor, transform)?;
-                self.values_of(primitive, added.1)?;
-                *bases.entry(accessor).or_insert(added)
+                let (base, count) = self.vertices(accessor, transform)?;
+                let turn = DMat3::from_mat4(transform).inverse().transpose();
+                self.budget((count as usize).saturating_mul(key.1.len()))?;
+                self.columns.add(self.store, primitive, base as usize, count as usize, turn);
+                *bases.entry(key).or_insert((base, count))
             }
         };
+        if mode == Mode::Points {
+            return Ok(());
+        }
         let corners = match primitive.indices {
             Some(indices) => self.store.indices(indices.value(), count as usize)?,
             None => (0..count).collect(),
@@ -160,23 +158,6 @@ impl Collector<'_, '_> {
         }
         let range = u32::try_from(base).ok().zip(u32::try_from(positions.len()).ok());
         range.filter(|(base, count)| base.checked_add(*count).is_some()).ok_or_else(too_large)
-    }
-
-    /// Adds the values of the attribute asked for, if there is one, at the `count` vertices of a primitive.
-    fn values_of(&mut self, primitive: &Primitive, count: u32) -> Result<()> {
-        let Some(name) = self.attribute else { return Ok(()) };
-        let semantic = name.strip_prefix('_').map(|rest| Checked::Valid(Semantic::Extras(rest.into())));
-        let Some(accessor) = semantic.and_then(|semantic| primitive.attributes.get(&semantic)) else {
-            let cause = format!("a primitive has no attribute {}", quote(name.as_bytes()));
-            return Err(malformed(Place::Whole, cause, "use the name of an attribute of its own, like _SIZE"));
-        };
-        let values = self.store.scalars(accessor.value())?;
-        if values.len() != count as usize {
-            let cause = format!("{} values for {count} vertices", values.len());
-            return Err(wrong("accessor", accessor.value(), cause));
-        }
-        self.values.extend(values);
-        Ok(())
     }
 
     /// Counts `more` vertices or indices. A scene may be larger than its data, but not beyond all bounds.

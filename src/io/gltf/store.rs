@@ -5,6 +5,7 @@ use crate::base::error::{Error, Place, Result};
 use crate::io::Resolve;
 use crate::io::base64;
 use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, array, malformed};
+use crate::surface::attributes::Scalar;
 use ::gltf::json::accessor::{Accessor, ComponentType, Type, sparse::Sparse};
 use ::gltf::json::validation::Checked;
 use ::gltf::json::{Root, buffer::View};
@@ -24,6 +25,14 @@ pub(super) struct Store<'a> {
     bin: Option<&'a [u8]>,
     resolve: Resolve<'a>,
     buffers: Vec<OnceCell<Cow<'a, [u8]>>>,
+}
+
+/// The elements of an accessor.
+pub(super) struct Vectors {
+    /// Numbers of an element.
+    pub components: usize,
+    pub scalar: Scalar,
+    pub values: Vec<f64>,
 }
 
 /// The error that `cause` is wrong with part number `index` of its kind.
@@ -61,17 +70,26 @@ impl<'a> Store<'a> {
         }
     }
 
-    /// The numbers of accessor `index`, one an element.
-    pub fn scalars(&self, index: usize) -> Result<Vec<f64>> {
+    /// The numbers of accessor `index`, so many an element. Those of an attribute that is `raw`, and others that are not
+    /// normalized, are as they are stored; the others are fractions.
+    pub fn vectors(&self, index: usize, raw: bool) -> Result<Vectors> {
         let accessor = self.accessor(index)?;
-        let read = match (component(accessor), shape(accessor)) {
-            (Some(component), Some(Type::Scalar)) => reader(component, accessor.normalized),
+        let components = match shape(accessor) {
+            Some(Type::Scalar) => Some(1),
+            Some(Type::Vec2) => Some(2),
+            Some(Type::Vec3) => Some(3),
+            Some(Type::Vec4) => Some(4),
             _ => None,
         };
-        let Some((size, read)) = read else {
-            return Err(wrong("accessor", index, "values are one float, byte or short each, these are not"));
+        let normalized = accessor.normalized && !raw;
+        let kind = component(accessor).and_then(|c| Some((scalar(c, normalized)?, reader(c, normalized)?)));
+        let Some((components, (scalar, (size, read)))) = components.zip(kind) else {
+            return Err(wrong("accessor", index, "values are up to four floats, bytes or shorts each, these are not"));
         };
-        self.decode(index, accessor, size, |b| read(b, 0))
+        let row = |b: &[u8]| [0, 1, 2, 3].map(|k| if k < components { read(b, k * size) } else { 0.0 });
+        let rows = self.decode(index, accessor, components * size, row)?;
+        let values = rows.iter().flat_map(|row| &row[..components]).copied().collect();
+        Ok(Vectors { components, scalar, values })
     }
 
     /// The numbers of accessor `index`, of which each is less than `vertices`.
@@ -238,6 +256,19 @@ fn shape(accessor: &Accessor) -> Option<Type> {
         Checked::Valid(shape) => Some(shape),
         Checked::Invalid => None,
     }
+}
+
+/// The type of numbers as they are read; `None` for one that no attribute may have.
+fn scalar(component: ComponentType, normalized: bool) -> Option<Scalar> {
+    Some(match component {
+        _ if normalized => Scalar::F32,
+        ComponentType::I8 => Scalar::I8,
+        ComponentType::U8 => Scalar::U8,
+        ComponentType::I16 => Scalar::I16,
+        ComponentType::U16 => Scalar::U16,
+        ComponentType::F32 => Scalar::F32,
+        ComponentType::U32 => return None,
+    })
 }
 
 type ReadCoordinate = fn(&[u8], usize) -> f64;

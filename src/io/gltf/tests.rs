@@ -2,12 +2,24 @@ use super::*;
 use crate::base::error::Error;
 use crate::io::base64;
 use crate::io::bytes::samples::{signed_volume, tetrahedron};
+use crate::surface::attributes::{Attribute, Attributes, Scalar};
 use crate::surface::mesh::Mesh;
 use glam::DVec3;
 use serde_json::json;
 
 fn no_files(_: &str) -> std::result::Result<Vec<u8>, String> {
     Err("no files here".into())
+}
+
+/// The mesh and the notes.
+type Parsed = Result<(Mesh, Vec<String>)>;
+
+fn parse(bytes: &[u8], resolve: Resolve) -> Parsed {
+    super::parse(bytes, resolve).map(|read| (read.mesh, read.notes))
+}
+
+fn write_glb(mesh: &Mesh, out: &mut Vec<u8>) -> std::io::Result<()> {
+    crate::io::write(mesh, crate::io::Format::Glb, out)
 }
 
 fn load(root: &Value) -> Parsed {
@@ -37,7 +49,7 @@ fn glb() -> Vec<u8> {
 /// What the writer makes of a tetrahedron, to be changed.
 fn written() -> Value {
     let mut bytes = Vec::new();
-    write_gltf(&tetrahedron(), &mut bytes).unwrap();
+    crate::io::write(&tetrahedron(), crate::io::Format::Gltf, &mut bytes).unwrap();
     serde_json::from_slice(&bytes).unwrap()
 }
 
@@ -97,10 +109,9 @@ fn what_is_written_is_valid() {
 fn clouds_and_nothing_are_valid_too() {
     for positions in [vec![], vec![DVec3::X]] {
         let mut bytes = Vec::new();
-        write_glb(&Mesh { positions, triangles: Vec::new() }, &mut bytes).unwrap();
-        let count = ::gltf::Gltf::from_slice_without_validation(&bytes).unwrap().meshes().count();
+        write_glb(&Mesh { positions: positions.clone(), triangles: Vec::new() }, &mut bytes).unwrap();
         let (mesh, notes) = parse(&bytes, &no_files).unwrap();
-        assert_eq!((mesh, notes.len()), (Mesh::default(), count));
+        assert_eq!((mesh.positions, notes.len()), (positions, 0));
     }
 }
 
@@ -149,14 +160,18 @@ fn strips_fans_and_lists() {
 }
 
 #[test]
-fn points_and_lines_are_noted() {
-    for mode in 0..4 {
+fn lines_are_noted_and_points_read() {
+    for mode in 1..4 {
         let mut root = with_data(&SQUARE, &[]);
         root["meshes"][0]["primitives"][0]["mode"] = mode.into();
         let (mesh, notes) = load(&root).unwrap();
         assert!(mesh.triangles.is_empty());
-        assert_eq!(notes, ["1 primitives of points or lines are left out"]);
+        assert_eq!(notes, ["1 primitives of lines are left out"]);
     }
+    let mut root = with_data(&SQUARE, &[]);
+    root["meshes"][0]["primitives"][0]["mode"] = 0.into();
+    let (mesh, notes) = load(&root).unwrap();
+    assert_eq!((mesh.positions.len(), mesh.triangles.len(), notes.len()), (4, 0, 0));
     let mut root = with_data(&SQUARE, &[]);
     root["meshes"][0]["primitives"][0]["mode"] = 7.into();
     assert_eq!(place(load(&root)), ", mesh 0");
@@ -476,21 +491,70 @@ fn any_one_byte_changed_is_no_panic() {
 fn attributes_of_vertices() {
     let values: Vec<u8> = [0.5f32, 0.25, 2.0].iter().flat_map(|x| x.to_le_bytes()).collect();
     let mut root = with_data(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &values);
-    let read = |root: &Value, name: &str| property(root.to_string().as_bytes(), &no_files, name);
+    let read = |root: &Value| super::parse(root.to_string().as_bytes(), &no_files).unwrap();
+    let numbers = |root: &Value, name: &str| read(root).attributes.numbers(name);
     let accessor = json!({ "bufferView": 1, "componentType": 5126, "count": 3, "type": "SCALAR" });
     root["accessors"].as_array_mut().unwrap().push(accessor);
     root["meshes"][0]["primitives"][0]["attributes"]["_SIZE"] = json!(1);
-    assert_eq!(read(&root, "_SIZE"), Ok(vec![0.5, 0.25, 2.0]));
-    assert_eq!(load(&root).unwrap().0.positions.len(), 3);
+    assert_eq!(numbers(&root, "_SIZE"), Ok(vec![0.5, 0.25, 2.0]));
     for missing in ["_WIDTH", "SIZE", ""] {
-        assert!(read(&root, missing).unwrap_err().to_string().contains("has no attribute"), "{missing}");
+        assert!(numbers(&root, missing).unwrap_err().to_string().ends_with("use one of _SIZE"), "{missing}");
     }
     // A mesh that is used twice has its values twice.
     root["scenes"] = json!([{ "nodes": [0, 1] }]);
     root["nodes"] = json!([{ "mesh": 0 }, { "mesh": 0, "translation": [5.0, 0.0, 0.0] }]);
-    assert_eq!(read(&root, "_SIZE"), Ok(vec![0.5, 0.25, 2.0, 0.5, 0.25, 2.0]));
-    root["accessors"][1]["count"] = json!(2);
-    assert!(read(&root, "_SIZE").unwrap_err().to_string().contains("accessor 1: 2 values for 3 vertices"));
-    root["accessors"][1]["type"] = json!("VEC2");
-    assert!(read(&root, "_SIZE").unwrap_err().to_string().contains("accessor 1: values are one"));
+    assert_eq!(numbers(&root, "_SIZE"), Ok(vec![0.5, 0.25, 2.0, 0.5, 0.25, 2.0]));
+    // What is wrong with them is no reason to refuse the mesh.
+    root["meshes"][0]["primitives"][0]["attributes"]["TANGENT"] = json!(1);
+    for (key, value, cause) in [
+        ("count", json!(2), "_SIZE is left out: accessor 1 has 2 values for 3 vertices"),
+        ("count", json!(4), "_SIZE is left out: accessor 1: 4 elements are more than buffer view 1 holds"),
+        ("type", json!("MAT2"), "_SIZE is left out: accessor 1: values are up to four"),
+    ] {
+        let mut root = root.clone();
+        root["accessors"][1][key] = value;
+        let Read { mesh, attributes, notes } = read(&root);
+        assert_eq!((mesh.positions.len(), attributes.is_empty(), notes.len()), (6, true, 2));
+        assert_eq!(notes[0], "attribute TANGENT is left out");
+        assert!(notes[1].contains(cause), "{notes:?}");
+    }
+}
+
+#[test]
+fn attributes_are_written_in_their_types() {
+    let attribute = |name: &str, components, scalar| Attribute {
+        name: name.into(),
+        components,
+        values: (0..4 * components).map(|i| i as f64).collect(),
+        scalar,
+    };
+    let vertex = vec![
+        Attribute { values: [0.0, 0.0, 1.0].repeat(4), ..attribute("normal", 3, Scalar::F32) },
+        attribute("color", 3, Scalar::U8),
+        attribute("_LABEL", 1, Scalar::U16),
+        attribute("_FLOW", 2, Scalar::F32),
+    ];
+    let texture = (0..4).map(|t| [0.0, 0.25, 0.5].map(|x| glam::dvec2(x, f64::from(t) / 4.0))).collect();
+    let attributes = Attributes { vertex, texture, materials: None };
+    let mut bytes = Vec::new();
+    crate::io::write_with_attributes(&tetrahedron(), &attributes, crate::io::Format::Glb, &mut bytes).unwrap();
+    // The gltf crate's own validation.
+    let gltf = ::gltf::Gltf::from_slice(&bytes).unwrap();
+    assert_eq!(gltf.accessors().next().unwrap().count(), 12);
+    let read = super::parse(&bytes, &no_files).unwrap();
+    assert!(read.notes.is_empty(), "{:?}", read.notes);
+    assert_eq!(read.attributes.texture, attributes.texture);
+    let corners = |mesh: &Mesh| (0..4).map(|t| mesh.corners(t)).collect::<Vec<_>>();
+    assert_eq!(corners(&read.mesh), corners(&tetrahedron()));
+    for of_file in &read.attributes.vertex {
+        let written = attributes.get(&of_file.name).unwrap();
+        assert_eq!((of_file.scalar, of_file.components), (written.scalar, written.components));
+        for (t, triangle) in tetrahedron().triangles.iter().enumerate() {
+            for k in 0..3 {
+                let found = of_file.of(read.mesh.triangles[t][k] as usize);
+                assert_eq!(found, written.of(triangle[k] as usize), "{}", of_file.name);
+            }
+        }
+    }
+    assert_eq!(read.attributes.vertex.len(), 4);
 }

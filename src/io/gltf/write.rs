@@ -1,10 +1,15 @@
-//! Writing glTF and GLB: one node, one mesh, one primitive, one buffer of positions and then indices.
+//! Writing glTF and GLB: one node, one mesh, one primitive, one buffer of vertices and then indices.
+//!
+//! Vertices on seams of the texture are written once for each pair of texture coordinates, as the format wants it.
 
 use super::glb;
+use crate::io::Content;
 use crate::io::base64;
 use crate::io::bytes::narrow;
-use crate::surface::mesh::Mesh;
-use serde_json::{Value, json};
+use crate::surface::attributes::{Attribute, Scalar, Wedges};
+use glam::DVec3;
+use serde_json::{Map, Value, json};
+use std::borrow::Cow;
 use std::io::{self, Write};
 
 const FLOAT: u32 = 5126;
@@ -18,9 +23,8 @@ const TRIANGLES: u32 = 4;
 ///
 /// # Errors
 /// `InvalidData` for coordinates beyond single precision; else what `out` fails with.
-pub(crate) fn write_gltf(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
-    let bin = buffer(mesh)?;
-    let mut root = document(mesh, bin.len())?;
+pub(crate) fn write_gltf(content: &Content, out: &mut dyn Write) -> io::Result<()> {
+    let Document { mut root, bin } = document(content)?;
     if !bin.is_empty() {
         let uri = format!("data:application/octet-stream;base64,{}", base64::encode(&bin));
         root["buffers"][0]["uri"] = uri.into();
@@ -32,63 +36,164 @@ pub(crate) fn write_gltf(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
 ///
 /// # Errors
 /// `InvalidData` for coordinates beyond single precision; else what `out` fails with, or more than 4 GB.
-pub(crate) fn write_glb(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
-    let bin = buffer(mesh)?;
-    let root = document(mesh, bin.len())?;
+pub(crate) fn write_glb(content: &Content, out: &mut dyn Write) -> io::Result<()> {
+    let Document { root, bin } = document(content)?;
     glb::join(serde_json::to_vec(&root)?, &bin, out)
 }
 
-/// Positions, then indices: both are multiples of four bytes, so everything is aligned.
-fn buffer(mesh: &Mesh) -> io::Result<Vec<u8>> {
-    let mut bin = Vec::with_capacity(12 * (mesh.positions.len() + mesh.triangles.len()));
-    for &p in &mesh.positions {
-        bin.extend_from_slice(narrow(p)?.map(f32::to_le_bytes).as_flattened());
-    }
-    for t in &mesh.triangles {
-        bin.extend_from_slice(t.map(u32::to_le_bytes).as_flattened());
-    }
-    Ok(bin)
+/// The JSON of a file and the buffer that goes with it.
+struct Document {
+    root: Value,
+    bin: Vec<u8>,
 }
 
-/// The JSON that goes with [`buffer`]. A mesh without vertices is a file without scenes, because no list in glTF may be
-/// empty; one without triangles is a cloud of points.
-fn document(mesh: &Mesh, length: usize) -> io::Result<Value> {
+/// Views and accessors, one of each for every list of numbers, and the buffer that they are in.
+#[derive(Default)]
+struct Lists {
+    views: Vec<Value>,
+    accessors: Vec<Value>,
+    bin: Vec<u8>,
+}
+
+/// The whole file. A mesh without vertices is a file without scenes, because no list in glTF may be empty; one without
+/// triangles is a cloud of points.
+fn document(content: &Content) -> io::Result<Document> {
     let asset = json!({ "version": "2.0", "generator": "spectral-remesh" });
-    if mesh.positions.is_empty() {
-        return Ok(json!({ "asset": asset }));
+    if content.positions.is_empty() {
+        return Ok(Document { root: json!({ "asset": asset }), bin: Vec::new() });
     }
-    let (low, high) = range(mesh)?;
-    let split = 12 * mesh.positions.len();
-    let mut views = vec![view(0, split, ARRAY_BUFFER)];
-    let positions = json!({ "bufferView": 0, "componentType": FLOAT, "count": mesh.positions.len(), "type": "VEC3",
-                            "min": low, "max": high });
-    let mut accessors = vec![positions];
-    let mut primitive = json!({ "attributes": { "POSITION": 0 }, "mode": POINTS });
-    if !mesh.triangles.is_empty() {
-        views.push(view(split, length - split, ELEMENT_ARRAY_BUFFER));
-        accessors.push(json!({ "bufferView": 1, "componentType": UNSIGNED_INT, "count": 3 * mesh.triangles.len(),
-                               "type": "SCALAR" }));
-        primitive = json!({ "attributes": { "POSITION": 0 }, "indices": 1, "mode": TRIANGLES });
+    let wedges = wedges(content);
+    let mut lists = Lists::default();
+    let attributes = vertices(content, wedges.as_ref(), &mut lists)?;
+    let mut primitive = json!({ "attributes": attributes, "mode": POINTS });
+    if !content.triangles.is_empty() {
+        primitive["indices"] = lists.accessors.len().into();
+        primitive["mode"] = TRIANGLES.into();
+        lists.indices(wedges.as_ref().map_or(content.triangles, |w| &w.corners));
     }
-    Ok(json!({
+    let Lists { views, accessors, bin } = lists;
+    let root = json!({
         "asset": asset, "scene": 0, "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }],
         "meshes": [{ "primitives": [primitive] }], "accessors": accessors, "bufferViews": views,
-        "buffers": [{ "byteLength": length }],
-    }))
+        "buffers": [{ "byteLength": bin.len() }],
+    });
+    Ok(Document { root, bin })
 }
 
-fn view(offset: usize, length: usize, target: u32) -> Value {
-    json!({ "buffer": 0, "byteOffset": offset, "byteLength": length, "target": target })
-}
-
-/// The smallest and largest coordinates as they are in the buffer.
-fn range(mesh: &Mesh) -> io::Result<([f32; 3], [f32; 3])> {
-    let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-    for &p in &mesh.positions {
-        let p = narrow(p)?;
-        for k in 0..3 {
-            (low[k], high[k]) = (low[k].min(p[k]), high[k].max(p[k]));
-        }
+/// The vertices to write where texture coordinates make more of them. Corners without any get some.
+fn wedges(content: &Content) -> Option<Wedges> {
+    let mut texture = Cow::Borrowed(&content.attributes.texture);
+    if texture.is_empty() {
+        return None;
     }
-    Ok((low, high))
+    if texture.iter().flatten().any(|at| !at.is_finite()) {
+        texture.to_mut().iter_mut().flatten().filter(|at| !at.is_finite()).for_each(|at| *at = glam::DVec2::ZERO);
+    }
+    Some(Wedges::new(content.triangles, &texture))
+}
+
+/// Adds positions and attributes; the names of the latter with the numbers of their accessors.
+fn vertices(content: &Content, wedges: Option<&Wedges>, lists: &mut Lists) -> io::Result<Map<String, Value>> {
+    let count = wedges.map_or(content.positions.len(), |w| w.vertices.len());
+    let vertex = |i: usize| wedges.map_or(i, |w| w.vertices[i] as usize);
+    let mut names = Map::new();
+    names.insert("POSITION".into(), 0.into());
+    lists.positions((0..count).map(|i| content.positions[vertex(i)]))?;
+    for attribute in content.attributes.vertex.iter().filter(|a| a.components <= 4) {
+        names.insert(semantic(attribute), lists.accessors.len().into());
+        lists.attribute(attribute, (0..count).map(vertex));
+    }
+    if let Some(wedges) = wedges {
+        names.insert("TEXCOORD_0".into(), lists.accessors.len().into());
+        // From the lower left of the image to the upper left.
+        let values = wedges.coordinates.iter().flat_map(|at| [at.x, 1.0 - at.y]).collect();
+        let texture = Attribute { name: String::new(), components: 2, values, scalar: Scalar::F32 };
+        lists.attribute(&texture, 0..count);
+    }
+    Ok(names)
+}
+
+/// The name of an attribute: one of the format's own, or one that begins with an underscore.
+fn semantic(attribute: &Attribute) -> String {
+    match attribute.name.as_str() {
+        _ if attribute.is_normal() => "NORMAL".into(),
+        _ if attribute.is_color() => "COLOR_0".into(),
+        name if name.starts_with('_') => name.into(),
+        name => format!("_{}", name.to_uppercase()),
+    }
+}
+
+impl Lists {
+    fn positions(&mut self, positions: impl ExactSizeIterator<Item = DVec3>) -> io::Result<()> {
+        let (count, start) = (positions.len(), self.bin.len());
+        let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        for p in positions {
+            let p = narrow(p)?;
+            for k in 0..3 {
+                (low[k], high[k]) = (low[k].min(p[k]), high[k].max(p[k]));
+            }
+            self.bin.extend_from_slice(p.map(f32::to_le_bytes).as_flattened());
+        }
+        let accessor = json!({ "componentType": FLOAT, "count": count, "type": "VEC3", "min": low, "max": high });
+        self.end(start, json!({ "target": ARRAY_BUFFER }), accessor);
+        Ok(())
+    }
+
+    /// The numbers of `vertices`, each beginning at a multiple of four bytes.
+    fn attribute(&mut self, attribute: &Attribute, vertices: impl ExactSizeIterator<Item = usize>) {
+        let (count, start) = (vertices.len(), self.bin.len());
+        let (component, scalar) = component(attribute.scalar);
+        let full = if attribute.is_color() && attribute.scalar != scalar { attribute.scalar.full() } else { 1.0 };
+        let length = attribute.components * scalar.size();
+        let stride = length.next_multiple_of(4);
+        for v in vertices {
+            for &value in attribute.of(v) {
+                let finite = if value.is_finite() { value / full } else { 0.0 };
+                let (bytes, size) = scalar.bytes(finite);
+                self.bin.extend_from_slice(&bytes[..size]);
+            }
+            self.bin.resize(self.bin.len() + stride - length, 0);
+        }
+        let shape = ["SCALAR", "VEC2", "VEC3", "VEC4"][attribute.components - 1];
+        let normalized = attribute.is_color() && scalar.is_integer();
+        let mut view = json!({ "target": ARRAY_BUFFER });
+        if stride != length {
+            view["byteStride"] = stride.into();
+        }
+        let mut accessor = json!({ "componentType": component, "count": count, "type": shape });
+        if normalized {
+            accessor["normalized"] = true.into();
+        }
+        self.end(start, view, accessor);
+    }
+
+    fn indices(&mut self, triangles: &[[u32; 3]]) {
+        let start = self.bin.len();
+        for t in triangles {
+            self.bin.extend_from_slice(t.map(u32::to_le_bytes).as_flattened());
+        }
+        let accessor = json!({ "componentType": UNSIGNED_INT, "count": 3 * triangles.len(), "type": "SCALAR" });
+        self.end(start, json!({ "target": ELEMENT_ARRAY_BUFFER }), accessor);
+    }
+
+    /// Ends the list of the bytes from `start` on.
+    fn end(&mut self, start: usize, mut view: Value, mut accessor: Value) {
+        view["buffer"] = 0.into();
+        view["byteOffset"] = start.into();
+        view["byteLength"] = (self.bin.len() - start).into();
+        accessor["bufferView"] = self.views.len().into();
+        self.views.push(view);
+        self.accessors.push(accessor);
+    }
+}
+
+/// The number of the type that numbers are written in, which is their own if the format has it.
+fn component(scalar: Scalar) -> (u32, Scalar) {
+    match scalar {
+        Scalar::I8 => (5120, Scalar::I8),
+        Scalar::U8 => (5121, Scalar::U8),
+        Scalar::I16 => (5122, Scalar::I16),
+        Scalar::U16 => (5123, Scalar::U16),
+        Scalar::I32 | Scalar::U32 | Scalar::F32 | Scalar::F64 => (FLOAT, Scalar::F32),
+    }
 }

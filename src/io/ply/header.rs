@@ -3,6 +3,7 @@
 use crate::base::error::{Error, Place, Result};
 use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed};
 use crate::io::text::quote;
+use crate::surface::attributes::Scalar;
 
 /// What a header says, and where the body is.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,42 +45,19 @@ pub(super) enum Kind {
     List { count: Scalar, item: Scalar },
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Scalar {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    F32,
-    F64,
-}
-
-impl Scalar {
-    fn from_name(name: &str) -> Option<Scalar> {
-        Some(match name {
-            "char" | "int8" => Scalar::I8,
-            "uchar" | "uint8" => Scalar::U8,
-            "short" | "int16" => Scalar::I16,
-            "ushort" | "uint16" => Scalar::U16,
-            "int" | "int32" => Scalar::I32,
-            "uint" | "uint32" => Scalar::U32,
-            "float" | "float32" => Scalar::F32,
-            "double" | "float64" => Scalar::F64,
-            _ => return None,
-        })
-    }
-
-    /// The bytes that a value takes in a binary file.
-    pub fn size(self) -> usize {
-        match self {
-            Scalar::I8 | Scalar::U8 => 1,
-            Scalar::I16 | Scalar::U16 => 2,
-            Scalar::I32 | Scalar::U32 | Scalar::F32 => 4,
-            Scalar::F64 => 8,
-        }
-    }
+/// The type of this name, of which each has two.
+fn scalar(name: &str) -> Option<Scalar> {
+    Some(match name {
+        "char" | "int8" => Scalar::I8,
+        "uchar" | "uint8" => Scalar::U8,
+        "short" | "int16" => Scalar::I16,
+        "ushort" | "uint16" => Scalar::U16,
+        "int" | "int32" => Scalar::I32,
+        "uint" | "uint32" => Scalar::U32,
+        "float" | "float32" => Scalar::F32,
+        "double" | "float64" => Scalar::F64,
+        _ => return None,
+    })
 }
 
 /// The header of the file.
@@ -132,10 +110,10 @@ impl Encoding {
 fn property(words: &[&str]) -> Option<Property> {
     let (kind, name) = match *words {
         ["list", count, item, name] => {
-            let kind = Kind::List { count: Scalar::from_name(count)?, item: Scalar::from_name(item)? };
+            let kind = Kind::List { count: scalar(count)?, item: scalar(item)? };
             (kind, name)
         }
-        [scalar, name] => (Kind::Scalar(Scalar::from_name(scalar)?), name),
+        [kind, name] => (Kind::Scalar(scalar(kind)?), name),
         _ => return None,
     };
     Some(Property { name: name.into(), kind })
@@ -214,8 +192,8 @@ mod tests {
         let old = ["char", "uchar", "short", "ushort", "int", "uint", "float", "double"];
         let new = ["int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64"];
         for (old, new) in old.into_iter().zip(new) {
-            assert!(Scalar::from_name(old).is_some());
-            assert_eq!(Scalar::from_name(old), Scalar::from_name(new));
+            assert!(scalar(old).is_some());
+            assert_eq!(scalar(old), scalar(new));
         }
     }
 

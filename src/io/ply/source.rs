@@ -1,9 +1,9 @@
 //! The values of a PLY body, one after the other, whatever their encoding.
 
-use super::header::Scalar;
 use crate::base::error::{Error, Place, Result};
 use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed};
 use crate::io::text::{Words, number, quote};
+use crate::surface::attributes::Scalar;
 
 /// A body that is read from front to back. Copies go their own ways.
 pub(super) trait Source: Clone {

@@ -1,5 +1,16 @@
 use super::*;
 use crate::io::bytes::samples::tetrahedron;
+use glam::DVec3;
+use std::io::{self, Write};
+
+/// The mesh and the notes.
+fn parse(bytes: &[u8]) -> Result<(Mesh, Vec<String>)> {
+    super::parse(bytes).map(|read| (read.mesh, read.notes))
+}
+
+fn write(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
+    crate::io::write(mesh, crate::io::Format::Ply, out)
+}
 
 const TEXT: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
                     element face 4\nproperty list uchar int vertex_indices\nend_header\n\
@@ -71,7 +82,14 @@ fn big_endian_with_other_properties_in_any_order() {
     let (mesh, notes) = parse(&binary(header, &[&vertices, &[1, 2, 3, 4], &face])).unwrap();
     assert_eq!(mesh.positions[..2], [DVec3::new(0.5, -300.0, 0.1), DVec3::new(1.0, 2.0, -1e9)]);
     assert_eq!(mesh.triangles, [[2, 1, 0]]);
-    assert_eq!(notes, ["1 elements 'camera' are left out"]);
+    assert_eq!(
+        notes,
+        [
+            "the lists 'extra' of vertices are left out",
+            "1 elements 'camera' are left out",
+            "properties of faces are left out: 'flags'",
+        ]
+    );
 }
 
 #[test]
@@ -231,9 +249,42 @@ fn properties_of_vertices() {
                 property list uchar int l\nproperty float x\nproperty float y\nproperty float z\nproperty uchar n\n\
                 element face 1\nproperty list uchar int vertex_indices\nend_header\n\
                 9\n0.5 0 0 0 0 1\n0.25 1 7 1 0 0 2\n2 2 8 9 0 1 0 3\n3 0 1 2\n";
-    let read = |name| property(text.as_bytes(), name);
+    let attributes = super::parse(text.as_bytes()).unwrap().attributes;
+    let read = |name| attributes.numbers(name);
     assert_eq!((read("h"), read("n")), (Ok(vec![0.5, 0.25, 2.0]), Ok(vec![1.0, 2.0, 3.0])));
-    let message = read("size").unwrap_err().to_string();
-    assert_eq!(message, ":5: a vertex has no property 'size'; use one of h, x, y, z, n");
-    assert!(read("l").is_err() && property(b"ply\nformat ascii 1.0\nend_header\n", "h").is_err());
+    assert_eq!(attributes.vertex.iter().map(|a| a.scalar).collect::<Vec<_>>(), [Scalar::F32, Scalar::U8]);
+    assert!(read("size").unwrap_err().to_string().ends_with("no property 'size'; use one of h, n"));
+    assert!(read("l").is_err() && super::parse(b"ply\nformat ascii 1.0\nend_header\n").is_err());
+}
+
+#[test]
+fn normals_and_colours_are_known_by_their_names() {
+    let text = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float u\nproperty float v\nproperty uchar blue\n\
+                property uchar red\nproperty uchar green\nproperty uchar alpha\nproperty double x\nproperty double y\n\
+                property double z\nproperty float nx\nproperty float ny\nproperty float nz\nend_header\n\
+                0.5 0.25 3 1 2 4 7 8 9 0 0 1\n";
+    let attributes = super::parse(text.as_bytes()).unwrap().attributes;
+    assert_eq!(attributes.normals(), [DVec3::Z]);
+    assert_eq!(attributes.color().unwrap().values, [1.0, 2.0, 3.0, 4.0]);
+    // Without faces there is nothing that a texture could be on.
+    assert_eq!((attributes.names().join(" "), attributes.texture.len()), ("normal color u v".into(), 0));
+}
+
+#[test]
+fn texture_coordinates_of_corners_and_of_vertices() {
+    let corners = three_vertices(
+        "element face 2\nproperty list uchar int vertex_indices\nproperty list uchar float texcoord\n",
+        "3 0 1 2 0\n3 2 1 0 6 1 2 3 4 5 6\n",
+    );
+    let [none, some] = super::parse(corners.as_bytes()).unwrap().attributes.texture[..] else { panic!() };
+    assert!(none.iter().all(|at| at.is_nan()));
+    assert_eq!(some.map(|at| at.to_array()), [[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]]);
+    let vertices = TEXT
+        .replace("end_header", "property uchar k\nend_header")
+        .replace("float z", "float z\nproperty float s\nproperty float t");
+    let vertices = vertices.replace("0 0 0\n1 0 0\n0 1 0\n0 0 1\n", "0 0 0 1 2\n1 0 0 3 4\n0 1 0 5 6\n0 0 1 7 8\n");
+    let vertices =
+        vertices.replace("3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n", "3 0 2 1 0\n3 0 1 3 0\n3 1 2 3 0\n3 2 0 3 0\n");
+    let texture = super::parse(vertices.as_bytes()).unwrap().attributes.texture;
+    assert_eq!((texture.len(), texture[0].map(|at| at.x)), (4, [1.0, 5.0, 3.0]));
 }

@@ -1,0 +1,122 @@
+//! Further numbers in the lines of vertices: how many there are, and what three of them in a row mean.
+
+use super::text::{Words, number};
+use crate::surface::attributes::{Attribute, COLOR, NORMAL, Scalar};
+
+/// How far from one the length of a normal may be: files have three digits at least.
+const UNIT: f64 = 0.01;
+
+/// Share of the rows that have to have unit length for them to be taken as normals.
+const MOST: f64 = 0.95;
+
+/// The numbers behind those that every vertex has. All vertices have to have as many, or they are not kept.
+#[derive(Default)]
+pub(super) struct Columns {
+    /// Numbers of a vertex, once there is one.
+    width: Option<usize>,
+    values: Vec<f64>,
+    /// Whether some vertices have more of them than others, or have words that are no numbers.
+    pub ragged: bool,
+}
+
+impl Columns {
+    /// Reads the rest of a vertex's line, at most `most` numbers.
+    #[inline]
+    pub fn read_line(&mut self, words: &mut Words, most: usize) {
+        let as_before = self.width == Some(0) && words.ends_here();
+        if !as_before && !self.ragged {
+            self.read_numbers(words, most);
+        }
+    }
+
+    fn read_numbers(&mut self, words: &mut Words, most: usize) {
+        let before = self.values.len();
+        for _ in 0..most {
+            let Some(word) = words.here() else { break };
+            match number(word).filter(|x| x.is_finite()) {
+                Some(x) => self.values.push(x),
+                None => self.ragged = true,
+            }
+        }
+        let found = self.values.len() - before;
+        self.ragged |= *self.width.get_or_insert(found) != found;
+        if self.ragged {
+            self.values = Vec::new();
+        }
+    }
+
+    /// The numbers of all vertices and how many each has.
+    pub fn into_table(self) -> (Vec<f64>, usize) {
+        if self.ragged { (Vec::new(), 0) } else { (self.values, self.width.unwrap_or(0)) }
+    }
+}
+
+/// Numbers `from..to` of every row of `width`.
+pub(super) fn cut(table: &[f64], width: usize, from: usize, to: usize) -> Vec<f64> {
+    table.chunks_exact(width).flat_map(|row| &row[from..to]).copied().collect()
+}
+
+/// The colours, of `components` numbers, that `values` are: bytes if they are whole and up to 255, fractions if they go
+/// from 0 to 1.
+pub(super) fn color(values: Vec<f64>, components: usize) -> Option<Attribute> {
+    let all = |is: fn(&f64) -> bool| values.iter().all(is);
+    let scalar = match () {
+        () if all(|x| (0.0..=1.0).contains(x)) => Scalar::F32,
+        () if all(|x| (0.0..=255.0).contains(x) && x.fract() == 0.0) => Scalar::U8,
+        () => return None,
+    };
+    Some(Attribute { name: COLOR.into(), components, values, scalar })
+}
+
+/// The normals, of three numbers, that `values` are.
+pub(super) fn normal(values: Vec<f64>) -> Attribute {
+    Attribute { name: NORMAL.into(), components: 3, values, scalar: Scalar::F64 }
+}
+
+/// Whether nearly all vectors of three numbers are of length one, and the others zero.
+pub(super) fn are_unit(values: &[f64]) -> bool {
+    let length = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let unit = values.chunks_exact(3).filter(|v| (length(v) - 1.0).abs() < UNIT).count();
+    let zero = values.chunks_exact(3).filter(|v| length(v) == 0.0).count();
+    unit > 0 && (unit + zero) as f64 >= MOST * (values.len() / 3) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(text: &str) -> (Vec<f64>, usize) {
+        let mut columns = Columns::default();
+        let mut words = Words::new(text.as_bytes());
+        loop {
+            columns.read_line(&mut words, 4);
+            if !words.next_line() {
+                return columns.into_table();
+            }
+        }
+    }
+
+    #[test]
+    fn all_lines_have_as_many_numbers_or_none_is_kept() {
+        assert_eq!(table("1 2\n3 4"), (vec![1.0, 2.0, 3.0, 4.0], 2));
+        for ragged in ["1 2\n3", "1 2\n\n", "1 2\n3 4 5", "\n1 2", "1 2\n3 x", "1 nan\n2 3"] {
+            assert_eq!(table(ragged), (vec![], 0), "{ragged}");
+        }
+        assert_eq!(table("1 2 3 4 5 6"), (vec![1.0, 2.0, 3.0, 4.0], 4));
+    }
+
+    #[test]
+    fn colours_are_bytes_or_fractions() {
+        let scalar = |values: &[f64]| color(values.to_vec(), 3).map(|c| c.scalar);
+        assert_eq!(scalar(&[0.0, 1.0, 0.5]), Some(Scalar::F32));
+        assert_eq!(scalar(&[0.0, 1.0, 255.0]), Some(Scalar::U8));
+        for none in [[0.0, 1.5, 2.0], [0.0, -1.0, 2.0], [0.0, 0.0, 256.0]] {
+            assert_eq!(scalar(&none), None);
+        }
+    }
+
+    #[test]
+    fn normals_have_unit_length() {
+        assert!(are_unit(&[0.6, 0.8, 0.0, 0.0, 0.0, 0.0]) && !are_unit(&[0.0; 6]) && !are_unit(&[1.0, 1.0, 0.0]));
+    }
+}

@@ -1,0 +1,282 @@
+//! Points as columns of numbers in text: XYZ, XYZN, PTS, ASC, and whatever else is one point a line.
+//!
+//! Columns are parted by white space, commas or semicolons. `#` and `//` begin comments. Lines before the first point
+//! may be a heading or the number of points, which is not needed. The first three columns are the position. Which
+//! columns of the others belong together is found from the numbers: three in a row are normals if their length is one,
+//! colours if they are whole numbers up to 255 or fractions, normals of any length if there are no others; any other
+//! column is an attribute by itself, named by the heading if there is one. What was taken for what is said in a note.
+//!
+//! Limits: no decimal commas.
+//!
+//! Cost: one pass; eight bytes a number.
+
+use super::bytes::malformed;
+use super::columns::{are_unit, color, cut, normal};
+use super::text::{Words, number, quote, write_number};
+use super::{Content, Parsed, Read};
+use crate::base::error::{Place, Result};
+use crate::surface::attributes::{Attribute, Attributes, Scalar};
+use crate::surface::mesh::Mesh;
+use glam::DVec3;
+use std::io::{self, Write};
+
+/// Lines that are looked at to tell whether a text is a table.
+const PROBE: usize = 8;
+
+/// What the lone further column of many scanners is.
+const INTENSITY: &str = "intensity";
+
+/// The rows of a table, and what stands above them.
+#[derive(Default)]
+struct Table {
+    heading: Vec<String>,
+    width: usize,
+    values: Vec<f64>,
+}
+
+pub(crate) fn parse(bytes: &[u8]) -> Parsed {
+    let Table { heading, width, values } = read(bytes)?;
+    if width == 0 {
+        return Err(malformed(Place::Whole, "there are no numbers in it", "check that it has one point a line"));
+    }
+    let positions = values.chunks_exact(width).map(|row| DVec3::new(row[0], row[1], row[2])).collect();
+    let (vertex, notes) = attributes(&values, width, &heading);
+    let attributes = Attributes { vertex, ..Attributes::default() };
+    Ok(Read { mesh: Mesh { positions, triangles: Vec::new() }, attributes, notes })
+}
+
+/// Writes positions and, behind them, all numbers of each vertex, under a comment that names the columns.
+pub(crate) fn write(content: &Content, out: &mut dyn Write) -> io::Result<()> {
+    let attributes = &content.attributes.vertex;
+    let names = attributes.iter().flat_map(Attribute::component_names);
+    writeln!(
+        out,
+        "# x y z{}",
+        names.map(|name| format!(" {}", name.replace(char::is_whitespace, "_"))).collect::<String>()
+    )?;
+    for (v, p) in content.positions.iter().enumerate() {
+        let numbers = p.to_array().into_iter().chain(attributes.iter().flat_map(|a| a.of(v)).copied());
+        for (k, x) in numbers.enumerate() {
+            out.write_all(if k > 0 { b" " } else { b"" })?;
+            write_number(out, x)?;
+        }
+        out.write_all(b"\n")?;
+    }
+    Ok(())
+}
+
+/// Whether a text looks like a table of points.
+pub(crate) fn is_table(bytes: &[u8]) -> bool {
+    let mut words = Words::new(bytes).with_comments();
+    let mut row = Vec::new();
+    for _ in 0..PROBE {
+        match read_line(&mut words, &mut row) {
+            Line::Row if row.len() >= 3 => return true,
+            Line::Row if row.len() > 1 => return false,
+            _ => {}
+        }
+        row.clear();
+        if !words.next_line() {
+            break;
+        }
+    }
+    false
+}
+
+fn read(bytes: &[u8]) -> Result<Table> {
+    let mut words = Words::new(bytes).with_comments();
+    let mut table = Table::default();
+    loop {
+        table.line(&mut words)?;
+        if !words.next_line() {
+            return Ok(table);
+        }
+    }
+}
+
+impl Table {
+    fn line(&mut self, words: &mut Words) -> Result<()> {
+        let before = self.values.len();
+        let line = read_line(words, &mut self.values);
+        let found = self.values.len() - before;
+        match line {
+            Line::Empty => {}
+            Line::Words(heading) if self.width == 0 => {
+                self.values.truncate(before);
+                self.heading = heading;
+            }
+            Line::Words(words_of_line) => {
+                let wrong = words_of_line.iter().find(|word| number(word.as_bytes()).is_none());
+                let wrong = quote(wrong.map_or("", |word| word).as_bytes());
+                return Err(words.mistake(format!("{wrong} is not a number")));
+            }
+            // The number of points.
+            Line::Row if self.width == 0 && found == 1 => self.values.clear(),
+            Line::Row if self.width == 0 && found < 3 => {
+                return Err(words.mistake(format!("{found} columns, where x, y and z are needed")));
+            }
+            Line::Row if self.width != 0 && found != self.width => {
+                return Err(words.mistake(format!("{found} columns, where the lines before have {}", self.width)));
+            }
+            Line::Row => self.width = found,
+        }
+        match self.values[before.min(self.values.len())..].iter().take(3).find(|x| !x.is_finite()) {
+            Some(x) => Err(words.mistake(format!("the coordinate {x} is not finite"))),
+            None => Ok(()),
+        }
+    }
+}
+
+/// What a line has.
+enum Line {
+    Empty,
+    /// Numbers only.
+    Row,
+    /// All its words, some of which are no numbers.
+    Words(Vec<String>),
+}
+
+/// The next line; its numbers are added to `values`.
+fn read_line(words: &mut Words, values: &mut Vec<f64>) -> Line {
+    let start = words.clone();
+    let mut line = Line::Empty;
+    while let Some(word) = words.here() {
+        if word.starts_with(b"//") {
+            break;
+        }
+        for part in parts(word) {
+            match number(part) {
+                Some(x) => values.push(x),
+                None => return Line::Words(all_words(start)),
+            }
+            line = Line::Row;
+        }
+    }
+    line
+}
+
+fn parts(word: &[u8]) -> impl Iterator<Item = &[u8]> {
+    word.split(|b| matches!(b, b',' | b';')).filter(|part| !part.is_empty())
+}
+
+fn all_words(mut words: Words) -> Vec<String> {
+    let mut all = Vec::new();
+    while let Some(word) = words.here() {
+        all.extend(parts(word).map(|part| String::from_utf8_lossy(part).into_owned()));
+    }
+    all
+}
+
+/// The attributes that the columns behind the third are, and notes that say so.
+fn attributes(values: &[f64], width: usize, heading: &[String]) -> (Vec<Attribute>, Vec<String>) {
+    let (mut found, mut notes) = (Vec::new(), Vec::new());
+    let mut at = 3;
+    while at < width {
+        let (attribute, what) = match three(values, width, at) {
+            Some(known) if at + 3 <= width => known,
+            _ => (single(values, width, at, heading), ""),
+        };
+        let last = at + attribute.components;
+        notes.push(match what {
+            "" => format!("column {last} is taken as '{}'", attribute.name),
+            _ => format!("columns {} to {last} are taken as {what}", at + 1),
+        });
+        found.push(attribute);
+        at = last;
+    }
+    (found, notes)
+}
+
+/// The normals or colours, if they are some, in the three columns from `at` on.
+fn three(values: &[f64], width: usize, at: usize) -> Option<(Attribute, &'static str)> {
+    if at + 3 > width {
+        return None;
+    }
+    let numbers = cut(values, width, at, at + 3);
+    if are_unit(&numbers) {
+        return Some((normal(numbers), "normals: their length is one"));
+    }
+    if let Some(color) = color(numbers.clone(), 3) {
+        let bytes = color.scalar == Scalar::U8;
+        return Some((
+            color,
+            if bytes { "colours: whole numbers up to 255" } else { "colours: fractions from 0 to 1" },
+        ));
+    }
+    (width == 6).then(|| (normal(numbers), "normals, though not of length one"))
+}
+
+/// Column `at` by itself.
+fn single(values: &[f64], width: usize, at: usize, heading: &[String]) -> Attribute {
+    let unnamed = || if width == 4 || width == 7 { INTENSITY.into() } else { format!("column_{}", at + 1) };
+    let name = if heading.len() == width { heading[at].clone() } else { unnamed() };
+    Attribute { name, components: 1, values: cut(values, width, at, at + 1), scalar: Scalar::F64 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::error::Error;
+
+    fn names(text: &str) -> Vec<(String, usize, Scalar)> {
+        let read = parse(text.as_bytes()).unwrap();
+        assert_eq!(read.notes.len(), read.attributes.vertex.len());
+        read.attributes.vertex.into_iter().map(|a| (a.name, a.components, a.scalar)).collect()
+    }
+
+    #[track_caller]
+    fn fails_at(text: &str, line: usize, words: &str) {
+        match parse(text.as_bytes()) {
+            Err(Error::Format { place, cause, .. }) => {
+                assert_eq!(place, Place::Line(line), "{cause}");
+                assert!(cause.contains(words), "{cause}");
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn columns_are_parted_in_all_ways() {
+        for text in [
+            "1 2 3\n4 5 6",
+            "1\t2\t3\r\n4\t5\t6\r\n",
+            "1,2,3\n4, 5, 6\n",
+            "1;2;3;\n4;5;6;\n",
+            "# a\n2\n\n1 2 3 // b\n4 5 6 # c\n",
+            "x y z\n1 2 3\n4 5 6\n",
+            "//X,Y,Z\r1,2,3\r4,5,6\r",
+        ] {
+            let read = parse(text.as_bytes()).unwrap();
+            assert_eq!(read.mesh.positions, [DVec3::new(1.0, 2.0, 3.0), DVec3::new(4.0, 5.0, 6.0)], "{text}");
+            assert!(read.attributes.is_empty() && read.notes.is_empty());
+        }
+    }
+
+    #[test]
+    fn what_columns_are_is_found_from_their_numbers() {
+        let normal = ("normal".to_string(), 3, Scalar::F64);
+        let bytes = ("color".to_string(), 3, Scalar::U8);
+        let one = |name: &str| (name.to_string(), 1, Scalar::F64);
+        assert_eq!(names("0 0 0 0.6 0.8 0\n1 0 0 0 0 1\n"), [normal.clone()]);
+        assert_eq!(names("0 0 0 255 8 0\n1 0 0 0 0 1\n"), [bytes.clone()]);
+        assert_eq!(names("0 0 0 0.5 0.5 0\n"), [("color".to_string(), 3, Scalar::F32)]);
+        assert_eq!(names("0 0 0 2.5 0.5 -7\n"), [normal.clone()]);
+        assert_eq!(names("0 0 0 -7\n"), [one("intensity")]);
+        assert_eq!(names("0 0 0 -7 9 9 9\n"), [one("intensity"), bytes.clone()]);
+        assert_eq!(names("0 0 0 9 9 9 0 0 -1\n"), [bytes.clone(), normal]);
+        assert_eq!(names("x y z a b\n0 0 0 9 9\n"), [one("a"), one("b")]);
+        assert_eq!(names("0 0 0 9 9\n"), [one("column_4"), one("column_5")]);
+    }
+
+    #[test]
+    fn errors_name_the_line() {
+        fails_at("1 2 3\n1 2\n", 2, "2 columns, where the lines before have 3");
+        fails_at("1 2 3\n\n1 2 3 4\n", 3, "4 columns");
+        fails_at("1 2\n", 1, "x, y and z are needed");
+        fails_at("1 2 3\n1 x 3\n", 2, "'x' is not a number");
+        fails_at("1 2 3\n1 inf 3\n", 2, "not finite");
+        for none in ["hello\n", "7\n", "# 1 2 3\n"] {
+            assert!(parse(none.as_bytes()).unwrap_err().to_string().contains("no numbers"), "{none}");
+        }
+    }
+}

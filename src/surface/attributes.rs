@@ -1,0 +1,306 @@
+//! What a mesh or a cloud has beside its shape, as plain data: numbers of its vertices, texture coordinates of its
+//! corners, materials of its triangles.
+//!
+//! Two names mean something: [`COLOR`] and [`NORMAL`]. Everything else goes by the name that its file gives it.
+
+use crate::base::error::{Error, Result};
+use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
+
+/// The attribute of three or four components, red, green, blue and opacity, in the range that [`Scalar::full`] says.
+pub const COLOR: &str = "color";
+
+/// The attribute of three components that is the normal of the surface, of any length.
+pub const NORMAL: &str = "normal";
+
+/// What texture coordinates are called in messages.
+pub const TEXTURE: &str = "texture coordinates";
+
+/// What materials are called in messages.
+pub const MATERIALS: &str = "materials";
+
+/// The type of a number in a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum Scalar {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+}
+
+impl Scalar {
+    /// The bytes that a number takes.
+    pub fn size(self) -> usize {
+        match self {
+            Scalar::I8 | Scalar::U8 => 1,
+            Scalar::I16 | Scalar::U16 => 2,
+            Scalar::I32 | Scalar::U32 | Scalar::F32 => 4,
+            Scalar::F64 => 8,
+        }
+    }
+
+    /// Whether it holds whole numbers only.
+    pub fn is_integer(self) -> bool {
+        !matches!(self, Scalar::F32 | Scalar::F64)
+    }
+
+    /// The number that stands for a full colour: the largest integer of the type, or 1.
+    pub fn full(self) -> f64 {
+        match self {
+            Scalar::I8 => i8::MAX.into(),
+            Scalar::U8 => u8::MAX.into(),
+            Scalar::I16 => i16::MAX.into(),
+            Scalar::U16 => u16::MAX.into(),
+            Scalar::I32 => i32::MAX.into(),
+            Scalar::U32 => u32::MAX.into(),
+            Scalar::F32 | Scalar::F64 => 1.0,
+        }
+    }
+
+    /// The bytes of `value` in this type, the least significant first; integers are rounded and kept in range.
+    pub fn bytes(self, value: f64) -> ([u8; 8], usize) {
+        let mut bytes = [0; 8];
+        let rounded = value.round();
+        match self {
+            Scalar::I8 => bytes[..1].copy_from_slice(&(rounded as i8).to_le_bytes()),
+            Scalar::U8 => bytes[..1].copy_from_slice(&(rounded as u8).to_le_bytes()),
+            Scalar::I16 => bytes[..2].copy_from_slice(&(rounded as i16).to_le_bytes()),
+            Scalar::U16 => bytes[..2].copy_from_slice(&(rounded as u16).to_le_bytes()),
+            Scalar::I32 => bytes[..4].copy_from_slice(&(rounded as i32).to_le_bytes()),
+            Scalar::U32 => bytes[..4].copy_from_slice(&(rounded as u32).to_le_bytes()),
+            Scalar::F32 => bytes[..4].copy_from_slice(&(value as f32).to_le_bytes()),
+            Scalar::F64 => bytes.copy_from_slice(&value.to_le_bytes()),
+        }
+        (bytes, self.size())
+    }
+}
+
+/// Numbers of all vertices, so many for each.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Attribute {
+    /// Its name: [`COLOR`], [`NORMAL`], or as in its file.
+    pub name: String,
+    /// Numbers of a vertex, at least one.
+    pub components: usize,
+    /// All numbers, vertex by vertex.
+    pub values: Vec<f64>,
+    /// How the file has them, and how they are written again.
+    pub scalar: Scalar,
+}
+
+impl Attribute {
+    /// Whether it is the colour.
+    pub fn is_color(&self) -> bool {
+        self.name == COLOR && matches!(self.components, 3 | 4)
+    }
+
+    /// Whether it is the normal.
+    pub fn is_normal(&self) -> bool {
+        self.name == NORMAL && self.components == 3
+    }
+
+    /// Whether its numbers are names of something, of which there is no mean: integers that are no colours.
+    pub fn is_label(&self) -> bool {
+        self.scalar.is_integer() && !self.is_color() && !self.is_normal()
+    }
+
+    /// The numbers of vertex `v`.
+    #[inline]
+    pub fn of(&self, v: usize) -> &[f64] {
+        &self.values[v * self.components..(v + 1) * self.components]
+    }
+
+    /// The red, green and blue of vertex `v`, each from 0 to 1.
+    pub fn color(&self, v: usize) -> [f64; 3] {
+        let full = self.scalar.full();
+        [0, 1, 2].map(|k| self.of(v)[k] / full)
+    }
+
+    /// The name of each component, as PLY has it.
+    pub fn component_names(&self) -> Vec<String> {
+        let known: &[&str] = match self.name.as_str() {
+            COLOR if self.is_color() => &["red", "green", "blue", "alpha"],
+            NORMAL if self.is_normal() => &["nx", "ny", "nz"],
+            name if self.components == 1 => return vec![name.into()],
+            name => return (0..self.components).map(|k| format!("{name}_{k}")).collect(),
+        };
+        known[..self.components].iter().map(ToString::to_string).collect()
+    }
+}
+
+/// Which material each triangle has, by name.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Materials {
+    /// The files that define them, as the file that was read names them.
+    pub libraries: Vec<String>,
+    /// Their names.
+    pub names: Vec<String>,
+    /// The number of each triangle's name; [`NONE`](super::topology::NONE) for a triangle without a material.
+    pub of_triangle: Vec<u32>,
+}
+
+/// All attributes of a mesh or a cloud.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Attributes {
+    /// Those of its vertices.
+    pub vertex: Vec<Attribute>,
+    /// The texture coordinates of the corners of each triangle, the origin at the lower left of the image; not a number
+    /// at corners without. Empty if there are none at all.
+    pub texture: Vec<[DVec2; 3]>,
+    /// The materials, if it has some.
+    pub materials: Option<Materials>,
+}
+
+/// An attribute that did not get through, and why.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Lost {
+    /// Its name.
+    pub name: String,
+    /// Why.
+    pub cause: String,
+}
+
+impl Attributes {
+    /// Whether there is nothing.
+    pub fn is_empty(&self) -> bool {
+        self.vertex.is_empty() && self.texture.is_empty() && self.materials.is_none()
+    }
+
+    /// The attribute of this name of the vertices.
+    pub fn get(&self, name: &str) -> Option<&Attribute> {
+        self.vertex.iter().find(|a| a.name == name)
+    }
+
+    /// The names of everything there is.
+    pub fn names(&self) -> Vec<String> {
+        let texture = (!self.texture.is_empty()).then(|| TEXTURE.into());
+        let materials = self.materials.is_some().then(|| MATERIALS.into());
+        self.vertex.iter().map(|a| a.name.clone()).chain(texture).chain(materials).collect()
+    }
+
+    /// Takes away what [`Self::names`] calls by this name.
+    pub fn remove(&mut self, name: &str) {
+        self.vertex.retain(|a| a.name != name);
+        if name == TEXTURE {
+            self.texture.clear();
+        }
+        if name == MATERIALS {
+            self.materials = None;
+        }
+    }
+
+    /// The colours, if there are some.
+    pub fn color(&self) -> Option<&Attribute> {
+        self.get(COLOR).filter(|a| a.is_color())
+    }
+
+    /// The normals, if there are some.
+    pub fn normal(&self) -> Option<&Attribute> {
+        self.get(NORMAL).filter(|a| a.is_normal())
+    }
+
+    /// The normals as vectors; none if there are none.
+    pub fn normals(&self) -> Vec<DVec3> {
+        let vectors = self.normal().map(|a| a.values.chunks_exact(3).map(DVec3::from_slice).collect());
+        vectors.unwrap_or_default()
+    }
+
+    /// The property `name` of the vertices, a number each: an attribute of one component, or a component of one, such as
+    /// `red` or `nz`.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] with the names that there are, if this is none of them.
+    pub fn numbers(&self, name: &str) -> Result<Vec<f64>> {
+        let mut known = Vec::new();
+        for attribute in &self.vertex {
+            for (k, component) in attribute.component_names().into_iter().enumerate() {
+                if component == name {
+                    return Ok(attribute.values.iter().skip(k).step_by(attribute.components).copied().collect());
+                }
+                known.push(component);
+            }
+        }
+        let remedy = match &known[..] {
+            [] => "they have none at all; give the numbers in another way, or the mesh as PLY or glTF with them".into(),
+            _ => format!("use one of {}", known.join(", ")),
+        };
+        Err(Error::Mesh { cause: format!("the vertices have no property '{}'", name.escape_debug()), remedy })
+    }
+}
+
+/// Vertices together with texture coordinates: a vertex on a seam of the texture is several of them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Wedges {
+    /// The vertex of each.
+    pub vertices: Vec<u32>,
+    /// Its texture coordinates.
+    pub coordinates: Vec<DVec2>,
+    /// The wedges that the corners of each triangle are.
+    pub corners: Vec<[u32; 3]>,
+}
+
+impl Wedges {
+    /// The wedges of `triangles`, in the order of their first use; those of a vertex differ in their coordinates.
+    pub fn new(triangles: &[[u32; 3]], texture: &[[DVec2; 3]]) -> Wedges {
+        let mut wedges = Wedges { corners: Vec::with_capacity(triangles.len()), ..Wedges::default() };
+        let mut number = HashMap::new();
+        for (triangle, coordinates) in triangles.iter().zip(texture) {
+            let wedge = |k: usize| {
+                let (v, at) = (triangle[k], coordinates[k]);
+                *number.entry((v, at.to_array().map(f64::to_bits))).or_insert_with(|| {
+                    wedges.vertices.push(v);
+                    wedges.coordinates.push(at);
+                    wedges.vertices.len() as u32 - 1
+                })
+            };
+            wedges.corners.push([0, 1, 2].map(wedge));
+        }
+        wedges
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn attribute(name: &str, components: usize, values: &[f64], scalar: Scalar) -> Attribute {
+        Attribute { name: name.into(), components, values: values.to_vec(), scalar }
+    }
+
+    #[test]
+    fn numbers_go_by_the_names_of_components() {
+        let color = attribute(COLOR, 3, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], Scalar::U8);
+        let wide = attribute("flow", 2, &[7.0, 8.0, 9.0, 10.0], Scalar::F32);
+        let one = attribute("size", 1, &[0.5, 0.25], Scalar::F64);
+        let attributes = Attributes { vertex: vec![color, wide, one], ..Attributes::default() };
+        for (name, numbers) in [("green", [2.0, 5.0]), ("flow_1", [8.0, 10.0]), ("size", [0.5, 0.25])] {
+            assert_eq!(attributes.numbers(name).unwrap(), numbers);
+        }
+        let message = attributes.numbers("width").unwrap_err().to_string();
+        assert_eq!(message, "the vertices have no property 'width'; use one of red, green, blue, flow_0, flow_1, size");
+        assert!(Attributes::default().numbers("h").unwrap_err().to_string().contains("none at all"));
+    }
+
+    #[test]
+    fn stored_numbers_are_rounded_and_kept_in_range() {
+        assert_eq!(Scalar::U8.bytes(254.6), ([255, 0, 0, 0, 0, 0, 0, 0], 1));
+        assert_eq!(Scalar::U8.bytes(-3.0).0[0], 0);
+        assert_eq!(Scalar::I16.bytes(-1e9).0[..2], i16::MIN.to_le_bytes());
+        assert_eq!(Scalar::F64.bytes(0.1).0, 0.1f64.to_le_bytes());
+    }
+
+    #[test]
+    fn a_vertex_on_a_seam_is_several_wedges() {
+        let [o, x, y, z] = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE];
+        let wedges = Wedges::new(&[[0, 1, 2], [2, 1, 3]], &[[o, x, y], [y, o, z]]);
+        assert_eq!(wedges.vertices, [0, 1, 2, 1, 3]);
+        assert_eq!(wedges.coordinates, [o, x, y, o, z]);
+        assert_eq!(wedges.corners, [[0, 1, 2], [2, 3, 4]]);
+    }
+}
