@@ -11,9 +11,9 @@ fn main() {
     let normals: Vec<DVec3> = normals.iter().map(|n| n.normalize_or_zero()).collect();
     let pts = Points { positions: mesh.positions.clone(), normals: if with_normals { normals.clone() } else { vec![] } };
     let t = std::time::Instant::now();
-    let (m, sum) = remesh::cloud::mesh_of_points(&pts, &Default::default(), &()).unwrap(); eprintln!("{sum:?}");
+    let made = remesh::mesh_of_points(&pts, &Default::default(), &()).unwrap(); let m = made.mesh; eprintln!("{:?}", made.summary);
     println!("{:?}", t.elapsed());
     let t1 = surface::topology::topology(m.positions.len(), &m.triangles);
     println!("T in χ{} L{} | V{}/{} χ{} C{} L{} nm{},{} {:?}", t0.euler,t0.boundary_loops,t1.vertices,t0.vertices,t1.euler,t1.components,t1.boundary_loops,t1.nonmanifold_edges,t1.nonmanifold_vertices, t.elapsed());
-    io::file::write_file(std::path::Path::new(&a[2]), &m, None).unwrap();
+    io::file::write_file(std::path::Path::new(&a[2]), &m, &Default::default(), None).unwrap();
 }

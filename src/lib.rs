@@ -120,6 +120,6 @@ pub mod triangulate;
 
 pub use base::error::{Error, Place, Result};
 pub use base::progress::{Monitor, Stopwatch};
-pub use remesh::{Density, Deviation, MaxError, Options, Remeshed, remesh};
+pub use remesh::{CloudOptions, Density, Deviation, MaxError, Options, Remeshed, mesh_of_points, remesh};
 pub use surface::mesh::Mesh;
 pub use surface::points::Points;

@@ -1,6 +1,6 @@
 //! The pipeline from mesh to mesh: the only place that knows the order of the stages.
 
-pub mod cloud;
+mod cloud;
 mod options;
 mod result;
 mod scale;
@@ -32,13 +32,15 @@ use crate::surface::sizing::adapted_sizes;
 use crate::surface::topology::{Topology, topology};
 use crate::triangulate::glue::{Seams, glue};
 use crate::triangulate::{Boundary, triangulate};
+use cloud::smoothed;
 use glam::DVec3;
-use options::{FIRST_POINTS, check_field};
+use options::FIRST_POINTS;
 use result::notes;
 use scale::{Field, Scale};
 use unit::Unit;
 
-pub use options::{Density, FEWEST_POINTS, MOST_POINTS, MaxError, Options};
+pub use cloud::{CloudOptions, CloudSummary, MeshOfPoints, NormalFit, Reach, mesh_of_points};
+pub use options::{Density, FEWEST_POINTS, MOST_POINTS, MaxError, Options, check_field};
 pub use result::{Deviation, Remeshed};
 
 /// Candidates for each wanted point: with fewer the scan leaves gaps, with more it only takes longer.
@@ -136,7 +138,7 @@ fn remesh_soundly(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Res
 fn remesh_once(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<Remeshed> {
     monitor.stage("repair");
     refuse_bad_numbers(input)?;
-    options.sizing.as_deref().map_or(Ok(()), |lengths| check_field(input, lengths))?;
+    options.sizing.as_deref().map_or(Ok(()), |lengths| check_field(input.positions.len(), lengths))?;
     let unit = Unit::of(input);
     let mut clean = unit.inwards(input);
     if let Some(tolerance) = options.weld {
@@ -151,6 +153,11 @@ fn remesh_once(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result
     let mut scale = Scale::new(options.density, field.as_ref(), &clean, &unit)?;
     let allowed = options.max_error.map(|e| e.length(unit.size * clean.diagonal()));
     check(monitor)?;
+    if let Some(reach) = options.smooth {
+        monitor.stage("smooth");
+        clean = smoothed(&clean, reach);
+        check(monitor)?;
+    }
 
     monitor.stage("sample");
     let most = 4 * clean.triangles.len() + 16 * scale.wanted;

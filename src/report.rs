@@ -10,7 +10,7 @@ mod table;
 
 use crate::quality::distance::{Distance, REPORT_SAMPLES, distance};
 use crate::quality::shape::{Shape, shape};
-use crate::remesh::{Deviation, Remeshed};
+use crate::remesh::{CloudSummary, Deviation, Remeshed};
 use crate::surface::attributes::Lost;
 use crate::surface::crossings::crossing_faces;
 use crate::surface::mesh::Mesh;
@@ -36,6 +36,8 @@ pub struct Report {
     pub verified: Option<bool>,
     /// The input as it was read; for a mesh that was measured only, what it was measured against.
     pub input: Option<Measured>,
+    /// What the mesh of an input of points was made of; `None` for an input with triangles.
+    pub cloud: Option<CloudSummary>,
     /// What was done to the input before it was sampled.
     pub repairs: Option<Repairs>,
     /// The topology after those repairs: what the output's is held against.
@@ -197,6 +199,7 @@ impl Report {
             version: env!("CARGO_PKG_VERSION").into(),
             verified: None,
             input: None,
+            cloud: None,
             repairs: None,
             repaired: None,
             output,

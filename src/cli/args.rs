@@ -4,7 +4,7 @@
 //! flag or an option that is added to one and forgotten in the other does not compile.
 
 use crate::io::Format;
-use crate::remesh::{Density, MaxError, Options};
+use crate::remesh::{CloudOptions, Density, MaxError, NormalFit, Options, Reach};
 use crate::surface::features::Features;
 use clap::builder::PossibleValue;
 use clap::{ArgAction, CommandFactory, Parser, Subcommand, ValueEnum};
@@ -98,6 +98,21 @@ struct RemeshArgs {
     /// (glTF), or a .json file with a list; also says how dense, if nothing else does
     #[arg(long, value_name = "PROPERTY|F.json")]
     sizing: Option<String>,
+    /// Smooth noise away first, of clouds and of meshes: points reach as far as W mean distances of neighbouring ones
+    #[arg(long, value_name = "W", num_args = 0..=1, default_missing_value = "3", allow_negative_numbers = true)]
+    smooth: Option<f64>,
+    /// Close holes of a cloud that fit in a box with this diagonal, in the units of the input
+    #[arg(long, value_name = "SIZE", default_value_t = 0.0, allow_negative_numbers = true)]
+    fill_holes: f64,
+    /// What normals of a cloud without them are fitted to
+    #[arg(long, value_name = "FIT", default_value = "plane")]
+    normal_fit: NormalFit,
+    /// How many neighbours they are fitted to [default: 8, or 16 with --smooth]
+    #[arg(long, value_name = "K", conflicts_with = "normal_radius")]
+    normal_neighbors: Option<usize>,
+    /// How far away, in the units of the input, these neighbours may be instead
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = positive)]
+    normal_radius: Option<f64>,
     /// How far any point of the output may be from the input, and back: a length, or a share of the diagonal of the
     /// input's bounding box, as in 0.1%
     #[arg(long, value_name = "E|E%", allow_negative_numbers = true, value_parser = max_error)]
@@ -167,6 +182,8 @@ pub struct Remeshing {
     pub output: MeshFile,
     /// What to make of it; lengths that it has a place for are still to be read.
     pub options: Options,
+    /// What to make of the input if it has no triangles.
+    pub cloud: CloudOptions,
     /// Where the lengths for [`Options::sizing`] are, if there are any.
     pub sizing: Option<Sizing>,
     /// Whether the attributes of the input are carried to the output.
@@ -254,6 +271,11 @@ impl RemeshArgs {
             features,
             adapt,
             sizing,
+            smooth,
+            fill_holes,
+            normal_fit,
+            normal_neighbors,
+            normal_radius,
             max_error,
             no_attributes,
             optimize,
@@ -272,6 +294,7 @@ impl RemeshArgs {
             features: _,
             adapt: _,
             sizing: _,
+            smooth: _,
             max_error: _,
             optimize: _,
             sweeps,
@@ -289,9 +312,16 @@ impl RemeshArgs {
                 features,
                 adapt,
                 sizing: sizing.as_ref().map(|_| Vec::new()),
+                smooth,
                 max_error,
                 optimize: optimize != 0,
                 sweeps,
+            },
+            cloud: CloudOptions {
+                fit: normal_fit,
+                neighborhood: normal_neighbors.map(Reach::Count).or(normal_radius.map(Reach::Radius)),
+                smooth,
+                fill_holes,
             },
             sizing,
             attributes: !no_attributes,
@@ -325,6 +355,19 @@ impl ValueEnum for Format {
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         Some(PossibleValue::new(self.extension()))
+    }
+}
+
+impl ValueEnum for NormalFit {
+    fn value_variants<'a>() -> &'a [NormalFit] {
+        &[NormalFit::Plane, NormalFit::Sphere]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(match self {
+            NormalFit::Plane => "plane",
+            NormalFit::Sphere => "sphere",
+        }))
     }
 }
 
@@ -431,9 +474,10 @@ mod tests {
     #[test]
     fn no_flags_give_the_default() {
         let file = |path: &str| MeshFile { path: path.into(), format: None };
-        let Remeshing { input, output, options, sizing, attributes, report, threads, voice } =
+        let Remeshing { input, output, options, cloud, sizing, attributes, report, threads, voice } =
             remeshing("remesh a.obj b.ply --points 10000");
         assert_eq!(options, Options::default());
+        assert_eq!(cloud, CloudOptions::default());
         assert_eq!((input, output), (file("a.obj"), file("b.ply")));
         assert_eq!((sizing, attributes, report, threads, voice), (None, true, None, None, Voice::Normal));
     }

@@ -6,9 +6,10 @@ use crate::cli::Status;
 use crate::cli::args::{Job, Measuring, MeshFile, Remeshing, Sizing, Voice};
 use crate::cli::terminal::{self, Terminal};
 use crate::io::{Format, Loaded, file};
-use crate::remesh::{Options, Remeshed, remesh};
+use crate::remesh::{CloudSummary, Options, Remeshed, check_field, mesh_of_points, remesh};
 use crate::report::{Crossings, Named, Report, shortcomings};
 use crate::surface::attributes::Attributes;
+use crate::surface::points::Points;
 use crate::surface::transfer::{Carried, carry};
 use crate::surface::weld::weld;
 use std::path::Path;
@@ -34,10 +35,12 @@ fn remesh_file(job: &Remeshing) -> Result<Status> {
         let terminal = Terminal::new(job.voice);
         let monitor = Stopwatch::new(&terminal);
         let mut input = load(&job.input, &monitor)?;
-        let lengths = lengths(&input, job)?;
-        let mut remeshed = remesh_loaded(&input, lengths, job, &monitor)?;
+        let mut lengths = lengths(&input, job)?;
+        let cloud = connect_points(&mut input, &mut lengths, job, &monitor)?;
+        let mut remeshed = remesh_loaded(&input, lengths, cloud.is_none(), job, &monitor)?;
         let carried = carry_attributes(&mut input, &mut remeshed, job, &monitor)?;
         let report = wants_report(job).then(|| measure(&remeshed, &carried, &input, job, &monitor));
+        let report = report.map(|report| Report { cloud, ..report });
         store(&remeshed, &carried.attributes, job, &monitor)?;
         (remeshed, report.map(|report| with_run(report, &monitor)))
     };
@@ -52,8 +55,9 @@ fn measure_file(job: &Measuring) -> Result<Status> {
     let report = {
         let terminal = Terminal::new(Voice::Normal);
         let monitor = Stopwatch::new(&terminal);
-        let mesh = load(&job.mesh, &monitor)?;
-        let against = job.against.as_ref().map(|input| load(input, &monitor)).transpose()?;
+        let load = |from: &MeshFile| load(from, &monitor).and_then(|loaded| refuse_points(loaded, from));
+        let mesh = load(&job.mesh)?;
+        let against = job.against.as_ref().map(load).transpose()?;
         monitor.stage("measure");
         let against_name = job.against.as_ref().map(name).unwrap_or_default();
         let mut report = Report::of_mesh(
@@ -86,12 +90,15 @@ fn check_targets(job: &Remeshing) -> Result<()> {
     job.report.iter().try_for_each(|path| file::check_target(path))
 }
 
-/// A mesh with triangles from a file.
+/// What is in a file. The facets of an STL file have corners of their own; here they share them.
 fn load(from: &MeshFile, monitor: &dyn Monitor) -> Result<Loaded> {
     monitor.stage("read");
-    let loaded = file::read_file(&from.path, from.format)?;
+    let mut loaded = file::read_file(&from.path, from.format)?;
+    if loaded.format == Format::Stl {
+        loaded.mesh = weld(&loaded.mesh);
+    }
     check(monitor)?;
-    with_triangles(loaded, from)
+    Ok(loaded)
 }
 
 /// The lengths wanted at the vertices of the input, if there are some.
@@ -105,23 +112,46 @@ fn lengths(input: &Loaded, job: &Remeshing) -> Result<Option<Vec<f64>>> {
     }
 }
 
-/// A loaded mesh, which has to have triangles. The facets of an STL file have corners of their own; here they share
-/// them.
-fn with_triangles(mut loaded: Loaded, from: &MeshFile) -> Result<Loaded> {
-    if loaded.format == Format::Stl {
-        loaded.mesh = weld(&loaded.mesh);
+/// What was loaded, if it has triangles.
+fn refuse_points(loaded: Loaded, from: &MeshFile) -> Result<Loaded> {
+    if !loaded.mesh.triangles.is_empty() {
+        return Ok(loaded);
     }
-    if loaded.mesh.triangles.is_empty() {
-        let vertices = loaded.mesh.positions.len();
-        let cause = format!("{vertices} vertices and no triangles");
-        let remedy = "a surface is needed: make one of the points first, for example by Poisson reconstruction";
-        return Err(Error::Mesh { cause, remedy: remedy.into() }.in_file(&name(from)));
-    }
-    Ok(loaded)
+    let cause = format!("{} points and no triangles", loaded.mesh.positions.len());
+    Err(Error::Mesh { cause, remedy: "make a mesh of them first, by remeshing them".into() }.in_file(&name(from)))
 }
 
-fn remesh_loaded(input: &Loaded, sizing: Option<Vec<f64>>, job: &Remeshing, monitor: &dyn Monitor) -> Result<Remeshed> {
-    let options = Options { sizing, ..job.options.clone() };
+/// Makes a mesh of an input that has points only, and what is known at its vertices that of the mesh's.
+fn connect_points(
+    input: &mut Loaded,
+    lengths: &mut Option<Vec<f64>>,
+    job: &Remeshing,
+    monitor: &dyn Monitor,
+) -> Result<Option<CloudSummary>> {
+    if !input.mesh.triangles.is_empty() {
+        return Ok(None);
+    }
+    let points = Points { positions: std::mem::take(&mut input.mesh.positions), normals: input.attributes.normals() };
+    let made = mesh_of_points(&points, &job.cloud, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
+    input.attributes = input.attributes.of_vertices(&made.source);
+    if let Some(lengths) = lengths {
+        check_field(points.positions.len(), lengths)?;
+        *lengths = made.source.iter().map(|&p| lengths[p as usize]).collect();
+    }
+    input.mesh = made.mesh;
+    Ok(Some(made.summary))
+}
+
+/// Remeshes the input, which is smooth already if it is made of points.
+fn remesh_loaded(
+    input: &Loaded,
+    sizing: Option<Vec<f64>>,
+    is_mesh: bool,
+    job: &Remeshing,
+    monitor: &dyn Monitor,
+) -> Result<Remeshed> {
+    let smooth = job.options.smooth.filter(|_| is_mesh);
+    let options = Options { sizing, smooth, ..job.options.clone() };
     let mut remeshed = remesh(&input.mesh, &options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
     remeshed.notes.splice(0..0, input.notes.iter().cloned());
     Ok(remeshed)

@@ -4,12 +4,12 @@ use crate::base::error::{Error, Result};
 use crate::base::progress::{Monitor, check};
 use crate::geom::eigen::eigen;
 use crate::project::rimls::Rimls;
-use crate::surface::graph::NeighborGraph;
+use crate::surface::graph::{NeighborGraph, RING};
 use crate::surface::mesh::Mesh;
 use crate::surface::neighbors::Neighbors;
 use crate::surface::normals::{Neighborhood, plane_normals, sphere_normals};
 use crate::surface::orient::{disagreement, orient, side_with};
-use crate::surface::points::{Points, distinct, wanted_by_others};
+use crate::surface::points::{Points, distinct, keep, wanted_by_others};
 use crate::surface::topology::components;
 use crate::triangulate::points::{Surroundings, triangulate_points};
 use glam::{DMat3, DVec3};
@@ -34,6 +34,39 @@ impl Default for CloudOptions {
     fn default() -> Self {
         CloudOptions { fit: NormalFit::Plane, neighborhood: None, smooth: None, fill_holes: 0.0 }
     }
+}
+
+impl CloudOptions {
+    /// Refuses what no cloud can be made a mesh with.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for fewer than three neighbours, or a length that is not positive and finite.
+    pub fn validate(&self) -> Result<()> {
+        check_smooth(self.smooth)?;
+        let refuse = |option, cause: String, remedy: &str| Err(Error::Option { option, cause, remedy: remedy.into() });
+        match self.neighborhood {
+            Some(Reach::Count(n)) if n < 3 => {
+                refuse("normal-neighbors", format!("{n} neighbours have no normal"), "give at least 3")
+            }
+            Some(Reach::Radius(r)) if !(r > 0.0 && r.is_finite()) => {
+                refuse("normal-radius", format!("{r} is not a length"), "give a length above zero")
+            }
+            _ if !(self.fill_holes >= 0.0 && self.fill_holes.is_finite()) => {
+                let cause = format!("{} is not the size of a hole", self.fill_holes);
+                refuse("fill-holes", cause, "give a length of zero or more")
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Refuses a reach of points that makes no surface.
+pub(super) fn check_smooth(reach: Option<f64>) -> Result<()> {
+    let refuse = |reach: f64| {
+        let cause = format!("points that reach {reach} spacings make no surface");
+        Err(Error::Option { option: "smooth", cause, remedy: "give a number from 1.5 to 20".into() })
+    };
+    reach.filter(|r| !(1.5..=20.0).contains(r)).map_or(Ok(()), refuse)
 }
 
 /// What normals are fitted to.
@@ -71,6 +104,17 @@ pub struct CloudSummary {
     pub turned_normals: usize,
 }
 
+/// A mesh through the points of a cloud.
+#[derive(Debug, Clone)]
+pub struct MeshOfPoints {
+    /// An oriented manifold, closed where the cloud is.
+    pub mesh: Mesh,
+    /// For each of its vertices the point that it is.
+    pub source: Vec<u32>,
+    /// What it was made of.
+    pub summary: CloudSummary,
+}
+
 /// Neighbours of each point that are known to start with: those of a star, and some to spare.
 const DEGREE: usize = 16;
 
@@ -84,16 +128,20 @@ const MOST_DISAGREEMENT: f64 = 0.01;
 /// Points that a cloud must have.
 const FEWEST_POINTS: usize = 8;
 
-/// The mesh through the points of a cloud: an oriented manifold, closed where the cloud is.
+/// The mesh through the points of a cloud.
 ///
 /// # Errors
 /// [`Error::Mesh`] for points that no surface goes through: too few, all in one place or on a line;
 /// [`Error::Option`] for options out of range; [`Error::Cancelled`] if the monitor asks for it.
-pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Monitor) -> Result<(Mesh, CloudSummary)> {
+pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Monitor) -> Result<MeshOfPoints> {
+    options.validate()?;
     monitor.stage("clean");
     let mut summary = CloudSummary { points: points.positions.len(), ..CloudSummary::default() };
     let mut points = points.clone();
-    points.retain(&distinct(&points.positions));
+    let mut source: Vec<u32> = (0..points.positions.len() as u32).collect();
+    let first = distinct(&points.positions);
+    points.retain(&first);
+    keep(&mut source, &first);
     summary.duplicates = summary.points - points.positions.len();
     refuse_without_surface(&points.positions)?;
     let mut near = Neighbors::new(&points.positions);
@@ -103,6 +151,7 @@ pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Mon
     summary.strays = wanted.iter().filter(|w| !**w).count();
     if summary.strays > 0 {
         points.retain(&wanted);
+        keep(&mut source, &wanted);
         near = Neighbors::new(&points.positions);
         graph = NeighborGraph::new(&points.positions, &near, DEGREE);
     }
@@ -124,6 +173,9 @@ pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Mon
     let triangles = triangulate_points(surroundings, options.fill_holes, monitor)?;
     let mut mesh = Mesh { positions: points.positions, triangles };
     let all = mesh.positions.len();
+    let mut used = vec![false; all];
+    mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
+    keep(&mut source, &used);
     mesh.drop_unused();
     summary.unused = all - mesh.positions.len();
     if summary.estimated_normals == all {
@@ -133,7 +185,21 @@ pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Mon
         let cause = format!("no surface goes through these {all} points: neighbours do not agree on one");
         return Err(Error::Mesh { cause, remedy: "give more points, or less noisy ones, or try smoothing".into() });
     }
-    Ok((mesh, summary))
+    Ok(MeshOfPoints { mesh, source, summary })
+}
+
+/// `mesh` with its vertices on the implicit surface of their own places and normals, each reaching as far as `reach`
+/// times how far apart they are.
+pub(super) fn smoothed(mesh: &Mesh, reach: f64) -> Mesh {
+    let mut normals = vec![DVec3::ZERO; mesh.positions.len()];
+    for (t, corners) in mesh.triangles.iter().enumerate() {
+        corners.iter().for_each(|&v| normals[v as usize] += mesh.area_vector(t));
+    }
+    normals.iter_mut().for_each(|n| *n = n.normalize_or_zero());
+    let near = Neighbors::new(&mesh.positions);
+    let spacings = NeighborGraph::new(&mesh.positions, &near, RING).spacings(&mesh.positions);
+    let (positions, _) = Rimls::new(&mesh.positions, &normals, &near, &spacings, reach).smoothed();
+    Mesh { positions, triangles: mesh.triangles.clone() }
 }
 
 /// Refuses points without an area.

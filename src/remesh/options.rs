@@ -1,8 +1,8 @@
 //! What can be asked of the pipeline, and what is refused at once.
 
 use crate::base::error::{Error, Result};
+use crate::remesh::cloud::check_smooth;
 use crate::surface::features::Features;
-use crate::surface::mesh::Mesh;
 
 /// How dense the result shall be. Each says it all.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,6 +55,9 @@ pub struct Options {
     /// The edge length wanted at each vertex of the input, in its units; with a density other than [`Density::OfSizing`]
     /// all are scaled by one factor to meet that. Default: `None`, lengths are even or as `adapt` says.
     pub sizing: Option<Vec<f64>>,
+    /// Noise is smoothed away first: vertices move to the implicit surface of all of them, on which each reaches as far as
+    /// so many mean distances of neighbouring ones. Default: `None`, they stay where they are.
+    pub smooth: Option<f64>,
     /// How far any point of the result may be from the repaired input, and any point of that from the result. Default:
     /// `None`, as near as the vertices allow on average.
     pub max_error: Option<MaxError>,
@@ -75,6 +78,7 @@ impl Default for Options {
             features: Features::Automatic,
             adapt: 0.0,
             sizing: None,
+            smooth: None,
             max_error: None,
             optimize: true,
             sweeps: 10,
@@ -120,6 +124,7 @@ impl Options {
             let cause = "edge lengths cannot follow the shape and a field at the same time".into();
             return Err(Error::Option { option: "adapt", cause, remedy: "leave out adapt or sizing".into() });
         }
+        check_smooth(self.smooth)?;
         self.sizing.as_deref().map_or(Ok(()), check_lengths)?;
         match self.max_error {
             Some(MaxError::Length(l)) => length("max-error", l)?,
@@ -157,9 +162,12 @@ fn check_lengths(lengths: &[f64]) -> Result<()> {
     })
 }
 
-/// Refuses a field of another number of lengths than the input has vertices.
-pub(super) fn check_field(input: &Mesh, lengths: &[f64]) -> Result<()> {
-    let (vertices, given) = (input.positions.len(), lengths.len());
+/// Refuses lengths that are not one for each of so many vertices.
+///
+/// # Errors
+/// [`Error::Option`] if they are more or fewer.
+pub fn check_field(vertices: usize, lengths: &[f64]) -> Result<()> {
+    let given = lengths.len();
     if given == vertices {
         return Ok(());
     }

@@ -2,6 +2,7 @@
 
 use super::{Measured, Report};
 use crate::quality::shape::Shape;
+use crate::remesh::CloudSummary;
 use crate::surface::repair::Repairs;
 use crate::surface::topology::Topology;
 use std::fmt::Write;
@@ -127,6 +128,7 @@ fn remarks(out: &mut String, report: &Report) {
             ],
         );
     }
+    list(out, "points", &report.cloud.as_ref().map(points_used).unwrap_or_default());
     list(out, "repairs", &report.repairs.as_ref().map(repairs_made).unwrap_or_default());
     list(out, "crossing faces", &crossing_faces(&report.crossings.faces));
     if let Some(kept) = &report.attributes {
@@ -144,6 +146,20 @@ fn remarks(out: &mut String, report: &Report) {
         Some(false) => list(out, "NOT VERIFIED", &report.shortcomings()),
         None => {}
     }
+}
+
+/// What became of the points of a cloud.
+fn points_used(cloud: &CloudSummary) -> Vec<String> {
+    let CloudSummary { points, duplicates, strays, unused, estimated_normals, turned_normals } = *cloud;
+    let others = [
+        (duplicates, "at the place of another one"),
+        (strays, "strays"),
+        (unused, "others that no triangle uses"),
+        (estimated_normals, "normals estimated"),
+        (turned_normals, "normals turned over"),
+    ];
+    let others = others.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}"));
+    [format!("{points} points")].into_iter().chain(others).collect()
 }
 
 /// A name and phrases with commas between, broken between phrases where a line gets full; nothing without phrases.

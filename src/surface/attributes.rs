@@ -200,6 +200,16 @@ impl Attributes {
         self.get(COLOR).filter(|a| a.is_color())
     }
 
+    /// Those of the vertices of `numbers`, in that order; none of corners and triangles.
+    #[must_use]
+    pub fn of_vertices(&self, numbers: &[u32]) -> Attributes {
+        let pick = |a: &Attribute| {
+            let value = |&v: &u32| &a.values[a.components * v as usize..a.components * (v as usize + 1)];
+            Attribute { values: numbers.iter().flat_map(value).copied().collect(), ..a.clone() }
+        };
+        Attributes { vertex: self.vertex.iter().map(pick).collect(), ..Attributes::default() }
+    }
+
     /// The normals, if there are some.
     pub fn normal(&self) -> Option<&Attribute> {
         self.get(NORMAL).filter(|a| a.is_normal())

@@ -16,13 +16,15 @@ pub struct Points {
 impl Points {
     /// Keeps the points that are `wanted`, in their order.
     pub fn retain(&mut self, wanted: &[bool]) {
-        let keep = |list: &mut Vec<DVec3>| {
-            let mut wanted = wanted.iter();
-            list.retain(|_| wanted.next() == Some(&true));
-        };
-        keep(&mut self.positions);
-        keep(&mut self.normals);
+        keep(&mut self.positions, wanted);
+        keep(&mut self.normals, wanted);
     }
+}
+
+/// Keeps the entries of a list that are `wanted`, in their order.
+pub fn keep<T>(list: &mut Vec<T>, wanted: &[bool]) {
+    let mut wanted = wanted.iter();
+    list.retain(|_| wanted.next() == Some(&true));
 }
 
 /// For each position whether it is the first one there.
