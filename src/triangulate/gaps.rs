@@ -8,6 +8,8 @@
 //! Cost: sorting the sides of the triangles, a few times.
 
 use crate::geom::eigen::eigen;
+use crate::surface::crossings::crossing_faces;
+use crate::surface::mesh::Mesh;
 use crate::surface::topology::components;
 use crate::triangulate::agreement::agreed;
 use crate::triangulate::holes::{fill_holes, gaps};
@@ -71,12 +73,20 @@ pub fn settle(points: Surroundings<'_>, stars: &[[u32; 3]], look: Look) -> Settl
         fill_holes(points.positions, points.normals, &successor, |p| !is_hole(p), &mut triangles);
         let mut left = gaps(points.positions, points.normals, &successor, &triangles);
         left.retain(|polygon| !is_hole(polygon));
-        if left.is_empty() {
+        let mut is_bad = vec![false; points.positions.len()];
+        left.iter().flatten().for_each(|&p| is_bad[p as usize] = true);
+        if false {
+            let mesh = Mesh { positions: points.positions.to_vec(), triangles };
+            for &t in &crossing_faces(&mesh) {
+                mesh.triangles[t as usize].iter().for_each(|&p| is_bad[p as usize] = true);
+            }
+            triangles = mesh.triangles;
+        }
+        if std::env::var("DBG").is_ok() { eprintln!("left {} away {} bad {}", left.len(), triangles.iter().filter(|t| points.is_turned_away(**t)).count(), is_bad.iter().filter(|b| **b).count()); }
+        if !is_bad.contains(&true) {
             break;
         }
-        let mut at_gap = vec![false; points.positions.len()];
-        left.iter().flatten().for_each(|&p| at_gap[p as usize] = true);
-        triangles.retain(|t| !t.iter().any(|&p| at_gap[p as usize]));
+        triangles.retain(|t| !t.iter().any(|&p| is_bad[p as usize]));
     }
     keep_largest_fans(&mut triangles, points.positions.len());
     let holes = gaps(points.positions, points.normals, &successor, &triangles).len();

@@ -2,7 +2,8 @@
 //! right, and now and then a place that the samples do not resolve.
 //!
 //! The sides that still need a triangle are chained into polygons, each side followed by the next one around its end,
-//! and each polygon is triangulated such that the smallest angle is largest. An edge that is there already is never
+//! and each polygon is triangulated such that no triangle looks
+//! away from the surface, if that can be, and the smallest angle is largest. An edge that is there already is never
 //! made again. What cannot be filled like this stays open, and the verification that follows sees it.
 //!
 //! Cost: cubic in the sides of a polygon, of which there are four or five nearly always.
@@ -12,6 +13,9 @@ use crate::triangulate::star::INTERIOR;
 use glam::DVec3;
 use rayon::slice::ParallelSliceMut;
 use std::collections::HashSet;
+
+/// Least cosine between a triangle and the mean normal of its corners that passes for one along the surface.
+const LEAST_FACING: f64 = 0.2;
 
 /// Adds to `triangles` those that close the gaps between them that are `to_fill`: polygons with the gap on their left.
 /// `successor` is the next sample on a boundary.
@@ -33,7 +37,7 @@ pub fn fill_holes(
         near.filter(|e| ends.contains(&e[0]) && ends.contains(&e[1])).map(undirected).collect();
     edges.extend(open.iter().map(|&e| undirected(e)));
     for polygon in polygons.into_iter().filter(|p| to_fill(p)) {
-        if let Some(filling) = triangulate_polygon(positions, &polygon, &edges) {
+        if let Some(filling) = triangulate_polygon(positions, normals, &polygon, &edges) {
             edges.extend(filling.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(undirected));
             triangles.extend(filling);
         }
@@ -110,7 +114,12 @@ fn following(
 
 /// The triangulation of a polygon with the largest smallest angle, without diagonals that are edges already; `None` if
 /// there is none, or if the polygon meets itself.
-fn triangulate_polygon(positions: &[DVec3], polygon: &[u32], edges: &HashSet<[u32; 2]>) -> Option<Vec<[u32; 3]>> {
+fn triangulate_polygon(
+    positions: &[DVec3],
+    normals: &[DVec3],
+    polygon: &[u32],
+    edges: &HashSet<[u32; 2]>,
+) -> Option<Vec<[u32; 3]>> {
     let n = polygon.len();
     let distinct: HashSet<u32> = polygon.iter().copied().collect();
     if distinct.len() < n {
@@ -119,7 +128,7 @@ fn triangulate_polygon(positions: &[DVec3], polygon: &[u32], edges: &HashSet<[u3
     let usable = |i: usize, j: usize| {
         j == i + 1 || (i == 0 && j == n - 1) || !edges.contains(&undirected([polygon[i], polygon[j]]))
     };
-    // For diagonal i j the smallest angle of the best triangulation of the part from i to j, and the apex on it.
+    // For diagonal i j the goodness of the best triangulation of the part from i to j, and the apex on it.
     let mut best: Vec<Option<(f64, usize)>> = vec![None; n * n];
     for length in 1..n {
         for i in 0..n - length {
@@ -129,9 +138,7 @@ fn triangulate_polygon(positions: &[DVec3], polygon: &[u32], edges: &HashSet<[u3
             } else if usable(i, j) {
                 let choice = (i + 1..j).filter_map(|k| {
                     let (left, right) = (best[n * i + k]?.0, best[n * k + j]?.0);
-                    let own = angles([i, k, j].map(|c| positions[polygon[c] as usize]))
-                        .into_iter()
-                        .fold(f64::INFINITY, f64::min);
+                    let own = goodness([i, k, j].map(|c| polygon[c] as usize), positions, normals);
                     Some((own.min(left).min(right), k))
                 });
                 best[n * i + j] = choice.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
@@ -148,4 +155,14 @@ fn triangulate_polygon(positions: &[DVec3], polygon: &[u32], edges: &HashSet<[u3
         }
     }
     Some(filling)
+}
+
+/// The smallest angle of a triangle; less than zero for one that looks away from the surface.
+fn goodness(triangle: [usize; 3], positions: &[DVec3], normals: &[DVec3]) -> f64 {
+    let corners = triangle.map(|v| positions[v]);
+    let [a, b, c] = corners;
+    let normal = (b - a).cross(c - a).normalize_or_zero();
+    let facing = triangle.into_iter().map(|v| normals[v]).sum::<DVec3>().normalize_or_zero().dot(normal);
+    let smallest_angle = angles(corners).into_iter().fold(f64::INFINITY, f64::min);
+    if facing > LEAST_FACING { smallest_angle } else { facing - 1.0 }
 }
