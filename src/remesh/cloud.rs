@@ -18,8 +18,8 @@ use serde::{Deserialize, Serialize};
 /// What to make of a cloud.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CloudOptions {
-    /// What normals are fitted to, where there are none. Default: planes.
-    pub fit: NormalFit,
+    /// What normals are fitted to, where there are none. Default: planes, or spheres if noise is smoothed.
+    pub fit: Option<NormalFit>,
     /// The neighbours that they are fitted to. Default: the nearest eight, or the nearest sixteen if noise is smoothed.
     pub neighborhood: Option<Reach>,
     /// How far points reach on the implicit surface that they are projected on, in mean distances of neighbouring
@@ -32,7 +32,7 @@ pub struct CloudOptions {
 
 impl Default for CloudOptions {
     fn default() -> Self {
-        CloudOptions { fit: NormalFit::Plane, neighborhood: None, smooth: None, fill_holes: 0.0 }
+        CloudOptions { fit: None, neighborhood: None, smooth: None, fill_holes: 0.0 }
     }
 }
 
@@ -241,7 +241,8 @@ fn normals(
     if missing == 0 && disagreement(positions, &given, graph) <= MOST_DISAGREEMENT {
         return given;
     }
-    let few = if options.smooth.is_some() { MANY_NEIGHBORS } else { FEW_NEIGHBORS };
+    let (few, fit) =
+        if options.smooth.is_some() { (MANY_NEIGHBORS, NormalFit::Sphere) } else { (FEW_NEIGHBORS, NormalFit::Plane) };
     let fewer;
     let neighborhood = match options.neighborhood.unwrap_or(Reach::Count(few)) {
         Reach::Count(count) => {
@@ -257,7 +258,7 @@ fn normals(
     }
     let part = orient(positions, &mut normals, graph);
     summary.turned_normals = side_with(&given, &mut normals, &part);
-    if missing > 0 && options.fit == NormalFit::Sphere {
+    if missing > 0 && options.fit.unwrap_or(fit) == NormalFit::Sphere {
         let spheres = sphere_normals(positions, &normals, &neighborhood);
         normals.iter_mut().zip(spheres).zip(&given).filter(|(_, g)| **g == DVec3::ZERO).for_each(|((n, s), _)| *n = s);
     }

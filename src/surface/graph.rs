@@ -21,12 +21,15 @@ impl NeighborGraph {
     pub fn new(points: &[DVec3], near: &Neighbors, degree: usize) -> Self {
         let degree = degree.min(points.len().saturating_sub(1));
         let mut neighbors = vec![0; degree * points.len()];
-        neighbors.par_chunks_mut(degree.max(1)).zip(0u32..points.len() as u32).for_each_init(Vec::new, |found, (own, p)| {
-            near.collect_nearest(points[p as usize], degree + 1, found);
-            // Where many points are at the same place the point itself may not be among the nearest.
-            let others = found.iter().map(|n| n.point).filter(|&n| n != p);
-            own.iter_mut().zip(others).for_each(|(own, n)| *own = n);
-        });
+        neighbors.par_chunks_mut(degree.max(1)).zip(0u32..points.len() as u32).for_each_init(
+            Vec::new,
+            |found, (own, p)| {
+                near.collect_nearest(points[p as usize], degree + 1, found);
+                // Where many points are at the same place the point itself may not be among the nearest.
+                let others = found.iter().map(|n| n.point).filter(|&n| n != p);
+                own.iter_mut().zip(others).for_each(|(own, n)| *own = n);
+            },
+        );
         NeighborGraph { degree, neighbors }
     }
 
@@ -43,7 +46,8 @@ impl NeighborGraph {
     /// How far apart points are around each of `points`: the distance of its sixth neighbour.
     pub fn spacings(&self, points: &[DVec3]) -> Vec<f64> {
         let last = self.degree.min(RING);
-        let spacing = |p: usize| self.of(p as u32)[..last].last().map_or(0.0, |&n| points[p].distance(points[n as usize]));
+        let spacing =
+            |p: usize| self.of(p as u32)[..last].last().map_or(0.0, |&n| points[p].distance(points[n as usize]));
         (0..points.len()).into_par_iter().map(spacing).collect()
     }
 }

@@ -63,7 +63,8 @@ mod tests {
 
     #[test]
     fn a_stray_is_nobodys_neighbour() {
-        let mut positions: Vec<DVec3> = (0..400).map(|i| DVec3::new(f64::from(i % 20), f64::from(i / 20), 0.0)).collect();
+        let mut positions: Vec<DVec3> =
+            (0..400).map(|i| DVec3::new(f64::from(i % 20), f64::from(i / 20), 0.0)).collect();
         positions.push(DVec3::new(10.0, 10.0, 4.0));
         let graph = NeighborGraph::new(&positions, &Neighbors::new(&positions), 8);
         let wanted = wanted_by_others(&graph, positions.len());

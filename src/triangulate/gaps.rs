@@ -24,6 +24,8 @@ pub struct Look {
     pub largest_circumradius: f64,
     /// Gaps of so many sides are none.
     pub most_sides: usize,
+    /// How far off points may be, in spacings, and still lie in one plane.
+    pub noise: f64,
     /// Gaps in a box of no longer a diagonal are none.
     pub smallest_diagonal: f64,
 }
@@ -45,7 +47,8 @@ const FEWEST_POINTS: usize = 8;
 /// One in so many points around a hole has a star that ends there.
 const ENDS: usize = 3;
 
-/// The share of points around a flat place that lie in its plane, and how far off they may be as a share of its width.
+/// The share of points around a flat place that lie in its plane, and how far off they may be: as a share of its width,
+/// or in spacings, where [`Look::noise`] says so.
 const IN_PLANE: f64 = 0.8;
 const THICKNESS: f64 = 0.03;
 
@@ -82,7 +85,14 @@ pub fn settle(points: Surroundings<'_>, stars: &[[u32; 3]], look: Look) -> Settl
             }
             triangles = mesh.triangles;
         }
-        if std::env::var("DBG").is_ok() { eprintln!("left {} away {} bad {}", left.len(), triangles.iter().filter(|t| points.is_turned_away(**t)).count(), is_bad.iter().filter(|b| **b).count()); }
+        if std::env::var("DBG").is_ok() {
+            eprintln!(
+                "left {} away {} bad {}",
+                left.len(),
+                triangles.iter().filter(|t| points.is_turned_away(**t)).count(),
+                is_bad.iter().filter(|b| **b).count()
+            );
+        }
         if !is_bad.contains(&true) {
             break;
         }
@@ -114,7 +124,7 @@ fn is_hole(points: Surroundings<'_>, ends: &[bool], look: Look, polygon: &[u32])
     let normal = area_vector(&rim).normalize_or_zero();
     let facing = polygon.iter().map(|&p| points.normals[p as usize].dot(normal)).sum::<f64>() / rim.len() as f64;
     let (lo, hi) = rim.iter().fold((rim[0], rim[0]), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
-    let is_flat = is_flat_place(points, polygon);
+    let is_flat = is_flat_place(points, look, polygon);
     let is_small = polygon.len() <= look.most_sides || lo.distance(hi) <= look.smallest_diagonal;
     facing < OUTSIDE || !is_flat && !is_small
 }
@@ -127,15 +137,18 @@ fn area_vector(rim: &[DVec3]) -> DVec3 {
 
 /// Whether a gap is part of a flat face, as of a machine part, that has points at its sharp rim only: most of the points
 /// around it lie in one plane, and some have its normal but others do not.
-fn is_flat_place(points: Surroundings<'_>, polygon: &[u32]) -> bool {
+fn is_flat_place(points: Surroundings<'_>, look: Look, polygon: &[u32]) -> bool {
     let mut rim: Vec<DVec3> = polygon.iter().map(|&p| points.positions[p as usize]).collect();
     let (mut mean, mut normal, width) = plane(&rim);
     let height = |p: &DVec3, mean: DVec3, normal: DVec3| (p - mean).dot(normal).abs();
     rim.sort_by(|a, b| height(a, mean, normal).total_cmp(&height(b, mean, normal)));
     let core = (IN_PLANE * rim.len() as f64).ceil() as usize;
     (mean, normal, _) = plane(&rim[..core]);
-    let in_plane = rim.iter().filter(|p| height(p, mean, normal) < THICKNESS * width).count();
-    let turned = |cosine: f64| polygon.iter().filter(|&&p| points.normals[p as usize].dot(normal).abs() > cosine).count();
+    let spacing = polygon.iter().map(|&p| points.spacings[p as usize]).sum::<f64>() / rim.len() as f64;
+    let thickness = (THICKNESS * width).max(look.noise * spacing);
+    let in_plane = rim.iter().filter(|p| height(p, mean, normal) < thickness).count();
+    let turned =
+        |cosine: f64| polygon.iter().filter(|&&p| points.normals[p as usize].dot(normal).abs() > cosine).count();
     let some = (SOME * rim.len() as f64).ceil() as usize;
     in_plane >= core && turned(ALIKE) >= some && polygon.len() - turned(APART) >= some
 }

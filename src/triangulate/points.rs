@@ -74,13 +74,14 @@ pub fn triangulate_points(points: Surroundings<'_>, close_up_to: f64, monitor: &
 }
 
 /// A look at a closed scan, whose gaps may be where it is only sparse.
-const LENIENT: Look = Look { largest_circumradius: LARGEST_CIRCUMRADIUS, most_sides: 16, smallest_diagonal: 0.0 };
+const LENIENT: Look =
+    Look { largest_circumradius: LARGEST_CIRCUMRADIUS, most_sides: 16, noise: 0.15, smallest_diagonal: 0.0 };
 
 /// A scan whose holes have boxes with diagonals below this share of that of all points is taken for a closed one.
 const SMALL_HOLE: f64 = 0.08;
 
 /// A look at a scan that has holes.
-const STRICT: Look = Look { largest_circumradius: 1.2, most_sides: 12, smallest_diagonal: 0.0 };
+const STRICT: Look = Look { largest_circumradius: 1.2, most_sides: 12, noise: 0.0, smallest_diagonal: 0.0 };
 
 /// The diagonal of the bounding box.
 fn diagonal(positions: &[DVec3]) -> f64 {
@@ -137,11 +138,13 @@ impl<'a> StarMaker<'a> {
         let points = self.points;
         let nearest = points.graph.of(centre);
         let here = points.positions[centre as usize];
-        let spacing = nearest.iter().map(|&n| points.spacings[n as usize]).fold(points.spacings[centre as usize], f64::max);
+        let spacing =
+            nearest.iter().map(|&n| points.spacings[n as usize]).fold(points.spacings[centre as usize], f64::max);
         let largest = LARGEST_CIRCUMRADIUS * spacing;
         let mut radius = nearest.last().map_or(0.0, |&n| here.distance(points.positions[n as usize]));
         self.found.clear();
-        self.found.extend(nearest.iter().filter_map(|&n| Some(Neighbour { sample: n, place: points.place(centre, n)? })));
+        self.found
+            .extend(nearest.iter().filter_map(|&n| Some(Neighbour { sample: n, place: points.place(centre, n)? })));
         loop {
             let reach = self.cut(largest);
             if 2.0 * reach <= radius || radius >= 2.0 * largest {
