@@ -4,17 +4,51 @@
 //! gets a third face, and what is taken at a vertex is part of one fan.
 
 use rayon::slice::ParallelSliceMut;
+use std::collections::HashSet;
 
 /// The triangles that occur three times in `stars`, once from each corner, in increasing order of corners; the corner
 /// of the lowest number first.
 pub fn agreed(stars: &[[u32; 3]]) -> Vec<[u32; 3]> {
+    let stars = sorted(stars);
+    with_votes(&stars, 3).collect()
+}
+
+/// The triangles that all three corners say, and those of the ones that two say which fit between them: all their
+/// directed edges are free, and their `rank` is at most the `highest`. Of two that do not fit together the first in increasing order of rank is taken, then the
+/// first in the order of corners.
+pub fn agreed_by_most(stars: &[[u32; 3]], highest: f64, rank: impl Fn([u32; 3]) -> f64) -> Vec<[u32; 3]> {
+    let stars = sorted(stars);
+    let mut triangles: Vec<[u32; 3]> = with_votes(&stars, 3).collect();
+    let mut doubtful: Vec<(f64, [u32; 3])> =
+        with_votes(&stars, 2).map(|t| (rank(t), t)).filter(|d| d.0 <= highest).collect();
+    doubtful.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let edges = |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]];
+    let near: HashSet<u32> = doubtful.iter().flat_map(|d| d.1).collect();
+    let mut taken: HashSet<[u32; 2]> =
+        triangles.iter().copied().flat_map(edges).filter(|e| near.contains(&e[0]) && near.contains(&e[1])).collect();
+    for (_, t) in doubtful {
+        if edges(t).iter().all(|e| !taken.contains(e)) {
+            taken.extend(edges(t));
+            triangles.push(t);
+        }
+    }
+    triangles
+}
+
+/// All triangles, the corner of the lowest number first, in increasing order of corners.
+fn sorted(stars: &[[u32; 3]]) -> Vec<[u32; 3]> {
     let mut stars = stars.to_vec();
     for t in &mut stars {
         let lowest = (0..3).min_by_key(|&k| t[k]).unwrap_or(0);
         t.rotate_left(lowest);
     }
     stars.par_sort_unstable();
-    stars.chunk_by(|a, b| a == b).filter(|same| same.len() == 3).map(|same| same[0]).collect()
+    stars
+}
+
+/// Those that occur so many times.
+fn with_votes(sorted: &[[u32; 3]], votes: usize) -> impl Iterator<Item = [u32; 3]> {
+    sorted.chunk_by(|a, b| a == b).filter(move |same| same.len() == votes).map(|same| same[0])
 }
 
 #[cfg(test)]
@@ -25,5 +59,14 @@ mod tests {
     fn only_what_all_three_corners_say_is_taken() {
         let stars = vec![[1, 2, 3], [2, 3, 1], [3, 1, 2], [1, 3, 4], [3, 4, 1], [4, 3, 1]];
         assert_eq!(agreed(&stars), vec![[1, 2, 3]]);
+    }
+
+    #[test]
+    fn what_two_corners_say_is_taken_where_it_fits() {
+        let two = |t: [u32; 3]| [t, [t[1], t[2], t[0]]];
+        let stars =
+            [&[[1, 2, 3], [2, 3, 1], [3, 1, 2]][..], &two([2, 1, 4]), &two([1, 2, 5]), &two([2, 1, 6])].concat();
+        let triangles = agreed_by_most(&stars, 5.0, |t| f64::from(t[2]));
+        assert_eq!(triangles, vec![[1, 2, 3], [1, 4, 2]]);
     }
 }

@@ -11,7 +11,7 @@ use crate::geom::eigen::eigen;
 use crate::surface::crossings::crossing_faces;
 use crate::surface::mesh::Mesh;
 use crate::surface::topology::components;
-use crate::triangulate::agreement::agreed;
+use crate::triangulate::agreement::agreed_by_most;
 use crate::triangulate::holes::{fill_holes, gaps};
 use crate::triangulate::points::Surroundings;
 use crate::triangulate::star::INTERIOR;
@@ -38,6 +38,10 @@ pub struct Settled {
     pub holes: usize,
 }
 
+/// A triangle that only two of its corners say is taken if its circumradius is at most so many spacings: it is beside a
+/// hole otherwise.
+const DOUBTFUL: f64 = 1.0;
+
 /// Rounds of closing gaps and widening those that cannot be closed.
 const ROUNDS: usize = 6;
 
@@ -52,9 +56,8 @@ const ENDS: usize = 3;
 const IN_PLANE: f64 = 0.8;
 const THICKNESS: f64 = 0.03;
 
-/// The share of points around it that have the normal of a flat place at least, and the share of those that do not; the
-/// cosines that tell.
-const SOME: f64 = 0.05;
+/// The share of points around it that do not have the normal of a flat place at least, and the cosines that tell.
+const MANY_APART: f64 = 0.05;
 const ALIKE: f64 = 0.98;
 const APART: f64 = 0.94;
 
@@ -64,10 +67,10 @@ const OUTSIDE: f64 = -0.5;
 /// The triangles that stars agree on and those that close the gaps between them which are no holes.
 pub fn settle(points: Surroundings<'_>, stars: &[[u32; 3]], look: Look) -> Settled {
     let stars: Vec<[u32; 3]> =
-        stars.iter().copied().filter(|t| points.is_small(*t, look.largest_circumradius)).collect();
+        stars.iter().copied().filter(|t| points.relative_circumradius(*t) <= look.largest_circumradius).collect();
     let ends = ends(&stars, points.positions.len());
     let successor = vec![INTERIOR; points.positions.len()];
-    let mut triangles = agreed(&stars);
+    let mut triangles = agreed_by_most(&stars, DOUBTFUL, |t| points.relative_circumradius(t));
     drop(stars);
     let is_hole = |polygon: &[u32]| is_hole(points, &ends, look, polygon);
     for _ in 0..ROUNDS {
@@ -78,20 +81,12 @@ pub fn settle(points: Surroundings<'_>, stars: &[[u32; 3]], look: Look) -> Settl
         left.retain(|polygon| !is_hole(polygon));
         let mut is_bad = vec![false; points.positions.len()];
         left.iter().flatten().for_each(|&p| is_bad[p as usize] = true);
-        if false {
+        if !is_bad.contains(&true) {
             let mesh = Mesh { positions: points.positions.to_vec(), triangles };
             for &t in &crossing_faces(&mesh) {
                 mesh.triangles[t as usize].iter().for_each(|&p| is_bad[p as usize] = true);
             }
             triangles = mesh.triangles;
-        }
-        if std::env::var("DBG").is_ok() {
-            eprintln!(
-                "left {} away {} bad {}",
-                left.len(),
-                triangles.iter().filter(|t| points.is_turned_away(**t)).count(),
-                is_bad.iter().filter(|b| **b).count()
-            );
         }
         if !is_bad.contains(&true) {
             break;
@@ -136,7 +131,7 @@ fn area_vector(rim: &[DVec3]) -> DVec3 {
 }
 
 /// Whether a gap is part of a flat face, as of a machine part, that has points at its sharp rim only: most of the points
-/// around it lie in one plane, and some have its normal but others do not.
+/// around it lie in one plane, and there are some that have its normal and some that do not.
 fn is_flat_place(points: Surroundings<'_>, look: Look, polygon: &[u32]) -> bool {
     let mut rim: Vec<DVec3> = polygon.iter().map(|&p| points.positions[p as usize]).collect();
     let (mut mean, mut normal, width) = plane(&rim);
@@ -149,8 +144,8 @@ fn is_flat_place(points: Surroundings<'_>, look: Look, polygon: &[u32]) -> bool 
     let in_plane = rim.iter().filter(|p| height(p, mean, normal) < thickness).count();
     let turned =
         |cosine: f64| polygon.iter().filter(|&&p| points.normals[p as usize].dot(normal).abs() > cosine).count();
-    let some = (SOME * rim.len() as f64).ceil() as usize;
-    in_plane >= core && turned(ALIKE) >= some && polygon.len() - turned(APART) >= some
+    let apart = polygon.len() - turned(APART);
+    in_plane >= core && turned(ALIKE) > 0 && apart as f64 >= MANY_APART * rim.len() as f64
 }
 
 /// The mean of points, the normal of the plane that fits them best, and how far they spread across their longest extent.

@@ -27,9 +27,6 @@ const LEAST_AGREEMENT: f64 = -0.2;
 /// zero, towards another layer of a fold it is large; across an edge it may be anything up to the sine of half the angle.
 const STEEPEST: f64 = 0.5;
 
-/// Least cosine between a triangle and the mean normal of its corners.
-const LEAST_FACING: f64 = 0.2;
-
 /// How much a neighbourhood grows when it was too small.
 const GROWTH: f64 = 1.5;
 
@@ -91,20 +88,12 @@ fn diagonal(positions: &[DVec3]) -> f64 {
 }
 
 impl Surroundings<'_> {
-    /// Whether the circumradius of a triangle is at most `largest` spacings of its corners.
-    pub(super) fn is_small(&self, triangle: [u32; 3], largest: f64) -> bool {
+    /// The circumradius of a triangle in spacings of its corners.
+    pub(super) fn relative_circumradius(&self, triangle: [u32; 3]) -> f64 {
         let [a, b, c] = triangle.map(|p| self.positions[p as usize]);
         let sides = (b - a).length() * (c - b).length() * (a - c).length();
-        let circumradius = sides / (2.0 * (b - a).cross(c - a).length());
         let spacing = triangle.iter().map(|&p| self.spacings[p as usize]).fold(0.0, f64::max);
-        circumradius <= largest * spacing
-    }
-
-    /// Whether a triangle looks away from the mean normal of its corners.
-    pub(super) fn is_turned_away(&self, triangle: [u32; 3]) -> bool {
-        let [a, b, c] = triangle.map(|p| self.positions[p as usize]);
-        let mean: DVec3 = triangle.iter().map(|&p| self.normals[p as usize]).sum();
-        (b - a).cross(c - a).normalize_or_zero().dot(mean.normalize_or_zero()) < LEAST_FACING
+        sides / (2.0 * (b - a).cross(c - a).length() * spacing)
     }
 
     /// Where point `b` lies in the tangent plane of `a`; `None` if they are not of one sheet.
