@@ -98,6 +98,7 @@
 //! | feature | what it adds |
 //! |---|---|
 //! | `fs` | `io::file`: meshes by the name of their file, written beside the target and renamed |
+//! | `laz` (default) | compressed LAS files can be read |
 //! | `cli` (default) | `cli`: all of the command line tool; implies `fs` |
 //!
 //! Without default features readers and writers work on bytes only.

@@ -25,7 +25,8 @@ Examples:
       measure any mesh, and how far it is from another one
 
 Formats, by the ending of the file: obj, ply, stl, off, gltf, glb. Points without triangles are
-read from all of them but stl, and from columns of numbers: xyz, xyzn, pts, asc, txt.
+read from all of them but stl, from las and laz, and from columns of numbers: xyz, xyzn, pts, asc,
+txt.
 
 Exit status:
   0   the result is written and verified: an oriented manifold of the input's topology whose faces
