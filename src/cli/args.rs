@@ -95,8 +95,8 @@ struct RemeshArgs {
     /// How much edge lengths follow the shape: from 0, even, to 1, short where it bends or is thin
     #[arg(long, value_name = "A", default_value_t = 0.0, allow_negative_numbers = true, conflicts_with = "sizing")]
     adapt: f64,
-    /// Edge lengths wanted at the vertices of the input: a property of its vertices (PLY), an attribute like _SIZE
-    /// (glTF), or a .json file with a list; also says how dense, if nothing else does
+    /// Edge lengths wanted at the vertices of the input: a property of theirs, as of a vertex in PLY or an attribute like
+    /// _SIZE in glTF, or a .json file with a list; also says how dense, if nothing else does
     #[arg(long, value_name = "PROPERTY|F.json")]
     sizing: Option<String>,
     /// How far any point of the output may be from the input, and back: a length, or a share of the diagonal of the

@@ -165,7 +165,9 @@ impl Format {
         let texture =
             !attributes.texture.is_empty() && matches!(self, Format::Stl | Format::Off | Format::Xyz | Format::Las);
         let materials = attributes.materials.is_some() && self != Format::Obj;
-        vertex.chain(texture.then(|| lost(TEXTURE))).chain(materials.then(|| lost(MATERIALS))).collect()
+        let opacity = self == Format::Obj && attributes.color().is_some_and(|color| color.components == 4);
+        let others = [(texture, TEXTURE), (materials, MATERIALS), (opacity, "opacity")];
+        vertex.chain(others.into_iter().filter(|(is_lost, _)| *is_lost).map(|(_, name)| lost(name))).collect()
     }
 
     /// Whether files have a place for an attribute of vertices.

@@ -254,16 +254,16 @@ mod tests {
 
     #[test]
     fn what_columns_are_is_found_from_their_numbers() {
-        let normal = ("normal".to_string(), 3, Scalar::F64);
-        let bytes = ("color".to_string(), 3, Scalar::U8);
+        let normal = || ("normal".to_string(), 3, Scalar::F64);
+        let bytes = || ("color".to_string(), 3, Scalar::U8);
         let one = |name: &str| (name.to_string(), 1, Scalar::F64);
-        assert_eq!(names("0 0 0 0.6 0.8 0\n1 0 0 0 0 1\n"), [normal.clone()]);
-        assert_eq!(names("0 0 0 255 8 0\n1 0 0 0 0 1\n"), [bytes.clone()]);
+        assert_eq!(names("0 0 0 0.6 0.8 0\n1 0 0 0 0 1\n"), [normal()]);
+        assert_eq!(names("0 0 0 255 8 0\n1 0 0 0 0 1\n"), [bytes()]);
         assert_eq!(names("0 0 0 0.5 0.5 0\n"), [("color".to_string(), 3, Scalar::F32)]);
-        assert_eq!(names("0 0 0 2.5 0.5 -7\n"), [normal.clone()]);
+        assert_eq!(names("0 0 0 2.5 0.5 -7\n"), [normal()]);
         assert_eq!(names("0 0 0 -7\n"), [one("intensity")]);
-        assert_eq!(names("0 0 0 -7 9 9 9\n"), [one("intensity"), bytes.clone()]);
-        assert_eq!(names("0 0 0 9 9 9 0 0 -1\n"), [bytes.clone(), normal]);
+        assert_eq!(names("0 0 0 -7 9 9 9\n"), [one("intensity"), bytes()]);
+        assert_eq!(names("0 0 0 9 9 9 0 0 -1\n"), [bytes(), normal()]);
         assert_eq!(names("x y z a b\n0 0 0 9 9\n"), [one("a"), one("b")]);
         assert_eq!(names("0 0 0 9 9\n"), [one("column_4"), one("column_5")]);
     }
