@@ -158,6 +158,7 @@ fn points_come_back_from_every_format_that_has_them() {
         }
         let label = loaded.attributes.vertex.iter().find(|a| a.components == 1);
         assert_eq!(label.map(|a| a.values.clone()), holds("_LABEL").then(|| attributes.vertex[1].values.clone()));
+        assert!(label.is_none_or(|a| a.name == "_LABEL"), "{format}");
         let back = loaded.into_points();
         assert_eq!(back.positions, points.positions, "{format}");
         assert!((0..6).all(|v| back.normals[v].distance(points.normals[v]) < 1e-6), "{format}");
