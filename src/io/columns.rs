@@ -56,8 +56,8 @@ pub(super) fn cut(table: &[f64], width: usize, from: usize, to: usize) -> Vec<f6
     table.chunks_exact(width).flat_map(|row| &row[from..to]).copied().collect()
 }
 
-/// The colours, of `components` numbers, that `values` are: fractions if they go from 0 to 1, else bytes or 16-bit numbers
-/// if they are whole and in range.
+/// The colours, of `components` numbers, that `values` are: fractions if they go from 0 to 1, else bytes or 16-bit
+/// numbers if they are whole and in range.
 pub(super) fn color(values: Vec<f64>, components: usize) -> Option<Attribute> {
     let all = |is: fn(&f64) -> bool| values.iter().all(is);
     let scalar = match () {

@@ -7,8 +7,11 @@
 //!
 //! Read are versions 1.0 to 1.4. Left out are returns, times, angles, waveforms and extra bytes.
 //!
-//! Cost: one pass. A header that promises more points than there can be is refused before memory is reserved; of LAZ, which may
-//! hold any number of equal points in few bytes, at most [`MOST_PER_BYTE`] a byte are read.
+//! Cost: one pass. A header that promises more points than there can be is refused before memory is reserved; of LAZ,
+//! which may hold any number of equal points in few bytes, at most [`MOST_PER_BYTE`] a byte are read.
+//!
+//! Limits: what is damaged inside of compressed points is found by the crate, which may panic at it; that is caught, but
+//! a panic hook still hears of it. In layouts from 6 on the crate believes the sizes of layers that a chunk names.
 
 use super::bytes::{CUT_SHORT, EXPORT_AGAIN, array, malformed, u32_at};
 use super::{Parsed, Read};
