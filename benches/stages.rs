@@ -22,12 +22,14 @@ use spectral_remesh::quality::shape::shape;
 use spectral_remesh::spectral::ascent::{Climb, PAPER_STEP, ascend};
 use spectral_remesh::spectral::candidates::{Candidate, candidates};
 use spectral_remesh::spectral::scan::linear_scan;
+use spectral_remesh::surface::attributes::{Attribute, Attributes, COLOR, Scalar};
 use spectral_remesh::surface::bvh::Bvh;
 use spectral_remesh::surface::domain::{Domain, Sample};
 use spectral_remesh::surface::manifold::Manifold;
 use spectral_remesh::surface::repair::repair;
 use spectral_remesh::surface::seams::open_seams;
 use spectral_remesh::surface::topology::{topology, twins};
+use spectral_remesh::surface::transfer::carry;
 use spectral_remesh::triangulate::mutual::{Insertion, mutual_tessellation};
 use spectral_remesh::triangulate::{Boundary, triangulate};
 use spectral_remesh::{Density, Mesh, Options, Result, remesh};
@@ -247,8 +249,22 @@ fn s12_remesh_all(bencher: Bencher) {
     bencher.bench(|| remesh(black_box(&INPUTS.mesh), &options, &()).expect("the sphere can be remeshed"));
 }
 
+/// A colour of each vertex, then texture coordinates of each corner.
+#[divan::bench(args = [false, true])]
+fn s13_carry(bencher: Bencher, with_texture: bool) {
+    let given = &*INPUTS;
+    let values = given.mesh.positions.iter().flat_map(|p| p.to_array()).collect();
+    let color = Attribute { name: COLOR.into(), components: 3, values, scalar: Scalar::F32 };
+    let corners = |t: usize| given.mesh.corners(t).map(DVec3::truncate);
+    let attributes = match with_texture {
+        false => Attributes { vertex: vec![color], ..Attributes::default() },
+        true => Attributes { texture: (0..given.mesh.triangles.len()).map(corners).collect(), ..Attributes::default() },
+    };
+    bencher.bench(|| carry(black_box(&given.mesh), &attributes, &given.result));
+}
+
 #[divan::bench(args = Format::OF_MESHES)]
-fn s13_read(bencher: Bencher, format: Format) {
+fn s14_read(bencher: Bencher, format: Format) {
     let bytes = written(format);
     bencher
         .counter(divan::counter::BytesCount::new(bytes.len()))
@@ -256,7 +272,7 @@ fn s13_read(bencher: Bencher, format: Format) {
 }
 
 #[divan::bench(args = Format::OF_MESHES)]
-fn s14_write(bencher: Bencher, format: Format) {
+fn s15_write(bencher: Bencher, format: Format) {
     bencher.bench(|| written(black_box(format)));
 }
 

@@ -35,7 +35,8 @@
 //!
 //! # The way of the data
 //!
-//! 1. [`io`] makes a [`Mesh`] of the bytes of a file: positions and triples of indices, nothing merged.
+//! 1. [`io`] makes a [`Mesh`] of the bytes of a file: positions and triples of indices, nothing merged; beside it what
+//!    its vertices, corners and triangles have, as [`surface::attributes`].
 //! 2. [`surface::repair`] makes an oriented 2-manifold of it and counts what that took; [`surface::domain`] adds what it
 //!    takes to walk over it and to find back to it.
 //! 3. [`spectral`] covers it with candidates, and a randomized scan keeps those that add to the spectrum of the samples
@@ -43,7 +44,8 @@
 //! 4. [`triangulate`] joins the samples by Delaunay stars along the surface to a manifold of the same topology.
 //! 5. [`optimize`] arranges a coarse mesh first, with gradient ascent in [`spectral`], refines it to exactly the wanted
 //!    number of vertices, mends triangles and crossings, and fits the vertices to the surface.
-//! 6. [`quality`] measures the result, [`report`] says how good it is, [`io`] writes it.
+//! 6. [`surface::transfer`] carries colours, texture coordinates and other attributes of the input over to the result.
+//! 7. [`quality`] measures the result, [`report`] says how good it is, [`io`] writes it.
 //!
 //! Only [`mod@remesh`] knows that order. Each stage takes plain data and can be used by itself; here it is the sampler
 //! alone:
@@ -98,6 +100,7 @@
 //! | feature | what it adds |
 //! |---|---|
 //! | `fs` | `io::file`: meshes by the name of their file, written beside the target and renamed |
+//! | `laz` (default) | compressed LAS files can be read |
 //! | `cli` (default) | `cli`: all of the command line tool; implies `fs` |
 //!
 //! Without default features readers and writers work on bytes only.

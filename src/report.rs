@@ -306,7 +306,10 @@ mod tests {
             crossing_faces_of_input: None,
             notes: vec!["One face is missing.".into()],
         };
-        Report::of_remesh(&remeshed, Named { file: "in.obj", mesh: &input }, "out.ply", 7)
+        let lost = vec![Lost { name: "h".into(), cause: "PLY has lost it".into() }];
+        let attributes = Some(AttributesKept { carried: vec!["color".into(), "normal".into()], lost });
+        let report = Report::of_remesh(&remeshed, Named { file: "in.obj", mesh: &input }, "out.ply", 7);
+        Report { attributes, ..report }
     }
 
     #[test]
@@ -325,7 +328,7 @@ mod tests {
         assert_eq!(value["schema"], SCHEMA);
         assert_eq!(value["output"]["topology"]["euler"], 2);
         assert_eq!(value["output"]["shape"]["valence"]["3"], 4);
-        for absent in ["verified", "input", "repairs", "repaired", "distance", "sampling", "peak_memory_bytes"] {
+        for absent in ["verified", "input", "repairs", "repaired", "distance", "sampling", "attributes"] {
             assert!(value.as_object().unwrap().contains_key(absent) && value[absent].is_null(), "{absent}");
         }
     }

@@ -343,3 +343,65 @@ fn lengths_come_from_a_property_or_a_list() {
     run(path, "octahedron.off c.off --sizing h.json").failed(1, &["h.json:2: not a JSON list of numbers"]);
     assert!(!path.join("c.off").exists());
 }
+
+#[test]
+fn attributes_are_carried_and_what_is_lost_is_said() {
+    let folder = folder();
+    let path = folder.path();
+    with_property(path, "0.4");
+    let report = |words: &str| {
+        run(path, &format!("{words} --points 300 --report a.json -q")).went_well();
+        json(&std::fs::read_to_string(path.join("a.json")).unwrap())["attributes"].clone()
+    };
+    assert_eq!(report("graded.ply a.ply"), serde_json::json!({ "carried": ["h"], "lost": [] }));
+    assert!(std::fs::read(path.join("a.ply")).unwrap().starts_with(b"ply\n"));
+    // The carried property is one to go by again.
+    run(path, "a.ply b.ply --sizing h -q").went_well();
+    let lost = report("graded.ply a.stl");
+    assert_eq!(lost["lost"][0], serde_json::json!({ "name": "h", "cause": "STL has no place for it" }));
+    assert_eq!(report("graded.ply a.ply --no-attributes"), serde_json::Value::Null);
+    assert_eq!(report("octahedron.off a.ply"), serde_json::json!({ "carried": [], "lost": [] }));
+    let table = run(path, "graded.ply a.obj --points 300");
+    assert!(table.went_well().contains("\nattributes, lost         h: OBJ has no place for it\n"), "{}", table.out);
+}
+
+#[test]
+fn a_textured_file_stays_textured() {
+    let folder = folder();
+    let path = folder.path();
+    let square = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl red\n\
+                  f 1/1 2/2 3/3 4/4\n";
+    std::fs::write(path.join("square.obj"), square).unwrap();
+    run(path, "square.obj out.obj --points 60 -q").went_well();
+    let written = std::fs::read_to_string(path.join("out.obj")).unwrap();
+    assert!(written.starts_with("mtllib m.mtl\nv ") && written.contains("\nusemtl red\nf "));
+    assert_eq!(written.lines().filter(|line| line.starts_with("vt ")).count(), 60);
+    // Through every format that has texture coordinates and back, they are where the corners are.
+    run(path, "square.obj a.glb --points 60 -q").went_well();
+    run(path, "a.glb b.ply --points 50 -q").went_well();
+    run(path, "b.ply c.obj --points 40 -q").went_well();
+    let written = std::fs::read_to_string(path.join("c.obj")).unwrap();
+    let numbers = |keyword: &str| -> Vec<Vec<f64>> {
+        let lines = written.lines().filter_map(|line| line.strip_prefix(keyword));
+        lines.map(|line| line.split(' ').map(|word| word.parse().unwrap()).collect()).collect()
+    };
+    let (places, texture) = (numbers("v "), numbers("vt "));
+    for face in written.lines().filter_map(|line| line.strip_prefix("f ")) {
+        for corner in face.split(' ') {
+            let (v, vt) = corner.split_once('/').unwrap();
+            let [v, vt] = [v, vt].map(|word| word.parse::<usize>().unwrap() - 1);
+            assert!((0..2).all(|k| (places[v][k] - texture[vt][k]).abs() < 1e-5), "{corner}");
+        }
+    }
+}
+
+#[test]
+fn a_cloud_is_no_surface_and_columns_are_no_output() {
+    let folder = folder();
+    let path = folder.path();
+    std::fs::write(path.join("cloud.xyz"), "0 0 0\n1 0 0\n0 1 0\n").unwrap();
+    std::fs::write(path.join("bad.pts"), "0 0 0\n1 0 0 5\n").unwrap();
+    run(path, "cloud.xyz out.obj --points 100").failed(1, &["cloud.xyz", "3 vertices and no triangles"]);
+    run(path, "bad.pts out.obj --points 100").failed(1, &["bad.pts:2: 4 columns, where the lines before have 3"]);
+    run(path, "sphere.off out.xyz --points 100").failed(1, &["out.xyz: XYZ has no triangles", ".obj"]);
+}

@@ -52,6 +52,22 @@ fn valid_files() -> Vec<(Format, Vec<u8>)> {
     files
 }
 
+/// Files of points without triangles, none of them broken.
+fn cloud_files() -> Vec<(Format, Vec<u8>)> {
+    let (points, attributes) = scan();
+    let written = |format| {
+        let mut bytes = Vec::new();
+        io::write_points(&points, &attributes, format, &mut bytes).unwrap();
+        (format, bytes)
+    };
+    let mut las = vec![0; 227 + 3 * 26];
+    las[..4].copy_from_slice(b"LASF");
+    (las[24], las[25], las[94], las[96], las[104], las[105], las[107]) = (1, 2, 227, 227, 2, 26, 3);
+    las[131..155].copy_from_slice(&[1f64.to_le_bytes(); 3].concat());
+    let text = b"// x;y;z;r;g;b\n3\n0;0;0;255;8;0\n1;0;0;7;8;9\n0;1;0;0;0;0\n".to_vec();
+    Format::OF_POINTS.into_iter().map(written).chain([(Format::Las, las), (Format::Xyz, text)]).collect()
+}
+
 /// Reads as every format, also after the wrong ones: an error or a mesh that is sound.
 fn read_as_anything(bytes: &[u8]) {
     let _ = Format::sniff(bytes);
@@ -142,6 +158,7 @@ fn points_come_back_from_every_format_that_has_them() {
         }
         let label = loaded.attributes.vertex.iter().find(|a| a.components == 1);
         assert_eq!(label.map(|a| a.values.clone()), holds("_LABEL").then(|| attributes.vertex[1].values.clone()));
+        assert!(label.is_none_or(|a| a.name == "_LABEL"), "{format}");
         let back = loaded.into_points();
         assert_eq!(back.positions, points.positions, "{format}");
         assert!((0..6).all(|v| back.normals[v].distance(points.normals[v]) < 1e-6), "{format}");
@@ -200,8 +217,17 @@ fn attributes_come_back_from_every_format_that_has_them() {
 }
 
 #[test]
+fn clouds_are_read_and_known_by_their_content() {
+    for (format, bytes) in cloud_files() {
+        let loaded = io::parse(&bytes, format, NO_BUFFERS).unwrap();
+        assert!(loaded.mesh.triangles.is_empty() && loaded.mesh.positions.len() >= 3);
+        assert_eq!(Format::sniff(&bytes), Some(format));
+    }
+}
+
+#[test]
 fn files_may_end_anywhere() {
-    for (_, bytes) in valid_files() {
+    for (_, bytes) in valid_files().into_iter().chain(cloud_files()) {
         (0..bytes.len()).for_each(|end| read_as_anything(&bytes[..end]));
     }
 }
@@ -238,14 +264,16 @@ fn mutated() -> impl Strategy<Value = Vec<u8>> {
         1 => Just(b"\n".to_vec()),
     ];
     let change = (any::<prop::sample::Index>(), 0usize..5, piece);
-    (prop::sample::select(valid_files()), prop::collection::vec(change, 1..6)).prop_map(|((_, mut bytes), changes)| {
-        for (at, removed, piece) in changes {
-            let at = at.index(bytes.len() + 1);
-            let end = (at + removed).min(bytes.len());
-            bytes.splice(at..end, piece);
-        }
-        bytes
-    })
+    (prop::sample::select([valid_files(), cloud_files()].concat()), prop::collection::vec(change, 1..6)).prop_map(
+        |((_, mut bytes), changes)| {
+            for (at, removed, piece) in changes {
+                let at = at.index(bytes.len() + 1);
+                let end = (at + removed).min(bytes.len());
+                bytes.splice(at..end, piece);
+            }
+            bytes
+        },
+    )
 }
 
 proptest! {

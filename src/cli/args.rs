@@ -25,7 +25,8 @@ Examples:
       measure any mesh, and how far it is from another one
 
 Formats, by the ending of the file: obj, ply, stl, off, gltf, glb. Points without triangles are
-read from all of them but stl, and from columns of numbers: xyz, xyzn, pts, asc, txt.
+read from all of them but stl, from las and laz, and from columns of numbers: xyz, xyzn, pts, asc,
+txt.
 
 Exit status:
   0   the result is written and verified: an oriented manifold of the input's topology whose faces
@@ -94,8 +95,8 @@ struct RemeshArgs {
     /// How much edge lengths follow the shape: from 0, even, to 1, short where it bends or is thin
     #[arg(long, value_name = "A", default_value_t = 0.0, allow_negative_numbers = true, conflicts_with = "sizing")]
     adapt: f64,
-    /// Edge lengths wanted at the vertices of the input: a property of its vertices (PLY), an attribute like _SIZE
-    /// (glTF), or a .json file with a list; also says how dense, if nothing else does
+    /// Edge lengths wanted at the vertices of the input: a property of theirs, as of a vertex in PLY or an attribute like
+    /// _SIZE in glTF, or a .json file with a list; also says how dense, if nothing else does
     #[arg(long, value_name = "PROPERTY|F.json")]
     sizing: Option<String>,
     /// Smooth noise away first, of clouds and of meshes: points reach as far as W mean distances of neighbouring ones

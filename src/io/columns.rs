@@ -56,13 +56,14 @@ pub(super) fn cut(table: &[f64], width: usize, from: usize, to: usize) -> Vec<f6
     table.chunks_exact(width).flat_map(|row| &row[from..to]).copied().collect()
 }
 
-/// The colours, of `components` numbers, that `values` are: bytes if they are whole and up to 255, fractions if they go
-/// from 0 to 1.
+/// The colours, of `components` numbers, that `values` are: fractions if they go from 0 to 1, else bytes or 16-bit
+/// numbers if they are whole and in range.
 pub(super) fn color(values: Vec<f64>, components: usize) -> Option<Attribute> {
     let all = |is: fn(&f64) -> bool| values.iter().all(is);
     let scalar = match () {
         () if all(|x| (0.0..=1.0).contains(x)) => Scalar::F32,
         () if all(|x| (0.0..=255.0).contains(x) && x.fract() == 0.0) => Scalar::U8,
+        () if all(|x| (0.0..=65535.0).contains(x) && x.fract() == 0.0) => Scalar::U16,
         () => return None,
     };
     Some(Attribute { name: COLOR.into(), components, values, scalar })
@@ -106,11 +107,12 @@ mod tests {
     }
 
     #[test]
-    fn colours_are_bytes_or_fractions() {
+    fn colours_are_whole_numbers_or_fractions() {
         let scalar = |values: &[f64]| color(values.to_vec(), 3).map(|c| c.scalar);
         assert_eq!(scalar(&[0.0, 1.0, 0.5]), Some(Scalar::F32));
         assert_eq!(scalar(&[0.0, 1.0, 255.0]), Some(Scalar::U8));
-        for none in [[0.0, 1.5, 2.0], [0.0, -1.0, 2.0], [0.0, 0.0, 256.0]] {
+        assert_eq!(scalar(&[0.0, 1.0, 256.0]), Some(Scalar::U16));
+        for none in [[0.0, 1.5, 2.0], [0.0, -1.0, 2.0], [0.0, 0.0, 65536.0]] {
             assert_eq!(scalar(&none), None);
         }
     }

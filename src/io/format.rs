@@ -1,6 +1,6 @@
 //! The formats by name, by ending and by content.
 
-use super::{off, xyz};
+use super::{las, off, xyz};
 use crate::base::error::{Error, Result};
 use crate::surface::attributes::{Attribute, Attributes, Lost, MATERIALS, TEXTURE};
 use serde::{Deserialize, Serialize};
@@ -25,6 +25,8 @@ pub enum Format {
     Glb,
     /// Columns of numbers in text: points and what they have, no triangles.
     Xyz,
+    /// LAS or, compressed, LAZ: points of laser scanners; only read.
+    Las,
 }
 
 /// Where a keyword that is not at the very start must appear for the content to be recognised.
@@ -42,8 +44,8 @@ const OBJ_STATEMENTS: [&[u8]; 12] =
 
 impl Format {
     /// All formats, in the order of the documentation.
-    pub const ALL: [Format; 7] =
-        [Format::Obj, Format::Ply, Format::Stl, Format::Off, Format::Gltf, Format::Glb, Format::Xyz];
+    pub const ALL: [Format; 8] =
+        [Format::Obj, Format::Ply, Format::Stl, Format::Off, Format::Gltf, Format::Glb, Format::Xyz, Format::Las];
 
     /// Those that have triangles.
     pub const OF_MESHES: [Format; 6] = [Format::Obj, Format::Ply, Format::Stl, Format::Off, Format::Gltf, Format::Glb];
@@ -61,6 +63,7 @@ impl Format {
             Format::Gltf => "gltf",
             Format::Glb => "glb",
             Format::Xyz => "xyz",
+            Format::Las => "las",
         }
     }
 
@@ -74,6 +77,7 @@ impl Format {
             Format::Gltf => "glTF",
             Format::Glb => "GLB",
             Format::Xyz => "XYZ",
+            Format::Las => "LAS",
         }
     }
 
@@ -81,7 +85,8 @@ impl Format {
     pub fn from_extension(extension: &str) -> Option<Format> {
         let is = |ending: &str| ending.eq_ignore_ascii_case(extension);
         let of_columns = || XYZ_ENDINGS.into_iter().any(is).then_some(Format::Xyz);
-        Format::ALL.into_iter().find(|f| is(f.extension())).or_else(of_columns)
+        let compressed = || is("laz").then_some(Format::Las);
+        Format::ALL.into_iter().find(|f| is(f.extension())).or_else(of_columns).or_else(compressed)
     }
 
     /// The format of a file by its content: a signature, or a first statement that only one format has.
@@ -97,6 +102,8 @@ impl Format {
         let starts = |word: &str| head.trim_ascii_start().starts_with(word.as_bytes());
         if bytes.starts_with(b"glTF") {
             Some(Format::Glb)
+        } else if bytes.starts_with(las::MAGIC) {
+            Some(Format::Las)
         } else if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
             Some(Format::Ply)
         } else if is_binary_stl(bytes) || (starts("solid") && (has("facet") || has("endsolid"))) {
@@ -155,9 +162,12 @@ impl Format {
     pub fn cannot_hold(self, attributes: &Attributes) -> Vec<Lost> {
         let lost = |name: &str| Lost { name: name.into(), cause: format!("{self} has no place for it") };
         let vertex = attributes.vertex.iter().filter(|a| !self.holds(a)).map(|a| lost(&a.name));
-        let texture = !attributes.texture.is_empty() && matches!(self, Format::Stl | Format::Off | Format::Xyz);
+        let texture =
+            !attributes.texture.is_empty() && matches!(self, Format::Stl | Format::Off | Format::Xyz | Format::Las);
         let materials = attributes.materials.is_some() && self != Format::Obj;
-        vertex.chain(texture.then(|| lost(TEXTURE))).chain(materials.then(|| lost(MATERIALS))).collect()
+        let opacity = self == Format::Obj && attributes.color().is_some_and(|color| color.components == 4);
+        let others = [(texture, TEXTURE), (materials, MATERIALS), (opacity, "opacity")];
+        vertex.chain(others.into_iter().filter(|(is_lost, _)| *is_lost).map(|(_, name)| lost(name))).collect()
     }
 
     /// Whether files have a place for an attribute of vertices.
@@ -166,7 +176,7 @@ impl Format {
             Format::Ply | Format::Xyz => true,
             Format::Obj | Format::Off => attribute.is_color() || attribute.is_normal(),
             Format::Gltf | Format::Glb => attribute.components <= 4,
-            Format::Stl => false,
+            Format::Stl | Format::Las => false,
         }
     }
 }
@@ -185,7 +195,7 @@ mod tests {
         assert_eq!(Format::from_extension("PLY"), Some(Format::Ply));
         assert_eq!(Format::from_extension("ply "), None);
         let message = "doc".parse::<Format>().unwrap_err().to_string();
-        assert_eq!(message, "format: 'doc' is no mesh format; use one of obj, ply, stl, off, gltf, glb, xyz");
+        assert_eq!(message, "format: 'doc' is no mesh format; use one of obj, ply, stl, off, gltf, glb, xyz, las");
         assert_eq!(["XYZN", "txt", "pts", "asc"].map(Format::from_extension), [Some(Format::Xyz); 4]);
     }
 
@@ -216,6 +226,7 @@ mod tests {
             (b"1 2\n3 4\n", None),
             (b"", None),
             (b"\x89PNG\r\n", None),
+            (b"LASF\0\0", Some(Format::Las)),
             (b"hello world", None),
         ] {
             assert_eq!(Format::sniff(bytes), format, "{}", String::from_utf8_lossy(bytes));

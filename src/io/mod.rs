@@ -27,6 +27,7 @@ mod faces;
 pub mod file;
 mod format;
 mod gltf;
+mod las;
 mod obj;
 mod off;
 mod ply;
@@ -96,6 +97,7 @@ pub fn parse(bytes: &[u8], format: Format, resolve: Resolve) -> Result<Loaded> {
         Format::Off => off::parse(bytes),
         Format::Gltf | Format::Glb => gltf::parse(bytes, resolve),
         Format::Xyz => xyz::parse(bytes),
+        Format::Las => las::parse(bytes),
     }?;
     check(&mesh, format)?;
     check_attributes(&mesh, &attributes)?;
@@ -154,6 +156,7 @@ fn write_content(content: &Content, format: Format, out: &mut dyn std::io::Write
         Format::Gltf => gltf::write_gltf(content, out),
         Format::Glb => gltf::write_glb(content, out),
         Format::Xyz => xyz::write(content, out),
+        Format::Las => Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, "LAS is read only")),
     }
 }
 

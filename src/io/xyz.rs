@@ -1,10 +1,11 @@
 //! Points as columns of numbers in text: XYZ, XYZN, PTS, ASC, and whatever else is one point a line.
 //!
 //! Columns are parted by white space, commas or semicolons. `#` and `//` begin comments. Lines before the first point
-//! may be a heading or the number of points, which is not needed. The first three columns are the position. Which
-//! columns of the others belong together is found from the numbers: three in a row are normals if their length is one,
-//! colours if they are whole numbers up to 255 or fractions, normals of any length if there are no others; any other
-//! column is an attribute by itself, named by the heading if there is one. What was taken for what is said in a note.
+//! may be a heading or the number of points, which is not needed. The first three columns are the position. A heading,
+//! also in a comment, that begins with x, y and z and has a word for each column says what the others are. Without one
+//! it is found from the numbers which of them belong together: three in a row are normals if their length is one, colours
+//! if they are fractions or whole numbers up to 255 or 65535, normals of any length if there are no others; any other
+//! column is an attribute by itself. What was taken for what is said in a note.
 //!
 //! Limits: no decimal commas.
 //!
@@ -22,6 +23,10 @@ use std::io::{self, Write};
 
 /// Lines that are looked at to tell whether a text is a table.
 const PROBE: usize = 8;
+
+/// What headings call normals and colours.
+const NORMALS: [[&str; 3]; 2] = [["nx", "ny", "nz"], ["normal_x", "normal_y", "normal_z"]];
+const COLORS: [[&str; 3]; 2] = [["r", "g", "b"], ["red", "green", "blue"]];
 
 /// What the lone further column of many scanners is.
 const INTENSITY: &str = "intensity";
@@ -67,7 +72,7 @@ pub(crate) fn write(content: &Content, out: &mut dyn Write) -> io::Result<()> {
 
 /// Whether a text looks like a table of points.
 pub(crate) fn is_table(bytes: &[u8]) -> bool {
-    let mut words = Words::new(bytes).with_comments();
+    let mut words = Words::new(bytes);
     let mut row = Vec::new();
     for _ in 0..PROBE {
         match read_line(&mut words, &mut row) {
@@ -84,7 +89,7 @@ pub(crate) fn is_table(bytes: &[u8]) -> bool {
 }
 
 fn read(bytes: &[u8]) -> Result<Table> {
-    let mut words = Words::new(bytes).with_comments();
+    let mut words = Words::new(bytes);
     let mut table = Table::default();
     loop {
         table.line(&mut words)?;
@@ -100,11 +105,13 @@ impl Table {
         let line = read_line(words, &mut self.values);
         let found = self.values.len() - before;
         match line {
-            Line::Empty => {}
-            Line::Words(heading) if self.width == 0 => {
+            Line::Words(heading) | Line::Comment(heading) if self.width == 0 => {
                 self.values.truncate(before);
-                self.heading = heading;
+                if is_heading(&heading) {
+                    self.heading = heading;
+                }
             }
+            Line::Empty | Line::Comment(_) => {}
             Line::Words(words_of_line) => {
                 let wrong = words_of_line.iter().find(|word| number(word.as_bytes()).is_none());
                 let wrong = quote(wrong.map_or("", |word| word).as_bytes());
@@ -130,6 +137,8 @@ impl Table {
 /// What a line has.
 enum Line {
     Empty,
+    /// All words of a comment.
+    Comment(Vec<String>),
     /// Numbers only.
     Row,
     /// All its words, some of which are no numbers.
@@ -141,8 +150,8 @@ fn read_line(words: &mut Words, values: &mut Vec<f64>) -> Line {
     let start = words.clone();
     let mut line = Line::Empty;
     while let Some(word) = words.here() {
-        if word.starts_with(b"//") {
-            break;
+        if word.starts_with(b"#") || word.starts_with(b"//") {
+            return if matches!(line, Line::Empty) { Line::Comment(all_words(start)) } else { line };
         }
         for part in parts(word) {
             match number(part) {
@@ -159,23 +168,32 @@ fn parts(word: &[u8]) -> impl Iterator<Item = &[u8]> {
     word.split(|b| matches!(b, b',' | b';')).filter(|part| !part.is_empty())
 }
 
+/// The words of a line without the mark of a comment.
 fn all_words(mut words: Words) -> Vec<String> {
     let mut all = Vec::new();
     while let Some(word) = words.here() {
-        all.extend(parts(word).map(|part| String::from_utf8_lossy(part).into_owned()));
+        all.extend(parts(word).map(|part| String::from_utf8_lossy(part).trim_start_matches(['#', '/']).to_string()));
     }
+    all.retain(|word| !word.is_empty());
     all
+}
+
+fn is_heading(words: &[String]) -> bool {
+    words.len() >= 3 && words.iter().zip(["x", "y", "z"]).all(|(word, name)| word.eq_ignore_ascii_case(name))
 }
 
 /// The attributes that the columns behind the third are, and notes that say so.
 fn attributes(values: &[f64], width: usize, heading: &[String]) -> (Vec<Attribute>, Vec<String>) {
     let (mut found, mut notes) = (Vec::new(), Vec::new());
+    let heading = if heading.len() == width { heading } else { &[] };
     let mut at = 3;
     while at < width {
-        let (attribute, what) = match three(values, width, at) {
-            Some(known) if at + 3 <= width => known,
-            _ => (single(values, width, at, heading), ""),
+        let known = match heading.get(at..at + 3) {
+            _ if at + 3 > width => None,
+            Some(names) => three_named(values, width, at, names),
+            None => three(values, width, at),
         };
+        let (attribute, what) = known.unwrap_or_else(|| (single(values, width, at, heading), ""));
         let last = at + attribute.components;
         notes.push(match what {
             "" => format!("column {last} is taken as '{}'", attribute.name),
@@ -187,11 +205,19 @@ fn attributes(values: &[f64], width: usize, heading: &[String]) -> (Vec<Attribut
     (found, notes)
 }
 
-/// The normals or colours, if they are some, in the three columns from `at` on.
-fn three(values: &[f64], width: usize, at: usize) -> Option<(Attribute, &'static str)> {
-    if at + 3 > width {
-        return None;
+/// The normals or colours that the three columns from `at` on are by their names.
+fn three_named(values: &[f64], width: usize, at: usize, names: &[String]) -> Option<(Attribute, &'static str)> {
+    let numbers = || cut(values, width, at, at + 3);
+    let is = |known: &[&str; 3]| names.iter().zip(known).all(|(name, known)| name.eq_ignore_ascii_case(known));
+    if NORMALS.iter().any(is) {
+        return Some((normal(numbers()), "normals, as the heading says"));
     }
+    let color = if COLORS.iter().any(is) { color(numbers(), 3) } else { None };
+    color.map(|color| (color, "colours, as the heading says"))
+}
+
+/// The normals or colours that the three columns from `at` on are by their numbers.
+fn three(values: &[f64], width: usize, at: usize) -> Option<(Attribute, &'static str)> {
     let numbers = cut(values, width, at, at + 3);
     if are_unit(&numbers) {
         return Some((normal(numbers), "normals: their length is one"));
@@ -209,7 +235,7 @@ fn three(values: &[f64], width: usize, at: usize) -> Option<(Attribute, &'static
 /// Column `at` by itself.
 fn single(values: &[f64], width: usize, at: usize, heading: &[String]) -> Attribute {
     let unnamed = || if width == 4 || width == 7 { INTENSITY.into() } else { format!("column_{}", at + 1) };
-    let name = if heading.len() == width { heading[at].clone() } else { unnamed() };
+    let name = heading.get(at).cloned().unwrap_or_else(unnamed);
     Attribute { name, components: 1, values: cut(values, width, at, at + 1), scalar: Scalar::F64 }
 }
 
@@ -254,17 +280,19 @@ mod tests {
 
     #[test]
     fn what_columns_are_is_found_from_their_numbers() {
-        let normal = ("normal".to_string(), 3, Scalar::F64);
-        let bytes = ("color".to_string(), 3, Scalar::U8);
+        let normal = || ("normal".to_string(), 3, Scalar::F64);
+        let bytes = || ("color".to_string(), 3, Scalar::U8);
         let one = |name: &str| (name.to_string(), 1, Scalar::F64);
-        assert_eq!(names("0 0 0 0.6 0.8 0\n1 0 0 0 0 1\n"), [normal.clone()]);
-        assert_eq!(names("0 0 0 255 8 0\n1 0 0 0 0 1\n"), [bytes.clone()]);
+        assert_eq!(names("0 0 0 0.6 0.8 0\n1 0 0 0 0 1\n"), [normal()]);
+        assert_eq!(names("0 0 0 255 8 0\n1 0 0 0 0 1\n"), [bytes()]);
         assert_eq!(names("0 0 0 0.5 0.5 0\n"), [("color".to_string(), 3, Scalar::F32)]);
-        assert_eq!(names("0 0 0 2.5 0.5 -7\n"), [normal.clone()]);
+        assert_eq!(names("0 0 0 2.5 0.5 -7\n"), [normal()]);
         assert_eq!(names("0 0 0 -7\n"), [one("intensity")]);
-        assert_eq!(names("0 0 0 -7 9 9 9\n"), [one("intensity"), bytes.clone()]);
-        assert_eq!(names("0 0 0 9 9 9 0 0 -1\n"), [bytes.clone(), normal]);
+        assert_eq!(names("0 0 0 -7 9 9 9\n"), [one("intensity"), bytes()]);
+        assert_eq!(names("0 0 0 9 9 9 0 0 -1\n"), [bytes(), normal()]);
         assert_eq!(names("x y z a b\n0 0 0 9 9\n"), [one("a"), one("b")]);
+        assert_eq!(names("# x y z a b c\n0 0 0 9 9 9\n"), [one("a"), one("b"), one("c")]);
+        assert_eq!(names("//X,Y,Z,R,G,B,Nx,Ny,Nz\n0 0 0 9 9 9 0 0 4\n"), [bytes(), normal()]);
         assert_eq!(names("0 0 0 9 9\n"), [one("column_4"), one("column_5")]);
     }
 

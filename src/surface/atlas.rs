@@ -1,9 +1,9 @@
 //! Texture coordinates of one mesh carried over to another one.
 //!
-//! Texture coordinates jump at seams, and each triangle of the output has to be on one side of a seam as a whole: on that of
-//! the triangle of the input below its centre. From there the input is walked over as far as the output's triangle
-//! reaches, but across no seam. A corner above a triangle that the walk has met has the coordinates there, as
-//! all its triangles on this side have; a corner beyond a seam has those of the closest point that the walk has met,
+//! Texture coordinates jump at seams, and each triangle of the output has to be on one side of a seam as a whole: on
+//! that of the triangle of the input below its centre. From there the input is walked over as far as the output's
+//! triangle reaches, but across no seam. A corner above a triangle that the walk has met has the coordinates there, as
+//! in all its triangles on this side; a corner beyond a seam has those of the closest point that the walk has met,
 //! continued linearly by the affine map that fits the coordinates of what the walk has met best (least squares,
 //! weighted by area).
 //!

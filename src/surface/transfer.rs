@@ -3,7 +3,7 @@
 //! Each vertex of the output takes the attributes of the point of the input that is closest to it among those where the
 //! surface faces the same way: numbers are interpolated in the triangle there, labels, which have no mean, are those of
 //! the nearest corner. A triangle has the material of the input below its centre. Texture coordinates are those of
-//! corners, and [`atlas`](super::atlas) says how. Normals are not carried but computed anew, for an output whose input
+//! corners, and `atlas.rs` beside this says how. Normals are not carried but computed anew, for an output whose input
 //! had some.
 //!
 //! Cost: a hierarchy over the input and a search for each vertex, and, for texture coordinates and materials, for each
@@ -158,7 +158,10 @@ impl Surface<'_> {
     /// nearer than `reach` beyond the closest one.
     fn foot(&self, p: DVec3, normal: DVec3, reach: f64) -> Foot {
         let agrees = |t: u32| self.mesh.area_vector(t as usize).dot(normal) > 0.0;
-        let nearest = self.bvh.closest(self.mesh, p).expect("a mesh with triangles and a finite point");
+        // Nothing is closest to a point that is not finite, or so far that squares are not.
+        let Some(nearest) = self.bvh.closest(self.mesh, p) else {
+            return Foot { triangle: 0, weights: [1.0, 0.0, 0.0], point: self.mesh.corners(0)[0] };
+        };
         let hit = if agrees(nearest.triangle) {
             nearest
         } else {

@@ -550,9 +550,8 @@ fn attributes_are_written_in_their_types() {
         let written = attributes.get(&of_file.name).unwrap();
         assert_eq!((of_file.scalar, of_file.components), (written.scalar, written.components));
         for (t, triangle) in tetrahedron().triangles.iter().enumerate() {
-            for k in 0..3 {
-                let found = of_file.of(read.mesh.triangles[t][k] as usize);
-                assert_eq!(found, written.of(triangle[k] as usize), "{}", of_file.name);
+            for (v, w) in read.mesh.triangles[t].into_iter().zip(*triangle) {
+                assert_eq!(of_file.of(v as usize), written.of(w as usize), "{}", of_file.name);
             }
         }
     }

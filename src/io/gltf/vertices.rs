@@ -66,7 +66,7 @@ impl Columns {
                 }
                 Ok(vectors) => self.extend(name, vectors, base, turn),
                 Err(Error::Format { place, cause, .. }) => {
-                    self.leave_out(&name, &format!("{place}: {cause}").trim_start_matches(", ").to_string());
+                    self.leave_out(&name, format!("{place}: {cause}").trim_start_matches(", "));
                 }
                 Err(other) => self.leave_out(&name, &other.to_string()),
             }

@@ -5,8 +5,8 @@
 //! strips of `tristrips`, in whatever order and types; all other elements, lists and properties of faces are left out.
 //! A count in the header is compared with the bytes that are left before memory is reserved for it.
 //!
-//! Of the properties of vertices, `vertices` says which are the position, the normal, the colour and texture coordinates; each
-//! other one is an attribute by itself.
+//! Which properties of vertices are the position, the normal, the colour and texture coordinates is said in `vertices`;
+//! each other one is an attribute by itself.
 //!
 //! A strip is a row of vertices, three in succession a triangle, the second of which winds the other way, and so on; -1
 //! starts afresh. Triangles with a vertex twice only join strips and are left out.

@@ -7,17 +7,20 @@
 //!
 //! Cost: one pass; memory for the polygons beside that of the mesh.
 
-use super::bytes::{CORRECT_LINE, malformed};
-use super::columns::{Columns, color, normal};
-use super::faces::Faces;
-use super::text::{Words, left_out, number, quote, small_faces, whole, write_line};
-use super::{Content, Parsed, Read};
+mod write;
+
+pub(crate) use write::write;
+
 use crate::base::error::{Place, Result};
-use crate::surface::attributes::{Attribute, Attributes, Materials, Wedges};
+use crate::io::bytes::{CORRECT_LINE, malformed};
+use crate::io::columns::{Columns, color, normal};
+use crate::io::faces::Faces;
+use crate::io::text::{Words, left_out, number, quote, small_faces, whole};
+use crate::io::{Parsed, Read};
+use crate::surface::attributes::{Attribute, Attributes, Materials};
 use crate::surface::mesh::Mesh;
 use crate::surface::topology::NONE;
 use glam::{DVec2, DVec3};
-use std::io::{self, Write};
 
 /// Statements that say nothing about the shape of polygons.
 const SKIPPED: &[&str] = &[
@@ -56,51 +59,6 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     }
     reader.check_indices()?;
     Ok(reader.finish())
-}
-
-pub(crate) fn write(content: &Content, out: &mut dyn Write) -> io::Result<()> {
-    let Content { positions, triangles, attributes } = content;
-    let (color, normal, materials) = (attributes.color(), attributes.normal(), attributes.materials.as_ref());
-    for library in materials.iter().flat_map(|m| &m.libraries) {
-        writeln!(out, "mtllib {library}")?;
-    }
-    for (v, p) in positions.iter().enumerate() {
-        write_line(out, "v", p.to_array().into_iter().chain(color.into_iter().flat_map(|c| c.color(v))))?;
-    }
-    for n in normal.iter().flat_map(|n| n.values.chunks_exact(3)) {
-        write_line(out, "vn", n.iter().copied())?;
-    }
-    let wedges = Wedges::new(triangles, &attributes.texture);
-    for at in &wedges.coordinates {
-        // Corners without coordinates are not written with them.
-        write_line(out, "vt", if at.is_finite() { at.to_array() } else { [0.0; 2] })?;
-    }
-    for (t, triangle) in triangles.iter().enumerate() {
-        write_material(materials, t, out)?;
-        let wedge = wedges.corners.get(t).filter(|_| attributes.texture[t].iter().all(|at| at.is_finite()));
-        write_face(triangle, wedge, normal.is_some(), out)?;
-    }
-    Ok(())
-}
-
-/// The material of triangle `t`, where it is not that of the one before.
-fn write_material(materials: Option<&Materials>, t: usize, out: &mut dyn Write) -> io::Result<()> {
-    let Some(Materials { names, of_triangle, .. }) = materials else { return Ok(()) };
-    match names.get(of_triangle[t] as usize) {
-        Some(name) if t == 0 || of_triangle[t - 1] != of_triangle[t] => writeln!(out, "usemtl {name}"),
-        _ => Ok(()),
-    }
-}
-
-/// A triangle with its texture coordinates, if it has some, and the normals of its vertices.
-fn write_face(triangle: &[u32; 3], wedge: Option<&[u32; 3]>, normals: bool, out: &mut dyn Write) -> io::Result<()> {
-    let [a, b, c] = triangle.map(|v| u64::from(v) + 1);
-    match (wedge.map(|w| w.map(|w| u64::from(w) + 1)), normals) {
-        (None, false) => writeln!(out, "f {a} {b} {c}"),
-        (None, true) => writeln!(out, "f {a}//{a} {b}//{b} {c}//{c}"),
-        (Some([i, j, k]), false) => writeln!(out, "f {a}/{i} {b}/{j} {c}/{k}"),
-        (Some([i, j, k]), true) => writeln!(out, "f {a}/{i}/{a} {b}/{j}/{b} {c}/{k}/{c}"),
-    }
 }
 
 struct Reader<'a> {
@@ -393,169 +351,4 @@ fn relative(word: &[u8], known: usize) -> Option<u32> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::base::error::{Error, Place};
-    use proptest::prelude::*;
-
-    fn mesh(text: &str) -> Mesh {
-        parse(text.as_bytes()).unwrap().mesh
-    }
-
-    fn notes(text: &str) -> Vec<String> {
-        parse(text.as_bytes()).unwrap().notes
-    }
-
-    fn triangles(text: &str) -> Vec<[u32; 3]> {
-        mesh(text).triangles
-    }
-
-    #[track_caller]
-    fn fails_at(text: &str, line: usize, words: &str) {
-        match parse(text.as_bytes()) {
-            Err(Error::Format { place, cause, .. }) => {
-                assert_eq!(place, Place::Line(line), "{cause}");
-                assert!(cause.contains(words), "{cause}");
-            }
-            other => panic!("{other:?}"),
-        }
-    }
-
-    const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
-
-    #[test]
-    fn corners_in_all_forms() {
-        for face in ["1 2 3", "1/1 2/2 3/3", "1//1 2//1 3//1", "1/1/1 2/2/1 3/3/1", "-4 -3 -2", "-4/1 -3// +3/-1/-1"] {
-            assert_eq!(triangles(&format!("{SQUARE}f {face}\n")), [[0, 1, 2]], "{face}");
-        }
-    }
-
-    #[test]
-    fn vertices_in_all_forms() {
-        let m = mesh("v 1e-5 2 -3.5 # in words\nv 1 2 3 0.5\nv\t4 5 6 1 0 0\r\nv 7 8 9 nan nan nan nan");
-        let expected = [[1e-5, 2.0, -3.5], [1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 9.0]];
-        assert_eq!(m.positions, expected.map(DVec3::from));
-        assert!(m.triangles.is_empty());
-    }
-
-    #[test]
-    fn groups_and_objects_are_one_mesh() {
-        let text = format!(
-            "# C:\\models\\\nmtllib gone.mtl\n{SQUARE}o one\ng a b\ns off\nusemtl red\nf 1 2 3\no two\nv 0 0 1\nf -1 1 2\n"
-        );
-        assert_eq!(triangles(&text), [[0, 1, 2], [4, 0, 1]]);
-        assert!(notes(&text).is_empty());
-    }
-
-    #[test]
-    fn polygons_and_lines_that_go_on() {
-        assert_eq!(triangles(&format!("{SQUARE}f 1 2 \\\n 3\\\r\n4\nf 1 2 3")), [[0, 1, 2], [0, 2, 3], [0, 1, 2]]);
-        let dart = "v 0 0 0\nv 2 1 0\nv 0 2 0\nv 0.5 1 0\nf 1 2 3 4\n";
-        assert_eq!(triangles(dart), [[0, 1, 3], [1, 2, 3]]);
-    }
-
-    #[test]
-    fn faces_may_come_first() {
-        assert_eq!(triangles(&format!("f 1 2 3 4\n{SQUARE}")).len(), 2);
-    }
-
-    #[test]
-    fn what_is_left_out_is_said() {
-        let text = format!("{SQUARE}p 1\nl 1 2\nf 1 2\nf\nvp 1 2\ncstype bezier\nsurf 0 1\nend\nfoo\nbar\n");
-        assert_eq!(
-            notes(&text),
-            [
-                "2 faces with fewer than three corners are left out",
-                "1 point or line element is left out",
-                "free-form curves and surfaces are left out",
-                "statements that OBJ does not have are left out: 2, the first is 'foo' on line 13",
-            ]
-        );
-    }
-
-    #[test]
-    fn names_need_not_be_utf8() {
-        let mut text = b"# caf\xE9\r\ng \xFF\xFE\r\n".to_vec();
-        text.extend(SQUARE.bytes());
-        text.extend(b"f 1 2 3\r\n");
-        assert_eq!(parse(&text).unwrap().mesh.triangles, [[0, 1, 2]]);
-    }
-
-    #[test]
-    fn errors_name_the_line() {
-        fails_at("v 0 0 0\n\nv 1 nan 0\n", 3, "'nan' is not finite");
-        fails_at("v 0 0 -inf", 1, "not finite");
-        fails_at("v 0 0 1e999", 1, "not finite");
-        fails_at("v 0 0\nv 0 0 0", 1, "missing");
-        fails_at("v 0 0 x7\n", 1, "'x7' is not a number");
-        fails_at(&format!("{SQUARE}f 1 2 5\n"), 5, "vertex 5, but the file has 4");
-        fails_at(&format!("{SQUARE}f 1 2 99999999999\nf 1 2 3"), 5, "vertex 99999999999");
-        fails_at(&format!("{SQUARE}f 1 2 0\n"), 5, "counts from 1");
-        fails_at(&format!("{SQUARE}f 1 2 -5\n"), 5, "only 4 precede");
-        fails_at(&format!("{SQUARE}f 1 2 a\n"), 5, "not a vertex number");
-        fails_at(&format!("{SQUARE}f 1 2 /3\n"), 5, "not a vertex number");
-        fails_at(&format!("{SQUARE}f 1 2 --3\n"), 5, "not a vertex number");
-        fails_at("# one \\\nv 0 0 \\\n  0\nf 1 1 2", 4, "vertex 2");
-    }
-
-    #[test]
-    fn the_written_is_short() {
-        let m =
-            Mesh { positions: vec![DVec3::ZERO, DVec3::X, DVec3::new(-0.5, 1e-7, 0.1)], triangles: vec![[0, 1, 2]] };
-        let mut text = Vec::new();
-        let content = Content { positions: &m.positions, triangles: &m.triangles, attributes: &Attributes::default() };
-        write(&content, &mut text).unwrap();
-        assert_eq!(String::from_utf8(text).unwrap(), "v 0 0 0\nv 1 0 0\nv -0.5 1e-7 0.1\nf 1 2 3\n");
-    }
-
-    /// The corner places of all faces, as tobj reads them.
-    fn by_tobj(text: &str) -> Vec<Vec<[f32; 3]>> {
-        let options = tobj::LoadOptions::default();
-        let no_materials = |_: &std::path::Path| Err(tobj::LoadError::OpenFileFailed);
-        let (models, _) = tobj::load_obj_buf(&mut text.as_bytes(), &options, no_materials).unwrap();
-        let mut faces = Vec::new();
-        for m in models.iter().map(|m| &m.mesh) {
-            let place = |&v: &u32| [0, 1, 2].map(|k| m.positions[3 * v as usize + k]);
-            let sizes = if m.face_arities.is_empty() { vec![3; m.indices.len() / 3] } else { m.face_arities.clone() };
-            let mut rest = &m.indices[..];
-            for size in sizes {
-                let (face, others) = rest.split_at(size as usize);
-                faces.push(face.iter().map(place).collect());
-                rest = others;
-            }
-        }
-        faces
-    }
-
-    proptest! {
-        #[test]
-        fn tobj_reads_the_same(
-            points in prop::collection::vec(prop::array::uniform3(-1e3f32..1e3), 3..20),
-            faces in prop::collection::vec((prop::collection::vec(0usize..1000, 3..4), 0u8..5), 1..30),
-        ) {
-            let mut text: String = points.iter().map(|[x, y, z]| format!("v {x} {y} {z}\nvt 0 0\nvn 0 0 1\n")).collect();
-            for (i, (corners, form)) in faces.iter().enumerate() {
-                if i % 7 == 3 {
-                    text.push_str(&format!("o part{i}\n"));
-                }
-                text.push('f');
-                for c in corners {
-                    let v = c % points.len() + 1;
-                    text.push_str(&match form {
-                        0 => format!(" {v}"),
-                        1 => format!(" {v}/1"),
-                        2 => format!(" {v}//1"),
-                        3 => format!(" {v}/1/1"),
-                        _ => format!(" -{}", points.len() + 1 - v),
-                    });
-                }
-                text.push('\n');
-            }
-            let ours = mesh(&text);
-            let places: Vec<Vec<[f32; 3]>> = ours.triangles.iter()
-                .map(|t| t.iter().map(|&v| ours.positions[v as usize].as_vec3().to_array()).collect())
-                .collect();
-            prop_assert_eq!(places, by_tobj(&text));
-        }
-    }
-}
+mod tests;

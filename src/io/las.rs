@@ -1,0 +1,371 @@
+//! LAS and LAZ, the formats of laser scanners: points with intensity, class and colour.
+//!
+//! A file is a header, records of variable length, and the points in one of eleven layouts, in integers that are scaled
+//! and shifted to coordinates. Those of LAZ are compressed; the crate `laz` decompresses them, with the feature of that
+//! name. Numbers that are zero for all points are taken as missing. Colours in 16 bits of which only eight are used, as
+//! some programs write them, are taken as bytes.
+//!
+//! Read are versions 1.0 to 1.4. Left out are returns, times, angles, waveforms and extra bytes.
+//!
+//! Cost: one pass. A header that promises more points than there can be is refused before memory is reserved; of LAZ,
+//! which may hold any number of equal points in few bytes, at most [`MOST_PER_BYTE`] a byte are read.
+//!
+//! Limits: what is damaged inside of compressed points is found by the crate, which may panic at it; that is caught, but
+//! a panic hook still hears of it. In layouts from 6 on the crate believes the sizes of layers that a chunk names.
+
+use super::bytes::{CUT_SHORT, EXPORT_AGAIN, array, malformed, u32_at};
+use super::{Parsed, Read};
+use crate::base::error::{Place, Result};
+use crate::surface::attributes::{Attribute, Attributes, COLOR, Scalar};
+use crate::surface::mesh::Mesh;
+use glam::DVec3;
+
+/// The first bytes of a file.
+pub(crate) const MAGIC: &[u8] = b"LASF";
+
+/// The bytes of a header of version 1.0, and of one with a count in 64 bits.
+const HEADERS: [usize; 2] = [227, 375];
+
+/// The bytes of a point and where in it its colour is, in each layout.
+const LAYOUTS: [(usize, Option<usize>); 11] = [
+    (20, None),
+    (28, None),
+    (26, Some(20)),
+    (34, Some(28)),
+    (57, None),
+    (63, Some(28)),
+    (30, None),
+    (36, Some(30)),
+    (38, Some(30)),
+    (59, None),
+    (67, Some(30)),
+];
+
+/// The first layout that has its class in a byte of its own.
+const WIDE: usize = 6;
+
+/// Set in the number of the layout of compressed points.
+const COMPRESSED: u8 = 0x80;
+
+/// Points for each byte of a compressed file: real ones take more than a byte each.
+#[cfg(feature = "laz")]
+const MOST_PER_BYTE: usize = 16;
+
+/// What the header says.
+struct Header {
+    layout: usize,
+    compressed: bool,
+    /// Bytes of a point.
+    length: usize,
+    count: usize,
+    /// Where the points begin.
+    start: usize,
+    scale: DVec3,
+    offset: DVec3,
+}
+
+pub(crate) fn parse(bytes: &[u8]) -> Parsed {
+    let header = header(bytes)?;
+    let mut cloud = Cloud::default();
+    if header.compressed {
+        decompress(bytes, &header, &mut |row| cloud.push(&header, row))?;
+    } else {
+        let points = bytes.get(header.start..).unwrap_or_default();
+        if points.len() / header.length < header.count {
+            let (count, found) = (header.count, points.len() / header.length);
+            let cause = format!("the header says {count} points, but the file ends after {found}");
+            return Err(malformed(Place::Byte(bytes.len()), cause, CUT_SHORT));
+        }
+        points.chunks_exact(header.length).take(header.count).for_each(|row| cloud.push(&header, row));
+    }
+    cloud.finish()
+}
+
+fn header(bytes: &[u8]) -> Result<Header> {
+    let wrong = |at: usize, cause: String| malformed(Place::Byte(at), cause, EXPORT_AGAIN);
+    if !bytes.starts_with(MAGIC) || bytes.len() < HEADERS[0] {
+        return Err(malformed(Place::Whole, "it does not begin with the header of a LAS file", CUT_SHORT));
+    }
+    let short = |at: usize| array(bytes, at).map_or(0, u16::from_le_bytes) as usize;
+    let number = |at: usize| array(bytes, at).map_or(f64::NAN, f64::from_le_bytes);
+    let vector = |at: usize| DVec3::new(number(at), number(at + 8), number(at + 16));
+    let layout = (bytes[104] & 0x3F) as usize;
+    let Some(&(least, _)) = LAYOUTS.get(layout) else {
+        return Err(wrong(104, format!("points of format {layout}, only 0 to 10 are known")));
+    };
+    let length = short(105);
+    if length < least {
+        return Err(wrong(105, format!("points of {length} bytes, those of format {layout} take {least}")));
+    }
+    let (scale, offset) = (vector(131), vector(155));
+    if !(scale.is_finite() && offset.is_finite()) {
+        return Err(wrong(131, "the scale or the offset of coordinates is not finite".into()));
+    }
+    let has_long_count = bytes[25] >= 4 && short(94) >= HEADERS[1];
+    let long_count = array(bytes, 247).map(u64::from_le_bytes).filter(|_| has_long_count);
+    let count = long_count.unwrap_or_else(|| u32_at(bytes, 107).map_or(0, u64::from));
+    let count = usize::try_from(count).map_err(|_| wrong(247, format!("{count} points are too many")))?;
+    let start = u32_at(bytes, 96).map_or(0, |start| start as usize);
+    Ok(Header { layout, compressed: bytes[104] & COMPRESSED != 0, length, count, start, scale, offset })
+}
+
+/// The points read so far.
+#[derive(Default)]
+struct Cloud {
+    positions: Vec<DVec3>,
+    intensity: Vec<f64>,
+    class: Vec<f64>,
+    color: Vec<f64>,
+}
+
+impl Cloud {
+    /// Adds the point in `row`, which is as long as the header says.
+    fn push(&mut self, header: &Header, row: &[u8]) {
+        let short = |at: usize| f64::from(array(row, at).map_or(0, u16::from_le_bytes));
+        let long = |at: usize| f64::from(array(row, at).map_or(0, i32::from_le_bytes));
+        self.positions.push(DVec3::new(long(0), long(4), long(8)) * header.scale + header.offset);
+        self.intensity.push(short(12));
+        self.class.push(f64::from(if header.layout < WIDE { row[15] & 0x1F } else { row[16] }));
+        if let Some(at) = LAYOUTS[header.layout].1 {
+            self.color.extend([short(at), short(at + 2), short(at + 4)]);
+        }
+    }
+
+    fn finish(self) -> Parsed {
+        let Cloud { positions, intensity, class, color } = self;
+        if let Some(v) = positions.iter().position(|p| !p.is_finite()) {
+            let place = Place::Part(format!("point {v}"));
+            return Err(malformed(place, "a coordinate is not finite", EXPORT_AGAIN));
+        }
+        let depth = if color.iter().all(|&c| c <= Scalar::U8.full()) { Scalar::U8 } else { Scalar::U16 };
+        let all = [
+            ("intensity", 1, intensity, Scalar::U16),
+            ("classification", 1, class, Scalar::U8),
+            (COLOR, 3, color, depth),
+        ];
+        let used = all.into_iter().filter(|(_, _, values, _)| values.iter().any(|&x| x != 0.0));
+        let attribute = |(name, components, values, scalar): (&str, usize, Vec<f64>, Scalar)| Attribute {
+            name: name.into(),
+            components,
+            values,
+            scalar,
+        };
+        let attributes = Attributes { vertex: used.map(attribute).collect(), ..Attributes::default() };
+        Ok(Read { mesh: Mesh { positions, triangles: Vec::new() }, attributes, notes: Vec::new() })
+    }
+}
+
+/// Calls `push` with each point of a LAZ file.
+#[cfg(feature = "laz")]
+fn decompress(bytes: &[u8], header: &Header, push: &mut dyn FnMut(&[u8])) -> Result<()> {
+    let damaged = |cause: String| malformed(Place::Byte(header.start), cause, CUT_SHORT);
+    if header.count / MOST_PER_BYTE > bytes.len() || !has_sound_chunks(bytes, header.start) {
+        return Err(damaged(format!("the header says {} points, more than so few bytes can hold", header.count)));
+    }
+    let Some(record) = record_of_laszip(bytes) else {
+        return Err(malformed(Place::Byte(HEADERS[0]), "nothing says how the points are compressed", EXPORT_AGAIN));
+    };
+    // The crate takes for granted that what it decompresses was compressed by a sound program.
+    let work = std::panic::AssertUnwindSafe(|| decompress_record(bytes, header, record, push));
+    match std::panic::catch_unwind(work) {
+        Ok(Ok(())) => Ok(()),
+        Ok(Err(cause)) => Err(damaged(format!("the compressed points cannot be read: {cause}"))),
+        Err(_) => Err(damaged("the compressed points are damaged".into())),
+    }
+}
+
+#[cfg(feature = "laz")]
+fn decompress_record(
+    bytes: &[u8],
+    header: &Header,
+    record: &[u8],
+    push: &mut dyn FnMut(&[u8]),
+) -> std::result::Result<(), String> {
+    let record = laz::LazVlr::from_buffer(record).map_err(|e| e.to_string())?;
+    let sizes: usize = record.items().iter().map(|item| usize::from(item.size())).sum();
+    if sizes != header.length {
+        return Err(format!("points of {sizes} bytes instead of {}", header.length));
+    }
+    let mut source = std::io::Cursor::new(bytes);
+    source.set_position(header.start as u64);
+    let mut points = laz::LasZipDecompressor::new(source, record).map_err(|e| e.to_string())?;
+    let mut row = vec![0; header.length];
+    for _ in 0..header.count {
+        points.decompress_one(&mut row).map_err(|e| e.to_string())?;
+        push(&row);
+    }
+    Ok(())
+}
+
+/// Whether the table of chunks, for which the crate reserves memory at once, has fewer of them than the file bytes.
+#[cfg(feature = "laz")]
+fn has_sound_chunks(bytes: &[u8], start: usize) -> bool {
+    let place = |at: usize| array(bytes, at).map(i64::from_le_bytes);
+    let table = match place(start) {
+        Some(-1) => bytes.len().checked_sub(8).and_then(place),
+        table => table,
+    };
+    let chunks = table.and_then(|at| u32_at(bytes, usize::try_from(at).ok()?.checked_add(4)?));
+    chunks.is_none_or(|chunks| chunks as usize <= bytes.len())
+}
+
+/// The record that says how points are compressed.
+#[cfg(feature = "laz")]
+fn record_of_laszip(bytes: &[u8]) -> Option<&[u8]> {
+    const RECORD_HEADER: usize = 54;
+    let short = |at: usize| array(bytes, at).map(u16::from_le_bytes);
+    let mut at = usize::from(short(94)?);
+    for _ in 0..u32_at(bytes, 100)? {
+        let (id, length) = (short(at + 18)?, usize::from(short(at + 20)?));
+        let data = bytes.get(at + RECORD_HEADER..at + RECORD_HEADER + length)?;
+        if id == laz::LazVlr::RECORD_ID && bytes[at + 2..].starts_with(laz::LazVlr::USER_ID.as_bytes()) {
+            return Some(data);
+        }
+        at += RECORD_HEADER + length;
+    }
+    None
+}
+
+#[cfg(not(feature = "laz"))]
+fn decompress(_: &[u8], _: &Header, _: &mut dyn FnMut(&[u8])) -> Result<()> {
+    let cause = "the points are compressed (LAZ), and this program was built without the feature laz";
+    Err(malformed(Place::Whole, cause, "decompress it to LAS, or build with that feature"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::error::Error;
+
+    const COUNT: usize = 300;
+
+    /// Points of layout 2 on a grid, without a header.
+    fn rows() -> Vec<[u8; 26]> {
+        let row = |i: usize| {
+            let mut row = [0; 26];
+            for (k, x) in [i % 20, i / 20, 7].into_iter().enumerate() {
+                row[4 * k..4 * k + 4].copy_from_slice(&(x as i32 - 5).to_le_bytes());
+            }
+            row[12..14].copy_from_slice(&(i as u16).to_le_bytes());
+            row[15] = 0xE0 | (i % 3) as u8;
+            row[20..22].copy_from_slice(&(100 * i as u16).to_le_bytes());
+            row
+        };
+        (0..COUNT).map(row).collect()
+    }
+
+    fn with_header(layout: u8, record: &[u8], points: &[u8]) -> Vec<u8> {
+        let mut bytes = vec![0; HEADERS[0]];
+        bytes[..4].copy_from_slice(MAGIC);
+        bytes[24..26].copy_from_slice(&[1, 2]);
+        bytes[94..96].copy_from_slice(&(HEADERS[0] as u16).to_le_bytes());
+        bytes[96..100].copy_from_slice(&((HEADERS[0] + record.len()) as u32).to_le_bytes());
+        bytes[100] = u8::from(!record.is_empty());
+        bytes[104] = layout;
+        bytes[105] = 26;
+        bytes[107..111].copy_from_slice(&(COUNT as u32).to_le_bytes());
+        for k in 0..3 {
+            bytes[131 + 8 * k..139 + 8 * k].copy_from_slice(&0.5f64.to_le_bytes());
+            bytes[155 + 8 * k..163 + 8 * k].copy_from_slice(&(1000.0 * k as f64).to_le_bytes());
+        }
+        [&bytes, record, points].concat()
+    }
+
+    fn las() -> Vec<u8> {
+        with_header(2, &[], rows().as_flattened())
+    }
+
+    fn check(read: Read) {
+        assert_eq!(read.mesh.positions[21], DVec3::new(-2.0, 998.0, 2001.0));
+        assert_eq!((read.mesh.positions.len(), read.mesh.triangles.len()), (COUNT, 0));
+        assert_eq!(read.attributes.names(), ["intensity", "classification", "color"]);
+        assert_eq!(read.attributes.vertex[0].values[21], 21.0);
+        assert_eq!(read.attributes.vertex[1].values[..3], [0.0, 1.0, 2.0]);
+        assert_eq!((read.attributes.color().unwrap().scalar, read.attributes.vertex[2].of(3)[0]), (Scalar::U16, 300.0));
+    }
+
+    #[test]
+    fn points_are_scaled_and_shifted() {
+        check(parse(&las()).unwrap());
+    }
+
+    #[test]
+    fn numbers_that_nobody_wrote_are_no_attributes() {
+        let mut rows = rows();
+        rows.iter_mut().for_each(|row| row[12..].fill(0));
+        rows[5][22] = 200;
+        let read = parse(&with_header(2, &[], rows.as_flattened())).unwrap();
+        assert_eq!(read.attributes.names(), ["color"]);
+        assert_eq!(read.attributes.color().unwrap().scalar, Scalar::U8);
+    }
+
+    #[test]
+    fn what_is_wrong_has_a_place() {
+        let place = |bytes: &[u8]| match parse(bytes).unwrap_err() {
+            Error::Format { place, .. } => place,
+            other => panic!("{other}"),
+        };
+        let good = las();
+        for end in 0..good.len() {
+            assert!(parse(&good[..end]).is_err());
+        }
+        let change = |at: usize, with: &[u8]| {
+            let mut bytes = good.clone();
+            bytes[at..at + with.len()].copy_from_slice(with);
+            place(&bytes)
+        };
+        assert_eq!(change(104, &[11]), Place::Byte(104));
+        assert_eq!(change(105, &[25]), Place::Byte(105));
+        assert_eq!(change(107, &[255; 4]), Place::Byte(good.len()));
+        assert_eq!(change(131, &f64::NAN.to_le_bytes()), Place::Byte(131));
+        assert_eq!(change(131, &f64::MAX.to_le_bytes()), Place::Part("point 0".into()));
+    }
+
+    #[cfg(feature = "laz")]
+    fn laz() -> Vec<u8> {
+        use laz::{LasZipCompressor, LazItemRecordBuilder, LazVlr};
+        let items = LazItemRecordBuilder::default_for_point_format_id(2, 0).unwrap();
+        let record = LazVlr::from_laz_items(items);
+        let mut data = Vec::new();
+        record.write_to(&mut data).unwrap();
+        let mut head = vec![0; 54];
+        head[2..2 + LazVlr::USER_ID.len()].copy_from_slice(LazVlr::USER_ID.as_bytes());
+        head[18..20].copy_from_slice(&LazVlr::RECORD_ID.to_le_bytes());
+        head[20..22].copy_from_slice(&(data.len() as u16).to_le_bytes());
+        head.extend(data);
+        let before = with_header(2 | COMPRESSED, &head, &[]);
+        let mut out = std::io::Cursor::new(before.clone());
+        out.set_position(before.len() as u64);
+        let mut compressor = LasZipCompressor::new(out, record).unwrap();
+        rows().iter().for_each(|row| compressor.compress_one(row).unwrap());
+        compressor.done().unwrap();
+        compressor.into_inner().into_inner()
+    }
+
+    #[cfg(feature = "laz")]
+    #[test]
+    fn compressed_points_are_the_same() {
+        let bytes = laz();
+        assert!(bytes.len() < las().len() / 2);
+        check(parse(&bytes).unwrap());
+    }
+
+    #[cfg(feature = "laz")]
+    #[test]
+    fn damaged_ones_are_no_panic_and_take_no_memory() {
+        let good = laz();
+        for end in 0..good.len() - 60 {
+            let _ = parse(&good[..end]);
+        }
+        for at in 0..good.len() {
+            for value in [0, 1, 0x7f, 0xff] {
+                let mut bytes = good.clone();
+                bytes[at] = value;
+                let _ = parse(&bytes);
+            }
+        }
+        let mut bytes = good.clone();
+        bytes[107..111].copy_from_slice(&[255; 4]);
+        assert!(parse(&bytes).unwrap_err().to_string().contains("more than so few bytes can hold"));
+    }
+}
