@@ -40,7 +40,7 @@ pub struct Settled {
 
 /// A triangle that only two of its corners say is taken if its circumradius is at most so many spacings: it is beside a
 /// hole otherwise.
-const DOUBTFUL: f64 = 1.0;
+const DOUBTFUL: f64 = 0.65;
 
 /// Rounds of closing gaps and widening those that cannot be closed.
 const ROUNDS: usize = 6;
@@ -48,8 +48,8 @@ const ROUNDS: usize = 6;
 /// Triangles of fewer connected points than this are no surface.
 const FEWEST_POINTS: usize = 8;
 
-/// One in so many points around a hole has a star that ends there.
-const ENDS: usize = 3;
+/// One in so many points, at least, around a hole has a star that ends there.
+const ENDS: usize = 2;
 
 /// The share of points around a flat place that lie in its plane, and how far off they may be: as a share of its width,
 /// or in spacings, where [`Look::noise`] says so.

@@ -78,7 +78,7 @@ const LENIENT: Look =
 const SMALL_HOLE: f64 = 0.08;
 
 /// A look at a scan that has holes.
-const STRICT: Look = Look { largest_circumradius: 1.2, most_sides: 12, noise: 0.0, smallest_diagonal: 0.0 };
+const STRICT: Look = Look { largest_circumradius: 1.2, most_sides: 7, noise: 0.0, smallest_diagonal: 0.0 };
 
 /// The diagonal of the bounding box.
 fn diagonal(positions: &[DVec3]) -> f64 {
