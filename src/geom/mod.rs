@@ -3,3 +3,4 @@
 pub mod crossing;
 pub mod polygon;
 pub mod triangle;
+pub mod vector;

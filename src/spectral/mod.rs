@@ -6,4 +6,5 @@ pub mod ascent;
 pub mod candidates;
 pub mod curves;
 pub mod measure;
+mod nearest;
 pub mod scan;

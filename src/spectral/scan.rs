@@ -7,7 +7,8 @@
 //! are.
 //!
 //! Where edges of another relative length than 1 are wanted, the kernel of a candidate is as much wider or narrower;
-//! cells are for the widest.
+//! cells are for the widest. Where more than the position counts (a [`Lift`]), the kernel has more dimensions; the cells
+//! stay those of space, since further dimensions only make distances larger.
 //!
 //! A candidate listens only to neighbours of its own piece that face its way: two sheets that nearly touch are sampled
 //! each for itself.
@@ -17,9 +18,11 @@
 use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};
 use crate::base::rng::{Random, Rng, Stage, stream};
+use crate::geom::vector::{difference, distance_squared};
 use crate::spectral::candidates::Candidate;
 use crate::spectral::measure::{MOST_NEIGHBOURS, Measure, RADIUS};
 use crate::surface::domain::{Domain, Sample};
+use crate::surface::lift::Lift;
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
@@ -36,7 +39,7 @@ const HALO: i32 = 2;
 const SPAN: i32 = BLOCK + 2 * HALO;
 
 /// Squared distance, in units of σ, within which a single neighbour has s = 1 - k² at most ε: ln(1 / (1 - ε)) / 2.
-const TOO_NEAR: f64 = std::f64::consts::LN_2 / 2.0;
+pub(super) const TOO_NEAR: f64 = std::f64::consts::LN_2 / 2.0;
 
 /// No sample in a cell's list after this one.
 const END: u32 = u32::MAX;
@@ -56,12 +59,36 @@ pub fn linear_scan(
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<Vec<Sample>> {
+    scan_lifted::<3>(domain, candidates, fixed, Kernel { sigma, lift: Lift::NONE }, seed, monitor)
+}
+
+/// A Gaussian kernel over samples of a surface.
+#[derive(Clone, Copy)]
+pub struct Kernel<'a> {
+    /// σp where the wanted size is 1, in the units of the domain.
+    pub sigma: f64,
+    /// What counts beside the position.
+    pub lift: Lift<'a>,
+}
+
+/// [`linear_scan`] with a kernel of D dimensions, those that `kernel.lift` needs.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
+pub fn scan_lifted<const D: usize>(
+    domain: &Domain,
+    candidates: &[Candidate],
+    fixed: &[Sample],
+    kernel: Kernel,
+    seed: u64,
+    monitor: &dyn Monitor,
+) -> Result<Vec<Sample>> {
     let mut rng = stream(seed, Stage::Scan);
-    let mut blocks = Blocks::new(domain, candidates, fixed, sigma, &mut rng);
+    let mut blocks = Blocks::new(domain, candidates, fixed, kernel, &mut rng);
     let turns = blocks.turns();
     for (i, turn) in turns.iter().enumerate() {
         check(monitor)?;
-        let kept: Vec<Vec<Sample>> = turn.par_iter().map(|&b| blocks.scan(b, domain, candidates)).collect();
+        let kept: Vec<Vec<Sample>> = turn.par_iter().map(|&b| blocks.scan::<D>(b, domain, candidates)).collect();
         for (&b, samples) in turn.iter().zip(kept) {
             blocks.list[b].kept.extend(samples);
         }
@@ -72,12 +99,12 @@ pub fn linear_scan(
 }
 
 /// The blocks of space that hold candidates or fixed samples, in the order of their places.
-struct Blocks {
+struct Blocks<'a> {
     list: Vec<Block>,
     places: Vec<IVec3>,
     /// Numbers of candidates, those of a block together, in random order within it.
     order: Vec<u32>,
-    sigma: f64,
+    kernel: Kernel<'a>,
     cell: f64,
 }
 
@@ -89,10 +116,16 @@ struct Block {
     fixed: usize,
 }
 
-impl Blocks {
-    fn new(domain: &Domain, candidates: &[Candidate], fixed: &[Sample], sigma: f64, rng: &mut Random) -> Self {
+impl<'a> Blocks<'a> {
+    fn new(
+        domain: &Domain,
+        candidates: &[Candidate],
+        fixed: &[Sample],
+        kernel: Kernel<'a>,
+        rng: &mut Random,
+    ) -> Self {
         let [_, largest_size] = domain.size_range();
-        let cell = sigma * largest_size * RADIUS / 2.0;
+        let cell = kernel.sigma * largest_size * RADIUS / 2.0;
         let place = |p: DVec3| (p / (cell * f64::from(BLOCK))).floor().as_ivec3();
         let random: Vec<u32> = candidates.iter().map(|_| rng.next_u32()).collect();
         let mut keyed: Vec<([i32; 3], u32, u32)> = (candidates.par_iter().zip(&random).enumerate())
@@ -116,7 +149,7 @@ impl Blocks {
             list: list.collect(),
             order: keyed.iter().map(|k| k.2).collect(),
             places: places.into_iter().map(IVec3::from_array).collect(),
-            sigma,
+            kernel,
             cell,
         }
     }
@@ -128,12 +161,12 @@ impl Blocks {
     }
 
     /// What block `b` keeps of its candidates.
-    fn scan(&self, b: usize, domain: &Domain, candidates: &[Candidate]) -> Vec<Sample> {
+    fn scan<const D: usize>(&self, b: usize, domain: &Domain, candidates: &[Candidate]) -> Vec<Sample> {
         let block = &self.list[b];
         if block.candidates.is_empty() {
             return Vec::new();
         }
-        let mut near = Neighbourhood::new(self.places[b] * BLOCK - HALO, self.sigma, self.cell);
+        let mut near = Neighbourhood::<D>::new(self.places[b] * BLOCK - HALO, self.kernel, self.cell);
         for other in self.around(b) {
             self.list[other].kept.iter().for_each(|s| near.insert(s, domain.piece_of(s.triangle)));
         }
@@ -160,28 +193,28 @@ impl Blocks {
 }
 
 /// The samples in and around a block, in cells.
-struct Neighbourhood {
+struct Neighbourhood<'a, const D: usize> {
     /// The cell at the lowest corner.
     origin: IVec3,
-    sigma: f64,
+    kernel: Kernel<'a>,
     cell: f64,
     heads: Vec<u32>,
-    members: Vec<Member>,
-    measure: Measure,
+    members: Vec<Member<D>>,
+    measure: Measure<D>,
     found: Vec<(f64, u32)>,
 }
 
-struct Member {
-    position: DVec3,
+struct Member<const D: usize> {
+    coordinates: [f64; D],
     normal: DVec3,
     piece: u32,
     next: u32,
 }
 
-impl Neighbourhood {
-    fn new(origin: IVec3, sigma: f64, cell: f64) -> Self {
+impl<'a, const D: usize> Neighbourhood<'a, D> {
+    fn new(origin: IVec3, kernel: Kernel<'a>, cell: f64) -> Self {
         let heads = vec![END; (SPAN * SPAN * SPAN) as usize];
-        Neighbourhood { origin, sigma, cell, heads, members: Vec::new(), measure: Measure::new(), found: Vec::new() }
+        Neighbourhood { origin, kernel, cell, heads, members: Vec::new(), measure: Measure::new(), found: Vec::new() }
     }
 
     fn cell_of(&self, p: DVec3) -> IVec3 {
@@ -193,7 +226,8 @@ impl Neighbourhood {
         if c.cmpge(IVec3::ZERO).all() && c.cmplt(IVec3::splat(SPAN)).all() {
             let head = &mut self.heads[(c.x + SPAN * (c.y + SPAN * c.z)) as usize];
             let next = std::mem::replace(head, self.members.len() as u32);
-            self.members.push(Member { position: sample.position, normal: sample.normal, piece, next });
+            let coordinates = self.kernel.lift.coordinates(sample);
+            self.members.push(Member { coordinates, normal: sample.normal, piece, next });
         }
     }
 
@@ -202,22 +236,28 @@ impl Neighbourhood {
         let p = x.position / self.cell;
         let home = self.cell_of(x.position);
         let towards = (p - p.floor()).round().as_ivec3() - 1;
-        self.gather(x, piece, home + towards, home + towards + 1);
+        let here = self.kernel.lift.coordinates(x);
+        self.gather(x, &here, piece, home + towards, home + towards + 1);
         if self.found.iter().any(|f| f.0 <= TOO_NEAR) {
             return false;
         }
-        let reach = self.sigma * x.size * RADIUS;
+        let sigma = self.sigma_at(x);
+        let reach = sigma * RADIUS;
         let (lowest, highest) = (self.cell_of(x.position - reach), self.cell_of(x.position + reach));
         (1..=HALO).all(|reach| {
-            self.gather(x, piece, (home - reach).max(lowest), (home + reach).min(highest));
-            self.exceeds_epsilon(x)
+            self.gather(x, &here, piece, (home - reach).max(lowest), (home + reach).min(highest));
+            self.exceeds_epsilon(&here, sigma)
         })
     }
 
+    fn sigma_at(&self, x: &Sample) -> f64 {
+        self.kernel.sigma * self.kernel.lift.width::<D>(x)
+    }
+
     /// Collects the samples of a box of cells that `x` listens to, with their squared distances in units of σ.
-    fn gather(&mut self, x: &Sample, piece: u32, lo: IVec3, hi: IVec3) {
+    fn gather(&mut self, x: &Sample, here: &[f64; D], piece: u32, lo: IVec3, hi: IVec3) {
         self.found.clear();
-        let sigma = self.sigma * x.size;
+        let sigma = self.sigma_at(x);
         let scale = 1.0 / (sigma * sigma);
         for z in lo.z..=hi.z {
             for y in lo.y..=hi.y {
@@ -226,7 +266,7 @@ impl Neighbourhood {
                     let mut i = self.heads[cell as usize];
                     while i != END {
                         let m = &self.members[i as usize];
-                        let d = m.position.distance_squared(x.position) * scale;
+                        let d = distance_squared(&m.coordinates, here) * scale;
                         if d < RADIUS * RADIUS && m.piece == piece && m.normal.dot(x.normal) >= 0.0 {
                             self.found.push((d, i));
                         }
@@ -238,14 +278,13 @@ impl Neighbourhood {
     }
 
     /// Whether s(x) > ε over the samples found, nearest first and no farther than it takes to know.
-    fn exceeds_epsilon(&mut self, x: &Sample) -> bool {
-        let sigma = self.sigma * x.size;
+    fn exceeds_epsilon(&mut self, here: &[f64; D], sigma: f64) -> bool {
         self.found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         self.measure.clear();
         let nearest = self.found.iter().take(MOST_NEIGHBOURS);
         for &(_, i) in nearest {
-            let offset = (self.members[i as usize].position - x.position) / sigma;
-            if self.measure.add(offset) <= EPSILON {
+            let offset = difference(&self.members[i as usize].coordinates, here).map(|x| x / sigma);
+            if self.measure.add(&offset) <= EPSILON {
                 return false;
             }
         }

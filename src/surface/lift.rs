@@ -1,0 +1,108 @@
+//! Surfaces in space as manifolds in more dimensions: x = [p, (σp/σn) n, (σp/σc) c], so that one kernel of width σp
+//! works on positions p, normals n and further signals c at once (paper, section 3).
+//!
+//! A step goes along its first three coordinates only. To first order in the step nothing is lost: offsets between
+//! neighbours are tangential to the lifted surface, the lift of a tangential step is that step with what it takes in the
+//! other dimensions, and so the gradient, a sum of such offsets, is the lift of its first three coordinates.
+//!
+//! Based on: Y.-K. Lai, Q.-Y. Zhou, S.-M. Hu, J. Wallner, H. Pottmann, Robust feature classification and editing, 2007,
+//! DOI 10.1109/TVCG.2007.19 (the six dimensions).
+
+use crate::surface::domain::{Domain, Sample};
+use crate::surface::submanifold::Submanifold;
+use glam::DVec3;
+
+/// A surface in space.
+pub trait Surface: Sync {
+    /// Where a step of `way` from `from`, tangential or about so, comes down on the surface.
+    fn follow(&self, from: &Sample, way: DVec3) -> Sample;
+
+    /// Whether two samples count as neighbours if they are near: those that face the same way.
+    fn joined(&self, one: &Sample, other: &Sample) -> bool {
+        one.normal.dot(other.normal) >= 0.0
+    }
+}
+
+impl Surface for Domain {
+    fn follow(&self, from: &Sample, way: DVec3) -> Sample {
+        Domain::follow(self, from, way.reject_from_normalized(from.normal))
+    }
+
+    fn joined(&self, one: &Sample, other: &Sample) -> bool {
+        self.piece_of(one.triangle) == self.piece_of(other.triangle) && one.normal.dot(other.normal) >= 0.0
+    }
+}
+
+/// Most signals beside position and normal.
+pub const MOST_SIGNALS: usize = 4;
+
+/// Gives the signals at a sample, in units of their σ over σp: fills the slice, whose rest is zero.
+pub type Signals<'a> = &'a (dyn Fn(&Sample, &mut [f64]) + Sync);
+
+/// What counts in the kernel beside the position.
+#[derive(Clone, Copy, Default)]
+pub struct Lift<'a> {
+    /// σp/σn: a length; 0 for σn = ∞.
+    pub normals: f64,
+    /// Further signals, if there are any.
+    pub signals: Option<Signals<'a>>,
+}
+
+impl Lift<'_> {
+    /// Only the position counts.
+    pub const NONE: Lift<'static> = Lift { normals: 0.0, signals: None };
+
+    /// The dimensions that matter: 3, 6, or 6 + [`MOST_SIGNALS`].
+    pub fn dimensions(&self) -> usize {
+        match (self.normals == 0.0, self.signals) {
+            (true, None) => 3,
+            (false, None) => 6,
+            (_, Some(_)) => 6 + MOST_SIGNALS,
+        }
+    }
+
+    /// The first D coordinates of `sample`, at least three.
+    #[inline]
+    pub fn coordinates<const D: usize>(&self, sample: &Sample) -> [f64; D] {
+        let mut x = [0.0; D];
+        x[..3].copy_from_slice(&sample.position.to_array());
+        if D >= 6 {
+            x[3..6].copy_from_slice(&(self.normals * sample.normal).to_array());
+        }
+        if let (true, Some(signals)) = (D > 6, self.signals) {
+            signals(sample, &mut x[6..]);
+        }
+        x
+    }
+
+    /// How much wider than σp the kernel is at `sample`: as its wanted edge length says, if only the position counts;
+    /// else the other dimensions say how dense samples are.
+    #[inline]
+    pub fn width<const D: usize>(&self, sample: &Sample) -> f64 {
+        if D == 3 { sample.size } else { 1.0 }
+    }
+}
+
+/// A surface, lifted.
+pub struct Lifted<'a, S> {
+    /// The surface.
+    pub surface: &'a S,
+    /// What counts beside the position.
+    pub lift: Lift<'a>,
+}
+
+impl<S: Surface, const D: usize> Submanifold<D> for Lifted<'_, S> {
+    type Point = Sample;
+
+    fn coordinates(&self, point: &Sample) -> [f64; D] {
+        self.lift.coordinates(point)
+    }
+
+    fn step(&self, from: &Sample, way: &[f64; D]) -> Sample {
+        self.surface.follow(from, DVec3::from_slice(way))
+    }
+
+    fn joined(&self, one: &Sample, other: &Sample) -> bool {
+        self.surface.joined(one, other)
+    }
+}
