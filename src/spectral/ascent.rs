@@ -42,7 +42,7 @@ pub const PAPER_STEP: f64 = 0.5;
 pub const LONG_STEP: f64 = 0.75;
 
 /// The longest way of a vertex in one sweep, in kernel widths.
-const MOST_STEP: f64 = 0.5;
+pub(super) const MOST_STEP: f64 = 0.5;
 
 /// Kernel width of the ascent in mean spacings: narrower ones leave clusters, wider ones blur the gradient.
 pub const SIGMA_OF_SPACING: f64 = 0.94;

@@ -4,7 +4,10 @@
 
 pub mod ascent;
 pub mod candidates;
+mod cells;
 pub mod curves;
+pub mod free;
 pub mod measure;
 mod nearest;
+pub mod samples;
 pub mod scan;
