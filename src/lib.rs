@@ -119,6 +119,8 @@ pub mod triangulate;
 
 pub use base::error::{Error, Place, Result};
 pub use base::progress::{Monitor, Stopwatch};
-pub use remesh::{Density, Deviation, MaxError, Options, Remeshed, remesh};
+pub use remesh::{
+    Density, Deviation, MaxError, Options, Remeshed, SampleOptions, Sampled, Signal, remesh, sample, sample_points,
+};
 pub use surface::mesh::Mesh;
 pub use surface::points::Points;

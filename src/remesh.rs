@@ -1,7 +1,9 @@
 //! The pipeline from mesh to mesh: the only place that knows the order of the stages.
 
+mod kernel;
 mod options;
 mod result;
+mod sample;
 mod scale;
 mod unit;
 
@@ -37,8 +39,10 @@ use result::notes;
 use scale::{Field, Scale};
 use unit::Unit;
 
+pub use kernel::Signal;
 pub use options::{Density, FEWEST_POINTS, MOST_POINTS, MaxError, Options};
 pub use result::{Deviation, Remeshed};
+pub use sample::{SampleOptions, Sampled, sample, sample_points};
 
 /// Candidates for each wanted point: with fewer the scan leaves gaps, with more it only takes longer.
 const CANDIDATES_PER_POINT: usize = 20;
@@ -351,9 +355,7 @@ fn refuse_bad_numbers(mesh: &Mesh) -> Result<()> {
         let remedy = "a surface with faces is needed; reconstruct one from the points first";
         return mesh_error(format!("{n} points and no faces"), remedy);
     }
-    if let Some(v) = mesh.positions.iter().position(|p| !p.abs().cmplt(DVec3::splat(LARGEST_COORDINATE)).all()) {
-        return mesh_error(format!("vertex {v} is at {}", mesh.positions[v]), "remove it or mend its coordinates");
-    }
+    refuse_bad_positions(&mesh.positions)?;
     let bound = mesh.positions.len();
     if let Some(t) = mesh.triangles.iter().position(|t| t.iter().any(|&v| v as usize >= bound)) {
         return mesh_error(
@@ -362,4 +364,12 @@ fn refuse_bad_numbers(mesh: &Mesh) -> Result<()> {
         );
     }
     Ok(())
+}
+
+fn refuse_bad_positions(positions: &[DVec3]) -> Result<()> {
+    let bad = positions.iter().position(|p| !p.abs().cmplt(DVec3::splat(LARGEST_COORDINATE)).all());
+    bad.map_or(Ok(()), |v| {
+        let remedy = "remove it or mend its coordinates".into();
+        Err(Error::Mesh { cause: format!("vertex {v} is at {}", positions[v]), remedy })
+    })
 }

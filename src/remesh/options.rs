@@ -97,15 +97,7 @@ impl Options {
     /// # Errors
     /// [`Error::Option`] for a number of points out of range or a length that is not positive and finite.
     pub fn validate(&self) -> Result<()> {
-        let length = |option, value: f64| {
-            let remedy = "give a length above zero in the units of the input".into();
-            (value > 0.0 && value.is_finite()).then_some(()).ok_or(Error::Option {
-                option,
-                cause: format!("{value} is not a length"),
-                remedy,
-            })
-        };
-        self.weld.map_or(Ok(()), |tolerance| length("weld", tolerance))?;
+        self.weld.map_or(Ok(()), |tolerance| check_length("weld", tolerance))?;
         if let Features::Degrees(degrees) = self.features
             && !(degrees > 0.0 && degrees < 180.0)
         {
@@ -122,8 +114,8 @@ impl Options {
         }
         self.sizing.as_deref().map_or(Ok(()), check_lengths)?;
         match self.max_error {
-            Some(MaxError::Length(l)) => length("max-error", l)?,
-            Some(MaxError::OfDiagonal(share)) => length("max-error", share)?,
+            Some(MaxError::Length(l)) => check_length("max-error", l)?,
+            Some(MaxError::OfDiagonal(share)) => check_length("max-error", share)?,
             None => {}
         }
         match self.density {
@@ -134,8 +126,8 @@ impl Options {
             }),
             Density::OfSizing => Ok(()),
             Density::Points(n) => check_count("points", n, format!("{n} vertices are asked for")),
-            Density::EdgeLength(l) => length("edge-length", l),
-            Density::SigmaP(s) => length("sigma-p", s),
+            Density::EdgeLength(l) => check_length("edge-length", l),
+            Density::SigmaP(s) => check_length("sigma-p", s),
             Density::Auto if self.max_error.is_none() => Err(Error::Option {
                 option: "points",
                 cause: "nothing says how many are needed".into(),
@@ -165,6 +157,15 @@ pub(super) fn check_field(input: &Mesh, lengths: &[f64]) -> Result<()> {
     }
     let cause = format!("{given} lengths for the {vertices} vertices of the input");
     Err(Error::Option { option: "sizing", cause, remedy: "give one length for each vertex".into() })
+}
+
+/// Refuses what is no length.
+pub(super) fn check_length(option: &'static str, value: f64) -> Result<()> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    let remedy = "give a length above zero in the units of the input".into();
+    Err(Error::Option { option, cause: format!("{value} is not a length"), remedy })
 }
 
 pub(super) fn check_count(option: &'static str, n: usize, cause: String) -> Result<()> {

@@ -103,6 +103,11 @@ impl Scale {
     }
 
     pub(super) fn sigma(&self) -> f64 {
-        SIGMA_OF_SPACING * self.spacing
+        Scale::sigma_of_spacing(self.spacing)
+    }
+
+    /// σp for samples at distance `spacing`.
+    pub(super) fn sigma_of_spacing(spacing: f64) -> f64 {
+        SIGMA_OF_SPACING * spacing
     }
 }

@@ -25,6 +25,9 @@ use std::collections::BinaryHeap;
 /// Points between two looks at the monitor.
 const CHUNK: usize = 4096;
 
+/// The measure of what is no other point than those that are there, but for rounding.
+const LEAST_NEWS: f64 = 1e-9;
+
 /// Width of a cell in units of σ.
 const CELL: f64 = RADIUS / 2.0;
 
@@ -56,7 +59,7 @@ pub fn scan<S: Submanifold<D>, const D: usize>(
     Ok(kept.numbers)
 }
 
-/// `wanted` of `points`, or all if there are fewer, beginning with those numbered in `chosen`: what is too much is
+/// `wanted` of `points`, or fewer if no others differ from those, beginning with those numbered in `chosen`: what is too much is
 /// removed where s is smallest, what is missing is added where it is largest.
 pub fn meet_count<S: Submanifold<D>, const D: usize>(
     manifold: &S,
@@ -167,6 +170,9 @@ impl<'a, S: Submanifold<D>, const D: usize> Samples<'a, S, D> {
         let mut heap = BinaryHeap::from(ranked);
         while self.numbers.len() < wanted {
             let Some(top) = heap.pop() else { return };
+            if top.rank <= LEAST_NEWS {
+                return;
+            }
             let now = self.measure(top.index, 0.0);
             if now < top.rank {
                 heap.push(Ranked::new(now, top.index));

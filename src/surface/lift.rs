@@ -33,6 +33,16 @@ impl Surface for Domain {
     }
 }
 
+/// Points of which nothing is known but themselves: they stay where they are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BarePoints;
+
+impl Surface for BarePoints {
+    fn follow(&self, from: &Sample, _way: DVec3) -> Sample {
+        *from
+    }
+}
+
 /// Most signals beside position and normal.
 pub const MOST_SIGNALS: usize = 4;
 
@@ -52,16 +62,8 @@ impl Lift<'_> {
     /// Only the position counts.
     pub const NONE: Lift<'static> = Lift { normals: 0.0, signals: None };
 
-    /// The dimensions that matter: 3, 6, or 6 + [`MOST_SIGNALS`].
-    pub fn dimensions(&self) -> usize {
-        match (self.normals == 0.0, self.signals) {
-            (true, None) => 3,
-            (false, None) => 6,
-            (_, Some(_)) => 6 + MOST_SIGNALS,
-        }
-    }
-
-    /// The first D coordinates of `sample`, at least three.
+    /// The first D coordinates of `sample`: the position, then the normal, then the signals. D is 3, 6 or
+    /// 6 + [`MOST_SIGNALS`].
     #[inline]
     pub fn coordinates<const D: usize>(&self, sample: &Sample) -> [f64; D] {
         let mut x = [0.0; D];
