@@ -1,5 +1,6 @@
 //! The pipeline from mesh to mesh: the only place that knows the order of the stages.
 
+mod follow;
 mod kernel;
 mod options;
 mod result;
@@ -18,7 +19,7 @@ use crate::optimize::relax::{Flips, relax};
 use crate::optimize::untangle::untangle;
 use crate::optimize::valence::{remove_defects, remove_near_defects};
 use crate::quality::bound::{Bounds, hausdorff_bounds};
-use crate::spectral::ascent::{Climb, LONG_STEP, PAPER_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA, ascend};
+use crate::spectral::ascent::{Climb, LONG_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA, ascend};
 use crate::spectral::candidates::candidates;
 use crate::spectral::curves::sample_curves;
 use crate::spectral::scan::linear_scan;
@@ -34,6 +35,8 @@ use crate::surface::topology::{Topology, topology};
 use crate::triangulate::glue::{Seams, glue};
 use crate::triangulate::{Boundary, triangulate};
 use glam::DVec3;
+use follow::{ascend_as_asked, follow};
+use kernel::{Beside, check_signals};
 use options::{FIRST_POINTS, check_field};
 use result::notes;
 use scale::{Field, Scale};
@@ -140,6 +143,7 @@ fn remesh_once(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result
     monitor.stage("repair");
     refuse_bad_numbers(input)?;
     options.sizing.as_deref().map_or(Ok(()), |lengths| check_field(input, lengths))?;
+    check_signals(&options.signals, input.positions.len())?;
     let unit = Unit::of(input);
     let mut clean = unit.inwards(input);
     if let Some(tolerance) = options.weld {
@@ -164,14 +168,21 @@ fn remesh_once(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result
     } else if options.adapt > 0.0 {
         domain.grade(adapted_sizes(&domain, options.adapt, scale.spacing));
     }
+    let mut sigma = scale.sigma();
+    if options.has_kernel() {
+        let beside = Beside::new(options.sigma_n, &options.signals, input, &unit, &domain);
+        let followed = follow(&domain, &beside, scale, options, monitor)?;
+        domain.grade(followed.sizes);
+        (scale, sigma) = (followed.scale, followed.sigma);
+    }
     let (domain, mut made) = sample_and_triangulate(domain, &scale, &repaired, options, monitor)?;
     if options.optimize {
         optimize(&domain, &mut made.mesh, &scale, allowed.map(|a| a / unit.size), monitor)?;
     } else {
         meet_count(&domain, &mut made.mesh, scale.wanted);
         monitor.stage("ascend");
-        let climb = Climb { sigma: ASCENT_SIGMA * scale.spacing, step: PAPER_STEP, sweeps: options.sweeps };
-        ascend(&domain, &mut made.mesh, climb, monitor)?;
+        let beside = Beside::new(options.sigma_n, &options.signals, input, &unit, &domain);
+        ascend_as_asked(&domain, &mut made.mesh, &beside, sigma, options.sweeps, monitor)?;
     }
 
     monitor.stage("untangle");
@@ -190,7 +201,7 @@ fn remesh_once(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result
         output: topology(mesh.positions.len(), &mesh.triangles),
         mesh,
         repairs,
-        sigma_p: unit.size * scale.sigma(),
+        sigma_p: unit.size * sigma,
         spacing: unit.size * scale.spacing,
         spacing_range: domain.size_range().map(|size| unit.size * scale.spacing * size),
         wanted: scale.wanted,

@@ -3,6 +3,7 @@
 //! `Args` has the words of the command line, [`Job`] what there is to do. Between them every field is named, so a
 //! flag or an option that is added to one and forgotten in the other does not compile.
 
+use crate::cli::sample::{PropertyWidth, SampleArgs, Sampling, property_width};
 use crate::io::Format;
 use crate::remesh::{Density, MaxError, Options};
 use crate::surface::features::Features;
@@ -45,6 +46,7 @@ Exit status: 0 measured, 1 a file cannot be read, 2 wrong usage, 130 interrupted
 #[command(name = "remesh", version, after_help = AFTER_HELP, max_term_width = 100)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 #[command(override_usage = "remesh <IN> <OUT> <--points N|auto | --edge-length L | --sigma-p S> [OPTIONS]\n       \
+                            remesh sample <IN> <OUT> <--points N | --edge-length L | --sigma-p S> [OPTIONS]\n       \
                             remesh quality <MESH> [--against <INPUT>] [--json]\n       \
                             remesh completions <SHELL>")]
 struct Args {
@@ -56,6 +58,8 @@ struct Args {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Sample a surface: points with normals, without triangles, or a subset of the input's points
+    Sample(SampleArgs),
     /// Measure a mesh, also one that this tool did not write
     #[command(long_about = QUALITY_HELP)]
     Quality(QualityArgs),
@@ -93,6 +97,13 @@ struct RemeshArgs {
     /// How much edge lengths follow the shape: from 0, even, to 1, short where it bends or is thin
     #[arg(long, value_name = "A", default_value_t = 0.0, allow_negative_numbers = true, conflicts_with = "sizing")]
     adapt: f64,
+    /// Kernel width σn along unit normals: with 0.5 to 1 samples gather where the surface bends; inf is even
+    #[arg(long, value_name = "S", default_value_t = f64::INFINITY, allow_negative_numbers = true)]
+    sigma_n: f64,
+    /// Kernel width along a property of the input's vertices (PLY, or glTF like _HEAT), in its units: samples gather
+    /// where it changes; up to four times
+    #[arg(long = "sigma", value_name = "NAME=VALUE", value_parser = property_width)]
+    properties: Vec<PropertyWidth>,
     /// Edge lengths wanted at the vertices of the input: a property of its vertices (PLY), an attribute like _SIZE
     /// (glTF), or a .json file with a list; also says how dense, if nothing else does
     #[arg(long, value_name = "PROPERTY|F.json")]
@@ -148,6 +159,8 @@ struct QualityArgs {
 pub enum Job {
     /// Remesh this.
     Remesh(Remeshing),
+    /// Sample this.
+    Sample(Sampling),
     /// Measure this.
     Measure(Measuring),
     /// Print these completions.
@@ -161,10 +174,12 @@ pub struct Remeshing {
     pub input: MeshFile,
     /// What to write.
     pub output: MeshFile,
-    /// What to make of it; lengths that it has a place for are still to be read.
+    /// What to make of it; lengths and signals that it has a place for are still to be read.
     pub options: Options,
     /// Where the lengths for [`Options::sizing`] are, if there are any.
     pub sizing: Option<Sizing>,
+    /// Where the values for [`Options::signals`] are.
+    pub properties: Vec<PropertyWidth>,
     /// Where the report goes as JSON, if it is wanted.
     pub report: Option<PathBuf>,
     /// As many as there are cores without.
@@ -228,6 +243,7 @@ pub enum Stop {
 pub fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Job, Stop> {
     let Args { command, remesh } = Args::try_parse_from(words).map_err(|e| stop(&e))?;
     match (command, remesh) {
+        (Some(Command::Sample(args)), _) => args.resolve().map(Job::Sample),
         (Some(Command::Quality(args)), _) => Ok(Job::Measure(args.resolve())),
         (Some(Command::Completions { shell }), _) => Ok(Job::Complete(completions(shell))),
         (None, Some(args)) => args.resolve().map(Job::Remesh),
@@ -247,6 +263,8 @@ impl RemeshArgs {
             weld,
             features,
             adapt,
+            sigma_n,
+            properties,
             sizing,
             max_error,
             optimize,
@@ -264,6 +282,8 @@ impl RemeshArgs {
             weld: _,
             features: _,
             adapt: _,
+            sigma_n: _,
+            signals: _,
             sizing: _,
             max_error: _,
             optimize: _,
@@ -281,19 +301,18 @@ impl RemeshArgs {
                 weld,
                 features,
                 adapt,
+                sigma_n,
+                signals: Vec::new(),
                 sizing: sizing.as_ref().map(|_| Vec::new()),
                 max_error,
                 optimize: optimize != 0,
                 sweeps,
             },
             sizing,
+            properties,
             report,
             threads: threads.map(usize::from),
-            voice: match (quiet, verbose) {
-                (true, _) => Voice::Quiet,
-                (_, true) => Voice::Verbose,
-                _ => Voice::Normal,
-            },
+            voice: voice(quiet, verbose),
         })
     }
 }
@@ -328,8 +347,17 @@ impl From<String> for Sizing {
     }
 }
 
+/// How much is said, of two flags that exclude each other.
+pub(super) fn voice(quiet: bool, verbose: bool) -> Voice {
+    match (quiet, verbose) {
+        (true, _) => Voice::Quiet,
+        (_, true) => Voice::Verbose,
+        _ => Voice::Normal,
+    }
+}
+
 /// The one that is given of the ways to say how dense the output shall be.
-fn density(
+pub(super) fn density(
     points: Option<Density>,
     edge_length: Option<f64>,
     sigma_p: Option<f64>,
@@ -344,7 +372,7 @@ fn density(
 }
 
 /// A number of vertices; what is too few or too many for a surface is for the library to say.
-fn points(word: &str) -> Result<Density, String> {
+pub(super) fn points(word: &str) -> Result<Density, String> {
     let count = || word.parse().ok().filter(|&n| n > 0).map(Density::Points);
     let density = if word == "auto" { Some(Density::Auto) } else { count() };
     density.ok_or_else(|| "it must be a whole number of at least 1, or auto".into())
@@ -367,7 +395,7 @@ fn features(word: &str) -> Result<Features, String> {
 }
 
 /// A length that makes sense.
-fn positive(word: &str) -> Result<f64, String> {
+pub(super) fn positive(word: &str) -> Result<f64, String> {
     let positive = word.parse().ok().filter(|&x: &f64| x > 0.0 && x.is_finite());
     positive.ok_or_else(|| "it must be a positive number".into())
 }
@@ -423,11 +451,11 @@ mod tests {
     #[test]
     fn no_flags_give_the_default() {
         let file = |path: &str| MeshFile { path: path.into(), format: None };
-        let Remeshing { input, output, options, sizing, report, threads, voice } =
+        let Remeshing { input, output, options, sizing, properties, report, threads, voice } =
             remeshing("remesh a.obj b.ply --points 10000");
         assert_eq!(options, Options::default());
         assert_eq!((input, output), (file("a.obj"), file("b.ply")));
-        assert_eq!((sizing, report, threads, voice), (None, None, None, Voice::Normal));
+        assert_eq!((sizing, properties, report, threads, voice), (None, vec![], None, None, Voice::Normal));
     }
 
     #[test]

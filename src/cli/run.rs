@@ -4,9 +4,10 @@ use crate::base::error::{Error, Result};
 use crate::base::progress::{Monitor, Stopwatch, check};
 use crate::cli::Status;
 use crate::cli::args::{Job, Measuring, MeshFile, Remeshing, Sizing, Voice};
+use crate::cli::sample::{sample_file, signals};
 use crate::cli::terminal::{self, Terminal};
 use crate::io::{Format, Loaded, file};
-use crate::remesh::{Options, Remeshed, remesh};
+use crate::remesh::{Options, Remeshed, Signal, remesh};
 use crate::report::{Crossings, Named, Report, shortcomings};
 use crate::surface::weld::weld;
 use std::path::Path;
@@ -19,6 +20,7 @@ pub fn run(job: &Job) -> Result<Status> {
     terminal::listen_for_interrupts();
     match job {
         Job::Remesh(job) => with_threads(job.threads, || remesh_file(job))?,
+        Job::Sample(job) => with_threads(job.threads, || sample_file(job))?.map(|()| Status::Done),
         Job::Measure(job) => with_threads(job.threads, || measure_file(job))?,
         Job::Complete(script) => terminal::print(script).map(|()| Status::Done),
     }
@@ -31,8 +33,8 @@ fn remesh_file(job: &Remeshing) -> Result<Status> {
     let (remeshed, report) = {
         let terminal = Terminal::new(job.voice);
         let monitor = Stopwatch::new(&terminal);
-        let (input, lengths) = load_with_lengths(job, &monitor)?;
-        let remeshed = remesh_loaded(&input, lengths, job, &monitor)?;
+        let (input, fields) = load_with_fields(job, &monitor)?;
+        let remeshed = remesh_loaded(&input, fields, job, &monitor)?;
         let report = wants_report(job).then(|| measure(&remeshed, &input, job, &monitor));
         store(&remeshed, job, &monitor)?;
         (remeshed, report.map(|report| with_run(report, &monitor)))
@@ -84,33 +86,50 @@ fn check_targets(job: &Remeshing) -> Result<()> {
 
 /// A mesh with triangles from a file.
 fn load(from: &MeshFile, monitor: &dyn Monitor) -> Result<Loaded> {
+    with_triangles(load_with_properties(from, &[], monitor)?.0, from)
+}
+
+/// A file and properties of its vertices. The facets of an STL file have corners of their own; here they share them.
+pub(super) fn load_with_properties(
+    from: &MeshFile,
+    names: &[&str],
+    monitor: &dyn Monitor,
+) -> Result<(Loaded, Vec<Vec<f64>>)> {
     monitor.stage("read");
-    let loaded = file::read_file(&from.path, from.format)?;
+    let (mut loaded, values) = file::read_file_and_properties(&from.path, from.format, names)?;
     check(monitor)?;
-    with_triangles(loaded, from)
-}
-
-/// The input and, if there are some, the lengths wanted at its vertices.
-fn load_with_lengths(job: &Remeshing, monitor: &dyn Monitor) -> Result<(Loaded, Option<Vec<f64>>)> {
-    let lengths = match &job.sizing {
-        Some(Sizing::Property(name)) => {
-            monitor.stage("read");
-            let (loaded, lengths) = file::read_file_and_property(&job.input.path, job.input.format, name)?;
-            check(monitor)?;
-            return Ok((with_triangles(loaded, &job.input)?, Some(lengths)));
-        }
-        Some(Sizing::File(path)) => Some(file::read_numbers(path)?),
-        None => None,
-    };
-    Ok((load(&job.input, monitor)?, lengths))
-}
-
-/// A loaded mesh, which has to have triangles. The facets of an STL file have corners of their own; here they share
-/// them.
-fn with_triangles(mut loaded: Loaded, from: &MeshFile) -> Result<Loaded> {
     if loaded.format == Format::Stl {
         loaded.mesh = weld(&loaded.mesh);
     }
+    Ok((loaded, values))
+}
+
+/// What is known at the vertices of an input.
+struct Fields {
+    sizing: Option<Vec<f64>>,
+    signals: Vec<Signal>,
+}
+
+/// The input and what is wanted to be known at its vertices.
+fn load_with_fields(job: &Remeshing, monitor: &dyn Monitor) -> Result<(Loaded, Fields)> {
+    let mut names: Vec<&str> = job.properties.iter().map(|property| property.name.as_str()).collect();
+    let mut sizing = match &job.sizing {
+        Some(Sizing::File(path)) => Some(file::read_numbers(path)?),
+        Some(Sizing::Property(name)) => {
+            names.push(name);
+            None
+        }
+        None => None,
+    };
+    let (loaded, mut values) = load_with_properties(&job.input, &names, monitor)?;
+    if matches!(job.sizing, Some(Sizing::Property(_))) {
+        sizing = values.pop();
+    }
+    Ok((with_triangles(loaded, &job.input)?, Fields { sizing, signals: signals(&job.properties, values) }))
+}
+
+/// A loaded mesh, which has to have triangles.
+fn with_triangles(loaded: Loaded, from: &MeshFile) -> Result<Loaded> {
     if loaded.mesh.triangles.is_empty() {
         let vertices = loaded.mesh.positions.len();
         let cause = format!("{vertices} vertices and no triangles");
@@ -120,8 +139,9 @@ fn with_triangles(mut loaded: Loaded, from: &MeshFile) -> Result<Loaded> {
     Ok(loaded)
 }
 
-fn remesh_loaded(input: &Loaded, sizing: Option<Vec<f64>>, job: &Remeshing, monitor: &dyn Monitor) -> Result<Remeshed> {
-    let options = Options { sizing, ..job.options.clone() };
+fn remesh_loaded(input: &Loaded, fields: Fields, job: &Remeshing, monitor: &dyn Monitor) -> Result<Remeshed> {
+    let Fields { sizing, signals } = fields;
+    let options = Options { sizing, signals, ..job.options.clone() };
     let mut remeshed = remesh(&input.mesh, &options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
     remeshed.notes.splice(0..0, input.notes.iter().cloned());
     Ok(remeshed)
@@ -171,12 +191,12 @@ fn verdict(remeshed: &Remeshed, job: &Remeshing) -> Status {
     Status::Unverified
 }
 
-fn name(file: &MeshFile) -> String {
+pub(super) fn name(file: &MeshFile) -> String {
     file.path.display().to_string()
 }
 
 /// The most memory that this process had at once, where Linux tells.
-fn peak_memory_bytes() -> Option<u64> {
+pub(super) fn peak_memory_bytes() -> Option<u64> {
     let status = std::fs::read_to_string(Path::new("/proc/self/status")).ok()?;
     let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.trim().strip_suffix("kB")?;
     kilobytes.trim().parse::<u64>().ok().map(|n| 1024 * n)

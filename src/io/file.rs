@@ -24,13 +24,18 @@ pub fn read_file(path: &Path, format: Option<Format>) -> Result<Loaded> {
     read(path, format, super::parse)
 }
 
-/// Reads the mesh file at `path` like [`read_file`], and the property `name` of its vertices.
+/// Reads the mesh file at `path` like [`read_file`], and the properties `names` of its vertices.
 ///
 /// # Errors
 /// Those of [`read_file`] and [`property`](super::property).
-pub fn read_file_and_property(path: &Path, format: Option<Format>, name: &str) -> Result<(Loaded, Vec<f64>)> {
+pub fn read_file_and_properties(
+    path: &Path,
+    format: Option<Format>,
+    names: &[&str],
+) -> Result<(Loaded, Vec<Vec<f64>>)> {
     read(path, format, |bytes, format, resolve| {
-        Ok((super::parse(bytes, format, resolve)?, super::property(bytes, format, resolve, name)?))
+        let values = names.iter().map(|name| super::property(bytes, format, resolve, name));
+        Ok((super::parse(bytes, format, resolve)?, values.collect::<Result<_>>()?))
     })
 }
 

@@ -26,6 +26,7 @@ mod gltf;
 mod obj;
 mod off;
 mod ply;
+pub mod samples;
 mod stl;
 mod text;
 

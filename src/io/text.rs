@@ -188,7 +188,7 @@ pub(super) fn whole(word: &[u8]) -> Option<usize> {
 }
 
 /// Writes the numbers of one line after `head`, in the shortest form that reads as the same f64.
-pub(super) fn write_line(out: &mut dyn Write, head: &str, numbers: [f64; 3]) -> io::Result<()> {
+pub(super) fn write_line<const N: usize>(out: &mut dyn Write, head: &str, numbers: [f64; N]) -> io::Result<()> {
     out.write_all(head.as_bytes())?;
     for (i, number) in numbers.into_iter().enumerate() {
         if i > 0 || !head.is_empty() {

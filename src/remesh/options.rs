@@ -1,6 +1,7 @@
 //! What can be asked of the pipeline, and what is refused at once.
 
 use crate::base::error::{Error, Result};
+use crate::remesh::kernel::{Signal, check_kernel};
 use crate::surface::features::Features;
 use crate::surface::mesh::Mesh;
 
@@ -52,6 +53,11 @@ pub struct Options {
     /// How much the edge lengths follow the shape, from 0 (they are even) to 1 (short where the surface bends or is
     /// thin, in proportion to the root of the radius). Default: 0.
     pub adapt: f64,
+    /// The width σn of the kernel along unit normals: with 0.5 to 1 vertices gather where the surface bends (paper,
+    /// section 3 and figure 10). Default: infinite, which leaves lengths even.
+    pub sigma_n: f64,
+    /// Properties of the input that vertices follow: they gather where these change. Default: none.
+    pub signals: Vec<Signal>,
     /// The edge length wanted at each vertex of the input, in its units; with a density other than [`Density::OfSizing`]
     /// all are scaled by one factor to meet that. Default: `None`, lengths are even or as `adapt` says.
     pub sizing: Option<Vec<f64>>,
@@ -74,6 +80,8 @@ impl Default for Options {
             weld: None,
             features: Features::Automatic,
             adapt: 0.0,
+            sigma_n: f64::INFINITY,
+            signals: Vec::new(),
             sizing: None,
             max_error: None,
             optimize: true,
@@ -112,6 +120,12 @@ impl Options {
             let cause = "edge lengths cannot follow the shape and a field at the same time".into();
             return Err(Error::Option { option: "adapt", cause, remedy: "leave out adapt or sizing".into() });
         }
+        check_kernel(self.sigma_n, &self.signals)?;
+        if self.has_kernel() && (self.adapt > 0.0 || self.sizing.is_some()) {
+            let cause = "edge lengths cannot follow the kernel and the shape or a field at the same time".into();
+            let remedy = "leave out adapt and sizing, or sigma-n and sigma".into();
+            return Err(Error::Option { option: "sigma-n", cause, remedy });
+        }
         self.sizing.as_deref().map_or(Ok(()), check_lengths)?;
         match self.max_error {
             Some(MaxError::Length(l)) => check_length("max-error", l)?,
@@ -135,6 +149,13 @@ impl Options {
             }),
             Density::Auto => Ok(()),
         }
+    }
+}
+
+impl Options {
+    /// Whether more than the position counts in the kernel.
+    pub(super) fn has_kernel(&self) -> bool {
+        self.sigma_n.is_finite() || !self.signals.is_empty()
     }
 }
 

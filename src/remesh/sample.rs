@@ -10,10 +10,10 @@ use crate::base::progress::{Monitor, check};
 use crate::base::rng::{Stage, stream};
 use crate::remesh::kernel::{Beside, Signal, check_kernel, check_signals};
 use crate::remesh::options::{Density, check_count, check_length};
-use crate::remesh::scale::Scale;
+use crate::remesh::scale::{SIGMA_OF_SPACING, Scale};
 use crate::remesh::unit::Unit;
 use crate::remesh::{CANDIDATES_PER_POINT, LONGEST_EDGE, refuse_bad_numbers, refuse_bad_positions};
-use crate::spectral::ascent::{Climb, PAPER_STEP};
+use crate::spectral::ascent::{Climb, PAPER_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA};
 use crate::spectral::candidates::{Candidate, candidates};
 use crate::spectral::free::ascend_freely;
 use crate::spectral::samples::{meet_count, scan};
@@ -97,8 +97,8 @@ pub struct Sampled {
     pub notes: Vec<String>,
 }
 
-/// Kernel width of the ascent for that of the scan: 0.94 spacings for 0.866.
-const ASCENT_OF_SCAN: f64 = 1.085;
+/// Kernel width of the ascent for that of the scan.
+pub(super) const ASCENT_OF_SCAN: f64 = ASCENT_SIGMA / SIGMA_OF_SPACING;
 
 /// As many times more candidates where more than the position counts: samples gather there.
 const MORE_CANDIDATES: usize = 3;
@@ -175,7 +175,7 @@ pub fn sample_points(input: &Points, options: &SampleOptions, monitor: &dyn Moni
 }
 
 /// The dimensions of a kernel with signals.
-const MOST_DIMENSIONS: usize = 6 + MOST_SIGNALS;
+pub(super) const MOST_DIMENSIONS: usize = 6 + MOST_SIGNALS;
 
 /// Candidates on `domain` for so many samples.
 pub(super) fn candidates_for(domain: &Domain, beside: &Beside, wanted: usize, seed: u64) -> Vec<Candidate> {

@@ -9,7 +9,7 @@ use crate::surface::sizing::{field_lengths, field_sizes, mean_density, transferr
 
 /// σp in units of the mean spacing d at which the scan with ε = 0.5 keeps a density of 2 / (√3 d²): measured on eleven
 /// closed models at 5,000 to 20,000 points, where it met the count within 1 %.
-const SIGMA_OF_SPACING: f64 = 0.866;
+pub(super) const SIGMA_OF_SPACING: f64 = 0.866;
 
 /// Samples of the boundary for each wanted point: a narrow band has two, a heap of needles might have thousands.
 const MOST_ON_CURVES: f64 = 4.0;
@@ -83,7 +83,7 @@ impl Scale {
             check_count(option, wanted, format!("a length of {length} means {wanted} vertices"))?;
             checked(wanted, spacing)
         };
-        let points = |n: usize| checked(n, (2.0 * area / (3f64.sqrt() * n as f64)).sqrt());
+        let points = |n: usize| checked(n, Scale::of_points(n, area).spacing);
         match density {
             Density::Points(n) => points(n),
             Density::EdgeLength(l) => from_length("edge-length", l, l / unit.size),
@@ -104,6 +104,11 @@ impl Scale {
 
     pub(super) fn sigma(&self) -> f64 {
         Scale::sigma_of_spacing(self.spacing)
+    }
+
+    /// `wanted` vertices on `area`.
+    pub(super) fn of_points(wanted: usize, area: f64) -> Scale {
+        Scale { wanted, spacing: (2.0 * area / (3f64.sqrt() * wanted as f64)).sqrt() }
     }
 
     /// σp for samples at distance `spacing`.

@@ -11,3 +11,4 @@ pub mod measure;
 mod nearest;
 pub mod samples;
 pub mod scan;
+pub mod spacing;

@@ -1,0 +1,49 @@
+//! How far apart the samples of a scan are, over the whole domain: the edge lengths that keep their density.
+//!
+//! Candidates are even, so the share of them that is nearest to a sample is the share of the area that the sample has. At
+//! hexagonal packing a sample of area a has its neighbours at √(2a / √3). A vertex of the domain takes the geometric mean
+//! of the samples around it, so that the chance in where samples lie cancels.
+//!
+//! Cost: a search among the samples for each candidate and each vertex.
+
+use crate::spectral::candidates::Candidate;
+use crate::surface::domain::{Domain, Sample};
+use crate::surface::neighbors::Neighbors;
+use rayon::prelude::*;
+
+/// No candidate is farther from the samples than this, in units of σ: it would have been kept.
+const FARTHEST: f64 = 1.5;
+
+/// Samples that a vertex takes the mean of.
+const AVERAGED: usize = 7;
+
+/// The distance between the samples, at each vertex of `domain` and in its units. `candidates` are those that `samples`
+/// were chosen from, or an even part of them, by a kernel of width `sigma`.
+pub fn spacings(domain: &Domain, candidates: &[Candidate], samples: &[Sample], sigma: f64) -> Vec<f64> {
+    let positions: Vec<_> = samples.iter().map(|s| s.position).collect();
+    let set = Neighbors::new(&positions);
+    let facing = |at: &Sample| {
+        let found = set.within(at.position, FARTHEST * sigma).into_iter().map(|n| n.point as usize);
+        let normal = at.normal;
+        found.filter(move |&i| samples[i].normal.dot(normal) >= 0.0)
+    };
+    let nearest: Vec<Option<usize>> = candidates.par_iter().map(|c| facing(&c.sample(domain)).next()).collect();
+    let mut counts = vec![0.0; samples.len()];
+    nearest.into_iter().flatten().for_each(|i| counts[i] += 1.0);
+    let mean_area = domain.mesh.area() / candidates.len() as f64;
+    let logarithms: Vec<f64> = counts.iter().map(|&n| length_of(mean_area * f64::max(n, 1.0)).ln()).collect();
+    let otherwise = length_of(domain.mesh.area() / samples.len().max(1) as f64).ln();
+    let at_vertex = |v: u32| {
+        let position = domain.mesh.positions[v as usize];
+        let sample = Sample { position, normal: domain.vertex_normal(v), triangle: 0, size: 1.0 };
+        let around: Vec<f64> = facing(&sample).take(AVERAGED).map(|i| logarithms[i]).collect();
+        let mean = if around.is_empty() { otherwise } else { around.iter().sum::<f64>() / around.len() as f64 };
+        mean.exp()
+    };
+    (0..domain.mesh.positions.len() as u32).into_par_iter().map(at_vertex).collect()
+}
+
+/// The distance of neighbours at hexagonal packing that have `area` each.
+fn length_of(area: f64) -> f64 {
+    (2.0 * area / 3f64.sqrt()).sqrt()
+}
