@@ -14,7 +14,7 @@
 
 use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};
-use crate::geom::vector::{difference, distance_squared};
+use crate::geom::vector::length_squared;
 use crate::spectral::measure::{GRADIENT_NEIGHBOURS, gradient};
 use crate::spectral::nearest::Nearest;
 use crate::surface::connectivity::next;
@@ -73,56 +73,38 @@ pub fn ascend_lifted<const D: usize>(
 /// Where vertex `v` wants to go: up the gradient.
 fn way_up<const D: usize>(mesh: &Manifold, lift: Lift, v: u32, Climb { sigma, step, .. }: Climb) -> DVec3 {
     let mut offsets = [[0.0; D]; GRADIENT_NEIGHBOURS];
-    let view = View::<D>::new(mesh, lift, v);
-    let found = nearest(mesh, &view, v);
+    let here = &mesh.samples[v as usize];
+    let found = nearest::<D>(mesh, lift, v);
     for (offset, &(_, w)) in offsets.iter_mut().zip(found.list()) {
         let there = &mesh.samples[w as usize];
-        let sigma = sigma * view.mean_width(there);
-        *offset = difference(&lift.coordinates(there), &view.coordinates).map(|x| x / sigma);
+        let sigma = sigma * mean_width::<D>(lift, here, there);
+        *offset = lift.offset(here, there).map(|x| x / sigma);
     }
-    let sigma = sigma * lift.width::<D>(view.sample);
+    let sigma = sigma * lift.width::<D>(here);
     let uphill = DVec3::from_slice(&gradient(&offsets[..found.list().len()]));
     let way = (step * sigma * uphill).clamp_length_max(MOST_STEP * sigma);
     mesh.along(v).map_or(way, |along| way.project_onto_normalized(along))
 }
 
-/// The neighbours as a vertex sees them.
-struct View<'a, const D: usize> {
-    lift: Lift<'a>,
-    sample: &'a Sample,
-    coordinates: [f64; D],
-}
-
-impl<'a, const D: usize> View<'a, D> {
-    #[inline]
-    fn new(mesh: &'a Manifold, lift: Lift<'a>, v: u32) -> Self {
-        let sample = &mesh.samples[v as usize];
-        View { lift, sample, coordinates: lift.coordinates(sample) }
-    }
-
-    /// The width between two vertices. Were it that of one of them, all would move to where kernels are wider.
-    #[inline]
-    fn mean_width(&self, other: &Sample) -> f64 {
-        0.5 * (self.lift.width::<D>(self.sample) + self.lift.width::<D>(other))
-    }
-
-    /// The squared distance to another vertex, in kernel widths but for a factor.
-    #[inline]
-    fn distance_squared(&self, other: &Sample) -> f64 {
-        let width = self.mean_width(other);
-        distance_squared(&self.coordinates, &self.lift.coordinates(other)) / (width * width)
-    }
+/// The width of the kernel between two samples. Were it that of one of them, all would move to where kernels are wider.
+#[inline]
+fn mean_width<const D: usize>(lift: Lift, one: &Sample, other: &Sample) -> f64 {
+    0.5 * (lift.width::<D>(one) + lift.width::<D>(other))
 }
 
 /// The nearest vertices, for the width of the kernel there, of the two-ring of `v`; of the second ring only those that face the
 /// same way.
-fn nearest<const D: usize>(mesh: &Manifold, view: &View<D>, v: u32) -> Nearest {
-    let c = &mesh.connectivity;
+fn nearest<const D: usize>(mesh: &Manifold, lift: Lift, v: u32) -> Nearest {
+    let (c, here) = (&mesh.connectivity, &mesh.samples[v as usize]);
     let mut found = Nearest::default();
-    let mut add = |w: u32| found.add(view.distance_squared(&mesh.samples[w as usize]), w);
+    let mut add = |w: u32| {
+        let there = &mesh.samples[w as usize];
+        let width = mean_width::<D>(lift, here, there);
+        found.add(length_squared(&lift.offset::<D>(here, there)) / (width * width), w)
+    };
     c.ring(v).for_each(&mut add);
     let mut add_facing = |w: u32| {
-        if mesh.samples[w as usize].normal.dot(view.sample.normal) >= 0.0 {
+        if mesh.samples[w as usize].normal.dot(here.normal) >= 0.0 {
             add(w);
         }
     };

@@ -8,6 +8,7 @@
 //! Based on: Y.-K. Lai, Q.-Y. Zhou, S.-M. Hu, J. Wallner, H. Pottmann, Robust feature classification and editing, 2007,
 //! DOI 10.1109/TVCG.2007.19 (the six dimensions).
 
+use crate::geom::vector::difference;
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::submanifold::Submanifold;
 use glam::DVec3;
@@ -75,6 +76,16 @@ impl Lift<'_> {
             signals(sample, &mut x[6..]);
         }
         x
+    }
+
+    /// The way from one sample to another. A point of a sharp edge has no normal, and turns with whoever looks at it.
+    #[inline]
+    pub fn offset<const D: usize>(&self, from: &Sample, to: &Sample) -> [f64; D] {
+        let mut offset = difference(&self.coordinates::<D>(to), &self.coordinates(from));
+        if D >= 6 && (from.normal == DVec3::ZERO || to.normal == DVec3::ZERO) {
+            offset[3..6].fill(0.0);
+        }
+        offset
     }
 
     /// How much wider than σp the kernel is at `sample`: as its wanted edge length says, if only the position counts;
