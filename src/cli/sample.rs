@@ -163,8 +163,7 @@ pub(super) fn sample_file(job: &Sampling) -> Result<()> {
         file::replace_file(&job.output, &mut |out| {
             write_samples(&sampled.points, sampled.indices.as_deref(), format, out)
         })?;
-        let report =
-            SamplesReport::new(&sampled, &job.options, name(&job.input), job.output.display().to_string());
+        let report = SamplesReport::new(&sampled, &job.options, name(&job.input), job.output.display().to_string());
         report.with_run(&monitor.laps(), peak_memory_bytes(), rayon::current_num_threads())
     };
     if let Some(path) = &job.report {

@@ -31,8 +31,9 @@ use rayon::prelude::*;
 /// How to sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampleOptions {
-    /// How dense the samples shall be: [`Density::Points`], [`Density::EdgeLength`] (the distance between neighbours) or
-    /// [`Density::SigmaP`]. Default: 10,000 points.
+    /// How dense the samples shall be: [`Density::Points`], [`Density::EdgeLength`] or [`Density::SigmaP`]. An edge length
+    /// means as many samples as have it at hexagonal packing on the input's area; with [`Self::scan_only`] it means the
+    /// width of the kernel that would leave it. Default: 10,000 points.
     pub density: Density,
     /// The width σn of the kernel along unit normals: samples gather where the surface turns by more than this within a
     /// spacing. Default: infinite, samples are even.
@@ -114,20 +115,31 @@ pub fn sample(input: &Mesh, options: &SampleOptions, monitor: &dyn Monitor) -> R
     refuse_bad_numbers(input)?;
     check_signals(&options.signals, input.positions.len())?;
     let unit = Unit::of(input);
-    let (mut clean, _) = repair(&unit.inwards(input));
-    let scale = Scale::new(options.density, None, &clean, &unit)?;
+    let (clean, _) = repair(&unit.inwards(input));
     check(monitor)?;
+    if options.scan_only {
+        sample_vertices(input, clean, &unit, options, monitor)
+    } else {
+        sample_surface(input, clean, &unit, options, monitor)
+    }
+}
+
+/// Samples of the surface `clean`, which is `input` repaired and in `unit`.
+fn sample_surface(
+    input: &Mesh,
+    mut clean: Mesh,
+    unit: &Unit,
+    options: &SampleOptions,
+    monitor: &dyn Monitor,
+) -> Result<Sampled> {
+    let scale = Scale::new(options.density, None, &clean, unit)?;
     monitor.stage("sample");
     let most = 4 * clean.triangles.len() + 16 * scale.wanted;
     refine(&mut clean, LONGEST_EDGE * scale.spacing, most);
     let domain = Domain::new(clean);
-    let beside = Beside::new(options.sigma_n, &options.signals, input, &unit, &domain);
+    let beside = Beside::new(options.sigma_n, &options.signals, input, unit, &domain);
     let wanted = (!matches!(options.density, Density::SigmaP(_))).then_some(scale.wanted);
     let task = Task { beside: &beside, first_sigma: scale.sigma(), wanted, options, monitor };
-    if options.scan_only {
-        let (vertices, numbers) = used_vertices(input, &unit, &domain);
-        return Ok(task.subset(&domain, &vertices)?.of(&input.positions, Some(&numbers), unit.size));
-    }
     let candidates = candidates_for(&domain, &beside, scale.wanted, options.seed);
     let (sigma, samples) = match beside.dimensions() {
         3 => task.on_surface::<3>(&domain, &candidates),
@@ -140,6 +152,24 @@ pub fn sample(input: &Mesh, options: &SampleOptions, monitor: &dyn Monitor) -> R
     };
     let notes = notes(points.positions.len(), candidates.len(), wanted);
     Ok(Sampled { points, indices: None, candidates: candidates.len(), sigma_p: unit.size * sigma, wanted, notes })
+}
+
+/// A subset of the vertices of `input`, which are on the surface `clean`.
+fn sample_vertices(
+    input: &Mesh,
+    clean: Mesh,
+    unit: &Unit,
+    options: &SampleOptions,
+    monitor: &dyn Monitor,
+) -> Result<Sampled> {
+    monitor.stage("sample");
+    let area = clean.area();
+    let domain = Domain::new(clean);
+    let beside = Beside::new(options.sigma_n, &options.signals, input, unit, &domain);
+    let (vertices, numbers) = used_vertices(input, unit, &domain);
+    let (first_sigma, wanted) = first_sigma(options.density, area, unit);
+    let task = Task { beside: &beside, first_sigma, wanted, options, monitor };
+    Ok(task.subset(&domain, &vertices)?.of(&input.positions, Some(&numbers), unit.size))
 }
 
 /// A subset of `input`: its samples as the scan leaves them.
@@ -164,7 +194,7 @@ pub fn sample_points(input: &Points, options: &SampleOptions, monitor: &dyn Moni
     monitor.stage("sample");
     let unit = Unit::of_points(&input.positions);
     let bare = bare_samples(input, &unit);
-    let (first_sigma, wanted) = first_sigma(options.density, &bare, &unit);
+    let (first_sigma, wanted) = first_sigma(options.density, area_of_box(&bare), &unit);
     let beside = Beside::of_points(options.sigma_n, &options.signals);
     let task = Task { beside: &beside, first_sigma, wanted, options, monitor };
     let mut sampled = task.subset(&BarePoints, &bare)?.of(&input.positions, None, unit.size);
@@ -206,18 +236,22 @@ fn bare_samples(input: &Points, unit: &Unit) -> Vec<Sample> {
     input.positions.iter().enumerate().map(sample).collect()
 }
 
-/// The width to begin with and the samples wanted: of points that area is not known, so the sides of their bounding box
-/// have to do.
-fn first_sigma(density: Density, bare: &[Sample], unit: &Unit) -> (f64, Option<usize>) {
+/// Half the area of the bounding box: about that of a surface whose area is not known.
+fn area_of_box(samples: &[Sample]) -> f64 {
+    let lowest = samples.iter().fold(DVec3::INFINITY, |lo, s| lo.min(s.position));
+    let size = samples.iter().fold(DVec3::NEG_INFINITY, |hi, s| hi.max(s.position)) - lowest;
+    size.x * size.y + size.y * size.z + size.z * size.x
+}
+
+/// Smallest area per sample that a search for the width begins with: points may be on a line, or all at one place.
+const SMALLEST_AREA: f64 = 1e-12;
+
+/// The width to begin with for a subset of points of about `area`, and the samples wanted.
+fn first_sigma(density: Density, area: f64, unit: &Unit) -> (f64, Option<usize>) {
     match density {
         Density::SigmaP(sigma) => (sigma / unit.size, None),
         Density::EdgeLength(length) => (Scale::sigma_of_spacing(length / unit.size), None),
-        Density::Points(n) => {
-            let lowest = bare.iter().fold(DVec3::INFINITY, |lo, s| lo.min(s.position));
-            let size = bare.iter().fold(DVec3::NEG_INFINITY, |hi, s| hi.max(s.position)) - lowest;
-            let area = (size.x * size.y + size.y * size.z + size.z * size.x).max(f64::EPSILON * size.length_squared());
-            (Scale::sigma_of_spacing((area.max(f64::MIN_POSITIVE) / n as f64).sqrt()), Some(n))
-        }
+        Density::Points(n) => (Scale::of_points(n, area.max(SMALLEST_AREA * n as f64)).sigma(), Some(n)),
         Density::Auto | Density::OfSizing => unreachable!("validated before"),
     }
 }

@@ -117,13 +117,7 @@ struct Block {
 }
 
 impl<'a> Blocks<'a> {
-    fn new(
-        domain: &Domain,
-        candidates: &[Candidate],
-        fixed: &[Sample],
-        kernel: Kernel<'a>,
-        rng: &mut Random,
-    ) -> Self {
+    fn new(domain: &Domain, candidates: &[Candidate], fixed: &[Sample], kernel: Kernel<'a>, rng: &mut Random) -> Self {
         let [_, largest_size] = domain.size_range();
         let cell = kernel.sigma * largest_size * RADIUS / 2.0;
         let place = |p: DVec3| (p / (cell * f64::from(BLOCK))).floor().as_ivec3();
