@@ -36,7 +36,7 @@ fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
     let folder = PathBuf::from(arguments.next().unwrap_or_else(|| "target/spectrum".into()));
     fs::create_dir_all(&folder)?;
     let runs: Vec<Points> = (0..RUNS).map(|seed| blue_noise(count, seed)).collect::<Result<_>>()?;
-    let radii: Vec<f64> = runs.iter().map(|points| poisson_disk_radius(points)).collect();
+    let radii: Vec<f64> = runs.iter().map(poisson_disk_radius).collect();
     println!("{count} points, ρ of {RUNS} runs: mean {:.3}", radii.iter().sum::<f64>() / radii.len() as f64);
 
     let spectrum = Spectrum::of(&runs);

@@ -7,20 +7,19 @@
 
 use crate::base::error::Result;
 use crate::base::progress::Monitor;
+use crate::base::rng::{Stage, stream};
+use crate::remesh::CANDIDATES_PER_POINT;
 use crate::remesh::kernel::Beside;
 use crate::remesh::options::{Density, Options, check_count};
-use crate::remesh::sample::{ASCENT_OF_SCAN, MOST_DIMENSIONS, candidates_for, find_width};
+use crate::remesh::sample::{ASCENT_OF_SCAN, MOST_DIMENSIONS, find_width};
 use crate::remesh::scale::Scale;
 use crate::spectral::ascent::{Climb, PAPER_STEP, ascend_lifted};
-use crate::spectral::candidates::Candidate;
+use crate::spectral::candidates::{Candidate, candidates};
 use crate::spectral::scan::scan_lifted;
 use crate::spectral::spacing::spacings;
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::manifold::Manifold;
 use crate::surface::sizing::field_sizes;
-
-/// One in so many candidates is enough to tell how much area a sample has.
-const OF_CANDIDATES: usize = 3;
 
 /// What following a kernel means for the pipeline.
 pub(super) struct Followed {
@@ -40,7 +39,8 @@ pub(super) fn follow(
     options: &Options,
     monitor: &dyn Monitor,
 ) -> Result<Followed> {
-    let candidates = candidates_for(domain, beside, scale.wanted, options.seed);
+    let count = CANDIDATES_PER_POINT * scale.wanted;
+    let candidates = candidates(domain, count, &mut stream(options.seed, Stage::Candidates));
     let mut scan = |sigma: f64| scan_of(domain, beside, &candidates, sigma, options.seed, monitor);
     let (scale, sigma, samples) = if let Density::SigmaP(width) = options.density {
         let samples = scan(scale.sigma())?;
@@ -51,8 +51,7 @@ pub(super) fn follow(
         let (sigma, samples) = find_width(scale.sigma(), scale.wanted, &mut scan)?;
         (scale, sigma, samples)
     };
-    let part: Vec<Candidate> = candidates.into_iter().step_by(OF_CANDIDATES).collect();
-    let sizes = field_sizes(domain, spacings(domain, &part, &samples, sigma), scale.spacing);
+    let sizes = field_sizes(domain, spacings(domain, &candidates, &samples, sigma), scale.spacing);
     Ok(Followed { scale, sigma, sizes })
 }
 

@@ -208,7 +208,7 @@ pub fn sample_points(input: &Points, options: &SampleOptions, monitor: &dyn Moni
 pub(super) const MOST_DIMENSIONS: usize = 6 + MOST_SIGNALS;
 
 /// Candidates on `domain` for so many samples.
-pub(super) fn candidates_for(domain: &Domain, beside: &Beside, wanted: usize, seed: u64) -> Vec<Candidate> {
+fn candidates_for(domain: &Domain, beside: &Beside, wanted: usize, seed: u64) -> Vec<Candidate> {
     let more = if beside.counts() { MORE_CANDIDATES } else { 1 };
     candidates(domain, more * CANDIDATES_PER_POINT * wanted, &mut stream(seed, Stage::Candidates))
 }

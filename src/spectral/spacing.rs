@@ -18,7 +18,7 @@ const FARTHEST: f64 = 1.5;
 const AVERAGED: usize = 7;
 
 /// The distance between the samples, at each vertex of `domain` and in its units. `candidates` are those that `samples`
-/// were chosen from, or an even part of them, by a kernel of width `sigma`.
+/// were chosen from by a kernel of width `sigma`.
 pub fn spacings(domain: &Domain, candidates: &[Candidate], samples: &[Sample], sigma: f64) -> Vec<f64> {
     let positions: Vec<_> = samples.iter().map(|s| s.position).collect();
     let set = Neighbors::new(&positions);
