@@ -45,6 +45,10 @@
 //!    number of vertices, mends triangles and crossings, and fits the vertices to the surface.
 //! 6. [`quality`] measures the result, [`report`] says how good it is, [`io`] writes it.
 //!
+//! [`sample()`] ends after the samples: points with normals, as gradient ascent without a mesh leaves them
+//! ([`spectral::free`]), or a subset of the input's points ([`sample_points`] for a cloud). All of the sampler works in
+//! any dimension, on whatever is a [`surface::submanifold::Submanifold`].
+//!
 //! Only [`mod@remesh`] knows that order. Each stage takes plain data and can be used by itself; here it is the sampler
 //! alone:
 //!

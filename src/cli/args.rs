@@ -22,6 +22,8 @@ Examples:
       triangles of about that size, and a report as JSON
   remesh scan.ply clean.ply --points auto --max-error 0.2%
       as few vertices as stay within 0.2 % of the diagonal of the input
+  remesh sample scan.ply points.ply --points 20000
+      blue noise without triangles: points with normals
   remesh quality clean.ply --against scan.ply
       measure any mesh, and how far it is from another one
 

@@ -376,9 +376,8 @@ pub(super) fn find_width<T>(
     Ok((best_sigma, samples))
 }
 
-/// Candidates for each sample that is missing, and the fewest of them.
-const SPARE_PER_MISSING: usize = 32;
-const FEWEST_SPARE: usize = 1024;
+/// Candidates that come into question for each sample that is missing.
+const SPARE_PER_MISSING: usize = 256;
 
 /// Exactly `wanted` samples: some go, or others of the candidates come.
 fn exactly<S: Submanifold<D, Point = Sample>, const D: usize>(
@@ -390,10 +389,9 @@ fn exactly<S: Submanifold<D, Point = Sample>, const D: usize>(
     wanted: usize,
 ) -> Vec<Sample> {
     let chosen: Vec<u32> = (0..samples.len() as u32).collect();
-    let missing = wanted.saturating_sub(samples.len());
-    if missing > 0 {
-        let step = (candidates.len() / (SPARE_PER_MISSING * missing).max(FEWEST_SPARE)).max(1);
-        samples.extend(candidates.iter().step_by(step).map(|c| c.sample(domain)));
+    if samples.len() < wanted {
+        let spare = SPARE_PER_MISSING * (wanted - samples.len());
+        samples.extend(candidates.iter().step_by((candidates.len() / spare).max(1)).map(|c| c.sample(domain)));
     }
     let kept = meet_count::<S, D>(surface, &samples, &chosen, sigma, wanted);
     kept.into_iter().map(|i| samples[i as usize]).collect()

@@ -120,3 +120,49 @@ fn colour_classes(lists: &[Vec<u32>]) -> Vec<Vec<u32>> {
     }
     classes
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::rng::{Stage, stream, unit};
+    use crate::spectral::ascent::PAPER_STEP;
+    use crate::surface::submanifold::{FlatTorus, UnitCube};
+
+    fn climb(sigma: f64, sweeps: usize) -> Climb {
+        Climb { sigma, step: PAPER_STEP, sweeps }
+    }
+
+    #[test]
+    fn two_points_part_until_they_do_not_hear_each_other() {
+        let mut points = [[0.45, 0.5], [0.55, 0.5]];
+        ascend_freely(&UnitCube, &mut points, climb(0.2, 100), &()).unwrap();
+        assert!(points[1][0] - points[0][0] > 0.35 && points[0][1] == 0.5, "{points:?}");
+    }
+
+    #[test]
+    fn points_on_a_circle_come_to_be_equally_far_apart() {
+        let mut rng = stream(2, Stage::Scan);
+        let mut points: Vec<[f64; 1]> = (0..20).map(|_| [unit(&mut rng)]).collect();
+        ascend_freely(&FlatTorus, &mut points, climb(0.05, 400), &()).unwrap();
+        points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let gaps = (0..20).map(|i| FlatTorus.offset(&points[i], &points[(i + 1) % 20])[0]);
+        gaps.for_each(|gap| assert!((gap - 0.05).abs() < 0.005, "{gap}"));
+    }
+
+    #[test]
+    fn a_crowd_is_broken_up() {
+        let mut rng = stream(3, Stage::Scan);
+        let mut points: Vec<[f64; 2]> = (0..12).map(|_| [0.5, 0.5].map(|x| x + 1e-4 * unit(&mut rng))).collect();
+        ascend_freely(&FlatTorus, &mut points, climb(0.2, 30), &()).unwrap();
+        for (i, x) in points.iter().enumerate() {
+            let nearest = points[..i].iter().map(|y| length_squared(&FlatTorus.offset(x, y))).fold(1.0, f64::min);
+            assert!(nearest.sqrt() > 0.1, "{nearest}");
+        }
+    }
+
+    #[test]
+    fn none_of_a_class_lists_another_before_it() {
+        let lists = vec![vec![1, 2], vec![0], vec![0, 1], vec![]];
+        assert_eq!(colour_classes(&lists), [vec![0, 3], vec![1], vec![2]]);
+    }
+}

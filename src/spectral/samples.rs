@@ -28,6 +28,10 @@ const CHUNK: usize = 4096;
 /// The measure of what is no other point than those that are there, but for rounding.
 const LEAST_NEWS: f64 = 1e-9;
 
+/// Points that are looked at for each sample that is missing, and the fewest of them.
+const POINTS_PER_MISSING: usize = 32;
+const FEWEST_POINTS: usize = 1024;
+
 /// Width of a cell in units of σ.
 const CELL: f64 = RADIUS / 2.0;
 
@@ -158,21 +162,26 @@ impl<'a, S: Submanifold<D>, const D: usize> Samples<'a, S, D> {
         self.numbers.retain(|&i| !removed[i as usize]);
     }
 
-    /// Adds samples until there are `wanted`, or no points any more.
+    /// Adds samples until there are `wanted`, or no points any more that differ: of a part of the points first.
     fn fill_to(&mut self, wanted: usize) {
-        if self.numbers.len() >= wanted {
-            return;
+        let missing = wanted.saturating_sub(self.numbers.len());
+        let part = (self.points.len() / (POINTS_PER_MISSING * missing + FEWEST_POINTS)).max(1);
+        for step in [part, 1] {
+            if self.numbers.len() < wanted {
+                self.fill_from((0..self.points.len() as u32).step_by(step).collect(), wanted);
+            }
         }
+    }
+
+    /// Adds samples of `pool`.
+    fn fill_from(&mut self, mut pool: Vec<u32>, wanted: usize) {
         let mut taken = vec![false; self.points.len()];
         self.numbers.iter().for_each(|&i| taken[i as usize] = true);
-        let free = (0..self.points.len() as u32).into_par_iter().filter(|&i| !taken[i as usize]);
-        let ranked: Vec<Ranked> = free.map(|i| Ranked::new(self.measure(i, 0.0), i)).collect();
+        pool.retain(|&i| !taken[i as usize]);
+        let ranked: Vec<Ranked> = pool.into_par_iter().map(|i| Ranked::new(self.measure(i, 0.0), i)).collect();
         let mut heap = BinaryHeap::from(ranked);
         while self.numbers.len() < wanted {
-            let Some(top) = heap.pop() else { return };
-            if top.rank <= LEAST_NEWS {
-                return;
-            }
+            let Some(top) = heap.pop().filter(|top| top.rank > LEAST_NEWS) else { return };
             let now = self.measure(top.index, 0.0);
             if now < top.rank {
                 heap.push(Ranked::new(now, top.index));
@@ -180,5 +189,65 @@ impl<'a, S: Submanifold<D>, const D: usize> Samples<'a, S, D> {
                 self.insert(top.index);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::rng::unit;
+    use crate::surface::submanifold::{FlatTorus, UnitCube};
+
+    fn points(n: usize) -> Vec<[f64; 2]> {
+        let mut rng = stream(9, Stage::Candidates);
+        (0..n).map(|_| [unit(&mut rng), unit(&mut rng)]).collect()
+    }
+
+    #[test]
+    fn samples_are_what_the_scan_says() {
+        let (points, sigma) = (points(3000), 0.06);
+        let kept = scan(&FlatTorus, &points, sigma, 5, &()).unwrap();
+        let mut samples = Samples::new(&FlatTorus, &points, sigma);
+        for &point in &kept {
+            assert!(samples.measure(point, 0.0) > EPSILON);
+            samples.insert(point);
+        }
+        // None of the others would add more than ε now.
+        assert!((0..3000).all(|i| kept.contains(&i) || samples.measure(i, 0.0) <= EPSILON + 1e-12));
+    }
+
+    /// One by one, with all measures worked out anew each time.
+    fn thinned_by_hand(points: &[[f64; 2]], sigma: f64, wanted: usize) -> Vec<u32> {
+        let mut numbers: Vec<u32> = (0..points.len() as u32).collect();
+        while numbers.len() > wanted {
+            let mut samples = Samples::new(&UnitCube, points, sigma);
+            numbers.iter().for_each(|&i| samples.insert(i));
+            let least = numbers.iter().map(|&i| Ranked::new(-samples.measure(i, 0.0), i)).max().unwrap();
+            numbers.retain(|&i| i != least.index);
+        }
+        numbers
+    }
+
+    #[test]
+    fn the_least_important_go_first_and_the_most_important_come_first() {
+        let (points, sigma) = (points(60), 0.15);
+        let all: Vec<u32> = (0..60).collect();
+        assert_eq!(meet_count(&UnitCube, &points, &all, sigma, 40), thinned_by_hand(&points, sigma, 40));
+        // The first is the lowest number, as good as any; the second is the one that it says least about.
+        let two = meet_count(&UnitCube, &points, &[], 10.0, 2);
+        let distance = |i: u32| length(&points[two[0] as usize], &points[i as usize]);
+        assert_eq!((two[0], two.len()), (0, 2));
+        assert!((0..60).all(|i| distance(i) <= distance(two[1])));
+    }
+
+    fn length(a: &[f64; 2], b: &[f64; 2]) -> f64 {
+        (a[0] - b[0]).hypot(a[1] - b[1])
+    }
+
+    #[test]
+    fn the_same_point_twice_is_no_other_point() {
+        let points = vec![[0.5, 0.5]; 9];
+        assert_eq!(meet_count(&UnitCube, &points, &[], 0.1, 5).len(), 1);
+        assert_eq!(scan(&UnitCube, &points, 0.1, 0, &()).unwrap().len(), 1);
     }
 }

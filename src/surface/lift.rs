@@ -119,3 +119,39 @@ impl<S: Surface, const D: usize> Submanifold<D> for Lifted<'_, S> {
         self.surface.joined(one, other)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::dvec3;
+
+    fn sample(position: DVec3, normal: DVec3) -> Sample {
+        Sample { position, normal, triangle: 7, size: 2.0 }
+    }
+
+    #[test]
+    fn position_normal_and_signals_are_coordinates() {
+        let values = |sample: &Sample, values: &mut [f64]| values[1] = f64::from(sample.triangle);
+        let lift = Lift { normals: 0.5, signals: Some(&values) };
+        let x: [f64; 10] = lift.coordinates(&sample(dvec3(1.0, 2.0, 3.0), DVec3::Z));
+        assert_eq!(x, [1.0, 2.0, 3.0, 0.0, 0.0, 0.5, 0.0, 7.0, 0.0, 0.0]);
+        let x: [f64; 3] = lift.coordinates(&sample(DVec3::X, DVec3::Z));
+        assert_eq!(x, [1.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_point_of_a_sharp_edge_turns_with_whoever_looks_at_it() {
+        let lift = Lift { normals: 2.0, signals: None };
+        let (up, side, edge) =
+            (sample(DVec3::X, DVec3::Z), sample(DVec3::ZERO, DVec3::X), sample(DVec3::ZERO, DVec3::ZERO));
+        assert_eq!(lift.offset::<6>(&up, &side), [-1.0, 0.0, 0.0, 2.0, 0.0, -2.0]);
+        assert_eq!(lift.offset::<6>(&up, &edge), [-1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        assert_eq!(lift.offset::<6>(&edge, &up), [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn wanted_lengths_are_for_the_plain_kernel() {
+        let sample = sample(DVec3::X, DVec3::Z);
+        assert_eq!([Lift::NONE.width::<3>(&sample), Lift::NONE.width::<6>(&sample)], [2.0, 1.0]);
+    }
+}
