@@ -336,7 +336,8 @@ fn samples_follow_a_property() {
         assert_eq!((made.verified(), made.mesh.positions.len()), (true, 800));
         at_equator(&made.mesh.positions)
     };
-    grows(&[1e9, 0.5, 0.2].map(of_vertices), 1.2);
+    // Edge lengths may not differ by much from one to the next, so the band is not as sharp.
+    grows(&[1e9, 0.5, 0.2].map(of_vertices), 1.1);
 }
 
 #[test]

@@ -15,7 +15,7 @@ use crate::remesh::sample::{ASCENT_OF_SCAN, MOST_DIMENSIONS, find_width};
 use crate::remesh::scale::Scale;
 use crate::spectral::ascent::{Climb, PAPER_STEP, ascend_lifted};
 use crate::spectral::candidates::{Candidate, candidates};
-use crate::spectral::scan::scan_lifted;
+use crate::spectral::scan::{Choices, OnDomain, scan_lifted};
 use crate::spectral::spacing::spacings;
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::manifold::Manifold;
@@ -63,11 +63,13 @@ fn scan_of(
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<Vec<Sample>> {
-    beside.with_kernel(sigma, |kernel| match beside.dimensions() {
-        3 => scan_lifted::<3>(domain, candidates, &[], kernel, seed, monitor),
-        6 => scan_lifted::<6>(domain, candidates, &[], kernel, seed, monitor),
-        _ => scan_lifted::<MOST_DIMENSIONS>(domain, candidates, &[], kernel, seed, monitor),
-    })
+    let choices = OnDomain { domain, candidates };
+    let chosen = beside.with_kernel(sigma, |kernel| match beside.dimensions() {
+        3 => scan_lifted::<3>(&choices, &[], kernel, seed, monitor),
+        6 => scan_lifted::<6>(&choices, &[], kernel, seed, monitor),
+        _ => scan_lifted::<MOST_DIMENSIONS>(&choices, &[], kernel, seed, monitor),
+    })?;
+    Ok(chosen.into_iter().map(|i| choices.sample(i)).collect())
 }
 
 /// The paper's ascent on `mesh` with the kernel of width `sigma` in all its dimensions.

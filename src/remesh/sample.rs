@@ -10,14 +10,14 @@ use crate::base::progress::{Monitor, check};
 use crate::base::rng::{Stage, stream};
 use crate::remesh::kernel::{Beside, Signal, check_kernel, check_signals};
 use crate::remesh::options::{Density, check_count, check_length};
-use crate::remesh::scale::{SIGMA_OF_SPACING, Scale};
+use crate::remesh::scale::{SIGMA_OF_SPACING, SMALLEST_SPACING, Scale};
 use crate::remesh::unit::Unit;
 use crate::remesh::{CANDIDATES_PER_POINT, LONGEST_EDGE, refuse_bad_numbers, refuse_bad_positions};
 use crate::spectral::ascent::{Climb, PAPER_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA};
 use crate::spectral::candidates::{Candidate, candidates};
 use crate::spectral::free::ascend_freely;
-use crate::spectral::samples::{meet_count, scan};
-use crate::spectral::scan::{Kernel, scan_lifted};
+use crate::spectral::samples::meet_count;
+use crate::spectral::scan::{Choices, Given, Kernel, OnDomain, scan_lifted};
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::lift::{BarePoints, Lifted, MOST_SIGNALS, Surface};
 use crate::surface::mesh::Mesh;
@@ -169,7 +169,11 @@ fn sample_vertices(
     let (vertices, numbers) = used_vertices(input, unit, &domain);
     let (first_sigma, wanted) = first_sigma(options.density, area, unit);
     let task = Task { beside: &beside, first_sigma, wanted, options, monitor };
-    Ok(task.subset(&domain, &vertices)?.of(&input.positions, Some(&numbers), unit.size))
+    Ok(task.subset(&domain, &Given { samples: &vertices, domain: Some(&domain) })?.of(
+        &input.positions,
+        Some(&numbers),
+        unit.size,
+    ))
 }
 
 /// A subset of `input`: its samples as the scan leaves them.
@@ -197,7 +201,8 @@ pub fn sample_points(input: &Points, options: &SampleOptions, monitor: &dyn Moni
     let (first_sigma, wanted) = first_sigma(options.density, area_of_box(&bare), &unit);
     let beside = Beside::of_points(options.sigma_n, &options.signals);
     let task = Task { beside: &beside, first_sigma, wanted, options, monitor };
-    let mut sampled = task.subset(&BarePoints, &bare)?.of(&input.positions, None, unit.size);
+    let mut sampled =
+        task.subset(&BarePoints, &Given { samples: &bare, domain: None })?.of(&input.positions, None, unit.size);
     if input.normals.is_empty() {
         sampled.points.normals.clear();
     }
@@ -249,8 +254,8 @@ const SMALLEST_AREA: f64 = 1e-12;
 /// The width to begin with for a subset of points of about `area`, and the samples wanted.
 fn first_sigma(density: Density, area: f64, unit: &Unit) -> (f64, Option<usize>) {
     match density {
-        Density::SigmaP(sigma) => (sigma / unit.size, None),
-        Density::EdgeLength(length) => (Scale::sigma_of_spacing(length / unit.size), None),
+        Density::SigmaP(sigma) => ((sigma / unit.size).max(SMALLEST_SPACING), None),
+        Density::EdgeLength(length) => (Scale::sigma_of_spacing(length / unit.size).max(SMALLEST_SPACING), None),
         Density::Points(n) => (Scale::of_points(n, area.max(SMALLEST_AREA * n as f64)).sigma(), Some(n)),
         Density::Auto | Density::OfSizing => unreachable!("validated before"),
     }
@@ -289,33 +294,33 @@ impl Subset<'_> {
 
 impl Task<'_> {
     /// Those of `given` that the scan keeps.
-    fn subset<'a, S: Surface>(&self, surface: &S, given: &'a [Sample]) -> Result<Subset<'a>> {
+    fn subset<'a, S: Surface>(&self, surface: &S, given: &Given<'a>) -> Result<Subset<'a>> {
         let (sigma, mut kept) = match self.beside.dimensions() {
             3 => self.kept_of::<S, 3>(surface, given),
             6 => self.kept_of::<S, 6>(surface, given),
             _ => self.kept_of::<S, MOST_DIMENSIONS>(surface, given),
         }?;
         kept.sort_unstable();
-        Ok(Subset { given, kept, sigma, wanted: self.wanted })
+        Ok(Subset { given: given.samples, kept, sigma, wanted: self.wanted })
     }
 
-    fn kept_of<S: Surface, const D: usize>(&self, surface: &S, given: &[Sample]) -> Result<(f64, Vec<u32>)> {
-        let (sigma, kept) = self.search(given.len(), |kernel| {
-            let surface = Lifted { surface, lift: kernel.lift };
-            scan::<_, D>(&surface, given, kernel.sigma, self.options.seed, self.monitor)
-        })?;
+    fn kept_of<S: Surface, const D: usize>(&self, surface: &S, given: &Given) -> Result<(f64, Vec<u32>)> {
+        let (sigma, kept) =
+            self.search(given.count(), |kernel| scan_lifted::<D>(given, &[], kernel, self.options.seed, self.monitor))?;
         let Some(wanted) = self.wanted else { return Ok((sigma, kept)) };
         let kept = self.beside.with_kernel(sigma, |kernel| {
-            meet_count::<_, D>(&Lifted { surface, lift: kernel.lift }, given, &kept, sigma, wanted)
+            meet_count::<_, D>(&Lifted { surface, lift: kernel.lift }, given.samples, &kept, sigma, wanted)
         });
         Ok((sigma, kept))
     }
 
     /// Samples of `domain` after ascent.
     fn on_surface<const D: usize>(&self, domain: &Domain, candidates: &[Candidate]) -> Result<(f64, Vec<Sample>)> {
+        let choices = OnDomain { domain, candidates };
         let (sigma, samples) = self.search(candidates.len(), |kernel| {
-            scan_lifted::<D>(domain, candidates, &[], kernel, self.options.seed, self.monitor)
+            scan_lifted::<D>(&choices, &[], kernel, self.options.seed, self.monitor)
         })?;
+        let samples = samples.into_iter().map(|i| choices.sample(i)).collect();
         self.beside.with_kernel(sigma, |kernel| {
             let surface = Lifted { surface: domain, lift: kernel.lift };
             let mut samples = match self.wanted {
@@ -361,7 +366,11 @@ pub(super) fn find_width<T>(
         if best.abs() <= NEAR_ENOUGH {
             break;
         }
-        let next = sigma * (now / exponent).exp().clamp(1.0 / LARGEST_STEP, LARGEST_STEP);
+        let step = (now / exponent).exp().clamp(1.0 / LARGEST_STEP, LARGEST_STEP);
+        let next = (step * sigma).max(SMALLEST_SPACING);
+        if next == sigma {
+            break;
+        }
         let found = scan(next)?;
         let then = excess(&found);
         let shown = -(then - now) / (next / sigma).ln();

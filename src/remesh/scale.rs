@@ -60,7 +60,7 @@ pub(super) struct Scale {
 }
 
 /// Smallest spacing that can be worked with, in the pipeline's unit: cells of the sampler are numbered in 32 bits.
-const SMALLEST_SPACING: f64 = 1e-8;
+pub(super) const SMALLEST_SPACING: f64 = 1e-8;
 
 impl Scale {
     pub(super) fn new(density: Density, field: Option<&Field>, clean: &Mesh, unit: &Unit) -> Result<Scale> {

@@ -6,8 +6,8 @@
 //! is a bound, and only the best of a heap is worked out anew (M. Minoux, Accelerated greedy algorithms for maximizing
 //! submodular set functions, 1978, DOI 10.1007/BFb0006528).
 //!
-//! [`linear_scan`](crate::spectral::scan::linear_scan) is the same scan for candidates on a mesh, faster and on many
-//! threads.
+//! [`scan_lifted`](crate::spectral::scan::scan_lifted) is the same scan for points of space, block by block: faster and
+//! on many threads.
 //!
 //! Cost: a few microseconds a point; most are settled by the samples nearest to them.
 

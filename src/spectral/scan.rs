@@ -59,7 +59,9 @@ pub fn linear_scan(
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<Vec<Sample>> {
-    scan_lifted::<3>(domain, candidates, fixed, Kernel { sigma, lift: Lift::NONE }, seed, monitor)
+    let choices = OnDomain { domain, candidates };
+    let chosen = scan_lifted::<3>(&choices, fixed, Kernel { sigma, lift: Lift::NONE }, seed, monitor)?;
+    Ok(fixed.iter().copied().chain(chosen.into_iter().map(|i| choices.sample(i))).collect())
 }
 
 /// A Gaussian kernel over samples of a surface.
@@ -71,35 +73,103 @@ pub struct Kernel<'a> {
     pub lift: Lift<'a>,
 }
 
-/// [`linear_scan`] with a kernel of D dimensions, those that `kernel.lift` needs.
+/// What a scan chooses from.
+pub trait Choices: Sync {
+    /// How many there are.
+    fn count(&self) -> usize;
+    /// One of them.
+    fn sample(&self, number: u32) -> Sample;
+    /// The piece of the surface that a sample lies on: only samples of the same piece are neighbours.
+    fn piece_of(&self, sample: &Sample) -> u32;
+    /// The largest size that is wanted anywhere.
+    fn largest_size(&self) -> f64;
+}
+
+/// Candidates on a domain.
+pub struct OnDomain<'a> {
+    /// The domain.
+    pub domain: &'a Domain,
+    /// Points of it.
+    pub candidates: &'a [Candidate],
+}
+
+impl Choices for OnDomain<'_> {
+    fn count(&self) -> usize {
+        self.candidates.len()
+    }
+
+    #[inline]
+    fn sample(&self, number: u32) -> Sample {
+        self.candidates[number as usize].sample(self.domain)
+    }
+
+    #[inline]
+    fn piece_of(&self, sample: &Sample) -> u32 {
+        self.domain.piece_of(sample.triangle)
+    }
+
+    fn largest_size(&self) -> f64 {
+        self.domain.size_range()[1]
+    }
+}
+
+/// Samples that are there already, of size 1: of a domain, or of no surface that is known.
+pub struct Given<'a> {
+    /// The samples.
+    pub samples: &'a [Sample],
+    /// Their domain.
+    pub domain: Option<&'a Domain>,
+}
+
+impl Choices for Given<'_> {
+    fn count(&self) -> usize {
+        self.samples.len()
+    }
+
+    fn sample(&self, number: u32) -> Sample {
+        self.samples[number as usize]
+    }
+
+    fn piece_of(&self, sample: &Sample) -> u32 {
+        self.domain.map_or(0, |domain| domain.piece_of(sample.triangle))
+    }
+
+    fn largest_size(&self) -> f64 {
+        1.0
+    }
+}
+
+/// [`linear_scan`] of anything, with a kernel of D dimensions, those that `kernel.lift` needs: the numbers of those that
+/// it keeps beside `fixed`.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
 pub fn scan_lifted<const D: usize>(
-    domain: &Domain,
-    candidates: &[Candidate],
+    choices: &impl Choices,
     fixed: &[Sample],
     kernel: Kernel,
     seed: u64,
     monitor: &dyn Monitor,
-) -> Result<Vec<Sample>> {
+) -> Result<Vec<u32>> {
     let mut rng = stream(seed, Stage::Scan);
-    let mut blocks = Blocks::new(domain, candidates, fixed, kernel, &mut rng);
+    let mut blocks = Blocks::new(choices, fixed, kernel, &mut rng);
     let turns = blocks.turns();
     for (i, turn) in turns.iter().enumerate() {
         check(monitor)?;
-        let kept: Vec<Vec<Sample>> = turn.par_iter().map(|&b| blocks.scan::<D>(b, domain, candidates)).collect();
-        for (&b, samples) in turn.iter().zip(kept) {
-            blocks.list[b].kept.extend(samples);
+        let kept: Vec<Vec<(u32, Sample)>> = turn.par_iter().map(|&b| blocks.scan::<D>(b)).collect();
+        for (&b, chosen) in turn.iter().zip(kept) {
+            let block = &mut blocks.list[b];
+            block.chosen.extend(chosen.iter().map(|c| c.0));
+            block.kept.extend(chosen.iter().map(|c| c.1));
         }
         monitor.progress((i + 1) as f64 / turns.len() as f64);
     }
-    let chosen = blocks.list.iter().flat_map(|b| &b.kept[b.fixed..]);
-    Ok(fixed.iter().chain(chosen).copied().collect())
+    Ok(blocks.list.into_iter().flat_map(|b| b.chosen).collect())
 }
 
 /// The blocks of space that hold candidates or fixed samples, in the order of their places.
-struct Blocks<'a> {
+struct Blocks<'a, C> {
+    choices: &'a C,
     list: Vec<Block>,
     places: Vec<IVec3>,
     /// Numbers of candidates, those of a block together, in random order within it.
@@ -113,17 +183,17 @@ struct Block {
     candidates: std::ops::Range<usize>,
     /// Samples kept so far, the fixed ones first.
     kept: Vec<Sample>,
-    fixed: usize,
+    /// The numbers of those that are not fixed.
+    chosen: Vec<u32>,
 }
 
-impl<'a> Blocks<'a> {
-    fn new(domain: &Domain, candidates: &[Candidate], fixed: &[Sample], kernel: Kernel<'a>, rng: &mut Random) -> Self {
-        let [_, largest_size] = domain.size_range();
-        let cell = kernel.sigma * largest_size * RADIUS / 2.0;
+impl<'a, C: Choices> Blocks<'a, C> {
+    fn new(choices: &'a C, fixed: &[Sample], kernel: Kernel<'a>, rng: &mut Random) -> Self {
+        let cell = kernel.sigma * choices.largest_size() * RADIUS / 2.0;
         let place = |p: DVec3| (p / (cell * f64::from(BLOCK))).floor().as_ivec3();
-        let random: Vec<u32> = candidates.iter().map(|_| rng.next_u32()).collect();
-        let mut keyed: Vec<([i32; 3], u32, u32)> = (candidates.par_iter().zip(&random).enumerate())
-            .map(|(i, (c, &r))| (place(c.sample(domain).position).to_array(), r, i as u32))
+        let random: Vec<u32> = (0..choices.count()).map(|_| rng.next_u32()).collect();
+        let mut keyed: Vec<([i32; 3], u32, u32)> = (random.par_iter().enumerate())
+            .map(|(i, &r)| (place(choices.sample(i as u32).position).to_array(), r, i as u32))
             .collect();
         keyed.par_sort_unstable();
         let mut homes: Vec<([i32; 3], usize)> =
@@ -137,9 +207,10 @@ impl<'a> Blocks<'a> {
             let candidates = keyed.partition_point(|k| k.0 < *place)..keyed.partition_point(|k| k.0 <= *place);
             let own = homes.partition_point(|h| h.0 < *place)..homes.partition_point(|h| h.0 <= *place);
             let kept: Vec<Sample> = homes[own].iter().map(|h| fixed[h.1]).collect();
-            Block { candidates, fixed: kept.len(), kept }
+            Block { candidates, kept, chosen: Vec::new() }
         });
         Blocks {
+            choices,
             list: list.collect(),
             order: keyed.iter().map(|k| k.2).collect(),
             places: places.into_iter().map(IVec3::from_array).collect(),
@@ -155,22 +226,22 @@ impl<'a> Blocks<'a> {
     }
 
     /// What block `b` keeps of its candidates.
-    fn scan<const D: usize>(&self, b: usize, domain: &Domain, candidates: &[Candidate]) -> Vec<Sample> {
+    fn scan<const D: usize>(&self, b: usize) -> Vec<(u32, Sample)> {
         let block = &self.list[b];
         if block.candidates.is_empty() {
             return Vec::new();
         }
         let mut near = Neighbourhood::<D>::new(self.places[b] * BLOCK - HALO, self.kernel, self.cell);
         for other in self.around(b) {
-            self.list[other].kept.iter().for_each(|s| near.insert(s, domain.piece_of(s.triangle)));
+            self.list[other].kept.iter().for_each(|s| near.insert(s, self.choices.piece_of(s)));
         }
         let mut kept = Vec::new();
         for &i in &self.order[block.candidates.clone()] {
-            let sample = candidates[i as usize].sample(domain);
-            let piece = domain.piece_of(sample.triangle);
+            let sample = self.choices.sample(i);
+            let piece = self.choices.piece_of(&sample);
             if near.changes_spectrum(&sample, piece) {
                 near.insert(&sample, piece);
-                kept.push(sample);
+                kept.push((i, sample));
             }
         }
         kept
