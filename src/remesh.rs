@@ -7,6 +7,7 @@ mod result;
 mod sample;
 mod scale;
 mod unit;
+mod width;
 
 use crate::base::error::{Error, Result};
 use crate::base::progress::{Monitor, check};

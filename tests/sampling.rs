@@ -218,6 +218,15 @@ fn refused(points: &Points, options: &SampleOptions, words: &str) {
 }
 
 #[test]
+fn a_mesh_without_area_is_no_surface() {
+    let line = Mesh { positions: vec![DVec3::ZERO, DVec3::X, 2.0 * DVec3::X], triangles: vec![[0, 1, 2]] };
+    for scan_only in [true, false] {
+        let said = sample(&line, &SampleOptions { scan_only, ..count(10) }, &()).unwrap_err().to_string();
+        assert!(said.contains("no area"), "{said}");
+    }
+}
+
+#[test]
 fn what_cannot_be_sampled_is_refused() {
     let some = cloud(unit_points::<3>(50, 1).into_iter().map(DVec3::from).collect());
     let subset = SampleOptions { scan_only: true, ..count(10) };

@@ -1,17 +1,16 @@
 //! Samples without triangles: blue noise on a surface by scan and ascent, or a subset of given points by the scan alone.
 //!
-//! The count comes of the width of the kernel. Where only the position counts it is known beforehand from the area; in
-//! more dimensions the area is not, so the width is found by search: with M samples for a width σ, the next width is
-//! σ (M / N)^(1/e), where e, 2 at first, is the exponent that the last two widths show. What is left is added where s
-//! is largest or removed where it is smallest.
+//! The count comes of the width of the kernel, which is found by search. What is left is added where s is largest or
+//! removed where it is smallest.
 
 use crate::base::error::{Error, Result};
 use crate::base::progress::{Monitor, check};
 use crate::base::rng::{Stage, stream};
 use crate::remesh::kernel::{Beside, Signal, check_kernel, check_signals};
 use crate::remesh::options::{Density, check_count, check_length};
-use crate::remesh::scale::{SIGMA_OF_SPACING, SMALLEST_SPACING, Scale};
+use crate::remesh::scale::{SIGMA_OF_SPACING, SMALLEST_SPACING, Scale, refuse_no_area};
 use crate::remesh::unit::Unit;
+use crate::remesh::width::find_width;
 use crate::remesh::{CANDIDATES_PER_POINT, LONGEST_EDGE, refuse_bad_numbers, refuse_bad_positions};
 use crate::spectral::ascent::{Climb, PAPER_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA};
 use crate::spectral::candidates::{Candidate, candidates};
@@ -116,6 +115,7 @@ pub fn sample(input: &Mesh, options: &SampleOptions, monitor: &dyn Monitor) -> R
     check_signals(&options.signals, input.positions.len())?;
     let unit = Unit::of(input);
     let (clean, _) = repair(&unit.inwards(input));
+    refuse_no_area(&clean, &unit)?;
     check(monitor)?;
     if options.scan_only {
         sample_vertices(input, clean, &unit, options, monitor)
@@ -341,48 +341,6 @@ impl Task<'_> {
         let Some(wanted) = self.wanted else { return Ok((self.first_sigma, scan(self.first_sigma)?)) };
         find_width(self.first_sigma, wanted.min(most), &mut scan)
     }
-}
-
-/// Scans at most for one width, and how near to the count is near enough.
-const MOST_SCANS: usize = 12;
-const NEAR_ENOUGH: f64 = 0.02;
-
-/// By how much a width changes at most from one scan to the next, and the exponents that are believed.
-const LARGEST_STEP: f64 = 8.0;
-const EXPONENTS: [f64; 2] = [0.5, 3.0];
-
-/// The width for about `wanted` samples, and those.
-pub(super) fn find_width<T>(
-    first: f64,
-    wanted: usize,
-    scan: &mut dyn FnMut(f64) -> Result<Vec<T>>,
-) -> Result<(f64, Vec<T>)> {
-    let excess = |samples: &[T]| (samples.len().max(1) as f64 / wanted as f64).ln();
-    let (mut sigma, mut samples) = (first, scan(first)?);
-    let (mut best_sigma, mut exponent) = (sigma, 2.0);
-    let mut now = excess(&samples);
-    let mut best = now;
-    for _ in 1..MOST_SCANS {
-        if best.abs() <= NEAR_ENOUGH {
-            break;
-        }
-        let step = (now / exponent).exp().clamp(1.0 / LARGEST_STEP, LARGEST_STEP);
-        let next = (step * sigma).max(SMALLEST_SPACING);
-        if next == sigma {
-            break;
-        }
-        let found = scan(next)?;
-        let then = excess(&found);
-        let shown = -(then - now) / (next / sigma).ln();
-        if shown.is_finite() {
-            exponent = shown.clamp(EXPONENTS[0], EXPONENTS[1]);
-        }
-        (sigma, now) = (next, then);
-        if then.abs() < best.abs() {
-            (best_sigma, best, samples) = (next, then, found);
-        }
-    }
-    Ok((best_sigma, samples))
 }
 
 /// Candidates that come into question for each sample that is missing.

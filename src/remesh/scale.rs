@@ -59,18 +59,22 @@ pub(super) struct Scale {
     pub spacing: f64,
 }
 
+/// Refuses a mesh that is nothing but a line.
+pub(super) fn refuse_no_area(clean: &Mesh, unit: &Unit) -> Result<()> {
+    if clean.area() > unit.area_of_rounding(clean) {
+        return Ok(());
+    }
+    let remedy = "a surface is needed; check that the coordinates are not all on one line".into();
+    Err(Error::Mesh { cause: "the triangles have no area".into(), remedy })
+}
+
 /// Smallest spacing that can be worked with, in the pipeline's unit: cells of the sampler are numbered in 32 bits.
 pub(super) const SMALLEST_SPACING: f64 = 1e-8;
 
 impl Scale {
     pub(super) fn new(density: Density, field: Option<&Field>, clean: &Mesh, unit: &Unit) -> Result<Scale> {
+        refuse_no_area(clean, unit)?;
         let area = clean.area();
-        if area <= unit.area_of_rounding(clean) {
-            return Err(Error::Mesh {
-                cause: "the triangles have no area".into(),
-                remedy: "a surface is needed; check that the coordinates are not all on one line".into(),
-            });
-        }
         let checked = |wanted: usize, spacing: f64| {
             if spacing >= SMALLEST_SPACING {
                 return Ok(Scale { wanted, spacing });
