@@ -110,6 +110,7 @@ fn help_and_version_are_no_errors() {
     for part in ["Usage: remesh <IN> <OUT>", "--points <N|auto>", "Examples:", "Exit status:"] {
         assert!(help.went_well().contains(part), "{part}");
     }
+    assert!(run(folder.path(), "sample --help").went_well().contains("blue noise"));
     assert!(run(folder.path(), "quality --help").went_well().contains("--against <INPUT>"));
     assert_eq!(run(folder.path(), "--version").went_well(), concat!("remesh ", env!("CARGO_PKG_VERSION"), "\n"));
 }

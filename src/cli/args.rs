@@ -3,7 +3,7 @@
 //! `Args` has the words of the command line, [`Job`] what there is to do. Between them every field is named, so a
 //! flag or an option that is added to one and forgotten in the other does not compile.
 
-use crate::cli::sample::{PropertyWidth, SampleArgs, Sampling, property_width};
+use crate::cli::sample::{HELP, PropertyWidth, SampleArgs, Sampling, property_width};
 use crate::io::Format;
 use crate::remesh::{Density, MaxError, Options};
 use crate::surface::features::Features;
@@ -61,6 +61,7 @@ struct Args {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Sample a surface: points with normals, without triangles, or a subset of the input's points
+    #[command(long_about = HELP)]
     Sample(SampleArgs),
     /// Measure a mesh, also one that this tool did not write
     #[command(long_about = QUALITY_HELP)]

@@ -13,7 +13,7 @@ use crate::surface::points::Points;
 use clap::ArgAction;
 use std::path::PathBuf;
 
-const HELP: &str = "\
+pub(super) const HELP: &str = "\
 Samples a surface: points with normals, without triangles, as the paper's gradient ascent leaves them (blue noise).
 With --scan-only a subset of the input's points, each with its index in it (in PLY as the property index); the input may
 be a cloud of points then.
@@ -23,7 +23,6 @@ Formats of the output, by the ending of the file: obj (v, vn), ply (x y z nx ny 
 Exit status: 0 sampled, 1 a file cannot be read or written, or cannot be sampled, 2 wrong usage, 130 interrupted.";
 
 #[derive(Debug, clap::Args)]
-#[command(long_about = HELP)]
 pub(super) struct SampleArgs {
     /// The mesh to read; with --scan-only also a cloud of points
     #[arg(value_name = "IN")]

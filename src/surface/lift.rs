@@ -5,8 +5,8 @@
 //! neighbours are tangential to the lifted surface, the lift of a tangential step is that step with what it takes in the
 //! other dimensions, and so the gradient, a sum of such offsets, is the lift of its first three coordinates.
 //!
-//! Based on: Y.-K. Lai, Q.-Y. Zhou, S.-M. Hu, J. Wallner, H. Pottmann, Robust feature classification and editing, 2007,
-//! DOI 10.1109/TVCG.2007.19 (the six dimensions).
+//! Based on: Y.-K. Lai, Q.-Y. Zhou, S.-M. Hu, J. Wallner, H. Pottmann, Robust feature classification and editing, IEEE
+//! Transactions on Visualization and Computer Graphics 13 (1), 2007 (the six dimensions).
 
 use crate::geom::vector::difference;
 use crate::surface::domain::{Domain, Sample};
