@@ -47,6 +47,10 @@
 //! 6. [`surface::transfer`] carries colours, texture coordinates and other attributes of the input over to the result.
 //! 7. [`quality`] measures the result, [`report`] says how good it is, [`io`] writes it.
 //!
+//! [`sample()`] ends after the samples: points with normals, as gradient ascent without a mesh leaves them
+//! ([`spectral::free`]), or a subset of the input's points ([`sample_points`] for a cloud). All of the sampler works in
+//! any dimension, on whatever is a [`surface::submanifold::Submanifold`].
+//!
 //! Only [`mod@remesh`] knows that order. Each stage takes plain data and can be used by itself; here it is the sampler
 //! alone:
 //!
@@ -123,6 +127,9 @@ pub mod triangulate;
 
 pub use base::error::{Error, Place, Result};
 pub use base::progress::{Monitor, Stopwatch};
-pub use remesh::{CloudOptions, Density, Deviation, MaxError, Options, Remeshed, mesh_of_points, remesh};
+pub use remesh::{
+    CloudOptions, Density, Deviation, MaxError, Options, Remeshed, SampleOptions, Sampled, Signal, mesh_of_points,
+    remesh, sample, sample_points,
+};
 pub use surface::mesh::Mesh;
 pub use surface::points::Points;

@@ -1,10 +1,14 @@
 //! The pipeline from mesh to mesh: the only place that knows the order of the stages.
 
 mod cloud;
+mod follow;
+mod kernel;
 mod options;
 mod result;
+mod sample;
 mod scale;
 mod unit;
+mod width;
 
 use crate::base::error::{Error, Result};
 use crate::base::progress::{Monitor, check};
@@ -17,7 +21,7 @@ use crate::optimize::relax::{Flips, relax};
 use crate::optimize::untangle::untangle;
 use crate::optimize::valence::{remove_defects, remove_near_defects};
 use crate::quality::bound::{Bounds, hausdorff_bounds};
-use crate::spectral::ascent::{Climb, LONG_STEP, PAPER_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA, ascend};
+use crate::spectral::ascent::{Climb, LONG_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA, ascend};
 use crate::spectral::candidates::candidates;
 use crate::spectral::curves::sample_curves;
 use crate::spectral::scan::linear_scan;
@@ -33,15 +37,19 @@ use crate::surface::topology::{Topology, topology};
 use crate::triangulate::glue::{Seams, glue};
 use crate::triangulate::{Boundary, triangulate};
 use cloud::smoothed;
+use follow::{ascend_as_asked, follow};
 use glam::DVec3;
+use kernel::{Beside, check_signals};
 use options::FIRST_POINTS;
 use result::notes;
 use scale::{Field, Scale};
 use unit::Unit;
 
 pub use cloud::{CloudOptions, CloudSummary, MeshOfPoints, NormalFit, Reach, mesh_of_points};
+pub use kernel::Signal;
 pub use options::{Density, FEWEST_POINTS, MOST_POINTS, MaxError, Options, check_field};
 pub use result::{Deviation, Remeshed};
+pub use sample::{SampleOptions, Sampled, sample, sample_points};
 
 /// Candidates for each wanted point: with fewer the scan leaves gaps, with more it only takes longer.
 const CANDIDATES_PER_POINT: usize = 20;
@@ -139,6 +147,7 @@ fn remesh_once(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result
     monitor.stage("repair");
     refuse_bad_numbers(input)?;
     options.sizing.as_deref().map_or(Ok(()), |lengths| check_field(input.positions.len(), lengths))?;
+    check_signals(&options.signals, input.positions.len())?;
     let unit = Unit::of(input);
     let mut clean = unit.inwards(input);
     if let Some(tolerance) = options.weld {
@@ -168,14 +177,21 @@ fn remesh_once(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result
     } else if options.adapt > 0.0 {
         domain.grade(adapted_sizes(&domain, options.adapt, scale.spacing));
     }
+    let mut sigma = scale.sigma();
+    if options.has_kernel() {
+        let beside = Beside::new(options.sigma_n, &options.signals, input, &unit, &domain);
+        let followed = follow(&domain, &beside, scale, options, monitor)?;
+        domain.grade(followed.sizes);
+        (scale, sigma) = (followed.scale, followed.sigma);
+    }
     let (domain, mut made) = sample_and_triangulate(domain, &scale, &repaired, options, monitor)?;
     if options.optimize {
         optimize(&domain, &mut made.mesh, &scale, allowed.map(|a| a / unit.size), monitor)?;
     } else {
         meet_count(&domain, &mut made.mesh, scale.wanted);
         monitor.stage("ascend");
-        let climb = Climb { sigma: ASCENT_SIGMA * scale.spacing, step: PAPER_STEP, sweeps: options.sweeps };
-        ascend(&domain, &mut made.mesh, climb, monitor)?;
+        let beside = Beside::new(options.sigma_n, &options.signals, input, &unit, &domain);
+        ascend_as_asked(&domain, &mut made.mesh, &beside, sigma, options.sweeps, monitor)?;
     }
 
     monitor.stage("untangle");
@@ -194,7 +210,7 @@ fn remesh_once(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result
         output: topology(mesh.positions.len(), &mesh.triangles),
         mesh,
         repairs,
-        sigma_p: unit.size * scale.sigma(),
+        sigma_p: unit.size * sigma,
         spacing: unit.size * scale.spacing,
         spacing_range: domain.size_range().map(|size| unit.size * scale.spacing * size),
         wanted: scale.wanted,
@@ -359,9 +375,7 @@ fn refuse_bad_numbers(mesh: &Mesh) -> Result<()> {
         let remedy = "a surface with faces is needed; reconstruct one from the points first";
         return mesh_error(format!("{n} points and no faces"), remedy);
     }
-    if let Some(v) = mesh.positions.iter().position(|p| !p.abs().cmplt(DVec3::splat(LARGEST_COORDINATE)).all()) {
-        return mesh_error(format!("vertex {v} is at {}", mesh.positions[v]), "remove it or mend its coordinates");
-    }
+    refuse_bad_positions(&mesh.positions)?;
     let bound = mesh.positions.len();
     if let Some(t) = mesh.triangles.iter().position(|t| t.iter().any(|&v| v as usize >= bound)) {
         return mesh_error(
@@ -370,4 +384,12 @@ fn refuse_bad_numbers(mesh: &Mesh) -> Result<()> {
         );
     }
     Ok(())
+}
+
+fn refuse_bad_positions(positions: &[DVec3]) -> Result<()> {
+    let bad = positions.iter().position(|p| !p.abs().cmplt(DVec3::splat(LARGEST_COORDINATE)).all());
+    bad.map_or(Ok(()), |v| {
+        let remedy = "remove it or mend its coordinates".into();
+        Err(Error::Mesh { cause: format!("vertex {v} is at {}", positions[v]), remedy })
+    })
 }

@@ -110,6 +110,7 @@ fn help_and_version_are_no_errors() {
     for part in ["Usage: remesh <IN> <OUT>", "--points <N|auto>", "Examples:", "Exit status:"] {
         assert!(help.went_well().contains(part), "{part}");
     }
+    assert!(run(folder.path(), "sample --help").went_well().contains("blue noise"));
     assert!(run(folder.path(), "quality --help").went_well().contains("--against <INPUT>"));
     assert_eq!(run(folder.path(), "--version").went_well(), concat!("remesh ", env!("CARGO_PKG_VERSION"), "\n"));
 }
@@ -404,4 +405,49 @@ fn a_cloud_is_no_surface_and_columns_are_no_output() {
     run(path, "cloud.xyz out.obj --points 100").failed(1, &["cloud.xyz", "3 vertices and no triangles"]);
     run(path, "bad.pts out.obj --points 100").failed(1, &["bad.pts:2: 4 columns, where the lines before have 3"]);
     run(path, "sphere.off out.xyz --points 100").failed(1, &["out.xyz: XYZ has no triangles", ".obj"]);
+}
+
+#[test]
+fn samples_without_triangles() {
+    let folder = folder();
+    let written = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    let said = run(folder.path(), "sample sphere.off s.xyz --points 300 --report s.json");
+    assert!(said.went_well().contains("300 samples of 6000 candidates"), "{}", said.out);
+    let lines = String::from_utf8(written("s.xyz")).unwrap();
+    assert!(lines.lines().count() == 300 && lines.lines().all(|line| line.split(' ').count() == 6));
+    let report = json(&String::from_utf8(written("s.json")).unwrap());
+    assert_eq!((report["samples"].as_u64(), report["scan_only"].as_bool()), (Some(300), Some(false)));
+    assert!(report["sigma_p"].as_f64().unwrap() > 0.0 && report["sigma_n"].is_null());
+
+    run(folder.path(), "sample sphere.off s.ply --points 100 --scan-only --sigma-n 0.5 -q").went_well();
+    assert!(String::from_utf8_lossy(&written("s.ply")).contains("property uint index"));
+    run(folder.path(), "sample s.ply t.ply --points 40 --scan-only -q").went_well();
+    run(folder.path(), "sample s.ply t.obj --points 40 --scan-only --sigma nx=0.1 -q").went_well();
+    assert_eq!(String::from_utf8(written("t.obj")).unwrap().matches("v ").count(), 40);
+    let few = run(folder.path(), "sample sphere.off t.ply --sigma-p 9 --scan-only");
+    assert!(few.went_well().contains("note: only"), "{}", few.out);
+}
+
+#[test]
+fn what_cannot_be_sampled_is_one_line() {
+    let folder = folder();
+    let failed = |words: &str, status, said: &str| run(folder.path(), words).failed(status, &[said]);
+    failed("sample points.off s.ply --points 3", 2, "scan-only");
+    failed("sample sphere.off s.stl --points 3", 1, "s.stl: its ending");
+    failed("sample sphere.off s.ply --points auto", 2, "points: ");
+    failed("sample sphere.off s.ply", 2, "how dense?");
+    failed("sample sphere.off s.ply --points 9 --sigma-n 0", 2, "sigma-n");
+    failed("sample sphere.off s.ply --points 9 --sigma x", 2, "NAME=VALUE");
+    failed("sample sphere.off s.ply --points 9 --sigma x=0", 2, "positive");
+    failed("sample sphere.off s.ply --points 9 --sigma heat=1", 1, "heat");
+    failed("sample gone.off s.ply --points 9", 1, "gone.off");
+    failed("sphere.off s.ply --points 9 --sigma-n 1 --adapt 1", 2, "sigma-n");
+    assert!(!files(folder.path()).contains(&"s.ply".into()));
+}
+
+#[test]
+fn vertices_follow_a_kernel() {
+    let folder = folder();
+    let said = run(folder.path(), "sphere.off s.off --points 300 --sigma-n 0.3");
+    assert!(said.went_well().contains("verified"), "{}", said.out);
 }

@@ -3,6 +3,7 @@
 //! `Args` has the words of the command line, [`Job`] what there is to do. Between them every field is named, so a
 //! flag or an option that is added to one and forgotten in the other does not compile.
 
+use crate::cli::sample::{HELP, PropertyWidth, SampleArgs, Sampling, property_width};
 use crate::io::Format;
 use crate::remesh::{CloudOptions, Density, MaxError, NormalFit, Options, Reach};
 use crate::surface::features::Features;
@@ -21,6 +22,8 @@ Examples:
       triangles of about that size, and a report as JSON
   remesh scan.ply clean.ply --points auto --max-error 0.2%
       as few vertices as stay within 0.2 % of the diagonal of the input
+  remesh sample scan.ply points.ply --points 20000
+      blue noise without triangles: points with normals
   remesh quality clean.ply --against scan.ply
       measure any mesh, and how far it is from another one
 
@@ -47,6 +50,7 @@ Exit status: 0 measured, 1 a file cannot be read, 2 wrong usage, 130 interrupted
 #[command(name = "remesh", version, after_help = AFTER_HELP, max_term_width = 100)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 #[command(override_usage = "remesh <IN> <OUT> <--points N|auto | --edge-length L | --sigma-p S> [OPTIONS]\n       \
+                            remesh sample <IN> <OUT> <--points N | --edge-length L | --sigma-p S> [OPTIONS]\n       \
                             remesh quality <MESH> [--against <INPUT>] [--json]\n       \
                             remesh completions <SHELL>")]
 struct Args {
@@ -58,6 +62,9 @@ struct Args {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Sample a surface: points with normals, without triangles, or a subset of the input's points
+    #[command(long_about = HELP)]
+    Sample(SampleArgs),
     /// Measure a mesh, also one that this tool did not write
     #[command(long_about = QUALITY_HELP)]
     Quality(QualityArgs),
@@ -95,6 +102,13 @@ struct RemeshArgs {
     /// How much edge lengths follow the shape: from 0, even, to 1, short where it bends or is thin
     #[arg(long, value_name = "A", default_value_t = 0.0, allow_negative_numbers = true, conflicts_with = "sizing")]
     adapt: f64,
+    /// Kernel width σn along unit normals: with 0.5 to 1 samples gather where the surface bends; inf is even
+    #[arg(long, value_name = "S", default_value_t = f64::INFINITY, allow_negative_numbers = true)]
+    sigma_n: f64,
+    /// Kernel width along a property of the input's vertices (as of a vertex in PLY, or an attribute like _HEAT in glTF),
+    /// in its units: samples gather where it changes; up to four times
+    #[arg(long = "sigma", value_name = "NAME=VALUE", value_parser = property_width)]
+    properties: Vec<PropertyWidth>,
     /// Edge lengths wanted at the vertices of the input: a property of theirs, as of a vertex in PLY or an attribute like
     /// _SIZE in glTF, or a .json file with a list; also says how dense, if nothing else does
     #[arg(long, value_name = "PROPERTY|F.json")]
@@ -168,6 +182,8 @@ struct QualityArgs {
 pub enum Job {
     /// Remesh this.
     Remesh(Remeshing),
+    /// Sample this.
+    Sample(Sampling),
     /// Measure this.
     Measure(Measuring),
     /// Print these completions.
@@ -181,7 +197,7 @@ pub struct Remeshing {
     pub input: MeshFile,
     /// What to write.
     pub output: MeshFile,
-    /// What to make of it; lengths that it has a place for are still to be read.
+    /// What to make of it; lengths and signals that it has a place for are still to be read.
     pub options: Options,
     /// What to make of the input if it has no triangles.
     pub cloud: CloudOptions,
@@ -189,6 +205,8 @@ pub struct Remeshing {
     pub sizing: Option<Sizing>,
     /// Whether the attributes of the input are carried to the output.
     pub attributes: bool,
+    /// Where the values for [`Options::signals`] are.
+    pub properties: Vec<PropertyWidth>,
     /// Where the report goes as JSON, if it is wanted.
     pub report: Option<PathBuf>,
     /// As many as there are cores without.
@@ -252,6 +270,7 @@ pub enum Stop {
 pub fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Job, Stop> {
     let Args { command, remesh } = Args::try_parse_from(words).map_err(|e| stop(&e))?;
     match (command, remesh) {
+        (Some(Command::Sample(args)), _) => args.resolve().map(Job::Sample),
         (Some(Command::Quality(args)), _) => Ok(Job::Measure(args.resolve())),
         (Some(Command::Completions { shell }), _) => Ok(Job::Complete(completions(shell))),
         (None, Some(args)) => args.resolve().map(Job::Remesh),
@@ -271,6 +290,8 @@ impl RemeshArgs {
             weld,
             features,
             adapt,
+            sigma_n,
+            properties,
             sizing,
             smooth,
             fill_holes,
@@ -294,6 +315,8 @@ impl RemeshArgs {
             weld: _,
             features: _,
             adapt: _,
+            sigma_n: _,
+            signals: _,
             sizing: _,
             smooth: _,
             max_error: _,
@@ -312,6 +335,8 @@ impl RemeshArgs {
                 weld,
                 features,
                 adapt,
+                sigma_n,
+                signals: Vec::new(),
                 sizing: sizing.as_ref().map(|_| Vec::new()),
                 smooth,
                 max_error,
@@ -326,13 +351,10 @@ impl RemeshArgs {
             },
             sizing,
             attributes: !no_attributes,
+            properties,
             report,
             threads: threads.map(usize::from),
-            voice: match (quiet, verbose) {
-                (true, _) => Voice::Quiet,
-                (_, true) => Voice::Verbose,
-                _ => Voice::Normal,
-            },
+            voice: voice(quiet, verbose),
         })
     }
 }
@@ -380,8 +402,17 @@ impl From<String> for Sizing {
     }
 }
 
+/// How much is said, of two flags that exclude each other.
+pub(super) fn voice(quiet: bool, verbose: bool) -> Voice {
+    match (quiet, verbose) {
+        (true, _) => Voice::Quiet,
+        (_, true) => Voice::Verbose,
+        _ => Voice::Normal,
+    }
+}
+
 /// The one that is given of the ways to say how dense the output shall be.
-fn density(
+pub(super) fn density(
     points: Option<Density>,
     edge_length: Option<f64>,
     sigma_p: Option<f64>,
@@ -396,7 +427,7 @@ fn density(
 }
 
 /// A number of vertices; what is too few or too many for a surface is for the library to say.
-fn points(word: &str) -> Result<Density, String> {
+pub(super) fn points(word: &str) -> Result<Density, String> {
     let count = || word.parse().ok().filter(|&n| n > 0).map(Density::Points);
     let density = if word == "auto" { Some(Density::Auto) } else { count() };
     density.ok_or_else(|| "it must be a whole number of at least 1, or auto".into())
@@ -419,7 +450,7 @@ fn features(word: &str) -> Result<Features, String> {
 }
 
 /// A length that makes sense.
-fn positive(word: &str) -> Result<f64, String> {
+pub(super) fn positive(word: &str) -> Result<f64, String> {
     let positive = word.parse().ok().filter(|&x: &f64| x > 0.0 && x.is_finite());
     positive.ok_or_else(|| "it must be a positive number".into())
 }
@@ -475,12 +506,13 @@ mod tests {
     #[test]
     fn no_flags_give_the_default() {
         let file = |path: &str| MeshFile { path: path.into(), format: None };
-        let Remeshing { input, output, options, cloud, sizing, attributes, report, threads, voice } =
+        let Remeshing { input, output, options, cloud, sizing, properties, attributes, report, threads, voice } =
             remeshing("remesh a.obj b.ply --points 10000");
         assert_eq!(options, Options::default());
         assert_eq!(cloud, CloudOptions::default());
         assert_eq!((input, output), (file("a.obj"), file("b.ply")));
-        assert_eq!((sizing, attributes, report, threads, voice), (None, true, None, None, Voice::Normal));
+        assert_eq!((sizing, properties, attributes), (None, vec![], true));
+        assert_eq!((report, threads, voice), (None, None, Voice::Normal));
     }
 
     #[test]

@@ -1,7 +1,9 @@
-//! The command line: what was typed ([`args`]), what it does ([`run`]), and how it talks to a terminal ([`terminal`]).
+//! The command line: what was typed ([`args`]), what it does ([`run`],
+//! [`sample`]), and how it talks to a terminal ([`terminal`]).
 
 pub mod args;
 pub mod run;
+pub mod sample;
 pub mod terminal;
 
 use crate::base::error::Error;

@@ -4,9 +4,10 @@ use crate::base::error::{Error, Result};
 use crate::base::progress::{Monitor, Stopwatch, check};
 use crate::cli::Status;
 use crate::cli::args::{Job, Measuring, MeshFile, Remeshing, Sizing, Voice};
+use crate::cli::sample::{sample_file, signals};
 use crate::cli::terminal::{self, Terminal};
 use crate::io::{Format, Loaded, file};
-use crate::remesh::{CloudSummary, Options, Remeshed, check_field, mesh_of_points, remesh};
+use crate::remesh::{CloudSummary, Options, Remeshed, Signal, check_field, mesh_of_points, remesh};
 use crate::report::{Crossings, Named, Report, shortcomings};
 use crate::surface::attributes::Attributes;
 use crate::surface::points::Points;
@@ -22,6 +23,7 @@ pub fn run(job: &Job) -> Result<Status> {
     terminal::listen_for_interrupts();
     match job {
         Job::Remesh(job) => with_threads(job.threads, || remesh_file(job))?,
+        Job::Sample(job) => with_threads(job.threads, || sample_file(job))?.map(|()| Status::Done),
         Job::Measure(job) => with_threads(job.threads, || measure_file(job))?,
         Job::Complete(script) => terminal::print(script).map(|()| Status::Done),
     }
@@ -35,9 +37,9 @@ fn remesh_file(job: &Remeshing) -> Result<Status> {
         let terminal = Terminal::new(job.voice);
         let monitor = Stopwatch::new(&terminal);
         let mut input = load(&job.input, &monitor)?;
-        let mut lengths = lengths(&input, job)?;
-        let cloud = connect_points(&mut input, &mut lengths, job, &monitor)?;
-        let mut remeshed = remesh_loaded(&input, lengths, cloud.is_none(), job, &monitor)?;
+        let mut fields = fields(&input, job)?;
+        let cloud = connect_points(&mut input, &mut fields, job, &monitor)?;
+        let mut remeshed = remesh_loaded(&input, fields, cloud.is_none(), job, &monitor)?;
         let carried = carry_attributes(&mut input, &mut remeshed, job, &monitor)?;
         let report = wants_report(job).then(|| measure(&remeshed, &carried, &input, job, &monitor));
         let report = report.map(|report| Report { cloud, ..report });
@@ -91,7 +93,7 @@ fn check_targets(job: &Remeshing) -> Result<()> {
 }
 
 /// What is in a file. The facets of an STL file have corners of their own; here they share them.
-fn load(from: &MeshFile, monitor: &dyn Monitor) -> Result<Loaded> {
+pub(super) fn load(from: &MeshFile, monitor: &dyn Monitor) -> Result<Loaded> {
     monitor.stage("read");
     let mut loaded = file::read_file(&from.path, from.format)?;
     if loaded.format == Format::Stl {
@@ -101,15 +103,23 @@ fn load(from: &MeshFile, monitor: &dyn Monitor) -> Result<Loaded> {
     Ok(loaded)
 }
 
-/// The lengths wanted at the vertices of the input, if there are some.
-fn lengths(input: &Loaded, job: &Remeshing) -> Result<Option<Vec<f64>>> {
-    match &job.sizing {
+/// What is known at the vertices of an input.
+struct Fields {
+    sizing: Option<Vec<f64>>,
+    signals: Vec<Signal>,
+}
+
+/// What is wanted to be known at the vertices of the input.
+fn fields(input: &Loaded, job: &Remeshing) -> Result<Fields> {
+    let sizing = match &job.sizing {
         Some(Sizing::Property(property)) => {
-            input.attributes.numbers(property).map(Some).map_err(|e| e.in_file(&name(&job.input)))
+            Some(input.attributes.numbers(property).map_err(|e| e.in_file(&name(&job.input)))?)
         }
-        Some(Sizing::File(path)) => file::read_numbers(path).map(Some),
-        None => Ok(None),
-    }
+        Some(Sizing::File(path)) => Some(file::read_numbers(path)?),
+        None => None,
+    };
+    let signals = signals(&job.properties, input).map_err(|e| e.in_file(&name(&job.input)))?;
+    Ok(Fields { sizing, signals })
 }
 
 /// What was loaded, if it has triangles.
@@ -124,7 +134,7 @@ fn refuse_points(loaded: Loaded, from: &MeshFile) -> Result<Loaded> {
 /// Makes a mesh of an input that has points only, and what is known at its vertices that of the mesh's.
 fn connect_points(
     input: &mut Loaded,
-    lengths: &mut Option<Vec<f64>>,
+    fields: &mut Fields,
     job: &Remeshing,
     monitor: &dyn Monitor,
 ) -> Result<Option<CloudSummary>> {
@@ -134,9 +144,9 @@ fn connect_points(
     let points = Points { positions: std::mem::take(&mut input.mesh.positions), normals: input.attributes.normals() };
     let made = mesh_of_points(&points, &job.cloud, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
     input.attributes = input.attributes.of_vertices(&made.source);
-    if let Some(lengths) = lengths {
-        check_field(points.positions.len(), lengths)?;
-        *lengths = made.source.iter().map(|&p| lengths[p as usize]).collect();
+    fields.sizing.iter().try_for_each(|lengths| check_field(points.positions.len(), lengths))?;
+    for values in fields.sizing.iter_mut().chain(fields.signals.iter_mut().map(|signal| &mut signal.values)) {
+        *values = made.source.iter().map(|&p| values[p as usize]).collect();
     }
     input.mesh = made.mesh;
     Ok(Some(made.summary))
@@ -145,13 +155,14 @@ fn connect_points(
 /// Remeshes the input, which is smooth already if it is made of points.
 fn remesh_loaded(
     input: &Loaded,
-    sizing: Option<Vec<f64>>,
+    fields: Fields,
     is_mesh: bool,
     job: &Remeshing,
     monitor: &dyn Monitor,
 ) -> Result<Remeshed> {
+    let Fields { sizing, signals } = fields;
     let smooth = job.options.smooth.filter(|_| is_mesh);
-    let options = Options { sizing, smooth, ..job.options.clone() };
+    let options = Options { sizing, signals, smooth, ..job.options.clone() };
     let mut remeshed = remesh(&input.mesh, &options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
     remeshed.notes.splice(0..0, input.notes.iter().cloned());
     Ok(remeshed)
@@ -224,12 +235,12 @@ fn verdict(remeshed: &Remeshed, job: &Remeshing) -> Status {
     Status::Unverified
 }
 
-fn name(file: &MeshFile) -> String {
+pub(super) fn name(file: &MeshFile) -> String {
     file.path.display().to_string()
 }
 
 /// The most memory that this process had at once, where Linux tells.
-fn peak_memory_bytes() -> Option<u64> {
+pub(super) fn peak_memory_bytes() -> Option<u64> {
     let status = std::fs::read_to_string(Path::new("/proc/self/status")).ok()?;
     let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.trim().strip_suffix("kB")?;
     kilobytes.trim().parse::<u64>().ok().map(|n| 1024 * n)

@@ -4,3 +4,4 @@ pub mod crossing;
 pub mod eigen;
 pub mod polygon;
 pub mod triangle;
+pub mod vector;

@@ -2,6 +2,7 @@
 
 use crate::base::error::{Error, Result};
 use crate::remesh::cloud::check_smooth;
+use crate::remesh::kernel::{Signal, check_kernel};
 use crate::surface::features::Features;
 
 /// How dense the result shall be. Each says it all.
@@ -52,6 +53,11 @@ pub struct Options {
     /// How much the edge lengths follow the shape, from 0 (they are even) to 1 (short where the surface bends or is
     /// thin, in proportion to the root of the radius). Default: 0.
     pub adapt: f64,
+    /// The width σn of the kernel along unit normals: with 0.5 to 1 vertices gather where the surface bends (paper,
+    /// section 3 and figure 10). Default: infinite, which leaves lengths even.
+    pub sigma_n: f64,
+    /// Properties of the input that vertices follow: they gather where these change. Default: none.
+    pub signals: Vec<Signal>,
     /// The edge length wanted at each vertex of the input, in its units; with a density other than [`Density::OfSizing`]
     /// all are scaled by one factor to meet that. Default: `None`, lengths are even or as `adapt` says.
     pub sizing: Option<Vec<f64>>,
@@ -77,6 +83,8 @@ impl Default for Options {
             weld: None,
             features: Features::Automatic,
             adapt: 0.0,
+            sigma_n: f64::INFINITY,
+            signals: Vec::new(),
             sizing: None,
             smooth: None,
             max_error: None,
@@ -101,15 +109,7 @@ impl Options {
     /// # Errors
     /// [`Error::Option`] for a number of points out of range or a length that is not positive and finite.
     pub fn validate(&self) -> Result<()> {
-        let length = |option, value: f64| {
-            let remedy = "give a length above zero in the units of the input".into();
-            (value > 0.0 && value.is_finite()).then_some(()).ok_or(Error::Option {
-                option,
-                cause: format!("{value} is not a length"),
-                remedy,
-            })
-        };
-        self.weld.map_or(Ok(()), |tolerance| length("weld", tolerance))?;
+        self.weld.map_or(Ok(()), |tolerance| check_length("weld", tolerance))?;
         if let Features::Degrees(degrees) = self.features
             && !(degrees > 0.0 && degrees < 180.0)
         {
@@ -125,10 +125,16 @@ impl Options {
             return Err(Error::Option { option: "adapt", cause, remedy: "leave out adapt or sizing".into() });
         }
         check_smooth(self.smooth)?;
+        check_kernel(self.sigma_n, &self.signals)?;
+        if self.has_kernel() && (self.adapt > 0.0 || self.sizing.is_some()) {
+            let cause = "edge lengths cannot follow the kernel and the shape or a field at the same time".into();
+            let remedy = "leave out adapt and sizing, or sigma-n and sigma".into();
+            return Err(Error::Option { option: "sigma-n", cause, remedy });
+        }
         self.sizing.as_deref().map_or(Ok(()), check_lengths)?;
         match self.max_error {
-            Some(MaxError::Length(l)) => length("max-error", l)?,
-            Some(MaxError::OfDiagonal(share)) => length("max-error", share)?,
+            Some(MaxError::Length(l)) => check_length("max-error", l)?,
+            Some(MaxError::OfDiagonal(share)) => check_length("max-error", share)?,
             None => {}
         }
         match self.density {
@@ -139,8 +145,8 @@ impl Options {
             }),
             Density::OfSizing => Ok(()),
             Density::Points(n) => check_count("points", n, format!("{n} vertices are asked for")),
-            Density::EdgeLength(l) => length("edge-length", l),
-            Density::SigmaP(s) => length("sigma-p", s),
+            Density::EdgeLength(l) => check_length("edge-length", l),
+            Density::SigmaP(s) => check_length("sigma-p", s),
             Density::Auto if self.max_error.is_none() => Err(Error::Option {
                 option: "points",
                 cause: "nothing says how many are needed".into(),
@@ -148,6 +154,13 @@ impl Options {
             }),
             Density::Auto => Ok(()),
         }
+    }
+}
+
+impl Options {
+    /// Whether more than the position counts in the kernel.
+    pub(super) fn has_kernel(&self) -> bool {
+        self.sigma_n.is_finite() || !self.signals.is_empty()
     }
 }
 
@@ -173,6 +186,15 @@ pub fn check_field(vertices: usize, lengths: &[f64]) -> Result<()> {
     }
     let cause = format!("{given} lengths for the {vertices} vertices of the input");
     Err(Error::Option { option: "sizing", cause, remedy: "give one length for each vertex".into() })
+}
+
+/// Refuses what is no length.
+pub(super) fn check_length(option: &'static str, value: f64) -> Result<()> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    let remedy = "give a length above zero in the units of the input".into();
+    Err(Error::Option { option, cause: format!("{value} is not a length"), remedy })
 }
 
 pub(super) fn check_count(option: &'static str, n: usize, cause: String) -> Result<()> {

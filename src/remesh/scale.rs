@@ -9,7 +9,7 @@ use crate::surface::sizing::{field_lengths, field_sizes, mean_density, transferr
 
 /// σp in units of the mean spacing d at which the scan with ε = 0.5 keeps a density of 2 / (√3 d²): measured on eleven
 /// closed models at 5,000 to 20,000 points, where it met the count within 1 %.
-const SIGMA_OF_SPACING: f64 = 0.866;
+pub(super) const SIGMA_OF_SPACING: f64 = 0.866;
 
 /// Samples of the boundary for each wanted point: a narrow band has two, a heap of needles might have thousands.
 const MOST_ON_CURVES: f64 = 4.0;
@@ -59,18 +59,22 @@ pub(super) struct Scale {
     pub spacing: f64,
 }
 
+/// Refuses a mesh that is nothing but a line.
+pub(super) fn refuse_no_area(clean: &Mesh, unit: &Unit) -> Result<()> {
+    if clean.area() > unit.area_of_rounding(clean) {
+        return Ok(());
+    }
+    let remedy = "a surface is needed; check that the coordinates are not all on one line".into();
+    Err(Error::Mesh { cause: "the triangles have no area".into(), remedy })
+}
+
 /// Smallest spacing that can be worked with, in the pipeline's unit: cells of the sampler are numbered in 32 bits.
-const SMALLEST_SPACING: f64 = 1e-8;
+pub(super) const SMALLEST_SPACING: f64 = 1e-8;
 
 impl Scale {
     pub(super) fn new(density: Density, field: Option<&Field>, clean: &Mesh, unit: &Unit) -> Result<Scale> {
+        refuse_no_area(clean, unit)?;
         let area = clean.area();
-        if area <= unit.area_of_rounding(clean) {
-            return Err(Error::Mesh {
-                cause: "the triangles have no area".into(),
-                remedy: "a surface is needed; check that the coordinates are not all on one line".into(),
-            });
-        }
         let checked = |wanted: usize, spacing: f64| {
             if spacing >= SMALLEST_SPACING {
                 return Ok(Scale { wanted, spacing });
@@ -83,7 +87,7 @@ impl Scale {
             check_count(option, wanted, format!("a length of {length} means {wanted} vertices"))?;
             checked(wanted, spacing)
         };
-        let points = |n: usize| checked(n, (2.0 * area / (3f64.sqrt() * n as f64)).sqrt());
+        let points = |n: usize| checked(n, Scale::of_points(n, area).spacing);
         match density {
             Density::Points(n) => points(n),
             Density::EdgeLength(l) => from_length("edge-length", l, l / unit.size),
@@ -103,6 +107,16 @@ impl Scale {
     }
 
     pub(super) fn sigma(&self) -> f64 {
-        SIGMA_OF_SPACING * self.spacing
+        Scale::sigma_of_spacing(self.spacing)
+    }
+
+    /// `wanted` vertices on `area`.
+    pub(super) fn of_points(wanted: usize, area: f64) -> Scale {
+        Scale { wanted, spacing: (2.0 * area / (3f64.sqrt() * wanted as f64)).sqrt() }
+    }
+
+    /// σp for samples at distance `spacing`.
+    pub(super) fn sigma_of_spacing(spacing: f64) -> f64 {
+        SIGMA_OF_SPACING * spacing
     }
 }

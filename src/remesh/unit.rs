@@ -13,7 +13,15 @@ pub(super) struct Unit {
 
 impl Unit {
     pub(super) fn of(mesh: &Mesh) -> Unit {
-        let (lo, hi) = mesh.bounds().unwrap_or_default();
+        Unit::within(mesh.bounds().unwrap_or_default())
+    }
+
+    pub(super) fn of_points(points: &[DVec3]) -> Unit {
+        let lowest = points.iter().copied().reduce(DVec3::min).unwrap_or_default();
+        Unit::within((lowest, points.iter().copied().reduce(DVec3::max).unwrap_or_default()))
+    }
+
+    fn within((lo, hi): (DVec3, DVec3)) -> Unit {
         let longest = (hi - lo).max_element();
         let size = if longest > 0.0 { longest.log2().ceil().exp2() } else { 1.0 };
         Unit { centre: lo + (hi - lo) / 2.0, size }
@@ -31,8 +39,12 @@ impl Unit {
     }
 
     pub(super) fn inwards(&self, mesh: &Mesh) -> Mesh {
-        let positions = mesh.positions.iter().map(|&p| (p - self.centre) / self.size).collect();
+        let positions = mesh.positions.iter().map(|&p| self.inwards_point(p)).collect();
         Mesh { positions, triangles: mesh.triangles.clone() }
+    }
+
+    pub(super) fn inwards_point(&self, p: DVec3) -> DVec3 {
+        (p - self.centre) / self.size
     }
 
     pub(super) fn outwards(&self, mut mesh: Mesh) -> Mesh {

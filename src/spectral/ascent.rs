@@ -7,13 +7,19 @@
 //!
 //! Cost: about a microsecond a vertex and sweep.
 //!
+//! Where more than the position counts (a [`Lift`]), kernel and gradient have more dimensions, and a vertex goes along the
+//! first three, those of space.
+//!
 //! Vertices on a curve, of the boundary or a sharp edge, move along it; corners stay where they are.
 
 use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};
+use crate::geom::vector::length_squared;
 use crate::spectral::measure::{GRADIENT_NEIGHBOURS, gradient};
+use crate::spectral::nearest::Nearest;
 use crate::surface::connectivity::next;
-use crate::surface::domain::Domain;
+use crate::surface::domain::{Domain, Sample};
+use crate::surface::lift::Lift;
 use crate::surface::manifold::Manifold;
 use crate::surface::motion::move_vertices;
 use glam::DVec3;
@@ -36,17 +42,28 @@ pub const PAPER_STEP: f64 = 0.5;
 pub const LONG_STEP: f64 = 0.75;
 
 /// The longest way of a vertex in one sweep, in kernel widths.
-const MOST_STEP: f64 = 0.5;
+pub(super) const MOST_STEP: f64 = 0.5;
 
 /// Kernel width of the ascent in mean spacings: narrower ones leave clusters, wider ones blur the gradient.
 pub const SIGMA_OF_SPACING: f64 = 0.94;
 
 /// Moves all vertices of `mesh` that are not fixed.
 pub fn ascend(domain: &Domain, mesh: &mut Manifold, climb: Climb, monitor: &dyn Monitor) -> Result<()> {
+    ascend_lifted::<3>(domain, mesh, Lift::NONE, climb, monitor)
+}
+
+/// [`ascend`] with a kernel of D dimensions, those that `lift` needs.
+pub fn ascend_lifted<const D: usize>(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    lift: Lift,
+    climb: Climb,
+    monitor: &dyn Monitor,
+) -> Result<()> {
     mesh.make_delaunay();
     for sweep in 0..climb.sweeps {
         check(monitor)?;
-        move_vertices(domain, mesh, |mesh, v| way_up(mesh, v, climb));
+        move_vertices(domain, mesh, |mesh, v| way_up::<D>(mesh, lift, v, climb));
         mesh.make_delaunay();
         monitor.progress((sweep + 1) as f64 / climb.sweeps as f64);
     }
@@ -54,31 +71,36 @@ pub fn ascend(domain: &Domain, mesh: &mut Manifold, climb: Climb, monitor: &dyn 
 }
 
 /// Where vertex `v` wants to go: up the gradient.
-fn way_up(mesh: &Manifold, v: u32, Climb { sigma, step, .. }: Climb) -> DVec3 {
-    let mut offsets = [DVec3::ZERO; GRADIENT_NEIGHBOURS];
-    let found = nearest(mesh, v);
+fn way_up<const D: usize>(mesh: &Manifold, lift: Lift, v: u32, Climb { sigma, step, .. }: Climb) -> DVec3 {
+    let mut offsets = [[0.0; D]; GRADIENT_NEIGHBOURS];
+    let here = &mesh.samples[v as usize];
+    let found = nearest::<D>(mesh, lift, v);
     for (offset, &(_, w)) in offsets.iter_mut().zip(found.list()) {
-        *offset = (mesh.position(w) - mesh.position(v)) / (sigma * mean_size(mesh, v, w));
+        let there = &mesh.samples[w as usize];
+        let sigma = sigma * mean_width::<D>(lift, here, there);
+        *offset = lift.offset(here, there).map(|x| x / sigma);
     }
-    let sigma = sigma * mesh.samples[v as usize].size;
-    let way = (step * sigma * gradient(&offsets[..found.count])).clamp_length_max(MOST_STEP * sigma);
+    let sigma = sigma * lift.width::<D>(here);
+    let uphill = DVec3::from_slice(&gradient(&offsets[..found.list().len()]));
+    let way = (step * sigma * uphill).clamp_length_max(MOST_STEP * sigma);
     mesh.along(v).map_or(way, |along| way.project_onto_normalized(along))
 }
 
-/// The size that is wanted between two vertices. Were it that of one of them, all would move to where sizes are larger.
+/// The width of the kernel between two samples. Were it that of one of them, all would move to where kernels are wider.
 #[inline]
-fn mean_size(mesh: &Manifold, v: u32, w: u32) -> f64 {
-    0.5 * (mesh.samples[v as usize].size + mesh.samples[w as usize].size)
+fn mean_width<const D: usize>(lift: Lift, one: &Sample, other: &Sample) -> f64 {
+    0.5 * (lift.width::<D>(one) + lift.width::<D>(other))
 }
 
-/// The nearest vertices, for the size wanted there, of the two-ring of `v`; of the second ring only those that face the
+/// The nearest vertices, for the width of the kernel there, of the two-ring of `v`; of the second ring only those that face the
 /// same way.
-fn nearest(mesh: &Manifold, v: u32) -> Nearest {
+fn nearest<const D: usize>(mesh: &Manifold, lift: Lift, v: u32) -> Nearest {
     let (c, here) = (&mesh.connectivity, &mesh.samples[v as usize]);
     let mut found = Nearest::default();
     let mut add = |w: u32| {
-        let size = mean_size(mesh, v, w);
-        found.add(here.position.distance_squared(mesh.position(w)) / (size * size), w)
+        let there = &mesh.samples[w as usize];
+        let width = mean_width::<D>(lift, here, there);
+        found.add(length_squared(&lift.offset::<D>(here, there)) / (width * width), w)
     };
     c.ring(v).for_each(&mut add);
     let mut add_facing = |w: u32| {
@@ -105,35 +127,4 @@ fn nearest(mesh: &Manifold, v: u32) -> Nearest {
         }
     }
     found
-}
-
-/// Vertices in the order of their relative distance, then their number.
-#[derive(Default)]
-struct Nearest {
-    list: [(f64, u32); GRADIENT_NEIGHBOURS],
-    count: usize,
-}
-
-impl Nearest {
-    /// Takes note of `v` at that squared relative distance if it is near enough and not known.
-    #[inline]
-    fn add(&mut self, distance: f64, v: u32) {
-        if self.count == GRADIENT_NEIGHBOURS && distance > self.list[GRADIENT_NEIGHBOURS - 1].0 {
-            return;
-        }
-        let mut place = self.count;
-        while place > 0 && (distance, v) < self.list[place - 1] {
-            place -= 1;
-        }
-        let is_known = place > 0 && self.list[place - 1].1 == v;
-        if place < GRADIENT_NEIGHBOURS && !is_known {
-            self.count = (self.count + 1).min(GRADIENT_NEIGHBOURS);
-            self.list.copy_within(place..self.count - 1, place + 1);
-            self.list[place] = (distance, v);
-        }
-    }
-
-    fn list(&self) -> &[(f64, u32)] {
-        &self.list[..self.count]
-    }
 }

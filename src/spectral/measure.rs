@@ -5,9 +5,11 @@
 //! measure is 1 - |y|², and a neighbour takes the square of one further entry of y off it. The paper updates the
 //! inverse instead (equation 10): the same numbers for more operations.
 //!
+//! Points have any dimension D: three in space, six with the normal as x = [p/σp, n/σn], more with further signals.
+//!
 //! Cost: the n-th neighbour n² / 2 multiplications and n kernels.
 
-use glam::DVec3;
+use crate::geom::vector::{distance_squared, length_squared};
 
 /// Neighbours beyond this many, the nearest counted first, change s by less than its use can tell.
 pub const MOST_NEIGHBOURS: usize = 20;
@@ -19,24 +21,24 @@ pub const RADIUS: f64 = 2.5;
 const SMALLEST_PIVOT: f64 = 1e-9;
 
 /// s(x) at one point, for neighbours that are added one by one.
-pub struct Measure {
+pub struct Measure<const D: usize> {
     /// Rows of L, packed: row i begins at i (i + 1) / 2. The diagonal holds reciprocals: nothing else is asked of it.
     factor: [f64; MOST_NEIGHBOURS * (MOST_NEIGHBOURS + 1) / 2],
     /// L y = k.
     y: [f64; MOST_NEIGHBOURS],
     /// Offsets of the neighbours from x, in units of σ.
-    offsets: [DVec3; MOST_NEIGHBOURS],
+    offsets: [[f64; D]; MOST_NEIGHBOURS],
     count: usize,
     value: f64,
 }
 
-impl Measure {
+impl<const D: usize> Measure<D> {
     /// No neighbours: s = 1.
     pub fn new() -> Self {
         Measure {
             factor: [0.0; MOST_NEIGHBOURS * (MOST_NEIGHBOURS + 1) / 2],
             y: [0.0; MOST_NEIGHBOURS],
-            offsets: [DVec3::ZERO; MOST_NEIGHBOURS],
+            offsets: [[0.0; D]; MOST_NEIGHBOURS],
             count: 0,
             value: 1.0,
         }
@@ -56,19 +58,19 @@ impl Measure {
     /// Adds a neighbour at `offset` from x, in units of σ, and gives the new s(x). A neighbour in the span of the
     /// others, or beyond [`MOST_NEIGHBOURS`], changes nothing.
     #[inline]
-    pub fn add(&mut self, offset: DVec3) -> f64 {
+    pub fn add(&mut self, offset: &[f64; D]) -> f64 {
         let n = self.count;
         if n == MOST_NEIGHBOURS {
             return self.value;
         }
         let (above, rest) = self.factor.split_at_mut(n * (n + 1) / 2);
         let new = &mut rest[..=n];
-        let (mut pivot, mut entry) = (1.0, kernel(offset.length_squared()));
+        let (mut pivot, mut entry) = (1.0, kernel(length_squared(offset)));
         let mut rows = &*above;
         for j in 0..n {
             let (row, below) = rows.split_at(j + 1);
             let known: f64 = row[..j].iter().zip(new.iter()).map(|(a, b)| a * b).sum();
-            let l = row[j] * (kernel(offset.distance_squared(self.offsets[j])) - known);
+            let l = row[j] * (kernel(distance_squared(offset, &self.offsets[j])) - known);
             new[j] = l;
             pivot -= l * l;
             entry -= l * self.y[j];
@@ -77,7 +79,7 @@ impl Measure {
         if pivot > SMALLEST_PIVOT {
             new[n] = pivot.sqrt().recip();
             self.y[n] = entry * new[n];
-            self.offsets[n] = offset;
+            self.offsets[n] = *offset;
             self.value = (self.value - self.y[n] * self.y[n]).max(0.0);
             self.count += 1;
         }
@@ -85,7 +87,7 @@ impl Measure {
     }
 }
 
-impl Default for Measure {
+impl<const D: usize> Default for Measure<D> {
     fn default() -> Self {
         Self::new()
     }
@@ -99,17 +101,17 @@ pub const GRADIENT_NEIGHBOURS: usize = 12;
 ///
 /// K = L D Lᵀ is worked out column by column, with k as one row more: on whole columns of a fixed length, what is above
 /// the diagonal included, since that is the fastest for so few.
-pub fn gradient(offsets: &[DVec3]) -> DVec3 {
+pub fn gradient<const D: usize>(offsets: &[[f64; D]]) -> [f64; D] {
     const LAST: usize = GRADIENT_NEIGHBOURS;
     let n = offsets.len();
     let mut columns = [[0.0; LAST + 1]; LAST];
     let mut k = [0.0; LAST];
-    for (j, &offset) in offsets.iter().enumerate() {
+    for (j, offset) in offsets.iter().enumerate() {
         columns[j][j] = 1.0;
         for i in j + 1..n {
-            columns[j][i] = kernel(offset.distance_squared(offsets[i]));
+            columns[j][i] = kernel(distance_squared(offset, &offsets[i]));
         }
-        k[j] = kernel(offset.length_squared());
+        k[j] = kernel(length_squared(offset));
         columns[j][LAST] = k[j];
     }
     let mut a = [0.0; LAST];
@@ -123,13 +125,14 @@ pub fn gradient(offsets: &[DVec3]) -> DVec3 {
             right[i - j - 1].iter_mut().zip(column).for_each(|(x, c)| *x -= factor * c);
         }
     }
-    let mut pull = DVec3::ZERO;
+    let mut pull = [0.0; D];
     for j in (0..n).rev() {
         let known: f64 = (j + 1..n).map(|i| columns[j][i] * a[i]).sum();
         a[j] *= columns[j][LAST] - known;
-        pull += a[j] * k[j] * offsets[j];
+        let share = a[j] * k[j];
+        pull.iter_mut().zip(&offsets[j]).for_each(|(sum, x)| *sum += share * x);
     }
-    -4.0 * pull
+    pull.map(|x| -4.0 * x)
 }
 
 /// The Gaussian kernel of a squared distance in units of σ.
@@ -142,29 +145,29 @@ pub fn kernel(distance_squared: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::base::rng::{Stage, stream, unit};
+    use crate::geom::vector::difference;
     use approx::assert_relative_eq;
-    use glam::dvec3;
 
-    fn points(n: usize, seed: u64) -> Vec<DVec3> {
+    fn points<const D: usize>(n: usize, seed: u64) -> Vec<[f64; D]> {
         let mut rng = stream(seed, Stage::Candidates);
-        (0..n).map(|_| 2.0 * dvec3(unit(&mut rng) - 0.5, unit(&mut rng) - 0.5, unit(&mut rng) - 0.5)).collect()
+        (0..n).map(|_| [0.0; D].map(|_: f64| 2.0 * unit(&mut rng) - 1.0)).collect()
     }
 
-    fn incremental(x: DVec3, others: &[DVec3]) -> Measure {
+    fn incremental<const D: usize>(x: &[f64; D], others: &[[f64; D]]) -> Measure<D> {
         let mut m = Measure::new();
-        others.iter().for_each(|&p| {
-            m.add(p - x);
+        others.iter().for_each(|p| {
+            m.add(&difference(p, x));
         });
         m
     }
 
     /// s(x) by Gaussian elimination with pivoting on the whole matrix.
-    fn dense(x: DVec3, others: &[DVec3]) -> f64 {
+    fn dense<const D: usize>(x: &[f64; D], others: &[[f64; D]]) -> f64 {
         let n = others.len();
-        let k: Vec<f64> = others.iter().map(|p| kernel(p.distance_squared(x))).collect();
+        let k: Vec<f64> = others.iter().map(|p| kernel(distance_squared(p, x))).collect();
         let mut rows: Vec<Vec<f64>> = (0..n)
             .map(|i| {
-                let row = (0..n).map(|j| kernel(others[i].distance_squared(others[j])));
+                let row = (0..n).map(|j| kernel(distance_squared(&others[i], &others[j])));
                 row.chain([k[i]]).collect()
             })
             .collect();
@@ -185,51 +188,67 @@ mod tests {
         1.0 - a.iter().zip(&k).map(|(a, k)| a * k).sum::<f64>()
     }
 
-    #[test]
-    fn the_measure_is_that_of_a_dense_solve() {
+    fn the_measure_is_that_of_a_dense_solve_in<const D: usize>() {
         for seed in 0..20 {
-            let all = points(13, seed);
-            assert_relative_eq!(incremental(all[0], &all[1..]).value(), dense(all[0], &all[1..]), epsilon = 1e-8);
+            let all = points::<D>(13, seed);
+            assert_relative_eq!(incremental(&all[0], &all[1..]).value(), dense(&all[0], &all[1..]), epsilon = 1e-8);
         }
     }
 
     #[test]
-    fn one_neighbour_leaves_one_minus_k_squared() {
-        let m = incremental(DVec3::ZERO, &[dvec3(0.3, 0.4, 0.0)]);
-        assert_relative_eq!(m.value(), 1.0 - (-0.5f64).exp(), epsilon = 1e-14);
+    fn the_measure_is_that_of_a_dense_solve() {
+        the_measure_is_that_of_a_dense_solve_in::<3>();
+        the_measure_is_that_of_a_dense_solve_in::<6>();
+        the_measure_is_that_of_a_dense_solve_in::<10>();
     }
 
     #[test]
-    fn the_gradient_is_that_of_finite_differences() {
+    fn one_neighbour_leaves_one_minus_k_squared() {
+        assert_relative_eq!(incremental(&[0.0; 2], &[[0.3, 0.4]]).value(), 1.0 - (-0.5f64).exp(), epsilon = 1e-14);
+        assert_relative_eq!(incremental(&[0.0; 4], &[[0.25; 4]]).value(), 1.0 - (-0.5f64).exp(), epsilon = 1e-14);
+    }
+
+    fn the_gradient_is_that_of_finite_differences_in<const D: usize>() {
         for seed in 0..20 {
-            let all = points(11, seed);
+            let all = points::<D>(11, seed);
             let (x, others) = (all[0], &all[1..]);
-            let offsets: Vec<DVec3> = others.iter().map(|&p| p - x).collect();
-            let gradient = gradient(&offsets);
-            for (axis, g) in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().zip(gradient.to_array()) {
+            let offsets: Vec<[f64; D]> = others.iter().map(|p| difference(p, &x)).collect();
+            for (axis, g) in gradient(&offsets).into_iter().enumerate() {
                 let h = 1e-5;
-                let difference = (dense(x + h * axis, others) - dense(x - h * axis, others)) / (2.0 * h);
-                assert_relative_eq!(g, difference, epsilon = 1e-6, max_relative = 1e-5);
+                let at = |h: f64| {
+                    let mut moved = x;
+                    moved[axis] += h;
+                    dense(&moved, others)
+                };
+                assert_relative_eq!(g, (at(h) - at(-h)) / (2.0 * h), epsilon = 1e-6, max_relative = 1e-5);
             }
         }
     }
 
     #[test]
+    fn the_gradient_is_that_of_finite_differences() {
+        the_gradient_is_that_of_finite_differences_in::<3>();
+        the_gradient_is_that_of_finite_differences_in::<6>();
+        the_gradient_is_that_of_finite_differences_in::<10>();
+    }
+
+    #[test]
     fn the_same_neighbour_twice_counts_once_and_a_coincident_one_leaves_nothing() {
-        let p = dvec3(0.5, 0.2, -0.1);
-        let once = incremental(DVec3::ZERO, &[p]).value();
-        assert_relative_eq!(incremental(DVec3::ZERO, &[p, p]).value(), once, epsilon = 1e-12);
-        assert!(gradient(&[p, p, -0.5 * p]).distance(gradient(&[p, -0.5 * p])) < 1e-9);
-        assert_relative_eq!(incremental(p, &[p]).value(), 0.0, epsilon = 1e-12);
+        let p = [0.5, 0.2, -0.1];
+        let once = incremental(&[0.0; 3], &[p]).value();
+        assert_relative_eq!(incremental(&[0.0; 3], &[p, p]).value(), once, epsilon = 1e-12);
+        let q = p.map(|x| -0.5 * x);
+        assert!(distance_squared(&gradient(&[p, p, q]), &gradient(&[p, q])) < 1e-18);
+        assert_relative_eq!(incremental(&p, &[p]).value(), 0.0, epsilon = 1e-12);
     }
 
     #[test]
     fn every_neighbour_lowers_the_measure() {
-        let all = points(MOST_NEIGHBOURS + 5, 3);
+        let all = points::<3>(MOST_NEIGHBOURS + 5, 3);
         let mut m = Measure::new();
         let mut last = m.value();
-        for &p in &all[1..] {
-            let now = m.add(p - all[0]);
+        for p in &all[1..] {
+            let now = m.add(&difference(p, &all[0]));
             assert!((0.0..=last).contains(&now));
             last = now;
         }

@@ -4,6 +4,11 @@
 
 pub mod ascent;
 pub mod candidates;
+mod cells;
 pub mod curves;
+pub mod free;
 pub mod measure;
+mod nearest;
+pub mod samples;
 pub mod scan;
+pub mod spacing;

@@ -7,7 +7,8 @@
 //! are.
 //!
 //! Where edges of another relative length than 1 are wanted, the kernel of a candidate is as much wider or narrower;
-//! cells are for the widest.
+//! cells are for the widest. Where more than the position counts (a [`Lift`]), the kernel has more dimensions; the cells
+//! stay those of space, since further dimensions only make distances larger.
 //!
 //! A candidate listens only to neighbours of its own piece that face its way: two sheets that nearly touch are sampled
 //! each for itself.
@@ -17,9 +18,11 @@
 use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};
 use crate::base::rng::{Random, Rng, Stage, stream};
+use crate::geom::vector::{difference, distance_squared};
 use crate::spectral::candidates::Candidate;
 use crate::spectral::measure::{MOST_NEIGHBOURS, Measure, RADIUS};
 use crate::surface::domain::{Domain, Sample};
+use crate::surface::lift::Lift;
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
@@ -36,7 +39,7 @@ const HALO: i32 = 2;
 const SPAN: i32 = BLOCK + 2 * HALO;
 
 /// Squared distance, in units of σ, within which a single neighbour has s = 1 - k² at most ε: ln(1 / (1 - ε)) / 2.
-const TOO_NEAR: f64 = std::f64::consts::LN_2 / 2.0;
+pub(super) const TOO_NEAR: f64 = std::f64::consts::LN_2 / 2.0;
 
 /// No sample in a cell's list after this one.
 const END: u32 = u32::MAX;
@@ -56,28 +59,122 @@ pub fn linear_scan(
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<Vec<Sample>> {
+    let choices = OnDomain { domain, candidates };
+    let chosen = scan_lifted::<3>(&choices, fixed, Kernel { sigma, lift: Lift::NONE }, seed, monitor)?;
+    Ok(fixed.iter().copied().chain(chosen.into_iter().map(|i| choices.sample(i))).collect())
+}
+
+/// A Gaussian kernel over samples of a surface.
+#[derive(Clone, Copy)]
+pub struct Kernel<'a> {
+    /// σp where the wanted size is 1, in the units of the domain.
+    pub sigma: f64,
+    /// What counts beside the position.
+    pub lift: Lift<'a>,
+}
+
+/// What a scan chooses from.
+pub trait Choices: Sync {
+    /// How many there are.
+    fn count(&self) -> usize;
+    /// One of them.
+    fn sample(&self, number: u32) -> Sample;
+    /// The piece of the surface that a sample lies on: only samples of the same piece are neighbours.
+    fn piece_of(&self, sample: &Sample) -> u32;
+    /// The largest size that is wanted anywhere.
+    fn largest_size(&self) -> f64;
+}
+
+/// Candidates on a domain.
+pub struct OnDomain<'a> {
+    /// The domain.
+    pub domain: &'a Domain,
+    /// Points of it.
+    pub candidates: &'a [Candidate],
+}
+
+impl Choices for OnDomain<'_> {
+    fn count(&self) -> usize {
+        self.candidates.len()
+    }
+
+    #[inline]
+    fn sample(&self, number: u32) -> Sample {
+        self.candidates[number as usize].sample(self.domain)
+    }
+
+    #[inline]
+    fn piece_of(&self, sample: &Sample) -> u32 {
+        self.domain.piece_of(sample.triangle)
+    }
+
+    fn largest_size(&self) -> f64 {
+        self.domain.size_range()[1]
+    }
+}
+
+/// Samples that are there already, of size 1: of a domain, or of no surface that is known.
+pub struct Given<'a> {
+    /// The samples.
+    pub samples: &'a [Sample],
+    /// Their domain.
+    pub domain: Option<&'a Domain>,
+}
+
+impl Choices for Given<'_> {
+    fn count(&self) -> usize {
+        self.samples.len()
+    }
+
+    fn sample(&self, number: u32) -> Sample {
+        self.samples[number as usize]
+    }
+
+    fn piece_of(&self, sample: &Sample) -> u32 {
+        self.domain.map_or(0, |domain| domain.piece_of(sample.triangle))
+    }
+
+    fn largest_size(&self) -> f64 {
+        1.0
+    }
+}
+
+/// [`linear_scan`] of anything, with a kernel of D dimensions, those that `kernel.lift` needs: the numbers of those that
+/// it keeps beside `fixed`.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
+pub fn scan_lifted<const D: usize>(
+    choices: &impl Choices,
+    fixed: &[Sample],
+    kernel: Kernel,
+    seed: u64,
+    monitor: &dyn Monitor,
+) -> Result<Vec<u32>> {
     let mut rng = stream(seed, Stage::Scan);
-    let mut blocks = Blocks::new(domain, candidates, fixed, sigma, &mut rng);
+    let mut blocks = Blocks::new(choices, fixed, kernel, &mut rng);
     let turns = blocks.turns();
     for (i, turn) in turns.iter().enumerate() {
         check(monitor)?;
-        let kept: Vec<Vec<Sample>> = turn.par_iter().map(|&b| blocks.scan(b, domain, candidates)).collect();
-        for (&b, samples) in turn.iter().zip(kept) {
-            blocks.list[b].kept.extend(samples);
+        let kept: Vec<Vec<(u32, Sample)>> = turn.par_iter().map(|&b| blocks.scan::<D>(b)).collect();
+        for (&b, chosen) in turn.iter().zip(kept) {
+            let block = &mut blocks.list[b];
+            block.chosen.extend(chosen.iter().map(|c| c.0));
+            block.kept.extend(chosen.iter().map(|c| c.1));
         }
         monitor.progress((i + 1) as f64 / turns.len() as f64);
     }
-    let chosen = blocks.list.iter().flat_map(|b| &b.kept[b.fixed..]);
-    Ok(fixed.iter().chain(chosen).copied().collect())
+    Ok(blocks.list.into_iter().flat_map(|b| b.chosen).collect())
 }
 
 /// The blocks of space that hold candidates or fixed samples, in the order of their places.
-struct Blocks {
+struct Blocks<'a, C> {
+    choices: &'a C,
     list: Vec<Block>,
     places: Vec<IVec3>,
     /// Numbers of candidates, those of a block together, in random order within it.
     order: Vec<u32>,
-    sigma: f64,
+    kernel: Kernel<'a>,
     cell: f64,
 }
 
@@ -86,17 +183,17 @@ struct Block {
     candidates: std::ops::Range<usize>,
     /// Samples kept so far, the fixed ones first.
     kept: Vec<Sample>,
-    fixed: usize,
+    /// The numbers of those that are not fixed.
+    chosen: Vec<u32>,
 }
 
-impl Blocks {
-    fn new(domain: &Domain, candidates: &[Candidate], fixed: &[Sample], sigma: f64, rng: &mut Random) -> Self {
-        let [_, largest_size] = domain.size_range();
-        let cell = sigma * largest_size * RADIUS / 2.0;
+impl<'a, C: Choices> Blocks<'a, C> {
+    fn new(choices: &'a C, fixed: &[Sample], kernel: Kernel<'a>, rng: &mut Random) -> Self {
+        let cell = kernel.sigma * choices.largest_size() * RADIUS / 2.0;
         let place = |p: DVec3| (p / (cell * f64::from(BLOCK))).floor().as_ivec3();
-        let random: Vec<u32> = candidates.iter().map(|_| rng.next_u32()).collect();
-        let mut keyed: Vec<([i32; 3], u32, u32)> = (candidates.par_iter().zip(&random).enumerate())
-            .map(|(i, (c, &r))| (place(c.sample(domain).position).to_array(), r, i as u32))
+        let random: Vec<u32> = (0..choices.count()).map(|_| rng.next_u32()).collect();
+        let mut keyed: Vec<([i32; 3], u32, u32)> = (random.par_iter().enumerate())
+            .map(|(i, &r)| (place(choices.sample(i as u32).position).to_array(), r, i as u32))
             .collect();
         keyed.par_sort_unstable();
         let mut homes: Vec<([i32; 3], usize)> =
@@ -110,13 +207,14 @@ impl Blocks {
             let candidates = keyed.partition_point(|k| k.0 < *place)..keyed.partition_point(|k| k.0 <= *place);
             let own = homes.partition_point(|h| h.0 < *place)..homes.partition_point(|h| h.0 <= *place);
             let kept: Vec<Sample> = homes[own].iter().map(|h| fixed[h.1]).collect();
-            Block { candidates, fixed: kept.len(), kept }
+            Block { candidates, kept, chosen: Vec::new() }
         });
         Blocks {
+            choices,
             list: list.collect(),
             order: keyed.iter().map(|k| k.2).collect(),
             places: places.into_iter().map(IVec3::from_array).collect(),
-            sigma,
+            kernel,
             cell,
         }
     }
@@ -128,22 +226,22 @@ impl Blocks {
     }
 
     /// What block `b` keeps of its candidates.
-    fn scan(&self, b: usize, domain: &Domain, candidates: &[Candidate]) -> Vec<Sample> {
+    fn scan<const D: usize>(&self, b: usize) -> Vec<(u32, Sample)> {
         let block = &self.list[b];
         if block.candidates.is_empty() {
             return Vec::new();
         }
-        let mut near = Neighbourhood::new(self.places[b] * BLOCK - HALO, self.sigma, self.cell);
+        let mut near = Neighbourhood::<D>::new(self.places[b] * BLOCK - HALO, self.kernel, self.cell);
         for other in self.around(b) {
-            self.list[other].kept.iter().for_each(|s| near.insert(s, domain.piece_of(s.triangle)));
+            self.list[other].kept.iter().for_each(|s| near.insert(s, self.choices.piece_of(s)));
         }
         let mut kept = Vec::new();
         for &i in &self.order[block.candidates.clone()] {
-            let sample = candidates[i as usize].sample(domain);
-            let piece = domain.piece_of(sample.triangle);
+            let sample = self.choices.sample(i);
+            let piece = self.choices.piece_of(&sample);
             if near.changes_spectrum(&sample, piece) {
                 near.insert(&sample, piece);
-                kept.push(sample);
+                kept.push((i, sample));
             }
         }
         kept
@@ -160,28 +258,28 @@ impl Blocks {
 }
 
 /// The samples in and around a block, in cells.
-struct Neighbourhood {
+struct Neighbourhood<'a, const D: usize> {
     /// The cell at the lowest corner.
     origin: IVec3,
-    sigma: f64,
+    kernel: Kernel<'a>,
     cell: f64,
     heads: Vec<u32>,
-    members: Vec<Member>,
-    measure: Measure,
+    members: Vec<Member<D>>,
+    measure: Measure<D>,
     found: Vec<(f64, u32)>,
 }
 
-struct Member {
-    position: DVec3,
+struct Member<const D: usize> {
+    coordinates: [f64; D],
     normal: DVec3,
     piece: u32,
     next: u32,
 }
 
-impl Neighbourhood {
-    fn new(origin: IVec3, sigma: f64, cell: f64) -> Self {
+impl<'a, const D: usize> Neighbourhood<'a, D> {
+    fn new(origin: IVec3, kernel: Kernel<'a>, cell: f64) -> Self {
         let heads = vec![END; (SPAN * SPAN * SPAN) as usize];
-        Neighbourhood { origin, sigma, cell, heads, members: Vec::new(), measure: Measure::new(), found: Vec::new() }
+        Neighbourhood { origin, kernel, cell, heads, members: Vec::new(), measure: Measure::new(), found: Vec::new() }
     }
 
     fn cell_of(&self, p: DVec3) -> IVec3 {
@@ -193,7 +291,8 @@ impl Neighbourhood {
         if c.cmpge(IVec3::ZERO).all() && c.cmplt(IVec3::splat(SPAN)).all() {
             let head = &mut self.heads[(c.x + SPAN * (c.y + SPAN * c.z)) as usize];
             let next = std::mem::replace(head, self.members.len() as u32);
-            self.members.push(Member { position: sample.position, normal: sample.normal, piece, next });
+            let coordinates = self.kernel.lift.coordinates(sample);
+            self.members.push(Member { coordinates, normal: sample.normal, piece, next });
         }
     }
 
@@ -202,22 +301,28 @@ impl Neighbourhood {
         let p = x.position / self.cell;
         let home = self.cell_of(x.position);
         let towards = (p - p.floor()).round().as_ivec3() - 1;
-        self.gather(x, piece, home + towards, home + towards + 1);
+        let here = self.kernel.lift.coordinates(x);
+        self.gather(x, &here, piece, home + towards, home + towards + 1);
         if self.found.iter().any(|f| f.0 <= TOO_NEAR) {
             return false;
         }
-        let reach = self.sigma * x.size * RADIUS;
+        let sigma = self.sigma_at(x);
+        let reach = sigma * RADIUS;
         let (lowest, highest) = (self.cell_of(x.position - reach), self.cell_of(x.position + reach));
         (1..=HALO).all(|reach| {
-            self.gather(x, piece, (home - reach).max(lowest), (home + reach).min(highest));
-            self.exceeds_epsilon(x)
+            self.gather(x, &here, piece, (home - reach).max(lowest), (home + reach).min(highest));
+            self.exceeds_epsilon(&here, sigma)
         })
     }
 
+    fn sigma_at(&self, x: &Sample) -> f64 {
+        self.kernel.sigma * self.kernel.lift.width::<D>(x)
+    }
+
     /// Collects the samples of a box of cells that `x` listens to, with their squared distances in units of σ.
-    fn gather(&mut self, x: &Sample, piece: u32, lo: IVec3, hi: IVec3) {
+    fn gather(&mut self, x: &Sample, here: &[f64; D], piece: u32, lo: IVec3, hi: IVec3) {
         self.found.clear();
-        let sigma = self.sigma * x.size;
+        let sigma = self.sigma_at(x);
         let scale = 1.0 / (sigma * sigma);
         for z in lo.z..=hi.z {
             for y in lo.y..=hi.y {
@@ -226,7 +331,7 @@ impl Neighbourhood {
                     let mut i = self.heads[cell as usize];
                     while i != END {
                         let m = &self.members[i as usize];
-                        let d = m.position.distance_squared(x.position) * scale;
+                        let d = distance_squared(&m.coordinates, here) * scale;
                         if d < RADIUS * RADIUS && m.piece == piece && m.normal.dot(x.normal) >= 0.0 {
                             self.found.push((d, i));
                         }
@@ -238,14 +343,13 @@ impl Neighbourhood {
     }
 
     /// Whether s(x) > ε over the samples found, nearest first and no farther than it takes to know.
-    fn exceeds_epsilon(&mut self, x: &Sample) -> bool {
-        let sigma = self.sigma * x.size;
+    fn exceeds_epsilon(&mut self, here: &[f64; D], sigma: f64) -> bool {
         self.found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         self.measure.clear();
         let nearest = self.found.iter().take(MOST_NEIGHBOURS);
         for &(_, i) in nearest {
-            let offset = (self.members[i as usize].position - x.position) / sigma;
-            if self.measure.add(offset) <= EPSILON {
+            let offset = difference(&self.members[i as usize].coordinates, here).map(|x| x / sigma);
+            if self.measure.add(&offset) <= EPSILON {
                 return false;
             }
         }

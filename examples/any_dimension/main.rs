@@ -1,0 +1,70 @@
+//! One sampler for manifolds of any dimension: a square, a square whose sides are joined, a cube, and a surface in ten
+//! dimensions. Random points first; then gradient ascent moves them until each is as far from the others as can be. Then
+//! the linear scan takes a subset of many random points, as even from the start.
+//!
+//! `cargo run --release --example any_dimension`
+
+mod ten;
+
+use spectral_remesh::base::error::Result;
+use spectral_remesh::base::rng::{Random, Stage, stream, unit};
+use spectral_remesh::geom::vector::length_squared;
+use spectral_remesh::spectral::ascent::{Climb, PAPER_STEP};
+use spectral_remesh::spectral::free::ascend_freely;
+use spectral_remesh::spectral::samples::scan;
+use spectral_remesh::surface::submanifold::{FlatTorus, Submanifold, UnitCube};
+use ten::FiveCircles;
+
+/// Points of each manifold, and those that the scan chooses from.
+const POINTS: usize = 1000;
+const CANDIDATES: usize = 20_000;
+
+/// Widths of the kernel in spacings: for moving points, and for choosing them.
+const ASCENT_SIGMA: f64 = 0.94;
+const SCAN_SIGMA: f64 = 0.866;
+
+fn main() -> Result<()> {
+    let unit_point = |rng: &mut Random| [unit(rng), unit(rng)];
+    let spacing = |area: f64| (2.0 * area / (3f64.sqrt() * POINTS as f64)).sqrt();
+    show("square", &UnitCube::<2>, unit_point, spacing(1.0))?;
+    show("square, sides joined", &FlatTorus::<2>, unit_point, spacing(1.0))?;
+    // Densest in three dimensions are layers like oranges, √2 balls in a volume of spacing³.
+    let in_cube = (2f64.sqrt() / POINTS as f64).cbrt();
+    show("cube", &UnitCube::<3>, |rng| [unit(rng), unit(rng), unit(rng)], in_cube)?;
+    show("surface in ten dimensions", &FiveCircles, FiveCircles::random, spacing(FiveCircles::area()))
+}
+
+/// Samples a manifold and prints how even the samples are: the distance of the nearest two in units of `spacing`, which
+/// is that of the densest packing.
+fn show<S: Submanifold<D>, const D: usize>(
+    name: &str,
+    manifold: &S,
+    random: impl Fn(&mut Random) -> S::Point,
+    spacing: f64,
+) -> Result<()> {
+    let mut rng = stream(1, Stage::Candidates);
+    let mut points: Vec<S::Point> = (0..POINTS).map(|_| random(&mut rng)).collect();
+    let before = nearest_pair(manifold, &points) / spacing;
+    ascend_freely(manifold, &mut points, Climb { sigma: ASCENT_SIGMA * spacing, step: PAPER_STEP, sweeps: 10 }, &())?;
+    let after = nearest_pair(manifold, &points) / spacing;
+    println!("{name}: {POINTS} random points, nearest two {before:.3} of a spacing apart, after ten sweeps {after:.3}");
+
+    let candidates: Vec<S::Point> = (0..CANDIDATES).map(|_| random(&mut rng)).collect();
+    let kept = scan(manifold, &candidates, SCAN_SIGMA * spacing, 1, &())?;
+    let kept: Vec<S::Point> = kept.iter().map(|&i| candidates[i as usize]).collect();
+    let apart = nearest_pair(manifold, &kept) / spacing;
+    println!("  {} of {CANDIDATES} points kept by the scan, nearest two {apart:.3} apart", kept.len());
+    Ok(())
+}
+
+/// The distance of the two points that are nearest to each other.
+fn nearest_pair<S: Submanifold<D>, const D: usize>(manifold: &S, points: &[S::Point]) -> f64 {
+    let places: Vec<[f64; D]> = points.iter().map(|point| manifold.coordinates(point)).collect();
+    let mut nearest = f64::INFINITY;
+    for (i, x) in places.iter().enumerate() {
+        for y in &places[..i] {
+            nearest = nearest.min(length_squared(&manifold.offset(x, y)));
+        }
+    }
+    nearest.sqrt()
+}

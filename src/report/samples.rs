@@ -1,0 +1,98 @@
+//! What a run that only samples did: as JSON of a fixed schema, and as a few lines for a terminal.
+
+use super::Lap;
+use crate::remesh::{SampleOptions, Sampled};
+use serde::{Deserialize, Serialize};
+use std::fmt::Write;
+use std::time::Duration;
+
+/// Name and version of the JSON schema.
+pub const SAMPLES_SCHEMA: &str = "spectral-remesh/samples/1";
+
+/// A report on samples. The members are those of the JSON text.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SamplesReport {
+    /// [`SAMPLES_SCHEMA`].
+    pub schema: String,
+    /// Version of the tool that made the report.
+    pub version: String,
+    /// The file that was sampled, as it was named.
+    pub input: String,
+    /// The file that the samples went to, as it was named.
+    pub output: String,
+    /// The samples.
+    pub samples: usize,
+    /// Samples wanted; `None` if the width of the kernel was to decide.
+    pub wanted: Option<usize>,
+    /// Points of the input, or candidates on its surface, that were looked at.
+    pub candidates: usize,
+    /// Whether the samples are a subset of the input's points.
+    pub scan_only: bool,
+    /// Kernel width σp, in the units of the input.
+    pub sigma_p: f64,
+    /// Kernel width σn along unit normals; `None` if it is infinite.
+    pub sigma_n: Option<f64>,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Sweeps of ascent that were made.
+    pub sweeps: usize,
+    /// Things a user should know, a sentence each.
+    pub notes: Vec<String>,
+    /// Seconds of each stage, in the order in which they ran.
+    pub stages: Vec<Lap>,
+    /// Most memory that the process had at once, in bytes, where the system tells.
+    pub peak_memory_bytes: Option<u64>,
+    /// Threads that the run could use.
+    pub threads: usize,
+}
+
+impl SamplesReport {
+    /// The report on samples of the file `input` that went to the file `output`.
+    pub fn new(sampled: &Sampled, options: &SampleOptions, input: String, output: String) -> SamplesReport {
+        SamplesReport {
+            schema: SAMPLES_SCHEMA.into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            input,
+            output,
+            samples: sampled.points.positions.len(),
+            wanted: sampled.wanted,
+            candidates: sampled.candidates,
+            scan_only: sampled.indices.is_some(),
+            sigma_p: sampled.sigma_p,
+            sigma_n: options.sigma_n.is_finite().then_some(options.sigma_n),
+            seed: options.seed,
+            sweeps: if sampled.indices.is_some() { 0 } else { options.sweeps },
+            notes: sampled.notes.clone(),
+            stages: Vec::new(),
+            peak_memory_bytes: None,
+            threads: 1,
+        }
+    }
+
+    /// The same report with what the run took.
+    #[must_use]
+    pub fn with_run(self, laps: &[(&str, Duration)], peak_memory_bytes: Option<u64>, threads: usize) -> SamplesReport {
+        let stages = laps.iter().map(|&(name, time)| Lap { name: name.into(), seconds: time.as_secs_f64() }).collect();
+        SamplesReport { stages, peak_memory_bytes, threads, ..self }
+    }
+
+    /// The report as indented JSON that ends with a line break.
+    pub fn to_json(&self) -> String {
+        serde_json::to_string_pretty(self).expect("a report is plain data with text keys") + "\n"
+    }
+
+    /// The report as a few lines for people.
+    pub fn to_text(&self) -> String {
+        let of = if self.scan_only { "points" } else { "candidates" };
+        let mut out = format!(
+            "{} -> {}\n{} samples of {} {of}, σp {:.6}",
+            self.input, self.output, self.samples, self.candidates, self.sigma_p
+        );
+        if let Some(sigma_n) = self.sigma_n {
+            let _ = write!(out, ", σn {sigma_n}");
+        }
+        out.push('\n');
+        self.notes.iter().for_each(|note| out.push_str(&format!("note: {note}\n")));
+        out
+    }
+}

@@ -1,0 +1,88 @@
+//! Points that come and go, in cells of space: who is near, in any dimension.
+//!
+//! Cells are those of the first three coordinates, or of as many as there are; further ones only make distances larger.
+//!
+//! Cost: a query looks up the cells that a box of twice its radius touches.
+
+use crate::geom::vector::distance_squared;
+use std::collections::HashMap;
+
+/// Coordinates that cells are made of.
+const AXES: usize = 3;
+
+type Cell = [i64; AXES];
+
+/// Numbered points, each with its coordinates.
+pub(super) struct Cells<const D: usize> {
+    width: f64,
+    /// In the order in which they came, so that the order of the map does not matter.
+    lists: HashMap<Cell, Vec<(u32, [f64; D])>>,
+}
+
+impl<const D: usize> Cells<D> {
+    /// No points, in cells of `width`.
+    pub fn new(width: f64) -> Self {
+        Cells { width, lists: HashMap::new() }
+    }
+
+    fn cell(&self, x: &[f64; D], shift: f64) -> Cell {
+        std::array::from_fn(|axis| x.get(axis).map_or(0, |x| ((x + shift) / self.width).floor() as i64))
+    }
+
+    pub fn insert(&mut self, number: u32, x: [f64; D]) {
+        self.lists.entry(self.cell(&x, 0.0)).or_default().push((number, x));
+    }
+
+    /// Forgets a point; `x` is where it came in.
+    pub fn remove(&mut self, number: u32, x: &[f64; D]) {
+        if let Some(list) = self.lists.get_mut(&self.cell(x, 0.0)) {
+            list.retain(|member| member.0 != number);
+        }
+    }
+
+    /// Shows all points within `radius` of `x` to `visit`: the squared distance, the number and the coordinates.
+    pub fn near(&self, x: &[f64; D], radius: f64, mut visit: impl FnMut(f64, u32, &[f64; D])) {
+        let (lowest, highest) = (self.cell(x, -radius), self.cell(x, radius));
+        for k in lowest[2]..=highest[2] {
+            for j in lowest[1]..=highest[1] {
+                for i in lowest[0]..=highest[0] {
+                    for (number, y) in self.lists.get(&[i, j, k]).into_iter().flatten() {
+                        let d = distance_squared(x, y);
+                        if d <= radius * radius {
+                            visit(d, *number, y);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::rng::{Stage, stream, unit};
+
+    fn all_that_are_near_are_found<const D: usize>() {
+        let mut rng = stream(5, Stage::Scan);
+        let points: Vec<[f64; D]> = (0..400).map(|_| [0.0; D].map(|_: f64| unit(&mut rng))).collect();
+        let mut cells = Cells::new(0.3);
+        points.iter().zip(0..).for_each(|(&x, i)| cells.insert(i, x));
+        points.iter().zip(0..).step_by(3).for_each(|(x, i)| cells.remove(i, x));
+        for x in &points {
+            let mut found = Vec::new();
+            cells.near(x, 0.4, |_, i, _| found.push(i));
+            found.sort_unstable();
+            let is_near = |&i: &u32| i % 3 != 0 && distance_squared(x, &points[i as usize]) <= 0.16;
+            assert_eq!(found, (0..400).filter(is_near).collect::<Vec<u32>>());
+        }
+    }
+
+    #[test]
+    fn all_that_are_near_are_found_in_any_dimension() {
+        all_that_are_near_are_found::<1>();
+        all_that_are_near_are_found::<2>();
+        all_that_are_near_are_found::<3>();
+        all_that_are_near_are_found::<5>();
+    }
+}

@@ -1,0 +1,253 @@
+//! Samples of a manifold of any dimension, without a triangulation: which of given points they are, and how many.
+//!
+//! The randomized linear scan (paper, algorithm 1) keeps those points that change the spectrum of the ones kept before
+//! them by more than ε. An exact number comes of it by removing where s is smallest, or adding where it is largest, one
+//! by one. A sample that goes makes s larger for others, one that comes makes it smaller; so what was worked out earlier
+//! is a bound, and only the best of a heap is worked out anew (M. Minoux, Accelerated greedy algorithms for maximizing
+//! submodular set functions, 1978, DOI 10.1007/BFb0006528).
+//!
+//! [`scan_lifted`](crate::spectral::scan::scan_lifted) is the same scan for points of space, block by block: faster and
+//! on many threads.
+//!
+//! Cost: a few microseconds a point; most are settled by the samples nearest to them.
+
+use crate::base::error::Result;
+use crate::base::progress::{Monitor, check};
+use crate::base::ranked::Ranked;
+use crate::base::rng::{Rng, Stage, stream};
+use crate::spectral::cells::Cells;
+use crate::spectral::measure::{MOST_NEIGHBOURS, Measure, RADIUS};
+use crate::spectral::scan::{EPSILON, TOO_NEAR};
+use crate::surface::submanifold::Submanifold;
+use rayon::prelude::*;
+use std::collections::BinaryHeap;
+
+/// Points between two looks at the monitor.
+const CHUNK: usize = 4096;
+
+/// The measure of what is no other point than those that are there, but for rounding.
+const LEAST_NEWS: f64 = 1e-9;
+
+/// Points that are looked at for each sample that is missing, and the fewest of them.
+const POINTS_PER_MISSING: usize = 32;
+const FEWEST_POINTS: usize = 1024;
+
+/// Width of a cell in units of σ.
+const CELL: f64 = RADIUS / 2.0;
+
+/// The samples that the scan keeps of `points`: their numbers, in the order in which they were kept. `sigma` is the
+/// width of the kernel in the units of the coordinates.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
+pub fn scan<S: Submanifold<D>, const D: usize>(
+    manifold: &S,
+    points: &[S::Point],
+    sigma: f64,
+    seed: u64,
+    monitor: &dyn Monitor,
+) -> Result<Vec<u32>> {
+    let mut rng = stream(seed, Stage::Scan);
+    let mut order: Vec<(u32, u32)> = (0..points.len() as u32).map(|i| (rng.next_u32(), i)).collect();
+    order.par_sort_unstable();
+    let mut kept = Samples::new(manifold, points, sigma);
+    for (i, chunk) in order.chunks(CHUNK).enumerate() {
+        check(monitor)?;
+        monitor.progress((i * CHUNK) as f64 / order.len() as f64);
+        for &(_, point) in chunk {
+            if kept.changes_spectrum(point) {
+                kept.insert(point);
+            }
+        }
+    }
+    Ok(kept.numbers)
+}
+
+/// `wanted` of `points`, or fewer if no others differ from those, beginning with those numbered in `chosen`: what is too much is
+/// removed where s is smallest, what is missing is added where it is largest.
+pub fn meet_count<S: Submanifold<D>, const D: usize>(
+    manifold: &S,
+    points: &[S::Point],
+    chosen: &[u32],
+    sigma: f64,
+    wanted: usize,
+) -> Vec<u32> {
+    let mut samples = Samples::new(manifold, points, sigma);
+    chosen.iter().for_each(|&point| samples.insert(point));
+    samples.thin_to(wanted);
+    samples.fill_to(wanted);
+    samples.numbers
+}
+
+/// Some of the given points.
+struct Samples<'a, S: Submanifold<D>, const D: usize> {
+    manifold: &'a S,
+    points: &'a [S::Point],
+    sigma: f64,
+    cells: Cells<D>,
+    numbers: Vec<u32>,
+}
+
+impl<'a, S: Submanifold<D>, const D: usize> Samples<'a, S, D> {
+    fn new(manifold: &'a S, points: &'a [S::Point], sigma: f64) -> Self {
+        Samples { manifold, points, sigma, cells: Cells::new(CELL * sigma), numbers: Vec::new() }
+    }
+
+    fn coordinates(&self, point: u32) -> [f64; D] {
+        self.manifold.coordinates(&self.points[point as usize])
+    }
+
+    fn insert(&mut self, point: u32) {
+        self.cells.insert(point, self.coordinates(point));
+        self.numbers.push(point);
+    }
+
+    /// Whether s > ε at `point`, which is no sample yet: first with the nearest samples, which settle most.
+    fn changes_spectrum(&self, point: u32) -> bool {
+        let nearest = self.near(point, TOO_NEAR.sqrt() * self.sigma);
+        nearest.is_empty() && self.measure(point, EPSILON) > EPSILON
+    }
+
+    /// The measure at `point` among the other samples; if it is no more than `least`, some number that is not, either.
+    fn measure(&self, point: u32, least: f64) -> f64 {
+        let mut measure = Measure::new();
+        for (_, _, offset) in self.near(point, RADIUS * self.sigma).into_iter().take(MOST_NEIGHBOURS) {
+            if measure.add(&offset.map(|x| x / self.sigma)) <= least {
+                break;
+            }
+        }
+        measure.value()
+    }
+
+    /// The other samples that count as neighbours of `point` within `radius`, nearest first: squared distance, number
+    /// and offset.
+    fn near(&self, point: u32, radius: f64) -> Vec<(f64, u32, [f64; D])> {
+        let here = self.coordinates(point);
+        let mut found = Vec::new();
+        for x in self.manifold.images(&here, radius) {
+            self.cells.near(&x, radius, |distance, number, y| {
+                if number != point && self.joined(point, number) {
+                    found.push((distance, number, self.manifold.offset(&x, y)));
+                }
+            });
+        }
+        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        found
+    }
+
+    fn joined(&self, one: u32, other: u32) -> bool {
+        self.manifold.joined(&self.points[one as usize], &self.points[other as usize])
+    }
+
+    /// Removes samples until there are no more than `wanted`.
+    fn thin_to(&mut self, wanted: usize) {
+        if self.numbers.len() <= wanted {
+            return;
+        }
+        let ranked: Vec<Ranked> = self.numbers.par_iter().map(|&i| Ranked::new(-self.measure(i, 0.0), i)).collect();
+        let mut heap = BinaryHeap::from(ranked);
+        let mut removed = vec![false; self.points.len()];
+        let mut count = self.numbers.len();
+        while count > wanted {
+            let Some(top) = heap.pop() else { break };
+            let now = -self.measure(top.index, 0.0);
+            if now < top.rank {
+                heap.push(Ranked::new(now, top.index));
+                continue;
+            }
+            self.cells.remove(top.index, &self.coordinates(top.index));
+            removed[top.index as usize] = true;
+            count -= 1;
+        }
+        self.numbers.retain(|&i| !removed[i as usize]);
+    }
+
+    /// Adds samples until there are `wanted`, or no points any more that differ: of a part of the points first.
+    fn fill_to(&mut self, wanted: usize) {
+        let missing = wanted.saturating_sub(self.numbers.len());
+        let part = (self.points.len() / (POINTS_PER_MISSING * missing + FEWEST_POINTS)).max(1);
+        for step in [part, 1] {
+            if self.numbers.len() < wanted {
+                self.fill_from((0..self.points.len() as u32).step_by(step).collect(), wanted);
+            }
+        }
+    }
+
+    /// Adds samples of `pool`.
+    fn fill_from(&mut self, mut pool: Vec<u32>, wanted: usize) {
+        let mut taken = vec![false; self.points.len()];
+        self.numbers.iter().for_each(|&i| taken[i as usize] = true);
+        pool.retain(|&i| !taken[i as usize]);
+        let ranked: Vec<Ranked> = pool.into_par_iter().map(|i| Ranked::new(self.measure(i, 0.0), i)).collect();
+        let mut heap = BinaryHeap::from(ranked);
+        while self.numbers.len() < wanted {
+            let Some(top) = heap.pop().filter(|top| top.rank > LEAST_NEWS) else { return };
+            let now = self.measure(top.index, 0.0);
+            if now < top.rank {
+                heap.push(Ranked::new(now, top.index));
+            } else {
+                self.insert(top.index);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::rng::unit;
+    use crate::surface::submanifold::{FlatTorus, UnitCube};
+
+    fn points(n: usize) -> Vec<[f64; 2]> {
+        let mut rng = stream(9, Stage::Candidates);
+        (0..n).map(|_| [unit(&mut rng), unit(&mut rng)]).collect()
+    }
+
+    #[test]
+    fn samples_are_what_the_scan_says() {
+        let (points, sigma) = (points(3000), 0.06);
+        let kept = scan(&FlatTorus, &points, sigma, 5, &()).unwrap();
+        let mut samples = Samples::new(&FlatTorus, &points, sigma);
+        for &point in &kept {
+            assert!(samples.measure(point, 0.0) > EPSILON);
+            samples.insert(point);
+        }
+        // None of the others would add more than ε now.
+        assert!((0..3000).all(|i| kept.contains(&i) || samples.measure(i, 0.0) <= EPSILON + 1e-12));
+    }
+
+    /// One by one, with all measures worked out anew each time.
+    fn thinned_by_hand(points: &[[f64; 2]], sigma: f64, wanted: usize) -> Vec<u32> {
+        let mut numbers: Vec<u32> = (0..points.len() as u32).collect();
+        while numbers.len() > wanted {
+            let mut samples = Samples::new(&UnitCube, points, sigma);
+            numbers.iter().for_each(|&i| samples.insert(i));
+            let least = numbers.iter().map(|&i| Ranked::new(-samples.measure(i, 0.0), i)).max().unwrap();
+            numbers.retain(|&i| i != least.index);
+        }
+        numbers
+    }
+
+    #[test]
+    fn the_least_important_go_first_and_the_most_important_come_first() {
+        let (points, sigma) = (points(60), 0.15);
+        let all: Vec<u32> = (0..60).collect();
+        assert_eq!(meet_count(&UnitCube, &points, &all, sigma, 40), thinned_by_hand(&points, sigma, 40));
+        // The first is the lowest number, as good as any; the second is the one that it says least about.
+        let two = meet_count(&UnitCube, &points, &[], 10.0, 2);
+        let distance = |i: u32| length(&points[two[0] as usize], &points[i as usize]);
+        assert_eq!((two[0], two.len()), (0, 2));
+        assert!((0..60).all(|i| distance(i) <= distance(two[1])));
+    }
+
+    fn length(a: &[f64; 2], b: &[f64; 2]) -> f64 {
+        (a[0] - b[0]).hypot(a[1] - b[1])
+    }
+
+    #[test]
+    fn the_same_point_twice_is_no_other_point() {
+        let points = vec![[0.5, 0.5]; 9];
+        assert_eq!(meet_count(&UnitCube, &points, &[], 0.1, 5).len(), 1);
+        assert_eq!(scan(&UnitCube, &points, 0.1, 0, &()).unwrap().len(), 1);
+    }
+}

@@ -1,0 +1,358 @@
+//! Samples without triangles: blue noise in any dimension, on meshes, and subsets of points.
+
+mod common;
+#[path = "../examples/any_dimension/ten.rs"]
+mod ten;
+
+use common::{audit, cuboid, moved, random, sphere, torus};
+use glam::{DVec3, dvec3};
+use spectral_remesh::base::rng::unit;
+use spectral_remesh::geom::vector::length_squared;
+use spectral_remesh::spectral::ascent::{Climb, PAPER_STEP};
+use spectral_remesh::spectral::free::ascend_freely;
+use spectral_remesh::spectral::samples::{meet_count, scan};
+use spectral_remesh::surface::submanifold::{FlatTorus, Submanifold, UnitCube};
+use spectral_remesh::{Density, Mesh, Options, Points, SampleOptions, Sampled, Signal, remesh, sample, sample_points};
+
+const SWEEPS: usize = 10;
+
+/// The radius of disks around `n` points of an area at hexagonal packing.
+fn largest_radius(n: usize, area: f64) -> f64 {
+    (area / (2.0 * 3f64.sqrt() * n as f64)).sqrt()
+}
+
+/// ρ: half the distance of the nearest two points, by the largest radius that is possible on that area.
+fn poisson_disk_radius<S: Submanifold<D>, const D: usize>(manifold: &S, points: &[S::Point], area: f64) -> f64 {
+    let places: Vec<[f64; D]> = points.iter().map(|p| manifold.coordinates(p)).collect();
+    let pairs = (0..places.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+    let squares = pairs.map(|(i, j)| length_squared(&manifold.offset(&places[i], &places[j])));
+    0.5 * squares.fold(f64::INFINITY, f64::min).sqrt() / largest_radius(points.len(), area)
+}
+
+/// Random points after ten sweeps with the kernel of section 7.1 of the paper: σ = 2.5 r for ρ = 0.75.
+fn relaxed<S: Submanifold<D>, const D: usize>(manifold: &S, mut points: Vec<S::Point>, area: f64) -> Vec<S::Point> {
+    let sigma = 2.5 * 0.75 * largest_radius(points.len(), area);
+    ascend_freely(manifold, &mut points, Climb { sigma, step: PAPER_STEP, sweeps: SWEEPS }, &()).unwrap();
+    points
+}
+
+fn unit_points<const D: usize>(n: usize, seed: u64) -> Vec<[f64; D]> {
+    let mut rng = random(seed);
+    (0..n).map(|_| [0.0; D].map(|_: f64| unit(&mut rng))).collect()
+}
+
+#[test]
+fn blue_noise_on_the_toroidal_square_is_that_of_the_paper() {
+    let run = |seed| poisson_disk_radius(&FlatTorus, &relaxed(&FlatTorus, unit_points::<2>(1024, seed), 1.0), 1.0);
+    let mean = (0..10).map(run).sum::<f64>() / 10.0;
+    assert!(mean >= 0.79, "mean ρ {mean}");
+}
+
+/// Power of blue noise is missing below the main frequency, which is about √(2/√3) √N.
+#[test]
+fn low_frequencies_are_missing() {
+    let points = relaxed(&FlatTorus, unit_points::<2>(400, 3), 1.0);
+    let power = |f: [f64; 2]| {
+        let phases = points.iter().map(|x| std::f64::consts::TAU * (f[0] * x[0] + f[1] * x[1]));
+        let (sin, cos) = phases.map(f64::sin_cos).fold((0.0, 0.0), |s, p| (s.0 + p.0, s.1 + p.1));
+        (sin * sin + cos * cos) / 400.0
+    };
+    let low = (1..=10).flat_map(|u| (0..=5).map(move |v| [f64::from(u), f64::from(v)]));
+    let mean = low.map(power).sum::<f64>() / 60.0;
+    assert!(mean < 0.03, "{mean}, random points have 1");
+}
+
+#[test]
+fn a_square_with_borders_and_a_cube() {
+    let square = relaxed(&UnitCube, unit_points::<2>(500, 1), 1.0);
+    assert!(square.iter().flatten().all(|x| (0.0..=1.0).contains(x)));
+    assert!(poisson_disk_radius(&UnitCube, &square, 1.0) > 0.65);
+    let mut cube = unit_points::<3>(500, 2);
+    // Spacing of the densest packing of balls.
+    let spacing = (2f64.sqrt() / 500.0).cbrt();
+    let before = poisson_disk_radius(&FlatTorus, &cube, 1.0);
+    ascend_freely(&FlatTorus, &mut cube, Climb { sigma: 0.94 * spacing, step: PAPER_STEP, sweeps: SWEEPS }, &())
+        .unwrap();
+    let nearest = poisson_disk_radius(&FlatTorus, &cube, 1.0) * 2.0 * largest_radius(500, 1.0) / spacing;
+    assert!(nearest > 0.7, "{nearest} of the densest, {before} before");
+}
+
+#[test]
+fn a_surface_in_ten_dimensions() {
+    let (n, area) = (1000, ten::FiveCircles::area());
+    let mut rng = random(4);
+    let points: Vec<[f64; 2]> = (0..20 * n).map(|_| ten::FiveCircles::random(&mut rng)).collect();
+    let relaxed = relaxed(&ten::FiveCircles, points[..n].to_vec(), area);
+    let rho = poisson_disk_radius(&ten::FiveCircles, &relaxed, area);
+    assert!(rho > 0.7, "{rho}");
+
+    let sigma = 0.866 * 2.0 * largest_radius(n, area);
+    let kept = scan(&ten::FiveCircles, &points, sigma, 7, &()).unwrap();
+    assert!((900..1100).contains(&kept.len()), "{}", kept.len());
+    for wanted in [850, 1150] {
+        let exactly = meet_count(&ten::FiveCircles, &points, &kept, sigma, wanted);
+        let chosen: Vec<[f64; 2]> = exactly.iter().map(|&i| points[i as usize]).collect();
+        assert_eq!(chosen.len(), wanted);
+        assert!(poisson_disk_radius(&ten::FiveCircles, &chosen, area) > 0.4);
+    }
+}
+
+fn sampled(mesh: &Mesh, options: &SampleOptions) -> Sampled {
+    sample(mesh, options, &()).unwrap()
+}
+
+fn count(n: usize) -> SampleOptions {
+    SampleOptions { density: Density::Points(n), ..SampleOptions::default() }
+}
+
+/// As if the three coordinates were all there is.
+struct Space;
+
+impl Submanifold<3> for Space {
+    type Point = DVec3;
+    fn coordinates(&self, p: &DVec3) -> [f64; 3] {
+        p.to_array()
+    }
+    fn step(&self, from: &DVec3, way: &[f64; 3]) -> DVec3 {
+        *from + DVec3::from_array(*way)
+    }
+}
+
+#[test]
+fn exactly_as_many_samples_evenly_on_the_surface() {
+    let centre = dvec3(1e3, -2e3, 5.0);
+    let ball = sphere(6, centre, 20.0);
+    for n in [3, 100, 999, 2000] {
+        let Sampled { points, indices, wanted, notes, .. } = sampled(&ball, &count(n));
+        assert_eq!((points.positions.len(), points.normals.len(), wanted), (n, n, Some(n)));
+        assert!(indices.is_none() && notes.is_empty(), "{notes:?}");
+        for (p, normal) in points.positions.iter().zip(&points.normals) {
+            let out = (*p - centre) / 20.0;
+            assert!((out.length() - 1.0).abs() < 1e-3 && normal.dot(out) > 0.999, "{p} {normal}");
+        }
+        let rho = poisson_disk_radius(&Space, &points.positions, ball.area());
+        assert!(n == 3 || rho > 0.72, "{n}: {rho}");
+    }
+}
+
+#[test]
+fn the_samples_are_the_same_for_any_number_of_threads() {
+    let ring = torus(90, 40, 1.0, 0.35);
+    let options = SampleOptions { sigma_n: 0.6, ..count(700) };
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| sampled(&ring, &options))
+    };
+    let one = with(1);
+    assert_eq!(one, with(2));
+    assert_eq!(one, with(5));
+    assert_ne!(one, sampled(&ring, &SampleOptions { seed: 1, ..options }));
+}
+
+#[test]
+fn a_subset_of_the_vertices_with_their_numbers() {
+    let ball = sphere(5, DVec3::ZERO, 1.0);
+    let Sampled { points, indices, candidates, .. } = sampled(&ball, &SampleOptions { scan_only: true, ..count(500) });
+    let indices = indices.unwrap();
+    assert_eq!((points.positions.len(), indices.len(), candidates), (500, 500, ball.positions.len()));
+    assert!(indices.windows(2).all(|pair| pair[0] < pair[1]));
+    assert!(indices.iter().zip(&points.positions).all(|(&i, p)| *p == ball.positions[i as usize]));
+    assert!(poisson_disk_radius(&Space, &points.positions, ball.area()) > 0.45);
+}
+
+#[test]
+fn a_kernel_that_is_too_narrow_or_too_wide_says_so() {
+    let ball = sphere(4, DVec3::ZERO, 1.0);
+    let with = |sigma| {
+        let density = Density::SigmaP(sigma);
+        sampled(&ball, &SampleOptions { density, scan_only: true, ..SampleOptions::default() })
+    };
+    let narrow = with(1e-6);
+    assert_eq!(narrow.points.positions.len(), ball.positions.len());
+    assert!(narrow.notes[0].contains("all 1026 points are kept"), "{:?}", narrow.notes);
+    let wide = with(10.0);
+    assert!(wide.points.positions.len() < 5 && wide.notes[0].contains("only"), "{:?}", wide.notes);
+    let fine = with(0.2);
+    assert!(fine.notes.is_empty() && (200..500).contains(&fine.points.positions.len()));
+}
+
+fn cloud(positions: Vec<DVec3>) -> Points {
+    Points { positions, normals: Vec::new() }
+}
+
+fn subset(points: &Points, n: usize) -> Sampled {
+    sample_points(points, &SampleOptions { scan_only: true, ..count(n) }, &()).unwrap()
+}
+
+#[test]
+fn a_subset_of_a_cloud() {
+    let ball = sphere(5, DVec3::ZERO, 1.0);
+    let without = subset(&cloud(ball.positions.clone()), 400);
+    assert_eq!(without.points.positions.len(), 400);
+    assert!(without.points.normals.is_empty());
+    let with = Points { normals: ball.positions.iter().map(|p| 3.0 * *p).collect(), ..cloud(ball.positions.clone()) };
+    let options = SampleOptions { scan_only: true, sigma_n: 0.5, ..count(400) };
+    let both = sample_points(&with, &options, &()).unwrap();
+    assert_eq!(both.points.positions.len(), 400);
+    assert!(both.points.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-12));
+}
+
+#[test]
+fn poor_clouds() {
+    let line: Vec<DVec3> = (0..300).map(|i| f64::from(i) * dvec3(1.0, 2.0, -1.0)).collect();
+    assert_eq!(subset(&cloud(line.clone()), 30).points.positions.len(), 30);
+    assert_eq!(subset(&cloud(line), 300).points.positions.len(), 300);
+    let heap = subset(&cloud(vec![DVec3::ONE; 50]), 10);
+    assert_eq!(heap.points.positions.len(), 1);
+    assert!(heap.notes[0].contains("1 samples instead of 10"), "{:?}", heap.notes);
+    assert_eq!(subset(&cloud(vec![DVec3::ONE]), 3).points.positions.len(), 1);
+    let apart: Vec<DVec3> = unit_points::<3>(400, 5).into_iter().map(DVec3::from).collect();
+    let both = apart.iter().copied().chain(apart.iter().map(|p| *p + 1e6)).collect();
+    assert_eq!(subset(&cloud(both), 200).points.positions.len(), 200);
+}
+
+#[track_caller]
+fn refused(points: &Points, options: &SampleOptions, words: &str) {
+    let said = sample_points(points, options, &()).unwrap_err().to_string();
+    assert!(said.contains(words), "{said}");
+}
+
+#[test]
+fn a_mesh_without_area_is_no_surface() {
+    let line = Mesh { positions: vec![DVec3::ZERO, DVec3::X, 2.0 * DVec3::X], triangles: vec![[0, 1, 2]] };
+    for scan_only in [true, false] {
+        let said = sample(&line, &SampleOptions { scan_only, ..count(10) }, &()).unwrap_err().to_string();
+        assert!(said.contains("no area"), "{said}");
+    }
+}
+
+#[test]
+fn what_cannot_be_sampled_is_refused() {
+    let some = cloud(unit_points::<3>(50, 1).into_iter().map(DVec3::from).collect());
+    let subset = SampleOptions { scan_only: true, ..count(10) };
+    refused(&some, &count(10), "no surface");
+    refused(&some, &SampleOptions { sigma_n: 0.5, ..subset.clone() }, "no normals");
+    refused(&some, &SampleOptions { sigma_n: 0.0, ..subset.clone() }, "sigma-n: 0 is not a width");
+    refused(&some, &SampleOptions { sigma_n: f64::NAN, ..subset.clone() }, "not a width");
+    let signal = |values, sigma| SampleOptions { signals: vec![Signal { values, sigma }], ..subset.clone() };
+    refused(&some, &signal(vec![1.0; 49], 1.0), "49 values for the 50 vertices");
+    refused(&some, &signal(vec![1.0; 50], -1.0), "sigma: -1 is not a width");
+    refused(&some, &signal(vec![f64::NAN; 50], 1.0), "vertex 0 has the value NaN");
+    refused(&cloud(vec![]), &subset, "no points");
+    refused(&cloud(vec![DVec3::NAN]), &subset, "vertex 0");
+    refused(&some, &SampleOptions { density: Density::Auto, ..subset.clone() }, "no triangles");
+}
+
+/// An ellipsoid three times as long as wide: its tips bend most.
+fn ellipsoid() -> Mesh {
+    moved(sphere(6, DVec3::ZERO, 1.0), |p| p * dvec3(3.0, 1.0, 1.0))
+}
+
+/// The share of points that `is_inside`.
+fn share(points: &[DVec3], is_inside: impl Fn(&DVec3) -> bool) -> f64 {
+    points.iter().filter(|p| is_inside(p)).count() as f64 / points.len() as f64
+}
+
+fn at_tips(points: &[DVec3]) -> f64 {
+    share(points, |p| p.x.abs() > 2.7)
+}
+
+#[track_caller]
+fn grows(shares: &[f64], by: f64) {
+    assert!(shares.windows(2).all(|pair| pair[1] > by * pair[0]), "{shares:?}");
+}
+
+#[test]
+fn samples_gather_where_the_surface_bends_as_sigma_n_falls() {
+    let mesh = ellipsoid();
+    let share = |sigma_n| {
+        let points = sampled(&mesh, &SampleOptions { sigma_n, ..count(1000) }).points.positions;
+        assert_eq!(points.len(), 1000);
+        at_tips(&points)
+    };
+    grows(&[f64::INFINITY, 0.4, 0.2, 0.1].map(share), 1.1);
+}
+
+#[test]
+fn vertices_gather_where_the_surface_bends_as_sigma_n_falls() {
+    let mesh = ellipsoid();
+    for optimize in [true, false] {
+        let share = |sigma_n| {
+            let options = Options { density: Density::Points(1000), sigma_n, optimize, ..Options::default() };
+            let made = remesh(&mesh, &options, &()).unwrap();
+            assert!(made.verified(), "{:?}", made.notes);
+            assert_eq!((audit(&made.mesh).euler, made.mesh.positions.len()), (2, 1000));
+            at_tips(&made.mesh.positions)
+        };
+        grows(&[f64::INFINITY, 0.4, 0.2, 0.1].map(share), 1.1);
+    }
+}
+
+#[test]
+fn a_width_that_is_given_decides_the_number_of_vertices() {
+    let mesh = ellipsoid();
+    let with = |sigma_n| {
+        let options = Options { density: Density::SigmaP(0.2), sigma_n, ..Options::default() };
+        let made = remesh(&mesh, &options, &()).unwrap();
+        assert_eq!((made.verified(), made.mesh.positions.len()), (true, made.wanted));
+        assert!((made.sigma_p - 0.2).abs() < 1e-12);
+        made.wanted
+    };
+    assert!(with(0.2) > with(f64::INFINITY) + 50);
+}
+
+/// Samples gather at the sharp edges of a cube, and none is lost to its flat sides.
+#[test]
+fn samples_gather_at_features() {
+    let cube = cuboid(DVec3::ONE);
+    let at_edges = |points: &[DVec3]| {
+        let near = |x: f64| !(0.05..0.95).contains(&x);
+        share(points, |p| p.to_array().into_iter().filter(|&x| near(x)).count() >= 2)
+    };
+    let share = |sigma_n| at_edges(&sampled(&cube, &SampleOptions { sigma_n, ..count(1500) }).points.positions);
+    grows(&[f64::INFINITY, 1.0, 0.5].map(share), 1.2);
+}
+
+/// A ball with a value at each vertex that changes from -1 to 1 about the equator.
+fn striped() -> (Mesh, Vec<f64>) {
+    let ball = sphere(6, DVec3::ZERO, 1.0);
+    let values = ball.positions.iter().map(|p| (p.z / 0.2).clamp(-1.0, 1.0)).collect();
+    (ball, values)
+}
+
+fn at_equator(points: &[DVec3]) -> f64 {
+    share(points, |p| p.z.abs() < 0.2)
+}
+
+#[test]
+fn samples_follow_a_property() {
+    let (ball, values) = striped();
+    let signals = |sigma| vec![Signal { values: values.clone(), sigma }];
+    let of_samples = |sigma| {
+        let made = sampled(&ball, &SampleOptions { signals: signals(sigma), ..count(800) });
+        assert_eq!(made.points.positions.len(), 800);
+        at_equator(&made.points.positions)
+    };
+    grows(&[1e9, 0.5, 0.2].map(of_samples), 1.2);
+    let of_subset = |sigma| {
+        let options = SampleOptions { signals: signals(sigma), scan_only: true, ..count(800) };
+        at_equator(&sampled(&ball, &options).points.positions)
+    };
+    grows(&[1e9, 0.5, 0.2].map(of_subset), 1.2);
+    let of_vertices = |sigma| {
+        let options = Options { density: Density::Points(800), signals: signals(sigma), ..Options::default() };
+        let made = remesh(&ball, &options, &()).unwrap();
+        assert_eq!((made.verified(), made.mesh.positions.len()), (true, 800));
+        at_equator(&made.mesh.positions)
+    };
+    // Edge lengths may not differ by much from one to the next, so the band is not as sharp.
+    grows(&[1e9, 0.5, 0.2].map(of_vertices), 1.1);
+}
+
+#[test]
+fn a_kernel_and_sizes_exclude_each_other() {
+    let options = Options { sigma_n: 0.5, adapt: 0.5, ..Options::default() };
+    assert!(options.validate().unwrap_err().to_string().contains("sigma-n"));
+    let options = Options { sigma_n: -0.5, ..Options::default() };
+    assert!(options.validate().unwrap_err().to_string().contains("not a width"));
+}
