@@ -34,6 +34,7 @@ pub fn orient(points: &[DVec3], normals: &mut [DVec3], graph: &NeighborGraph) ->
     let mut edges: Vec<Edge> = (0..points.len() as u32)
         .into_par_iter()
         .flat_map_iter(|a| graph.of(a).iter().map(move |&b| [a, b]))
+        .filter(|&[a, b]| a < b || !graph.of(b).contains(&a))
         .map(|ends| Edge { doubt: 1.0 - agreement(ends).abs() as f32, ends })
         .collect();
     edges.par_sort_unstable_by(|a, b| a.doubt.total_cmp(&b.doubt).then(a.ends.cmp(&b.ends)));

@@ -12,7 +12,7 @@ use crate::surface::crossings::crossing_faces;
 use crate::surface::mesh::Mesh;
 use crate::surface::topology::components;
 use crate::triangulate::agreement::agreed_by_most;
-use crate::triangulate::holes::{fill_holes, gaps};
+use crate::triangulate::holes::{closed_fans, fill_holes, gaps};
 use crate::triangulate::points::Surroundings;
 use crate::triangulate::star::INTERIOR;
 use glam::{DMat3, DVec3};
@@ -73,20 +73,19 @@ pub fn settle(points: Surroundings<'_>, stars: &[[u32; 3]], look: Look) -> Settl
     let mut triangles = agreed_by_most(&stars, DOUBTFUL, |t| points.relative_circumradius(t));
     drop(stars);
     let is_hole = |polygon: &[u32]| is_hole(points, &ends, look, polygon);
+    let mut is_filled = vec![false; points.positions.len()];
     for _ in 0..ROUNDS {
         keep_largest_fans(&mut triangles, points.positions.len());
         drop_islands(&mut triangles, points.positions.len());
+        let before = triangles.len();
         fill_holes(points.positions, points.normals, &successor, |p| !is_hole(p), &mut triangles);
+        triangles[before..].iter().flatten().for_each(|&p| is_filled[p as usize] = true);
         let mut left = gaps(points.positions, points.normals, &successor, &triangles);
         left.retain(|polygon| !is_hole(polygon));
         let mut is_bad = vec![false; points.positions.len()];
         left.iter().flatten().for_each(|&p| is_bad[p as usize] = true);
         if !is_bad.contains(&true) {
-            let mesh = Mesh { positions: points.positions.to_vec(), triangles };
-            for &t in &crossing_faces(&mesh) {
-                mesh.triangles[t as usize].iter().for_each(|&p| is_bad[p as usize] = true);
-            }
-            triangles = mesh.triangles;
+            crossing(points, &triangles, &is_filled).iter().flatten().for_each(|&p| is_bad[p as usize] = true);
         }
         if !is_bad.contains(&true) {
             break;
@@ -98,15 +97,24 @@ pub fn settle(points: Surroundings<'_>, stars: &[[u32; 3]], look: Look) -> Settl
     Settled { triangles, holes }
 }
 
+/// The triangles around points where a gap was filled that cross each other.
+fn crossing(points: Surroundings<'_>, triangles: &[[u32; 3]], is_filled: &[bool]) -> Vec<[u32; 3]> {
+    let is_near = |t: &&[u32; 3]| t.iter().any(|&p| is_filled[p as usize]);
+    let near: Vec<[u32; 3]> = triangles.iter().filter(is_near).copied().collect();
+    let mut mesh = Mesh { positions: points.positions.to_vec(), triangles: near.clone() };
+    mesh.drop_unused();
+    crossing_faces(&mesh).into_iter().map(|t| near[t as usize]).collect()
+}
+
 /// The points whose stars are not closed.
 fn ends(stars: &[[u32; 3]], points: usize) -> Vec<bool> {
-    // Around a closed star every neighbour comes once as a first and once as a second corner.
     let mut balance = vec![0u32; points];
-    for &[centre, a, b] in stars {
-        balance[centre as usize] = balance[centre as usize].wrapping_add(b.wrapping_sub(a));
-    }
     let mut has_star = vec![false; points];
-    stars.iter().for_each(|s| has_star[s[0] as usize] = true);
+    for &[centre, a, b] in stars {
+        // Around a closed star every neighbour is once the first and once the second corner.
+        balance[centre as usize] = balance[centre as usize].wrapping_add(b.wrapping_sub(a));
+        has_star[centre as usize] = true;
+    }
     balance.into_iter().zip(has_star).map(|(balance, has_star)| balance != 0 || !has_star).collect()
 }
 
@@ -171,7 +179,8 @@ fn keep_largest_fans(triangles: &mut Vec<[u32; 3]>, points: usize) {
         }
     }
     let mut gone = vec![false; triangles.len()];
-    for p in 0..points {
+    let closed = closed_fans(points, triangles);
+    for p in (0..points).filter(|&p| !closed[p] || start[p + 1] - start[p] > 5) {
         let corners = &corners[start[p] as usize..start[p + 1] as usize];
         beside_largest_fan(triangles, corners, |t| gone[t] = true);
     }

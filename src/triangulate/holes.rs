@@ -11,7 +11,6 @@
 use crate::geom::triangle::angles;
 use crate::triangulate::star::INTERIOR;
 use glam::DVec3;
-use rayon::slice::ParallelSliceMut;
 use std::collections::HashSet;
 
 /// Least cosine between a triangle and the mean normal of its corners that passes for one along the surface.
@@ -56,15 +55,39 @@ fn undirected([a, b]: [u32; 2]) -> [u32; 2] {
 /// Directed sides that no triangle has on its left yet, in increasing order: those across from a triangle, and those of
 /// the boundary.
 fn open_sides(successor: &[u32], triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
-    let mut sides: Vec<[u32; 2]> = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
-    sides.par_sort_unstable();
+    let closed = closed_fans(successor.len(), triangles);
+    let is_open = |v: u32| !closed[v as usize] || successor[v as usize] != INTERIOR;
+    let sides = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+    let mut sides: Vec<[u32; 2]> = sides.filter(|s| is_open(s[0]) && is_open(s[1])).collect();
+    sides.sort_unstable();
     let taken = |side: &[u32; 2]| sides.binary_search(side).is_ok();
     let along = (0..successor.len() as u32).map(|v| [v, successor[v as usize]]).filter(|s| s[1] != INTERIOR);
     let across = sides.iter().filter(|s| successor[s[0] as usize] != s[1]).map(|&[a, b]| [b, a]);
     let mut open: Vec<[u32; 2]> = along.chain(across).filter(|s| !taken(s)).collect();
-    open.par_sort_unstable();
+    open.sort_unstable();
     open.dedup();
     open
+}
+
+/// For each of so many vertices whether its triangles go all around it. Around a closed fan every neighbour is once the
+/// first and once the second corner, so that sums of any numbers of theirs are the same.
+pub(super) fn closed_fans(vertices: usize, triangles: &[[u32; 3]]) -> Vec<bool> {
+    let mut balance = vec![0u64; vertices];
+    for &[a, b, c] in triangles {
+        let [x, y, z] = [a, b, c].map(scrambled);
+        for (v, from, to) in [(a, y, z), (b, z, x), (c, x, y)] {
+            balance[v as usize] = balance[v as usize].wrapping_add(to).wrapping_sub(from);
+        }
+    }
+    balance.into_iter().map(|b| b == 0).collect()
+}
+
+/// A number of 64 bits that looks random (the mixing of SplitMix64), so that no two open fans cancel each other.
+fn scrambled(v: u32) -> u64 {
+    let mut x = u64::from(v).wrapping_add(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
 }
 
 /// Chains open sides into closed polygons.
