@@ -14,7 +14,11 @@ const SWEEPS: usize = 8;
 pub fn eigen(matrix: DMat3) -> ([f64; 3], [DVec3; 3]) {
     let mut a = matrix.to_cols_array_2d();
     let mut vectors = DMat3::IDENTITY.to_cols_array_2d();
+    let trace = a[0][0].abs() + a[1][1].abs() + a[2][2].abs();
     for _ in 0..SWEEPS {
+        if a[0][1].abs() + a[0][2].abs() + a[1][2].abs() <= f64::EPSILON * f64::EPSILON * trace {
+            break;
+        }
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
             rotate(&mut a, &mut vectors, p, q);
         }

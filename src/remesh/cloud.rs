@@ -9,7 +9,7 @@ use crate::surface::mesh::Mesh;
 use crate::surface::neighbors::Neighbors;
 use crate::surface::normals::{Neighborhood, plane_normals, sphere_normals};
 use crate::surface::orient::{disagreement, orient, side_with};
-use crate::surface::points::{Points, distinct, keep, wanted_by_others};
+use crate::surface::points::{Points, distinct, spatial_order, wanted_by_others};
 use crate::surface::topology::components;
 use crate::triangulate::points::{Surroundings, triangulate_points};
 use glam::{DMat3, DVec3};
@@ -137,11 +137,8 @@ pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Mon
     options.validate()?;
     monitor.stage("clean");
     let mut summary = CloudSummary { points: points.positions.len(), ..CloudSummary::default() };
-    let mut points = points.clone();
-    let mut source: Vec<u32> = (0..points.positions.len() as u32).collect();
-    let first = distinct(&points.positions);
-    points.retain(&first);
-    keep(&mut source, &first);
+    let mut source = distinct(&points.positions, &spatial_order(&points.positions));
+    let mut points = points.pick(&source);
     summary.duplicates = summary.points - points.positions.len();
     refuse_without_surface(&points.positions)?;
     let mut near = Neighbors::new(&points.positions);
@@ -150,8 +147,9 @@ pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Mon
     let wanted = wanted_by_others(&graph, points.positions.len());
     summary.strays = wanted.iter().filter(|w| !**w).count();
     if summary.strays > 0 {
-        points.retain(&wanted);
-        keep(&mut source, &wanted);
+        let kept: Vec<u32> = (0..wanted.len() as u32).filter(|&p| wanted[p as usize]).collect();
+        points = points.pick(&kept);
+        source = kept.iter().map(|&p| source[p as usize]).collect();
         near = Neighbors::new(&points.positions);
         graph = NeighborGraph::new(&points.positions, &near, DEGREE);
     }
@@ -175,7 +173,7 @@ pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Mon
     let all = mesh.positions.len();
     let mut used = vec![false; all];
     mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
-    keep(&mut source, &used);
+    source = (0..all).filter(|&p| used[p]).map(|p| source[p]).collect();
     mesh.drop_unused();
     summary.unused = all - mesh.positions.len();
     if summary.estimated_normals == all {
@@ -246,8 +244,8 @@ fn normals(
     let fewer;
     let neighborhood = match options.neighborhood.unwrap_or(Reach::Count(few)) {
         Reach::Count(count) => {
-            fewer = NeighborGraph::new(positions, near, count);
-            Neighborhood::Nearest(&fewer)
+            fewer = (count > graph.degree()).then(|| NeighborGraph::new(positions, near, count));
+            Neighborhood::Nearest(fewer.as_ref().unwrap_or(graph), count)
         }
         Reach::Radius(radius) => Neighborhood::Within(near, radius),
     };

@@ -19,8 +19,8 @@ use rayon::prelude::*;
 
 /// The neighbours of each point that its normal follows from.
 pub enum Neighborhood<'a> {
-    /// The nearest ones.
-    Nearest(&'a NeighborGraph),
+    /// So many of the nearest ones.
+    Nearest(&'a NeighborGraph, usize),
     /// All within a radius.
     Within(&'a Neighbors, f64),
 }
@@ -30,7 +30,9 @@ impl Neighborhood<'_> {
     fn map(&self, points: &[DVec3], fit: impl Fn(u32, &[u32]) -> DVec3 + Sync) -> Vec<DVec3> {
         let all = (0..points.len() as u32).into_par_iter();
         match *self {
-            Neighborhood::Nearest(graph) => all.map(|p| fit(p, graph.of(p))).collect(),
+            Neighborhood::Nearest(graph, count) => {
+                all.map(|p| fit(p, &graph.of(p)[..count.min(graph.degree())])).collect()
+            }
             Neighborhood::Within(near, radius) => all
                 .map(|p| {
                     let found = near.within(points[p as usize], radius);
@@ -127,7 +129,7 @@ mod tests {
     fn planes_find_normals_but_for_their_side_and_spheres_find_them_better() {
         let points = sphere(2000);
         let graph = NeighborGraph::new(&points, &Neighbors::new(&points), 12);
-        let nearest = Neighborhood::Nearest(&graph);
+        let nearest = Neighborhood::Nearest(&graph, 12);
         let mut normals = plane_normals(&points, &nearest);
         let off = |normals: &[DVec3]| {
             let angles = normals.iter().zip(&points).map(|(n, p)| n.dot(*p).abs().min(1.0).acos().to_degrees());
@@ -155,7 +157,7 @@ mod tests {
         let side = |i: usize| if i < 400 { -DVec3::Z } else { DVec3::Z };
         let tilted: Vec<DVec3> = (0..800).map(|i| (side(i) + 0.1 * DVec3::X).normalize()).collect();
         let graph = NeighborGraph::new(&points, &Neighbors::new(&points), 16);
-        for (i, n) in sphere_normals(&points, &tilted, &Neighborhood::Nearest(&graph)).into_iter().enumerate() {
+        for (i, n) in sphere_normals(&points, &tilted, &Neighborhood::Nearest(&graph, 16)).into_iter().enumerate() {
             assert!(n.dot(side(i)) > 0.99);
         }
     }

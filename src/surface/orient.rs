@@ -95,7 +95,7 @@ mod tests {
 
     fn oriented(points: &[DVec3]) -> Vec<DVec3> {
         let graph = NeighborGraph::new(points, &Neighbors::new(points), 12);
-        let mut normals = plane_normals(points, &Neighborhood::Nearest(&graph));
+        let mut normals = plane_normals(points, &Neighborhood::Nearest(&graph, 12));
         orient(points, &mut normals, &graph);
         assert!(disagreement(points, &normals, &graph) < 0.01);
         normals
