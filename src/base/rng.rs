@@ -26,6 +26,8 @@ pub enum Stage {
     Scan = 2,
     /// Where the distance between two surfaces is measured.
     Distance = 3,
+    /// By how much points of a cloud are moved so that no four are on one circle.
+    Jitter = 4,
 }
 
 /// A number in 0..1, 1 excluded, with 53 random bits: one draw of 64 bits.

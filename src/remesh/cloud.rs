@@ -125,6 +125,9 @@ const MANY_NEIGHBORS: usize = 16;
 /// Share of neighbours with normals to other sides from which on normals that were given are not believed.
 const MOST_DISAGREEMENT: f64 = 0.01;
 
+/// If more than one in so many normals did not say its side the others are not asked for it.
+const SIDED: usize = 4;
+
 /// Points that a cloud must have.
 const FEWEST_POINTS: usize = 8;
 
@@ -176,7 +179,7 @@ pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Mon
     source = (0..all).filter(|&p| used[p]).map(|p| source[p]).collect();
     mesh.drop_unused();
     summary.unused = all - mesh.positions.len();
-    if summary.estimated_normals == all {
+    if SIDED * (summary.estimated_normals + summary.turned_normals) > all {
         face_outwards(&mut mesh);
     }
     if mesh.triangles.is_empty() {

@@ -43,11 +43,12 @@ impl NeighborGraph {
         &self.neighbors[self.degree * p as usize..self.degree * (p as usize + 1)]
     }
 
-    /// How far apart points are around each of `points`: the distance of its sixth neighbour.
+    /// How far apart points are around each of `points`: the distance of the sixth neighbour, as that of the last one says
+    /// it for points that are about as dense all around.
     pub fn spacings(&self, points: &[DVec3]) -> Vec<f64> {
-        let last = self.degree.min(RING);
+        let share = (RING as f64 / self.degree.max(RING) as f64).sqrt();
         let spacing =
-            |p: usize| self.of(p as u32)[..last].last().map_or(0.0, |&n| points[p].distance(points[n as usize]));
+            |p: usize| self.of(p as u32).last().map_or(0.0, |&n| share * points[p].distance(points[n as usize]));
         (0..points.len()).into_par_iter().map(spacing).collect()
     }
 }

@@ -8,6 +8,7 @@
 
 use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};
+use crate::base::rng::{Stage, stream, unit};
 use crate::surface::graph::NeighborGraph;
 use crate::surface::neighbors::{Neighbor, Neighbors};
 use crate::triangulate::cell::Cell;
@@ -55,9 +56,11 @@ pub struct Surroundings<'a> {
 /// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
 pub fn triangulate_points(points: Surroundings<'_>, close_up_to: f64, monitor: &dyn Monitor) -> Result<Vec<[u32; 3]>> {
     check(monitor)?;
+    let jittered = jittered(points);
+    let moved = Surroundings { positions: &jittered, ..points };
     let stars: Vec<[u32; 3]> = (0..points.positions.len() as u32)
         .into_par_iter()
-        .map_init(|| StarMaker::new(points), |maker, p| maker.star(p))
+        .map_init(|| StarMaker::new(moved), |maker, p| maker.star(p))
         .flatten_iter()
         .collect();
     check(monitor)?;
@@ -72,13 +75,24 @@ pub fn triangulate_points(points: Surroundings<'_>, close_up_to: f64, monitor: &
 
 /// A look at a closed scan, whose gaps may be where it is only sparse.
 const LENIENT: Look =
-    Look { largest_circumradius: LARGEST_CIRCUMRADIUS, most_sides: 16, noise: 0.15, smallest_diagonal: 0.0 };
+    Look { largest_circumradius: LARGEST_CIRCUMRADIUS, most_sides: 16, noise: 0.17, smallest_diagonal: 0.0 };
 
 /// A scan whose holes have boxes with diagonals below this share of that of all points is taken for a closed one.
 const SMALL_HOLE: f64 = 0.08;
 
 /// A look at a scan that has holes.
 const STRICT: Look = Look { largest_circumradius: 1.2, most_sides: 7, noise: 0.0, smallest_diagonal: 0.0 };
+
+/// How far points are moved, in spacings, so that no four of them are on one circle: those of a grid are, and each would
+/// see another two of them as neighbours.
+const JITTER: f64 = 1e-4;
+
+/// The positions, each a little aside.
+fn jittered(points: Surroundings<'_>) -> Vec<DVec3> {
+    let mut rng = stream(0, Stage::Jitter);
+    let mut aside = || 2.0 * DVec3::new(unit(&mut rng), unit(&mut rng), unit(&mut rng)) - 1.0;
+    points.positions.iter().zip(points.spacings).map(|(p, spacing)| p + JITTER * spacing * aside()).collect()
+}
 
 /// The diagonal of the bounding box.
 fn diagonal(positions: &[DVec3]) -> f64 {

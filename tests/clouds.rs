@@ -1,0 +1,244 @@
+//! Point clouds: from points, as they come, to a finished mesh.
+
+use glam::{DVec3, dvec3};
+use spectral_remesh::base::rng::{Random, Stage, stream, unit};
+use spectral_remesh::remesh::{CloudSummary, MeshOfPoints};
+use spectral_remesh::surface::topology::{Topology, topology};
+use spectral_remesh::{CloudOptions, Density, Mesh, Options, Points, Remeshed, mesh_of_points, remesh};
+use std::f64::consts::TAU;
+
+fn random() -> Random {
+    stream(7, Stage::Candidates)
+}
+
+/// A random point of the unit sphere.
+fn on_sphere(rng: &mut Random) -> DVec3 {
+    let (z, turn) = (2.0 * unit(rng) - 1.0, TAU * unit(rng));
+    let r = (1.0 - z * z).sqrt();
+    dvec3(r * turn.cos(), r * turn.sin(), z)
+}
+
+/// Random points of the unit sphere.
+fn sphere(count: usize) -> Vec<DVec3> {
+    let mut rng = random();
+    (0..count).map(|_| on_sphere(&mut rng)).collect()
+}
+
+fn cloud(positions: Vec<DVec3>) -> Points {
+    Points { positions, normals: Vec::new() }
+}
+
+fn connected(points: &Points, options: &CloudOptions) -> MeshOfPoints {
+    mesh_of_points(points, options, &()).unwrap()
+}
+
+fn connect(points: &Points) -> MeshOfPoints {
+    connected(points, &CloudOptions::default())
+}
+
+fn kind(mesh: &Mesh) -> Topology {
+    topology(mesh.positions.len(), &mesh.triangles)
+}
+
+/// Euler characteristic, components and boundary loops of a mesh that has to be an oriented manifold.
+fn audit(mesh: &Mesh) -> (i64, usize, usize) {
+    let t = kind(mesh);
+    assert!(t.is_manifold() && t.is_oriented(), "{t:?}");
+    (t.euler, t.components, t.boundary_loops)
+}
+
+/// Six times the volume within a closed mesh: positive if it looks outwards.
+fn volume(mesh: &Mesh) -> f64 {
+    (0..mesh.triangles.len()).map(|t| mesh.corners(t)).map(|[a, b, c]| a.dot(b.cross(c))).sum()
+}
+
+fn remeshed(points: &Points, wanted: usize) -> Remeshed {
+    let options = Options { density: Density::Points(wanted), ..Options::default() };
+    remesh(&connect(points).mesh, &options, &()).unwrap()
+}
+
+#[test]
+fn random_points_without_normals_become_a_good_mesh() {
+    let result = remeshed(&cloud(sphere(20_000)), 1_000);
+    assert!(result.verified());
+    assert_eq!(audit(&result.mesh), (2, 1, 0));
+    assert_eq!(result.mesh.positions.len(), 1_000);
+    assert!(volume(&result.mesh) > 0.0);
+    let quality = spectral_remesh::quality::shape::shape(&result.mesh).unwrap();
+    assert!(quality.theta_min > 35.0 && quality.q_mean > 0.97, "{quality:?}");
+    assert!(result.mesh.positions.iter().all(|p| (p.length() - 1.0).abs() < 0.01));
+}
+
+#[test]
+fn given_normals_say_the_outside() {
+    let positions = sphere(3_000);
+    let inwards = Points { normals: positions.iter().map(|p| -3.0 * *p).collect(), positions };
+    let made = connect(&inwards);
+    assert_eq!(audit(&made.mesh), (2, 1, 0));
+    assert!(volume(&made.mesh) < 0.0);
+    assert_eq!(made.summary, CloudSummary { points: 3_000, ..CloudSummary::default() });
+}
+
+#[test]
+fn half_of_the_normals_flipped_and_some_of_no_length() {
+    let positions = sphere(3_000);
+    let mut rng = random();
+    let mut normals: Vec<DVec3> = positions.iter().map(|p| if unit(&mut rng) < 0.5 { *p } else { -*p }).collect();
+    normals[..100].fill(DVec3::ZERO);
+    let made = connect(&Points { positions, normals });
+    assert_eq!(audit(&made.mesh), (2, 1, 0));
+    assert!(volume(&made.mesh) > 0.0);
+    assert_eq!(made.summary.estimated_normals, 100);
+    assert!((1_200..1_700).contains(&made.summary.turned_normals), "{:?}", made.summary);
+}
+
+#[test]
+fn duplicates_and_strays_are_left_out_and_counted() {
+    let mut positions = sphere(3_000);
+    let copies = positions[..50].to_vec();
+    positions.extend(copies);
+    positions.extend([dvec3(1.8, 0.0, 0.0), dvec3(0.0, 0.0, 0.1), dvec3(-3.0, 2.0, 5.0)]);
+    let made = connect(&cloud(positions.clone()));
+    assert_eq!(audit(&made.mesh), (2, 1, 0));
+    assert_eq!((made.summary.duplicates, made.summary.strays), (50, 3));
+    // Every vertex of the mesh is the point of the cloud that it says it is.
+    assert_eq!(made.mesh.positions.len(), made.source.len());
+    for (v, &p) in made.mesh.positions.iter().zip(&made.source) {
+        assert_eq!(*v, positions[p as usize]);
+    }
+}
+
+#[test]
+fn clouds_far_apart_are_pieces() {
+    let near = sphere(1_500);
+    let far: Vec<DVec3> = near.iter().map(|p| *p * 0.01 + dvec3(1000.0, 0.0, 0.0)).collect();
+    let made = connect(&cloud([near, far].concat()));
+    assert_eq!(audit(&made.mesh), (4, 2, 0));
+}
+
+#[test]
+fn nested_spheres_and_thin_walls_have_two_sides() {
+    let outer = sphere(12_000);
+    let inner: Vec<DVec3> = sphere(11_000).into_iter().map(|p| p * 0.93).collect();
+    let made = connect(&cloud([outer, inner].concat()));
+    assert_eq!(audit(&made.mesh), (4, 2, 0));
+    // A closed plate that is four spacings thick.
+    let mut rng = random();
+    let (half, area) = (dvec3(1.0, 1.0, 0.04), 4.0 + 4.0 + 4.0 * 0.16);
+    let mut point = || {
+        let side = unit(&mut rng) * area;
+        let [u, v] = [2.0 * unit(&mut rng) - 1.0, 2.0 * unit(&mut rng) - 1.0];
+        let sign = if unit(&mut rng) < 0.5 { 1.0 } else { -1.0 };
+        let place = if side < 8.0 {
+            dvec3(u, v, sign)
+        } else if side < 8.32 {
+            dvec3(sign, u, v)
+        } else {
+            dvec3(u, sign, v)
+        };
+        place * half
+    };
+    let plate = connect(&cloud((0..20_000).map(|_| point()).collect()));
+    assert_eq!(audit(&plate.mesh), (2, 1, 0));
+}
+
+#[test]
+fn a_sheet_has_a_boundary_and_looks_up() {
+    let grid = (0..2_500).map(|i| dvec3(f64::from(i % 50), f64::from(i / 50), 3.0)).collect();
+    let made = connect(&cloud(grid));
+    assert_eq!(audit(&made.mesh), (1, 1, 1));
+    assert!((0..made.mesh.triangles.len()).all(|t| made.mesh.area_vector(t).z > 0.0));
+}
+
+#[test]
+fn holes_of_the_scan_stay_unless_they_are_to_be_filled() {
+    let bowl: Vec<DVec3> = sphere(8_000).into_iter().filter(|p| p.z < 0.8).collect();
+    let made = connect(&cloud(bowl.clone()));
+    assert_eq!(audit(&made.mesh), (1, 1, 1));
+    assert!(volume(&made.mesh) > 0.0);
+    // The hole is 1.2 across.
+    let closed = connected(&cloud(bowl.clone()), &CloudOptions { fill_holes: 1.9, ..CloudOptions::default() });
+    assert_eq!(audit(&closed.mesh), (2, 1, 0));
+    let open = connected(&cloud(bowl), &CloudOptions { fill_holes: 1.0, ..CloudOptions::default() });
+    assert_eq!(audit(&open.mesh), (1, 1, 1));
+}
+
+#[test]
+fn density_may_change_by_a_thousand() {
+    // Dense near the south pole, sparse near the north, gradually.
+    let mut rng = random();
+    let mut points = Vec::new();
+    while points.len() < 30_000 {
+        let p = on_sphere(&mut rng);
+        if unit(&mut rng) < 1000f64.powf(-0.5 - 0.5 * p.z) {
+            points.push(p);
+        }
+    }
+    let made = connect(&cloud(points));
+    assert_eq!(audit(&made.mesh), (2, 1, 0));
+}
+
+#[test]
+fn noise_is_smoothed_away() {
+    let mut rng = random();
+    let mut noise = || (0..4).map(|_| unit(&mut rng) - 0.5).sum::<f64>() * 0.017;
+    let noisy: Vec<DVec3> = sphere(8_000).into_iter().map(|p| p * (1.0 + noise())).collect();
+    let off = |points: &[DVec3]| {
+        (points.iter().map(|p| (p.length() - 1.0).powi(2)).sum::<f64>() / points.len() as f64).sqrt()
+    };
+    let made = connected(&cloud(noisy.clone()), &CloudOptions { smooth: Some(2.3), ..CloudOptions::default() });
+    assert_eq!(audit(&made.mesh), (2, 1, 0));
+    assert!(off(&made.mesh.positions) < 0.5 * off(&noisy), "{} {}", off(&made.mesh.positions), off(&noisy));
+}
+
+#[test]
+fn a_noisy_mesh_is_smoothed_on_the_way() {
+    let mut rng = random();
+    let mut mesh = connect(&cloud(sphere(6_000))).mesh;
+    mesh.positions.iter_mut().for_each(|p| *p *= 1.0 + 0.02 * (unit(&mut rng) - 0.5));
+    let result = |smooth| {
+        let options = Options { density: Density::Points(5_000), smooth, ..Options::default() };
+        remesh(&mesh, &options, &()).unwrap().mesh
+    };
+    let roughness = |mesh: &Mesh| {
+        let mean = mesh.positions.iter().map(|p| p.length()).sum::<f64>() / mesh.positions.len() as f64;
+        mesh.positions.iter().map(|p| (p.length() - mean).abs()).sum::<f64>()
+    };
+    let (smooth, rough) = (roughness(&result(Some(2.3))), roughness(&result(None)));
+    assert!(smooth < 0.5 * rough, "{smooth} {rough}");
+}
+
+#[test]
+fn the_same_mesh_for_any_number_of_threads_scale_and_place() {
+    let points = cloud(sphere(4_000));
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| connect(&points).mesh)
+    };
+    assert_eq!(with(1), with(4));
+    for (scale, offset) in [(1e-6, 0.0), (1e6, 1e9)] {
+        let moved = points.positions.iter().map(|p| *p * scale + offset).collect();
+        assert_eq!(audit(&connect(&cloud(moved)).mesh), (2, 1, 0), "{scale}");
+    }
+}
+
+#[test]
+fn no_surface_goes_through_them() {
+    let refused = |positions: Vec<DVec3>, why: &str| {
+        let error = mesh_of_points(&cloud(positions), &CloudOptions::default(), &()).unwrap_err().to_string();
+        assert!(error.contains(why), "{error}");
+    };
+    refused(vec![], "0 points");
+    refused(vec![DVec3::X], "at one place");
+    refused(vec![DVec3::X; 1_000], "at one place");
+    refused(vec![DVec3::X, DVec3::Y], "2 points lie on a line");
+    refused(vec![DVec3::X, DVec3::Y, DVec3::ZERO], "3 points at different places are too few");
+    refused((0..1_000).map(|i| dvec3(f64::from(i), 2.0 * f64::from(i), 1.0)).collect(), "1000 points lie on a line");
+    refused(vec![dvec3(f64::NAN, 0.0, 0.0); 10], "point 0");
+    let bad = |options: CloudOptions, name: &str| {
+        let error = mesh_of_points(&cloud(sphere(100)), &options, &()).unwrap_err().to_string();
+        assert!(error.starts_with(name), "{error}");
+    };
+    bad(CloudOptions { smooth: Some(0.1), ..CloudOptions::default() }, "smooth");
+    bad(CloudOptions { fill_holes: -1.0, ..CloudOptions::default() }, "fill-holes");
+}
