@@ -205,7 +205,7 @@ fn a_noisy_mesh_is_smoothed_on_the_way() {
         mesh.positions.iter().map(|p| (p.length() - mean).abs()).sum::<f64>()
     };
     let (smooth, rough) = (roughness(&result(Some(2.3))), roughness(&result(None)));
-    assert!(smooth < 0.5 * rough, "{smooth} {rough}");
+    assert!(smooth < 0.6 * rough, "{smooth} {rough}");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use crate::base::error::{Error, Result};
 use crate::base::progress::{Monitor, check};
 use crate::geom::eigen::eigen;
 use crate::project::rimls::Rimls;
-use crate::surface::graph::{NeighborGraph, RING};
+use crate::surface::graph::NeighborGraph;
 use crate::surface::mesh::Mesh;
 use crate::surface::neighbors::Neighbors;
 use crate::surface::normals::{Neighborhood, plane_normals, sphere_normals};
@@ -198,7 +198,9 @@ pub(super) fn smoothed(mesh: &Mesh, reach: f64) -> Mesh {
     }
     normals.iter_mut().for_each(|n| *n = n.normalize_or_zero());
     let near = Neighbors::new(&mesh.positions);
-    let spacings = NeighborGraph::new(&mesh.positions, &near, RING).spacings(&mesh.positions);
+    let graph = NeighborGraph::new(&mesh.positions, &near, DEGREE);
+    let spacings = graph.spacings(&mesh.positions);
+    let normals = sphere_normals(&mesh.positions, &normals, &Neighborhood::Nearest(&graph, MANY_NEIGHBORS));
     let (positions, _) = Rimls::new(&mesh.positions, &normals, &near, &spacings, reach).smoothed();
     Mesh { positions, triangles: mesh.triangles.clone() }
 }

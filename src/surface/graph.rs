@@ -7,7 +7,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 /// Neighbours that count for the spacing at a point: those that a point of an even sampling has around it.
-pub const RING: usize = 6;
+const RING: usize = 6;
 
 /// The same number of nearest neighbours for each of some points.
 pub struct NeighborGraph {
