@@ -183,16 +183,71 @@ def beside(results, peers):
     return '\n\n%s\n\n%s' % (head, '\n\n'.join(parts))
 
 
+def points_of(binary, source, target):
+    """Writes the vertices of a mesh with their normals as rows of a text file; the same without normals."""
+    # A kernel so narrow keeps every point.
+    run([binary, 'sample', source, target, '--scan-only', '--sigma-p', '1e-7'])
+    bare = target.replace('.xyz', '.bare.xyz')
+    with open(target, encoding='utf-8') as rows, open(bare, 'w', encoding='utf-8') as out:
+        out.writelines(' '.join(row.split()[:3]) + '\n' for row in rows if not row.startswith('#'))
+    return {'with normals': target, 'without normals': bare}
+
+
+def figures_of_points(binary, case, source, scratch):
+    """The report of the mesh of a model's vertices, held against the model, with and without normals."""
+    found = {}
+    for kind, cloud in points_of(binary, source, os.path.join(scratch, 'points.xyz')).items():
+        target = os.path.join(scratch, 'out.ply')
+        run([binary, cloud, target, '--points', str(case['points']), '-q'])
+        command = [binary, 'quality', target, '--against', source, '--json']
+        found[kind] = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+    return found
+
+
+def from_points(binary, cases, models, peers):
+    """A table of what becomes of the vertices of some models alone."""
+    rows = {}
+    with tempfile.TemporaryDirectory() as scratch:
+        for case in (c for c in cases if c['name'] in peers['models']):
+            source = place_of(case, models)
+            if source and os.path.isfile(source):
+                rows[case['name']] = figures_of_points(binary, case, source, scratch)
+    if not rows:
+        return ''
+    names = [m for m in peers['models'] if m in rows]
+
+    def kind(topology):
+        return [topology[key] for key in ('euler', 'components', 'boundary_loops')]
+
+    def angles(report):
+        return '%.1f / %.1f' % (report['output']['shape']['theta_min'], report['output']['shape']['theta_min_mean'])
+
+    def fit(report):
+        same = kind(report['output']['topology']) == kind(report['input']['topology'])
+        q = report['output']['shape']['q_mean']
+        return '%.3f / %.3f / %s' % (q, report['distance']['rms'], 'yes' if same else 'no')
+
+    lines = [['From points: θmin / mean θmin'] + names, [':--'] + ['--:'] * len(names)]
+    both = list(rows[names[0]])
+    lines += [['**remesh, %s**' % k] + ['**%s**' % angles(rows[m][k]) for m in names] for k in both]
+    lines += [[peers['program']] + [peers['angles'][m] for m in names]]
+    fits = [['From points: Qave / RMS distance to the mesh / its topology'] + names, lines[1]]
+    fits += [['**remesh, %s**' % k] + ['**%s**' % fit(rows[m][k]) for m in names] for k in both]
+    head = 'The vertices of some models alone, as point clouds, at the same counts. ' + peers['note']
+    text = ['\n'.join('| ' + ' | '.join(row) + ' |' for row in part) for part in (lines, fits)]
+    return '\n\n%s\n\n%s' % (head, '\n\n'.join(text))
+
+
 def machine():
     return '%d cores, %s, %s' % (os.cpu_count() or 1, platform.machine(), platform.system())
 
 
-def section(results, peers):
+def section(results, peers, points):
     """What stands between the markers."""
     versions = sorted({r['report']['version'] for r in results if r['report']})
     head = 'Version %s, measured on %s (%s). Written by `eval/figures.py --models FOLDER`; do not edit.' % (
         ', '.join(versions) or 'unknown', datetime.date.today().isoformat(), machine())
-    return '%s\n%s\n\n%s%s\n%s' % (BEGIN, head, table(results), beside(results, peers), END)
+    return '%s\n%s\n\n%s%s%s\n%s' % (BEGIN, head, table(results), beside(results, peers), points, END)
 
 
 def rewrite(text):
@@ -223,10 +278,11 @@ def main():
     results, bad = measure_all(options.binary, cases, options.models)
     if not results:
         sys.exit('figures: nothing was measured')
+    points = from_points(options.binary, cases, options.models, peers['points'])
     if options.print or options.only:
-        print(section(results, peers))
+        print(section(results, peers, points))
     else:
-        rewrite(section(results, peers))
+        rewrite(section(results, peers, points))
     sys.exit(1 if bad else 0)
 
 

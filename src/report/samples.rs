@@ -1,6 +1,7 @@
 //! What a run that only samples did: as JSON of a fixed schema, and as a few lines for a terminal.
 
 use super::Lap;
+use super::table::significant;
 use crate::remesh::{SampleOptions, Sampled};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
@@ -85,8 +86,12 @@ impl SamplesReport {
     pub fn to_text(&self) -> String {
         let of = if self.scan_only { "points" } else { "candidates" };
         let mut out = format!(
-            "{} -> {}\n{} samples of {} {of}, σp {:.6}",
-            self.input, self.output, self.samples, self.candidates, self.sigma_p
+            "{} -> {}\n{} samples of {} {of}, σp {}",
+            self.input,
+            self.output,
+            self.samples,
+            self.candidates,
+            significant(self.sigma_p)
         );
         if let Some(sigma_n) = self.sigma_n {
             let _ = write!(out, ", σn {sigma_n}");

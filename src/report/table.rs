@@ -239,7 +239,7 @@ fn hundredths(share: f64) -> String {
 }
 
 /// Four significant digits.
-fn significant(x: f64) -> String {
+pub(super) fn significant(x: f64) -> String {
     if x == 0.0 || !x.is_finite() {
         return x.to_string();
     }
