@@ -45,8 +45,9 @@ const DOUBTFUL: f64 = 0.65;
 /// Rounds of closing gaps and widening those that cannot be closed.
 const ROUNDS: usize = 6;
 
-/// Triangles of fewer connected points than this are no surface.
+/// Triangles of fewer connected points than this are no surface, and those with a boundary no sheet but a scrap of one.
 const FEWEST_POINTS: usize = 8;
+const FEWEST_POINTS_OF_SHEET: usize = 64;
 
 /// One in so many points, at least, around a hole has a star that ends there.
 const ENDS: usize = 2;
@@ -76,7 +77,7 @@ pub fn settle(points: Surroundings<'_>, stars: &[[u32; 3]], look: Look) -> Settl
     let mut is_filled = vec![false; points.positions.len()];
     for _ in 0..ROUNDS {
         keep_largest_fans(&mut triangles, points.positions.len());
-        drop_islands(&mut triangles, points.positions.len());
+        drop_islands(&mut triangles, &[], points.positions.len());
         let before = triangles.len();
         fill_holes(points.positions, points.normals, &successor, |p| !is_hole(p), &mut triangles);
         triangles[before..].iter().flatten().for_each(|&p| is_filled[p as usize] = true);
@@ -93,6 +94,8 @@ pub fn settle(points: Surroundings<'_>, stars: &[[u32; 3]], look: Look) -> Settl
         triangles.retain(|t| !t.iter().any(|&p| is_bad[p as usize]));
     }
     keep_largest_fans(&mut triangles, points.positions.len());
+    let holes = gaps(points.positions, points.normals, &successor, &triangles);
+    drop_islands(&mut triangles, &holes, points.positions.len());
     let holes = gaps(points.positions, points.normals, &successor, &triangles).len();
     Settled { triangles, holes }
 }
@@ -215,12 +218,17 @@ fn beside_largest_fan(triangles: &[[u32; 3]], corners: &[u32], mut remove: impl 
     }
 }
 
-/// Removes the triangles of pieces of a few points.
-fn drop_islands(triangles: &mut Vec<[u32; 3]>, points: usize) {
+/// Removes the triangles of pieces of a few points; of those that have some of the `holes`, a few more.
+fn drop_islands(triangles: &mut Vec<[u32; 3]>, holes: &[Vec<u32>], points: usize) {
     let piece = components(points, triangles);
     let mut sizes = vec![0usize; points];
     piece.iter().for_each(|&p| sizes[p as usize] += 1);
-    triangles.retain(|t| sizes[piece[t[0] as usize] as usize] >= FEWEST_POINTS);
+    let mut fewest = vec![FEWEST_POINTS; points];
+    holes.iter().for_each(|hole| fewest[piece[hole[0] as usize] as usize] = FEWEST_POINTS_OF_SHEET);
+    triangles.retain(|t| {
+        let piece = piece[t[0] as usize] as usize;
+        sizes[piece] >= fewest[piece]
+    });
 }
 
 #[cfg(test)]
