@@ -32,7 +32,7 @@ use spectral_remesh::surface::topology::{topology, twins};
 use spectral_remesh::surface::transfer::carry;
 use spectral_remesh::triangulate::mutual::{Insertion, mutual_tessellation};
 use spectral_remesh::triangulate::{Boundary, triangulate};
-use spectral_remesh::{Density, Mesh, Options, Result, remesh};
+use spectral_remesh::{CloudOptions, Density, Mesh, Options, Points, Result, mesh_of_points, remesh};
 use std::f64::consts::{PI, TAU};
 use std::sync::LazyLock;
 
@@ -241,6 +241,14 @@ fn s11_report_shape(bencher: Bencher) {
 #[divan::bench]
 fn s11_report_distance(bencher: Bencher) {
     bencher.bench(|| distance(&INPUTS.result, black_box(&INPUTS.mesh), REPORT_SAMPLES, SEED));
+}
+
+/// The mesh through the 50,000 vertices, without their normals; smoothed or not.
+#[divan::bench(args = [false, true])]
+fn s11_mesh_of_points(bencher: Bencher, smooth: bool) {
+    let points = Points { positions: INPUTS.mesh.positions.clone(), normals: Vec::new() };
+    let options = CloudOptions { smooth: smooth.then_some(2.3), ..CloudOptions::default() };
+    bencher.bench(|| mesh_of_points(black_box(&points), &options, &()).unwrap().mesh.triangles.len());
 }
 
 #[divan::bench]
