@@ -243,10 +243,11 @@ fn s11_report_distance(bencher: Bencher) {
     bencher.bench(|| distance(&INPUTS.result, black_box(&INPUTS.mesh), REPORT_SAMPLES, SEED));
 }
 
-/// The mesh through the 50,000 vertices, without their normals; smoothed or not.
+/// The mesh through 100,000 candidates, without their normals; smoothed or not.
 #[divan::bench(args = [false, true])]
 fn s11_mesh_of_points(bencher: Bencher, smooth: bool) {
-    let points = Points { positions: INPUTS.mesh.positions.clone(), normals: Vec::new() };
+    let all = INPUTS.candidates.iter().step_by(2).map(|c| c.sample(&INPUTS.domain).position);
+    let points = Points { positions: all.collect(), normals: Vec::new() };
     let options = CloudOptions { smooth: smooth.then_some(2.3), ..CloudOptions::default() };
     bencher.bench(|| mesh_of_points(black_box(&points), &options, &()).unwrap().mesh.triangles.len());
 }

@@ -13,6 +13,9 @@ use crate::triangulate::star::INTERIOR;
 use glam::DVec3;
 use std::collections::HashSet;
 
+/// Polygons of more sides are left open: they would take a second each.
+const MOST_SIDES: usize = 200;
+
 /// Least cosine between a triangle and the mean normal of its corners that passes for one along the surface.
 const LEAST_FACING: f64 = 0.2;
 
@@ -136,7 +139,7 @@ fn following(
 }
 
 /// The triangulation of a polygon with the largest smallest angle, without diagonals that are edges already; `None` if
-/// there is none, or if the polygon meets itself.
+/// there is none, or if the polygon meets itself or is too large.
 fn triangulate_polygon(
     positions: &[DVec3],
     normals: &[DVec3],
@@ -145,7 +148,7 @@ fn triangulate_polygon(
 ) -> Option<Vec<[u32; 3]>> {
     let n = polygon.len();
     let distinct: HashSet<u32> = polygon.iter().copied().collect();
-    if distinct.len() < n {
+    if n > MOST_SIDES || distinct.len() < n {
         return None;
     }
     let usable = |i: usize, j: usize| {
