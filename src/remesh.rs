@@ -17,7 +17,9 @@ use crate::base::rng::{Stage, stream};
 use crate::optimize::angles::improve_angles;
 use crate::optimize::counts::meet_count;
 use crate::optimize::fit::fit;
-use crate::optimize::levels::{balance, coarsen, fix_all_but_bent, fix_all_but_narrow, fix_tips, narrow, split_to};
+use crate::optimize::levels::{
+    balance, coarsen, fix_all_but_bent, fix_all_but_narrow, fix_tips, narrow, split_to, thin_out,
+};
 use crate::optimize::relax::{Flips, relax};
 use crate::optimize::untangle::untangle;
 use crate::optimize::valence::{remove_defects, remove_near_defects};
@@ -358,6 +360,7 @@ fn optimize(
 fn arrange_coarse(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
     let Scale { wanted, spacing } = *scale;
     monitor.stage("ascend");
+    thin_out(mesh, spacing);
     if fix_all_but_narrow(domain, mesh, spacing) {
         let narrow = Climb { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS };
         ascend(domain, mesh, narrow, monitor)?;

@@ -31,6 +31,9 @@ const TOLERANCE: f64 = 0.25;
 /// Rings beside a seam that stay as dense as it is.
 const RINGS_BESIDE_SEAM: usize = 2;
 
+/// Edges shorter than this many spacings beside a seam make no good triangles.
+const CROWDED: f64 = 0.5;
+
 /// Edges longer than this many fine spacings are to be split: the middle, in ratio, between one spacing and two.
 const SPLIT_ABOVE: f64 = std::f64::consts::SQRT_2;
 
@@ -45,6 +48,20 @@ pub fn fix_all_but_narrow(domain: &Domain, mesh: &mut Manifold, spacing: f64) ->
 pub fn fix_all_but_bent(mesh: &mut Manifold) {
     let beside = beside_seam(mesh);
     mesh.fixed = mesh.bent(BENT).into_iter().zip(beside).map(|(bent, beside)| !bent && !beside).collect();
+}
+
+/// Takes vertices out that are crowded, if there is a seam: where samples did not settle, vertices of the input are among
+/// them, and beside a seam none would go with coarsening.
+pub fn thin_out(mesh: &mut Manifold, spacing: f64) {
+    let c = &mesh.connectivity;
+    if !(0..c.vertex_bound()).any(|v| c.has_vertex(v) && c.is_on_seam(v)) {
+        return;
+    }
+    let shortest = CROWDED * CROWDED * spacing * spacing;
+    collapse_shortest(mesh, 0, |mesh, h| {
+        let c = &mesh.connectivity;
+        c.curve_at(c.origin(h)) == NONE && mesh.relative_length_squared(h) < shortest && keeps_shape(mesh, h, spacing)
+    });
 }
 
 /// The vertices on a seam and in the rings beside it.
