@@ -18,7 +18,7 @@ use crate::optimize::angles::improve_angles;
 use crate::optimize::counts::meet_count;
 use crate::optimize::fit::fit;
 use crate::optimize::levels::{
-    balance, coarsen, fix_all_but_bent, fix_all_but_narrow, fix_tips, narrow, split_to, thin_out,
+    balance, clear_seam, coarsen, fix_all_but_bent, fix_all_but_narrow, fix_tips, narrow, split_to,
 };
 use crate::optimize::relax::{Flips, relax};
 use crate::optimize::untangle::untangle;
@@ -360,7 +360,7 @@ fn optimize(
 fn arrange_coarse(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
     let Scale { wanted, spacing } = *scale;
     monitor.stage("ascend");
-    thin_out(mesh, spacing);
+    clear_seam(mesh);
     if fix_all_but_narrow(domain, mesh, spacing) {
         let narrow = Climb { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS };
         ascend(domain, mesh, narrow, monitor)?;
@@ -387,6 +387,7 @@ fn refine_to_count(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor:
     fix_tips(mesh);
     remove_near_defects(mesh, spacing);
     relax(domain, mesh, spacing, Flips::Delaunay, ROUNDS, monitor)?;
+    clear_seam(mesh);
     meet_count(domain, mesh, wanted);
     let wide: Vec<bool> = narrow(domain, mesh, spacing).into_iter().map(|narrow| !narrow).collect();
     for _ in 0..2 {

@@ -9,7 +9,7 @@
 //! Cost: a heap operation for each edge that is collapsed, and a sort of the edges that may be split.
 
 use crate::optimize::counts::{collapse_shortest, split_longest};
-use crate::surface::connectivity::SEAM;
+use crate::surface::connectivity::{SEAM, next, prev};
 use crate::surface::domain::Domain;
 use crate::surface::manifold::Manifold;
 use crate::surface::topology::NONE;
@@ -31,8 +31,8 @@ const TOLERANCE: f64 = 0.25;
 /// Rings beside a seam that stay as dense as it is.
 const RINGS_BESIDE_SEAM: usize = 2;
 
-/// Edges shorter than this many spacings beside a seam make no good triangles.
-const CROWDED: f64 = 0.5;
+/// Cosine of the angle at which a vertex that is too near sees an edge of the seam: 105 degrees.
+const ENCROACHED: f64 = -0.26;
 
 /// Edges longer than this many fine spacings are to be split: the middle, in ratio, between one spacing and two.
 const SPLIT_ABOVE: f64 = std::f64::consts::SQRT_2;
@@ -50,18 +50,38 @@ pub fn fix_all_but_bent(mesh: &mut Manifold) {
     mesh.fixed = mesh.bent(BENT).into_iter().zip(beside).map(|(bent, beside)| !bent && !beside).collect();
 }
 
-/// Takes vertices out that are crowded, if there is a seam: where samples did not settle, vertices of the input are among
-/// them, and beside a seam none would go with coarsening.
-pub fn thin_out(mesh: &mut Manifold, spacing: f64) {
-    let c = &mesh.connectivity;
-    if !(0..c.vertex_bound()).any(|v| c.has_vertex(v) && c.is_on_seam(v)) {
-        return;
+/// Takes vertices out that are so near to an edge of the seam that they see it at an obtuse angle. Nothing there can
+/// flip or move out of their way.
+///
+/// J. Ruppert, A Delaunay refinement algorithm for quality 2-dimensional mesh generation, 1995, DOI
+/// 10.1006/jagm.1995.1021, calls such edges encroached, and splits them.
+pub fn clear_seam(mesh: &mut Manifold) {
+    let mut changed = true;
+    while std::mem::take(&mut changed) {
+        for h in mesh.half_edges().filter(|&h| mesh.connectivity.curve(h) == SEAM).collect::<Vec<u32>>() {
+            // Flips after a collapse may have given the number to another half-edge.
+            let is_there = mesh.connectivity.has_half_edge(h) && mesh.connectivity.curve(h) == SEAM;
+            if let Some(into) = (is_there && is_encroached(mesh, h)).then(|| way_out(mesh, h)).flatten() {
+                mesh.collapse(into);
+                changed = true;
+            }
+        }
     }
-    let shortest = CROWDED * CROWDED * spacing * spacing;
-    collapse_shortest(mesh, 0, |mesh, h| {
-        let c = &mesh.connectivity;
-        c.curve_at(c.origin(h)) == NONE && mesh.relative_length_squared(h) < shortest && keeps_shape(mesh, h, spacing)
-    });
+}
+
+/// Whether a vertex that is free to go sees the edge of `h` at an obtuse angle.
+fn is_encroached(mesh: &Manifold, h: u32) -> bool {
+    let [a, b, top] = mesh.connectivity.triangle(h);
+    let [p, q] = [a, b].map(|v| (mesh.position(v) - mesh.position(top)).normalize_or_zero());
+    mesh.connectivity.curve_at(top) == NONE && p.dot(q) < ENCROACHED
+}
+
+/// The half-edge along which the vertex across from the edge of `h` can merge into the nearer end of that, or the other.
+fn way_out(mesh: &Manifold, h: u32) -> Option<u32> {
+    let c = &mesh.connectivity;
+    let mut ways = [prev(h), c.twin(next(h))];
+    ways.sort_by(|&g, &h| mesh.length_squared(g).total_cmp(&mesh.length_squared(h)));
+    ways.into_iter().find(|&h| c.can_collapse(h) && mesh.bend_after_collapse(h) >= LEAST_FACING)
 }
 
 /// The vertices on a seam and in the rings beside it.
@@ -126,7 +146,7 @@ pub fn split_to(domain: &Domain, mesh: &Manifold, wanted: usize) -> Manifold {
 
 fn long_edges(mesh: &Manifold, spacing: f64) -> usize {
     let longest = SPLIT_ABOVE * SPLIT_ABOVE * spacing * spacing;
-    let may_split = |h: u32| mesh.connectivity.curve(h) != SEAM && mesh.relative_length_squared(h) > longest;
+    let may_split = |h: u32| mesh.connectivity.can_split(h) && mesh.relative_length_squared(h) > longest;
     mesh.edges().filter(|&h| may_split(h)).count()
 }
 
