@@ -112,7 +112,7 @@ mod tests {
         let selected: Vec<bool> = (0..12).map(|t| t < 2 || t == 7).collect();
         let part = Part::cut_out(&cube, &selected);
         assert_eq!(part.mesh.triangles.len(), 3);
-        assert_eq!(part.seam.len(), 7);
+        assert_eq!(part.seam.len(), 5);
         let (whole, kept) = sew(&cube, &selected, &part.mesh, &part.source);
         assert_eq!(whole.positions, cube.positions);
         assert_eq!(kept.vertices, (0..8).collect::<Vec<u32>>());
