@@ -8,7 +8,8 @@
 //! ```
 //!
 //! so lengths change by at most g for each length gone until they are the wanted ones. Where a number of vertices is
-//! wanted, h is scaled to meet it; 2 / (√3 h²) integrates to it. If not even very long edges leave as few, g is doubled.
+//! wanted, h is scaled to meet it; 2 / (√3 h²) integrates to it. If no length off the seam leaves as few, or as many, g is
+//! doubled.
 //!
 //! Based on: P.-O. Persson, Mesh size functions for implicit geometries and PDE-based gradient limiting, 2006,
 //! DOI 10.1007/s00366-006-0014-1. Departure: it limits from below, too.
@@ -34,13 +35,12 @@ pub fn lengths_from_seam(domain: &Domain, wanted: &[f64], count: Option<f64>) ->
     let mut gradient = FIELD_GRADIENT;
     while gradient <= STEEPEST {
         let bounds = Bounds::new(domain, &graph, &own, gradient);
-        match count {
-            None => return bounds.lengths(wanted, 1.0),
-            Some(count) if vertices(domain, &bounds.lengths(wanted, LARGEST_FACTOR)) <= count => {
-                return scaled_to(count, domain, |factor| bounds.lengths(wanted, factor));
-            }
-            Some(_) => gradient *= 2.0,
+        let Some(count) = count else { return bounds.lengths(wanted, 1.0) };
+        let meant = |factor: f64| vertices(domain, &bounds.lengths(wanted, factor));
+        if meant(LARGEST_FACTOR) <= count && count <= meant(1.0 / LARGEST_FACTOR) {
+            return scaled_to(count, domain, |factor| bounds.lengths(wanted, factor));
         }
+        gradient *= 2.0;
     }
     wanted.to_vec()
 }
@@ -144,7 +144,7 @@ mod tests {
     #[test]
     fn as_many_vertices_as_wanted_are_meant() {
         let domain = band();
-        for count in [40.0, 200.0, 5000.0] {
+        for count in [40.0, 200.0, 5000.0, 1e5] {
             let lengths = lengths_from_seam(&domain, &vec![1.0; domain.mesh.positions.len()], Some(count));
             assert!((vertices(&domain, &lengths) / count - 1.0).abs() < 1e-6);
         }
