@@ -162,14 +162,12 @@ fn remesh_once(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result
     };
     let input_topology = topology(input.positions.len(), &input.triangles);
     let untouched = options.weld.is_none() && repairs == Repairs::default();
-    let kind = topology(clean.positions.len(), &clean.triangles);
-    let repaired = match &within {
-        _ if untouched => input_topology,
-        Some(within) => topology(within.whole.positions.len(), &within.whole.triangles),
-        None => kind,
-    };
+    let whole = within.as_ref().map_or(&clean, |within| &within.whole);
+    let repaired = if untouched { input_topology } else { topology(whole.positions.len(), &whole.triangles) };
+    let kind = if within.is_some() { topology(clean.positions.len(), &clean.triangles) } else { repaired };
+    let diagonal = within.as_ref().map_or_else(|| unit.size * clean.diagonal(), |within| within.whole.diagonal());
     let mut scale = Scale::new(options.density, field.as_ref(), &clean, &unit)?;
-    let allowed = options.max_error.map(|e| e.length(unit.size * clean.diagonal()));
+    let allowed = options.max_error.map(|e| e.length(diagonal));
     check(monitor)?;
     if let Some(reach) = options.smooth {
         monitor.stage("smooth");
@@ -210,20 +208,17 @@ fn remesh_once(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result
 
     monitor.stage("untangle");
     untangle(&domain, &mut made.mesh, monitor)?;
-    let mut mesh = made.mesh.to_mesh();
+    let mesh = made.mesh.to_mesh();
     let deviation = allowed.and_then(|allowed| {
         monitor.stage("bound");
         let Bounds { upper, place, .. } = hausdorff_bounds(&mesh, &domain.mesh, OF_INTEREST * allowed / unit.size)?;
         Some(Deviation { allowed, reached: unit.size * upper, place: unit.outwards_point(place).to_array() })
     });
-    let mut kept = None;
-    match &within {
-        Some(within) => {
-            let (whole, of_input) = within.sew(&made.mesh, &domain, input, &unit);
-            (mesh, kept) = (whole, Some(of_input));
-        }
-        None => mesh = unit.outwards(mesh),
-    }
+    let mesh = unit.outwards(mesh);
+    let (mesh, kept) = match &within {
+        Some(within) => within.sew(&mesh, &made.mesh, &domain, input),
+        None => (mesh, None),
+    };
     let crossing = crossing_faces(&mesh);
     let crossing_of_input = || within.as_ref().map_or_else(|| domain.crossing_faces(), |w| crossing_faces(&w.whole));
     let mut result = Remeshed {

@@ -189,7 +189,7 @@ struct QualityArgs {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Job {
     /// Remesh this.
-    Remesh(Remeshing),
+    Remesh(Box<Remeshing>),
     /// Sample this.
     Sample(Sampling),
     /// Measure this.
@@ -292,7 +292,7 @@ pub fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Job, Stop> {
         (Some(Command::Sample(args)), _) => args.resolve().map(Job::Sample),
         (Some(Command::Quality(args)), _) => Ok(Job::Measure(args.resolve())),
         (Some(Command::Completions { shell }), _) => Ok(Job::Complete(completions(shell))),
-        (None, Some(args)) => args.resolve().map(Job::Remesh),
+        (None, Some(args)) => args.resolve().map(|job| Job::Remesh(Box::new(job))),
         (None, None) => Err(wrong("the input and the output file are missing")),
     }
 }
@@ -530,7 +530,7 @@ mod tests {
 
     fn remeshing(line: &str) -> Remeshing {
         match parsed(line) {
-            Ok(Job::Remesh(job)) => job,
+            Ok(Job::Remesh(job)) => *job,
             other => panic!("{other:?}"),
         }
     }

@@ -199,20 +199,20 @@ impl Within {
         stays.iter().filter(|stays| **stays).count() + wanted - self.part.seam_vertices()
     }
 
-    /// The whole with `made`, whose vertices lie on `domain`, in the place of the part; what is kept are vertices and
-    /// triangles of `input`.
-    pub(super) fn sew(&self, made: &Manifold, domain: &Domain, input: &Mesh, unit: &Unit) -> (Mesh, Kept) {
+    /// The whole with `mesh`, that of `made`, whose vertices lie on `domain`, in the place of the part; what is kept are
+    /// vertices and triangles of `input`.
+    pub(super) fn sew(&self, mesh: &Mesh, made: &Manifold, domain: &Domain, input: &Mesh) -> (Mesh, Option<Kept>) {
         let (_, old) = made.connectivity.compact();
         let joined = |&v: &u32| match corner_of_seam(made, domain, v) {
             NONE => NONE,
             corner => self.part.source[corner as usize],
         };
         let joined: Vec<u32> = old.iter().map(joined).collect();
-        let (mesh, kept) = sew(&self.whole, &self.selected, &unit.outwards(made.to_mesh()), &joined);
+        let (mesh, kept) = sew(&self.whole, &self.selected, mesh, &joined);
         let origin = Origin::new(input);
         let vertices = kept.vertices.iter().map(|&v| origin.vertex(self.whole.positions[v as usize])).collect();
         let triangles = kept.triangles.iter().map(|&t| origin.triangle(self.whole.corners(t as usize))).collect();
-        (mesh, Kept { vertices, triangles })
+        (mesh, Some(Kept { vertices, triangles }))
     }
 
     /// What a user should know about it.
