@@ -9,7 +9,7 @@
 //!
 //! so lengths change by at most g for each length gone until they are the wanted ones. Where a number of vertices is
 //! wanted, h is scaled to meet it; 2 / (√3 h²) integrates to it. If no length off the seam leaves as few, or as many, g is
-//! doubled.
+//! doubled, and so it is where given lengths are but for a small part of the surface too short for it.
 //!
 //! Based on: P.-O. Persson, Mesh size functions for implicit geometries and PDE-based gradient limiting, 2006,
 //! DOI 10.1007/s00366-006-0014-1. Departure: it limits from below, too.
@@ -23,6 +23,9 @@ use crate::surface::sizing::{FIELD_GRADIENT, Graph, limited, mean_density};
 /// Steepest gradient that is tried: with a steeper one there is nothing left to go over.
 const STEEPEST: f64 = 4.0;
 
+/// Share of the vertices that wanted lengths mean which has to be left of them beside a seam of longer edges.
+const LEAST_LEFT: f64 = 0.5;
+
 /// The factors that the wanted lengths are scaled by at most, and the steps of the search for the right one.
 const LARGEST_FACTOR: f64 = 1e3;
 const STEPS: usize = 50;
@@ -35,12 +38,14 @@ pub fn lengths_from_seam(domain: &Domain, wanted: &[f64], count: Option<f64>) ->
     let mut gradient = FIELD_GRADIENT;
     while gradient <= STEEPEST {
         let bounds = Bounds::new(domain, &graph, &own, gradient);
-        let Some(count) = count else { return bounds.lengths(wanted, 1.0) };
         let meant = |factor: f64| vertices(domain, &bounds.lengths(wanted, factor));
-        if meant(LARGEST_FACTOR) <= count && count <= meant(1.0 / LARGEST_FACTOR) {
-            return scaled_to(count, domain, |factor| bounds.lengths(wanted, factor));
+        match count {
+            Some(count) if meant(LARGEST_FACTOR) <= count && count <= meant(1.0 / LARGEST_FACTOR) => {
+                return scaled_to(count, domain, |factor| bounds.lengths(wanted, factor));
+            }
+            None if meant(1.0) >= LEAST_LEFT * vertices(domain, wanted) => return bounds.lengths(wanted, 1.0),
+            _ => gradient *= 2.0,
         }
-        gradient *= 2.0;
     }
     wanted.to_vec()
 }
@@ -139,6 +144,16 @@ mod tests {
             assert_eq!(lengths[1], 0.01);
             assert_eq!(lengths[1003], wanted);
         }
+    }
+
+    #[test]
+    fn a_seam_of_long_edges_does_not_have_it_all() {
+        let mut domain = band();
+        domain.mesh.positions.iter_mut().for_each(|p| p.y *= 40.0);
+        let wanted = vec![0.01; domain.mesh.positions.len()];
+        let lengths = lengths_from_seam(&domain, &wanted, None);
+        assert!(lengths[1] > 0.39, "{}", lengths[1]);
+        assert!(vertices(&domain, &lengths) > 0.5 * vertices(&domain, &wanted));
     }
 
     #[test]
