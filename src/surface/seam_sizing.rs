@@ -20,7 +20,8 @@ use crate::surface::connectivity::next;
 use crate::surface::domain::Domain;
 use crate::surface::sizing::{FIELD_GRADIENT, Graph, limited, mean_density};
 
-/// Steepest gradient that is tried: with a steeper one there is nothing left to go over.
+/// Steepest gradient that is tried: with a steeper one there is nothing left to go over. Given lengths keep it, and a
+/// number of vertices that not even it leaves is met with even lengths.
 const STEEPEST: f64 = 4.0;
 
 /// Share of the vertices that wanted lengths mean which has to be left of them beside a seam of longer edges.
@@ -43,11 +44,14 @@ pub fn lengths_from_seam(domain: &Domain, wanted: &[f64], count: Option<f64>) ->
             Some(count) if meant(LARGEST_FACTOR) <= count && count <= meant(1.0 / LARGEST_FACTOR) => {
                 return scaled_to(count, domain, |factor| bounds.lengths(wanted, factor));
             }
-            None if meant(1.0) >= LEAST_LEFT * vertices(domain, wanted) => return bounds.lengths(wanted, 1.0),
+            None if meant(1.0) >= LEAST_LEFT * vertices(domain, wanted) || 2.0 * gradient > STEEPEST => {
+                return bounds.lengths(wanted, 1.0);
+            }
             _ => gradient *= 2.0,
         }
     }
-    wanted.to_vec()
+    let even = |factor: f64| wanted.iter().map(|length| factor * length).collect();
+    count.map_or_else(|| even(1.0), |count| scaled_to(count, domain, even))
 }
 
 /// How many vertices edges of these lengths mean.
@@ -159,8 +163,8 @@ mod tests {
     #[test]
     fn as_many_vertices_as_wanted_are_meant() {
         let domain = band();
-        for count in [40.0, 200.0, 5000.0, 1e5] {
-            let lengths = lengths_from_seam(&domain, &vec![1.0; domain.mesh.positions.len()], Some(count));
+        for count in [10.0, 200.0, 5000.0, 1e5] {
+            let lengths = lengths_from_seam(&domain, &vec![0.03; domain.mesh.positions.len()], Some(count));
             assert!((vertices(&domain, &lengths) / count - 1.0).abs() < 1e-6);
         }
     }
