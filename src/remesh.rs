@@ -9,6 +9,7 @@ mod sample;
 mod scale;
 mod unit;
 mod width;
+mod within;
 
 use crate::base::error::{Error, Result};
 use crate::base::progress::{Monitor, check};
@@ -16,7 +17,9 @@ use crate::base::rng::{Stage, stream};
 use crate::optimize::angles::improve_angles;
 use crate::optimize::counts::meet_count;
 use crate::optimize::fit::fit;
-use crate::optimize::levels::{balance, coarsen, fix_all_but_bent, fix_all_but_narrow, fix_tips, narrow, split_to};
+use crate::optimize::levels::{
+    balance, clear_seam, coarsen, fix_all_but_bent, fix_all_but_narrow, fix_tips, narrow, split_to,
+};
 use crate::optimize::relax::{Flips, relax};
 use crate::optimize::untangle::untangle;
 use crate::optimize::valence::{remove_defects, remove_near_defects};
@@ -44,12 +47,14 @@ use options::FIRST_POINTS;
 use result::notes;
 use scale::{Field, Scale};
 use unit::Unit;
+use within::Within;
 
 pub use cloud::{CloudOptions, CloudSummary, MeshOfPoints, NormalFit, Reach, mesh_of_points};
 pub use kernel::Signal;
 pub use options::{Density, FEWEST_POINTS, MOST_POINTS, MaxError, Options, check_field};
 pub use result::{Deviation, Remeshed};
 pub use sample::{SampleOptions, Sampled, sample, sample_points};
+pub use within::Selection;
 
 /// Candidates for each wanted point: with fewer the scan leaves gaps, with more it only takes longer.
 const CANDIDATES_PER_POINT: usize = 20;
@@ -149,18 +154,20 @@ fn remesh_once(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result
     options.sizing.as_deref().map_or(Ok(()), |lengths| check_field(input.positions.len(), lengths))?;
     check_signals(&options.signals, input.positions.len())?;
     let unit = Unit::of(input);
-    let mut clean = unit.inwards(input);
-    if let Some(tolerance) = options.weld {
-        clean = close_seams(&clean, tolerance / unit.size);
-    }
-    let (mut clean, repairs) = repair(&clean);
-    let open_seams = if options.weld.is_none() { open_seams(&clean) } else { 0 };
+    let field = options.sizing.as_deref().map(|lengths| Field::new(lengths, input, &unit));
+    let within = Within::new(input, options, field.as_ref(), &unit)?;
+    let Repaired { mesh: mut clean, repairs, open_seams } = match &within {
+        Some(within) => within.repaired(options, &unit),
+        None => repaired(input, options, &unit),
+    };
     let input_topology = topology(input.positions.len(), &input.triangles);
     let untouched = options.weld.is_none() && repairs == Repairs::default();
-    let repaired = if untouched { input_topology } else { topology(clean.positions.len(), &clean.triangles) };
-    let field = options.sizing.as_deref().map(|lengths| Field::new(lengths, input, &unit));
+    let whole = within.as_ref().map_or(&clean, |within| &within.whole);
+    let repaired = if untouched { input_topology } else { topology(whole.positions.len(), &whole.triangles) };
+    let kind = if within.is_some() { topology(clean.positions.len(), &clean.triangles) } else { repaired };
+    let diagonal = within.as_ref().map_or_else(|| unit.size * clean.diagonal(), |within| within.whole.diagonal());
     let mut scale = Scale::new(options.density, field.as_ref(), &clean, &unit)?;
-    let allowed = options.max_error.map(|e| e.length(unit.size * clean.diagonal()));
+    let allowed = options.max_error.map(|e| e.length(diagonal));
     check(monitor)?;
     if let Some(reach) = options.smooth {
         monitor.stage("smooth");
@@ -171,7 +178,8 @@ fn remesh_once(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result
     monitor.stage("sample");
     let most = 4 * clean.triangles.len() + 16 * scale.wanted;
     refine(&mut clean, LONGEST_EDGE * scale.spacing, most);
-    let mut domain = Domain::with_features(clean, options.features, scale.spacing);
+    let seam = within.as_ref().map_or_else(Vec::new, |within| within.part.seam.clone());
+    let mut domain = Domain::with_seam(clean, options.features, scale.spacing, seam);
     if let Some(field) = &field {
         scale = field.grade(&mut domain, options.density, scale)?;
     } else if options.adapt > 0.0 {
@@ -184,7 +192,11 @@ fn remesh_once(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result
         domain.grade(followed.sizes);
         (scale, sigma) = (followed.scale, followed.sigma);
     }
-    let (domain, mut made) = sample_and_triangulate(domain, &scale, &repaired, options, monitor)?;
+    if let Some(within) = &within {
+        scale = within.grade(&mut domain, options.density, &scale);
+        sigma = if options.has_kernel() { sigma } else { scale.sigma() };
+    }
+    let (domain, mut made) = sample_and_triangulate(domain, &scale, &kind, options, monitor)?;
     if options.optimize {
         optimize(&domain, &mut made.mesh, &scale, allowed.map(|a| a / unit.size), monitor)?;
     } else {
@@ -203,7 +215,12 @@ fn remesh_once(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result
         Some(Deviation { allowed, reached: unit.size * upper, place: unit.outwards_point(place).to_array() })
     });
     let mesh = unit.outwards(mesh);
+    let (mesh, kept) = match &within {
+        Some(within) => within.sew(&mesh, &made.mesh, &domain, input),
+        None => (mesh, None),
+    };
     let crossing = crossing_faces(&mesh);
+    let crossing_of_input = || within.as_ref().map_or_else(|| domain.crossing_faces(), |w| crossing_faces(&w.whole));
     let mut result = Remeshed {
         input: input_topology,
         repaired,
@@ -213,16 +230,37 @@ fn remesh_once(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result
         sigma_p: unit.size * sigma,
         spacing: unit.size * scale.spacing,
         spacing_range: domain.size_range().map(|size| unit.size * scale.spacing * size),
-        wanted: scale.wanted,
+        wanted: within.as_ref().map_or(scale.wanted, |within| within.wanted(scale.wanted)),
         sharp_curves: domain.sharp_curves(),
         tessellated_pieces: made.tessellated_pieces,
-        crossing_faces_of_input: (!crossing.is_empty()).then(|| domain.crossing_faces().len()),
+        crossing_faces_of_input: (!crossing.is_empty()).then(|| crossing_of_input().len()),
         crossing_faces: crossing,
         deviation,
+        kept,
         notes: Vec::new(),
     };
     result.notes = notes(&result, open_seams);
+    if let (Some(within), Some(kept)) = (&within, &result.kept) {
+        result.notes.extend(within.notes(&result.mesh, kept));
+    }
     Ok(result)
+}
+
+/// What is sampled, in the pipeline's unit, and what it took to make it a manifold.
+struct Repaired {
+    mesh: Mesh,
+    repairs: Repairs,
+    open_seams: usize,
+}
+
+fn repaired(input: &Mesh, options: &Options, unit: &Unit) -> Repaired {
+    let mut mesh = unit.inwards(input);
+    if let Some(tolerance) = options.weld {
+        mesh = close_seams(&mesh, tolerance / unit.size);
+    }
+    let (mesh, repairs) = repair(&mesh);
+    let open_seams = if options.weld.is_none() { open_seams(&mesh) } else { 0 };
+    Repaired { mesh, repairs, open_seams }
 }
 
 /// The mesh of the samples of `domain`, which comes back without its sharp edges if they could not be kept.
@@ -317,6 +355,7 @@ fn optimize(
 fn arrange_coarse(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
     let Scale { wanted, spacing } = *scale;
     monitor.stage("ascend");
+    clear_seam(mesh);
     if fix_all_but_narrow(domain, mesh, spacing) {
         let narrow = Climb { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS };
         ascend(domain, mesh, narrow, monitor)?;
@@ -343,6 +382,7 @@ fn refine_to_count(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor:
     fix_tips(mesh);
     remove_near_defects(mesh, spacing);
     relax(domain, mesh, spacing, Flips::Delaunay, ROUNDS, monitor)?;
+    clear_seam(mesh);
     meet_count(domain, mesh, wanted);
     let wide: Vec<bool> = narrow(domain, mesh, spacing).into_iter().map(|narrow| !narrow).collect();
     for _ in 0..2 {

@@ -305,6 +305,7 @@ mod tests {
             tessellated_pieces: 0,
             crossing_faces: vec![],
             crossing_faces_of_input: None,
+            kept: None,
             notes: vec!["One face is missing.".into()],
         };
         let lost = vec![Lost { name: "h".into(), cause: "PLY has lost it".into() }];

@@ -312,6 +312,32 @@ fn with_property(folder: &Path, h: &str) {
 }
 
 #[test]
+fn a_part_is_remeshed_and_the_rest_comes_through() {
+    let folder = folder();
+    let path = folder.path();
+    let read = |name: &str| std::fs::read_to_string(path.join(name)).unwrap();
+    let said = run(path, "sphere.off cap.off --within -1,-1,0.4,1,1,1 --points 700");
+    assert!(said.went_well().contains("700 vertices are inside of the part that was remeshed"), "{}", said.out);
+    let (before, after) = (read("sphere.off"), read("cap.off"));
+    let vertices = before.lines().filter(|line| line.split(' ').count() == 3).skip(1);
+    let below = vertices.filter(|line| line.rsplit(' ').next().unwrap().parse::<f64>().unwrap() < 0.4);
+    let mut lines = after.lines();
+    below.for_each(|line| assert!(lines.any(|l| l == line), "{line} is not there, or not in its place"));
+
+    with_property(path, "0.1");
+    run(path, "graded.ply a.off --select h=0.4 --points 60").went_well();
+    // All but the vertex 0 have 0.4; the five are corners of the seam or beside it.
+    assert!(read("a.off").lines().nth(1).unwrap().starts_with("65 "), "{}", read("a.off"));
+    let nothing = "within: no triangle is inside 2,2,2,3,3,3; those of the input are within -1,-1,-1,1,1,1";
+    run(path, "graded.ply c.off --within 2,2,2,3,3,3 --points 60").failed(2, &[nothing]);
+    run(path, "graded.ply c.off --select h=7 --points 60").failed(2, &["select: ", "0 of 6 vertices"]);
+    run(path, "graded.ply c.off --select red --points 60").failed(1, &["graded.ply: ", "no property 'red'"]);
+    run(path, "graded.ply c.off --select h --points 60 --smooth").failed(2, &["smooth: "]);
+    run(path, "points.off c.off --within 0,0,0,1,1,1 --points 60").failed(2, &["within: ", "points and no triangles"]);
+    assert!(!path.join("c.off").exists());
+}
+
+#[test]
 fn lengths_come_from_a_property_or_a_list() {
     let folder = folder();
     let path = folder.path();

@@ -5,7 +5,7 @@
 
 use crate::cli::sample::{HELP, PropertyWidth, SampleArgs, Sampling, property_width};
 use crate::io::Format;
-use crate::remesh::{CloudOptions, Density, MaxError, NormalFit, Options, Reach};
+use crate::remesh::{CloudOptions, Density, MaxError, NormalFit, Options, Reach, Selection};
 use crate::surface::features::Features;
 use clap::builder::PossibleValue;
 use clap::{ArgAction, CommandFactory, Parser, Subcommand, ValueEnum};
@@ -128,6 +128,14 @@ struct RemeshArgs {
     /// How far away, in the units of the input, these neighbours may be instead
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = positive)]
     normal_radius: Option<f64>,
+    /// Remesh only what is inside this box, in the units of the input; the rest stays as it is to the last bit. --points
+    /// then counts the vertices strictly inside of the part, and not those on its seam with the rest
+    #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", allow_hyphen_values = true, value_parser = within)]
+    within: Option<Selection>,
+    /// Remesh only the triangles at whose corners this property of the input's vertices is not zero, or has a value;
+    /// otherwise as --within
+    #[arg(long, value_name = "PROPERTY[=VALUE]", conflicts_with = "within", value_parser = mark)]
+    select: Option<Mark>,
     /// How far any point of the output may be from the input, and back: a length, or a share of the diagonal of the
     /// input's bounding box, as in 0.1%
     #[arg(long, value_name = "E|E%", allow_negative_numbers = true, value_parser = max_error)]
@@ -181,7 +189,7 @@ struct QualityArgs {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Job {
     /// Remesh this.
-    Remesh(Remeshing),
+    Remesh(Box<Remeshing>),
     /// Sample this.
     Sample(Sampling),
     /// Measure this.
@@ -205,6 +213,8 @@ pub struct Remeshing {
     pub sizing: Option<Sizing>,
     /// Whether the attributes of the input are carried to the output.
     pub attributes: bool,
+    /// Where the selection for [`Options::part`] is, if there is one.
+    pub select: Option<Mark>,
     /// Where the values for [`Options::signals`] are.
     pub properties: Vec<PropertyWidth>,
     /// Where the report goes as JSON, if it is wanted.
@@ -246,6 +256,15 @@ pub enum Sizing {
     File(PathBuf),
 }
 
+/// What marks the vertices of a part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mark {
+    /// A property of the input's vertices.
+    pub property: String,
+    /// The value that it has to have; any but zero without.
+    pub value: Option<f64>,
+}
+
 /// How much is said.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Voice {
@@ -273,7 +292,7 @@ pub fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Job, Stop> {
         (Some(Command::Sample(args)), _) => args.resolve().map(Job::Sample),
         (Some(Command::Quality(args)), _) => Ok(Job::Measure(args.resolve())),
         (Some(Command::Completions { shell }), _) => Ok(Job::Complete(completions(shell))),
-        (None, Some(args)) => args.resolve().map(Job::Remesh),
+        (None, Some(args)) => args.resolve().map(|job| Job::Remesh(Box::new(job))),
         (None, None) => Err(wrong("the input and the output file are missing")),
     }
 }
@@ -294,6 +313,8 @@ impl RemeshArgs {
             properties,
             sizing,
             smooth,
+            within,
+            select,
             fill_holes,
             normal_fit,
             normal_neighbors,
@@ -319,6 +340,7 @@ impl RemeshArgs {
             signals: _,
             sizing: _,
             smooth: _,
+            part: _,
             max_error: _,
             optimize: _,
             sweeps,
@@ -339,6 +361,7 @@ impl RemeshArgs {
                 signals: Vec::new(),
                 sizing: sizing.as_ref().map(|_| Vec::new()),
                 smooth,
+                part: within,
                 max_error,
                 optimize: optimize != 0,
                 sweeps,
@@ -351,6 +374,7 @@ impl RemeshArgs {
             },
             sizing,
             attributes: !no_attributes,
+            select,
             properties,
             report,
             threads: threads.map(usize::from),
@@ -449,6 +473,26 @@ fn features(word: &str) -> Result<Features, String> {
     }
 }
 
+/// A box by its lowest and its highest corner; what boxes make sense is for the library to say.
+fn within(word: &str) -> Result<Selection, String> {
+    let numbers: Option<Vec<f64>> = word.split(',').map(|number| number.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x0, y0, z0, x1, y1, z1]) => Ok(Selection::Box([x0, y0, z0], [x1, y1, z1])),
+        _ => Err("it must be six numbers: the lowest x, y and z of a box, then the highest".into()),
+    }
+}
+
+/// The name of a property, or one and a value; the name may have an = of its own.
+fn mark(word: &str) -> Result<Mark, String> {
+    let parts = word.rsplit_once('=').and_then(|(property, value)| Some((property, value.parse().ok()?)));
+    let (property, value) = parts.map_or((word, None), |(property, value)| (property, Some(value)));
+    if property.is_empty() {
+        Err("it must be the name of a property".into())
+    } else {
+        Ok(Mark { property: property.into(), value })
+    }
+}
+
 /// A length that makes sense.
 pub(super) fn positive(word: &str) -> Result<f64, String> {
     let positive = word.parse().ok().filter(|&x: &f64| x > 0.0 && x.is_finite());
@@ -486,7 +530,7 @@ mod tests {
 
     fn remeshing(line: &str) -> Remeshing {
         match parsed(line) {
-            Ok(Job::Remesh(job)) => job,
+            Ok(Job::Remesh(job)) => *job,
             other => panic!("{other:?}"),
         }
     }
@@ -506,12 +550,14 @@ mod tests {
     #[test]
     fn no_flags_give_the_default() {
         let file = |path: &str| MeshFile { path: path.into(), format: None };
-        let Remeshing { input, output, options, cloud, sizing, properties, attributes, report, threads, voice } =
-            remeshing("remesh a.obj b.ply --points 10000");
+        let job = remeshing("remesh a.obj b.ply --points 10000");
+        let Remeshing { input, output, options, cloud, sizing, select, properties, attributes, report, threads, voice } =
+            job;
         assert_eq!(options, Options::default());
         assert_eq!(cloud, CloudOptions::default());
         assert_eq!((input, output), (file("a.obj"), file("b.ply")));
         assert_eq!((sizing, properties, attributes), (None, vec![], true));
+        assert_eq!(select, None);
         assert_eq!((report, threads, voice), (None, None, Voice::Normal));
     }
 
@@ -533,6 +579,12 @@ mod tests {
         assert!(!remeshing("remesh a b --points 5 --no-attributes").attributes);
         assert_eq!(remeshing("remesh a b --edge-length 2 -q").options.density, Density::EdgeLength(2.0));
         assert_eq!(remeshing("remesh a b --points 5 -q").voice, Voice::Quiet);
+        let part = Some(Selection::Box([-1.0, 0.0, 0.5], [1.0, 2.0, 3e1]));
+        assert_eq!(remeshing("remesh a b --points 5 --within -1,0,.5,1,2,3e1").options.part, part);
+        let mark = |property: &str, value| Some(Mark { property: property.into(), value });
+        assert_eq!(remeshing("remesh a b --points 5 --select red").select, mark("red", None));
+        assert_eq!(remeshing("remesh a b --points 5 --select red=-1").select, mark("red", Some(-1.0)));
+        assert_eq!(remeshing("remesh a b --points 5 --select a=b=2").select, mark("a=b", Some(2.0)));
         let options = remeshing("remesh a b --points auto --max-error 0.5%").options;
         assert_eq!((options.density, options.max_error), (Density::Auto, Some(MaxError::OfDiagonal(0.005))));
         let options = remeshing("remesh a b --points 9 --max-error 0.5").options;
@@ -566,6 +618,10 @@ mod tests {
             "remesh a b --points 9 --features -20",
             "remesh a b --points 9 --format doc",
             "remesh a b --points 9 -q -v",
+            "remesh a b --points 9 --within 0,0,0,1,1",
+            "remesh a b --points 9 --within 0,0,0,1,1,one",
+            "remesh a b --points 9 --within 0,0,0,1,1,1 --select red",
+            "remesh a b --points 9 --select =1",
             "remesh quality",
             "remesh quality a b",
             "remesh completions klingon",

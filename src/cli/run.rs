@@ -3,11 +3,11 @@
 use crate::base::error::{Error, Result};
 use crate::base::progress::{Monitor, Stopwatch, check};
 use crate::cli::Status;
-use crate::cli::args::{Job, Measuring, MeshFile, Remeshing, Sizing, Voice};
+use crate::cli::args::{Job, Mark, Measuring, MeshFile, Remeshing, Sizing, Voice};
 use crate::cli::sample::{sample_file, signals};
 use crate::cli::terminal::{self, Terminal};
 use crate::io::{Format, Loaded, file};
-use crate::remesh::{CloudSummary, Options, Remeshed, Signal, check_field, mesh_of_points, remesh};
+use crate::remesh::{CloudSummary, Options, Remeshed, Selection, Signal, check_field, mesh_of_points, remesh};
 use crate::report::{Crossings, Named, Report, shortcomings};
 use crate::surface::attributes::Attributes;
 use crate::surface::points::Points;
@@ -107,6 +107,7 @@ pub(super) fn load(from: &MeshFile, monitor: &dyn Monitor) -> Result<Loaded> {
 struct Fields {
     sizing: Option<Vec<f64>>,
     signals: Vec<Signal>,
+    part: Option<Selection>,
 }
 
 /// What is wanted to be known at the vertices of the input.
@@ -119,7 +120,18 @@ fn fields(input: &Loaded, job: &Remeshing) -> Result<Fields> {
         None => None,
     };
     let signals = signals(&job.properties, input).map_err(|e| e.in_file(&name(&job.input)))?;
-    Ok(Fields { sizing, signals })
+    let part = match &job.select {
+        Some(mark) => Some(selection(input, mark).map_err(|e| e.in_file(&name(&job.input)))?),
+        None => job.options.part.clone(),
+    };
+    Ok(Fields { sizing, signals, part })
+}
+
+/// The marked vertices of the input.
+fn selection(input: &Loaded, mark: &Mark) -> Result<Selection> {
+    let numbers = input.attributes.numbers(&mark.property)?;
+    let is_marked = |number: f64| mark.value.map_or(number != 0.0 && !number.is_nan(), |value| number == value);
+    Ok(Selection::Vertices(numbers.into_iter().map(is_marked).collect()))
 }
 
 /// What was loaded, if it has triangles.
@@ -141,6 +153,11 @@ fn connect_points(
     if !input.mesh.triangles.is_empty() {
         return Ok(None);
     }
+    if fields.part.is_some() {
+        let option = if job.select.is_some() { "select" } else { "within" };
+        let cause = "the input has points and no triangles, so nothing could stay as it is".into();
+        return Err(Error::Option { option, cause, remedy: "make a mesh of it first, by remeshing all of it".into() });
+    }
     let points = Points { positions: std::mem::take(&mut input.mesh.positions), normals: input.attributes.normals() };
     let made = mesh_of_points(&points, &job.cloud, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
     input.attributes = input.attributes.of_vertices(&made.source);
@@ -160,9 +177,9 @@ fn remesh_loaded(
     job: &Remeshing,
     monitor: &dyn Monitor,
 ) -> Result<Remeshed> {
-    let Fields { sizing, signals } = fields;
+    let Fields { sizing, signals, part } = fields;
     let smooth = job.options.smooth.filter(|_| is_mesh);
-    let options = Options { sizing, signals, smooth, ..job.options.clone() };
+    let options = Options { sizing, signals, smooth, part, ..job.options.clone() };
     let mut remeshed = remesh(&input.mesh, &options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
     remeshed.notes.splice(0..0, input.notes.iter().cloned());
     Ok(remeshed)
@@ -184,6 +201,9 @@ fn carry_attributes(
     let mut attributes = std::mem::take(&mut input.attributes);
     lost.iter().for_each(|l| attributes.remove(&l.name));
     let mut carried = carry(&input.mesh, &attributes, &remeshed.mesh);
+    if let Some(kept) = &remeshed.kept {
+        carried.keep(&input.mesh, &attributes, &remeshed.mesh, kept);
+    }
     carried.lost.splice(0..0, lost);
     remeshed.notes.append(&mut carried.notes);
     check(monitor)?;

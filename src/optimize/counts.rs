@@ -39,12 +39,12 @@ pub(super) fn split_longest(domain: &Domain, mesh: &mut Manifold, wanted: usize)
     }
     let entry = |mesh: &Manifold, h: u32| {
         let g = mesh.connectivity.twin(h);
-        (g != NONE).then(|| Ranked::new(mesh.relative_length_squared(h), h.min(g)))
+        (g != NONE && mesh.connectivity.can_split(h)).then(|| Ranked::new(mesh.relative_length_squared(h), h.min(g)))
     };
     let mut heap: BinaryHeap<Ranked> = mesh.half_edges().filter_map(|h| entry(mesh, h)).collect();
     while mesh.connectivity.vertex_count() < wanted {
         let Some(top) = heap.pop() else { return };
-        if mesh.relative_length_squared(top.index) != top.rank {
+        if mesh.relative_length_squared(top.index) != top.rank || !mesh.connectivity.can_split(top.index) {
             continue;
         }
         let Some(v) = mesh.split_at_middle(domain, top.index) else { continue };

@@ -4,10 +4,12 @@
 //! curvature of the surface. A mesh of a quarter of the vertices has a quarter of them, and splitting each of its
 //! triangles in four adds none. Where the surface bends within the longer edges, at tips and in thin parts, a coarser
 //! mesh would lose it: the vertices there are fixed, stay as dense as they are, and their edges are not split.
+//! So are those beside a seam, which stays as dense as it is.
 //!
 //! Cost: a heap operation for each edge that is collapsed, and a sort of the edges that may be split.
 
 use crate::optimize::counts::{collapse_shortest, split_longest};
+use crate::surface::connectivity::{SEAM, next, prev};
 use crate::surface::domain::Domain;
 use crate::surface::manifold::Manifold;
 use crate::surface::topology::NONE;
@@ -26,6 +28,12 @@ const LEAST_FACING: f64 = 0.3;
 /// How far, in spacings of the fine mesh, a vertex that is collapsed may be from the coarse one.
 const TOLERANCE: f64 = 0.25;
 
+/// Rings beside a seam that stay as dense as it is.
+const RINGS_BESIDE_SEAM: usize = 2;
+
+/// Cosine of the angle at which a vertex that is too near sees an edge of the seam: 105 degrees.
+const ENCROACHED: f64 = -0.26;
+
 /// Edges longer than this many fine spacings are to be split: the middle, in ratio, between one spacing and two.
 const SPLIT_ABOVE: f64 = std::f64::consts::SQRT_2;
 
@@ -35,9 +43,56 @@ pub fn fix_all_but_narrow(domain: &Domain, mesh: &mut Manifold, spacing: f64) ->
     mesh.fixed.iter().any(|fixed| !fixed)
 }
 
-/// Fixes all vertices but those that a coarser mesh could not do without because the surface bends there.
+/// Fixes all vertices but those that a coarser mesh could not do without because the surface bends there, or because
+/// they are beside a seam.
 pub fn fix_all_but_bent(mesh: &mut Manifold) {
-    mesh.fixed = mesh.bent(BENT).into_iter().map(|bent| !bent).collect();
+    let beside = beside_seam(mesh);
+    mesh.fixed = mesh.bent(BENT).into_iter().zip(beside).map(|(bent, beside)| !bent && !beside).collect();
+}
+
+/// Takes vertices out that are so near to an edge of the seam that they see it at an obtuse angle. Nothing there can
+/// flip or move out of their way.
+///
+/// J. Ruppert, A Delaunay refinement algorithm for quality 2-dimensional mesh generation, 1995, DOI
+/// 10.1006/jagm.1995.1021, calls such edges encroached, and splits them.
+pub fn clear_seam(mesh: &mut Manifold) {
+    let mut changed = true;
+    while std::mem::take(&mut changed) {
+        for h in mesh.half_edges().filter(|&h| mesh.connectivity.curve(h) == SEAM).collect::<Vec<u32>>() {
+            // Flips after a collapse may have given the number to another half-edge.
+            let is_there = mesh.connectivity.has_half_edge(h) && mesh.connectivity.curve(h) == SEAM;
+            if let Some(into) = (is_there && is_encroached(mesh, h)).then(|| way_out(mesh, h)).flatten() {
+                mesh.collapse(into);
+                changed = true;
+            }
+        }
+    }
+}
+
+/// Whether a vertex that is free to go sees the edge of `h` at an obtuse angle.
+fn is_encroached(mesh: &Manifold, h: u32) -> bool {
+    let [a, b, top] = mesh.connectivity.triangle(h);
+    let [p, q] = [a, b].map(|v| (mesh.position(v) - mesh.position(top)).normalize_or_zero());
+    mesh.connectivity.curve_at(top) == NONE && p.dot(q) < ENCROACHED
+}
+
+/// The half-edge along which the vertex across from the edge of `h` can merge into the nearer end of that, or the other.
+fn way_out(mesh: &Manifold, h: u32) -> Option<u32> {
+    let c = &mesh.connectivity;
+    let mut ways = [prev(h), c.twin(next(h))];
+    ways.sort_by(|&g, &h| mesh.length_squared(g).total_cmp(&mesh.length_squared(h)));
+    ways.into_iter().find(|&h| c.can_collapse(h) && mesh.bend_after_collapse(h) >= LEAST_FACING)
+}
+
+/// The vertices on a seam and in the rings beside it.
+fn beside_seam(mesh: &Manifold) -> Vec<bool> {
+    let c = &mesh.connectivity;
+    let mut beside: Vec<bool> = (0..c.vertex_bound()).map(|v| c.has_vertex(v) && c.is_on_seam(v)).collect();
+    for _ in 0..RINGS_BESIDE_SEAM {
+        let is_next = |v: u32| c.has_vertex(v) && (beside[v as usize] || c.ring(v).any(|w| beside[w as usize]));
+        beside = (0..c.vertex_bound()).map(is_next).collect();
+    }
+    beside
 }
 
 /// The vertices in patches, between curves, that are too narrow for a coarser mesh, and those on the curves around them.
@@ -62,7 +117,9 @@ pub fn fix_tips(mesh: &mut Manifold) {
 /// splitting what is left would give about `wanted` vertices again. `spacing` is that of the fine mesh.
 pub fn coarsen(domain: &Domain, mesh: &mut Manifold, spacing: f64) {
     let narrow = narrow(domain, mesh, spacing);
-    mesh.fixed = mesh.bent(BENT).into_iter().zip(narrow).map(|(bent, narrow)| bent || narrow).collect();
+    let beside = beside_seam(mesh);
+    let as_dense = mesh.bent(BENT).into_iter().zip(narrow).zip(beside);
+    mesh.fixed = as_dense.map(|((bent, narrow), beside)| bent || narrow || beside).collect();
     let fixed = mesh.fixed.iter().filter(|f| **f).count();
     let coarse = fixed + mesh.connectivity.vertex_count().saturating_sub(fixed) / 4;
     coarsen_curves(mesh, spacing);
@@ -89,7 +146,8 @@ pub fn split_to(domain: &Domain, mesh: &Manifold, wanted: usize) -> Manifold {
 
 fn long_edges(mesh: &Manifold, spacing: f64) -> usize {
     let longest = SPLIT_ABOVE * SPLIT_ABOVE * spacing * spacing;
-    mesh.edges().filter(|&h| mesh.relative_length_squared(h) > longest).count()
+    let may_split = |h: u32| mesh.connectivity.can_split(h) && mesh.relative_length_squared(h) > longest;
+    mesh.edges().filter(|&h| may_split(h)).count()
 }
 
 /// Takes every other vertex out of each curve, so that splitting puts as many back.

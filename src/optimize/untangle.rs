@@ -215,6 +215,7 @@ fn step_off(domain: &Domain, mesh: &mut Manifold, v: u32, way: DVec3) -> bool {
     let here = mesh.samples[v as usize];
     let there = Sample { position: here.position + way, ..here };
     let may = way != DVec3::ZERO
+        && !mesh.connectivity.is_on_seam(v)
         && is_near_surface(domain, mesh, v, &there)
         && mesh.worst_facing(v, &there) >= mesh.worst_facing(v, &here).min(LEAST_FACING);
     if may {

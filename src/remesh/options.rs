@@ -3,6 +3,7 @@
 use crate::base::error::{Error, Result};
 use crate::remesh::cloud::check_smooth;
 use crate::remesh::kernel::{Signal, check_kernel};
+use crate::remesh::within::Selection;
 use crate::surface::features::Features;
 
 /// How dense the result shall be. Each says it all.
@@ -64,6 +65,9 @@ pub struct Options {
     /// Noise is smoothed away first: vertices move to the implicit surface of all of them, on which each reaches as far as
     /// so many mean distances of neighbouring ones. Default: `None`, they stay where they are.
     pub smooth: Option<f64>,
+    /// The part that is remeshed; everything else stays as it is, and the density is that of the part: [`Density::Points`]
+    /// counts the vertices strictly inside of it, those on its seam with the rest not included. Default: `None`, all.
+    pub part: Option<Selection>,
     /// How far any point of the result may be from the repaired input, and any point of that from the result. Default:
     /// `None`, as near as the vertices allow on average.
     pub max_error: Option<MaxError>,
@@ -87,6 +91,7 @@ impl Default for Options {
             signals: Vec::new(),
             sizing: None,
             smooth: None,
+            part: None,
             max_error: None,
             optimize: true,
             sweeps: 10,
@@ -126,6 +131,11 @@ impl Options {
         }
         check_smooth(self.smooth)?;
         check_kernel(self.sigma_n, &self.signals)?;
+        self.part.as_ref().map_or(Ok(()), Selection::validate)?;
+        if self.part.is_some() && self.smooth.is_some() {
+            let cause = "smoothing would move what is not in the part to remesh".into();
+            return Err(Error::Option { option: "smooth", cause, remedy: "smooth all of it first".into() });
+        }
         if self.has_kernel() && (self.adapt > 0.0 || self.sizing.is_some()) {
             let cause = "edge lengths cannot follow the kernel and the shape or a field at the same time".into();
             let remedy = "leave out adapt and sizing, or sigma-n and sigma".into();

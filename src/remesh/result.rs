@@ -1,6 +1,7 @@
 //! What the pipeline gives back: the mesh, whether it is what was asked for, and what a user should know about it.
 
 use crate::surface::mesh::Mesh;
+use crate::surface::part::Kept;
 use crate::surface::repair::Repairs;
 use crate::surface::topology::Topology;
 use glam::DVec3;
@@ -38,6 +39,9 @@ pub struct Remeshed {
     pub crossing_faces_of_input: Option<usize>,
     /// How far the result is from the repaired input; `None` if no bound was asked for.
     pub deviation: Option<Deviation>,
+    /// What of the input came through untouched, if only a part of it was remeshed: its vertices and triangles are the
+    /// first ones of the result.
+    pub kept: Option<Kept>,
     /// Things a user should know, a sentence each.
     pub notes: Vec<String>,
 }

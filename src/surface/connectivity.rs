@@ -6,6 +6,8 @@
 //!
 //! Edges can be laid on curves: sharp edges of the surface and its boundary. Such an edge is never flipped, a vertex on
 //! a curve merges along it only, and one where curves meet or end, a corner, not at all. So curves stay what they are.
+//! Edges of a seam, along which the mesh will be joined to another one, and of the triangles at it are not split either,
+//! and the ends of those are corners: a seam stays as it is to the last edge.
 //!
 //! Removed triangles and vertices leave gaps until [`Connectivity::compact`].
 
@@ -25,6 +27,9 @@ pub fn prev(h: u32) -> u32 {
 
 /// In the place of a curve's number: a vertex where curves meet or end.
 pub const CORNER: u32 = NONE - 1;
+
+/// In the place of a curve's number: the seam.
+pub const SEAM: u32 = NONE - 2;
 
 /// Triangles and their neighbours.
 #[derive(Debug, Clone, Default)]
@@ -248,10 +253,27 @@ impl Connectivity {
         }
     }
 
-    /// Takes all edges and vertices off their curves.
+    /// Whether `v` is an end of an edge of the seam, which is on the boundary.
+    pub fn is_on_seam(&self, v: u32) -> bool {
+        let on_seam = |h: u32| self.twin(h) == NONE && self.curve(h) == SEAM;
+        self.is_boundary(v) && self.outgoing(v).any(|h| on_seam(h) || on_seam(prev(h)))
+    }
+
+    /// Whether the edge of `h` can be split: not those of a triangle at the seam. Vertices between its ends and the corner
+    /// across would pile up along it.
+    pub fn can_split(&self, h: u32) -> bool {
+        let sides = [h, self.twin(h)].into_iter().filter(|&h| h != NONE).flat_map(|h| [h, next(h), prev(h)]);
+        sides.into_iter().all(|side| self.curve(side) != SEAM)
+    }
+
+    /// Takes all edges and vertices off their curves, but for those of the seam.
     pub fn forget_curves(&mut self) {
-        self.curve.fill(NONE);
-        self.curve_at.fill(NONE);
+        self.curve.iter_mut().filter(|curve| **curve != SEAM).for_each(|curve| *curve = NONE);
+        for v in 0..self.vertex_bound() {
+            if !self.has_vertex(v) || !self.is_on_seam(v) {
+                self.curve_at[v as usize] = NONE;
+            }
+        }
     }
 
     /// The link condition: whether merging the origin of `h` into its target leaves a manifold of the same topology.

@@ -28,6 +28,9 @@ pub struct Curve {
     pub sides: Vec<u32>,
     /// Whether it has no ends.
     pub closed: bool,
+    /// Whether it is an edge of the seam, along which the surface is cut out of a larger one: it is one edge of every
+    /// mesh, too.
+    pub seam: bool,
 }
 
 /// All curves of a surface.
@@ -46,10 +49,13 @@ pub struct Curves {
 }
 
 impl Curves {
-    /// The curves of a surface that is cut open along its sharp edges. `spacing` is that of the samples.
-    pub fn new(cut: &Cut, spacing: f64) -> Self {
+    /// The curves of a surface that is cut open along its sharp edges. `spacing` is that of the samples; `seam` has the
+    /// ends of each edge of the seam, in increasing order, with the surface on the left of the way between them. On the
+    /// boundary that way may be several sides.
+    pub fn new(cut: &Cut, spacing: f64, seam: &[[u32; 2]]) -> Self {
         let mut net = Net::new(cut);
-        let list: Vec<Curve> = net.curves().into_iter().flat_map(|c| net.split_at_turns(c, spacing)).collect();
+        seam.iter().flatten().for_each(|&v| net.corner[v as usize] = true);
+        let list: Vec<Curve> = net.curves(seam).into_iter().flat_map(|c| net.split_at_turns(c, spacing)).collect();
         let mut of_side = vec![NONE; cut.twin.len()];
         for (curve, number) in list.iter().zip(0u32..) {
             for &side in &curve.sides {
@@ -147,13 +153,13 @@ impl<'a> Net<'a> {
     }
 
     /// All curves between vertices where they meet or end, and the closed ones.
-    fn curves(&self) -> Vec<Curve> {
+    fn curves(&self, seam: &[[u32; 2]]) -> Vec<Curve> {
         let mut used = vec![false; self.cut.twin.len()];
         let mut curves = Vec::new();
         // Those that begin at a corner first; what is left after them is closed.
         let (first, rest): (Vec<_>, Vec<_>) = self.out.iter().partition(|o| self.corner[o.0 as usize]);
         for (_, begin) in first.into_iter().chain(rest) {
-            let mut curve = Curve { sides: Vec::new(), closed: true };
+            let mut curve = Curve { closed: true, ..Curve::default() };
             let mut side = begin;
             while !used[side as usize] {
                 for s in [side, self.cut.across[side as usize]].into_iter().filter(|&s| s != NONE) {
@@ -165,7 +171,9 @@ impl<'a> Net<'a> {
                     None => curve.closed = false,
                 }
             }
-            if !curve.sides.is_empty() {
+            if let (Some(&first), Some(&last)) = (curve.sides.first(), curve.sides.last()) {
+                let between = [self.ends(first)[0], self.ends(last)[1]];
+                curve.seam = self.cut.across[first as usize] == NONE && seam.binary_search(&between).is_ok();
                 curves.push(curve);
             }
         }
@@ -174,7 +182,7 @@ impl<'a> Net<'a> {
 
     /// The parts of a curve between the vertices where it turns sharply, which become corners.
     fn split_at_turns(&mut self, mut curve: Curve, spacing: f64) -> Vec<Curve> {
-        let turns = Polyline::new(self, &curve).turns(spacing);
+        let turns = if curve.seam { Vec::new() } else { Polyline::new(self, &curve).turns(spacing) };
         let Some(&first) = turns.first() else { return vec![curve] };
         for &i in &turns {
             let [at, _] = self.ends(curve.sides[i]);
@@ -188,7 +196,7 @@ impl<'a> Net<'a> {
             cuts.insert(0, 0);
         }
         cuts.push(curve.sides.len());
-        cuts.windows(2).map(|c| Curve { sides: curve.sides[c[0]..c[1]].to_vec(), closed: false }).collect()
+        cuts.windows(2).map(|c| Curve { sides: curve.sides[c[0]..c[1]].to_vec(), ..Curve::default() }).collect()
     }
 }
 
@@ -262,7 +270,7 @@ mod tests {
         let twin = twins(&mesh.triangles);
         let sharp = sharp_sides(&mesh, &twin, features, 0.01);
         let cut = cut(mesh, twin, &sharp);
-        let curves = Curves::new(&cut, 0.1);
+        let curves = Curves::new(&cut, 0.1, &[]);
         (cut, curves)
     }
 

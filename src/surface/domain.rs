@@ -45,6 +45,8 @@ pub struct Domain {
     pub(super) vertex_normals: Vec<DVec3>,
     /// The wanted edge length at each vertex, relative to the mean spacing; empty if it is 1 everywhere.
     sizes: Vec<f64>,
+    /// See [`Curves::new`].
+    seam: Vec<[u32; 2]>,
     pub(super) bvh: Bvh,
 }
 
@@ -73,16 +75,22 @@ impl Domain {
     /// The domain over `mesh`, which has to be an oriented 2-manifold, with the sharp edges that `features` says.
     /// `spacing` is that of the samples, in the units of the mesh.
     pub fn with_features(mesh: Mesh, features: Features, spacing: f64) -> Domain {
+        Domain::with_seam(mesh, features, spacing, Vec::new())
+    }
+
+    /// [`Self::with_features`] over a part of a larger mesh. `seam` has the ends of the edges along which it is cut out,
+    /// in increasing order, with the part on the left of the way between them.
+    pub fn with_seam(mesh: Mesh, features: Features, spacing: f64, seam: Vec<[u32; 2]>) -> Domain {
         let twin = twins(&mesh.triangles);
         let sharp = sharp_sides(&mesh, &twin, features, spacing);
         let cut = cut(mesh, twin, &sharp);
         let (curves, (vertex_normals, bvh)) = rayon::join(
-            || Curves::new(&cut, spacing),
+            || Curves::new(&cut, spacing, &seam),
             || rayon::join(|| vertex_normals(&cut.mesh), || Bvh::new(&cut.mesh)),
         );
         let Cut { mesh, twin, across, original } = cut;
         let piece = components(mesh.positions.len(), &mesh.triangles);
-        Domain { mesh, twin, across, original, piece, curves, vertex_normals, sizes: Vec::new(), bvh }
+        Domain { mesh, twin, across, original, piece, curves, vertex_normals, sizes: Vec::new(), seam, bvh }
     }
 
     /// Wants edges of these lengths, relative to the mean spacing, at the vertices, instead of 1 everywhere. Vertices
@@ -100,13 +108,13 @@ impl Domain {
 
     /// This domain with its sharp edges smoothed over.
     pub fn smooth(self) -> Domain {
-        let Domain { mut mesh, original, mut sizes, .. } = self;
+        let Domain { mut mesh, original, mut sizes, seam, .. } = self;
         mesh.triangles.iter_mut().flatten().for_each(|v| *v = original[*v as usize]);
         // The first copy of a vertex has its number, further ones come after all others.
         let count = original.iter().zip(0..).take_while(|&(&v, i)| v == i).count();
         mesh.positions.truncate(count);
         sizes.truncate(count);
-        Domain { sizes, ..Domain::new(mesh) }
+        Domain { sizes, ..Domain::with_seam(mesh, Features::Smooth, f64::INFINITY, seam) }
     }
 
     /// The number of curves along sharp edges.

@@ -273,7 +273,7 @@ impl Manifold {
             number[v as usize] = n;
         }
         let mut samples: Vec<Sample> = old.iter().map(|&v| self.samples[v as usize]).collect();
-        let mut edges: Vec<u32> = self.edges().collect();
+        let mut edges: Vec<u32> = self.edges().filter(|&h| self.connectivity.can_split(h)).collect();
         let length = |h: u32| self.relative_length_squared(h);
         edges.sort_by(|&g, &h| length(h).total_cmp(&length(g)).then(g.cmp(&h)));
         let mut edges = edges.into_iter();

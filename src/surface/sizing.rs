@@ -44,7 +44,7 @@ const SMALLEST_RADIUS: f64 = 0.1;
 /// Largest gradient of the length: how much longer edges may be for each length of an edge gone. With 0.15 three animals
 /// at A = 1 are no nearer to the input than with 0.1, and have worse triangles. Whoever gives a field knows better.
 const ADAPTED_GRADIENT: f64 = 0.1;
-const FIELD_GRADIENT: f64 = 0.2;
+pub(super) const FIELD_GRADIENT: f64 = 0.2;
 
 /// Steps of the random walks that a mean is taken over: inputs whose edges are a tenth of the spacing need a hundred.
 const MOST_STEPS: f64 = 100.0;
@@ -124,7 +124,7 @@ fn scale(lengths: &mut [f64], factor: f64) {
 }
 
 /// The neighbours of vertices.
-struct Graph {
+pub(super) struct Graph {
     /// Where each vertex's neighbours begin; one more entry than vertices.
     start: Vec<u32>,
     neighbours: Vec<u32>,
@@ -137,7 +137,7 @@ impl Graph {
     }
 
     /// Those of the vertices of a domain as they were before sharp edges were cut; further copies of them have none.
-    fn whole(domain: &Domain) -> Graph {
+    pub(super) fn whole(domain: &Domain) -> Graph {
         let on_boundary = |side: usize| domain.twin[side] == NONE && domain.across[side] == NONE;
         Graph::new(domain, |v| domain.original[v as usize], on_boundary)
     }
@@ -177,7 +177,7 @@ impl Graph {
 
 /// `lengths` such that none exceeds that of a neighbour by more than `slope` times their distance. `graph` is that of
 /// the whole domain: copies of a vertex get the same length.
-fn limited(domain: &Domain, graph: &Graph, mut lengths: Vec<f64>, slope: f64) -> Vec<f64> {
+pub(super) fn limited(domain: &Domain, graph: &Graph, mut lengths: Vec<f64>, slope: f64) -> Vec<f64> {
     for (v, &first) in domain.original.iter().enumerate() {
         lengths[first as usize] = lengths[first as usize].min(lengths[v]);
     }

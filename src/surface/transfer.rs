@@ -18,8 +18,9 @@ use crate::surface::attributes::{Attribute, Attributes, Lost, Materials};
 use crate::surface::bvh::Bvh;
 use crate::surface::domain::vertex_normals;
 use crate::surface::mesh::Mesh;
+use crate::surface::part::Kept;
 use crate::surface::topology::NONE;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 /// What got through, and what did not.
@@ -82,6 +83,33 @@ pub fn carry(input: &Mesh, attributes: &Attributes, output: &Mesh) -> Carried {
 }
 
 impl Carried {
+    /// Gives vertices and triangles of `output` that are those of `input` the `attributes` that they have there, where
+    /// the output has such attributes.
+    pub fn keep(&mut self, input: &Mesh, attributes: &Attributes, output: &Mesh, kept: &Kept) {
+        let vertices = || (0..).zip(&kept.vertices).filter(|v| *v.1 != NONE).map(|(new, &old)| (new, old as usize));
+        let triangles = || (0..).zip(&kept.triangles).filter(|t| *t.1 != NONE).map(|(new, &old)| (new, old as usize));
+        for attribute in &mut self.attributes.vertex {
+            let n = attribute.components;
+            let Some(own) = attributes.get(&attribute.name).filter(|own| own.values.len() == n * input.positions.len())
+            else {
+                continue;
+            };
+            vertices().for_each(|(new, old): (usize, _)| attribute.values[new * n..][..n].copy_from_slice(own.of(old)));
+        }
+        if let (Some(materials), Some(own)) = (&mut self.attributes.materials, &attributes.materials) {
+            triangles().for_each(|(new, old): (usize, _)| materials.of_triangle[new] = own.of_triangle[old]);
+        }
+        if self.attributes.texture.is_empty() {
+            return;
+        }
+        for (new, old) in triangles() {
+            // The corners may begin elsewhere, or go the other way.
+            let own = input.corners(old);
+            let same = |p: DVec3| own.iter().position(|&q| q == p).map_or(DVec2::NAN, |k| attributes.texture[old][k]);
+            self.attributes.texture[new] = output.corners(new).map(same);
+        }
+    }
+
     fn add_texture(&mut self, surface: &Surface, of: &Attributes, output: &Mesh, feet: &[Foot], centres: &[Foot]) {
         if of.texture.is_empty() {
             return;
