@@ -4,6 +4,7 @@ mod cloud;
 mod follow;
 mod kernel;
 mod options;
+mod reconstruct;
 mod result;
 mod sample;
 mod scale;
@@ -48,6 +49,7 @@ use unit::Unit;
 pub use cloud::{CloudOptions, CloudSummary, MeshOfPoints, NormalFit, Reach, mesh_of_points};
 pub use kernel::Signal;
 pub use options::{Density, FEWEST_POINTS, MOST_POINTS, MaxError, Options, check_field};
+pub use reconstruct::{DEFAULT_REACH, ReconstructOptions, Reconstructed, points_of_mesh, reconstruct};
 pub use result::{Deviation, Remeshed};
 pub use sample::{SampleOptions, Sampled, sample, sample_points};
 

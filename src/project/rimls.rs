@@ -41,6 +41,8 @@ pub struct Rimls<'a> {
     normals: &'a [DVec3],
     /// How far each reaches.
     reaches: Vec<f64>,
+    /// The same in spacings.
+    reach: f64,
     near: &'a Neighbors,
     longest: f64,
 }
@@ -68,7 +70,28 @@ impl<'a> Rimls<'a> {
     ) -> Self {
         let reaches: Vec<f64> = spacings.iter().map(|s| reach * s).collect();
         let longest = reaches.iter().copied().fold(0.0, f64::max);
-        Rimls { positions, normals, reaches, near, longest }
+        Rimls { positions, normals, reaches, reach, near, longest }
+    }
+
+    /// How far apart points are around point `p`.
+    pub fn spacing(&self, p: u32) -> f64 {
+        self.reaches[p as usize] / self.reach
+    }
+
+    /// The mean of [`Self::spacing`].
+    pub fn mean_spacing(&self) -> f64 {
+        self.reaches.iter().sum::<f64>() / (self.reach * self.reaches.len() as f64)
+    }
+
+    /// The farthest that any point reaches.
+    pub fn longest_reach(&self) -> f64 {
+        self.longest
+    }
+
+    /// The point nearest to `x` and its normal; `None` without points. `found` is working space.
+    pub fn nearest(&self, x: DVec3, found: &mut Vec<Neighbor>) -> Option<(Neighbor, DVec3)> {
+        self.near.collect_nearest(x, 1, found);
+        found.first().map(|n| (*n, self.normals[n.point as usize]))
     }
 
     /// f and its gradient at `x`; `None` where no point reaches. `found` is working space.
