@@ -84,6 +84,24 @@ impl Lattice {
         self.origin + 0.5 * self.edge * DVec3::new(j + k - i, k + i - j, i + j - k)
     }
 
+    /// The values at vertices, block by block.
+    fn values(&self, keys: &[u64], field: &impl Field) -> Band {
+        let mut order: Vec<u64> = keys.to_vec();
+        order.par_sort_unstable_by_key(|&key| (key & BLOCKS, key));
+        let blocks: Vec<&[u64]> = order.chunk_by(|a, b| a & BLOCKS == b & BLOCKS).collect();
+        let of_block = |block: &[u64]| {
+            let corner = block[0] & BLOCKS;
+            let middle = 0.5 * (self.place(corner) + self.place(corner | !BLOCKS));
+            let mut local = field.local(middle, BLOCK_RADIUS * self.edge);
+            let value = |&key: &u64| (key, field.value(&mut local, self.place(key)).unwrap_or(f64::NAN));
+            block.iter().map(value).collect::<Vec<(u64, f64)>>()
+        };
+        let mut found: Vec<(u64, f64)> = blocks.par_iter().flat_map_iter(|block| of_block(block)).collect();
+        found.par_sort_unstable_by_key(|f| f.0);
+        let (keys, values) = found.into_iter().unzip();
+        Band { keys, values }
+    }
+
     /// The first corner of the cell that `x` is in.
     fn cell(&self, x: DVec3) -> u64 {
         let p = (x - self.origin) / self.edge;
@@ -97,6 +115,24 @@ const fn way(axes: u32) -> u64 {
     (axes as u64 & 1) << 42 | (axes as u64 >> 1 & 1) << 21 | axes as u64 >> 2
 }
 
+/// A function of space.
+pub trait Field: Sync {
+    /// What values in some ball have in common.
+    type Local;
+
+    /// What values within `radius` of `centre` have in common.
+    fn local(&self, centre: DVec3, radius: f64) -> Self::Local;
+
+    /// The value at `x`, in the ball that `local` is for; `None` if there is none.
+    fn value(&self, local: &mut Self::Local, x: DVec3) -> Option<f64>;
+}
+
+/// Bits of a coordinate that count within a block of vertices, which get their values together; the mask of the others in
+/// a key; and how far its vertices are from its middle in edge lengths: 3/2 (b₁ + b₂ - b₃).
+const BLOCK_BITS: u64 = 2;
+const BLOCKS: u64 = !(((1 << BLOCK_BITS) - 1) * way(ALL));
+const BLOCK_RADIUS: f64 = 2.5;
+
 /// Vertices of the lattice with their values.
 #[derive(Default)]
 struct Band {
@@ -106,16 +142,16 @@ struct Band {
     values: Vec<f64>,
 }
 
-/// The triangles where `value` is zero, counter-clockwise seen from where it is positive, of all of the surface that is
-/// connected to the cells of `seeds` by places with values; `W` is working space.
+/// The triangles where `field` is zero, counter-clockwise seen from where it is positive, of all of the surface that is
+/// connected to the cells of `seeds` by places with values.
 ///
 /// # Errors
 /// [`Error::Option`] if that takes more than `most` vertices of the lattice; [`Error::Cancelled`] if the monitor asks for
 /// it.
-pub fn contour<W: Default + Send>(
+pub fn contour(
     lattice: &Lattice,
     seeds: &[DVec3],
-    value: impl Fn(DVec3, &mut W) -> Option<f64> + Sync,
+    field: &impl Field,
     most: usize,
     monitor: &dyn Monitor,
 ) -> Result<Mesh> {
@@ -129,9 +165,7 @@ pub fn contour<W: Default + Send>(
             return Err(too_many(most));
         }
         check(monitor)?;
-        let work = |w: &mut W, &key: &u64| value(lattice.place(key), w).unwrap_or(f64::NAN);
-        let values = new.par_iter().map_init(W::default, work).collect();
-        band.merge(Band { keys: new.clone(), values });
+        band.merge(lattice.values(&new, field));
         new = band.next_wave(&new);
     }
     check(monitor)?;
@@ -326,10 +360,26 @@ mod tests {
     use crate::surface::topology::topology;
     use glam::dvec3;
 
+    struct Function<F>(F);
+
+    impl<F: Fn(DVec3) -> Option<f64> + Sync> Field for Function<F> {
+        /// The ball.
+        type Local = (DVec3, f64);
+
+        fn local(&self, centre: DVec3, radius: f64) -> (DVec3, f64) {
+            (centre, radius)
+        }
+
+        fn value(&self, (centre, radius): &mut (DVec3, f64), x: DVec3) -> Option<f64> {
+            assert!(x.distance(*centre) < 1.001 * *radius);
+            (self.0)(x)
+        }
+    }
+
     fn contour_of(f: impl Fn(DVec3) -> Option<f64> + Sync, seeds: &[DVec3], edge: f64) -> Mesh {
         let corners = [DVec3::splat(-2.0), DVec3::splat(2.0)];
         let lattice = Lattice::around(&corners, 0.0, edge).unwrap();
-        contour(&lattice, seeds, |x, (): &mut ()| f(x), 1 << 20, &()).unwrap()
+        contour(&lattice, seeds, &Function(f), 1 << 20, &()).unwrap()
     }
 
     /// A place of the unit sphere that is no extreme one.
@@ -408,8 +458,8 @@ mod tests {
     #[test]
     fn what_takes_too_much_is_refused() {
         let lattice = Lattice::around(&[DVec3::splat(-2.0), DVec3::splat(2.0)], 0.0, 0.1).unwrap();
-        let all = |x: DVec3, (): &mut ()| Some(x.length() - 1.0);
-        let said = contour(&lattice, &[SEED], all, 100, &()).unwrap_err().to_string();
+        let all = Function(|x: DVec3| Some(x.length() - 1.0));
+        let said = contour(&lattice, &[SEED], &all, 100, &()).unwrap_err().to_string();
         assert!(said.contains("more than 100 corners"), "{said}");
     }
 }

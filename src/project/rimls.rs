@@ -100,6 +100,44 @@ impl<'a> Rimls<'a> {
         self.value_of(x, found)
     }
 
+    /// What values within `radius` of `centre` take.
+    pub fn local(&self, centre: DVec3, radius: f64) -> Local {
+        let mut local = Local::default();
+        let found = &mut local.found;
+        self.near.collect_nearest(centre, 1, found);
+        let Some(distance) = found.first().map(|n| n.distance_squared.sqrt()) else { return local };
+        // The nearest point of any place in the ball is among these.
+        self.near.collect_within(centre, distance + 2.0 * radius, found);
+        let longest = found.iter().map(|n| self.reaches[n.point as usize]).fold(0.0, f64::max);
+        let reach = (2.0 * longest).min(self.longest);
+        if distance <= reach + radius {
+            self.near.collect_within(centre, reach + radius, found);
+            local.points.extend(found.iter().map(|n| n.point));
+            local.points.sort_unstable();
+        }
+        local
+    }
+
+    /// [`Self::value`] at a place that `local` is for, and the nearest point.
+    pub fn value_in(&self, local: &mut Local, x: DVec3) -> Option<(Value, Neighbor)> {
+        let Local { points, found } = local;
+        let neighbor =
+            |&point: &u32| Neighbor { point, distance_squared: self.positions[point as usize].distance_squared(x) };
+        found.clear();
+        found.extend(points.iter().map(neighbor));
+        let nearest = *found.iter().min_by(|a, b| a.distance_squared.total_cmp(&b.distance_squared))?;
+        let radius = self.radius(nearest.point);
+        let counts = |n: &Neighbor| n.distance_squared < radius.min(self.reaches[n.point as usize]).powi(2);
+        found.retain(counts);
+        Some((self.value_of(x, found)?, nearest))
+    }
+
+    /// How far from a place points may be that reach it, if `nearest` is the one nearest to it: those around that one
+    /// reach about as far as it does.
+    fn radius(&self, nearest: u32) -> f64 {
+        (2.0 * self.reaches[nearest as usize]).min(self.longest)
+    }
+
     /// The point of the surface near `x`, and the unit normal there; `None` if there is none within reach. `found` is
     /// working space.
     pub fn project(&self, x: DVec3, found: &mut Vec<Neighbor>) -> Option<(DVec3, DVec3)> {
@@ -119,6 +157,15 @@ impl<'a> Rimls<'a> {
         Some((at, normal))
     }
 
+    /// For each point a place near it that is on the surface to first order.
+    pub fn seeds(&self) -> Vec<DVec3> {
+        let seed = |found: &mut Vec<Neighbor>, &x: &DVec3| {
+            let value = self.value(x, found).filter(|v| v.gradient != DVec3::ZERO);
+            value.map_or(x, |Value { f, gradient, .. }| x - f * gradient / gradient.length_squared())
+        };
+        self.positions.par_iter().map_init(Vec::new, seed).collect()
+    }
+
     /// All points projected; where one has lost the surface it stays, with its normal.
     pub fn smoothed(&self) -> (Vec<DVec3>, Vec<DVec3>) {
         let project = |found: &mut Vec<Neighbor>, p: usize| {
@@ -131,8 +178,7 @@ impl<'a> Rimls<'a> {
     fn collect(&self, x: DVec3, found: &mut Vec<Neighbor>) {
         self.near.collect_nearest(x, 1, found);
         let Some(nearest) = found.first().copied() else { return };
-        // Those around it reach about as far as it does.
-        let radius = (2.0 * self.reaches[nearest.point as usize]).min(self.longest);
+        let radius = self.radius(nearest.point);
         if nearest.distance_squared > radius * radius {
             found.clear();
             return;
@@ -166,6 +212,15 @@ impl<'a> Rimls<'a> {
         }
         last
     }
+}
+
+/// The points that values in some ball take, found once for all of them.
+#[derive(Debug, Default)]
+pub struct Local {
+    /// In ascending order.
+    points: Vec<u32>,
+    /// Working space.
+    found: Vec<Neighbor>,
 }
 
 /// Weighted sums over points that a value follows from.
@@ -237,6 +292,27 @@ mod tests {
         assert_relative_eq!(f, 0.7, epsilon = 1e-12);
         assert!(gradient.distance(DVec3::Z) < 1e-9);
         assert_eq!(surface.value(DVec3::new(9.3, 8.6, 6.0), &mut Vec::new()), None);
+    }
+
+    #[test]
+    fn values_in_a_ball_are_the_same() {
+        let mut rng = stream(2, Stage::Scan);
+        let (positions, normals) = sphere(900, 0.02, &mut rng);
+        let near = Neighbors::new(&positions);
+        let spacings: Vec<f64> = positions.iter().map(|p| 0.12 + 0.05 * p.x).collect();
+        let surface = Rimls::new(&positions, &normals, &near, &spacings, 2.2);
+        let mut found = Vec::new();
+        for centre in [DVec3::X, DVec3::new(-0.5, 0.8, 0.2), DVec3::new(0.0, 1.2, 0.0), DVec3::splat(9.0)] {
+            let mut local = surface.local(centre, 0.2);
+            for _ in 0..100 {
+                let x = centre
+                    + 0.2 * DVec3::new(unit(&mut rng), unit(&mut rng), unit(&mut rng)).normalize() * unit(&mut rng);
+                let (one, other) = (surface.value(x, &mut found), surface.value_in(&mut local, x));
+                assert_eq!(one.is_some(), other.is_some());
+                let Some((one, (other, nearest))) = one.zip(other) else { continue };
+                assert!((one.f - other.f).abs() < 1e-12 && nearest == found[0]);
+            }
+        }
     }
 
     #[test]

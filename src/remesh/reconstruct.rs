@@ -1,7 +1,6 @@
 //! From points to triangles all over their robust implicit surface: densely, and without a wanted number of vertices.
 
-use crate::base::error::Error;
-use crate::base::error::Result;
+use crate::base::error::{Error, Result};
 use crate::base::progress::{Monitor, check};
 use crate::project::extract::extract;
 use crate::project::lattice::{BYTES_PER_VERTEX, Lattice};
@@ -9,7 +8,7 @@ use crate::project::rimls::Rimls;
 use crate::remesh::cloud::{CloudOptions, CloudSummary, Prepared, face_outwards, no_surface, prepared};
 use crate::remesh::options::check_length;
 use crate::surface::mesh::Mesh;
-use crate::surface::points::{Points, keep};
+use crate::surface::points::Points;
 use crate::surface::repair::repair;
 use crate::surface::topology::{Topology, topology};
 
