@@ -46,10 +46,10 @@ use result::notes;
 use scale::{Field, Scale};
 use unit::Unit;
 
-pub use cloud::{CloudOptions, CloudSummary, MeshOfPoints, NormalFit, Reach, mesh_of_points};
+pub use cloud::{CloudOptions, CloudSummary, DEFAULT_REACH, MeshOfPoints, NormalFit, Reach, mesh_of_points};
 pub use kernel::Signal;
 pub use options::{Density, FEWEST_POINTS, MOST_POINTS, MaxError, Options, check_field};
-pub use reconstruct::{DEFAULT_REACH, ReconstructOptions, Reconstructed, points_of_mesh, reconstruct};
+pub use reconstruct::{ReconstructOptions, Reconstructed, points_of_mesh, reconstruct};
 pub use result::{Deviation, Remeshed};
 pub use sample::{SampleOptions, Sampled, sample, sample_points};
 

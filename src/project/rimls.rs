@@ -16,6 +16,8 @@
 //! Limits: where no point reaches there is no surface. Planes lie outside of what is convex, so the surface does by about
 //! (h/4)² over the radius of curvature.
 
+use crate::surface::domain::Sample;
+use crate::surface::lift::Surface;
 use crate::surface::neighbors::{Neighbor, Neighbors};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -29,6 +31,12 @@ const SIGMA_N: f64 = 0.8;
 /// Rounds of weighting at one place, and steps of a projection: more do not change the third digit.
 const ROUNDS: usize = 3;
 const STEPS: usize = 6;
+
+/// How far from the nearest point the cloud is taken to go on, in spacings there.
+const BORDER: f64 = 0.9;
+
+/// Shares of a step that are tried where all of it would lead past a border.
+const SHORTER: [f64; 3] = [1.0, 0.5, 0.25];
 
 /// A projection has arrived when it moves by less than this share of the reach.
 const ARRIVED: f64 = 1e-4;
@@ -157,6 +165,17 @@ impl<'a> Rimls<'a> {
         Some((at, normal))
     }
 
+    /// The sample of the surface near `x`, whose triangle is the number of the nearest point; `None` where the cloud has
+    /// ended.
+    pub fn sample(&self, x: DVec3) -> Option<Sample> {
+        let mut found = Vec::new();
+        let (position, normal) = self.project(x, &mut found)?;
+        let (nearest, _) = self.nearest(position, &mut found)?;
+        let farthest = BORDER * self.spacing(nearest.point);
+        let sample = Sample { position, normal, triangle: nearest.point, size: 1.0 };
+        (nearest.distance_squared <= farthest * farthest).then_some(sample)
+    }
+
     /// For each point a place near it that is on the surface to first order.
     pub fn seeds(&self) -> Vec<DVec3> {
         let seed = |found: &mut Vec<Neighbor>, &x: &DVec3| {
@@ -211,6 +230,14 @@ impl<'a> Rimls<'a> {
             last = Some(sums.value()?);
         }
         last
+    }
+}
+
+impl Surface for Rimls<'_> {
+    /// A step over the border of the cloud is shorter, or none.
+    fn follow(&self, from: &Sample, way: DVec3) -> Sample {
+        let way = way.reject_from_normalized(from.normal);
+        SHORTER.iter().find_map(|share| self.sample(from.position + share * way)).unwrap_or(*from)
     }
 }
 

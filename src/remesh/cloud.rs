@@ -60,6 +60,17 @@ impl CloudOptions {
     }
 }
 
+impl CloudOptions {
+    /// The same for points whose coordinates were divided by `size`.
+    pub(super) fn within_unit(&self, size: f64) -> CloudOptions {
+        let neighborhood = self.neighborhood.map(|reach| match reach {
+            Reach::Radius(radius) => Reach::Radius(radius / size),
+            count => count,
+        });
+        CloudOptions { neighborhood, fill_holes: self.fill_holes / size, ..*self }
+    }
+}
+
 /// Refuses a reach of points that makes no surface.
 pub(super) fn check_smooth(reach: Option<f64>) -> Result<()> {
     let refuse = |reach: f64| {
@@ -122,6 +133,13 @@ const DEGREE: usize = 16;
 const FEW_NEIGHBORS: usize = 8;
 const MANY_NEIGHBORS: usize = 16;
 
+/// How far points reach on their implicit surface, in their spacings, if nothing else is asked for: no farther than it takes
+/// to have no holes between them.
+pub const DEFAULT_REACH: f64 = 2.2;
+
+/// The area of a point in squares of its spacing, which is the distance of the sixth neighbour.
+const AREA_OF_SPACING: f64 = 0.6;
+
 /// Share of neighbours with normals to other sides from which on normals that were given are not believed.
 const MOST_DISAGREEMENT: f64 = 0.01;
 
@@ -142,6 +160,11 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
+    /// About the area of their surface, in squared units of the input.
+    pub fn area(&self) -> f64 {
+        self.spacings.iter().map(|s| AREA_OF_SPACING * s * s).sum()
+    }
+
     /// Whether which side is outside is not known from any of the input's normals.
     pub fn has_no_outside(&self) -> bool {
         self.summary.estimated_normals == self.source.len()

@@ -5,7 +5,7 @@ use crate::base::progress::{Monitor, check};
 use crate::project::extract::extract;
 use crate::project::lattice::{BYTES_PER_VERTEX, Lattice};
 use crate::project::rimls::Rimls;
-use crate::remesh::cloud::{CloudOptions, CloudSummary, Prepared, face_outwards, no_surface, prepared};
+use crate::remesh::cloud::{CloudOptions, CloudSummary, DEFAULT_REACH, Prepared, face_outwards, no_surface, prepared};
 use crate::remesh::options::check_length;
 use crate::surface::mesh::Mesh;
 use crate::surface::points::Points;
@@ -22,10 +22,6 @@ pub struct ReconstructOptions {
     pub cloud: CloudOptions,
 }
 
-/// How far points reach, in their spacings, if nothing else is asked for: no farther than it takes to have no holes
-/// between them.
-pub const DEFAULT_REACH: f64 = 2.2;
-
 /// The edge length of a cell, in mean spacings of the points, if nothing else is asked for.
 const DEFAULT_RESOLUTION: f64 = 0.5;
 
@@ -34,9 +30,6 @@ const MOST_VERTICES: usize = 100_000_000;
 
 /// Vertices of the lattice for a square of the edge length: measured.
 const VERTICES_PER_SQUARE: f64 = 12.0;
-
-/// The area of a point in squares of its spacing, which is the distance of the sixth neighbour.
-const AREA_OF_SPACING: f64 = 0.6;
 
 /// A surface made of points.
 #[derive(Debug, Clone, PartialEq)]
@@ -87,11 +80,12 @@ pub fn reconstruct(points: &Points, options: &ReconstructOptions, monitor: &dyn 
     let reach = options.cloud.smooth.unwrap_or(DEFAULT_REACH);
     let prepared = prepared(points, &options.cloud, monitor)?;
     let has_no_outside = prepared.has_no_outside();
+    let area = prepared.area();
     let Prepared { points, near, mut spacings, summary, .. } = prepared;
     let count = points.positions.len();
     let spacing = spacings.iter().sum::<f64>() / count as f64;
     let resolution = options.resolution.unwrap_or(DEFAULT_RESOLUTION * spacing);
-    refuse_too_small(resolution, &spacings)?;
+    refuse_too_small(resolution, area)?;
     spacings.iter_mut().for_each(|s| *s = s.max(resolution));
 
     monitor.stage("extract");
@@ -113,8 +107,7 @@ pub fn reconstruct(points: &Points, options: &ReconstructOptions, monitor: &dyn 
 }
 
 /// Refuses cells of which more are needed than there is room for.
-fn refuse_too_small(resolution: f64, spacings: &[f64]) -> Result<()> {
-    let area: f64 = spacings.iter().map(|s| AREA_OF_SPACING * s * s).sum();
+fn refuse_too_small(resolution: f64, area: f64) -> Result<()> {
     let vertices = VERTICES_PER_SQUARE * area / (resolution * resolution);
     if vertices > MOST_VERTICES as f64 { Err(too_small(resolution, vertices)) } else { Ok(()) }
 }
