@@ -6,7 +6,8 @@
 //!
 //! rᵢ = fᵢ - f and Δnᵢ = |nᵢ - ∇f| being those of the round before, w and wₙ Gaussians, and φᵢ = (1 - |x - pᵢ|² / hᵢ²)⁴
 //! within the reach hᵢ of a point. Outliers, and the points beyond a sharp edge, lose their say from round to round. The
-//! gradient takes w and wₙ as constants, as in the source.
+//! gradient takes w and wₙ as constants, as in the source. Unlike there, the first round leaves out the points that face
+//! away from the nearest one: the other side of a thin wall.
 //!
 //! Based on: A. C. Öztireli, G. Guennebaud, M. Gross, Feature preserving point set surfaces based on non-linear kernel
 //! regression, 2009, DOI 10.1111/j.1467-8659.2009.01388.x, equations 5 to 8 and its pseudo-code.
@@ -105,7 +106,7 @@ impl<'a> Rimls<'a> {
     /// f and its gradient at `x`; `None` where no point reaches. `found` is working space.
     pub fn value(&self, x: DVec3, found: &mut Vec<Neighbor>) -> Option<Value> {
         self.collect(x, found);
-        self.value_of(x, found)
+        self.value_of(x, found, found.first()?.point)
     }
 
     /// What values within `radius` of `centre` take.
@@ -137,7 +138,7 @@ impl<'a> Rimls<'a> {
         let radius = self.radius(nearest.point);
         let counts = |n: &Neighbor| n.distance_squared < radius.min(self.reaches[n.point as usize]).powi(2);
         found.retain(counts);
-        Some((self.value_of(x, found)?, nearest))
+        Some((self.value_of(x, found, nearest.point)?, nearest))
     }
 
     /// How far from a place points may be that reach it, if `nearest` is the one nearest to it: those around that one
@@ -206,7 +207,10 @@ impl<'a> Rimls<'a> {
         found.sort_unstable_by(|a, b| a.distance_squared.total_cmp(&b.distance_squared).then(a.point.cmp(&b.point)));
     }
 
-    fn value_of(&self, x: DVec3, found: &[Neighbor]) -> Option<Value> {
+    /// In the first round those that face away from the nearest point do not count: they are of the other side of a thin
+    /// wall, whose planes would cancel those of this one.
+    fn value_of(&self, x: DVec3, found: &[Neighbor], nearest: u32) -> Option<Value> {
+        let facing = self.normals[nearest as usize];
         let mut last: Option<Value> = None;
         for _ in 0..=ROUNDS {
             let mut sums = Sums::default();
@@ -218,7 +222,8 @@ impl<'a> Rimls<'a> {
                 }
                 let (offset, normal) = (x - self.positions[p], self.normals[p]);
                 let residual = normal.dot(offset);
-                let robust = last.map_or(1.0, |last| {
+                let at_first = if facing.dot(normal) < 0.0 { 0.0 } else { 1.0 };
+                let robust = last.map_or(at_first, |last| {
                     let r = (residual - last.f) / (SIGMA_R * reach);
                     let dn = normal.distance_squared(last.gradient) / (SIGMA_N * SIGMA_N);
                     (-r * r - dn).exp()
