@@ -1,14 +1,14 @@
 //! All of the implicit surface of a point cloud as triangles.
 //!
-//! The zero set is contoured on a lattice ([`crate::project::lattice`]), from the points projected on it. Of it stays what
-//! is the surface: at a distance of up to about a spacing from a point and facing as that one does. Beyond, the function
-//! is zero at places that mean nothing, at the rim of what points reach and between the two sides of a thin wall. Pieces
-//! that are hardly larger than the distance of two points go, too.
+//! The zero set is contoured on a lattice ([`crate::project::lattice`]), from the points projected on it. Not all of it
+//! means anything: the function is also zero past a border, at the rim of what points reach, and between the two sides of
+//! a thin wall. What is farther from the nearest point than its neighbours, or faces away from its normal, is in doubt. Of
+//! that stay the parts that fill a gap: small, and with what is not in doubt all around them. Pieces that are hardly
+//! larger than the distance of two points go, too.
 //!
-//! Cost: that of the lattice, where a value takes some ten microseconds.
+//! Cost: that of the lattice, where a value takes about three microseconds.
 //!
-//! Limits: where the cloud has a border, the surface goes on for up to a spacing. Where points are denser than the cells,
-//! they reach as far as if they were as dense as these, so that no cell is without a value.
+//! Limits: where the cloud has a border, the surface goes on for up to a spacing.
 
 use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};

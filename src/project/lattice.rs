@@ -18,8 +18,8 @@
 //! isosurface generation, Computers & Graphics 22 (1), 1998, DOI 10.1016/S0097-8493(97)00085-X; the split: H. W. Kuhn,
 //! Some combinatorial lemmas in topology, 1960, DOI 10.1147/rd.45.0518.
 //!
-//! Cost: one value for each lattice vertex of a tetrahedron that the surface crosses, about 15 for each square of an edge
-//! length, and some thirty searches for it; [`BYTES_PER_VERTEX`] for each.
+//! Cost: one value for each lattice vertex of a tetrahedron that the surface crosses, about four for each square of an
+//! edge length, and some thirty searches for it; [`BYTES_PER_VERTEX`] for each.
 //!
 //! Limits: what is smaller than a tetrahedron may be missed, and triangles are of all shapes.
 
@@ -30,7 +30,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 /// Memory for a vertex of the lattice, at most, with its share of the triangles and of working space: measured.
-pub const BYTES_PER_VERTEX: usize = 200;
+pub const BYTES_PER_VERTEX: usize = 500;
 
 /// Places along each axis of the lattice: three fit in a key of 64 bits.
 const PLACES: f64 = (1u64 << 21) as f64;

@@ -25,11 +25,11 @@ pub struct ReconstructOptions {
 /// The edge length of a cell, in mean spacings of the points, if nothing else is asked for.
 const DEFAULT_RESOLUTION: f64 = 0.5;
 
-/// Vertices of the lattice that a run may have.
-const MOST_VERTICES: usize = 100_000_000;
+/// Vertices of the lattice that a run may have: those of 10 GB.
+const MOST_VERTICES: usize = 20_000_000;
 
 /// Vertices of the lattice for a square of the edge length: measured.
-const VERTICES_PER_SQUARE: f64 = 12.0;
+const VERTICES_PER_SQUARE: f64 = 4.0;
 
 /// A surface made of points.
 #[derive(Debug, Clone, PartialEq)]
