@@ -62,6 +62,9 @@ struct Args {
     command: Option<Command>,
     #[command(flatten)]
     remesh: Option<RemeshArgs>,
+    // Not within the others, which clap would not see then.
+    #[command(flatten)]
+    normals: NormalArgs,
 }
 
 #[derive(Debug, Subcommand)]
@@ -126,8 +129,6 @@ struct RemeshArgs {
     /// Close holes of a cloud that fit in a box with this diagonal, in the units of the input
     #[arg(long, value_name = "SIZE", default_value_t = 0.0, allow_negative_numbers = true)]
     fill_holes: f64,
-    #[command(flatten)]
-    normals: NormalArgs,
     /// How far any point of the output may be from the input, and back: a length, or a share of the diagonal of the
     /// input's bounding box, as in 0.1%
     #[arg(long, value_name = "E|E%", allow_negative_numbers = true, value_parser = max_error)]
@@ -293,19 +294,19 @@ pub enum Stop {
 
 /// What the words of a command line, the program's name first, ask for.
 pub fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Job, Stop> {
-    let Args { command, remesh } = Args::try_parse_from(words).map_err(|e| stop(&e))?;
+    let Args { command, remesh, normals } = Args::try_parse_from(words).map_err(|e| stop(&e))?;
     match (command, remesh) {
         (Some(Command::Sample(args)), _) => args.resolve().map(Job::Sample),
         (Some(Command::Reconstruct(args)), _) => Ok(Job::Reconstruct(args.resolve())),
         (Some(Command::Quality(args)), _) => Ok(Job::Measure(args.resolve())),
         (Some(Command::Completions { shell }), _) => Ok(Job::Complete(completions(shell))),
-        (None, Some(args)) => args.resolve().map(Job::Remesh),
+        (None, Some(args)) => args.resolve(normals).map(Job::Remesh),
         (None, None) => Err(wrong("the input and the output file are missing")),
     }
 }
 
 impl RemeshArgs {
-    fn resolve(self) -> Result<Remeshing, Stop> {
+    fn resolve(self, normals: NormalArgs) -> Result<Remeshing, Stop> {
         let RemeshArgs {
             input,
             output,
@@ -321,7 +322,6 @@ impl RemeshArgs {
             sizing,
             smooth,
             fill_holes,
-            normals,
             max_error,
             no_attributes,
             optimize,
