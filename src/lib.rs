@@ -128,8 +128,8 @@ pub mod triangulate;
 pub use base::error::{Error, Place, Result};
 pub use base::progress::{Monitor, Stopwatch};
 pub use remesh::{
-    CloudOptions, Density, Deviation, MaxError, Options, Remeshed, SampleOptions, Sampled, Selection, Signal,
-    mesh_of_points, remesh, sample, sample_points,
+    CloudOptions, Density, Deviation, MaxError, Options, ReconstructOptions, Reconstructed, Remeshed, SampleOptions,
+    Sampled, Selection, Signal, mesh_of_points, points_of_mesh, reconstruct, remesh, sample, sample_points,
 };
 pub use surface::mesh::Mesh;
 pub use surface::points::Points;

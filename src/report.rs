@@ -7,6 +7,7 @@
 //! Cost of building one: the shapes of both meshes, and their distance from [`REPORT_SAMPLES`] points each way.
 
 pub mod samples;
+pub mod surface;
 mod table;
 
 use crate::quality::distance::{Distance, REPORT_SAMPLES, distance};

@@ -451,6 +451,10 @@ fn samples_without_triangles() {
     run(folder.path(), "sample s.ply t.ply --points 40 --scan-only -q").went_well();
     run(folder.path(), "sample s.ply t.obj --points 40 --scan-only --sigma nx=0.1 -q").went_well();
     assert_eq!(String::from_utf8(written("t.obj")).unwrap().matches("v ").count(), 40);
+    let cloud = run(folder.path(), "sample s.ply t.ply --points 40 --smooth 3 --normal-neighbors 6 --report c.json");
+    assert!(cloud.went_well().contains("40 samples"), "{}", cloud.out);
+    let report = json(&String::from_utf8(written("c.json")).unwrap());
+    assert_eq!(report["cloud"]["points"].as_u64(), Some(100));
     let few = run(folder.path(), "sample sphere.off t.ply --sigma-p 9 --scan-only");
     assert!(few.went_well().contains("note: only"), "{}", few.out);
 }
@@ -459,7 +463,7 @@ fn samples_without_triangles() {
 fn what_cannot_be_sampled_is_one_line() {
     let folder = folder();
     let failed = |words: &str, status, said: &str| run(folder.path(), words).failed(status, &[said]);
-    failed("sample points.off s.ply --points 3", 2, "scan-only");
+    failed("sample points.off s.ply --points 3", 1, "too few for a surface");
     failed("sample sphere.off s.stl --points 3", 1, "s.stl: STL has no points");
     failed("sample sphere.off s.ply --points auto", 2, "points: ");
     failed("sample sphere.off s.ply", 2, "how dense?");
@@ -470,6 +474,31 @@ fn what_cannot_be_sampled_is_one_line() {
     failed("sample gone.off s.ply --points 9", 1, "gone.off");
     failed("sphere.off s.ply --points 9 --sigma-n 1 --adapt 1", 2, "sigma-n");
     assert!(!files(folder.path()).contains(&"s.ply".into()));
+}
+
+#[test]
+fn points_become_a_dense_surface() {
+    let folder = folder();
+    run(folder.path(), "sample sphere.off s.xyz --points 400 -q").went_well();
+    let said = run(folder.path(), "reconstruct s.xyz s.obj --resolution 0.1 --smooth 2.5 --report s.json");
+    let said = said.went_well();
+    assert!(
+        said.contains("400 points") && said.contains("cells of 0.1") && said.contains("characteristic 2"),
+        "{said}"
+    );
+    let report = json(&std::fs::read_to_string(folder.path().join("s.json")).unwrap());
+    assert_eq!(report["schema"], "spectral-remesh/surface/1");
+    assert_eq!((report["surface"]["euler"].as_i64(), report["reach"].as_f64()), (Some(2), Some(2.5)));
+    // The vertices of a mesh are points, too.
+    assert!(run(folder.path(), "reconstruct s.obj t.off --resolution 0.2").went_well().contains("0 boundary loops"));
+    let failed = |words: &str, status, said: &str| run(folder.path(), words).failed(status, &[said]);
+    failed("reconstruct points.off t.ply", 1, "points.off: 3 points at different places are too few");
+    failed("reconstruct s.xyz t.ply --resolution 0", 2, "positive");
+    failed("reconstruct s.xyz t.ply --resolution 1e-6", 2, "corners near the surface");
+    failed("reconstruct s.xyz t.ply --smooth 0.1", 2, "smooth");
+    failed("reconstruct s.xyz t.xyz", 1, "t.xyz");
+    failed("reconstruct gone.xyz t.ply", 1, "gone.xyz");
+    assert!(!files(folder.path()).contains(&"t.ply".into()));
 }
 
 #[test]

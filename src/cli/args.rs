@@ -3,6 +3,7 @@
 //! `Args` has the words of the command line, [`Job`] what there is to do. Between them every field is named, so a
 //! flag or an option that is added to one and forgotten in the other does not compile.
 
+use crate::cli::reconstruct::{HELP as RECONSTRUCT_HELP, ReconstructArgs, Reconstructing};
 use crate::cli::sample::{HELP, PropertyWidth, SampleArgs, Sampling, property_width};
 use crate::io::Format;
 use crate::remesh::{CloudOptions, Density, MaxError, NormalFit, Options, Reach, Selection};
@@ -24,6 +25,8 @@ Examples:
       as few vertices as stay within 0.2 % of the diagonal of the input
   remesh sample scan.ply points.ply --points 20000
       blue noise without triangles: points with normals
+  remesh reconstruct scan.ply dense.ply --resolution 0.2
+      the smooth surface of a cloud, all of it as dense triangles
   remesh quality clean.ply --against scan.ply
       measure any mesh, and how far it is from another one
 
@@ -51,6 +54,7 @@ Exit status: 0 measured, 1 a file cannot be read, 2 wrong usage, 130 interrupted
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 #[command(override_usage = "remesh <IN> <OUT> <--points N|auto | --edge-length L | --sigma-p S> [OPTIONS]\n       \
                             remesh sample <IN> <OUT> <--points N | --edge-length L | --sigma-p S> [OPTIONS]\n       \
+                            remesh reconstruct <IN> <OUT> [--resolution R] [--smooth W] [OPTIONS]\n       \
                             remesh quality <MESH> [--against <INPUT>] [--json]\n       \
                             remesh completions <SHELL>")]
 struct Args {
@@ -58,6 +62,9 @@ struct Args {
     command: Option<Command>,
     #[command(flatten)]
     remesh: Option<RemeshArgs>,
+    // Not within the others, which clap would not see then.
+    #[command(flatten)]
+    normals: NormalArgs,
 }
 
 #[derive(Debug, Subcommand)]
@@ -65,6 +72,9 @@ enum Command {
     /// Sample a surface: points with normals, without triangles, or a subset of the input's points
     #[command(long_about = HELP)]
     Sample(SampleArgs),
+    /// Extract all of the smooth surface of a cloud of points, or of a mesh's vertices, as dense triangles
+    #[command(long_about = RECONSTRUCT_HELP)]
+    Reconstruct(ReconstructArgs),
     /// Measure a mesh, also one that this tool did not write
     #[command(long_about = QUALITY_HELP)]
     Quality(QualityArgs),
@@ -119,15 +129,6 @@ struct RemeshArgs {
     /// Close holes of a cloud that fit in a box with this diagonal, in the units of the input
     #[arg(long, value_name = "SIZE", default_value_t = 0.0, allow_negative_numbers = true)]
     fill_holes: f64,
-    /// What normals of a cloud without them are fitted to [default: plane, or sphere with --smooth]
-    #[arg(long, value_name = "FIT")]
-    normal_fit: Option<NormalFit>,
-    /// How many neighbours they are fitted to [default: 8, or 16 with --smooth]
-    #[arg(long, value_name = "K", conflicts_with = "normal_radius")]
-    normal_neighbors: Option<usize>,
-    /// How far away, in the units of the input, these neighbours may be instead
-    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = positive)]
-    normal_radius: Option<f64>,
     /// Remesh only what is inside this box, in the units of the input; the rest stays as it is to the last bit. --points
     /// then counts the vertices strictly inside of the part, and not those on its seam with the rest
     #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", allow_hyphen_values = true, value_parser = within)]
@@ -166,6 +167,29 @@ struct RemeshArgs {
     verbose: bool,
 }
 
+/// How normals of a cloud are estimated.
+#[derive(Debug, clap::Args)]
+pub(super) struct NormalArgs {
+    /// What normals of a cloud without them are fitted to [default: plane, or sphere with --smooth]
+    #[arg(long, value_name = "FIT")]
+    normal_fit: Option<NormalFit>,
+    /// How many neighbours they are fitted to [default: 8, or 16 with --smooth]
+    #[arg(long, value_name = "K", conflicts_with = "normal_radius")]
+    normal_neighbors: Option<usize>,
+    /// How far away, in the units of the input, these neighbours may be instead
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = positive)]
+    normal_radius: Option<f64>,
+}
+
+impl NormalArgs {
+    /// What to make of a cloud, with as much smoothing and as large holes closed as are given.
+    pub(super) fn resolve(self, smooth: Option<f64>, fill_holes: f64) -> CloudOptions {
+        let NormalArgs { normal_fit, normal_neighbors, normal_radius } = self;
+        let neighborhood = normal_neighbors.map(Reach::Count).or(normal_radius.map(Reach::Radius));
+        CloudOptions { fit: normal_fit, neighborhood, smooth, fill_holes }
+    }
+}
+
 #[derive(Debug, clap::Args)]
 struct QualityArgs {
     /// The mesh to measure
@@ -192,6 +216,8 @@ pub enum Job {
     Remesh(Box<Remeshing>),
     /// Sample this.
     Sample(Sampling),
+    /// Reconstruct this.
+    Reconstruct(Reconstructing),
     /// Measure this.
     Measure(Measuring),
     /// Print these completions.
@@ -287,18 +313,19 @@ pub enum Stop {
 
 /// What the words of a command line, the program's name first, ask for.
 pub fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Job, Stop> {
-    let Args { command, remesh } = Args::try_parse_from(words).map_err(|e| stop(&e))?;
+    let Args { command, remesh, normals } = Args::try_parse_from(words).map_err(|e| stop(&e))?;
     match (command, remesh) {
         (Some(Command::Sample(args)), _) => args.resolve().map(Job::Sample),
+        (Some(Command::Reconstruct(args)), _) => Ok(Job::Reconstruct(args.resolve())),
         (Some(Command::Quality(args)), _) => Ok(Job::Measure(args.resolve())),
         (Some(Command::Completions { shell }), _) => Ok(Job::Complete(completions(shell))),
-        (None, Some(args)) => args.resolve().map(|job| Job::Remesh(Box::new(job))),
+        (None, Some(args)) => args.resolve(normals).map(|job| Job::Remesh(Box::new(job))),
         (None, None) => Err(wrong("the input and the output file are missing")),
     }
 }
 
 impl RemeshArgs {
-    fn resolve(self) -> Result<Remeshing, Stop> {
+    fn resolve(self, normals: NormalArgs) -> Result<Remeshing, Stop> {
         let RemeshArgs {
             input,
             output,
@@ -316,9 +343,6 @@ impl RemeshArgs {
             within,
             select,
             fill_holes,
-            normal_fit,
-            normal_neighbors,
-            normal_radius,
             max_error,
             no_attributes,
             optimize,
@@ -366,12 +390,7 @@ impl RemeshArgs {
                 optimize: optimize != 0,
                 sweeps,
             },
-            cloud: CloudOptions {
-                fit: normal_fit,
-                neighborhood: normal_neighbors.map(Reach::Count).or(normal_radius.map(Reach::Radius)),
-                smooth,
-                fill_holes,
-            },
+            cloud: normals.resolve(smooth, fill_holes),
             sizing,
             attributes: !no_attributes,
             select,

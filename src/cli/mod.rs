@@ -1,7 +1,8 @@
 //! The command line: what was typed ([`args`]), what it does ([`run`],
-//! [`sample`]), and how it talks to a terminal ([`terminal`]).
+//! [`sample`], [`reconstruct`]), and how it talks to a terminal ([`terminal`]).
 
 pub mod args;
+pub mod reconstruct;
 pub mod run;
 pub mod sample;
 pub mod terminal;

@@ -4,6 +4,7 @@ use crate::base::error::{Error, Result};
 use crate::base::progress::{Monitor, Stopwatch, check};
 use crate::cli::Status;
 use crate::cli::args::{Job, Mark, Measuring, MeshFile, Remeshing, Sizing, Voice};
+use crate::cli::reconstruct::reconstruct_file;
 use crate::cli::sample::{sample_file, signals};
 use crate::cli::terminal::{self, Terminal};
 use crate::io::{Format, Loaded, file};
@@ -24,6 +25,7 @@ pub fn run(job: &Job) -> Result<Status> {
     match job {
         Job::Remesh(job) => with_threads(job.threads, || remesh_file(job))?,
         Job::Sample(job) => with_threads(job.threads, || sample_file(job))?.map(|()| Status::Done),
+        Job::Reconstruct(job) => with_threads(job.threads, || reconstruct_file(job))?.map(|()| Status::Done),
         Job::Measure(job) => with_threads(job.threads, || measure_file(job))?,
         Job::Complete(script) => terminal::print(script).map(|()| Status::Done),
     }

@@ -2,7 +2,7 @@
 
 use crate::base::error::Result;
 use crate::base::progress::{Monitor, Stopwatch, check};
-use crate::cli::args::{MeshFile, Stop, Voice, density, points, positive, voice};
+use crate::cli::args::{MeshFile, NormalArgs, Stop, Voice, density, points, positive, voice};
 use crate::cli::run::{load, name, peak_memory_bytes};
 use crate::cli::terminal::{self, Terminal};
 use crate::io::{Format, Loaded, file};
@@ -15,8 +15,8 @@ use std::path::PathBuf;
 
 pub(super) const HELP: &str = "\
 Samples a surface: points with normals, without triangles, as the paper's gradient ascent leaves them (blue noise).
-With --scan-only a subset of the input's points, each with its index in it (in PLY as the property index); the input may
-be a cloud of points then.
+With --scan-only a subset of the input's points, each with its index in it (in PLY as the property index). A cloud of
+points is sampled on its robust implicit surface; normals that it lacks are estimated.
 
 Formats of the output, by the ending of the file: obj (v, vn), ply (x y z nx ny nz index), xyz.
 
@@ -24,7 +24,7 @@ Exit status: 0 sampled, 1 a file cannot be read or written, or cannot be sampled
 
 #[derive(Debug, clap::Args)]
 pub(super) struct SampleArgs {
-    /// The mesh to read; with --scan-only also a cloud of points
+    /// The mesh or the cloud of points to read
     #[arg(value_name = "IN")]
     input: PathBuf,
     /// The points to write; an existing file is replaced when the new one is complete
@@ -46,6 +46,11 @@ pub(super) struct SampleArgs {
     /// where it changes; up to four times
     #[arg(long = "sigma", value_name = "NAME=VALUE", value_parser = property_width)]
     properties: Vec<PropertyWidth>,
+    /// How far the points of a cloud reach, in mean distances of neighbouring ones: the larger, the smoother [default: 2.2]
+    #[arg(long, value_name = "W", allow_negative_numbers = true, conflicts_with = "scan_only")]
+    smooth: Option<f64>,
+    #[command(flatten)]
+    normals: NormalArgs,
     /// Take a subset of the input's points by the linear scan alone
     #[arg(long)]
     scan_only: bool,
@@ -110,6 +115,8 @@ impl SampleArgs {
             sigma_p,
             sigma_n,
             properties,
+            smooth,
+            normals,
             scan_only,
             seed,
             sweeps,
@@ -123,7 +130,15 @@ impl SampleArgs {
         Ok(Sampling {
             input: MeshFile { path: input, format },
             output,
-            options: SampleOptions { density, sigma_n, signals: Vec::new(), scan_only, seed, sweeps },
+            options: SampleOptions {
+                density,
+                sigma_n,
+                signals: Vec::new(),
+                scan_only,
+                seed,
+                sweeps,
+                cloud: normals.resolve(smooth, 0.0),
+            },
             properties,
             report,
             threads: threads.map(usize::from),

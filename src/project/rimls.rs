@@ -6,7 +6,8 @@
 //!
 //! rᵢ = fᵢ - f and Δnᵢ = |nᵢ - ∇f| being those of the round before, w and wₙ Gaussians, and φᵢ = (1 - |x - pᵢ|² / hᵢ²)⁴
 //! within the reach hᵢ of a point. Outliers, and the points beyond a sharp edge, lose their say from round to round. The
-//! gradient takes w and wₙ as constants, as in the source.
+//! gradient takes w and wₙ as constants, as in the source. Unlike there, the first round leaves out the points that face
+//! away from the nearest one: the other side of a thin wall.
 //!
 //! Based on: A. C. Öztireli, G. Guennebaud, M. Gross, Feature preserving point set surfaces based on non-linear kernel
 //! regression, 2009, DOI 10.1111/j.1467-8659.2009.01388.x, equations 5 to 8 and its pseudo-code.
@@ -16,6 +17,8 @@
 //! Limits: where no point reaches there is no surface. Planes lie outside of what is convex, so the surface does by about
 //! (h/4)² over the radius of curvature.
 
+use crate::surface::domain::Sample;
+use crate::surface::lift::Surface;
 use crate::surface::neighbors::{Neighbor, Neighbors};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -30,6 +33,12 @@ const SIGMA_N: f64 = 0.8;
 const ROUNDS: usize = 3;
 const STEPS: usize = 6;
 
+/// How far from the nearest point the cloud is taken to go on, in spacings there.
+const BORDER: f64 = 0.9;
+
+/// Shares of a step that are tried where all of it would lead past a border.
+const SHORTER: [f64; 3] = [1.0, 0.5, 0.25];
+
 /// A projection has arrived when it moves by less than this share of the reach.
 const ARRIVED: f64 = 1e-4;
 
@@ -41,6 +50,8 @@ pub struct Rimls<'a> {
     normals: &'a [DVec3],
     /// How far each reaches.
     reaches: Vec<f64>,
+    /// The same in spacings.
+    reach: f64,
     near: &'a Neighbors,
     longest: f64,
 }
@@ -68,13 +79,72 @@ impl<'a> Rimls<'a> {
     ) -> Self {
         let reaches: Vec<f64> = spacings.iter().map(|s| reach * s).collect();
         let longest = reaches.iter().copied().fold(0.0, f64::max);
-        Rimls { positions, normals, reaches, near, longest }
+        Rimls { positions, normals, reaches, reach, near, longest }
+    }
+
+    /// How far apart points are around point `p`.
+    pub fn spacing(&self, p: u32) -> f64 {
+        self.reaches[p as usize] / self.reach
+    }
+
+    /// The mean of [`Self::spacing`].
+    pub fn mean_spacing(&self) -> f64 {
+        self.reaches.iter().sum::<f64>() / (self.reach * self.reaches.len() as f64)
+    }
+
+    /// The farthest that any point reaches.
+    pub fn longest_reach(&self) -> f64 {
+        self.longest
+    }
+
+    /// The point nearest to `x` and its normal; `None` without points. `found` is working space.
+    pub fn nearest(&self, x: DVec3, found: &mut Vec<Neighbor>) -> Option<(Neighbor, DVec3)> {
+        self.near.collect_nearest(x, 1, found);
+        found.first().map(|n| (*n, self.normals[n.point as usize]))
     }
 
     /// f and its gradient at `x`; `None` where no point reaches. `found` is working space.
     pub fn value(&self, x: DVec3, found: &mut Vec<Neighbor>) -> Option<Value> {
         self.collect(x, found);
-        self.value_of(x, found)
+        self.value_of(x, found, found.first()?.point)
+    }
+
+    /// What values within `radius` of `centre` take.
+    pub fn local(&self, centre: DVec3, radius: f64) -> Local {
+        let mut local = Local::default();
+        let found = &mut local.found;
+        self.near.collect_nearest(centre, 1, found);
+        let Some(distance) = found.first().map(|n| n.distance_squared.sqrt()) else { return local };
+        // The nearest point of any place in the ball is among these.
+        self.near.collect_within(centre, distance + 2.0 * radius, found);
+        let longest = found.iter().map(|n| self.reaches[n.point as usize]).fold(0.0, f64::max);
+        let reach = (2.0 * longest).min(self.longest);
+        if distance <= reach + radius {
+            self.near.collect_within(centre, reach + radius, found);
+            local.points.extend(found.iter().map(|n| n.point));
+            local.points.sort_unstable();
+        }
+        local
+    }
+
+    /// [`Self::value`] at a place that `local` is for, and the nearest point.
+    pub fn value_in(&self, local: &mut Local, x: DVec3) -> Option<(Value, Neighbor)> {
+        let Local { points, found } = local;
+        let neighbor =
+            |&point: &u32| Neighbor { point, distance_squared: self.positions[point as usize].distance_squared(x) };
+        found.clear();
+        found.extend(points.iter().map(neighbor));
+        let nearest = *found.iter().min_by(|a, b| a.distance_squared.total_cmp(&b.distance_squared))?;
+        let radius = self.radius(nearest.point);
+        let counts = |n: &Neighbor| n.distance_squared < radius.min(self.reaches[n.point as usize]).powi(2);
+        found.retain(counts);
+        Some((self.value_of(x, found, nearest.point)?, nearest))
+    }
+
+    /// How far from a place points may be that reach it, if `nearest` is the one nearest to it: those around that one
+    /// reach about as far as it does.
+    fn radius(&self, nearest: u32) -> f64 {
+        (2.0 * self.reaches[nearest as usize]).min(self.longest)
     }
 
     /// The point of the surface near `x`, and the unit normal there; `None` if there is none within reach. `found` is
@@ -96,6 +166,26 @@ impl<'a> Rimls<'a> {
         Some((at, normal))
     }
 
+    /// The sample of the surface near `x`, whose triangle is the number of the nearest point; `None` where the cloud has
+    /// ended.
+    pub fn sample(&self, x: DVec3) -> Option<Sample> {
+        let mut found = Vec::new();
+        let (position, normal) = self.project(x, &mut found)?;
+        let (nearest, _) = self.nearest(position, &mut found)?;
+        let farthest = BORDER * self.spacing(nearest.point);
+        let sample = Sample { position, normal, triangle: nearest.point, size: 1.0 };
+        (nearest.distance_squared <= farthest * farthest).then_some(sample)
+    }
+
+    /// For each point a place near it that is on the surface to first order.
+    pub fn seeds(&self) -> Vec<DVec3> {
+        let seed = |found: &mut Vec<Neighbor>, &x: &DVec3| {
+            let value = self.value(x, found).filter(|v| v.gradient != DVec3::ZERO);
+            value.map_or(x, |Value { f, gradient, .. }| x - f * gradient / gradient.length_squared())
+        };
+        self.positions.par_iter().map_init(Vec::new, seed).collect()
+    }
+
     /// All points projected; where one has lost the surface it stays, with its normal.
     pub fn smoothed(&self) -> (Vec<DVec3>, Vec<DVec3>) {
         let project = |found: &mut Vec<Neighbor>, p: usize| {
@@ -108,8 +198,7 @@ impl<'a> Rimls<'a> {
     fn collect(&self, x: DVec3, found: &mut Vec<Neighbor>) {
         self.near.collect_nearest(x, 1, found);
         let Some(nearest) = found.first().copied() else { return };
-        // Those around it reach about as far as it does.
-        let radius = (2.0 * self.reaches[nearest.point as usize]).min(self.longest);
+        let radius = self.radius(nearest.point);
         if nearest.distance_squared > radius * radius {
             found.clear();
             return;
@@ -118,7 +207,10 @@ impl<'a> Rimls<'a> {
         found.sort_unstable_by(|a, b| a.distance_squared.total_cmp(&b.distance_squared).then(a.point.cmp(&b.point)));
     }
 
-    fn value_of(&self, x: DVec3, found: &[Neighbor]) -> Option<Value> {
+    /// In the first round those that face away from the nearest point do not count: they are of the other side of a thin
+    /// wall, whose planes would cancel those of this one.
+    fn value_of(&self, x: DVec3, found: &[Neighbor], nearest: u32) -> Option<Value> {
+        let facing = self.normals[nearest as usize];
         let mut last: Option<Value> = None;
         for _ in 0..=ROUNDS {
             let mut sums = Sums::default();
@@ -130,7 +222,8 @@ impl<'a> Rimls<'a> {
                 }
                 let (offset, normal) = (x - self.positions[p], self.normals[p]);
                 let residual = normal.dot(offset);
-                let robust = last.map_or(1.0, |last| {
+                let at_first = if facing.dot(normal) < 0.0 { 0.0 } else { 1.0 };
+                let robust = last.map_or(at_first, |last| {
                     let r = (residual - last.f) / (SIGMA_R * reach);
                     let dn = normal.distance_squared(last.gradient) / (SIGMA_N * SIGMA_N);
                     (-r * r - dn).exp()
@@ -143,6 +236,23 @@ impl<'a> Rimls<'a> {
         }
         last
     }
+}
+
+impl Surface for Rimls<'_> {
+    /// A step over the border of the cloud is shorter, or none.
+    fn follow(&self, from: &Sample, way: DVec3) -> Sample {
+        let way = way.reject_from_normalized(from.normal);
+        SHORTER.iter().find_map(|share| self.sample(from.position + share * way)).unwrap_or(*from)
+    }
+}
+
+/// The points that values in some ball take, found once for all of them.
+#[derive(Debug, Default)]
+pub struct Local {
+    /// In ascending order.
+    points: Vec<u32>,
+    /// Working space.
+    found: Vec<Neighbor>,
 }
 
 /// Weighted sums over points that a value follows from.
@@ -214,6 +324,27 @@ mod tests {
         assert_relative_eq!(f, 0.7, epsilon = 1e-12);
         assert!(gradient.distance(DVec3::Z) < 1e-9);
         assert_eq!(surface.value(DVec3::new(9.3, 8.6, 6.0), &mut Vec::new()), None);
+    }
+
+    #[test]
+    fn values_in_a_ball_are_the_same() {
+        let mut rng = stream(2, Stage::Scan);
+        let (positions, normals) = sphere(900, 0.02, &mut rng);
+        let near = Neighbors::new(&positions);
+        let spacings: Vec<f64> = positions.iter().map(|p| 0.12 + 0.05 * p.x).collect();
+        let surface = Rimls::new(&positions, &normals, &near, &spacings, 2.2);
+        let mut found = Vec::new();
+        for centre in [DVec3::X, DVec3::new(-0.5, 0.8, 0.2), DVec3::new(0.0, 1.2, 0.0), DVec3::splat(9.0)] {
+            let mut local = surface.local(centre, 0.2);
+            for _ in 0..100 {
+                let x = centre
+                    + 0.2 * DVec3::new(unit(&mut rng), unit(&mut rng), unit(&mut rng)).normalize() * unit(&mut rng);
+                let (one, other) = (surface.value(x, &mut found), surface.value_in(&mut local, x));
+                assert_eq!(one.is_some(), other.is_some());
+                let Some((one, (other, nearest))) = one.zip(other) else { continue };
+                assert!((one.f - other.f).abs() < 1e-12 && nearest == found[0]);
+            }
+        }
     }
 
     #[test]

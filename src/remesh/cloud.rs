@@ -60,6 +60,17 @@ impl CloudOptions {
     }
 }
 
+impl CloudOptions {
+    /// The same for points whose coordinates were divided by `size`.
+    pub(super) fn within_unit(&self, size: f64) -> CloudOptions {
+        let neighborhood = self.neighborhood.map(|reach| match reach {
+            Reach::Radius(radius) => Reach::Radius(radius / size),
+            count => count,
+        });
+        CloudOptions { neighborhood, fill_holes: self.fill_holes / size, ..*self }
+    }
+}
+
 /// Refuses a reach of points that makes no surface.
 pub(super) fn check_smooth(reach: Option<f64>) -> Result<()> {
     let refuse = |reach: f64| {
@@ -122,6 +133,13 @@ const DEGREE: usize = 16;
 const FEW_NEIGHBORS: usize = 8;
 const MANY_NEIGHBORS: usize = 16;
 
+/// How far points reach on their implicit surface, in their spacings, if nothing else is asked for: no farther than it takes
+/// to have no holes between them.
+pub const DEFAULT_REACH: f64 = 2.3;
+
+/// The area of a point in squares of its spacing, which is the distance of the sixth neighbour.
+const AREA_OF_SPACING: f64 = 0.6;
+
 /// Share of neighbours with normals to other sides from which on normals that were given are not believed.
 const MOST_DISAGREEMENT: f64 = 0.01;
 
@@ -131,12 +149,36 @@ const SIDED: usize = 4;
 /// Points that a cloud must have.
 const FEWEST_POINTS: usize = 8;
 
-/// The mesh through the points of a cloud.
+/// The points of a cloud that are of use, with normals and what is known of their neighbours.
+pub(super) struct Prepared {
+    /// Points at different places, with unit normals on a common side.
+    pub points: Points,
+    /// For each the point of the input that it is.
+    pub source: Vec<u32>,
+    pub near: Neighbors,
+    pub graph: NeighborGraph,
+    /// How far apart the points are around each.
+    pub spacings: Vec<f64>,
+    pub summary: CloudSummary,
+}
+
+impl Prepared {
+    /// About the area of their surface, in squared units of the input.
+    pub fn area(&self) -> f64 {
+        self.spacings.iter().map(|s| AREA_OF_SPACING * s * s).sum()
+    }
+
+    /// Whether which side is outside is not known from any of the input's normals.
+    pub fn has_no_outside(&self) -> bool {
+        SIDED * (self.summary.estimated_normals + self.summary.turned_normals) > self.source.len()
+    }
+}
+
+/// Cleans `points` and gives them normals.
 ///
 /// # Errors
-/// [`Error::Mesh`] for points that no surface goes through: too few, all in one place or on a line;
-/// [`Error::Option`] for options out of range; [`Error::Cancelled`] if the monitor asks for it.
-pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Monitor) -> Result<MeshOfPoints> {
+/// As [`mesh_of_points`].
+pub(super) fn prepared(points: &Points, options: &CloudOptions, monitor: &dyn Monitor) -> Result<Prepared> {
     options.validate()?;
     monitor.stage("clean");
     let mut summary = CloudSummary { points: points.positions.len(), ..CloudSummary::default() };
@@ -159,43 +201,58 @@ pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Mon
     check(monitor)?;
 
     monitor.stage("normals");
-    let mut normals = normals(&points, &near, &graph, options, &mut summary);
+    points.normals = normals(&points, &near, &graph, options, &mut summary);
     let spacings = graph.spacings(&points.positions);
+    check(monitor)?;
+    Ok(Prepared { points, source, near, graph, spacings, summary })
+}
+
+/// The mesh through the points of a cloud.
+///
+/// # Errors
+/// [`Error::Mesh`] for points that no surface goes through: too few, all in one place or on a line;
+/// [`Error::Option`] for options out of range; [`Error::Cancelled`] if the monitor asks for it.
+pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Monitor) -> Result<MeshOfPoints> {
+    let prepared = prepared(points, options, monitor)?;
+    let has_no_outside = prepared.has_no_outside();
+    let Prepared { points: Points { mut positions, mut normals }, mut source, mut near, graph, spacings, mut summary } =
+        prepared;
     if let Some(reach) = options.smooth {
-        check(monitor)?;
         monitor.stage("smooth");
-        (points.positions, normals) = Rimls::new(&points.positions, &normals, &near, &spacings, reach).smoothed();
-        near = Neighbors::new(&points.positions);
+        (positions, normals) = Rimls::new(&positions, &normals, &near, &spacings, reach).smoothed();
+        near = Neighbors::new(&positions);
     }
 
     monitor.stage("connect");
-    let positions = &points.positions;
-    let surroundings = Surroundings { positions, normals: &normals, near: &near, graph: &graph, spacings: &spacings };
+    let surroundings =
+        Surroundings { positions: &positions, normals: &normals, near: &near, graph: &graph, spacings: &spacings };
     let triangles = triangulate_points(surroundings, options.fill_holes, monitor)?;
-    let mut mesh = Mesh { positions: points.positions, triangles };
+    let mut mesh = Mesh { positions, triangles };
     let all = mesh.positions.len();
     let mut used = vec![false; all];
     mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
     source = (0..all).filter(|&p| used[p]).map(|p| source[p]).collect();
     mesh.drop_unused();
     summary.unused = all - mesh.positions.len();
-    if SIDED * (summary.estimated_normals + summary.turned_normals) > all {
+    if has_no_outside {
         face_outwards(&mut mesh);
     }
     if mesh.triangles.is_empty() {
-        let cause = format!("no surface goes through these {all} points: neighbours do not agree on one");
-        return Err(Error::Mesh { cause, remedy: "give more points, or less noisy ones, or try smoothing".into() });
+        return Err(no_surface(all));
     }
     Ok(MeshOfPoints { mesh, source, summary })
+}
+
+/// What to say of points whose surface has no triangle.
+pub(super) fn no_surface(points: usize) -> Error {
+    let cause = format!("no surface goes through these {points} points: neighbours do not agree on one");
+    Error::Mesh { cause, remedy: "give more points, or less noisy ones, or try smoothing".into() }
 }
 
 /// `mesh` with its vertices on the implicit surface of their own places and normals, each reaching as far as `reach`
 /// times how far apart they are.
 pub(super) fn smoothed(mesh: &Mesh, reach: f64) -> Mesh {
-    let mut normals = vec![DVec3::ZERO; mesh.positions.len()];
-    for (t, corners) in mesh.triangles.iter().enumerate() {
-        corners.iter().for_each(|&v| normals[v as usize] += mesh.area_vector(t));
-    }
+    let mut normals = mesh.vertex_area_vectors();
     normals.iter_mut().for_each(|n| *n = n.normalize_or_zero());
     let near = Neighbors::new(&mesh.positions);
     let graph = NeighborGraph::new(&mesh.positions, &near, DEGREE);
@@ -272,7 +329,7 @@ fn normals(
 const SHEET: f64 = 0.6;
 
 /// Turns over the pieces that look inwards; of those that are sheets, like ground, the ones that look down.
-fn face_outwards(mesh: &mut Mesh) {
+pub(super) fn face_outwards(mesh: &mut Mesh) {
     let piece = components(mesh.positions.len(), &mesh.triangles);
     let pieces = piece.iter().max().map_or(0, |&p| p as usize + 1);
     let mut origin = vec![DVec3::ZERO; pieces];

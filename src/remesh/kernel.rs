@@ -20,6 +20,11 @@ pub struct Signal {
 }
 
 impl Signal {
+    /// The signal at some of the points.
+    pub(super) fn of(&self, points: &[u32]) -> Signal {
+        Signal { values: points.iter().map(|&p| self.values[p as usize]).collect(), sigma: self.sigma }
+    }
+
     fn in_sigmas(&self) -> Vec<f64> {
         self.values.iter().map(|value| value / self.sigma).collect()
     }

@@ -5,7 +5,9 @@
 
 use crate::base::error::{Error, Result};
 use crate::base::progress::{Monitor, check};
-use crate::base::rng::{Stage, stream};
+use crate::base::rng::{Stage, stream, unit as unit_random};
+use crate::project::rimls::Rimls;
+use crate::remesh::cloud::{CloudOptions, CloudSummary, DEFAULT_REACH, Prepared, prepared};
 use crate::remesh::kernel::{Beside, Signal, check_kernel, check_signals};
 use crate::remesh::options::{Density, check_count, check_length};
 use crate::remesh::scale::{SIGMA_OF_SPACING, SMALLEST_SPACING, Scale, refuse_no_area};
@@ -26,6 +28,7 @@ use crate::surface::repair::repair;
 use crate::surface::submanifold::Submanifold;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::f64::consts::TAU;
 
 /// How to sample.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,6 +48,9 @@ pub struct SampleOptions {
     pub seed: u64,
     /// Sweeps of gradient ascent. Default: 10, as in the paper (section 6.3).
     pub sweeps: usize,
+    /// What to make of a cloud: its normals, and how far its points reach on the implicit surface that samples move on,
+    /// [`DEFAULT_REACH`] if that is not given. Holes do not matter.
+    pub cloud: CloudOptions,
 }
 
 impl Default for SampleOptions {
@@ -56,6 +62,7 @@ impl Default for SampleOptions {
             scan_only: false,
             seed: 0,
             sweeps: 10,
+            cloud: CloudOptions::default(),
         }
     }
 }
@@ -67,6 +74,7 @@ impl SampleOptions {
     /// [`Error::Option`] for a density that is none, or a width that is not positive.
     pub fn validate(&self) -> Result<()> {
         check_kernel(self.sigma_n, &self.signals)?;
+        self.cloud.validate()?;
         match self.density {
             Density::Points(n) => check_count("points", n, format!("{n} samples are asked for")),
             Density::EdgeLength(l) => check_length("edge-length", l),
@@ -93,6 +101,8 @@ pub struct Sampled {
     pub sigma_p: f64,
     /// Samples wanted; `None` if the width of the kernel was to decide.
     pub wanted: Option<usize>,
+    /// What became of the points of a cloud that were looked at as a surface; `None` for a mesh.
+    pub cloud: Option<CloudSummary>,
     /// Things a user should know, a sentence each.
     pub notes: Vec<String>,
 }
@@ -151,7 +161,15 @@ fn sample_surface(
         normals: samples.iter().map(|s| s.normal).collect(),
     };
     let notes = notes(points.positions.len(), candidates.len(), wanted);
-    Ok(Sampled { points, indices: None, candidates: candidates.len(), sigma_p: unit.size * sigma, wanted, notes })
+    Ok(Sampled {
+        points,
+        indices: None,
+        candidates: candidates.len(),
+        sigma_p: unit.size * sigma,
+        wanted,
+        cloud: None,
+        notes,
+    })
 }
 
 /// A subset of the vertices of `input`, which are on the surface `clean`.
@@ -176,29 +194,50 @@ fn sample_vertices(
     ))
 }
 
-/// A subset of `input`: its samples as the scan leaves them.
+/// Samples the implicit surface of the points `input`; with [`SampleOptions::scan_only`] the points themselves, which have
+/// to be no surface then if normals do not count.
 ///
 /// # Errors
-/// [`Error::Mesh`] for an input without points or with bad numbers; [`Error::Option`] for options out of range, a finite
-/// [`SampleOptions::sigma_n`] without normals, and without [`SampleOptions::scan_only`];
-/// [`Error::Cancelled`] if the monitor asks for it.
+/// [`Error::Mesh`] for an input without points, with bad numbers, or that no surface goes through; [`Error::Option`] for
+/// options out of range; [`Error::Cancelled`] if the monitor asks for it.
 pub fn sample_points(input: &Points, options: &SampleOptions, monitor: &dyn Monitor) -> Result<Sampled> {
     options.validate()?;
-    if !options.scan_only {
-        let cause = "points without faces are no surface that samples could move on".into();
-        return Err(Error::Option { option: "scan-only", cause, remedy: "give --scan-only to take a subset".into() });
-    }
-    if input.normals.is_empty() && options.sigma_n.is_finite() {
-        let cause = "the points have no normals that could count".into();
-        let remedy = "give points with normals, or leave out sigma-n".into();
-        return Err(Error::Option { option: "sigma-n", cause, remedy });
-    }
     check_signals(&options.signals, input.positions.len())?;
     refuse_bad_points(&input.positions)?;
-    monitor.stage("sample");
     let unit = Unit::of_points(&input.positions);
-    let bare = bare_samples(input, &unit);
-    let (first_sigma, wanted) = first_sigma(options.density, area_of_box(&bare), &unit);
+    let positions = input.positions.iter().map(|&p| unit.inwards_point(p)).collect();
+    let inwards = Points { positions, normals: input.normals.clone() };
+    let needs_normals = options.sigma_n.is_finite() && input.normals.is_empty();
+    let cloud = match prepared(&inwards, &options.cloud.within_unit(unit.size), monitor) {
+        Err(Error::Mesh { .. }) if options.scan_only && !needs_normals => {
+            monitor.stage("sample");
+            return sample_bare_points(input, &unit, options, monitor);
+        }
+        cloud => cloud?,
+    };
+    monitor.stage("sample");
+    let signals: Vec<Signal> = options.signals.iter().map(|signal| signal.of(&cloud.source)).collect();
+    let beside = Beside::of_points(options.sigma_n, &signals);
+    let (first_sigma, wanted) = first_sigma(options.density, cloud.area(), &unit);
+    let task = Task { beside: &beside, first_sigma, wanted, options, monitor };
+    let sampled = if options.scan_only {
+        let given = bare_samples(&cloud.points);
+        task.subset(&BarePoints, &Given { samples: &given, domain: None })?.of(
+            &input.positions,
+            Some(&cloud.source),
+            unit.size,
+        )
+    } else {
+        task.on_cloud(&cloud, &unit)?
+    };
+    Ok(Sampled { cloud: Some(cloud.summary), ..sampled })
+}
+
+/// A subset of points that are no surface.
+fn sample_bare_points(input: &Points, unit: &Unit, options: &SampleOptions, monitor: &dyn Monitor) -> Result<Sampled> {
+    let positions = input.positions.iter().map(|&p| unit.inwards_point(p)).collect();
+    let bare = bare_samples(&Points { positions, normals: input.normals.clone() });
+    let (first_sigma, wanted) = first_sigma(options.density, area_of_box(&bare), unit);
     let beside = Beside::of_points(options.sigma_n, &options.signals);
     let task = Task { beside: &beside, first_sigma, wanted, options, monitor };
     let mut sampled =
@@ -207,6 +246,31 @@ pub fn sample_points(input: &Points, options: &SampleOptions, monitor: &dyn Moni
         sampled.points.normals.clear();
     }
     Ok(sampled)
+}
+
+/// Points to choose from for each sample wanted on a cloud. If the cloud has fewer there are more between its points, in a
+/// disk of this radius in spacings around each.
+const CHOICES_PER_POINT: usize = 4;
+const DISK: f64 = 0.6;
+
+/// The points of a cloud on its surface, as samples, and more between them if `wanted` is no small part of them.
+fn choices_on(surface: &Rimls, cloud: &Prepared, wanted: usize, seed: u64) -> Vec<Sample> {
+    let mut rng = stream(seed, Stage::Candidates);
+    let Points { positions, normals } = &cloud.points;
+    let each = (CHOICES_PER_POINT * wanted).div_ceil(positions.len()).max(1);
+    let places: Vec<DVec3> = (0..each * positions.len())
+        .map(|i| {
+            let p = i % positions.len();
+            if i < positions.len() {
+                return positions[p];
+            }
+            let (angle, radius) =
+                (TAU * unit_random(&mut rng), DISK * cloud.spacings[p] * unit_random(&mut rng).sqrt());
+            let (across, along) = normals[p].any_orthonormal_pair();
+            positions[p] + radius * (angle.cos() * across + angle.sin() * along)
+        })
+        .collect();
+    places.par_iter().filter_map(|&place| surface.sample(place)).collect()
 }
 
 /// The dimensions of a kernel with signals.
@@ -231,9 +295,9 @@ fn used_vertices(input: &Mesh, unit: &Unit, domain: &Domain) -> (Vec<Sample>, Ve
 }
 
 /// The points as samples whose triangle is their number; without normals these are zero, which all are neighbours of.
-fn bare_samples(input: &Points, unit: &Unit) -> Vec<Sample> {
-    let sample = |(i, &p): (usize, &DVec3)| Sample {
-        position: unit.inwards_point(p),
+fn bare_samples(input: &Points) -> Vec<Sample> {
+    let sample = |(i, &position): (usize, &DVec3)| Sample {
+        position,
         normal: input.normals.get(i).map_or(DVec3::ZERO, |n| n.normalize_or_zero()),
         triangle: i as u32,
         size: 1.0,
@@ -288,7 +352,15 @@ impl Subset<'_> {
             normals: kept.iter().map(|&i| given[i as usize].normal).collect(),
         };
         let notes = notes(kept.len(), given.len(), wanted);
-        Sampled { points, indices: Some(indices), candidates: given.len(), sigma_p: unit * sigma, wanted, notes }
+        Sampled {
+            points,
+            indices: Some(indices),
+            candidates: given.len(),
+            sigma_p: unit * sigma,
+            wanted,
+            cloud: None,
+            notes,
+        }
     }
 }
 
@@ -327,11 +399,53 @@ impl Task<'_> {
                 Some(wanted) => exactly::<_, D>(&surface, domain, candidates, samples, sigma, wanted),
                 None => samples,
             };
-            self.monitor.stage("ascend");
-            let climb = Climb { sigma: ASCENT_OF_SCAN * sigma, step: PAPER_STEP, sweeps: self.options.sweeps };
-            ascend_freely::<_, D>(&surface, &mut samples, climb, self.monitor)?;
+            self.ascend::<_, D>(domain, kernel, &mut samples)?;
             Ok((sigma, samples))
         })
+    }
+
+    /// Samples of the surface of a cloud after ascent.
+    fn on_cloud(&self, cloud: &Prepared, unit: &Unit) -> Result<Sampled> {
+        let reach = self.options.cloud.smooth.unwrap_or(DEFAULT_REACH);
+        let surface = Rimls::new(&cloud.points.positions, &cloud.points.normals, &cloud.near, &cloud.spacings, reach);
+        let expected = self.wanted.unwrap_or_else(|| Scale::count_of_sigma(self.first_sigma, cloud.area()));
+        check_count("sigma-p", expected, format!("this width means {expected} samples"))?;
+        let choices = choices_on(&surface, cloud, expected, self.options.seed);
+        check(self.monitor)?;
+        let (sigma, samples) = match self.beside.dimensions() {
+            3 => self.climbed::<3>(&surface, &choices),
+            6 => self.climbed::<6>(&surface, &choices),
+            _ => self.climbed::<MOST_DIMENSIONS>(&surface, &choices),
+        }?;
+        let points = Points {
+            positions: samples.iter().map(|s| unit.outwards_point(s.position)).collect(),
+            normals: samples.iter().map(|s| s.normal).collect(),
+        };
+        let notes = notes(samples.len(), choices.len(), self.wanted);
+        let sigma_p = unit.size * sigma;
+        Ok(Sampled {
+            points,
+            indices: None,
+            candidates: choices.len(),
+            sigma_p,
+            wanted: self.wanted,
+            cloud: None,
+            notes,
+        })
+    }
+
+    /// Those of `choices` that the scan keeps, after ascent on `surface`.
+    fn climbed<const D: usize>(&self, surface: &Rimls, choices: &[Sample]) -> Result<(f64, Vec<Sample>)> {
+        let (sigma, kept) = self.kept_of::<_, D>(surface, &Given { samples: choices, domain: None })?;
+        let mut samples: Vec<Sample> = kept.into_iter().map(|i| choices[i as usize]).collect();
+        self.beside.with_kernel(sigma, |kernel| self.ascend::<_, D>(surface, kernel, &mut samples))?;
+        Ok((sigma, samples))
+    }
+
+    fn ascend<S: Surface, const D: usize>(&self, surface: &S, kernel: Kernel, samples: &mut [Sample]) -> Result<()> {
+        self.monitor.stage("ascend");
+        let climb = Climb { sigma: ASCENT_OF_SCAN * kernel.sigma, step: PAPER_STEP, sweeps: self.options.sweeps };
+        ascend_freely::<_, D>(&Lifted { surface, lift: kernel.lift }, samples, climb, self.monitor)
     }
 
     /// The width of the kernel with which a scan of `most` candidates keeps about as many as are wanted, and what it

@@ -115,6 +115,11 @@ impl Scale {
         Scale { wanted, spacing: (2.0 * area / (3f64.sqrt() * wanted as f64)).sqrt() }
     }
 
+    /// How many samples a kernel of width `sigma` leaves of `area`.
+    pub(super) fn count_of_sigma(sigma: f64, area: f64) -> usize {
+        count(area, sigma / SIGMA_OF_SPACING)
+    }
+
     /// σp for samples at distance `spacing`.
     pub(super) fn sigma_of_spacing(spacing: f64) -> f64 {
         SIGMA_OF_SPACING * spacing

@@ -2,7 +2,7 @@
 
 use super::Lap;
 use super::table::significant;
-use crate::remesh::{SampleOptions, Sampled};
+use crate::remesh::{CloudSummary, SampleOptions, Sampled};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 use std::time::Duration;
@@ -37,6 +37,8 @@ pub struct SamplesReport {
     pub seed: u64,
     /// Sweeps of ascent that were made.
     pub sweeps: usize,
+    /// What became of the points of a cloud; `None` for a mesh, or for points that are no surface.
+    pub cloud: Option<CloudSummary>,
     /// Things a user should know, a sentence each.
     pub notes: Vec<String>,
     /// Seconds of each stage, in the order in which they ran.
@@ -63,6 +65,7 @@ impl SamplesReport {
             sigma_n: options.sigma_n.is_finite().then_some(options.sigma_n),
             seed: options.seed,
             sweeps: if sampled.indices.is_some() { 0 } else { options.sweeps },
+            cloud: sampled.cloud.clone(),
             notes: sampled.notes.clone(),
             stages: Vec::new(),
             peak_memory_bytes: None,

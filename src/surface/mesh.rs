@@ -28,6 +28,15 @@ impl Mesh {
         (b - a).cross(c - a)
     }
 
+    /// For each vertex the sum of the area vectors of its triangles: a normal that is not of unit length.
+    pub fn vertex_area_vectors(&self) -> Vec<DVec3> {
+        let mut sums = vec![DVec3::ZERO; self.positions.len()];
+        for (t, corners) in self.triangles.iter().enumerate() {
+            corners.iter().for_each(|&v| sums[v as usize] += self.area_vector(t));
+        }
+        sums
+    }
+
     /// The total area of all triangles.
     pub fn area(&self) -> f64 {
         (0..self.triangles.len()).map(|t| 0.5 * self.area_vector(t).length()).sum()

@@ -1,0 +1,94 @@
+//! What a reconstruction did: as JSON of a fixed schema, and as a few lines for a terminal.
+
+use super::Lap;
+use crate::remesh::{CloudSummary, Reconstructed};
+use crate::surface::topology::Topology;
+use serde::{Deserialize, Serialize};
+use std::time::Duration;
+
+/// Name and version of the JSON schema.
+pub const SURFACE_SCHEMA: &str = "spectral-remesh/surface/1";
+
+/// A report on a surface made of points. The members are those of the JSON text.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SurfaceReport {
+    /// [`SURFACE_SCHEMA`].
+    pub schema: String,
+    /// Version of the tool that made the report.
+    pub version: String,
+    /// The file that had the points, as it was named.
+    pub input: String,
+    /// The file that the surface went to, as it was named.
+    pub output: String,
+    /// What became of the points.
+    pub cloud: CloudSummary,
+    /// The topology of the surface.
+    pub surface: Topology,
+    /// Mean spacing of the points, in the units of the input.
+    pub spacing: f64,
+    /// Edge length of the cells, in the units of the input.
+    pub resolution: f64,
+    /// How far points reach, in their spacings.
+    pub reach: f64,
+    /// Things a user should know, a sentence each.
+    pub notes: Vec<String>,
+    /// Seconds of each stage, in the order in which they ran.
+    pub stages: Vec<Lap>,
+    /// Most memory that the process had at once, in bytes, where the system tells.
+    pub peak_memory_bytes: Option<u64>,
+    /// Threads that the run could use.
+    pub threads: usize,
+}
+
+impl SurfaceReport {
+    /// The report on what was made of the points in the file `input` and went to the file `output`.
+    pub fn new(made: &Reconstructed, notes: Vec<String>, input: String, output: String) -> SurfaceReport {
+        SurfaceReport {
+            schema: SURFACE_SCHEMA.into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            input,
+            output,
+            cloud: made.cloud.clone(),
+            surface: made.topology,
+            spacing: made.spacing,
+            resolution: made.resolution,
+            reach: made.reach,
+            notes,
+            stages: Vec::new(),
+            peak_memory_bytes: None,
+            threads: 1,
+        }
+    }
+
+    /// The same report with what the run took.
+    #[must_use]
+    pub fn with_run(self, laps: &[(&str, Duration)], peak_memory_bytes: Option<u64>, threads: usize) -> SurfaceReport {
+        let stages = laps.iter().map(|&(name, time)| Lap { name: name.into(), seconds: time.as_secs_f64() }).collect();
+        SurfaceReport { stages, peak_memory_bytes, threads, ..self }
+    }
+
+    /// The report as indented JSON that ends with a line break.
+    pub fn to_json(&self) -> String {
+        serde_json::to_string_pretty(self).expect("a report is plain data with text keys") + "\n"
+    }
+
+    /// The report as a few lines for people.
+    pub fn to_text(&self) -> String {
+        let (s, cloud) = (&self.surface, &self.cloud);
+        let mut out = format!("{} -> {}\n{} points", self.input, self.output, cloud.points);
+        let counts = [
+            (cloud.duplicates, "duplicates"),
+            (cloud.strays, "strays"),
+            (cloud.estimated_normals, "normals estimated"),
+            (cloud.turned_normals, "normals turned over"),
+        ];
+        counts.iter().filter(|c| c.0 > 0).for_each(|(n, what)| out.push_str(&format!(", {n} {what}")));
+        out.push_str(&format!(
+            "\n{} vertices, {} faces, Euler characteristic {}, {} components, {} boundary loops\n\
+             cells of {:.6}, points {:.6} apart that reach {} as far\n",
+            s.vertices, s.faces, s.euler, s.components, s.boundary_loops, self.resolution, self.spacing, self.reach
+        ));
+        self.notes.iter().for_each(|note| out.push_str(&format!("note: {note}\n")));
+        out
+    }
+}
