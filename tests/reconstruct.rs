@@ -4,6 +4,7 @@ mod common;
 
 use common::{audit, moved, noisy, random, sphere, together, torus, volume};
 use glam::{DVec3, dvec3};
+use spectral_remesh::remesh::DEFAULT_REACH;
 use spectral_remesh::{
     CloudOptions, Error, Mesh, Points, ReconstructOptions, Reconstructed, points_of_mesh, reconstruct,
 };
@@ -35,7 +36,10 @@ fn a_ball_is_closed_round_and_faces_outwards() {
         assert_eq!((topology.euler, topology.boundary_loops, topology.components), (2, 0, 1));
         assert!((resolution - 0.5 * spacing).abs() < 1e-12);
         let off = |p: &DVec3| (p.distance(dvec3(5.0, -3.0, 1.0)) - 2.0).abs();
-        assert!(mesh.positions.iter().all(|p| off(p) < 0.01), "{}", mesh.positions.iter().map(off).fold(0.0, f64::max));
+        // Planes through points that reach h lie outside of a ball of radius R by h² / 12 R in the mean.
+        let outside = (DEFAULT_REACH * spacing).powi(2) / (12.0 * 2.0);
+        let farthest = mesh.positions.iter().map(off).fold(0.0, f64::max);
+        assert!(farthest < 2.5 * outside, "{farthest} {outside}");
         assert!((volume(&mesh) / (4.0 * PI / 3.0 * 8.0) - 1.0).abs() < 0.02, "{}", volume(&mesh));
     }
 }
@@ -105,10 +109,9 @@ fn noise_is_smoothed() {
 fn random_points_have_no_holes() {
     let ball = with_normals(&sphere(6, DVec3::ZERO, 1.0));
     let mut rng = random(6);
-    let chosen: Vec<bool> = ball.positions.iter().map(|_| spectral_remesh::base::rng::unit(&mut rng) < 0.25).collect();
-    let mut points = ball;
-    points.retain(&chosen);
-    let t = made(&points, &ReconstructOptions::default()).topology;
+    let mut is_chosen = |_: &u32| spectral_remesh::base::rng::unit(&mut rng) < 0.25;
+    let chosen: Vec<u32> = (0..ball.positions.len() as u32).filter(|p| is_chosen(p)).collect();
+    let t = made(&ball.pick(&chosen), &ReconstructOptions::default()).topology;
     assert_eq!((t.euler, t.components, t.boundary_loops), (2, 1, 0));
 }
 
