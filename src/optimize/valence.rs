@@ -268,10 +268,12 @@ fn ends_after(c: &Connectivity, h: u32) -> [u32; 2] {
     sorted(c.apex(h), c.apex(c.twin(h)))
 }
 
-/// The edges whose flip means something else after that of `h`: those at and across from its four vertices.
+/// The edges whose flip means something else after that of `h`: those at and across from its four vertices, or from three
+/// if later flips have put it on the boundary.
 fn touched(c: &Connectivity, h: u32) -> impl Iterator<Item = u32> {
-    let [a, b, top] = c.triangle(h);
-    [a, b, top, c.apex(c.twin(h))].into_iter().flat_map(move |v| c.outgoing(v).flat_map(|h| [h, next(h)]))
+    let across = Some(c.twin(h)).filter(|&twin| twin != NONE).map(|twin| c.apex(twin));
+    let corners = c.triangle(h).into_iter().chain(across);
+    corners.flat_map(move |v| c.outgoing(v).flat_map(|h| [h, next(h)]))
 }
 
 /// The cosine of the turn of the surface between two vertices; 1 if one is on a sharp edge and has no normal.
