@@ -42,6 +42,9 @@ pub struct Settled {
 /// hole otherwise.
 const DOUBTFUL: f64 = 0.65;
 
+/// Least cosine between a triangle in a gap and the mean normal of its corners, if that can be had.
+const LEAST_COSINE: f64 = 0.2;
+
 /// Rounds of closing gaps and widening those that cannot be closed.
 const ROUNDS: usize = 6;
 
@@ -79,7 +82,7 @@ pub fn settle(points: Surroundings<'_>, stars: &[[u32; 3]], look: Look) -> Settl
         keep_largest_fans(&mut triangles, points.positions.len());
         drop_islands(&mut triangles, &[], points.positions.len());
         let before = triangles.len();
-        fill_holes(points.positions, points.normals, &successor, |p| !is_hole(p), &mut triangles);
+        fill_holes(points.positions, points.normals, &successor, |p| !is_hole(p), LEAST_COSINE, &mut triangles);
         triangles[before..].iter().flatten().for_each(|&p| is_filled[p as usize] = true);
         let mut left = gaps(points.positions, points.normals, &successor, &triangles);
         left.retain(|polygon| !is_hole(polygon));

@@ -16,16 +16,15 @@ use std::collections::HashSet;
 /// Polygons of more sides are left open: they would take a second each.
 const MOST_SIDES: usize = 200;
 
-/// Least cosine between a triangle and the mean normal of its corners that passes for one along the surface.
-const LEAST_FACING: f64 = 0.2;
-
 /// Adds to `triangles` those that close the gaps between them that are `to_fill`: polygons with the gap on their left.
-/// `successor` is the next sample on a boundary.
+/// `successor` is the next sample on a boundary. Triangles should have at least this cosine with the mean normal of their
+/// corners.
 pub fn fill_holes(
     positions: &[DVec3],
     normals: &[DVec3],
     successor: &[u32],
     to_fill: impl Fn(&[u32]) -> bool,
+    least_facing: f64,
     triangles: &mut Vec<[u32; 3]>,
 ) {
     let open = open_sides(successor, triangles);
@@ -39,7 +38,7 @@ pub fn fill_holes(
         near.filter(|e| ends.contains(&e[0]) && ends.contains(&e[1])).map(undirected).collect();
     edges.extend(open.iter().map(|&e| undirected(e)));
     for polygon in polygons.into_iter().filter(|p| to_fill(p)) {
-        if let Some(filling) = triangulate_polygon(positions, normals, &polygon, &edges) {
+        if let Some(filling) = triangulate_polygon(positions, normals, &polygon, &edges, least_facing) {
             edges.extend(filling.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(undirected));
             triangles.extend(filling);
         }
@@ -145,6 +144,7 @@ fn triangulate_polygon(
     normals: &[DVec3],
     polygon: &[u32],
     edges: &HashSet<[u32; 2]>,
+    least_facing: f64,
 ) -> Option<Vec<[u32; 3]>> {
     let n = polygon.len();
     let distinct: HashSet<u32> = polygon.iter().copied().collect();
@@ -164,7 +164,7 @@ fn triangulate_polygon(
             } else if usable(i, j) {
                 let choice = (i + 1..j).filter_map(|k| {
                     let (left, right) = (best[n * i + k]?.0, best[n * k + j]?.0);
-                    let own = goodness([i, k, j].map(|c| polygon[c] as usize), positions, normals);
+                    let own = goodness([i, k, j].map(|c| polygon[c] as usize), positions, normals, least_facing);
                     Some((own.min(left).min(right), k))
                 });
                 best[n * i + j] = choice.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
@@ -184,11 +184,11 @@ fn triangulate_polygon(
 }
 
 /// The smallest angle of a triangle; less than zero for one that looks away from the surface.
-fn goodness(triangle: [usize; 3], positions: &[DVec3], normals: &[DVec3]) -> f64 {
+fn goodness(triangle: [usize; 3], positions: &[DVec3], normals: &[DVec3], least_facing: f64) -> f64 {
     let corners = triangle.map(|v| positions[v]);
     let [a, b, c] = corners;
     let normal = (b - a).cross(c - a).normalize_or_zero();
     let facing = triangle.into_iter().map(|v| normals[v]).sum::<DVec3>().normalize_or_zero().dot(normal);
     let smallest_angle = angles(corners).into_iter().fold(f64::INFINITY, f64::min);
-    if facing > LEAST_FACING { smallest_angle } else { facing - 1.0 }
+    if facing > least_facing { smallest_angle } else { facing - 1.0 }
 }

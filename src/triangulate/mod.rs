@@ -32,6 +32,9 @@ const CHUNK: usize = 512;
 /// other. The first also goes to where triangles are possible but not good, the last is of the whole piece.
 const REACHES: [f64; 3] = [6.0, 12.0, f64::INFINITY];
 
+/// Gaps between samples are too small for triangles in them to be held to a direction.
+const ANY_FACING: f64 = f64::NEG_INFINITY;
+
 /// Gaps of more sides than this are no ambiguity but a failure.
 const MOST_SIDES: usize = 48;
 
@@ -97,7 +100,14 @@ fn joined(starred: &Starred) -> Vec<[u32; 3]> {
     let mut triangles = agreed(&starred.stars);
     let positions: Vec<DVec3> = starred.samples.iter().map(|s| s.position).collect();
     let normals: Vec<DVec3> = starred.samples.iter().map(|s| s.normal).collect();
-    fill_holes(&positions, &normals, &starred.successor, |polygon| polygon.len() <= MOST_SIDES, &mut triangles);
+    fill_holes(
+        &positions,
+        &normals,
+        &starred.successor,
+        |polygon| polygon.len() <= MOST_SIDES,
+        ANY_FACING,
+        &mut triangles,
+    );
     triangles
 }
 
