@@ -1,0 +1,14 @@
+"""The experiments, in the order in which RESULTS.md has them.
+
+Each is a module with
+
+    TITLE                      its heading in RESULTS.md
+    run(context) -> dict       measures, and gives its raw figures as what JSON can hold
+    report(raw, figures) -> str
+                               Markdown from the raw figures alone; draws plots into the folder `figures`, names them by
+                               `figures/NAME.svg`, and says in words what is better and what is worse than the peer
+
+`run` does less with `context.quick`, and says in its figures what it left out and why.
+"""
+
+NAMES = []
