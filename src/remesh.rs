@@ -22,6 +22,7 @@ use crate::optimize::levels::{
     balance, clear_seam, coarsen, fix_all_but_bent, fix_all_but_narrow, fix_tips, narrow, split_to,
 };
 use crate::optimize::relax::{Flips, relax};
+use crate::optimize::tips::reach_far_places;
 use crate::optimize::untangle::untangle;
 use crate::optimize::valence::{remove_defects, remove_near_defects};
 use crate::quality::bound::{Bounds, hausdorff_bounds};
@@ -348,9 +349,10 @@ fn optimize(
     mesh.fixed.fill(false);
     improve_angles(domain, mesh, spacing, monitor)?;
     monitor.stage("fit");
-    fit(domain, mesh, spacing, limit, monitor)?;
+    let mean_square = fit(domain, mesh, spacing, limit, monitor)?;
     // A vertex that was taken back to the surface may have spoilt its triangles.
-    improve_angles(domain, mesh, spacing, monitor)
+    improve_angles(domain, mesh, spacing, monitor)?;
+    reach_far_places(domain, mesh, spacing, mean_square, monitor)
 }
 
 /// A quarter of the vertices, in good order; all of them where a coarser mesh could not follow the surface.

@@ -86,6 +86,12 @@ fn margin_of(corners: [DVec3; 3]) -> f64 {
     (smallest_angle(corners) - SMALLEST).min(DEGREES_OF_QUALITY * (quality(corners) - LEAST_QUALITY))
 }
 
+/// The least margin of all triangles, in degrees; negative outside of the goal.
+pub(super) fn worst_margin(mesh: &Manifold) -> f64 {
+    let triangles = mesh.half_edges().filter(|h| h % 3 == 0);
+    triangles.map(|h| margin_of(mesh.connectivity.triangle(h).map(|v| mesh.position(v)))).fold(f64::INFINITY, f64::min)
+}
+
 /// Whether the triangle of `h` is outside of the goal.
 fn is_bad(mesh: &Manifold, h: u32) -> bool {
     margin_of(mesh.connectivity.triangle(h).map(|v| mesh.position(v))) < 0.0

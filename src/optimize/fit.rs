@@ -49,6 +49,9 @@ const DRAWN_ROUNDS: usize = 2;
 /// Further rounds where the distance has a limit.
 const LIMITED_ROUNDS: usize = 4;
 
+/// Rounds for a part of a mesh.
+const PART_ROUNDS: usize = 3;
+
 /// Share of the limit from which on points weigh more.
 const OF_LIMIT: f64 = 0.7;
 
@@ -96,7 +99,7 @@ const GAIN: f64 = 0.05;
 const WEIGHT_OF_VERTEX: f64 = 0.1;
 
 /// Barycentric coordinates and weights of the points of a triangle.
-const POINTS: [([f64; 3], f64); 6] = {
+pub(super) const POINTS: [([f64; 3], f64); 6] = {
     const A: (f64, f64, f64) = (0.108_103_018_168_070, 0.445_948_490_915_965, 0.223_381_589_678_011);
     const B: (f64, f64, f64) = (0.816_847_572_980_459, 0.091_576_213_509_771, 0.109_951_743_655_322);
     [
@@ -110,36 +113,47 @@ const POINTS: [([f64; 3], f64); 6] = {
 };
 
 /// Moves the vertices to where the triangles fit the surface. `spacing` is the mean edge length; what is farther from
-/// the other surface than `limit`, an absolute length, is drawn in as far as it can be.
+/// the other surface than `limit`, an absolute length, is drawn in as far as it can be. The mean square of the distances
+/// in the end.
 pub fn fit(
     domain: &Domain,
     mesh: &mut Manifold,
     spacing: f64,
     limit: Option<f64>,
     monitor: &dyn Monitor,
-) -> Result<()> {
-    let classes = mesh.colour_classes();
-    let mut targets = Targets::new(mesh);
+) -> Result<f64> {
+    let mut watched: Vec<u32> = (0..domain.mesh.positions.len() as u32).collect();
     let longest = mesh.edges().map(|h| mesh.length_squared(h)).fold(0.0, f64::max).sqrt();
     // Where the topology takes more vertices than were asked for, no edge is as long as the spacing.
     let spacing = spacing.min(longest);
-    let mut watched: Vec<u32> = (0..domain.mesh.positions.len() as u32).collect();
+    let mut targets = Targets::new(mesh);
     let drawn_rounds = DRAWN_ROUNDS + limit.map_or(0, |_| LIMITED_ROUNDS);
+    let mut mean_square = 0.0;
     for round in 0..PLAIN_ROUNDS + drawn_rounds {
         check(monitor)?;
         targets.find(domain, mesh, spacing);
         if round >= PLAIN_ROUNDS {
-            let scale = Scale::new(targets.mean_square(mesh), limit);
-            let far = vertices_beyond(scale.watched()..spacing * spacing, domain, mesh, &watched);
-            watched = far.iter().map(|f| f.0).collect();
-            targets.weigh(mesh, &scale, far);
+            mean_square = targets.mean_square(mesh);
+            let scale = Scale::new(mean_square, limit);
+            watched = targets.draw(domain, mesh, &scale, spacing, &watched);
         }
-        for _ in 0..SWEEPS {
-            classes.iter().for_each(|class| move_all(mesh, class, |mesh, v| step(mesh, &targets, v, spacing)));
-        }
+        targets.pull(mesh, spacing);
     }
     take_back(domain, mesh, spacing);
-    Ok(())
+    Ok(mean_square)
+}
+
+/// Fits a part of a mesh to a part of the surface, whose vertices are `watched`, where the mean square of the distances
+/// of the whole is known.
+pub(super) fn fit_part(domain: &Domain, mesh: &mut Manifold, spacing: f64, mean_square: f64, watched: &[u32]) {
+    let mut targets = Targets::new(mesh);
+    let scale = Scale::new(mean_square, None);
+    for _ in 0..PART_ROUNDS {
+        targets.find(domain, mesh, spacing);
+        targets.draw(domain, mesh, &scale, spacing, watched);
+        targets.pull(mesh, spacing);
+    }
+    take_back(domain, mesh, spacing);
 }
 
 /// What is far.
@@ -223,6 +237,29 @@ impl Targets {
         let triangles = self.own.par_iter_mut().enumerate().with_min_len(CHUNK).map(|(t, own)| (t as u32, own));
         let there = triangles.filter(|(t, _)| mesh.connectivity.has_half_edge(3 * t));
         there.for_each(|(t, own)| find_planes(domain, mesh, t, own, REACH * spacing));
+    }
+
+    /// Gives weight to what is far, of the triangles and of the vertices `watched`; those of them that may be so again.
+    fn draw(
+        &mut self,
+        domain: &Domain,
+        mesh: &Manifold,
+        scale: &Scale,
+        spacing: f64,
+        watched: &[u32],
+    ) -> Vec<u32> {
+        let far = vertices_beyond(scale.watched()..spacing * spacing, domain, mesh, watched);
+        let watched = far.iter().map(|f| f.0).collect();
+        self.weigh(mesh, scale, far);
+        watched
+    }
+
+    /// Moves all vertices some steps.
+    fn pull(&self, mesh: &mut Manifold, spacing: f64) {
+        let classes = mesh.colour_classes();
+        for _ in 0..SWEEPS {
+            classes.iter().for_each(|class| move_all(mesh, class, |mesh, v| step(mesh, self, v, spacing)));
+        }
     }
 
     /// The mean of the squared distances of the triangles' own points to their planes.

@@ -6,5 +6,6 @@ pub mod fit;
 pub mod levels;
 pub mod relax;
 mod step;
+pub mod tips;
 pub mod untangle;
 pub mod valence;

@@ -12,6 +12,7 @@
 //! Removed triangles and vertices leave gaps until [`Connectivity::compact`].
 
 use crate::surface::topology::{NONE, twins};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The half-edge after `h` in its triangle.
 #[inline]
@@ -396,6 +397,43 @@ impl Connectivity {
             self.out[b as usize] = new + 1;
         }
         new
+    }
+
+    /// Puts `triangles` in the place of those with the numbers in `old`, of which there are as many, with the same
+    /// border. Whether it could be: not if one of the new edges is there already, elsewhere.
+    pub fn replace(&mut self, old: &[u32], triangles: &[[u32; 3]]) -> bool {
+        let sides = || old.iter().flat_map(|&t| 3 * t..3 * t + 3);
+        let inside = |h: u32| old.binary_search(&(h / 3)).is_ok();
+        let outside = sides().map(|h| self.twin(h)).filter(|&h| h != NONE && !inside(h));
+        let mut open: BTreeMap<[u32; 2], u32> = outside.map(|h| ([self.target(h), self.origin(h)], h)).collect();
+        let known: BTreeSet<[u32; 2]> = sides().map(|h| [self.origin(h), self.target(h)]).collect();
+        let edges = || triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        if edges().any(|edge| !known.contains(&edge) && self.has_edge(edge)) {
+            return false;
+        }
+        debug_assert_eq!(old.len(), triangles.len());
+        for ((side, from), edge) in sides().zip(triangles.iter().flatten()).collect::<Vec<_>>().into_iter().zip(edges()) {
+            self.origin[side as usize] = *from;
+            self.twin[side as usize] = NONE;
+            self.curve[side as usize] = NONE;
+            match open.remove(&edge) {
+                Some(across) => {
+                    self.curve[side as usize] = self.curve(across);
+                    self.glue(side, across);
+                }
+                None => {
+                    open.insert([edge[1], edge[0]], side);
+                }
+            }
+        }
+        for side in sides() {
+            self.set_out(self.origin(side), side);
+        }
+        true
+    }
+
+    fn has_edge(&self, [a, b]: [u32; 2]) -> bool {
+        self.has_vertex(a) && self.has_vertex(b) && self.are_adjacent(a, b)
     }
 
     /// The triangles in the order of their half-edges, and for each of their vertices its old number.

@@ -18,6 +18,7 @@ pub mod neighbors;
 pub mod normals;
 pub mod orient;
 pub mod part;
+pub mod patch;
 pub mod points;
 pub mod refine;
 pub mod repair;
