@@ -399,10 +399,10 @@ fn refine_to_count(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor:
 /// Sweeps of ascent in the places that no coarser mesh can follow, and those over the coarse mesh: irregular vertices
 /// get fewer up to about seventy.
 const FINE_SWEEPS: usize = 11;
-const COARSE_SWEEPS: usize = 40;
+const COARSE_SWEEPS: usize = 120;
 
 /// Kernel width of the ascent over the coarse mesh, in its spacings: a wide one orders more.
-const COARSE_SIGMA: f64 = 1.1;
+const COARSE_SIGMA: f64 = 0.9;
 
 /// Rounds of relaxation at each level: after three, vertices move by a hundredth of an edge. Those after defects have
 /// gone only give the rows room.

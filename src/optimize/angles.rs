@@ -92,6 +92,11 @@ pub(super) fn worst_margin(mesh: &Manifold) -> f64 {
     triangles.map(|h| margin_of(mesh.connectivity.triangle(h).map(|v| mesh.position(v)))).fold(f64::INFINITY, f64::min)
 }
 
+/// The number of triangles outside of the goal.
+pub(super) fn bad_triangles(mesh: &Manifold) -> usize {
+    mesh.half_edges().filter(|&h| h % 3 == 0 && is_bad(mesh, h)).count()
+}
+
 /// Whether the triangle of `h` is outside of the goal.
 fn is_bad(mesh: &Manifold, h: u32) -> bool {
     margin_of(mesh.connectivity.triangle(h).map(|v| mesh.position(v))) < 0.0

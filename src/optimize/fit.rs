@@ -60,7 +60,7 @@ const SWEEPS: usize = 3;
 
 /// μ: RMS in percent of the diagonal and mean Q of a koala of 13,000 vertices: 0.0104 and 0.972 with 0.02, 0.0112 and
 /// 0.973 with 0.05, 0.0118 and 0.9735 with 0.2; 0.0212 and 0.973 before.
-const SHAPE_WEIGHT: f64 = 0.08;
+const SHAPE_WEIGHT: f64 = 0.12;
 
 /// Part of the planes' own stiffness that is added along the normal: a place that they do not hold stays.
 const STIFFNESS: f64 = 0.01;
@@ -204,7 +204,7 @@ impl Target {
 }
 
 #[inline]
-fn point(x: [DVec3; 3], at: [f64; 3]) -> DVec3 {
+pub(super) fn point(x: [DVec3; 3], at: [f64; 3]) -> DVec3 {
     at[0] * x[0] + at[1] * x[1] + at[2] * x[2]
 }
 
@@ -240,14 +240,7 @@ impl Targets {
     }
 
     /// Gives weight to what is far, of the triangles and of the vertices `watched`; those of them that may be so again.
-    fn draw(
-        &mut self,
-        domain: &Domain,
-        mesh: &Manifold,
-        scale: &Scale,
-        spacing: f64,
-        watched: &[u32],
-    ) -> Vec<u32> {
+    fn draw(&mut self, domain: &Domain, mesh: &Manifold, scale: &Scale, spacing: f64, watched: &[u32]) -> Vec<u32> {
         let far = vertices_beyond(scale.watched()..spacing * spacing, domain, mesh, watched);
         let watched = far.iter().map(|f| f.0).collect();
         self.weigh(mesh, scale, far);

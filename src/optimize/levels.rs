@@ -14,9 +14,13 @@ use crate::surface::domain::Domain;
 use crate::surface::manifold::Manifold;
 use crate::surface::topology::NONE;
 
-/// Cosine of the turn of the surface within two rings from which on vertices are fixed: 102 degrees. At 75 degrees a
-/// fifth of the vertices of a detailed model were fixed and stayed irregular.
-const BENT: f64 = -0.2;
+/// Cosine of the turn of the surface within two rings from which on vertices are fixed: 120 degrees. At 75 degrees a
+/// fifth of the vertices of a detailed model were fixed and stayed irregular; above 120 tips are lost that are not found
+/// again.
+const BENT: f64 = -0.5;
+
+/// Cosine of the turn of the surface within an edge from which on a vertex is at a tip: 102 degrees.
+const TIP: f64 = -0.2;
 
 /// Width of a patch in spacings of the fine mesh below which its vertices are fixed: what a coarser mesh gains inside it
 /// loses at the curves around.
@@ -109,7 +113,7 @@ pub fn narrow(domain: &Domain, mesh: &Manifold, spacing: f64) -> Vec<bool> {
 pub fn fix_tips(mesh: &mut Manifold) {
     let c = &mesh.connectivity;
     let normal = |v: u32| mesh.samples[v as usize].normal;
-    let is_tip = |v: u32| c.ring(v).any(|w| normal(w).dot(normal(v)) < BENT);
+    let is_tip = |v: u32| c.ring(v).any(|w| normal(w).dot(normal(v)) < TIP);
     mesh.fixed = (0..c.vertex_bound()).map(|v| c.has_vertex(v) && is_tip(v)).collect();
 }
 

@@ -404,25 +404,28 @@ impl Connectivity {
     pub fn replace(&mut self, old: &[u32], triangles: &[[u32; 3]]) -> bool {
         let sides = || old.iter().flat_map(|&t| 3 * t..3 * t + 3);
         let inside = |h: u32| old.binary_search(&(h / 3)).is_ok();
-        let outside = sides().map(|h| self.twin(h)).filter(|&h| h != NONE && !inside(h));
-        let mut open: BTreeMap<[u32; 2], u32> = outside.map(|h| ([self.target(h), self.origin(h)], h)).collect();
+        let border = sides().filter(|&h| self.twin(h) == NONE || !inside(self.twin(h)));
+        // What is across each side of the border, and its curve.
+        let mut open: BTreeMap<[u32; 2], (u32, u32)> =
+            border.map(|h| ([self.origin(h), self.target(h)], (self.twin(h), self.curve(h)))).collect();
         let known: BTreeSet<[u32; 2]> = sides().map(|h| [self.origin(h), self.target(h)]).collect();
         let edges = || triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
         if edges().any(|edge| !known.contains(&edge) && self.has_edge(edge)) {
             return false;
         }
         debug_assert_eq!(old.len(), triangles.len());
-        for ((side, from), edge) in sides().zip(triangles.iter().flatten()).collect::<Vec<_>>().into_iter().zip(edges()) {
+        for ((side, from), edge) in sides().zip(triangles.iter().flatten()).collect::<Vec<_>>().into_iter().zip(edges())
+        {
             self.origin[side as usize] = *from;
             self.twin[side as usize] = NONE;
             self.curve[side as usize] = NONE;
             match open.remove(&edge) {
-                Some(across) => {
-                    self.curve[side as usize] = self.curve(across);
+                Some((across, curve)) => {
+                    self.curve[side as usize] = curve;
                     self.glue(side, across);
                 }
                 None => {
-                    open.insert([edge[1], edge[0]], side);
+                    open.insert([edge[1], edge[0]], (side, NONE));
                 }
             }
         }

@@ -296,17 +296,6 @@ impl Domain {
         }
     }
 
-    /// The vertices of the surface within `radius` of `p` that triangles use, by their numbers.
-    pub fn vertices_near(&self, p: DVec3, radius: f64) -> Vec<u32> {
-        let mut near = Vec::new();
-        let reach = DVec3::splat(radius);
-        self.bvh.in_box(&self.mesh, p - reach, p + reach, |t| near.extend(self.mesh.triangles[t as usize]));
-        near.sort_unstable();
-        near.dedup();
-        near.retain(|&v| self.mesh.positions[v as usize].distance(p) <= radius);
-        near
-    }
-
     /// The point at share `along` of `side`, as one of the patch on its left.
     pub fn sample_on_side(&self, side: u32, along: f64) -> Sample {
         let mut weights = [0.0; 3];

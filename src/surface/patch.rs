@@ -9,14 +9,14 @@ use std::collections::BTreeMap;
 pub struct Patch {
     /// The triangles by themselves. Vertices on the border are corners of the boundary.
     pub mesh: Manifold,
-    /// The numbers in the whole of its first vertices and of its first triangles.
+    /// The numbers of its vertices and triangles in the whole, those of the latter by their size.
     vertices: Vec<u32>,
-    pub triangles: Vec<u32>,
+    triangles: Vec<u32>,
 }
 
 impl Patch {
-    /// The triangles within `rings` rings around vertex `middle`. `None` if a curve or the boundary of the whole is
-    /// among them: what is there has to stay.
+    /// The triangles within `rings` rings around vertex `middle`, and no farther than to the next curves. `None` if
+    /// `middle` is on a curve, or one ends among them.
     pub fn around(whole: &Manifold, middle: u32, rings: usize) -> Option<Patch> {
         let c = &whole.connectivity;
         let mut vertices = vec![middle];
@@ -27,7 +27,7 @@ impl Patch {
             let end = vertices.len();
             for i in begin..end {
                 if c.curve_at(vertices[i]) != NONE || c.is_boundary(vertices[i]) {
-                    return None;
+                    continue;
                 }
                 for h in c.outgoing(vertices[i]) {
                     triangles.push(h / 3);
@@ -41,6 +41,11 @@ impl Patch {
         }
         triangles.sort_unstable();
         triangles.dedup();
+        let inside = |h: u32| h != NONE && triangles.binary_search(&(h / 3)).is_ok();
+        let sides = || triangles.iter().flat_map(|&t| 3 * t..3 * t + 3);
+        if triangles.is_empty() || sides().any(|h| c.curve(h) != NONE && inside(c.twin(h))) {
+            return None;
+        }
         let corners: Vec<[u32; 3]> = triangles.iter().map(|&t| c.triangle(3 * t).map(|v| number[&v])).collect();
         let samples = vertices.iter().map(|&v| whole.samples[v as usize]).collect();
         let mut mesh = Manifold::new(samples, &corners);
@@ -48,25 +53,33 @@ impl Patch {
         Some(Patch { mesh, vertices, triangles })
     }
 
-    /// Puts the triangles back where they were taken from. As many vertices and triangles must be there as there were,
-    /// and new vertices take the numbers of those that are gone. Whether it could be: not if an edge would be there
+    /// Whether the triangle with that number in the whole was taken.
+    pub fn has_triangle(&self, t: u32) -> bool {
+        self.triangles.binary_search(&t).is_ok()
+    }
+
+    /// The vertices that are not on the border or on curves.
+    pub fn free_vertices(&self) -> impl Iterator<Item = u32> {
+        (0..self.mesh.connectivity.vertex_bound()).filter(|&v| !self.mesh.is_held(v))
+    }
+
+    /// Puts the triangles back where they were taken from, and marks them in `touched`. As many vertices and triangles
+    /// must be there as there were. Whether it could be: not if one of them is marked already, or an edge would be there
     /// twice.
-    pub fn put_back(&self, whole: &mut Manifold) -> bool {
-        let c = &self.mesh.connectivity;
-        let first = self.vertices.len() as u32;
-        let mut free = (0..first).filter(|&v| !c.has_vertex(v)).map(|v| self.vertices[v as usize]);
-        let mut number = self.vertices.clone();
-        number.extend((first..c.vertex_bound()).map(|_| free.next().expect("a vertex is gone for each new one")));
-        let corners: Vec<[u32; 3]> = (0..c.half_edge_bound() / 3)
-            .filter(|t| c.has_half_edge(3 * t))
-            .map(|t| c.triangle(3 * t).map(|v| number[v as usize]))
-            .collect();
-        if !whole.connectivity.replace(&self.triangles, &corners) {
+    pub fn put_back(&self, whole: &mut Manifold, touched: &mut [bool]) -> bool {
+        if self.triangles.iter().any(|&t| touched[t as usize]) {
             return false;
         }
-        for v in (0..c.vertex_bound()).filter(|&v| c.has_vertex(v)) {
-            whole.samples[number[v as usize] as usize] = self.mesh.samples[v as usize];
+        let c = &self.mesh.connectivity;
+        let triangles: Vec<[u32; 3]> =
+            (0..self.triangles.len() as u32).map(|t| c.triangle(3 * t).map(|v| self.vertices[v as usize])).collect();
+        if !whole.connectivity.replace(&self.triangles, &triangles) {
+            return false;
         }
+        for (&v, sample) in self.vertices.iter().zip(&self.mesh.samples) {
+            whole.samples[v as usize] = *sample;
+        }
+        self.triangles.iter().for_each(|&t| touched[t as usize] = true);
         true
     }
 }
