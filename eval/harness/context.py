@@ -11,10 +11,11 @@ ROOT = os.path.dirname(EVAL)
 
 @dataclass(frozen=True)
 class Case:
-    """A model and the number of vertices wanted of it."""
+    """A model, the number of vertices wanted of it, and whether it is a CAD part whose sharp edges are to stay."""
     name: str
     path: str
     points: int
+    sharp: bool = False
 
 
 @dataclass
@@ -48,7 +49,7 @@ def cases_at_hand(models):
         own = case['file'].startswith('data/')
         path = os.path.join(ROOT if own else models or '', case['file'])
         if (own or models) and os.path.isfile(path):
-            found.append(Case(case['name'], path, case['points']))
+            found.append(Case(case['name'], path, case['points'], case.get('sharp', False)))
         else:
             missing.append(case['name'])
     return found, missing

@@ -11,4 +11,4 @@ Each is a module with
 `run` does less with `context.quick`, and says in its figures what it left out and why.
 """
 
-NAMES = []
+NAMES = ['remeshers']

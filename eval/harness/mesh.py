@@ -1,0 +1,74 @@
+"""Triangle meshes as arrays, and their files."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Vertices of shape (V, 3), float64, and triangles of shape (F, 3), int64: indices of vertices."""
+    vertices: np.ndarray
+    triangles: np.ndarray
+
+    def corners(self):
+        """The places of the corners of all triangles: (F, 3, 3)."""
+        return self.vertices[self.triangles]
+
+    def used(self):
+        """The same mesh without vertices that no triangle has."""
+        kept, triangles = np.unique(self.triangles, return_inverse=True)
+        return Mesh(self.vertices[kept], triangles.reshape(-1, 3))
+
+    def diagonal(self):
+        """Diagonal of the bounding box of the vertices in use."""
+        places = self.used().vertices
+        return float(np.linalg.norm(places.max(axis=0) - places.min(axis=0))) if len(places) else 0.0
+
+    def areas(self):
+        """Areas of all triangles."""
+        a, b, c = self.corners().transpose(1, 0, 2)
+        return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+
+
+def read(path):
+    """Any file that MeshLab reads, without the vertices that no triangle uses. MeshLab's reader, because it knows
+    polygons and strips, keeps doubles, and makes one vertex of the corners of STL facets at one place."""
+    import pymeshlab
+    meshes = pymeshlab.MeshSet(verbose=False)
+    meshes.load_new_mesh(path)
+    found = meshes.current_mesh()
+    return Mesh(found.vertex_matrix(), found.face_matrix().astype(np.int64)).used()
+
+
+def read_ply(path):
+    """What `write` wrote, and nothing else: so that peers need no other program to read their input."""
+    with open(path, 'rb') as f:
+        header = [line.decode('ascii').split() for line in iter(f.readline, b'end_header\n')]
+        counts = {words[1]: int(words[2]) for words in header if words[0] == 'element'}
+        vertices = np.fromfile(f, '<f8', 3 * counts['vertex']).reshape(-1, 3)
+        triangles = np.fromfile(f, _FACE, counts['face'])['corners'].astype(np.int64)
+    return Mesh(vertices, triangles)
+
+
+def write(path, mesh):
+    """Binary PLY, little endian, of doubles."""
+    faces = np.empty(len(mesh.triangles), _FACE)
+    faces['count'], faces['corners'] = 3, mesh.triangles
+    with open(path, 'wb') as f:
+        f.write(_HEADER % (len(mesh.vertices), len(faces)))
+        f.write(np.ascontiguousarray(mesh.vertices, '<f8').tobytes())
+        f.write(faces.tobytes())
+
+
+_FACE = np.dtype([('count', 'u1'), ('corners', '<i4', 3)])
+_HEADER = b'''ply
+format binary_little_endian 1.0
+element vertex %d
+property double x
+property double y
+property double z
+element face %d
+property list uchar int vertex_indices
+end_header
+'''

@@ -1,0 +1,117 @@
+"""One model through several programs, timed beside each other.
+
+Every run of a peer comes right after one of ours on the same file, so that a pair of times saw the same machine. What only takes
+an edge length is tuned until the number of vertices fits: at most `TRIES` runs, the last of which counts as the first
+timing. What takes long is timed once. A crash, a refusal, a timeout or an unreadable result is a result: {'failed': why}.
+"""
+
+import os
+import statistics
+
+from . import mesh, process
+from .measures import measure
+from .peers import OURS
+
+TRIES = 3
+NEAR = 0.03
+TIMEOUT = 60
+LONG = 20
+
+
+def race(programs, source, reference, wanted, sharp, rounds, scratch):
+    """Results by name of `programs` (a dict of what `peers.peer` gives), which must have 'remesh'.
+
+    `source` is a file that harness.mesh wrote, `reference` the same as a mesh.
+    """
+    entry = _Entry(source, wanted, sharp, rounds, scratch)
+    own = programs['remesh']
+    return {name: _result(own if name != 'remesh' else None, program, name, entry, reference)
+            for name, program in programs.items()}
+
+
+class _Entry:
+    def __init__(self, source, wanted, sharp, rounds, scratch):
+        self.source, self.wanted, self.sharp = source, wanted, sharp
+        self.rounds, self.scratch = rounds, scratch
+
+    def run(self, program, name, asked):
+        """One run: seconds of remeshing alone, those of the process, megabytes, and the file."""
+        target = os.path.join(self.scratch, name + '.ply')
+        if os.path.exists(target):
+            os.remove(target)
+        command = program.command(self.source, target, asked, self.sharp)
+        # 3 is how ours says that its result could not be verified.
+        ran = process.run(command, TIMEOUT, (0, 3) if name.split('.')[0] in OURS else (0,))
+        if not os.path.exists(target):
+            raise process.Failed('wrote no result')
+        return {'alone': program.seconds(ran.output, target), 'process': ran.seconds, 'megabytes': ran.megabytes}
+
+
+def _result(own, program, name, entry, reference):
+    try:
+        asked, found, runs = _tuned(own, program, name, entry)
+        while len(runs) < entry.rounds and runs[-1]['process'] < LONG:
+            runs.append(_pair(own, program, name, asked, entry))
+    except process.Failed as failure:
+        return {'failed': str(failure)}
+    return {
+        'vertices': len(found.vertices),
+        'asked': asked,
+        'off': len(found.vertices) / entry.wanted - 1,
+        'seconds': [run['alone'] for run in runs],
+        'process_seconds': [run['process'] for run in runs],
+        'our_seconds': [run['our_alone'] for run in runs],
+        'our_process_seconds': [run['our_process'] for run in runs],
+        'megabytes': max(run['megabytes'] for run in runs),
+        'measures': measure(found, reference),
+    }
+
+
+def _tuned(own, program, name, entry):
+    """What to ask for, the mesh that this gives, and the run that made it, in a list."""
+    asked, best = entry.wanted, None
+    for _ in range(1 if program.COUNTS else TRIES):
+        run = _pair(own, program, name, asked, entry)
+        found = _read(os.path.join(entry.scratch, name + '.ply'))
+        if best is None or _off(found, entry) < _off(best[1], entry):
+            best = asked, found, [run]
+        if _off(best[1], entry) <= NEAR:
+            break
+        asked = max(4, round(asked * entry.wanted / len(found.vertices)))
+    return best
+
+
+def _off(found, entry):
+    return abs(len(found.vertices) / entry.wanted - 1)
+
+
+def _pair(own, program, name, asked, entry):
+    """A run of the program after one of ours; `own` is None for ours itself."""
+    before = entry.run(own, 'remesh.pair', entry.wanted) if own else None
+    run = entry.run(program, name, asked)
+    before = before or run
+    return {**run, 'our_alone': before['alone'], 'our_process': before['process']}
+
+
+def _read(path):
+    """A result, or `Failed`."""
+    try:
+        found = mesh.read(path)
+    except Exception as problem:  # whatever the reader makes of a broken file
+        raise process.Failed('its result cannot be read: %s' % problem) from problem
+    if not len(found.triangles):
+        raise process.Failed('its result has no triangles')
+    return found
+
+
+def ratios(result):
+    """How many times as long as ours each run took, by remeshing alone where it is told, else by whole processes."""
+    alone = result['seconds'][0] is not None
+    key = ('seconds', 'our_seconds') if alone else ('process_seconds', 'our_process_seconds')
+    return [theirs / ours for theirs, ours in zip(result[key[0]], result[key[1]])]
+
+
+def median_of(values):
+    """The median, or None of no values."""
+    known = [v for v in values if v is not None]
+    return statistics.median(known) if known else None
