@@ -30,6 +30,13 @@ class Mesh:
         a, b, c = self.corners().transpose(1, 0, 2)
         return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
 
+    def normals(self):
+        """Unit normals of the vertices: those of the triangles at each, weighted by area."""
+        a, b, c = self.corners().transpose(1, 0, 2)
+        sums = np.zeros_like(self.vertices)
+        np.add.at(sums, self.triangles.ravel(), np.repeat(np.cross(b - a, c - a), 3, axis=0))
+        return sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-300)
+
 
 def read(path):
     """Any file that MeshLab reads, without the vertices that no triangle uses. MeshLab's reader, because it knows
@@ -72,3 +79,14 @@ element face %d
 property list uchar int vertex_indices
 end_header
 '''
+
+
+def write_points(path, points, normals=None):
+    """Binary PLY of points without triangles, with their unit normals where they are given."""
+    names = 'x y z nx ny nz'.split()[:3 if normals is None else 6]
+    lines = ['ply', 'format binary_little_endian 1.0', 'element vertex %d' % len(points)]
+    lines += ['property double ' + name for name in names] + ['end_header', '']
+    columns = points if normals is None else np.concatenate([points, normals], axis=1)
+    with open(path, 'wb') as f:
+        f.write('\n'.join(lines).encode('ascii'))
+        f.write(np.ascontiguousarray(columns, '<f8').tobytes())

@@ -24,21 +24,26 @@ class Measure:
         return measures
 
 
-# The noise is what other seeds of this program's own make of it on the models of data/, rounded up.
+# The noise is the spread (greatest less least) of this program's own results with four seeds that three quarters of eight
+# models stay below; crossings and angles below 30 degrees had none.
 MEASURES = [
-    Measure('θmin', ('shape', 'theta_min'), 1, 0.5),
-    Measure('mean θmin', ('shape', 'theta_min_mean'), 1, 0.15),
-    Measure('θmax', ('shape', 'theta_max'), -1, 1.0),
-    Measure('Qmin', ('shape', 'q_min'), 1, 0.01),
-    Measure('Qave', ('shape', 'q_mean'), 1, 0.002),
-    Measure('% below 30°', ('shape', 'percent_below_30'), -1, 0.02),
-    Measure('% above 90°', ('shape', 'percent_above_90'), -1, 0.02),
-    Measure('% of valence 6', ('topology', 'percent_valence_6'), 1, 0.7),
-    Measure('evenness of edges', ('shape', 'edge_cv'), -1, 0.002),
-    Measure('RMS distance', ('distance', 'rms'), -1, 0.001),
-    Measure('Hausdorff distance', ('distance', 'hausdorff'), -1, 0.05),
+    Measure('θmin', ('shape', 'theta_min'), 1, 2),
+    Measure('mean θmin', ('shape', 'theta_min_mean'), 1, 0.25),
+    Measure('θmax', ('shape', 'theta_max'), -1, 4),
+    Measure('Qmin', ('shape', 'q_min'), 1, 0.035),
+    Measure('Qave', ('shape', 'q_mean'), 1, 0.004),
+    Measure('% below 30°', ('shape', 'percent_below_30'), -1, 0.01),
+    Measure('% above 90°', ('shape', 'percent_above_90'), -1, 0.05),
+    Measure('% of valence 6', ('topology', 'percent_valence_6'), 1, 1),
+    Measure('variation of edges', ('shape', 'edge_cv'), -1, 0.0065),
+    Measure('RMS distance', ('distance', 'rms'), -1, 0.0012),
+    Measure('Hausdorff distance', ('distance', 'hausdorff'), -1, 0.1),
     Measure('crossing faces', ('crossing_faces',), -1, 0),
 ]
+
+
+def measure_called(label):
+    return next(measure for measure in MEASURES if measure.label == label)
 
 
 def sign(measure, ours, theirs):
@@ -49,13 +54,13 @@ def sign(measure, ours, theirs):
     return 1 if (a > b) == (measure.sense > 0) else -1
 
 
-def against(label, models, name):
+def against(label, models, name, times=True):
     """Sentences on ours and the program `name` over all models (name -> results by program)."""
     both = {m: (r['remesh'], r[name]) for m, r in models.items() if name in r and 'measures' in r['remesh']}
     whole = {m: pair for m, pair in both.items() if 'measures' in pair[1]}
     parts = ['**%s** (%d of %d models):' % (label, len(whole), len(both))]
-    parts += _shape_words(whole)
-    parts += [_time_words(whole)] if whole else []
+    parts += _shape_words(whole) if whole else ['nothing to compare.']
+    parts += [_time_words(whole)] if whole and times else []
     return ' '.join(parts + _fault_words(both))
 
 

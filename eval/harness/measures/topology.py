@@ -22,8 +22,8 @@ def topology(mesh):
         'faces': faces,
         'degenerate_faces': int(np.sum(~proper)),
         'euler': vertices - edges + faces,
-        'components': _pieces(sides.edge, len(sides.edges)),
-        'boundary_loops': _loops(sides.edges[sides.uses == 1]),
+        'components': _pieces(sides.edges),
+        'boundary_loops': _pieces(sides.edges[sides.uses == 1]),
         'nonmanifold_edges': int(np.sum(sides.uses > 2)),
         'nonmanifold_vertices': _nonmanifold_vertices(sides),
         'misoriented_edges': int(np.sum((sides.uses == 2) & (sides.direction != 0))),
@@ -65,16 +65,10 @@ def _labels(pairs, size):
     return connected_components(graph, directed=False)[1]
 
 
-def _pieces(edge, edges):
-    """Numbers of pieces of faces that are joined by edges: faces and edges are the nodes."""
-    faces = len(edge) // 3
-    pairs = np.stack([np.repeat(np.arange(faces), 3), faces + edge], axis=1)
-    return len(np.unique(_labels(pairs, faces + edges)))
-
-
-def _loops(boundary):
-    """Number of pieces of the boundary that are joined by vertices."""
-    vertices, ends = np.unique(boundary, return_inverse=True)
+def _pieces(edges):
+    """Number of pieces that edges make where they meet at vertices: of a surface by all of its edges, of its boundary by
+    those of one face."""
+    vertices, ends = np.unique(edges, return_inverse=True)
     return len(np.unique(_labels(ends.reshape(-1, 2), len(vertices)))) if len(vertices) else 0
 
 

@@ -1,0 +1,97 @@
+"""What becomes of the vertices of a model alone, as a point cloud, with noise and without.
+
+The result is held against the mesh that the points are of. Noise is Gaussian along the normals; its standard deviation is a
+quarter of the mean distance to the six nearest points, its seed fixed. Normals, where given, are those of the mesh
+without noise.
+"""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from .. import mesh
+from ..peers import peer
+from ..race import race
+from ..tables import columns, listed
+from ..verdicts import MEASURES, against, faults_of
+
+TITLE = 'From points'
+MODELS = ['horse', 'koala', 'armadillo', 'bunny', 'igea']
+QUICK_MODELS = ['blob']
+OWN_MODELS = ['blob', 'noisy', 'shell']
+NOISE = 0.25
+
+# Kind: with normals, with noise.
+KINDS = {
+    'with normals': (True, False),
+    'without normals': (False, False),
+    'with normals and noise': (True, True),
+    'noise, without normals': (False, True),
+}
+
+
+def run(context):
+    names = QUICK_MODELS if context.quick else [n for n in MODELS if context.case(n)] or OWN_MODELS
+    kinds = {kind: {} for kind in KINDS}
+    for case in map(context.case, names):
+        reference = mesh.read(case.path)
+        for kind, (normals, noise) in KINDS.items():
+            source = context.file('points.ply')
+            _write(source, reference, normals, noise, context.seed)
+            programs = {'remesh': _Smoothing() if noise else peer('remesh'), 'poisson_points': peer('poisson_points')}
+            kinds[kind][case.name] = race(programs, source, reference, case.points, case.sharp, 1, context.scratch)
+    return {'kinds': kinds, 'noise': NOISE}
+
+
+class _Smoothing:
+    """Ours with `--smooth`."""
+
+    def __init__(self):
+        own = peer('remesh')
+        self.LABEL, self.COUNTS, self.seconds = own.LABEL, True, own.seconds
+        self.command = lambda *given: own.command(*given, ['--smooth'])
+
+
+def _write(path, reference, with_normals, noisy, seed):
+    points, normals = reference.vertices, reference.normals()
+    if noisy:
+        apart = cKDTree(points).query(points, k=7)[0][:, 1:].mean()
+        shift = np.random.default_rng(seed).normal(0, NOISE * apart, len(points))
+        points = points + shift[:, None] * normals
+    mesh.write_points(path, points, normals if with_normals else None)
+
+
+TABLES = [
+    ('θmin / mean θmin (degrees)', lambda m: '%.1f / %.1f' % (m['shape']['theta_min'], m['shape']['theta_min_mean'])),
+    ('Qmin / Qave', lambda m: '%.2f / %.3f' % (m['shape']['q_min'], m['shape']['q_mean'])),
+    ('RMS / Hausdorff distance to the mesh (% of the diagonal)', lambda m: '%.3f / %.2f' % (
+        m['distance']['rms'], m['distance']['hausdorff'])),
+]
+
+
+def report(raw, _figures):
+    names = list(next(iter(raw['kinds'].values())))
+    about = ('The vertices of %s as point clouds, at the same counts as above; with noise (Gaussian along the normals, a quarter '
+             'of the mean distance to the six nearest points) ours runs with `--smooth`. Beside it MeshLab: a Poisson-disk '
+             'subset of the points, joined by ball pivoting. Times are not compared here.' % listed(names))
+    tables = [columns(heading, names, rows(raw, lambda r: cell(r['measures']))) for heading, cell in TABLES]
+    faults = columns('faults', names, rows(raw, lambda r: ', '.join(faults_of(r)) or 'none', failed=faults_of))
+    lines = ['- %s. %s' % (kind.capitalize(), against(peer('poisson_points').LABEL, found, 'poisson_points', times=False))
+             for kind, found in raw['kinds'].items()]
+    return '\n\n'.join([about, *tables, faults, '\n'.join(lines)])
+
+
+def rows(raw, cell, failed=lambda _: ['failed'], programs=('remesh', 'poisson_points')):
+    """Two rows a kind, for `tables.columns`."""
+    found = []
+    for kind, models in raw['kinds'].items():
+        for name in programs:
+            label = '**remesh, %s**' % kind if name == 'remesh' else 'MeshLab, %s' % kind
+            cells = {m: failed(r[name])[0] if 'failed' in r[name] else cell(r[name]) for m, r in models.items()}
+            found.append((label, cells))
+    return found
+
+
+def watched(raw):
+    return {'%s, %s %s' % (kind, name, measure.label): (measure.of(found['remesh']['measures']), measure.sense, measure.noise)
+            for kind, models in raw['kinds'].items() for name, found in models.items() for measure in MEASURES
+            if 'measures' in found['remesh'] and measure.of(found['remesh']['measures']) is not None}
