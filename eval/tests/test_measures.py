@@ -11,7 +11,7 @@ import pymeshlab
 
 from harness import mesh
 from harness.context import ROOT, Context
-from harness.measures import distance, shape, topology
+from harness.measures import crossings, distance, shape, topology
 
 DATA = os.path.join(ROOT, 'data')
 MODELS = ['blob.obj', 'bracket.stl', 'noisy.ply', 'shell.off', 'terrain.ply']
@@ -158,7 +158,7 @@ class MeshLab(unittest.TestCase):
 
     def test_quality_by_the_radii(self):
         """MeshLab has 2 r / R, of the inner radius r = S / p and the outer R = abc / 4S; with it and the sides
-        Q = 6 S / (sqrt 3 p h) = 6 r / (sqrt 3 h)."""
+        Q = 6 S / (sqrt 3 p h) = 6 r / (sqrt 3 h). It keeps floats, so that thin triangles lose digits."""
         for name in MODELS:
             meshes, read = loaded(name), mesh.read(data(name))
             meshes.compute_scalar_by_aspect_ratio_per_face(metric='inradius/circumradius')
@@ -167,6 +167,20 @@ class MeshLab(unittest.TestCase):
             inner = meshes.current_mesh().face_scalar_array() * outer / 2
             own = shape.qualities(sides, areas)
             np.testing.assert_allclose(own, 6 * inner / (3 ** 0.5 * sides.max(axis=1)), rtol=1e-4, err_msg=name)
+
+    def test_crossing_faces(self):
+        """MeshLab's selector, which the harness uses, and the exact test of the tool: a model and itself, moved."""
+        one = mesh.read(data('noisy.ply'))
+        moved = one.vertices + np.array([0.31, 0.17, 0.05])
+        both = mesh.Mesh(np.concatenate([one.vertices, moved]),
+                         np.concatenate([one.triangles, one.triangles + len(moved)]))
+        with scratch() as folder:
+            path = os.path.join(folder, 'both.ply')
+            mesh.write(path, both)
+            said = len(quality(path)['crossings']['faces'])
+        self.assertGreater(said, 100)
+        self.assertEqual(said, crossings.crossing_faces(both))
+        self.assertEqual(crossings.crossing_faces(one), 0)
 
     def test_distance_of_vertices(self):
         """MeshLab's filter with the vertices as its samples, which are the same for all."""
