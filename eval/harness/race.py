@@ -1,12 +1,15 @@
 """One model through several programs, timed beside each other.
 
-Every run of a peer comes right after one of ours on the same file, so that a pair of times saw the same machine. What only takes
-an edge length is tuned until the number of vertices fits: at most `TRIES` runs, the last of which counts as the first
-timing. What takes long is timed once. A crash, a refusal, a timeout or an unreadable result is a result: {'failed': why}.
+Every run of a peer comes right after one of ours on the same file, so that a pair of times saw the same machine. What
+only takes an edge length is tuned until the number of vertices fits: at most `TRIES` runs, the nearest of which counts
+as the first timing. What takes long is timed once. A crash, a refusal, a timeout or an unreadable result is a result:
+{'failed': why}.
 """
 
 import os
 import statistics
+
+import numpy as np
 
 from . import mesh, process
 from .measures import measure
@@ -71,8 +74,13 @@ def _tuned(own, program, name, entry):
     """What to ask for, the mesh that this gives, and the run that made it, in a list."""
     asked, best = entry.wanted, None
     for _ in range(1 if program.COUNTS else TRIES):
-        run = _pair(own, program, name, asked, entry)
-        found = _read(os.path.join(entry.scratch, name + '.ply'))
+        try:
+            run = _pair(own, program, name, asked, entry)
+            found = _read(os.path.join(entry.scratch, name + '.ply'))
+        except process.Failed:
+            if best is None:
+                raise
+            break
         if best is None or _off(found, entry) < _off(best[1], entry):
             best = asked, found, [run]
         if _off(best[1], entry) <= NEAR:
@@ -101,6 +109,8 @@ def _read(path):
         raise process.Failed('its result cannot be read: %s' % problem) from problem
     if not len(found.triangles):
         raise process.Failed('its result has no triangles')
+    if not np.all(np.isfinite(found.vertices)):
+        raise process.Failed('its result has vertices that are nowhere')
     return found
 
 

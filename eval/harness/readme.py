@@ -15,8 +15,8 @@ BEGIN, END = '<!-- figures:begin -->', '<!-- figures:end -->'
 FAULTY = '†'
 
 # Heading, and the printf form of the measure of that name in verdicts.MEASURES.
-BEST = [('θmin', '%.1f'), ('mean θmin', '%.1f'), ('θmax', '%.1f'), ('Qmin', '%.2f'), ('Qave', '%.3f'),
-        ('% of valence 6', '%.1f'), ('variation of edges', '%.3f'), ('RMS distance', '%.3f'), ('Hausdorff distance', '%.2f')]
+BEST = {'θmin': '%.1f', 'mean θmin': '%.1f', 'θmax': '%.1f', 'Qmin': '%.2f', 'Qave': '%.3f', '% of valence 6': '%.1f',
+        'variation of edges': '%.3f', 'RMS distance': '%.3f', 'Hausdorff distance': '%.2f'}
 
 
 def rewrite(found):
@@ -35,9 +35,9 @@ def rewrite(found):
 def section(found):
     """What stands between the markers, of those experiments that the run had."""
     parts = ['Version %s, measured on %s (%s) by `%s`. Written by `eval/run readme`; do not edit. '
-             '[eval/RESULTS.md](eval/RESULTS.md) has all figures, the settings of the other programs, and what is better and '
-             'what is worse than each of them.' % (found['versions']['remesh'], found['date'],
-                                                   results.machine_words(found), found['command'])]
+             '[eval/RESULTS.md](eval/RESULTS.md) has all figures, the settings of the other programs, and what is '
+             'better and what is worse than each of them.' % (
+                 found['versions']['remesh'], found['date'], results.machine_words(found), found['command'])]
     writers = {'cases': _cases, 'remeshers': _best, 'clouds': _points}
     for name, write in writers.items():
         raw = found['experiments'].get(name)
@@ -54,15 +54,15 @@ def _best(raw):
     """For each measure our row, and one with the best of the others."""
     models = {name: model['results'] for name, model in raw['models'].items()}
     rows = []
-    for label, form in BEST:
+    for label, form in BEST.items():
         measure = measure_called(label)
         rows += _two_rows(label, form, models, raw, measure.sense,
                           lambda result, measure=measure: measure.of(result['measures']))
     rows += _two_rows('seconds', '%.2f', models, raw, -1, lambda result: median_of(result['seconds']))
     others = [p['label'] for n, p in raw['programs'].items() if 'version' in p and n not in ('remesh', 'ascent')]
-    about = ('Beside the best of %s at the same counts, by one measure at a time; seconds are of remeshing alone. %s marks results '
-             'with a fault: non-manifold, another topology than the input, faces that cross, or a count missed by '
-             'more than 3 %%.' % (', '.join(others), FAULTY))
+    about = ('Beside the best of %s at the same counts, by one measure at a time; seconds are of remeshing alone. %s '
+             'marks results with a fault: non-manifold, another topology than the input, faces that cross, or a count '
+             'missed by more than 3 %%.' % (', '.join(others), FAULTY))
     return [about, columns('', list(models), rows)]
 
 
@@ -84,8 +84,9 @@ def _points(raw):
     angles = clouds.rows(raw, lambda r: '%.1f / %.1f' % (
         r['measures']['shape']['theta_min'], r['measures']['shape']['theta_min_mean']))
     fits = clouds.rows(raw, lambda r: '%.3f / %.3f / %s' % (
-        r['measures']['shape']['q_mean'], r['measures']['distance']['rms'], 'yes' if r['measures']['same_topology'] else 'no'))
-    about = ('The vertices of some models alone, as point clouds, at the same counts; with noise of a quarter of the mean spacing '
-             'ours takes `--smooth`. MeshLab: Poisson-disk subset of the points and ball pivoting.')
+        r['measures']['shape']['q_mean'], r['measures']['distance']['rms'],
+        'yes' if r['measures']['same_topology'] else 'no'))
+    about = ('The vertices of some models alone, as point clouds, at the same counts; with noise of a quarter of the '
+             'mean spacing ours takes `--smooth`. MeshLab: Poisson-disk subset of the points and ball pivoting.')
     return [about, columns('From points: θmin / mean θmin', names, angles),
             columns('From points: Qave / RMS distance to the mesh / its topology', names, fits)]

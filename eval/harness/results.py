@@ -1,7 +1,7 @@
 """The figures of a run as JSON: what was measured, when, with which versions, on what machine, by which command.
 
-`experiments` has what each experiment's `run` gave; an experiment that raised has {'failed': why}. RESULTS.md is written from this
-alone.
+`experiments` has what each experiment's `run` gave; an experiment that raised has {'failed': why}. RESULTS.md is
+written from this alone.
 """
 
 import datetime

@@ -10,8 +10,8 @@ from .tables import listed
 class Measure:
     """A figure by which results are held against each other.
 
-    `path` is where it is in what `measures.measure` gives, `sense` +1 if more is better and -1 if less is, `noise` the difference that
-    means nothing.
+    `path` is where it is in what `measures.measure` gives, `sense` +1 if more is better and -1 if less is, `noise` the
+    difference that means nothing.
     """
     label: str
     path: tuple
@@ -24,8 +24,8 @@ class Measure:
         return measures
 
 
-# The noise is the spread (greatest less least) of this program's own results with four seeds that three quarters of eight
-# models stay below; crossings and angles below 30 degrees had none.
+# The noise is the spread (greatest less least) of this program's own results with four seeds that three quarters of
+# eight models stay below; crossings and angles below 30 degrees had none.
 MEASURES = [
     Measure('θmin', ('shape', 'theta_min'), 1, 2),
     Measure('mean θmin', ('shape', 'theta_min_mean'), 1, 0.25),
@@ -44,6 +44,12 @@ MEASURES = [
 
 def measure_called(label):
     return next(measure for measure in MEASURES if measure.label == label)
+
+
+def watched_measures(name, measures):
+    """All figures of one result of ours, as `watched` of an experiment gives them."""
+    known = ((measure, measure.of(measures)) for measure in MEASURES)
+    return {'%s %s' % (name, m.label): (value, m.sense, m.noise) for m, value in known if value is not None}
 
 
 def sign(measure, ours, theirs):

@@ -78,7 +78,8 @@ class RemeshQuality(unittest.TestCase):
         """Every point of a square is as far from the same square lifted by h: no sample makes a difference."""
         places = np.stack(np.meshgrid(np.linspace(0, 1, 8), np.linspace(0, 1, 8)), axis=-1).reshape(-1, 2)
         row = np.arange(7)[:, None] * 8 + np.arange(7)
-        faces = np.concatenate([np.stack([row, row + 1, row + 9], -1), np.stack([row, row + 9, row + 8], -1)]).reshape(-1, 3)
+        halves = [np.stack([row, row + 1, row + 9], -1), np.stack([row, row + 9, row + 8], -1)]
+        faces = np.concatenate(halves).reshape(-1, 3)
         flat, lifted = (mesh.Mesh(np.column_stack([places, np.full(64, h)]), faces) for h in (0.0, 0.0123))
         with scratch() as folder:
             paths = [os.path.join(folder, name) for name in ('flat.ply', 'lifted.ply')]

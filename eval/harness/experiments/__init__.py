@@ -10,7 +10,8 @@ Each is a module with
 
 and may have
 
-    watched(raw) -> dict       figures of ours that `eval/run compare` watches: name -> (value, sense, noise), see compare.py
+    watched(raw) -> dict       figures of ours that `eval/run compare` watches: name -> (value, sense, noise); see
+                               compare.py
 
 `run` does less with `context.quick`, and says in its figures what it left out and why.
 """

@@ -8,7 +8,7 @@ from ..measures.topology import is_manifold
 from ..peers import peer
 from ..race import median_of, race
 from ..tables import markdown, number, spread
-from ..verdicts import MEASURES
+from ..verdicts import MEASURES, watched_measures
 
 TITLE = 'All models'
 ROUNDS = 3
@@ -33,16 +33,17 @@ def _one(case, rounds, context):
 
 
 def report(raw, _figures):
+    times = 'one run' if raw['rounds'] == 1 else 'the median of %d runs (least..greatest)' % raw['rounds']
     about = ('Each model from its own file, `--points N` and nothing else. Seconds are of the whole process, reading, '
-             'measuring and writing included: the median of %d (least..greatest). "Sound" is by the code of this harness: an '
-             'oriented manifold of the topology of the input; "verified" is what the program says.' % raw['rounds'])
+             'measuring and writing included: %s. "Sound" is by the code of this harness: an oriented manifold of the '
+             'topology of the input; "verified" is what the program says.' % times)
     return '%s\n\n%s' % (about, table(raw, lambda result: spread(result['process_seconds'])))
 
 
 def table(raw, seconds):
     """A row for each model; `seconds` makes the text of a result's times. The README has it, too."""
-    heading = ['model', 'vertices in', 'asked', 'out', 'Qave', 'Qmin', 'θmin', 'mean θmin', 'θmax', '% < 30°', '% valence 6',
-               'RMS %', 'Hausdorff %', 'seconds', 'MB', 'sound', 'verified']
+    heading = ['model', 'vertices in', 'asked', 'out', 'Qave', 'Qmin', 'θmin', 'mean θmin', 'θmax', '% < 30°',
+               '% valence 6', 'RMS %', 'Hausdorff %', 'seconds', 'MB', 'sound', 'verified']
     return markdown([heading] + [_row(name, model, seconds) for name, model in raw['models'].items()])
 
 
@@ -55,10 +56,11 @@ def _row(name, model, seconds):
     shape, distance = found['shape'], found['distance']
     sound = is_manifold(found['topology']) and found['same_topology'] and not found['inside_out']
     return asked + [
-        '{:,}'.format(result['vertices']), '%.3f' % shape['q_mean'], '%.2f' % shape['q_min'], '%.1f' % shape['theta_min'],
-        '%.1f' % shape['theta_min_mean'], '%.1f' % shape['theta_max'], '%.2f' % shape['percent_below_30'],
-        number('%.1f', found['topology']['percent_valence_6']), '%.3f' % distance['rms'], '%.2f' % distance['hausdorff'],
-        seconds(result), '%.0f' % result['megabytes'], _yes(sound), _yes(result['verified'])]
+        '{:,}'.format(result['vertices']), '%.3f' % shape['q_mean'], '%.2f' % shape['q_min'],
+        '%.1f' % shape['theta_min'], '%.1f' % shape['theta_min_mean'], '%.1f' % shape['theta_max'],
+        '%.2f' % shape['percent_below_30'], number('%.1f', found['topology']['percent_valence_6']),
+        '%.3f' % distance['rms'], '%.2f' % distance['hausdorff'], seconds(result), '%.0f' % result['megabytes'],
+        _yes(sound), _yes(result['verified'])]
 
 
 def _yes(value):
@@ -73,10 +75,7 @@ def watched(raw):
         found['%s verified' % name] = (1 if sound else 0, 1, 0)
         if 'failed' in result:
             continue
-        for measure in MEASURES:
-            value = measure.of(result['measures'])
-            if value is not None:
-                found['%s %s' % (name, measure.label)] = (value, measure.sense, measure.noise)
+        found |= watched_measures(name, result['measures'])
         seconds = median_of(result['process_seconds'])
         found['%s seconds' % name] = (seconds, -1, TIME_NOISE * seconds)
         found['%s megabytes' % name] = (result['megabytes'], -1, MEMORY_NOISE * result['megabytes'])

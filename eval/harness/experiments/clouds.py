@@ -1,7 +1,7 @@
 """What becomes of the vertices of a model alone, as a point cloud, with noise and without.
 
-The result is held against the mesh that the points are of. Noise is Gaussian along the normals; its standard deviation is a
-quarter of the mean distance to the six nearest points, its seed fixed. Normals, where given, are those of the mesh
+The result is held against the mesh that the points are of. Noise is Gaussian along the normals; its standard deviation
+is a quarter of the mean distance to the six nearest points, its seed fixed. Normals, where given, are those of the mesh
 without noise.
 """
 
@@ -12,7 +12,7 @@ from .. import mesh
 from ..peers import peer
 from ..race import race
 from ..tables import columns, listed
-from ..verdicts import MEASURES, against, faults_of
+from ..verdicts import against, faults_of, watched_measures
 
 TITLE = 'From points'
 MODELS = ['horse', 'koala', 'armadillo', 'bunny', 'igea']
@@ -70,12 +70,13 @@ TABLES = [
 
 def report(raw, _figures):
     names = list(next(iter(raw['kinds'].values())))
-    about = ('The vertices of %s as point clouds, at the same counts as above; with noise (Gaussian along the normals, a quarter '
-             'of the mean distance to the six nearest points) ours runs with `--smooth`. Beside it MeshLab: a Poisson-disk '
-             'subset of the points, joined by ball pivoting. Times are not compared here.' % listed(names))
+    about = ('The vertices of %s as point clouds, at the same counts as above; with noise (Gaussian along the normals, '
+             'a quarter of the mean distance to the six nearest points) ours runs with `--smooth`. Beside it MeshLab: '
+             'a Poisson-disk subset of the points, joined by ball pivoting. Times are not compared here.' % listed(names))
     tables = [columns(heading, names, rows(raw, lambda r: cell(r['measures']))) for heading, cell in TABLES]
     faults = columns('faults', names, rows(raw, lambda r: ', '.join(faults_of(r)) or 'none', failed=faults_of))
-    lines = ['- %s. %s' % (kind.capitalize(), against(peer('poisson_points').LABEL, found, 'poisson_points', times=False))
+    label = peer('poisson_points').LABEL
+    lines = ['- %s. %s' % (kind.capitalize(), against(label, found, 'poisson_points', times=False))
              for kind, found in raw['kinds'].items()]
     return '\n\n'.join([about, *tables, faults, '\n'.join(lines)])
 
@@ -92,6 +93,9 @@ def rows(raw, cell, failed=lambda _: ['failed'], programs=('remesh', 'poisson_po
 
 
 def watched(raw):
-    return {'%s, %s %s' % (kind, name, measure.label): (measure.of(found['remesh']['measures']), measure.sense, measure.noise)
-            for kind, models in raw['kinds'].items() for name, found in models.items() for measure in MEASURES
-            if 'measures' in found['remesh'] and measure.of(found['remesh']['measures']) is not None}
+    found = {}
+    for kind, models in raw['kinds'].items():
+        for name, results in models.items():
+            if 'measures' in results['remesh']:
+                found |= watched_measures('%s, %s' % (kind, name), results['remesh']['measures'])
+    return found

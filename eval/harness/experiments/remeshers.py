@@ -4,7 +4,7 @@ import sys
 
 from .. import mesh
 from ..peers import NAMES, OURS, peer
-from ..race import race
+from ..race import LONG, TIMEOUT, race
 from ..tables import columns, listed, markdown, number, spread
 from ..verdicts import MEASURES, against, faults_of
 
@@ -20,16 +20,17 @@ def run(context):
     names = QUICK_MODELS if context.quick else [n for n in MODELS if context.case(n)] or OWN_MODELS
     cases = [case for case in map(context.case, names) if case]
     programs, listing = _programs(context.quick)
+    rounds = 1 if context.quick else ROUNDS
     models = {}
     for case in cases:
         reference = mesh.read(case.path)
         source = context.file(case.name + '.ply')
         mesh.write(source, reference)
-        results = race(programs, source, reference, case.points, case.sharp, 1 if context.quick else ROUNDS, context.scratch)
+        results = race(programs, source, reference, case.points, case.sharp, rounds, context.scratch)
         models[case.name] = {'points': case.points, 'sharp': case.sharp, 'results': results}
         sys.stderr.write('  %s: %s\n' % (case.name, ', '.join(_brief(n, r) for n, r in results.items())))
     return {'programs': listing, 'models': models, 'not_at_hand': [] if context.quick else _absent(context),
-            'rounds': 1 if context.quick else ROUNDS, 'quick': context.quick}
+            'rounds': rounds}
 
 
 def _absent(context):
@@ -93,10 +94,11 @@ def _verdicts(raw):
 
 def _introduction(raw):
     counts = listed('%s %s' % (name, '{:,}'.format(m['points'])) for name, m in raw['models'].items())
-    times = 'Times are of one run' if raw['rounds'] == 1 else 'Times are the median of %d runs (least..greatest)' % raw['rounds']
-    text = ('Models and wanted vertices: %s. All programs read the same PLY file. %s, each right after a run of ours; what takes longer than 20 s is run once, what takes longer '
-            'than 60 s is ended. "Whole process" includes starting Python and its packages for programs that are Python '
-            'packages, and for ours measuring the result.' % (counts, times))
+    times = 'one run' if raw['rounds'] == 1 else 'the median of %d runs (least..greatest)' % raw['rounds']
+    text = ('Models and wanted vertices: %s. All programs read the same PLY file. Times are of %s, each right after a '
+            'run of ours; what takes longer than %d s is run once, what takes longer than %d s is ended. "Whole process" '
+            'includes starting Python and its packages for programs that are Python packages, and for ours measuring '
+            'the result.' % (counts, times, LONG, TIMEOUT))
     cad = [name for name, m in raw['models'].items() if m['sharp']]
     if cad:
         text += ' CAD parts, whose sharp edges are to stay: %s.' % listed(cad)
@@ -130,6 +132,8 @@ def _cell(cell, result):
 def _rule(raw):
     noises = ', '.join('%s %g' % (m.label, m.noise) for m in MEASURES if m.noise)
     text = 'Computed from the figures above. Differences up to these do not count: %s.' % noises
+    results = [(model, name, result) for model, found in raw['models'].items()
+               for name, result in found['results'].items()]
     failed = ['%s on %s (%s)' % (raw['programs'][name]['label'], model, result['failed'])
-              for model, found in raw['models'].items() for name, result in found['results'].items() if 'failed' in result]
+              for model, name, result in results if 'failed' in result]
     return text + (' Failed: %s.' % '; '.join(failed) if failed else '')

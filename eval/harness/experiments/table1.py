@@ -1,7 +1,7 @@
 """Table 1 of the paper beside ours: what the paper does, and the default.
 
-Based on: A. C. Öztireli, M. Alexa, M. Gross, Spectral Sampling of Manifolds, 2010, DOI 10.1145/1882261.1866190. VR is Valette and
-others 2008, YR is Yan and others 2009.
+Based on: A. C. Öztireli, M. Alexa, M. Gross, Spectral Sampling of Manifolds, 2010, DOI 10.1145/1882261.1866190. VR is
+Valette and others 2008, YR is Yan and others 2009.
 """
 
 from .. import mesh
@@ -82,10 +82,10 @@ def _cells(figures):
 
 
 def _about(raw):
-    text = ("The paper's rows are as printed; its seconds are those of a computer of 2010 (its own: sampling + Tight Cocone), "
-            'ours of the whole process, median of %d. Its models are not published with it: the Horse is the one of the same name '
-            'from the same archive, the Rabbit is not at hand, and the Stanford bunny in brackets is another model at '
-            'the same number of vertices.' % ROUNDS)
+    text = ("The paper's rows are as printed; its seconds are those of a computer of 2010 (its own: sampling + Tight "
+            'Cocone), ours of the whole process, median of %d. Its models are not published with it: the Horse is the '
+            'one of the same name from the same archive, the Rabbit is not at hand, and the Stanford bunny in brackets '
+            'is another model at the same number of vertices.' % ROUNDS)
     absent = [model for (model, points) in PAPER if (model, points) not in MATCHES or model not in raw['models']]
     return text + ' Not at hand: %s.' % listed(dict.fromkeys(absent))
 
@@ -99,7 +99,8 @@ def _verdicts(raw):
             continue
         for key, label in (('ascent', 'remesh --optimize 0'), ('remesh', 'remesh')):
             for method, figures in PAPER[model, points].items():
-                lines.append('%s, %s against %s: %s' % (model, label, _paper_name(method), _verdict(found[key], figures)))
+                verdict = _verdict(found[key], figures)
+                lines.append('%s, %s against %s: %s' % (model, label, _paper_name(method), verdict))
     return lines
 
 

@@ -1,9 +1,9 @@
 """How far two surfaces are apart, both ways, in percent of the diagonal of the reference's bounding box.
 
 Points are taken evenly by area on each surface, and each has its exact distance to the closest triangle of the other by
-libigl's hierarchy (Jacobson and others, libigl, 2018), which gpytoolbox carries. (The closest points of trimesh are off by up to
-1.6e-4 on small models, which is as much as the distances here.) RMS is the root of the mean square of the samples'
-distances, Hausdorff the largest distance of the samples and of all vertices: never more than the true one.
+libigl's hierarchy (Jacobson and others, libigl, 2018), which gpytoolbox carries. (The closest points of trimesh are off
+by up to 1.6e-4 on small models, which is as much as the distances here.) RMS is the root of the mean square of the
+samples' distances, Hausdorff the largest distance of the samples and of all vertices: never more than the true one.
 """
 
 import numpy as np

@@ -66,8 +66,8 @@ def _labels(pairs, size):
 
 
 def _pieces(edges):
-    """Number of pieces that edges make where they meet at vertices: of a surface by all of its edges, of its boundary by
-    those of one face."""
+    """Number of pieces that edges make where they meet at vertices: of a surface by all of its edges, of its boundary
+    by those of one face."""
     vertices, ends = np.unique(edges, return_inverse=True)
     return len(np.unique(_labels(ends.reshape(-1, 2), len(vertices)))) if len(vertices) else 0
 

@@ -7,10 +7,11 @@ A module here is one program:
     BY_PIP     whether it installs without a compiler
     COUNTS     whether it takes a number of vertices; if not, the length of edges, tuned until the number fits
 
-Programs have `missing()` (a reason, or None), `version()`, `command(source, target, wanted, sharp)` (a list of words) and
-`seconds(output, target)` (of remeshing alone, from what was printed or written; None where it is not told). Python packages have
-PACKAGE, their name, and `load(path)`, `remesh(model, wanted, sharp)` and `save(model, path)`; they run as a process of
-their own by `python -m harness.peers NAME SOURCE TARGET WANTED [sharp]`, which prints the seconds of `remesh`.
+Programs have `missing()` (a reason, or None), `version()`, `command(source, target, wanted, sharp)` (a list of words)
+and `seconds(output, target)` (of remeshing alone, from what was printed or written; None where it is not told). Python
+packages have PACKAGE, their name, and `load(path)`, `remesh(model, wanted, sharp)` and `save(model, path)`; they run as
+a process of their own by `python -m harness.peers NAME SOURCE TARGET WANTED [sharp]`, which prints the seconds of
+`remesh`.
 
 Sources are PLY files that harness.mesh wrote. `sharp` is whether the model is a CAD part whose sharp edges are to stay.
 """

@@ -2,9 +2,9 @@
 
 import os
 
+from .. import process
 from ..context import EVAL
 from . import last_json
-from .. import process
 
 LABEL = 'baby_shark'
 SETTINGS = '`IncrementalRemesher`, 10 iterations (its default), in f64, edge length tuned to the count'
@@ -14,7 +14,7 @@ BINARY = os.path.join(EVAL, '.built', 'baby_shark')
 
 
 def missing():
-    return None if os.path.isfile(BINARY) else 'not built: eval/setup --peers builds it with cargo'
+    return None if os.path.isfile(BINARY) else 'not built: eval/setup builds it with cargo'
 
 
 def version():

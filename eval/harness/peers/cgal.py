@@ -2,13 +2,13 @@
 
 import os
 
+from .. import process
 from ..context import EVAL
 from . import last_json
-from .. import process
 
 LABEL = 'CGAL'
-SETTINGS = '`isotropic_remeshing`, 10 iterations, edge length tuned to the count; CAD parts with edges of 60 degrees split ' \
-    'and protected, as its manual asks'
+SETTINGS = '`isotropic_remeshing`, 10 iterations, edge length tuned to the count; CAD parts with edges of 60 degrees ' \
+    'split and protected, as its manual asks'
 BY_PIP = False
 COUNTS = False
 BINARY = os.path.join(EVAL, '.built', 'cgal')

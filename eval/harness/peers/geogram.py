@@ -1,8 +1,7 @@
 """Restricted centroidal Voronoi remeshing (the paper's YR) by geogram's vorpalite, where one is on the path."""
 
 import shutil
-
-from .. import process
+import subprocess
 
 LABEL = 'geogram'
 SETTINGS = '`remesh=true pts=N remesh:anisotropy=0` (its default profile is anisotropic)'
@@ -15,8 +14,8 @@ def missing():
 
 
 def version():
-    said = process.run(['vorpalite', '--help']).output
-    return next((line.strip() for line in said.splitlines() if 'ersion' in line), 'geogram, version unknown')
+    said = subprocess.run(['vorpalite', '--help'], capture_output=True, text=True).stdout
+    return next((line.strip() for line in said.splitlines() if 'ersion' in line), 'geogram, version not told')
 
 
 def command(source, target, wanted, _sharp):

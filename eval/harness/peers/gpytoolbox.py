@@ -5,8 +5,8 @@ from . import edge_length
 
 LABEL = 'gpytoolbox'
 PACKAGE = 'gpytoolbox'
-SETTINGS = '`remesh_botsch`, 10 iterations (its default) with projection, edge length tuned to the count; CAD parts with ' \
-    '`detect_feature_edges`'
+SETTINGS = '`remesh_botsch`, 10 iterations (its default) with projection, edge length tuned to the count; CAD parts ' \
+    'with `detect_feature_edges`'
 COUNTS = False
 
 

@@ -5,8 +5,8 @@ from . import edge_length
 
 LABEL = 'MeshLab'
 PACKAGE = 'pymeshlab'
-SETTINGS = '`meshing_isotropic_explicit_remeshing`, 10 iterations (its default), edge length tuned to the count; it keeps ' \
-    'creases of 30 degrees by default'
+SETTINGS = '`meshing_isotropic_explicit_remeshing`, 10 iterations (its default), edge length tuned to the count; it ' \
+    'keeps creases of 30 degrees by default'
 COUNTS = False
 
 

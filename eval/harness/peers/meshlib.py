@@ -5,8 +5,8 @@ from . import edge_length
 
 LABEL = 'MeshLib'
 PACKAGE = 'meshlib'
-SETTINGS = '`remesh` with `finalRelaxIters=10`, `finalRelaxNoShrinkage` and `projectOnOriginalMesh`, edge length tuned to ' \
-    'the count'
+SETTINGS = '`remesh` with `finalRelaxIters=10`, `finalRelaxNoShrinkage` and `projectOnOriginalMesh`, edge length ' \
+    'tuned to the count'
 COUNTS = False
 
 

@@ -5,8 +5,8 @@ from . import edge_length
 
 LABEL = 'mmgs'
 PACKAGE = 'mmgpy'
-SETTINGS = '`hsiz` tuned to the count; `hausd`, which its documentation wants scaled to the model, 1 % of the diagonal: ' \
-    'smaller bounds take more vertices than wanted; ridges of 45 degrees stay by default'
+SETTINGS = '`hsiz` tuned to the count; `hausd`, which its documentation wants scaled to the model, 1 % of the ' \
+    'diagonal, as smaller bounds take more vertices than wanted; ridges of 45 degrees stay by default'
 COUNTS = False
 
 

@@ -3,8 +3,8 @@
 from .meshlab import PACKAGE, load, save  # noqa: F401
 
 LABEL = 'Poisson disks of the points + ball pivoting'
-SETTINGS = 'MeshLab, `generate_sampling_poisson_disk` with `subsample` and `exactnumflag`, then ball pivoting with the ' \
-    'radius that it finds itself; normals that are not given by `compute_normal_for_point_clouds`'
+SETTINGS = 'MeshLab, `generate_sampling_poisson_disk` with `subsample` and `exactnumflag`, then ball pivoting with ' \
+    'the radius that it finds itself; normals that are not given by `compute_normal_for_point_clouds`'
 COUNTS = True
 
 

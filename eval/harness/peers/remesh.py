@@ -4,14 +4,13 @@ import json
 import os
 import subprocess
 
-from ..context import ROOT
+from ..context import Context
 
 LABEL = 'remesh'
 SETTINGS = '`--points N`, nothing else'
 BY_PIP = False
 COUNTS = True
-BINARY = os.path.join(ROOT, 'target', 'release', 'remesh')
-OPTIONS = []
+BINARY = Context.binary
 
 # Stages of the report that are not remeshing.
 APART = ('read', 'measure', 'write')
