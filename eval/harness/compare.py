@@ -52,6 +52,8 @@ def text(before, after, name_before, name_after):
     """The changes as lines of text."""
     found = changes(before, after)
     lines = ['%s (%s) against %s (%s)' % (name_after, after['date'], name_before, before['date'])]
-    for head, which in (('WORSE', found.worse), ('better', found.better), ('no longer measured', found.gone)):
+    for head, which in (('WORSE', found.worse), ('better', found.better)):
         lines += ['%s:' % head] + ['  ' + line for line in which] if which else []
+    if found.gone:
+        lines.append('%d figures are no longer there, the first of them %s' % (len(found.gone), found.gone[0]))
     return '\n'.join(lines + ['%d figures are the same within noise' % found.same])

@@ -79,16 +79,16 @@ def watched(raw):
         seconds = median_of(result['process_seconds'])
         found['%s seconds' % name] = (seconds, -1, TIME_NOISE * seconds)
         found['%s megabytes' % name] = (result['megabytes'], -1, MEMORY_NOISE * result['megabytes'])
-    return {**found, **_means(raw)}
+    return {**found, **_averages(raw)}
 
 
-def _means(raw):
-    """Means over all models, which tell a small change that the noise of a single model hides."""
+def _averages(raw):
+    """Averages over all models, which tell a small change that the noise of a single model hides."""
     known = [model['result']['measures'] for model in raw['models'].values() if 'failed' not in model['result']]
     found = {}
     for measure in MEASURES:
         values = [v for v in map(measure.of, known) if v is not None]
         if values:
-            name = 'mean %s of %d models' % (measure.label, len(values))
+            name = 'average %s of %d models' % (measure.label, len(values))
             found[name] = (sum(values) / len(values), measure.sense, measure.noise / len(values) ** 0.5)
     return found
