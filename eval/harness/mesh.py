@@ -30,6 +30,16 @@ class Mesh:
         a, b, c = self.corners().transpose(1, 0, 2)
         return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
 
+    def volume(self):
+        """What a closed mesh encloses; negative if its triangles look inwards."""
+        a, b, c = (self.corners() - self.vertices.mean(axis=0)).transpose(1, 0, 2)
+        return float(np.sum(a * np.cross(b, c)) / 6)
+
+    def outward(self):
+        """The same surface with triangles that look outwards, if it is closed and they do not (in files of scans they
+        may look inwards)."""
+        return Mesh(self.vertices, self.triangles[:, ::-1]) if self.volume() < 0 else self
+
     def normals(self):
         """Unit normals of the vertices: those of the triangles at each, weighted by area."""
         a, b, c = self.corners().transpose(1, 0, 2)

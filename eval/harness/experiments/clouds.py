@@ -33,7 +33,8 @@ def run(context):
     names = QUICK_MODELS if context.quick else [n for n in MODELS if context.case(n)] or OWN_MODELS
     kinds = {kind: {} for kind in KINDS}
     for case in map(context.case, names):
-        reference = mesh.read(case.path)
+        # Without normals, outwards is the side that is wanted.
+        reference = mesh.read(case.path).outward()
         for kind, (normals, noise) in KINDS.items():
             source = context.file('points.ply')
             _write(source, reference, normals, noise, context.seed)

@@ -41,7 +41,7 @@ def inside_out(mesh, reference):
     """Whether a closed mesh encloses a volume of the other sign than the reference does; None for open ones."""
     if topology(mesh)['boundary_loops'] or topology(reference)['boundary_loops']:
         return None
-    return bool(_volume(mesh) * _volume(reference) < 0)
+    return mesh.volume() * reference.volume() < 0
 
 
 class _Sides:
@@ -98,8 +98,3 @@ def _interior_valences(sides):
     rim[sides.edges[sides.uses != 2]] = True
     inner = (valence > 0) & ~rim
     return int(np.sum(inner)), valence[inner]
-
-
-def _volume(mesh):
-    a, b, c = (mesh.corners() - mesh.vertices.mean(axis=0)).transpose(1, 0, 2)
-    return float(np.sum(a * np.cross(b, c)) / 6)
