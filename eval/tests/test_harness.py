@@ -1,9 +1,12 @@
 """Running programs, comparing runs, and tuning counts."""
 
 import sys
+import tempfile
 import unittest
 
-from harness import compare, process, race, tables
+import numpy as np
+
+from harness import compare, mesh, process, race, tables
 from harness.verdicts import faults_of
 
 
@@ -33,6 +36,68 @@ class Process(unittest.TestCase):
             process.run([sys.executable, '-c', 'import os; os.abort()'])
         with self.assertRaisesRegex(process.Failed, 'no program'):
             process.run(['/no/such/program'])
+
+
+class Grid:
+    """A remesher that makes a flat grid of some share of the vertices that it is asked for, and counts its runs."""
+    COUNTS = False
+
+    def __init__(self, share, script=''):
+        self.share, self.script, self.asked = share, script, []
+
+    def command(self, _source, target, asked, _sharp):
+        self.asked.append(asked)
+        return [sys.executable, '-c', self.script + GRID, target, str(max(4, round(self.share * asked)))]
+
+    def seconds(self, output, _target):
+        return float(output)
+
+
+GRID = """
+import sys
+import numpy as np
+from harness import mesh
+count = int(sys.argv[2]) // 2
+places = np.stack(np.meshgrid(np.arange(count), [0, 1, 2]), axis=-1).reshape(-1, 2)[:2 * count]
+row = np.arange(count - 1)
+faces = np.concatenate([np.stack([row, row + 1, row + count], 1), np.stack([row + 1, row + count + 1, row + count], 1)])
+mesh.write(sys.argv[1], mesh.Mesh(np.column_stack([places, np.zeros(len(places))]), faces))
+print(0.25)
+"""
+
+
+class Race(unittest.TestCase):
+    def results(self, other, rounds=2):
+        """One race against `other`, with ours a program that meets the count."""
+        reference = mesh.Mesh(np.array([[0, 0, 0], [9, 0, 0], [0, 9, 0.0]]), np.array([[0, 1, 2]]))
+        with tempfile.TemporaryDirectory() as scratch:
+            programs = {'remesh': Grid(1), 'other': other}
+            return race.race(programs, 'no source', reference, 400, False, rounds, scratch)
+
+    def test_counts_are_tuned(self):
+        other = Grid(0.8)
+        found = self.results(other)['other']
+        self.assertEqual(found['vertices'], 400)
+        self.assertEqual(other.asked, [400, 500, 500])
+        self.assertEqual(len(found['seconds']), 2)
+        self.assertEqual(len(found['our_process_seconds']), 2)
+
+    def test_given_counts_are_left_alone(self):
+        other = Grid(0.8)
+        other.COUNTS = True
+        found = self.results(other)['other']
+        self.assertEqual(other.asked, [400, 400])
+        self.assertAlmostEqual(found['off'], -0.2)
+        self.assertIn('more than 3 % off the count', faults_of(found))
+
+    def test_a_crash_is_a_result(self):
+        found = self.results(Grid(1, 'import os; os.abort()'))
+        self.assertIn('signal 6', found['other']['failed'])
+        self.assertIn('measures', found['remesh'])
+
+    def test_no_file_is_a_result(self):
+        found = self.results(Grid(1, 'raise SystemExit'))
+        self.assertEqual(found['other'], {'failed': 'wrote no result'})
 
 
 class Compare(unittest.TestCase):
