@@ -95,10 +95,18 @@ def _off(found, entry):
 
 def _pair(own, program, name, asked, entry):
     """A run of the program after one of ours; `own` is None for ours itself."""
-    before = entry.run(own, 'remesh.pair', entry.wanted) if own else None
+    before = _before(own, entry) if own else None
     run = entry.run(program, name, asked)
     before = before or run
     return {**run, 'our_alone': before['alone'], 'our_process': before['process']}
+
+
+def _before(own, entry):
+    """Our times. A failure of ours has a row of its own, and is none of the peer's."""
+    try:
+        return entry.run(own, 'remesh.pair', entry.wanted)
+    except process.Failed:
+        return {'alone': None, 'process': None}
 
 
 def _read(path):
@@ -115,10 +123,11 @@ def _read(path):
 
 
 def ratios(result):
-    """How many times as long as ours each run took, by remeshing alone where it is told, else by whole processes."""
+    """How many times as long as ours each run took, by remeshing alone where it is told, else by whole processes; of
+    those pairs where ours did not fail."""
     alone = result['seconds'][0] is not None
     key = ('seconds', 'our_seconds') if alone else ('process_seconds', 'our_process_seconds')
-    return [theirs / ours for theirs, ours in zip(result[key[0]], result[key[1]])]
+    return [theirs / ours for theirs, ours in zip(result[key[0]], result[key[1]]) if ours]
 
 
 def median_of(values):

@@ -142,6 +142,8 @@ def _heading(found):
 
 
 def _models(found):
+    if found['quick']:
+        return ', on the models of data/ alone'
     return ', without the models %s' % ', '.join(found['missing_models']) if found['missing_models'] else ''
 
 

@@ -92,7 +92,9 @@ def _which(names, of):
 
 def _time_words(pairs):
     """How long the other took in times of ours, and where the runs' spread does not part them."""
-    times = {m: ratios(b) for m, (_, b) in pairs.items()}
+    times = {m: r for m, r in ((m, ratios(b)) for m, (_, b) in pairs.items()) if r}
+    if not times:
+        return 'Its time is not known.'
     slower = [m for m, r in times.items() if min(r) > 1]
     faster = [m for m, r in times.items() if max(r) < 1]
     middle = [median_of(r) for r in times.values()]

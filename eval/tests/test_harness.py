@@ -95,6 +95,15 @@ class Race(unittest.TestCase):
         self.assertIn('signal 6', found['other']['failed'])
         self.assertIn('measures', found['remesh'])
 
+    def test_a_crash_of_ours_is_not_the_peers(self):
+        reference = mesh.Mesh(np.array([[0, 0, 0], [9, 0, 0], [0, 9, 0.0]]), np.array([[0, 1, 2]]))
+        with tempfile.TemporaryDirectory() as scratch:
+            programs = {'remesh': Grid(1, 'raise SystemExit(1)'), 'other': Grid(1)}
+            found = race.race(programs, 'no source', reference, 400, False, 1, scratch)
+        self.assertIn('failed', found['remesh'])
+        self.assertIn('measures', found['other'])
+        self.assertEqual(race.ratios(found['other']), [])
+
     def test_no_file_is_a_result(self):
         found = self.results(Grid(1, 'raise SystemExit'))
         self.assertEqual(found['other'], {'failed': 'wrote no result'})
