@@ -71,18 +71,18 @@ def against(label, models, name, times=True):
 
 
 def _shape_words(pairs):
-    """Sentences that begin with `ours is`; measures with the same models come together."""
+    """What ours is better and worse in; measures with the same models come together."""
     signs = {measure: {m: sign(measure, a['measures'], b['measures']) for m, (a, b) in pairs.items()}
              for measure in MEASURES}
     words = []
-    for head, which in (('better', 1), ('worse', -1)):
+    for head, which in (('ours is better', 1), ('Ours is worse', -1)):
         places = {}
         for measure, found in signs.items():
             where = tuple(m for m, s in found.items() if s == which)
             if where:
                 places.setdefault(where, []).append(measure.label)
         parts = ['%s on %s' % (listed(labels), _which(where, pairs)) for where, labels in places.items()]
-        words.append('ours is %s in %s.' % (head, '; '.join(parts) or 'nothing'))
+        words.append('%s in %s.' % (head, '; '.join(parts) or 'nothing'))
     return words
 
 
@@ -98,7 +98,8 @@ def _time_words(pairs):
     slower = [m for m, r in times.items() if min(r) > 1]
     faster = [m for m, r in times.items() if max(r) < 1]
     middle = [median_of(r) for r in times.values()]
-    words = 'It takes %.2g to %.2g times as long as ours' % (min(middle), max(middle))
+    ends = dict.fromkeys('%.2g' % end for end in (min(middle), max(middle)))
+    words = 'It takes %s times as long as ours' % ' to '.join(ends)
     if slower:
         words += '; longer in every pair of runs on %s' % _which(slower, pairs)
     if faster:

@@ -6,7 +6,8 @@ import unittest
 
 import numpy as np
 
-from harness import compare, mesh, process, race, tables
+from harness import compare, mesh, process, race, readme, tables
+from harness.experiments import remeshers
 from harness.verdicts import faults_of
 
 
@@ -107,6 +108,45 @@ class Race(unittest.TestCase):
     def test_no_file_is_a_result(self):
         found = self.results(Grid(1, 'raise SystemExit'))
         self.assertEqual(found['other'], {'failed': 'wrote no result'})
+
+
+class Words(unittest.TestCase):
+    """Tables and verdicts are computed from figures; here from made-up ones."""
+
+    def result(self, **changed):
+        shape = {'theta_min': 40.0, 'theta_min_mean': 57.0, 'theta_max': 90.0, 'q_min': 0.7, 'q_mean': 0.97,
+                 'percent_below_30': 0.0, 'percent_above_90': 0.0, 'edge_cv': 0.09}
+        topology = {'percent_valence_6': 95.0, 'nonmanifold_edges': 0, 'nonmanifold_vertices': 0,
+                    'misoriented_edges': 0, 'degenerate_faces': 0}
+        measures = {'shape': shape | changed, 'topology': topology, 'crossing_faces': 0, 'same_topology': True,
+                    'inside_out': False, 'distance': {'rms': 0.02, 'hausdorff': 0.4}}
+        return {'vertices': 400, 'off': 0.0, 'measures': measures, 'megabytes': 20.0, 'seconds': [1.0, 2.0, 1.5],
+                'process_seconds': [2.0, 3.0, 2.5], 'our_seconds': [1.0, 1.0, 1.0],
+                'our_process_seconds': [1.0, 1.0, 1.0]}
+
+    def raw(self):
+        fast = self.result(theta_min=30.0, edge_cv=0.07) | {'seconds': [0.5, 0.4, 0.6], 'off': 0.05}
+        results = {'remesh': self.result(), 'meshlab': fast, 'cgal': {'failed': 'signal 11: no message'}}
+        programs = {name: {'label': name, 'version': '1', 'settings': 'none'} for name in results}
+        programs['geogram'] = {'label': 'geogram', 'settings': 'none', 'missing': 'not on the path'}
+        models = {'ball': {'points': 400, 'sharp': False, 'results': results}}
+        return {'programs': programs, 'models': models, 'not_at_hand': [], 'rounds': 3}
+
+    def test_report(self):
+        text = remeshers.report(self.raw(), None)
+        self.assertIn('| geogram | **missing**: not on the path | none |', text)
+        self.assertIn('Failed: cgal on ball (signal 11: no message).', text)
+        self.assertIn('**meshlab** (1 of 1 models): ours is better in θmin on all. Ours is worse in variation of edges on '
+                      'all. It takes 0.5 times as long as ours; shorter in every pair of runs on all. '
+                      'Its faults: more than 3 % off the count (ball).', text)
+        self.assertIn('**cgal** (0 of 1 models): nothing to compare. Its faults: signal 11: no message (ball).', text)
+
+    def test_best_of_the_others(self):
+        machine = {'cores': 2, 'architecture': 'any', 'system': 'any'}
+        text = readme.section({'versions': {'remesh': '1'}, 'date': 'today', 'command': 'eval/run', 'machine': machine,
+                               'experiments': {'remeshers': self.raw(), 'clouds': {'failed': 'no reason'}}})
+        self.assertIn('| **θmin, remesh** | **40.0** |\n| best of the others | 30.0† meshlab |', text)
+        self.assertIn('| **seconds, remesh** | **1.50** |\n| best of the others | 0.50† meshlab |', text)
 
 
 class Compare(unittest.TestCase):

@@ -37,13 +37,6 @@ def is_manifold(found):
     return not any(found[key] for key in faults)
 
 
-def inside_out(mesh, reference):
-    """Whether a closed mesh encloses a volume of the other sign than the reference does; None for open ones."""
-    if topology(mesh)['boundary_loops'] or topology(reference)['boundary_loops']:
-        return None
-    return mesh.volume() * reference.volume() < 0
-
-
 class _Sides:
     """The sides of all faces, and the edges that they are."""
 
