@@ -136,8 +136,8 @@ class Words(unittest.TestCase):
         text = remeshers.report(self.raw(), None)
         self.assertIn('| geogram | **missing**: not on the path | none |', text)
         self.assertIn('Failed: cgal on ball (signal 11: no message).', text)
-        self.assertIn('**meshlab** (1 of 1 models): ours is better in θmin on all. Ours is worse in variation of edges on '
-                      'all. It takes 0.5 times as long as ours; shorter in every pair of runs on all. '
+        self.assertIn('**meshlab** (1 of 1 models): ours is better in θmin on all. Ours is worse in variation of edges '
+                      'on all. It takes 0.5 times as long as ours; shorter in every pair of runs on all. '
                       'Its faults: more than 3 % off the count (ball).', text)
         self.assertIn('**cgal** (0 of 1 models): nothing to compare. Its faults: signal 11: no message (ball).', text)
 

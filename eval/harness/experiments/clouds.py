@@ -73,7 +73,8 @@ def report(raw, _figures):
     names = list(next(iter(raw['kinds'].values())))
     about = ('The vertices of %s as point clouds, at the same counts as above; with noise (Gaussian along the normals, '
              'a quarter of the mean distance to the six nearest points) ours runs with `--smooth`. Beside it MeshLab: '
-             'a Poisson-disk subset of the points, joined by ball pivoting. Times are not compared here.' % listed(names))
+             'a Poisson-disk subset of the points, joined by ball pivoting. Times are not compared here.'
+             % listed(names))
     tables = [columns(heading, names, rows(raw, lambda r: cell(r['measures']))) for heading, cell in TABLES]
     faults = columns('faults', names, rows(raw, lambda r: ', '.join(faults_of(r)) or 'none', failed=faults_of))
     label = peer('poisson_points').LABEL
