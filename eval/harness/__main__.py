@@ -18,8 +18,8 @@ def main():
 
 def _arguments():
     arguments = argparse.ArgumentParser(prog='eval/run', description="The paper's experiments and the comparison with "
-                                        'other remeshers. Without a command it runs all of it; `eval/run run --help` has '
-                                        'the options of that.')
+                                        'other remeshers. Without a command it runs all of it; `eval/run run --help` '
+                                        'has the options of that.')
     commands = arguments.add_subparsers(dest='command', required=True)
     run = commands.add_parser('run', help='measure, write the figures as JSON and RESULTS.md from them')
     run.add_argument('--models', metavar='FOLDER', help='where the models of eval/cases.json are')

@@ -97,8 +97,8 @@ def _introduction(raw):
     times = 'of one run' if raw['rounds'] == 1 else 'the median of %d runs (least..greatest)' % raw['rounds']
     text = ('Models and wanted vertices: %s. All programs read the same PLY file. Times are %s, each right after a '
             'run of ours; what takes longer than %d s is run once, what takes longer than %d s is ended. "Whole '
-            'process" includes starting Python and its packages for programs that are Python packages, and for ours measuring '
-            'the result.' % (counts, times, LONG, TIMEOUT))
+            'process" includes starting Python and its packages for programs that are Python packages, and for ours '
+            'measuring the result.' % (counts, times, LONG, TIMEOUT))
     cad = [name for name, m in raw['models'].items() if m['sharp']]
     if cad:
         text += ' CAD parts, whose sharp edges are to stay: %s.' % listed(cad)
