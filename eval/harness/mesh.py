@@ -20,6 +20,13 @@ class Mesh:
         kept, triangles = np.unique(self.triangles, return_inverse=True)
         return Mesh(self.vertices[kept], triangles.reshape(-1, 3))
 
+    def welded(self):
+        """The same mesh with vertices at exactly the same place as one, without triangles that vanish by that."""
+        places, index = np.unique(self.vertices, axis=0, return_inverse=True)
+        triangles = index.ravel()[self.triangles]
+        proper = np.all(triangles != np.roll(triangles, 1, axis=1), axis=1)
+        return Mesh(places, triangles[proper]).used()
+
     def diagonal(self):
         """Diagonal of the bounding box of the vertices in use."""
         places = self.used().vertices

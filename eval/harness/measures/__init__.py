@@ -12,7 +12,7 @@ def measure(mesh, reference, seed=0):
     kind = ('euler', 'components', 'boundary_loops')
     return {
         'topology': found,
-        'reference': {key: wanted[key] for key in kind},
+        'reference': {key: wanted[key] for key in kind} | {'manifold': topology.is_manifold(wanted)},
         'same_topology': all(found[key] == wanted[key] for key in kind),
         'inside_out': closed and mesh.volume() * reference.volume() < 0,
         'shape': shape.shape(mesh),
