@@ -2,8 +2,10 @@
 
 import json
 
+import gpytoolbox
 import numpy as np
 import pymeshlab
+import trimesh
 from scipy.spatial import cKDTree
 
 from .process import Failed, run
@@ -21,6 +23,11 @@ def scaled(points, size=100.0):
     """Moved and scaled so that the longest side of the bounding box is `size`, as the paper does (section 7)."""
     low, high = points.min(axis=0), points.max(axis=0)
     return (points - 0.5 * (low + high)) * (size / (high - low).max())
+
+
+def load_mesh(path):
+    """The triangles of a file, its vertices as they are."""
+    return trimesh.load(path, force='mesh', process=False)
 
 
 def write_cloud(path, points, normals):
@@ -53,14 +60,12 @@ def spacing(points):
 
 
 def surface_of_remesh(context, name, points, normals, reach, cell):
-    """(vertices, faces) of our implicit surface; points reach `reach` far, and cells have edges of `cell`."""
+    """Our implicit surface; points reach `reach` far, and cells have edges of `cell`."""
     source, target = context.file(name + '.xyz'), context.file(name + '.ply')
     write_cloud(source, points, normals)
     smooth = np.clip(reach / spacing(points), 1.5, 20.0)
     run([context.binary, 'reconstruct', source, target, '--smooth', str(smooth), '--resolution', str(cell), '-q'])
-    found = pymeshlab.MeshSet()
-    found.load_new_mesh(target)
-    return found.current_mesh().vertex_matrix(), found.current_mesh().face_matrix()
+    return load_mesh(target)
 
 
 def surface_of_meshlab(points, normals, reach, cell):
@@ -72,16 +77,21 @@ def surface_of_meshlab(points, normals, reach, cell):
         found.generate_marching_cubes_rimls(filterscale=reach / spacing(points), resolution=resolution)
     except pymeshlab.PyMeshLabException as error:
         raise Failed('MeshLab: %s' % str(error).strip()) from error
-    return found.current_mesh().vertex_matrix(), found.current_mesh().face_matrix()
+    made = found.current_mesh()
+    return trimesh.Trimesh(made.vertex_matrix(), made.face_matrix(), process=False)
 
 
-def distance(one, other, samples=50_000):
-    """RMS and Hausdorff distance of two meshes (vertices, faces), both ways, by MeshLab's filter, which is what became of
-    the Metro tool of the paper. RMS is the root of the mean of both squares, Hausdorff the larger."""
-    both = pymeshlab.MeshSet()
-    both.add_mesh(pymeshlab.Mesh(*one))
-    both.add_mesh(pymeshlab.Mesh(*other))
-    ways = [both.get_hausdorff_distance(sampledmesh=a, targetmesh=1 - a, samplevert=False, sampleface=True,
-                                        samplenum=samples, maxdist=pymeshlab.PercentageValue(100)) for a in (0, 1)]
-    rms = (sum(way['RMS'] ** 2 for way in ways) / 2) ** 0.5
-    return {'rms': rms, 'hausdorff': max(way['max'] for way in ways)}
+def distance(one, other, seed, samples=30_000):
+    """RMS and Hausdorff distance of two surfaces, both ways: from random points of each, evenly by area, and for the
+    Hausdorff distance all vertices, to the closest triangle of the other. RMS is the root of the mean of both squares."""
+    ways = [_one_way(one, other, seed, samples), _one_way(other, one, seed, samples)]
+    rms = (sum(way[0] ** 2 for way in ways) / 2) ** 0.5
+    return {'rms': float(rms), 'hausdorff': float(max(way[1] for way in ways))}
+
+
+def _one_way(source, target, seed, samples):
+    points = trimesh.sample.sample_surface(source, samples, seed=seed)[0]
+    points = np.concatenate([points, source.vertices])
+    faces = np.asarray(target.faces, np.int32)
+    squares = np.maximum(gpytoolbox.squared_distance(points, np.asarray(target.vertices), faces, use_cpp=True)[0], 0)
+    return squares[:samples].mean() ** 0.5, squares.max() ** 0.5

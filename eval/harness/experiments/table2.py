@@ -3,6 +3,7 @@
 import os
 import time
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from multiprocessing import get_context
 
 import numpy as np
@@ -51,8 +52,11 @@ def run(context):
             clouds_at_hand[name] = _cloud(context, case)
     widths = [QUICK_WIDTH] if context.quick else WIDTHS
     tasks = [(context, name, *cloud, width) for name, cloud in clouds_at_hand.items() for width in widths]
-    with ProcessPoolExecutor(2, mp_context=get_context('spawn')) as pool:
-        rows = list(pool.map(_row, *zip(*tasks)))
+    if len(tasks) > 1:
+        with ProcessPoolExecutor(2, mp_context=get_context('spawn')) as pool:
+            rows = list(pool.map(_row, *zip(*tasks)))
+    else:
+        rows = [_row(*task) for task in tasks]
     left_out = [name for name in MODELS if name not in clouds_at_hand]
     return {'rows': rows, 'left_out': left_out, 'quick': context.quick, 'sigma_n': SIGMA_N, 'seed': context.seed}
 
@@ -72,7 +76,7 @@ def _cloud(context, case):
 
 def _row(context, model, points, normals, width):
     """What is lost by each way of taking as many points as the scan keeps at one σp."""
-    context.scratch = context.file('%s-%g' % (model, width))
+    context = replace(context, scratch=context.file('%s-%g' % (model, width)))
     os.makedirs(context.scratch)
     subsets, seconds = {}, {}
 
@@ -105,7 +109,7 @@ def _lost(context, surface, points, normals, subsets, width):
     lost = {}
     for name, subset in subsets.items():
         try:
-            lost[name] = clouds.distance(surface_of(name, subset), whole)
+            lost[name] = clouds.distance(surface_of(name, subset), whole, context.seed)
         except Failed as failure:
             lost[name] = {'failed': str(failure)}
     return lost
@@ -117,7 +121,7 @@ def report(raw, figures):
              "the surface least; both are ours after their descriptions (`eval/harness/subsampling.py`), and KS's paper "
              'may weigh otherwise. All points reach %g σp when surfaces are made of them, by `remesh reconstruct` and, '
              "independently, by MeshLab's RIMLS with marching cubes; so the reach is that of the kernel and the same for "
-             'all points and for a part. Distances between surfaces are by MeshLab\'s filter. Seconds: ours are of the '
+             'all points and for a part. Seconds: ours are of the '
              'scan in the binary, those of the others of Python code, and only say that this is affordable.'
              % (raw['sigma_n'], REACH)]
     if raw['quick']:

@@ -1,0 +1,73 @@
+"""The paper's Figure 7: how far the points move in each sweep of the gradient ascent."""
+
+import numpy as np
+
+from .. import library, plots
+from ..text import bullets, listed
+
+TITLE = 'Figure 7: movement in each sweep of the ascent'
+
+MODELS = ['blob', 'horse', 'igea']
+POINTS, QUICK_POINTS = 5000, 500
+SWEEPS, QUICK_SWEEPS = 20, 6
+# The paper's number of sweeps (section 6.3).
+PAPER_SWEEPS = 10
+
+
+def run(context):
+    names = ['blob'] if context.quick else MODELS
+    cases = [case for case in map(context.case, names) if case]
+    points = QUICK_POINTS if context.quick else POINTS
+    sweeps = QUICK_SWEEPS if context.quick else SWEEPS
+    curves = {case.name: _movement(context, case.path, points, sweeps) for case in cases}
+    left_out = [name for name in MODELS if name not in curves]
+    return {'points': points, 'curves': curves, 'left_out': left_out, 'seed': context.seed}
+
+
+def _movement(context, path, points, sweeps):
+    """Mean way of a point in each sweep, in mean distances of nearest neighbours after the last one.
+
+    The same seed gives the same points in the same order, so that runs of 0, 1, 2 .. sweeps are one ascent."""
+    options = ['--points', str(points), '--sweeps']
+    stages = [library.samples(context, path, *options, str(sweep))[0] for sweep in range(sweeps + 1)]
+    unit = library.nearest(stages[-1])[:, 0].mean()
+    ways = [np.linalg.norm(after - before, axis=1).mean() / unit for before, after in zip(stages, stages[1:])]
+    shortest = [library.nearest(stage)[:, 0].min() / unit for stage in stages]
+    return {'movement': ways, 'nearest_pair': shortest}
+
+
+def report(raw, figures):
+    figure, axes = plots.panels(1, 2)
+    left, right = axes[0]
+    colours = [plots.OURS, plots.THEIRS, plots.THIRD]
+    for (name, curve), colour in zip(raw['curves'].items(), colours):
+        sweeps = np.arange(1, len(curve['movement']) + 1)
+        left.semilogy(sweeps, curve['movement'], 'o-', color=colour, label=name)
+        right.plot(np.arange(len(curve['nearest_pair'])), curve['nearest_pair'], 'o-', color=colour, label=name)
+    left.set(xlabel='sweep', ylabel='mean way of a point / spacing')
+    right.set(xlabel='sweeps done', ylabel='nearest pair / spacing', ylim=(0, 1))
+    left.legend()
+    for axis in (left, right):
+        axis.xaxis.get_major_locator().set_params(integer=True)
+    text = ('Left: the way that a point goes in a sweep of `remesh sample --points %d`, on the mean and in mean distances of '
+            'nearest neighbours. Right: the nearest pair of all. Lists of neighbours are made anew every third sweep.'
+            % raw['points'])
+    if raw['left_out']:
+        text += ' Left out: %s.' % listed(raw['left_out'])
+    return '\n\n'.join([text, plots.save(figure, figures, 'figure07'), bullets(_sentences(raw))]) + '\n'
+
+
+def _sentences(raw):
+    sentences = []
+    for name, curve in raw['curves'].items():
+        ways = np.array(curve['movement'])
+        last = min(PAPER_SWEEPS, len(ways))
+        grows = int((np.diff(ways) > 0).sum())
+        sentences.append(
+            '%s: points go %.3f of a spacing in the first sweep and %.4f in sweep %d, %.0f times less%s; movement grows from '
+            'one sweep to the next %d times of %d. The nearest pair goes from %.2f to %.2f of a spacing.' % (
+                name.capitalize(), ways[0], ways[last - 1], last, ways[0] / ways[last - 1],
+                ', as the paper says of its quick decrease' if ways[0] > 3 * ways[last - 1]
+                else ', slower than the paper\'s "decrease quickly"',
+                grows, len(ways) - 1, curve['nearest_pair'][0], curve['nearest_pair'][last]))
+    return sentences
