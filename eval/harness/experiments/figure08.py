@@ -8,8 +8,8 @@ from ..text import bullets
 TITLE = 'Figure 8: the measure against the number of neighbours'
 
 MODEL, POINTS = 'blob', 2000
-QUERIES, QUICK_QUERIES = 200, 30
-NEIGHBOURS = 60
+QUERIES, QUICK_QUERIES = 100, 20
+NEIGHBOURS = 50
 # Width of the kernel in mean distances of nearest neighbours: that of the scan at hexagonal packing.
 SIGMA = 0.866
 # The radius of the paper's neighbourhoods, in σ (section 6.3), and what is close enough to what s converges to.
