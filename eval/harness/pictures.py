@@ -5,6 +5,7 @@ The meshes of a run are gone when its report is written, so a run draws its pict
 import os
 
 import numpy as np
+from matplotlib.font_manager import findfont
 from PIL import Image, ImageDraw, ImageFont
 
 from .context import EVAL
@@ -75,7 +76,7 @@ def _in_a_row(name, captions, panels):
     """One picture of several, captions above."""
     height = max(panel.height for panel in panels)
     row = Image.new('RGB', (sum(panel.width for panel in panels), height + CAPTION), PAPER)
-    draw, font, left = ImageDraw.Draw(row), ImageFont.load_default(15), 0
+    draw, font, left = ImageDraw.Draw(row), ImageFont.truetype(findfont('DejaVu Sans'), 14), 0
     for caption, panel in zip(captions, panels):
         row.paste(panel, (left, CAPTION + (height - panel.height) // 2))
         draw.text((left + 0.5 * panel.width, 0.5 * CAPTION), caption, INK, font, anchor='mm')

@@ -64,22 +64,22 @@ def _density(points, dense, normals, bend):
 
 
 def _named(width):
-    return 'inf' if width is None else '%g' % width
+    return '∞' if width is None else '%g' % width
 
 
 def report(raw, figures):
     figure, axes = plots.panels(1, 1, width=4.6, height=3)
     axes = axes[0, 0]
     for row, colour in zip(raw['rows'], [plots.INK, plots.THIRD, plots.THEIRS, plots.OURS]):
-        axes.loglog(row['density']['curvature'], row['density']['relative'], 'o-', color=colour,
-                    label='σn = ' + _named(row['sigma_n']).replace('inf', '∞'))
-    axes.set(xlabel='curvature × mean spacing', ylabel='density / mean density')
+        axes.semilogx(row['density']['curvature'], row['density']['relative'], 'o-', color=colour,
+                    label='σn = ' + _named(row['sigma_n']))
+    axes.set(xlabel='curvature × mean spacing', ylabel='density / mean density', ylim=(0, None))
     axes.legend()
     text = ('%d samples of %s at each σn, and meshes of as many vertices; the paper\'s figure has σn = ∞ and 0.5 at one σp. '
             'Density is that of samples by classes of the area, from flat to bent. The distance to the model is that of '
             'the meshes, in percent of the diagonal.' % (raw['points'], raw['model']))
     percent = 100 / raw['diagonal']
-    rows = [['σn = ' + _named(row['sigma_n']).replace('inf', '∞'), '%.2f' % row['density']['relative'][0],
+    rows = [['σn = ' + _named(row['sigma_n']), '%.2f' % row['density']['relative'][0],
              '%.2f' % row['density']['relative'][-1], '%.4f' % (percent * row['lost']['rms']),
              '%.3f' % (percent * row['lost']['hausdorff'])] for row in raw['rows']]
     header = ['', 'density where flattest', 'density where most bent', 'RMS %', 'Hausdorff %']
