@@ -20,9 +20,7 @@ LEVELS, QUICK_LEVELS = [0.0, 0.1, 0.2, 0.3, 0.5], [0.25]
 MODELS = {'horse': 8600, 'blob': 3000}
 QUICK_POINTS = 1500
 DRAWN = 0.3
-WAYS = {
-    'plain': 'mesh', 'smooth': 'mesh, --smooth', 'cloud': 'cloud', 'cloud-smooth': 'cloud, --smooth',
-}
+WAYS = {'plain': 'mesh', 'smooth': 'mesh, --smooth', 'cloud': 'cloud', 'cloud-smooth': 'cloud, --smooth'}
 
 
 def run(context):
@@ -77,7 +75,7 @@ def _noisy(context, name, points):
             paths = [mesh] + [context.file(way + '.ply') for way in WAYS if 'failed' not in made[way]]
             captions = ['%s, noise %g' % (name, level)] + [WAYS[way] for way in WAYS if 'failed' not in made[way]]
             up = 'y' if name == 'horse' else 'z'
-            shown.append(pictures.meshes(context, 'figure14-' + name, captions, paths, size=380, line=0.5, up=up))
+            shown.append(pictures.meshes(context, 'figure14-' + name, captions, paths, size=300, line=0.5, up=up))
     return rows, shown
 
 
