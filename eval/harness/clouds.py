@@ -82,8 +82,9 @@ def surface_of_meshlab(points, normals, reach, cell):
 
 
 def distance(one, other, seed, samples=30_000):
-    """RMS and Hausdorff distance of two surfaces, both ways: from random points of each, evenly by area, and for the
-    Hausdorff distance all vertices, to the closest triangle of the other. RMS is the root of the mean of both squares."""
+    """RMS and Hausdorff distance of two surfaces, both ways: from random points of each, evenly by area, to the closest
+    triangle of the other; for the Hausdorff distance also from the vertices, as many at most. RMS is the root of the mean
+    of both squares."""
     ways = [_one_way(one, other, seed, samples), _one_way(other, one, seed, samples)]
     rms = (sum(way[0] ** 2 for way in ways) / 2) ** 0.5
     return {'rms': float(rms), 'hausdorff': float(max(way[1] for way in ways))}
@@ -91,7 +92,10 @@ def distance(one, other, seed, samples=30_000):
 
 def _one_way(source, target, seed, samples):
     points = trimesh.sample.sample_surface(source, samples, seed=seed)[0]
-    points = np.concatenate([points, source.vertices])
-    faces = np.asarray(target.faces, np.int32)
-    squares = np.maximum(gpytoolbox.squared_distance(points, np.asarray(target.vertices), faces, use_cpp=True)[0], 0)
+    vertices = np.random.default_rng(seed).permutation(source.vertices)[:samples]
+    places, faces = np.concatenate([points, vertices]), np.asarray(target.faces, np.int32)
+    # It also gives barycentric coordinates, which triangles without area do not have.
+    with np.errstate(invalid='ignore', divide='ignore'):
+        squares = gpytoolbox.squared_distance(places, np.asarray(target.vertices), faces, use_cpp=True)[0]
+    squares = np.maximum(squares, 0)
     return squares[:samples].mean() ** 0.5, squares.max() ** 0.5
