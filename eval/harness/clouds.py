@@ -59,11 +59,16 @@ def spacing(points):
     return float(cKDTree(points).query(points, k=7)[0][:, 6].mean())
 
 
+# How far points reach at the least, in spacings: the defaults of `remesh reconstruct` and of MeshLab. With less there are
+# holes.
+LEAST_REACH = {'remesh': 2.2, 'meshlab': 2.0}
+
+
 def surface_of_remesh(context, name, points, normals, reach, cell):
-    """Our implicit surface; points reach `reach` far, and cells have edges of `cell`."""
+    """Our implicit surface; points reach `reach` far, and cells have edges of `cell`. Raises `Failed`."""
     source, target = context.file(name + '.xyz'), context.file(name + '.ply')
     write_cloud(source, points, normals)
-    smooth = np.clip(reach / spacing(points), 1.5, 20.0)
+    smooth = np.clip(reach / spacing(points), LEAST_REACH['remesh'], 20.0)
     run([context.binary, 'reconstruct', source, target, '--smooth', str(smooth), '--resolution', str(cell), '-q'])
     return load_mesh(target)
 
@@ -73,11 +78,14 @@ def surface_of_meshlab(points, normals, reach, cell):
     found = pymeshlab.MeshSet()
     found.add_mesh(pymeshlab.Mesh(vertex_matrix=points, v_normals_matrix=normals))
     resolution = int(np.ceil(np.ptp(points, axis=0).max() / cell))
+    scale = max(reach / spacing(points), LEAST_REACH['meshlab'])
     try:
-        found.generate_marching_cubes_rimls(filterscale=reach / spacing(points), resolution=resolution)
+        found.generate_marching_cubes_rimls(filterscale=scale, resolution=resolution)
     except pymeshlab.PyMeshLabException as error:
         raise Failed('MeshLab: %s' % str(error).strip()) from error
     made = found.current_mesh()
+    if not made.face_number() or not np.isfinite(made.vertex_matrix()).all():
+        raise Failed('MeshLab: no surface')
     return trimesh.Trimesh(made.vertex_matrix(), made.face_matrix(), process=False)
 
 

@@ -15,3 +15,8 @@ def listed(words):
 
 def bullets(sentences):
     return '\n'.join('- ' + sentence for sentence in sentences)
+
+
+def less(quick, words):
+    """What a quick run did not do, as a sentence to end a paragraph with; nothing for a full one."""
+    return ' Quick: %s.' % words if quick else ''

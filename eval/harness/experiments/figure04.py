@@ -3,7 +3,7 @@
 import numpy as np
 
 from .. import kernel, plots
-from ..text import bullets
+from ..text import bullets, less
 
 TITLE = 'Figure 4: eigenvalues before and after a point is added'
 
@@ -18,7 +18,8 @@ def run(context):
     count = QUICK_POINTS if context.quick else POINTS
     rng = np.random.default_rng(context.seed)
     cases = {'plane': _plane(rng, count), 'sphere': _sphere(rng, count)}
-    return {'points': count, 'seed': context.seed, 'cases': cases}
+    return {'points': count, 'seed': context.seed, 'cases': cases,
+            'less': less(context.quick, '%d points instead of %d' % (QUICK_POINTS, POINTS))}
 
 
 def _plane(rng, count):
@@ -62,7 +63,7 @@ def report(raw, figures):
     axes[1, 0].set_ylabel('change')
     axes[1, 1].sharey(axes[1, 0])
     text = ('%d random points and one more. The paper says that the change diffuses to many eigenvalues and none of them '
-            'changes much; its figure has no numbers.' % raw['points'])
+            'changes much; its figure has no numbers.' % raw['points']) + raw['less']
     return '\n\n'.join([text, plots.save(figure, figures, 'figure04'), bullets(_sentences(raw))]) + '\n'
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from .. import kernel, library, plots
-from ..text import bullets
+from ..text import bullets, less
 
 TITLE = 'Figure 5: the measure over the plane'
 
@@ -29,6 +29,7 @@ def run(context):
         'new': {name: {'at': grid[i].tolist(), 's': float(own[i])} for name, i in (('high', high), ('low', low))},
         'eigenvalues': {name: values.tolist() for name, values in spectra.items()},
         'library': {'places': len(grid), 'largest_difference': float(np.abs(own - theirs).max())},
+        'less': less(context.quick, 'a coarser picture'),
     }
 
 
@@ -60,7 +61,7 @@ def report(raw, figures):
     figure.colorbar(image, ax=right, label='s', shrink=0.85)
     text = ('Left the eigenvalues of the kernel matrix, right s, for six points (black) and one more where s is high '
             '(triangle) or low (square). Computed from equation 8 by numpy, and by the library at the same %d places.'
-            % raw['library']['places'])
+            % raw['library']['places']) + raw['less']
     return '\n\n'.join([text, plots.save(figure, figures, 'figure05'), bullets(_sentences(raw))]) + '\n'
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from .. import library, plots
-from ..text import bullets, listed
+from ..text import bullets, less
 
 TITLE = 'Figure 7: movement in each sweep of the ascent'
 
@@ -25,8 +25,8 @@ def run(context):
     points = QUICK_POINTS if context.quick else POINTS
     sweeps = QUICK_SWEEPS if context.quick else SWEEPS
     curves = {case.name: _movement(context, case.path, points, sweeps) for case in cases}
-    left_out = [name for name in MODELS if name not in curves]
-    return {'points': points, 'curves': curves, 'left_out': left_out, 'seed': context.seed}
+    left_out = less(context.quick, '%s alone, %d samples instead of %d and fewer sweeps' % (names[0], points, POINTS))
+    return {'points': points, 'curves': curves, 'less': left_out, 'seed': context.seed}
 
 
 def _movement(context, path, points, sweeps):
@@ -64,9 +64,7 @@ def report(raw, figures):
         axis.xaxis.get_major_locator().set_params(integer=True)
     text = ('Left: the way that a point goes in a sweep of `remesh sample --points %d`, on the mean and in mean distances of '
             'nearest neighbours. Right: what 1 %% of the points have their nearest neighbour within. Lists of neighbours are made anew every third sweep.'
-            % raw['points'])
-    if raw['left_out']:
-        text += ' Left out: %s.' % listed(raw['left_out'])
+            % raw['points']) + raw['less']
     return '\n\n'.join([text, plots.save(figure, figures, 'figure07'), bullets(_sentences(raw))]) + '\n'
 
 

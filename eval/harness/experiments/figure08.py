@@ -3,7 +3,7 @@
 import numpy as np
 
 from .. import kernel, library, plots
-from ..text import bullets
+from ..text import bullets, less
 
 TITLE = 'Figure 8: the measure against the number of neighbours'
 
@@ -43,6 +43,7 @@ def run(context):
         'off': np.abs(curves - curves[:, -1:]).max(axis=0).tolist(),
         'within': float(np.median(within)), 'counted': len(theirs),
         'library': {'largest_difference': max(differences)}, 'seed': context.seed,
+        'less': less(context.quick, '%d places instead of %d' % (QUICK_QUERIES, QUERIES)),
     }
 
 
@@ -63,7 +64,7 @@ def report(raw, figures):
     text = ('s between neighbouring ones of %d samples of %s, computed by numpy from the nearest neighbour alone, the two '
             'nearest, and so on, at %d places; errors are against s of the nearest %d. The dashed line is the most '
             'neighbours that the library counts, the dotted one how many there are within the paper\'s 2.5 σ (median).'
-            % (raw['samples'], raw['model'], raw['queries'], raw['neighbours']))
+            % (raw['samples'], raw['model'], raw['queries'], raw['neighbours'])) + raw['less']
     return '\n\n'.join([text, plots.save(figure, figures, 'figure08'), bullets(_sentences(raw))]) + '\n'
 
 

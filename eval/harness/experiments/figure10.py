@@ -5,7 +5,7 @@ from scipy.spatial import cKDTree
 
 from .. import clouds, library, pictures, plots
 from ..process import run as run_program
-from ..text import bullets, table
+from ..text import bullets, less, table
 
 TITLE = 'Figure 10: samples that follow the shape, σn'
 
@@ -38,7 +38,9 @@ def run(context):
     shown = [pictures.samples('figure10-samples', captions, sets, dense),
              pictures.meshes(context, 'figure10-meshes', captions, paths, line=0.7)]
     diagonal = float(np.linalg.norm(original.extents))
-    return {'model': name, 'points': points, 'rows': rows, 'pictures': shown, 'diagonal': diagonal, 'seed': context.seed}
+    left_out = less(context.quick, 'a model of the project itself, fewer samples, and two widths instead of %d' % len(WIDTHS))
+    return {'model': name, 'points': points, 'rows': rows, 'pictures': shown, 'diagonal': diagonal,
+            'seed': context.seed, 'less': left_out}
 
 
 def _curvature(points, normals):
@@ -77,7 +79,7 @@ def report(raw, figures):
     axes.legend()
     text = ('%d samples of %s at each σn, and meshes of as many vertices; the paper\'s figure has σn = ∞ and 0.5 at one σp. '
             'Density is that of samples by classes of the area, from flat to bent. The distance to the model is that of '
-            'the meshes, in percent of the diagonal.' % (raw['points'], raw['model']))
+            'the meshes, in percent of the diagonal.' % (raw['points'], raw['model'])) + raw['less']
     percent = 100 / raw['diagonal']
     rows = [['σn = ' + _named(row['sigma_n']), '%.2f' % row['density']['relative'][0],
              '%.2f' % row['density']['relative'][-1], '%.4f' % (percent * row['lost']['rms']),

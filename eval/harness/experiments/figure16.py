@@ -7,7 +7,7 @@ import trimesh
 
 from .. import clouds, plots
 from ..process import run as run_program
-from ..text import bullets, table
+from ..text import bullets, less, table
 
 TITLE = 'Figure 16: time against the size of input and output'
 
@@ -37,7 +37,8 @@ def run(context):
                 for s in splits]
     by_output = [dict(input=files[fixed][1], wanted=n, **_times(context, files[fixed][0], mesh.area, n, repeats))
                  for n in outputs]
-    return {'model': MODEL, 'repeats': repeats, 'by_input': by_input, 'by_output': by_output, 'seed': context.seed}
+    return {'model': MODEL, 'repeats': repeats, 'by_input': by_input, 'by_output': by_output, 'seed': context.seed,
+            'less': less(context.quick, 'two sizes of each kind and one run instead of %d' % REPEATS)}
 
 
 def _split(context, mesh, splits):
@@ -88,7 +89,7 @@ def report(raw, figures):
     axes[0, 1].set_title('%d vertices in' % raw['by_output'][0]['input'])
     text = ('Seconds of the whole process, reading and writing included, median of %d with the range shaded: %s. Inputs '
             'are %s with each triangle split in four again and again.' % (
-                raw['repeats'], '; '.join('%s, %s' % pair for pair in TASKS.values()), raw['model']))
+                raw['repeats'], '; '.join('%s, %s' % pair for pair in TASKS.values()), raw['model'])) + raw['less']
     rows = [[str(row['input']), str(row['wanted']), str(row['kept'])] + [
         '%.2f (%.2f to %.2f)' % (statistics.median(s), min(s), max(s)) for s in (row['seconds'][t] for t in TASKS)]
         for row in raw['by_input'] + raw['by_output']]
