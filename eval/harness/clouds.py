@@ -59,8 +59,8 @@ def spacing(points):
     return float(cKDTree(points).query(points, k=7)[0][:, 6].mean())
 
 
-# How far points reach at the least, in spacings: the defaults of `remesh reconstruct` and of MeshLab. With less there are
-# holes.
+# How far points reach at the least, in spacings: the defaults of `remesh reconstruct` and of MeshLab. With less there
+# are holes.
 LEAST_REACH = {'remesh': 2.2, 'meshlab': 2.0}
 
 
@@ -91,8 +91,8 @@ def surface_of_meshlab(points, normals, reach, cell):
 
 def distance(one, other, seed, samples=30_000):
     """RMS and Hausdorff distance of two surfaces, both ways: from random points of each, evenly by area, to the closest
-    triangle of the other; for the Hausdorff distance also from the vertices, as many at most. RMS is the root of the mean
-    of both squares."""
+    triangle of the other; for the Hausdorff distance also from the vertices, as many at most. RMS is the root of the
+    mean of both squares."""
     ways = [_one_way(one, other, seed, samples), _one_way(other, one, seed, samples)]
     rms = (sum(way[0] ** 2 for way in ways) / 2) ** 0.5
     return {'rms': float(rms), 'hausdorff': float(max(way[1] for way in ways))}

@@ -7,7 +7,7 @@ from .process import run
 
 
 def measure(context, points, queries):
-    """s of the library at `queries` for the neighbours `points`, in units of σ: (queries, neighbours that it counts)."""
+    """s of the library at `queries` for the neighbours `points`, in units of σ: (queries, neighbours counted)."""
     files = context.file('neighbours.txt'), context.file('queries.txt')
     for path, rows in zip(files, (points, queries)):
         np.savetxt(path, rows, fmt='%.17g')

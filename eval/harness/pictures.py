@@ -29,7 +29,7 @@ def meshes(context, name, captions, paths, size=420, **options):
 
 
 def samples(name, captions, sets, surface, size=420, view=(30, 20)):
-    """Draws sets of samples, each (positions, normals), as dots; `surface` is a dense one of the same surface, which hides
+    """Draws sets of samples, each (positions, normals), as dots; `surface` is a dense one of the surface, which hides
     those that lie behind it. `view` is azimuth and elevation in degrees, with z up."""
     right, up, towards = _camera(view)
     low = np.array([(surface[0] @ axis).min() for axis in (right, up)])

@@ -1,8 +1,8 @@
 """Points on a toroidal square: Lloyd's method, spectra, and the Poisson-disk radius.
 
 Lloyd's method moves each point to the centroid of its Voronoi cell (S. Lloyd, Least squares quantization in PCM, 1982).
-Periodogram, radial power and anisotropy: R. A. Ulichney, Digital halftoning, 1987, chapter 3. Poisson-disk radius: A. Lagae,
-P. Dutré, A comparison of methods for generating Poisson disk distributions, 2008.
+Periodogram, radial power and anisotropy: R. A. Ulichney, Digital halftoning, 1987, chapter 3. Poisson-disk radius:
+A. Lagae, P. Dutré, A comparison of methods for generating Poisson disk distributions, 2008.
 """
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""The harness's own computations held against what is known: `PYTHONPATH=eval python -m unittest discover eval/tests`."""
+"""The computations of the paper's experiments held against what is known."""
 
 import unittest
 
@@ -14,7 +14,7 @@ class Kernel(unittest.TestCase):
         self.assertAlmostEqual(s[0], 1 - np.exp(-0.5), places=12)
 
     def test_the_measure_is_the_distance_to_the_span(self):
-        """In the space of a kernel of finitely many features s is the part of a vector across the others (appendix B)."""
+        """In a kernel's space of finitely many features s is the part of a vector across the others (appendix B)."""
         rng = np.random.default_rng(1)
         points, x = rng.normal(size=(3, 6)), rng.normal(size=(1, 6))
         across = x[0] - points.T @ np.linalg.lstsq(points.T, x[0], rcond=None)[0]

@@ -62,8 +62,8 @@ def report(raw, figures):
     axes[0, 0].set_ylabel('eigenvalue / largest')
     axes[1, 0].set_ylabel('change')
     axes[1, 1].sharey(axes[1, 0])
-    text = ('%d random points and one more. The paper says that the change diffuses to many eigenvalues and none of them '
-            'changes much; its figure has no numbers.' % raw['points']) + raw['less']
+    text = ('%d random points and one more. The paper says that the change diffuses to many eigenvalues and none of '
+            'them changes much; its figure has no numbers.' % raw['points']) + raw['less']
     return '\n\n'.join([text, plots.save(figure, figures, 'figure04'), bullets(_sentences(raw))]) + '\n'
 
 
@@ -74,11 +74,11 @@ def _sentences(raw):
         change = after[:-1] - before
         share = change.max() / (after.sum() - before.sum())
         carrying = int((np.sort(change)[::-1].cumsum() < 0.9 * change.sum()).sum()) + 1
-        # Interlacing: with a point more every eigenvalue is as large at least, and no larger than the one before it was.
+        # Interlacing: with a point more every eigenvalue is as large at least, but not above the one before it.
         holds = bool(np.all(change > -1e-12) and np.all(after[1:-1] <= before[:-1] + 1e-12))
         sentences.append(
-            '%s: s of the new point is %.3f. Its change is spread: the largest of one eigenvalue is %.0f %% of all, and '
-            '%d eigenvalues carry 90 %%; %s. The eigenvalues interlace as they must: %s.' % (
+            '%s: s of the new point is %.3f. Its change is spread: the largest of one eigenvalue is %.0f %% of all, '
+            'and %d eigenvalues carry 90 %%; %s. The eigenvalues interlace as they must: %s.' % (
                 name.capitalize(), case['s'], 100 * share, carrying,
                 'as the paper says' if share < 0.5 else 'unlike what the paper says', 'yes' if holds else 'no'))
     return sentences

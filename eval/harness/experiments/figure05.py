@@ -71,8 +71,8 @@ def _sentences(raw):
     difference = raw['library']['largest_difference']
     last = {name: raw['eigenvalues'][name][-1] for name in ('high', 'low')}
     return [
-        'Any new point adds 1 to the sum of the eigenvalues. Where s = %.3f they get a new one of %.3f, and the largest '
-        'grows by %.3f; where s = %.3f the new one is %.3f, and the largest grows by %.3f. %s.' % (
+        'Any new point adds 1 to the sum of the eigenvalues. Where s = %.3f they get a new one of %.3f, and the '
+        'largest grows by %.3f; where s = %.3f the new one is %.3f, and the largest grows by %.3f. %s.' % (
             new['high']['s'], least['high'], rise['high'], new['low']['s'], least['low'], rise['low'],
             'High s means a new eigenvalue far from zero, as in the paper' if least['high'] > least['low']
             else 'Unlike in the paper, high s has the smaller new eigenvalue'),

@@ -62,8 +62,9 @@ def report(raw, figures):
     left.legend()
     for axis in (left, right):
         axis.xaxis.get_major_locator().set_params(integer=True)
-    text = ('Left: the way that a point goes in a sweep of `remesh sample --points %d`, on the mean and in mean distances of '
-            'nearest neighbours. Right: what 1 %% of the points have their nearest neighbour within. Lists of neighbours are made anew every third sweep.'
+    text = ('Left: the way that a point goes in a sweep of `remesh sample --points %d`, on the mean and in mean '
+            'distances of nearest neighbours. Right: what 1 %% of the points have their nearest neighbour within. '
+            'Lists of neighbours are made anew every third sweep.'
             % raw['points']) + raw['less']
     return '\n\n'.join([text, plots.save(figure, figures, 'figure07'), bullets(_sentences(raw))]) + '\n'
 
@@ -75,9 +76,9 @@ def _sentences(raw):
         last = min(PAPER_SWEEPS, len(ways))
         grows = int((np.diff(ways) > 0).sum())
         sentences.append(
-            '%s: points go %.3f of a spacing in the first sweep and %.4f in sweep %d, %.0f times less%s; movement grows from '
-            'one sweep to the next %d times of %d. 1 %% of the points have their nearest neighbour within %.2f of '
-            'a spacing before and %.2f after %d sweeps; the nearest pair of all goes from %.2f to %.2f.' % (
+            '%s: points go %.3f of a spacing in the first sweep and %.4f in sweep %d, %.0f times less%s; movement '
+            'grows from one sweep to the next %d times of %d. 1 %% of the points have their nearest neighbour within '
+            '%.2f of a spacing before and %.2f after %d sweeps; the nearest pair of all goes from %.2f to %.2f.' % (
                 name.capitalize(), ways[0], ways[last - 1], last, ways[0] / ways[last - 1],
                 ', as the paper says of its quick decrease' if ways[0] > 3 * ways[last - 1]
                 else ', slower than the paper\'s "decrease quickly"',

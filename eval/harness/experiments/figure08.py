@@ -61,8 +61,8 @@ def report(raw, figures):
         axis.axvline(raw['counted'], color=plots.INK, linewidth=1, linestyle='--', label='counted by the library')
         axis.axvline(raw['within'], color=plots.THEIRS, linewidth=1, linestyle=':', label='within 2.5 σ')
     left.legend()
-    text = ('s between neighbouring ones of %d samples of %s, computed by numpy from the nearest neighbour alone, the two '
-            'nearest, and so on, at %d places; errors are against s of the nearest %d. The dashed line is the most '
+    text = ('s between neighbouring ones of %d samples of %s, computed by numpy from the nearest neighbour alone, the '
+            'two nearest, and so on, at %d places; errors are against s of the nearest %d. The dashed line is the most '
             'neighbours that the library counts, the dotted one how many there are within the paper\'s 2.5 σ (median).'
             % (raw['samples'], raw['model'], raw['queries'], raw['neighbours'])) + raw['less']
     return '\n\n'.join([text, plots.save(figure, figures, 'figure08'), bullets(_sentences(raw))]) + '\n'
@@ -76,7 +76,8 @@ def _sentences(raw):
     return [
         's converges, as in the paper: the nearest %d neighbours give it within %g everywhere.' % (enough, CLOSE),
         'With its %d neighbours the library is off by %.1e at most, %s.' % (
-            raw['counted'], left, 'little beside its threshold of 0.5' if left < 0.005 else 'more than 1 % of its threshold'),
+            raw['counted'], left,
+            'little beside its threshold of 0.5' if left < 0.005 else 'more than 1 % of its threshold'),
         'With the same neighbours the library and numpy differ by %.1e at most: %s.' % (
             difference, 'the same to rounding' if difference < 1e-8 else 'more than rounding explains'),
     ]

@@ -21,7 +21,8 @@ BINS = 12
 def run(context):
     name = 'blob' if context.quick else next(n for n in MODELS if context.case(n))
     case, points = context.case(name), QUICK_POINTS if context.quick else MODELS[name]
-    dense = library.samples(context, case.path, '--points', str(QUICK_DENSE if context.quick else DENSE), '--sweeps', '2')
+    count = QUICK_DENSE if context.quick else DENSE
+    dense = library.samples(context, case.path, '--points', str(count), '--sweeps', '2')
     bend = _curvature(*dense)
     original = clouds.load_mesh(case.path)
     rows, sets, paths = [], [], []
@@ -38,7 +39,7 @@ def run(context):
     shown = [pictures.samples('figure10-samples', captions, sets, dense),
              pictures.meshes(context, 'figure10-meshes', captions, paths, line=0.7)]
     diagonal = float(np.linalg.norm(original.extents))
-    left_out = less(context.quick, 'a model of the project itself, fewer samples, and two widths instead of %d' % len(WIDTHS))
+    left_out = less(context.quick, "the project's own model, fewer samples, and two widths instead of %d" % len(WIDTHS))
     return {'model': name, 'points': points, 'rows': rows, 'pictures': shown, 'diagonal': diagonal,
             'seed': context.seed, 'less': left_out}
 
@@ -53,7 +54,7 @@ def _curvature(points, normals):
 
 
 def _density(points, dense, normals, bend):
-    """Samples an area by curvature: even classes of the area, their mean curvature times the mean spacing, and the density
+    """Samples an area by curvature: even classes of the area, their mean curvature times the spacing, and the density
     by the mean one."""
     of_sample = bend[cKDTree(dense).query(points)[1]]
     limits = np.quantile(bend, np.linspace(0, 1, BINS + 1))
@@ -77,9 +78,9 @@ def report(raw, figures):
                     label='σn = ' + _named(row['sigma_n']))
     axes.set(xlabel='curvature × mean spacing', ylabel='density / mean density', ylim=(0, None))
     axes.legend()
-    text = ('%d samples of %s at each σn, and meshes of as many vertices; the paper\'s figure has σn = ∞ and 0.5 at one σp. '
-            'Density is that of samples by classes of the area, from flat to bent. The distance to the model is that of '
-            'the meshes, in percent of the diagonal.' % (raw['points'], raw['model'])) + raw['less']
+    text = ('%d samples of %s at each σn, and meshes of as many vertices; the paper\'s figure has σn = ∞ and 0.5 at '
+            'one σp. Density is that of samples by classes of the area, from flat to bent. The distance to the model '
+            'is that of the meshes, in percent of the diagonal.' % (raw['points'], raw['model'])) + raw['less']
     percent = 100 / raw['diagonal']
     rows = [['σn = ' + _named(row['sigma_n']), '%.2f' % row['density']['relative'][0],
              '%.2f' % row['density']['relative'][-1], '%.4f' % (percent * row['lost']['rms']),
@@ -98,7 +99,8 @@ def _sentences(raw):
         relative = np.array(row['density']['relative'])
         steps = int((np.diff(relative) > 0).sum())
         words = ['%s by %.0f %%' % ('better' if row['lost'][key] < even['lost'][key] else 'worse',
-                                    100 * abs(row['lost'][key] / even['lost'][key] - 1)) for key in ('rms', 'hausdorff')]
+                                    100 * abs(row['lost'][key] / even['lost'][key] - 1))
+                 for key in ('rms', 'hausdorff')]
         sentences.append(
             'σn = %g: %.1f times as dense where the surface bends most as where it is flattest; density grows with '
             'curvature in %d of %d steps. Against even samples RMS is %s, Hausdorff %s.' % (

@@ -30,7 +30,7 @@ def run(context):
     lloyd = [torus.lloyd(start, iterations) for start in starts]
     return {
         'points': count, 'runs': runs, 'iterations': iterations, 'seed': context.seed,
-        'less': less(quick, 'fewer than the paper\'s %d points, %d sets and %d iterations' % (POINTS, RUNS, ITERATIONS)),
+        'less': less(quick, "fewer than the paper's %d points, %d sets, %d iterations" % (POINTS, RUNS, ITERATIONS)),
         'methods': {'ours': _figures(ours), 'lloyd': _figures(lloyd)},
     }
 
@@ -97,9 +97,9 @@ def _graph(axes, method, root, last):
 
 def _text(raw):
     text = ('%d random points of a square whose sides are joined: ours after 10 sweeps of ascent (example `spectrum`), '
-            "Lloyd's method after %d iterations; %d sets each. Periodogram, power and anisotropy are computed by the same "
-            'numpy code for both. Energy is the mean squared distance to the nearest point times n; a hexagonal packing '
-            'has 0.1604. Anisotropy of the mean of %d sets without any is %.0f dB.' % (
+            "Lloyd's method after %d iterations; %d sets each. Periodogram, power and anisotropy are computed by the "
+            'same numpy code for both. Energy is the mean squared distance to the nearest point times n; a hexagonal '
+            'packing has 0.1604. Anisotropy of the mean of %d sets without any is %.0f dB.' % (
                 raw['points'], raw['iterations'], raw['runs'], raw['runs'], -10 * np.log10(raw['runs'])))
     return text + raw['less']
 
@@ -121,7 +121,8 @@ def _sentences(raw):
             mean['ours'], _word(mean['ours'], PAPER_RADIUS), PAPER_RADIUS, _word(mean['ours'], mean['lloyd']),
             mean['lloyd']),
         "Energy, which Lloyd's method minimizes, is %.4f, %s than its %.4f." % (
-            np.mean(ours['energy']), _word(np.mean(lloyd['energy']), np.mean(ours['energy'])), np.mean(lloyd['energy'])),
+            np.mean(ours['energy']), _word(np.mean(lloyd['energy']), np.mean(ours['energy'])),
+            np.mean(lloyd['energy'])),
         "Mean power below half of √n, which blue noise has none of, is %.4f, %s than Lloyd's %.4f." % (
             below['ours'], _word(below['lloyd'], below['ours']), below['lloyd']),
         "Radial power peaks at %.2f, Lloyd's at %.2f: the lower peak is the less regular set." % (

@@ -87,8 +87,8 @@ def report(raw, figures):
     axes[0, 0].legend()
     axes[0, 0].set_title('%d points out' % raw['by_input'][0]['wanted'])
     axes[0, 1].set_title('%d vertices in' % raw['by_output'][0]['input'])
-    text = ('Seconds of the whole process, reading and writing included, median of %d with the range shaded: %s. Inputs '
-            'are %s with each triangle split in four again and again.' % (
+    text = ('Seconds of the whole process, reading and writing included, median of %d with the range shaded: %s. '
+            'Inputs are %s with each triangle split in four again and again.' % (
                 raw['repeats'], '; '.join('%s, %s' % pair for pair in TASKS.values()), raw['model'])) + raw['less']
     rows = [[str(row['input']), str(row['wanted']), str(row['kept'])] + [
         '%.2f (%.2f to %.2f)' % (statistics.median(s), min(s), max(s)) for s in (row['seconds'][t] for t in TASKS)]
@@ -114,7 +114,7 @@ def _sentences(raw):
         sentences.append('%s: time grows with the input\'s size to the power %.2f, and with the output\'s to the power '
                          '%.2f.' % (name.capitalize(), by_input, by_output))
     scan = _exponent(raw['by_input'], 'input', 'scan'), _exponent(raw['by_output'], 'wanted', 'scan')
-    sentences.append('The paper has its subsampling linear in the input; ours is %s. It has it constant in the output; ours '
-                     'is %s.' % ('no worse' if scan[0] < 1.1 else 'worse',
+    sentences.append('The paper has its subsampling linear in the input; ours is %s. It has it constant in the output; '
+                     'ours is %s.' % ('no worse' if scan[0] < 1.1 else 'worse',
                                  'about constant, too' if abs(scan[1]) < 0.2 else 'not'))
     return sentences

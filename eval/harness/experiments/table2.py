@@ -23,7 +23,7 @@ MODELS, OTHERWISE = ['igea', 'horse'], 'blob'
 REACH = 3.0
 # Edges of the cells that surfaces are extracted with, in a box of 100. Ours has four times as many corners for an edge.
 CELLS = {'remesh': 0.8, 'meshlab': 0.5}
-QUICK_CELLS = {'remesh': 1.6, 'meshlab': 1.0}
+QUICK_CELLS = {'remesh': 3.0, 'meshlab': 2.0}
 # Points of a cloud made of a mesh that has too few vertices.
 CLOUD, QUICK_CLOUD, QUICK_WIDTH = 50_000, 5_000, 2.3
 NAMES = {'ours': 'ours', 'as': 'AS', 'ks': 'KS', 'random': 'random', 'voxels': 'voxels'}
@@ -115,13 +115,14 @@ def _lost(context, surface, points, normals, subsets, width):
 
 
 def report(raw, figures):
-    parts = ['Each model fills a box of 100. The linear scan at σn = %g keeps a number of its points; the other ways keep as '
-             'many. AS removes the point nearest to the surface that the others define, KS the one whose kernel changes '
-             "the surface least; both are ours after their descriptions (`eval/harness/subsampling.py`), and KS's paper "
-             'may weigh otherwise. When surfaces are made of them, points reach %g σp, as far for all points as for a part, '
-             'but never less than by default: by `remesh reconstruct` and, independently, by MeshLab\'s RIMLS with '
-             'marching cubes. Seconds: ours are of the scan in the binary, the others of Python code, and only say that '
-             'this is affordable.' % (raw['sigma_n'], REACH)]
+    parts = ['Each model fills a box of 100. The linear scan at σn = %g keeps a number of its points; the other ways '
+             'keep as many. AS removes the point nearest to the surface that the others define, KS the one whose '
+             'kernel changes the surface least; both are ours after their descriptions '
+             "(`eval/harness/subsampling.py`), and KS's paper may weigh otherwise. When surfaces are made of them, "
+             'points reach %g σp, as far for all points as for a part, but never less than by default: by '
+             "`remesh reconstruct` and, independently, by MeshLab's RIMLS with marching cubes. Seconds: ours are of the "
+             'scan in the binary, the others of Python code, and only say that this is affordable.'
+             % (raw['sigma_n'], REACH)]
     parts[0] += raw['less']
     if raw['left_out']:
         parts.append('Left out: %s.' % listed(raw['left_out']))
@@ -163,7 +164,7 @@ def _paper(raw):
                 cells += ['%.4f' % f for f in three] + ['' if here is None else '**%.4f**' % here]
             rows.append([model, label] + cells)
     header = ['paper', 'lost'] + ['%s %g' % (who, w) for w in WIDTHS for who in ('ours', 'AS', 'KS', '**here**')]
-    return "The paper's own rows (ours, AS and KS at each σp, as printed), and ours here where the model is the same:\n\n" \
+    return "The paper's own rows (ours, AS and KS at each σp), and ours here where the model is the same:\n\n" \
         + table(header, rows)
 
 
