@@ -2,6 +2,7 @@
 
 import numpy as np
 from scipy.spatial import cKDTree
+from scipy.stats import spearmanr
 
 from .. import clouds, library, pictures, plots
 from ..process import run as run_program
@@ -97,12 +98,12 @@ def _sentences(raw):
         flat.min(), flat.max(), '' if np.ptp(flat) < 0.2 else ', which is not quite even')]
     for row in others:
         relative = np.array(row['density']['relative'])
-        steps = int((np.diff(relative) > 0).sum())
+        rank = spearmanr(row['density']['curvature'], relative).statistic
         words = ['%s by %.0f %%' % ('better' if row['lost'][key] < even['lost'][key] else 'worse',
                                     100 * abs(row['lost'][key] / even['lost'][key] - 1))
                  for key in ('rms', 'hausdorff')]
         sentences.append(
-            'σn = %g: %.1f times as dense where the surface bends most as where it is flattest; density grows with '
-            'curvature in %d of %d steps. Against even samples RMS is %s, Hausdorff %s.' % (
-                row['sigma_n'], relative[-1] / relative[0], steps, len(relative) - 1, *words))
+            'σn = %g: %.1f times as dense where the surface bends most as where it is flattest, rank correlation of '
+            'density and curvature %.2f. Against even samples RMS is %s, Hausdorff %s.' % (
+                row['sigma_n'], relative[-1] / relative[0], rank, *words))
     return sentences
