@@ -10,7 +10,7 @@ TITLE = 'Figure 8: the measure against the number of neighbours'
 MODEL, POINTS = 'blob', 2000
 QUERIES, QUICK_QUERIES = 100, 20
 NEIGHBOURS = 50
-# Width of the kernel in mean distances of nearest neighbours: that of the scan at hexagonal packing.
+# Width of the kernel in mean distances of the six nearest neighbours: that of the scan at hexagonal packing.
 SIGMA = 0.866
 # The radius of the paper's neighbourhoods, in σ (section 6.3), and what is close enough to what s converges to.
 RADIUS, CLOSE = 2.5, 1e-3

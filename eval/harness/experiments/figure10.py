@@ -50,8 +50,10 @@ def _curvature(points, normals):
     for principal curvatures a and b is √((a² + b²) / 2)."""
     distance, other = cKDTree(points).query(points, k=AROUND + 1)
     cosine = np.einsum('ijk,ik->ij', normals[other[:, 1:]], normals)
-    turned = np.where(cosine > 0, np.arccos(np.clip(cosine, -1, 1)) / distance[:, 1:], np.nan)
-    return np.sqrt(np.nanmean(turned ** 2, axis=1))
+    # Those that face away are of another side.
+    counts = cosine > 0
+    turned = np.where(counts, np.arccos(np.clip(cosine, -1, 1)) / distance[:, 1:], 0)
+    return np.sqrt(np.sum(turned ** 2, axis=1) / np.maximum(counts.sum(axis=1), 1))
 
 
 def _density(points, dense, normals, bend):

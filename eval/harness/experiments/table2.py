@@ -23,7 +23,7 @@ MODELS, OTHERWISE = ['igea', 'horse'], 'blob'
 REACH = 3.0
 # Edges of the cells that surfaces are extracted with, in a box of 100. Ours has four times as many corners for an edge.
 CELLS = {'remesh': 0.8, 'meshlab': 0.5}
-QUICK_CELLS = {'remesh': 3.0, 'meshlab': 2.0}
+QUICK_CELLS = {'remesh': 2.0, 'meshlab': 1.5}
 # Points of a cloud made of a mesh that has too few vertices.
 CLOUD, QUICK_CLOUD, QUICK_WIDTH = 50_000, 5_000, 2.3
 NAMES = {'ours': 'ours', 'as': 'AS', 'ks': 'KS', 'random': 'random', 'voxels': 'voxels'}
@@ -138,7 +138,7 @@ def _table_of(raw, surface):
     for row in raw['rows']:
         for key, label in MEASURES.items():
             figures = {name: lost.get(key) for name, lost in row['lost'][surface].items()}
-            best = min(f for f in figures.values() if f is not None)
+            best = min((f for f in figures.values() if f is not None), default=None)
             cells = ['failed' if f is None else ('**%.4f**' if f == best else '%.4f') % f
                      for f in (figures[name] for name in NAMES)]
             of = '%d of %d' % (row['points']['ours'], row['of'])
