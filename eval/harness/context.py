@@ -20,9 +20,10 @@ class Case:
 
 @dataclass
 class Context:
-    """Handed to `run` of every experiment."""
+    """Handed to `run` of every experiment. `scratch` is an empty folder, `figures` the one for pictures."""
     cases: list[Case]
     scratch: str
+    figures: str
     quick: bool = False
     seed: int = 0
     binary: str = os.path.join(ROOT, 'target', 'release', 'remesh')

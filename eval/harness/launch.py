@@ -12,15 +12,18 @@ import time
 
 def main():
     pipe, timeout, program = int(sys.argv[1]), float(sys.argv[2]), sys.argv[3]
+    # What the program leaves behind does not hold the pipe open, nor does the program outlive the harness.
+    os.set_inheritable(pipe, False)
+    parent = os.getppid()
     start = time.perf_counter()
     # A group of its own, so that what the program starts can be ended with it.
     pid = os.posix_spawn(program, sys.argv[3:], os.environ, setpgroup=0)
     done = 0
     while not done:
-        late = time.perf_counter() - start > timeout
+        late = time.perf_counter() - start > timeout or os.getppid() != parent
         if late:
             os.killpg(pid, signal.SIGKILL)
-        done, status, usage = os.wait4(pid, 0 if late or timeout == float('inf') else os.WNOHANG)
+        done, status, usage = os.wait4(pid, 0 if late else os.WNOHANG)
         seconds = time.perf_counter() - start
         if not done:
             time.sleep(0.002)

@@ -47,6 +47,16 @@ class Mesh:
         may look inwards)."""
         return Mesh(self.vertices, self.triangles[:, ::-1]) if self.volume() < 0 else self
 
+    def split(self):
+        """The same surface with each triangle split in four at the middles of its sides."""
+        sides = np.sort(self.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+        ends, index = np.unique(sides, axis=0, return_inverse=True)
+        a, b, c = self.triangles.T
+        ab, bc, ca = (len(self.vertices) + index.reshape(-1, 3)).T
+        parts = [[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]
+        return Mesh(np.concatenate([self.vertices, self.vertices[ends].mean(axis=1)]),
+                    np.concatenate([np.stack(part, axis=1) for part in parts]))
+
     def normals(self):
         """Unit normals of the vertices: those of the triangles at each, weighted by area."""
         a, b, c = self.corners().transpose(1, 0, 2)

@@ -1,6 +1,6 @@
 """Pictures of meshes and of samples as PNG, drawn without a display.
 
-The meshes of a run are gone when its report is written, so a run draws its pictures itself, into eval/figures/."""
+The meshes of a run are gone when its report is written, so a run draws its pictures itself."""
 
 import os
 
@@ -8,10 +8,8 @@ import numpy as np
 from matplotlib.font_manager import findfont
 from PIL import Image, ImageDraw, ImageFont
 
-from .context import EVAL
-from .process import run
+from . import library
 
-FOLDER = os.path.join(EVAL, 'figures')
 PAPER, INK = (250, 250, 252), (51, 51, 51)
 CAPTION = 30
 
@@ -22,13 +20,13 @@ def meshes(context, name, captions, paths, size=420, **options):
     panels = []
     for number, path in enumerate(paths):
         target = context.file('picture-%d.png' % number)
-        words = [word for key, value in options.items() for word in ('--' + key, str(value))]
-        run([context.example('render'), path, target, '--size', str(size), *words])
+        words = [word for key, value in options.items() for word in ('--' + key, value)]
+        library.example(context, 'render', path, target, '--size', size, *words)
         panels.append(Image.open(target).convert('RGB'))
-    return _in_a_row(name, captions, panels)
+    return _in_a_row(context, name, captions, panels)
 
 
-def samples(name, captions, sets, surface, size=420, view=(30, 20)):
+def samples(context, name, captions, sets, surface, size=420, view=(30, 20)):
     """Draws sets of samples, each (positions, normals), as dots; `surface` is a dense one of the surface, which hides
     those that lie behind it. `view` is azimuth and elevation in degrees, with z up."""
     right, up, towards = _camera(view)
@@ -50,7 +48,7 @@ def samples(name, captions, sets, surface, size=420, view=(30, 20)):
         behind = front[tuple((at / cells).astype(int).T)] - points @ towards
         seen = (normals @ towards > 0) & (behind < 3 * cells / scale)
         panels.append(_dots(at[seen], shape, surface_mask=np.isfinite(front), cells=cells))
-    return _in_a_row(name, captions, panels)
+    return _in_a_row(context, name, captions, panels)
 
 
 def _dots(places, shape, surface_mask, cells, fine=3):
@@ -72,7 +70,7 @@ def _camera(view):
     return right, np.cross(towards, right), towards
 
 
-def _in_a_row(name, captions, panels):
+def _in_a_row(context, name, captions, panels):
     """One picture of several, captions above."""
     height = max(panel.height for panel in panels)
     row = Image.new('RGB', (sum(panel.width for panel in panels), height + CAPTION), PAPER)
@@ -81,6 +79,6 @@ def _in_a_row(name, captions, panels):
         row.paste(panel, (left, CAPTION + (height - panel.height) // 2))
         draw.text((left + 0.5 * panel.width, 0.5 * CAPTION), caption, INK, font, anchor='mm')
         left += panel.width
-    os.makedirs(FOLDER, exist_ok=True)
-    row.quantize(128).save(os.path.join(FOLDER, name + '.png'), optimize=True)
+    os.makedirs(context.figures, exist_ok=True)
+    row.quantize(128).save(os.path.join(context.figures, name + '.png'), optimize=True)
     return '![](figures/%s.png)' % name

@@ -22,15 +22,17 @@ class Ran:
     output: str
 
 
-def run(command, timeout=None, may_exit=(0,), environment=None):
+def run(command, timeout=600, may_exit=(0,), environment=None):
     """Runs `command` (a list of words) for at most `timeout` seconds. Raises `Failed`."""
     program = shutil.which(command[0])
     if program is None:
         raise Failed('no program %s' % command[0])
     reading, writing = os.pipe()
     with tempfile.TemporaryFile() as said, tempfile.TemporaryFile() as printed, os.fdopen(reading) as told:
-        words = [sys.executable, '-I', '-S', LAUNCH, str(writing), str(timeout or 'inf'), program, *command[1:]]
-        process = subprocess.Popen(words, stdout=printed, stderr=said, env=environment, pass_fds=[writing])
+        words = [sys.executable, '-I', '-S', LAUNCH, str(writing), str(timeout), program, *command[1:]]
+        # Of a group of its own: where the harness is ended, it is left to end the program.
+        process = subprocess.Popen(words, stdout=printed, stderr=said, env=environment, pass_fds=[writing],
+                                   process_group=0)
         os.close(writing)
         process.wait()
         took = told.read().split()

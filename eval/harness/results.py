@@ -4,12 +4,15 @@
 written from this alone.
 """
 
+import contextlib
 import datetime
 import importlib
 import importlib.metadata
 import json
+import multiprocessing
 import os
 import platform
+import signal
 import subprocess
 import sys
 import tempfile
@@ -21,6 +24,8 @@ from .context import EVAL, ROOT, Context, cases_at_hand
 SCHEMA = 'spectral-remesh/eval/1'
 LATEST = os.path.join(EVAL, 'results', 'latest.json')
 PARTIAL = os.path.join(EVAL, 'partial', 'results.json')
+# Seconds after which an experiment is ended.
+LIMIT = 1800
 
 
 def experiment(name):
@@ -35,27 +40,68 @@ def run(names, models, quick, out, command):
     found = {'schema': SCHEMA, 'date': datetime.date.today().isoformat(), 'command': command, 'quick': quick,
              'seed': Context.seed, 'versions': versions(), 'machine': machine(), 'missing_models': missing,
              'seconds': {}, 'experiments': {}}
-    os.makedirs(os.path.dirname(os.path.abspath(out)), exist_ok=True)
+    began = time.perf_counter()
     for name in names:
-        sys.stderr.write('%s\n' % name)
         start = time.perf_counter()
-        found['experiments'][name] = _one(name, cases, quick)
+        _tell(start - began, name)
+        with tempfile.TemporaryDirectory() as scratch:
+            context = Context(cases, scratch, os.path.join(folder_of(out), 'figures'), quick)
+            raw = found['experiments'][name] = alone(experiment(name).run, context)
         found['seconds'][name] = time.perf_counter() - start
-        with open(out, 'w', encoding='utf-8') as f:
-            json.dump(found, f, indent=1, ensure_ascii=False, allow_nan=False)
-            f.write('\n')
+        _tell(time.perf_counter() - began, '%s: %s' % (name, raw.get('failed', 'done')))
+        _save(found, out)
     return found
 
 
-def _one(name, cases, quick):
-    """The raw figures of an experiment; what one raises does not end the others."""
-    with tempfile.TemporaryDirectory() as scratch:
-        try:
-            # What is reported is what would be read back.
-            return json.loads(json.dumps(experiment(name).run(Context(cases, scratch, quick)), allow_nan=False))
-        except Exception as problem:
-            traceback.print_exc()
-            return {'failed': '%s: %s' % (type(problem).__name__, problem)}
+def _tell(seconds, words):
+    sys.stderr.write('[%4.1f min] %s\n' % (seconds / 60, words))
+
+
+def _save(found, path):
+    """Writes the file whole or not at all."""
+    os.makedirs(os.path.dirname(os.path.abspath(path)), exist_ok=True)
+    with open(path + '.new', 'w', encoding='utf-8') as f:
+        json.dump(found, f, indent=1, ensure_ascii=False, allow_nan=False)
+        f.write('\n')
+    os.replace(path + '.new', path)
+
+
+def alone(measure, context, limit=LIMIT):
+    """What `measure(context)` gives, by a process of its own, so that no error, crash or hang ends the others."""
+    target = context.file('raw.json')
+    process = multiprocessing.get_context('spawn').Process(target=_measured, args=(measure, context, target))
+    process.start()
+    try:
+        process.join(limit)
+        late = process.is_alive()
+    finally:
+        _end(process)
+    if os.path.exists(target):
+        with open(target, encoding='utf-8') as f:
+            return json.load(f)
+    return {'failed': 'not done after %g s' % limit if late else 'ended with status %s' % process.exitcode}
+
+
+def _measured(measure, context, target):
+    """Writes the raw figures, or what went wrong."""
+    # A group of its own, so that the processes that it starts can be ended with it.
+    os.setpgid(0, 0)
+    try:
+        raw = json.dumps(measure(context), allow_nan=False)
+    except Exception as problem:
+        traceback.print_exc()
+        raw = json.dumps({'failed': '%s: %s' % (type(problem).__name__, problem)})
+    with open(target + '.new', 'w', encoding='utf-8') as f:
+        f.write(raw)
+    os.replace(target + '.new', target)
+
+
+def _end(process):
+    """Ends a process and all of its group."""
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.kill()
+    process.join()
 
 
 def versions():

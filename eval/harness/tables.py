@@ -1,4 +1,4 @@
-"""Markdown tables, numbers as text, and what is better and what is worse in words."""
+"""Markdown tables and lists, and numbers as text."""
 
 
 def markdown(rows):
@@ -27,7 +27,18 @@ def spread(values, form='%.2f'):
 def listed(names):
     """`a, b and c`"""
     names = list(names)
-    return names[0] if len(names) == 1 else '%s and %s' % (', '.join(names[:-1]), names[-1])
+    if len(names) < 2:
+        return names[0] if names else 'none'
+    return '%s and %s' % (', '.join(names[:-1]), names[-1])
+
+
+def bullets(sentences):
+    return '\n'.join('- ' + sentence for sentence in sentences)
+
+
+def less(quick, words):
+    """What a quick run did not do, as a sentence to end a paragraph with; nothing for a full one."""
+    return ' Quick: %s.' % words if quick else ''
 
 
 def columns(title, names, rows):

@@ -52,6 +52,12 @@ def watched_measures(name, measures):
     return {'%s %s' % (name, m.label): (value, m.sense, m.noise) for m, value in known if value is not None}
 
 
+def word(ours, theirs, sense=1):
+    """Two figures of which more is better, or less with the sense -1."""
+    gain = sense * (ours - theirs)
+    return 'better' if gain > 0 else 'worse' if gain < 0 else 'no better'
+
+
 def sign(measure, ours, theirs):
     """1 where ours is better by more than noise, -1 where worse, 0 otherwise."""
     a, b = measure.of(ours), measure.of(theirs)

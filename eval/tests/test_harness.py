@@ -1,12 +1,17 @@
 """Running programs, comparing runs, and tuning counts."""
 
+import contextlib
+import io
+import os
 import sys
 import tempfile
+import time
 import unittest
 
 import numpy as np
 
-from harness import compare, mesh, process, race, readme, tables
+from harness import compare, mesh, process, race, readme, results, tables
+from harness.context import Context
 from harness.experiments import remeshers
 from harness.verdicts import faults_of
 
@@ -147,6 +152,54 @@ class Words(unittest.TestCase):
                                'experiments': {'remeshers': self.raw(), 'clouds': {'failed': 'no reason'}}})
         self.assertIn('| **θmin, remesh** | **40.0** |\n| best of the others | 30.0† meshlab |', text)
         self.assertIn('| **seconds, remesh** | **1.50** |\n| best of the others | 0.50† meshlab |', text)
+
+
+def figures(context):
+    return {'seed': context.seed}
+
+
+def raises(_context):
+    raise ValueError('no reason')
+
+
+def crashes(_context):
+    os.abort()
+
+
+def hangs(context):
+    """With a program that it started and that hangs, too."""
+    process.run([sys.executable, '-c', 'import os, time; print(os.getpid(), file=open(%r, "w")); time.sleep(60)'
+                 % context.file('pid')])
+
+
+class Alone(unittest.TestCase):
+    def result(self, measure, limit=60, look=lambda scratch: None):
+        with tempfile.TemporaryDirectory() as scratch:
+            raw = results.alone(measure, Context([], scratch, scratch), limit)
+            look(scratch)
+            return raw
+
+    def test_figures_come_back(self):
+        self.assertEqual(self.result(figures), {'seed': 0})
+
+    def test_errors_and_crashes_are_results(self):
+        with contextlib.redirect_stderr(io.StringIO()):
+            self.assertEqual(self.result(raises), {'failed': 'ValueError: no reason'})
+        self.assertEqual(self.result(crashes), {'failed': 'ended with status -6'})
+
+    def test_what_hangs_is_ended_with_all_that_it_started(self):
+        def look(scratch):
+            with open(os.path.join(scratch, 'pid'), encoding='utf-8') as f:
+                pid = int(f.read())
+            for _ in range(100):
+                try:
+                    os.kill(pid, 0)
+                except ProcessLookupError:
+                    return
+                time.sleep(0.05)
+            self.fail('the program goes on')
+
+        self.assertEqual(self.result(hangs, 3, look), {'failed': 'not done after 3 s'})
 
 
 class Compare(unittest.TestCase):

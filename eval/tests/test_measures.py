@@ -97,7 +97,8 @@ class RemeshQuality(unittest.TestCase):
         for name, other in PAIRS:
             said, own, ways = self.distances_of(name, other)
             for way, source, target in ways:
-                squares = distance.to_surface(distance.scattered(source, 20_000, np.random.default_rng(1)), target) ** 2
+                random = distance.scattered(source, 20_000, np.random.default_rng(1))
+                squares = distance.to_surface(distance.blended(source, source.vertices, random), target) ** 2
                 noise = np.std(squares) / (2 * np.mean(squares)) * (1 / said['samples'] + 1 / own['samples']) ** 0.5
                 self.close(said['rms_' + way], own['rms_' + way], '%s %s' % (name, way), 5 * noise)
 
@@ -194,6 +195,18 @@ class MeshLab(unittest.TestCase):
             found = distance.to_surface(pair[0].vertices, pair[1])
             np.testing.assert_allclose(np.sqrt(np.mean(found ** 2)), said['RMS'], rtol=SIX_DIGITS, err_msg=name)
             np.testing.assert_allclose(found.max(), said['max'], rtol=SIX_DIGITS, err_msg=name)
+
+
+class Meshes(unittest.TestCase):
+    def test_a_split_mesh_is_the_same_surface(self):
+        whole = mesh.read(data('blob.obj'))
+        split = whole.split()
+        found, wanted = topology.topology(split), topology.topology(whole)
+        self.assertEqual(len(split.triangles), 4 * len(whole.triangles))
+        self.assertTrue(topology.is_manifold(found))
+        self.assertEqual(found['euler'], wanted['euler'])
+        self.assertAlmostEqual(split.areas().sum() / whole.areas().sum(), 1, places=12)
+        self.assertAlmostEqual(split.volume() / whole.volume(), 1, places=12)
 
 
 class Files(unittest.TestCase):

@@ -3,9 +3,8 @@
 import unittest
 
 import numpy as np
-import trimesh
 
-from harness import clouds, kernel, subsampling, torus
+from harness import kernel, points, subsampling, torus
 
 
 class Kernel(unittest.TestCase):
@@ -100,12 +99,13 @@ class Torus(unittest.TestCase):
         self.assertLess(np.abs(anisotropy[6:] + 10 * np.log10(20)).max(), 3)
 
 
-class Distance(unittest.TestCase):
-    def test_two_spheres_are_as_far_apart_as_their_radii(self):
-        one, other = (trimesh.creation.icosphere(4, radius) for radius in (1.0, 1.1))
-        found = clouds.distance(one, other, seed=0, samples=2000)
-        self.assertAlmostEqual(found['rms'], 0.1, places=2)
-        self.assertAlmostEqual(found['hausdorff'], 0.1, places=2)
+class Points(unittest.TestCase):
+    def test_noise_goes_along_normals_and_as_far_as_is_said(self):
+        flat, up = np.zeros((4000, 3)), np.tile([0.0, 0.0, 1.0], (4000, 1))
+        moved = points.noisy(flat, up, 0.2, seed=3)
+        np.testing.assert_array_equal(moved[:, :2], 0)
+        self.assertAlmostEqual(moved[:, 2].std(), 0.2, places=2)
+        np.testing.assert_allclose(points.noisy(flat, up, 0.4, seed=3), 2 * moved)
 
 
 if __name__ == '__main__':

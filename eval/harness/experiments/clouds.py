@@ -5,11 +5,9 @@ is a quarter of the mean distance to the six nearest points, its seed fixed. Nor
 without noise.
 """
 
-import numpy as np
-from scipy.spatial import cKDTree
-
 from .. import mesh
 from ..peers import peer
+from ..points import nearest, noisy
 from ..race import race
 from ..tables import columns, listed
 from ..verdicts import against, faults_of, watched_measures
@@ -37,7 +35,10 @@ def run(context):
         reference = mesh.read(case.path).outward()
         for kind, (normals, noise) in KINDS.items():
             source = context.file('points.ply')
-            _write(source, reference, normals, noise, context.seed)
+            points = reference.vertices
+            if noise:
+                points = noisy(points, reference.normals(), NOISE * nearest(points, 6).mean(), context.seed)
+            mesh.write_points(source, points, reference.normals() if normals else None)
             programs = {'remesh': _Smoothing() if noise else peer('remesh'), 'poisson_points': peer('poisson_points')}
             kinds[kind][case.name] = race(programs, source, reference, case.points, case.sharp, 1, context.scratch)
     return {'kinds': kinds, 'noise': NOISE}
@@ -50,15 +51,6 @@ class _Smoothing:
         own = peer('remesh')
         self.LABEL, self.COUNTS, self.seconds = own.LABEL, True, own.seconds
         self.command = lambda *given: own.command(*given, ['--smooth'])
-
-
-def _write(path, reference, with_normals, noisy, seed):
-    points, normals = reference.vertices, reference.normals()
-    if noisy:
-        apart = cKDTree(points).query(points, k=7)[0][:, 1:].mean()
-        shift = np.random.default_rng(seed).normal(0, NOISE * apart, len(points))
-        points = points + shift[:, None] * normals
-    mesh.write_points(path, points, normals if with_normals else None)
 
 
 TABLES = [

@@ -3,7 +3,7 @@
 import numpy as np
 
 from .. import kernel, plots
-from ..text import bullets, less
+from ..tables import bullets, less
 
 TITLE = 'Figure 4: eigenvalues before and after a point is added'
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from .. import kernel, library, plots
-from ..text import bullets, less
+from ..tables import bullets, less
 
 TITLE = 'Figure 5: the measure over the plane'
 

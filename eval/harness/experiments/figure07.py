@@ -4,7 +4,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from .. import library, plots
-from ..text import bullets, less
+from ..tables import bullets, less
 
 TITLE = 'Figure 7: movement in each sweep of the ascent'
 

@@ -3,7 +3,8 @@
 import numpy as np
 
 from .. import kernel, library, plots
-from ..text import bullets, less
+from ..points import nearest
+from ..tables import bullets, less
 
 TITLE = 'Figure 8: the measure against the number of neighbours'
 
@@ -19,7 +20,7 @@ RADIUS, CLOSE = 2.5, 1e-3
 def run(context):
     case = context.case(MODEL)
     points, normals = library.samples(context, case.path, '--points', str(POINTS))
-    sigma = SIGMA * library.nearest(points, 6).mean()
+    sigma = SIGMA * nearest(points, 6).mean()
     rng = np.random.default_rng(context.seed)
     chosen = np.sort(rng.permutation(len(points))[:QUICK_QUERIES if context.quick else QUERIES])
     curves, within, differences = [], [], []

@@ -4,9 +4,11 @@ import numpy as np
 from scipy.spatial import cKDTree
 from scipy.stats import spearmanr
 
-from .. import clouds, library, pictures, plots
-from ..process import run as run_program
-from ..text import bullets, less, table
+from .. import library, mesh, pictures, plots
+from ..measures.distance import distances
+from ..points import nearest
+from ..tables import bullets, less, markdown
+from ..verdicts import word
 
 TITLE = 'Figure 10: samples that follow the shape, σn'
 
@@ -16,6 +18,8 @@ MODELS = {'rocker-arm': 4000, 'blob': 3000}
 QUICK_POINTS = 1000
 # Samples that curvature is measured at, and neighbours that it is measured from.
 DENSE, QUICK_DENSE, AROUND = 60_000, 15_000, 12
+# Points that distances are measured from.
+MEASURED = 100_000
 BINS = 12
 
 
@@ -25,23 +29,22 @@ def run(context):
     count = QUICK_DENSE if context.quick else DENSE
     dense = library.samples(context, case.path, '--points', str(count), '--sweeps', '2')
     bend = _curvature(*dense)
-    original = clouds.load_mesh(case.path)
+    original = mesh.read(case.path)
     rows, sets, paths = [], [], []
     for width in QUICK_WIDTHS if context.quick else WIDTHS:
-        option = [] if width is None else ['--sigma-n', str(width)]
+        option = [] if width is None else ['--sigma-n', width]
         found = library.samples(context, case.path, '--points', str(points), *option)
         path = context.file('%s.ply' % width)
-        run_program([context.binary, case.path, path, '--points', str(points), '-q', *option], may_exit=(0, 3))
+        made = library.remesh(context, case.path, path, points, *option)
         rows.append({'sigma_n': width, 'samples': len(found[0]), 'density': _density(found[0], *dense, bend),
-                     'lost': clouds.distance(clouds.load_mesh(path), original, context.seed)})
+                     'lost': distances(made, original, MEASURED, context.seed)})
         sets.append(found)
         paths.append(path)
     captions = ['σn = ' + _named(row['sigma_n']) for row in rows]
-    shown = [pictures.samples('figure10-samples', captions, sets, dense),
+    shown = [pictures.samples(context, 'figure10-samples', captions, sets, dense),
              pictures.meshes(context, 'figure10-meshes', captions, paths, line=0.7)]
-    diagonal = float(np.linalg.norm(original.extents))
     left_out = less(context.quick, "the project's own model, fewer samples, and two widths instead of %d" % len(WIDTHS))
-    return {'model': name, 'points': points, 'rows': rows, 'pictures': shown, 'diagonal': diagonal,
+    return {'model': name, 'points': points, 'rows': rows, 'pictures': shown,
             'seed': context.seed, 'less': left_out}
 
 
@@ -62,7 +65,7 @@ def _density(points, dense, normals, bend):
     of_sample = bend[cKDTree(dense).query(points)[1]]
     limits = np.quantile(bend, np.linspace(0, 1, BINS + 1))
     limits[[0, -1]] = -np.inf, np.inf
-    spacing = library.nearest(points, 6).mean()
+    spacing = nearest(points, 6).mean()
     middle = [bend[(bend >= a) & (bend < b)].mean() * spacing for a, b in zip(limits, limits[1:])]
     # Every class has the same area, so that its share of the samples says it.
     shares = np.histogram(of_sample, limits)[0] / len(points) * BINS
@@ -84,12 +87,11 @@ def report(raw, figures):
     text = ('%d samples of %s at each σn, and meshes of as many vertices; the paper\'s figure has σn = ∞ and 0.5 at '
             'one σp. Density is that of samples by classes of the area, from flat to bent. The distance to the model '
             'is that of the meshes, in percent of the diagonal.' % (raw['points'], raw['model'])) + raw['less']
-    percent = 100 / raw['diagonal']
     rows = [['σn = ' + _named(row['sigma_n']), '%.2f' % row['density']['relative'][0],
-             '%.2f' % row['density']['relative'][-1], '%.4f' % (percent * row['lost']['rms']),
-             '%.3f' % (percent * row['lost']['hausdorff'])] for row in raw['rows']]
+             '%.2f' % row['density']['relative'][-1], '%.4f' % (row['lost']['rms']),
+             '%.3f' % (row['lost']['hausdorff'])] for row in raw['rows']]
     header = ['', 'density where flattest', 'density where most bent', 'RMS %', 'Hausdorff %']
-    return '\n\n'.join([text, *raw['pictures'], plots.save(figure, figures, 'figure10'), table(header, rows),
+    return '\n\n'.join([text, *raw['pictures'], plots.save(figure, figures, 'figure10'), markdown([header] + rows),
                         bullets(_sentences(raw))]) + '\n'
 
 
@@ -101,7 +103,7 @@ def _sentences(raw):
     for row in others:
         relative = np.array(row['density']['relative'])
         rank = spearmanr(row['density']['curvature'], relative).statistic
-        words = ['%s by %.0f %%' % ('better' if row['lost'][key] < even['lost'][key] else 'worse',
+        words = ['%s by %.0f %%' % (word(row['lost'][key], even['lost'][key], -1),
                                     100 * abs(row['lost'][key] / even['lost'][key] - 1))
                  for key in ('rms', 'hausdorff')]
         sentences.append(

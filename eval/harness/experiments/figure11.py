@@ -4,9 +4,9 @@ import os
 
 import numpy as np
 
-from .. import plots, torus
-from ..process import run as run_program
-from ..text import bullets, less, table
+from .. import library, plots, torus
+from ..tables import bullets, less, markdown
+from ..verdicts import word
 
 TITLE = "Figure 11: blue noise on a toroidal square"
 
@@ -24,7 +24,7 @@ def run(context):
     quick = context.quick
     count, runs, iterations = (QUICK_POINTS, QUICK_RUNS, QUICK_ITERATIONS) if quick else (POINTS, RUNS, ITERATIONS)
     folder = context.file('spectrum')
-    run_program([context.example('spectrum'), str(count), folder])
+    library.example(context, 'spectrum', count, folder)
     ours = [np.loadtxt(os.path.join(folder, 'points-%d.csv' % i), delimiter=',', skiprows=1) for i in range(runs)]
     starts = [np.random.default_rng([context.seed, i]).random((count, 2)) for i in range(runs)]
     lloyd = [torus.lloyd(start, iterations) for start in starts]
@@ -69,7 +69,7 @@ def report(raw, figures):
             for name, m in ((n, raw['methods'][k]) for k, n in METHODS.items())]
     header = ['', 'mean ρ', 'ρ from, to', 'energy', 'highest radial power', 'anisotropy beyond the peak, dB']
     rows.append(['the paper, its method', '%.3f' % PAPER_RADIUS, '', '', '', ''])
-    return '\n\n'.join([notes, plots.save(figure, figures, 'figure11'), table(header, rows),
+    return '\n\n'.join([notes, plots.save(figure, figures, 'figure11'), markdown([header] + rows),
                         bullets(_sentences(raw))]) + '\n'
 
 
@@ -118,19 +118,16 @@ def _sentences(raw):
     largest = max(abs(_settled(ours, root) - expected))
     return [
         "ρ is %.3f on the mean, %s than the paper's %.3f and %s than Lloyd's %.3f." % (
-            mean['ours'], _word(mean['ours'], PAPER_RADIUS), PAPER_RADIUS, _word(mean['ours'], mean['lloyd']),
+            mean['ours'], word(mean['ours'], PAPER_RADIUS), PAPER_RADIUS, word(mean['ours'], mean['lloyd']),
             mean['lloyd']),
         "Energy, which Lloyd's method minimizes, is %.4f, %s than its %.4f." % (
-            np.mean(ours['energy']), _word(np.mean(lloyd['energy']), np.mean(ours['energy'])),
+            np.mean(ours['energy']), word(np.mean(ours['energy']), np.mean(lloyd['energy']), -1),
             np.mean(lloyd['energy'])),
         "Mean power below half of √n, which blue noise has none of, is %.4f, %s than Lloyd's %.4f." % (
-            below['ours'], _word(below['lloyd'], below['ours']), below['lloyd']),
+            below['ours'], word(below['ours'], below['lloyd'], -1), below['lloyd']),
         "Radial power peaks at %.2f, Lloyd's at %.2f: the lower peak is the less regular set." % (
             max(ours['power']), max(lloyd['power'])),
         'Beyond the peak our anisotropy stays within %.1f dB of the %.0f dB of a set without any: %s.' % (
             largest, expected, 'isotropic' if largest < 4 else 'not isotropic everywhere'),
     ]
 
-
-def _word(one, other):
-    return 'better' if one > other else 'worse'

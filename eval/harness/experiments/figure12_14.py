@@ -1,13 +1,15 @@
 """The paper's Figures 12 and 14: one point far off a circle, and surfaces with noise."""
 
-import json
-
 import numpy as np
-import trimesh
 
-from .. import clouds, pictures, plots
-from ..process import Failed, run as run_program
-from ..text import bullets, less, table
+from .. import library, mesh, pictures, plots
+from ..measures import measure
+from ..measures.distance import apart
+from ..measures.shape import side_lengths
+from ..points import noisy, read_xyz, write_xyz
+from ..process import Failed
+from ..tables import bullets, less, markdown
+from ..verdicts import word
 
 TITLE = 'Figures 12 and 14: noise'
 
@@ -20,6 +22,8 @@ LEVELS, QUICK_LEVELS = [0.0, 0.15, 0.3, 0.5], [0.3]
 MODELS = {'horse': 8600, 'blob': 3000}
 QUICK_POINTS = 1500
 DRAWN = 0.3
+# Points that the distance of the input is measured from.
+MEASURED = 100_000
 WAYS = {'plain': 'mesh', 'smooth': 'mesh, --smooth', 'cloud': 'cloud', 'cloud-smooth': 'cloud, --smooth'}
 
 
@@ -44,12 +48,11 @@ def _kept(context, sigma, orders):
     points = np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)
     points[0] *= 1 + OFF
     source, target = context.file('circle.xyz'), context.file('circle.kept.xyz')
-    np.savetxt(source, points, fmt='%.17g')
+    write_xyz(source, points)
     kept = []
     for seed in range(orders):
-        command = [context.binary, 'sample', source, target, '--scan-only', '--sigma-p', str(sigma), '-q']
-        run_program(command + ['--seed', str(seed)])
-        kept.append(clouds.read_cloud(target)[0])
+        library.call(context, 'sample', source, target, '--scan-only', '--sigma-p', sigma, '--seed', seed)
+        kept.append(read_xyz(target)[0])
     off = [bool((np.linalg.norm(some, axis=1) > 1 + 0.5 * OFF).any()) for some in kept]
     return {'sigma_p': sigma, 'kept': float(np.mean(off)), 'points': float(np.mean([len(some) for some in kept]))}
 
@@ -57,28 +60,24 @@ def _kept(context, sigma, orders):
 def _noisy(context, name, points):
     """Rows of a model at all levels of noise, and a picture of one of them."""
     case = context.case(name)
-    clean = trimesh.load(case.path, force='mesh')
-    if clean.volume < 0:
-        clean.invert()
-    edge = float(clean.edges_unique_length.mean())
-    rng = np.random.default_rng(context.seed)
-    # The same directions at every level: they differ by a factor alone.
-    noise = rng.normal(size=(len(clean.vertices), 1)) * clean.vertex_normals * edge
+    clean = mesh.read(case.path).welded().outward()
+    edge = float(side_lengths(clean).mean())
     rows, shown = [], []
     for level in QUICK_LEVELS if context.quick else LEVELS:
-        noisy = trimesh.Trimesh(clean.vertices + level * noise, clean.faces, process=False)
-        mesh, cloud = context.file('noisy.ply'), context.file('noisy.xyz')
-        noisy.export(mesh)
-        np.savetxt(cloud, noisy.vertices, fmt='%.17g')
-        sources = {'plain': mesh, 'smooth': mesh}
+        # The same noise at every level but for the factor.
+        given = mesh.Mesh(noisy(clean.vertices, clean.normals(), level * edge, context.seed), clean.triangles)
+        surface, cloud = context.file('noisy.ply'), context.file('cloud.ply')
+        mesh.write(surface, given)
+        mesh.write_points(cloud, given.vertices)
+        sources = {'plain': surface, 'smooth': surface}
         if not context.quick:
             sources.update({'cloud': cloud, 'cloud-smooth': cloud})
-        input_off = clouds.distance(noisy, clean, context.seed)['rms'] / edge
+        input_off = apart(given, clean, MEASURED, context.seed, unit=edge)['rms']
         made = {way: _remeshed(context, way, source, points, clean, edge) for way, source in sources.items()}
         rows.append({'model': name, 'level': level, 'points': points, 'input': input_off, 'made': made})
         if level == DRAWN or context.quick:
             drawn = [way for way in made if 'failed' not in made[way]]
-            paths = [mesh] + [context.file(way + '.ply') for way in drawn]
+            paths = [surface] + [context.file(way + '.ply') for way in drawn]
             captions = ['%s, noise %g' % (name, level)] + [WAYS[way] for way in drawn]
             shown.append(pictures.meshes(context, 'figure14-' + name, captions, paths, size=300, line=0.5))
     return rows, shown
@@ -86,23 +85,15 @@ def _noisy(context, name, points):
 
 def _remeshed(context, way, source, points, clean, edge):
     """Distance to the clean model in its edge lengths, and the figures of the mesh, or why there is none."""
-    target, report = context.file(way + '.ply'), context.file('report.json')
-    smooth = ['--smooth'] if way.endswith('smooth') else []
-    command = [context.binary, source, target, '--points', str(points), '-q', '--report', report, *smooth]
     try:
-        run_program(command, may_exit=(0, 3))
+        made = library.remesh(context, source, context.file(way + '.ply'), points,
+                              *(['--smooth'] if way.endswith('smooth') else []))
     except Failed as failure:
         return {'failed': str(failure)}
-    with open(report, encoding='utf-8') as f:
-        output = json.load(f)['output']
-    found = clouds.distance(clouds.load_mesh(target), clean, context.seed)
-    topology = output['topology']
-    return {
-        'rms': found['rms'] / edge, 'hausdorff': found['hausdorff'] / edge,
-        'theta_min': output['shape']['theta_min'], 'theta_min_mean': output['shape']['theta_min_mean'],
-        'q_mean': output['shape']['q_mean'], 'same_topology': bool(topology['euler'] == clean.euler_number
-                                                                     and topology['boundary_loops'] == 0),
-    }
+    found = measure(made, clean, context.seed)
+    edges = 0.01 * clean.diagonal() / edge
+    return {'rms': edges * found['distance']['rms'], 'hausdorff': edges * found['distance']['hausdorff'],
+            'measures': found}
 
 
 def report(raw, figures):
@@ -122,16 +113,17 @@ def report(raw, figures):
     rows = [['%s, noise %g' % (row['model'], row['level']), WAYS[way]] + _cells(made)
             for row in raw['rows'] for way, made in row['made'].items()]
     header = ['', 'way', 'RMS', 'Hausdorff', 'θmin', 'mean θmin', 'Qave', 'topology kept']
-    return '\n\n'.join([text, plots.save(figure, figures, 'figure12_14'), *raw['pictures'], table(header, rows),
+    return '\n\n'.join([text, plots.save(figure, figures, 'figure12_14'), *raw['pictures'], markdown([header] + rows),
                         bullets(_sentences(raw))]) + '\n'
 
 
 def _cells(made):
     if 'failed' in made:
         return ['failed: ' + made['failed']] + [''] * 5
-    return ['%.3f' % made['rms'], '%.2f' % made['hausdorff'],
-            '%.1f' % made['theta_min'], '%.1f' % made['theta_min_mean'],
-            '%.3f' % made['q_mean'], 'yes' if made['same_topology'] else 'no']
+    shape = made['measures']['shape']
+    return ['%.3f' % made['rms'], '%.2f' % made['hausdorff'], '%.1f' % shape['theta_min'],
+            '%.1f' % shape['theta_min_mean'], '%.3f' % shape['q_mean'],
+            'yes' if made['measures']['same_topology'] else 'no']
 
 
 def _draw_circle(axes, circle):
@@ -168,6 +160,5 @@ def _sentences(raw):
 def _sentence(way, made, off):
     if 'failed' in made:
         return way + ' failed'
-    kept = '' if made['same_topology'] else ', but the topology is another one'
-    word = 'better' if made['rms'] < off else 'worse'
-    return '%s is off by %.3f, %s than the input%s' % (way, made['rms'], word, kept)
+    kept = '' if made['measures']['same_topology'] else ', but the topology is another one'
+    return '%s is off by %.3f, %s than the input%s' % (way, made['rms'], word(made['rms'], off, -1), kept)

@@ -3,11 +3,10 @@
 import statistics
 
 import numpy as np
-import trimesh
 
-from .. import clouds, plots
-from ..process import run as run_program
-from ..text import bullets, less, table
+from .. import library, mesh, plots
+from ..points import read_xyz
+from ..tables import bullets, less, markdown
 
 TITLE = 'Figure 16: time against the size of input and output'
 
@@ -27,49 +26,49 @@ TASKS = {
 
 
 def run(context):
-    mesh = trimesh.load(context.case(MODEL).path, force='mesh')
+    model = mesh.read(context.case(MODEL).path)
     splits, outputs, fixed = SPLITS, OUTPUTS, OUTPUT_SPLITS
     if context.quick:
         splits, outputs, fixed = QUICK_SPLITS, QUICK_OUTPUTS, QUICK_OUTPUT_SPLITS
-    files = _split(context, mesh, sorted({*splits, fixed}))
+    files = _split(context, model, sorted({*splits, fixed}))
+    area = float(model.areas().sum())
     repeats = QUICK_REPEATS if context.quick else REPEATS
-    by_input = [dict(input=files[s][1], wanted=POINTS, **_times(context, files[s][0], mesh.area, POINTS, repeats))
+    by_input = [dict(input=files[s][1], wanted=POINTS, **_times(context, files[s][0], area, POINTS, repeats))
                 for s in splits]
-    by_output = [dict(input=files[fixed][1], wanted=n, **_times(context, files[fixed][0], mesh.area, n, repeats))
+    by_output = [dict(input=files[fixed][1], wanted=n, **_times(context, files[fixed][0], area, n, repeats))
                  for n in outputs]
     return {'model': MODEL, 'repeats': repeats, 'by_input': by_input, 'by_output': by_output, 'seed': context.seed,
             'less': less(context.quick, 'two sizes of each kind and one run instead of %d' % REPEATS)}
 
 
-def _split(context, mesh, splits):
+def _split(context, model, splits):
     """Files of the model with each triangle split in four so many times, and their numbers of vertices."""
     files = {}
     for n in range(splits[-1] + 1):
         if n:
-            mesh = mesh.subdivide()
+            model = model.split()
         if n in splits:
-            files[n] = context.file('split-%d.ply' % n), len(mesh.vertices)
-            mesh.export(files[n][0])
+            files[n] = context.file('split-%d.ply' % n), len(model.vertices)
+            mesh.write(files[n][0], model)
     return files
 
 
 def _times(context, path, area, points, repeats):
     """Seconds of the whole process of each task, once after the other in each round."""
     sigma = SIGMA * (2 * area / (3 ** 0.5 * points)) ** 0.5
-    seed, to_points = ['--seed', str(context.seed), '-q'], ['--points', str(points)]
+    seed, to_points = ['--seed', context.seed], ['--points', points]
     samples, made = context.file('out.xyz'), context.file('out.ply')
     commands = {
-        'scan': ['sample', path, samples, '--scan-only', '--sigma-p', str(sigma), *seed],
+        'scan': ['sample', path, samples, '--scan-only', '--sigma-p', sigma, *seed],
         'ascent': ['sample', path, samples, *to_points, *seed],
         'remesh': [path, made, *to_points, *seed],
     }
     seconds = {task: [] for task in commands}
     for _ in range(repeats):
         for task, command in commands.items():
-            # Status 3 is a mesh that could not be verified.
-            seconds[task].append(run_program([context.binary, *command], may_exit=(0, 3)).seconds)
+            seconds[task].append(library.call(context, *command).seconds)
             if task == 'scan':
-                kept = len(clouds.read_cloud(samples)[0])
+                kept = len(read_xyz(samples)[0])
     return {'seconds': seconds, 'kept': kept}
 
 
@@ -94,7 +93,7 @@ def report(raw, figures):
         '%.2f (%.2f to %.2f)' % (statistics.median(s), min(s), max(s)) for s in (row['seconds'][t] for t in TASKS)]
         for row in raw['by_input'] + raw['by_output']]
     header = ['vertices in', 'points wanted', 'kept by the scan'] + [name for name, _ in TASKS.values()]
-    return '\n\n'.join([text, plots.save(figure, figures, 'figure16'), table(header, rows),
+    return '\n\n'.join([text, plots.save(figure, figures, 'figure16'), markdown([header] + rows),
                         bullets(_sentences(raw))]) + '\n'
 
 

@@ -7,11 +7,12 @@ from dataclasses import replace
 from multiprocessing import get_context
 
 import numpy as np
-import trimesh
 
-from .. import clouds, subsampling
+from .. import library, mesh, subsampling
+from ..measures.distance import apart, blended, scattered
+from ..points import scaled, surface_of_meshlab
 from ..process import Failed
-from ..text import bullets, less, listed, table
+from ..tables import bullets, less, listed, markdown
 
 TITLE = 'Table 2: surfaces of a part of the points'
 
@@ -24,6 +25,8 @@ REACH = 3.0
 # Edges of the cells that surfaces are extracted with, in a box of 100. Ours has four times as many corners for an edge.
 CELLS = {'remesh': 0.8, 'meshlab': 0.5}
 QUICK_CELLS = {'remesh': 2.0, 'meshlab': 1.5}
+# Points that distances are measured from.
+MEASURED = 30_000
 # Points of a cloud made of a mesh that has too few vertices.
 CLOUD, QUICK_CLOUD, QUICK_WIDTH = 50_000, 5_000, 2.3
 NAMES = {'ours': 'ours', 'as': 'AS', 'ks': 'KS', 'random': 'random', 'voxels': 'voxels'}
@@ -63,14 +66,13 @@ def run(context):
 def _cloud(context, case):
     """Points with normals in a box of 100: the vertices, or random points where these are few."""
     wanted = QUICK_CLOUD if context.quick else CLOUD
-    points, normals = clouds.points_of(context, case.path)
+    model = mesh.read(case.path).outward()
+    points, normals = model.vertices, model.normals()
     if len(points) < 0.8 * wanted:
-        mesh = trimesh.load(case.path, force='mesh')
-        points, faces = trimesh.sample.sample_surface(mesh, wanted, seed=context.seed)
-        weights = trimesh.triangles.points_to_barycentric(mesh.triangles[faces], points)
-        normals = np.einsum('ij,ijk->ik', weights, mesh.vertex_normals[mesh.faces[faces]])
+        places = scattered(model, wanted, np.random.default_rng(context.seed))
+        points, normals = blended(model, points, places), blended(model, normals, places)
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    return clouds.scaled(np.asarray(points)), np.asarray(normals)
+    return scaled(points), normals
 
 
 def _row(context, model, points, normals, width):
@@ -84,7 +86,7 @@ def _row(context, model, points, normals, width):
         subsets[name] = how()
         seconds[name] = time.perf_counter() - start
 
-    subsets['ours'], seconds['ours'] = clouds.scan(context, points, normals, width, SIGMA_N)
+    subsets['ours'], seconds['ours'] = library.scan(context, points, normals, width, SIGMA_N)
     wanted = len(subsets['ours'])
     take('as', lambda: subsampling.remove_nearest_to_surface(points, normals, wanted, width))
     take('ks', lambda: subsampling.remove_least_of_kernels(points, normals, wanted, width))
@@ -101,14 +103,14 @@ def _lost(context, surface, points, normals, subsets, width):
 
     def surface_of(name, part):
         if surface == 'remesh':
-            return clouds.surface_of_remesh(context, name, points[part], normals[part], REACH * width, cell)
-        return clouds.surface_of_meshlab(points[part], normals[part], REACH * width, cell)
+            return library.surface(context, name, points[part], normals[part], REACH * width, cell)
+        return surface_of_meshlab(points[part], normals[part], REACH * width, cell)
 
     whole = surface_of('all', slice(None))
     lost = {}
     for name, subset in subsets.items():
         try:
-            lost[name] = clouds.distance(surface_of(name, subset), whole, context.seed)
+            lost[name] = apart(surface_of(name, subset), whole, MEASURED, context.seed)
         except Failed as failure:
             lost[name] = {'failed': str(failure)}
     return lost
@@ -143,13 +145,13 @@ def _table_of(raw, surface):
                      for f in (figures[name] for name in NAMES)]
             of = '%d of %d' % (row['points']['ours'], row['of'])
             rows.append(['%s, σp = %g' % (row['model'], row['sigma_p']), of, label] + cells)
-    return 'With %s:\n\n%s' % (SURFACES[surface], table(['model', 'points', 'lost'] + list(NAMES.values()), rows))
+    return 'With %s:\n\n%s' % (SURFACES[surface], markdown([['model', 'points', 'lost'] + list(NAMES.values())] + rows))
 
 
 def _seconds(raw):
     rows = [['%s, σp = %g' % (row['model'], row['sigma_p'])] + ['%.2f' % row['seconds'][name] for name in NAMES]
             for row in raw['rows']]
-    return 'Seconds to choose:\n\n' + table(['model'] + list(NAMES.values()), rows)
+    return 'Seconds to choose:\n\n' + markdown([['model'] + list(NAMES.values())] + rows)
 
 
 def _paper(raw):
@@ -165,7 +167,7 @@ def _paper(raw):
             rows.append([model, label] + cells)
     header = ['paper', 'lost'] + ['%s %g' % (who, w) for w in WIDTHS for who in ('ours', 'AS', 'KS', '**here**')]
     return "The paper's own rows (ours, AS and KS at each σp), and ours here where the model is the same:\n\n" \
-        + table(header, rows)
+        + markdown([header] + rows)
 
 
 def _sentences(raw):
