@@ -2,6 +2,7 @@
 
 import argparse
 import os
+import signal
 import sys
 import unittest
 
@@ -34,7 +35,7 @@ def _arguments():
     two.add_argument('after')
     table = commands.add_parser('readme', help="write the README's tables from figures")
     table.add_argument('file', nargs='?', default=results.LATEST)
-    commands.add_parser('test', help='test the measures against `remesh quality` and MeshLab')
+    commands.add_parser('test', help='test the measures and the experiments, against `remesh quality` and MeshLab, too')
     return arguments
 
 
@@ -47,6 +48,8 @@ def _run(options):
     unknown = sorted(set(names) - set(NAMES))
     if unknown:
         sys.exit('eval/run: no experiment is called %s' % ', '.join(unknown))
+    # Ended by another program, too, a run ends what it started.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit('eval/run: ended; `eval/run report` shows what was done'))
     whole = not options.only and not options.quick
     out = options.out or (results.LATEST if whole else results.PARTIAL)
     found = results.run(names, options.models, options.quick, out, results.command_line(options))

@@ -2,12 +2,14 @@
 
 Every run of a peer comes right after one of ours on the same file, so that a pair of times saw the same machine. What
 only takes an edge length is tuned until the number of vertices fits: at most `TRIES` runs, the nearest of which counts
-as the first timing. What takes long is timed once. A crash, a refusal, a timeout or an unreadable result is a result:
-{'failed': why}.
+as the first timing. What takes long is timed once, and so is what is left when the time for the model is up. A crash,
+a refusal, a timeout or an unreadable result is a result: {'failed': why}.
 """
 
+import math
 import os
 import statistics
+import time
 
 import numpy as np
 
@@ -18,24 +20,24 @@ from .peers import OURS
 TRIES = 3
 NEAR = 0.03
 TIMEOUT = 60
-LONG = 20
+LONG = 10
 
 
-def race(programs, source, reference, wanted, sharp, rounds, scratch):
+def race(programs, source, reference, wanted, sharp, rounds, scratch, budget=math.inf):
     """Results by name of `programs` (a dict of what `peers.peer` gives), which must have 'remesh'.
 
-    `source` is a file that harness.mesh wrote, `reference` the same as a mesh.
+    `source` is a file that harness.mesh wrote, `reference` the same as a mesh; `budget` is in seconds.
     """
-    entry = _Entry(source, wanted, sharp, rounds, scratch)
+    entry = _Entry(source, wanted, sharp, rounds, scratch, time.perf_counter() + budget)
     own = programs['remesh']
     return {name: _result(own if name != 'remesh' else None, program, name, entry, reference)
             for name, program in programs.items()}
 
 
 class _Entry:
-    def __init__(self, source, wanted, sharp, rounds, scratch):
+    def __init__(self, source, wanted, sharp, rounds, scratch, until):
         self.source, self.wanted, self.sharp = source, wanted, sharp
-        self.rounds, self.scratch = rounds, scratch
+        self.rounds, self.scratch, self.until = rounds, scratch, until
 
     def run(self, program, name, asked):
         """One run: seconds of remeshing alone, those of the process, megabytes, and the file."""
@@ -53,7 +55,7 @@ class _Entry:
 def _result(own, program, name, entry, reference):
     try:
         asked, found, runs = _tuned(own, program, name, entry)
-        while len(runs) < entry.rounds and runs[-1]['process'] < LONG:
+        while len(runs) < entry.rounds and runs[-1]['process'] < LONG and time.perf_counter() < entry.until:
             runs.append(_pair(own, program, name, asked, entry))
     except process.Failed as failure:
         return {'failed': str(failure)}

@@ -1,7 +1,8 @@
 """The figures of a run as JSON: what was measured, when, with which versions, on what machine, by which command.
 
-`experiments` has what each experiment's `run` gave; an experiment that raised has {'failed': why}. RESULTS.md is
-written from this alone.
+`experiments` has what each experiment's `run` gave; one that failed has {'failed': why}. RESULTS.md is written from
+this alone. Each experiment runs in a process of its own, and the file is written after each, so that what fails, hangs
+or is cut off costs nothing but itself.
 """
 
 import contextlib

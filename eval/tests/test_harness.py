@@ -73,12 +73,12 @@ print(0.25)
 
 
 class Race(unittest.TestCase):
-    def results(self, other, rounds=2):
+    def results(self, other, rounds=2, budget=60):
         """One race against `other`, with ours a program that meets the count."""
         reference = mesh.Mesh(np.array([[0, 0, 0], [9, 0, 0], [0, 9, 0.0]]), np.array([[0, 1, 2]]))
         with tempfile.TemporaryDirectory() as scratch:
             programs = {'remesh': Grid(1), 'other': other}
-            return race.race(programs, 'no source', reference, 400, False, rounds, scratch)
+            return race.race(programs, 'no source', reference, 400, False, rounds, scratch, budget)
 
     def test_counts_are_tuned(self):
         other = Grid(0.8)
@@ -95,6 +95,11 @@ class Race(unittest.TestCase):
         self.assertEqual(other.asked, [400, 400])
         self.assertAlmostEqual(found['off'], -0.2)
         self.assertIn('more than 3 % off the count', faults_of(found))
+
+    def test_without_time_left_each_is_timed_once(self):
+        found = self.results(Grid(1), rounds=5, budget=0)
+        self.assertEqual([len(result['seconds']) for result in found.values()], [1, 1])
+        self.assertTrue(all('measures' in result for result in found.values()))
 
     def test_a_crash_is_a_result(self):
         found = self.results(Grid(1, 'import os; os.abort()'))

@@ -69,7 +69,6 @@ def _sentences(raw):
     new, least = raw['new'], {name: raw['eigenvalues'][name][-1] for name in ('high', 'low')}
     rise = {name: raw['eigenvalues'][name][0] - raw['eigenvalues']['before'][0] for name in ('high', 'low')}
     difference = raw['library']['largest_difference']
-    last = {name: raw['eigenvalues'][name][-1] for name in ('high', 'low')}
     return [
         'Any new point adds 1 to the sum of the eigenvalues. Where s = %.3f they get a new one of %.3f, and the '
         'largest grows by %.3f; where s = %.3f the new one is %.3f, and the largest grows by %.3f. %s.' % (

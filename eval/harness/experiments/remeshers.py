@@ -1,6 +1,7 @@
 """This program and its peers on the same models, at the same counts, in the same run."""
 
 import sys
+import time
 
 from .. import mesh
 from ..peers import NAMES, OURS, peer
@@ -14,6 +15,8 @@ MODELS = ['horse', 'bunny', 'armadillo', 'fandisk', 'rocker-arm', 'nefertiti', '
 OWN_MODELS = ['blob', 'bracket', 'noisy', 'shell', 'terrain']
 QUICK_MODELS = ['blob', 'bracket']
 ROUNDS = 3
+# Seconds for all models: when a model has had its share of what is left, the rest of its programs is timed once.
+BUDGET = 800
 
 
 def run(context):
@@ -21,12 +24,13 @@ def run(context):
     cases = [case for case in map(context.case, names) if case]
     programs, listing = _programs(context.quick)
     rounds = 1 if context.quick else ROUNDS
-    models = {}
-    for case in cases:
+    models, until = {}, time.perf_counter() + BUDGET
+    for number_left, case in zip(range(len(cases), 0, -1), cases):
         reference = mesh.read(case.path)
         source = context.file(case.name + '.ply')
         mesh.write(source, reference)
-        results = race(programs, source, reference, case.points, case.sharp, rounds, context.scratch)
+        share = (until - time.perf_counter()) / number_left
+        results = race(programs, source, reference, case.points, case.sharp, rounds, context.scratch, share)
         models[case.name] = {'points': case.points, 'sharp': case.sharp, 'results': results}
         sys.stderr.write('  %s: %s\n' % (case.name, ', '.join(_brief(n, r) for n, r in results.items())))
     return {'programs': listing, 'models': models, 'not_at_hand': [] if context.quick else _absent(context),
@@ -96,9 +100,10 @@ def _introduction(raw):
     counts = listed('%s %s' % (name, '{:,}'.format(m['points'])) for name, m in raw['models'].items())
     times = 'of one run' if raw['rounds'] == 1 else 'the median of %d runs (least..greatest)' % raw['rounds']
     text = ('Models and wanted vertices: %s. All programs read the same PLY file. Times are %s, each right after a '
-            'run of ours; what takes longer than %d s is run once, what takes longer than %d s is ended. "Whole '
-            'process" includes starting Python and its packages for programs that are Python packages, and for ours '
-            'measuring the result.' % (counts, times, LONG, TIMEOUT))
+            'run of ours. What takes longer than %d s is timed once, and so is what is left when a model has used its '
+            'share of %d s for all (figures without a range); what takes longer than %d s is ended. "Whole process" '
+            'includes starting Python and its packages for programs that are Python packages, and for ours measuring '
+            'the result.' % (counts, times, LONG, BUDGET, TIMEOUT))
     cad = [name for name, m in raw['models'].items() if m['sharp']]
     if cad:
         text += ' CAD parts, whose sharp edges are to stay: %s.' % listed(cad)

@@ -122,8 +122,8 @@ def report(raw, figures):
              'kernel changes the surface least; both are ours after their descriptions '
              "(`eval/harness/subsampling.py`), and KS's paper may weigh otherwise. When surfaces are made of them, "
              'points reach %g σp, as far for all points as for a part, but never less than by default: by '
-             "`remesh reconstruct` and, independently, by MeshLab's RIMLS with marching cubes. Seconds: ours are of the "
-             'scan in the binary, the others of Python code, and only say that this is affordable.'
+             "`remesh reconstruct` and, independently, by MeshLab's RIMLS with marching cubes. Seconds: ours are of "
+             'the scan in the binary, the others of Python code, and only say that this is affordable.'
              % (raw['sigma_n'], REACH)]
     parts[0] += raw['less']
     if raw['left_out']:

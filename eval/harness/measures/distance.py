@@ -1,8 +1,8 @@
 """How far two surfaces are apart, both ways.
 
 Points are taken evenly by area on each surface, and each has its exact distance to the closest triangle of the other by
-libigl's hierarchy (Jacobson and others, libigl, 2018), which gpytoolbox carries. RMS is the root of the mean square of the
-samples' distances, Hausdorff the largest distance of the samples and of all vertices: never more than the true one.
+libigl's hierarchy (Jacobson and others, libigl, 2018), which gpytoolbox carries. RMS is the root of the mean square of
+the samples' distances, Hausdorff the largest distance of the samples and of all vertices: never more than the true one.
 """
 
 import numpy as np
