@@ -2,8 +2,8 @@
 
 Every run of a peer comes right after one of ours on the same file, so that a pair of times saw the same machine. What
 only takes an edge length is tuned until the number of vertices fits: at most `TRIES` runs, the nearest of which counts
-as the first timing. What takes long is timed once, and so is what is left when the time for the model is up. A crash,
-a refusal, a timeout or an unreadable result is a result: {'failed': why}.
+as the first timing. Programs are timed in rounds, as many as the time allows; what takes long is timed once. A crash, a
+refusal, a timeout or an unreadable result is a result: {'failed': why}.
 """
 
 import math
@@ -28,16 +28,23 @@ def race(programs, source, reference, wanted, sharp, rounds, scratch, budget=mat
 
     `source` is a file that harness.mesh wrote, `reference` the same as a mesh; `budget` is in seconds.
     """
-    entry = _Entry(source, wanted, sharp, rounds, scratch, time.perf_counter() + budget)
+    entry = _Entry(source, wanted, sharp, scratch)
+    until = time.perf_counter() + budget
     own = programs['remesh']
-    return {name: _result(own if name != 'remesh' else None, program, name, entry, reference)
-            for name, program in programs.items()}
+    lanes = [_Lane(own if name != 'remesh' else None, program, name, entry, reference)
+             for name, program in programs.items()]
+    # Round by round, so that where the time is up no program has had many more runs than another.
+    for _ in range(1, rounds):
+        for lane in lanes:
+            if time.perf_counter() < until:
+                lane.again()
+    return {lane.name: lane.result() for lane in lanes}
 
 
 class _Entry:
-    def __init__(self, source, wanted, sharp, rounds, scratch, until):
+    def __init__(self, source, wanted, sharp, scratch):
         self.source, self.wanted, self.sharp = source, wanted, sharp
-        self.rounds, self.scratch, self.until = rounds, scratch, until
+        self.scratch = scratch
 
     def run(self, program, name, asked):
         """One run: seconds of remeshing alone, those of the process, megabytes, and the file."""
@@ -49,27 +56,58 @@ class _Entry:
         ran = process.run(command, TIMEOUT, (0, 3) if name.split('.')[0] in OURS else (0,))
         if not os.path.exists(target):
             raise process.Failed('wrote no result')
-        return {'alone': program.seconds(ran.output, target), 'process': ran.seconds, 'megabytes': ran.megabytes}
+        return {'alone': _alone(program, ran.output, target), 'process': ran.seconds, 'megabytes': ran.megabytes}
 
 
-def _result(own, program, name, entry, reference):
+def _alone(program, output, target):
     try:
-        asked, found, runs = _tuned(own, program, name, entry)
-        while len(runs) < entry.rounds and runs[-1]['process'] < LONG and time.perf_counter() < entry.until:
-            runs.append(_pair(own, program, name, asked, entry))
-    except process.Failed as failure:
-        return {'failed': str(failure)}
-    return {
-        'vertices': len(found.vertices),
-        'asked': asked,
-        'off': len(found.vertices) / entry.wanted - 1,
-        'seconds': [run['alone'] for run in runs],
-        'process_seconds': [run['process'] for run in runs],
-        'our_seconds': [run['our_alone'] for run in runs],
-        'our_process_seconds': [run['our_process'] for run in runs],
-        'megabytes': max(run['megabytes'] for run in runs),
-        'measures': measure(found, reference),
-    }
+        return program.seconds(output, target)
+    except (ValueError, LookupError, OSError) as problem:
+        raise process.Failed('told no time: %s' % problem) from problem
+
+
+class _Lane:
+    """One program: its result and its runs so far. The first is done at once."""
+
+    def __init__(self, own, program, name, entry, reference):
+        self.own, self.program, self.name, self.entry = own, program, name, entry
+        self.failed, self.runs = None, []
+        try:
+            self.asked, found, self.runs = _tuned(own, program, name, entry)
+            self.vertices, self.measures = len(found.vertices), _measures(found, reference)
+        except process.Failed as failure:
+            self.failed = str(failure)
+
+    def again(self):
+        if self.failed or self.runs[-1]['process'] >= LONG:
+            return
+        try:
+            self.runs.append(_pair(self.own, self.program, self.name, self.asked, self.entry))
+        except process.Failed as failure:
+            self.failed = str(failure)
+
+    def result(self):
+        if self.failed:
+            return {'failed': self.failed}
+        return {
+            'vertices': self.vertices,
+            'asked': self.asked,
+            'off': self.vertices / self.entry.wanted - 1,
+            'seconds': [run['alone'] for run in self.runs],
+            'process_seconds': [run['process'] for run in self.runs],
+            'our_seconds': [run['our_alone'] for run in self.runs],
+            'our_process_seconds': [run['our_process'] for run in self.runs],
+            'megabytes': max(run['megabytes'] for run in self.runs),
+            'measures': self.measures,
+        }
+
+
+def _measures(found, reference):
+    """The measures, or `Failed`: a broken mesh costs its own row alone."""
+    try:
+        return measure(found, reference)
+    except Exception as problem:  # whatever the libraries make of a broken mesh
+        raise process.Failed('its result cannot be measured: %s' % problem) from problem
 
 
 def _tuned(own, program, name, entry):

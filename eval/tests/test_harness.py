@@ -96,6 +96,13 @@ class Race(unittest.TestCase):
         self.assertAlmostEqual(found['off'], -0.2)
         self.assertIn('more than 3 % off the count', faults_of(found))
 
+    def test_what_tells_no_time_is_a_result(self):
+        class Silent(Grid):
+            def seconds(self, output, target):
+                return output.splitlines()[99]
+
+        self.assertIn('told no time', self.results(Silent(1))['other']['failed'])
+
     def test_without_time_left_each_is_timed_once(self):
         found = self.results(Grid(1), rounds=5, budget=0)
         self.assertEqual([len(result['seconds']) for result in found.values()], [1, 1])

@@ -15,7 +15,7 @@ MODELS = ['horse', 'bunny', 'armadillo', 'fandisk', 'rocker-arm', 'nefertiti', '
 OWN_MODELS = ['blob', 'bracket', 'noisy', 'shell', 'terrain']
 QUICK_MODELS = ['blob', 'bracket']
 ROUNDS = 3
-# Seconds for all models: when a model has had its share of what is left, the rest of its programs is timed once.
+# Seconds for all models. One that has had its share of what is left gets no more rounds of timing.
 BUDGET = 800
 
 
@@ -98,12 +98,12 @@ def _verdicts(raw):
 
 def _introduction(raw):
     counts = listed('%s %s' % (name, '{:,}'.format(m['points'])) for name, m in raw['models'].items())
-    times = 'of one run' if raw['rounds'] == 1 else 'the median of %d runs (least..greatest)' % raw['rounds']
+    times = 'of one run' if raw['rounds'] == 1 else 'the median of up to %d runs (least..greatest)' % raw['rounds']
     text = ('Models and wanted vertices: %s. All programs read the same PLY file. Times are %s, each right after a '
-            'run of ours. What takes longer than %d s is timed once, and so is what is left when a model has used its '
-            'share of %d s for all (figures without a range); what takes longer than %d s is ended. "Whole process" '
-            'includes starting Python and its packages for programs that are Python packages, and for ours measuring '
-            'the result.' % (counts, times, LONG, BUDGET, TIMEOUT))
+            'run of ours. Programs are timed in rounds: fewer for a model that has used its share of %d s for all, and '
+            'once where they take longer than %d s; what takes longer than %d s is ended. "Whole process" includes '
+            'starting Python and its packages for programs that are Python packages, and for ours measuring '
+            'the result.' % (counts, times, BUDGET, LONG, TIMEOUT))
     cad = [name for name, m in raw['models'].items() if m['sharp']]
     if cad:
         text += ' CAD parts, whose sharp edges are to stay: %s.' % listed(cad)
