@@ -4,8 +4,8 @@
 //! cargo run --release --example measure -- NEIGHBOURS.txt QUERIES.txt
 //! ```
 //!
-//! Each line of both files is the coordinates of a point in units of σ, two or three. Prints for each query a line: s after
-//! the nearest neighbour, after the two nearest, and so on, as far as the library counts neighbours.
+//! Each line of both files is the coordinates of a point in units of σ, two or three. Prints for each query a line: s
+//! after the nearest neighbour, after the two nearest, and so on, as far as the library counts neighbours.
 
 use spectral_remesh::geom::vector::{difference, length_squared};
 use spectral_remesh::spectral::measure::{MOST_NEIGHBOURS, Measure};
