@@ -25,7 +25,8 @@ picture:
 bench:
     cargo bench
 
-# Figures of the models in FOLDER and in data/, into the README's table.
+# The paper's experiments and other remeshers on the models in FOLDER and in data/, into eval/RESULTS.md and the README.
 figures FOLDER:
-    cargo build --release
-    eval/figures.py --models {{FOLDER}}
+    eval/setup
+    eval/run --models {{FOLDER}}
+    eval/run readme

@@ -11,17 +11,19 @@ ROOT = os.path.dirname(EVAL)
 
 @dataclass(frozen=True)
 class Case:
-    """A model and the number of vertices wanted of it."""
+    """A model, the number of vertices wanted of it, and whether it is a CAD part whose sharp edges are to stay."""
     name: str
     path: str
     points: int
+    sharp: bool = False
 
 
 @dataclass
 class Context:
-    """Handed to `run` of every experiment."""
+    """Handed to `run` of every experiment. `scratch` is an empty folder, `figures` the one for pictures."""
     cases: list[Case]
     scratch: str
+    figures: str
     quick: bool = False
     seed: int = 0
     binary: str = os.path.join(ROOT, 'target', 'release', 'remesh')
@@ -48,7 +50,7 @@ def cases_at_hand(models):
         own = case['file'].startswith('data/')
         path = os.path.join(ROOT if own else models or '', case['file'])
         if (own or models) and os.path.isfile(path):
-            found.append(Case(case['name'], path, case['points']))
+            found.append(Case(case['name'], path, case['points'], case.get('sharp', False)))
         else:
             missing.append(case['name'])
     return found, missing

@@ -1,8 +1,8 @@
 //! The spectrum of the samples on a toroidal square (paper, section 7.1 and figure 11): ten distributions of random
 //! points, each after ten sweeps of gradient ascent; their mean periodogram, its radial power and its anisotropy.
 //!
-//! `cargo run --release --example spectrum -- [POINTS [FOLDER]]` writes `points.csv`, `periodogram.png` and
-//! `spectrum.csv` to the folder, and prints the normalized Poisson-disk radius ρ.
+//! `cargo run --release --example spectrum -- [POINTS [FOLDER]]` writes `points-0.csv` to `points-9.csv`,
+//! `periodogram.png` and `spectrum.csv` to the folder, and prints the normalized Poisson-disk radius ρ.
 //!
 //! Periodogram P(f) = |Σ exp(-2πi f·x)|² / N at whole frequencies f, by direct summation. Radial power is its mean over
 //! rings |f| = r; anisotropy the variance over the ring by the square of that, -10 dB for a mean of ten distributions
@@ -40,10 +40,12 @@ fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
     println!("{count} points, ρ of {RUNS} runs: mean {:.3}", radii.iter().sum::<f64>() / radii.len() as f64);
 
     let spectrum = Spectrum::of(&runs);
-    write_points(&folder.join("points.csv"), &runs[0])?;
+    for (seed, points) in runs.iter().enumerate() {
+        write_points(&folder.join(format!("points-{seed}.csv")), points)?;
+    }
     write_rings(&folder.join("spectrum.csv"), &spectrum)?;
     write_picture(&folder.join("periodogram.png"), &spectrum)?;
-    println!("points.csv, spectrum.csv and periodogram.png are in {}", folder.display());
+    println!("points, spectrum.csv and periodogram.png are in {}", folder.display());
     Ok(())
 }
 

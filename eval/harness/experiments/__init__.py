@@ -8,7 +8,13 @@ Each is a module with
                                Markdown from the raw figures alone; draws plots into the folder `figures`, names them by
                                `figures/NAME.svg`, and says in words what is better and what is worse than the peer
 
+and may have
+
+    watched(raw) -> dict       figures of ours that `eval/run compare` watches: name -> (value, sense, noise); see
+                               compare.py
+
 `run` does less with `context.quick`, and says in its figures what it left out and why.
 """
 
-NAMES = []
+NAMES = ['cases', 'remeshers', 'table1', 'clouds', 'table2', 'figure04', 'figure05', 'figure07', 'figure08', 'figure10',
+         'figure11', 'figure12_14', 'figure16']

@@ -1,0 +1,36 @@
+"""Starts a program, waits for it, and tells what it took: `python -I -S launch.py PIPE TIMEOUT PROGRAM WORDS...`.
+
+A process of its own, and a small one, because the system counts the memory of whoever starts a program as the program's
+own: the harness has much, this has some 10 MB. Writes `status seconds maxrss` to the descriptor PIPE.
+"""
+
+import os
+import signal
+import sys
+import time
+
+
+def main():
+    pipe, timeout, program = int(sys.argv[1]), float(sys.argv[2]), sys.argv[3]
+    # What the program leaves behind does not hold the pipe open, nor does the program outlive the harness.
+    os.set_inheritable(pipe, False)
+    parent = os.getppid()
+    start = time.perf_counter()
+    # A group of its own, so that what the program starts can be ended with it.
+    pid = os.posix_spawn(program, sys.argv[3:], os.environ, setpgroup=0)
+    done = 0
+    while not done:
+        late = time.perf_counter() - start > timeout or os.getppid() != parent
+        if late:
+            os.killpg(pid, signal.SIGKILL)
+        done, status, usage = os.wait4(pid, 0 if late else os.WNOHANG)
+        seconds = time.perf_counter() - start
+        if not done:
+            time.sleep(0.002)
+    # What ended in time is not called late.
+    late = late and os.WIFSIGNALED(status)
+    os.write(pipe, b'late' if late else b'%d %r %d' % (status, seconds, usage.ru_maxrss))
+
+
+if __name__ == '__main__':
+    main()

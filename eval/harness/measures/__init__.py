@@ -1,0 +1,21 @@
+"""Measures of meshes, written for this harness alone: none of it is the code of a program that is measured."""
+
+from . import crossings, distance, shape, topology
+
+SAMPLES = 100_000
+
+
+def measure(mesh, reference, seed=0):
+    """All measures of a mesh that is to be `reference` with other triangles, as what JSON can hold."""
+    found, wanted = topology.topology(mesh), topology.topology(reference)
+    closed = found['boundary_loops'] == wanted['boundary_loops'] == 0
+    kind = ('euler', 'components', 'boundary_loops')
+    return {
+        'topology': found,
+        'reference': {key: wanted[key] for key in kind} | {'manifold': topology.is_manifold(wanted)},
+        'same_topology': all(found[key] == wanted[key] for key in kind),
+        'inside_out': closed and mesh.volume() * reference.volume() < 0,
+        'shape': shape.shape(mesh),
+        'crossing_faces': crossings.crossing_faces(mesh),
+        'distance': distance.distances(mesh, reference, SAMPLES, seed),
+    }

@@ -1,0 +1,92 @@
+"""The figures in README.md, written from those of a run between two markers."""
+
+import os
+import sys
+
+from . import results
+from .context import ROOT
+from .experiments import cases, clouds
+from .race import median_of
+from .tables import columns, number
+from .verdicts import faults_of, measure_called
+
+README = os.path.join(ROOT, 'README.md')
+BEGIN, END = '<!-- figures:begin -->', '<!-- figures:end -->'
+FAULTY = '†'
+
+# Heading, and the printf form of the measure of that name in verdicts.MEASURES.
+BEST = {'θmin': '%.1f', 'mean θmin': '%.1f', 'θmax': '%.1f', 'Qmin': '%.2f', 'Qave': '%.3f', '% of valence 6': '%.1f',
+        'variation of edges': '%.3f', 'RMS distance': '%.3f', 'Hausdorff distance': '%.2f'}
+
+
+def rewrite(found):
+    """Puts the section between the markers of README.md."""
+    with open(README, encoding='utf-8') as f:
+        readme = f.read()
+    if readme.count(BEGIN) != 1 or readme.count(END) != 1 or readme.index(BEGIN) > readme.index(END):
+        sys.exit('eval/run: README.md needs one %s and, after it, one %s' % (BEGIN, END))
+    before, rest = readme.split(BEGIN)
+    new = README + '.new'
+    with open(new, 'w', encoding='utf-8') as f:
+        f.write('%s%s\n%s\n%s%s' % (before, BEGIN, section(found), END, rest.split(END)[1]))
+    os.replace(new, README)
+
+
+def section(found):
+    """What stands between the markers, of those experiments that the run had."""
+    parts = ['Version %s, measured on %s (%s) by `%s`. Written by `eval/run readme`; do not edit. '
+             '[eval/RESULTS.md](eval/RESULTS.md) has all figures, the settings of the other programs, and what is '
+             'better and what is worse than each of them.' % (
+                 found['versions']['remesh'], found['date'], results.machine_words(found), found['command'])]
+    writers = {'cases': _cases, 'remeshers': _best, 'clouds': _points}
+    for name, write in writers.items():
+        raw = found['experiments'].get(name)
+        if raw and 'failed' not in raw:
+            parts += write(raw)
+    return '\n\n'.join(parts)
+
+
+def _cases(raw):
+    return [cases.table(raw, lambda result: '%.2f' % median_of(result['process_seconds']))]
+
+
+def _best(raw):
+    """For each measure our row, and one with the best of the others."""
+    models = {name: model['results'] for name, model in raw['models'].items()}
+    rows = []
+    for label, form in BEST.items():
+        measure = measure_called(label)
+        rows += _two_rows(label, form, models, raw, measure.sense,
+                          lambda result, measure=measure: measure.of(result['measures']))
+    rows += _two_rows('seconds', '%.2f', models, raw, -1, lambda result: median_of(result['seconds']))
+    others = [p['label'] for n, p in raw['programs'].items() if 'version' in p and n not in ('remesh', 'ascent')]
+    about = ('Beside the best of %s at the same counts, by one measure at a time; seconds are of remeshing alone. %s '
+             'marks results with a fault: non-manifold, another topology than the input, faces that cross, or a count '
+             'missed by more than 3 %%.' % (', '.join(others), FAULTY))
+    return [about, columns('', list(models), rows)]
+
+
+def _two_rows(label, form, models, raw, sense, value):
+    ours, best = {}, {}
+    for model, found in models.items():
+        known = {n: value(r) for n, r in found.items() if 'measures' in r and value(r) is not None}
+        ours[model] = '**%s**' % number(form, known.get('remesh'))
+        others = {n: v for n, v in known.items() if n not in ('remesh', 'ascent')}
+        if others:
+            name = max(others, key=lambda n: sense * others[n])
+            mark = FAULTY if faults_of(found[name]) else ''
+            best[model] = '%s%s %s' % (form % others[name], mark, raw['programs'][name]['label'])
+    return [('**%s, remesh**' % label, ours), ('best of the others', best)]
+
+
+def _points(raw):
+    names = list(next(iter(raw['kinds'].values())))
+    angles = clouds.rows(raw, lambda r: '%.1f / %.1f' % (
+        r['measures']['shape']['theta_min'], r['measures']['shape']['theta_min_mean']))
+    fits = clouds.rows(raw, lambda r: '%.3f / %.3f / %s' % (
+        r['measures']['shape']['q_mean'], r['measures']['distance']['rms'],
+        'yes' if r['measures']['same_topology'] else 'no'))
+    about = ('The vertices of some models alone, as point clouds, at the same counts; with noise of a quarter of the '
+             'mean spacing ours takes `--smooth`. MeshLab: Poisson-disk subset of the points and ball pivoting.')
+    return [about, columns('From points: θmin / mean θmin', names, angles),
+            columns('From points: Qave / RMS distance to the mesh / its topology', names, fits)]
