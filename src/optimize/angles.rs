@@ -184,5 +184,6 @@ fn places(domain: &Domain, mesh: &Manifold, v: u32, at: &Sample, step: f64) -> V
         let (sin, cos) = (std::f64::consts::TAU * i as f64 / DIRECTIONS as f64).sin_cos();
         x * cos + y * sin
     };
-    (0..DIRECTIONS).map(|i| domain.project(at.position + step * direction(i), at.normal, at.triangle)).collect()
+    let place = |i: usize| Sample { position: at.position + step * direction(i), ..*at };
+    (0..DIRECTIONS).map(|i| domain.settle(&place(i), step)).collect()
 }

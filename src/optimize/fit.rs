@@ -50,7 +50,7 @@ const DRAWN_ROUNDS: usize = 2;
 const LIMITED_ROUNDS: usize = 4;
 
 /// Rounds for a part of a mesh.
-const PART_ROUNDS: usize = 3;
+const PART_ROUNDS: usize = 2;
 
 /// Share of the limit from which on points weigh more.
 const OF_LIMIT: f64 = 0.7;

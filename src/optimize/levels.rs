@@ -128,6 +128,7 @@ pub fn coarsen(domain: &Domain, mesh: &mut Manifold, spacing: f64) {
     let coarse = fixed + mesh.connectivity.vertex_count().saturating_sub(fixed) / 4;
     coarsen_curves(mesh, spacing);
     collapse(mesh, coarse, spacing);
+    *mesh = mesh.without_gaps();
 }
 
 /// Collapses or splits edges such that splitting all long ones will give about `wanted` vertices, now that the vertices

@@ -53,13 +53,10 @@ const TRIED: usize = 4;
 const RELAX_ROUNDS: usize = 3;
 
 /// Triangles outside of the goal that it may leave: more are not mended.
-const MOST_BAD: usize = 16;
+const MOST_BAD: usize = 12;
 
 /// Share of the distance that may be left.
 const MUST_FALL_TO: f64 = 0.9;
-
-/// Share of the distance that is good enough for no more vertices to be tried.
-const GOOD_ENOUGH: f64 = 0.5;
 
 /// Probes that one task looks at.
 const CHUNK: usize = 256;
@@ -105,7 +102,7 @@ pub fn reach_far_places(
         given_up.retain(|&p| !is_new(p));
         far.retain(|place| !is_new(probes[place.probe].position));
         if !mended.is_empty() {
-            target = Target::new(mesh);
+            target.follow(mesh);
             far.extend(task.far_probes(&target, is_new));
         }
     }
@@ -149,6 +146,14 @@ impl Target {
         let triangles = number.iter().map(|&t| c.triangle(3 * t)).collect();
         let mesh = Mesh { positions: mesh.samples.iter().map(|s| s.position).collect(), triangles };
         Target { bvh: Bvh::new(&mesh), mesh, number }
+    }
+
+    /// Takes over where the vertices are, and what triangles there are in the place of as many others.
+    fn follow(&mut self, mesh: &Manifold) {
+        self.mesh.positions.iter_mut().zip(&mesh.samples).for_each(|(p, sample)| *p = sample.position);
+        let triangles = self.mesh.triangles.iter_mut().zip(&self.number);
+        triangles.for_each(|(corners, &t)| *corners = mesh.connectivity.triangle(3 * t));
+        self.bvh.refit(&self.mesh);
     }
 
     /// How far `probe` is from the triangles that face its way, if nearer than `most`, and the number of the closest one.
@@ -221,39 +226,31 @@ impl Task<'_> {
         let mut nearest: Vec<u32> = patch.free_vertices().collect();
         nearest.sort_by(|&a, &b| by_distance(&patch.mesh, a, b));
 
-        let (margin, before) = (worst_margin(&patch.mesh).min(0.0), measured.farthest(&patch.mesh));
-        let mut least = MUST_FALL_TO * before;
-        let mut best = None;
-        for &v in nearest.iter().take(TRIED) {
+        let margin = worst_margin(&patch.mesh).min(0.0);
+        let tries = nearest[..TRIED.min(nearest.len())].par_iter().filter_map(|&v| {
             let mut other = patch.clone();
-            if !self.pull(&mut other.mesh, v, tip, &measured).ok()? {
-                continue;
-            }
-            let farthest = measured.farthest(&other.mesh);
-            if farthest < least && worst_margin(&other.mesh) >= margin {
-                least = farthest;
-                best = Some(other);
-                if farthest < self.least.max(GOOD_ENOUGH * before) {
-                    break;
-                }
-            }
-        }
-        best
+            self.pull(&mut other.mesh, v, tip, &measured, margin).ok()?.then(|| (measured.farthest(&other.mesh), other))
+        });
+        let best = tries.collect::<Vec<_>>().into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        (best.0 < MUST_FALL_TO * measured.farthest(&patch.mesh)).then_some(best.1)
     }
 
-    /// Puts `v` at `tip` and arranges the others around it. Whether that may have led anywhere.
-    fn pull(&self, mesh: &mut Manifold, v: u32, tip: Sample, measured: &Measured) -> Result<bool> {
+    /// Puts `v` at `tip` and arranges the others around it. Whether no triangle is farther outside of the goal than by
+    /// `margin` then.
+    fn pull(&self, mesh: &mut Manifold, v: u32, tip: Sample, measured: &Measured, margin: f64) -> Result<bool> {
+        let improve = |mesh: &mut Manifold| {
+            improve_angles(self.domain, mesh, self.spacing, &())?;
+            Ok(worst_margin(mesh) >= margin)
+        };
         mesh.samples[v as usize] = tip;
         mesh.fixed[v as usize] = true;
         relax(self.domain, mesh, self.spacing, Flips::Delaunay, RELAX_ROUNDS, &())?;
-        if bad_triangles(mesh) > MOST_BAD {
+        if bad_triangles(mesh) > MOST_BAD || !improve(mesh)? {
             return Ok(false);
         }
-        improve_angles(self.domain, mesh, self.spacing, &())?;
         mesh.fixed[v as usize] = false;
         fit_part(self.domain, mesh, self.spacing, self.mean_square, &measured.vertices);
-        improve_angles(self.domain, mesh, self.spacing, &())?;
-        Ok(true)
+        improve(mesh)
     }
 }
 

@@ -81,6 +81,12 @@ impl Bvh {
         Bvh { boxes, order, depth }
     }
 
+    /// Takes over where the triangles of `mesh` are now, of which there must be as many as before. The more they moved the
+    /// slower queries get: the order stays.
+    pub fn refit(&mut self, mesh: &Mesh) {
+        self.boxes = Tree { count: self.order.len(), depth: self.depth }.boxes(mesh, &self.order);
+    }
+
     /// The closest point to `p` on all triangles; of equally close triangles the one of the lower index.
     ///
     /// `None` without triangles, or if `p` is not finite.

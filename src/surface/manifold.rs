@@ -268,10 +268,7 @@ impl Manifold {
     /// instead.
     pub fn with_longest_split(&self, domain: &Domain, count: usize) -> Manifold {
         let (_, old) = self.connectivity.compact();
-        let mut number = vec![NONE; self.samples.len()];
-        for (&v, n) in old.iter().zip(0u32..) {
-            number[v as usize] = n;
-        }
+        let number = self.new_numbers(&old);
         let mut samples: Vec<Sample> = old.iter().map(|&v| self.samples[v as usize]).collect();
         let mut edges: Vec<u32> = self.edges().filter(|&h| self.connectivity.can_split(h)).collect();
         let length = |h: u32| self.relative_length_squared(h);
@@ -295,6 +292,23 @@ impl Manifold {
         let mut finer = Manifold::new(samples, &triangles);
         self.hand_curves_on(&mut finer, &number, &middle_of);
         finer
+    }
+
+    /// The mesh without the gaps that collapses leave: what goes through all of it is faster then.
+    pub fn without_gaps(&self) -> Manifold {
+        let (triangles, old) = self.connectivity.compact();
+        let mut mesh = Manifold::new(old.iter().map(|&v| self.samples[v as usize]).collect(), &triangles);
+        mesh.fixed = old.iter().map(|&v| self.fixed[v as usize]).collect();
+        let unsplit = vec![NONE; self.connectivity.half_edge_bound() as usize];
+        self.hand_curves_on(&mut mesh, &self.new_numbers(&old), &unsplit);
+        mesh
+    }
+
+    /// For each vertex its number once those of `old`, in that order, are all that there are.
+    fn new_numbers(&self, old: &[u32]) -> Vec<u32> {
+        let mut number = vec![NONE; self.samples.len()];
+        old.iter().zip(0..).for_each(|(&v, n)| number[v as usize] = n);
+        number
     }
 
     /// The half-edges of the edge of `h`, one or two.
