@@ -296,6 +296,14 @@ impl Domain {
         }
     }
 
+    /// The triangles whose bounding boxes reach into the cube around `p`, whose sides are `reach` away, in increasing order.
+    pub fn triangles_near(&self, p: DVec3, reach: f64) -> Vec<u32> {
+        let mut near = Vec::new();
+        self.bvh.in_box(&self.mesh, p - reach, p + reach, |t| near.push(t));
+        near.sort_unstable();
+        near
+    }
+
     /// The point at share `along` of `side`, as one of the patch on its left.
     pub fn sample_on_side(&self, side: u32, along: f64) -> Sample {
         let mut weights = [0.0; 3];
