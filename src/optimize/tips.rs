@@ -354,3 +354,77 @@ impl<'a> Measured<'a> {
         Attempt { patch, held, farthest, place }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A triangular grid with `n` edges of length 1/n to a side, over the rhombus of side 1, at the given heights.
+    fn sheet(n: u32, height: impl Fn(f64, f64) -> f64) -> Mesh {
+        let at = |i: u32, j: u32| i * (n + 1) + j;
+        let place = |i: u32, j: u32| {
+            let (u, v) = (f64::from(i) / f64::from(n), f64::from(j) / f64::from(n));
+            let (x, y) = (u + 0.5 * v, 0.75f64.sqrt() * v);
+            DVec3::new(x, y, height(x, y))
+        };
+        let all = |n: u32| (0..n).flat_map(move |i| (0..n).map(move |j| (i, j)));
+        let rhombus = |(i, j)| [[at(i, j), at(i + 1, j), at(i, j + 1)], [at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]];
+        Mesh {
+            positions: all(n + 1).map(|(i, j)| place(i, j)).collect(),
+            triangles: all(n).flat_map(rhombus).collect(),
+        }
+    }
+
+    /// Edges to a side of the coarse sheet.
+    const COARSE: u32 = 15;
+
+    /// The middle of a triangle of the coarse sheet, about its middle.
+    fn middle() -> DVec3 {
+        let flat = sheet(COARSE, |_, _| 0.0);
+        flat.corners((COARSE * COARSE - 1) as usize).into_iter().sum::<DVec3>() / 3.0
+    }
+
+    /// A fine sheet with a spike there, as high as half a coarse edge, and a coarse one laid on it.
+    fn spike() -> (Domain, Manifold) {
+        let (middle, spacing) = (middle(), 1.0 / f64::from(COARSE));
+        let spike = |x: f64, y: f64| 0.5 * (spacing - 1.2 * (x - middle.x).hypot(y - middle.y)).max(0.0);
+        let domain = Domain::new(sheet(8 * COARSE, spike));
+        let coarse = sheet(COARSE, |_, _| 0.0);
+        let samples = coarse.positions.iter().map(|&p| domain.project_anywhere(p)).collect();
+        let mut mesh = Manifold::new(samples, &coarse.triangles);
+        mesh.hold_boundary();
+        (domain, mesh)
+    }
+
+    /// The largest distance of a vertex of the domain to the mesh.
+    fn farthest(domain: &Domain, mesh: &Manifold) -> f64 {
+        let target = Target::new(mesh);
+        let distance = |v| target.distance(&Probe::at_vertex(domain, v), 1.0).map_or(1.0, |d| d.0);
+        (0..domain.mesh.positions.len() as u32).map(distance).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn a_spike_between_the_vertices_gets_one_and_good_triangles() {
+        let (domain, mut mesh) = spike();
+        let (before, old, spacing) = (farthest(&domain, &mesh), mesh.clone(), 1.0 / f64::from(COARSE));
+        reach_far_places(&domain, &mut mesh, spacing, 1e-6, &()).unwrap();
+        let after = farthest(&domain, &mesh);
+        assert!(before > 1.5 * FAR * spacing && after < FAR * spacing, "{before} {after}");
+        assert!(worst_margin(&mesh) >= -LEEWAY);
+        assert_eq!(mesh.to_mesh().positions.len(), old.to_mesh().positions.len());
+        let corners = (0..mesh.connectivity.vertex_bound()).filter(|&v| mesh.is_held(v));
+        corners.for_each(|v| assert_eq!(mesh.position(v), old.position(v)));
+    }
+
+    #[test]
+    fn a_mesh_that_is_near_everywhere_stays() {
+        let domain = Domain::new(sheet(4 * COARSE, |x, y| 0.01 * (3.0 * x).sin() * (2.0 * y).cos()));
+        let coarse = sheet(COARSE, |_, _| 0.0);
+        let samples = coarse.positions.iter().map(|&p| domain.project_anywhere(p)).collect();
+        let mut mesh = Manifold::new(samples, &coarse.triangles);
+        mesh.hold_boundary();
+        let old = mesh.to_mesh();
+        reach_far_places(&domain, &mut mesh, 1.0 / f64::from(COARSE), 1e-9, &()).unwrap();
+        assert_eq!((mesh.to_mesh().positions, mesh.to_mesh().triangles), (old.positions, old.triangles));
+    }
+}

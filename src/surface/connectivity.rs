@@ -556,6 +556,25 @@ mod tests {
     }
 
     #[test]
+    fn triangles_are_replaced_by_others_with_the_same_border() {
+        let (n, triangles) = grid(4, false);
+        let mut mesh = Connectivity::new(n, &triangles);
+        let [a, b, c] = mesh.triangle(0);
+        let d = mesh.triangle(3).into_iter().find(|v| ![a, b, c].contains(v)).unwrap();
+        assert!(mesh.replace(&[0, 1], &[[b, c, d], [b, d, a]]));
+        assert!(mesh.are_adjacent(b, d) && !mesh.are_adjacent(a, c));
+        assert_eq!(audit(&mesh).boundary_loops, 1);
+    }
+
+    #[test]
+    fn triangles_are_not_replaced_where_an_edge_would_be_there_twice() {
+        let faces = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
+        let mut mesh = Connectivity::new(4, &faces);
+        assert!(!mesh.replace(&[0, 1], &[[1, 2, 3], [1, 3, 0]]));
+        assert_eq!((audit(&mesh).euler, mesh.compact().0), (2, faces.to_vec()));
+    }
+
+    #[test]
     fn a_tetrahedron_has_nothing_to_give() {
         let mut mesh = Connectivity::new(4, &[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]);
         assert!((0..12).all(|h| !mesh.can_collapse(h) && !mesh.can_flip(h)));
