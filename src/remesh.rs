@@ -19,7 +19,7 @@ use crate::optimize::angles::improve_angles;
 use crate::optimize::counts::meet_count;
 use crate::optimize::fit::fit;
 use crate::optimize::levels::{
-    balance, clear_seam, coarsen, fix_all_but_bent, fix_all_but_narrow, fix_tips, narrow, split_to,
+    BENT, balance, clear_seam, coarsen, fix_all_but_bent, fix_all_but_narrow, fix_tips, narrow, split_to,
 };
 use crate::optimize::relax::{Flips, relax};
 use crate::optimize::tips::reach_far_places;
@@ -357,26 +357,41 @@ fn optimize(
 
 /// A quarter of the vertices, in good order; all of them where a coarser mesh could not follow the surface.
 fn arrange_coarse(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
-    let Scale { wanted, spacing } = *scale;
+    let spacing = scale.spacing;
     monitor.stage("ascend");
     clear_seam(mesh);
     if fix_all_but_narrow(domain, mesh, spacing) {
         let narrow = Climb { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS };
         ascend(domain, mesh, narrow, monitor)?;
     }
-    fix_all_but_bent(mesh);
-    let fine = Climb { sigma: ASCENT_SIGMA * spacing, step: LONG_STEP, sweeps: FINE_SWEEPS };
-    ascend(domain, mesh, fine, monitor)?;
-    coarsen(domain, mesh, spacing);
-    let coarse = Climb { sigma: COARSE_SIGMA * 2.0 * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS / 2 };
-    for _ in 0..2 {
-        ascend(domain, mesh, coarse, monitor)?;
-        balance(domain, mesh, wanted, spacing);
+    let dense = mesh.clone();
+    for bent in BENT {
+        *mesh = dense.clone();
+        order_coarse(domain, mesh, scale, bent, monitor)?;
+        if crossing_faces(&mesh.to_mesh()).is_empty() {
+            break;
+        }
     }
     monitor.stage("relax");
     remove_near_defects(mesh, 2.0 * spacing);
     relax(domain, mesh, 2.0 * spacing, Flips::KeepValence, SETTLING_ROUNDS, monitor)?;
     relax(domain, mesh, 2.0 * spacing, Flips::Delaunay, ROUNDS, monitor)
+}
+
+/// A quarter of the vertices, ordered by ascent; all of them where the surface turns by more than the angle of cosine
+/// `bent`.
+fn order_coarse(domain: &Domain, mesh: &mut Manifold, scale: &Scale, bent: f64, monitor: &dyn Monitor) -> Result<()> {
+    let Scale { wanted, spacing } = *scale;
+    fix_all_but_bent(mesh, bent);
+    let fine = Climb { sigma: ASCENT_SIGMA * spacing, step: LONG_STEP, sweeps: FINE_SWEEPS };
+    ascend(domain, mesh, fine, monitor)?;
+    coarsen(domain, mesh, spacing, bent);
+    let coarse = Climb { sigma: COARSE_SIGMA * 2.0 * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS / 2 };
+    for _ in 0..2 {
+        ascend(domain, mesh, coarse, monitor)?;
+        balance(domain, mesh, wanted, spacing);
+    }
+    Ok(())
 }
 
 /// All the wanted vertices, relaxed, with as few irregular ones as can be.

@@ -14,10 +14,10 @@ use crate::surface::domain::Domain;
 use crate::surface::manifold::Manifold;
 use crate::surface::topology::NONE;
 
-/// Cosine of the turn of the surface within two rings from which on vertices are fixed: 120 degrees. At 75 degrees a
-/// fifth of the vertices of a detailed model were fixed and stayed irregular; above 120 tips are lost that are not found
-/// again.
-const BENT: f64 = -0.5;
+/// Cosines of the turn of the surface within two rings from which on vertices are fixed: 120 degrees and, where that gives
+/// a coarse mesh that crosses itself, as at thin walls, 102. At 75 a fifth of the vertices of a detailed model were fixed
+/// and stayed irregular; above 120 tips are lost that are not found again.
+pub const BENT: [f64; 2] = [-0.5, -0.2];
 
 /// Cosine of the turn of the surface within an edge from which on a vertex is at a tip: 102 degrees.
 const TIP: f64 = -0.2;
@@ -48,10 +48,10 @@ pub fn fix_all_but_narrow(domain: &Domain, mesh: &mut Manifold, spacing: f64) ->
 }
 
 /// Fixes all vertices but those that a coarser mesh could not do without because the surface bends there, or because
-/// they are beside a seam.
-pub fn fix_all_but_bent(mesh: &mut Manifold) {
+/// they are beside a seam. `bent` is one of [`BENT`].
+pub fn fix_all_but_bent(mesh: &mut Manifold, bent: f64) {
     let beside = beside_seam(mesh);
-    mesh.fixed = mesh.bent(BENT).into_iter().zip(beside).map(|(bent, beside)| !bent && !beside).collect();
+    mesh.fixed = mesh.bent(bent).into_iter().zip(beside).map(|(bent, beside)| !bent && !beside).collect();
 }
 
 /// Takes vertices out that are so near to an edge of the seam that they see it at an obtuse angle. Nothing there can
@@ -118,11 +118,12 @@ pub fn fix_tips(mesh: &mut Manifold) {
 }
 
 /// Fixes the vertices that a coarser mesh could not do without, and collapses the others until
-/// splitting what is left would give about `wanted` vertices again. `spacing` is that of the fine mesh.
-pub fn coarsen(domain: &Domain, mesh: &mut Manifold, spacing: f64) {
+/// splitting what is left would give about as many vertices again. `spacing` is that of the fine mesh, `bent` one of
+/// [`BENT`].
+pub fn coarsen(domain: &Domain, mesh: &mut Manifold, spacing: f64, bent: f64) {
     let narrow = narrow(domain, mesh, spacing);
     let beside = beside_seam(mesh);
-    let as_dense = mesh.bent(BENT).into_iter().zip(narrow).zip(beside);
+    let as_dense = mesh.bent(bent).into_iter().zip(narrow).zip(beside);
     mesh.fixed = as_dense.map(|((bent, narrow), beside)| bent || narrow || beside).collect();
     let fixed = mesh.fixed.iter().filter(|f| **f).count();
     let coarse = fixed + mesh.connectivity.vertex_count().saturating_sub(fixed) / 4;
