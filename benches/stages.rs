@@ -13,7 +13,7 @@ use spectral_remesh::io::{self, Format, NO_BUFFERS};
 use spectral_remesh::optimize::angles::improve_angles;
 use spectral_remesh::optimize::counts::meet_count;
 use spectral_remesh::optimize::fit::fit;
-use spectral_remesh::optimize::levels::{BENT, coarsen};
+use spectral_remesh::optimize::levels::coarsen;
 use spectral_remesh::optimize::relax::{Flips, relax};
 use spectral_remesh::optimize::untangle::untangle;
 use spectral_remesh::optimize::valence::remove_defects;
@@ -199,7 +199,8 @@ fn optimising(bencher: Bencher, stage: impl Fn(&Domain, &mut Manifold, f64) -> R
 #[divan::bench]
 fn s10_coarsen(bencher: Bencher) {
     optimising(bencher, |domain, mesh, spacing| {
-        coarsen(domain, mesh, spacing, BENT[0]);
+        let kept = vec![false; mesh.samples.len()];
+        coarsen(domain, mesh, spacing, &kept);
         Ok(())
     });
 }

@@ -19,7 +19,7 @@ use crate::optimize::angles::improve_angles;
 use crate::optimize::counts::meet_count;
 use crate::optimize::fit::fit;
 use crate::optimize::levels::{
-    BENT, balance, clear_seam, coarsen, fix_all_but_bent, fix_all_but_narrow, fix_tips, narrow, split_to,
+    balance, clear_seam, coarsen, fix_all_but_narrow, fix_tips, indispensable, keep_where_crossing, narrow, split_to,
 };
 use crate::optimize::relax::{Flips, relax};
 use crate::optimize::tips::reach_far_places;
@@ -275,16 +275,46 @@ fn sample_and_triangulate(
     monitor: &dyn Monitor,
 ) -> Result<(Domain, Meshed)> {
     for density in CURVE_DENSITIES {
-        let meshed = mesh_of_samples(&domain, scale, density, options, monitor)?;
+        let meshed = least_crossing(&domain, scale, density, options, monitor)?;
         if meshed.glued && has_kind(&meshed.mesh, wanted) || domain.sharp_curves() == 0 {
             return Ok((domain, meshed));
         }
         monitor.stage("sample");
     }
     let domain = domain.smooth();
-    let meshed = mesh_of_samples(&domain, scale, 1.0, options, monitor)?;
+    let meshed = least_crossing(&domain, scale, 1.0, options, monitor)?;
     Ok((domain, meshed))
 }
+
+/// The mesh of the samples; where its faces cross more than those of the surface, that of other samples if they cross
+/// less. At a thin wall the samples of its two sides may come together such that nothing later parts them.
+fn least_crossing(
+    domain: &Domain,
+    scale: &Scale,
+    curve_density: f64,
+    options: &Options,
+    monitor: &dyn Monitor,
+) -> Result<Meshed> {
+    let mut best = mesh_of_samples(domain, scale, curve_density, options.seed, monitor)?;
+    let mut least = crossing_faces(&best.mesh.to_mesh()).len();
+    let of_surface = if least == 0 { 0 } else { domain.crossing_faces().len() };
+    for attempt in 1..MOST_SAMPLINGS {
+        if least <= of_surface {
+            break;
+        }
+        monitor.stage("sample");
+        let seed = options.seed.wrapping_add(attempt << 40);
+        let other = mesh_of_samples(domain, scale, curve_density, seed, monitor)?;
+        let crossing = crossing_faces(&other.mesh.to_mesh()).len();
+        if crossing < least {
+            (best, least) = (other, crossing);
+        }
+    }
+    Ok(best)
+}
+
+/// Times that the surface is sampled, the first included, for a mesh that does not cross itself.
+const MOST_SAMPLINGS: u64 = 4;
 
 /// Points on curves for each spacing of their length, in one attempt after the other: patches narrower than the spacing
 /// need more of them.
@@ -303,13 +333,12 @@ fn mesh_of_samples(
     domain: &Domain,
     scale: &Scale,
     curve_density: f64,
-    options: &Options,
+    seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<Meshed> {
     let curves = sample_curves(domain, scale.curve_spacing(domain) / curve_density);
-    let candidates =
-        candidates(domain, CANDIDATES_PER_POINT * scale.wanted, &mut stream(options.seed, Stage::Candidates));
-    let samples = linear_scan(domain, &candidates, &curves.samples, scale.sigma(), options.seed, monitor)?;
+    let candidates = candidates(domain, CANDIDATES_PER_POINT * scale.wanted, &mut stream(seed, Stage::Candidates));
+    let samples = linear_scan(domain, &candidates, &curves.samples, scale.sigma(), seed, monitor)?;
     drop(candidates);
     monitor.stage("triangulate");
     let boundary = Boundary { sites: &curves.sites, successor: &curves.successor };
@@ -364,11 +393,12 @@ fn arrange_coarse(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: 
         let narrow = Climb { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS };
         ascend(domain, mesh, narrow, monitor)?;
     }
-    let dense = mesh.clone();
-    for bent in BENT {
-        *mesh = dense.clone();
-        order_coarse(domain, mesh, scale, bent, monitor)?;
-        if crossing_faces(&mesh.to_mesh()).is_empty() {
+    let fine = mesh.clone();
+    let mut kept = vec![false; mesh.samples.len()];
+    for _ in 0..MOST_COARSE_MESHES {
+        *mesh = fine.clone();
+        order_coarse(domain, mesh, scale, &kept, monitor)?;
+        if !keep_where_crossing(&mut kept, &fine, mesh, spacing) {
             break;
         }
     }
@@ -378,14 +408,19 @@ fn arrange_coarse(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: 
     relax(domain, mesh, 2.0 * spacing, Flips::Delaunay, ROUNDS, monitor)
 }
 
-/// A quarter of the vertices, ordered by ascent; all of them where the surface turns by more than the angle of cosine
-/// `bent`.
-fn order_coarse(domain: &Domain, mesh: &mut Manifold, scale: &Scale, bent: f64, monitor: &dyn Monitor) -> Result<()> {
+/// A quarter of the vertices, ordered by ascent, and all that are to be `kept`.
+fn order_coarse(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    scale: &Scale,
+    kept: &[bool],
+    monitor: &dyn Monitor,
+) -> Result<()> {
     let Scale { wanted, spacing } = *scale;
-    fix_all_but_bent(mesh, bent);
+    mesh.fixed = indispensable(mesh, kept).into_iter().map(|kept| !kept).collect();
     let fine = Climb { sigma: ASCENT_SIGMA * spacing, step: LONG_STEP, sweeps: FINE_SWEEPS };
     ascend(domain, mesh, fine, monitor)?;
-    coarsen(domain, mesh, spacing, bent);
+    coarsen(domain, mesh, spacing, kept);
     let coarse = Climb { sigma: COARSE_SIGMA * 2.0 * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS / 2 };
     for _ in 0..2 {
         ascend(domain, mesh, coarse, monitor)?;
@@ -410,6 +445,9 @@ fn refine_to_count(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor:
     }
     relax(domain, mesh, spacing, Flips::KeepValence, 2 * ROUNDS, monitor)
 }
+
+/// Coarse meshes that are made, each with more of the surface kept dense, until none of its faces cross.
+const MOST_COARSE_MESHES: usize = 3;
 
 /// Sweeps of ascent in the places that no coarser mesh can follow, and those over the coarse mesh: irregular vertices
 /// get fewer up to about seventy.

@@ -10,14 +10,19 @@
 
 use crate::optimize::counts::{collapse_shortest, split_longest};
 use crate::surface::connectivity::{SEAM, next, prev};
+use crate::surface::crossings::crossing_faces;
 use crate::surface::domain::Domain;
 use crate::surface::manifold::Manifold;
+use crate::surface::neighbors::Neighbors;
 use crate::surface::topology::NONE;
+use glam::DVec3;
 
-/// Cosines of the turn of the surface within two rings from which on vertices are fixed: 120 degrees and, where that gives
-/// a coarse mesh that crosses itself, as at thin walls, 102. At 75 a fifth of the vertices of a detailed model were fixed
-/// and stayed irregular; above 120 tips are lost that are not found again.
-pub const BENT: [f64; 2] = [-0.5, -0.2];
+/// Cosine of the turn of the surface within two rings from which on vertices are kept: 120 degrees. At 75 a fifth of the
+/// vertices of a detailed model were kept and stayed irregular; above 120 tips are lost that are not found again.
+const BENT: f64 = -0.5;
+
+/// Distance, in spacings of the fine mesh, from faces of the coarse one that cross, within which vertices are kept.
+const CLEARANCE: f64 = 6.0;
 
 /// Cosine of the turn of the surface within an edge from which on a vertex is at a tip: 102 degrees.
 const TIP: f64 = -0.2;
@@ -47,11 +52,28 @@ pub fn fix_all_but_narrow(domain: &Domain, mesh: &mut Manifold, spacing: f64) ->
     mesh.fixed.iter().any(|fixed| !fixed)
 }
 
-/// Fixes all vertices but those that a coarser mesh could not do without because the surface bends there, or because
-/// they are beside a seam. `bent` is one of [`BENT`].
-pub fn fix_all_but_bent(mesh: &mut Manifold, bent: f64) {
-    let beside = beside_seam(mesh);
-    mesh.fixed = mesh.bent(bent).into_iter().zip(beside).map(|(bent, beside)| !bent && !beside).collect();
+/// The vertices that a coarser mesh could not do without: those that are `kept`, and those where the surface bends or that
+/// are beside a seam.
+pub fn indispensable(mesh: &Manifold, kept: &[bool]) -> Vec<bool> {
+    let bent_or_kept = mesh.bent(BENT).into_iter().zip(kept).map(|(bent, kept)| bent || *kept);
+    bent_or_kept.zip(beside_seam(mesh)).map(|(dense, beside)| dense || beside).collect()
+}
+
+/// Adds to `kept` the vertices of `mesh` around the faces of `coarse` that cross: the surface is a wall there that is
+/// too thin for such large faces. Whether there are any.
+pub fn keep_where_crossing(kept: &mut [bool], mesh: &Manifold, coarse: &Manifold, spacing: f64) -> bool {
+    let coarse = coarse.to_mesh();
+    let crossing = crossing_faces(&coarse);
+    if crossing.is_empty() {
+        return false;
+    }
+    let positions: Vec<DVec3> = mesh.samples.iter().map(|s| s.position).collect();
+    let neighbors = Neighbors::new(&positions);
+    for p in crossing.into_iter().flat_map(|t| coarse.corners(t as usize)) {
+        let near = neighbors.within(p, CLEARANCE * spacing);
+        near.into_iter().for_each(|n| kept[n.point as usize] = mesh.connectivity.has_vertex(n.point));
+    }
+    true
 }
 
 /// Takes vertices out that are so near to an edge of the seam that they see it at an obtuse angle. Nothing there can
@@ -117,14 +139,11 @@ pub fn fix_tips(mesh: &mut Manifold) {
     mesh.fixed = (0..c.vertex_bound()).map(|v| c.has_vertex(v) && is_tip(v)).collect();
 }
 
-/// Fixes the vertices that a coarser mesh could not do without, and collapses the others until
-/// splitting what is left would give about as many vertices again. `spacing` is that of the fine mesh, `bent` one of
-/// [`BENT`].
-pub fn coarsen(domain: &Domain, mesh: &mut Manifold, spacing: f64, bent: f64) {
+/// Fixes the [`indispensable`] vertices and those in narrow patches, and collapses the others until splitting what is left
+/// would give about as many vertices again. `spacing` is that of the fine mesh.
+pub fn coarsen(domain: &Domain, mesh: &mut Manifold, spacing: f64, kept: &[bool]) {
     let narrow = narrow(domain, mesh, spacing);
-    let beside = beside_seam(mesh);
-    let as_dense = mesh.bent(bent).into_iter().zip(narrow).zip(beside);
-    mesh.fixed = as_dense.map(|((bent, narrow), beside)| bent || narrow || beside).collect();
+    mesh.fixed = narrow.into_iter().zip(indispensable(mesh, kept)).map(|(narrow, kept)| narrow || kept).collect();
     let fixed = mesh.fixed.iter().filter(|f| **f).count();
     let coarse = fixed + mesh.connectivity.vertex_count().saturating_sub(fixed) / 4;
     coarsen_curves(mesh, spacing);
