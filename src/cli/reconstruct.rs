@@ -31,7 +31,7 @@ pub(super) struct ReconstructArgs {
     /// Edge length of the cells, in the units of the input [default: half the mean spacing of the points]
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = positive)]
     resolution: Option<f64>,
-    /// How far points reach, in mean distances of neighbouring ones: the larger, the smoother [default: 2.2]
+    /// How far points reach, in mean distances of neighbouring ones: the larger, the smoother [default: 2.3]
     #[arg(long, value_name = "W", allow_negative_numbers = true)]
     smooth: Option<f64>,
     #[command(flatten)]

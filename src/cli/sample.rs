@@ -46,7 +46,7 @@ pub(super) struct SampleArgs {
     /// where it changes; up to four times
     #[arg(long = "sigma", value_name = "NAME=VALUE", value_parser = property_width)]
     properties: Vec<PropertyWidth>,
-    /// How far the points of a cloud reach, in mean distances of neighbouring ones: the larger, the smoother [default: 2.2]
+    /// How far the points of a cloud reach, in mean distances of neighbouring ones: the larger, the smoother [default: 2.3]
     #[arg(long, value_name = "W", allow_negative_numbers = true, conflicts_with = "scan_only")]
     smooth: Option<f64>,
     #[command(flatten)]

@@ -117,14 +117,14 @@ fn flip_if_better(mesh: &mut Manifold, h: u32) -> bool {
     if g == NONE || !c.can_flip(h) || !mesh.flip_keeps_facing(h, LEAST_FACING) {
         return false;
     }
-    if ![c.origin(h), c.target(h)].into_iter().all(|v| can_spare_an_edge(mesh, v)) {
-        return false;
-    }
+    // An ear, two sides on a curve, has no other way to become better.
+    let is_ear = |h: u32| c.curve(next(h)) != NONE && c.curve(prev(h)) != NONE;
+    let spare = is_ear(h) || is_ear(g) || [c.origin(h), c.target(h)].into_iter().all(|v| can_spare_an_edge(mesh, v));
     let [a, b, top] = c.triangle(h).map(|v| mesh.position(v));
     let bottom = mesh.position(c.apex(g));
     let before = margin_of([a, b, top]).min(margin_of([b, a, bottom]));
     let after = margin_of([top, a, bottom]).min(margin_of([bottom, b, top]));
-    let better = after > before;
+    let better = after > before && spare;
     if better {
         mesh.connectivity.flip(h);
     }
