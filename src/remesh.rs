@@ -432,7 +432,13 @@ fn order_coarse(
 /// All the wanted vertices, relaxed, with as few irregular ones as can be.
 fn refine_to_count(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
     let Scale { wanted, spacing } = *scale;
-    *mesh = split_to(domain, mesh, wanted);
+    *mesh = split_to(domain, mesh, wanted, spacing);
+    if mesh.fixed.contains(&false) {
+        monitor.stage("ascend");
+        let transition = Climb { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: TRANSITION_SWEEPS };
+        ascend(domain, mesh, transition, monitor)?;
+        monitor.stage("relax");
+    }
     fix_tips(mesh);
     remove_near_defects(mesh, spacing);
     relax(domain, mesh, spacing, Flips::Delaunay, ROUNDS, monitor)?;
@@ -449,10 +455,11 @@ fn refine_to_count(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor:
 /// Coarse meshes that are made, each with more of the surface kept dense, until none of its faces cross.
 const MOST_COARSE_MESHES: usize = 3;
 
-/// Sweeps of ascent in the places that no coarser mesh can follow, and those over the coarse mesh: irregular vertices
-/// get fewer up to about seventy.
+/// Sweeps of ascent in the places that no coarser mesh can follow, those over the coarse mesh, and those where the dense
+/// and the coarse vertices meet. Irregular vertices get fewer the longer it goes, ever more slowly.
 const FINE_SWEEPS: usize = 11;
 const COARSE_SWEEPS: usize = 120;
+const TRANSITION_SWEEPS: usize = 30;
 
 /// Kernel width of the ascent over the coarse mesh, in its spacings: a wide one orders more.
 const COARSE_SIGMA: f64 = 0.9;

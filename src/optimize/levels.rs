@@ -40,6 +40,10 @@ const TOLERANCE: f64 = 0.25;
 /// Rings beside a seam that stay as dense as it is.
 const RINGS_BESIDE_SEAM: usize = 2;
 
+/// Rings around vertices that stayed dense that are ordered anew with them once the edges around have been split: half of
+/// the irregular vertices lie where the two meet, and more rings do not get rid of more of them.
+const RINGS_OF_TRANSITION: usize = 4;
+
 /// Cosine of the angle at which a vertex that is too near sees an edge of the seam: 105 degrees.
 const ENCROACHED: f64 = -0.26;
 
@@ -113,12 +117,18 @@ fn way_out(mesh: &Manifold, h: u32) -> Option<u32> {
 /// The vertices on a seam and in the rings beside it.
 fn beside_seam(mesh: &Manifold) -> Vec<bool> {
     let c = &mesh.connectivity;
-    let mut beside: Vec<bool> = (0..c.vertex_bound()).map(|v| c.has_vertex(v) && c.is_on_seam(v)).collect();
-    for _ in 0..RINGS_BESIDE_SEAM {
-        let is_next = |v: u32| c.has_vertex(v) && (beside[v as usize] || c.ring(v).any(|w| beside[w as usize]));
-        beside = (0..c.vertex_bound()).map(is_next).collect();
+    let on_seam = (0..c.vertex_bound()).map(|v| c.has_vertex(v) && c.is_on_seam(v)).collect();
+    with_rings(mesh, on_seam, RINGS_BESIDE_SEAM)
+}
+
+/// The vertices of `set` and of that many rings around it.
+fn with_rings(mesh: &Manifold, mut set: Vec<bool>, rings: usize) -> Vec<bool> {
+    let c = &mesh.connectivity;
+    for _ in 0..rings {
+        let is_next = |v: u32| c.has_vertex(v) && (set[v as usize] || c.ring(v).any(|w| set[w as usize]));
+        set = (0..c.vertex_bound()).map(is_next).collect();
     }
-    beside
+    set
 }
 
 /// The vertices in patches, between curves, that are too narrow for a coarser mesh, and those on the curves around them.
@@ -164,9 +174,17 @@ pub fn balance(domain: &Domain, mesh: &mut Manifold, wanted: usize, spacing: f64
     }
 }
 
-/// The mesh with its longest edges split, as many as it takes to have `wanted` vertices, and nothing fixed any more.
-pub fn split_to(domain: &Domain, mesh: &Manifold, wanted: usize) -> Manifold {
-    mesh.with_longest_split(domain, wanted.saturating_sub(mesh.connectivity.vertex_count()))
+/// The mesh with its longest edges split, as many as it takes to have `wanted` vertices. Free are those that were fixed,
+/// because they are dense already, and a few rings around them, but for narrow patches, which have been ordered as a
+/// whole; all others are fixed.
+pub fn split_to(domain: &Domain, mesh: &Manifold, wanted: usize, spacing: f64) -> Manifold {
+    let (_, old) = mesh.connectivity.compact();
+    let mut finer = mesh.with_longest_split(domain, wanted.saturating_sub(old.len()));
+    let mut dense: Vec<bool> = old.iter().map(|&v| mesh.fixed[v as usize]).collect();
+    dense.resize(finer.samples.len(), false);
+    let free = with_rings(&finer, dense, RINGS_OF_TRANSITION);
+    finer.fixed = free.into_iter().zip(narrow(domain, &finer, spacing)).map(|(free, narrow)| narrow || !free).collect();
+    finer
 }
 
 fn long_edges(mesh: &Manifold, spacing: f64) -> usize {
