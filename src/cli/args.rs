@@ -15,7 +15,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 use quality::QualityArgs;
 use reconstruct::ReconstructArgs;
-use remesh::RemeshArgs;
+use remesh::{FileArgs, RemeshArgs};
 use sample::SampleArgs;
 use std::ffi::OsString;
 use stop::{stop, wrong};
@@ -69,7 +69,9 @@ struct Args {
     #[command(subcommand)]
     command: Option<Command>,
     #[command(flatten)]
-    remesh: Option<RemeshArgs>,
+    files: Option<FileArgs>,
+    #[command(flatten)]
+    remesh: RemeshArgs,
 }
 
 #[derive(Debug, Subcommand)]
@@ -104,13 +106,13 @@ pub enum Job {
 
 /// What the words of a command line, the program's name first, ask for.
 pub fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Job, Stop> {
-    let Args { command, remesh } = Args::try_parse_from(words).map_err(|e| stop(&e))?;
-    match (command, remesh) {
+    let Args { command, files, remesh } = Args::try_parse_from(words).map_err(|e| stop(&e))?;
+    match (command, files) {
         (Some(Command::Sample(args)), _) => args.resolve().map(Job::Sample),
         (Some(Command::Reconstruct(args)), _) => Ok(Job::Reconstruct(args.resolve())),
         (Some(Command::Quality(args)), _) => Ok(Job::Measure(args.resolve())),
         (Some(Command::Completions { shell }), _) => Ok(Job::Complete(completions(shell))),
-        (None, Some(args)) => args.resolve().map(|job| Job::Remesh(Box::new(job))),
+        (None, Some(files)) => remesh.resolve(files).map(|job| Job::Remesh(Box::new(job))),
         (None, None) => Err(wrong("the input and the output file are missing")),
     }
 }

@@ -7,7 +7,7 @@
 //!
 //! Cost: sorting the sides of the triangles, a few times.
 
-use crate::geom::eigen::eigen;
+use crate::geom::eigen::{eigen, scatter};
 use crate::surface::crossings::crossing_faces;
 use crate::surface::mesh::Mesh;
 use crate::surface::topology::components;
@@ -15,7 +15,7 @@ use crate::triangulate::agreement::agreed_by_most;
 use crate::triangulate::holes::{closed_fans, fill_holes, gaps};
 use crate::triangulate::points::Surroundings;
 use crate::triangulate::star::INTERIOR;
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 /// What passes for a hole.
 #[derive(Debug, Clone, Copy)]
@@ -164,10 +164,8 @@ fn is_flat_place(points: Surroundings<'_>, look: Look, polygon: &[u32]) -> bool 
 
 /// The mean of points, the normal of the plane that fits them best, and how far they spread across their longest extent.
 fn plane(points: &[DVec3]) -> (DVec3, DVec3, f64) {
-    let mean = points.iter().sum::<DVec3>() / points.len() as f64;
-    let outer = |d: DVec3| DMat3::from_cols(d.x * d, d.y * d, d.z * d);
-    let spread = points.iter().map(|&p| outer(p - mean)).fold(DMat3::ZERO, |sum, m| sum + m);
-    let (values, vectors) = eigen(spread);
+    let (mean, scatter) = scatter(points.iter().copied());
+    let (values, vectors) = eigen(scatter);
     (mean, vectors[0], (values[1] / points.len() as f64).max(0.0).sqrt())
 }
 

@@ -10,14 +10,20 @@ use crate::remesh::{CloudOptions, Density, MaxError, Options, Selection};
 use crate::surface::features::Features;
 use std::path::PathBuf;
 
+/// What tells the main command from the others, which lack it.
 #[derive(Debug, clap::Args)]
-pub(super) struct RemeshArgs {
+pub(super) struct FileArgs {
     /// The mesh to read
     #[arg(value_name = "IN")]
     input: PathBuf,
     /// The mesh to write; an existing file is replaced when the new one is complete
     #[arg(value_name = "OUT")]
     output: PathBuf,
+}
+
+/// What may stand beside the files. It has defaults throughout, so that clap finds it with the other commands, too.
+#[derive(Debug, clap::Args)]
+pub(super) struct RemeshArgs {
     /// Number of vertices of the output; auto, with --max-error, takes as many as that needs
     #[arg(long, value_name = "N|auto", group = "density", allow_negative_numbers = true, value_parser = points)]
     points: Option<Density>,
@@ -111,10 +117,9 @@ pub struct Remeshing {
 }
 
 impl RemeshArgs {
-    pub(super) fn resolve(self) -> Result<Remeshing, Stop> {
+    pub(super) fn resolve(self, files: FileArgs) -> Result<Remeshing, Stop> {
+        let FileArgs { input, output } = files;
         let RemeshArgs {
-            input,
-            output,
             points,
             edge_length,
             sigma_p,
