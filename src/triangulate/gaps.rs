@@ -12,7 +12,7 @@ use crate::surface::crossings::crossing_faces;
 use crate::surface::mesh::Mesh;
 use crate::surface::topology::components;
 use crate::triangulate::agreement::agreed_by_most;
-use crate::triangulate::holes::{closed_fans, fill_holes, gaps};
+use crate::triangulate::holes::{closed_fans, closed_stars, fill_holes, gaps};
 use crate::triangulate::points::Surroundings;
 use crate::triangulate::star::INTERIOR;
 use glam::DVec3;
@@ -112,16 +112,12 @@ fn crossing(points: Surroundings<'_>, triangles: &[[u32; 3]], is_filled: &[bool]
     crossing_faces(&mesh).into_iter().map(|t| near[t as usize]).collect()
 }
 
-/// The points whose stars are not closed.
+/// The points whose stars are not closed, or that have none.
 fn ends(stars: &[[u32; 3]], points: usize) -> Vec<bool> {
-    let mut balance = vec![0u32; points];
-    let mut has_star = vec![false; points];
-    for &[centre, a, b] in stars {
-        // Around a closed star every neighbour is once the first and once the second corner.
-        balance[centre as usize] = balance[centre as usize].wrapping_add(b.wrapping_sub(a));
-        has_star[centre as usize] = true;
-    }
-    balance.into_iter().zip(has_star).map(|(balance, has_star)| balance != 0 || !has_star).collect()
+    let mut ends = vec![true; points];
+    let closed = closed_stars(points, stars.iter().copied());
+    stars.iter().for_each(|&[centre, ..]| ends[centre as usize] = !closed[centre as usize]);
+    ends
 }
 
 fn is_hole(points: Surroundings<'_>, ends: &[bool], look: Look, polygon: &[u32]) -> bool {
