@@ -435,12 +435,12 @@ fn refine_to_count(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor:
 /// Coarse meshes that are made, each with more of the surface kept dense, until none of its faces cross.
 const MOST_COARSE_MESHES: usize = 3;
 
-/// Sweeps of ascent in the places that no coarser mesh can follow, and those over the coarse mesh: irregular vertices
-/// get fewer up to about seventy.
+/// Sweeps of ascent in the places that no coarser mesh can follow, and those over the coarse mesh, in two halves: with
+/// more there are fewer irregular vertices, though less and less so.
 const FINE_SWEEPS: usize = 11;
 const COARSE_SWEEPS: usize = 120;
 
-/// Kernel width of the ascent over the coarse mesh, in its spacings: a wide one orders more.
+/// Kernel width of the ascent over the coarse mesh, in its spacings: a little narrower than elsewhere ([`ASCENT_SIGMA`]).
 const COARSE_SIGMA: f64 = 0.9;
 
 /// Rounds of relaxation at each level: after three, vertices move by a hundredth of an edge. Those after defects have
