@@ -1,9 +1,7 @@
 //! The idea of the paper's Table 2: what is lost of a surface that is reconstructed from the points that the scan keeps
 //! grows with σp, and is less than with as many points chosen at random or one a voxel.
 
-mod common;
-
-use common::{Ends, grid};
+use crate::common::{Ends, grid};
 use glam::{DVec3, dvec3};
 use spectral_remesh::base::rng::{Rng, Stage, stream};
 use spectral_remesh::quality::distance::distance;
