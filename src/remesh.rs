@@ -75,6 +75,10 @@ const LONGEST_EDGE: f64 = 2.0;
 /// # Errors
 /// [`Error::Mesh`] for an input without triangles or without area, or with bad numbers; [`Error::Option`] for options
 /// out of range; [`Error::Cancelled`] if the monitor asks for it.
+///
+/// [`Error::Mesh`]: crate::base::error::Error::Mesh
+/// [`Error::Option`]: crate::base::error::Error::Option
+/// [`Error::Cancelled`]: crate::base::error::Error::Cancelled
 pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<Remeshed> {
     options.validate()?;
     match options.density {
