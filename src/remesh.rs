@@ -8,11 +8,12 @@ mod reconstruct;
 mod result;
 mod sample;
 mod scale;
+mod source;
 mod unit;
 mod width;
 mod within;
 
-use crate::base::error::{Error, Result};
+use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};
 use crate::base::rng::{Stage, stream};
 use crate::optimize::angles::improve_angles;
@@ -35,21 +36,16 @@ use crate::surface::domain::Domain;
 use crate::surface::manifold::Manifold;
 use crate::surface::mesh::Mesh;
 use crate::surface::refine::refine;
-use crate::surface::repair::{Repairs, repair};
-use crate::surface::seams::{close_seams, open_seams};
 use crate::surface::sizing::adapted_sizes;
 use crate::surface::topology::{Topology, topology};
 use crate::triangulate::glue::{Seams, glue};
 use crate::triangulate::{Boundary, triangulate};
 use cloud::smoothed;
 use follow::{ascend_as_asked, follow};
-use glam::DVec3;
-use kernel::{Beside, check_signals};
 use options::FIRST_POINTS;
 use result::notes;
-use scale::{Field, Scale};
-use unit::Unit;
-use within::Within;
+use scale::Scale;
+use source::Source;
 
 pub use cloud::{CloudOptions, CloudSummary, DEFAULT_REACH, MeshOfPoints, NormalFit, Reach, mesh_of_points};
 pub use kernel::Signal;
@@ -79,6 +75,10 @@ const LONGEST_EDGE: f64 = 2.0;
 /// # Errors
 /// [`Error::Mesh`] for an input without triangles or without area, or with bad numbers; [`Error::Option`] for options
 /// out of range; [`Error::Cancelled`] if the monitor asks for it.
+///
+/// [`Error::Mesh`]: crate::base::error::Error::Mesh
+/// [`Error::Option`]: crate::base::error::Error::Option
+/// [`Error::Cancelled`]: crate::base::error::Error::Cancelled
 pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<Remeshed> {
     options.validate()?;
     match options.density {
@@ -153,24 +153,8 @@ fn remesh_soundly(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Res
 
 fn remesh_once(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<Remeshed> {
     monitor.stage("repair");
-    refuse_bad_numbers(input)?;
-    options.sizing.as_deref().map_or(Ok(()), |lengths| check_field(input.positions.len(), lengths))?;
-    check_signals(&options.signals, input.positions.len())?;
-    let unit = Unit::of(input);
-    let field = options.sizing.as_deref().map(|lengths| Field::new(lengths, input, &unit));
-    let within = Within::new(input, options, field.as_ref(), &unit)?;
-    let Repaired { mesh: mut clean, repairs, open_seams } = match &within {
-        Some(within) => within.repaired(options, &unit),
-        None => repaired(input, options, &unit),
-    };
-    let input_topology = topology(input.positions.len(), &input.triangles);
-    let untouched = options.weld.is_none() && repairs == Repairs::default();
-    let whole = within.as_ref().map_or(&clean, |within| &within.whole);
-    let repaired = if untouched { input_topology } else { topology(whole.positions.len(), &whole.triangles) };
-    let kind = if within.is_some() { topology(clean.positions.len(), &clean.triangles) } else { repaired };
-    let diagonal = within.as_ref().map_or_else(|| unit.size * clean.diagonal(), |within| within.whole.diagonal());
-    let mut scale = Scale::new(options.density, field.as_ref(), &clean, &unit)?;
-    let allowed = options.max_error.map(|e| e.length(diagonal));
+    let (source, mut clean) = Source::new(input, options)?;
+    let scale = Scale::new(options.density, source.field.as_ref(), &clean, &source.unit)?;
     check(monitor)?;
     if let Some(reach) = options.smooth {
         monitor.stage("smooth");
@@ -179,61 +163,90 @@ fn remesh_once(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result
     }
 
     monitor.stage("sample");
+    let graded = graded(&source, clean, scale, monitor)?;
+    let (graded, mut made) = sample_and_triangulate(graded, &source.of_sampled, options, monitor)?;
+    arrange(&source, &graded, &mut made.mesh, monitor)?;
+    monitor.stage("untangle");
+    untangle(&graded.domain, &mut made.mesh, monitor)?;
+    let mesh = made.mesh.to_mesh();
+    let deviation = deviation(&source, &graded.domain, &mesh, monitor);
+    Ok(remeshed(&source, &graded, &made, mesh, deviation))
+}
+
+/// A domain that knows the lengths wanted on it, the scale that these have, and the width σp of the kernel, both in the
+/// pipeline's unit.
+struct Graded {
+    domain: Domain,
+    scale: Scale,
+    sigma: f64,
+}
+
+/// The domain of `clean` with the lengths that a field, the shape or a kernel want, and a seam.
+fn graded(source: &Source, mut clean: Mesh, mut scale: Scale, monitor: &dyn Monitor) -> Result<Graded> {
+    let options = source.options;
     let most = 4 * clean.triangles.len() + 16 * scale.wanted;
     refine(&mut clean, LONGEST_EDGE * scale.spacing, most);
-    let seam = within.as_ref().map_or_else(Vec::new, |within| within.part.seam.clone());
+    let seam = source.within.as_ref().map_or_else(Vec::new, |within| within.part.seam.clone());
     let mut domain = Domain::with_seam(clean, options.features, scale.spacing, seam);
-    if let Some(field) = &field {
+    if let Some(field) = &source.field {
         scale = field.grade(&mut domain, options.density, scale)?;
     } else if options.adapt > 0.0 {
         domain.grade(adapted_sizes(&domain, options.adapt, scale.spacing));
     }
     let mut sigma = scale.sigma();
     if options.has_kernel() {
-        let beside = Beside::new(options.sigma_n, &options.signals, input, &unit, &domain);
-        let followed = follow(&domain, &beside, scale, options, monitor)?;
+        let followed = follow(&domain, &source.beside(&domain), scale, options, monitor)?;
         domain.grade(followed.sizes);
         (scale, sigma) = (followed.scale, followed.sigma);
     }
-    if let Some(within) = &within {
+    if let Some(within) = &source.within {
         scale = within.grade(&mut domain, options.density, &scale);
         sigma = if options.has_kernel() { sigma } else { scale.sigma() };
     }
-    let (domain, mut made) = sample_and_triangulate(domain, &scale, &kind, options, monitor)?;
-    if options.optimize {
-        optimize(&domain, &mut made.mesh, &scale, allowed.map(|a| a / unit.size), monitor)?;
-    } else {
-        meet_count(&domain, &mut made.mesh, scale.wanted);
-        monitor.stage("ascend");
-        let beside = Beside::new(options.sigma_n, &options.signals, input, &unit, &domain);
-        ascend_as_asked(&domain, &mut made.mesh, &beside, sigma, options.sweeps, monitor)?;
-    }
+    Ok(Graded { domain, scale, sigma })
+}
 
-    monitor.stage("untangle");
-    untangle(&domain, &mut made.mesh, monitor)?;
-    let mesh = made.mesh.to_mesh();
-    let deviation = allowed.and_then(|allowed| {
-        monitor.stage("bound");
-        let Bounds { upper, place, .. } = hausdorff_bounds(&mesh, &domain.mesh, OF_INTEREST * allowed / unit.size)?;
-        Some(Deviation { allowed, reached: unit.size * upper, place: unit.outwards_point(place).to_array() })
-    });
+/// Optimises the mesh, or, if that is not wanted, gives it the wanted count and leaves it where the paper's ascent does.
+fn arrange(source: &Source, graded: &Graded, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<()> {
+    let Graded { domain, scale, sigma } = graded;
+    if source.options.optimize {
+        return optimize(domain, mesh, scale, source.allowed.map(|a| a / source.unit.size), monitor);
+    }
+    meet_count(domain, mesh, scale.wanted);
+    monitor.stage("ascend");
+    ascend_as_asked(domain, mesh, &source.beside(domain), *sigma, source.options.sweeps, monitor)
+}
+
+/// How far `mesh` is from the domain, if that is asked for.
+fn deviation(source: &Source, domain: &Domain, mesh: &Mesh, monitor: &dyn Monitor) -> Option<Deviation> {
+    let Source { allowed, unit, .. } = source;
+    let allowed = (*allowed)?;
+    monitor.stage("bound");
+    let Bounds { upper, place, .. } = hausdorff_bounds(mesh, &domain.mesh, OF_INTEREST * allowed / unit.size)?;
+    Some(Deviation { allowed, reached: unit.size * upper, place: unit.outwards_point(place).to_array() })
+}
+
+/// `mesh`, that of `made`, in the units of the input and joined to what was to stay of it, and what there is to say.
+fn remeshed(source: &Source, graded: &Graded, made: &Meshed, mesh: Mesh, deviation: Option<Deviation>) -> Remeshed {
+    let Graded { domain, scale, sigma } = graded;
+    let (unit, within) = (&source.unit, source.within.as_ref());
     let mesh = unit.outwards(mesh);
-    let (mesh, kept) = match &within {
-        Some(within) => within.sew(&mesh, &made.mesh, &domain, input),
+    let (mesh, kept) = match within {
+        Some(within) => within.sew(&mesh, &made.mesh, domain, source.input),
         None => (mesh, None),
     };
     let crossing = crossing_faces(&mesh);
-    let crossing_of_input = || within.as_ref().map_or_else(|| domain.crossing_faces(), |w| crossing_faces(&w.whole));
+    let crossing_of_input = || within.map_or_else(|| domain.crossing_faces(), |within| crossing_faces(&within.whole));
     let mut result = Remeshed {
-        input: input_topology,
-        repaired,
+        input: source.of_input,
+        repaired: source.of_repaired,
         output: topology(mesh.positions.len(), &mesh.triangles),
         mesh,
-        repairs,
+        repairs: source.repairs,
         sigma_p: unit.size * sigma,
         spacing: unit.size * scale.spacing,
         spacing_range: domain.size_range().map(|size| unit.size * scale.spacing * size),
-        wanted: within.as_ref().map_or(scale.wanted, |within| within.wanted(scale.wanted)),
+        wanted: within.map_or(scale.wanted, |within| within.wanted(scale.wanted)),
         sharp_curves: domain.sharp_curves(),
         tessellated_pieces: made.tessellated_pieces,
         crossing_faces_of_input: (!crossing.is_empty()).then(|| crossing_of_input().len()),
@@ -242,59 +255,36 @@ fn remesh_once(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result
         kept,
         notes: Vec::new(),
     };
-    result.notes = notes(&result, open_seams);
-    if let (Some(within), Some(kept)) = (&within, &result.kept) {
+    result.notes = notes(&result, source.open_seams);
+    if let (Some(within), Some(kept)) = (within, &result.kept) {
         result.notes.extend(within.notes(&result.mesh, kept));
     }
-    Ok(result)
+    result
 }
 
-/// What is sampled, in the pipeline's unit, and what it took to make it a manifold.
-struct Repaired {
-    mesh: Mesh,
-    repairs: Repairs,
-    open_seams: usize,
-}
-
-fn repaired(input: &Mesh, options: &Options, unit: &Unit) -> Repaired {
-    let mut mesh = unit.inwards(input);
-    if let Some(tolerance) = options.weld {
-        mesh = close_seams(&mesh, tolerance / unit.size);
-    }
-    let (mesh, repairs) = repair(&mesh);
-    let open_seams = if options.weld.is_none() { open_seams(&mesh) } else { 0 };
-    Repaired { mesh, repairs, open_seams }
-}
-
-/// The mesh of the samples of `domain`, which comes back without its sharp edges if they could not be kept.
+/// The mesh of the samples of a domain, which comes back without its sharp edges if they could not be kept.
 fn sample_and_triangulate(
-    domain: Domain,
-    scale: &Scale,
+    graded: Graded,
     wanted: &Topology,
     options: &Options,
     monitor: &dyn Monitor,
-) -> Result<(Domain, Meshed)> {
+) -> Result<(Graded, Meshed)> {
     for density in CURVE_DENSITIES {
-        let meshed = least_crossing(&domain, scale, density, options, monitor)?;
-        if meshed.glued && has_kind(&meshed.mesh, wanted) || domain.sharp_curves() == 0 {
-            return Ok((domain, meshed));
+        let meshed = least_crossing(&graded, density, options, monitor)?;
+        if meshed.glued && has_kind(&meshed.mesh, wanted) || graded.domain.sharp_curves() == 0 {
+            return Ok((graded, meshed));
         }
         monitor.stage("sample");
     }
-    let domain = domain.smooth();
-    let meshed = least_crossing(&domain, scale, 1.0, options, monitor)?;
-    Ok((domain, meshed))
+    let graded = Graded { domain: graded.domain.smooth(), ..graded };
+    let meshed = least_crossing(&graded, 1.0, options, monitor)?;
+    Ok((graded, meshed))
 }
 
 /// The mesh of the samples; where its faces cross more than those of the surface, that of other samples if they cross
 /// less. At a thin wall the samples of its two sides may come together such that nothing later parts them.
-fn least_crossing(
-    domain: &Domain,
-    scale: &Scale,
-    curve_density: f64,
-    options: &Options,
-    monitor: &dyn Monitor,
-) -> Result<Meshed> {
+fn least_crossing(graded: &Graded, curve_density: f64, options: &Options, monitor: &dyn Monitor) -> Result<Meshed> {
+    let Graded { domain, scale, .. } = graded;
     let mut best = mesh_of_samples(domain, scale, curve_density, options.seed, monitor)?;
     let mut least = crossing_faces(&best.mesh.to_mesh()).len();
     let of_surface = if least == 0 { 0 } else { domain.crossing_faces().len() };
@@ -434,10 +424,8 @@ fn refine_to_count(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor:
     let Scale { wanted, spacing } = *scale;
     *mesh = split_to(domain, mesh, wanted, spacing);
     if mesh.fixed.contains(&false) {
-        monitor.stage("ascend");
         let transition = Climb { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: TRANSITION_SWEEPS };
         ascend(domain, mesh, transition, monitor)?;
-        monitor.stage("relax");
     }
     fix_tips(mesh);
     remove_near_defects(mesh, spacing);
@@ -455,45 +443,16 @@ fn refine_to_count(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor:
 /// Coarse meshes that are made, each with more of the surface kept dense, until none of its faces cross.
 const MOST_COARSE_MESHES: usize = 3;
 
-/// Sweeps of ascent in the places that no coarser mesh can follow, those over the coarse mesh, and those where the dense
-/// and the coarse vertices meet. Irregular vertices get fewer the longer it goes, ever more slowly.
+/// Sweeps of ascent in the places that no coarser mesh can follow, those over the coarse mesh, in two halves, and those
+/// where dense and coarse vertices meet: with more there are fewer irregular vertices, though less and less so.
 const FINE_SWEEPS: usize = 11;
 const COARSE_SWEEPS: usize = 120;
 const TRANSITION_SWEEPS: usize = 30;
 
-/// Kernel width of the ascent over the coarse mesh, in its spacings: a wide one orders more.
+/// Kernel width of the ascent over the coarse mesh, in its spacings: a little narrower than elsewhere ([`ASCENT_SIGMA`]).
 const COARSE_SIGMA: f64 = 0.9;
 
 /// Rounds of relaxation at each level: after three, vertices move by a hundredth of an edge. Those after defects have
 /// gone only give the rows room.
 const ROUNDS: usize = 3;
 const SETTLING_ROUNDS: usize = 2;
-
-/// Largest coordinate that can be worked with: squares of differences must stay finite.
-const LARGEST_COORDINATE: f64 = 1e150;
-
-fn refuse_bad_numbers(mesh: &Mesh) -> Result<()> {
-    let mesh_error = |cause: String, remedy: &str| Err(Error::Mesh { cause, remedy: remedy.into() });
-    if mesh.triangles.is_empty() {
-        let n = mesh.positions.len();
-        let remedy = "a surface with faces is needed; reconstruct one from the points first";
-        return mesh_error(format!("{n} points and no faces"), remedy);
-    }
-    refuse_bad_positions(&mesh.positions)?;
-    let bound = mesh.positions.len();
-    if let Some(t) = mesh.triangles.iter().position(|t| t.iter().any(|&v| v as usize >= bound)) {
-        return mesh_error(
-            format!("triangle {t} has a corner that is not there: {:?} of {bound}", mesh.triangles[t]),
-            "mend the indices",
-        );
-    }
-    Ok(())
-}
-
-fn refuse_bad_positions(positions: &[DVec3]) -> Result<()> {
-    let bad = positions.iter().position(|p| !p.abs().cmplt(DVec3::splat(LARGEST_COORDINATE)).all());
-    bad.map_or(Ok(()), |v| {
-        let remedy = "remove it or mend its coordinates".into();
-        Err(Error::Mesh { cause: format!("vertex {v} is at {}", positions[v]), remedy })
-    })
-}

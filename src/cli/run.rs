@@ -3,7 +3,7 @@
 use crate::base::error::{Error, Result};
 use crate::base::progress::{Monitor, Stopwatch, check};
 use crate::cli::Status;
-use crate::cli::args::{Job, Mark, Measuring, MeshFile, Remeshing, Sizing, Voice};
+use crate::cli::args::{Job, Mark, Measuring, MeshFile, Remeshing, Run, Sizing, Voice};
 use crate::cli::reconstruct::reconstruct_file;
 use crate::cli::sample::{sample_file, signals};
 use crate::cli::terminal::{self, Terminal};
@@ -23,9 +23,9 @@ use std::path::Path;
 pub fn run(job: &Job) -> Result<Status> {
     terminal::listen_for_interrupts();
     match job {
-        Job::Remesh(job) => with_threads(job.threads, || remesh_file(job))?,
-        Job::Sample(job) => with_threads(job.threads, || sample_file(job))?.map(|()| Status::Done),
-        Job::Reconstruct(job) => with_threads(job.threads, || reconstruct_file(job))?.map(|()| Status::Done),
+        Job::Remesh(job) => with_threads(job.run.threads, || remesh_file(job))?,
+        Job::Sample(job) => with_threads(job.run.threads, || sample_file(job))?.map(|()| Status::Done),
+        Job::Reconstruct(job) => with_threads(job.run.threads, || reconstruct_file(job))?.map(|()| Status::Done),
         Job::Measure(job) => with_threads(job.threads, || measure_file(job))?,
         Job::Complete(script) => terminal::print(script).map(|()| Status::Done),
     }
@@ -36,7 +36,7 @@ fn remesh_file(job: &Remeshing) -> Result<Status> {
     job.options.validate()?;
     check_targets(job)?;
     let (remeshed, report) = {
-        let terminal = Terminal::new(job.voice);
+        let terminal = Terminal::new(job.run.voice);
         let monitor = Stopwatch::new(&terminal);
         let mut input = load(&job.input, &monitor)?;
         let mut fields = fields(&input, job)?;
@@ -49,7 +49,7 @@ fn remesh_file(job: &Remeshing) -> Result<Status> {
         (remeshed, report.map(|report| with_run(report, &monitor)))
     };
     if let Some(report) = &report {
-        hand_out(report, job)?;
+        hand_out(&report.to_json(), &report.to_text(), &job.run)?;
     }
     Ok(verdict(&remeshed, job))
 }
@@ -91,7 +91,7 @@ fn with_threads<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Send
 fn check_targets(job: &Remeshing) -> Result<()> {
     file::output_format(&job.output.path, job.output.format)?;
     file::check_target(&job.output.path)?;
-    job.report.iter().try_for_each(|path| file::check_target(path))
+    job.run.report.iter().try_for_each(|path| file::check_target(path))
 }
 
 /// What is in a file. The facets of an STL file have corners of their own; here they share them.
@@ -214,7 +214,7 @@ fn carry_attributes(
 
 /// Whether anybody sees the report: measuring takes time.
 fn wants_report(job: &Remeshing) -> bool {
-    job.voice != Voice::Quiet || job.report.is_some()
+    job.run.voice != Voice::Quiet || job.run.report.is_some()
 }
 
 fn measure(remeshed: &Remeshed, carried: &Carried, input: &Loaded, job: &Remeshing, monitor: &dyn Monitor) -> Report {
@@ -235,12 +235,12 @@ fn with_run(report: Report, stopwatch: &Stopwatch) -> Report {
     report.with_run(&stopwatch.laps(), peak_memory_bytes(), rayon::current_num_threads())
 }
 
-/// The report to its file and to standard output.
-fn hand_out(report: &Report, job: &Remeshing) -> Result<()> {
-    if let Some(path) = &job.report {
-        file::replace_file(path, &mut |out| out.write_all(report.to_json().as_bytes()))?;
+/// A report to its file and to standard output.
+pub(super) fn hand_out(json: &str, text: &str, run: &Run) -> Result<()> {
+    if let Some(path) = &run.report {
+        file::replace_file(path, &mut |out| out.write_all(json.as_bytes()))?;
     }
-    if job.voice == Voice::Quiet { Ok(()) } else { terminal::print(&report.to_text()) }
+    if run.voice == Voice::Quiet { Ok(()) } else { terminal::print(text) }
 }
 
 /// The exit status of a result that is written, and a line about one that is not verified.

@@ -1,4 +1,4 @@
-//! The direction in which points spread least: eigenvectors of symmetric 3 × 3 matrices.
+//! The direction in which points spread least: eigenvectors of symmetric 3 × 3 matrices, as that of a covariance is.
 //!
 //! Based on: C. G. J. Jacobi, Über ein leichtes Verfahren, die in der Theorie der Säculärstörungen vorkommenden
 //! Gleichungen numerisch aufzulösen, 1846: rotations that make one entry beside the diagonal zero after the other.
@@ -9,6 +9,13 @@ use glam::{DMat3, DVec3};
 
 /// Sweeps over the three entries beside the diagonal: they fall quadratically, so that rounding is reached after five.
 const SWEEPS: usize = 8;
+
+/// The mean m of points p, and Σ (p - m)(p - m)ᵀ, which is their covariance matrix times their number.
+pub fn scatter(points: impl Iterator<Item = DVec3> + Clone) -> (DVec3, DMat3) {
+    let mean = points.clone().sum::<DVec3>() / points.clone().count() as f64;
+    let outer = |d: DVec3| DMat3::from_cols(d.x * d, d.y * d, d.z * d);
+    (mean, points.fold(DMat3::ZERO, |sum, p| sum + outer(p - mean)))
+}
 
 /// The eigenvalues of a symmetric matrix in increasing order and their unit eigenvectors.
 pub fn eigen(matrix: DMat3) -> ([f64; 3], [DVec3; 3]) {
@@ -53,6 +60,14 @@ mod tests {
     use crate::base::rng::{Stage, stream, unit};
     use approx::assert_relative_eq;
     use glam::{DQuat, Vec3Swizzles};
+
+    #[test]
+    fn points_scatter_around_their_mean() {
+        let points = [DVec3::X, DVec3::new(3.0, 1.0, 0.0), DVec3::new(2.0, -1.0, 0.0)];
+        let (mean, matrix) = scatter(points.iter().copied());
+        assert_eq!(mean, 2.0 * DVec3::X);
+        assert_eq!(matrix, DMat3::from_cols(DVec3::new(2.0, 1.0, 0.0), DVec3::new(1.0, 2.0, 0.0), DVec3::ZERO));
+    }
 
     #[test]
     fn vectors_are_scaled_by_their_values() {

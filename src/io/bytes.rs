@@ -57,6 +57,7 @@ pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
 
 #[cfg(test)]
 pub(super) mod samples {
+    use crate::base::error::{Error, Place, Result};
     use crate::surface::mesh::Mesh;
     use glam::DVec3;
 
@@ -69,6 +70,24 @@ pub(super) mod samples {
     /// Six times the enclosed volume: positive when the faces of a closed mesh look outwards.
     pub fn signed_volume(mesh: &Mesh) -> f64 {
         (0..mesh.triangles.len()).map(|t| mesh.corners(t)).map(|[a, b, c]| a.dot(b.cross(c))).sum()
+    }
+
+    /// Where, and why, a file is not of its format.
+    #[track_caller]
+    pub fn fault<T>(read: Result<T>) -> (Place, String) {
+        match read {
+            Err(Error::Format { place, cause, .. }) => (place, cause),
+            Err(other) => panic!("{other}"),
+            Ok(_) => panic!("the file can be read"),
+        }
+    }
+
+    /// Holds a file to be wrong in this line, for a cause with these words.
+    #[track_caller]
+    pub fn fails_at<T>(read: Result<T>, line: usize, words: &str) {
+        let (place, cause) = fault(read);
+        assert_eq!(place, Place::Line(line), "{cause}");
+        assert!(cause.contains(words), "{cause}");
     }
 }
 

@@ -210,8 +210,8 @@ fn corner(words: &mut Words, vertices: usize) -> Result<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::error::Place;
     use crate::io::Format;
+    use crate::io::bytes::samples;
     use proptest::prelude::*;
 
     fn mesh(text: &str) -> Mesh {
@@ -220,13 +220,7 @@ mod tests {
 
     #[track_caller]
     fn fails_at(text: &str, line: usize, words: &str) {
-        match parse(text.as_bytes()) {
-            Err(Error::Format { place, cause, .. }) => {
-                assert_eq!(place, Place::Line(line), "{cause}");
-                assert!(cause.contains(words), "{cause}");
-            }
-            other => panic!("{other:?}"),
-        }
+        samples::fails_at(parse(text.as_bytes()), line, words);
     }
 
     fn right_angle() -> Mesh {

@@ -180,7 +180,7 @@ fn facet([a, b, c]: [DVec3; 3]) -> io::Result<[u8; FACET]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::bytes::samples::{signed_volume, tetrahedron};
+    use crate::io::bytes::samples::{fault, signed_volume, tetrahedron};
 
     const ONE: &str = "solid a part\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1.5 0 0\n   \
                        vertex 0 1e0 -2\n  endloop\n endfacet\nendsolid a part\n";
@@ -201,10 +201,7 @@ mod tests {
     }
 
     fn place(bytes: &[u8]) -> Place {
-        match parse(bytes).unwrap_err() {
-            Error::Format { place, .. } => place,
-            other => panic!("{other}"),
-        }
+        fault(parse(bytes)).0
     }
 
     #[test]

@@ -242,7 +242,7 @@ fn single(values: &[f64], width: usize, at: usize, heading: &[String]) -> Attrib
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::error::Error;
+    use crate::io::bytes::samples;
 
     fn names(text: &str) -> Vec<(String, usize, Scalar)> {
         let read = parse(text.as_bytes()).unwrap();
@@ -252,13 +252,7 @@ mod tests {
 
     #[track_caller]
     fn fails_at(text: &str, line: usize, words: &str) {
-        match parse(text.as_bytes()) {
-            Err(Error::Format { place, cause, .. }) => {
-                assert_eq!(place, Place::Line(line), "{cause}");
-                assert!(cause.contains(words), "{cause}");
-            }
-            other => panic!("{other:?}"),
-        }
+        samples::fails_at(parse(text.as_bytes()), line, words);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::base::error::{Error, Result};
 use crate::base::progress::{Monitor, check};
-use crate::geom::eigen::eigen;
+use crate::geom::eigen::{eigen, scatter};
 use crate::project::rimls::Rimls;
 use crate::surface::graph::NeighborGraph;
 use crate::surface::mesh::Mesh;
@@ -12,7 +12,7 @@ use crate::surface::orient::{disagreement, orient, side_with};
 use crate::surface::points::{Points, distinct, spatial_order, wanted_by_others};
 use crate::surface::topology::components;
 use crate::triangulate::points::{Surroundings, triangulate_points};
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 /// What to make of a cloud.
@@ -272,10 +272,7 @@ fn refuse_without_surface(positions: &[DVec3]) -> Result<()> {
     if n == 1 {
         return refuse("all points are at one place".into());
     }
-    let mean = positions.iter().sum::<DVec3>() / n.max(1) as f64;
-    let outer = |d: DVec3| DMat3::from_cols(d.x * d, d.y * d, d.z * d);
-    let spread = positions.iter().fold(DMat3::ZERO, |sum, &p| sum + outer(p - mean));
-    let ([_, middle, largest], _) = eigen(spread);
+    let ([_, middle, largest], _) = eigen(scatter(positions.iter().copied()).1);
     if n > 1 && middle.max(0.0).sqrt() <= 1e-7 * largest.sqrt() {
         return refuse(format!("all {n} points lie on a line"));
     }

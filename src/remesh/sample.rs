@@ -11,9 +11,10 @@ use crate::remesh::cloud::{CloudOptions, CloudSummary, DEFAULT_REACH, Prepared, 
 use crate::remesh::kernel::{Beside, Signal, check_kernel, check_signals};
 use crate::remesh::options::{Density, check_count, check_length};
 use crate::remesh::scale::{SIGMA_OF_SPACING, SMALLEST_SPACING, Scale, refuse_no_area};
+use crate::remesh::source::{refuse_bad_numbers, refuse_bad_positions};
 use crate::remesh::unit::Unit;
 use crate::remesh::width::find_width;
-use crate::remesh::{CANDIDATES_PER_POINT, LONGEST_EDGE, refuse_bad_numbers, refuse_bad_positions};
+use crate::remesh::{CANDIDATES_PER_POINT, LONGEST_EDGE};
 use crate::spectral::ascent::{Climb, PAPER_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA};
 use crate::spectral::candidates::{Candidate, candidates};
 use crate::spectral::free::ascend_freely;

@@ -9,9 +9,9 @@
 //! Limits: triangles at the seam are as good as its edges allow, and where a seam zigzags that is not very good.
 
 use crate::base::error::{Error, Result};
-use crate::remesh::Repaired;
 use crate::remesh::options::{Density, Options};
 use crate::remesh::scale::{Field, Scale};
+use crate::remesh::source::Repaired;
 use crate::remesh::unit::Unit;
 use crate::surface::domain::Domain;
 use crate::surface::manifold::Manifold;

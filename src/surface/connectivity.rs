@@ -414,9 +414,8 @@ impl Connectivity {
             return false;
         }
         debug_assert_eq!(old.len(), triangles.len());
-        for ((side, from), edge) in sides().zip(triangles.iter().flatten()).collect::<Vec<_>>().into_iter().zip(edges())
-        {
-            self.origin[side as usize] = *from;
+        for (side, edge) in sides().zip(edges()) {
+            self.origin[side as usize] = edge[0];
             self.twin[side as usize] = NONE;
             self.curve[side as usize] = NONE;
             match open.remove(&edge) {
@@ -435,6 +434,7 @@ impl Connectivity {
         true
     }
 
+    /// Whether there is an edge between `a` and `b`, either of which may have been removed.
     fn has_edge(&self, [a, b]: [u32; 2]) -> bool {
         self.has_vertex(a) && self.has_vertex(b) && self.are_adjacent(a, b)
     }

@@ -11,10 +11,10 @@
 //!
 //! Cost: linear in points and neighbours.
 
-use crate::geom::eigen::eigen;
+use crate::geom::eigen::{eigen, scatter};
 use crate::surface::graph::NeighborGraph;
 use crate::surface::neighbors::Neighbors;
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// The neighbours of each point that its normal follows from.
@@ -51,11 +51,8 @@ pub fn plane_normals(points: &[DVec3], neighborhood: &Neighborhood) -> Vec<DVec3
 
 fn plane_normal(points: &[DVec3], p: u32, neighbors: &[u32]) -> DVec3 {
     let here = points[p as usize];
-    let offsets = || neighbors.iter().map(|&n| points[n as usize] - here);
-    let mean = offsets().sum::<DVec3>() / (neighbors.len() + 1) as f64;
-    let outer = |d: DVec3| DMat3::from_cols(d.x * d, d.y * d, d.z * d);
-    let spread = offsets().map(|d| outer(d - mean)).fold(outer(mean), |sum, m| sum + m);
-    eigen(spread).1[0]
+    let offsets = neighbors.iter().map(|&n| points[n as usize] - here);
+    eigen(scatter(std::iter::once(DVec3::ZERO).chain(offsets)).1).1[0]
 }
 
 /// Unit normals from spheres that fit to the neighbours and their normals, on the side of `normals`.

@@ -7,15 +7,15 @@
 //!
 //! Cost: sorting the sides of the triangles, a few times.
 
-use crate::geom::eigen::eigen;
+use crate::geom::eigen::{eigen, scatter};
 use crate::surface::crossings::crossing_faces;
 use crate::surface::mesh::Mesh;
 use crate::surface::topology::components;
 use crate::triangulate::agreement::agreed_by_most;
-use crate::triangulate::holes::{closed_fans, fill_holes, gaps};
+use crate::triangulate::holes::{closed_fans, closed_stars, fill_holes, gaps};
 use crate::triangulate::points::Surroundings;
 use crate::triangulate::star::INTERIOR;
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 /// What passes for a hole.
 #[derive(Debug, Clone, Copy)]
@@ -112,16 +112,12 @@ fn crossing(points: Surroundings<'_>, triangles: &[[u32; 3]], is_filled: &[bool]
     crossing_faces(&mesh).into_iter().map(|t| near[t as usize]).collect()
 }
 
-/// The points whose stars are not closed.
+/// The points whose stars are not closed, or that have none.
 fn ends(stars: &[[u32; 3]], points: usize) -> Vec<bool> {
-    let mut balance = vec![0u32; points];
-    let mut has_star = vec![false; points];
-    for &[centre, a, b] in stars {
-        // Around a closed star every neighbour is once the first and once the second corner.
-        balance[centre as usize] = balance[centre as usize].wrapping_add(b.wrapping_sub(a));
-        has_star[centre as usize] = true;
-    }
-    balance.into_iter().zip(has_star).map(|(balance, has_star)| balance != 0 || !has_star).collect()
+    let mut ends = vec![true; points];
+    let closed = closed_stars(points, stars.iter().copied());
+    stars.iter().for_each(|&[centre, ..]| ends[centre as usize] = !closed[centre as usize]);
+    ends
 }
 
 fn is_hole(points: Surroundings<'_>, ends: &[bool], look: Look, polygon: &[u32]) -> bool {
@@ -164,10 +160,8 @@ fn is_flat_place(points: Surroundings<'_>, look: Look, polygon: &[u32]) -> bool 
 
 /// The mean of points, the normal of the plane that fits them best, and how far they spread across their longest extent.
 fn plane(points: &[DVec3]) -> (DVec3, DVec3, f64) {
-    let mean = points.iter().sum::<DVec3>() / points.len() as f64;
-    let outer = |d: DVec3| DMat3::from_cols(d.x * d, d.y * d, d.z * d);
-    let spread = points.iter().map(|&p| outer(p - mean)).fold(DMat3::ZERO, |sum, m| sum + m);
-    let (values, vectors) = eigen(spread);
+    let (mean, scatter) = scatter(points.iter().copied());
+    let (values, vectors) = eigen(scatter);
     (mean, vectors[0], (values[1] / points.len() as f64).max(0.0).sqrt())
 }
 

@@ -2,9 +2,9 @@
 //! right, and now and then a place that the samples do not resolve.
 //!
 //! The sides that still need a triangle are chained into polygons, each side followed by the next one around its end,
-//! and each polygon is triangulated such that no triangle looks
-//! away from the surface, if that can be, and the smallest angle is largest. An edge that is there already is never
-//! made again. What cannot be filled like this stays open, and the verification that follows sees it.
+//! and each polygon is triangulated such that no triangle looks away from the surface, if that can be, and the smallest
+//! angle is largest. An edge that is there already is never made again. What cannot be filled like this stays open, and
+//! the verification that follows sees it.
 //!
 //! Cost: cubic in the sides of a polygon, of which there are four or five nearly always.
 
@@ -71,15 +71,19 @@ fn open_sides(successor: &[u32], triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
     open
 }
 
-/// For each of so many vertices whether its triangles go all around it. Around a closed fan every neighbour is once the
-/// first and once the second corner, so that sums of any numbers of theirs are the same.
+/// For each of so many vertices whether its triangles go all around it.
 pub(super) fn closed_fans(vertices: usize, triangles: &[[u32; 3]]) -> Vec<bool> {
+    closed_stars(vertices, triangles.iter().flat_map(|&[a, b, c]| [[a, b, c], [b, c, a], [c, a, b]]))
+}
+
+/// For each of so many vertices whether those of the triangles whose first corner it is go all around it, as no triangles
+/// do, too. Around a closed star every neighbour is once the second and once the third corner, so that sums of any
+/// numbers of theirs are the same.
+pub(super) fn closed_stars(vertices: usize, triangles: impl Iterator<Item = [u32; 3]>) -> Vec<bool> {
     let mut balance = vec![0u64; vertices];
-    for &[a, b, c] in triangles {
-        let [x, y, z] = [a, b, c].map(scrambled);
-        for (v, from, to) in [(a, y, z), (b, z, x), (c, x, y)] {
-            balance[v as usize] = balance[v as usize].wrapping_add(to).wrapping_sub(from);
-        }
+    for [v, from, to] in triangles {
+        let sum = &mut balance[v as usize];
+        *sum = sum.wrapping_add(scrambled(to)).wrapping_sub(scrambled(from));
     }
     balance.into_iter().map(|b| b == 0).collect()
 }

@@ -1,7 +1,6 @@
 use super::*;
-use crate::base::error::Error;
 use crate::io::base64;
-use crate::io::bytes::samples::{signed_volume, tetrahedron};
+use crate::io::bytes::samples::{fault, signed_volume, tetrahedron};
 use crate::surface::attributes::{Attribute, Attributes, Scalar};
 use crate::surface::mesh::Mesh;
 use glam::DVec3;
@@ -27,17 +26,11 @@ fn load(root: &Value) -> Parsed {
 }
 
 fn place(result: Parsed) -> String {
-    match result.unwrap_err() {
-        Error::Format { place, .. } => place.to_string(),
-        other => panic!("{other}"),
-    }
+    fault(result).0.to_string()
 }
 
 fn cause(result: Parsed) -> String {
-    match result.unwrap_err() {
-        Error::Format { cause, .. } => cause,
-        other => panic!("{other}"),
-    }
+    fault(result).1
 }
 
 fn glb() -> Vec<u8> {

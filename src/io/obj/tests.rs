@@ -1,5 +1,5 @@
 use super::*;
-use crate::base::error::{Error, Place};
+use crate::io::bytes::samples;
 use proptest::prelude::*;
 
 fn mesh(text: &str) -> Mesh {
@@ -16,13 +16,7 @@ fn triangles(text: &str) -> Vec<[u32; 3]> {
 
 #[track_caller]
 fn fails_at(text: &str, line: usize, words: &str) {
-    match parse(text.as_bytes()) {
-        Err(Error::Format { place, cause, .. }) => {
-            assert_eq!(place, Place::Line(line), "{cause}");
-            assert!(cause.contains(words), "{cause}");
-        }
-        other => panic!("{other:?}"),
-    }
+    samples::fails_at(parse(text.as_bytes()), line, words);
 }
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";

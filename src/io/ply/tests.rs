@@ -1,5 +1,5 @@
 use super::*;
-use crate::io::bytes::samples::tetrahedron;
+use crate::io::bytes::samples::{fault, tetrahedron};
 use glam::DVec3;
 use std::io::{self, Write};
 
@@ -17,10 +17,7 @@ const TEXT: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\np
                     0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
 
 fn place(bytes: &[u8]) -> Place {
-    match parse(bytes).unwrap_err() {
-        Error::Format { place, .. } => place,
-        other => panic!("{other}"),
-    }
+    fault(parse(bytes)).0
 }
 
 fn mesh(text: &str) -> Mesh {

@@ -1,8 +1,6 @@
 //! Local resampling: a part is remeshed, the rest is what it was, and both fit together.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use glam::{DVec2, DVec3, dvec2, dvec3};
 use spectral_remesh::geom::triangle::smallest_angle;
 use spectral_remesh::surface::attributes::{Attribute, Attributes, Materials, Scalar};

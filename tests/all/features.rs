@@ -1,8 +1,6 @@
 //! Sharp edges, corners and rims on shapes made for it: they come out where they were, and no triangle crosses them.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use glam::{DVec3, dvec3};
 use spectral_remesh::quality::shape::shape;
 use spectral_remesh::surface::features::Features;

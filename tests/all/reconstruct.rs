@@ -1,8 +1,6 @@
 //! Clouds become dense meshes of their implicit surface.
 
-mod common;
-
-use common::{audit, moved, noisy, random, sphere, together, torus, volume};
+use crate::common::{audit, moved, noisy, random, sphere, together, torus, volume};
 use glam::{DVec3, dvec3};
 use spectral_remesh::remesh::DEFAULT_REACH;
 use spectral_remesh::{

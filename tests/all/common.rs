@@ -1,7 +1,5 @@
 //! Shapes of known topology, and what every result is held to.
 
-#![allow(dead_code)]
-
 use glam::{DMat3, DVec3, dvec3};
 use spectral_remesh::Mesh;
 use spectral_remesh::base::rng::{Random, unit};

@@ -1,10 +1,9 @@
 //! Samples without triangles: blue noise in any dimension, on meshes, and subsets of points.
 
-mod common;
-#[path = "../examples/any_dimension/ten.rs"]
+#[path = "../../examples/any_dimension/ten.rs"]
 mod ten;
 
-use common::{audit, cuboid, moved, noisy, random, sphere, torus};
+use crate::common::{audit, cuboid, moved, noisy, random, sphere, torus};
 use glam::{DVec3, dvec3};
 use spectral_remesh::base::rng::unit;
 use spectral_remesh::geom::vector::length_squared;

@@ -1,6 +1,6 @@
 //! The models in `data/` are what `cargo run --example make_data` writes, byte for byte.
 
-#[path = "../examples/make_data/shapes/mod.rs"]
+#[path = "../../examples/make_data/shapes/mod.rs"]
 mod shapes;
 
 use spectral_remesh::{Density, Options, remesh};

@@ -1,8 +1,6 @@
 //! The pipeline from mesh to mesh on shapes of all kinds: what comes out has the topology of what went in.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use glam::{DVec3, dvec3};
 use proptest::prelude::*;
 use spectral_remesh::quality::distance::distance;

@@ -1,8 +1,6 @@
 //! Attributes of the input are those of the output: numbers, labels, colours, texture coordinates, materials.
 
-mod common;
-
-use common::{Ends, cells, grid, inside_out, moved, plate, random, sphere, together};
+use crate::common::{Ends, cells, grid, inside_out, moved, plate, random, sphere, together};
 use glam::{DVec2, DVec3, dvec2, dvec3};
 use spectral_remesh::base::rng::unit;
 use spectral_remesh::surface::attributes::{Attribute, Attributes, Materials, Scalar};

@@ -1,7 +1,5 @@
 //! The program as its users run it: arguments, exit statuses, what is printed where, and what is left on the disk.
 
-#![cfg(feature = "cli")]
-
 use std::fmt::Write;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};

@@ -1,42 +1,69 @@
-//! How much of a surface is lost if it is reconstructed from a part of its points: those that the scan keeps, random ones,
-//! and one for each voxel of a grid.
+//! The idea of the paper's Table 2: what is lost of a surface that is reconstructed from the points that the scan keeps
+//! grows with σp, and is less than with as many points chosen at random or one a voxel.
 
-use glam::DVec3;
+use crate::common::{Ends, grid};
+use glam::{DVec3, dvec3};
 use spectral_remesh::base::rng::{Rng, Stage, stream};
 use spectral_remesh::quality::distance::distance;
-use spectral_remesh::{Density, Mesh, Points, ReconstructOptions, Result, SampleOptions, reconstruct, sample_points};
+use spectral_remesh::{
+    Density, Mesh, Points, ReconstructOptions, Result, SampleOptions, points_of_mesh, reconstruct, sample_points,
+};
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 
-/// σn of the table.
+/// σp of the table's rows, and its σn.
+const WIDTHS: [f64; 3] = [0.5, 0.75, 1.0];
 const SIGMA_N: f64 = 0.75;
+
+/// Edge length of the cells that surfaces are extracted with.
+const RESOLUTION: f64 = 0.65;
 
 /// Points on each surface that their distance is measured at.
 const SAMPLES: usize = 20_000;
 
+#[test]
+fn less_is_lost_with_the_points_that_the_scan_keeps() {
+    // A ring with bumps, whose points are half as far apart as those that the narrowest kernel keeps.
+    let bumpy = grid(520, 66, Ends::Joined, Ends::Joined, |u, v| {
+        let (a, b) = (TAU * u, TAU * v);
+        let small = 4.0 + 0.5 * (24.0 * a).sin() * (3.0 * b).cos();
+        let r = 31.0 + small * b.cos();
+        dvec3(r * a.cos(), r * a.sin(), small * b.sin())
+    });
+    let rows = rows(&points_of_mesh(&bumpy)).unwrap();
+    let figures: [fn(&Lost) -> f64; 2] = [|lost| lost.rms, |lost| lost.hausdorff];
+    for figure in figures {
+        assert!(rows.is_sorted_by(|a, b| figure(&a.ours) < figure(&b.ours)), "{rows:#?}");
+        let is_best = |row: &Row| figure(&row.ours) < figure(&row.random).min(figure(&row.voxels));
+        assert!(rows.iter().all(is_best), "{rows:#?}");
+    }
+    assert!(rows.is_sorted_by(|a, b| a.sigma_p < b.sigma_p && a.points > b.points));
+}
+
 /// RMS and Hausdorff distance, in units of which the diagonal of the bounding box has 100.
 #[derive(Debug, Clone, Copy)]
-pub struct Lost {
-    pub rms: f64,
-    pub hausdorff: f64,
+struct Lost {
+    rms: f64,
+    hausdorff: f64,
 }
 
 /// What is lost with as many points as the scan keeps for one σp.
 #[derive(Debug)]
-pub struct Row {
-    pub sigma_p: f64,
-    pub points: usize,
-    pub ours: Lost,
-    pub random: Lost,
-    pub voxels: Lost,
+struct Row {
+    sigma_p: f64,
+    points: usize,
+    ours: Lost,
+    random: Lost,
+    voxels: Lost,
 }
 
-/// The rows of the table for a model, scaled to a bounding box with a diagonal of 100, and widths of the kernel.
-pub fn rows(model: &Points, widths: &[f64], resolution: Option<f64>) -> Result<Vec<Row>> {
+/// The rows of the table for a model, scaled to a bounding box with a diagonal of 100.
+fn rows(model: &Points) -> Result<Vec<Row>> {
     let points = scaled(model);
-    let whole = reconstruct(&points, &ReconstructOptions { resolution, ..Default::default() }, &())?;
-    let same = ReconstructOptions { resolution: Some(whole.resolution), ..Default::default() };
+    let options = ReconstructOptions { resolution: Some(RESOLUTION), ..Default::default() };
+    let whole = reconstruct(&points, &options, &())?;
     let lost = |part: &[u32]| {
-        let made = reconstruct(&part_of(&points, part), &same, &())?.mesh;
+        let made = reconstruct(&part_of(&points, part), &options, &())?.mesh;
         Ok(lost(&made, &whole.mesh))
     };
     let row = |&sigma_p: &f64| {
@@ -47,7 +74,7 @@ pub fn rows(model: &Points, widths: &[f64], resolution: Option<f64>) -> Result<V
         let voxels = lost(&voxels(&points.positions, kept.len()))?;
         Ok(Row { sigma_p, points: kept.len(), ours: lost(&kept)?, random, voxels })
     };
-    widths.iter().map(row).collect()
+    WIDTHS.iter().map(row).collect()
 }
 
 fn lost(made: &Mesh, whole: &Mesh) -> Lost {

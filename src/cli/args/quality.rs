@@ -1,0 +1,55 @@
+//! The arguments of `remesh quality`.
+
+use crate::cli::args::shared::MeshFile;
+use crate::io::Format;
+use std::path::PathBuf;
+
+pub(super) const HELP: &str = "\
+Measures the triangles of a mesh as they are: angles, quality Q = 6S/(√3 p h), edge lengths, valences and topology;
+and with --against the distance to another mesh, in percent of the diagonal of that one's bounding box.
+
+Exit status: 0 measured, 1 a file cannot be read, 2 wrong usage, 130 interrupted.";
+
+#[derive(Debug, clap::Args)]
+pub(super) struct QualityArgs {
+    /// The mesh to measure
+    #[arg(value_name = "MESH")]
+    mesh: PathBuf,
+    /// Measure the distance to this mesh, too
+    #[arg(long, value_name = "INPUT")]
+    against: Option<PathBuf>,
+    /// Print the report as JSON
+    #[arg(long)]
+    json: bool,
+    /// Format of the mesh [default: by its ending, else by its content]
+    #[arg(long, value_name = "FORMAT")]
+    format: Option<Format>,
+    /// Threads to use; the figures do not depend on it [default: one a core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+/// Measure a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measuring {
+    /// What to measure.
+    pub mesh: MeshFile,
+    /// What to measure the distance to, if to anything.
+    pub against: Option<MeshFile>,
+    /// Whether to print JSON and not a table.
+    pub json: bool,
+    /// As many as there are cores without.
+    pub threads: Option<usize>,
+}
+
+impl QualityArgs {
+    pub(super) fn resolve(self) -> Measuring {
+        let QualityArgs { mesh, against, json, format, threads } = self;
+        Measuring {
+            mesh: MeshFile { path: mesh, format },
+            against: against.map(|path| MeshFile { path, format: None }),
+            json,
+            threads: threads.map(usize::from),
+        }
+    }
+}

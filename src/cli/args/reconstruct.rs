@@ -1,0 +1,65 @@
+//! The arguments of `remesh reconstruct`.
+
+use crate::cli::args::shared::{MeshFile, NormalArgs, Run, RunArgs};
+use crate::cli::args::words::positive;
+use crate::io::Format;
+use crate::remesh::ReconstructOptions;
+use std::path::PathBuf;
+
+pub(super) const HELP: &str = "\
+Extracts all of the robust implicit surface of a cloud of points, or of the vertices of a mesh, as triangles about as
+large as the cells that they are extracted with: dense, of all shapes, an oriented manifold. Noise is smoothed away. Where
+the cloud has a border, the surface goes on for up to a spacing. For even triangles, or a number of them, remesh the result.
+
+Exit status: 0 done, 1 a file cannot be read or written, or has no surface, 2 wrong usage, 130 interrupted.";
+
+#[derive(Debug, clap::Args)]
+pub(super) struct ReconstructArgs {
+    /// The points to read, or a mesh whose vertices are taken
+    #[arg(value_name = "IN")]
+    input: PathBuf,
+    /// The mesh to write; an existing file is replaced when the new one is complete
+    #[arg(value_name = "OUT")]
+    output: PathBuf,
+    /// Edge length of the cells, in the units of the input [default: half the mean spacing of the points]
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = positive)]
+    resolution: Option<f64>,
+    /// How far points reach, in mean distances of neighbouring ones: the larger, the smoother [default: 2.3]
+    #[arg(long, value_name = "W", allow_negative_numbers = true)]
+    smooth: Option<f64>,
+    #[command(flatten)]
+    normals: NormalArgs,
+    /// Format of the input [default: by its ending, else by its content]
+    #[arg(long, value_name = "FORMAT")]
+    format: Option<Format>,
+    /// Format of the output [default: by its ending]
+    #[arg(long, value_name = "FORMAT")]
+    output_format: Option<Format>,
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+/// Reconstruct a file into another one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reconstructing {
+    /// What to read.
+    pub input: MeshFile,
+    /// What to write.
+    pub output: MeshFile,
+    /// What to make of it.
+    pub options: ReconstructOptions,
+    /// How it goes on meanwhile.
+    pub run: Run,
+}
+
+impl ReconstructArgs {
+    pub(super) fn resolve(self) -> Reconstructing {
+        let ReconstructArgs { input, output, resolution, smooth, normals, format, output_format, run } = self;
+        Reconstructing {
+            input: MeshFile { path: input, format },
+            output: MeshFile { path: output, format: output_format },
+            options: ReconstructOptions { resolution, cloud: normals.resolve(smooth, 0.0) },
+            run: run.into(),
+        }
+    }
+}

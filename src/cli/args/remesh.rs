@@ -1,0 +1,175 @@
+//! The arguments of the main command.
+
+use crate::cli::args::shared::{MeshFile, NormalArgs, Run, RunArgs, density};
+use crate::cli::args::stop::Stop;
+use crate::cli::args::words::{
+    Mark, PropertyWidth, Sizing, features, mark, max_error, points, positive, property_width, within,
+};
+use crate::io::Format;
+use crate::remesh::{CloudOptions, Density, MaxError, Options, Selection};
+use crate::surface::features::Features;
+use std::path::PathBuf;
+
+/// What tells the main command from the others, which lack it.
+#[derive(Debug, clap::Args)]
+pub(super) struct FileArgs {
+    /// The mesh to read
+    #[arg(value_name = "IN")]
+    input: PathBuf,
+    /// The mesh to write; an existing file is replaced when the new one is complete
+    #[arg(value_name = "OUT")]
+    output: PathBuf,
+}
+
+/// What may stand beside the files. It has defaults throughout, so that clap finds it with the other commands, too.
+#[derive(Debug, clap::Args)]
+pub(super) struct RemeshArgs {
+    /// Number of vertices of the output; auto, with --max-error, takes as many as that needs
+    #[arg(long, value_name = "N|auto", group = "density", allow_negative_numbers = true, value_parser = points)]
+    points: Option<Density>,
+    /// Mean edge length of the output, in the units of the input
+    #[arg(long, value_name = "L", group = "density", allow_negative_numbers = true, value_parser = positive)]
+    edge_length: Option<f64>,
+    /// Kernel width σp of the sampler, in the units of the input
+    #[arg(long, value_name = "S", group = "density", allow_negative_numbers = true, value_parser = positive)]
+    sigma_p: Option<f64>,
+    /// Seed of the random numbers: same seed, same input, same output
+    #[arg(long, value_name = "SEED", default_value_t = 0)]
+    seed: u64,
+    /// Weld boundary vertices within this distance, in the units of the input, to close seams left open by rounding
+    #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true, value_parser = positive)]
+    weld: Option<f64>,
+    /// Sharp edges to keep: those across which the input turns by so many degrees, or none [default: decided from the
+    /// input]
+    #[arg(long, value_name = "DEGREES|none", allow_negative_numbers = true, value_parser = features)]
+    features: Option<Features>,
+    /// How much edge lengths follow the shape: from 0, even, to 1, short where it bends or is thin
+    #[arg(long, value_name = "A", default_value_t = 0.0, allow_negative_numbers = true, conflicts_with = "sizing")]
+    adapt: f64,
+    /// Kernel width σn along unit normals: with 0.5 to 1 samples gather where the surface bends; inf is even
+    #[arg(long, value_name = "S", default_value_t = f64::INFINITY, allow_negative_numbers = true)]
+    sigma_n: f64,
+    /// Kernel width along a property of the input's vertices (as of a vertex in PLY, or an attribute like _HEAT in glTF),
+    /// in its units: samples gather where it changes; up to four times
+    #[arg(long = "sigma", value_name = "NAME=VALUE", value_parser = property_width)]
+    properties: Vec<PropertyWidth>,
+    /// Edge lengths wanted at the vertices of the input: a property of theirs, as of a vertex in PLY or an attribute like
+    /// _SIZE in glTF, or a .json file with a list; also says how dense, if nothing else does
+    #[arg(long, value_name = "PROPERTY|F.json")]
+    sizing: Option<String>,
+    /// Smooth noise away first, of clouds and of meshes: points reach as far as W mean distances of neighbouring ones
+    #[arg(long, value_name = "W", num_args = 0..=1, default_missing_value = "2.3", allow_negative_numbers = true)]
+    smooth: Option<f64>,
+    /// Close holes of a cloud that fit in a box with this diagonal, in the units of the input
+    #[arg(long, value_name = "SIZE", default_value_t = 0.0, allow_negative_numbers = true)]
+    fill_holes: f64,
+    #[command(flatten)]
+    normals: NormalArgs,
+    /// Remesh only what is inside this box, in the units of the input; the rest stays as it is to the last bit. --points
+    /// then counts the vertices strictly inside of the part, and not those on its seam with the rest
+    #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", allow_hyphen_values = true, value_parser = within)]
+    within: Option<Selection>,
+    /// Remesh only the triangles at whose corners this property of the input's vertices is not zero, or has a value;
+    /// otherwise as --within
+    #[arg(long, value_name = "PROPERTY[=VALUE]", conflicts_with = "within", value_parser = mark)]
+    select: Option<Mark>,
+    /// How far any point of the output may be from the input, and back: a length, or a share of the diagonal of the
+    /// input's bounding box, as in 0.1%
+    #[arg(long, value_name = "E|E%", allow_negative_numbers = true, value_parser = max_error)]
+    max_error: Option<MaxError>,
+    /// Leave out colours, texture coordinates, normals and other attributes of the input
+    #[arg(long)]
+    no_attributes: bool,
+    /// 1 optimises the triangles after sampling, 0 leaves the samples where the paper's gradient ascent does
+    #[arg(long, value_name = "0|1", default_value_t = 1, value_parser = clap::value_parser!(u8).range(0..=1))]
+    optimize: u8,
+    /// Format of the input [default: by its ending, else by its content]
+    #[arg(long, value_name = "FORMAT")]
+    format: Option<Format>,
+    /// Format of the output [default: by its ending]
+    #[arg(long, value_name = "FORMAT")]
+    output_format: Option<Format>,
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+/// Remesh a file into another one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Remeshing {
+    /// What to read.
+    pub input: MeshFile,
+    /// What to write.
+    pub output: MeshFile,
+    /// What to make of it; lengths and signals that it has a place for are still to be read.
+    pub options: Options,
+    /// What to make of the input if it has no triangles.
+    pub cloud: CloudOptions,
+    /// Where the lengths for [`Options::sizing`] are, if there are any.
+    pub sizing: Option<Sizing>,
+    /// Whether the attributes of the input are carried to the output.
+    pub attributes: bool,
+    /// Where the selection for [`Options::part`] is, if there is one.
+    pub select: Option<Mark>,
+    /// Where the values for [`Options::signals`] are.
+    pub properties: Vec<PropertyWidth>,
+    /// How it goes on meanwhile.
+    pub run: Run,
+}
+
+impl RemeshArgs {
+    pub(super) fn resolve(self, files: FileArgs) -> Result<Remeshing, Stop> {
+        let FileArgs { input, output } = files;
+        let RemeshArgs {
+            points,
+            edge_length,
+            sigma_p,
+            seed,
+            weld,
+            features,
+            adapt,
+            sigma_n,
+            properties,
+            sizing,
+            smooth,
+            within,
+            select,
+            fill_holes,
+            normals,
+            max_error,
+            no_attributes,
+            optimize,
+            format,
+            output_format,
+            run,
+        } = self;
+        let sizing = sizing.map(Sizing::from);
+        let density = density(points, edge_length, sigma_p, sizing.as_ref())?;
+        let features = features.unwrap_or_default();
+        Ok(Remeshing {
+            input: MeshFile { path: input, format },
+            output: MeshFile { path: output, format: output_format },
+            options: Options {
+                density,
+                seed,
+                weld,
+                features,
+                adapt,
+                sigma_n,
+                signals: Vec::new(),
+                sizing: sizing.as_ref().map(|_| Vec::new()),
+                smooth,
+                part: within,
+                max_error,
+                optimize: optimize != 0,
+                // Without a flag.
+                sweeps: Options::default().sweeps,
+            },
+            cloud: normals.resolve(smooth, fill_holes),
+            sizing,
+            attributes: !no_attributes,
+            select,
+            properties,
+            run: run.into(),
+        })
+    }
+}

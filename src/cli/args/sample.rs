@@ -1,0 +1,114 @@
+//! The arguments of `remesh sample`.
+
+use crate::cli::args::shared::{MeshFile, NormalArgs, Run, RunArgs, density};
+use crate::cli::args::stop::Stop;
+use crate::cli::args::words::{PropertyWidth, points, positive, property_width};
+use crate::io::Format;
+use crate::remesh::{Density, SampleOptions};
+use std::path::PathBuf;
+
+pub(super) const HELP: &str = "\
+Samples a surface: points with normals, without triangles, as the paper's gradient ascent leaves them (blue noise).
+With --scan-only a subset of the input's points, each with its index in it (in PLY as the property index). A cloud of
+points is sampled on its robust implicit surface; normals that it lacks are estimated.
+
+Formats of the output, by the ending of the file: obj (v, vn), ply (x y z nx ny nz index), xyz.
+
+Exit status: 0 sampled, 1 a file cannot be read or written, or cannot be sampled, 2 wrong usage, 130 interrupted.";
+
+#[derive(Debug, clap::Args)]
+pub(super) struct SampleArgs {
+    /// The mesh or the cloud of points to read
+    #[arg(value_name = "IN")]
+    input: PathBuf,
+    /// The points to write; an existing file is replaced when the new one is complete
+    #[arg(value_name = "OUT")]
+    output: PathBuf,
+    /// Number of samples
+    #[arg(long, value_name = "N", group = "density", allow_negative_numbers = true, value_parser = points)]
+    points: Option<Density>,
+    /// Mean distance between neighbouring samples, in the units of the input
+    #[arg(long, value_name = "L", group = "density", allow_negative_numbers = true, value_parser = positive)]
+    edge_length: Option<f64>,
+    /// Kernel width σp of the sampler, in the units of the input
+    #[arg(long, value_name = "S", group = "density", allow_negative_numbers = true, value_parser = positive)]
+    sigma_p: Option<f64>,
+    /// Kernel width σn along unit normals: with 0.5 to 1 samples gather where the surface bends; inf is even
+    #[arg(long, value_name = "S", default_value_t = f64::INFINITY, allow_negative_numbers = true)]
+    sigma_n: f64,
+    /// Kernel width along a property of the input's vertices (PLY, or glTF like _HEAT), in its units: samples gather
+    /// where it changes; up to four times
+    #[arg(long = "sigma", value_name = "NAME=VALUE", value_parser = property_width)]
+    properties: Vec<PropertyWidth>,
+    /// How far the points of a cloud reach, in mean distances of neighbouring ones: the larger, the smoother [default: 2.3]
+    #[arg(long, value_name = "W", allow_negative_numbers = true, conflicts_with = "scan_only")]
+    smooth: Option<f64>,
+    #[command(flatten)]
+    normals: NormalArgs,
+    /// Take a subset of the input's points by the linear scan alone
+    #[arg(long)]
+    scan_only: bool,
+    /// Seed of the random numbers: same seed, same input, same output
+    #[arg(long, value_name = "SEED", default_value_t = 0)]
+    seed: u64,
+    /// Sweeps of gradient ascent
+    #[arg(long, value_name = "N", default_value_t = 10, conflicts_with = "scan_only")]
+    sweeps: usize,
+    /// Format of the input [default: by its ending, else by its content]
+    #[arg(long, value_name = "FORMAT")]
+    format: Option<Format>,
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+/// Sample a file into another one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sampling {
+    /// What to read.
+    pub input: MeshFile,
+    /// What to write.
+    pub output: PathBuf,
+    /// How to sample; signals that it has a place for are still to be read.
+    pub options: SampleOptions,
+    /// Where the signals are.
+    pub properties: Vec<PropertyWidth>,
+    /// How it goes on meanwhile.
+    pub run: Run,
+}
+
+impl SampleArgs {
+    pub(super) fn resolve(self) -> Result<Sampling, Stop> {
+        let SampleArgs {
+            input,
+            output,
+            points,
+            edge_length,
+            sigma_p,
+            sigma_n,
+            properties,
+            smooth,
+            normals,
+            scan_only,
+            seed,
+            sweeps,
+            format,
+            run,
+        } = self;
+        let density = density(points, edge_length, sigma_p, None)?;
+        Ok(Sampling {
+            input: MeshFile { path: input, format },
+            output,
+            options: SampleOptions {
+                density,
+                sigma_n,
+                signals: Vec::new(),
+                scan_only,
+                seed,
+                sweeps,
+                cloud: normals.resolve(smooth, 0.0),
+            },
+            properties,
+            run: run.into(),
+        })
+    }
+}

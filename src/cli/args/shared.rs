@@ -1,0 +1,106 @@
+//! Arguments that several commands have, and what they resolve to.
+
+use crate::cli::args::stop::{Stop, wrong};
+use crate::cli::args::words::{Sizing, positive};
+use crate::io::Format;
+use crate::remesh::{CloudOptions, Density, NormalFit, Reach};
+use clap::ArgAction;
+use std::path::PathBuf;
+
+/// How a command goes on, whatever it does.
+#[derive(Debug, clap::Args)]
+pub(super) struct RunArgs {
+    /// Threads to use; the output does not depend on it [default: one a core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Write the report to a file, as JSON
+    #[arg(long, value_name = "F.json")]
+    report: Option<PathBuf>,
+    /// Print nothing but errors
+    #[arg(short, long, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Name each stage on standard error as it begins
+    #[arg(short, long, action = ArgAction::SetTrue)]
+    verbose: bool,
+}
+
+/// How a command goes on, whatever it does.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Run {
+    /// As many as there are cores without.
+    pub threads: Option<usize>,
+    /// Where the report goes as JSON, if it is wanted.
+    pub report: Option<PathBuf>,
+    /// How much to say meanwhile.
+    pub voice: Voice,
+}
+
+impl From<RunArgs> for Run {
+    fn from(args: RunArgs) -> Run {
+        let RunArgs { threads, report, quiet, verbose } = args;
+        let voice = match (quiet, verbose) {
+            (true, _) => Voice::Quiet,
+            (_, true) => Voice::Verbose,
+            _ => Voice::Normal,
+        };
+        Run { threads: threads.map(usize::from), report, voice }
+    }
+}
+
+/// How much is said.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Voice {
+    /// Errors only.
+    Quiet,
+    /// The report, and a progress bar on a terminal.
+    Normal,
+    /// The report, and a line for each stage.
+    Verbose,
+}
+
+/// How normals of a cloud are estimated.
+#[derive(Debug, clap::Args)]
+pub(super) struct NormalArgs {
+    /// What normals of a cloud without them are fitted to [default: plane, or sphere with --smooth]
+    #[arg(long, value_name = "FIT")]
+    normal_fit: Option<NormalFit>,
+    /// How many neighbours they are fitted to [default: 8, or 16 with --smooth]
+    #[arg(long, value_name = "K", conflicts_with = "normal_radius")]
+    normal_neighbors: Option<usize>,
+    /// How far away, in the units of the input, these neighbours may be instead
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = positive)]
+    normal_radius: Option<f64>,
+}
+
+impl NormalArgs {
+    /// What to make of a cloud, with as much smoothing and as large holes closed as are given.
+    pub(super) fn resolve(self, smooth: Option<f64>, fill_holes: f64) -> CloudOptions {
+        let NormalArgs { normal_fit, normal_neighbors, normal_radius } = self;
+        let neighborhood = normal_neighbors.map(Reach::Count).or(normal_radius.map(Reach::Radius));
+        CloudOptions { fit: normal_fit, neighborhood, smooth, fill_holes }
+    }
+}
+
+/// A file and the format that it is said to have.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MeshFile {
+    /// Its path, as it was given.
+    pub path: PathBuf,
+    /// The format, where its ending or content are not to decide.
+    pub format: Option<Format>,
+}
+
+/// The one that is given of the ways to say how dense the output shall be.
+pub(super) fn density(
+    points: Option<Density>,
+    edge_length: Option<f64>,
+    sigma_p: Option<f64>,
+    sizing: Option<&Sizing>,
+) -> Result<Density, Stop> {
+    let others = edge_length.map(Density::EdgeLength).or(sigma_p.map(Density::SigmaP));
+    let of_sizing = sizing.map(|_| Density::OfSizing);
+    points
+        .or(others)
+        .or(of_sizing)
+        .ok_or_else(|| wrong("how dense? give one of --points N, --edge-length L and --sigma-p S"))
+}

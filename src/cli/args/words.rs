@@ -1,0 +1,122 @@
+//! Single words of the command line, read as what they stand for.
+
+use crate::io::Format;
+use crate::remesh::{Density, MaxError, NormalFit, Selection};
+use crate::surface::features::Features;
+use clap::ValueEnum;
+use clap::builder::PossibleValue;
+use std::path::PathBuf;
+
+/// Where the wanted edge lengths are.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Sizing {
+    /// In the input, as the property of this name.
+    Property(String),
+    /// In a JSON file.
+    File(PathBuf),
+}
+
+/// What marks the vertices of a part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mark {
+    /// A property of the input's vertices.
+    pub property: String,
+    /// The value that it has to have; any but zero without.
+    pub value: Option<f64>,
+}
+
+/// A property of the input's vertices and the width of the kernel along it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PropertyWidth {
+    /// The name of the property.
+    pub name: String,
+    /// The width, in its units.
+    pub sigma: f64,
+}
+
+impl ValueEnum for Format {
+    fn value_variants<'a>() -> &'a [Format] {
+        &Format::ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.extension()))
+    }
+}
+
+impl ValueEnum for NormalFit {
+    fn value_variants<'a>() -> &'a [NormalFit] {
+        &[NormalFit::Plane, NormalFit::Sphere]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(match self {
+            NormalFit::Plane => "plane",
+            NormalFit::Sphere => "sphere",
+        }))
+    }
+}
+
+impl From<String> for Sizing {
+    fn from(word: String) -> Sizing {
+        let path = PathBuf::from(&word);
+        let is_json = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"));
+        if is_json { Sizing::File(path) } else { Sizing::Property(word) }
+    }
+}
+
+/// A number of vertices; what is too few or too many for a surface is for the library to say.
+pub(super) fn points(word: &str) -> Result<Density, String> {
+    let count = || word.parse().ok().filter(|&n| n > 0).map(Density::Points);
+    let density = if word == "auto" { Some(Density::Auto) } else { count() };
+    density.ok_or_else(|| "it must be a whole number of at least 1, or auto".into())
+}
+
+/// A length, or a share of the diagonal in per cent.
+pub(super) fn max_error(word: &str) -> Result<MaxError, String> {
+    let share = |number: &str| positive(number).map(|percent| MaxError::OfDiagonal(percent / 100.0));
+    let error = word.strip_suffix('%').map_or_else(|| positive(word).map(MaxError::Length), share);
+    error.map_err(|_| "it must be a positive length, or a positive number with a %".into())
+}
+
+/// Which edges are sharp; what angles make sense is for the library to say.
+pub(super) fn features(word: &str) -> Result<Features, String> {
+    match word {
+        "auto" => Ok(Features::Automatic),
+        "none" => Ok(Features::Smooth),
+        _ => positive(word).map(Features::Degrees).map_err(|_| "it must be an angle in degrees, auto or none".into()),
+    }
+}
+
+/// A box by its lowest and its highest corner; what boxes make sense is for the library to say.
+pub(super) fn within(word: &str) -> Result<Selection, String> {
+    let numbers: Option<Vec<f64>> = word.split(',').map(|number| number.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x0, y0, z0, x1, y1, z1]) => Ok(Selection::Box([x0, y0, z0], [x1, y1, z1])),
+        _ => Err("it must be six numbers: the lowest x, y and z of a box, then the highest".into()),
+    }
+}
+
+/// The name of a property, or one and a value; the name may have an = of its own.
+pub(super) fn mark(word: &str) -> Result<Mark, String> {
+    let parts = word.rsplit_once('=').and_then(|(property, value)| Some((property, value.parse().ok()?)));
+    let (property, value) = parts.map_or((word, None), |(property, value)| (property, Some(value)));
+    if property.is_empty() {
+        Err("it must be the name of a property".into())
+    } else {
+        Ok(Mark { property: property.into(), value })
+    }
+}
+
+/// `NAME=VALUE`, a name that may have a = in it.
+pub(super) fn property_width(word: &str) -> Result<PropertyWidth, String> {
+    let parts = word.rsplit_once('=').filter(|(name, _)| !name.is_empty());
+    let (name, sigma) = parts.ok_or("it must be the name of a property, = and a width, as in quality=0.5")?;
+    Ok(PropertyWidth { name: name.into(), sigma: positive(sigma)? })
+}
+
+/// A length that makes sense.
+pub(super) fn positive(word: &str) -> Result<f64, String> {
+    let positive = word.parse().ok().filter(|&x: &f64| x > 0.0 && x.is_finite());
+    positive.ok_or_else(|| "it must be a positive number".into())
+}

@@ -1,0 +1,16 @@
+//! What users see of the library and of the program, tested in one binary, which is compiled and linked once. Each module
+//! is a subject: `cargo test --test all sampling` runs one.
+
+mod attributes;
+#[cfg(feature = "cli")]
+mod cli;
+mod clouds;
+mod common;
+mod data;
+mod features;
+mod io;
+mod pipeline;
+mod reconstruct;
+mod sampling;
+mod table2;
+mod within;
