@@ -526,10 +526,13 @@ proptest! {
 
     #[test]
     fn any_sheet_stays_one(
-        n in 1u32..30, m in 1u32..30, width in 0.001f64..1.0, noise in 0.0f64..0.05, wanted in 3usize..400,
+        n in 1u32..30, m in 1u32..30, width in 0.001f64..1.0, noise in 0.0f64..0.1, wanted in 3usize..400,
         seed in any::<u64>(),
     ) {
-        let input = moved(noisy(sheet(n, m), noise, &mut random(seed)), |p| p * dvec3(1.0, width, 1.0));
+        // Noise across of more than a share of the width would crumple a strip to what is farther off its own middle
+        // than vertices may be.
+        let across = dvec3(1.0, width, width);
+        let input = moved(noisy(sheet(n, m), noise, &mut random(seed)), |p| p * across);
         let made = check_with("sheet", &input, &Options { seed, ..points(wanted) });
         prop_assert_eq!((made.output.euler, made.output.boundary_loops), (1, 1));
     }
