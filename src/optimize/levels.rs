@@ -24,8 +24,9 @@ const BENT: f64 = -0.5;
 /// Distance, in spacings of the fine mesh, from faces of the coarse one that cross, within which vertices are kept.
 const CLEARANCE: f64 = 6.0;
 
-/// Cosine of the turn of the surface within an edge from which on a vertex is at a tip: 102 degrees.
-const TIP: f64 = -0.2;
+/// Cosine of the turn of the surface within an edge from which on a vertex is at a tip, the end of a spike or a slit: 120
+/// degrees. From 102 on too few around it can move.
+const TIP: f64 = -0.5;
 
 /// Width of a patch in spacings of the fine mesh below which its vertices are fixed: what a coarser mesh gains inside it
 /// loses at the curves around.
@@ -140,13 +141,18 @@ pub fn narrow(domain: &Domain, mesh: &Manifold, spacing: f64) -> Vec<bool> {
     (0..c.vertex_bound()).map(|v| c.has_vertex(v) && is_narrow(v)).collect()
 }
 
-/// Fixes the vertices at which the surface turns away within an edge: the ends of spikes, from which relaxation would
-/// take them.
+/// Fixes the [`tips`] alone.
 pub fn fix_tips(mesh: &mut Manifold) {
+    mesh.fixed = tips(mesh);
+}
+
+/// The vertices at which the surface turns away within an edge: ascent would draw those around into a fan, relaxation
+/// would take them from the end of their spike.
+fn tips(mesh: &Manifold) -> Vec<bool> {
     let c = &mesh.connectivity;
     let normal = |v: u32| mesh.samples[v as usize].normal;
     let is_tip = |v: u32| c.ring(v).any(|w| normal(w).dot(normal(v)) < TIP);
-    mesh.fixed = (0..c.vertex_bound()).map(|v| c.has_vertex(v) && is_tip(v)).collect();
+    (0..c.vertex_bound()).map(|v| c.has_vertex(v) && is_tip(v)).collect()
 }
 
 /// Fixes the [`indispensable`] vertices and those in narrow patches, and collapses the others until splitting what is left
@@ -175,15 +181,16 @@ pub fn balance(domain: &Domain, mesh: &mut Manifold, wanted: usize, spacing: f64
 }
 
 /// The mesh with its longest edges split, as many as it takes to have `wanted` vertices. Free are those that were fixed,
-/// because they are dense already, and a few rings around them, but for narrow patches, which have been ordered as a
-/// whole; all others are fixed.
+/// because they are dense already, and a few rings around them, but for tips and for narrow patches, which have been ordered
+/// as a whole; all others are fixed.
 pub fn split_to(domain: &Domain, mesh: &Manifold, wanted: usize, spacing: f64) -> Manifold {
     let (_, old) = mesh.connectivity.compact();
     let mut finer = mesh.with_longest_split(domain, wanted.saturating_sub(old.len()));
     let mut dense: Vec<bool> = old.iter().map(|&v| mesh.fixed[v as usize]).collect();
     dense.resize(finer.samples.len(), false);
-    let free = with_rings(&finer, dense, RINGS_OF_TRANSITION);
-    finer.fixed = free.into_iter().zip(narrow(domain, &finer, spacing)).map(|(free, narrow)| narrow || !free).collect();
+    let dense = with_rings(&finer, dense, RINGS_OF_TRANSITION);
+    let (narrow, at_tip) = (narrow(domain, &finer, spacing), tips(&finer));
+    finer.fixed = (0..dense.len()).map(|v| !dense[v] || narrow[v] || at_tip[v]).collect();
     finer
 }
 
