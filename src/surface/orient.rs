@@ -33,30 +33,33 @@ struct Vote {
     sum: f32,
 }
 
-/// Rounds in which points turn over that are outvoted: a few do it, and all but never more than one.
+/// Rounds of turning over points that are outvoted: hardly any is left after the first.
 const ROUNDS: usize = 5;
 
 /// Turns over some of `normals` so that all of a connected part of the graph agree. For each point the number of its
 /// part: the lowest point in it.
 pub fn orient(points: &[DVec3], normals: &mut [DVec3], graph: &NeighborGraph) -> Vec<u32> {
-    let count = points.len() as u32;
-    let mut votes = votes_of_neighbors(points, normals, graph);
-    // Two nodes for each point, one for each of its sides. The root of a set is its lowest node, which is even for all
-    // points that are on the side of the lowest point.
-    let mut sides = UnionFind::new(2 * points.len());
-    let mut root: Vec<u32> = (0..count).map(|p| 2 * p).collect();
-    while !votes.is_empty() {
-        for Vote { ends: [a, b], sum } in clearest(&votes, points.len()) {
-            let turned = u32::from(sum < 0.0);
-            sides.join(2 * a, 2 * b + turned);
-            sides.join(2 * a + 1, 2 * b + 1 - turned);
-        }
-        root = (0..count).map(|p| sides.find(2 * p)).collect();
-        votes = between_parts(&votes, &root);
-    }
-    normals.iter_mut().zip(&root).filter(|(_, root)| **root % 2 == 1).for_each(|(n, _)| *n = -*n);
+    let sides = sides(votes_of_neighbors(points, normals, graph), points.len());
+    normals.iter_mut().zip(&sides).filter(|(_, side)| **side % 2 == 1).for_each(|(n, _)| *n = -*n);
     turn_outvoted(points, normals, graph);
-    root.into_iter().map(|root| root / 2).collect()
+    sides.into_iter().map(|side| side / 2).collect()
+}
+
+/// For each of so many points twice the lowest point of its part, and one more if it is not on the side of that one.
+fn sides(mut votes: Vec<Vote>, points: usize) -> Vec<u32> {
+    // Two nodes for each point, one for each of its sides. The root of a set is its lowest node.
+    let mut sets = UnionFind::new(2 * points);
+    let mut sides: Vec<u32> = (0..points as u32).map(|p| 2 * p).collect();
+    while !votes.is_empty() {
+        for Vote { ends: [a, b], sum } in clearest(&votes, points) {
+            let turned = u32::from(sum < 0.0);
+            sets.join(2 * a, 2 * b + turned);
+            sets.join(2 * a + 1, 2 * b + 1 - turned);
+        }
+        sides = (0..points as u32).map(|p| sets.find(2 * p)).collect();
+        votes = between_parts(&votes, &sides);
+    }
+    sides
 }
 
 /// The votes of all pairs of neighbours.
@@ -83,12 +86,11 @@ fn clearest(votes: &[Vote], points: usize) -> impl Iterator<Item = Vote> {
     best.into_iter().flatten()
 }
 
-/// The votes between the parts that are left: those between the same two are added up. `root` is the side of each point
-/// in the sets of [`orient`].
-fn between_parts(votes: &[Vote], root: &[u32]) -> Vec<Vote> {
+/// The votes between the parts that are left, which `sides` tell: those between the same two are added up.
+fn between_parts(votes: &[Vote], sides: &[u32]) -> Vec<Vote> {
     let renamed = |vote: &Vote| {
-        let [a, b] = vote.ends.map(|end| root[end as usize]);
-        let sum = if (a + b) % 2 == 1 { -vote.sum } else { vote.sum };
+        let [a, b] = vote.ends.map(|end| sides[end as usize]);
+        let sum = if a % 2 == b % 2 { vote.sum } else { -vote.sum };
         (a / 2 != b / 2).then_some(Vote { ends: [a.min(b) / 2, a.max(b) / 2], sum })
     };
     let mut left: Vec<Vote> = votes.par_iter().filter_map(renamed).collect();
@@ -173,6 +175,14 @@ mod tests {
             let (sine, cosine) = (2.399_963_229_728_653 * f64::from(i)).sin_cos();
             radius * DVec3::new((1.0 - z * z).sqrt() * cosine, (1.0 - z * z).sqrt() * sine, z)
         })
+    }
+
+    #[test]
+    fn a_single_wrong_pair_is_outvoted_by_the_others_between_two_parts() {
+        let vote = |a, b, sum| Vote { ends: [a, b], sum };
+        // Two pairs on a side each; the clearest neighbours between them say otherwise.
+        let votes = vec![vote(0, 1, 1.0), vote(2, 3, 1.0), vote(0, 2, 0.9), vote(0, 3, -0.6), vote(1, 3, -0.6)];
+        assert_eq!(sides(votes, 5), [0, 0, 1, 1, 8]);
     }
 
     #[test]
