@@ -133,6 +133,9 @@ const DEGREE: usize = 16;
 const FEW_NEIGHBORS: usize = 8;
 const MANY_NEIGHBORS: usize = 16;
 
+/// Times that spheres are fitted, each time to the normals of the time before.
+const SPHERES: usize = 2;
+
 /// How far points reach on their implicit surface, in their spacings, if nothing else is asked for: no farther than it takes
 /// to have no holes between them.
 pub const DEFAULT_REACH: f64 = 2.3;
@@ -316,8 +319,11 @@ fn normals(
     let part = orient(positions, &mut normals, graph);
     summary.turned_normals = side_with(&given, &mut normals, &part);
     if missing > 0 && options.fit.unwrap_or(fit) == NormalFit::Sphere {
-        let spheres = sphere_normals(positions, &normals, &neighborhood);
-        normals.iter_mut().zip(spheres).zip(&given).filter(|(_, g)| **g == DVec3::ZERO).for_each(|((n, s), _)| *n = s);
+        for _ in 0..SPHERES {
+            let spheres = sphere_normals(positions, &normals, &neighborhood);
+            let missing = normals.iter_mut().zip(spheres).zip(&given).filter(|(_, given)| **given == DVec3::ZERO);
+            missing.for_each(|((n, sphere), _)| *n = sphere);
+        }
     }
     normals
 }

@@ -22,7 +22,7 @@ use glam::DVec3;
 pub struct Look {
     /// Triangles whose circumradius is larger than so many spacings of their corners span one.
     pub largest_circumradius: f64,
-    /// Gaps of so many sides are none.
+    /// Gaps of so many sides are none, if these are no longer than points are apart on the mean.
     pub most_sides: usize,
     /// How far off points may be, in spacings, and still lie in one plane.
     pub noise: f64,
@@ -64,6 +64,10 @@ const THICKNESS: f64 = 0.03;
 const MANY_APART: f64 = 0.05;
 const ALIKE: f64 = 0.98;
 const APART: f64 = 0.94;
+
+/// The share of these that lean the same way, outwards or inwards: all around a face there are walls, and around a hole in
+/// what bends a little normals lean to either side.
+const ONE_WAY: f64 = 0.8;
 
 /// Mean cosine, of the normals around a gap and its own, below which the gap is all that is outside of a sheet.
 const OUTSIDE: f64 = -0.5;
@@ -130,7 +134,10 @@ fn is_hole(points: Surroundings<'_>, ends: &[bool], look: Look, polygon: &[u32])
     let facing = polygon.iter().map(|&p| points.normals[p as usize].dot(normal)).sum::<f64>() / rim.len() as f64;
     let (lo, hi) = rim.iter().fold((rim[0], rim[0]), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
     let is_flat = is_flat_place(points, look, polygon);
-    let is_small = polygon.len() <= look.most_sides || lo.distance(hi) <= look.smallest_diagonal;
+    let sides = polygon.iter().zip(&rim).zip(rim.iter().cycle().skip(1));
+    let length: f64 = sides.map(|((&p, a), b)| a.distance(*b) / points.spacings[p as usize]).sum();
+    let has_few_sides = polygon.len() <= look.most_sides && length <= look.most_sides as f64;
+    let is_small = has_few_sides || lo.distance(hi) <= look.smallest_diagonal;
     facing < OUTSIDE || !is_flat && !is_small
 }
 
@@ -141,7 +148,7 @@ fn area_vector(rim: &[DVec3]) -> DVec3 {
 }
 
 /// Whether a gap is part of a flat face, as of a machine part, that has points at its sharp rim only: most of the points
-/// around it lie in one plane, and there are some that have its normal and some that do not.
+/// around it lie in one plane, and there are some that have its normal and some that do not, which all lean one way.
 fn is_flat_place(points: Surroundings<'_>, look: Look, polygon: &[u32]) -> bool {
     let mut rim: Vec<DVec3> = polygon.iter().map(|&p| points.positions[p as usize]).collect();
     let (mut mean, mut normal, width) = plane(&rim);
@@ -152,10 +159,16 @@ fn is_flat_place(points: Surroundings<'_>, look: Look, polygon: &[u32]) -> bool 
     let spacing = polygon.iter().map(|&p| points.spacings[p as usize]).sum::<f64>() / rim.len() as f64;
     let thickness = (THICKNESS * width).max(look.noise * spacing);
     let in_plane = rim.iter().filter(|p| height(p, mean, normal) < thickness).count();
-    let turned =
-        |cosine: f64| polygon.iter().filter(|&&p| points.normals[p as usize].dot(normal).abs() > cosine).count();
-    let apart = polygon.len() - turned(APART);
-    in_plane >= core && turned(ALIKE) > 0 && apart as f64 >= MANY_APART * rim.len() as f64
+    let cosine = |p: u32| points.normals[p as usize].dot(normal).abs();
+    let apart = polygon.iter().filter(|&&p| cosine(p) <= APART).count();
+    let turned: Vec<u32> = polygon.iter().copied().filter(|&p| cosine(p) <= ALIKE).collect();
+    let lean = |p: u32| points.normals[p as usize].dot((points.positions[p as usize] - mean).reject_from(normal));
+    let outward = turned.iter().filter(|&&p| lean(p) > 0.0).count();
+    let one_way = outward.max(turned.len() - outward);
+    in_plane >= core
+        && turned.len() < polygon.len()
+        && apart as f64 >= MANY_APART * polygon.len() as f64
+        && one_way as f64 >= ONE_WAY * turned.len() as f64
 }
 
 /// The mean of points, the normal of the plane that fits them best, and how far they spread across their longest extent.

@@ -58,7 +58,7 @@ pub(super) struct RemeshArgs {
     #[arg(long, value_name = "PROPERTY|F.json")]
     sizing: Option<String>,
     /// Smooth noise away first, of clouds and of meshes: points reach as far as W mean distances of neighbouring ones
-    #[arg(long, value_name = "W", num_args = 0..=1, default_missing_value = "2.3", allow_negative_numbers = true)]
+    #[arg(long, value_name = "W", num_args = 0..=1, default_missing_value = "2.7", allow_negative_numbers = true)]
     smooth: Option<f64>,
     /// Close holes of a cloud that fit in a box with this diagonal, in the units of the input
     #[arg(long, value_name = "SIZE", default_value_t = 0.0, allow_negative_numbers = true)]
