@@ -7,7 +7,7 @@
 //! than the one that was there, both ways, and no triangle is far outside of the goal.
 //!
 //! What no step of single vertices reaches is often one such jump away, because the flips around it change the order of
-//! the vertices.
+//! the vertices. No patch is put back that would cross more of the mesh than what was there.
 //!
 //! Cost: some milliseconds for each place; most models have twenty to eighty. Limits: vertices on curves stay, and so do
 //! places that only those could reach.
@@ -18,6 +18,7 @@ use crate::optimize::angles::{bad_triangles, improve_angles, worst_margin};
 use crate::optimize::fit::{POINTS, fit_part, point};
 use crate::optimize::relax::{Flips, relax};
 use crate::surface::bvh::Bvh;
+use crate::surface::crossings::crossing_faces;
 use crate::surface::domain::Domain;
 use crate::surface::manifold::Manifold;
 use crate::surface::mesh::Mesh;
@@ -175,11 +176,43 @@ impl Target {
         self.bvh.refit(&self.mesh);
     }
 
+    /// Whether more faces would cross if `patch` were put back.
+    fn would_cross(&self, patch: &Patch) -> bool {
+        let new = patch.mesh.to_mesh();
+        let Some((lo, hi)) = new.bounds() else { return false };
+        let (mut now, mut then) = (Soup::default(), Soup::default());
+        self.bvh.in_box(&self.mesh, lo, hi, |t| {
+            let corners = self.mesh.corners(t as usize);
+            now.add(corners);
+            if !patch.has_triangle(self.number[t as usize]) {
+                then.add(corners);
+            }
+        });
+        (0..new.triangles.len()).for_each(|t| then.add(new.corners(t)));
+        then.crossings() > now.crossings()
+    }
+
     /// How far `probe` is from the triangles that face its way, if nearer than `most`, and the number of the closest one.
     fn distance(&self, probe: &Probe, most: f64) -> Option<(f64, u32)> {
         let facing = |t: u32| self.mesh.area_vector(t as usize).dot(probe.normal) > 0.0;
         let hit = self.bvh.closest_where(&self.mesh, probe.position, most * most, facing)?;
         Some((hit.distance_squared.sqrt(), self.number[hit.triangle as usize]))
+    }
+}
+
+/// Triangles that share no vertices, but have corners at the same places.
+#[derive(Default)]
+struct Soup(Mesh);
+
+impl Soup {
+    fn add(&mut self, corners: [DVec3; 3]) {
+        let first = self.0.positions.len() as u32;
+        self.0.positions.extend(corners);
+        self.0.triangles.push([first, first + 1, first + 2]);
+    }
+
+    fn crossings(&self) -> usize {
+        crossing_faces(&self.0).len()
     }
 }
 
@@ -265,7 +298,7 @@ impl Task<'_> {
         let most = MUST_FALL_TO * attempt.farthest;
         for _ in 0..PULLS {
             attempt = self.pull_nearest(&attempt, &measured, margin)?;
-            if attempt.farthest < most {
+            if attempt.farthest < most && !target.would_cross(&attempt.patch) {
                 return Some(attempt.patch);
             }
         }
@@ -358,6 +391,7 @@ impl<'a> Measured<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surface::domain::Sample;
 
     /// A triangular grid with `n` edges of length 1/n to a side, over the rhombus of side 1, at the given heights.
     fn sheet(n: u32, height: impl Fn(f64, f64) -> f64) -> Mesh {
@@ -414,6 +448,23 @@ mod tests {
         assert_eq!(mesh.to_mesh().positions.len(), old.to_mesh().positions.len());
         let corners = (0..mesh.connectivity.vertex_bound()).filter(|&v| mesh.is_held(v));
         corners.for_each(|v| assert_eq!(mesh.position(v), old.position(v)));
+    }
+
+    #[test]
+    fn a_vertex_put_through_another_sheet_would_cross_it() {
+        let (lower, upper) = (sheet(COARSE, |_, _| 0.0), sheet(COARSE, |_, _| 0.01));
+        let first = lower.positions.len() as u32;
+        let positions = lower.positions.into_iter().chain(upper.positions);
+        let triangles: Vec<[u32; 3]> =
+            lower.triangles.into_iter().chain(upper.triangles.into_iter().map(|t| t.map(|v| v + first))).collect();
+        let samples = positions.map(|position| Sample { position, normal: DVec3::Z, triangle: 0, size: 1.0 });
+        let mesh = Manifold::new(samples.collect(), &triangles);
+        let mut patch = Patch::around(&mesh, (first + COARSE) / 2, 2).unwrap();
+        let target = Target::new(&mesh);
+        for (height, crosses) in [(0.0, false), (0.009, false), (0.02, true)] {
+            patch.mesh.samples[0].position.z = height;
+            assert_eq!(target.would_cross(&patch), crosses, "{height}");
+        }
     }
 
     #[test]
