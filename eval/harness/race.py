@@ -1,9 +1,9 @@
 """One model through several programs, timed beside each other.
 
-Every run of a peer comes right after one of ours on the same file, so that a pair of times saw the same machine. What
-only takes an edge length is tuned until the number of vertices fits: at most `TRIES` runs, the nearest of which counts
-as the first timing. Programs are timed in rounds, as many as the time allows; what takes long is timed once. A crash, a
-refusal, a timeout or an unreadable result is a result: {'failed': why}.
+Every run of a peer comes right before or right after one of ours on the same file, which two peers share, so that a
+pair of times saw the same machine. What only takes an edge length is tuned until the number of vertices fits: at most
+`TRIES` runs, the nearest of which counts as the first timing. Programs are timed in rounds, as many as the time allows;
+what takes long is timed once. A crash, a refusal, a timeout or an unreadable result is a result: {'failed': why}.
 """
 
 import math
@@ -35,6 +35,7 @@ def race(programs, source, reference, wanted, sharp, rounds, scratch, budget=mat
              for name, program in programs.items()]
     # Round by round, so that where the time is up no program has had many more runs than another.
     for _ in range(1, rounds):
+        entry.ours = None
         for lane in lanes:
             if time.perf_counter() < until:
                 lane.again()
@@ -45,6 +46,8 @@ class _Entry:
     def __init__(self, source, wanted, sharp, scratch):
         self.source, self.wanted, self.sharp = source, wanted, sharp
         self.scratch = scratch
+        # Our times since the last run of a peer that has had them beside it.
+        self.ours = None
 
     def run(self, program, name, asked):
         """One run: seconds of remeshing alone, those of the process, megabytes, and the file."""
@@ -134,14 +137,17 @@ def _off(found, entry):
 
 
 def _pair(own, program, name, asked, entry):
-    """A run of the program after one of ours; `own` is None for ours itself."""
-    before = _before(own, entry) if own else None
+    """A run of the program beside one of ours, the last one if it is right before; `own` is None for ours itself."""
     run = entry.run(program, name, asked)
-    before = before or run
-    return {**run, 'our_alone': before['alone'], 'our_process': before['process']}
+    if not own:
+        return {**run, 'our_alone': run['alone'], 'our_process': run['process']}
+    ours, entry.ours = entry.ours, None
+    if not ours:
+        ours = entry.ours = _ours(own, entry)
+    return {**run, 'our_alone': ours['alone'], 'our_process': ours['process']}
 
 
-def _before(own, entry):
+def _ours(own, entry):
     """Our times. A failure of ours has a row of its own, and is none of the peer's."""
     try:
         return entry.run(own, 'remesh.pair', entry.wanted)
