@@ -3,8 +3,9 @@
 //! Half of all irregular vertices (of a valence other than 6) come from the order of the sampling and not from the
 //! curvature of the surface. A mesh of a quarter of the vertices has a quarter of them, and splitting each of its
 //! triangles in four adds none. Where the surface bends within the longer edges, at tips and in thin parts, a coarser
-//! mesh would lose it: the vertices there are fixed, stay as dense as they are, and their edges are not split.
-//! So are those beside a seam, which stays as dense as it is.
+//! mesh would lose it: the vertices there are fixed, stay as dense as they are, and their edges are not split. So are those
+//! beside a seam, which stays as dense as it is. Once the edges around are split, dense and once coarse vertices meet in no
+//! order; a few rings of both are freed for ascent.
 //!
 //! Cost: a heap operation for each edge that is collapsed, and a sort of the edges that may be split.
 
