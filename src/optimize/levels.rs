@@ -142,7 +142,7 @@ pub fn narrow(domain: &Domain, mesh: &Manifold, spacing: f64) -> Vec<bool> {
     (0..c.vertex_bound()).map(|v| c.has_vertex(v) && is_narrow(v)).collect()
 }
 
-/// Fixes the [`tips`] alone.
+/// Fixes the tips alone: the vertices at which the surface turns away within an edge.
 pub fn fix_tips(mesh: &mut Manifold) {
     mesh.fixed = tips(mesh);
 }
