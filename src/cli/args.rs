@@ -193,7 +193,7 @@ mod tests {
         let cloud =
             remeshing("remesh a b --points 5 --normal-fit sphere --normal-neighbors 9 --fill-holes 2 --smooth").cloud;
         let (fit, neighborhood) = (Some(NormalFit::Sphere), Some(Reach::Count(9)));
-        assert_eq!(cloud, CloudOptions { fit, neighborhood, smooth: Some(2.3), fill_holes: 2.0 });
+        assert_eq!(cloud, CloudOptions { fit, neighborhood, smooth: Some(2.7), fill_holes: 2.0 });
         let options = remeshing("remesh a b --points auto --max-error 0.5%").options;
         assert_eq!((options.density, options.max_error), (Density::Auto, Some(MaxError::OfDiagonal(0.005))));
         let options = remeshing("remesh a b --points 9 --max-error 0.5").options;
