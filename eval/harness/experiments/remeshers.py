@@ -99,10 +99,10 @@ def _verdicts(raw):
 def _introduction(raw):
     counts = listed('%s %s' % (name, '{:,}'.format(m['points'])) for name, m in raw['models'].items())
     times = 'of one run' if raw['rounds'] == 1 else 'the median of up to %d runs (least..greatest)' % raw['rounds']
-    text = ('Models and wanted vertices: %s. All programs read the same PLY file. Times are %s, each right before '
-            'or after a run of ours. Programs are timed in rounds: fewer for a model that has used its share of the %d s for all, and '
-            'once where they take longer than %d s; what takes longer than %d s is ended. "Whole process" includes '
-            'starting Python and its packages for programs that are Python packages, and for ours measuring '
+    text = ('Models and wanted vertices: %s. All programs read the same PLY file. Times are %s, each right before or '
+            'after a run of ours. Programs are timed in rounds: fewer for a model that has used its share of the %d s '
+            'for all, and once where they take longer than %d s; what takes longer than %d s is ended. "Whole process" '
+            'includes starting Python and its packages for programs that are Python packages, and for ours measuring '
             'the result.' % (counts, times, BUDGET, LONG, TIMEOUT))
     cad = [name for name, m in raw['models'].items() if m['sharp']]
     if cad:

@@ -1,8 +1,7 @@
 //! The arguments of `remesh reconstruct`.
 
-use crate::cli::args::shared::{MeshFile, NormalArgs, Run, RunArgs};
+use crate::cli::args::shared::{FormatArgs, MeshFile, NormalArgs, Run, RunArgs};
 use crate::cli::args::words::positive;
-use crate::io::Format;
 use crate::remesh::ReconstructOptions;
 use std::path::PathBuf;
 
@@ -29,12 +28,8 @@ pub(super) struct ReconstructArgs {
     smooth: Option<f64>,
     #[command(flatten)]
     normals: NormalArgs,
-    /// Format of the input [default: by its ending, else by its content]
-    #[arg(long, value_name = "FORMAT")]
-    format: Option<Format>,
-    /// Format of the output [default: by its ending]
-    #[arg(long, value_name = "FORMAT")]
-    output_format: Option<Format>,
+    #[command(flatten)]
+    formats: FormatArgs,
     #[command(flatten)]
     run: RunArgs,
 }
@@ -54,10 +49,11 @@ pub struct Reconstructing {
 
 impl ReconstructArgs {
     pub(super) fn resolve(self) -> Reconstructing {
-        let ReconstructArgs { input, output, resolution, smooth, normals, format, output_format, run } = self;
+        let ReconstructArgs { input, output, resolution, smooth, normals, formats, run } = self;
+        let (input, output) = formats.resolve(input, output);
         Reconstructing {
-            input: MeshFile { path: input, format },
-            output: MeshFile { path: output, format: output_format },
+            input,
+            output,
             options: ReconstructOptions { resolution, cloud: normals.resolve(smooth, 0.0) },
             run: run.into(),
         }

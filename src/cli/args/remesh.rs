@@ -1,11 +1,10 @@
 //! The arguments of the main command.
 
-use crate::cli::args::shared::{MeshFile, NormalArgs, Run, RunArgs, density};
+use crate::cli::args::shared::{FormatArgs, MeshFile, NormalArgs, Run, RunArgs, density};
 use crate::cli::args::stop::Stop;
 use crate::cli::args::words::{
     Mark, PropertyWidth, Sizing, features, mark, max_error, points, positive, property_width, within,
 };
-use crate::io::Format;
 use crate::remesh::{CloudOptions, Density, MaxError, Options, Selection};
 use crate::surface::features::Features;
 use std::path::PathBuf;
@@ -83,12 +82,8 @@ pub(super) struct RemeshArgs {
     /// 1 optimises the triangles after sampling, 0 leaves the samples where the paper's gradient ascent does
     #[arg(long, value_name = "0|1", default_value_t = 1, value_parser = clap::value_parser!(u8).range(0..=1))]
     optimize: u8,
-    /// Format of the input [default: by its ending, else by its content]
-    #[arg(long, value_name = "FORMAT")]
-    format: Option<Format>,
-    /// Format of the output [default: by its ending]
-    #[arg(long, value_name = "FORMAT")]
-    output_format: Option<Format>,
+    #[command(flatten)]
+    formats: FormatArgs,
     #[command(flatten)]
     run: RunArgs,
 }
@@ -118,7 +113,6 @@ pub struct Remeshing {
 
 impl RemeshArgs {
     pub(super) fn resolve(self, files: FileArgs) -> Result<Remeshing, Stop> {
-        let FileArgs { input, output } = files;
         let RemeshArgs {
             points,
             edge_length,
@@ -138,16 +132,16 @@ impl RemeshArgs {
             max_error,
             no_attributes,
             optimize,
-            format,
-            output_format,
+            formats,
             run,
         } = self;
+        let (input, output) = formats.resolve(files.input, files.output);
         let sizing = sizing.map(Sizing::from);
         let density = density(points, edge_length, sigma_p, sizing.as_ref())?;
         let features = features.unwrap_or_default();
         Ok(Remeshing {
-            input: MeshFile { path: input, format },
-            output: MeshFile { path: output, format: output_format },
+            input,
+            output,
             options: Options {
                 density,
                 seed,

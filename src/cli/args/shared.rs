@@ -81,6 +81,25 @@ impl NormalArgs {
     }
 }
 
+/// What the files are said to be.
+#[derive(Debug, clap::Args)]
+pub(super) struct FormatArgs {
+    /// Format of the input [default: by its ending, else by its content]
+    #[arg(long, value_name = "FORMAT")]
+    format: Option<Format>,
+    /// Format of the output [default: by its ending]
+    #[arg(long, value_name = "FORMAT")]
+    output_format: Option<Format>,
+}
+
+impl FormatArgs {
+    /// The input and the output.
+    pub(super) fn resolve(self, input: PathBuf, output: PathBuf) -> (MeshFile, MeshFile) {
+        let FormatArgs { format, output_format } = self;
+        (MeshFile { path: input, format }, MeshFile { path: output, format: output_format })
+    }
+}
+
 /// A file and the format that it is said to have.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MeshFile {
