@@ -24,6 +24,9 @@ use glam::DVec3;
 const SMALLEST: f64 = 40.5;
 const LEAST_QUALITY: f64 = 0.76;
 
+/// The tangent of [`SMALLEST`].
+const TANGENT_OF_SMALLEST: f64 = 0.854_080_684_634_666_3;
+
 /// The largest angle, in degrees, that these two leave.
 const LARGEST: f64 = 86.0;
 
@@ -99,7 +102,22 @@ pub(super) fn bad_triangles(mesh: &Manifold) -> usize {
 
 /// Whether the triangle of `h` is outside of the goal.
 fn is_bad(mesh: &Manifold, h: u32) -> bool {
-    margin_of(mesh.connectivity.triangle(h).map(|v| mesh.position(v))) < 0.0
+    !is_good(mesh.connectivity.triangle(h).map(|v| mesh.position(v)))
+}
+
+/// Whether a triangle of these corners has a margin: [`margin_of`] without its costly arc.
+fn is_good(corners @ [a, b, c]: [DVec3; 3]) -> bool {
+    let twice_area = (b - a).cross(c - a).length();
+    let dot = (b - a).dot(c - a).max((c - b).dot(a - b)).max((a - c).dot(b - c));
+    twice_area >= TANGENT_OF_SMALLEST * dot && quality(corners) >= LEAST_QUALITY
+}
+
+/// Whether all triangles around `v` would be within the goal if it were at `p`.
+pub fn is_good_around(mesh: &Manifold, v: u32, p: DVec3) -> bool {
+    mesh.connectivity.outgoing(v).all(|h| {
+        let [_, a, b] = mesh.connectivity.triangle(h);
+        is_good([p, mesh.position(a), mesh.position(b)])
+    })
 }
 
 /// The least margin of the triangles around `v` if it were at `p`, in degrees; negative outside of the goal.

@@ -32,7 +32,7 @@
 use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};
 use crate::geom::triangle::barycentric;
-use crate::optimize::angles::least_margin;
+use crate::optimize::angles::{is_good_around, least_margin};
 use crate::optimize::relax::pull;
 use crate::surface::bvh::Bvh;
 use crate::surface::domain::{Domain, Sample};
@@ -362,7 +362,7 @@ fn vertices_beyond(range: std::ops::Range<f64>, domain: &Domain, mesh: &Manifold
     let far = |&v: &u32| {
         let (p, normal) = (domain.mesh.positions[v as usize], domain.vertex_normal(v));
         let facing = |t: u32| faces.area_vector(t as usize).dot(normal) > 0.0;
-        let hit = bvh.closest_where(&faces, p, range.end, facing).filter(|h| h.distance_squared >= range.start)?;
+        let hit = bvh.closest_beyond(&faces, p, range.clone(), facing)?;
         let at = barycentric(hit.point, faces.corners(hit.triangle as usize));
         let way = (p - hit.point).normalize_or_zero();
         let target = Target { at, normal: way, offset: way.dot(p), ..Target::NONE };
@@ -466,8 +466,7 @@ impl std::ops::AddAssign for Symmetric {
 
 /// Whether the triangles at `v` are within the goal, or no further outside, with `v` at `p`.
 fn keeps_shape(mesh: &Manifold, v: u32, p: DVec3) -> bool {
-    let margin = least_margin(mesh, v, p);
-    margin >= 0.0 || margin >= least_margin(mesh, v, mesh.position(v))
+    is_good_around(mesh, v, p) || least_margin(mesh, v, p) >= least_margin(mesh, v, mesh.position(v))
 }
 
 #[cfg(test)]
