@@ -89,6 +89,12 @@ fn margin_of(corners: [DVec3; 3]) -> f64 {
     (smallest_angle(corners) - SMALLEST).min(DEGREES_OF_QUALITY * (quality(corners) - LEAST_QUALITY))
 }
 
+/// [`margin_of`] if it is above `floor`.
+fn margin_above(corners: [DVec3; 3], floor: f64) -> Option<f64> {
+    let of_quality = DEGREES_OF_QUALITY * (quality(corners) - LEAST_QUALITY);
+    (of_quality > floor).then(|| of_quality.min(smallest_angle(corners) - SMALLEST)).filter(|&margin| margin > floor)
+}
+
 /// The least margin of all triangles, in degrees; negative outside of the goal.
 pub(super) fn worst_margin(mesh: &Manifold) -> f64 {
     let triangles = mesh.half_edges().filter(|h| h % 3 == 0);
@@ -127,6 +133,15 @@ pub fn least_margin(mesh: &Manifold, v: u32, p: DVec3) -> f64 {
         margin_of([p, mesh.position(a), mesh.position(b)])
     });
     around.fold(f64::INFINITY, f64::min)
+}
+
+/// [`least_margin`] if it is above `floor`, which is found out sooner.
+fn least_margin_above(mesh: &Manifold, v: u32, p: DVec3, floor: f64) -> Option<f64> {
+    mesh.connectivity.outgoing(v).try_fold(f64::INFINITY, |least, h| {
+        let [_, a, b] = mesh.connectivity.triangle(h);
+        let margin = margin_above([p, mesh.position(a), mesh.position(b)], floor)?;
+        Some(least.min(margin))
+    })
 }
 
 fn flip_if_better(mesh: &mut Manifold, h: u32) -> bool {
@@ -173,13 +188,10 @@ fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, spacing: f64) ->
         if step <= LAST_STEP * spacing || best.0 >= 0.0 {
             break;
         }
-        let found = places(domain, mesh, v, &best.1, step)
-            .into_iter()
-            .map(|s| (least_margin(mesh, v, s.position), s))
-            .fold(best, |best, other| {
-                let better = other.0 > best.0 && mesh.worst_facing(v, &other.1) >= facing;
-                if better { other } else { best }
-            });
+        let found = places(domain, mesh, v, &best.1, step).into_iter().fold(best, |best, there| {
+            let margin = least_margin_above(mesh, v, there.position, best.0);
+            margin.filter(|_| mesh.worst_facing(v, &there) >= facing).map_or(best, |margin| (margin, there))
+        });
         if found.0 > best.0 + LEAST_GAIN {
             best = found;
         } else {
