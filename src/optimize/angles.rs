@@ -52,9 +52,20 @@ const LEAST_FACING: f64 = 0.3;
 
 /// Improves the worst triangles until none is outside of the goal or nothing helps. `spacing` is the mean edge length.
 pub fn improve_angles(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
+    improve_angles_in(domain, mesh, spacing, MOST_PASSES, monitor)
+}
+
+/// [`improve_angles`] with at most that many passes.
+pub(super) fn improve_angles_in(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    spacing: f64,
+    passes: usize,
+    monitor: &dyn Monitor,
+) -> Result<()> {
     // Vertices around which something has changed since they looked for a better place.
     let mut hopeful = vec![true; mesh.samples.len()];
-    for _ in 0..MOST_PASSES {
+    for _ in 0..passes {
         check(monitor)?;
         let bad: Vec<u32> = mesh.half_edges().filter(|&h| h % 3 == 0 && is_bad(mesh, h)).collect();
         let mut changed = false;

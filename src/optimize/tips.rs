@@ -14,7 +14,7 @@
 
 use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};
-use crate::optimize::angles::{bad_triangles, improve_angles, worst_margin};
+use crate::optimize::angles::{bad_triangles, improve_angles_in, worst_margin};
 use crate::optimize::fit::{POINTS, fit_part, point};
 use crate::optimize::relax::{Flips, relax};
 use crate::surface::bvh::Bvh;
@@ -56,6 +56,9 @@ const PULLS: usize = 2;
 
 /// Rounds of relaxation with a vertex held.
 const RELAX_ROUNDS: usize = 3;
+
+/// Passes over the worst triangles: what needs more is mostly beyond them.
+const PASSES: usize = 8;
 
 /// Triangles outside of the goal that it may leave: more are not mended.
 const MOST_BAD: usize = 12;
@@ -327,7 +330,7 @@ impl Task<'_> {
     /// `margin` then.
     fn arrange(&self, mesh: &mut Manifold, held: &[u32], measured: &Measured, margin: f64) -> Result<bool> {
         let improve = |mesh: &mut Manifold| {
-            improve_angles(self.domain, mesh, self.spacing, &())?;
+            improve_angles_in(self.domain, mesh, self.spacing, PASSES, &())?;
             Ok(worst_margin(mesh) >= margin)
         };
         held.iter().for_each(|&v| mesh.fixed[v as usize] = true);
