@@ -362,7 +362,10 @@ fn vertices_beyond(range: std::ops::Range<f64>, domain: &Domain, mesh: &Manifold
     let far = |&v: &u32| {
         let (p, normal) = (domain.mesh.positions[v as usize], domain.vertex_normal(v));
         let facing = |t: u32| faces.area_vector(t as usize).dot(normal) > 0.0;
-        let hit = bvh.closest_beyond(&faces, p, range.clone(), facing)?;
+        let hit = bvh.closest_or_near(&faces, p, range.start, range.end, facing)?;
+        if hit.distance_squared < range.start {
+            return None;
+        }
         let at = barycentric(hit.point, faces.corners(hit.triangle as usize));
         let way = (p - hit.point).normalize_or_zero();
         let target = Target { at, normal: way, offset: way.dot(p), ..Target::NONE };

@@ -26,7 +26,6 @@ use crate::surface::patch::Patch;
 use crate::surface::topology::NONE;
 use glam::DVec3;
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// Rounds over the far places: mending one shows others beside it.
 const MOST_ROUNDS: usize = 16;
@@ -196,11 +195,11 @@ impl Target {
         then.crossings() > now.crossings()
     }
 
-    /// How far `probe` is from the triangles that face its way, if that is in `range`, and the number of the closest one.
-    fn distance(&self, probe: &Probe, range: Range<f64>) -> Option<(f64, u32)> {
+    /// How far `probe` is from the triangles that face its way, if nearer than `most`, and the number of the closest one.
+    /// Below `near` any such triangle will do.
+    fn distance(&self, probe: &Probe, near: f64, most: f64) -> Option<(f64, u32)> {
         let facing = |t: u32| self.mesh.area_vector(t as usize).dot(probe.normal) > 0.0;
-        let squared = range.start * range.start..range.end * range.end;
-        let hit = self.bvh.closest_beyond(&self.mesh, probe.position, squared, facing)?;
+        let hit = self.bvh.closest_or_near(&self.mesh, probe.position, near * near, most * most, facing)?;
         Some((hit.distance_squared.sqrt(), self.number[hit.triangle as usize]))
     }
 }
@@ -250,8 +249,8 @@ impl Task<'_> {
     }
 
     fn far_place(&self, target: &Target, probe: Probe) -> Option<Place> {
-        let (distance, triangle) = target.distance(&probe, self.least..BEYOND * self.spacing)?;
-        Some(Place { probe, distance, triangle })
+        let (distance, triangle) = target.distance(&probe, self.least, BEYOND * self.spacing)?;
+        (distance >= self.least).then_some(Place { probe, distance, triangle })
     }
 
     /// The probes nearer to `p` than `reach`.
@@ -365,7 +364,7 @@ impl<'a> Measured<'a> {
     /// Around `place`, at what of the surface is closest to a triangle of `patch`.
     fn new(task: &'a Task<'a>, target: &Target, patch: &Patch, place: DVec3) -> Measured<'a> {
         let belongs =
-            |probe: &Probe| target.distance(probe, 0.0..BEYOND * task.spacing).is_some_and(|(_, t)| patch.has_triangle(t));
+            |probe: &Probe| target.distance(probe, 0.0, BEYOND * task.spacing).is_some_and(|(_, t)| patch.has_triangle(t));
         let mut probes = task.probes_near(place, MEASURED * task.spacing);
         probes.vertices.retain(|&v| belongs(&Probe::at_vertex(task.domain, v)));
         probes.inside.retain(belongs);
@@ -376,19 +375,21 @@ impl<'a> Measured<'a> {
     fn attempt(&self, patch: Patch, held: Vec<u32>) -> Attempt {
         let Task { domain, spacing, .. } = *self.task;
         let target = Target::new(&patch.mesh);
-        let to_mesh = |probe: Probe| {
-            let distance = target.distance(&probe, 0.0..BEYOND * spacing).map_or(BEYOND * spacing, |d| d.0);
-            (distance, probe.position)
-        };
+        let (mut farthest, mut place) = (0.0, self.place);
+        for probe in self.probes.all(domain) {
+            let beyond = BEYOND * spacing;
+            let distance = target.distance(&probe, farthest, beyond).map_or(beyond, |d| d.0);
+            if distance > farthest {
+                (farthest, place) = (distance, probe.position);
+            }
+        }
         let is_near = |p: &DVec3| p.distance_squared(self.place) < (MEASURED * spacing).powi(2);
         let near = (0..target.mesh.triangles.len()).map(|t| target.mesh.corners(t)).filter(|x| x.iter().all(is_near));
-        let points = near.flat_map(|x| POINTS.map(|(at, _)| point(x, at)));
-        let to_surface = |p: DVec3| {
-            let foot = domain.project_anywhere(p).position;
-            (foot.distance(p), foot)
-        };
-        let all = self.probes.all(domain).map(to_mesh).chain(points.map(to_surface));
-        let (farthest, place) = all.fold((0.0, self.place), |a, b| if b.0 > a.0 { b } else { a });
+        for p in near.flat_map(|x| POINTS.map(|(at, _)| point(x, at))) {
+            if let Some(foot) = domain.foot_farther_than(p, farthest) {
+                (farthest, place) = (foot.distance(p), foot);
+            }
+        }
         Attempt { patch, held, farthest, place }
     }
 }
@@ -438,7 +439,7 @@ mod tests {
     /// The largest distance of a vertex of the domain to the mesh.
     fn farthest(domain: &Domain, mesh: &Manifold) -> f64 {
         let target = Target::new(mesh);
-        let distance = |v| target.distance(&Probe::at_vertex(domain, v), 0.0..1.0).map_or(1.0, |d| d.0);
+        let distance = |v| target.distance(&Probe::at_vertex(domain, v), 0.0, 1.0).map_or(1.0, |d| d.0);
         (0..domain.mesh.positions.len() as u32).map(distance).fold(0.0, f64::max)
     }
 

@@ -103,19 +103,19 @@ impl Bvh {
         max_distance_squared: f64,
         accept: impl Fn(u32) -> bool,
     ) -> Option<Hit> {
-        self.closest_beyond(mesh, p, 0.0..max_distance_squared, accept)
+        self.closest_or_near(mesh, p, 0.0, max_distance_squared, accept)
     }
 
-    /// [`Self::closest_where`] with a squared distance in `range`, or none: nothing is searched further once a triangle is
-    /// nearer than its start.
-    pub fn closest_beyond(
+    /// [`Self::closest_where`], or any triangle whose squared distance is below `near`: nothing is searched further then.
+    pub fn closest_or_near(
         &self,
         mesh: &Mesh,
         p: DVec3,
-        range: Range<f64>,
+        near: f64,
+        max_distance_squared: f64,
         accept: impl Fn(u32) -> bool,
     ) -> Option<Hit> {
-        let mut best = Hit { triangle: u32::MAX, point: p, distance_squared: range.end };
+        let mut best = Hit { triangle: u32::MAX, point: p, distance_squared: max_distance_squared };
         let mut aside = [(0u32, 0.0f64); DEEPEST];
         let mut waiting = 1;
         aside[0].1 = self.boxes[0].distance_squared(p);
@@ -137,8 +137,8 @@ impl Bvh {
             }
             if self.is_leaf(node) {
                 self.search_leaf(node, mesh, p, &accept, &mut best);
-                if best.distance_squared < range.start {
-                    return None;
+                if best.distance_squared < near {
+                    break;
                 }
             }
         }

@@ -296,6 +296,13 @@ impl Domain {
         }
     }
 
+    /// The point closest to `p` on the whole surface if it is farther away than `distance`: found out sooner if not.
+    pub fn foot_farther_than(&self, p: DVec3, distance: f64) -> Option<DVec3> {
+        let square = distance * distance;
+        let hit = self.bvh.closest_or_near(&self.mesh, p, square, f64::INFINITY, |_| true)?;
+        (hit.distance_squared > square).then_some(hit.point)
+    }
+
     /// The triangles whose bounding boxes reach into the cube around `p`, whose sides are `reach` away, in increasing order.
     pub fn triangles_near(&self, p: DVec3, reach: f64) -> Vec<u32> {
         let mut near = Vec::new();
