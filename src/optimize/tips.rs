@@ -183,16 +183,14 @@ impl Target {
     fn would_cross(&self, patch: &Patch) -> bool {
         let new = patch.mesh.to_mesh();
         let Some((lo, hi)) = new.bounds() else { return false };
-        let (mut now, mut then) = (Soup::default(), Soup::default());
-        self.bvh.in_box(&self.mesh, lo, hi, |t| {
-            let corners = self.mesh.corners(t as usize);
-            now.add(corners);
-            if !patch.has_triangle(self.number[t as usize]) {
-                then.add(corners);
-            }
-        });
-        (0..new.triangles.len()).for_each(|t| then.add(new.corners(t)));
-        then.crossings() > now.crossings()
+        let mut near = Vec::new();
+        self.bvh.in_box(&self.mesh, lo, hi, |t| near.push(t));
+        let corners = |&t: &u32| self.mesh.corners(t as usize);
+        let stays = |t: &&u32| !patch.has_triangle(self.number[**t as usize]);
+        let put_back = (0..new.triangles.len()).map(|t| new.corners(t));
+        let now = Mesh::soup(near.iter().map(corners));
+        let then = Mesh::soup(near.iter().filter(stays).map(corners).chain(put_back));
+        crossing_faces(&then).len() > crossing_faces(&now).len()
     }
 
     /// How far `probe` is from the triangles that face its way, if nearer than `most`, and the number of the closest one.
@@ -201,22 +199,6 @@ impl Target {
         let facing = |t: u32| self.mesh.area_vector(t as usize).dot(probe.normal) > 0.0;
         let hit = self.bvh.closest_or_near(&self.mesh, probe.position, near * near, most * most, facing)?;
         Some((hit.distance_squared.sqrt(), self.number[hit.triangle as usize]))
-    }
-}
-
-/// Triangles that share no vertices, but have corners at the same places.
-#[derive(Default)]
-struct Soup(Mesh);
-
-impl Soup {
-    fn add(&mut self, corners: [DVec3; 3]) {
-        let first = self.0.positions.len() as u32;
-        self.0.positions.extend(corners);
-        self.0.triangles.push([first, first + 1, first + 2]);
-    }
-
-    fn crossings(&self) -> usize {
-        crossing_faces(&self.0).len()
     }
 }
 
@@ -363,8 +345,9 @@ struct Measured<'a> {
 impl<'a> Measured<'a> {
     /// Around `place`, at what of the surface is closest to a triangle of `patch`.
     fn new(task: &'a Task<'a>, target: &Target, patch: &Patch, place: DVec3) -> Measured<'a> {
-        let belongs =
-            |probe: &Probe| target.distance(probe, 0.0, BEYOND * task.spacing).is_some_and(|(_, t)| patch.has_triangle(t));
+        let belongs = |probe: &Probe| {
+            target.distance(probe, 0.0, BEYOND * task.spacing).is_some_and(|(_, t)| patch.has_triangle(t))
+        };
         let mut probes = task.probes_near(place, MEASURED * task.spacing);
         probes.vertices.retain(|&v| belongs(&Probe::at_vertex(task.domain, v)));
         probes.inside.retain(belongs);

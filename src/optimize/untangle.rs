@@ -24,7 +24,7 @@ use crate::geom::crossing::cross;
 use crate::geom::triangle::{longest_side, mean_ratio};
 use crate::surface::bvh::Bvh;
 use crate::surface::connectivity::{next, prev};
-use crate::surface::crossings::crossing_pairs;
+use crate::surface::crossings::{crossing_faces, crossing_pairs};
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::manifold::Manifold;
 use crate::surface::mesh::Mesh;
@@ -39,6 +39,10 @@ const TURNS: usize = 6;
 /// the face is clear of the surface.
 const STEPS: usize = 6;
 const STEP: f64 = 0.35;
+
+/// Distance around a face, in lengths of its longest edge, in which crossings of the input are looked for: one, and what
+/// those that cross there reach.
+const SURROUNDINGS: f64 = 3.0;
 
 /// How far a vertex may step away from its place on the surface, in lengths of its longest edge.
 const FARTHEST: f64 = 0.14;
@@ -61,7 +65,7 @@ pub fn untangle(domain: &Domain, mesh: &mut Manifold, monitor: &dyn Monitor) -> 
     if Faces::new(mesh).pairs.is_empty() {
         return Ok(());
     }
-    Work { domain, inherited: Inherited::new(domain) }.take_turns(mesh, monitor)
+    take_turns(domain, mesh, monitor)
 }
 
 /// The faces of a mesh at one time.
@@ -93,92 +97,94 @@ struct Inherited {
 }
 
 impl Inherited {
-    fn new(domain: &Domain) -> Inherited {
-        let triangles = domain.crossing_faces().into_iter().map(|t| domain.mesh.triangles[t as usize]).collect();
-        let mesh = Mesh { positions: domain.mesh.positions.clone(), triangles };
+    /// Those around `triangles`.
+    fn around(domain: &Domain, triangles: &[Corners]) -> Inherited {
+        let reach = |t: &Corners| SURROUNDINGS * longest_side(*t);
+        let mut near: Vec<u32> = triangles.iter().flat_map(|t| domain.triangles_near(middle(*t), reach(t))).collect();
+        near.sort_unstable();
+        near.dedup();
+        let near = Mesh::soup(near.into_iter().map(|t| domain.mesh.corners(t as usize)));
+        let mesh = Mesh::soup(crossing_faces(&near).into_iter().map(|t| near.corners(t as usize)));
         Inherited { bvh: Bvh::new(&mesh), mesh }
     }
 
     /// Whether some of them are within a triangle's length of it.
     fn is_near(&self, triangle: Corners) -> bool {
-        let middle = triangle.iter().sum::<DVec3>() / 3.0;
         let length = longest_side(triangle);
         !self.mesh.triangles.is_empty()
-            && self.bvh.closest_where(&self.mesh, middle, length * length, |_| true).is_some()
+            && self.bvh.closest_where(&self.mesh, middle(triangle), length * length, |_| true).is_some()
     }
 }
 
-/// What all means need.
-struct Work<'a> {
-    domain: &'a Domain,
-    inherited: Inherited,
+fn middle(triangle: Corners) -> DVec3 {
+    triangle.iter().sum::<DVec3>() / 3.0
 }
 
-impl Work<'_> {
-    /// The faces, and of the pairs that cross those that need not.
-    fn faces(&self, mesh: &Manifold) -> Faces {
-        let mut faces = Faces::new(mesh);
-        faces.pairs.retain(|&(t, u)| ![t, u].iter().all(|t| self.inherited.is_near(corners(mesh, 3 * t))));
-        faces
-    }
+/// The faces, and of the pairs that cross those that need not.
+fn faces_that_need_not_cross(domain: &Domain, mesh: &Manifold) -> Faces {
+    let mut faces = Faces::new(mesh);
+    let crossing: Vec<Corners> = faces.pairs.iter().flat_map(|&(t, u)| [t, u]).map(|t| corners(mesh, 3 * t)).collect();
+    let inherited = Inherited::around(domain, &crossing);
+    faces.pairs.retain(|&(t, u)| ![t, u].iter().all(|t| inherited.is_near(corners(mesh, 3 * t))));
+    faces
+}
 
-    /// Parts sheets and mends faces in turns; no turn leaves more pairs that cross.
-    fn take_turns(&self, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<()> {
-        let mut faces = self.faces(mesh);
-        for _ in 0..TURNS {
-            if faces.pairs.is_empty() {
-                break;
-            }
-            check(monitor)?;
-            let (before, left) = (mesh.clone(), faces.pairs.len());
-            faces = self.part_sheets(mesh, faces);
-            mend_faces(self.domain, mesh, faces);
-            faces = self.faces(mesh);
-            if faces.pairs.len() >= left {
-                *mesh = before;
-                break;
-            }
+/// Parts sheets and mends faces in turns; no turn leaves more pairs that cross.
+fn take_turns(domain: &Domain, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<()> {
+    let mut faces = faces_that_need_not_cross(domain, mesh);
+    for _ in 0..TURNS {
+        if faces.pairs.is_empty() {
+            break;
         }
-        Ok(())
-    }
-
-    /// Moves the sheets that cross apart, step by step, and keeps the step with the fewest crossings; the faces then.
-    fn part_sheets(&self, mesh: &mut Manifold, faces: Faces) -> Faces {
-        let mut best = (faces, mesh.samples.clone());
-        let mut pairs = best.0.pairs.clone();
-        for _ in 0..STEPS {
-            let ways = self.ways_apart(mesh, &pairs);
-            let moved = ways.into_iter().filter(|&(v, way)| step_off(self.domain, mesh, v, way)).count();
-            if moved == 0 {
-                break;
-            }
-            let faces = self.faces(mesh);
-            pairs.clone_from(&faces.pairs);
-            if pairs.len() < best.0.pairs.len() {
-                best = (faces, mesh.samples.clone());
-            }
+        check(monitor)?;
+        let (before, left) = (mesh.clone(), faces.pairs.len());
+        faces = part_sheets(domain, mesh, faces);
+        mend_faces(domain, mesh, faces);
+        faces = faces_that_need_not_cross(domain, mesh);
+        if faces.pairs.len() >= left {
+            *mesh = before;
+            break;
         }
-        mesh.samples = best.1;
-        best.0
     }
+    Ok(())
+}
 
-    /// For each corner of the faces that cross the longest step away from a sheet in its way.
-    fn ways_apart(&self, mesh: &Manifold, pairs: &[(u32, u32)]) -> BTreeMap<u32, DVec3> {
-        let mut ways: BTreeMap<u32, DVec3> = BTreeMap::new();
-        for &(t, u) in pairs {
-            let step = STEP * height(self.domain, mesh, t).max(height(self.domain, mesh, u));
-            for (face, other) in [(t, u), (u, t)] {
-                for v in mesh.connectivity.triangle(3 * face) {
-                    let way = step * away_from(self.domain, mesh, v, other);
-                    let longest = ways.entry(v).or_default();
-                    if way.length_squared() > longest.length_squared() {
-                        *longest = way;
-                    }
+/// Moves the sheets that cross apart, step by step, and keeps the step with the fewest crossings; the faces then.
+fn part_sheets(domain: &Domain, mesh: &mut Manifold, faces: Faces) -> Faces {
+    let mut best = (faces, mesh.samples.clone());
+    let mut pairs = best.0.pairs.clone();
+    for _ in 0..STEPS {
+        let ways = ways_apart(domain, mesh, &pairs);
+        let moved = ways.into_iter().filter(|&(v, way)| step_off(domain, mesh, v, way)).count();
+        if moved == 0 {
+            break;
+        }
+        let faces = faces_that_need_not_cross(domain, mesh);
+        pairs.clone_from(&faces.pairs);
+        if pairs.len() < best.0.pairs.len() {
+            best = (faces, mesh.samples.clone());
+        }
+    }
+    mesh.samples = best.1;
+    best.0
+}
+
+/// For each corner of the faces that cross the longest step away from a sheet in its way.
+fn ways_apart(domain: &Domain, mesh: &Manifold, pairs: &[(u32, u32)]) -> BTreeMap<u32, DVec3> {
+    let mut ways: BTreeMap<u32, DVec3> = BTreeMap::new();
+    for &(t, u) in pairs {
+        let step = STEP * height(domain, mesh, t).max(height(domain, mesh, u));
+        for (face, other) in [(t, u), (u, t)] {
+            for v in mesh.connectivity.triangle(3 * face) {
+                let way = step * away_from(domain, mesh, v, other);
+                let longest = ways.entry(v).or_default();
+                if way.length_squared() > longest.length_squared() {
+                    *longest = way;
                 }
             }
         }
-        ways
     }
+    ways
 }
 
 /// How far the middle of a face is from the surface that it stands for.

@@ -15,6 +15,13 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// Triangles that share no vertices, though corners may be at the same places.
+    pub fn soup(triangles: impl IntoIterator<Item = [DVec3; 3]>) -> Mesh {
+        let positions: Vec<DVec3> = triangles.into_iter().flatten().collect();
+        let triangles = (0..positions.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        Mesh { positions, triangles }
+    }
+
     /// The corner positions of triangle `t`.
     #[inline]
     pub fn corners(&self, t: usize) -> [DVec3; 3] {
