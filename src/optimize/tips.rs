@@ -37,6 +37,13 @@ const MOST_PLACES: usize = 32;
 const FAR: f64 = 0.18;
 const FAR_OF_MEAN: f64 = 6.5;
 
+/// Share of this distance from which on a place is far of the triangles that face other ways, too: at the bottom of a slit
+/// that is narrower than triangles are, those of its sides are near.
+const HIDDEN: f64 = 0.5;
+
+/// Share of the farthest distance that could not be mended from which on places are worth it.
+const OF_GIVEN_UP: f64 = 0.75;
+
 /// Distance, in spacings, beyond which surfaces have nothing to do with each other.
 const BEYOND: f64 = 2.0;
 
@@ -47,6 +54,9 @@ const MEASURED: f64 = 2.5;
 /// Distance, in spacings, of places whose patches have nothing in common: rings are at most so high.
 const APART: f64 = 2.0 * RINGS as f64;
 
+/// Distance, in spacings, within which nothing is as it was once a patch is put back.
+const REACH: f64 = (RINGS + 1) as f64;
+
 /// Vertices that are tried for a place, the nearest first.
 const TRIED: usize = 3;
 
@@ -54,7 +64,7 @@ const TRIED: usize = 3;
 const PULLS: usize = 2;
 
 /// Rounds of relaxation with a vertex held.
-const RELAX_ROUNDS: usize = 3;
+const RELAX_ROUNDS: usize = 2;
 
 /// Passes over the worst triangles: what needs more is mostly beyond them.
 const PASSES: usize = 8;
@@ -87,7 +97,7 @@ pub fn reach_far_places(
     let task = Task { domain, spacing, mean_square, least };
     let mut target = Target::new(mesh);
     let mut far = task.far_places(&target);
-    let mut given_up: Vec<DVec3> = Vec::new();
+    let mut given_up: Vec<Place> = Vec::new();
     for _ in 0..MOST_ROUNDS {
         check(monitor)?;
         let places = task.apart(&mut far, &given_up);
@@ -101,13 +111,13 @@ pub fn reach_far_places(
             match patch {
                 Some(patch) if patch.put_back(mesh, &mut touched) => mended.push(place.probe.position),
                 Some(_) => {}
-                None => given_up.push(place.probe.position),
+                None => given_up.push(*place),
             }
         }
         // Only there is anything else than it was.
-        let reach = (RINGS + 1) as f64 * spacing;
+        let reach = REACH * spacing;
         let is_new = |p: DVec3| mended.iter().any(|at| p.distance(*at) < reach);
-        given_up.retain(|&p| !is_new(p));
+        given_up.retain(|place| !is_new(place.probe.position));
         far.retain(|place| !is_new(place.probe.position));
         target.follow(mesh);
         let around: Vec<Probes> = mended.iter().map(|&at| task.probes_near(at, reach)).collect();
@@ -200,6 +210,12 @@ impl Target {
         let hit = self.bvh.closest_or_near(&self.mesh, probe.position, near * near, most * most, facing)?;
         Some((hit.distance_squared.sqrt(), self.number[hit.triangle as usize]))
     }
+
+    /// Whether any triangle is within `distance` of `p`, whichever way it faces.
+    fn is_within(&self, p: DVec3, distance: f64) -> bool {
+        let square = distance * distance;
+        self.bvh.closest_or_near(&self.mesh, p, square, square, |_| true).is_some()
+    }
 }
 
 /// A probe that is far from the mesh, and the triangle that is closest to it.
@@ -232,7 +248,8 @@ impl Task<'_> {
 
     fn far_place(&self, target: &Target, probe: Probe) -> Option<Place> {
         let (distance, triangle) = target.distance(&probe, self.least, BEYOND * self.spacing)?;
-        (distance >= self.least).then_some(Place { probe, distance, triangle })
+        let is_far = distance >= self.least && !target.is_within(probe.position, HIDDEN * self.least);
+        is_far.then_some(Place { probe, distance, triangle })
     }
 
     /// The probes nearer to `p` than `reach`.
@@ -249,17 +266,20 @@ impl Task<'_> {
     }
 
     /// Those of `far` whose patches have nothing in common, the farthest first, without what is near to a place that was
-    /// given up.
-    fn apart(&self, far: &mut [Place], given_up: &[DVec3]) -> Vec<Place> {
+    /// given up or much less far than one.
+    fn apart(&self, far: &mut [Place], given_up: &[Place]) -> Vec<Place> {
         let by_position = |a: DVec3, b: DVec3| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z));
         far.sort_by(|a, b| {
             b.distance.total_cmp(&a.distance).then_with(|| by_position(a.probe.position, b.probe.position))
         });
+        let worth = OF_GIVEN_UP * given_up.iter().map(|place| place.distance).fold(0.0, f64::max);
+        let worst: Vec<DVec3> = given_up.iter().filter(|p| p.distance >= worth).map(|p| p.probe.position).collect();
+        let is_beside = |p: DVec3| worst.iter().any(|q| p.distance(*q) < REACH * self.spacing);
         let mut places: Vec<Place> = Vec::new();
-        for place in far {
+        for place in far.iter().filter(|place| place.distance >= worth || is_beside(place.probe.position)) {
             let is_apart = |p: DVec3, spacings: f64| p.distance(place.probe.position) > spacings * self.spacing;
             if places.len() < MOST_PLACES
-                && given_up.iter().all(|&p| is_apart(p, MEASURED))
+                && given_up.iter().all(|p| is_apart(p.probe.position, MEASURED))
                 && places.iter().all(|p| is_apart(p.probe.position, APART))
             {
                 places.push(*place);
