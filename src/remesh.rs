@@ -368,10 +368,10 @@ fn optimize(
     mesh.fixed.fill(false);
     improve_angles(domain, mesh, spacing, monitor)?;
     monitor.stage("fit");
-    let mean_square = fit(domain, mesh, spacing, limit, monitor)?;
+    let fitted = fit(domain, mesh, spacing, limit, monitor)?;
     // A vertex that was taken back to the surface may have spoilt its triangles.
     improve_angles(domain, mesh, spacing, monitor)?;
-    reach_far_places(domain, mesh, spacing, mean_square, monitor)
+    reach_far_places(domain, mesh, spacing, &fitted, monitor)
 }
 
 /// A quarter of the vertices, in good order; all of them where a coarser mesh could not follow the surface.

@@ -92,6 +92,9 @@ const CHUNK: usize = 64;
 const FAR: f64 = 5.5;
 const WATCHED: f64 = 0.55;
 
+/// Distance, in spacings, beyond which surfaces have nothing to do with each other.
+pub(super) const BEYOND: f64 = 2.0;
+
 /// How much more a point weighs for each mean square farther. With six times as much the root of the mean square rose
 /// by a tenth, and ridges were overshot.
 const GAIN: f64 = 0.05;
@@ -113,16 +116,23 @@ pub(super) const POINTS: [([f64; 3], f64); 6] = {
     ]
 };
 
+/// How far the surface is from a mesh that was fitted to it.
+pub struct Fitted {
+    /// The mean of the squared distances.
+    pub mean_square: f64,
+    /// The vertices of the surface that are, or were in the end, farther than others.
+    pub watched: Vec<u32>,
+}
+
 /// Moves the vertices to where the triangles fit the surface. `spacing` is the mean edge length; what is farther from
-/// the other surface than `limit`, an absolute length, is drawn in as far as it can be. The mean square of the distances
-/// in the end.
+/// the other surface than `limit`, an absolute length, is drawn in as far as it can be.
 pub fn fit(
     domain: &Domain,
     mesh: &mut Manifold,
     spacing: f64,
     limit: Option<f64>,
     monitor: &dyn Monitor,
-) -> Result<f64> {
+) -> Result<Fitted> {
     let mut watched: Vec<u32> = (0..domain.mesh.positions.len() as u32).collect();
     let longest = mesh.edges().map(|h| mesh.length_squared(h)).fold(0.0, f64::max).sqrt();
     // Where the topology takes more vertices than were asked for, no edge is as long as the spacing.
@@ -141,7 +151,7 @@ pub fn fit(
         targets.pull(mesh, spacing);
     }
     take_back(domain, mesh, spacing);
-    Ok(mean_square)
+    Ok(Fitted { mean_square, watched })
 }
 
 /// Fits a part of a mesh to a part of the surface, whose vertices are `watched`, where the mean square of the distances
@@ -242,8 +252,10 @@ impl Targets {
 
     /// Gives weight to what is far, of the triangles and of the vertices `watched`; those of them that may be so again.
     fn draw(&mut self, domain: &Domain, mesh: &Manifold, scale: &Scale, spacing: f64, watched: &[u32]) -> Vec<u32> {
-        let far = vertices_beyond(scale.watched()..spacing * spacing, domain, mesh, watched);
+        let beyond = BEYOND * spacing;
+        let mut far = vertices_beyond(scale.watched()..beyond * beyond, domain, mesh, watched);
         let watched = far.iter().map(|f| f.0).collect();
+        far.retain(|Far(_, t, target)| target.residual(corners(mesh, *t)).abs() < spacing);
         self.weigh(mesh, scale, far);
         watched
     }

@@ -15,7 +15,7 @@
 use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};
 use crate::optimize::angles::{bad_triangles, improve_angles_in, worst_margin};
-use crate::optimize::fit::{POINTS, fit_part, point};
+use crate::optimize::fit::{BEYOND, Fitted, POINTS, fit_part, point};
 use crate::optimize::relax::{Flips, relax};
 use crate::surface::bvh::Bvh;
 use crate::surface::crossings::crossing_faces;
@@ -43,9 +43,6 @@ const HIDDEN: f64 = 0.5;
 
 /// Share of the farthest distance that could not be mended from which on places are worth it.
 const OF_GIVEN_UP: f64 = 0.75;
-
-/// Distance, in spacings, beyond which surfaces have nothing to do with each other.
-const BEYOND: f64 = 2.0;
 
 /// Rings of triangles that are taken out, and how far from the place, in spacings, distances are measured.
 const RINGS: usize = 5;
@@ -84,19 +81,20 @@ const CHUNK: usize = 256;
 /// Sides of the surface's triangles, in spacings, from which on their insides are looked at, too.
 const LONG_SIDE: f64 = 0.6;
 
-/// Brings the mesh nearer to the places that are far from it. `spacing` is the mean edge length, `mean_square` the mean
-/// of the squared distances between mesh and surface.
+/// Brings the mesh, which was `fitted` to the surface, nearer to the places that are far from it. `spacing` is the mean
+/// edge length.
 pub fn reach_far_places(
     domain: &Domain,
     mesh: &mut Manifold,
     spacing: f64,
-    mean_square: f64,
+    fitted: &Fitted,
     monitor: &dyn Monitor,
 ) -> Result<()> {
+    let mean_square = fitted.mean_square;
     let least = (FAR * spacing).max(FAR_OF_MEAN * mean_square.sqrt());
     let task = Task { domain, spacing, mean_square, least };
     let mut target = Target::new(mesh);
-    let mut far = task.far_places(&target);
+    let mut far = task.far_places(&target, &fitted.watched);
     let mut given_up: Vec<Place> = Vec::new();
     for _ in 0..MOST_ROUNDS {
         check(monitor)?;
@@ -236,12 +234,10 @@ struct Task<'a> {
 }
 
 impl Task<'_> {
-    /// All probes that are far.
-    fn far_places(&self, target: &Target) -> Vec<Place> {
-        let mesh = &self.domain.mesh;
-        let vertices = (0..mesh.positions.len() as u32).into_par_iter().with_min_len(CHUNK);
-        let triangles = (0..mesh.triangles.len() as u32).into_par_iter().with_min_len(CHUNK);
-        let at_vertices = vertices.map(|v| Probe::at_vertex(self.domain, v));
+    /// The probes that are far, of those inside triangles and at the vertices `watched`.
+    fn far_places(&self, target: &Target, watched: &[u32]) -> Vec<Place> {
+        let triangles = (0..self.domain.mesh.triangles.len() as u32).into_par_iter().with_min_len(CHUNK);
+        let at_vertices = watched.par_iter().with_min_len(CHUNK).map(|&v| Probe::at_vertex(self.domain, v));
         let inside = triangles.flat_map_iter(|t| Probe::inside(self.domain, t, self.spacing));
         at_vertices.chain(inside).filter_map(|probe| self.far_place(target, probe)).collect()
     }
@@ -439,6 +435,11 @@ mod tests {
         (domain, mesh)
     }
 
+    /// As from a fit that has all vertices watched.
+    fn fitted(domain: &Domain, mean_square: f64) -> Fitted {
+        Fitted { mean_square, watched: (0..domain.mesh.positions.len() as u32).collect() }
+    }
+
     /// The largest distance of a vertex of the domain to the mesh.
     fn farthest(domain: &Domain, mesh: &Manifold) -> f64 {
         let target = Target::new(mesh);
@@ -450,7 +451,7 @@ mod tests {
     fn a_spike_between_the_vertices_gets_one_and_good_triangles() {
         let (domain, mut mesh) = spike();
         let (before, old, spacing) = (farthest(&domain, &mesh), mesh.clone(), 1.0 / f64::from(COARSE));
-        reach_far_places(&domain, &mut mesh, spacing, 1e-6, &()).unwrap();
+        reach_far_places(&domain, &mut mesh, spacing, &fitted(&domain, 1e-6), &()).unwrap();
         let after = farthest(&domain, &mesh);
         assert!(before > 1.5 * FAR * spacing && after < FAR * spacing, "{before} {after}");
         assert!(worst_margin(&mesh) >= -LEEWAY);
@@ -484,7 +485,7 @@ mod tests {
         let mut mesh = Manifold::new(samples, &coarse.triangles);
         mesh.hold_boundary();
         let old = mesh.to_mesh();
-        reach_far_places(&domain, &mut mesh, 1.0 / f64::from(COARSE), 1e-9, &()).unwrap();
+        reach_far_places(&domain, &mut mesh, 1.0 / f64::from(COARSE), &fitted(&domain, 1e-9), &()).unwrap();
         assert_eq!((mesh.to_mesh().positions, mesh.to_mesh().triangles), (old.positions, old.triangles));
     }
 }
