@@ -68,11 +68,37 @@ struct Share {
 /// The Hessian as a sparse matrix of 2 x 2 blocks, and the negative gradient.
 struct Equations {
     diagonal: Vec<DMat2>,
-    /// For each vertex where its entries begin.
-    begin: Vec<u32>,
-    /// The blocks off the diagonal, each with the vertex that it multiplies.
-    entries: Vec<(u32, DMat2)>,
+    /// The blocks off the diagonal, [`CHUNK`] rows together.
+    chunks: Vec<Rows>,
     force: Vec<DVec2>,
+}
+
+/// Rows of a sparse matrix.
+struct Rows {
+    /// For each row where its entries end.
+    end: Vec<u32>,
+    /// The blocks, each with the vertex that it multiplies.
+    entries: Vec<(u32, DMat2)>,
+}
+
+impl Rows {
+    /// Those of the vertices `begin` and after.
+    fn new(c: &Connectivity, shares: &[[Share; 3]], begin: u32) -> Rows {
+        let mut rows = Rows { end: Vec::with_capacity(CHUNK), entries: Vec::with_capacity(7 * CHUNK) };
+        for v in begin..c.vertex_bound().min(begin + CHUNK as u32) {
+            if c.has_vertex(v) {
+                rows.entries.extend(entries_of(c, v, shares));
+            }
+            rows.end.push(rows.entries.len() as u32);
+        }
+        rows
+    }
+
+    /// The blocks of each row.
+    fn iter(&self) -> impl Iterator<Item = &[(u32, DMat2)]> {
+        let begin = std::iter::once(0).chain(self.end.iter().copied());
+        begin.zip(&self.end).map(|(begin, &end)| &self.entries[begin as usize..end as usize])
+    }
 }
 
 impl Equations {
@@ -84,8 +110,8 @@ impl Equations {
     ) -> Equations {
         let c = &mesh.connectivity;
         let triangles = (0..c.half_edge_bound() / 3).into_par_iter().with_min_len(CHUNK);
-        let shares: Vec<Share> = triangles
-            .flat_map_iter(|t| match c.has_half_edge(3 * t) {
+        let shares: Vec<[Share; 3]> = triangles
+            .map(|t| match c.has_half_edge(3 * t) {
                 true => shares(c.triangle(3 * t), axes, strain_of(c.triangle(3 * t))),
                 false => [Share::default(); 3],
             })
@@ -95,20 +121,14 @@ impl Equations {
             let damping = DMat2::from_diagonal(DVec2::splat(DAMPING * OF_REGULAR / (spacing * spacing)));
             let around = c.has_vertex(v).then(|| c.outgoing(v)).into_iter().flatten();
             around.fold((damping, DVec2::ZERO), |(diagonal, force), h| {
-                let share = &shares[h as usize];
+                let share = share_of(&shares, h);
                 (diagonal + share.own, force + share.force)
             })
         };
         let (diagonal, force) = (0..c.vertex_bound()).into_par_iter().with_min_len(CHUNK).map(at_vertex).unzip();
-        let mut begin = vec![0];
-        let mut entries = Vec::with_capacity(shares.len() + shares.len() / 8);
-        for v in 0..c.vertex_bound() {
-            if c.has_vertex(v) {
-                entries.extend(entries_of(c, v, &shares));
-            }
-            begin.push(entries.len() as u32);
-        }
-        Equations { diagonal, begin, entries, force }
+        let begins = (0..c.vertex_bound()).into_par_iter().step_by(CHUNK);
+        let chunks = begins.map(|begin| Rows::new(c, &shares, begin)).collect();
+        Equations { diagonal, chunks, force }
     }
 
     /// The solution, by conjugate gradients from zero.
@@ -141,12 +161,21 @@ impl Equations {
 
     /// The Hessian times `x`.
     fn times(&self, x: &[DVec2]) -> Vec<DVec2> {
-        let row = |v: usize| {
-            let entries = &self.entries[self.begin[v] as usize..self.begin[v + 1] as usize];
-            entries.iter().fold(self.diagonal[v] * x[v], |sum, &(w, block)| sum + block * x[w as usize])
-        };
-        (0..x.len()).into_par_iter().with_min_len(CHUNK).map(row).collect()
+        let mut image = vec![DVec2::ZERO; x.len()];
+        let chunks = image.par_chunks_mut(CHUNK).zip(&self.chunks).enumerate();
+        chunks.for_each(|(i, (image, rows))| {
+            for ((image, entries), v) in image.iter_mut().zip(rows.iter()).zip(CHUNK * i..) {
+                *image = entries.iter().fold(self.diagonal[v] * x[v], |sum, &(w, block)| sum + block * x[w as usize]);
+            }
+        });
+        image
     }
+}
+
+/// What half-edge `h` has.
+#[inline]
+fn share_of(shares: &[[Share; 3]], h: u32) -> &Share {
+    &shares[h as usize / 3][h as usize % 3]
 }
 
 /// What the half-edges of a triangle have from it.
@@ -167,12 +196,12 @@ fn shares(corners: [u32; 3], axes: &[[DVec3; 2]], strain: Strain) -> [Share; 3] 
 }
 
 /// The blocks between `v` and its neighbours: each edge has one from the triangle on either side.
-fn entries_of<'a>(c: &'a Connectivity, v: u32, shares: &'a [Share]) -> impl Iterator<Item = (u32, DMat2)> + 'a {
-    let back = |h: u32| shares[h as usize].between.transpose();
+fn entries_of<'a>(c: &'a Connectivity, v: u32, shares: &'a [[Share; 3]]) -> impl Iterator<Item = (u32, DMat2)> + 'a {
+    let back = |h: u32| share_of(shares, h).between.transpose();
     let outwards = c.outgoing(v).map(move |h| {
         let across = c.twin(h);
         let other = if across == NONE { DMat2::ZERO } else { back(across) };
-        (c.target(h), shares[h as usize].between + other)
+        (c.target(h), share_of(shares, h).between + other)
     });
     // The last edge around a vertex of the boundary has a triangle on its right only.
     let last = c.outgoing(v).map(prev).find(|&h| c.twin(h) == NONE);
