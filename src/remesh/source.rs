@@ -45,12 +45,14 @@ impl<'a> Source<'a> {
         let unit = Unit::of(input);
         let field = options.sizing.as_deref().map(|lengths| Field::new(lengths, input, &unit));
         let within = Within::new(input, options, field.as_ref(), &unit)?;
-        let Repaired { mesh, repairs, open_seams } = match &within {
-            Some(within) => within.repaired(options, &unit),
-            None => repaired(input, options, &unit),
-        };
         let topology_of = |mesh: &Mesh| topology(mesh.positions.len(), &mesh.triangles);
-        let of_input = topology_of(input);
+        let (of_input, Repaired { mesh, repairs, open_seams }) = rayon::join(
+            || topology_of(input),
+            || match &within {
+                Some(within) => within.repaired(options, &unit),
+                None => repaired(input, options, &unit),
+            },
+        );
         let untouched = options.weld.is_none() && repairs == Repairs::default();
         let whole = within.as_ref().map_or(&mesh, |within| &within.whole);
         let of_repaired = if untouched { of_input } else { topology_of(whole) };
