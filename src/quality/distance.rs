@@ -80,20 +80,21 @@ struct OneWay {
 impl OneWay {
     fn new(from: &Mesh, samples: &[DVec3], to: &Mesh) -> OneWay {
         let bvh = Bvh::new(to);
-        let of_samples = squares(samples, to, &bvh);
-        let of_vertices = squares(&used_vertices(from), to, &bvh);
+        let square = |p: DVec3| bvh.closest(to, p).map_or(0.0, |hit| hit.distance_squared);
+        let of_samples: Vec<f64> = samples.par_iter().with_min_len(CHUNK).map(|&p| square(p)).collect();
+        let largest = of_samples.iter().copied().fold(0.0, f64::max);
+        // A vertex that is nearer than a sample need not be looked at closer.
+        let bound = |p: DVec3| bvh.closest_or_near(to, p, largest, f64::INFINITY, |_| true);
+        let of_vertices = used_vertices(from).into_par_iter().with_min_len(CHUNK).filter_map(bound);
         OneWay {
             mean_square: of_samples.iter().sum::<f64>() / samples.len().max(1) as f64,
-            largest_square: of_samples.into_iter().chain(of_vertices).fold(0.0, f64::max),
+            largest_square: of_vertices.map(|hit| hit.distance_squared).reduce(|| largest, f64::max),
         }
     }
 }
 
-/// The squared distance of each point to the mesh, in the order of the points.
-fn squares(points: &[DVec3], to: &Mesh, bvh: &Bvh) -> Vec<f64> {
-    let square = |&p: &DVec3| bvh.closest(to, p).map_or(0.0, |hit| hit.distance_squared);
-    points.par_iter().with_min_len(256).map(square).collect()
-}
+/// Points that one task looks at.
+const CHUNK: usize = 256;
 
 /// The positions that triangles use, each once.
 fn used_vertices(mesh: &Mesh) -> Vec<DVec3> {

@@ -72,8 +72,8 @@ impl Bvh {
     pub fn new(mesh: &Mesh) -> Bvh {
         let n = mesh.triangles.len();
         let depth = n.div_ceil(LEAF).next_power_of_two().trailing_zeros();
-        let mut items: Vec<Item> =
-            (0..n).map(|t| Item { place: mesh.corners(t).into_iter().sum(), triangle: t as u32 }).collect();
+        let item = |t: usize| Item { place: mesh.corners(t).into_iter().sum(), triangle: t as u32 };
+        let mut items: Vec<Item> = (0..n).into_par_iter().with_min_len(PARALLEL_ABOVE).map(item).collect();
         let tree = Tree { count: n, depth };
         tree.arrange(&mut items, 0, 0);
         let order: Vec<u32> = items.into_iter().map(|item| item.triangle).collect();
