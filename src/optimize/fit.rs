@@ -120,8 +120,10 @@ pub(super) const POINTS: [([f64; 3], f64); 6] = {
 pub struct Fitted {
     /// The mean of the squared distances.
     pub mean_square: f64,
-    /// The vertices of the surface that are, or were in the end, farther than others.
-    pub watched: Vec<u32>,
+    /// The vertices of the surface that are farther from the mesh than others, or were before the last steps.
+    pub vertices: Vec<u32>,
+    /// The numbers of the triangles of the mesh that are farther from the surface than others.
+    pub triangles: Vec<u32>,
 }
 
 /// Moves the vertices to where the triangles fit the surface. `spacing` is the mean edge length; what is farther from
@@ -151,7 +153,8 @@ pub fn fit(
         targets.pull(mesh, spacing);
     }
     take_back(domain, mesh, spacing);
-    Ok(Fitted { mean_square, watched })
+    let triangles = targets.triangles_beyond(mesh, Scale::new(mean_square, limit).watched());
+    Ok(Fitted { mean_square, vertices: watched, triangles })
 }
 
 /// Fits a part of a mesh to a part of the surface, whose vertices are `watched`, where the mean square of the distances
@@ -277,6 +280,16 @@ impl Targets {
             weight += own.iter().map(|target| target.weight).sum::<f64>();
         }
         sum / weight
+    }
+
+    /// The triangles with a point whose squared distance to its plane is above `square`.
+    fn triangles_beyond(&self, mesh: &Manifold, square: f64) -> Vec<u32> {
+        let is_beyond = |own: &[Target], t: u32| {
+            let x = corners(mesh, t);
+            own.iter().any(|target| target.residual(x).powi(2) > square)
+        };
+        let there = self.own.iter().zip(0..).filter(|(own, _)| own[0].weight > 0.0);
+        there.filter(|(own, t)| is_beyond(*own, *t)).map(|(_, t)| t).collect()
     }
 
     /// Gives weight to what is far: to points of triangles, and to the vertices of the input in `far`.

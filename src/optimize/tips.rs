@@ -19,7 +19,7 @@ use crate::optimize::fit::{BEYOND, Fitted, POINTS, fit_part, point};
 use crate::optimize::relax::{Flips, relax};
 use crate::surface::bvh::Bvh;
 use crate::surface::crossings::crossing_faces;
-use crate::surface::domain::Domain;
+use crate::surface::domain::{Domain, Sample};
 use crate::surface::manifold::Manifold;
 use crate::surface::mesh::Mesh;
 use crate::surface::patch::Patch;
@@ -34,7 +34,7 @@ const MOST_ROUNDS: usize = 16;
 const MOST_PLACES: usize = 32;
 
 /// Distance from which on a place is far: in spacings, and in roots of the mean square.
-const FAR: f64 = 0.18;
+const FAR: f64 = 0.16;
 const FAR_OF_MEAN: f64 = 6.5;
 
 /// Share of this distance from which on a place is far of the triangles that face other ways, too: at the bottom of a slit
@@ -94,7 +94,7 @@ pub fn reach_far_places(
     let least = (FAR * spacing).max(FAR_OF_MEAN * mean_square.sqrt());
     let task = Task { domain, spacing, mean_square, least };
     let mut target = Target::new(mesh);
-    let mut far = task.far_places(&target, &fitted.watched);
+    let mut far = task.far_places(&target, fitted);
     let mut given_up: Vec<Place> = Vec::new();
     for _ in 0..MOST_ROUNDS {
         check(monitor)?;
@@ -121,6 +121,8 @@ pub fn reach_far_places(
         let around: Vec<Probes> = mended.iter().map(|&at| task.probes_near(at, reach)).collect();
         let around: Vec<Probe> = around.iter().flat_map(|probes| probes.all(domain)).collect();
         far.par_extend(around.into_par_iter().filter_map(|probe| task.far_place(&target, probe)));
+        let changed = (0..).zip(&touched).filter(|(_, touched)| **touched).map(|(t, _)| t).collect::<Vec<u32>>();
+        far.par_extend(changed.into_par_iter().filter_map(|t| task.far_triangle(&target, t)));
     }
     Ok(())
 }
@@ -216,7 +218,8 @@ impl Target {
     }
 }
 
-/// A probe that is far from the mesh, and the triangle that is closest to it.
+/// A place of the surface that is far from the mesh, and the triangle that is closest to it; or that is closest to what of
+/// a triangle is far from the surface.
 #[derive(Clone, Copy)]
 struct Place {
     probe: Probe,
@@ -234,12 +237,28 @@ struct Task<'a> {
 }
 
 impl Task<'_> {
-    /// The probes that are far, of those inside triangles and at the vertices `watched`.
-    fn far_places(&self, target: &Target, watched: &[u32]) -> Vec<Place> {
+    /// All places that are far, where that was `fitted`.
+    fn far_places(&self, target: &Target, fitted: &Fitted) -> Vec<Place> {
         let triangles = (0..self.domain.mesh.triangles.len() as u32).into_par_iter().with_min_len(CHUNK);
-        let at_vertices = watched.par_iter().with_min_len(CHUNK).map(|&v| Probe::at_vertex(self.domain, v));
+        let at_vertices = fitted.vertices.par_iter().with_min_len(CHUNK).map(|&v| Probe::at_vertex(self.domain, v));
         let inside = triangles.flat_map_iter(|t| Probe::inside(self.domain, t, self.spacing));
-        at_vertices.chain(inside).filter_map(|probe| self.far_place(target, probe)).collect()
+        let of_surface = at_vertices.chain(inside).filter_map(|probe| self.far_place(target, probe));
+        let of_mesh = fitted.triangles.par_iter().filter_map(|&t| self.far_triangle(target, t));
+        of_surface.chain(of_mesh).collect()
+    }
+
+    /// The place on the surface that is closest to the point of triangle `t` of the mesh that is farthest from it.
+    fn far_triangle(&self, target: &Target, t: u32) -> Option<Place> {
+        let corners = target.mesh.corners(target.number.binary_search(&t).ok()?);
+        let mut farthest = None;
+        let mut distance = self.least;
+        for p in POINTS.map(|(at, _)| point(corners, at)) {
+            if let Some(foot) = self.domain.foot_farther_than(p, distance) {
+                (farthest, distance) = (Some(foot), p.distance(foot.position));
+            }
+        }
+        let Sample { position, normal, .. } = farthest?;
+        Some(Place { probe: Probe { position, normal }, distance, triangle: t })
     }
 
     fn far_place(&self, target: &Target, probe: Probe) -> Option<Place> {
@@ -386,7 +405,7 @@ impl<'a> Measured<'a> {
         let near = (0..target.mesh.triangles.len()).map(|t| target.mesh.corners(t)).filter(|x| x.iter().all(is_near));
         for p in near.flat_map(|x| POINTS.map(|(at, _)| point(x, at))) {
             if let Some(foot) = domain.foot_farther_than(p, farthest) {
-                (farthest, place) = (foot.distance(p), foot);
+                (farthest, place) = (foot.position.distance(p), foot.position);
             }
         }
         Attempt { patch, held, farthest, place }
@@ -396,7 +415,6 @@ impl<'a> Measured<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::domain::Sample;
 
     /// A triangular grid with `n` edges of length 1/n to a side, over the rhombus of side 1, at the given heights.
     fn sheet(n: u32, height: impl Fn(f64, f64) -> f64) -> Mesh {
@@ -437,7 +455,7 @@ mod tests {
 
     /// As from a fit that has all vertices watched.
     fn fitted(domain: &Domain, mean_square: f64) -> Fitted {
-        Fitted { mean_square, watched: (0..domain.mesh.positions.len() as u32).collect() }
+        Fitted { mean_square, vertices: (0..domain.mesh.positions.len() as u32).collect(), triangles: Vec::new() }
     }
 
     /// The largest distance of a vertex of the domain to the mesh.

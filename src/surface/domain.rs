@@ -4,7 +4,7 @@
 //! It is cut open along its sharp edges, so that walks, normals and projections stay within a smooth patch.
 
 use crate::geom::triangle::{barycentric, closest_point, closest_weights};
-use crate::surface::bvh::Bvh;
+use crate::surface::bvh::{Bvh, Hit};
 use crate::surface::connectivity::{next, prev};
 use crate::surface::crossings::{crossing_pairs, faces_of};
 use crate::surface::curves::Curves;
@@ -288,19 +288,23 @@ impl Domain {
         }
     }
 
+    fn at_hit(&self, hit: Hit) -> Sample {
+        self.sample(hit.triangle, barycentric(hit.point, self.mesh.corners(hit.triangle as usize)))
+    }
+
     /// The point closest to `p` on the whole surface.
     pub fn project_anywhere(&self, p: DVec3) -> Sample {
         match self.bvh.closest(&self.mesh, p) {
-            Some(hit) => self.sample(hit.triangle, barycentric(hit.point, self.mesh.corners(hit.triangle as usize))),
+            Some(hit) => self.at_hit(hit),
             None => Sample { position: p, normal: DVec3::ZERO, triangle: 0, size: 1.0 },
         }
     }
 
     /// The point closest to `p` on the whole surface if it is farther away than `distance`: found out sooner if not.
-    pub fn foot_farther_than(&self, p: DVec3, distance: f64) -> Option<DVec3> {
+    pub fn foot_farther_than(&self, p: DVec3, distance: f64) -> Option<Sample> {
         let square = distance * distance;
         let hit = self.bvh.closest_or_near(&self.mesh, p, square, f64::INFINITY, |_| true)?;
-        (hit.distance_squared > square).then_some(hit.point)
+        (hit.distance_squared > square).then(|| self.at_hit(hit))
     }
 
     /// The triangles whose bounding boxes reach into the cube around `p`, whose sides are `reach` away, in increasing order.
