@@ -57,6 +57,11 @@ const REACH: f64 = (RINGS + 1) as f64;
 /// Vertices that are tried for a place, the nearest first.
 const TRIED: usize = 3;
 
+/// Vertices that are tried in the end for the farthest places that are left, and the share of the largest distance that
+/// makes one of these.
+const TRIED_AT_LAST: usize = 9;
+const FARTHEST: f64 = 0.9;
+
 /// Places in a patch that get a vertex, one after the other: where the first one leaves another place far away.
 const PULLS: usize = 2;
 
@@ -92,13 +97,20 @@ pub fn reach_far_places(
 ) -> Result<()> {
     let mean_square = fitted.mean_square;
     let least = (FAR * spacing).max(FAR_OF_MEAN * mean_square.sqrt());
-    let task = Task { domain, spacing, mean_square, least };
+    let mut task = Task { domain, spacing, mean_square, least, tried: TRIED };
     let mut target = Target::new(mesh);
     let mut far = task.far_places(&target, fitted);
     let mut given_up: Vec<Place> = Vec::new();
     for _ in 0..MOST_ROUNDS {
         check(monitor)?;
-        let places = task.apart(&mut far, &given_up);
+        let mut places = task.apart(&mut far, &given_up);
+        if places.is_empty() && task.tried == TRIED {
+            // The distance of the whole is that of the farthest places: they are worth more trials.
+            task.tried = TRIED_AT_LAST;
+            let worst = given_up.drain(..).map(|place| place.distance).fold(0.0, f64::max);
+            far.retain(|place| place.distance >= FARTHEST * worst);
+            places = task.apart(&mut far, &given_up);
+        }
         if places.is_empty() {
             break;
         }
@@ -234,6 +246,8 @@ struct Task<'a> {
     mean_square: f64,
     /// The distance from which on a place is far.
     least: f64,
+    /// Vertices that are tried for a place.
+    tried: usize,
 }
 
 impl Task<'_> {
@@ -331,7 +345,7 @@ impl Task<'_> {
         let away = |v: u32| from.patch.mesh.position(v).distance_squared(from.place);
         let mut nearest: Vec<u32> = from.patch.free_vertices().filter(|v| !from.held.contains(v)).collect();
         nearest.sort_by(|&a, &b| away(a).total_cmp(&away(b)).then(a.cmp(&b)));
-        nearest.truncate(TRIED);
+        nearest.truncate(self.tried);
         let tries = nearest.par_iter().filter_map(|&v| {
             let mut patch = from.patch.clone();
             let held: Vec<u32> = from.held.iter().copied().chain([v]).collect();
