@@ -28,7 +28,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 /// Rounds over the far places: mending one shows others beside it.
-const MOST_ROUNDS: usize = 16;
+const MOST_ROUNDS: usize = 12;
 
 /// Most places that a round looks at, the farthest first.
 const MOST_PLACES: usize = 32;
@@ -42,7 +42,7 @@ const FAR_OF_MEAN: f64 = 6.5;
 const HIDDEN: f64 = 0.5;
 
 /// Share of the farthest distance that could not be mended from which on places are worth it.
-const OF_GIVEN_UP: f64 = 0.75;
+const OF_GIVEN_UP: f64 = 0.9;
 
 /// Rings of triangles that are taken out, and how far from the place, in spacings, distances are measured.
 const RINGS: usize = 5;
