@@ -44,22 +44,25 @@ const HIDDEN: f64 = 0.5;
 /// Share of the farthest distance that could not be mended from which on places are worth it.
 const OF_GIVEN_UP: f64 = 0.9;
 
-/// Rings of triangles that are taken out, and how far from the place, in spacings, distances are measured.
-const RINGS: usize = 5;
+/// How far from the place, in spacings, distances are measured.
 const MEASURED: f64 = 2.5;
 
-/// Distance, in spacings, of places whose patches have nothing in common: rings are at most so high.
-const APART: f64 = 2.0 * RINGS as f64;
+/// What is done for a place.
+#[derive(Clone, Copy)]
+struct Effort {
+    /// Rings of triangles that are taken out.
+    rings: usize,
+    /// Vertices that are tried, the nearest first.
+    tried: usize,
+    /// Passes over the worst triangles: what needs more is mostly beyond them.
+    passes: usize,
+}
 
-/// Distance, in spacings, within which nothing is as it was once a patch is put back.
-const REACH: f64 = (RINGS + 1) as f64;
+/// For all places, and in the end for the farthest of those that were given up: the distance of the whole is theirs.
+const FIRST: Effort = Effort { rings: 5, tried: 3, passes: 8 };
+const LAST: Effort = Effort { rings: 7, tried: 9, passes: 30 };
 
-/// Vertices that are tried for a place, the nearest first.
-const TRIED: usize = 3;
-
-/// Vertices that are tried in the end for the farthest places that are left, and the share of the largest distance that
-/// makes one of these.
-const TRIED_AT_LAST: usize = 9;
+/// Share of the farthest distance from which on places are given that effort.
 const FARTHEST: f64 = 0.9;
 
 /// Places in a patch that get a vertex, one after the other: where the first one leaves another place far away.
@@ -68,11 +71,8 @@ const PULLS: usize = 2;
 /// Rounds of relaxation with a vertex held.
 const RELAX_ROUNDS: usize = 2;
 
-/// Passes over the worst triangles: what needs more is mostly beyond them.
-const PASSES: usize = 8;
-
 /// Triangles outside of the goal that it may leave: more are not mended.
-const MOST_BAD: usize = 12;
+const MOST_BAD: usize = 24;
 
 /// Degrees that the worst triangle may be outside of the goal, which is a little more than is asked for.
 const LEEWAY: f64 = 0.4;
@@ -97,16 +97,15 @@ pub fn reach_far_places(
 ) -> Result<()> {
     let mean_square = fitted.mean_square;
     let least = (FAR * spacing).max(FAR_OF_MEAN * mean_square.sqrt());
-    let mut task = Task { domain, spacing, mean_square, least, tried: TRIED };
+    let mut task = Task { domain, spacing, mean_square, least, effort: FIRST };
     let mut target = Target::new(mesh);
     let mut far = task.far_places(&target, fitted);
     let mut given_up: Vec<Place> = Vec::new();
     for _ in 0..MOST_ROUNDS {
         check(monitor)?;
         let mut places = task.apart(&mut far, &given_up);
-        if places.is_empty() && task.tried == TRIED {
-            // The distance of the whole is that of the farthest places: they are worth more trials.
-            task.tried = TRIED_AT_LAST;
+        if places.is_empty() && task.effort.rings < LAST.rings {
+            task.effort = LAST;
             let worst = given_up.drain(..).map(|place| place.distance).fold(0.0, f64::max);
             far.retain(|place| place.distance >= FARTHEST * worst);
             places = task.apart(&mut far, &given_up);
@@ -125,7 +124,7 @@ pub fn reach_far_places(
             }
         }
         // Only there is anything else than it was.
-        let reach = REACH * spacing;
+        let reach = task.reach();
         let is_new = |p: DVec3| mended.iter().any(|at| p.distance(*at) < reach);
         given_up.retain(|place| !is_new(place.probe.position));
         far.retain(|place| !is_new(place.probe.position));
@@ -246,8 +245,7 @@ struct Task<'a> {
     mean_square: f64,
     /// The distance from which on a place is far.
     least: f64,
-    /// Vertices that are tried for a place.
-    tried: usize,
+    effort: Effort,
 }
 
 impl Task<'_> {
@@ -294,6 +292,11 @@ impl Task<'_> {
         Probes { vertices, inside }
     }
 
+    /// How far a patch reaches around its place: rings are at most about a spacing high.
+    fn reach(&self) -> f64 {
+        (self.effort.rings + 1) as f64 * self.spacing
+    }
+
     /// Those of `far` whose patches have nothing in common, the farthest first, without what is near to a place that was
     /// given up or much less far than one.
     fn apart(&self, far: &mut [Place], given_up: &[Place]) -> Vec<Place> {
@@ -303,13 +306,13 @@ impl Task<'_> {
         });
         let worth = OF_GIVEN_UP * given_up.iter().map(|place| place.distance).fold(0.0, f64::max);
         let worst: Vec<DVec3> = given_up.iter().filter(|p| p.distance >= worth).map(|p| p.probe.position).collect();
-        let is_beside = |p: DVec3| worst.iter().any(|q| p.distance(*q) < REACH * self.spacing);
+        let is_beside = |p: DVec3| worst.iter().any(|q| p.distance(*q) < self.reach());
         let mut places: Vec<Place> = Vec::new();
         for place in far.iter().filter(|place| place.distance >= worth || is_beside(place.probe.position)) {
-            let is_apart = |p: DVec3, spacings: f64| p.distance(place.probe.position) > spacings * self.spacing;
+            let is_apart = |p: DVec3, distance: f64| p.distance(place.probe.position) > distance;
             if places.len() < MOST_PLACES
-                && given_up.iter().all(|p| is_apart(p.probe.position, MEASURED))
-                && places.iter().all(|p| is_apart(p.probe.position, APART))
+                && given_up.iter().all(|p| is_apart(p.probe.position, MEASURED * self.spacing))
+                && places.iter().all(|p| is_apart(p.probe.position, 2.0 * self.reach()))
             {
                 places.push(*place);
             }
@@ -326,7 +329,7 @@ impl Task<'_> {
         let corners = mesh.connectivity.triangle(3 * place.triangle).into_iter();
         let free = corners.filter(|&v| mesh.connectivity.curve_at(v) == NONE);
         let middle = free.min_by(|&a, &b| by_distance(mesh, a, b))?;
-        let patch = Patch::around(mesh, middle, RINGS)?;
+        let patch = Patch::around(mesh, middle, self.effort.rings)?;
         let measured = Measured::new(self, target, &patch, p);
         let margin = worst_margin(&patch.mesh).min(-LEEWAY);
         let mut attempt = measured.attempt(patch, Vec::new());
@@ -345,7 +348,7 @@ impl Task<'_> {
         let away = |v: u32| from.patch.mesh.position(v).distance_squared(from.place);
         let mut nearest: Vec<u32> = from.patch.free_vertices().filter(|v| !from.held.contains(v)).collect();
         nearest.sort_by(|&a, &b| away(a).total_cmp(&away(b)).then(a.cmp(&b)));
-        nearest.truncate(self.tried);
+        nearest.truncate(self.effort.tried);
         let tries = nearest.par_iter().filter_map(|&v| {
             let mut patch = from.patch.clone();
             let held: Vec<u32> = from.held.iter().copied().chain([v]).collect();
@@ -360,7 +363,7 @@ impl Task<'_> {
     /// `margin` then.
     fn arrange(&self, mesh: &mut Manifold, held: &[u32], measured: &Measured, margin: f64) -> Result<bool> {
         let improve = |mesh: &mut Manifold| {
-            improve_angles_in(self.domain, mesh, self.spacing, PASSES, &())?;
+            improve_angles_in(self.domain, mesh, self.spacing, self.effort.passes, &())?;
             Ok(worst_margin(mesh) >= margin)
         };
         held.iter().for_each(|&v| mesh.fixed[v as usize] = true);
