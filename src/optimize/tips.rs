@@ -292,7 +292,7 @@ impl Task<'_> {
         Probes { vertices, inside }
     }
 
-    /// How far a patch reaches around its place: rings are at most about a spacing high.
+    /// How far around its place a patch may change anything.
     fn reach(&self) -> f64 {
         (self.effort.rings + 1) as f64 * self.spacing
     }
@@ -307,12 +307,14 @@ impl Task<'_> {
         let worth = OF_GIVEN_UP * given_up.iter().map(|place| place.distance).fold(0.0, f64::max);
         let worst: Vec<DVec3> = given_up.iter().filter(|p| p.distance >= worth).map(|p| p.probe.position).collect();
         let is_beside = |p: DVec3| worst.iter().any(|q| p.distance(*q) < self.reach());
+        // Rings are at most about a spacing high.
+        let apart = 2.0 * self.effort.rings as f64 * self.spacing;
         let mut places: Vec<Place> = Vec::new();
         for place in far.iter().filter(|place| place.distance >= worth || is_beside(place.probe.position)) {
             let is_apart = |p: DVec3, distance: f64| p.distance(place.probe.position) > distance;
             if places.len() < MOST_PLACES
                 && given_up.iter().all(|p| is_apart(p.probe.position, MEASURED * self.spacing))
-                && places.iter().all(|p| is_apart(p.probe.position, 2.0 * self.reach()))
+                && places.iter().all(|p| is_apart(p.probe.position, apart))
             {
                 places.push(*place);
             }
