@@ -9,7 +9,11 @@
 //! What no step of single vertices reaches is often one such jump away, because the flips around it change the order of
 //! the vertices. No patch is put back that would cross more of the mesh than what was there.
 //!
-//! Cost: some milliseconds for each place; most models have twenty to eighty. Limits: vertices on curves stay, and so do
+//! Places are of the surface, far from the mesh, or those that are closest to what of the mesh is far from the surface. The
+//! farthest come first. What is nearer than a place that could not be mended is left alone, and in the end the farthest
+//! ones that are left are tried again with wider patches and more vertices: the distance of the whole is theirs.
+//!
+//! Cost: some milliseconds for each place; most models have ten to forty. Limits: vertices on curves stay, and so do
 //! places that only those could reach.
 
 use crate::base::error::Result;
