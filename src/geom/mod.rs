@@ -3,5 +3,6 @@
 pub mod crossing;
 pub mod eigen;
 pub mod polygon;
+pub mod symmetric;
 pub mod triangle;
 pub mod vector;

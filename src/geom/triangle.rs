@@ -167,11 +167,17 @@ pub fn angles([a, b, c]: [DVec3; 3]) -> [f64; 3] {
 }
 
 /// The smallest of [`angles`].
-pub fn smallest_angle([a, b, c]: [DVec3; 3]) -> f64 {
+pub fn smallest_angle(corners: [DVec3; 3]) -> f64 {
+    let (sine, cosine) = smallest_sine_cosine(corners);
+    sine.atan2(cosine).to_degrees()
+}
+
+/// Sine and cosine of the smallest angle, times the lengths of its sides.
+pub fn smallest_sine_cosine([a, b, c]: [DVec3; 3]) -> (f64, f64) {
     let twice_area = (b - a).cross(c - a).length();
     // All angles have the same sine times the lengths of their sides, so that they fall with the dot product.
     let dot = (b - a).dot(c - a).max((c - b).dot(a - b)).max((a - c).dot(b - c));
-    twice_area.atan2(dot).to_degrees()
+    (twice_area, dot)
 }
 
 /// The mean ratio 4 √3 S / (a² + b² + c²): 1 for an equilateral triangle, 0 for a flat one, and cheap.

@@ -12,7 +12,7 @@
 
 use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};
-use crate::geom::triangle::{angles, quality, smallest_angle};
+use crate::geom::triangle::{angles, quality, smallest_angle, smallest_sine_cosine};
 use crate::surface::connectivity::{next, prev};
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::manifold::Manifold;
@@ -52,11 +52,11 @@ const LEAST_FACING: f64 = 0.3;
 
 /// Improves the worst triangles until none is outside of the goal or nothing helps. `spacing` is the mean edge length.
 pub fn improve_angles(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
-    improve_angles_in(domain, mesh, spacing, MOST_PASSES, monitor)
+    improve_angles_for(domain, mesh, spacing, MOST_PASSES, monitor)
 }
 
 /// [`improve_angles`] with at most that many passes.
-pub(super) fn improve_angles_in(
+pub(super) fn improve_angles_for(
     domain: &Domain,
     mesh: &mut Manifold,
     spacing: f64,
@@ -97,7 +97,7 @@ pub(super) fn improve_angles_in(
 
 /// How far inside of the goal a triangle of these corners is, in degrees of its smallest angle; negative outside.
 fn margin_of(corners: [DVec3; 3]) -> f64 {
-    (smallest_angle(corners) - SMALLEST).min(DEGREES_OF_QUALITY * (quality(corners) - LEAST_QUALITY))
+    margin_above(corners, f64::NEG_INFINITY).unwrap_or(f64::NEG_INFINITY)
 }
 
 /// [`margin_of`] if it is above `floor`.
@@ -123,10 +123,9 @@ fn is_bad(mesh: &Manifold, h: u32) -> bool {
 }
 
 /// Whether a triangle of these corners has a margin: [`margin_of`] without its costly arc.
-fn is_good(corners @ [a, b, c]: [DVec3; 3]) -> bool {
-    let twice_area = (b - a).cross(c - a).length();
-    let dot = (b - a).dot(c - a).max((c - b).dot(a - b)).max((a - c).dot(b - c));
-    twice_area >= TANGENT_OF_SMALLEST * dot && quality(corners) >= LEAST_QUALITY
+fn is_good(corners: [DVec3; 3]) -> bool {
+    let (sine, cosine) = smallest_sine_cosine(corners);
+    sine >= TANGENT_OF_SMALLEST * cosine && quality(corners) >= LEAST_QUALITY
 }
 
 /// Whether all triangles around `v` would be within the goal if it were at `p`.
@@ -139,11 +138,7 @@ pub fn is_good_around(mesh: &Manifold, v: u32, p: DVec3) -> bool {
 
 /// The least margin of the triangles around `v` if it were at `p`, in degrees; negative outside of the goal.
 pub fn least_margin(mesh: &Manifold, v: u32, p: DVec3) -> f64 {
-    let around = mesh.connectivity.outgoing(v).map(|h| {
-        let [_, a, b] = mesh.connectivity.triangle(h);
-        margin_of([p, mesh.position(a), mesh.position(b)])
-    });
-    around.fold(f64::INFINITY, f64::min)
+    least_margin_above(mesh, v, p, f64::NEG_INFINITY).unwrap_or(f64::NEG_INFINITY)
 }
 
 /// [`least_margin`] if it is above `floor`, which is found out sooner.

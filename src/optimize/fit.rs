@@ -31,6 +31,7 @@
 
 use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};
+use crate::geom::symmetric::Symmetric;
 use crate::geom::triangle::barycentric;
 use crate::optimize::angles::{is_good_around, least_margin};
 use crate::optimize::relax::pull;
@@ -39,7 +40,7 @@ use crate::surface::domain::{Domain, Sample};
 use crate::surface::manifold::Manifold;
 use crate::surface::mesh::Mesh;
 use crate::surface::topology::NONE;
-use glam::{DMat3, DVec3, Vec3Swizzles};
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// Rounds of plain least squares, and those that are drawn to what is far.
@@ -452,44 +453,6 @@ fn newton_step(mesh: &Manifold, targets: &Targets, v: u32, spacing: f64) -> DVec
     hessian += Symmetric::outer(normal) * along_normal;
     hessian.diagonal += scale * stiffness;
     -(hessian.matrix().inverse() * gradient)
-}
-
-/// A symmetric matrix of three rows.
-#[derive(Default)]
-struct Symmetric {
-    diagonal: DVec3,
-    /// Elements xy, yz and zx.
-    mixed: DVec3,
-}
-
-impl Symmetric {
-    /// The outer product of `a` with itself.
-    #[inline]
-    fn outer(a: DVec3) -> Symmetric {
-        Symmetric { diagonal: a * a, mixed: a * a.yzx() }
-    }
-
-    fn matrix(&self) -> DMat3 {
-        let (d, m) = (self.diagonal, self.mixed);
-        DMat3::from_cols(DVec3::new(d.x, m.x, m.z), DVec3::new(m.x, d.y, m.y), DVec3::new(m.z, m.y, d.z))
-    }
-}
-
-impl std::ops::Mul<f64> for Symmetric {
-    type Output = Symmetric;
-
-    #[inline]
-    fn mul(self, factor: f64) -> Symmetric {
-        Symmetric { diagonal: self.diagonal * factor, mixed: self.mixed * factor }
-    }
-}
-
-impl std::ops::AddAssign for Symmetric {
-    #[inline]
-    fn add_assign(&mut self, other: Symmetric) {
-        self.diagonal += other.diagonal;
-        self.mixed += other.mixed;
-    }
 }
 
 /// Whether the triangles at `v` are within the goal, or no further outside, with `v` at `p`.

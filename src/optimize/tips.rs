@@ -18,7 +18,7 @@
 
 use crate::base::error::Result;
 use crate::base::progress::{Monitor, check};
-use crate::optimize::angles::{bad_triangles, improve_angles_in, worst_margin};
+use crate::optimize::angles::{bad_triangles, improve_angles_for, worst_margin};
 use crate::optimize::fit::{BEYOND, Fitted, POINTS, fit_part, point};
 use crate::optimize::relax::{Flips, relax};
 use crate::surface::bvh::Bvh;
@@ -52,7 +52,7 @@ const OF_GIVEN_UP: f64 = 0.9;
 const MEASURED: f64 = 2.5;
 
 /// What is done for a place.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 struct Effort {
     /// Rings of triangles that are taken out.
     rings: usize,
@@ -108,7 +108,7 @@ pub fn reach_far_places(
     for _ in 0..MOST_ROUNDS {
         check(monitor)?;
         let mut places = task.apart(&mut far, &given_up);
-        if places.is_empty() && task.effort.rings < LAST.rings {
+        if places.is_empty() && task.effort == FIRST {
             task.effort = LAST;
             let worst = given_up.drain(..).map(|place| place.distance).fold(0.0, f64::max);
             far.retain(|place| place.distance >= FARTHEST * worst);
@@ -133,11 +133,7 @@ pub fn reach_far_places(
         given_up.retain(|place| !is_new(place.probe.position));
         far.retain(|place| !is_new(place.probe.position));
         target.follow(mesh);
-        let around: Vec<Probes> = mended.iter().map(|&at| task.probes_near(at, reach)).collect();
-        let around: Vec<Probe> = around.iter().flat_map(|probes| probes.all(domain)).collect();
-        far.par_extend(around.into_par_iter().filter_map(|probe| task.far_place(&target, probe)));
-        let changed = (0..).zip(&touched).filter(|(_, touched)| **touched).map(|(t, _)| t).collect::<Vec<u32>>();
-        far.par_extend(changed.into_par_iter().filter_map(|t| task.far_triangle(&target, t)));
+        far.extend(task.far_again(&target, &mended, &touched));
     }
     Ok(())
 }
@@ -277,6 +273,16 @@ impl Task<'_> {
         Some(Place { probe: Probe { position, normal }, distance, triangle: t })
     }
 
+    /// The places that are far around those that have been `mended`, where triangles were `touched`.
+    fn far_again(&self, target: &Target, mended: &[DVec3], touched: &[bool]) -> Vec<Place> {
+        let around = mended.par_iter().map(|&at| self.probes_near(at, self.reach()));
+        let probes: Vec<Probe> = around.flat_map_iter(|probes| probes.all(self.domain).collect::<Vec<_>>()).collect();
+        let triangles: Vec<u32> = (0..).zip(touched).filter(|(_, touched)| **touched).map(|(t, _)| t).collect();
+        let of_surface = probes.into_par_iter().filter_map(|probe| self.far_place(target, probe));
+        let of_mesh = triangles.into_par_iter().filter_map(|t| self.far_triangle(target, t));
+        of_surface.chain(of_mesh).collect()
+    }
+
     fn far_place(&self, target: &Target, probe: Probe) -> Option<Place> {
         let (distance, triangle) = target.distance(&probe, self.least, BEYOND * self.spacing)?;
         let is_far = distance >= self.least && !target.is_within(probe.position, HIDDEN * self.least);
@@ -369,7 +375,7 @@ impl Task<'_> {
     /// `margin` then.
     fn arrange(&self, mesh: &mut Manifold, held: &[u32], measured: &Measured, margin: f64) -> Result<bool> {
         let improve = |mesh: &mut Manifold| {
-            improve_angles_in(self.domain, mesh, self.spacing, self.effort.passes, &())?;
+            improve_angles_for(self.domain, mesh, self.spacing, self.effort.passes, &())?;
             Ok(worst_margin(mesh) >= margin)
         };
         held.iter().for_each(|&v| mesh.fixed[v as usize] = true);

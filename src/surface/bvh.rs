@@ -420,6 +420,19 @@ mod tests {
     }
 
     #[test]
+    fn a_search_for_what_is_near_ends_at_some_of_it_or_at_the_closest() {
+        let (mesh, mut rng) = (soup(500, 0.1, 5), stream(6, Stage::Distance));
+        let bvh = Bvh::new(&mesh);
+        for _ in 0..200 {
+            let (p, near) = (random_point(&mut rng), 0.01 * unit(&mut rng));
+            let (closest, found) = (bvh.closest(&mesh, p).unwrap(), bvh.closest_or_near(&mesh, p, near, 1.0, |_| true));
+            let found = found.unwrap();
+            assert!(found == closest || closest.distance_squared <= found.distance_squared);
+            assert!(found == closest || found.distance_squared < near, "{found:?} {closest:?}");
+        }
+    }
+
+    #[test]
     fn all_pairs_of_boxes_that_meet_are_found() {
         for n in [1, 2, 4, 5, 31, 32, 33, 500] {
             agrees_with_all_pairs(&soup(n, 0.2, n as u64));

@@ -206,9 +206,6 @@ fn beside_largest_fan(triangles: &[[u32; 3]], corners: &[u32], mut remove: impl 
     let from = |c: u32| triangles[c as usize / 3][(c as usize + 1) % 3];
     let to = |c: u32| triangles[c as usize / 3][(c as usize + 2) % 3];
     let follows = |c: u32| corners.iter().position(|&d| from(d) == to(c));
-    if goes_around(corners.len(), |i| follows(corners[i])) {
-        return;
-    }
     let mut fan = vec![usize::MAX; corners.len()];
     let mut sizes: Vec<usize> = Vec::new();
     let begins = |i: &usize| !corners.iter().any(|&d| to(d) == from(corners[*i]));
@@ -229,19 +226,6 @@ fn beside_largest_fan(triangles: &[[u32; 3]], corners: &[u32], mut remove: impl 
         let largest = (0..sizes.len()).max_by_key(|&f| (sizes[f], usize::MAX - f)).unwrap_or(0);
         (0..corners.len()).filter(|&i| fan[i] != largest).for_each(|i| remove(corners[i] as usize / 3));
     }
-}
-
-/// Whether the first of so many corners comes up again after all others.
-fn goes_around(corners: usize, follows: impl Fn(usize) -> Option<usize>) -> bool {
-    let mut at = 0;
-    for steps in 1..=corners {
-        match follows(at) {
-            Some(0) => return steps == corners,
-            Some(next) => at = next,
-            None => return false,
-        }
-    }
-    false
 }
 
 /// Removes the triangles of pieces of a few points; of those that have some of the `holes`, a few more.
