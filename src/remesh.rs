@@ -1,5 +1,6 @@
 //! The pipeline from mesh to mesh: the only place that knows the order of the stages.
 
+mod bend;
 mod cloud;
 mod follow;
 mod kernel;
@@ -33,14 +34,15 @@ use crate::spectral::curves::sample_curves;
 use crate::spectral::scan::linear_scan;
 use crate::surface::crossings::crossing_faces;
 use crate::surface::domain::Domain;
+use crate::surface::features::sharp_sides;
 use crate::surface::manifold::Manifold;
 use crate::surface::mesh::Mesh;
 use crate::surface::refine::refine;
 use crate::surface::sizing::adapted_sizes;
-use crate::surface::topology::{Topology, topology};
+use crate::surface::topology::{NONE, Topology, topology, twins};
 use crate::triangulate::glue::{Seams, glue};
 use crate::triangulate::{Boundary, triangulate};
-use cloud::smoothed;
+use bend::{bend, smoothed, split_bent};
 use follow::{ascend_as_asked, follow};
 use options::FIRST_POINTS;
 use result::notes;
@@ -182,12 +184,9 @@ struct Graded {
 }
 
 /// The domain of `clean` with the lengths that a field, the shape or a kernel want, and a seam.
-fn graded(source: &Source, mut clean: Mesh, mut scale: Scale, monitor: &dyn Monitor) -> Result<Graded> {
+fn graded(source: &Source, clean: Mesh, mut scale: Scale, monitor: &dyn Monitor) -> Result<Graded> {
     let options = source.options;
-    let most = 4 * clean.triangles.len() + 16 * scale.wanted;
-    refine(&mut clean, LONGEST_EDGE * scale.spacing, most);
-    let seam = source.within.as_ref().map_or_else(Vec::new, |within| within.part.seam.clone());
-    let mut domain = Domain::with_seam(clean, options.features, scale.spacing, seam);
+    let mut domain = domain_over(clean, source, &scale);
     if let Some(field) = &source.field {
         scale = field.grade(&mut domain, options.density, scale)?;
     } else if options.adapt > 0.0 {
@@ -204,6 +203,28 @@ fn graded(source: &Source, mut clean: Mesh, mut scale: Scale, monitor: &dyn Moni
         sigma = if options.has_kernel() { sigma } else { scale.sigma() };
     }
     Ok(Graded { domain, scale, sigma })
+}
+
+/// The domain over `clean`, refined for that scale, and bent where its vertices are points of a smooth surface.
+fn domain_over(mut clean: Mesh, source: &Source, scale: &Scale) -> Domain {
+    let options = source.options;
+    let longest = LONGEST_EDGE * scale.spacing;
+    let most = 4 * clean.triangles.len() + 16 * scale.wanted;
+    let ends = match options.reach() {
+        Some(_) => split_bent(&mut clean, longest, scale.spacing, most),
+        None => {
+            refine(&mut clean, longest, most);
+            Vec::new()
+        }
+    };
+    let twin = twins(&clean.triangles);
+    // Before bending, which leaves what is sharp as it is.
+    let sharp = sharp_sides(&clean, &twin, options.features, scale.spacing);
+    if let Some(reach) = options.reach().filter(|_| !ends.is_empty()) {
+        bend(&mut clean, &ends, |side| sharp[side] || twin[side] == NONE, reach);
+    }
+    let seam = source.within.as_ref().map_or_else(Vec::new, |within| within.part.seam.clone());
+    Domain::with_sharp(clean, twin, &sharp, scale.spacing, seam)
 }
 
 /// Optimises the mesh, or, if that is not wanted, gives it the wanted count and leaves it where the paper's ascent does.

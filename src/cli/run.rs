@@ -181,7 +181,7 @@ fn remesh_loaded(
 ) -> Result<Remeshed> {
     let Fields { sizing, signals, part } = fields;
     let smooth = job.options.smooth.filter(|_| is_mesh);
-    let options = Options { sizing, signals, smooth, part, ..job.options.clone() };
+    let options = Options { sizing, signals, smooth, of_points: !is_mesh, part, ..job.options.clone() };
     let mut remeshed = remesh(&input.mesh, &options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
     remeshed.notes.splice(0..0, input.notes.iter().cloned());
     Ok(remeshed)

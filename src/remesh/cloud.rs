@@ -4,10 +4,10 @@ use crate::base::error::{Error, Result};
 use crate::base::progress::{Monitor, check};
 use crate::geom::eigen::{eigen, scatter};
 use crate::project::rimls::Rimls;
-use crate::surface::graph::NeighborGraph;
+use crate::surface::graph::{DEGREE, NeighborGraph};
 use crate::surface::mesh::Mesh;
 use crate::surface::neighbors::Neighbors;
-use crate::surface::normals::{Neighborhood, plane_normals, sphere_normals};
+use crate::surface::normals::{MANY_NEIGHBORS, Neighborhood, plane_normals, sphere_normals};
 use crate::surface::orient::{disagreement, orient, side_with};
 use crate::surface::points::{Points, distinct, spatial_order, wanted_by_others};
 use crate::surface::topology::components;
@@ -126,12 +126,8 @@ pub struct MeshOfPoints {
     pub summary: CloudSummary,
 }
 
-/// Neighbours of each point that are known to start with: those of a star, and some to spare.
-const DEGREE: usize = 16;
-
-/// Neighbours that planes are fitted to: as few as possible keep to what is sharp, and more are steadier.
+/// Neighbours that planes are fitted to where there is no noise: as few as possible keep to what is sharp.
 const FEW_NEIGHBORS: usize = 8;
-const MANY_NEIGHBORS: usize = 16;
 
 /// Times that spheres are fitted, each time to the normals of the time before.
 const SPHERES: usize = 2;
@@ -250,19 +246,6 @@ pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Mon
 pub(super) fn no_surface(points: usize) -> Error {
     let cause = format!("no surface goes through these {points} points: neighbours do not agree on one");
     Error::Mesh { cause, remedy: "give more points, or less noisy ones, or try smoothing".into() }
-}
-
-/// `mesh` with its vertices on the implicit surface of their own places and normals, each reaching as far as `reach`
-/// times how far apart they are.
-pub(super) fn smoothed(mesh: &Mesh, reach: f64) -> Mesh {
-    let mut normals = mesh.vertex_area_vectors();
-    normals.iter_mut().for_each(|n| *n = n.normalize_or_zero());
-    let near = Neighbors::new(&mesh.positions);
-    let graph = NeighborGraph::new(&mesh.positions, &near, DEGREE);
-    let spacings = graph.spacings(&mesh.positions);
-    let normals = sphere_normals(&mesh.positions, &normals, &Neighborhood::Nearest(&graph, MANY_NEIGHBORS));
-    let (positions, _) = Rimls::new(&mesh.positions, &normals, &near, &spacings, reach).smoothed();
-    Mesh { positions, triangles: mesh.triangles.clone() }
 }
 
 /// Refuses points without an area.

@@ -1,7 +1,7 @@
 //! What can be asked of the pipeline, and what is refused at once.
 
 use crate::base::error::{Error, Result};
-use crate::remesh::cloud::check_smooth;
+use crate::remesh::cloud::{DEFAULT_REACH, check_smooth};
 use crate::remesh::kernel::{Signal, check_kernel};
 use crate::remesh::within::Selection;
 use crate::surface::features::Features;
@@ -65,6 +65,10 @@ pub struct Options {
     /// Noise is smoothed away first: vertices move to the implicit surface of all of them, on which each reaches as far as
     /// so many mean distances of neighbouring ones. Default: `None`, they stay where they are.
     pub smooth: Option<f64>,
+    /// The input goes through points, as [`crate::mesh_of_points`] makes it: where its edges are longer than those of the
+    /// result, what lies between its vertices is their implicit surface, and not the flat triangles. So it is with `smooth`,
+    /// too. Default: false.
+    pub of_points: bool,
     /// The part that is remeshed; everything else stays as it is, and the density is that of the part: [`Density::Points`]
     /// counts the vertices strictly inside of it, those on its seam with the rest not included. Default: `None`, all.
     pub part: Option<Selection>,
@@ -91,6 +95,7 @@ impl Default for Options {
             signals: Vec::new(),
             sizing: None,
             smooth: None,
+            of_points: false,
             part: None,
             max_error: None,
             optimize: true,
@@ -168,6 +173,11 @@ impl Options {
 }
 
 impl Options {
+    /// How far vertices reach on the implicit surface that lies between them, if one does.
+    pub(super) fn reach(&self) -> Option<f64> {
+        self.smooth.or(self.of_points.then_some(DEFAULT_REACH))
+    }
+
     /// Whether more than the position counts in the kernel.
     pub(super) fn has_kernel(&self) -> bool {
         self.sigma_n.is_finite() || !self.signals.is_empty()

@@ -83,7 +83,13 @@ impl Domain {
     pub fn with_seam(mesh: Mesh, features: Features, spacing: f64, seam: Vec<[u32; 2]>) -> Domain {
         let twin = twins(&mesh.triangles);
         let sharp = sharp_sides(&mesh, &twin, features, spacing);
-        let cut = cut(mesh, twin, &sharp);
+        Domain::with_sharp(mesh, twin, &sharp, spacing, seam)
+    }
+
+    /// [`Self::with_seam`] with the sharp edges that are given: for each side of `mesh` whether it is on one, and the side
+    /// across it, as [`twins`] says.
+    pub fn with_sharp(mesh: Mesh, twin: Vec<u32>, sharp: &[bool], spacing: f64, seam: Vec<[u32; 2]>) -> Domain {
+        let cut = cut(mesh, twin, sharp);
         let (curves, (vertex_normals, bvh)) = rayon::join(
             || Curves::new(&cut, spacing, &seam),
             || rayon::join(|| vertex_normals(&cut.mesh), || Bvh::new(&cut.mesh)),

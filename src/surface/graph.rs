@@ -9,6 +9,9 @@ use rayon::prelude::*;
 /// Neighbours that count for the spacing at a point: those that a point of an even sampling has around it.
 const RING: usize = 6;
 
+/// Neighbours of each point that are known to start with: those of a star, and some to spare.
+pub const DEGREE: usize = 16;
+
 /// The same number of nearest neighbours for each of some points.
 pub struct NeighborGraph {
     degree: usize,

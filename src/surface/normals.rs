@@ -17,6 +17,9 @@ use crate::surface::neighbors::Neighbors;
 use glam::DVec3;
 use rayon::prelude::*;
 
+/// Neighbours that steady a fit where there is noise, or few points.
+pub const MANY_NEIGHBORS: usize = 16;
+
 /// The neighbours of each point that its normal follows from.
 pub enum Neighborhood<'a> {
     /// So many of the nearest ones.

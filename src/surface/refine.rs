@@ -12,28 +12,32 @@ use std::collections::HashMap;
 ///
 /// A manifold stays one, with the same topology: both faces of an edge get the same new vertex.
 pub fn refine(mesh: &mut Mesh, longest: f64, most: usize) {
-    while mesh.triangles.len() < most && halve_long_edges(mesh, longest) {}
+    let is_long = |_: u32, _: u32, length: f64| length > longest;
+    while mesh.triangles.len() < most && !halve_edges(mesh, is_long).is_empty() {}
 }
 
-/// Halves every edge that is too long once; whether there was any.
-fn halve_long_edges(mesh: &mut Mesh, longest: f64) -> bool {
+/// Halves every edge once of which `is_long` says so from its ends and its length, whatever the order of the ends. Gives for
+/// each new vertex the two that it is in the middle of; new ones come after all others.
+pub fn halve_edges(mesh: &mut Mesh, is_long: impl Fn(u32, u32, f64) -> bool) -> Vec<[u32; 2]> {
     // Only looked up, never iterated: the numbers of the new vertices follow the order of the triangles.
     let mut middles: HashMap<(u32, u32), u32> = HashMap::new();
+    let mut ends = Vec::new();
     for t in 0..mesh.triangles.len() {
         let corners = mesh.triangles[t];
         let middle = [0, 1, 2].map(|k| {
             let (a, b) = (corners[k], corners[(k + 1) % 3]);
             let (p, q) = (mesh.positions[a as usize], mesh.positions[b as usize]);
-            (p.distance_squared(q) > longest * longest).then(|| {
+            is_long(a, b, p.distance(q)).then(|| {
                 *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
                     mesh.positions.push((p + q) / 2.0);
+                    ends.push([a, b]);
                     mesh.positions.len() as u32 - 1
                 })
             })
         });
         split(mesh, t, middle);
     }
-    !middles.is_empty()
+    ends
 }
 
 /// Replaces triangle `t` by those that its corners and the middles of its sides make.

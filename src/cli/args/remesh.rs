@@ -152,6 +152,7 @@ impl RemeshArgs {
                 signals: Vec::new(),
                 sizing: sizing.as_ref().map(|_| Vec::new()),
                 smooth,
+                of_points: false,
                 part: within,
                 max_error,
                 optimize: optimize != 0,
