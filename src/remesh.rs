@@ -39,10 +39,10 @@ use crate::surface::manifold::Manifold;
 use crate::surface::mesh::Mesh;
 use crate::surface::refine::refine;
 use crate::surface::sizing::adapted_sizes;
-use crate::surface::topology::{NONE, Topology, topology, twins};
+use crate::surface::topology::{Topology, topology, twins};
 use crate::triangulate::glue::{Seams, glue};
 use crate::triangulate::{Boundary, triangulate};
-use bend::{bend, smoothed, split_bent};
+use bend::{Split, smoothed};
 use follow::{ascend_as_asked, follow};
 use options::FIRST_POINTS;
 use result::notes;
@@ -210,19 +210,25 @@ fn domain_over(mut clean: Mesh, source: &Source, scale: &Scale) -> Domain {
     let options = source.options;
     let longest = LONGEST_EDGE * scale.spacing;
     let most = 4 * clean.triangles.len() + 16 * scale.wanted;
-    let ends = match options.reach() {
-        Some(_) => split_bent(&mut clean, longest, scale.spacing, most),
+    let creases = |mesh: &Mesh| {
+        let twin = twins(&mesh.triangles);
+        let sharp = sharp_sides(mesh, &twin, options.features, scale.spacing);
+        (twin, sharp)
+    };
+    let (twin, sharp) = match options.reach() {
+        Some(reach) => {
+            let (_, sharp) = creases(&clean);
+            let split = Split::new(&mut clean, &sharp, longest, scale.spacing, most);
+            // Those of the flat mesh: bending it leaves them as they are.
+            let (twin, sharp) = creases(&clean);
+            split.bend(&mut clean, &twin, &sharp, reach);
+            (twin, sharp)
+        }
         None => {
             refine(&mut clean, longest, most);
-            Vec::new()
+            creases(&clean)
         }
     };
-    let twin = twins(&clean.triangles);
-    // Before bending, which leaves what is sharp as it is.
-    let sharp = sharp_sides(&clean, &twin, options.features, scale.spacing);
-    if let Some(reach) = options.reach().filter(|_| !ends.is_empty()) {
-        bend(&mut clean, &ends, |side| sharp[side] || twin[side] == NONE, reach);
-    }
     let seam = source.within.as_ref().map_or_else(Vec::new, |within| within.part.seam.clone());
     Domain::with_sharp(clean, twin, &sharp, scale.spacing, seam)
 }

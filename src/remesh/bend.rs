@@ -19,6 +19,7 @@ use crate::surface::neighbors::{Neighbor, Neighbors};
 use crate::surface::normals::{MANY_NEIGHBORS, Neighborhood, sphere_normals};
 use crate::surface::points::Points;
 use crate::surface::refine::halve_edges;
+use crate::surface::topology::NONE;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -30,8 +31,8 @@ const SHORTEST_SPLIT: f64 = 0.75;
 /// Longest edge over which the surface is taken to bend, in distances of the points there: longer ones are over gaps.
 const LONGEST_CHORD: f64 = 2.0;
 
-/// Highest that a new vertex rises over the triangle that it was on, as a share of the edge between points there: an arc
-/// of a quarter of a circle rises by a fifth of its chord.
+/// Highest that a new vertex rises over the triangle that it was on, as a share of the edge between points there times the
+/// angle between their normals, up to one: an arc rises by an eighth.
 const HIGHEST_RISE: f64 = 0.25;
 
 /// Cosine of the most that a split triangle is turned by.
@@ -72,46 +73,117 @@ pub(super) fn smoothed(mesh: &Mesh, reach: f64) -> Mesh {
     Mesh { positions, triangles: mesh.triangles.clone() }
 }
 
-/// Splits the edges of `mesh` that are longer than `longest` or that the surface bends away from by more than the
-/// tolerance, at most to `most` triangles. `spacing` is that of the result. Gives for each new vertex the two that it is in
-/// the middle of; they come after all others.
-pub(super) fn split_bent(mesh: &mut Mesh, longest: f64, spacing: f64, most: usize) -> Vec<[u32; 2]> {
-    let mut normals: Vec<DVec3> = mesh.vertex_area_vectors().into_iter().map(DVec3::normalize_or_zero).collect();
-    let mut all_ends = Vec::new();
-    while mesh.triangles.len() < most {
-        let is_bent = |a: u32, b: u32, length: f64| {
-            let turn = normals[a as usize].distance(normals[b as usize]);
-            length > SHORTEST_SPLIT * spacing && length * turn > 8.0 * TOLERANCE * spacing
-        };
-        let ends = halve_edges(mesh, |a, b, length| length > longest || is_bent(a, b, length));
-        if ends.is_empty() {
-            break;
-        }
-        let middle = |&[a, b]: &[u32; 2]| (normals[a as usize] + normals[b as usize]).normalize_or_zero();
-        normals.extend(ends.iter().map(middle).collect::<Vec<DVec3>>());
-        all_ends.extend(ends);
-    }
-    all_ends
+/// A mesh whose edges were split where its vertices say that the surface bends.
+pub(super) struct Split {
+    /// For each new vertex the two that it is in the middle of. New ones come after all others.
+    ends: Vec<[u32; 2]>,
+    /// Unit normals at all vertices; zero at sharp edges.
+    normals: Vec<DVec3>,
 }
 
-/// Puts the last vertices of `mesh`, those between two `ends` each, on the implicit surface of those before them, each of
-/// which reaches as far as `reach` times how far apart they are. Vertices at sides `3 t + k` that `stays` says stay.
-pub(super) fn bend(mesh: &mut Mesh, ends: &[[u32; 2]], stays: impl Fn(usize) -> bool, reach: f64) {
-    let count = mesh.positions.len() - ends.len();
-    let cloud = Cloud::new(mesh, &points_around(mesh, count));
-    let surface = cloud.surface(reach);
-    let stays = corners_of_sides(mesh, stays);
-    let (miss, highest) = at_ends(mesh, ends, &surface);
-    let rise = |found: &mut Vec<Neighbor>, v: usize| {
-        if stays[v] || highest[v] == 0.0 {
-            return None;
+impl Split {
+    /// Splits the edges of `mesh` that are longer than `longest` or that the surface bends away from by more than the
+    /// tolerance, at most to `most` triangles. `sharp` says of each side `3 t + k` whether the edge is sharp, `spacing` is
+    /// that of the result.
+    pub(super) fn new(mesh: &mut Mesh, sharp: &[bool], longest: f64, spacing: f64, most: usize) -> Split {
+        let mut split = Split { ends: Vec::new(), normals: steady_normals(mesh, sharp) };
+        while mesh.triangles.len() < most {
+            let is_long = |a: u32, b: u32, length: f64| {
+                let bends = length * split.turn(a, b) > 8.0 * TOLERANCE * spacing;
+                length > longest || bends && length > SHORTEST_SPLIT * spacing
+            };
+            let ends = halve_edges(mesh, is_long);
+            if ends.is_empty() {
+                break;
+            }
+            let middle = |&[a, b]: &[u32; 2]| (split.normals[a as usize] + split.normals[b as usize]).normalize_or_zero();
+            let normals: Vec<DVec3> = ends.iter().map(middle).collect();
+            split.normals.extend(normals);
+            split.ends.extend(ends);
         }
-        let (projected, _) = surface.project(mesh.positions[v], found)?;
-        let rise = projected - miss[v] - mesh.positions[v];
-        (rise.length() <= highest[v]).then_some(rise)
-    };
-    let rises = (count..mesh.positions.len()).into_par_iter().map_init(Vec::new, rise).collect();
-    raise(mesh, count, rises);
+        split
+    }
+
+    /// About the angle between the normals at two vertices; zero at sharp edges.
+    fn turn(&self, a: u32, b: u32) -> f64 {
+        let [a, b] = [a, b].map(|v| self.normals[v as usize]);
+        if a == DVec3::ZERO || b == DVec3::ZERO { 0.0 } else { a.distance(b) }
+    }
+
+    /// Puts the new vertices of `mesh` on the implicit surface of those before them, each of which reaches as far as
+    /// `reach` times how far apart they are. What is at a boundary stays, and at a sharp edge, where points do not say how
+    /// the surface lies beside them. `twin` and `sharp` are as [`Domain::with_sharp`] takes them.
+    ///
+    /// [`Domain::with_sharp`]: crate::surface::domain::Domain::with_sharp
+    pub(super) fn bend(&self, mesh: &mut Mesh, twin: &[u32], sharp: &[bool], reach: f64) {
+        if self.ends.is_empty() {
+            return;
+        }
+        let count = mesh.positions.len() - self.ends.len();
+        let at_sharp = corners_of_sides(mesh, |side| sharp[side]);
+        let at_boundary = corners_of_sides(mesh, |side| twin[side] == NONE);
+        let mut points = points_around(mesh, count);
+        points.retain(|&v| !at_sharp[v as usize]);
+        let cloud = Cloud::new(mesh, &points);
+        let surface = cloud.surface(reach);
+        let (miss, highest) = self.at_ends(mesh, &surface, &at_sharp);
+        let rise = |found: &mut Vec<Neighbor>, v: usize| {
+            if at_sharp[v] || at_boundary[v] || highest[v] == 0.0 {
+                return None;
+            }
+            let (projected, _) = surface.project(mesh.positions[v], found)?;
+            let rise = projected - miss[v] - mesh.positions[v];
+            Some(rise.clamp_length_max(highest[v]))
+        };
+        let rises = (count..mesh.positions.len()).into_par_iter().map_init(Vec::new, rise).collect();
+        raise(mesh, count, rises);
+    }
+
+    /// For each vertex of `mesh` by how much the surface misses it, and how high it may rise if it is a new one. Of the
+    /// points only those count that an edge was split at, and not those `at_sharp` edges.
+    fn at_ends(&self, mesh: &Mesh, surface: &Rimls, at_sharp: &[bool]) -> (Vec<DVec3>, Vec<f64>) {
+        let count = mesh.positions.len() - self.ends.len();
+        let mut is_end = vec![false; mesh.positions.len()];
+        self.ends.iter().flatten().for_each(|&v| is_end[v as usize] = true);
+        let at_point = |found: &mut Vec<Neighbor>, v: usize| {
+            let here = mesh.positions[v];
+            if !is_end[v] {
+                return (DVec3::ZERO, 0.0);
+            }
+            let spacing = surface.nearest(here, found).map_or(0.0, |(nearest, _)| surface.spacing(nearest.point));
+            let projected = if at_sharp[v] { None } else { surface.project(here, found) };
+            (projected.map_or(DVec3::ZERO, |(there, _)| there - here), spacing)
+        };
+        let (mut miss, spacing): (Vec<DVec3>, Vec<f64>) =
+            (0..count).into_par_iter().map_init(Vec::new, at_point).unzip();
+        let mut highest = vec![0.0f64; count];
+        for &[v, w] in &self.ends {
+            let [a, b] = [v, w].map(|v| v as usize);
+            miss.push((miss[a] + miss[b]) / 2.0);
+            let chord = mesh.positions[a].distance(mesh.positions[b]);
+            highest.push(if a.max(b) >= count {
+                highest[a].max(highest[b])
+            } else if chord <= LONGEST_CHORD * spacing[a].max(spacing[b]) {
+                HIGHEST_RISE * chord * self.turn(v, w).min(1.0)
+            } else {
+                0.0
+            });
+        }
+        (miss, highest)
+    }
+}
+
+/// Unit normals at the vertices, zero at sharp edges. They are those of more triangles than meet there: noise is no bend.
+fn steady_normals(mesh: &Mesh, sharp: &[bool]) -> Vec<DVec3> {
+    let at_sharp = corners_of_sides(mesh, |side| sharp[side]);
+    let mut own = mesh.vertex_area_vectors();
+    own.iter_mut().zip(&at_sharp).filter(|n| *n.1).for_each(|n| *n.0 = DVec3::ZERO);
+    let mut around = own.clone();
+    for corners in &mesh.triangles {
+        let sum: DVec3 = corners.iter().map(|&v| own[v as usize]).sum();
+        corners.iter().filter(|&&v| !at_sharp[v as usize]).for_each(|&v| around[v as usize] += sum);
+    }
+    around.into_iter().map(DVec3::normalize_or_zero).collect()
 }
 
 /// The first `count` vertices of `mesh` that the others have to do with.
@@ -123,37 +195,6 @@ fn points_around(mesh: &Mesh, count: usize) -> Vec<u32> {
         around.iter().flatten().for_each(|&v| is_near[v as usize] = true);
     }
     (0..count as u32).filter(|&v| is_near[v as usize]).collect()
-}
-
-/// For each vertex of `mesh` by how much the surface misses it, zero at those that no edge between points was split at, and
-/// how high it may rise if it is between two `ends`.
-fn at_ends(mesh: &Mesh, ends: &[[u32; 2]], surface: &Rimls) -> (Vec<DVec3>, Vec<f64>) {
-    let count = mesh.positions.len() - ends.len();
-    let mut is_end = vec![false; mesh.positions.len()];
-    ends.iter().flatten().for_each(|&v| is_end[v as usize] = true);
-    let at_point = |found: &mut Vec<Neighbor>, v: usize| {
-        let here = mesh.positions[v];
-        if !is_end[v] {
-            return (DVec3::ZERO, 0.0);
-        }
-        let spacing = surface.nearest(here, found).map_or(0.0, |(nearest, _)| surface.spacing(nearest.point));
-        (surface.project(here, found).map_or(DVec3::ZERO, |(there, _)| there - here), spacing)
-    };
-    let (mut miss, spacing): (Vec<DVec3>, Vec<f64>) =
-        (0..count).into_par_iter().map_init(Vec::new, at_point).unzip();
-    let mut highest = vec![0.0f64; count];
-    for [a, b] in ends.iter().map(|ends| ends.map(|v| v as usize)) {
-        miss.push((miss[a] + miss[b]) / 2.0);
-        let chord = mesh.positions[a].distance(mesh.positions[b]);
-        highest.push(if a.max(b) >= count {
-            highest[a].max(highest[b])
-        } else if chord <= LONGEST_CHORD * spacing[a].max(spacing[b]) {
-            HIGHEST_RISE * chord
-        } else {
-            0.0
-        });
-    }
-    (miss, highest)
 }
 
 /// For each vertex of `mesh` whether one of these sides begins or ends there.

@@ -13,6 +13,7 @@ use crate::surface::connectivity::next;
 use crate::surface::mesh::Mesh;
 use crate::surface::topology::{NONE, UnionFind};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Which edges of the input are kept sharp.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -61,7 +62,7 @@ fn turns(mesh: &Mesh, twin: &[u32]) -> Vec<f64> {
         let [a, b] = [side, across as usize].map(|s| mesh.area_vector(s / 3));
         if a == DVec3::ZERO || b == DVec3::ZERO { 0.0 } else { a.angle_between(b).to_degrees() }
     };
-    (0..twin.len()).map(turn).collect()
+    (0..twin.len()).into_par_iter().map(turn).collect()
 }
 
 fn length(mesh: &Mesh, side: u32) -> f64 {

@@ -1,8 +1,10 @@
 //! Point clouds: from points, as they come, to a finished mesh.
 
+use crate::common::cuboid;
 use glam::{DVec3, dvec3};
 use spectral_remesh::base::rng::{Random, Stage, stream, unit};
 use spectral_remesh::remesh::{CloudSummary, MeshOfPoints};
+use spectral_remesh::surface::refine::refine;
 use spectral_remesh::surface::topology::{Topology, topology};
 use spectral_remesh::{CloudOptions, Density, Mesh, Options, Points, Remeshed, mesh_of_points, remesh};
 use std::f64::consts::TAU;
@@ -53,7 +55,7 @@ fn volume(mesh: &Mesh) -> f64 {
 }
 
 fn remeshed(points: &Points, wanted: usize) -> Remeshed {
-    let options = Options { density: Density::Points(wanted), ..Options::default() };
+    let options = Options { density: Density::Points(wanted), of_points: true, ..Options::default() };
     remesh(&connect(points).mesh, &options, &()).unwrap()
 }
 
@@ -206,6 +208,35 @@ fn a_noisy_mesh_is_smoothed_on_the_way() {
     };
     let (smooth, rough) = (roughness(&result(Some(2.7))), roughness(&result(None)));
     assert!(smooth < 0.6 * rough, "{smooth} {rough}");
+}
+
+#[test]
+fn few_points_are_not_joined_by_flat_triangles() {
+    let shape = |p: DVec3| p * dvec3(1.0, 0.8, 1.3);
+    let points = cloud(sphere(1_500).into_iter().map(shape).collect());
+    let off = |of_points| {
+        let options = Options { density: Density::Points(6_000), of_points, ..Options::default() };
+        let made = remesh(&connect(&points).mesh, &options, &()).unwrap();
+        assert_eq!(audit(&made.mesh), (2, 1, 0));
+        assert!(made.verified());
+        let far = |p: &DVec3| (*p / dvec3(1.0, 0.8, 1.3)).length() - 1.0;
+        made.mesh.positions.iter().map(|p| far(p).powi(2)).sum::<f64>().sqrt() / 6_000f64.sqrt()
+    };
+    let (bent, flat) = (off(true), off(false));
+    assert!(bent < 0.5 * flat, "{bent} {flat}");
+}
+
+#[test]
+fn between_few_points_edges_stay_sharp_and_faces_flat() {
+    let options = Options { density: Density::Points(4_000), of_points: true, ..Options::default() };
+    let mut cube = cuboid(DVec3::splat(2.0));
+    refine(&mut cube, 0.3, 10_000);
+    let made = remesh(&cube, &options, &()).unwrap();
+    assert_eq!(audit(&made.mesh), (2, 1, 0));
+    assert_eq!(made.sharp_curves, 12);
+    let off = |p: &DVec3| ((*p - 1.0).abs().max_element() - 1.0).abs();
+    let farthest = made.mesh.positions.iter().map(off).fold(0.0, f64::max);
+    assert!(farthest < 1e-3, "{farthest}");
 }
 
 #[test]
