@@ -35,10 +35,9 @@ use crate::geom::symmetric::Symmetric;
 use crate::geom::triangle::barycentric;
 use crate::optimize::angles::{is_good_around, least_margin};
 use crate::optimize::relax::pull;
-use crate::surface::bvh::Bvh;
 use crate::surface::domain::{Domain, Sample};
+use crate::surface::faces::Faces;
 use crate::surface::manifold::Manifold;
-use crate::surface::mesh::Mesh;
 use crate::surface::topology::NONE;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -381,21 +380,17 @@ struct Far(u32, u32, Target);
 
 /// Those of `vertices` whose squared distance to the triangles that face their way is in `range`, in their order.
 fn vertices_beyond(range: std::ops::Range<f64>, domain: &Domain, mesh: &Manifold, vertices: &[u32]) -> Vec<Far> {
-    let number: Vec<u32> = mesh.half_edges().filter(|h| h % 3 == 0).map(|h| h / 3).collect();
-    let triangles = number.iter().map(|&t| mesh.connectivity.triangle(3 * t)).collect();
-    let faces = Mesh { positions: mesh.samples.iter().map(|s| s.position).collect(), triangles };
-    let bvh = Bvh::new(&faces);
+    let faces = Faces::new(mesh);
     let far = |&v: &u32| {
-        let (p, normal) = (domain.mesh.positions[v as usize], domain.vertex_normal(v));
-        let facing = |t: u32| faces.area_vector(t as usize).dot(normal) > 0.0;
-        let hit = bvh.closest_or_near(&faces, p, range.start, range.end, facing)?;
+        let p = domain.mesh.positions[v as usize];
+        let hit = faces.closest_facing(p, domain.vertex_normal(v), range.clone())?;
         if hit.distance_squared < range.start {
             return None;
         }
-        let at = barycentric(hit.point, faces.corners(hit.triangle as usize));
+        let at = barycentric(hit.point, faces.corners(hit.triangle)?);
         let way = (p - hit.point).normalize_or_zero();
         let target = Target { at, normal: way, offset: way.dot(p), ..Target::NONE };
-        Some(Far(v, number[hit.triangle as usize], target))
+        Some(Far(v, hit.triangle, target))
     };
     vertices.par_iter().with_min_len(CHUNK).filter_map(far).collect()
 }
@@ -463,6 +458,7 @@ fn keeps_shape(mesh: &Manifold, v: u32, p: DVec3) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surface::mesh::Mesh;
     use std::collections::BTreeMap;
 
     /// An icosahedron whose faces are split in four `levels` times, blown up to a unit ball.

@@ -21,9 +21,9 @@ use crate::base::progress::{Monitor, check};
 use crate::optimize::angles::{bad_triangles, improve_angles_for, worst_margin};
 use crate::optimize::fit::{BEYOND, Fitted, POINTS, fit_part, point};
 use crate::optimize::relax::{Flips, relax};
-use crate::surface::bvh::Bvh;
 use crate::surface::crossings::crossing_faces;
 use crate::surface::domain::{Domain, Sample};
+use crate::surface::faces::Faces;
 use crate::surface::manifold::Manifold;
 use crate::surface::mesh::Mesh;
 use crate::surface::patch::Patch;
@@ -102,8 +102,8 @@ pub fn reach_far_places(
     let mean_square = fitted.mean_square;
     let least = (FAR * spacing).max(FAR_OF_MEAN * mean_square.sqrt());
     let mut task = Task { domain, spacing, mean_square, least, effort: FIRST };
-    let mut target = Target::new(mesh);
-    let mut far = task.far_places(&target, fitted);
+    let mut faces = Faces::new(mesh);
+    let mut far = task.far_places(&faces, fitted);
     let mut given_up: Vec<Place> = Vec::new();
     for _ in 0..MOST_ROUNDS {
         check(monitor)?;
@@ -117,7 +117,7 @@ pub fn reach_far_places(
         if places.is_empty() {
             break;
         }
-        let patches: Vec<Option<Patch>> = places.par_iter().map(|place| task.mend(mesh, &target, place)).collect();
+        let patches: Vec<Option<Patch>> = places.par_iter().map(|place| task.mend(mesh, &faces, place)).collect();
         let mut touched = vec![false; mesh.connectivity.half_edge_bound() as usize / 3];
         let mut mended: Vec<DVec3> = Vec::new();
         for (place, patch) in places.iter().zip(patches) {
@@ -132,8 +132,8 @@ pub fn reach_far_places(
         let is_new = |p: DVec3| mended.iter().any(|at| p.distance(*at) < reach);
         given_up.retain(|place| !is_new(place.probe.position));
         far.retain(|place| !is_new(place.probe.position));
-        target.follow(mesh);
-        far.extend(task.far_again(&target, &mended, &touched));
+        faces.follow(mesh);
+        far.extend(task.far_again(&faces, &mended, &touched));
     }
     Ok(())
 }
@@ -175,58 +175,26 @@ impl Probes {
     }
 }
 
-/// A mesh to measure distances to.
-struct Target {
-    mesh: Mesh,
-    bvh: Bvh,
-    /// For each triangle its number in the manifold.
-    number: Vec<u32>,
+/// Whether more of the faces would cross if `patch` were put back.
+fn would_cross(faces: &Faces, patch: &Patch) -> bool {
+    let new = patch.mesh.to_mesh();
+    let Some((lo, hi)) = new.bounds() else { return false };
+    let (mut now, mut then) = (Vec::new(), Vec::new());
+    faces.in_box(lo, hi, |t, corners| {
+        now.push(corners);
+        if !patch.has_triangle(t) {
+            then.push(corners);
+        }
+    });
+    then.extend((0..new.triangles.len()).map(|t| new.corners(t)));
+    crossing_faces(&Mesh::soup(then)).len() > crossing_faces(&Mesh::soup(now)).len()
 }
 
-impl Target {
-    fn new(mesh: &Manifold) -> Target {
-        let c = &mesh.connectivity;
-        let number: Vec<u32> = mesh.half_edges().filter(|h| h % 3 == 0).map(|h| h / 3).collect();
-        let triangles = number.iter().map(|&t| c.triangle(3 * t)).collect();
-        let mesh = Mesh { positions: mesh.samples.iter().map(|s| s.position).collect(), triangles };
-        Target { bvh: Bvh::new(&mesh), mesh, number }
-    }
-
-    /// Takes over where the vertices are, and what triangles there are in the place of as many others.
-    fn follow(&mut self, mesh: &Manifold) {
-        self.mesh.positions.iter_mut().zip(&mesh.samples).for_each(|(p, sample)| *p = sample.position);
-        let triangles = self.mesh.triangles.iter_mut().zip(&self.number);
-        triangles.for_each(|(corners, &t)| *corners = mesh.connectivity.triangle(3 * t));
-        self.bvh.refit(&self.mesh);
-    }
-
-    /// Whether more faces would cross if `patch` were put back.
-    fn would_cross(&self, patch: &Patch) -> bool {
-        let new = patch.mesh.to_mesh();
-        let Some((lo, hi)) = new.bounds() else { return false };
-        let mut near = Vec::new();
-        self.bvh.in_box(&self.mesh, lo, hi, |t| near.push(t));
-        let corners = |&t: &u32| self.mesh.corners(t as usize);
-        let stays = |t: &&u32| !patch.has_triangle(self.number[**t as usize]);
-        let put_back = (0..new.triangles.len()).map(|t| new.corners(t));
-        let now = Mesh::soup(near.iter().map(corners));
-        let then = Mesh::soup(near.iter().filter(stays).map(corners).chain(put_back));
-        crossing_faces(&then).len() > crossing_faces(&now).len()
-    }
-
-    /// How far `probe` is from the triangles that face its way, if nearer than `most`, and the number of the closest one.
-    /// Below `near` any such triangle will do.
-    fn distance(&self, probe: &Probe, near: f64, most: f64) -> Option<(f64, u32)> {
-        let facing = |t: u32| self.mesh.area_vector(t as usize).dot(probe.normal) > 0.0;
-        let hit = self.bvh.closest_or_near(&self.mesh, probe.position, near * near, most * most, facing)?;
-        Some((hit.distance_squared.sqrt(), self.number[hit.triangle as usize]))
-    }
-
-    /// Whether any triangle is within `distance` of `p`, whichever way it faces.
-    fn is_within(&self, p: DVec3, distance: f64) -> bool {
-        let square = distance * distance;
-        self.bvh.closest_or_near(&self.mesh, p, square, square, |_| true).is_some()
-    }
+/// How far `probe` is from the faces that look its way, if nearer than `most`, and the number of the closest one. Below
+/// `near` any such face will do.
+fn distance(faces: &Faces, probe: &Probe, near: f64, most: f64) -> Option<(f64, u32)> {
+    let hit = faces.closest_facing(probe.position, probe.normal, near * near..most * most)?;
+    Some((hit.distance_squared.sqrt(), hit.triangle))
 }
 
 /// A place of the surface that is far from the mesh, and the triangle that is closest to it; or that is closest to what of
@@ -250,18 +218,18 @@ struct Task<'a> {
 
 impl Task<'_> {
     /// All places that are far, where that was `fitted`.
-    fn far_places(&self, target: &Target, fitted: &Fitted) -> Vec<Place> {
+    fn far_places(&self, faces: &Faces, fitted: &Fitted) -> Vec<Place> {
         let triangles = (0..self.domain.mesh.triangles.len() as u32).into_par_iter().with_min_len(CHUNK);
         let at_vertices = fitted.vertices.par_iter().with_min_len(CHUNK).map(|&v| Probe::at_vertex(self.domain, v));
         let inside = triangles.flat_map_iter(|t| Probe::inside(self.domain, t, self.spacing));
-        let of_surface = at_vertices.chain(inside).filter_map(|probe| self.far_place(target, probe));
-        let of_mesh = fitted.triangles.par_iter().filter_map(|&t| self.far_triangle(target, t));
+        let of_surface = at_vertices.chain(inside).filter_map(|probe| self.far_place(faces, probe));
+        let of_mesh = fitted.triangles.par_iter().filter_map(|&t| self.far_triangle(faces, t));
         of_surface.chain(of_mesh).collect()
     }
 
     /// The place on the surface that is closest to the point of triangle `t` of the mesh that is farthest from it.
-    fn far_triangle(&self, target: &Target, t: u32) -> Option<Place> {
-        let corners = target.mesh.corners(target.number.binary_search(&t).ok()?);
+    fn far_triangle(&self, faces: &Faces, t: u32) -> Option<Place> {
+        let corners = faces.corners(t)?;
         let mut farthest = None;
         let mut distance = self.least;
         for p in POINTS.map(|(at, _)| point(corners, at)) {
@@ -274,18 +242,18 @@ impl Task<'_> {
     }
 
     /// The places that are far around those that have been `mended`, where triangles were `touched`.
-    fn far_again(&self, target: &Target, mended: &[DVec3], touched: &[bool]) -> Vec<Place> {
+    fn far_again(&self, faces: &Faces, mended: &[DVec3], touched: &[bool]) -> Vec<Place> {
         let around = mended.par_iter().map(|&at| self.probes_near(at, self.reach()));
         let probes: Vec<Probe> = around.flat_map_iter(|probes| probes.all(self.domain).collect::<Vec<_>>()).collect();
         let triangles: Vec<u32> = (0..).zip(touched).filter(|(_, touched)| **touched).map(|(t, _)| t).collect();
-        let of_surface = probes.into_par_iter().filter_map(|probe| self.far_place(target, probe));
-        let of_mesh = triangles.into_par_iter().filter_map(|t| self.far_triangle(target, t));
+        let of_surface = probes.into_par_iter().filter_map(|probe| self.far_place(faces, probe));
+        let of_mesh = triangles.into_par_iter().filter_map(|t| self.far_triangle(faces, t));
         of_surface.chain(of_mesh).collect()
     }
 
-    fn far_place(&self, target: &Target, probe: Probe) -> Option<Place> {
-        let (distance, triangle) = target.distance(&probe, self.least, BEYOND * self.spacing)?;
-        let is_far = distance >= self.least && !target.is_within(probe.position, HIDDEN * self.least);
+    fn far_place(&self, faces: &Faces, probe: Probe) -> Option<Place> {
+        let (distance, triangle) = distance(faces, &probe, self.least, BEYOND * self.spacing)?;
+        let is_far = distance >= self.least && !faces.any_within(probe.position, HIDDEN * self.least);
         is_far.then_some(Place { probe, distance, triangle })
     }
 
@@ -333,7 +301,7 @@ impl Task<'_> {
     }
 
     /// The triangles around `place`, nearer to the surface than they are; `None` if no way was found.
-    fn mend(&self, mesh: &Manifold, target: &Target, place: &Place) -> Option<Patch> {
+    fn mend(&self, mesh: &Manifold, faces: &Faces, place: &Place) -> Option<Patch> {
         let p = place.probe.position;
         let by_distance = |mesh: &Manifold, a: u32, b: u32| {
             mesh.position(a).distance_squared(p).total_cmp(&mesh.position(b).distance_squared(p)).then(a.cmp(&b))
@@ -342,13 +310,13 @@ impl Task<'_> {
         let free = corners.filter(|&v| mesh.connectivity.curve_at(v) == NONE);
         let middle = free.min_by(|&a, &b| by_distance(mesh, a, b))?;
         let patch = Patch::around(mesh, middle, self.effort.rings)?;
-        let measured = Measured::new(self, target, &patch, p);
+        let measured = Measured::new(self, faces, &patch, p);
         let margin = worst_margin(&patch.mesh).min(-LEEWAY);
         let mut attempt = measured.attempt(patch, Vec::new());
         let most = MUST_FALL_TO * attempt.farthest;
         for _ in 0..PULLS {
             attempt = self.pull_nearest(&attempt, &measured, margin)?;
-            if attempt.farthest < most && !target.would_cross(&attempt.patch) {
+            if attempt.farthest < most && !would_cross(faces, &attempt.patch) {
                 return Some(attempt.patch);
             }
         }
@@ -408,9 +376,9 @@ struct Measured<'a> {
 
 impl<'a> Measured<'a> {
     /// Around `place`, at what of the surface is closest to a triangle of `patch`.
-    fn new(task: &'a Task<'a>, target: &Target, patch: &Patch, place: DVec3) -> Measured<'a> {
+    fn new(task: &'a Task<'a>, faces: &Faces, patch: &Patch, place: DVec3) -> Measured<'a> {
         let belongs = |probe: &Probe| {
-            target.distance(probe, 0.0, BEYOND * task.spacing).is_some_and(|(_, t)| patch.has_triangle(t))
+            distance(faces, probe, 0.0, BEYOND * task.spacing).is_some_and(|(_, t)| patch.has_triangle(t))
         };
         let mut probes = task.probes_near(place, MEASURED * task.spacing);
         probes.vertices.retain(|&v| belongs(&Probe::at_vertex(task.domain, v)));
@@ -421,17 +389,17 @@ impl<'a> Measured<'a> {
     /// `patch` with the largest distance between it and the surface, both ways.
     fn attempt(&self, patch: Patch, held: Vec<u32>) -> Attempt {
         let Task { domain, spacing, .. } = *self.task;
-        let target = Target::new(&patch.mesh);
+        let faces = Faces::new(&patch.mesh);
         let (mut farthest, mut place) = (0.0, self.place);
         for probe in self.probes.all(domain) {
             let beyond = BEYOND * spacing;
-            let distance = target.distance(&probe, farthest, beyond).map_or(beyond, |d| d.0);
+            let distance = distance(&faces, &probe, farthest, beyond).map_or(beyond, |d| d.0);
             if distance > farthest {
                 (farthest, place) = (distance, probe.position);
             }
         }
         let is_near = |p: &DVec3| p.distance_squared(self.place) < (MEASURED * spacing).powi(2);
-        let near = (0..target.mesh.triangles.len()).map(|t| target.mesh.corners(t)).filter(|x| x.iter().all(is_near));
+        let near = faces.iter().filter(|x| x.iter().all(is_near));
         for p in near.flat_map(|x| POINTS.map(|(at, _)| point(x, at))) {
             if let Some(foot) = domain.foot_farther_than(p, farthest) {
                 (farthest, place) = (foot.position.distance(p), foot.position);
@@ -489,8 +457,8 @@ mod tests {
 
     /// The largest distance of a vertex of the domain to the mesh.
     fn farthest(domain: &Domain, mesh: &Manifold) -> f64 {
-        let target = Target::new(mesh);
-        let distance = |v| target.distance(&Probe::at_vertex(domain, v), 0.0, 1.0).map_or(1.0, |d| d.0);
+        let faces = Faces::new(mesh);
+        let distance = |v| distance(&faces, &Probe::at_vertex(domain, v), 0.0, 1.0).map_or(1.0, |d| d.0);
         (0..domain.mesh.positions.len() as u32).map(distance).fold(0.0, f64::max)
     }
 
@@ -517,10 +485,10 @@ mod tests {
         let samples = positions.map(|position| Sample { position, normal: DVec3::Z, triangle: 0, size: 1.0 });
         let mesh = Manifold::new(samples.collect(), &triangles);
         let mut patch = Patch::around(&mesh, (first + COARSE) / 2, 2).unwrap();
-        let target = Target::new(&mesh);
+        let faces = Faces::new(&mesh);
         for (height, crosses) in [(0.0, false), (0.009, false), (0.02, true)] {
             patch.mesh.samples[0].position.z = height;
-            assert_eq!(target.would_cross(&patch), crosses, "{height}");
+            assert_eq!(would_cross(&faces, &patch), crosses, "{height}");
         }
     }
 

@@ -24,8 +24,9 @@ use crate::geom::crossing::cross;
 use crate::geom::triangle::{longest_side, mean_ratio};
 use crate::surface::bvh::Bvh;
 use crate::surface::connectivity::{next, prev};
-use crate::surface::crossings::{crossing_faces, crossing_pairs};
+use crate::surface::crossings::crossing_faces;
 use crate::surface::domain::{Domain, Sample};
+use crate::surface::faces::Faces;
 use crate::surface::manifold::Manifold;
 use crate::surface::mesh::Mesh;
 use crate::surface::topology::NONE;
@@ -62,31 +63,32 @@ const MOST_MENDED: usize = 500;
 
 /// Moves vertices and flips edges until no faces cross that need not, or nothing helps.
 pub fn untangle(domain: &Domain, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<()> {
-    if Faces::new(mesh).pairs.is_empty() {
+    if Crossings::new(mesh).pairs.is_empty() {
         return Ok(());
     }
     take_turns(domain, mesh, monitor)
 }
 
-/// The faces of a mesh at one time.
-struct Faces {
-    mesh: Mesh,
-    bvh: Bvh,
-    /// The number that each face has in the manifold.
-    number: Vec<u32>,
-    /// The pairs of faces, by those numbers, that cross.
+/// The faces of a mesh at one time, and the pairs of them that cross.
+struct Crossings {
+    faces: Faces,
     pairs: Vec<(u32, u32)>,
 }
 
-impl Faces {
-    fn new(mesh: &Manifold) -> Faces {
-        let number: Vec<u32> = mesh.half_edges().filter(|h| h % 3 == 0).map(|h| h / 3).collect();
-        let triangles = number.iter().map(|&t| mesh.connectivity.triangle(3 * t)).collect();
-        let all = Mesh { positions: mesh.samples.iter().map(|s| s.position).collect(), triangles };
-        let bvh = Bvh::new(&all);
-        let pairs = crossing_pairs(&all, &bvh);
-        let pairs = pairs.into_iter().map(|(t, u)| (number[t as usize], number[u as usize])).collect();
-        Faces { mesh: all, bvh, number, pairs }
+impl Crossings {
+    /// All pairs.
+    fn new(mesh: &Manifold) -> Crossings {
+        let faces = Faces::new(mesh);
+        Crossings { pairs: faces.crossing_pairs(), faces }
+    }
+
+    /// The pairs that need not cross.
+    fn avoidable(domain: &Domain, mesh: &Manifold) -> Crossings {
+        let mut crossings = Crossings::new(mesh);
+        let crossing = crossings.pairs.iter().flat_map(|&(t, u)| [t, u]).map(|t| corners(mesh, 3 * t));
+        let inherited = Inherited::around(domain, &crossing.collect::<Vec<Corners>>());
+        crossings.pairs.retain(|&(t, u)| ![t, u].iter().all(|t| inherited.is_near(corners(mesh, 3 * t))));
+        crossings
     }
 }
 
@@ -120,28 +122,19 @@ fn middle(triangle: Corners) -> DVec3 {
     triangle.iter().sum::<DVec3>() / 3.0
 }
 
-/// The faces, and of the pairs that cross those that need not.
-fn faces_that_need_not_cross(domain: &Domain, mesh: &Manifold) -> Faces {
-    let mut faces = Faces::new(mesh);
-    let crossing: Vec<Corners> = faces.pairs.iter().flat_map(|&(t, u)| [t, u]).map(|t| corners(mesh, 3 * t)).collect();
-    let inherited = Inherited::around(domain, &crossing);
-    faces.pairs.retain(|&(t, u)| ![t, u].iter().all(|t| inherited.is_near(corners(mesh, 3 * t))));
-    faces
-}
-
 /// Parts sheets and mends faces in turns; no turn leaves more pairs that cross.
 fn take_turns(domain: &Domain, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<()> {
-    let mut faces = faces_that_need_not_cross(domain, mesh);
+    let mut crossings = Crossings::avoidable(domain, mesh);
     for _ in 0..TURNS {
-        if faces.pairs.is_empty() {
+        if crossings.pairs.is_empty() {
             break;
         }
         check(monitor)?;
-        let (before, left) = (mesh.clone(), faces.pairs.len());
-        faces = part_sheets(domain, mesh, faces);
-        mend_faces(domain, mesh, faces);
-        faces = faces_that_need_not_cross(domain, mesh);
-        if faces.pairs.len() >= left {
+        let (before, left) = (mesh.clone(), crossings.pairs.len());
+        crossings = part_sheets(domain, mesh, crossings);
+        mend_faces(domain, mesh, crossings);
+        crossings = Crossings::avoidable(domain, mesh);
+        if crossings.pairs.len() >= left {
             *mesh = before;
             break;
         }
@@ -149,20 +142,20 @@ fn take_turns(domain: &Domain, mesh: &mut Manifold, monitor: &dyn Monitor) -> Re
     Ok(())
 }
 
-/// Moves the sheets that cross apart, step by step, and keeps the step with the fewest crossings; the faces then.
-fn part_sheets(domain: &Domain, mesh: &mut Manifold, faces: Faces) -> Faces {
-    let mut best = (faces, mesh.samples.clone());
-    let mut pairs = best.0.pairs.clone();
+/// Moves the sheets that cross apart, step by step, and keeps the step with the fewest crossings; those that are left.
+fn part_sheets(domain: &Domain, mesh: &mut Manifold, crossings: Crossings) -> Crossings {
+    let mut pairs = crossings.pairs.clone();
+    let mut best = (crossings, mesh.samples.clone());
     for _ in 0..STEPS {
         let ways = ways_apart(domain, mesh, &pairs);
         let moved = ways.into_iter().filter(|&(v, way)| step_off(domain, mesh, v, way)).count();
         if moved == 0 {
             break;
         }
-        let faces = faces_that_need_not_cross(domain, mesh);
-        pairs.clone_from(&faces.pairs);
+        let crossings = Crossings::avoidable(domain, mesh);
+        pairs.clone_from(&crossings.pairs);
         if pairs.len() < best.0.pairs.len() {
-            best = (faces, mesh.samples.clone());
+            best = (crossings, mesh.samples.clone());
         }
     }
     mesh.samples = best.1;
@@ -242,8 +235,8 @@ fn longest_edge(mesh: &Manifold, v: u32) -> f64 {
 }
 
 /// Flips edges and moves vertices of faces that cross, one by one, where that leaves fewer crossings.
-fn mend_faces(domain: &Domain, mesh: &mut Manifold, faces: Faces) {
-    let crossing: BTreeSet<u32> = faces.pairs.iter().flat_map(|&(t, u)| [t, u]).collect();
+fn mend_faces(domain: &Domain, mesh: &mut Manifold, Crossings { faces, pairs }: Crossings) {
+    let crossing: BTreeSet<u32> = pairs.iter().flat_map(|&(t, u)| [t, u]).collect();
     let mut around = Surroundings { faces, changed: BTreeSet::new() };
     for face in crossing.into_iter().take(MOST_MENDED) {
         let h = 3 * face;
@@ -275,10 +268,9 @@ impl Surroundings {
     fn count_of(&self, mesh: &Manifold, triangle: Corners, old: &[u32]) -> usize {
         let [a, b, c] = triangle;
         let mut count = 0;
-        self.faces.bvh.in_box(&self.faces.mesh, a.min(b).min(c), a.max(b).max(c), |t| {
-            let number = self.faces.number[t as usize];
-            let stays = !old.contains(&number) && !self.changed.contains(&number);
-            count += usize::from(stays && cross(triangle, self.faces.mesh.corners(t as usize)));
+        self.faces.in_box(a.min(b).min(c), a.max(b).max(c), |t, corners| {
+            let stays = !old.contains(&t) && !self.changed.contains(&t);
+            count += usize::from(stays && cross(triangle, corners));
         });
         let changed = self.changed.iter().filter(|t| !old.contains(t));
         count + changed.filter(|&&t| cross(triangle, corners(mesh, 3 * t))).count()

@@ -96,7 +96,8 @@ impl Split {
             if ends.is_empty() {
                 break;
             }
-            let middle = |&[a, b]: &[u32; 2]| (split.normals[a as usize] + split.normals[b as usize]).normalize_or_zero();
+            let middle =
+                |&[a, b]: &[u32; 2]| (split.normals[a as usize] + split.normals[b as usize]).normalize_or_zero();
             let normals: Vec<DVec3> = ends.iter().map(middle).collect();
             split.normals.extend(normals);
             split.ends.extend(ends);

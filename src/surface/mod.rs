@@ -8,6 +8,7 @@ pub mod crossings;
 pub mod curves;
 pub mod cut;
 pub mod domain;
+pub mod faces;
 pub mod features;
 pub mod graph;
 pub mod lift;
