@@ -91,7 +91,7 @@ pub fn triangulate(
         tessellated_pieces = if whole { pieces_of(domain, &centres).len() } else { 0 };
         tessellate_around(domain, &mut starred, boundary, &centres, reach * spacing);
     }
-    let triangles = agreed(&starred.stars);
+    let triangles = joined(&starred);
     Ok(Triangulated::new(&starred, &triangles, tessellated_pieces))
 }
 
