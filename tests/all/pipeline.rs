@@ -6,6 +6,7 @@ use proptest::prelude::*;
 use spectral_remesh::quality::distance::distance;
 use spectral_remesh::quality::shape::shape;
 use spectral_remesh::surface::bvh::Bvh;
+use spectral_remesh::surface::features::Features;
 use spectral_remesh::surface::repair::Repairs;
 use spectral_remesh::{Density, Error, MaxError, Mesh, Monitor, Options, Remeshed, remesh};
 
@@ -171,6 +172,16 @@ fn open_surfaces() {
     at_all_counts("triangle", &Mesh { positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y], triangles: vec![[0, 1, 2]] });
     for n in [4, 10, 150, 1000] {
         check("ribbon", &ribbon(), n);
+    }
+}
+
+/// What is too thin for its samples is triangulated as the input is; that must not spoil the piece beside it.
+#[test]
+fn a_hair_beside_a_ball() {
+    let hair = moved(cylinder(8, 0.004, 0.004, 3.0), |p| p + 2.0 * DVec3::X);
+    let input = together(&[sphere(5, DVec3::ZERO, 1.0), hair]);
+    for seed in 0..3 {
+        check_with("hair", &input, &Options { features: Features::Smooth, seed, ..points(3000) });
     }
 }
 
