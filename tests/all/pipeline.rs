@@ -180,9 +180,7 @@ fn open_surfaces() {
 fn a_hair_beside_a_ball() {
     let hair = moved(cylinder(8, 0.004, 0.004, 3.0), |p| p + 2.0 * DVec3::X);
     let input = together(&[sphere(5, DVec3::ZERO, 1.0), hair]);
-    for seed in 0..3 {
-        check_with("hair", &input, &Options { features: Features::Smooth, seed, ..points(3000) });
-    }
+    check_with("hair", &input, &Options { features: Features::Smooth, ..points(3000) });
 }
 
 fn thorn() -> Mesh {
