@@ -34,7 +34,7 @@ use crate::spectral::curves::sample_curves;
 use crate::spectral::scan::linear_scan;
 use crate::surface::crossings::crossing_faces;
 use crate::surface::domain::Domain;
-use crate::surface::features::sharp_sides;
+use crate::surface::features::{can_be_kept, sharp_sides};
 use crate::surface::manifold::Manifold;
 use crate::surface::mesh::Mesh;
 use crate::surface::refine::refine;
@@ -128,6 +128,9 @@ fn with_fewest_points(input: &Mesh, options: &Options, monitor: &dyn Monitor) ->
 /// its faces can be parted is a matter of where the samples happen to lie.
 const MOST_ATTEMPTS: u64 = 3;
 
+/// More faces than this do not cross by chance: the samples are too few for how near to each other the walls are.
+const MOST_BY_CHANCE: usize = 60;
+
 /// The first result that is sound, or, if none is, the one with the fewest faces that cross.
 fn remesh_soundly(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<Remeshed> {
     let mut best: Option<Remeshed> = None;
@@ -146,7 +149,7 @@ fn remesh_soundly(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Res
         if best.as_ref().is_none_or(|best| rank(&made) < rank(best)) {
             best = Some(made);
         }
-        if sound {
+        if sound || best.as_ref().is_some_and(|best| best.crossing_faces.len() > MOST_BY_CHANCE) {
             break;
         }
     }
@@ -181,12 +184,14 @@ struct Graded {
     domain: Domain,
     scale: Scale,
     sigma: f64,
+    /// Whether there were sharp edges that could not be kept.
+    blunted: bool,
 }
 
 /// The domain of `clean` with the lengths that a field, the shape or a kernel want, and a seam.
 fn graded(source: &Source, clean: Mesh, mut scale: Scale, monitor: &dyn Monitor) -> Result<Graded> {
     let options = source.options;
-    let mut domain = domain_over(clean, source, &scale);
+    let (mut domain, blunted) = domain_over(clean, source, &scale);
     if let Some(field) = &source.field {
         scale = field.grade(&mut domain, options.density, scale)?;
     } else if options.adapt > 0.0 {
@@ -202,11 +207,12 @@ fn graded(source: &Source, clean: Mesh, mut scale: Scale, monitor: &dyn Monitor)
         scale = within.grade(&mut domain, options.density, &scale);
         sigma = if options.has_kernel() { sigma } else { scale.sigma() };
     }
-    Ok(Graded { domain, scale, sigma })
+    Ok(Graded { domain, scale, sigma, blunted })
 }
 
-/// The domain over `clean`, refined for that scale, and bent where its vertices are points of a smooth surface.
-fn domain_over(mut clean: Mesh, source: &Source, scale: &Scale) -> Domain {
+/// The domain over `clean`, refined for that scale, and bent where its vertices are points of a smooth surface; and whether
+/// it had more sharp edges than can be kept.
+fn domain_over(mut clean: Mesh, source: &Source, scale: &Scale) -> (Domain, bool) {
     let options = source.options;
     let longest = LONGEST_EDGE * scale.spacing;
     let most = 4 * clean.triangles.len() + 16 * scale.wanted;
@@ -215,7 +221,7 @@ fn domain_over(mut clean: Mesh, source: &Source, scale: &Scale) -> Domain {
         let sharp = sharp_sides(mesh, &twin, options.features, scale.spacing);
         (twin, sharp)
     };
-    let (twin, sharp) = match options.reach() {
+    let (twin, mut sharp) = match options.reach() {
         Some(reach) => {
             let (_, sharp) = creases(&clean);
             let split = Split::new(&mut clean, &sharp, longest, scale.spacing, most);
@@ -230,12 +236,16 @@ fn domain_over(mut clean: Mesh, source: &Source, scale: &Scale) -> Domain {
         }
     };
     let seam = source.within.as_ref().map_or_else(Vec::new, |within| within.part.seam.clone());
-    Domain::with_sharp(clean, twin, &sharp, scale.spacing, seam)
+    let blunted = !can_be_kept(&clean, &sharp, scale.spacing);
+    if blunted {
+        sharp.fill(false);
+    }
+    (Domain::with_sharp(clean, twin, &sharp, scale.spacing, seam), blunted)
 }
 
 /// Optimises the mesh, or, if that is not wanted, gives it the wanted count and leaves it where the paper's ascent does.
 fn arrange(source: &Source, graded: &Graded, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<()> {
-    let Graded { domain, scale, sigma } = graded;
+    let Graded { domain, scale, sigma, .. } = graded;
     if source.options.optimize {
         return optimize(domain, mesh, scale, source.allowed.map(|a| a / source.unit.size), monitor);
     }
@@ -255,7 +265,7 @@ fn deviation(source: &Source, domain: &Domain, mesh: &Mesh, monitor: &dyn Monito
 
 /// `mesh`, that of `made`, in the units of the input and joined to what was to stay of it, and what there is to say.
 fn remeshed(source: &Source, graded: &Graded, made: &Meshed, mesh: Mesh, deviation: Option<Deviation>) -> Remeshed {
-    let Graded { domain, scale, sigma } = graded;
+    let Graded { domain, scale, sigma, blunted } = graded;
     let (unit, within) = (&source.unit, source.within.as_ref());
     let mesh = unit.outwards(mesh);
     let (mesh, kept) = match within {
@@ -282,7 +292,7 @@ fn remeshed(source: &Source, graded: &Graded, made: &Meshed, mesh: Mesh, deviati
         kept,
         notes: Vec::new(),
     };
-    result.notes = notes(&result, source.open_seams);
+    result.notes = notes(&result, source.open_seams, *blunted);
     if let (Some(within), Some(kept)) = (within, &result.kept) {
         result.notes.extend(within.notes(&result.mesh, kept));
     }
@@ -303,20 +313,20 @@ fn sample_and_triangulate(
         }
         monitor.stage("sample");
     }
-    let graded = Graded { domain: graded.domain.smooth(), ..graded };
+    let graded = Graded { domain: graded.domain.smooth(), blunted: true, ..graded };
     let meshed = least_crossing(&graded, 1.0, options, monitor)?;
     Ok((graded, meshed))
 }
 
-/// The mesh of the samples; where its faces cross more than those of the surface, that of other samples if they cross
-/// less. At a thin wall the samples of its two sides may come together such that nothing later parts them.
+/// The mesh of the samples; where its patches fit together, but its faces cross more than those of the surface, that of
+/// other samples if they cross less. At a thin wall the samples of its two sides may come together such that nothing later parts them.
 fn least_crossing(graded: &Graded, curve_density: f64, options: &Options, monitor: &dyn Monitor) -> Result<Meshed> {
     let Graded { domain, scale, .. } = graded;
     let mut best = mesh_of_samples(domain, scale, curve_density, options.seed, monitor)?;
     let mut least = crossing_faces(&best.mesh.to_mesh()).len();
     let of_surface = if least == 0 { 0 } else { domain.crossing_faces().len() };
     for attempt in 1..MOST_SAMPLINGS {
-        if least <= of_surface {
+        if least <= of_surface || !best.glued {
             break;
         }
         monitor.stage("sample");

@@ -24,7 +24,7 @@ use crate::geom::crossing::cross;
 use crate::geom::triangle::{longest_side, mean_ratio};
 use crate::surface::bvh::Bvh;
 use crate::surface::connectivity::{next, prev};
-use crate::surface::crossings::crossing_faces;
+use crate::surface::crossings::{crossing_faces, faces_of};
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::faces::Faces;
 use crate::surface::manifold::Manifold;
@@ -58,8 +58,11 @@ const DIRECTIONS: usize = 8;
 const LEAST_FACING: f64 = 0.2;
 const LEAST_SHAPE: f64 = 0.25;
 
-/// Faces that are mended one by one in a turn: where more cross, only parting sheets can help.
-const MOST_MENDED: usize = 500;
+/// Faces that are mended one by one in a turn: where more cross, only parting sheets can help, if anything.
+const MOST_MENDED: usize = 150;
+
+/// Where more cross than that, a turn that leaves so large a share of the crossings is the last.
+const LEAST_PROGRESS: f64 = 0.8;
 
 /// Moves vertices and flips edges until no faces cross that need not, or nothing helps.
 pub fn untangle(domain: &Domain, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<()> {
@@ -85,9 +88,12 @@ impl Crossings {
     /// The pairs that need not cross.
     fn avoidable(domain: &Domain, mesh: &Manifold) -> Crossings {
         let mut crossings = Crossings::new(mesh);
-        let crossing = crossings.pairs.iter().flat_map(|&(t, u)| [t, u]).map(|t| corners(mesh, 3 * t));
-        let inherited = Inherited::around(domain, &crossing.collect::<Vec<Corners>>());
-        crossings.pairs.retain(|&(t, u)| ![t, u].iter().all(|t| inherited.is_near(corners(mesh, 3 * t))));
+        let crossing = faces_of(crossings.pairs.clone());
+        let triangles: Vec<Corners> = crossing.iter().map(|&t| corners(mesh, 3 * t)).collect();
+        let inherited = Inherited::around(domain, &triangles);
+        let need_not = triangles.iter().map(|&t| !inherited.is_near(t));
+        let need_not: BTreeMap<u32, bool> = crossing.into_iter().zip(need_not).collect();
+        crossings.pairs.retain(|(t, u)| need_not[t] || need_not[u]);
         crossings
     }
 }
@@ -136,6 +142,9 @@ fn take_turns(domain: &Domain, mesh: &mut Manifold, monitor: &dyn Monitor) -> Re
         crossings = Crossings::avoidable(domain, mesh);
         if crossings.pairs.len() >= left {
             *mesh = before;
+            break;
+        }
+        if crossings.pairs.len() > MOST_MENDED.max((LEAST_PROGRESS * left as f64) as usize) {
             break;
         }
     }

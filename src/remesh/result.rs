@@ -88,7 +88,7 @@ impl Remeshed {
 }
 
 /// What a user should know about a result.
-pub(super) fn notes(result: &Remeshed, open_seams: usize) -> Vec<String> {
+pub(super) fn notes(result: &Remeshed, open_seams: usize, blunted: bool) -> Vec<String> {
     let mut notes = Vec::new();
     let r = &result.repairs;
     let mut note = |n: usize, text: &str| {
@@ -105,6 +105,9 @@ pub(super) fn notes(result: &Remeshed, open_seams: usize) -> Vec<String> {
         open_seams,
         "boundary vertices all but touch another one: seams that rounding left open? Welding within a tolerance closes them",
     );
+    if blunted {
+        notes.push("the sharp edges are too close together for so few vertices: none is kept sharp".into());
+    }
     if result.output.vertices != result.wanted {
         notes.push(format!(
             "{} vertices instead of {}: the topology of the input needs as many",
