@@ -18,8 +18,9 @@ const LEAST_FACING: f64 = 0.5;
 
 /// Brings `mesh` to `wanted` vertices, as far as its topology allows.
 pub fn meet_count(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
-    split_longest(domain, mesh, wanted);
     // First with care, then whatever it takes.
+    split_longest(domain, mesh, wanted);
+    split_longest_with(mesh, wanted, |mesh, h| Some(mesh.split_anyhow(domain, h)));
     collapse_shortest(mesh, wanted, |mesh, h| {
         let c = &mesh.connectivity;
         c.curve_at(c.origin(h)) == NONE && mesh.after_collapse(h).0 >= LEAST_FACING
@@ -32,8 +33,13 @@ pub fn meet_count(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
     }
 }
 
-/// Splits the longest inner edges until there are `wanted` vertices.
+/// Splits the longest inner edges, where the surface allows it, until there are `wanted` vertices.
 pub(super) fn split_longest(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
+    split_longest_with(mesh, wanted, |mesh, h| mesh.split_at_middle(domain, h));
+}
+
+/// Splits the longest inner edges by `split`, which says the new vertex if it did, until there are `wanted` vertices.
+fn split_longest_with(mesh: &mut Manifold, wanted: usize, split: impl Fn(&mut Manifold, u32) -> Option<u32>) {
     if mesh.connectivity.vertex_count() >= wanted {
         return;
     }
@@ -47,7 +53,7 @@ pub(super) fn split_longest(domain: &Domain, mesh: &mut Manifold, wanted: usize)
         if mesh.relative_length_squared(top.index) != top.rank || !mesh.connectivity.can_split(top.index) {
             continue;
         }
-        let Some(v) = mesh.split_at_middle(domain, top.index) else { continue };
+        let Some(v) = split(mesh, top.index) else { continue };
         let around: Vec<u32> = mesh.connectivity.outgoing(v).flat_map(|h| [h, next(h)]).collect();
         mesh.flip_to_delaunay(around);
         heap.extend(mesh.connectivity.outgoing(v).flat_map(|h| [h, next(h)]).filter_map(|h| entry(mesh, h)));

@@ -227,9 +227,18 @@ impl Manifold {
         if !between || !self.both_sides(h).all(|h| self.halves_face_surface(h, &middle)) {
             return None;
         }
+        Some(self.split_at(middle, h))
+    }
+
+    /// [`Self::split_at_middle`] wherever that place is, and whatever becomes of the triangles.
+    pub fn split_anyhow(&mut self, domain: &Domain, h: u32) -> u32 {
+        self.split_at(self.middle(domain, h), h)
+    }
+
+    fn split_at(&mut self, middle: Sample, h: u32) -> u32 {
         self.samples.push(middle);
         self.fixed.push(false);
-        Some(self.connectivity.split_edge(h))
+        self.connectivity.split_edge(h)
     }
 
     /// Whether the triangle of `h`, split from `middle` to the corner across, faces the surface as well as it must or

@@ -175,6 +175,18 @@ fn open_surfaces() {
     }
 }
 
+/// Every edge of it is sharp and its triangles face everywhere; there are as many vertices as are wanted all the same.
+#[test]
+fn a_crumpled_ball() {
+    let ball = noisy(sphere(4, DVec3::ZERO, 1.0), 0.15, &mut random(3));
+    for n in [10, 50, 400] {
+        let made = remesh(&ball, &points(n), &()).unwrap();
+        assert!(made.has_topology() && made.mesh.positions.len() == n, "{n}: {:?}", made.output);
+        assert_eq!(made.sharp_curves, 0);
+        assert!(made.notes.iter().any(|note| note.contains("sharp edges")), "{:?}", made.notes);
+    }
+}
+
 /// What is too thin for its samples is triangulated as the input is; that must not spoil the piece beside it.
 #[test]
 fn a_hair_beside_a_ball() {
