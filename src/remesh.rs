@@ -319,7 +319,8 @@ fn sample_and_triangulate(
 }
 
 /// The mesh of the samples; where its patches fit together, but its faces cross more than those of the surface, that of
-/// other samples if they cross less. At a thin wall the samples of its two sides may come together such that nothing later parts them.
+/// other samples if they cross less. At a thin wall the samples of its two sides may come together such that nothing later
+/// parts them.
 fn least_crossing(graded: &Graded, curve_density: f64, options: &Options, monitor: &dyn Monitor) -> Result<Meshed> {
     let Graded { domain, scale, .. } = graded;
     let mut best = mesh_of_samples(domain, scale, curve_density, options.seed, monitor)?;

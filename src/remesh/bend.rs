@@ -5,7 +5,7 @@
 //! surface. That misses the points by a little; by how much is given back, between them as at them, so that they stay where
 //! they are. What is projected on later is the split mesh, which is that surface but for a share of the spacing.
 //!
-//! Cost: linear in the triangles; some fifty microseconds for each new vertex and each point around one.
+//! Cost: linear in the triangles; some ten microseconds for each new vertex and each point at one.
 //!
 //! Limits: sharp edges, the boundary, triangles over gaps, and places where the result would fold or cross itself stay
 //! flat.
