@@ -223,10 +223,14 @@ fn domain_over(mut clean: Mesh, source: &Source, scale: &Scale) -> (Domain, bool
     };
     let (twin, mut sharp) = match options.reach() {
         Some(reach) => {
-            let (_, sharp) = creases(&clean);
-            let split = Split::new(&mut clean, &sharp, longest, scale.spacing, most);
-            // Those of the flat mesh: bending it leaves them as they are.
             let (twin, sharp) = creases(&clean);
+            let split = Split::new(&mut clean, &sharp, longest, scale.spacing, most);
+            // Those of the flat mesh: neither splitting nor bending it makes any.
+            let (twin, sharp) = match (split.is_empty(), sharp.contains(&true)) {
+                (true, _) => (twin, sharp),
+                (false, true) => creases(&clean),
+                (false, false) => (twins(&clean.triangles), vec![false; 3 * clean.triangles.len()]),
+            };
             split.bend(&mut clean, &twin, &sharp, reach);
             (twin, sharp)
         }

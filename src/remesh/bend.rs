@@ -105,6 +105,11 @@ impl Split {
         split
     }
 
+    /// Whether no edge was split.
+    pub(super) fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+
     /// About the angle between the normals at two vertices; zero at sharp edges.
     fn turn(&self, a: u32, b: u32) -> f64 {
         let [a, b] = [a, b].map(|v| self.normals[v as usize]);
@@ -117,7 +122,7 @@ impl Split {
     ///
     /// [`Domain::with_sharp`]: crate::surface::domain::Domain::with_sharp
     pub(super) fn bend(&self, mesh: &mut Mesh, twin: &[u32], sharp: &[bool], reach: f64) {
-        if self.ends.is_empty() {
+        if self.is_empty() {
             return;
         }
         let count = mesh.positions.len() - self.ends.len();

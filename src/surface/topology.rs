@@ -3,6 +3,7 @@
 //!
 //! Cost: linear in the triangles, plus one sort of the edges.
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// No neighbour across an edge: a boundary.
@@ -175,9 +176,8 @@ pub(crate) fn sorted_sides(triangles: &[[u32; 3]]) -> Vec<Side> {
         sorted[*at as usize] = s;
         *at += 1;
     }
-    for v in 0..vertices {
-        sorted[start[v] as usize..start[v + 1] as usize].sort_unstable_by_key(|s| (s.ends[1], s.side));
-    }
+    let of_one_vertex = |a: &Side, b: &Side| a.ends[0] == b.ends[0];
+    sorted.par_chunk_by_mut(of_one_vertex).for_each(|sides| sides.sort_unstable_by_key(|s| (s.ends[1], s.side)));
     sorted
 }
 
