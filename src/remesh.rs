@@ -34,7 +34,7 @@ use crate::spectral::curves::sample_curves;
 use crate::spectral::scan::linear_scan;
 use crate::surface::crossings::crossing_faces;
 use crate::surface::domain::Domain;
-use crate::surface::features::{can_be_kept, sharp_sides};
+use crate::surface::features::{sharp_length, sharp_sides};
 use crate::surface::manifold::Manifold;
 use crate::surface::mesh::Mesh;
 use crate::surface::refine::refine;
@@ -210,10 +210,20 @@ fn graded(source: &Source, clean: Mesh, mut scale: Scale, monitor: &dyn Monitor)
     Ok(Graded { domain, scale, sigma, blunted })
 }
 
-/// The domain over `clean`, refined for that scale, and bent where its vertices are points of a smooth surface; and whether
-/// it had more sharp edges than can be kept.
+/// The domain over `clean`, refined for that scale; and whether it had more sharp edges than can be kept.
 fn domain_over(mut clean: Mesh, source: &Source, scale: &Scale) -> (Domain, bool) {
-    let options = source.options;
+    let (twin, mut sharp) = refined(&mut clean, source.options, scale);
+    let blunted = !scale.has_room_on(sharp_length(&clean, &sharp));
+    if blunted {
+        sharp.fill(false);
+    }
+    let seam = source.within.as_ref().map_or_else(Vec::new, |within| within.part.seam.clone());
+    (Domain::with_sharp(clean, twin, &sharp, scale.spacing, seam), blunted)
+}
+
+/// Splits the long edges of `clean`, and bends it where its vertices are points of a smooth surface. The side across each of
+/// its sides then, and whether it is sharp.
+fn refined(clean: &mut Mesh, options: &Options, scale: &Scale) -> (Vec<u32>, Vec<bool>) {
     let longest = LONGEST_EDGE * scale.spacing;
     let most = 4 * clean.triangles.len() + 16 * scale.wanted;
     let creases = |mesh: &Mesh| {
@@ -221,30 +231,22 @@ fn domain_over(mut clean: Mesh, source: &Source, scale: &Scale) -> (Domain, bool
         let sharp = sharp_sides(mesh, &twin, options.features, scale.spacing);
         (twin, sharp)
     };
-    let (twin, mut sharp) = match options.reach() {
-        Some(reach) => {
-            let (twin, sharp) = creases(&clean);
-            let split = Split::new(&mut clean, &sharp, longest, scale.spacing, most);
-            // Those of the flat mesh: neither splitting nor bending it makes any.
-            let (twin, sharp) = match (split.is_empty(), sharp.contains(&true)) {
-                (true, _) => (twin, sharp),
-                (false, true) => creases(&clean),
-                (false, false) => (twins(&clean.triangles), vec![false; 3 * clean.triangles.len()]),
-            };
-            split.bend(&mut clean, &twin, &sharp, reach);
-            (twin, sharp)
-        }
-        None => {
-            refine(&mut clean, longest, most);
-            creases(&clean)
-        }
+    let Some(reach) = options.reach() else {
+        refine(clean, longest, most);
+        return creases(clean);
     };
-    let seam = source.within.as_ref().map_or_else(Vec::new, |within| within.part.seam.clone());
-    let blunted = !can_be_kept(&clean, &sharp, scale.spacing);
-    if blunted {
-        sharp.fill(false);
+    let (mut twin, mut sharp) = creases(clean);
+    let split = Split::new(clean, &sharp, longest, scale.spacing, most);
+    if !split.is_empty() {
+        // Neither splitting nor bending makes an edge sharp.
+        (twin, sharp) = if sharp.contains(&true) {
+            creases(clean)
+        } else {
+            (twins(&clean.triangles), vec![false; 3 * clean.triangles.len()])
+        };
+        split.bend(clean, &twin, &sharp, reach);
     }
-    (Domain::with_sharp(clean, twin, &sharp, scale.spacing, seam), blunted)
+    (twin, sharp)
 }
 
 /// Optimises the mesh, or, if that is not wanted, gives it the wanted count and leaves it where the paper's ascent does.

@@ -122,9 +122,6 @@ impl Split {
     ///
     /// [`Domain::with_sharp`]: crate::surface::domain::Domain::with_sharp
     pub(super) fn bend(&self, mesh: &mut Mesh, twin: &[u32], sharp: &[bool], reach: f64) {
-        if self.is_empty() {
-            return;
-        }
         let count = mesh.positions.len() - self.ends.len();
         let at_sharp = corners_of_sides(mesh, |side| sharp[side]);
         let at_boundary = corners_of_sides(mesh, |side| twin[side] == NONE);

@@ -11,7 +11,8 @@ use crate::surface::sizing::{field_lengths, field_sizes, mean_density, transferr
 /// closed models at 5,000 to 20,000 points, where it met the count within 1 %.
 pub(super) const SIGMA_OF_SPACING: f64 = 0.866;
 
-/// Samples of the boundary for each wanted point: a narrow band has two, a heap of needles might have thousands.
+/// Samples of curves for each wanted point: the boundary of a narrow band has two, that of a heap of needles might have
+/// thousands.
 const MOST_ON_CURVES: f64 = 4.0;
 
 /// A field of wanted edge lengths, in the pipeline's unit.
@@ -104,6 +105,11 @@ impl Scale {
     /// vertices.
     pub(super) fn curve_spacing(&self, domain: &Domain) -> f64 {
         self.spacing.max(domain.curves.length() / (MOST_ON_CURVES * self.wanted as f64))
+    }
+
+    /// Whether sharp edges of that length are no more than samples can lie on.
+    pub(super) fn has_room_on(&self, length: f64) -> bool {
+        length <= MOST_ON_CURVES * self.wanted as f64 * self.spacing
     }
 
     pub(super) fn sigma(&self) -> f64 {

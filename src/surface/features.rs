@@ -6,7 +6,7 @@
 //! between; there, none is sharp.
 //!
 //! Short scraps, shorter than a few spacings of the samples in all, are left out: at that spacing they are noise.
-//! [`can_be_kept`] tells where there are more than samples could lie on, as on a crumpled surface.
+//! [`sharp_length`] tells whether there are more than samples could lie on, as on a crumpled surface.
 //!
 //! Cost: linear in the triangles.
 
@@ -35,9 +35,6 @@ const THRESHOLDS: std::ops::RangeInclusive<usize> = 15..=60;
 /// those above it. Fifteen scans and sculpts have between 1.5 and 40 at every threshold, CAD parts 0.1 and less.
 const GAP: f64 = 0.2;
 
-/// Most samples on sharp edges, in samples of the whole surface, beyond which none of these can be kept.
-const MOST_ON_EDGES: f64 = 4.0;
-
 /// Least length of a connected net of sharp edges, in spacings.
 const SHORTEST: f64 = 3.0;
 
@@ -56,11 +53,10 @@ pub fn sharp_sides(mesh: &Mesh, twin: &[u32], features: Features, spacing: f64) 
     sharp
 }
 
-/// Whether sharp edges, as [`sharp_sides`] gives them, are no more than samples of that spacing can lie on.
-pub fn can_be_kept(mesh: &Mesh, sharp: &[bool], spacing: f64) -> bool {
-    let on_edges: f64 = (0u32..).zip(sharp).filter(|s| *s.1).map(|s| length(mesh, s.0) / 2.0).sum();
-    let samples_of_all = 2.0 * mesh.area() / (3f64.sqrt() * spacing * spacing);
-    on_edges / spacing <= MOST_ON_EDGES * samples_of_all
+/// The length of all sharp edges, as [`sharp_sides`] gives them, in the units of the mesh.
+pub fn sharp_length(mesh: &Mesh, sharp: &[bool]) -> f64 {
+    // Both sides of an edge are sharp.
+    (0u32..).zip(sharp).filter(|s| *s.1).map(|s| length(mesh, s.0) / 2.0).sum()
 }
 
 /// The turn of the surface across each side, in degrees; zero at the boundary and next to triangles without area.
@@ -171,10 +167,10 @@ mod tests {
     }
 
     #[test]
-    fn so_many_edges_cannot_be_kept_by_samples_far_apart() {
-        let mesh = prism(200, 1.0);
-        let sharp = sharp_sides(&mesh, &twins(&mesh.triangles), Features::Degrees(1.0), 0.01);
-        assert!(can_be_kept(&mesh, &sharp, 0.05) && !can_be_kept(&mesh, &sharp, 0.5));
+    fn each_sharp_edge_counts_once_in_their_length() {
+        let mesh = prism(4, 1.0);
+        let sharp = sharp_sides(&mesh, &twins(&mesh.triangles), Features::Automatic, 0.1);
+        assert!((sharp_length(&mesh, &sharp) - (8.0 * 2f64.sqrt() + 4.0)).abs() < 1e-12);
     }
 
     #[test]
