@@ -36,19 +36,19 @@
 //! # The way of the data
 //!
 //! 1. [`io`] makes a [`Mesh`] of the bytes of a file: positions and triples of indices, nothing merged; beside it what
-//!    its vertices, corners and triangles have, as [`surface::attributes`].
-//! 2. [`surface::repair`] makes an oriented 2-manifold of it and counts what that took; [`surface::domain`] adds what it
+//!    its vertices, corners and triangles have, as [`mesh::attributes`].
+//! 2. [`prepare::repair`] makes an oriented 2-manifold of it and counts what that took; [`surface::domain`] adds what it
 //!    takes to walk over it and to find back to it.
 //! 3. [`spectral`] covers it with candidates, and a randomized scan keeps those that add to the spectrum of the samples
 //!    so far. Boundaries and sharp edges are sampled as curves.
 //! 4. [`triangulate`] joins the samples by Delaunay stars along the surface to a manifold of the same topology.
 //! 5. [`optimize`] arranges a coarse mesh first, with gradient ascent in [`spectral`], refines it to exactly the wanted
 //!    number of vertices, mends triangles and crossings, and fits the vertices to the surface.
-//! 6. [`surface::transfer`] carries colours, texture coordinates and other attributes of the input over to the result.
+//! 6. [`transfer::vertex`] carries colours, texture coordinates and other attributes of the input over to the result.
 //! 7. [`quality`] measures the result, [`report`] says how good it is, [`io`] writes it.
 //!
 //! [`sample()`] ends after the samples: points with normals, as gradient ascent without a mesh leaves them
-//! ([`spectral::free`]), or a subset of the input's points ([`sample_points`] for a cloud). All of the sampler works in
+//! ([`spectral::free_ascent`]), or a subset of the input's points ([`sample_points`] for a cloud). All of the sampler works in
 //! any dimension, on whatever is a [`surface::submanifold::Submanifold`].
 //!
 //! Only [`mod@remesh`] knows that order. Each stage takes plain data and can be used by itself; here it is the sampler
@@ -114,22 +114,27 @@
 pub mod base;
 #[cfg(feature = "cli")]
 pub mod cli;
+pub mod contour;
 pub mod geom;
 pub mod io;
+pub mod manifold;
+pub mod mesh;
 pub mod optimize;
-pub mod project;
+pub mod pipeline;
+pub mod prepare;
 pub mod quality;
-pub mod remesh;
 pub mod report;
+pub mod spatial;
 pub mod spectral;
 pub mod surface;
+pub mod transfer;
 pub mod triangulate;
 
 pub use base::error::{Error, Place, Result};
-pub use base::progress::{Monitor, Stopwatch};
-pub use remesh::{
+pub use base::monitor::{Monitor, Stopwatch};
+pub use mesh::points::Points;
+pub use mesh::triangle_mesh::Mesh;
+pub use pipeline::{
     CloudOptions, Density, Deviation, MaxError, Options, ReconstructOptions, Reconstructed, Remeshed, SampleOptions,
     Sampled, Selection, Signal, mesh_of_points, points_of_mesh, reconstruct, remesh, sample, sample_points,
 };
-pub use surface::mesh::Mesh;
-pub use surface::points::Points;

@@ -10,7 +10,7 @@ use spectral_remesh::base::error::Result;
 use spectral_remesh::base::rng::{Random, Stage, stream, unit};
 use spectral_remesh::geom::vector::length_squared;
 use spectral_remesh::spectral::ascent::{Climb, PAPER_STEP};
-use spectral_remesh::spectral::free::ascend_freely;
+use spectral_remesh::spectral::free_ascent::ascend_freely;
 use spectral_remesh::spectral::samples::scan;
 use spectral_remesh::surface::submanifold::{FlatTorus, Submanifold, UnitCube};
 use ten::FiveCircles;

@@ -1,6 +1,7 @@
-//! What every layer needs: errors, progress and cancelling, random streams, order in heaps.
+//! What every layer needs: errors, progress and cancelling, random streams, order in heaps, disjoint sets.
 
 pub mod error;
-pub mod progress;
-pub mod ranked;
+pub mod heap;
+pub mod monitor;
 pub mod rng;
+pub mod union_find;

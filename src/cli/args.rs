@@ -127,7 +127,7 @@ fn completions(shell: Shell) -> String {
 mod tests {
     use super::*;
     use crate::io::Format;
-    use crate::remesh::{CloudOptions, Density, MaxError, NormalFit, Options, Reach, Selection};
+    use crate::pipeline::{CloudOptions, Density, MaxError, NormalFit, Options, Reach, Selection};
     use crate::surface::features::Features;
 
     fn parsed(line: &str) -> Result<Job, Stop> {

@@ -1,15 +1,15 @@
 //! `remesh reconstruct`: what it does.
 
 use crate::base::error::Result;
-use crate::base::progress::{Monitor, Stopwatch, check};
+use crate::base::monitor::{Monitor, Stopwatch, check};
 use crate::cli::args::Reconstructing;
 use crate::cli::run::{hand_out, load, name, peak_memory_bytes};
 use crate::cli::terminal::Terminal;
 use crate::io::{Loaded, file};
-use crate::remesh::{points_of_mesh, reconstruct};
+use crate::mesh::attributes::Attributes;
+use crate::mesh::points::Points;
+use crate::pipeline::{points_of_mesh, reconstruct};
 use crate::report::surface::SurfaceReport;
-use crate::surface::attributes::Attributes;
-use crate::surface::points::Points;
 
 /// Reads, reconstructs, writes, reports.
 pub(super) fn reconstruct_file(job: &Reconstructing) -> Result<()> {

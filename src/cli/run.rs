@@ -1,19 +1,19 @@
 //! What the commands do, as lists of steps over the library.
 
 use crate::base::error::{Error, Result};
-use crate::base::progress::{Monitor, Stopwatch, check};
+use crate::base::monitor::{Monitor, Stopwatch, check};
 use crate::cli::Status;
 use crate::cli::args::{Job, Mark, Measuring, MeshFile, Remeshing, Run, Sizing, Voice};
 use crate::cli::reconstruct::reconstruct_file;
 use crate::cli::sample::{sample_file, signals};
 use crate::cli::terminal::{self, Terminal};
 use crate::io::{Format, Loaded, file};
-use crate::remesh::{CloudSummary, Options, Remeshed, Selection, Signal, check_field, mesh_of_points, remesh};
+use crate::mesh::attributes::Attributes;
+use crate::mesh::points::Points;
+use crate::mesh::weld::weld;
+use crate::pipeline::{CloudSummary, Options, Remeshed, Selection, Signal, check_field, mesh_of_points, remesh};
 use crate::report::{Crossings, Named, Report, shortcomings};
-use crate::surface::attributes::Attributes;
-use crate::surface::points::Points;
-use crate::surface::transfer::{Carried, carry};
-use crate::surface::weld::weld;
+use crate::transfer::vertex::{Carried, carry};
 use std::path::Path;
 
 /// Does a job, and says how it went.

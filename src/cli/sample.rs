@@ -1,15 +1,15 @@
 //! `remesh sample`: what it does.
 
 use crate::base::error::Result;
-use crate::base::progress::{Monitor, Stopwatch, check};
+use crate::base::monitor::{Monitor, Stopwatch, check};
 use crate::cli::args::{PropertyWidth, Sampling};
 use crate::cli::run::{hand_out, load, name, peak_memory_bytes};
 use crate::cli::terminal::Terminal;
 use crate::io::{Loaded, file};
-use crate::remesh::{SampleOptions, Sampled, Signal, sample, sample_points};
+use crate::mesh::attributes::{Attribute, Attributes, Scalar};
+use crate::mesh::points::Points;
+use crate::pipeline::{SampleOptions, Sampled, Signal, sample, sample_points};
 use crate::report::samples::SamplesReport;
-use crate::surface::attributes::{Attribute, Attributes, Scalar};
-use crate::surface::points::Points;
 
 /// The signals that properties of an input are.
 pub(super) fn signals(properties: &[PropertyWidth], input: &Loaded) -> Result<Vec<Signal>> {

@@ -2,7 +2,7 @@
 //! of a run, and the wish to end it.
 
 use crate::base::error::{Error, Result};
-use crate::base::progress::Monitor;
+use crate::base::monitor::Monitor;
 use crate::cli::Status;
 use crate::cli::args::Voice;
 use indicatif::{ProgressBar, ProgressStyle};

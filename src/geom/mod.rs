@@ -1,7 +1,7 @@
 //! Small geometry: what can be said about a few points without a mesh.
 
-pub mod crossing;
 pub mod eigen;
+pub mod intersection;
 pub mod polygon;
 pub mod symmetric;
 pub mod triangle;

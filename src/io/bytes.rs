@@ -58,7 +58,7 @@ pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
 #[cfg(test)]
 pub(super) mod samples {
     use crate::base::error::{Error, Place, Result};
-    use crate::surface::mesh::Mesh;
+    use crate::mesh::triangle_mesh::Mesh;
     use glam::DVec3;
 
     /// A tetrahedron whose faces look outwards.

@@ -1,7 +1,7 @@
 //! Further numbers in the lines of vertices: how many there are, and what three of them in a row mean.
 
 use super::text::{Words, number};
-use crate::surface::attributes::{Attribute, COLOR, NORMAL, Scalar};
+use crate::mesh::attributes::{Attribute, COLOR, NORMAL, Scalar};
 
 /// How far from one the length of a normal may be: files have three digits at least.
 const UNIT: f64 = 0.01;

@@ -2,9 +2,9 @@
 
 use super::{Format, Loaded, Resolve};
 use crate::base::error::{Error, Place, Result};
-use crate::surface::attributes::Attributes;
-use crate::surface::mesh::Mesh;
-use crate::surface::points::Points;
+use crate::mesh::attributes::Attributes;
+use crate::mesh::points::Points;
+use crate::mesh::triangle_mesh::Mesh;
 use std::borrow::Cow;
 use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, BufWriter, ErrorKind, Write};

@@ -2,7 +2,7 @@
 
 use super::{las, off, xyz};
 use crate::base::error::{Error, Result};
-use crate::surface::attributes::{Attribute, Attributes, Lost, MATERIALS, TEXTURE};
+use crate::mesh::attributes::{Attribute, Attributes, Lost, MATERIALS, TEXTURE};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;

@@ -16,8 +16,8 @@
 use super::bytes::{CUT_SHORT, EXPORT_AGAIN, array, malformed, u32_at};
 use super::{Parsed, Read};
 use crate::base::error::{Place, Result};
-use crate::surface::attributes::{Attribute, Attributes, COLOR, Scalar};
-use crate::surface::mesh::Mesh;
+use crate::mesh::attributes::{Attribute, Attributes, COLOR, Scalar};
+use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 
 /// The first bytes of a file.

@@ -14,9 +14,9 @@
 //! ```
 
 use crate::base::error::{Error, Place, Result};
-use crate::surface::attributes::{Attribute, Attributes, NORMAL, Scalar};
-use crate::surface::mesh::Mesh;
-use crate::surface::points::Points;
+use crate::mesh::attributes::{Attribute, Attributes, NORMAL, Scalar};
+use crate::mesh::points::Points;
+use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 
 mod base64;

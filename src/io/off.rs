@@ -13,8 +13,8 @@ use super::faces::Faces;
 use super::text::{Words, quote, small_faces, whole, write_line};
 use super::{Content, Parsed, Read};
 use crate::base::error::{Error, Result};
-use crate::surface::attributes::Attributes;
-use crate::surface::mesh::Mesh;
+use crate::mesh::attributes::Attributes;
+use crate::mesh::triangle_mesh::Mesh;
 use glam::{DVec2, DVec3};
 use std::io::{self, Write};
 

@@ -10,7 +10,7 @@ use super::bytes::{CUT_SHORT, EXPORT_AGAIN, array, finite, malformed, narrow, u3
 use super::text::{Words, number, quote};
 use crate::base::error::{Error, Place, Result};
 use crate::io::{Content, Parsed, Read};
-use crate::surface::mesh::Mesh;
+use crate::mesh::triangle_mesh::Mesh;
 use glam::{DVec3, Vec3};
 use std::io::{self, Write};
 

@@ -16,8 +16,8 @@ use super::columns::{are_unit, color, cut, normal};
 use super::text::{Words, number, quote, write_number};
 use super::{Content, Parsed, Read};
 use crate::base::error::{Place, Result};
-use crate::surface::attributes::{Attribute, Attributes, Scalar};
-use crate::surface::mesh::Mesh;
+use crate::mesh::attributes::{Attribute, Attributes, Scalar};
+use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 use std::io::{self, Write};
 

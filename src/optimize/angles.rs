@@ -11,12 +11,12 @@
 //! Cost: linear in the triangles for each pass, and some hundred triangles looked at for each vertex that is moved.
 
 use crate::base::error::Result;
-use crate::base::progress::{Monitor, check};
+use crate::base::monitor::{Monitor, check};
 use crate::geom::triangle::{angles, quality, smallest_angle, smallest_sine_cosine};
-use crate::surface::connectivity::{next, prev};
+use crate::manifold::Manifold;
+use crate::mesh::half_edge::{next, prev};
+use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
-use crate::surface::manifold::Manifold;
-use crate::surface::topology::NONE;
 use glam::DVec3;
 
 /// Smallest angle, in degrees, and quality that triangles shall have: a little more than 40 and 0.75. With both no angle

@@ -6,11 +6,11 @@
 //!
 //! Cost: n log n in the edges once, and a heap operation for each edge changed.
 
-use crate::base::ranked::Ranked;
-use crate::surface::connectivity::next;
+use crate::base::heap::Ranked;
+use crate::manifold::Manifold;
+use crate::mesh::half_edge::next;
+use crate::mesh::topology::NONE;
 use crate::surface::domain::Domain;
-use crate::surface::manifold::Manifold;
-use crate::surface::topology::NONE;
 use std::collections::BinaryHeap;
 
 /// Least cosine between a triangle and the surface after a collapse done with care.

@@ -30,15 +30,15 @@
 //! Cost: some ten microseconds a vertex, and a search for each vertex of the input.
 
 use crate::base::error::Result;
-use crate::base::progress::{Monitor, check};
+use crate::base::monitor::{Monitor, check};
 use crate::geom::symmetric::Symmetric;
 use crate::geom::triangle::barycentric;
+use crate::manifold::Manifold;
+use crate::manifold::faces::Faces;
+use crate::mesh::topology::NONE;
 use crate::optimize::angles::{is_good_around, least_margin};
 use crate::optimize::relax::pull;
 use crate::surface::domain::{Domain, Sample};
-use crate::surface::faces::Faces;
-use crate::surface::manifold::Manifold;
-use crate::surface::topology::NONE;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -458,7 +458,7 @@ fn keeps_shape(mesh: &Manifold, v: u32, p: DVec3) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::mesh::Mesh;
+    use crate::mesh::triangle_mesh::Mesh;
     use std::collections::BTreeMap;
 
     /// An icosahedron whose faces are split in four `levels` times, blown up to a unit ball.

@@ -1,11 +1,11 @@
 //! What is done to a mesh so that its triangles are good, and as many as wanted.
 
 pub mod angles;
+pub mod coarse_to_fine;
 pub mod counts;
 pub mod fit;
-pub mod levels;
+pub mod max_error;
+mod newton;
 pub mod relax;
-mod step;
-pub mod tips;
-pub mod untangle;
+pub mod self_intersections;
 pub mod valence;

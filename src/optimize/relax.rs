@@ -26,12 +26,12 @@
 //! Cost: a few microseconds a vertex and round.
 
 use crate::base::error::Result;
-use crate::base::progress::{Monitor, check};
-use crate::optimize::step::{Strain, newton_step};
+use crate::base::monitor::{Monitor, check};
+use crate::manifold::Manifold;
+use crate::manifold::motion::move_vertices;
+use crate::optimize::newton::{Strain, newton_step};
 use crate::optimize::valence::Defects;
 use crate::surface::domain::Domain;
-use crate::surface::manifold::Manifold;
-use crate::surface::motion::move_vertices;
 use glam::DVec3;
 
 /// What the edges do while vertices relax.

@@ -25,9 +25,9 @@
 //! Limits: defects that curvature asks for stay, and so do those next to fixed vertices.
 
 use crate::geom::triangle::{angles, mean_ratio};
-use crate::surface::connectivity::{Connectivity, next, prev};
-use crate::surface::manifold::Manifold;
-use crate::surface::topology::NONE;
+use crate::manifold::Manifold;
+use crate::mesh::half_edge::{Connectivity, next, prev};
+use crate::mesh::topology::NONE;
 use glam::DVec3;
 
 /// Edges of a regular vertex inside.
@@ -322,8 +322,8 @@ fn may_collapse(mesh: &Manifold, h: u32, spacing: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::topology::topology;
     use crate::surface::domain::Sample;
-    use crate::surface::topology::topology;
     use glam::DVec3;
 
     const SIZE: u32 = 12;

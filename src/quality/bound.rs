@@ -19,8 +19,8 @@
 //! more than a hundred times as long as the distance, it may be several times as large as that.
 
 use crate::geom::triangle::closest_point;
-use crate::surface::bvh::Bvh;
-use crate::surface::mesh::Mesh;
+use crate::mesh::triangle_mesh::Mesh;
+use crate::spatial::bvh::Bvh;
 use glam::DVec3;
 use rayon::prelude::*;
 

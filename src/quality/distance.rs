@@ -14,9 +14,9 @@
 //! never smaller, and may be larger where a triangle's inside is farther off than its corners and every sample.
 
 use crate::base::rng::{Stage, stream};
+use crate::mesh::triangle_mesh::Mesh;
 use crate::quality::sampling;
-use crate::surface::bvh::Bvh;
-use crate::surface::mesh::Mesh;
+use crate::spatial::bvh::Bvh;
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};

@@ -2,7 +2,7 @@
 
 use crate::base::rng::{Random, unit};
 use crate::geom::triangle;
-use crate::surface::mesh::Mesh;
+use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 
 /// `count` points of the surface, uniform by area: point k has a random place in the k-th of `count` equal shares of

@@ -14,8 +14,8 @@
 //! Cost: linear, in parallel over fixed chunks, so the figures have the same bits with any number of threads.
 
 use crate::geom::triangle::{self, quality};
-use crate::surface::mesh::Mesh;
-use crate::surface::topology::sorted_sides;
+use crate::mesh::topology::sorted_sides;
+use crate::mesh::triangle_mesh::Mesh;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

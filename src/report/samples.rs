@@ -2,7 +2,7 @@
 
 use super::Lap;
 use super::table::significant;
-use crate::remesh::{CloudSummary, SampleOptions, Sampled};
+use crate::pipeline::{CloudSummary, SampleOptions, Sampled};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 use std::time::Duration;

@@ -1,8 +1,8 @@
 //! What a reconstruction did: as JSON of a fixed schema, and as a few lines for a terminal.
 
 use super::Lap;
-use crate::remesh::{CloudSummary, Reconstructed};
-use crate::surface::topology::Topology;
+use crate::mesh::topology::Topology;
+use crate::pipeline::{CloudSummary, Reconstructed};
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 

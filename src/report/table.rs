@@ -1,10 +1,10 @@
 //! The report as a table for a terminal: a row for each figure, the input beside the output.
 
 use super::{Measured, Report};
+use crate::mesh::topology::Topology;
+use crate::pipeline::CloudSummary;
+use crate::prepare::repair::Repairs;
 use crate::quality::shape::Shape;
-use crate::remesh::CloudSummary;
-use crate::surface::repair::Repairs;
-use crate::surface::topology::Topology;
 use std::fmt::Write;
 
 /// Width of the names of the rows, and of each column of figures.

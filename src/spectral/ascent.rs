@@ -13,15 +13,15 @@
 //! Vertices on a curve, of the boundary or a sharp edge, move along it; corners stay where they are.
 
 use crate::base::error::Result;
-use crate::base::progress::{Monitor, check};
+use crate::base::monitor::{Monitor, check};
 use crate::geom::vector::length_squared;
+use crate::manifold::Manifold;
+use crate::manifold::motion::move_vertices;
+use crate::mesh::half_edge::next;
 use crate::spectral::measure::{GRADIENT_NEIGHBOURS, gradient};
 use crate::spectral::nearest::Nearest;
-use crate::surface::connectivity::next;
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::lift::Lift;
-use crate::surface::manifold::Manifold;
-use crate::surface::motion::move_vertices;
 use glam::DVec3;
 
 /// How an ascent goes.

@@ -5,8 +5,8 @@
 pub mod ascent;
 pub mod candidates;
 mod cells;
-pub mod curves;
-pub mod free;
+pub mod curve_samples;
+pub mod free_ascent;
 pub mod measure;
 mod nearest;
 pub mod samples;

@@ -12,8 +12,8 @@
 //! Cost: a few microseconds a point; most are settled by the samples nearest to them.
 
 use crate::base::error::Result;
-use crate::base::progress::{Monitor, check};
-use crate::base::ranked::Ranked;
+use crate::base::heap::Ranked;
+use crate::base::monitor::{Monitor, check};
 use crate::base::rng::{Rng, Stage, stream};
 use crate::spectral::cells::Cells;
 use crate::spectral::measure::{MOST_NEIGHBOURS, Measure, RADIUS};

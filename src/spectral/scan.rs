@@ -16,7 +16,7 @@
 //! Cost: linear in the candidates; nine of ten are settled by their nearest neighbours.
 
 use crate::base::error::Result;
-use crate::base::progress::{Monitor, check};
+use crate::base::monitor::{Monitor, check};
 use crate::base::rng::{Random, Rng, Stage, stream};
 use crate::geom::vector::{difference, distance_squared};
 use crate::spectral::candidates::Candidate;

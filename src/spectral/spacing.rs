@@ -8,9 +8,9 @@
 //!
 //! Cost: a search among the samples for each candidate and each vertex.
 
+use crate::spatial::kdtree::Neighbors;
 use crate::spectral::candidates::Candidate;
 use crate::surface::domain::{Domain, Sample};
-use crate::surface::neighbors::Neighbors;
 use rayon::prelude::*;
 
 /// No candidate is farther from the samples than this, in units of σ: it would have been kept.
@@ -54,10 +54,10 @@ fn length_of(area: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::base::rng::{Stage, stream};
+    use crate::mesh::triangle_mesh::Mesh;
+    use crate::prepare::refine::refine;
     use crate::spectral::candidates::candidates;
     use crate::spectral::scan::linear_scan;
-    use crate::surface::mesh::Mesh;
-    use crate::surface::refine::refine;
     use glam::dvec3;
 
     /// A unit square of small triangles.

@@ -4,14 +4,15 @@
 //! It is cut open along its sharp edges, so that walks, normals and projections stay within a smooth patch.
 
 use crate::geom::triangle::{barycentric, closest_point, closest_weights};
-use crate::surface::bvh::{Bvh, Hit};
-use crate::surface::connectivity::{next, prev};
-use crate::surface::crossings::{crossing_pairs, faces_of};
-use crate::surface::curves::Curves;
-use crate::surface::cut::{Cut, cut};
+use crate::mesh::cut::{Cut, cut};
+use crate::mesh::half_edge::{next, prev};
+use crate::mesh::normals::vertex_normals;
+use crate::mesh::topology::{NONE, components, twins};
+use crate::mesh::triangle_mesh::Mesh;
+use crate::spatial::bvh::{Bvh, Hit};
+use crate::spatial::self_intersections::{crossing_pairs, faces_of};
+use crate::surface::feature_curves::Curves;
 use crate::surface::features::{Features, sharp_sides};
-use crate::surface::mesh::Mesh;
-use crate::surface::topology::{NONE, components, twins};
 use glam::DVec3;
 
 /// A point on a surface.
@@ -363,25 +364,6 @@ impl Domain {
         }
         s
     }
-}
-
-/// Normals with the weights of N. Max, Weights for computing vertex normals from facet normals, 1999,
-/// DOI 10.1080/10867651.1999.10487501: exact on a sphere, and slivers do not count for more than they are.
-pub(super) fn vertex_normals(mesh: &Mesh) -> Vec<DVec3> {
-    let mut normals = vec![DVec3::ZERO; mesh.positions.len()];
-    for (t, corners) in mesh.triangles.iter().enumerate() {
-        let p = mesh.corners(t);
-        let area_vector = mesh.area_vector(t);
-        for k in 0..3 {
-            let (out, back) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
-            let weight = out.length_squared() * back.length_squared();
-            if weight > 0.0 {
-                normals[corners[k] as usize] += area_vector / weight;
-            }
-        }
-    }
-    normals.iter_mut().for_each(|n| *n = n.normalize_or_zero());
-    normals
 }
 
 #[cfg(test)]

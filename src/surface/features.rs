@@ -10,9 +10,10 @@
 //!
 //! Cost: linear in the triangles.
 
-use crate::surface::connectivity::next;
-use crate::surface::mesh::Mesh;
-use crate::surface::topology::{NONE, UnionFind};
+use crate::base::union_find::UnionFind;
+use crate::mesh::half_edge::next;
+use crate::mesh::topology::NONE;
+use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -39,7 +40,7 @@ const GAP: f64 = 0.2;
 const SHORTEST: f64 = 3.0;
 
 /// For each side `3 t + k` of the triangles whether it is on a sharp edge. `twin` is as
-/// [`twins`](crate::surface::topology::twins) says, `spacing` that of the samples, in the units of the mesh.
+/// [`twins`](crate::mesh::topology::twins) says, `spacing` that of the samples, in the units of the mesh.
 pub fn sharp_sides(mesh: &Mesh, twin: &[u32], features: Features, spacing: f64) -> Vec<bool> {
     let turns = turns(mesh, twin);
     let threshold = match features {
@@ -118,7 +119,7 @@ fn drop_scraps(mesh: &Mesh, sharp: &mut [bool], shortest: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::topology::twins;
+    use crate::mesh::topology::twins;
 
     /// A prism over a regular polygon of `n` corners, radius 1, with its caps fanned from their middles.
     fn prism(n: u32, height: f64) -> Mesh {

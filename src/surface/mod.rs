@@ -1,32 +1,11 @@
-//! The surface that everything is measured against: a triangle mesh, its topology, what was wrong with it.
+//! The surfaces that are sampled and projected on: a mesh cut open along its feature curves, or the implicit surface of
+//! points; and the edge lengths that are wanted on them.
 
-mod atlas;
-pub mod attributes;
-pub mod bvh;
-pub mod connectivity;
-pub mod crossings;
-pub mod curves;
-pub mod cut;
 pub mod domain;
-pub mod faces;
+pub mod feature_curves;
 pub mod features;
-pub mod graph;
+pub mod implicit;
+pub mod interface_sizing;
 pub mod lift;
-pub mod manifold;
-pub mod mesh;
-pub mod motion;
-pub mod neighbors;
-pub mod normals;
-pub mod orient;
-pub mod part;
-pub mod patch;
-pub mod points;
-pub mod refine;
-pub mod repair;
-pub mod seam_sizing;
-pub mod seams;
 pub mod sizing;
 pub mod submanifold;
-pub mod topology;
-pub mod transfer;
-pub mod weld;

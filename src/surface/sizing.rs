@@ -24,13 +24,13 @@
 //!
 //! Limits: where curves of the boundary or along sharp edges bend is not looked at.
 
-use crate::base::ranked::Ranked;
+use crate::base::heap::Ranked;
 use crate::geom::triangle::barycentric;
-use crate::surface::bvh::Bvh;
-use crate::surface::connectivity::next;
+use crate::mesh::half_edge::next;
+use crate::mesh::topology::NONE;
+use crate::mesh::triangle_mesh::Mesh;
+use crate::spatial::bvh::Bvh;
 use crate::surface::domain::Domain;
-use crate::surface::mesh::Mesh;
-use crate::surface::topology::NONE;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BinaryHeap;
@@ -323,7 +323,7 @@ mod tests {
         let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
         let triangles = faces.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
         let mut mesh = Mesh { positions: corners.collect(), triangles };
-        crate::surface::refine::refine(&mut mesh, 0.15, usize::MAX);
+        crate::prepare::refine::refine(&mut mesh, 0.15, usize::MAX);
         Domain::with_features(mesh, Features::Degrees(30.0), 0.1)
     }
 

@@ -8,11 +8,11 @@
 //! Cost: sorting the sides of the triangles, a few times.
 
 use crate::geom::eigen::{eigen, scatter};
-use crate::surface::crossings::crossing_faces;
-use crate::surface::mesh::Mesh;
-use crate::surface::topology::components;
+use crate::mesh::topology::components;
+use crate::mesh::triangle_mesh::Mesh;
+use crate::spatial::self_intersections::crossing_faces;
 use crate::triangulate::agreement::agreed_by_most;
-use crate::triangulate::holes::{closed_fans, closed_stars, fill_holes, gaps};
+use crate::triangulate::hole_filling::{closed_fans, closed_stars, fill_holes, gaps};
 use crate::triangulate::points::Surroundings;
 use crate::triangulate::star::INTERIOR;
 use glam::DVec3;

@@ -9,11 +9,12 @@
 //!
 //! Cost: linear in the triangles of the piece, with a large constant: some microseconds a vertex.
 
+use crate::base::union_find::UnionFind;
 use crate::geom::triangle::barycentric;
-use crate::surface::connectivity::next;
+use crate::manifold::Manifold;
+use crate::mesh::half_edge::next;
+use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
-use crate::surface::manifold::Manifold;
-use crate::surface::topology::{NONE, UnionFind};
 use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
 
 /// A sample to insert: on a triangle, or on a side of it if that is on the boundary.

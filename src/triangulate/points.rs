@@ -7,10 +7,10 @@
 //! Cost: as for stars of samples.
 
 use crate::base::error::Result;
-use crate::base::progress::{Monitor, check};
+use crate::base::monitor::{Monitor, check};
 use crate::base::rng::{Stage, stream, unit};
-use crate::surface::graph::NeighborGraph;
-use crate::surface::neighbors::{Neighbor, Neighbors};
+use crate::spatial::kdtree::{Neighbor, Neighbors};
+use crate::spatial::knn_graph::NeighborGraph;
 use crate::triangulate::cell::Cell;
 use crate::triangulate::gaps::{Look, settle};
 use crate::triangulate::unfold::{Neighbour, along_bend};

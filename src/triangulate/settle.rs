@@ -6,8 +6,8 @@
 //! agree as those do. If that was too narrow a place it is done again with a wider one, and at last with the whole
 //! connected piece, so that all of the piece is a manifold of the topology of the domain.
 
+use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
-use crate::surface::topology::NONE;
 use crate::triangulate::Boundary;
 use crate::triangulate::mutual::{Insertion, Tessellation, mutual_tessellation};
 use crate::triangulate::star::INTERIOR;
@@ -223,8 +223,8 @@ fn parts(domain: &Domain, centres: &[Sample], radius: f64) -> Vec<Vec<u32>> {
 mod tests {
     use super::*;
 
-    use crate::surface::mesh::Mesh;
-    use crate::surface::topology::topology;
+    use crate::mesh::topology::topology;
+    use crate::mesh::triangle_mesh::Mesh;
     use crate::triangulate::agreement::agreed;
     use glam::dvec3;
 

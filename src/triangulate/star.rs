@@ -10,8 +10,8 @@
 //! Cost: a query for some fifteen points and their bisectors; in bent or thin places a walk, near boundaries a
 //! triangulation instead.
 
+use crate::spatial::kdtree::{Neighbor, Neighbors};
 use crate::surface::domain::{Domain, Sample};
-use crate::surface::neighbors::{Neighbor, Neighbors};
 use crate::triangulate::cell::Cell;
 use crate::triangulate::unfold::{Neighbour, SamplesByTriangle, Unfolding, along_gentle_bend};
 use glam::DVec2;

@@ -13,9 +13,9 @@
 //! Limits: a triangle has one place, that of the nearest way to it; beyond a spike's tip ways to both sides of it
 //! compete.
 
-use crate::base::ranked::Ranked;
+use crate::base::heap::Ranked;
+use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
-use crate::surface::topology::NONE;
 use glam::{DVec2, DVec3};
 use std::collections::BinaryHeap;
 

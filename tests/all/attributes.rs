@@ -3,8 +3,8 @@
 use crate::common::{Ends, cells, grid, inside_out, moved, plate, random, sphere, together};
 use glam::{DVec2, DVec3, dvec2, dvec3};
 use spectral_remesh::base::rng::unit;
-use spectral_remesh::surface::attributes::{Attribute, Attributes, Materials, Scalar};
-use spectral_remesh::surface::transfer::{Carried, carry};
+use spectral_remesh::mesh::attributes::{Attribute, Attributes, Materials, Scalar};
+use spectral_remesh::transfer::vertex::{Carried, carry};
 use spectral_remesh::{Density, Mesh, Options, remesh};
 use std::f64::consts::TAU;
 

@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3, dvec3};
 use spectral_remesh::Mesh;
 use spectral_remesh::base::rng::{Random, unit};
-use spectral_remesh::surface::topology::{Topology, topology};
+use spectral_remesh::mesh::topology::{Topology, topology};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 

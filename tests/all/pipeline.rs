@@ -3,11 +3,11 @@
 use crate::common::*;
 use glam::{DVec3, dvec3};
 use proptest::prelude::*;
+use spectral_remesh::prepare::repair::Repairs;
 use spectral_remesh::quality::distance::distance;
 use spectral_remesh::quality::shape::shape;
-use spectral_remesh::surface::bvh::Bvh;
+use spectral_remesh::spatial::bvh::Bvh;
 use spectral_remesh::surface::features::Features;
-use spectral_remesh::surface::repair::Repairs;
 use spectral_remesh::{Density, Error, MaxError, Mesh, Monitor, Options, Remeshed, remesh};
 
 fn points(n: usize) -> Options {

@@ -2,7 +2,7 @@
 
 use crate::common::{audit, moved, noisy, random, sphere, together, torus, volume};
 use glam::{DVec3, dvec3};
-use spectral_remesh::remesh::DEFAULT_REACH;
+use spectral_remesh::pipeline::DEFAULT_REACH;
 use spectral_remesh::{
     CloudOptions, Error, Mesh, Points, ReconstructOptions, Reconstructed, points_of_mesh, reconstruct,
 };

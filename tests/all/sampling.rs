@@ -8,7 +8,7 @@ use glam::{DVec3, dvec3};
 use spectral_remesh::base::rng::unit;
 use spectral_remesh::geom::vector::length_squared;
 use spectral_remesh::spectral::ascent::{Climb, PAPER_STEP};
-use spectral_remesh::spectral::free::ascend_freely;
+use spectral_remesh::spectral::free_ascent::ascend_freely;
 use spectral_remesh::spectral::samples::{meet_count, scan};
 use spectral_remesh::surface::submanifold::{FlatTorus, Submanifold, UnitCube};
 use spectral_remesh::{

@@ -3,9 +3,9 @@
 use crate::common::*;
 use glam::{DVec2, DVec3, dvec2, dvec3};
 use spectral_remesh::geom::triangle::smallest_angle;
-use spectral_remesh::surface::attributes::{Attribute, Attributes, Materials, Scalar};
-use spectral_remesh::surface::part::Kept;
-use spectral_remesh::surface::transfer::carry;
+use spectral_remesh::mesh::attributes::{Attribute, Attributes, Materials, Scalar};
+use spectral_remesh::mesh::submesh::Kept;
+use spectral_remesh::transfer::vertex::carry;
 use spectral_remesh::{Density, Mesh, Options, Remeshed, Selection, remesh};
 
 const ALL: f64 = 1e9;
@@ -112,7 +112,7 @@ fn sharp_edges_inside_stay_sharp() {
     let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z];
     let o = DVec3::ZERO;
     let faces = [face(y, x, o), face(x, z, o), face(z, y, o), face(x, y, z), face(z, x, y), face(y, z, x)];
-    let cube = spectral_remesh::surface::repair::repair(&together(&faces)).0;
+    let cube = spectral_remesh::prepare::repair::repair(&together(&faces)).0;
     let (made, _) = check(&cube, Selection::Box([0.45; 3], [2.0; 3]), 300);
     assert_eq!(made.sharp_curves, 3);
     assert!((volume(&made.mesh) - 1.0).abs() < 1e-9, "{}", volume(&made.mesh));

@@ -2,7 +2,7 @@
 
 use crate::cli::args::shared::{FormatArgs, MeshFile, NormalArgs, Run, RunArgs};
 use crate::cli::args::words::positive;
-use crate::remesh::ReconstructOptions;
+use crate::pipeline::ReconstructOptions;
 use std::path::PathBuf;
 
 pub(super) const HELP: &str = "\

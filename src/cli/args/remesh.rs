@@ -5,7 +5,7 @@ use crate::cli::args::stop::Stop;
 use crate::cli::args::words::{
     Mark, PropertyWidth, Sizing, features, mark, max_error, points, positive, property_width, within,
 };
-use crate::remesh::{CloudOptions, Density, MaxError, Options, Selection};
+use crate::pipeline::{CloudOptions, Density, MaxError, Options, Selection};
 use crate::surface::features::Features;
 use std::path::PathBuf;
 

@@ -4,7 +4,7 @@ use crate::cli::args::shared::{MeshFile, NormalArgs, Run, RunArgs, density};
 use crate::cli::args::stop::Stop;
 use crate::cli::args::words::{PropertyWidth, points, positive, property_width};
 use crate::io::Format;
-use crate::remesh::{Density, SampleOptions};
+use crate::pipeline::{Density, SampleOptions};
 use std::path::PathBuf;
 
 pub(super) const HELP: &str = "\

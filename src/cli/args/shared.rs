@@ -3,7 +3,7 @@
 use crate::cli::args::stop::{Stop, wrong};
 use crate::cli::args::words::{Sizing, positive};
 use crate::io::Format;
-use crate::remesh::{CloudOptions, Density, NormalFit, Reach};
+use crate::pipeline::{CloudOptions, Density, NormalFit, Reach};
 use clap::ArgAction;
 use std::path::PathBuf;
 

@@ -1,7 +1,7 @@
 //! Single words of the command line, read as what they stand for.
 
 use crate::io::Format;
-use crate::remesh::{Density, MaxError, NormalFit, Selection};
+use crate::pipeline::{Density, MaxError, NormalFit, Selection};
 use crate::surface::features::Features;
 use clap::ValueEnum;
 use clap::builder::PossibleValue;

@@ -5,7 +5,7 @@ use super::vertices::{Columns, accessors};
 use crate::base::error::{Place, Result};
 use crate::io::Read;
 use crate::io::bytes::malformed;
-use crate::surface::mesh::Mesh;
+use crate::mesh::triangle_mesh::Mesh;
 use ::gltf::json::mesh::{Mode, Primitive, Semantic};
 use ::gltf::json::validation::Checked;
 use ::gltf::json::{Node, Root};

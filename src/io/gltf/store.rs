@@ -5,7 +5,7 @@ use crate::base::error::{Error, Place, Result};
 use crate::io::Resolve;
 use crate::io::base64;
 use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, array, malformed};
-use crate::surface::attributes::Scalar;
+use crate::mesh::attributes::Scalar;
 use ::gltf::json::accessor::{Accessor, ComponentType, Type, sparse::Sparse};
 use ::gltf::json::validation::Checked;
 use ::gltf::json::{Root, buffer::View};

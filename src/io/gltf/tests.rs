@@ -1,8 +1,8 @@
 use super::*;
 use crate::io::base64;
 use crate::io::bytes::samples::{fault, signed_volume, tetrahedron};
-use crate::surface::attributes::{Attribute, Attributes, Scalar};
-use crate::surface::mesh::Mesh;
+use crate::mesh::attributes::{Attribute, Attributes, Scalar};
+use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 use serde_json::json;
 

@@ -2,7 +2,7 @@
 
 use super::store::{Store, Vectors};
 use crate::base::error::Error;
-use crate::surface::attributes::{Attribute, Attributes, COLOR, NORMAL};
+use crate::mesh::attributes::{Attribute, Attributes, COLOR, NORMAL};
 use ::gltf::json::mesh::{Primitive, Semantic};
 use ::gltf::json::validation::Checked;
 use glam::{DMat3, DVec2, DVec3};

@@ -6,7 +6,7 @@ use super::glb;
 use crate::io::Content;
 use crate::io::base64;
 use crate::io::bytes::narrow;
-use crate::surface::attributes::{Attribute, Scalar, Wedges};
+use crate::mesh::attributes::{Attribute, Scalar, Wedges};
 use glam::DVec3;
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;

@@ -17,9 +17,9 @@ use crate::io::columns::{Columns, color, normal};
 use crate::io::faces::Faces;
 use crate::io::text::{Words, left_out, number, quote, small_faces, whole};
 use crate::io::{Parsed, Read};
-use crate::surface::attributes::{Attribute, Attributes, Materials};
-use crate::surface::mesh::Mesh;
-use crate::surface::topology::NONE;
+use crate::mesh::attributes::{Attribute, Attributes, Materials};
+use crate::mesh::topology::NONE;
+use crate::mesh::triangle_mesh::Mesh;
 use glam::{DVec2, DVec3};
 
 /// Statements that say nothing about the shape of polygons.

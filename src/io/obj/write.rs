@@ -2,7 +2,7 @@
 
 use crate::io::Content;
 use crate::io::text::write_line;
-use crate::surface::attributes::{Materials, Wedges};
+use crate::mesh::attributes::{Materials, Wedges};
 use std::io::{self, Write};
 
 pub(crate) fn write(content: &Content, out: &mut dyn Write) -> io::Result<()> {

@@ -6,7 +6,7 @@ use super::{checked_count, list_length, skip};
 use crate::base::error::{Error, Place, Result};
 use crate::geom::polygon::triangulate;
 use crate::io::bytes::{EXPORT_AGAIN, malformed};
-use crate::surface::attributes::Scalar;
+use crate::mesh::attributes::Scalar;
 use glam::{DVec2, DVec3};
 
 /// The faces that were read so far.

@@ -3,7 +3,7 @@
 use crate::base::error::{Error, Place, Result};
 use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed};
 use crate::io::text::quote;
-use crate::surface::attributes::Scalar;
+use crate::mesh::attributes::Scalar;
 
 /// What a header says, and where the body is.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,7 +3,7 @@
 use crate::base::error::{Error, Place, Result};
 use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed};
 use crate::io::text::{Words, number, quote};
-use crate::surface::attributes::Scalar;
+use crate::mesh::attributes::Scalar;
 
 /// A body that is read from front to back. Copies go their own ways.
 pub(super) trait Source: Clone {

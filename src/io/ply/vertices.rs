@@ -5,7 +5,7 @@ use super::source::Source;
 use super::{checked_count, skip};
 use crate::base::error::{Error, Place, Result};
 use crate::io::bytes::{EXPORT_AGAIN, malformed};
-use crate::surface::attributes::{Attribute, COLOR, NORMAL, Scalar};
+use crate::mesh::attributes::{Attribute, COLOR, NORMAL, Scalar};
 use glam::{DVec2, DVec3};
 
 /// Properties that are components of one attribute, if the first three are there.

@@ -1,7 +1,7 @@
 //! Writing PLY.
 
 use crate::io::Content;
-use crate::surface::attributes::{Attribute, Scalar};
+use crate::mesh::attributes::{Attribute, Scalar};
 use std::io::{self, Write};
 
 /// Writes binary little-endian PLY with double coordinates, so that reading gives the same mesh. Attributes keep their

@@ -1,0 +1,4 @@
+//! Triangles all over an implicit surface.
+
+pub mod extract;
+pub mod lattice;

@@ -1,0 +1,56 @@
+//! Moves the vertices of a manifold over its domain: all of them once, each to where a rule wants it, tangentially and
+//! back on the surface; vertices on a curve stay on it. A step that would turn a triangle against the surface is halved
+//! until it does not.
+//!
+//! Vertices of one colour, no two of them adjacent, move at the same time: the result is the same for any number of
+//! threads.
+
+use crate::manifold::Manifold;
+use crate::mesh::topology::NONE;
+use crate::surface::domain::{Domain, Sample};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// How often a step that would fold the mesh is halved before the vertex stays.
+const HALVINGS: usize = 4;
+
+/// Least cosine between a triangle and the surface after a step, unless it was worse before.
+const LEAST_FACING: f64 = 0.3;
+
+/// Vertices that one task moves.
+const CHUNK: usize = 64;
+
+/// Moves all vertices that are not fixed once. `way` is where a vertex wants to go from where it is.
+pub fn move_vertices(domain: &Domain, mesh: &mut Manifold, way: impl Fn(&Manifold, u32) -> DVec3 + Sync + Send) {
+    for class in mesh.colour_classes() {
+        let moved: Vec<Sample> =
+            class.par_iter().with_min_len(CHUNK).map(|&v| step(domain, mesh, v, way(mesh, v))).collect();
+        for (&v, sample) in class.iter().zip(moved) {
+            mesh.samples[v as usize] = sample;
+        }
+    }
+}
+
+/// Where vertex `v` comes to on its way.
+fn step(domain: &Domain, mesh: &Manifold, v: u32, way: DVec3) -> Sample {
+    let here = mesh.samples[v as usize];
+    let on_curve = mesh.connectivity.curve_at(v) != NONE;
+    let mut way = if on_curve { way } else { way.reject_from_normalized(here.normal) };
+    if !way.is_finite() || way == DVec3::ZERO {
+        return here;
+    }
+    for _ in 0..HALVINGS {
+        let there = mesh.place_after(domain, v, way, &here);
+        if mesh.faces_surface(v, &there, LEAST_FACING) || is_no_worse(mesh, v, &there) {
+            return there;
+        }
+        way *= 0.5;
+    }
+    here
+}
+
+/// Whether the worst triangle around `v` faces the surface as well with `v` at `there` as it does now.
+#[cold]
+fn is_no_worse(mesh: &Manifold, v: u32, there: &Sample) -> bool {
+    mesh.worst_facing(v, there) >= mesh.worst_facing(v, &mesh.samples[v as usize])
+}

@@ -1,0 +1,119 @@
+//! Cuts a mesh open along edges: its smooth patches come apart, and each edge of the cut becomes two boundary sides.
+//!
+//! A cut that ends within a patch leaves a slit there, whose end stays one vertex.
+//!
+//! Cost: linear in the triangles.
+
+use crate::base::union_find::UnionFind;
+use crate::mesh::half_edge::next;
+use crate::mesh::topology::NONE;
+use crate::mesh::triangle_mesh::Mesh;
+
+/// A mesh cut open, and how it belongs together.
+pub struct Cut {
+    /// The mesh with the vertices on the cut doubled: the triangles are the same, one by one.
+    pub mesh: Mesh,
+    /// The side across each side where both are still joined, else [`NONE`].
+    pub twin: Vec<u32>,
+    /// The side that was across each side before it was cut, [`NONE`] for all others.
+    pub across: Vec<u32>,
+    /// For each vertex the one it was before; the first copy of a vertex keeps its number.
+    pub original: Vec<u32>,
+}
+
+/// Cuts `mesh` along the sides that are `sharp`, which has to hold for both sides of an edge. `twin` is as
+/// [`twins`](crate::mesh::topology::twins) says.
+pub fn cut(mut mesh: Mesh, mut twin: Vec<u32>, sharp: &[bool]) -> Cut {
+    let mut across = vec![NONE; twin.len()];
+    for side in (0..twin.len()).filter(|&s| sharp[s]) {
+        across[side] = std::mem::replace(&mut twin[side], NONE);
+    }
+    // The corners around a vertex that are still joined are one fan.
+    let mut fans = UnionFind::new(twin.len());
+    for side in 0..twin.len() as u32 {
+        let other = twin[side as usize];
+        if other != NONE {
+            fans.join(side, next(other));
+        }
+    }
+    let mut original: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+    let mut first_fan = vec![NONE; mesh.positions.len()];
+    let mut copy_of_fan = vec![NONE; twin.len()];
+    for corner in 0..twin.len() as u32 {
+        let fan = fans.find(corner) as usize;
+        let vertex = &mut mesh.triangles[corner as usize / 3][corner as usize % 3];
+        if copy_of_fan[fan] == NONE {
+            let first = &mut first_fan[*vertex as usize];
+            if *first == NONE {
+                *first = fan as u32;
+                copy_of_fan[fan] = *vertex;
+            } else {
+                copy_of_fan[fan] = original.len() as u32;
+                original.push(*vertex);
+                mesh.positions.push(mesh.positions[*vertex as usize]);
+            }
+        }
+        *vertex = copy_of_fan[fan];
+    }
+    Cut { mesh, twin, across, original }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::topology::{topology, twins};
+    use glam::DVec3;
+
+    /// A grid of n by n squares in the plane.
+    fn sheet(n: u32) -> Mesh {
+        let width = n + 1;
+        let positions =
+            (0..width * width).map(|v| DVec3::new(f64::from(v % width), f64::from(v / width), 0.0)).collect();
+        let squares = (0..n).flat_map(|j| (0..n).map(move |i| j * width + i));
+        let triangles = squares.flat_map(|v| [[v, v + 1, v + width + 1], [v, v + width + 1, v + width]]).collect();
+        Mesh { positions, triangles }
+    }
+
+    /// The sheet of 4 by 4 squares cut along the vertical line x = 2 between these heights.
+    fn cut_sheet(from: f64, to: f64) -> Cut {
+        let mesh = sheet(4);
+        let twin = twins(&mesh.triangles);
+        let on_line = |v: u32| {
+            let p = mesh.positions[v as usize];
+            p.x == 2.0 && (from..=to).contains(&p.y)
+        };
+        let ends = |s: usize| [s, next(s as u32) as usize].map(|s| mesh.triangles[s / 3][s % 3]);
+        let sharp: Vec<bool> = (0..twin.len()).map(|s| ends(s).into_iter().all(on_line)).collect();
+        cut(mesh.clone(), twin, &sharp)
+    }
+
+    #[test]
+    fn a_cut_from_side_to_side_makes_two_pieces() {
+        let halves = cut_sheet(0.0, 4.0);
+        let t = topology(halves.mesh.positions.len(), &halves.mesh.triangles);
+        assert_eq!((t.components, t.boundary_loops, t.vertices), (2, 2, 30));
+        assert_eq!(halves.across.iter().filter(|a| **a != NONE).count(), 8);
+        assert_eq!(halves.twin, twins(&halves.mesh.triangles));
+        for v in 0..30 {
+            assert_eq!(halves.mesh.positions[v], halves.mesh.positions[halves.original[v] as usize]);
+        }
+    }
+
+    #[test]
+    fn a_cut_that_ends_inside_makes_a_slit() {
+        let inside = cut_sheet(1.0, 3.0);
+        let t = topology(inside.mesh.positions.len(), &inside.mesh.triangles);
+        assert_eq!((t.components, t.boundary_loops, t.vertices, t.euler), (1, 2, 26, 0));
+        let from_the_rim = cut_sheet(0.0, 2.0);
+        let t = topology(from_the_rim.mesh.positions.len(), &from_the_rim.mesh.triangles);
+        assert_eq!((t.components, t.boundary_loops, t.vertices), (1, 1, 27));
+    }
+
+    #[test]
+    fn nothing_is_cut_where_nothing_is_sharp() {
+        let mesh = sheet(3);
+        let twin = twins(&mesh.triangles);
+        let whole = cut(mesh.clone(), twin.clone(), &vec![false; twin.len()]);
+        assert_eq!((whole.mesh, whole.twin), (mesh, twin));
+    }
+}

@@ -1,0 +1,585 @@
+//! The connectivity of a triangle mesh that changes: half-edges in flat arrays, without positions.
+//!
+//! Half-edge 3 t + k runs from corner k of triangle t to its corner k + 1, so next and previous are arithmetic and only
+//! origin and twin are stored. Of a boundary vertex the outgoing half-edge that is kept is the one on the boundary:
+//! turning counter-clockwise from it meets all others.
+//!
+//! Edges can be laid on curves: sharp edges of the surface and its boundary. Such an edge is never flipped, a vertex on
+//! a curve merges along it only, and one where curves meet or end, a corner, not at all. So curves stay what they are.
+//! Edges of a seam, along which the mesh will be joined to another one, and of the triangles at it are not split either,
+//! and the ends of those are corners: a seam stays as it is to the last edge.
+//!
+//! Removed triangles and vertices leave gaps until [`Connectivity::compact`].
+
+use crate::mesh::topology::{NONE, twins};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The half-edge after `h` in its triangle.
+#[inline]
+pub fn next(h: u32) -> u32 {
+    if h % 3 == 2 { h - 2 } else { h + 1 }
+}
+
+/// The half-edge before `h` in its triangle.
+#[inline]
+pub fn prev(h: u32) -> u32 {
+    if h.is_multiple_of(3) { h + 2 } else { h - 1 }
+}
+
+/// In the place of a curve's number: a vertex where curves meet or end.
+pub const CORNER: u32 = NONE - 1;
+
+/// In the place of a curve's number: the seam.
+pub const SEAM: u32 = NONE - 2;
+
+/// Triangles and their neighbours.
+#[derive(Debug, Clone, Default)]
+pub struct Connectivity {
+    origin: Vec<u32>,
+    twin: Vec<u32>,
+    /// The curve that each half-edge lies on, or [`NONE`].
+    curve: Vec<u32>,
+    out: Vec<u32>,
+    /// The curve that each vertex lies on, [`CORNER`] or [`NONE`].
+    curve_at: Vec<u32>,
+    live_vertices: usize,
+    live_triangles: usize,
+}
+
+impl Connectivity {
+    /// The connectivity of an oriented 2-manifold over `vertex_count` vertices, all of them used.
+    pub fn new(vertex_count: usize, triangles: &[[u32; 3]]) -> Self {
+        let origin: Vec<u32> = triangles.iter().flatten().copied().collect();
+        let twin = twins(triangles);
+        let mut out = vec![NONE; vertex_count];
+        for h in 0..origin.len() {
+            let slot = &mut out[origin[h] as usize];
+            if *slot == NONE || twin[h] == NONE {
+                *slot = h as u32;
+            }
+        }
+        let (curve, curve_at) = (vec![NONE; origin.len()], vec![NONE; vertex_count]);
+        Connectivity {
+            live_triangles: triangles.len(),
+            live_vertices: vertex_count,
+            origin,
+            twin,
+            curve,
+            out,
+            curve_at,
+        }
+    }
+
+    /// Puts vertex `v` on a curve, or makes it a [`CORNER`].
+    pub fn put_on_curve(&mut self, v: u32, curve: u32) {
+        self.curve_at[v as usize] = curve;
+    }
+
+    /// Lays the edge between `v` and `w` on a curve; whether there is one.
+    pub fn lay_on_curve(&mut self, v: u32, w: u32, curve: u32) -> bool {
+        let mut found = false;
+        for (from, to) in [(v, w), (w, v)] {
+            if let Some(h) = self.outgoing(from).find(|&h| self.target(h) == to) {
+                self.curve[h as usize] = curve;
+                found = true;
+            }
+        }
+        found
+    }
+
+    /// The curve that the edge of `h` lies on, or [`NONE`].
+    #[inline]
+    pub fn curve(&self, h: u32) -> u32 {
+        self.curve[h as usize]
+    }
+
+    /// The curve that `v` lies on, [`CORNER`] where curves meet or end, or [`NONE`].
+    #[inline]
+    pub fn curve_at(&self, v: u32) -> u32 {
+        self.curve_at[v as usize]
+    }
+
+    /// The neighbours of `v` along the curve it lies on: none off the curves and at corners.
+    pub fn along_curve(&self, v: u32) -> Option<[u32; 2]> {
+        let curve = self.curve_at(v);
+        if curve >= CORNER {
+            return None;
+        }
+        let mut ends = [NONE; 2];
+        for h in self.outgoing(v) {
+            if self.curve(h) == curve {
+                ends[usize::from(ends[0] != NONE)] = self.target(h);
+            }
+            if self.twin(prev(h)) == NONE && self.curve(prev(h)) == curve {
+                ends[1] = self.apex(h);
+            }
+        }
+        (!ends.contains(&NONE)).then_some(ends)
+    }
+
+    /// Vertices that are there, gaps not counted.
+    pub fn vertex_count(&self) -> usize {
+        self.live_vertices
+    }
+
+    /// One more than the largest vertex number.
+    pub fn vertex_bound(&self) -> u32 {
+        self.out.len() as u32
+    }
+
+    /// One more than the largest half-edge number.
+    pub fn half_edge_bound(&self) -> u32 {
+        self.origin.len() as u32
+    }
+
+    /// Whether vertex `v` has not been removed.
+    #[inline]
+    pub fn has_vertex(&self, v: u32) -> bool {
+        self.out[v as usize] != NONE
+    }
+
+    /// Whether the triangle of half-edge `h` has not been removed.
+    #[inline]
+    pub fn has_half_edge(&self, h: u32) -> bool {
+        self.origin[h as usize] != NONE
+    }
+
+    /// The vertex that `h` begins at.
+    #[inline]
+    pub fn origin(&self, h: u32) -> u32 {
+        self.origin[h as usize]
+    }
+
+    /// The vertex that `h` ends at.
+    #[inline]
+    pub fn target(&self, h: u32) -> u32 {
+        self.origin[next(h) as usize]
+    }
+
+    /// The half-edge that runs back along `h`, or [`NONE`] at the boundary.
+    #[inline]
+    pub fn twin(&self, h: u32) -> u32 {
+        self.twin[h as usize]
+    }
+
+    /// The corner of the triangle of `h` that `h` does not touch.
+    #[inline]
+    pub fn apex(&self, h: u32) -> u32 {
+        self.origin[prev(h) as usize]
+    }
+
+    /// The corners of the triangle of `h`, from the origin of `h` on.
+    #[inline]
+    pub fn triangle(&self, h: u32) -> [u32; 3] {
+        [self.origin(h), self.target(h), self.apex(h)]
+    }
+
+    /// Whether `v` lies on the boundary.
+    #[inline]
+    pub fn is_boundary(&self, v: u32) -> bool {
+        self.twin[self.out[v as usize] as usize] == NONE
+    }
+
+    /// The half-edges that leave `v`, counter-clockwise, one for each triangle there.
+    #[inline]
+    pub fn outgoing(&self, v: u32) -> Outgoing<'_> {
+        Outgoing { mesh: self, first: self.out[v as usize], at: self.out[v as usize] }
+    }
+
+    /// The neighbours of `v`, counter-clockwise.
+    #[inline]
+    pub fn ring(&self, v: u32) -> impl Iterator<Item = u32> {
+        let mut last = NONE;
+        let mut outgoing = self.outgoing(v);
+        std::iter::from_fn(move || match outgoing.next() {
+            Some(h) => {
+                last = h;
+                Some(self.target(h))
+            }
+            None if last != NONE && self.twin(prev(last)) == NONE => {
+                let end = self.apex(last);
+                last = NONE;
+                Some(end)
+            }
+            None => None,
+        })
+    }
+
+    /// The number of edges at `v`.
+    pub fn valence(&self, v: u32) -> usize {
+        self.ring(v).count()
+    }
+
+    /// Whether there is an edge between `v` and `w`.
+    pub fn are_adjacent(&self, v: u32, w: u32) -> bool {
+        self.ring(v).any(|u| u == w)
+    }
+
+    /// Whether the edge of `h` can be flipped: it has two faces, is not on a curve, and the new edge is not there
+    /// already.
+    pub fn can_flip(&self, h: u32) -> bool {
+        let g = self.twin(h);
+        g != NONE
+            && self.curve(h) == NONE
+            && self.apex(h) != self.apex(g)
+            && !self.are_adjacent(self.apex(h), self.apex(g))
+    }
+
+    /// Replaces the edge of `h` by the other diagonal of its two triangles; `h` is the new edge from the apex across to
+    /// the apex on its own side. Only if [`Self::can_flip`].
+    pub fn flip(&mut self, h: u32) {
+        let g = self.twin(h);
+        let [a, b, c] = self.triangle(h);
+        let d = self.apex(g);
+        let (bc, ca) = (self.twin(next(h)), self.twin(prev(h)));
+        let (ad, db) = (self.twin(next(g)), self.twin(prev(g)));
+        let outs = [a, b, c, d].map(|v| self.is_boundary(v).then(|| self.out[v as usize]));
+        let old = [next(h), prev(h), next(g), prev(g)];
+        let new = [prev(g), next(h), prev(h), next(g)];
+        let curves = old.map(|side| self.curve(side));
+        for (i, (from, across)) in [(b, bc), (c, ca), (a, ad), (d, db)].into_iter().enumerate() {
+            let side = new[i];
+            self.origin[side as usize] = from;
+            self.curve[side as usize] = curves[i];
+            self.glue(side, across);
+            self.out[from as usize] = side;
+        }
+        self.origin[h as usize] = d;
+        self.origin[g as usize] = c;
+        for (v, out) in [a, b, c, d].into_iter().zip(outs) {
+            if let Some(out) = out {
+                let moved = old.iter().position(|&o| o == out);
+                self.out[v as usize] = moved.map_or(out, |i| new[i]);
+            }
+        }
+    }
+
+    /// Whether `v` is an end of an edge of the seam, which is on the boundary.
+    pub fn is_on_seam(&self, v: u32) -> bool {
+        let on_seam = |h: u32| self.twin(h) == NONE && self.curve(h) == SEAM;
+        self.is_boundary(v) && self.outgoing(v).any(|h| on_seam(h) || on_seam(prev(h)))
+    }
+
+    /// Whether the edge of `h` can be split: not those of a triangle at the seam. Vertices between its ends and the corner
+    /// across would pile up along it.
+    pub fn can_split(&self, h: u32) -> bool {
+        let sides = [h, self.twin(h)].into_iter().filter(|&h| h != NONE).flat_map(|h| [h, next(h), prev(h)]);
+        sides.into_iter().all(|side| self.curve(side) != SEAM)
+    }
+
+    /// Takes all edges and vertices off their curves, but for those of the seam.
+    pub fn forget_curves(&mut self) {
+        self.curve.iter_mut().filter(|curve| **curve != SEAM).for_each(|curve| *curve = NONE);
+        for v in 0..self.vertex_bound() {
+            if !self.has_vertex(v) || !self.is_on_seam(v) {
+                self.curve_at[v as usize] = NONE;
+            }
+        }
+    }
+
+    /// The link condition: whether merging the origin of `h` into its target leaves a manifold of the same topology.
+    ///
+    /// A boundary vertex merges along the boundary only, one on a curve along that. H. Edelsbrunner, Geometry and
+    /// topology for mesh generation, 2001, section 4.2.
+    pub fn can_collapse(&self, h: u32) -> bool {
+        let (a, b, g) = (self.origin(h), self.target(h), self.twin(h));
+        if self.is_boundary(a) && g != NONE || !self.keeps_curves(h) {
+            return false;
+        }
+        let shared = self.ring(a).filter(|&v| v != b && self.are_adjacent(v, b)).count();
+        let faces = 1 + usize::from(g != NONE);
+        let apex_stays = |h: u32| {
+            let c = self.apex(h);
+            self.valence(c) > if self.is_boundary(c) { 2 } else { 3 }
+        };
+        shared == faces && apex_stays(h) && (g == NONE || apex_stays(g))
+    }
+
+    /// Whether merging the origin of `h` into its target leaves every curve what it is.
+    fn keeps_curves(&self, h: u32) -> bool {
+        let (curve, g) = (self.curve_at(self.origin(h)), self.twin(h));
+        let alone = || self.curve(prev(h)) == NONE && (g == NONE || self.curve(next(g)) == NONE);
+        curve == NONE || curve != CORNER && self.curve(h) == curve && alone()
+    }
+
+    /// Merges the origin of `h` into its target. Only if [`Self::can_collapse`].
+    pub fn collapse(&mut self, h: u32) {
+        let (a, b, g) = (self.origin(h), self.target(h), self.twin(h));
+        let moved: Vec<u32> = self.outgoing(a).collect();
+        for out in moved {
+            self.origin[out as usize] = b;
+        }
+        self.out[a as usize] = NONE;
+        self.live_vertices -= 1;
+        for side in [h, g] {
+            if side != NONE {
+                self.close(side);
+            }
+        }
+    }
+
+    /// Removes the triangle of `h`, whose ends are one vertex by now, and glues its other two sides.
+    fn close(&mut self, h: u32) {
+        let (end, apex) = (self.origin(next(h)), self.apex(h));
+        let (one, other) = (self.twin(next(h)), self.twin(prev(h)));
+        // At most one of the two edges that become one is on a curve.
+        let curve = self.curve(next(h)).min(self.curve(prev(h)));
+        for side in [one, other].into_iter().filter(|&side| side != NONE) {
+            self.curve[side as usize] = curve;
+        }
+        if one != NONE {
+            self.glue(one, other);
+        } else if other != NONE {
+            self.glue(other, NONE);
+        }
+        for side in [h, next(h), prev(h)] {
+            self.origin[side as usize] = NONE;
+            self.twin[side as usize] = NONE;
+        }
+        self.live_triangles -= 1;
+        // `one` runs from the apex to the merged vertex, `other` back.
+        let (from_apex, from_end) = if one != NONE { (one, next(one)) } else { (next(other), other) };
+        self.set_out(apex, from_apex);
+        self.set_out(end, from_end);
+    }
+
+    /// Makes the boundary half-edge of the fan of `out` the one that `v` keeps, or `out` itself inside.
+    fn set_out(&mut self, v: u32, out: u32) {
+        let mut h = out;
+        while self.twin(h) != NONE {
+            h = next(self.twin(h));
+            if h == out {
+                break;
+            }
+        }
+        self.out[v as usize] = h;
+    }
+
+    fn glue(&mut self, h: u32, g: u32) {
+        self.twin[h as usize] = g;
+        if g != NONE {
+            self.twin[g as usize] = h;
+        }
+    }
+
+    /// Puts a new vertex on the edge of `h` and joins it to the apexes; its number.
+    pub fn split_edge(&mut self, h: u32) -> u32 {
+        let v = self.out.len() as u32;
+        self.live_vertices += 1;
+        let g = self.twin(h);
+        let far = self.split_side(h, v);
+        // v keeps the half-edge onwards along h: on the boundary that is the boundary's.
+        self.out.push(far);
+        self.curve_at.push(self.curve(h));
+        if g == NONE {
+            return v;
+        }
+        let near = self.split_side(g, v);
+        self.glue(h, near);
+        self.glue(g, far);
+        v
+    }
+
+    /// Cuts the triangle of `h` from `v`, put on `h`, to the apex; the half-edge from `v` to the old end of `h`.
+    fn split_side(&mut self, h: u32, v: u32) -> u32 {
+        let (b, c) = (self.target(h), self.apex(h));
+        let new = self.origin.len() as u32;
+        let across = self.twin(next(h));
+        self.origin.extend([v, b, c]);
+        self.twin.extend([NONE; 3]);
+        self.curve.extend([self.curve(h), self.curve(next(h)), NONE]);
+        self.curve[next(h) as usize] = NONE;
+        self.live_triangles += 1;
+        self.glue(new + 1, across);
+        self.origin[next(h) as usize] = v;
+        self.glue(next(h), new + 2);
+        if self.out[b as usize] == next(h) {
+            self.out[b as usize] = new + 1;
+        }
+        new
+    }
+
+    /// Puts `triangles` in the place of those with the numbers in `old`, of which there are as many, with the same
+    /// border. Whether it could be: not if one of the new edges is there already, elsewhere.
+    pub fn replace(&mut self, old: &[u32], triangles: &[[u32; 3]]) -> bool {
+        let sides = || old.iter().flat_map(|&t| 3 * t..3 * t + 3);
+        let inside = |h: u32| old.binary_search(&(h / 3)).is_ok();
+        let border = sides().filter(|&h| self.twin(h) == NONE || !inside(self.twin(h)));
+        // What is across each side of the border, and its curve.
+        let mut open: BTreeMap<[u32; 2], (u32, u32)> =
+            border.map(|h| ([self.origin(h), self.target(h)], (self.twin(h), self.curve(h)))).collect();
+        let known: BTreeSet<[u32; 2]> = sides().map(|h| [self.origin(h), self.target(h)]).collect();
+        let edges = || triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        if edges().any(|edge| !known.contains(&edge) && self.has_edge(edge)) {
+            return false;
+        }
+        debug_assert_eq!(old.len(), triangles.len());
+        for (side, edge) in sides().zip(edges()) {
+            self.origin[side as usize] = edge[0];
+            self.twin[side as usize] = NONE;
+            self.curve[side as usize] = NONE;
+            match open.remove(&edge) {
+                Some((across, curve)) => {
+                    self.curve[side as usize] = curve;
+                    self.glue(side, across);
+                }
+                None => {
+                    open.insert([edge[1], edge[0]], (side, NONE));
+                }
+            }
+        }
+        for side in sides() {
+            self.set_out(self.origin(side), side);
+        }
+        true
+    }
+
+    /// Whether there is an edge between `a` and `b`, either of which may have been removed.
+    fn has_edge(&self, [a, b]: [u32; 2]) -> bool {
+        self.has_vertex(a) && self.has_vertex(b) && self.are_adjacent(a, b)
+    }
+
+    /// The triangles in the order of their half-edges, and for each of their vertices its old number.
+    pub fn compact(&self) -> (Vec<[u32; 3]>, Vec<u32>) {
+        let old: Vec<u32> = (0..self.vertex_bound()).filter(|&v| self.has_vertex(v)).collect();
+        let mut number = vec![NONE; self.out.len()];
+        for (&v, n) in old.iter().zip(0u32..) {
+            number[v as usize] = n;
+        }
+        let live = self.origin.chunks_exact(3).filter(|t| t[0] != NONE);
+        let triangles = live.map(|t| [t[0], t[1], t[2]].map(|v| number[v as usize])).collect();
+        (triangles, old)
+    }
+}
+
+/// See [`Connectivity::outgoing`].
+pub struct Outgoing<'a> {
+    mesh: &'a Connectivity,
+    first: u32,
+    at: u32,
+}
+
+impl Iterator for Outgoing<'_> {
+    type Item = u32;
+
+    #[inline]
+    fn next(&mut self) -> Option<u32> {
+        let h = self.at;
+        if h == NONE {
+            return None;
+        }
+        self.at = self.mesh.twin(prev(h));
+        if self.at == self.first {
+            self.at = NONE;
+        }
+        Some(h)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::rng::{Stage, stream};
+    use crate::mesh::topology::{Topology, topology};
+    use proptest::prelude::*;
+    use rand_chacha::rand_core::Rng;
+
+    /// A grid of n by n squares, its opposite sides glued (a torus) or not (a disk).
+    fn grid(n: u32, torus: bool) -> (usize, Vec<[u32; 3]>) {
+        let width = if torus { n } else { n + 1 };
+        let at = |i: u32, j: u32| (i % width) * width + j % width;
+        let square = |i, j| {
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        };
+        let triangles = (0..n).flat_map(|i| (0..n).flat_map(move |j| square(i, j))).collect();
+        ((width * width) as usize, triangles)
+    }
+
+    /// Everything that must hold between the arrays; the topology of what is left.
+    fn audit(mesh: &Connectivity) -> Topology {
+        for h in (0..mesh.half_edge_bound()).filter(|&h| mesh.has_half_edge(h)) {
+            let g = mesh.twin(h);
+            if g != NONE {
+                assert_eq!((mesh.twin(g), mesh.origin(g), mesh.target(g)), (h, mesh.target(h), mesh.origin(h)));
+            }
+            let v = mesh.origin(h);
+            assert_eq!(mesh.origin(mesh.out[v as usize]), v);
+            assert!(mesh.outgoing(v).any(|o| o == h), "half-edge {h} is not in the fan of its origin");
+        }
+        let (triangles, old) = mesh.compact();
+        assert_eq!((old.len(), triangles.len()), (mesh.vertex_count(), mesh.live_triangles));
+        let t = topology(old.len(), &triangles);
+        assert!(t.is_manifold() && t.is_oriented() && t.vertices == old.len(), "{t:?}");
+        t
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+        #[test]
+        fn any_allowed_operations_keep_the_topology(seed in any::<u64>(), torus in any::<bool>()) {
+            let (n, triangles) = grid(6, torus);
+            let mut mesh = Connectivity::new(n, &triangles);
+            let before = audit(&mesh);
+            let mut rng = stream(seed, Stage::Scan);
+            for _ in 0..300 {
+                let h = rng.next_u32() % mesh.half_edge_bound();
+                if !mesh.has_half_edge(h) {
+                    continue;
+                }
+                match rng.next_u32() % 5 {
+                    0 => { mesh.split_edge(h); }
+                    1 if mesh.can_flip(h) => mesh.flip(h),
+                    2.. if mesh.can_collapse(h) => mesh.collapse(h),
+                    _ => {}
+                }
+            }
+            let after = audit(&mesh);
+            prop_assert_eq!(
+                (before.euler, before.components, before.boundary_loops),
+                (after.euler, after.components, after.boundary_loops)
+            );
+        }
+    }
+
+    #[test]
+    fn collapsing_all_that_can_be_ends_at_the_smallest_of_its_kind() {
+        for (torus, fewest) in [(false, 3), (true, 7)] {
+            let (n, triangles) = grid(5, torus);
+            let mut mesh = Connectivity::new(n, &triangles);
+            while let Some(h) = (0..mesh.half_edge_bound()).find(|&h| mesh.has_half_edge(h) && mesh.can_collapse(h)) {
+                mesh.collapse(h);
+            }
+            audit(&mesh);
+            assert!(mesh.vertex_count() >= fewest && mesh.vertex_count() <= fewest + 3);
+        }
+    }
+
+    #[test]
+    fn triangles_are_replaced_by_others_with_the_same_border() {
+        let (n, triangles) = grid(4, false);
+        let mut mesh = Connectivity::new(n, &triangles);
+        let [a, b, c] = mesh.triangle(0);
+        let d = mesh.triangle(3).into_iter().find(|v| ![a, b, c].contains(v)).unwrap();
+        assert!(mesh.replace(&[0, 1], &[[b, c, d], [b, d, a]]));
+        assert!(mesh.are_adjacent(b, d) && !mesh.are_adjacent(a, c));
+        assert_eq!(audit(&mesh).boundary_loops, 1);
+    }
+
+    #[test]
+    fn triangles_are_not_replaced_where_an_edge_would_be_there_twice() {
+        let faces = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
+        let mut mesh = Connectivity::new(4, &faces);
+        assert!(!mesh.replace(&[0, 1], &[[1, 2, 3], [1, 3, 0]]));
+        assert_eq!((audit(&mesh).euler, mesh.compact().0), (2, faces.to_vec()));
+    }
+
+    #[test]
+    fn a_tetrahedron_has_nothing_to_give() {
+        let mut mesh = Connectivity::new(4, &[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]);
+        assert!((0..12).all(|h| !mesh.can_collapse(h) && !mesh.can_flip(h)));
+        let v = mesh.split_edge(0);
+        assert_eq!((v, mesh.valence(v)), (4, 4));
+        assert_eq!(audit(&mesh).euler, 2);
+    }
+}

@@ -1,0 +1,11 @@
+//! Meshes and clouds as data: positions, triangles, connectivity, attributes; nothing is searched here.
+
+pub mod attributes;
+pub mod cut;
+pub mod half_edge;
+pub mod normals;
+pub mod points;
+pub mod submesh;
+pub mod topology;
+pub mod triangle_mesh;
+pub mod weld;

@@ -1,0 +1,223 @@
+//! What a triangle mesh is, apart from its positions: manifold or not, oriented or not, of which genus, in how many
+//! pieces, with how many holes.
+//!
+//! Cost: linear in the triangles, plus one sort of the edges.
+
+use crate::base::union_find::UnionFind;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// No neighbour across an edge: a boundary.
+pub const NONE: u32 = u32::MAX;
+
+/// The topology of a mesh, counted over the vertices that triangles use.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Topology {
+    /// Vertices that triangles use.
+    pub vertices: usize,
+    /// Edges, each counted once.
+    pub edges: usize,
+    /// Triangles.
+    pub faces: usize,
+    /// Euler characteristic, vertices - edges + faces.
+    pub euler: i64,
+    /// Pieces connected through edges.
+    pub components: usize,
+    /// Closed chains of boundary edges (pieces of the boundary that are connected through vertices).
+    pub boundary_loops: usize,
+    /// Edges with three faces or more.
+    pub nonmanifold_edges: usize,
+    /// Vertices whose faces make more than one fan.
+    pub nonmanifold_vertices: usize,
+    /// Edges whose two faces run along it in the same direction.
+    pub misoriented_edges: usize,
+}
+
+impl Topology {
+    /// Whether every edge has at most two faces and every vertex one fan.
+    pub fn is_manifold(&self) -> bool {
+        self.nonmanifold_edges == 0 && self.nonmanifold_vertices == 0
+    }
+
+    /// Whether neighbouring faces agree on which side is outside.
+    pub fn is_oriented(&self) -> bool {
+        self.misoriented_edges == 0
+    }
+}
+
+/// The topology of `triangles` over vertices numbered below `vertex_count`.
+///
+/// Triangles with two equal corners are counted as faces but make no edge between the equal corners.
+pub fn topology(vertex_count: usize, triangles: &[[u32; 3]]) -> Topology {
+    let sides = sorted_sides(triangles);
+    let mut t = Topology { faces: triangles.len(), ..Topology::default() };
+    let mut pieces = UnionFind::new(vertex_count);
+    let mut boundary = UnionFind::new(vertex_count);
+    let mut on_boundary = vec![false; vertex_count];
+    let mut fans = UnionFind::new(3 * triangles.len());
+    for group in sides.chunk_by(|a, b| a.ends == b.ends) {
+        let [lo, hi] = group[0].ends;
+        t.edges += 1;
+        pieces.join(lo, hi);
+        match group {
+            [_] => {
+                boundary.join(lo, hi);
+                on_boundary[lo as usize] = true;
+                on_boundary[hi as usize] = true;
+            }
+            [a, b] if a.forward == b.forward => t.misoriented_edges += 1,
+            [_, _] => {}
+            _ => t.nonmanifold_edges += 1,
+        }
+        for pair in group.windows(2) {
+            for v in [lo, hi] {
+                fans.join(pair[0].corner_at(v, triangles), pair[1].corner_at(v, triangles));
+            }
+        }
+    }
+    let mut fans_at = vec![0u32; vertex_count];
+    let mut used = vec![false; vertex_count];
+    for (f, triangle) in triangles.iter().enumerate() {
+        for (k, &v) in triangle.iter().enumerate() {
+            used[v as usize] = true;
+            let corner = (3 * f + k) as u32;
+            fans_at[v as usize] += u32::from(fans.find(corner) == corner);
+        }
+    }
+    for v in 0..vertex_count {
+        t.vertices += usize::from(used[v]);
+        t.components += usize::from(used[v] && pieces.find(v as u32) == v as u32);
+        t.boundary_loops += usize::from(on_boundary[v] && boundary.find(v as u32) == v as u32);
+        t.nonmanifold_vertices += usize::from(fans_at[v] > 1);
+    }
+    t.euler = t.vertices as i64 - t.edges as i64 + t.faces as i64;
+    t
+}
+
+/// For each corner `3 t + k` of a manifold mesh, the corner whose opposite side is the same edge seen from the other
+/// face, or [`NONE`] at a boundary. Side `k` of a triangle runs from corner `k` to corner `k + 1`; entry `3 t + k` is
+/// the side `3 u + l` that runs back along it.
+///
+/// Edges with more than two faces, or with two that run the same way, are left without neighbours.
+pub fn twins(triangles: &[[u32; 3]]) -> Vec<u32> {
+    let mut twin = vec![NONE; 3 * triangles.len()];
+    for group in sorted_sides(triangles).chunk_by(|a, b| a.ends == b.ends) {
+        if let [a, b] = group
+            && a.forward != b.forward
+        {
+            twin[a.side as usize] = b.side;
+            twin[b.side as usize] = a.side;
+        }
+    }
+    twin
+}
+
+/// The piece of each vertex, numbered in the order of the first vertex of each; unused vertices are pieces too.
+pub fn components(vertex_count: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
+    let mut pieces = UnionFind::new(vertex_count);
+    for &[a, b, c] in triangles {
+        pieces.join(a, b);
+        pieces.join(b, c);
+    }
+    let mut number = vec![NONE; vertex_count];
+    let mut next = 0;
+    (0..vertex_count as u32)
+        .map(|v| {
+            let root = pieces.find(v) as usize;
+            if number[root] == NONE {
+                number[root] = next;
+                next += 1;
+            }
+            number[root]
+        })
+        .collect()
+}
+
+/// One side of a triangle as an undirected edge.
+#[derive(Clone, Copy)]
+pub(crate) struct Side {
+    /// End vertices, the smaller first.
+    pub ends: [u32; 2],
+    /// `3 t + k`: the side from corner `k` to corner `k + 1` of triangle `t`.
+    pub side: u32,
+    /// Whether the triangle runs from the smaller end to the larger.
+    pub forward: bool,
+}
+
+impl Side {
+    /// The corner index at `v`, an end of this side.
+    fn corner_at(&self, v: u32, triangles: &[[u32; 3]]) -> u32 {
+        let (t, k) = (self.side / 3, self.side % 3);
+        if triangles[t as usize][k as usize] == v { self.side } else { 3 * t + (k + 1) % 3 }
+    }
+}
+
+/// All sides of all triangles, those of one edge together, in the order of edge and side.
+///
+/// A counting sort by the smaller end and a small sort for each: linear for meshes of bounded valence.
+pub(crate) fn sorted_sides(triangles: &[[u32; 3]]) -> Vec<Side> {
+    let sides = || {
+        triangles.iter().zip(0u32..).flat_map(|(t, f)| {
+            (0..3usize).filter_map(move |k| {
+                let (a, b) = (t[k], t[(k + 1) % 3]);
+                (a != b).then_some(Side { ends: [a.min(b), a.max(b)], side: 3 * f + k as u32, forward: a < b })
+            })
+        })
+    };
+    let vertices = triangles.iter().flatten().max().map_or(0, |&v| v as usize + 1);
+    let mut start = vec![0u32; vertices + 1];
+    sides().for_each(|s| start[s.ends[0] as usize + 1] += 1);
+    for v in 0..vertices {
+        start[v + 1] += start[v];
+    }
+    let mut fill = start.clone();
+    let mut sorted = vec![Side { ends: [0; 2], side: 0, forward: false }; start[vertices] as usize];
+    for s in sides() {
+        let at = &mut fill[s.ends[0] as usize];
+        sorted[*at as usize] = s;
+        *at += 1;
+    }
+    let of_one_vertex = |a: &Side, b: &Side| a.ends[0] == b.ends[0];
+    sorted.par_chunk_by_mut(of_one_vertex).for_each(|sides| sides.sort_unstable_by_key(|s| (s.ends[1], s.side)));
+    sorted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TETRAHEDRON: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+
+    #[test]
+    fn a_tetrahedron_is_a_sphere() {
+        let t = topology(4, &TETRAHEDRON);
+        assert_eq!((t.vertices, t.edges, t.faces, t.euler), (4, 6, 4, 2));
+        assert_eq!((t.components, t.boundary_loops), (1, 0));
+        assert!(t.is_manifold() && t.is_oriented());
+        assert!(twins(&TETRAHEDRON).iter().all(|&s| s != NONE));
+    }
+
+    #[test]
+    fn a_face_less_is_a_disk_and_a_flipped_one_is_noticed() {
+        let t = topology(4, &TETRAHEDRON[..3]);
+        assert_eq!((t.euler, t.boundary_loops), (1, 1));
+        let mut flipped = TETRAHEDRON;
+        flipped[0].swap(0, 1);
+        assert_eq!(topology(4, &flipped).misoriented_edges, 3);
+    }
+
+    #[test]
+    fn three_faces_at_an_edge_and_a_bow_tie_are_not_manifold() {
+        let fan = [[0, 1, 2], [1, 0, 3], [0, 1, 4]];
+        assert_eq!(topology(5, &fan).nonmanifold_edges, 1);
+        let bow_tie = [[0, 1, 2], [0, 3, 4]];
+        let t = topology(5, &bow_tie);
+        assert_eq!((t.nonmanifold_edges, t.nonmanifold_vertices, t.components), (0, 1, 1));
+    }
+
+    #[test]
+    fn unused_vertices_do_not_count() {
+        let t = topology(10, &[[7, 8, 9]]);
+        assert_eq!((t.vertices, t.euler, t.components, t.boundary_loops), (3, 1, 1, 1));
+    }
+}

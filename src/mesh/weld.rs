@@ -1,0 +1,46 @@
+//! One vertex for each place: what a file of separate triangles leaves out.
+//!
+//! Cost: one sort of the vertices.
+
+use crate::mesh::triangle_mesh::Mesh;
+use glam::DVec3;
+use rayon::slice::ParallelSliceMut;
+
+/// The same triangles over vertices that are all at different places, in the order of their first use of a place.
+/// Places are compared exactly, 0 and -0 being one; nothing else changes, so triangles may end up with equal corners.
+pub fn weld(mesh: &Mesh) -> Mesh {
+    // Adding zero makes -0.0 and 0.0 the same bits.
+    let key = |v: u32| (mesh.positions[v as usize] + DVec3::ZERO).to_array().map(f64::to_bits);
+    let mut order: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+    order.par_sort_unstable_by_key(|&v| (key(v), v));
+    let mut first = vec![0; mesh.positions.len()];
+    for place in order.chunk_by(|&a, &b| key(a) == key(b)) {
+        place.iter().for_each(|&v| first[v as usize] = place[0]);
+    }
+    let mut positions = Vec::new();
+    // The number of the first vertex at a place is known before any other one at it asks for it.
+    let mut number = vec![0; first.len()];
+    for v in 0..first.len() {
+        number[v] = number[first[v] as usize];
+        if first[v] as usize == v {
+            number[v] = positions.len() as u32;
+            positions.push(mesh.positions[v]);
+        }
+    }
+    Mesh { positions, triangles: mesh.triangles.iter().map(|t| t.map(|v| number[v as usize])).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn separate_triangles_become_a_surface() {
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(-0.0, 0.0, -0.0), DVec3::Y, DVec3::NEG_X];
+        let welded = weld(&Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2], [3, 4, 5]] });
+        assert_eq!(welded.triangles, [[0, 1, 2], [0, 2, 3]]);
+        assert_eq!(welded.positions, [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::NEG_X]);
+        assert_eq!(weld(&welded), welded);
+        assert_eq!(weld(&Mesh::default()), Mesh::default());
+    }
+}

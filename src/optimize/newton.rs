@@ -1,0 +1,262 @@
+//! One Gauss-Newton step for all vertices of a mesh at once.
+//!
+//! Each vertex has two unknowns, its step along two axes of its tangent plane; on a curve one, along the curve; none
+//! where it is held. The energy's gradient is the sum of those of the triangles, its Hessian the sum of the squares of
+//! linear forms that the triangles give. The equations are solved by conjugate gradients, preconditioned by the 2 x 2
+//! blocks of the vertices.
+//!
+//! Based on: J. Nocedal, S. J. Wright, Numerical Optimization, 2006, chapters 5 and 10, DOI 10.1007/978-0-387-40065-5.
+//!
+//! Cost: about a microsecond a vertex to set up, a tenth of one for each of some ten to twenty iterations.
+
+use crate::manifold::Manifold;
+use crate::mesh::half_edge::{Connectivity, prev};
+use crate::mesh::topology::NONE;
+use glam::{DMat2, DVec2, DVec3};
+use rayon::prelude::*;
+
+/// How the energy of a triangle changes when its corners move.
+pub(super) struct Strain {
+    /// The gradient at each corner.
+    pub gradient: [DVec3; 3],
+    /// Three linear forms, the sum of whose squares is the Hessian, each as what it multiplies the steps of the corners
+    /// with.
+    pub forms: [[DVec3; 3]; 3],
+}
+
+/// Added to the Hessian at each vertex, as a share of what six equilateral triangles of the wanted size give it.
+const DAMPING: f64 = 0.02;
+const OF_REGULAR: f64 = 8.0;
+
+/// Iterations at most, and the share of the first residual at which they end: the next round starts from a better place.
+const MOST_ITERATIONS: usize = 25;
+const TOLERANCE: f64 = 0.05;
+
+/// Vertices that one task works on.
+const CHUNK: usize = 1024;
+
+/// The step of each vertex, by its number. `strain_of` is asked for each triangle, by its vertices, one of them not
+/// held; `spacing` is the edge length that is wanted where the size of samples is 1.
+pub(super) fn newton_step(mesh: &Manifold, spacing: f64, strain_of: impl Fn([u32; 3]) -> Strain + Sync) -> Vec<DVec3> {
+    let axes: Vec<[DVec3; 2]> = (0..mesh.connectivity.vertex_bound()).into_par_iter().map(|v| axes(mesh, v)).collect();
+    let steps = Equations::new(mesh, &axes, spacing, strain_of).solve();
+    steps.iter().zip(axes).map(|(step, axes)| step.x * axes[0] + step.y * axes[1]).collect()
+}
+
+/// The axes along which vertex `v` can move; zero for what it cannot.
+fn axes(mesh: &Manifold, v: u32) -> [DVec3; 2] {
+    if !mesh.connectivity.has_vertex(v) || mesh.is_held(v) {
+        return [DVec3::ZERO; 2];
+    }
+    match mesh.along(v) {
+        Some(along) => [along, DVec3::ZERO],
+        None => mesh.samples[v as usize].normal.any_orthonormal_pair().into(),
+    }
+}
+
+/// What a half-edge has from its triangle, in the axes of the vertices.
+#[derive(Clone, Copy, Default)]
+struct Share {
+    /// The negative gradient at the origin.
+    force: DVec2,
+    /// The block of the Hessian at the origin.
+    own: DMat2,
+    /// The block between origin and target.
+    between: DMat2,
+}
+
+/// The Hessian as a sparse matrix of 2 x 2 blocks, and the negative gradient.
+struct Equations {
+    diagonal: Vec<DMat2>,
+    /// The blocks off the diagonal, [`CHUNK`] rows together.
+    chunks: Vec<Rows>,
+    force: Vec<DVec2>,
+}
+
+/// Rows of a sparse matrix.
+struct Rows {
+    /// For each row where its entries end.
+    end: Vec<u32>,
+    /// The blocks, each with the vertex that it multiplies.
+    entries: Vec<(u32, DMat2)>,
+}
+
+impl Rows {
+    /// Those of the vertices `begin` and after.
+    fn new(c: &Connectivity, shares: &[[Share; 3]], begin: u32) -> Rows {
+        let mut rows = Rows { end: Vec::with_capacity(CHUNK), entries: Vec::with_capacity(7 * CHUNK) };
+        for v in begin..c.vertex_bound().min(begin + CHUNK as u32) {
+            if c.has_vertex(v) {
+                rows.entries.extend(entries_of(c, v, shares));
+            }
+            rows.end.push(rows.entries.len() as u32);
+        }
+        rows
+    }
+
+    /// The blocks of each row.
+    fn iter(&self) -> impl Iterator<Item = &[(u32, DMat2)]> {
+        let begin = std::iter::once(0).chain(self.end.iter().copied());
+        begin.zip(&self.end).map(|(begin, &end)| &self.entries[begin as usize..end as usize])
+    }
+}
+
+impl Equations {
+    fn new(
+        mesh: &Manifold,
+        axes: &[[DVec3; 2]],
+        spacing: f64,
+        strain_of: impl Fn([u32; 3]) -> Strain + Sync,
+    ) -> Equations {
+        let c = &mesh.connectivity;
+        let triangles = (0..c.half_edge_bound() / 3).into_par_iter().with_min_len(CHUNK);
+        let shares: Vec<[Share; 3]> = triangles
+            .map(|t| match c.has_half_edge(3 * t) {
+                true => shares(c.triangle(3 * t), axes, strain_of(c.triangle(3 * t))),
+                false => [Share::default(); 3],
+            })
+            .collect();
+        let at_vertex = |v: u32| {
+            let spacing = spacing * mesh.samples[v as usize].size;
+            let damping = DMat2::from_diagonal(DVec2::splat(DAMPING * OF_REGULAR / (spacing * spacing)));
+            let around = c.has_vertex(v).then(|| c.outgoing(v)).into_iter().flatten();
+            around.fold((damping, DVec2::ZERO), |(diagonal, force), h| {
+                let share = share_of(&shares, h);
+                (diagonal + share.own, force + share.force)
+            })
+        };
+        let (diagonal, force) = (0..c.vertex_bound()).into_par_iter().with_min_len(CHUNK).map(at_vertex).unzip();
+        let begins = (0..c.vertex_bound()).into_par_iter().step_by(CHUNK);
+        let chunks = begins.map(|begin| Rows::new(c, &shares, begin)).collect();
+        Equations { diagonal, chunks, force }
+    }
+
+    /// The solution, by conjugate gradients from zero.
+    fn solve(&self) -> Vec<DVec2> {
+        let inverse: Vec<DMat2> = self.diagonal.iter().map(DMat2::inverse).collect();
+        let precondition = |r: &[DVec2]| r.iter().zip(&inverse).map(|(&r, &m)| m * r).collect::<Vec<_>>();
+        let dot = |a: &[DVec2], b: &[DVec2]| a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum::<f64>();
+        let add =
+            |to: &mut [DVec2], share: f64, x: &[DVec2]| to.iter_mut().zip(x).for_each(|(to, &x)| *to += share * x);
+        let mut x = vec![DVec2::ZERO; self.force.len()];
+        let mut residual = self.force.clone();
+        let mut z = precondition(&residual);
+        let mut way = z.clone();
+        let mut square = dot(&residual, &z);
+        let goal = TOLERANCE * TOLERANCE * square;
+        for _ in 0..MOST_ITERATIONS {
+            if square <= goal {
+                break;
+            }
+            let image = self.times(&way);
+            let step = square / dot(&way, &image);
+            add(&mut x, step, &way);
+            add(&mut residual, -step, &image);
+            z = precondition(&residual);
+            let before = std::mem::replace(&mut square, dot(&residual, &z));
+            way.iter_mut().zip(&z).for_each(|(way, &z)| *way = z + square / before * *way);
+        }
+        x
+    }
+
+    /// The Hessian times `x`.
+    fn times(&self, x: &[DVec2]) -> Vec<DVec2> {
+        let mut image = vec![DVec2::ZERO; x.len()];
+        let chunks = image.par_chunks_mut(CHUNK).zip(&self.chunks).enumerate();
+        chunks.for_each(|(i, (image, rows))| {
+            for ((image, entries), v) in image.iter_mut().zip(rows.iter()).zip(CHUNK * i..) {
+                *image = entries.iter().fold(self.diagonal[v] * x[v], |sum, &(w, block)| sum + block * x[w as usize]);
+            }
+        });
+        image
+    }
+}
+
+/// What half-edge `h` has.
+#[inline]
+fn share_of(shares: &[[Share; 3]], h: u32) -> &Share {
+    &shares[h as usize / 3][h as usize % 3]
+}
+
+/// What the half-edges of a triangle have from it.
+fn shares(corners: [u32; 3], axes: &[[DVec3; 2]], strain: Strain) -> [Share; 3] {
+    let in_axes = |k: usize, v: DVec3| {
+        let [x, y] = axes[corners[k] as usize];
+        DVec2::new(v.dot(x), v.dot(y))
+    };
+    let forms = [0, 1, 2].map(|k| strain.forms.map(|form| in_axes(k, form[k])));
+    let product = |a: [DVec2; 3], b: [DVec2; 3]| {
+        a.iter().zip(b).map(|(&a, b)| DMat2::from_cols(a * b.x, a * b.y)).fold(DMat2::ZERO, |sum, block| sum + block)
+    };
+    [0, 1, 2].map(|k| Share {
+        force: -in_axes(k, strain.gradient[k]),
+        own: product(forms[k], forms[k]),
+        between: product(forms[k], forms[(k + 1) % 3]),
+    })
+}
+
+/// The blocks between `v` and its neighbours: each edge has one from the triangle on either side.
+fn entries_of<'a>(c: &'a Connectivity, v: u32, shares: &'a [[Share; 3]]) -> impl Iterator<Item = (u32, DMat2)> + 'a {
+    let back = |h: u32| share_of(shares, h).between.transpose();
+    let outwards = c.outgoing(v).map(move |h| {
+        let across = c.twin(h);
+        let other = if across == NONE { DMat2::ZERO } else { back(across) };
+        (c.target(h), share_of(shares, h).between + other)
+    });
+    // The last edge around a vertex of the boundary has a triangle on its right only.
+    let last = c.outgoing(v).map(prev).find(|&h| c.twin(h) == NONE);
+    outwards.chain(last.map(move |h| (c.origin(h), back(h))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::domain::Sample;
+
+    /// A flat ring of six triangles around the origin whose middle is at `middle`, the ring's corners fixed.
+    fn ring(middle: DVec3) -> Manifold {
+        let corner = |i: u32| {
+            let (sin, cos) = (f64::from(i) * std::f64::consts::FRAC_PI_3).sin_cos();
+            DVec3::new(cos, sin, 0.0)
+        };
+        let places = std::iter::once(middle).chain((0..6).map(corner));
+        let samples = places.map(|position| Sample { position, normal: DVec3::Z, triangle: 0, size: 1.0 }).collect();
+        let triangles: Vec<[u32; 3]> = (0..6).map(|i| [0, 1 + i, 1 + (i + 1) % 6]).collect();
+        let mut mesh = Manifold::new(samples, &triangles);
+        mesh.fixed[1..].fill(true);
+        mesh
+    }
+
+    /// Springs of no rest length: half the squares of the sides from the first corner.
+    fn springs(mesh: &Manifold, [a, b, c]: [u32; 3]) -> Strain {
+        let [a, b, c] = [a, b, c].map(|v| mesh.position(v));
+        let gradient = [2.0 * a - b - c, b - a, c - a];
+        let along = |axis: DVec3| [2f64.sqrt() * axis, -0.5f64.sqrt() * axis, -0.5f64.sqrt() * axis];
+        Strain { gradient, forms: [along(DVec3::X), along(DVec3::Y), [DVec3::ZERO; 3]] }
+    }
+
+    #[test]
+    fn a_quadratic_energy_is_least_after_one_step_but_for_the_damping() {
+        let mesh = ring(DVec3::new(0.3, -0.2, 0.0));
+        let steps = newton_step(&mesh, 1e3, |t| springs(&mesh, t));
+        assert!((mesh.position(0) + steps[0]).length() < 1e-6, "{:?}", steps[0]);
+        assert!(steps[1..].iter().all(|step| *step == DVec3::ZERO));
+    }
+
+    #[test]
+    fn the_blocks_are_those_of_a_symmetric_matrix() {
+        let mut mesh = ring(DVec3::new(0.1, 0.1, 0.0));
+        mesh.fixed.fill(false);
+        let axes: Vec<[DVec3; 2]> = (0..7).map(|v| super::axes(&mesh, v)).collect();
+        let equations = Equations::new(&mesh, &axes, 1.0, |t| springs(&mesh, t));
+        let unit = |i: usize| {
+            let mut x = vec![DVec2::ZERO; 7];
+            x[i / 2][i % 2] = 1.0;
+            x
+        };
+        let image: Vec<Vec<DVec2>> = (0..14).map(|i| equations.times(&unit(i))).collect();
+        for (i, j) in (0..14).flat_map(|i| (0..i).map(move |j| (i, j))) {
+            assert!((image[i][j / 2][j % 2] - image[j][i / 2][i % 2]).abs() < 1e-12, "{i} {j}");
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! The width of the kernel for a number of samples, by search.
+//!
+//! Where only the position counts it is known beforehand from the area; in more dimensions the area is not known. With M
+//! samples of N wanted for a width σ, the next width is σ (M / N)^(1/e), where e, 2 at first, is the exponent that the
+//! last two widths show.
+//!
+//! Cost: two or three scans, mostly.
+
+use crate::base::error::Result;
+use crate::pipeline::scale::SMALLEST_SPACING;
+
+/// Scans at most for one width, and how near to the count is near enough.
+const MOST_SCANS: usize = 12;
+const NEAR_ENOUGH: f64 = 0.02;
+
+/// By how much a width changes at most from one scan to the next, and the exponents that are believed.
+const LARGEST_STEP: f64 = 8.0;
+const EXPONENTS: [f64; 2] = [0.5, 3.0];
+
+/// The width for about `wanted` samples, and those: of all that were tried, what came nearest.
+pub(super) fn find_width<T>(
+    first: f64,
+    wanted: usize,
+    scan: &mut dyn FnMut(f64) -> Result<Vec<T>>,
+) -> Result<(f64, Vec<T>)> {
+    let excess = |samples: &[T]| (samples.len().max(1) as f64 / wanted as f64).ln();
+    let (mut sigma, mut samples) = (first, scan(first)?);
+    let (mut best_sigma, mut exponent) = (sigma, 2.0);
+    let mut now = excess(&samples);
+    let mut best = now;
+    for _ in 1..MOST_SCANS {
+        if best.abs() <= NEAR_ENOUGH {
+            break;
+        }
+        let step = (now / exponent).exp().clamp(1.0 / LARGEST_STEP, LARGEST_STEP);
+        let next = (step * sigma).max(SMALLEST_SPACING);
+        if next == sigma {
+            break;
+        }
+        let found = scan(next)?;
+        let then = excess(&found);
+        let shown = -(then - now) / (next / sigma).ln();
+        if shown.is_finite() {
+            exponent = shown.clamp(EXPONENTS[0], EXPONENTS[1]);
+        }
+        (sigma, now) = (next, then);
+        if then.abs() < best.abs() {
+            (best_sigma, best, samples) = (next, then, found);
+        }
+    }
+    Ok((best_sigma, samples))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The width that is found if a scan keeps `count` samples, those, and the scans that it took.
+    fn found(wanted: usize, count: impl Fn(f64) -> f64) -> (f64, usize, usize) {
+        let mut scans = 0;
+        let mut scan = |sigma: f64| {
+            scans += 1;
+            Ok(vec![(); count(sigma).round() as usize])
+        };
+        let (sigma, samples) = find_width(0.1, wanted, &mut scan).unwrap();
+        (sigma, samples.len(), scans)
+    }
+
+    #[test]
+    fn of_an_even_surface_two_scans_are_enough() {
+        let (sigma, count, scans) = found(5000, |sigma| 2.0 / (sigma * sigma));
+        assert!((sigma - 0.02).abs() < 1e-12 && (count, scans) == (5000, 2));
+    }
+
+    #[test]
+    fn other_exponents_are_learnt() {
+        let (_, count, scans) = found(3000, |sigma| 1.0 / (sigma * sigma) + 50.0 / sigma);
+        assert!((2940..=3060).contains(&count) && scans <= 5, "{count} {scans}");
+    }
+
+    #[test]
+    fn what_cannot_be_is_met_as_nearly_as_it_can() {
+        assert_eq!(found(100, |_| 7.0).1, 7);
+        assert_eq!(found(100, |sigma| if sigma > 0.03 { 10.0 } else { 400.0 }).1, 400);
+    }
+}

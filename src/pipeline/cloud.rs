@@ -1,0 +1,342 @@
+//! From a point cloud to a mesh through its points, which is then remeshed like any other.
+
+use crate::base::error::{Error, Result};
+use crate::base::monitor::{Monitor, check};
+use crate::geom::eigen::{eigen, scatter};
+use crate::mesh::points::Points;
+use crate::mesh::topology::components;
+use crate::mesh::triangle_mesh::Mesh;
+use crate::prepare::clean::{distinct, spatial_order, wanted_by_others};
+use crate::prepare::cloud_normals::{MANY_NEIGHBORS, Neighborhood, plane_normals, sphere_normals};
+use crate::prepare::orient::{disagreement, orient, side_with};
+use crate::spatial::kdtree::Neighbors;
+use crate::spatial::knn_graph::{DEGREE, NeighborGraph};
+use crate::surface::implicit::Rimls;
+use crate::triangulate::points::{Surroundings, triangulate_points};
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// What to make of a cloud.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CloudOptions {
+    /// What normals are fitted to, where there are none. Default: planes, or spheres if noise is smoothed.
+    pub fit: Option<NormalFit>,
+    /// The neighbours that they are fitted to. Default: the nearest eight, or the nearest sixteen if noise is smoothed.
+    pub neighborhood: Option<Reach>,
+    /// How far points reach on the implicit surface that they are projected on, in mean distances of neighbouring
+    /// points: the larger, the smoother. Default: `None`, points stay where they are.
+    pub smooth: Option<f64>,
+    /// Holes in a box with no longer a diagonal than this, in the units of the input, are closed. Default: 0, those stay
+    /// that are larger than gaps between points.
+    pub fill_holes: f64,
+}
+
+impl Default for CloudOptions {
+    fn default() -> Self {
+        CloudOptions { fit: None, neighborhood: None, smooth: None, fill_holes: 0.0 }
+    }
+}
+
+impl CloudOptions {
+    /// Refuses what no cloud can be made a mesh with.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for fewer than three neighbours, or a length that is not positive and finite.
+    pub fn validate(&self) -> Result<()> {
+        check_smooth(self.smooth)?;
+        let refuse = |option, cause: String, remedy: &str| Err(Error::Option { option, cause, remedy: remedy.into() });
+        match self.neighborhood {
+            Some(Reach::Count(n)) if n < 3 => {
+                refuse("normal-neighbors", format!("{n} neighbours have no normal"), "give at least 3")
+            }
+            Some(Reach::Radius(r)) if !(r > 0.0 && r.is_finite()) => {
+                refuse("normal-radius", format!("{r} is not a length"), "give a length above zero")
+            }
+            _ if !(self.fill_holes >= 0.0 && self.fill_holes.is_finite()) => {
+                let cause = format!("{} is not the size of a hole", self.fill_holes);
+                refuse("fill-holes", cause, "give a length of zero or more")
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+impl CloudOptions {
+    /// The same for points whose coordinates were divided by `size`.
+    pub(super) fn within_unit(&self, size: f64) -> CloudOptions {
+        let neighborhood = self.neighborhood.map(|reach| match reach {
+            Reach::Radius(radius) => Reach::Radius(radius / size),
+            count => count,
+        });
+        CloudOptions { neighborhood, fill_holes: self.fill_holes / size, ..*self }
+    }
+}
+
+/// Refuses a reach of points that makes no surface.
+pub(super) fn check_smooth(reach: Option<f64>) -> Result<()> {
+    let refuse = |reach: f64| {
+        let cause = format!("points that reach {reach} spacings make no surface");
+        Err(Error::Option { option: "smooth", cause, remedy: "give a number from 1.5 to 20".into() })
+    };
+    reach.filter(|r| !(1.5..=20.0).contains(r)).map_or(Ok(()), refuse)
+}
+
+/// What normals are fitted to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NormalFit {
+    /// Planes: the sharpest where there is little noise.
+    Plane,
+    /// Algebraic spheres, after planes: smoother, and right where the surface bends evenly.
+    Sphere,
+}
+
+/// Which points are neighbours of another one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Reach {
+    /// So many of the nearest.
+    Count(usize),
+    /// Those within this distance, in the units of the input.
+    Radius(f64),
+}
+
+/// What a mesh through the points of a cloud was made of.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct CloudSummary {
+    /// Points of the input.
+    pub points: usize,
+    /// Points at exactly the place of another one.
+    pub duplicates: usize,
+    /// Points that are no other point's neighbours.
+    pub strays: usize,
+    /// Other points that no triangle of the mesh has as a corner.
+    pub unused: usize,
+    /// Normals that were estimated.
+    pub estimated_normals: usize,
+    /// Normals that were given and turned over.
+    pub turned_normals: usize,
+}
+
+/// A mesh through the points of a cloud.
+#[derive(Debug, Clone)]
+pub struct MeshOfPoints {
+    /// An oriented manifold, closed where the cloud is.
+    pub mesh: Mesh,
+    /// For each of its vertices the point that it is.
+    pub source: Vec<u32>,
+    /// What it was made of.
+    pub summary: CloudSummary,
+}
+
+/// Neighbours that planes are fitted to where there is no noise: as few as possible keep to what is sharp.
+const FEW_NEIGHBORS: usize = 8;
+
+/// Times that spheres are fitted, each time to the normals of the time before.
+const SPHERES: usize = 2;
+
+/// How far points reach on their implicit surface, in their spacings, if nothing else is asked for: no farther than it takes
+/// to have no holes between them.
+pub const DEFAULT_REACH: f64 = 2.3;
+
+/// The area of a point in squares of its spacing, which is the distance of the sixth neighbour.
+const AREA_OF_SPACING: f64 = 0.6;
+
+/// Share of neighbours with normals to other sides from which on normals that were given are not believed.
+const MOST_DISAGREEMENT: f64 = 0.01;
+
+/// If more than one in so many normals did not say its side the others are not asked for it.
+const SIDED: usize = 4;
+
+/// Points that a cloud must have.
+const FEWEST_POINTS: usize = 8;
+
+/// The points of a cloud that are of use, with normals and what is known of their neighbours.
+pub(super) struct Prepared {
+    /// Points at different places, with unit normals on a common side.
+    pub points: Points,
+    /// For each the point of the input that it is.
+    pub source: Vec<u32>,
+    pub near: Neighbors,
+    pub graph: NeighborGraph,
+    /// How far apart the points are around each.
+    pub spacings: Vec<f64>,
+    pub summary: CloudSummary,
+}
+
+impl Prepared {
+    /// About the area of their surface, in squared units of the input.
+    pub fn area(&self) -> f64 {
+        self.spacings.iter().map(|s| AREA_OF_SPACING * s * s).sum()
+    }
+
+    /// Whether which side is outside is not known from any of the input's normals.
+    pub fn has_no_outside(&self) -> bool {
+        SIDED * (self.summary.estimated_normals + self.summary.turned_normals) > self.source.len()
+    }
+}
+
+/// Cleans `points` and gives them normals.
+///
+/// # Errors
+/// As [`mesh_of_points`].
+pub(super) fn prepared(points: &Points, options: &CloudOptions, monitor: &dyn Monitor) -> Result<Prepared> {
+    options.validate()?;
+    monitor.stage("clean");
+    let mut summary = CloudSummary { points: points.positions.len(), ..CloudSummary::default() };
+    let mut source = distinct(&points.positions, &spatial_order(&points.positions));
+    let mut points = points.pick(&source);
+    summary.duplicates = summary.points - points.positions.len();
+    refuse_without_surface(&points.positions)?;
+    let mut near = Neighbors::new(&points.positions);
+    let mut graph = NeighborGraph::new(&points.positions, &near, DEGREE);
+    check(monitor)?;
+    let wanted = wanted_by_others(&graph, points.positions.len());
+    summary.strays = wanted.iter().filter(|w| !**w).count();
+    if summary.strays > 0 {
+        let kept: Vec<u32> = (0..wanted.len() as u32).filter(|&p| wanted[p as usize]).collect();
+        points = points.pick(&kept);
+        source = kept.iter().map(|&p| source[p as usize]).collect();
+        near = Neighbors::new(&points.positions);
+        graph = NeighborGraph::new(&points.positions, &near, DEGREE);
+    }
+    check(monitor)?;
+
+    monitor.stage("normals");
+    points.normals = normals(&points, &near, &graph, options, &mut summary);
+    let spacings = graph.spacings(&points.positions);
+    check(monitor)?;
+    Ok(Prepared { points, source, near, graph, spacings, summary })
+}
+
+/// The mesh through the points of a cloud.
+///
+/// # Errors
+/// [`Error::Mesh`] for points that no surface goes through: too few, all in one place or on a line;
+/// [`Error::Option`] for options out of range; [`Error::Cancelled`] if the monitor asks for it.
+pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Monitor) -> Result<MeshOfPoints> {
+    let prepared = prepared(points, options, monitor)?;
+    let has_no_outside = prepared.has_no_outside();
+    let Prepared { points: Points { mut positions, mut normals }, mut source, mut near, graph, spacings, mut summary } =
+        prepared;
+    if let Some(reach) = options.smooth {
+        monitor.stage("smooth");
+        (positions, normals) = Rimls::new(&positions, &normals, &near, &spacings, reach).smoothed();
+        near = Neighbors::new(&positions);
+    }
+
+    monitor.stage("connect");
+    let surroundings =
+        Surroundings { positions: &positions, normals: &normals, near: &near, graph: &graph, spacings: &spacings };
+    let triangles = triangulate_points(surroundings, options.fill_holes, monitor)?;
+    let mut mesh = Mesh { positions, triangles };
+    let all = mesh.positions.len();
+    let mut used = vec![false; all];
+    mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
+    source = (0..all).filter(|&p| used[p]).map(|p| source[p]).collect();
+    mesh.drop_unused();
+    summary.unused = all - mesh.positions.len();
+    if has_no_outside {
+        face_outwards(&mut mesh);
+    }
+    if mesh.triangles.is_empty() {
+        return Err(no_surface(all));
+    }
+    Ok(MeshOfPoints { mesh, source, summary })
+}
+
+/// What to say of points whose surface has no triangle.
+pub(super) fn no_surface(points: usize) -> Error {
+    let cause = format!("no surface goes through these {points} points: neighbours do not agree on one");
+    Error::Mesh { cause, remedy: "give more points, or less noisy ones, or try smoothing".into() }
+}
+
+/// Refuses points without an area.
+fn refuse_without_surface(positions: &[DVec3]) -> Result<()> {
+    let refuse = |cause: String| Err(Error::Mesh { cause, remedy: "give points all over a surface".into() });
+    if let Some(p) = positions.iter().position(|p| !p.is_finite()) {
+        return refuse(format!("point {p} is at {}", positions[p]));
+    }
+    let n = positions.len();
+    if n == 1 {
+        return refuse("all points are at one place".into());
+    }
+    let ([_, middle, largest], _) = eigen(scatter(positions.iter().copied()).1);
+    if n > 1 && middle.max(0.0).sqrt() <= 1e-7 * largest.sqrt() {
+        return refuse(format!("all {n} points lie on a line"));
+    }
+    if n < FEWEST_POINTS {
+        return refuse(format!("{n} points at different places are too few for a surface"));
+    }
+    Ok(())
+}
+
+/// Unit normals on a common side: those that are given, as far as they are of use, and estimates.
+fn normals(
+    points: &Points,
+    near: &Neighbors,
+    graph: &NeighborGraph,
+    options: &CloudOptions,
+    summary: &mut CloudSummary,
+) -> Vec<DVec3> {
+    let positions = &points.positions;
+    let mut given: Vec<DVec3> = points.normals.iter().map(|n| n.normalize_or_zero()).collect();
+    given.resize(positions.len(), DVec3::ZERO);
+    let missing = given.iter().filter(|n| **n == DVec3::ZERO).count();
+    summary.estimated_normals = missing;
+    if missing == 0 && disagreement(positions, &given, graph) <= MOST_DISAGREEMENT {
+        return given;
+    }
+    let (few, fit) =
+        if options.smooth.is_some() { (MANY_NEIGHBORS, NormalFit::Sphere) } else { (FEW_NEIGHBORS, NormalFit::Plane) };
+    let fewer;
+    let neighborhood = match options.neighborhood.unwrap_or(Reach::Count(few)) {
+        Reach::Count(count) => {
+            fewer = (count > graph.degree()).then(|| NeighborGraph::new(positions, near, count));
+            Neighborhood::Nearest(fewer.as_ref().unwrap_or(graph), count)
+        }
+        Reach::Radius(radius) => Neighborhood::Within(near, radius),
+    };
+    let mut normals = given.clone();
+    if missing > 0 {
+        let planes = plane_normals(positions, &neighborhood);
+        normals.iter_mut().zip(planes).filter(|(n, _)| **n == DVec3::ZERO).for_each(|(n, plane)| *n = plane);
+    }
+    let part = orient(positions, &mut normals, graph);
+    summary.turned_normals = side_with(&given, &mut normals, &part);
+    if missing > 0 && options.fit.unwrap_or(fit) == NormalFit::Sphere {
+        for _ in 0..SPHERES {
+            let spheres = sphere_normals(positions, &normals, &neighborhood);
+            let missing = normals.iter_mut().zip(spheres).zip(&given).filter(|(_, given)| **given == DVec3::ZERO);
+            missing.for_each(|((n, sphere), _)| *n = sphere);
+        }
+    }
+    normals
+}
+
+/// A piece whose area looks this way, as a share of all of it, is a sheet: it has an upper side and no outside.
+const SHEET: f64 = 0.6;
+
+/// Turns over the pieces that look inwards; of those that are sheets, like ground, the ones that look down.
+pub(super) fn face_outwards(mesh: &mut Mesh) {
+    let piece = components(mesh.positions.len(), &mesh.triangles);
+    let pieces = piece.iter().max().map_or(0, |&p| p as usize + 1);
+    let mut origin = vec![DVec3::ZERO; pieces];
+    piece.iter().zip(&mesh.positions).for_each(|(&p, x)| origin[p as usize] = *x);
+    let mut volume = vec![0.0; pieces];
+    let mut area = vec![(DVec3::ZERO, 0.0); pieces];
+    for (t, corners) in mesh.triangles.iter().enumerate() {
+        let p = piece[corners[0] as usize] as usize;
+        let [a, b, c] = mesh.corners(t).map(|x| x - origin[p]);
+        volume[p] += a.dot(b.cross(c));
+        area[p].0 += mesh.area_vector(t);
+        area[p].1 += mesh.area_vector(t).length();
+    }
+    let looks_in = |p: usize| {
+        let (sum, all) = area[p];
+        let upwards = [sum.z, sum.y, sum.x].into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs()));
+        if sum.length() > SHEET * all { upwards < Some(0.0) } else { volume[p] < 0.0 }
+    };
+    let turned: Vec<bool> = (0..pieces).map(looks_in).collect();
+    for t in mesh.triangles.iter_mut().filter(|t| turned[piece[t[0] as usize] as usize]) {
+        t.swap(1, 2);
+    }
+}

@@ -1,0 +1,91 @@
+//! Vertices that follow a kernel in more dimensions: how dense its samples are becomes the edge length that is wanted.
+//!
+//! The scan in six dimensions or more says how many samples each part of the surface gets. The pipeline then goes on with
+//! those lengths as with any others: samples, triangles and optimiser keep to them, and triangles are close to
+//! equilateral, where the kernel's own samples would be farther apart along a ridge than across it. Without optimising,
+//! the ascent is that of the kernel in all its dimensions, and leaves vertices as it wants them.
+
+use crate::base::error::Result;
+use crate::base::monitor::Monitor;
+use crate::base::rng::{Stage, stream};
+use crate::manifold::Manifold;
+use crate::pipeline::bandwidth::find_width;
+use crate::pipeline::kernel::Beside;
+use crate::pipeline::options::{Density, Options, check_count};
+use crate::pipeline::sample::{ASCENT_OF_SCAN, MOST_DIMENSIONS};
+use crate::pipeline::scale::CANDIDATES_PER_POINT;
+use crate::pipeline::scale::Scale;
+use crate::spectral::ascent::{Climb, PAPER_STEP, ascend_lifted};
+use crate::spectral::candidates::{Candidate, candidates};
+use crate::spectral::scan::{Choices, OnDomain, scan_lifted};
+use crate::spectral::spacing::spacings;
+use crate::surface::domain::{Domain, Sample};
+use crate::surface::sizing::field_sizes;
+
+/// What following a kernel means for the pipeline.
+pub(super) struct Followed {
+    /// As many vertices as are wanted, or as the kernel keeps if its width is given.
+    pub scale: Scale,
+    /// The width of the kernel.
+    pub sigma: f64,
+    /// For each vertex of the domain the edge length that is wanted there, relative to the mean one.
+    pub sizes: Vec<f64>,
+}
+
+/// Follows the kernel over `domain`.
+pub(super) fn follow(
+    domain: &Domain,
+    beside: &Beside,
+    scale: Scale,
+    options: &Options,
+    monitor: &dyn Monitor,
+) -> Result<Followed> {
+    let count = CANDIDATES_PER_POINT * scale.wanted;
+    let candidates = candidates(domain, count, &mut stream(options.seed, Stage::Candidates));
+    let mut scan = |sigma: f64| scan_of(domain, beside, &candidates, sigma, options.seed, monitor);
+    let (scale, sigma, samples) = if let Density::SigmaP(width) = options.density {
+        let samples = scan(scale.sigma())?;
+        let n = samples.len();
+        check_count("sigma-p", n, format!("a length of {width} means {n} vertices"))?;
+        (Scale::of_points(n, domain.mesh.area()), scale.sigma(), samples)
+    } else {
+        let (sigma, samples) = find_width(scale.sigma(), scale.wanted, &mut scan)?;
+        (scale, sigma, samples)
+    };
+    let sizes = field_sizes(domain, spacings(domain, &candidates, &samples, sigma), scale.spacing);
+    Ok(Followed { scale, sigma, sizes })
+}
+
+fn scan_of(
+    domain: &Domain,
+    beside: &Beside,
+    candidates: &[Candidate],
+    sigma: f64,
+    seed: u64,
+    monitor: &dyn Monitor,
+) -> Result<Vec<Sample>> {
+    let choices = OnDomain { domain, candidates };
+    let chosen = beside.with_kernel(sigma, |kernel| match beside.dimensions() {
+        3 => scan_lifted::<3>(&choices, &[], kernel, seed, monitor),
+        6 => scan_lifted::<6>(&choices, &[], kernel, seed, monitor),
+        _ => scan_lifted::<MOST_DIMENSIONS>(&choices, &[], kernel, seed, monitor),
+    })?;
+    Ok(chosen.into_iter().map(|i| choices.sample(i)).collect())
+}
+
+/// The paper's ascent on `mesh` with the kernel of width `sigma` in all its dimensions.
+pub(super) fn ascend_as_asked(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    beside: &Beside,
+    sigma: f64,
+    sweeps: usize,
+    monitor: &dyn Monitor,
+) -> Result<()> {
+    let climb = Climb { sigma: ASCENT_OF_SCAN * sigma, step: PAPER_STEP, sweeps };
+    beside.with_kernel(sigma, |kernel| match beside.dimensions() {
+        3 => ascend_lifted::<3>(domain, mesh, kernel.lift, climb, monitor),
+        6 => ascend_lifted::<6>(domain, mesh, kernel.lift, climb, monitor),
+        _ => ascend_lifted::<MOST_DIMENSIONS>(domain, mesh, kernel.lift, climb, monitor),
+    })
+}

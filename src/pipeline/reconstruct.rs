@@ -1,0 +1,122 @@
+//! From points to triangles all over their robust implicit surface: densely, and without a wanted number of vertices.
+
+use crate::base::error::{Error, Result};
+use crate::base::monitor::{Monitor, check};
+use crate::contour::extract::extract;
+use crate::contour::lattice::{BYTES_PER_VERTEX, Lattice};
+use crate::mesh::points::Points;
+use crate::mesh::topology::{Topology, topology};
+use crate::mesh::triangle_mesh::Mesh;
+use crate::pipeline::cloud::{
+    CloudOptions, CloudSummary, DEFAULT_REACH, Prepared, face_outwards, no_surface, prepared,
+};
+use crate::pipeline::options::check_length;
+use crate::prepare::repair::repair;
+use crate::surface::implicit::Rimls;
+
+/// How to reconstruct.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ReconstructOptions {
+    /// The length of the edges of cells, in the units of the input. Default: half the mean spacing of the points.
+    pub resolution: Option<f64>,
+    /// What to make of the points; [`CloudOptions::smooth`] is [`DEFAULT_REACH`] if it is not given, and
+    /// [`CloudOptions::fill_holes`] does not matter.
+    pub cloud: CloudOptions,
+}
+
+/// The edge length of a cell, in mean spacings of the points, if nothing else is asked for.
+const DEFAULT_RESOLUTION: f64 = 0.5;
+
+/// Vertices of the lattice that a run may have: those of 10 GB.
+const MOST_VERTICES: usize = 20_000_000;
+
+/// Vertices of the lattice for a square of the edge length: measured.
+const VERTICES_PER_SQUARE: f64 = 4.0;
+
+/// A surface made of points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reconstructed {
+    /// An oriented manifold, closed where the cloud is.
+    pub mesh: Mesh,
+    /// Its topology.
+    pub topology: Topology,
+    /// What became of the points.
+    pub cloud: CloudSummary,
+    /// The mean spacing of the points, in their units.
+    pub spacing: f64,
+    /// The length of the edges of cells that was used, in the units of the input.
+    pub resolution: f64,
+    /// How far points reach, in their spacings.
+    pub reach: f64,
+}
+
+impl ReconstructOptions {
+    /// Refuses what no surface can be made with.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for a resolution that is not positive, and those of [`CloudOptions::validate`].
+    pub fn validate(&self) -> Result<()> {
+        self.resolution.map_or(Ok(()), |length| check_length("resolution", length))?;
+        self.cloud.validate()
+    }
+}
+
+/// The vertices of `mesh` that triangles use, with its normals there.
+pub fn points_of_mesh(mesh: &Mesh) -> Points {
+    let mut used = vec![false; mesh.positions.len()];
+    mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
+    let used: Vec<u32> = (0..used.len() as u32).filter(|&v| used[v as usize]).collect();
+    Points { positions: mesh.positions.clone(), normals: mesh.vertex_area_vectors() }.pick(&used)
+}
+
+/// The robust implicit surface of `points` (Öztireli, Guennebaud, Gross 2009) as triangles about as large as the cells
+/// that it is extracted with.
+///
+/// # Errors
+/// [`Error::Mesh`] for points that no surface goes through: too few, all in one place or on a line;
+/// [`Error::Option`] for options out of range, and a resolution that takes more memory than can be meant;
+/// [`Error::Cancelled`] if the monitor asks for it.
+pub fn reconstruct(points: &Points, options: &ReconstructOptions, monitor: &dyn Monitor) -> Result<Reconstructed> {
+    options.validate()?;
+    let reach = options.cloud.smooth.unwrap_or(DEFAULT_REACH);
+    let prepared = prepared(points, &options.cloud, monitor)?;
+    let has_no_outside = prepared.has_no_outside();
+    let area = prepared.area();
+    let Prepared { points, near, mut spacings, summary, .. } = prepared;
+    let count = points.positions.len();
+    let spacing = spacings.iter().sum::<f64>() / count as f64;
+    let resolution = options.resolution.unwrap_or(DEFAULT_RESOLUTION * spacing);
+    refuse_too_small(resolution, area)?;
+    spacings.iter_mut().for_each(|s| *s = s.max(resolution));
+
+    monitor.stage("extract");
+    let surface = Rimls::new(&points.positions, &points.normals, &near, &spacings, reach);
+    let lattice = Lattice::around(&points.positions, surface.longest_reach(), resolution);
+    let lattice = lattice.ok_or_else(|| too_small(resolution, f64::INFINITY))?;
+    let mesh = extract(&surface, &lattice, MOST_VERTICES, monitor)?;
+    check(monitor)?;
+    // Where two parts of the boundary meet in a vertex, each gets its own.
+    let (mut mesh, _) = repair(&mesh);
+    if mesh.triangles.is_empty() {
+        return Err(no_surface(count));
+    }
+    if has_no_outside {
+        face_outwards(&mut mesh);
+    }
+    let topology = topology(mesh.positions.len(), &mesh.triangles);
+    Ok(Reconstructed { mesh, topology, cloud: summary, spacing, resolution, reach })
+}
+
+/// Refuses cells of which more are needed than there is room for.
+fn refuse_too_small(resolution: f64, area: f64) -> Result<()> {
+    let vertices = VERTICES_PER_SQUARE * area / (resolution * resolution);
+    if vertices > MOST_VERTICES as f64 { Err(too_small(resolution, vertices)) } else { Ok(()) }
+}
+
+fn too_small(resolution: f64, vertices: f64) -> Error {
+    let cause = format!(
+        "cells of {resolution} would have about {vertices:.1e} corners near the surface, {:.0} GB",
+        vertices * BYTES_PER_VERTEX as f64 / 1e9
+    );
+    Error::Option { option: "resolution", cause, remedy: "give a larger length".into() }
+}

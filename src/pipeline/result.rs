@@ -1,0 +1,146 @@
+//! What the pipeline gives back: the mesh, whether it is what was asked for, and what a user should know about it.
+
+use crate::mesh::submesh::Kept;
+use crate::mesh::topology::Topology;
+use crate::mesh::triangle_mesh::Mesh;
+use crate::prepare::repair::Repairs;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// A remeshed surface and what there is to say about it.
+#[derive(Debug, Clone)]
+pub struct Remeshed {
+    /// The result, in the coordinates of the input.
+    pub mesh: Mesh,
+    /// The input as it came, before repairs.
+    pub input: Topology,
+    /// The input after repairs: what the result's topology is held against.
+    pub repaired: Topology,
+    /// The result.
+    pub output: Topology,
+    /// What was mended in the input.
+    pub repairs: Repairs,
+    /// Kernel width used, in the units of the input.
+    pub sigma_p: f64,
+    /// The distance that the wanted vertices have at hexagonal packing on the input's area, in the units of the input.
+    pub spacing: f64,
+    /// The smallest and the largest of the distances wanted, both the spacing where nothing is graded.
+    pub spacing_range: [f64; 2],
+    /// Vertices wanted, as the density says.
+    pub wanted: usize,
+    /// Sharp edges that were kept, as curves between corners.
+    pub sharp_curves: usize,
+    /// Smooth patches whose samples did not settle even with parts of them tessellated from the input, and that were
+    /// tessellated as a whole.
+    pub tessellated_pieces: usize,
+    /// Faces of the result that cross or touch another one where they are not joined, in increasing order.
+    pub crossing_faces: Vec<u32>,
+    /// How many faces of the repaired input do; `None` where the result has none, since then nobody needs to know.
+    pub crossing_faces_of_input: Option<usize>,
+    /// How far the result is from the repaired input; `None` if no bound was asked for.
+    pub deviation: Option<Deviation>,
+    /// What of the input came through untouched, if only a part of it was remeshed: its vertices and triangles are the
+    /// first ones of the result.
+    pub kept: Option<Kept>,
+    /// Things a user should know, a sentence each.
+    pub notes: Vec<String>,
+}
+
+/// How far a result is from what it was made of, and may be.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Deviation {
+    /// How far it may be, in the units of the input.
+    pub allowed: f64,
+    /// No point of the result is farther from the repaired input, and none of that from the result, but for rounding: an
+    /// upper bound, mostly within a tenth of the Hausdorff distance or a quarter of `allowed`, in the units of the
+    /// input.
+    pub reached: f64,
+    /// A point that is about as far: x, y and z.
+    pub place: [f64; 3],
+}
+
+impl Deviation {
+    /// Whether the result is as near as it has to be.
+    pub fn is_allowed(&self) -> bool {
+        self.reached <= self.allowed
+    }
+}
+
+impl Remeshed {
+    /// Whether the result is what it should be: of the topology of the repaired input, without faces that cross each
+    /// other, unless the input has some, too, and as near to the input as was asked for.
+    pub fn verified(&self) -> bool {
+        self.is_sound() && self.deviation.is_none_or(|d| d.is_allowed())
+    }
+
+    /// Whether the result is of the topology of the repaired input, without faces that cross each other, unless the
+    /// input has some, too.
+    pub fn is_sound(&self) -> bool {
+        self.has_topology() && (self.crossing_faces.is_empty() || self.crossing_faces_of_input != Some(0))
+    }
+
+    /// Whether the result is an oriented manifold of the repaired input's Euler characteristic, components and
+    /// boundary loops.
+    pub fn has_topology(&self) -> bool {
+        let kind = |t: &Topology| (t.euler, t.components, t.boundary_loops);
+        self.output.is_manifold() && self.output.is_oriented() && kind(&self.output) == kind(&self.repaired)
+    }
+}
+
+/// What a user should know about a result.
+pub(super) fn notes(result: &Remeshed, open_seams: usize, blunted: bool) -> Vec<String> {
+    let mut notes = Vec::new();
+    let r = &result.repairs;
+    let mut note = |n: usize, text: &str| {
+        if n > 0 {
+            notes.push(format!("{n} {text}"));
+        }
+    };
+    note(r.cut_edges, "edges with more than two faces were taken apart into sheets");
+    note(r.split_vertices, "vertices were doubled where sheets met only at a point or an edge");
+    note(r.unorientable_edges, "edges were cut open because the surface has no two sides (like a Möbius strip)");
+    note(r.flipped_triangles, "faces were turned over to agree with their neighbours");
+    note(r.degenerate_triangles + r.duplicate_triangles, "degenerate or repeated faces were dropped");
+    note(
+        open_seams,
+        "boundary vertices all but touch another one: seams that rounding left open? Welding within a tolerance closes them",
+    );
+    if blunted {
+        notes.push("the sharp edges are too close together for so few vertices: none is kept sharp".into());
+    }
+    if result.output.vertices != result.wanted {
+        notes.push(format!(
+            "{} vertices instead of {}: the topology of the input needs as many",
+            result.output.vertices, result.wanted
+        ));
+    }
+    notes.extend(note_on_crossings(result));
+    notes.extend(result.deviation.as_ref().filter(|d| !d.is_allowed()).map(note_on_deviation));
+    if !result.has_topology() {
+        notes.push("the result does not have the topology of the input".into());
+    }
+    notes
+}
+
+/// How many faces cross, where the first one is, and whether the input is to blame.
+fn note_on_crossings(result: &Remeshed) -> Option<String> {
+    let (first, count) = (*result.crossing_faces.first()?, result.crossing_faces.len());
+    let place = near(result.mesh.corners(first as usize).into_iter().sum::<DVec3>() / 3.0);
+    let input = match result.crossing_faces_of_input {
+        Some(0) | None => "none of the input do; more points there would part them".into(),
+        Some(n) => format!("so do {n} of the input"),
+    };
+    Some(format!("{count} faces cross or touch each other, the first {place}: {input}"))
+}
+
+/// By how much the error that was asked for is exceeded, and where.
+fn note_on_deviation(deviation: &Deviation) -> String {
+    let Deviation { allowed, reached, place } = deviation;
+    let place = near(DVec3::from_array(*place));
+    format!("{reached:.4e} from the input {place}, and not within {allowed:.4e}: more points come nearer")
+}
+
+fn near(place: DVec3) -> String {
+    let [x, y, z] = place.to_array().map(|x| format!("{x:.6}"));
+    format!("near ({x}, {y}, {z})")
+}

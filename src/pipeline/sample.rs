@@ -1,0 +1,508 @@
+//! Samples without triangles: blue noise on a surface by scan and ascent, or a subset of given points by the scan alone.
+//!
+//! The count comes of the width of the kernel, which is found by search. What is left is added where s is largest or
+//! removed where it is smallest.
+
+use crate::base::error::{Error, Result};
+use crate::base::monitor::{Monitor, check};
+use crate::base::rng::{Stage, stream, unit as unit_random};
+use crate::pipeline::bandwidth::find_width;
+use crate::pipeline::cloud::{CloudOptions, CloudSummary, DEFAULT_REACH, Prepared, prepared};
+use crate::pipeline::kernel::{Beside, Signal, check_kernel, check_signals};
+use crate::pipeline::options::{Density, check_count, check_length};
+use crate::pipeline::scale::{
+    CANDIDATES_PER_POINT, LONGEST_EDGE, SIGMA_OF_SPACING, SMALLEST_SPACING, Scale, refuse_no_area,
+};
+use crate::pipeline::source::{refuse_bad_numbers, refuse_bad_positions};
+use crate::pipeline::unit::Unit;
+use crate::surface::implicit::Rimls;
+
+use crate::mesh::points::Points;
+use crate::mesh::triangle_mesh::Mesh;
+use crate::prepare::refine::refine;
+use crate::prepare::repair::repair;
+use crate::spectral::ascent::{Climb, PAPER_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA};
+use crate::spectral::candidates::{Candidate, candidates};
+use crate::spectral::free_ascent::ascend_freely;
+use crate::spectral::samples::meet_count;
+use crate::spectral::scan::{Choices, Given, Kernel, OnDomain, scan_lifted};
+use crate::surface::domain::{Domain, Sample};
+use crate::surface::lift::{BarePoints, Lifted, MOST_SIGNALS, Surface};
+use crate::surface::submanifold::Submanifold;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+
+/// How to sample.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SampleOptions {
+    /// How dense the samples shall be: [`Density::Points`], [`Density::EdgeLength`] or [`Density::SigmaP`]. An edge length
+    /// means as many samples as have it at hexagonal packing on the input's area; with [`Self::scan_only`] it means the
+    /// width of the kernel that would leave it. Default: 10,000 points.
+    pub density: Density,
+    /// The width σn of the kernel along unit normals: samples gather where the surface turns by more than this within a
+    /// spacing. Default: infinite, samples are even.
+    pub sigma_n: f64,
+    /// Properties of the input that samples follow. Default: none.
+    pub signals: Vec<Signal>,
+    /// Whether the samples are a subset of the input's points, as the scan leaves them. Default: false.
+    pub scan_only: bool,
+    /// Seed of all random numbers. Default: 0.
+    pub seed: u64,
+    /// Sweeps of gradient ascent. Default: 10, as in the paper (section 6.3).
+    pub sweeps: usize,
+    /// What to make of a cloud: its normals, and how far its points reach on the implicit surface that samples move on,
+    /// [`DEFAULT_REACH`] if that is not given. Holes do not matter.
+    pub cloud: CloudOptions,
+}
+
+impl Default for SampleOptions {
+    fn default() -> Self {
+        SampleOptions {
+            density: Density::Points(10_000),
+            sigma_n: f64::INFINITY,
+            signals: Vec::new(),
+            scan_only: false,
+            seed: 0,
+            sweeps: 10,
+            cloud: CloudOptions::default(),
+        }
+    }
+}
+
+impl SampleOptions {
+    /// Refuses what nothing can be sampled with.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for a density that is none, or a width that is not positive.
+    pub fn validate(&self) -> Result<()> {
+        check_kernel(self.sigma_n, &self.signals)?;
+        self.cloud.validate()?;
+        match self.density {
+            Density::Points(n) => check_count("points", n, format!("{n} samples are asked for")),
+            Density::EdgeLength(l) => check_length("edge-length", l),
+            Density::SigmaP(s) => check_length("sigma-p", s),
+            Density::Auto | Density::OfSizing => Err(Error::Option {
+                option: "points",
+                cause: "samples have no triangles whose error or length could be met".into(),
+                remedy: "give a number of points, an edge-length or a sigma-p".into(),
+            }),
+        }
+    }
+}
+
+/// Samples and what there is to say about them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sampled {
+    /// The samples in the coordinates of the input, with unit normals if the input has some.
+    pub points: Points,
+    /// With [`SampleOptions::scan_only`] the number of each sample among the input's points.
+    pub indices: Option<Vec<u32>>,
+    /// Points of the input, or candidates on its surface, that were looked at.
+    pub candidates: usize,
+    /// Kernel width used, in the units of the input.
+    pub sigma_p: f64,
+    /// Samples wanted; `None` if the width of the kernel was to decide.
+    pub wanted: Option<usize>,
+    /// What became of the points of a cloud that were looked at as a surface; `None` for a mesh.
+    pub cloud: Option<CloudSummary>,
+    /// Things a user should know, a sentence each.
+    pub notes: Vec<String>,
+}
+
+/// Kernel width of the ascent for that of the scan.
+pub(super) const ASCENT_OF_SCAN: f64 = ASCENT_SIGMA / SIGMA_OF_SPACING;
+
+/// As many times more candidates where more than the position counts: samples gather there.
+const MORE_CANDIDATES: usize = 3;
+
+/// Samples the surface of `input`; with [`SampleOptions::scan_only`] its vertices.
+///
+/// # Errors
+/// [`Error::Mesh`] for an input without triangles or without area, or with bad numbers; [`Error::Option`] for options
+/// out of range; [`Error::Cancelled`] if the monitor asks for it.
+pub fn sample(input: &Mesh, options: &SampleOptions, monitor: &dyn Monitor) -> Result<Sampled> {
+    options.validate()?;
+    monitor.stage("repair");
+    refuse_bad_numbers(input)?;
+    check_signals(&options.signals, input.positions.len())?;
+    let unit = Unit::of(input);
+    let (clean, _) = repair(&unit.inwards(input));
+    refuse_no_area(&clean, &unit)?;
+    check(monitor)?;
+    if options.scan_only {
+        sample_vertices(input, clean, &unit, options, monitor)
+    } else {
+        sample_surface(input, clean, &unit, options, monitor)
+    }
+}
+
+/// Samples of the surface `clean`, which is `input` repaired and in `unit`.
+fn sample_surface(
+    input: &Mesh,
+    mut clean: Mesh,
+    unit: &Unit,
+    options: &SampleOptions,
+    monitor: &dyn Monitor,
+) -> Result<Sampled> {
+    let scale = Scale::new(options.density, None, &clean, unit)?;
+    monitor.stage("sample");
+    let most = 4 * clean.triangles.len() + 16 * scale.wanted;
+    refine(&mut clean, LONGEST_EDGE * scale.spacing, most);
+    let domain = Domain::new(clean);
+    let beside = Beside::new(options.sigma_n, &options.signals, input, unit, &domain);
+    let wanted = (!matches!(options.density, Density::SigmaP(_))).then_some(scale.wanted);
+    let task = Task { beside: &beside, first_sigma: scale.sigma(), wanted, options, monitor };
+    let candidates = candidates_for(&domain, &beside, scale.wanted, options.seed);
+    let (sigma, samples) = match beside.dimensions() {
+        3 => task.on_surface::<3>(&domain, &candidates),
+        6 => task.on_surface::<6>(&domain, &candidates),
+        _ => task.on_surface::<MOST_DIMENSIONS>(&domain, &candidates),
+    }?;
+    let points = Points {
+        positions: samples.iter().map(|s| unit.outwards_point(s.position)).collect(),
+        normals: samples.iter().map(|s| s.normal).collect(),
+    };
+    let notes = notes(points.positions.len(), candidates.len(), wanted);
+    Ok(Sampled {
+        points,
+        indices: None,
+        candidates: candidates.len(),
+        sigma_p: unit.size * sigma,
+        wanted,
+        cloud: None,
+        notes,
+    })
+}
+
+/// A subset of the vertices of `input`, which are on the surface `clean`.
+fn sample_vertices(
+    input: &Mesh,
+    clean: Mesh,
+    unit: &Unit,
+    options: &SampleOptions,
+    monitor: &dyn Monitor,
+) -> Result<Sampled> {
+    monitor.stage("sample");
+    let area = clean.area();
+    let domain = Domain::new(clean);
+    let beside = Beside::new(options.sigma_n, &options.signals, input, unit, &domain);
+    let (vertices, numbers) = used_vertices(input, unit, &domain);
+    let (first_sigma, wanted) = first_sigma(options.density, area, unit);
+    let task = Task { beside: &beside, first_sigma, wanted, options, monitor };
+    Ok(task.subset(&domain, &Given { samples: &vertices, domain: Some(&domain) })?.of(
+        &input.positions,
+        Some(&numbers),
+        unit.size,
+    ))
+}
+
+/// Samples the implicit surface of the points `input`; with [`SampleOptions::scan_only`] the points themselves, which have
+/// to be no surface then if normals do not count.
+///
+/// # Errors
+/// [`Error::Mesh`] for an input without points, with bad numbers, or that no surface goes through; [`Error::Option`] for
+/// options out of range; [`Error::Cancelled`] if the monitor asks for it.
+pub fn sample_points(input: &Points, options: &SampleOptions, monitor: &dyn Monitor) -> Result<Sampled> {
+    options.validate()?;
+    check_signals(&options.signals, input.positions.len())?;
+    refuse_bad_points(&input.positions)?;
+    let unit = Unit::of_points(&input.positions);
+    let positions = input.positions.iter().map(|&p| unit.inwards_point(p)).collect();
+    let inwards = Points { positions, normals: input.normals.clone() };
+    let needs_normals = options.sigma_n.is_finite() && input.normals.is_empty();
+    let cloud = match prepared(&inwards, &options.cloud.within_unit(unit.size), monitor) {
+        Err(Error::Mesh { .. }) if options.scan_only && !needs_normals => {
+            monitor.stage("sample");
+            return sample_bare_points(input, &unit, options, monitor);
+        }
+        cloud => cloud?,
+    };
+    monitor.stage("sample");
+    let signals: Vec<Signal> = options.signals.iter().map(|signal| signal.of(&cloud.source)).collect();
+    let beside = Beside::of_points(options.sigma_n, &signals);
+    let (first_sigma, wanted) = first_sigma(options.density, cloud.area(), &unit);
+    let task = Task { beside: &beside, first_sigma, wanted, options, monitor };
+    let sampled = if options.scan_only {
+        let given = bare_samples(&cloud.points);
+        task.subset(&BarePoints, &Given { samples: &given, domain: None })?.of(
+            &input.positions,
+            Some(&cloud.source),
+            unit.size,
+        )
+    } else {
+        task.on_cloud(&cloud, &unit)?
+    };
+    Ok(Sampled { cloud: Some(cloud.summary), ..sampled })
+}
+
+/// A subset of points that are no surface.
+fn sample_bare_points(input: &Points, unit: &Unit, options: &SampleOptions, monitor: &dyn Monitor) -> Result<Sampled> {
+    let positions = input.positions.iter().map(|&p| unit.inwards_point(p)).collect();
+    let bare = bare_samples(&Points { positions, normals: input.normals.clone() });
+    let (first_sigma, wanted) = first_sigma(options.density, area_of_box(&bare), unit);
+    let beside = Beside::of_points(options.sigma_n, &options.signals);
+    let task = Task { beside: &beside, first_sigma, wanted, options, monitor };
+    let mut sampled =
+        task.subset(&BarePoints, &Given { samples: &bare, domain: None })?.of(&input.positions, None, unit.size);
+    if input.normals.is_empty() {
+        sampled.points.normals.clear();
+    }
+    Ok(sampled)
+}
+
+/// Points to choose from for each sample wanted on a cloud. If the cloud has fewer there are more between its points, in a
+/// disk of this radius in spacings around each.
+const CHOICES_PER_POINT: usize = 4;
+const DISK: f64 = 0.6;
+
+/// The points of a cloud on its surface, as samples, and more between them if `wanted` is no small part of them.
+fn choices_on(surface: &Rimls, cloud: &Prepared, wanted: usize, seed: u64) -> Vec<Sample> {
+    let mut rng = stream(seed, Stage::Candidates);
+    let Points { positions, normals } = &cloud.points;
+    let each = (CHOICES_PER_POINT * wanted).div_ceil(positions.len()).max(1);
+    let places: Vec<DVec3> = (0..each * positions.len())
+        .map(|i| {
+            let p = i % positions.len();
+            if i < positions.len() {
+                return positions[p];
+            }
+            let (angle, radius) =
+                (TAU * unit_random(&mut rng), DISK * cloud.spacings[p] * unit_random(&mut rng).sqrt());
+            let (across, along) = normals[p].any_orthonormal_pair();
+            positions[p] + radius * (angle.cos() * across + angle.sin() * along)
+        })
+        .collect();
+    places.par_iter().filter_map(|&place| surface.sample(place)).collect()
+}
+
+/// The dimensions of a kernel with signals.
+pub(super) const MOST_DIMENSIONS: usize = 6 + MOST_SIGNALS;
+
+/// Candidates on `domain` for so many samples.
+fn candidates_for(domain: &Domain, beside: &Beside, wanted: usize, seed: u64) -> Vec<Candidate> {
+    let more = if beside.counts() { MORE_CANDIDATES } else { 1 };
+    candidates(domain, more * CANDIDATES_PER_POINT * wanted, &mut stream(seed, Stage::Candidates))
+}
+
+/// The vertices of `input` that triangles use, as samples, and their numbers.
+fn used_vertices(input: &Mesh, unit: &Unit, domain: &Domain) -> (Vec<Sample>, Vec<u32>) {
+    let mut used = vec![false; input.positions.len()];
+    input.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
+    let numbers: Vec<u32> = (0..used.len() as u32).filter(|&v| used[v as usize]).collect();
+    let at = |&v: &u32| {
+        let position = unit.inwards_point(input.positions[v as usize]);
+        Sample { position, ..domain.project_anywhere(position) }
+    };
+    (numbers.par_iter().map(at).collect(), numbers)
+}
+
+/// The points as samples whose triangle is their number; without normals these are zero, which all are neighbours of.
+fn bare_samples(input: &Points) -> Vec<Sample> {
+    let sample = |(i, &position): (usize, &DVec3)| Sample {
+        position,
+        normal: input.normals.get(i).map_or(DVec3::ZERO, |n| n.normalize_or_zero()),
+        triangle: i as u32,
+        size: 1.0,
+    };
+    input.positions.iter().enumerate().map(sample).collect()
+}
+
+/// Half the area of the bounding box: about that of a surface whose area is not known.
+fn area_of_box(samples: &[Sample]) -> f64 {
+    let lowest = samples.iter().fold(DVec3::INFINITY, |lo, s| lo.min(s.position));
+    let size = samples.iter().fold(DVec3::NEG_INFINITY, |hi, s| hi.max(s.position)) - lowest;
+    size.x * size.y + size.y * size.z + size.z * size.x
+}
+
+/// Smallest area per sample that a search for the width begins with: points may be on a line, or all at one place.
+const SMALLEST_AREA: f64 = 1e-12;
+
+/// The width to begin with for a subset of points of about `area`, and the samples wanted.
+fn first_sigma(density: Density, area: f64, unit: &Unit) -> (f64, Option<usize>) {
+    match density {
+        Density::SigmaP(sigma) => ((sigma / unit.size).max(SMALLEST_SPACING), None),
+        Density::EdgeLength(length) => (Scale::sigma_of_spacing(length / unit.size).max(SMALLEST_SPACING), None),
+        Density::Points(n) => (Scale::of_points(n, area.max(SMALLEST_AREA * n as f64)).sigma(), Some(n)),
+        Density::Auto | Density::OfSizing => unreachable!("validated before"),
+    }
+}
+
+/// What sampling needs to know, whatever is sampled.
+struct Task<'a> {
+    beside: &'a Beside<'a>,
+    first_sigma: f64,
+    wanted: Option<usize>,
+    options: &'a SampleOptions,
+    monitor: &'a dyn Monitor,
+}
+
+/// Some of given samples, by their numbers.
+struct Subset<'a> {
+    given: &'a [Sample],
+    kept: Vec<u32>,
+    sigma: f64,
+    wanted: Option<usize>,
+}
+
+impl Subset<'_> {
+    /// The result for points of the input at `positions`, `numbers` of them if not all were given.
+    fn of(self, positions: &[DVec3], numbers: Option<&[u32]>, unit: f64) -> Sampled {
+        let Subset { given, kept, sigma, wanted } = self;
+        let indices: Vec<u32> = kept.iter().map(|&i| numbers.map_or(i, |numbers| numbers[i as usize])).collect();
+        let points = Points {
+            positions: indices.iter().map(|&i| positions[i as usize]).collect(),
+            normals: kept.iter().map(|&i| given[i as usize].normal).collect(),
+        };
+        let notes = notes(kept.len(), given.len(), wanted);
+        Sampled {
+            points,
+            indices: Some(indices),
+            candidates: given.len(),
+            sigma_p: unit * sigma,
+            wanted,
+            cloud: None,
+            notes,
+        }
+    }
+}
+
+impl Task<'_> {
+    /// Those of `given` that the scan keeps.
+    fn subset<'a, S: Surface>(&self, surface: &S, given: &Given<'a>) -> Result<Subset<'a>> {
+        let (sigma, mut kept) = match self.beside.dimensions() {
+            3 => self.kept_of::<S, 3>(surface, given),
+            6 => self.kept_of::<S, 6>(surface, given),
+            _ => self.kept_of::<S, MOST_DIMENSIONS>(surface, given),
+        }?;
+        kept.sort_unstable();
+        Ok(Subset { given: given.samples, kept, sigma, wanted: self.wanted })
+    }
+
+    fn kept_of<S: Surface, const D: usize>(&self, surface: &S, given: &Given) -> Result<(f64, Vec<u32>)> {
+        let (sigma, kept) =
+            self.search(given.count(), |kernel| scan_lifted::<D>(given, &[], kernel, self.options.seed, self.monitor))?;
+        let Some(wanted) = self.wanted else { return Ok((sigma, kept)) };
+        let kept = self.beside.with_kernel(sigma, |kernel| {
+            meet_count::<_, D>(&Lifted { surface, lift: kernel.lift }, given.samples, &kept, sigma, wanted)
+        });
+        Ok((sigma, kept))
+    }
+
+    /// Samples of `domain` after ascent.
+    fn on_surface<const D: usize>(&self, domain: &Domain, candidates: &[Candidate]) -> Result<(f64, Vec<Sample>)> {
+        let choices = OnDomain { domain, candidates };
+        let (sigma, samples) = self.search(candidates.len(), |kernel| {
+            scan_lifted::<D>(&choices, &[], kernel, self.options.seed, self.monitor)
+        })?;
+        let samples = samples.into_iter().map(|i| choices.sample(i)).collect();
+        self.beside.with_kernel(sigma, |kernel| {
+            let surface = Lifted { surface: domain, lift: kernel.lift };
+            let mut samples = match self.wanted {
+                Some(wanted) => exactly::<_, D>(&surface, domain, candidates, samples, sigma, wanted),
+                None => samples,
+            };
+            self.ascend::<_, D>(domain, kernel, &mut samples)?;
+            Ok((sigma, samples))
+        })
+    }
+
+    /// Samples of the surface of a cloud after ascent.
+    fn on_cloud(&self, cloud: &Prepared, unit: &Unit) -> Result<Sampled> {
+        let reach = self.options.cloud.smooth.unwrap_or(DEFAULT_REACH);
+        let surface = Rimls::new(&cloud.points.positions, &cloud.points.normals, &cloud.near, &cloud.spacings, reach);
+        let expected = self.wanted.unwrap_or_else(|| Scale::count_of_sigma(self.first_sigma, cloud.area()));
+        check_count("sigma-p", expected, format!("this width means {expected} samples"))?;
+        let choices = choices_on(&surface, cloud, expected, self.options.seed);
+        check(self.monitor)?;
+        let (sigma, samples) = match self.beside.dimensions() {
+            3 => self.climbed::<3>(&surface, &choices),
+            6 => self.climbed::<6>(&surface, &choices),
+            _ => self.climbed::<MOST_DIMENSIONS>(&surface, &choices),
+        }?;
+        let points = Points {
+            positions: samples.iter().map(|s| unit.outwards_point(s.position)).collect(),
+            normals: samples.iter().map(|s| s.normal).collect(),
+        };
+        let notes = notes(samples.len(), choices.len(), self.wanted);
+        let sigma_p = unit.size * sigma;
+        Ok(Sampled {
+            points,
+            indices: None,
+            candidates: choices.len(),
+            sigma_p,
+            wanted: self.wanted,
+            cloud: None,
+            notes,
+        })
+    }
+
+    /// Those of `choices` that the scan keeps, after ascent on `surface`.
+    fn climbed<const D: usize>(&self, surface: &Rimls, choices: &[Sample]) -> Result<(f64, Vec<Sample>)> {
+        let (sigma, kept) = self.kept_of::<_, D>(surface, &Given { samples: choices, domain: None })?;
+        let mut samples: Vec<Sample> = kept.into_iter().map(|i| choices[i as usize]).collect();
+        self.beside.with_kernel(sigma, |kernel| self.ascend::<_, D>(surface, kernel, &mut samples))?;
+        Ok((sigma, samples))
+    }
+
+    fn ascend<S: Surface, const D: usize>(&self, surface: &S, kernel: Kernel, samples: &mut [Sample]) -> Result<()> {
+        self.monitor.stage("ascend");
+        let climb = Climb { sigma: ASCENT_OF_SCAN * kernel.sigma, step: PAPER_STEP, sweeps: self.options.sweeps };
+        ascend_freely::<_, D>(&Lifted { surface, lift: kernel.lift }, samples, climb, self.monitor)
+    }
+
+    /// The width of the kernel with which a scan of `most` candidates keeps about as many as are wanted, and what it
+    /// keeps; with the first width if nobody says how many.
+    fn search<T>(&self, most: usize, mut scan: impl FnMut(Kernel) -> Result<Vec<T>>) -> Result<(f64, Vec<T>)> {
+        let mut scan = |sigma: f64| self.beside.with_kernel(sigma, &mut scan);
+        let Some(wanted) = self.wanted else { return Ok((self.first_sigma, scan(self.first_sigma)?)) };
+        find_width(self.first_sigma, wanted.min(most), &mut scan)
+    }
+}
+
+/// Candidates that come into question for each sample that is missing.
+const SPARE_PER_MISSING: usize = 256;
+
+/// Exactly `wanted` samples: some go, or others of the candidates come.
+fn exactly<S: Submanifold<D, Point = Sample>, const D: usize>(
+    surface: &S,
+    domain: &Domain,
+    candidates: &[Candidate],
+    mut samples: Vec<Sample>,
+    sigma: f64,
+    wanted: usize,
+) -> Vec<Sample> {
+    let chosen: Vec<u32> = (0..samples.len() as u32).collect();
+    if samples.len() < wanted {
+        let spare = SPARE_PER_MISSING * (wanted - samples.len());
+        samples.extend(candidates.iter().step_by((candidates.len() / spare).max(1)).map(|c| c.sample(domain)));
+    }
+    let kept = meet_count::<S, D>(surface, &samples, &chosen, sigma, wanted);
+    kept.into_iter().map(|i| samples[i as usize]).collect()
+}
+
+/// Samples that are but a handful.
+const HANDFUL: usize = 12;
+
+/// What a user should know about `kept` of `candidates`.
+fn notes(kept: usize, candidates: usize, wanted: Option<usize>) -> Vec<String> {
+    match wanted {
+        Some(wanted) if kept < wanted => {
+            vec![format!("{kept} samples instead of {wanted}: there are no more points that differ")]
+        }
+        None if kept == candidates => {
+            vec![format!("all {kept} points are kept: σp is below their distances; a larger one leaves fewer")]
+        }
+        None if kept <= HANDFUL => {
+            vec![format!("only {kept} samples are left: σp is about as large as the whole; a smaller one leaves more")]
+        }
+        _ => Vec::new(),
+    }
+}
+
+fn refuse_bad_points(positions: &[DVec3]) -> Result<()> {
+    if positions.is_empty() {
+        return Err(Error::Mesh { cause: "there are no points".into(), remedy: "check what the file is".into() });
+    }
+    refuse_bad_positions(positions)
+}

@@ -1,0 +1,58 @@
+//! The coordinates that the pipeline works in.
+
+use crate::mesh::triangle_mesh::Mesh;
+use glam::DVec3;
+
+/// The pipeline's own coordinates: around the origin and about one in size, so that neither the scale of the input nor
+/// its distance from the origin matters.
+pub(super) struct Unit {
+    centre: DVec3,
+    /// A power of two, so that scaling is exact.
+    pub size: f64,
+}
+
+impl Unit {
+    pub(super) fn of(mesh: &Mesh) -> Unit {
+        Unit::within(mesh.bounds().unwrap_or_default())
+    }
+
+    pub(super) fn of_points(points: &[DVec3]) -> Unit {
+        let lowest = points.iter().copied().reduce(DVec3::min).unwrap_or_default();
+        Unit::within((lowest, points.iter().copied().reduce(DVec3::max).unwrap_or_default()))
+    }
+
+    fn within((lo, hi): (DVec3, DVec3)) -> Unit {
+        let longest = (hi - lo).max_element();
+        let size = if longest > 0.0 { longest.log2().ceil().exp2() } else { 1.0 };
+        Unit { centre: lo + (hi - lo) / 2.0, size }
+    }
+
+    /// The area that `mesh`, in this unit, could have if all its corners were on one line but for the rounding of their
+    /// coordinates.
+    pub(super) fn area_of_rounding(&self, mesh: &Mesh) -> f64 {
+        let longest = |t: usize| {
+            let [a, b, c] = mesh.corners(t);
+            a.distance(b).max(b.distance(c)).max(c.distance(a))
+        };
+        let rounding = f64::EPSILON * (1.0 + self.centre.abs().max_element() / self.size);
+        (0..mesh.triangles.len()).map(|t| rounding * longest(t)).sum()
+    }
+
+    pub(super) fn inwards(&self, mesh: &Mesh) -> Mesh {
+        let positions = mesh.positions.iter().map(|&p| self.inwards_point(p)).collect();
+        Mesh { positions, triangles: mesh.triangles.clone() }
+    }
+
+    pub(super) fn inwards_point(&self, p: DVec3) -> DVec3 {
+        (p - self.centre) / self.size
+    }
+
+    pub(super) fn outwards(&self, mut mesh: Mesh) -> Mesh {
+        mesh.positions.iter_mut().for_each(|p| *p = self.outwards_point(*p));
+        mesh
+    }
+
+    pub(super) fn outwards_point(&self, p: DVec3) -> DVec3 {
+        p * self.size + self.centre
+    }
+}

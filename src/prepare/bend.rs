@@ -1,0 +1,253 @@
+//! The implicit surface of a mesh's vertices: where they are without their noise, and what lies between them.
+//!
+//! Points that are farther apart than the vertices of the result say where the surface goes between them only together
+//! with their normals. The triangles between them are split where it bends, and the new vertices projected on the implicit
+//! surface. That misses the points by a little; by how much is given back, between them as at them, so that they stay where
+//! they are. What is projected on later is the split mesh, which is that surface but for a share of the spacing.
+//!
+//! Cost: linear in the triangles; some ten microseconds for each new vertex and each point at one.
+//!
+//! Limits: sharp edges, the boundary, triangles over gaps, and places where the result would fold or cross itself stay
+//! flat.
+
+use crate::mesh::points::Points;
+use crate::mesh::topology::NONE;
+use crate::mesh::triangle_mesh::Mesh;
+use crate::prepare::cloud_normals::{MANY_NEIGHBORS, Neighborhood, sphere_normals};
+use crate::prepare::refine::halve_edges;
+use crate::spatial::bvh::Bvh;
+use crate::spatial::kdtree::{Neighbor, Neighbors};
+use crate::spatial::knn_graph::{DEGREE, NeighborGraph};
+use crate::spatial::self_intersections::crossing_faces;
+use crate::surface::implicit::Rimls;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// How far from the surface its triangles may be, and the shortest edge that is split for it, in mean spacings of the
+/// result.
+const TOLERANCE: f64 = 0.02;
+const SHORTEST_SPLIT: f64 = 0.75;
+
+/// Longest edge over which the surface is taken to bend, in distances of the points there: longer ones are over gaps.
+const LONGEST_CHORD: f64 = 2.0;
+
+/// Highest that a new vertex rises over the triangle that it was on, as a share of the edge between points there times the
+/// angle between their normals, up to one: an arc rises by an eighth.
+const HIGHEST_RISE: f64 = 0.25;
+
+/// Cosine of the most that a split triangle is turned by.
+const MOST_TURN: f64 = 0.5;
+
+/// Rings around a new vertex with all the points that it depends on: as far as one reaches, and its normal's neighbours.
+const RINGS: usize = 5;
+
+/// Points with normals, and what their implicit surface takes.
+struct Cloud {
+    points: Points,
+    near: Neighbors,
+    spacings: Vec<f64>,
+}
+
+impl Cloud {
+    /// The vertices `of_mesh`, which look as the triangles there do.
+    fn new(mesh: &Mesh, of_mesh: &[u32]) -> Cloud {
+        let normals = mesh.vertex_area_vectors().into_iter().map(DVec3::normalize_or_zero).collect();
+        let Points { positions, normals } = Points { positions: mesh.positions.clone(), normals }.pick(of_mesh);
+        let near = Neighbors::new(&positions);
+        let graph = NeighborGraph::new(&positions, &near, DEGREE);
+        let spacings = graph.spacings(&positions);
+        let normals = sphere_normals(&positions, &normals, &Neighborhood::Nearest(&graph, MANY_NEIGHBORS));
+        Cloud { points: Points { positions, normals }, near, spacings }
+    }
+
+    fn surface(&self, reach: f64) -> Rimls<'_> {
+        Rimls::new(&self.points.positions, &self.points.normals, &self.near, &self.spacings, reach)
+    }
+}
+
+/// `mesh` with its vertices on the implicit surface of their own places and normals, each reaching as far as `reach`
+/// times how far apart they are.
+pub fn smoothed(mesh: &Mesh, reach: f64) -> Mesh {
+    let all: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+    let (positions, _) = Cloud::new(mesh, &all).surface(reach).smoothed();
+    Mesh { positions, triangles: mesh.triangles.clone() }
+}
+
+/// A mesh whose edges were split where its vertices say that the surface bends.
+pub struct Split {
+    /// For each new vertex the two that it is in the middle of. New ones come after all others.
+    ends: Vec<[u32; 2]>,
+    /// Unit normals at all vertices; zero at sharp edges.
+    normals: Vec<DVec3>,
+}
+
+impl Split {
+    /// Splits the edges of `mesh` that are longer than `longest` or that the surface bends away from by more than the
+    /// tolerance, at most to `most` triangles. `sharp` says of each side `3 t + k` whether the edge is sharp, `spacing` is
+    /// that of the result.
+    pub fn new(mesh: &mut Mesh, sharp: &[bool], longest: f64, spacing: f64, most: usize) -> Split {
+        let mut split = Split { ends: Vec::new(), normals: steady_normals(mesh, sharp) };
+        while mesh.triangles.len() < most {
+            let is_long = |a: u32, b: u32, length: f64| {
+                let bends = length * split.turn(a, b) > 8.0 * TOLERANCE * spacing;
+                length > longest || bends && length > SHORTEST_SPLIT * spacing
+            };
+            let ends = halve_edges(mesh, is_long);
+            if ends.is_empty() {
+                break;
+            }
+            let middle =
+                |&[a, b]: &[u32; 2]| (split.normals[a as usize] + split.normals[b as usize]).normalize_or_zero();
+            let normals: Vec<DVec3> = ends.iter().map(middle).collect();
+            split.normals.extend(normals);
+            split.ends.extend(ends);
+        }
+        split
+    }
+
+    /// Whether no edge was split.
+    pub fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+
+    /// About the angle between the normals at two vertices; zero at sharp edges.
+    fn turn(&self, a: u32, b: u32) -> f64 {
+        let [a, b] = [a, b].map(|v| self.normals[v as usize]);
+        if a == DVec3::ZERO || b == DVec3::ZERO { 0.0 } else { a.distance(b) }
+    }
+
+    /// Puts the new vertices of `mesh` on the implicit surface of those before them, each of which reaches as far as
+    /// `reach` times how far apart they are. What is at a boundary stays, and at a sharp edge, where points do not say how
+    /// the surface lies beside them. `twin` and `sharp` are as [`Domain::with_sharp`] takes them.
+    ///
+    /// [`Domain::with_sharp`]: crate::surface::domain::Domain::with_sharp
+    pub fn bend(&self, mesh: &mut Mesh, twin: &[u32], sharp: &[bool], reach: f64) {
+        let count = mesh.positions.len() - self.ends.len();
+        let at_sharp = corners_of_sides(mesh, |side| sharp[side]);
+        let at_boundary = corners_of_sides(mesh, |side| twin[side] == NONE);
+        let mut points = points_around(mesh, count);
+        points.retain(|&v| !at_sharp[v as usize]);
+        let cloud = Cloud::new(mesh, &points);
+        let surface = cloud.surface(reach);
+        let (miss, highest) = self.at_ends(mesh, &surface, &at_sharp);
+        let rise = |found: &mut Vec<Neighbor>, v: usize| {
+            if at_sharp[v] || at_boundary[v] || highest[v] == 0.0 {
+                return None;
+            }
+            let (projected, _) = surface.project(mesh.positions[v], found)?;
+            let rise = projected - miss[v] - mesh.positions[v];
+            Some(rise.clamp_length_max(highest[v]))
+        };
+        let rises = (count..mesh.positions.len()).into_par_iter().map_init(Vec::new, rise).collect();
+        raise(mesh, count, rises);
+    }
+
+    /// For each vertex of `mesh` by how much the surface misses it, and how high it may rise if it is a new one. Of the
+    /// points only those count that an edge was split at, and not those `at_sharp` edges.
+    fn at_ends(&self, mesh: &Mesh, surface: &Rimls, at_sharp: &[bool]) -> (Vec<DVec3>, Vec<f64>) {
+        let count = mesh.positions.len() - self.ends.len();
+        let mut is_end = vec![false; mesh.positions.len()];
+        self.ends.iter().flatten().for_each(|&v| is_end[v as usize] = true);
+        let at_point = |found: &mut Vec<Neighbor>, v: usize| {
+            let here = mesh.positions[v];
+            if !is_end[v] {
+                return (DVec3::ZERO, 0.0);
+            }
+            let spacing = surface.nearest(here, found).map_or(0.0, |(nearest, _)| surface.spacing(nearest.point));
+            let projected = if at_sharp[v] { None } else { surface.project(here, found) };
+            (projected.map_or(DVec3::ZERO, |(there, _)| there - here), spacing)
+        };
+        let (mut miss, spacing): (Vec<DVec3>, Vec<f64>) =
+            (0..count).into_par_iter().map_init(Vec::new, at_point).unzip();
+        let mut highest = vec![0.0f64; count];
+        for &[v, w] in &self.ends {
+            let [a, b] = [v, w].map(|v| v as usize);
+            miss.push((miss[a] + miss[b]) / 2.0);
+            let chord = mesh.positions[a].distance(mesh.positions[b]);
+            highest.push(if a.max(b) >= count {
+                highest[a].max(highest[b])
+            } else if chord <= LONGEST_CHORD * spacing[a].max(spacing[b]) {
+                HIGHEST_RISE * chord * self.turn(v, w).min(1.0)
+            } else {
+                0.0
+            });
+        }
+        (miss, highest)
+    }
+}
+
+/// Unit normals at the vertices, zero at sharp edges. They are those of more triangles than meet there: noise is no bend.
+fn steady_normals(mesh: &Mesh, sharp: &[bool]) -> Vec<DVec3> {
+    let at_sharp = corners_of_sides(mesh, |side| sharp[side]);
+    let mut own = mesh.vertex_area_vectors();
+    own.iter_mut().zip(&at_sharp).filter(|n| *n.1).for_each(|n| *n.0 = DVec3::ZERO);
+    let mut around = own.clone();
+    for corners in &mesh.triangles {
+        let sum: DVec3 = corners.iter().map(|&v| own[v as usize]).sum();
+        corners.iter().filter(|&&v| !at_sharp[v as usize]).for_each(|&v| around[v as usize] += sum);
+    }
+    around.into_iter().map(DVec3::normalize_or_zero).collect()
+}
+
+/// The first `count` vertices of `mesh` that the others have to do with.
+fn points_around(mesh: &Mesh, count: usize) -> Vec<u32> {
+    let mut is_near: Vec<bool> = (0..mesh.positions.len()).map(|v| v >= count).collect();
+    for _ in 0..RINGS {
+        let around: Vec<[u32; 3]> =
+            mesh.triangles.iter().filter(|t| t.iter().any(|&v| is_near[v as usize])).copied().collect();
+        around.iter().flatten().for_each(|&v| is_near[v as usize] = true);
+    }
+    (0..count as u32).filter(|&v| is_near[v as usize]).collect()
+}
+
+/// For each vertex of `mesh` whether one of these sides begins or ends there.
+fn corners_of_sides(mesh: &Mesh, is_one: impl Fn(usize) -> bool) -> Vec<bool> {
+    let mut corners = vec![false; mesh.positions.len()];
+    for side in (0..3 * mesh.triangles.len()).filter(|&side| is_one(side)) {
+        for k in [side % 3, (side + 1) % 3] {
+            corners[mesh.triangles[side / 3][k] as usize] = true;
+        }
+    }
+    corners
+}
+
+/// Moves the vertices from number `first` on, but for those of triangles that would turn over or cross others.
+fn raise(mesh: &mut Mesh, first: usize, mut rises: Vec<Option<DVec3>>) {
+    let flat = mesh.clone();
+    loop {
+        for (v, rise) in (first..).zip(&rises) {
+            mesh.positions[v] = flat.positions[v] + rise.unwrap_or_default();
+        }
+        let has_risen = |t: &u32| {
+            let corners = mesh.triangles[*t as usize];
+            corners.iter().any(|&v| (v as usize).checked_sub(first).is_some_and(|v| rises[v].is_some()))
+        };
+        let risen: Vec<u32> = (0..mesh.triangles.len() as u32).filter(has_risen).collect();
+        let turns = |&t: &u32| {
+            let (before, after) = (flat.area_vector(t as usize), mesh.area_vector(t as usize));
+            before.dot(after) < MOST_TURN * before.length() * after.length()
+        };
+        let turned: Vec<u32> = risen.iter().copied().filter(turns).collect();
+        let bad = if turned.is_empty() { crossing_among(mesh, &risen) } else { turned };
+        let corners = bad.into_iter().flat_map(|t| mesh.triangles[t as usize]);
+        let lowered = corners.filter_map(|v| rises[(v as usize).checked_sub(first)?].take()).count();
+        if lowered == 0 {
+            return;
+        }
+    }
+}
+
+/// Of `triangles` those that cross others of the mesh, and those.
+fn crossing_among(mesh: &Mesh, triangles: &[u32]) -> Vec<u32> {
+    let soup = |of: &[u32]| Mesh::soup(of.iter().map(|&t| mesh.corners(t as usize)));
+    let some = soup(triangles);
+    let boxes = Bvh::new(&some);
+    let meets = |&t: &u32| {
+        let [a, b, c] = mesh.corners(t as usize);
+        let mut any = false;
+        boxes.in_box(&some, a.min(b).min(c), a.max(b).max(c), |_| any = true);
+        any
+    };
+    let around: Vec<u32> = (0..mesh.triangles.len() as u32).into_par_iter().filter(meets).collect();
+    crossing_faces(&soup(&around)).into_iter().map(|t| around[t as usize]).collect()
+}

@@ -1,0 +1,93 @@
+//! Which points of a cloud say something of a surface.
+
+use crate::spatial::knn_graph::NeighborGraph;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// The numbers of all positions along a curve through space, so that neighbours are mostly near each other in memory,
+/// too: in the order of the bits of their coordinates, those of the three axes in turn (a Z-order curve).
+///
+/// Based on: G. M. Morton, A computer oriented geodetic data base and a new technique in file sequencing, 1966.
+pub fn spatial_order(positions: &[DVec3]) -> Vec<u32> {
+    let Some(&first) = positions.first() else { return Vec::new() };
+    let (lo, hi) = positions.iter().fold((first, first), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+    let scale = f64::from(1 << BITS) / (hi - lo).max_element().max(f64::MIN_POSITIVE);
+    let key = |p: DVec3| {
+        let cell = ((p - lo) * scale).to_array().map(|c| spread((c as u64).min((1 << BITS) - 1)));
+        cell[0] | cell[1] << 1 | cell[2] << 2
+    };
+    let mut keyed: Vec<(u64, u32)> =
+        positions.par_iter().zip(0..positions.len() as u32).map(|(p, i)| (key(*p), i)).collect();
+    keyed.par_sort_unstable();
+    keyed.into_iter().map(|k| k.1).collect()
+}
+
+/// Bits of a coordinate that count: three coordinates fill 63.
+const BITS: u32 = 21;
+
+/// The lowest 21 bits of `x`, with two zeros after each.
+fn spread(x: u64) -> u64 {
+    let x = (x | x << 32) & 0x001f_0000_0000_ffff;
+    let x = (x | x << 16) & 0x001f_0000_ff00_00ff;
+    let x = (x | x << 8) & 0x100f_00f0_0f00_f00f;
+    let x = (x | x << 4) & 0x10c3_0c30_c30c_30c3;
+    (x | x << 2) & 0x1249_2492_4924_9249
+}
+
+/// Those of `numbers` that are the first ones at their positions, in their order.
+pub fn distinct(positions: &[DVec3], numbers: &[u32]) -> Vec<u32> {
+    // Adding zero makes -0.0 and 0.0 the same bits.
+    let key = |p: u32| (positions[p as usize] + DVec3::ZERO).to_array().map(f64::to_bits);
+    let mut order = numbers.to_vec();
+    order.par_sort_unstable_by_key(|&p| (key(p), p));
+    let mut is_first = vec![false; positions.len()];
+    order.chunk_by(|&a, &b| key(a) == key(b)).for_each(|place| is_first[place[0] as usize] = true);
+    numbers.iter().copied().filter(|&p| is_first[p as usize]).collect()
+}
+
+/// For each point whether it is a neighbour of its neighbours, or of any other point: strays are not.
+pub fn wanted_by_others(graph: &NeighborGraph, points: usize) -> Vec<bool> {
+    let mut wanted = vec![false; points];
+    (0..points as u32).flat_map(|p| graph.of(p)).for_each(|&n| wanted[n as usize] = true);
+    wanted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::points::Points;
+    use crate::spatial::kdtree::Neighbors;
+
+    #[test]
+    fn the_first_at_each_place_stays() {
+        let points = Points {
+            positions: vec![DVec3::X, DVec3::ZERO, DVec3::X, DVec3::new(-0.0, 0.0, 0.0), DVec3::Y],
+            normals: vec![DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y],
+        };
+        let kept = points.pick(&distinct(&points.positions, &[4, 3, 2, 1, 0]));
+        assert_eq!(kept.positions, [DVec3::Y, DVec3::ZERO, DVec3::X]);
+        assert_eq!(kept.normals, [DVec3::NEG_Y, DVec3::Y, DVec3::X]);
+    }
+
+    #[test]
+    fn neighbours_in_space_are_neighbours_in_order() {
+        let corner = |i: u32| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2));
+        let points: Vec<DVec3> = (0..8).rev().flat_map(|i| [corner(i), corner(i) * 0.9 + 0.01]).collect();
+        let order = spatial_order(&points);
+        // Both points of a corner, then those of the next one along x, then y, then z.
+        let corners: Vec<u32> = order.iter().map(|i| 7 - i / 2).collect();
+        assert_eq!(corners, (0..8).flat_map(|i| [i, i]).collect::<Vec<u32>>());
+        assert!(spatial_order(&[]).is_empty());
+        assert_eq!(spatial_order(&[DVec3::X; 3]), [0, 1, 2]);
+    }
+
+    #[test]
+    fn a_stray_is_nobodys_neighbour() {
+        let mut positions: Vec<DVec3> =
+            (0..400).map(|i| DVec3::new(f64::from(i % 20), f64::from(i / 20), 0.0)).collect();
+        positions.push(DVec3::new(10.0, 10.0, 4.0));
+        let graph = NeighborGraph::new(&positions, &Neighbors::new(&positions), 8);
+        let wanted = wanted_by_others(&graph, positions.len());
+        assert_eq!(wanted.iter().position(|w| !w), Some(400));
+    }
+}

@@ -1,0 +1,164 @@
+//! Normals of the points of a cloud, from fits to their neighbours.
+//!
+//! - A plane: the direction in which the neighbours of a point spread least. It has no outside yet.
+//! - An algebraic sphere, u₀ + u·x + u₄ x·x = 0, whose gradient follows the normals of the neighbours best: with weights w
+//!   that sum to one, u₄ = ½ (Σ w x·n - Σ w x · Σ w n) / (Σ w x·x - Σ w x · Σ w x), u = Σ w n - 2 u₄ Σ w x. With the point
+//!   at the origin its normal is u. Only neighbours that face its way count, so the other side of a thin sheet does not.
+//!
+//! Based on: H. Hoppe, T. DeRose, T. Duchamp, J. McDonald, W. Stuetzle, Surface reconstruction from unorganized points,
+//! 1992, DOI 10.1145/133994.134011 (planes); G. Guennebaud, M. Germann, M. Gross, Dynamic sampling and rendering of
+//! algebraic point set surfaces, 2008, DOI 10.1111/j.1467-8659.2008.01163.x (spheres).
+//!
+//! Cost: linear in points and neighbours.
+
+use crate::geom::eigen::{eigen, scatter};
+use crate::spatial::kdtree::Neighbors;
+use crate::spatial::knn_graph::NeighborGraph;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Neighbours that steady a fit where there is noise, or few points.
+pub const MANY_NEIGHBORS: usize = 16;
+
+/// The neighbours of each point that its normal follows from.
+pub enum Neighborhood<'a> {
+    /// So many of the nearest ones.
+    Nearest(&'a NeighborGraph, usize),
+    /// All within a radius.
+    Within(&'a Neighbors, f64),
+}
+
+impl Neighborhood<'_> {
+    /// Calls `fit` with each point and its neighbours, in parallel.
+    fn map(&self, points: &[DVec3], fit: impl Fn(u32, &[u32]) -> DVec3 + Sync) -> Vec<DVec3> {
+        let all = (0..points.len() as u32).into_par_iter();
+        match *self {
+            Neighborhood::Nearest(graph, count) => {
+                all.map(|p| fit(p, &graph.of(p)[..count.min(graph.degree())])).collect()
+            }
+            Neighborhood::Within(near, radius) => all
+                .map(|p| {
+                    let found = near.within(points[p as usize], radius);
+                    let others: Vec<u32> = found.iter().map(|n| n.point).filter(|&n| n != p).collect();
+                    fit(p, &others)
+                })
+                .collect(),
+        }
+    }
+}
+
+/// Unit normals without a common side, from planes through each point's neighbours.
+pub fn plane_normals(points: &[DVec3], neighborhood: &Neighborhood) -> Vec<DVec3> {
+    neighborhood.map(points, |p, neighbors| plane_normal(points, p, neighbors))
+}
+
+fn plane_normal(points: &[DVec3], p: u32, neighbors: &[u32]) -> DVec3 {
+    let here = points[p as usize];
+    let offsets = neighbors.iter().map(|&n| points[n as usize] - here);
+    eigen(scatter(std::iter::once(DVec3::ZERO).chain(offsets)).1).1[0]
+}
+
+/// Unit normals from spheres that fit to the neighbours and their normals, on the side of `normals`.
+pub fn sphere_normals(points: &[DVec3], normals: &[DVec3], neighborhood: &Neighborhood) -> Vec<DVec3> {
+    neighborhood.map(points, |p, neighbors| sphere_normal(points, normals, p, neighbors))
+}
+
+fn sphere_normal(points: &[DVec3], normals: &[DVec3], p: u32, neighbors: &[u32]) -> DVec3 {
+    let (here, normal) = (points[p as usize], normals[p as usize]);
+    let reach = neighbors.last().map_or(1.0, |&n| points[n as usize].distance(here)).max(f64::MIN_POSITIVE);
+    let mut fit = SphereFit::default();
+    fit.add(DVec3::ZERO, normal, 1.0);
+    for &n in neighbors {
+        let (offset, other) = ((points[n as usize] - here) / reach, normals[n as usize]);
+        if normal.dot(other) > 0.0 {
+            fit.add(offset, other, (1.0 - offset.length_squared()).max(0.0).powi(2));
+        }
+    }
+    fit.gradient_at_origin().try_normalize().filter(|g| g.dot(normal) > 0.0).unwrap_or(normal)
+}
+
+/// Weighted sums over points x with normals n that an algebraic sphere follows from.
+#[derive(Default)]
+struct SphereFit {
+    weight: f64,
+    x: DVec3,
+    n: DVec3,
+    x_dot_x: f64,
+    x_dot_n: f64,
+}
+
+impl SphereFit {
+    fn add(&mut self, x: DVec3, n: DVec3, weight: f64) {
+        self.weight += weight;
+        self.x += weight * x;
+        self.n += weight * n;
+        self.x_dot_x += weight * x.length_squared();
+        self.x_dot_n += weight * x.dot(n);
+    }
+
+    /// u: where the sphere through the origin faces.
+    fn gradient_at_origin(&self) -> DVec3 {
+        let (x, n) = (self.x / self.weight, self.n / self.weight);
+        let spread = self.x_dot_x / self.weight - x.length_squared();
+        if spread <= 0.0 {
+            return n;
+        }
+        let u4 = 0.5 * (self.x_dot_n / self.weight - x.dot(n)) / spread;
+        n - 2.0 * u4 * x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::rng::{Stage, stream, unit};
+
+    /// Random points of the unit sphere.
+    fn sphere(count: usize) -> Vec<DVec3> {
+        let mut rng = stream(1, Stage::Scan);
+        (0..count)
+            .map(|_| {
+                let (z, turn) = (2.0 * unit(&mut rng) - 1.0, std::f64::consts::TAU * unit(&mut rng));
+                let r = (1.0 - z * z).sqrt();
+                DVec3::new(r * turn.cos(), r * turn.sin(), z)
+            })
+            .collect()
+    }
+
+    #[test]
+    fn planes_find_normals_but_for_their_side_and_spheres_find_them_better() {
+        let points = sphere(2000);
+        let graph = NeighborGraph::new(&points, &Neighbors::new(&points), 12);
+        let nearest = Neighborhood::Nearest(&graph, 12);
+        let mut normals = plane_normals(&points, &nearest);
+        let off = |normals: &[DVec3]| {
+            let angles = normals.iter().zip(&points).map(|(n, p)| n.dot(*p).abs().min(1.0).acos().to_degrees());
+            angles.sum::<f64>() / points.len() as f64
+        };
+        assert!(off(&normals) < 2.0, "{}", off(&normals));
+        normals.iter_mut().zip(&points).for_each(|(n, p)| *n *= n.dot(*p).signum());
+        let better = sphere_normals(&points, &normals, &nearest);
+        assert!(off(&better) < 0.7 * off(&normals), "{} {}", off(&better), off(&normals));
+        assert!(better.iter().zip(&points).all(|(n, p)| n.dot(*p) > 0.0));
+    }
+
+    #[test]
+    fn a_radius_says_as_much_as_a_count() {
+        let points = sphere(2000);
+        let near = Neighbors::new(&points);
+        let normals = plane_normals(&points, &Neighborhood::Within(&near, 0.15));
+        assert!(normals.iter().zip(&points).all(|(n, p)| n.dot(*p).abs() > 0.97));
+    }
+
+    #[test]
+    fn the_other_side_of_a_thin_sheet_does_not_count() {
+        let grid = |z: f64| (0..400).map(move |i| DVec3::new(f64::from(i % 20), f64::from(i / 20), z));
+        let points: Vec<DVec3> = grid(0.0).chain(grid(0.3)).collect();
+        let side = |i: usize| if i < 400 { -DVec3::Z } else { DVec3::Z };
+        let tilted: Vec<DVec3> = (0..800).map(|i| (side(i) + 0.1 * DVec3::X).normalize()).collect();
+        let graph = NeighborGraph::new(&points, &Neighbors::new(&points), 16);
+        for (i, n) in sphere_normals(&points, &tilted, &Neighborhood::Nearest(&graph, 16)).into_iter().enumerate() {
+            assert!(n.dot(side(i)) > 0.99);
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! What is done to an input before it is sampled: repairs, refinement, smoothing; and for clouds normals and their sides.
+
+pub mod bend;
+pub mod clean;
+pub mod cloud_normals;
+pub mod orient;
+pub mod refine;
+pub mod repair;
+pub mod stitch;

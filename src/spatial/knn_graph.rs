@@ -1,0 +1,79 @@
+//! The nearest neighbours of every point of a cloud, and how far apart its points are.
+//!
+//! Cost: a query of a k-d tree for each point, in parallel; four bytes a neighbour.
+
+use crate::spatial::kdtree::Neighbors;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Neighbours that count for the spacing at a point: those that a point of an even sampling has around it.
+const RING: usize = 6;
+
+/// Neighbours of each point that are known to start with: those of a star, and some to spare.
+pub const DEGREE: usize = 16;
+
+/// The same number of nearest neighbours for each of some points.
+pub struct NeighborGraph {
+    degree: usize,
+    /// Those of the first point, the nearest first, then those of the second, and so on.
+    neighbors: Vec<u32>,
+}
+
+impl NeighborGraph {
+    /// The `degree` nearest neighbours of each of `points`, which `near` knows; fewer if there are not so many points.
+    pub fn new(points: &[DVec3], near: &Neighbors, degree: usize) -> Self {
+        let degree = degree.min(points.len().saturating_sub(1));
+        let mut neighbors = vec![0; degree * points.len()];
+        neighbors.par_chunks_mut(degree.max(1)).zip(0u32..points.len() as u32).for_each_init(
+            Vec::new,
+            |found, (own, p)| {
+                near.collect_nearest(points[p as usize], degree + 1, found);
+                // Where many points are at the same place the point itself may not be among the nearest.
+                let others = found.iter().map(|n| n.point).filter(|&n| n != p);
+                own.iter_mut().zip(others).for_each(|(own, n)| *own = n);
+            },
+        );
+        NeighborGraph { degree, neighbors }
+    }
+
+    /// The number of neighbours of each point.
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// The neighbours of point `p`, the nearest first.
+    pub fn of(&self, p: u32) -> &[u32] {
+        &self.neighbors[self.degree * p as usize..self.degree * (p as usize + 1)]
+    }
+
+    /// How far apart points are around each of `points`: the distance of the sixth neighbour, as that of the last one says
+    /// it for points that are about as dense all around.
+    pub fn spacings(&self, points: &[DVec3]) -> Vec<f64> {
+        let share = (RING as f64 / self.degree.max(RING) as f64).sqrt();
+        let spacing =
+            |p: usize| self.of(p as u32).last().map_or(0.0, |&n| share * points[p].distance(points[n as usize]));
+        (0..points.len()).into_par_iter().map(spacing).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_on_a_line() {
+        let points: Vec<DVec3> = (0..10).map(|i| f64::from(i * i) * DVec3::X).collect();
+        let graph = NeighborGraph::new(&points, &Neighbors::new(&points), 2);
+        assert_eq!(graph.of(0), [1, 2]);
+        assert_eq!(graph.of(9), [8, 7]);
+        assert_eq!(graph.spacings(&points)[9], 32.0);
+    }
+
+    #[test]
+    fn fewer_points_than_neighbours_wanted() {
+        let points = [DVec3::ZERO, DVec3::X];
+        let graph = NeighborGraph::new(&points, &Neighbors::new(&points), 5);
+        assert_eq!((graph.degree(), graph.of(0), graph.of(1)), (1, &[1][..], &[0][..]));
+        assert!(NeighborGraph::new(&[], &Neighbors::new(&[]), 5).spacings(&[]).is_empty());
+    }
+}

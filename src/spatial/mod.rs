@@ -1,0 +1,6 @@
+//! Searches in space: hierarchies of boxes over triangles, k-d trees over points, and what is found by them.
+
+pub mod bvh;
+pub mod kdtree;
+pub mod knn_graph;
+pub mod self_intersections;

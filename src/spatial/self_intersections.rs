@@ -1,0 +1,91 @@
+//! Faces of a mesh that cross each other: which, exactly.
+//!
+//! Faces cross where they have a point in common that is neither a corner of both nor on a side of both; see
+//! [`crate::geom::intersection`]. Corners at the same place are one corner here, whatever their numbers are, so seams and
+//! sheets that touch at common vertices do not cross.
+//!
+//! Cost: n log n to build the hierarchy, then near-linear for surfaces, whose boxes meet few others; in parallel.
+//!
+//! Limits: faces that are all in one place (a soup of n copies) are n² pairs.
+
+use crate::geom::intersection::cross;
+use crate::mesh::triangle_mesh::Mesh;
+use crate::spatial::bvh::Bvh;
+
+/// The pairs of faces of `mesh` that cross, the lower index first, in increasing order. `bvh` is the hierarchy over it.
+pub fn crossing_pairs(mesh: &Mesh, bvh: &Bvh) -> Vec<(u32, u32)> {
+    bvh.pairs_that_meet(mesh, |t, u| cross(mesh.corners(t as usize), mesh.corners(u as usize)))
+}
+
+/// The faces of `mesh` that cross another one, in increasing order.
+pub fn crossing_faces(mesh: &Mesh) -> Vec<u32> {
+    faces_of(crossing_pairs(mesh, &Bvh::new(mesh)))
+}
+
+/// The faces of some pairs, each once, in increasing order.
+pub fn faces_of(pairs: Vec<(u32, u32)>) -> Vec<u32> {
+    let mut faces: Vec<u32> = pairs.into_iter().flat_map(|(t, u)| [t, u]).collect();
+    faces.sort_unstable();
+    faces.dedup();
+    faces
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::rng::{Stage, stream, unit};
+    use glam::DVec3;
+
+    /// A band of `n` squares around the z axis, of radius 1 at the bottom and `top` at height 1.
+    fn band(n: u32, top: f64) -> Mesh {
+        let place = |i: u32, r: f64, z: f64| {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / f64::from(n)).sin_cos();
+            DVec3::new(r * cos, r * sin, z)
+        };
+        let positions = (0..n).flat_map(|i| [place(i, 1.0, 0.0), place(i, top, 1.0)]).collect();
+        let corner = |k: u32| k % (2 * n);
+        let triangles = (0..2 * n).map(|k| [k, corner(k + 1), corner(k + 2)]).collect();
+        Mesh { positions, triangles }
+    }
+
+    #[test]
+    fn a_surface_does_not_cross_itself_and_a_tangled_one_does() {
+        assert!(crossing_faces(&band(100, 1.0)).is_empty());
+        assert!(crossing_faces(&band(100, 0.1)).is_empty());
+        // Turned through its axis: each of the triangles crosses those on the other side.
+        assert_eq!(crossing_faces(&band(9, -1.0)).len(), 18);
+    }
+
+    #[test]
+    fn corners_at_the_same_place_are_one() {
+        let whole = band(20, 0.7);
+        let positions: Vec<DVec3> = (0..whole.triangles.len()).flat_map(|t| whole.corners(t)).collect();
+        let triangles = (0..whole.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        assert!(crossing_faces(&Mesh { positions, triangles }).is_empty());
+    }
+
+    #[test]
+    fn random_triangles_between_few_points_as_by_looking_at_all_pairs() {
+        let mut rng = stream(11, Stage::Distance);
+        // On a grid of a few places, so that triangles share corners, touch, are coplanar and have no area.
+        for (count, places) in [(40, 4.0), (200, 30.0), (300, 1e9)] {
+            let mut at = || ((unit(&mut rng) * places).floor() / places, unit(&mut rng));
+            let mut mesh = Mesh::default();
+            for t in 0..count {
+                let corner = |_| DVec3::new(at().0, at().0, at().0);
+                mesh.positions.extend([0; 3].map(corner));
+                mesh.triangles.push([3 * t, 3 * t + 1, 3 * t + 2]);
+            }
+            let all = (0..count).flat_map(|t| (t + 1..count).map(move |u| (t, u)));
+            let expected: Vec<(u32, u32)> =
+                all.filter(|&(t, u)| cross(mesh.corners(t as usize), mesh.corners(u as usize))).collect();
+            assert!(expected.len() > 10);
+            assert_eq!(crossing_pairs(&mesh, &Bvh::new(&mesh)), expected);
+        }
+    }
+
+    #[test]
+    fn no_faces_cross_no_faces() {
+        assert!(crossing_faces(&Mesh::default()).is_empty());
+    }
+}

@@ -1,0 +1,317 @@
+//! The curves of a surface: its boundary and its sharp edges, from corner to corner.
+//!
+//! A corner is a vertex where curves meet or end, or where one turns sharply. How sharply is seen at the scale of the
+//! samples, from the chords of one spacing on both sides: the zigzag of a scan's rim has no corners. A curve without a
+//! corner is closed.
+//!
+//! Cost: linear in the sides on curves, plus a bounding-volume hierarchy of them.
+
+use crate::geom::triangle::closest_point_of_segment;
+use crate::mesh::cut::Cut;
+use crate::mesh::half_edge::next;
+use crate::mesh::topology::NONE;
+use crate::mesh::triangle_mesh::Mesh;
+use crate::spatial::bvh::Bvh;
+use glam::DVec3;
+
+/// Cosine of the turn between two chords from which on the point between them is a corner: 44 degrees.
+const CORNER_TURN: f64 = 0.72;
+
+/// Longest chord in lengths of the whole curve: a circle turns by 36 degrees along two such chords.
+const LONGEST_CHORD: f64 = 0.1;
+
+/// A curve of a surface.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Curve {
+    /// The sides `3 t + k` of the cut surface along it, each from its first to its second end. Those of a boundary have
+    /// the surface on their left; a sharp edge has another side across each.
+    pub sides: Vec<u32>,
+    /// Whether it has no ends.
+    pub closed: bool,
+    /// Whether it is an edge of the seam, along which the surface is cut out of a larger one: it is one edge of every
+    /// mesh, too.
+    pub seam: bool,
+}
+
+/// All curves of a surface.
+#[derive(Default)]
+pub struct Curves {
+    /// The curves, each known by its place here.
+    pub list: Vec<Curve>,
+    /// The curve of each side, [`NONE`] off the curves.
+    of_side: Vec<u32>,
+    /// Whether a vertex of the cut surface is a corner.
+    corner: Vec<bool>,
+    /// The sides of the curves, one of each edge, in the order of `list`; as triangles with two equal corners.
+    sides: Vec<u32>,
+    segments: Mesh,
+    bvh: Bvh,
+}
+
+impl Curves {
+    /// The curves of a surface that is cut open along its sharp edges. `spacing` is that of the samples; `seam` has the
+    /// ends of each edge of the seam, in increasing order, with the surface on the left of the way between them. On the
+    /// boundary that way may be several sides.
+    pub fn new(cut: &Cut, spacing: f64, seam: &[[u32; 2]]) -> Self {
+        let mut net = Net::new(cut);
+        seam.iter().flatten().for_each(|&v| net.corner[v as usize] = true);
+        let list: Vec<Curve> = net.curves(seam).into_iter().flat_map(|c| net.split_at_turns(c, spacing)).collect();
+        let mut of_side = vec![NONE; cut.twin.len()];
+        for (curve, number) in list.iter().zip(0u32..) {
+            for &side in &curve.sides {
+                of_side[side as usize] = number;
+                let across = cut.across[side as usize];
+                if across != NONE {
+                    of_side[across as usize] = number;
+                }
+            }
+        }
+        let corner = cut.original.iter().map(|&v| net.corner[v as usize]).collect();
+        let sides: Vec<u32> = list.iter().flat_map(|c| &c.sides).copied().collect();
+        let positions = sides.iter().flat_map(|&s| net.ends(s)).map(|v| cut.mesh.positions[v as usize]).collect();
+        let triangles = (0..sides.len() as u32).map(|i| [2 * i, 2 * i + 1, 2 * i + 1]).collect();
+        let segments = Mesh { positions, triangles };
+        Curves { list, of_side, corner, sides, bvh: Bvh::new(&segments), segments }
+    }
+
+    /// The length of all curves.
+    pub fn length(&self) -> f64 {
+        let length = |t: usize| self.segments.corners(t)[0].distance(self.segments.corners(t)[1]);
+        (0..self.sides.len()).map(length).sum()
+    }
+
+    /// The curve of `side`, or [`NONE`].
+    #[inline]
+    pub fn of_side(&self, side: u32) -> u32 {
+        self.of_side[side as usize]
+    }
+
+    /// Whether vertex `v` of the cut surface is a corner.
+    #[inline]
+    pub fn is_corner(&self, v: u32) -> bool {
+        self.corner[v as usize]
+    }
+
+    /// The point of curve `curve` closest to `p`: a side of the curve and how far along it, in 0..=1.
+    pub fn closest(&self, p: DVec3, curve: u32) -> Option<(u32, f64)> {
+        let on_curve = |i: u32| self.of_side(self.sides[i as usize]) == curve;
+        let hit = self.bvh.closest_where(&self.segments, p, f64::INFINITY, on_curve)?;
+        let [a, b, _] = self.segments.corners(hit.triangle as usize);
+        let along = closest_point_of_segment(p, a, b).distance(a) / a.distance(b).max(f64::MIN_POSITIVE);
+        Some((self.sides[hit.triangle as usize], along.min(1.0)))
+    }
+}
+
+/// The sides on curves and how they follow each other around the vertices of the surface before it was cut.
+struct Net<'a> {
+    cut: &'a Cut,
+    /// Each side on a curve after the vertex it leaves, in increasing order.
+    out: Vec<(u32, u32)>,
+    /// Whether each vertex is a corner.
+    corner: Vec<bool>,
+}
+
+impl<'a> Net<'a> {
+    fn new(cut: &'a Cut) -> Self {
+        let mut net = Net { cut, out: Vec::new(), corner: vec![false; cut.original.len()] };
+        let on_curve = (0..cut.twin.len() as u32).filter(|&s| cut.twin[s as usize] == NONE);
+        net.out = on_curve.map(|s| (net.ends(s)[0], s)).collect();
+        net.out.sort_unstable();
+        for same in net.out.chunk_by(|a, b| a.0 == b.0) {
+            net.corner[same[0].0 as usize] = !net.goes_on(same);
+        }
+        net
+    }
+
+    /// The vertices that `side` runs from and to, as they were before the cut.
+    fn ends(&self, side: u32) -> [u32; 2] {
+        let corner = |s: u32| self.cut.mesh.triangles[s as usize / 3][s as usize % 3];
+        [side, next(side)].map(|s| self.cut.original[corner(s) as usize])
+    }
+
+    fn position(&self, v: u32) -> DVec3 {
+        self.cut.mesh.positions[v as usize]
+    }
+
+    /// Whether one curve goes on through the vertex that these sides leave: one side of a boundary, or two sharp ones.
+    fn goes_on(&self, leaving: &[(u32, u32)]) -> bool {
+        let boundary = |s: u32| self.cut.across[s as usize] == NONE;
+        match *leaving {
+            [(_, s)] => boundary(s),
+            [(_, s), (_, t)] => !boundary(s) && !boundary(t),
+            _ => false,
+        }
+    }
+
+    /// The side of the same curve after `side`, unless it ends there.
+    fn following(&self, side: u32) -> Option<u32> {
+        let at = self.ends(side)[1];
+        let back = self.cut.across[side as usize];
+        let begin = self.out.partition_point(|o| o.0 < at);
+        let mut on = self.out[begin..].iter().take_while(|o| o.0 == at).map(|o| o.1).filter(|&s| s != back);
+        if self.corner[at as usize] { None } else { on.next() }
+    }
+
+    /// All curves between vertices where they meet or end, and the closed ones.
+    fn curves(&self, seam: &[[u32; 2]]) -> Vec<Curve> {
+        let mut used = vec![false; self.cut.twin.len()];
+        let mut curves = Vec::new();
+        // Those that begin at a corner first; what is left after them is closed.
+        let (first, rest): (Vec<_>, Vec<_>) = self.out.iter().partition(|o| self.corner[o.0 as usize]);
+        for (_, begin) in first.into_iter().chain(rest) {
+            let mut curve = Curve { closed: true, ..Curve::default() };
+            let mut side = begin;
+            while !used[side as usize] {
+                for s in [side, self.cut.across[side as usize]].into_iter().filter(|&s| s != NONE) {
+                    used[s as usize] = true;
+                }
+                curve.sides.push(side);
+                match self.following(side) {
+                    Some(next) => side = next,
+                    None => curve.closed = false,
+                }
+            }
+            if let (Some(&first), Some(&last)) = (curve.sides.first(), curve.sides.last()) {
+                let between = [self.ends(first)[0], self.ends(last)[1]];
+                curve.seam = self.cut.across[first as usize] == NONE && seam.binary_search(&between).is_ok();
+                curves.push(curve);
+            }
+        }
+        curves
+    }
+
+    /// The parts of a curve between the vertices where it turns sharply, which become corners.
+    fn split_at_turns(&mut self, mut curve: Curve, spacing: f64) -> Vec<Curve> {
+        let turns = if curve.seam { Vec::new() } else { Polyline::new(self, &curve).turns(spacing) };
+        let Some(&first) = turns.first() else { return vec![curve] };
+        for &i in &turns {
+            let [at, _] = self.ends(curve.sides[i]);
+            self.corner[at as usize] = true;
+        }
+        let mut cuts = turns;
+        if curve.closed {
+            curve.sides.rotate_left(first);
+            cuts.iter_mut().for_each(|i| *i -= first);
+        } else {
+            cuts.insert(0, 0);
+        }
+        cuts.push(curve.sides.len());
+        cuts.windows(2).map(|c| Curve { sides: curve.sides[c[0]..c[1]].to_vec(), ..Curve::default() }).collect()
+    }
+}
+
+/// A curve as points.
+struct Polyline {
+    points: Vec<DVec3>,
+    /// The length of the curve up to each point.
+    arc: Vec<f64>,
+    closed: bool,
+}
+
+impl Polyline {
+    fn new(net: &Net<'_>, curve: &Curve) -> Self {
+        let first = curve.sides[..1].iter().map(|&s| net.ends(s)[0]);
+        let points: Vec<DVec3> =
+            first.chain(curve.sides.iter().map(|&s| net.ends(s)[1])).map(|v| net.position(v)).collect();
+        let mut arc = vec![0.0];
+        for pair in points.windows(2) {
+            arc.push(arc[arc.len() - 1] + pair[0].distance(pair[1]));
+        }
+        Polyline { points, arc, closed: curve.closed }
+    }
+
+    /// The point at length `at` along, around a closed curve, up to the ends of an open one.
+    fn point(&self, at: f64) -> DVec3 {
+        let total = self.arc[self.arc.len() - 1];
+        let at = if self.closed { at.rem_euclid(total) } else { at.clamp(0.0, total) };
+        let i = self.arc.partition_point(|&a| a <= at).clamp(1, self.arc.len() - 1);
+        let share = (at - self.arc[i - 1]) / (self.arc[i] - self.arc[i - 1]).max(f64::MIN_POSITIVE);
+        self.points[i - 1].lerp(self.points[i], share.clamp(0.0, 1.0))
+    }
+
+    /// The points, ends not included, where the curve turns sharply and more than at any other within a chord.
+    fn turns(&self, spacing: f64) -> Vec<usize> {
+        let count = self.points.len() - 1;
+        let total = self.arc[count];
+        let chord = spacing.min(LONGEST_CHORD * total);
+        let cosine = |i: usize| {
+            let before = self.points[i] - self.point(self.arc[i] - chord);
+            let after = self.point(self.arc[i] + chord) - self.points[i];
+            before.normalize_or_zero().dot(after.normalize_or_zero())
+        };
+        let first = usize::from(!self.closed);
+        let sharp: Vec<(usize, f64)> =
+            (first..count).map(|i| (i, cosine(i))).filter(|turn| turn.1 < CORNER_TURN).collect();
+        let near = |i: usize, j: usize| {
+            let apart = (self.arc[i] - self.arc[j]).abs();
+            apart < chord || self.closed && total - apart < chord
+        };
+        let n = sharp.len();
+        let sharpest = |&k: &usize| {
+            let (i, turn) = sharp[k];
+            let within = |&(j, _): &(usize, f64)| near(i, j);
+            let before = (1..n).map(|d| sharp[(k + n - d) % n]).take_while(within);
+            let after = (1..n).map(|d| sharp[(k + d) % n]).take_while(within);
+            before.chain(after).all(|(j, other)| (turn, i) < (other, j))
+        };
+        (0..n).filter(sharpest).map(|k| sharp[k].0).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::cut::cut;
+    use crate::mesh::topology::twins;
+    use crate::mesh::triangle_mesh::unit_cube;
+    use crate::surface::features::{Features, sharp_sides};
+
+    fn curves_of(mesh: Mesh, features: Features) -> (Cut, Curves) {
+        let twin = twins(&mesh.triangles);
+        let sharp = sharp_sides(&mesh, &twin, features, 0.01);
+        let cut = cut(mesh, twin, &sharp);
+        let curves = Curves::new(&cut, 0.1, &[]);
+        (cut, curves)
+    }
+
+    #[test]
+    fn a_cube_has_twelve_curves_between_eight_corners() {
+        let (cut, curves) = curves_of(unit_cube(), Features::Automatic);
+        assert_eq!(curves.list.len(), 12);
+        assert!(curves.list.iter().all(|c| !c.closed && c.sides.len() == 1));
+        assert!((0..cut.original.len() as u32).all(|v| curves.is_corner(v)));
+        assert_eq!(cut.original.len(), 24, "three faces meet at each corner");
+        let (side, along) = curves.closest(DVec3::new(0.3, -1.0, -0.1), curves.of_side(0)).unwrap();
+        assert_eq!(curves.of_side(side), curves.of_side(0));
+        assert!((0.0..=1.0).contains(&along));
+    }
+
+    #[test]
+    fn the_boundary_of_a_square_has_four_corners_and_that_of_a_disk_none() {
+        let mut square = unit_cube();
+        square.triangles.truncate(2);
+        square.drop_unused();
+        let (_, curves) = curves_of(square, Features::Smooth);
+        assert_eq!(curves.list.iter().map(|c| c.sides.len()).collect::<Vec<_>>(), [1, 1, 1, 1]);
+        let n = 12;
+        let rim = (0..n).map(|i| DVec2::from_angle(std::f64::consts::TAU * f64::from(i) / f64::from(n)));
+        let positions = rim.map(|p| p.extend(0.0)).chain([DVec3::ZERO]).collect();
+        let triangles = (0..n as u32).map(|i| [n as u32, i, (i + 1) % n as u32]).collect();
+        let (_, curves) = curves_of(Mesh { positions, triangles }, Features::Smooth);
+        assert_eq!(curves.list.len(), 1);
+        assert!(curves.list[0].closed && curves.list[0].sides.len() == 12);
+    }
+
+    use glam::DVec2;
+
+    #[test]
+    fn the_sides_of_a_curve_follow_each_other() {
+        let (cut, curves) = curves_of(unit_cube(), Features::Automatic);
+        let net = Net::new(&cut);
+        for curve in &curves.list {
+            for pair in curve.sides.windows(2) {
+                assert_eq!(net.ends(pair[0])[1], net.ends(pair[1])[0]);
+            }
+        }
+    }
+}

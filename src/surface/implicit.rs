@@ -1,0 +1,394 @@
+//! The robust implicit surface of a point cloud.
+//!
+//! With the residuals fᵢ = nᵢᵀ(x - pᵢ) of the planes at its points, the surface is where
+//!
+//! f(x) = Σ fᵢ φᵢ(x) w(rᵢ) wₙ(Δnᵢ) / Σ φᵢ(x) w(rᵢ) wₙ(Δnᵢ) = 0,
+//!
+//! rᵢ = fᵢ - f and Δnᵢ = |nᵢ - ∇f| being those of the round before, w and wₙ Gaussians, and φᵢ = (1 - |x - pᵢ|² / hᵢ²)⁴
+//! within the reach hᵢ of a point. Outliers, and the points beyond a sharp edge, lose their say from round to round. The
+//! gradient takes w and wₙ as constants, as in the source. Unlike there, the first round leaves out the points that face
+//! away from the nearest one: the other side of a thin wall.
+//!
+//! Based on: A. C. Öztireli, G. Guennebaud, M. Gross, Feature preserving point set surfaces based on non-linear kernel
+//! regression, 2009, DOI 10.1111/j.1467-8659.2009.01388.x, equations 5 to 8 and its pseudo-code; J. W. Tukey, Exploratory
+//! data analysis, 1977 (twicing).
+//!
+//! Points that are to stay near the surface that noise has moved them from are projected twice: what the second time takes
+//! away more was not noise, so about as much was lost the first time, and that is given back ("twicing").
+//!
+//! Cost: a query and some forty points for a value, a few times; a projection takes a few values.
+//!
+//! Limits: where no point reaches there is no surface. Planes lie outside of what is convex, so the surface does by about
+//! (h/4)² over the radius of curvature.
+
+use crate::spatial::kdtree::{Neighbor, Neighbors};
+use crate::surface::domain::Sample;
+use crate::surface::lift::Surface;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Width of w in reaches: about the noise that is to be smoothed away counts (the source, section 5).
+const SIGMA_R: f64 = 0.5;
+
+/// Width of wₙ: a sharp edge stays one, and noise of the normals does not (the source, section 5).
+const SIGMA_N: f64 = 0.8;
+
+/// Rounds of weighting at one place, and steps of a projection: more do not change the third digit.
+const ROUNDS: usize = 3;
+const STEPS: usize = 6;
+
+/// How far from the nearest point the cloud is taken to go on, in spacings there.
+const BORDER: f64 = 0.9;
+
+/// Shares of a step that are tried where all of it would lead past a border.
+const SHORTER: [f64; 3] = [1.0, 0.5, 0.25];
+
+/// A projection has arrived when it moves by less than this share of the reach.
+const ARRIVED: f64 = 1e-4;
+
+/// The implicit surface of points with normals.
+pub struct Rimls<'a> {
+    /// Where they are.
+    positions: &'a [DVec3],
+    /// Their unit normals.
+    normals: &'a [DVec3],
+    /// How far each reaches.
+    reaches: Vec<f64>,
+    /// The same in spacings.
+    reach: f64,
+    near: &'a Neighbors,
+    longest: f64,
+}
+
+/// f and ∇f at some place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Value {
+    /// The signed distance to the surface, about: positive where normals point.
+    pub f: f64,
+    /// Its gradient, of about unit length near the surface.
+    pub gradient: DVec3,
+    /// The unit mean of the normals that count there: steadier than the gradient where there is noise.
+    pub normal: DVec3,
+}
+
+impl<'a> Rimls<'a> {
+    /// The surface of points that reach as far as `reach` times how far apart they are: `spacings`, one each. `near`
+    /// knows the positions.
+    pub fn new(
+        positions: &'a [DVec3],
+        normals: &'a [DVec3],
+        near: &'a Neighbors,
+        spacings: &[f64],
+        reach: f64,
+    ) -> Self {
+        let reaches: Vec<f64> = spacings.iter().map(|s| reach * s).collect();
+        let longest = reaches.iter().copied().fold(0.0, f64::max);
+        Rimls { positions, normals, reaches, reach, near, longest }
+    }
+
+    /// How far apart points are around point `p`.
+    pub fn spacing(&self, p: u32) -> f64 {
+        self.reaches[p as usize] / self.reach
+    }
+
+    /// The mean of [`Self::spacing`].
+    pub fn mean_spacing(&self) -> f64 {
+        self.reaches.iter().sum::<f64>() / (self.reach * self.reaches.len() as f64)
+    }
+
+    /// The farthest that any point reaches.
+    pub fn longest_reach(&self) -> f64 {
+        self.longest
+    }
+
+    /// The point nearest to `x` and its normal; `None` without points. `found` is working space.
+    pub fn nearest(&self, x: DVec3, found: &mut Vec<Neighbor>) -> Option<(Neighbor, DVec3)> {
+        self.near.collect_nearest(x, 1, found);
+        found.first().map(|n| (*n, self.normals[n.point as usize]))
+    }
+
+    /// f and its gradient at `x`; `None` where no point reaches. `found` is working space.
+    pub fn value(&self, x: DVec3, found: &mut Vec<Neighbor>) -> Option<Value> {
+        self.collect(x, found);
+        self.value_of(x, found, found.first()?.point)
+    }
+
+    /// What values within `radius` of `centre` take.
+    pub fn local(&self, centre: DVec3, radius: f64) -> Local {
+        let mut local = Local::default();
+        let found = &mut local.found;
+        self.near.collect_nearest(centre, 1, found);
+        let Some(distance) = found.first().map(|n| n.distance_squared.sqrt()) else { return local };
+        // The nearest point of any place in the ball is among these.
+        self.near.collect_within(centre, distance + 2.0 * radius, found);
+        let longest = found.iter().map(|n| self.reaches[n.point as usize]).fold(0.0, f64::max);
+        let reach = (2.0 * longest).min(self.longest);
+        if distance <= reach + radius {
+            self.near.collect_within(centre, reach + radius, found);
+            local.points.extend(found.iter().map(|n| n.point));
+            local.points.sort_unstable();
+        }
+        local
+    }
+
+    /// [`Self::value`] at a place that `local` is for, and the nearest point.
+    pub fn value_in(&self, local: &mut Local, x: DVec3) -> Option<(Value, Neighbor)> {
+        let Local { points, found } = local;
+        let neighbor =
+            |&point: &u32| Neighbor { point, distance_squared: self.positions[point as usize].distance_squared(x) };
+        found.clear();
+        found.extend(points.iter().map(neighbor));
+        let nearest = *found.iter().min_by(|a, b| a.distance_squared.total_cmp(&b.distance_squared))?;
+        let radius = self.radius(nearest.point);
+        let counts = |n: &Neighbor| n.distance_squared < radius.min(self.reaches[n.point as usize]).powi(2);
+        found.retain(counts);
+        Some((self.value_of(x, found, nearest.point)?, nearest))
+    }
+
+    /// How far from a place points may be that reach it, if `nearest` is the one nearest to it: those around that one
+    /// reach about as far as it does.
+    fn radius(&self, nearest: u32) -> f64 {
+        (2.0 * self.reaches[nearest as usize]).min(self.longest)
+    }
+
+    /// The point of the surface near `x`, and the unit normal there; `None` if there is none within reach. `found` is
+    /// working space.
+    pub fn project(&self, x: DVec3, found: &mut Vec<Neighbor>) -> Option<(DVec3, DVec3)> {
+        let mut at = x;
+        let mut normal = DVec3::ZERO;
+        for _ in 0..STEPS {
+            let value = self.value(at, found)?;
+            let Value { f, gradient, .. } = value;
+            let step = f * gradient / gradient.length_squared().max(f64::MIN_POSITIVE);
+            let reach = found.first().map_or(0.0, |n| self.reaches[n.point as usize]);
+            at -= step.clamp_length_max(reach);
+            normal = value.normal;
+            if step.length() < ARRIVED * reach {
+                break;
+            }
+        }
+        Some((at, normal))
+    }
+
+    /// The sample of the surface near `x`, whose triangle is the number of the nearest point; `None` where the cloud has
+    /// ended.
+    pub fn sample(&self, x: DVec3) -> Option<Sample> {
+        let mut found = Vec::new();
+        let (position, normal) = self.project(x, &mut found)?;
+        let (nearest, _) = self.nearest(position, &mut found)?;
+        let farthest = BORDER * self.spacing(nearest.point);
+        let sample = Sample { position, normal, triangle: nearest.point, size: 1.0 };
+        (nearest.distance_squared <= farthest * farthest).then_some(sample)
+    }
+
+    /// For each point a place near it that is on the surface to first order.
+    pub fn seeds(&self) -> Vec<DVec3> {
+        let seed = |found: &mut Vec<Neighbor>, &x: &DVec3| {
+            let value = self.value(x, found).filter(|v| v.gradient != DVec3::ZERO);
+            value.map_or(x, |Value { f, gradient, .. }| x - f * gradient / gradient.length_squared())
+        };
+        self.positions.par_iter().map_init(Vec::new, seed).collect()
+    }
+
+    /// The points without their noise, and their unit normals: projected, and moved back by what projecting them again
+    /// takes away, so that what is no noise stays.
+    pub fn smoothed(&self) -> (Vec<DVec3>, Vec<DVec3>) {
+        let (once, normals) = self.projected();
+        let near = Neighbors::new(&once);
+        let surface =
+            Rimls { positions: &once, normals: &normals, near: &near, reaches: self.reaches.clone(), ..*self };
+        let (twice, softer) = surface.projected();
+        let given_back = |(a, b): (&DVec3, DVec3)| 2.0 * *a - b;
+        let positions = once.iter().zip(twice).map(given_back).collect();
+        let sharper = normals.iter().zip(softer).map(given_back).map(DVec3::normalize_or_zero).collect();
+        (positions, sharper)
+    }
+
+    /// All points projected; where one has lost the surface it stays, with its normal.
+    fn projected(&self) -> (Vec<DVec3>, Vec<DVec3>) {
+        let project = |found: &mut Vec<Neighbor>, p: usize| {
+            self.project(self.positions[p], found).unwrap_or((self.positions[p], self.normals[p]))
+        };
+        (0..self.positions.len()).into_par_iter().map_init(Vec::new, project).unzip()
+    }
+
+    /// The points that may reach `x`, the nearest one first.
+    fn collect(&self, x: DVec3, found: &mut Vec<Neighbor>) {
+        self.near.collect_nearest(x, 1, found);
+        let Some(nearest) = found.first().copied() else { return };
+        let radius = self.radius(nearest.point);
+        if nearest.distance_squared > radius * radius {
+            found.clear();
+            return;
+        }
+        self.near.collect_within(x, radius, found);
+        found.sort_unstable_by(|a, b| a.distance_squared.total_cmp(&b.distance_squared).then(a.point.cmp(&b.point)));
+    }
+
+    /// In the first round those that face away from the nearest point do not count: they are of the other side of a thin
+    /// wall, whose planes would cancel those of this one.
+    fn value_of(&self, x: DVec3, found: &[Neighbor], nearest: u32) -> Option<Value> {
+        let facing = self.normals[nearest as usize];
+        let mut last: Option<Value> = None;
+        for _ in 0..=ROUNDS {
+            let mut sums = Sums::default();
+            for n in found {
+                let (p, reach) = (n.point as usize, self.reaches[n.point as usize]);
+                let share = 1.0 - n.distance_squared / (reach * reach);
+                if share <= 0.0 {
+                    continue;
+                }
+                let (offset, normal) = (x - self.positions[p], self.normals[p]);
+                let residual = normal.dot(offset);
+                let at_first = if facing.dot(normal) < 0.0 { 0.0 } else { 1.0 };
+                let robust = last.map_or(at_first, |last| {
+                    let r = (residual - last.f) / (SIGMA_R * reach);
+                    let dn = normal.distance_squared(last.gradient) / (SIGMA_N * SIGMA_N);
+                    (-r * r - dn).exp()
+                });
+                let cube = share * share * share;
+                let slope = -8.0 * cube / (reach * reach) * offset;
+                sums.add(robust * share * cube, robust * slope, residual, normal);
+            }
+            last = Some(sums.value()?);
+        }
+        last
+    }
+}
+
+impl Surface for Rimls<'_> {
+    /// A step over the border of the cloud is shorter, or none.
+    fn follow(&self, from: &Sample, way: DVec3) -> Sample {
+        let way = way.reject_from_normalized(from.normal);
+        SHORTER.iter().find_map(|share| self.sample(from.position + share * way)).unwrap_or(*from)
+    }
+}
+
+/// The points that values in some ball take, found once for all of them.
+#[derive(Debug, Default)]
+pub struct Local {
+    /// In ascending order.
+    points: Vec<u32>,
+    /// Working space.
+    found: Vec<Neighbor>,
+}
+
+/// Weighted sums over points that a value follows from.
+#[derive(Default)]
+struct Sums {
+    weight: f64,
+    slope: DVec3,
+    residual: f64,
+    residual_slope: DVec3,
+    normal: DVec3,
+}
+
+impl Sums {
+    fn add(&mut self, weight: f64, slope: DVec3, residual: f64, normal: DVec3) {
+        self.weight += weight;
+        self.slope += slope;
+        self.residual += weight * residual;
+        self.residual_slope += residual * slope;
+        self.normal += weight * normal;
+    }
+
+    fn value(&self) -> Option<Value> {
+        let f = self.residual / self.weight;
+        let gradient = (self.residual_slope - f * self.slope + self.normal) / self.weight;
+        let normal = self.normal.try_normalize()?;
+        (f.is_finite() && gradient.is_finite()).then_some(Value { f, gradient, normal })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::rng::{Random, Stage, stream, unit};
+    use approx::assert_relative_eq;
+
+    /// Points of the unit sphere by the golden angle, moved along their normals by up to `noise`.
+    fn sphere(count: u32, noise: f64, rng: &mut Random) -> (Vec<DVec3>, Vec<DVec3>) {
+        (0..count)
+            .map(|i| {
+                let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(count);
+                let (sine, cosine) = (2.399_963_229_728_653 * f64::from(i)).sin_cos();
+                let normal = DVec3::new((1.0 - z * z).sqrt() * cosine, (1.0 - z * z).sqrt() * sine, z);
+                (normal * (1.0 + noise * (2.0 * unit(rng) - 1.0)), normal)
+            })
+            .unzip()
+    }
+
+    #[test]
+    fn points_come_to_lie_on_the_sphere_and_noise_goes() {
+        let mut rng = stream(1, Stage::Scan);
+        let (positions, normals) = sphere(4000, 0.03, &mut rng);
+        let near = Neighbors::new(&positions);
+        let surface = Rimls::new(&positions, &normals, &near, &vec![0.06; positions.len()], 3.0);
+        let off = |points: &[DVec3]| {
+            (points.iter().map(|p| (p.length() - 1.0).powi(2)).sum::<f64>() / points.len() as f64).sqrt()
+        };
+        let (smooth, gradients) = surface.smoothed();
+        assert!(off(&smooth) < 0.45 * off(&positions), "{} {}", off(&smooth), off(&positions));
+        assert!(smooth.iter().zip(gradients).all(|(p, n)| p.normalize().dot(n) > 0.98));
+    }
+
+    #[test]
+    fn what_bends_evenly_keeps_its_size() {
+        let (positions, normals) = sphere(4000, 0.0, &mut stream(1, Stage::Scan));
+        let near = Neighbors::new(&positions);
+        let surface = Rimls::new(&positions, &normals, &near, &vec![0.06; positions.len()], 3.0);
+        let off = |points: Vec<DVec3>| points.iter().map(|p| (p.length() - 1.0).abs()).fold(0.0, f64::max);
+        let (once, twice) = (off(surface.projected().0), off(surface.smoothed().0));
+        assert!(once > 1e-3 && twice < 0.1 * once, "{once} {twice}");
+    }
+
+    #[test]
+    fn the_value_is_the_height_over_a_plane_and_the_gradient_its_normal() {
+        let positions: Vec<DVec3> = (0..400).map(|i| DVec3::new(f64::from(i % 20), f64::from(i / 20), 2.0)).collect();
+        let normals = vec![DVec3::Z; positions.len()];
+        let near = Neighbors::new(&positions);
+        let surface = Rimls::new(&positions, &normals, &near, &vec![1.0; positions.len()], 3.0);
+        let Value { f, gradient, .. } = surface.value(DVec3::new(9.3, 8.6, 2.7), &mut Vec::new()).unwrap();
+        assert_relative_eq!(f, 0.7, epsilon = 1e-12);
+        assert!(gradient.distance(DVec3::Z) < 1e-9);
+        assert_eq!(surface.value(DVec3::new(9.3, 8.6, 6.0), &mut Vec::new()), None);
+    }
+
+    #[test]
+    fn values_in_a_ball_are_the_same() {
+        let mut rng = stream(2, Stage::Scan);
+        let (positions, normals) = sphere(900, 0.02, &mut rng);
+        let near = Neighbors::new(&positions);
+        let spacings: Vec<f64> = positions.iter().map(|p| 0.12 + 0.05 * p.x).collect();
+        let surface = Rimls::new(&positions, &normals, &near, &spacings, 2.2);
+        let mut found = Vec::new();
+        for centre in [DVec3::X, DVec3::new(-0.5, 0.8, 0.2), DVec3::new(0.0, 1.2, 0.0), DVec3::splat(9.0)] {
+            let mut local = surface.local(centre, 0.2);
+            for _ in 0..100 {
+                let x = centre
+                    + 0.2 * DVec3::new(unit(&mut rng), unit(&mut rng), unit(&mut rng)).normalize() * unit(&mut rng);
+                let (one, other) = (surface.value(x, &mut found), surface.value_in(&mut local, x));
+                assert_eq!(one.is_some(), other.is_some());
+                let Some((one, (other, nearest))) = one.zip(other) else { continue };
+                assert!((one.f - other.f).abs() < 1e-12 && nearest == found[0]);
+            }
+        }
+    }
+
+    #[test]
+    fn a_sharp_edge_stays_one_and_an_outlier_has_no_say() {
+        let side = |normal: DVec3, along: DVec3| {
+            (0..900).map(move |i| (along * f64::from(i / 30) + DVec3::Y * f64::from(i % 30), normal))
+        };
+        let roof = side(DVec3::Z, DVec3::NEG_X).chain(side(DVec3::X, DVec3::NEG_Z).skip(30));
+        let outlier = (DVec3::new(-6.0, 15.2, 0.9), DVec3::new(0.6, 0.0, 0.8));
+        let (positions, normals): (Vec<DVec3>, Vec<DVec3>) = roof.chain([outlier]).unzip();
+        let near = Neighbors::new(&positions);
+        let surface = Rimls::new(&positions, &normals, &near, &vec![1.2; positions.len()], 3.0);
+        let mut found = Vec::new();
+        let (beside_edge, _) = surface.project(DVec3::new(-1.0, 15.3, 0.3), &mut found).unwrap();
+        assert!(beside_edge.z.abs() < 0.05, "{beside_edge}");
+        let (below_outlier, _) = surface.project(DVec3::new(-6.0, 15.0, 0.3), &mut found).unwrap();
+        assert!(below_outlier.z.abs() < 0.05, "{below_outlier}");
+    }
+}

@@ -1,0 +1,171 @@
+//! Edge lengths that go over from those of a seam to the wanted ones.
+//!
+//! A part that is cut out of a mesh keeps the edges of its seam. Where their length l(s) at a vertex s is not the wanted
+//! one, h, the length at a vertex v that is a way d(s) away from them is
+//!
+//! ```text
+//! min( min over s of l(s) + g d(s),  max( h(v),  max over s of l(s) - g d(s) ) )
+//! ```
+//!
+//! so lengths change by at most g for each length gone until they are the wanted ones. Where a number of vertices is
+//! wanted, h is scaled to meet it; 2 / (√3 h²) integrates to it. If no length off the seam leaves as few, or as many, g is
+//! doubled, and so it is where given lengths are but for a small part of the surface too short for it.
+//!
+//! Based on: P.-O. Persson, Mesh size functions for implicit geometries and PDE-based gradient limiting, 2006,
+//! DOI 10.1007/s00366-006-0014-1. Departure: it limits from below, too.
+//!
+//! Cost: two passes of Dijkstra's algorithm for each gradient that is tried, and some sums over the triangles.
+
+use crate::mesh::half_edge::next;
+use crate::surface::domain::Domain;
+use crate::surface::sizing::{FIELD_GRADIENT, Graph, limited, mean_density};
+
+/// Steepest gradient that is tried: with a steeper one there is nothing left to go over. Given lengths keep it, and a
+/// number of vertices that not even it leaves is met with even lengths.
+const STEEPEST: f64 = 4.0;
+
+/// Share of the vertices that wanted lengths mean which has to be left of them beside a seam of longer edges.
+const LEAST_LEFT: f64 = 0.5;
+
+/// The factors that the wanted lengths are scaled by at most, and the steps of the search for the right one.
+const LARGEST_FACTOR: f64 = 1e3;
+const STEPS: usize = 50;
+
+/// The length at each vertex of `domain`, in its units, where `wanted` says it off the seam; scaled, if `count` is given,
+/// to so many vertices.
+pub fn lengths_from_seam(domain: &Domain, wanted: &[f64], count: Option<f64>) -> Vec<f64> {
+    let own = seam_lengths(domain);
+    let graph = Graph::whole(domain);
+    let mut gradient = FIELD_GRADIENT;
+    while gradient <= STEEPEST {
+        let bounds = Bounds::new(domain, &graph, &own, gradient);
+        let meant = |factor: f64| vertices(domain, &bounds.lengths(wanted, factor));
+        match count {
+            Some(count) if meant(LARGEST_FACTOR) <= count && count <= meant(1.0 / LARGEST_FACTOR) => {
+                return scaled_to(count, domain, |factor| bounds.lengths(wanted, factor));
+            }
+            None if meant(1.0) >= LEAST_LEFT * vertices(domain, wanted) || 2.0 * gradient > STEEPEST => {
+                return bounds.lengths(wanted, 1.0);
+            }
+            _ => gradient *= 2.0,
+        }
+    }
+    let even = |factor: f64| wanted.iter().map(|length| factor * length).collect();
+    count.map_or_else(|| even(1.0), |count| scaled_to(count, domain, even))
+}
+
+/// How many vertices edges of these lengths mean.
+pub fn vertices(domain: &Domain, lengths: &[f64]) -> f64 {
+    2.0 / 3f64.sqrt() * domain.mesh.area() * mean_density(&domain.mesh, lengths)
+}
+
+/// The lengths for the factor with which they mean `count` vertices.
+fn scaled_to(count: f64, domain: &Domain, lengths: impl Fn(f64) -> Vec<f64>) -> Vec<f64> {
+    let (mut least, mut most) = (1.0 / LARGEST_FACTOR, LARGEST_FACTOR);
+    for _ in 0..STEPS {
+        let middle = f64::sqrt(least * most);
+        if vertices(domain, &lengths(middle)) > count { least = middle } else { most = middle }
+    }
+    lengths(most)
+}
+
+/// For each vertex the mean length of the edges of the seam that it lies on, if it lies on any.
+fn seam_lengths(domain: &Domain) -> Vec<Option<f64>> {
+    let corner = |side: u32| domain.mesh.triangles[side as usize / 3][side as usize % 3];
+    let mut sums = vec![(0.0, 0); domain.mesh.positions.len()];
+    for curve in domain.curves.list.iter().filter(|curve| curve.seam) {
+        let sides = || curve.sides.iter().map(|&s| [corner(s), corner(next(s))]);
+        let length: f64 =
+            sides().map(|[a, b]| domain.mesh.positions[a as usize].distance(domain.mesh.positions[b as usize])).sum();
+        for v in sides().flatten() {
+            let (sum, count) = &mut sums[domain.original[v as usize] as usize];
+            *sum += length;
+            *count += 1;
+        }
+    }
+    sums.into_iter().map(|(sum, count)| (count > 0).then(|| sum / f64::from(count))).collect()
+}
+
+/// Between which lengths those at each vertex must be for the seam.
+struct Bounds {
+    least: Vec<f64>,
+    most: Vec<f64>,
+}
+
+impl Bounds {
+    fn new(domain: &Domain, graph: &Graph, own: &[Option<f64>], gradient: f64) -> Bounds {
+        let longest = own.iter().flatten().copied().fold(0.0, f64::max);
+        let limited = |of_length: &dyn Fn(f64) -> f64| {
+            limited(domain, graph, own.iter().map(|l| l.map_or(f64::INFINITY, of_length)).collect(), gradient)
+        };
+        let most = limited(&|length| length);
+        let least = limited(&|length| longest - length).into_iter().map(|below| longest - below).collect();
+        Bounds { least, most }
+    }
+
+    /// The lengths that are `wanted`, times `factor`, as far as the bounds let them.
+    fn lengths(&self, wanted: &[f64], factor: f64) -> Vec<f64> {
+        let bounds = self.least.iter().zip(&self.most);
+        wanted.iter().zip(bounds).map(|(length, (&least, &most))| (factor * length).max(least).min(most)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::triangle_mesh::Mesh;
+    use crate::surface::features::Features;
+    use glam::DVec3;
+
+    /// A band of 200 by 4 squares of side 0.01, cut out along its left end.
+    fn band() -> Domain {
+        let at = |i: u32, j: u32| 5 * i + j;
+        let places = (0..=200).flat_map(|i| (0..=4).map(move |j| (i, j)));
+        let positions = places.map(|(i, j)| 0.01 * DVec3::new(f64::from(i), f64::from(j), 0.0)).collect();
+        let squares = (0..200).flat_map(|i| (0..4).map(move |j| (i, j)));
+        let halves = |(i, j)| {
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        };
+        let mesh = Mesh { positions, triangles: squares.flat_map(halves).collect() };
+        Domain::with_seam(mesh, Features::Smooth, 0.1, vec![[1, 0], [2, 1], [3, 2], [4, 3]])
+    }
+
+    #[test]
+    fn lengths_go_over_from_the_seam_to_what_is_wanted() {
+        let domain = band();
+        assert_eq!(domain.curves.list.iter().filter(|curve| curve.seam).count(), 4);
+        for wanted in [0.1, 0.001] {
+            let lengths = lengths_from_seam(&domain, &vec![wanted; domain.mesh.positions.len()], None);
+            for (p, length) in domain.mesh.positions.iter().zip(&lengths) {
+                let should_be = if wanted > 0.01 {
+                    (0.01 + FIELD_GRADIENT * p.x).min(wanted)
+                } else {
+                    (0.01 - FIELD_GRADIENT * p.x).max(wanted)
+                };
+                assert!((length - should_be).abs() < 2e-3, "{p}: {length}, not {should_be}");
+            }
+            assert_eq!(lengths[1], 0.01);
+            assert_eq!(lengths[1003], wanted);
+        }
+    }
+
+    #[test]
+    fn a_seam_of_long_edges_does_not_have_it_all() {
+        let mut domain = band();
+        domain.mesh.positions.iter_mut().for_each(|p| p.y *= 40.0);
+        let wanted = vec![0.01; domain.mesh.positions.len()];
+        let lengths = lengths_from_seam(&domain, &wanted, None);
+        assert!(lengths[1] > 0.39, "{}", lengths[1]);
+        assert!(vertices(&domain, &lengths) > 0.5 * vertices(&domain, &wanted));
+    }
+
+    #[test]
+    fn as_many_vertices_as_wanted_are_meant() {
+        let domain = band();
+        for count in [10.0, 200.0, 5000.0, 1e5] {
+            let lengths = lengths_from_seam(&domain, &vec![0.03; domain.mesh.positions.len()], Some(count));
+            assert!((vertices(&domain, &lengths) / count - 1.0).abs() < 1e-6);
+        }
+    }
+}

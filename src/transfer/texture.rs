@@ -1,0 +1,183 @@
+//! Texture coordinates of one mesh carried over to another one.
+//!
+//! Texture coordinates jump at seams, and each triangle of the output has to be on one side of a seam as a whole: on
+//! that of the triangle of the input below its centre. From there the input is walked over as far as the output's
+//! triangle reaches, but across no seam. A corner above a triangle that the walk has met has the coordinates there, as
+//! in all its triangles on this side; a corner beyond a seam has those of the closest point that the walk has met,
+//! continued linearly by the affine map that fits the coordinates of what the walk has met best (least squares,
+//! weighted by area).
+//!
+//! Cost: for each output triangle the input triangles below it.
+//!
+//! Limits: next to a seam that is shorter than an edge of the output, or to a chart that is narrower, coordinates are
+//! distorted. A triangle at a seam is counted as such if all its corners are beyond it, or if along one of its sides they
+//! differ by more than half of its longest side from what the affine map says.
+
+use crate::geom::triangle::{area, barycentric, closest_point, longest_side};
+use crate::mesh::attributes::Wedges;
+use crate::mesh::topology::{NONE, twins};
+use crate::mesh::triangle_mesh::Mesh;
+use crate::mesh::weld::weld;
+use crate::transfer::vertex::Foot;
+use glam::{DMat2, DVec2, DVec3};
+use rayon::prelude::*;
+use std::collections::HashSet;
+
+/// How far, in sides of a triangle in the texture, coordinates may be from those of an affine map.
+const DISTORTED: f64 = 0.5;
+
+/// How far beyond seams, in longest sides, all corners of a triangle may be.
+const BEYOND: f64 = 0.1;
+
+/// A mesh with texture coordinates.
+pub(super) struct Atlas<'a> {
+    mesh: &'a Mesh,
+    texture: &'a [[DVec2; 3]],
+    /// The side across each side; [`NONE`] at seams and at the boundary.
+    twin: Vec<u32>,
+}
+
+/// The triangles around a place that can be reached without crossing a seam.
+struct Patch {
+    triangles: Vec<u32>,
+    /// Whether a seam or the boundary is among its sides.
+    at_seam: bool,
+}
+
+impl<'a> Atlas<'a> {
+    pub fn new(mesh: &'a Mesh, texture: &'a [[DVec2; 3]]) -> Atlas<'a> {
+        let wedges = Wedges::new(&weld(mesh).triangles, texture);
+        Atlas { mesh, texture, twin: twins(&wedges.corners) }
+    }
+
+    /// The coordinates of all corners of `output`, whose vertices and the centres of whose triangles have these feet; not
+    /// a number where this mesh has none. And the number of triangles that are distorted.
+    pub fn carry(&self, output: &Mesh, feet: &[Foot], centres: &[Foot]) -> (Vec<[DVec2; 3]>, usize) {
+        let of_triangle = |t: usize| {
+            let feet = output.triangles[t].map(|v| &feet[v as usize]);
+            self.triangle(output.corners(t), feet, &centres[t])
+        };
+        let all: Vec<([DVec2; 3], bool)> = (0..output.triangles.len()).into_par_iter().map(of_triangle).collect();
+        let distorted = all.iter().filter(|(_, distorted)| *distorted).count();
+        (all.into_iter().map(|(coordinates, _)| coordinates).collect(), distorted)
+    }
+
+    /// The coordinates at three corners, and whether they are distorted.
+    fn triangle(&self, corners: [DVec3; 3], feet: [&Foot; 3], centre: &Foot) -> ([DVec2; 3], bool) {
+        if !self.texture[centre.triangle as usize].iter().all(|at| at.is_finite()) {
+            return ([DVec2::NAN; 3], false);
+        }
+        let middle = centre.point;
+        let reach = |k: usize| middle.distance(corners[k]).max(middle.distance(feet[k].point));
+        let patch = self.patch(centre, reach(0).max(reach(1)).max(reach(2)), feet.map(|foot| foot.triangle));
+        let met = feet.map(|foot| patch.triangles.contains(&foot.triangle));
+        if met == [true; 3] && !patch.at_seam {
+            return (feet.map(|foot| self.at(foot.triangle, foot.weights)), false);
+        }
+        let frame = Frame::of(corners);
+        let map = self.affine_map(&patch, &frame);
+        let at = |k: usize| {
+            if met[k] {
+                (self.at(feet[k].triangle, feet[k].weights), 0.0)
+            } else {
+                self.beyond(corners[k], &patch, &frame, map)
+            }
+        };
+        let found = [0, 1, 2].map(at);
+        let coordinates = found.map(|(at, _)| at);
+        let is_beyond = found.iter().all(|(_, distance)| *distance > BEYOND * longest_side(corners));
+        (coordinates, is_beyond || is_distorted(coordinates, corners.map(|p| map * frame.flat(p))))
+    }
+
+    /// The triangles that a walk from that of `centre` meets within `radius`; it ends early once it has met all that are
+    /// `wanted`.
+    fn patch(&self, centre: &Foot, radius: f64, wanted: [u32; 3]) -> Patch {
+        let mut patch = Patch { triangles: vec![centre.triangle], at_seam: false };
+        let mut met = HashSet::from([centre.triangle]);
+        let mut next = 0;
+        while next < patch.triangles.len() && !wanted.iter().all(|t| met.contains(t)) {
+            let t = patch.triangles[next];
+            next += 1;
+            for side in 3 * t..3 * t + 3 {
+                let other = self.twin[side as usize];
+                if other == NONE {
+                    patch.at_seam = true;
+                } else if self.is_within(other / 3, centre.point, radius) && met.insert(other / 3) {
+                    patch.triangles.push(other / 3);
+                }
+            }
+        }
+        patch
+    }
+
+    fn is_within(&self, t: u32, centre: DVec3, radius: f64) -> bool {
+        centre.distance_squared(closest_point(centre, self.mesh.corners(t as usize))) <= radius * radius
+    }
+
+    /// The coordinates at a point of triangle `t`.
+    fn at(&self, t: u32, weights: [f64; 3]) -> DVec2 {
+        let [a, b, c] = self.texture[t as usize];
+        a * weights[0] + b * weights[1] + c * weights[2]
+    }
+
+    /// The coordinates at `p`, which lies beyond a seam of the patch, and how far.
+    fn beyond(&self, p: DVec3, patch: &Patch, frame: &Frame, map: DMat2) -> (DVec2, f64) {
+        let foot = |&t: &u32| {
+            let point = closest_point(p, self.mesh.corners(t as usize));
+            (p.distance(point), t, point)
+        };
+        let (distance, t, point) =
+            patch.triangles.iter().map(foot).min_by(|a, b| a.0.total_cmp(&b.0)).expect("a patch is not empty");
+        let at = self.at(t, barycentric(point, self.mesh.corners(t as usize)));
+        (at + map * (frame.flat(p) - frame.flat(point)), distance)
+    }
+
+    /// The linear part of the affine map from the frame to the texture that fits the patch best; zero if it is too thin
+    /// to tell.
+    fn affine_map(&self, patch: &Patch, frame: &Frame) -> DMat2 {
+        let corners = |t: u32| {
+            let places = self.mesh.corners(t as usize);
+            let weight = area(places);
+            (0..3).map(move |k| (weight, frame.flat(places[k]), self.texture[t as usize][k]))
+        };
+        let all = || patch.triangles.iter().flat_map(|&t| corners(t));
+        let total: f64 = all().map(|(weight, ..)| weight).sum();
+        let (mut x_mean, mut u_mean) = (DVec2::ZERO, DVec2::ZERO);
+        for (weight, x, u) in all() {
+            x_mean += weight / total * x;
+            u_mean += weight / total * u;
+        }
+        let (mut xx, mut ux) = (DMat2::ZERO, DMat2::ZERO);
+        for (weight, x, u) in all() {
+            let (x, u) = (x - x_mean, u - u_mean);
+            xx += weight * DMat2::from_cols(x * x.x, x * x.y);
+            ux += weight * DMat2::from_cols(u * x.x, u * x.y);
+        }
+        let map = ux * xx.inverse();
+        if map.is_finite() { map } else { DMat2::ZERO }
+    }
+}
+
+/// Whether the sides of a triangle in the texture are not about those `expected`.
+fn is_distorted(found: [DVec2; 3], expected: [DVec2; 3]) -> bool {
+    let side = |p: [DVec2; 3], k: usize| p[(k + 1) % 3] - p[k];
+    let longest = (0..3).map(|k| side(expected, k).length()).fold(0.0, f64::max);
+    (0..3).any(|k| side(found, k).distance(side(expected, k)) > DISTORTED * longest)
+}
+
+/// Coordinates in the plane of a triangle.
+struct Frame {
+    origin: DVec3,
+    axes: [DVec3; 2],
+}
+
+impl Frame {
+    fn of([a, b, c]: [DVec3; 3]) -> Frame {
+        let (x, y) = (b - a).cross(c - a).normalize_or(DVec3::Z).any_orthonormal_pair();
+        Frame { origin: a, axes: [x, y] }
+    }
+
+    fn flat(&self, p: DVec3) -> DVec2 {
+        DVec2::new((p - self.origin).dot(self.axes[0]), (p - self.origin).dot(self.axes[1]))
+    }
+}

@@ -1,0 +1,87 @@
+//! Glues the smooth patches of a surface along its curves: the samples of one point become one vertex.
+
+use crate::manifold::Manifold;
+use crate::mesh::topology::{NONE, topology};
+use crate::surface::domain::Sample;
+use crate::triangulate::Triangulated;
+use glam::DVec3;
+
+/// How the samples on curves belong together.
+#[derive(Debug, Clone, Copy)]
+pub struct Seams<'a> {
+    /// For each of the samples on curves, the first of all samples, the point that it is.
+    pub point: &'a [u32],
+    /// The points next to each other along a curve, and the curve.
+    pub edges: &'a [([u32; 2], u32)],
+    /// Points that are corners.
+    pub corners: &'a [u32],
+}
+
+/// The manifold of `patches` with the curves laid on it.
+///
+/// `None` if that is no oriented 2-manifold, or an edge of a curve is not there: the points on the curves are too few.
+pub fn glue(patches: &Triangulated, seams: Seams<'_>) -> Option<Manifold> {
+    let points = seams.point.iter().max().map_or(0, |&p| p + 1);
+    let on_curves = patches.source.partition_point(|&s| (s as usize) < seams.point.len());
+    let inner = &patches.mesh.samples[on_curves..];
+    let none = Sample { position: DVec3::ZERO, normal: DVec3::ZERO, triangle: NONE, size: 1.0 };
+    let mut samples = vec![none; points as usize];
+    for (sample, &source) in patches.mesh.samples.iter().zip(&patches.source[..on_curves]) {
+        let point = &mut samples[seams.point[source as usize] as usize];
+        // A point of more than one patch is on a sharp edge, which has no normal.
+        let sharp = point.triangle != NONE;
+        *point = Sample { normal: if sharp { DVec3::ZERO } else { sample.normal }, ..*sample };
+    }
+    samples.extend(inner);
+    let number = |v: u32| match patches.source[v as usize] {
+        s if (s as usize) < seams.point.len() => seams.point[s as usize],
+        _ => v - on_curves as u32 + points,
+    };
+    let (triangles, _) = patches.mesh.connectivity.compact();
+    let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(number)).collect();
+    let made = topology(samples.len(), &triangles);
+    if !made.is_manifold() || !made.is_oriented() || made.vertices < samples.len() {
+        return None;
+    }
+    let mut mesh = Manifold::new(samples, &triangles);
+    mesh.lay_curves(seams.edges, seams.corners.iter().copied()).then_some(mesh)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::half_edge::CORNER;
+
+    /// Two triangles beside each other, each with its own samples of the two points they share.
+    fn two_patches() -> Triangulated {
+        let at = |x: f64, y: f64, triangle: u32| Sample {
+            position: DVec3::new(x, y, 0.0),
+            normal: DVec3::Z,
+            triangle,
+            size: 1.0,
+        };
+        let samples = vec![at(0., 0., 0), at(1., 0., 0), at(0., 1., 0), at(1., 0., 1), at(1., 1., 1), at(0., 1., 1)];
+        let mesh = Manifold::new(samples, &[[0, 1, 2], [3, 4, 5]]);
+        Triangulated { mesh, source: (0..6).collect(), tessellated_pieces: 0 }
+    }
+
+    #[test]
+    fn two_triangles_share_an_edge_afterwards() {
+        let edges = [([0, 1], 0), ([1, 2], 1), ([2, 0], 2), ([1, 3], 3), ([3, 2], 4)];
+        let seams = Seams { point: &[0, 1, 2, 1, 3, 2], edges: &edges, corners: &[1, 2] };
+        let whole = glue(&two_patches(), seams).unwrap();
+        assert_eq!(whole.connectivity.vertex_count(), 4);
+        assert_eq!(whole.connectivity.curve_at(1), CORNER);
+        assert_eq!(whole.connectivity.curve_at(3), 4);
+        let shared = whole.edges().find(|&h| whole.connectivity.twin(h) != NONE).unwrap();
+        assert_eq!(whole.connectivity.curve(shared), 1);
+        assert!(!whole.connectivity.can_flip(shared));
+        assert_eq!(whole.samples[1].normal, DVec3::ZERO);
+    }
+
+    #[test]
+    fn an_edge_that_is_not_there_is_a_failure() {
+        let seams = Seams { point: &[0, 1, 2, 1, 3, 2], edges: &[([0, 3], 0)], corners: &[] };
+        assert!(glue(&two_patches(), seams).is_none());
+    }
+}
