@@ -18,19 +18,19 @@ use spectral_remesh::optimize::coarse_to_fine::coarsen;
 use spectral_remesh::optimize::counts::meet_count;
 use spectral_remesh::optimize::fit::fit;
 use spectral_remesh::optimize::relax::{Flips, relax};
-use spectral_remesh::optimize::self_intersections::untangle;
+use spectral_remesh::optimize::self_intersections::resolve_self_intersections;
 use spectral_remesh::optimize::valence::remove_defects;
 use spectral_remesh::prepare::repair::repair;
-use spectral_remesh::prepare::stitch::open_seams;
+use spectral_remesh::prepare::stitch::open_cracks;
 use spectral_remesh::quality::distance::{REPORT_SAMPLES, distance};
 use spectral_remesh::quality::shape::shape;
 use spectral_remesh::spatial::bvh::Bvh;
-use spectral_remesh::spectral::ascent::{Climb, PAPER_STEP, ascend};
+use spectral_remesh::spectral::ascent::{AscentParameters, PAPER_STEP, ascend};
 use spectral_remesh::spectral::candidates::{Candidate, candidates};
 use spectral_remesh::spectral::scan::linear_scan;
 use spectral_remesh::surface::domain::{Domain, Sample};
 use spectral_remesh::transfer::vertex::carry;
-use spectral_remesh::triangulate::mutual::{Insertion, mutual_tessellation};
+use spectral_remesh::triangulate::mutual_tessellation::{Insertion, mutual_tessellation};
 use spectral_remesh::triangulate::{Boundary, triangulate};
 use spectral_remesh::{CloudOptions, Density, Mesh, Options, Points, Result, mesh_of_points, remesh};
 use std::f64::consts::{PI, TAU};
@@ -57,8 +57,8 @@ struct Inputs {
     result: Mesh,
 }
 
-fn climb(spacing: f64) -> Climb {
-    Climb { sigma: spacing, step: PAPER_STEP, sweeps: SWEEPS }
+fn ascent(spacing: f64) -> AscentParameters {
+    AscentParameters { sigma: spacing, step: PAPER_STEP, sweeps: SWEEPS }
 }
 
 static INPUTS: LazyLock<Inputs> = LazyLock::new(Inputs::new);
@@ -72,7 +72,7 @@ impl Inputs {
         let samples = scan(&domain, &candidates, spacing);
         let manifold = join(&domain, &samples, spacing);
         let mut spread = manifold.clone();
-        ascend(&domain, &mut spread, climb(spacing), &()).expect("nobody cancels");
+        ascend(&domain, &mut spread, ascent(spacing), &()).expect("nobody cancels");
         Inputs { result: spread.to_mesh(), mesh, domain, spacing, candidates, samples, manifold }
     }
 }
@@ -119,7 +119,7 @@ fn s01_repair(bencher: Bencher) {
 
 #[divan::bench]
 fn s02_open_seams(bencher: Bencher) {
-    bencher.bench(|| open_seams(black_box(&INPUTS.mesh)));
+    bencher.bench(|| open_cracks(black_box(&INPUTS.mesh)));
 }
 
 #[divan::bench]
@@ -182,7 +182,7 @@ fn s08_meet_count(bencher: Bencher) {
 fn s09_ascent(bencher: Bencher) {
     let given = &*INPUTS;
     bencher.with_inputs(|| given.manifold.clone()).bench_values(|mut mesh| {
-        ascend(&given.domain, &mut mesh, climb(given.spacing), &()).expect("nobody cancels");
+        ascend(&given.domain, &mut mesh, ascent(given.spacing), &()).expect("nobody cancels");
         mesh
     });
 }
@@ -231,7 +231,7 @@ fn s10_fit(bencher: Bencher) {
 
 #[divan::bench]
 fn s10_untangle(bencher: Bencher) {
-    optimising(bencher, |domain, mesh, _| untangle(domain, mesh, &()));
+    optimising(bencher, |domain, mesh, _| resolve_self_intersections(domain, mesh, &()));
 }
 
 #[divan::bench]

@@ -9,7 +9,7 @@ mod ten;
 use spectral_remesh::base::error::Result;
 use spectral_remesh::base::rng::{Random, Stage, stream, unit};
 use spectral_remesh::geom::vector::length_squared;
-use spectral_remesh::spectral::ascent::{Climb, PAPER_STEP};
+use spectral_remesh::spectral::ascent::{AscentParameters, PAPER_STEP};
 use spectral_remesh::spectral::free_ascent::ascend_freely;
 use spectral_remesh::spectral::samples::scan;
 use spectral_remesh::surface::submanifold::{FlatTorus, Submanifold, UnitCube};
@@ -45,7 +45,12 @@ fn show<S: Submanifold<D>, const D: usize>(
     let mut rng = stream(1, Stage::Candidates);
     let mut points: Vec<S::Point> = (0..POINTS).map(|_| random(&mut rng)).collect();
     let before = nearest_pair(manifold, &points) / spacing;
-    ascend_freely(manifold, &mut points, Climb { sigma: ASCENT_SIGMA * spacing, step: PAPER_STEP, sweeps: 10 }, &())?;
+    ascend_freely(
+        manifold,
+        &mut points,
+        AscentParameters { sigma: ASCENT_SIGMA * spacing, step: PAPER_STEP, sweeps: 10 },
+        &(),
+    )?;
     let after = nearest_pair(manifold, &points) / spacing;
     println!("{name}: {POINTS} random points, nearest two {before:.3} of a spacing apart, after ten sweeps {after:.3}");
 

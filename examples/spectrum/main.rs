@@ -11,7 +11,7 @@
 use spectral_remesh::base::error::Result;
 use spectral_remesh::base::rng::{Stage, stream, unit};
 use spectral_remesh::geom::vector::length_squared;
-use spectral_remesh::spectral::ascent::{Climb, PAPER_STEP};
+use spectral_remesh::spectral::ascent::{AscentParameters, PAPER_STEP};
 use spectral_remesh::spectral::free_ascent::ascend_freely;
 use spectral_remesh::surface::submanifold::{FlatTorus, Submanifold};
 use std::f64::consts::TAU;
@@ -54,7 +54,7 @@ fn blue_noise(count: usize, seed: u64) -> Result<Points> {
     let mut rng = stream(seed, Stage::Candidates);
     let mut points: Points = (0..count).map(|_| [unit(&mut rng), unit(&mut rng)]).collect();
     let sigma = 2.5 * 0.75 * largest_radius(count);
-    ascend_freely(&FlatTorus, &mut points, Climb { sigma, step: PAPER_STEP, sweeps: 10 }, &())?;
+    ascend_freely(&FlatTorus, &mut points, AscentParameters { sigma, step: PAPER_STEP, sweeps: 10 }, &())?;
     Ok(points)
 }
 

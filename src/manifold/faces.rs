@@ -5,7 +5,7 @@
 use crate::manifold::Manifold;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::{Bvh, Hit};
-use crate::spatial::self_intersections::crossing_pairs;
+use crate::spatial::self_intersections::self_intersecting_pairs;
 use glam::DVec3;
 use std::ops::Range;
 
@@ -64,8 +64,8 @@ impl Faces {
     }
 
     /// The pairs of faces that cross.
-    pub fn crossing_pairs(&self) -> Vec<(u32, u32)> {
+    pub fn self_intersecting_pairs(&self) -> Vec<(u32, u32)> {
         let numbered = |(t, u): (u32, u32)| (self.number[t as usize], self.number[u as usize]);
-        crossing_pairs(&self.mesh, &self.bvh).into_iter().map(numbered).collect()
+        self_intersecting_pairs(&self.mesh, &self.bvh).into_iter().map(numbered).collect()
     }
 }

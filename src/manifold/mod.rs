@@ -44,10 +44,10 @@ impl Manifold {
 
     /// Lays edges, each given by its ends and its curve, on curves, and their ends with them; then makes `corners` of
     /// these vertices. Whether all the edges are there.
-    pub fn lay_curves(&mut self, edges: &[([u32; 2], u32)], corners: impl IntoIterator<Item = u32>) -> bool {
+    pub fn mark_curves(&mut self, edges: &[([u32; 2], u32)], corners: impl IntoIterator<Item = u32>) -> bool {
         let mut all = true;
         for &([a, b], curve) in edges {
-            all &= self.connectivity.lay_on_curve(a, b, curve);
+            all &= self.connectivity.mark_on_curve(a, b, curve);
             self.connectivity.put_on_curve(a, curve);
             self.connectivity.put_on_curve(b, curve);
         }
@@ -102,7 +102,7 @@ impl Manifold {
     }
 
     /// Makes corners of all vertices on the boundary.
-    pub fn hold_boundary(&mut self) {
+    pub fn lock_boundary(&mut self) {
         for v in 0..self.connectivity.vertex_bound() {
             if self.connectivity.has_vertex(v) && self.connectivity.is_boundary(v) {
                 self.connectivity.put_on_curve(v, CORNER);
@@ -117,7 +117,7 @@ impl Manifold {
     }
 
     /// Whether `v` stays where it is.
-    pub fn is_held(&self, v: u32) -> bool {
+    pub fn is_locked(&self, v: u32) -> bool {
         self.fixed[v as usize] || self.connectivity.curve_at(v) == CORNER
     }
 
@@ -392,7 +392,7 @@ impl Manifold {
             }
         }
         let corners = (0..c.vertex_bound()).filter(|&v| c.has_vertex(v) && c.curve_at(v) == CORNER);
-        finer.lay_curves(&edges, corners.map(|v| number[v as usize]));
+        finer.mark_curves(&edges, corners.map(|v| number[v as usize]));
     }
 
     /// The vertices where the surface turns by more than the angle of that cosine within two rings, curves not crossed.
@@ -447,7 +447,7 @@ impl Manifold {
             self.colours[v as usize] = taken.trailing_ones().min(63) as u8;
         }
         let mut classes: Vec<Vec<u32>> = Vec::new();
-        for v in (0..bound).filter(|&v| c.has_vertex(v) && !self.is_held(v)) {
+        for v in (0..bound).filter(|&v| c.has_vertex(v) && !self.is_locked(v)) {
             let colour = self.colours[v as usize] as usize;
             if classes.len() <= colour {
                 classes.resize_with(colour + 1, Vec::new);

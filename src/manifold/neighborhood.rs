@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 /// The triangles around a vertex, with a border that stays.
 #[derive(Debug, Clone)]
-pub struct Patch {
+pub struct Neighborhood {
     /// The triangles by themselves. Vertices on the border are corners of the boundary.
     pub mesh: Manifold,
     /// The numbers of its vertices and triangles in the whole, those of the latter by their size.
@@ -14,10 +14,10 @@ pub struct Patch {
     triangles: Vec<u32>,
 }
 
-impl Patch {
+impl Neighborhood {
     /// The triangles within `rings` rings around vertex `middle`, and no farther than to the next curves. `None` if
     /// `middle` is on a curve, or one ends among them.
-    pub fn around(whole: &Manifold, middle: u32, rings: usize) -> Option<Patch> {
+    pub fn around(whole: &Manifold, middle: u32, rings: usize) -> Option<Neighborhood> {
         let c = &whole.connectivity;
         let mut vertices = vec![middle];
         let mut number = BTreeMap::from([(middle, 0u32)]);
@@ -49,8 +49,8 @@ impl Patch {
         let corners: Vec<[u32; 3]> = triangles.iter().map(|&t| c.triangle(3 * t).map(|v| number[&v])).collect();
         let samples = vertices.iter().map(|&v| whole.samples[v as usize]).collect();
         let mut mesh = Manifold::new(samples, &corners);
-        mesh.hold_boundary();
-        Some(Patch { mesh, vertices, triangles })
+        mesh.lock_boundary();
+        Some(Neighborhood { mesh, vertices, triangles })
     }
 
     /// Whether the triangle with that number in the whole was taken.
@@ -60,7 +60,7 @@ impl Patch {
 
     /// The vertices that are not on the border or on curves.
     pub fn free_vertices(&self) -> impl Iterator<Item = u32> {
-        (0..self.mesh.connectivity.vertex_bound()).filter(|&v| !self.mesh.is_held(v))
+        (0..self.mesh.connectivity.vertex_bound()).filter(|&v| !self.mesh.is_locked(v))
     }
 
     /// Puts the triangles back where they were taken from, and marks them in `touched`. As many vertices and triangles
@@ -118,10 +118,10 @@ mod tests {
     fn a_patch_put_back_as_it_is_changes_nothing() {
         let mut mesh = square();
         let before = mesh.to_mesh();
-        let patch = Patch::around(&mesh, MIDDLE, 2).unwrap();
-        assert_eq!((patch.triangles.len(), patch.free_vertices().count()), (24, 7));
+        let neighborhood = Neighborhood::around(&mesh, MIDDLE, 2).unwrap();
+        assert_eq!((neighborhood.triangles.len(), neighborhood.free_vertices().count()), (24, 7));
         let mut touched = untouched(&mesh);
-        assert!(patch.put_back(&mut mesh, &mut touched));
+        assert!(neighborhood.put_back(&mut mesh, &mut touched));
         let canonical = |triangles: &[[u32; 3]]| {
             let first = |&t: &[u32; 3]| [t, [t[1], t[2], t[0]], [t[2], t[0], t[1]]].into_iter().min();
             let mut all: Vec<Option<[u32; 3]>> = triangles.iter().map(first).collect();
@@ -131,19 +131,19 @@ mod tests {
         let after = mesh.to_mesh();
         assert_eq!(after.positions, before.positions);
         assert_eq!(canonical(&after.triangles), canonical(&before.triangles));
-        assert!(!patch.put_back(&mut mesh, &mut touched), "it has been put back already");
+        assert!(!neighborhood.put_back(&mut mesh, &mut touched), "it has been put back already");
     }
 
     #[test]
     fn what_was_moved_and_flipped_in_a_patch_is_so_in_the_whole() {
         let mut mesh = square();
-        let mut patch = Patch::around(&mesh, MIDDLE, 2).unwrap();
-        patch.mesh.samples[0].position.z = 0.5;
-        let c = &patch.mesh.connectivity;
-        let inner = patch.mesh.edges().find(|&h| c.origin(h) == 0 && c.can_flip(h)).unwrap();
-        patch.mesh.connectivity.flip(inner);
+        let mut neighborhood = Neighborhood::around(&mesh, MIDDLE, 2).unwrap();
+        neighborhood.mesh.samples[0].position.z = 0.5;
+        let c = &neighborhood.mesh.connectivity;
+        let inner = neighborhood.mesh.edges().find(|&h| c.origin(h) == 0 && c.can_flip(h)).unwrap();
+        neighborhood.mesh.connectivity.flip(inner);
         let mut touched = untouched(&mesh);
-        assert!(patch.put_back(&mut mesh, &mut touched));
+        assert!(neighborhood.put_back(&mut mesh, &mut touched));
         assert_eq!((mesh.position(MIDDLE).z, mesh.connectivity.ring(MIDDLE).count()), (0.5, 5));
         let result = mesh.to_mesh();
         let kind = topology(result.positions.len(), &result.triangles);
@@ -156,10 +156,10 @@ mod tests {
         let mut mesh = square();
         let row = |i: u32| i * (WIDTH + 1) + 5;
         let edges: Vec<([u32; 2], u32)> = (0..WIDTH).map(|i| ([row(i), row(i + 1)], 0)).collect();
-        assert!(mesh.lay_curves(&edges, []));
-        let patch = Patch::around(&mesh, MIDDLE, 3).unwrap();
-        let beyond = patch.vertices.iter().filter(|&&v| v % (WIDTH + 1) > 5).count();
+        assert!(mesh.mark_curves(&edges, []));
+        let neighborhood = Neighborhood::around(&mesh, MIDDLE, 3).unwrap();
+        let beyond = neighborhood.vertices.iter().filter(|&&v| v % (WIDTH + 1) > 5).count();
         assert_eq!(beyond, 0);
-        assert!(Patch::around(&mesh, row(4), 3).is_none());
+        assert!(Neighborhood::around(&mesh, row(4), 3).is_none());
     }
 }

@@ -6,8 +6,8 @@
 //!
 //! Edges can be laid on curves: sharp edges of the surface and its boundary. Such an edge is never flipped, a vertex on
 //! a curve merges along it only, and one where curves meet or end, a corner, not at all. So curves stay what they are.
-//! Edges of a seam, along which the mesh will be joined to another one, and of the triangles at it are not split either,
-//! and the ends of those are corners: a seam stays as it is to the last edge.
+//! Edges of an interface, along which the mesh will be joined to another one, and of the triangles at it are not split either,
+//! and the ends of those are corners: an interface stays as it is to the last edge.
 //!
 //! Removed triangles and vertices leave gaps until [`Connectivity::compact`].
 
@@ -29,8 +29,8 @@ pub fn prev(h: u32) -> u32 {
 /// In the place of a curve's number: a vertex where curves meet or end.
 pub const CORNER: u32 = NONE - 1;
 
-/// In the place of a curve's number: the seam.
-pub const SEAM: u32 = NONE - 2;
+/// In the place of a curve's number: the interface.
+pub const INTERFACE: u32 = NONE - 2;
 
 /// Triangles and their neighbours.
 #[derive(Debug, Clone, Default)]
@@ -76,7 +76,7 @@ impl Connectivity {
     }
 
     /// Lays the edge between `v` and `w` on a curve; whether there is one.
-    pub fn lay_on_curve(&mut self, v: u32, w: u32, curve: u32) -> bool {
+    pub fn mark_on_curve(&mut self, v: u32, w: u32, curve: u32) -> bool {
         let mut found = false;
         for (from, to) in [(v, w), (w, v)] {
             if let Some(h) = self.outgoing(from).find(|&h| self.target(h) == to) {
@@ -254,24 +254,24 @@ impl Connectivity {
         }
     }
 
-    /// Whether `v` is an end of an edge of the seam, which is on the boundary.
-    pub fn is_on_seam(&self, v: u32) -> bool {
-        let on_seam = |h: u32| self.twin(h) == NONE && self.curve(h) == SEAM;
-        self.is_boundary(v) && self.outgoing(v).any(|h| on_seam(h) || on_seam(prev(h)))
+    /// Whether `v` is an end of an edge of the interface, which is on the boundary.
+    pub fn is_on_interface(&self, v: u32) -> bool {
+        let on_interface = |h: u32| self.twin(h) == NONE && self.curve(h) == INTERFACE;
+        self.is_boundary(v) && self.outgoing(v).any(|h| on_interface(h) || on_interface(prev(h)))
     }
 
-    /// Whether the edge of `h` can be split: not those of a triangle at the seam. Vertices between its ends and the corner
+    /// Whether the edge of `h` can be split: not those of a triangle at the interface. Vertices between its ends and the corner
     /// across would pile up along it.
     pub fn can_split(&self, h: u32) -> bool {
         let sides = [h, self.twin(h)].into_iter().filter(|&h| h != NONE).flat_map(|h| [h, next(h), prev(h)]);
-        sides.into_iter().all(|side| self.curve(side) != SEAM)
+        sides.into_iter().all(|side| self.curve(side) != INTERFACE)
     }
 
-    /// Takes all edges and vertices off their curves, but for those of the seam.
+    /// Takes all edges and vertices off their curves, but for those of the interface.
     pub fn forget_curves(&mut self) {
-        self.curve.iter_mut().filter(|curve| **curve != SEAM).for_each(|curve| *curve = NONE);
+        self.curve.iter_mut().filter(|curve| **curve != INTERFACE).for_each(|curve| *curve = NONE);
         for v in 0..self.vertex_bound() {
-            if !self.has_vertex(v) || !self.is_on_seam(v) {
+            if !self.has_vertex(v) || !self.is_on_interface(v) {
                 self.curve_at[v as usize] = NONE;
             }
         }

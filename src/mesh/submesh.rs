@@ -1,7 +1,7 @@
 //! A part of a mesh, cut out to be worked on, and sewn in again.
 //!
-//! What is cut out has an open boundary along the seam. Its vertices there are those of the whole; whatever else becomes
-//! of the part, as long as it keeps the edges of the seam it fits in again, and the rest is as it was.
+//! What is cut out has an open boundary along the interface. Its vertices there are those of the whole; whatever else becomes
+//! of the part, as long as it keeps the edges of the interface it fits in again, and the rest is as it was.
 //!
 //! Where the part touches itself at a vertex, that becomes one vertex for each fan of its triangles, so that the part of a
 //! manifold is a manifold.
@@ -15,14 +15,14 @@ use crate::mesh::triangle_mesh::Mesh;
 
 /// A part of an oriented manifold.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Part {
+pub struct Submesh {
     /// The part as a mesh of its own, its triangles and vertices in the order of the whole.
     pub mesh: Mesh,
     /// For each of its vertices the one of the whole.
     pub source: Vec<u32>,
     /// The ends of each edge along which it is cut out, in increasing order; the part is on the left of the way between
     /// them.
-    pub seam: Vec<[u32; 2]>,
+    pub interface: Vec<[u32; 2]>,
 }
 
 /// What of a mesh is still there in another one made from it, as the first vertices and triangles of that.
@@ -34,23 +34,25 @@ pub struct Kept {
     pub triangles: Vec<u32>,
 }
 
-impl Part {
+impl Submesh {
     /// The triangles of `whole`, an oriented manifold, that are `selected`.
-    pub fn cut_out(whole: &Mesh, selected: &[bool]) -> Part {
+    pub fn cut_out(whole: &Mesh, selected: &[bool]) -> Submesh {
         let twin = twins(&whole.triangles);
         let is_selected = |side: u32| selected[side as usize / 3];
-        let on_seam = |side: u32| twin[side as usize] != NONE && is_selected(side) != is_selected(twin[side as usize]);
-        let on_seam: Vec<bool> = (0..twin.len() as u32).map(on_seam).collect();
-        let cut = cut(whole.clone(), twin, &on_seam);
-        let sides = (0..on_seam.len() as u32).filter(|&s| on_seam[s as usize] && is_selected(s));
+        let on_interface =
+            |side: u32| twin[side as usize] != NONE && is_selected(side) != is_selected(twin[side as usize]);
+        let on_interface: Vec<bool> = (0..twin.len() as u32).map(on_interface).collect();
+        let cut = cut(whole.clone(), twin, &on_interface);
+        let sides = (0..on_interface.len() as u32).filter(|&s| on_interface[s as usize] && is_selected(s));
         let corner = |side: u32| cut.mesh.triangles[side as usize / 3][side as usize % 3];
-        let seam: Vec<[u32; 2]> = sides.map(|s| [corner(s), corner(next(s))]).collect();
+        let interface: Vec<[u32; 2]> = sides.map(|s| [corner(s), corner(next(s))]).collect();
         let triangles = cut.mesh.triangles.into_iter().zip(selected).filter(|t| *t.1).map(|t| t.0).collect();
-        Part { mesh: Mesh { positions: cut.mesh.positions, triangles }, source: cut.original, seam }.numbered_anew()
+        Submesh { mesh: Mesh { positions: cut.mesh.positions, triangles }, source: cut.original, interface }
+            .numbered_anew()
     }
 
     /// The part with the vertices that it uses only. Of the copies of a vertex the first has the lowest number.
-    fn numbered_anew(self) -> Part {
+    fn numbered_anew(self) -> Submesh {
         let mut is_used = vec![false; self.source.len()];
         self.mesh.triangles.iter().flatten().for_each(|&v| is_used[v as usize] = true);
         let mut used: Vec<u32> = (0..is_used.len() as u32).filter(|&v| is_used[v as usize]).collect();
@@ -58,17 +60,17 @@ impl Part {
         let mut number = vec![NONE; is_used.len()];
         used.iter().zip(0..).for_each(|(&v, n)| number[v as usize] = n);
         let anew = |v: u32| number[v as usize];
-        let mut seam: Vec<[u32; 2]> = self.seam.into_iter().map(|ends| ends.map(anew)).collect();
-        seam.sort_unstable();
+        let mut interface: Vec<[u32; 2]> = self.interface.into_iter().map(|ends| ends.map(anew)).collect();
+        interface.sort_unstable();
         let positions = used.iter().map(|&v| self.mesh.positions[v as usize]).collect();
         let triangles = self.mesh.triangles.into_iter().map(|t| t.map(anew)).collect();
         let source = used.iter().map(|&v| self.source[v as usize]).collect();
-        Part { mesh: Mesh { positions, triangles }, source, seam }
+        Submesh { mesh: Mesh { positions, triangles }, source, interface }
     }
 
-    /// How many of its vertices are on the seam.
-    pub fn seam_vertices(&self) -> usize {
-        let mut ends: Vec<u32> = self.seam.iter().flatten().copied().collect();
+    /// How many of its vertices are on the interface.
+    pub fn interface_vertices(&self) -> usize {
+        let mut ends: Vec<u32> = self.interface.iter().flatten().copied().collect();
         ends.sort_unstable();
         ends.dedup();
         ends.len()
@@ -110,9 +112,9 @@ mod tests {
     fn a_part_sewn_in_again_is_the_whole() {
         let cube = unit_cube();
         let selected: Vec<bool> = (0..12).map(|t| t < 2 || t == 7).collect();
-        let part = Part::cut_out(&cube, &selected);
+        let part = Submesh::cut_out(&cube, &selected);
         assert_eq!(part.mesh.triangles.len(), 3);
-        assert_eq!(part.seam.len(), 5);
+        assert_eq!(part.interface.len(), 5);
         let (whole, kept) = sew(&cube, &selected, &part.mesh, &part.source);
         assert_eq!(whole.positions, cube.positions);
         assert_eq!(kept.vertices, (0..8).collect::<Vec<u32>>());
@@ -133,10 +135,10 @@ mod tests {
             |&&t: &&usize| cube.triangles[at_corner[0]].iter().filter(|v| cube.triangles[t].contains(v)).count() == 1;
         let other = *at_corner.iter().find(apart).unwrap();
         let selected: Vec<bool> = (0..12).map(|t| t == at_corner[0] || t == other).collect();
-        let part = Part::cut_out(&cube, &selected);
+        let part = Submesh::cut_out(&cube, &selected);
         let t = topology(part.mesh.positions.len(), &part.mesh.triangles);
         assert!(t.is_manifold() && (t.vertices, t.components) == (6, 2), "{t:?}");
         assert_eq!(part.source.iter().filter(|&&v| v == 0).count(), 2);
-        assert_eq!(part.seam_vertices(), 6);
+        assert_eq!(part.interface_vertices(), 6);
     }
 }

@@ -1,5 +1,5 @@
 //! What a triangle mesh is, apart from its positions: manifold or not, oriented or not, of which genus, in how many
-//! pieces, with how many holes.
+//! components, with how many holes.
 //!
 //! Cost: linear in the triangles, plus one sort of the edges.
 
@@ -23,7 +23,7 @@ pub struct Topology {
     pub euler: i64,
     /// Pieces connected through edges.
     pub components: usize,
-    /// Closed chains of boundary edges (pieces of the boundary that are connected through vertices).
+    /// Closed chains of boundary edges (components of the boundary that are connected through vertices).
     pub boundary_loops: usize,
     /// Edges with three faces or more.
     pub nonmanifold_edges: usize,
@@ -51,14 +51,14 @@ impl Topology {
 pub fn topology(vertex_count: usize, triangles: &[[u32; 3]]) -> Topology {
     let sides = sorted_sides(triangles);
     let mut t = Topology { faces: triangles.len(), ..Topology::default() };
-    let mut pieces = UnionFind::new(vertex_count);
+    let mut components = UnionFind::new(vertex_count);
     let mut boundary = UnionFind::new(vertex_count);
     let mut on_boundary = vec![false; vertex_count];
     let mut fans = UnionFind::new(3 * triangles.len());
     for group in sides.chunk_by(|a, b| a.ends == b.ends) {
         let [lo, hi] = group[0].ends;
         t.edges += 1;
-        pieces.join(lo, hi);
+        components.join(lo, hi);
         match group {
             [_] => {
                 boundary.join(lo, hi);
@@ -86,7 +86,7 @@ pub fn topology(vertex_count: usize, triangles: &[[u32; 3]]) -> Topology {
     }
     for v in 0..vertex_count {
         t.vertices += usize::from(used[v]);
-        t.components += usize::from(used[v] && pieces.find(v as u32) == v as u32);
+        t.components += usize::from(used[v] && components.find(v as u32) == v as u32);
         t.boundary_loops += usize::from(on_boundary[v] && boundary.find(v as u32) == v as u32);
         t.nonmanifold_vertices += usize::from(fans_at[v] > 1);
     }
@@ -112,18 +112,18 @@ pub fn twins(triangles: &[[u32; 3]]) -> Vec<u32> {
     twin
 }
 
-/// The piece of each vertex, numbered in the order of the first vertex of each; unused vertices are pieces too.
+/// The component of each vertex, numbered in the order of the first vertex of each; unused vertices are components too.
 pub fn components(vertex_count: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
-    let mut pieces = UnionFind::new(vertex_count);
+    let mut components = UnionFind::new(vertex_count);
     for &[a, b, c] in triangles {
-        pieces.join(a, b);
-        pieces.join(b, c);
+        components.join(a, b);
+        components.join(b, c);
     }
     let mut number = vec![NONE; vertex_count];
     let mut next = 0;
     (0..vertex_count as u32)
         .map(|v| {
-            let root = pieces.find(v) as usize;
+            let root = components.find(v) as usize;
             if number[root] == NONE {
                 number[root] = next;
                 next += 1;

@@ -181,7 +181,7 @@ fn can_spare_an_edge(mesh: &Manifold, v: u32) -> bool {
 
 /// Moves `v` to a place where the worst triangle around it is better; whether there was one.
 fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, spacing: f64) -> bool {
-    if mesh.is_held(v) {
+    if mesh.is_locked(v) {
         return false;
     }
     let here = mesh.samples[v as usize];

@@ -4,17 +4,17 @@
 //! curvature of the surface. A mesh of a quarter of the vertices has a quarter of them, and splitting each of its
 //! triangles in four adds none. Where the surface bends within the longer edges, at tips and in thin parts, a coarser
 //! mesh would lose it: the vertices there are fixed, stay as dense as they are, and their edges are not split. So are those
-//! beside a seam, which stays as dense as it is. Once the edges around are split, dense and once coarse vertices meet in no
+//! beside an interface, which stays as dense as it is. Once the edges around are split, dense and once coarse vertices meet in no
 //! order; a few rings of both are freed for ascent.
 //!
 //! Cost: a heap operation for each edge that is collapsed, and a sort of the edges that may be split.
 
 use crate::manifold::Manifold;
-use crate::mesh::half_edge::{SEAM, next, prev};
+use crate::mesh::half_edge::{INTERFACE, next, prev};
 use crate::mesh::topology::NONE;
 use crate::optimize::counts::{collapse_shortest, split_longest};
 use crate::spatial::kdtree::Neighbors;
-use crate::spatial::self_intersections::crossing_faces;
+use crate::spatial::self_intersections::self_intersections;
 use crate::surface::domain::Domain;
 use glam::DVec3;
 
@@ -39,14 +39,14 @@ const LEAST_FACING: f64 = 0.3;
 /// How far, in spacings of the fine mesh, a vertex that is collapsed may be from the coarse one.
 const TOLERANCE: f64 = 0.25;
 
-/// Rings beside a seam that stay as dense as it is.
-const RINGS_BESIDE_SEAM: usize = 2;
+/// Rings beside an interface that stay as dense as it is.
+const RINGS_BESIDE_INTERFACE: usize = 2;
 
 /// Rings around vertices that stayed dense that are ordered anew with them once the edges around have been split: half of
 /// the irregular vertices lie where the two meet, and more rings do not get rid of more of them.
 const RINGS_OF_TRANSITION: usize = 4;
 
-/// Cosine of the angle at which a vertex that is too near sees an edge of the seam: 105 degrees.
+/// Cosine of the angle at which a vertex that is too near sees an edge of the interface: 105 degrees.
 const ENCROACHED: f64 = -0.26;
 
 /// Edges longer than this many fine spacings are to be split: the middle, in ratio, between one spacing and two.
@@ -59,17 +59,17 @@ pub fn fix_all_but_narrow(domain: &Domain, mesh: &mut Manifold, spacing: f64) ->
 }
 
 /// The vertices that a coarser mesh could not do without: those that are `kept`, and those where the surface bends or that
-/// are beside a seam.
+/// are beside an interface.
 pub fn indispensable(mesh: &Manifold, kept: &[bool]) -> Vec<bool> {
     let bent_or_kept = mesh.bent(BENT).into_iter().zip(kept).map(|(bent, kept)| bent || *kept);
-    bent_or_kept.zip(beside_seam(mesh)).map(|(dense, beside)| dense || beside).collect()
+    bent_or_kept.zip(beside_interface(mesh)).map(|(dense, beside)| dense || beside).collect()
 }
 
 /// Adds to `kept` the vertices of `mesh` around the faces of `coarse` that cross: the surface is a wall there that is
 /// too thin for such large faces. Whether there are any.
 pub fn keep_where_crossing(kept: &mut [bool], mesh: &Manifold, coarse: &Manifold, spacing: f64) -> bool {
     let coarse = coarse.to_mesh();
-    let crossing = crossing_faces(&coarse);
+    let crossing = self_intersections(&coarse);
     if crossing.is_empty() {
         return false;
     }
@@ -82,17 +82,17 @@ pub fn keep_where_crossing(kept: &mut [bool], mesh: &Manifold, coarse: &Manifold
     true
 }
 
-/// Takes vertices out that are so near to an edge of the seam that they see it at an obtuse angle. Nothing there can
+/// Takes vertices out that are so near to an edge of the interface that they see it at an obtuse angle. Nothing there can
 /// flip or move out of their way.
 ///
 /// J. Ruppert, A Delaunay refinement algorithm for quality 2-dimensional mesh generation, 1995, DOI
 /// 10.1006/jagm.1995.1021, calls such edges encroached, and splits them.
-pub fn clear_seam(mesh: &mut Manifold) {
+pub fn remove_encroaching_vertices(mesh: &mut Manifold) {
     let mut changed = true;
     while std::mem::take(&mut changed) {
-        for h in mesh.half_edges().filter(|&h| mesh.connectivity.curve(h) == SEAM).collect::<Vec<u32>>() {
+        for h in mesh.half_edges().filter(|&h| mesh.connectivity.curve(h) == INTERFACE).collect::<Vec<u32>>() {
             // Flips after a collapse may have given the number to another half-edge.
-            let is_there = mesh.connectivity.has_half_edge(h) && mesh.connectivity.curve(h) == SEAM;
+            let is_there = mesh.connectivity.has_half_edge(h) && mesh.connectivity.curve(h) == INTERFACE;
             if let Some(into) = (is_there && is_encroached(mesh, h)).then(|| way_out(mesh, h)).flatten() {
                 mesh.collapse(into);
                 changed = true;
@@ -116,11 +116,11 @@ fn way_out(mesh: &Manifold, h: u32) -> Option<u32> {
     ways.into_iter().find(|&h| c.can_collapse(h) && mesh.bend_after_collapse(h) >= LEAST_FACING)
 }
 
-/// The vertices on a seam and in the rings beside it.
-fn beside_seam(mesh: &Manifold) -> Vec<bool> {
+/// The vertices on an interface and in the rings beside it.
+fn beside_interface(mesh: &Manifold) -> Vec<bool> {
     let c = &mesh.connectivity;
-    let on_seam = (0..c.vertex_bound()).map(|v| c.has_vertex(v) && c.is_on_seam(v)).collect();
-    with_rings(mesh, on_seam, RINGS_BESIDE_SEAM)
+    let on_interface = (0..c.vertex_bound()).map(|v| c.has_vertex(v) && c.is_on_interface(v)).collect();
+    with_rings(mesh, on_interface, RINGS_BESIDE_INTERFACE)
 }
 
 /// The vertices of `set` and of that many rings around it.
@@ -137,7 +137,7 @@ fn with_rings(mesh: &Manifold, mut set: Vec<bool>, rings: usize) -> Vec<bool> {
 pub fn narrow(domain: &Domain, mesh: &Manifold, spacing: f64) -> Vec<bool> {
     let narrow: Vec<bool> = domain.widths().into_iter().map(|width| width < NARROW * spacing).collect();
     let c = &mesh.connectivity;
-    let own = |v: u32| narrow[domain.piece_of(mesh.samples[v as usize].triangle) as usize];
+    let own = |v: u32| narrow[domain.patch_of(mesh.samples[v as usize].triangle) as usize];
     let is_narrow = |v: u32| own(v) || c.curve_at(v) != NONE && c.ring(v).any(|w| c.curve_at(w) == NONE && own(w));
     (0..c.vertex_bound()).map(|v| c.has_vertex(v) && is_narrow(v)).collect()
 }
@@ -170,7 +170,7 @@ pub fn coarsen(domain: &Domain, mesh: &mut Manifold, spacing: f64, kept: &[bool]
 
 /// Collapses or splits edges such that splitting all long ones will give about `wanted` vertices, now that the vertices
 /// have moved.
-pub fn balance(domain: &Domain, mesh: &mut Manifold, wanted: usize, spacing: f64) {
+pub fn match_target_count(domain: &Domain, mesh: &mut Manifold, wanted: usize, spacing: f64) {
     let count = mesh.connectivity.vertex_count();
     let expected = count + long_edges(mesh, spacing);
     // Every vertex of the coarse mesh has three edges.

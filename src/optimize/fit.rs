@@ -63,7 +63,7 @@ const SWEEPS: usize = 3;
 /// 0.9735 with 0.2; 0.0212 and 0.973 before. The value is between the last two.
 const SHAPE_WEIGHT: f64 = 0.12;
 
-/// Part of the planes' own stiffness that is added along the normal: a place that they do not hold stays.
+/// Submesh of the planes' own stiffness that is added along the normal: a place that they do not hold stays.
 const STIFFNESS: f64 = 0.01;
 
 /// Longest step in spacings.
@@ -512,7 +512,7 @@ mod tests {
     fn on(domain: &Domain, mesh: &Mesh) -> Manifold {
         let samples = mesh.positions.iter().map(|&p| domain.project_anywhere(p)).collect();
         let mut manifold = Manifold::new(samples, &mesh.triangles);
-        manifold.hold_boundary();
+        manifold.lock_boundary();
         manifold
     }
 

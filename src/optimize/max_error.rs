@@ -1,17 +1,17 @@
 //! Brings the mesh to the few places that are still far from it: tips and ridges that no vertex is at.
 //!
 //! Relaxation leaves few vertices at a tip, and least squares leave the tip where it is if none is near. So the
-//! triangles around each far place are taken out as a patch, and one of the nearest vertices is put at the place: the
-//! patch relaxes with that vertex held, its worst angles are improved, and it is fitted to the surface again. Where
-//! another place of the patch is far then, it gets a vertex, too. The patch is put back if it is nearer to the surface
+//! triangles around each far place are taken out as a neighborhood, and one of the nearest vertices is put at the place: the
+//! neighborhood relaxes with that vertex held, its worst angles are improved, and it is fitted to the surface again. Where
+//! another place of the neighborhood is far then, it gets a vertex, too. The neighborhood is put back if it is nearer to the surface
 //! than the one that was there, both ways, and no triangle is far outside of the goal.
 //!
 //! What no step of single vertices reaches is often one such jump away, because the flips around it change the order of
-//! the vertices. No patch is put back that would cross more of the mesh than what was there.
+//! the vertices. No neighborhood is put back that would cross more of the mesh than what was there.
 //!
 //! Places are of the surface, far from the mesh, or those that are closest to what of the mesh is far from the surface. The
 //! farthest come first. What is nearer than a place that could not be mended is left alone, and in the end the farthest
-//! ones that are left are tried again with wider patches and more vertices: the distance of the whole is theirs.
+//! ones that are left are tried again with wider neighborhoods and more vertices: the distance of the whole is theirs.
 //!
 //! Cost: some milliseconds for each place; most models have ten to forty. Limits: vertices on curves stay, and so do
 //! places that only those could reach.
@@ -20,13 +20,13 @@ use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
-use crate::manifold::neighborhood::Patch;
+use crate::manifold::neighborhood::Neighborhood;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::optimize::angles::{bad_triangles, improve_angles_for, worst_margin};
 use crate::optimize::fit::{BEYOND, Fitted, POINTS, fit_part, point};
 use crate::optimize::relax::{Flips, relax};
-use crate::spatial::self_intersections::crossing_faces;
+use crate::spatial::self_intersections::self_intersections;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -69,7 +69,7 @@ const LAST: Effort = Effort { rings: 7, tried: 9, passes: 30 };
 /// Share of the farthest distance from which on places are given that effort.
 const FARTHEST: f64 = 0.9;
 
-/// Places in a patch that get a vertex, one after the other: where the first one leaves another place far away.
+/// Places in a neighborhood that get a vertex, one after the other: where the first one leaves another place far away.
 const PULLS: usize = 2;
 
 /// Rounds of relaxation with a vertex held.
@@ -92,7 +92,7 @@ const LONG_SIDE: f64 = 0.6;
 
 /// Brings the mesh, which was `fitted` to the surface, nearer to the places that are far from it. `spacing` is the mean
 /// edge length.
-pub fn reach_far_places(
+pub fn reduce_max_error(
     domain: &Domain,
     mesh: &mut Manifold,
     spacing: f64,
@@ -117,12 +117,13 @@ pub fn reach_far_places(
         if places.is_empty() {
             break;
         }
-        let patches: Vec<Option<Patch>> = places.par_iter().map(|place| task.mend(mesh, &faces, place)).collect();
+        let neighborhoods: Vec<Option<Neighborhood>> =
+            places.par_iter().map(|place| task.mend(mesh, &faces, place)).collect();
         let mut touched = vec![false; mesh.connectivity.half_edge_bound() as usize / 3];
         let mut mended: Vec<DVec3> = Vec::new();
-        for (place, patch) in places.iter().zip(patches) {
-            match patch {
-                Some(patch) if patch.put_back(mesh, &mut touched) => mended.push(place.probe.position),
+        for (place, neighborhood) in places.iter().zip(neighborhoods) {
+            match neighborhood {
+                Some(neighborhood) if neighborhood.put_back(mesh, &mut touched) => mended.push(place.probe.position),
                 Some(_) => {}
                 None => given_up.push(*place),
             }
@@ -175,19 +176,19 @@ impl Probes {
     }
 }
 
-/// Whether more of the faces would cross if `patch` were put back.
-fn would_cross(faces: &Faces, patch: &Patch) -> bool {
-    let new = patch.mesh.to_mesh();
+/// Whether more of the faces would cross if `neighborhood` were put back.
+fn would_cross(faces: &Faces, neighborhood: &Neighborhood) -> bool {
+    let new = neighborhood.mesh.to_mesh();
     let Some((lo, hi)) = new.bounds() else { return false };
     let (mut now, mut then) = (Vec::new(), Vec::new());
     faces.in_box(lo, hi, |t, corners| {
         now.push(corners);
-        if !patch.has_triangle(t) {
+        if !neighborhood.has_triangle(t) {
             then.push(corners);
         }
     });
     then.extend((0..new.triangles.len()).map(|t| new.corners(t)));
-    crossing_faces(&Mesh::soup(then)).len() > crossing_faces(&Mesh::soup(now)).len()
+    self_intersections(&Mesh::soup(then)).len() > self_intersections(&Mesh::soup(now)).len()
 }
 
 /// How far `probe` is from the faces that look its way, if nearer than `most`, and the number of the closest one. Below
@@ -270,12 +271,12 @@ impl Task<'_> {
         Probes { vertices, inside }
     }
 
-    /// How far around its place a patch may change anything.
+    /// How far around its place a neighborhood may change anything.
     fn reach(&self) -> f64 {
         (self.effort.rings + 1) as f64 * self.spacing
     }
 
-    /// Those of `far` whose patches have nothing in common, the farthest first, without what is near to a place that was
+    /// Those of `far` whose neighborhoods have nothing in common, the farthest first, without what is near to a place that was
     /// given up or much less far than one.
     fn apart(&self, far: &mut [Place], given_up: &[Place]) -> Vec<Place> {
         let by_position = |a: DVec3, b: DVec3| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z));
@@ -301,7 +302,7 @@ impl Task<'_> {
     }
 
     /// The triangles around `place`, nearer to the surface than they are; `None` if no way was found.
-    fn mend(&self, mesh: &Manifold, faces: &Faces, place: &Place) -> Option<Patch> {
+    fn mend(&self, mesh: &Manifold, faces: &Faces, place: &Place) -> Option<Neighborhood> {
         let p = place.probe.position;
         let by_distance = |mesh: &Manifold, a: u32, b: u32| {
             mesh.position(a).distance_squared(p).total_cmp(&mesh.position(b).distance_squared(p)).then(a.cmp(&b))
@@ -309,15 +310,15 @@ impl Task<'_> {
         let corners = mesh.connectivity.triangle(3 * place.triangle).into_iter();
         let free = corners.filter(|&v| mesh.connectivity.curve_at(v) == NONE);
         let middle = free.min_by(|&a, &b| by_distance(mesh, a, b))?;
-        let patch = Patch::around(mesh, middle, self.effort.rings)?;
-        let measured = Measured::new(self, faces, &patch, p);
-        let margin = worst_margin(&patch.mesh).min(-LEEWAY);
-        let mut attempt = measured.attempt(patch, Vec::new());
+        let neighborhood = Neighborhood::around(mesh, middle, self.effort.rings)?;
+        let measured = Measured::new(self, faces, &neighborhood, p);
+        let margin = worst_margin(&neighborhood.mesh).min(-LEEWAY);
+        let mut attempt = measured.attempt(neighborhood, Vec::new());
         let most = MUST_FALL_TO * attempt.farthest;
         for _ in 0..PULLS {
             attempt = self.pull_nearest(&attempt, &measured, margin)?;
-            if attempt.farthest < most && !would_cross(faces, &attempt.patch) {
-                return Some(attempt.patch);
+            if attempt.farthest < most && !would_cross(faces, &attempt.neighborhood) {
+                return Some(attempt.neighborhood);
             }
         }
         None
@@ -325,16 +326,16 @@ impl Task<'_> {
 
     /// The best of what comes of putting one or another vertex at the farthest place.
     fn pull_nearest(&self, from: &Attempt, measured: &Measured, margin: f64) -> Option<Attempt> {
-        let away = |v: u32| from.patch.mesh.position(v).distance_squared(from.place);
-        let mut nearest: Vec<u32> = from.patch.free_vertices().filter(|v| !from.held.contains(v)).collect();
+        let away = |v: u32| from.neighborhood.mesh.position(v).distance_squared(from.place);
+        let mut nearest: Vec<u32> = from.neighborhood.free_vertices().filter(|v| !from.held.contains(v)).collect();
         nearest.sort_by(|&a, &b| away(a).total_cmp(&away(b)).then(a.cmp(&b)));
         nearest.truncate(self.effort.tried);
         let tries = nearest.par_iter().filter_map(|&v| {
-            let mut patch = from.patch.clone();
+            let mut neighborhood = from.neighborhood.clone();
             let held: Vec<u32> = from.held.iter().copied().chain([v]).collect();
-            patch.mesh.samples[v as usize] = self.domain.project_anywhere(from.place);
-            let sound = self.arrange(&mut patch.mesh, &held, measured, margin).ok()?;
-            sound.then(|| measured.attempt(patch, held))
+            neighborhood.mesh.samples[v as usize] = self.domain.project_anywhere(from.place);
+            let sound = self.arrange(&mut neighborhood.mesh, &held, measured, margin).ok()?;
+            sound.then(|| measured.attempt(neighborhood, held))
         });
         tries.collect::<Vec<_>>().into_iter().min_by(|a, b| a.farthest.total_cmp(&b.farthest))
     }
@@ -357,9 +358,9 @@ impl Task<'_> {
     }
 }
 
-/// A patch that has been changed, and how far it is from the surface.
+/// A neighborhood that has been changed, and how far it is from the surface.
 struct Attempt {
-    patch: Patch,
+    neighborhood: Neighborhood,
     /// The vertices that were put somewhere.
     held: Vec<u32>,
     farthest: f64,
@@ -375,10 +376,10 @@ struct Measured<'a> {
 }
 
 impl<'a> Measured<'a> {
-    /// Around `place`, at what of the surface is closest to a triangle of `patch`.
-    fn new(task: &'a Task<'a>, faces: &Faces, patch: &Patch, place: DVec3) -> Measured<'a> {
+    /// Around `place`, at what of the surface is closest to a triangle of `neighborhood`.
+    fn new(task: &'a Task<'a>, faces: &Faces, neighborhood: &Neighborhood, place: DVec3) -> Measured<'a> {
         let belongs = |probe: &Probe| {
-            distance(faces, probe, 0.0, BEYOND * task.spacing).is_some_and(|(_, t)| patch.has_triangle(t))
+            distance(faces, probe, 0.0, BEYOND * task.spacing).is_some_and(|(_, t)| neighborhood.has_triangle(t))
         };
         let mut probes = task.probes_near(place, MEASURED * task.spacing);
         probes.vertices.retain(|&v| belongs(&Probe::at_vertex(task.domain, v)));
@@ -386,10 +387,10 @@ impl<'a> Measured<'a> {
         Measured { task, place, probes }
     }
 
-    /// `patch` with the largest distance between it and the surface, both ways.
-    fn attempt(&self, patch: Patch, held: Vec<u32>) -> Attempt {
+    /// `neighborhood` with the largest distance between it and the surface, both ways.
+    fn attempt(&self, neighborhood: Neighborhood, held: Vec<u32>) -> Attempt {
         let Task { domain, spacing, .. } = *self.task;
-        let faces = Faces::new(&patch.mesh);
+        let faces = Faces::new(&neighborhood.mesh);
         let (mut farthest, mut place) = (0.0, self.place);
         for probe in self.probes.all(domain) {
             let beyond = BEYOND * spacing;
@@ -405,7 +406,7 @@ impl<'a> Measured<'a> {
                 (farthest, place) = (foot.position.distance(p), foot.position);
             }
         }
-        Attempt { patch, held, farthest, place }
+        Attempt { neighborhood, held, farthest, place }
     }
 }
 
@@ -446,7 +447,7 @@ mod tests {
         let coarse = sheet(COARSE, |_, _| 0.0);
         let samples = coarse.positions.iter().map(|&p| domain.project_anywhere(p)).collect();
         let mut mesh = Manifold::new(samples, &coarse.triangles);
-        mesh.hold_boundary();
+        mesh.lock_boundary();
         (domain, mesh)
     }
 
@@ -466,12 +467,12 @@ mod tests {
     fn a_spike_between_the_vertices_gets_one_and_good_triangles() {
         let (domain, mut mesh) = spike();
         let (before, old, spacing) = (farthest(&domain, &mesh), mesh.clone(), 1.0 / f64::from(COARSE));
-        reach_far_places(&domain, &mut mesh, spacing, &fitted(&domain, 1e-6), &()).unwrap();
+        reduce_max_error(&domain, &mut mesh, spacing, &fitted(&domain, 1e-6), &()).unwrap();
         let after = farthest(&domain, &mesh);
         assert!(before > 1.5 * FAR * spacing && after < FAR * spacing, "{before} {after}");
         assert!(worst_margin(&mesh) >= -LEEWAY);
         assert_eq!(mesh.to_mesh().positions.len(), old.to_mesh().positions.len());
-        let corners = (0..mesh.connectivity.vertex_bound()).filter(|&v| mesh.is_held(v));
+        let corners = (0..mesh.connectivity.vertex_bound()).filter(|&v| mesh.is_locked(v));
         corners.for_each(|v| assert_eq!(mesh.position(v), old.position(v)));
     }
 
@@ -484,11 +485,11 @@ mod tests {
             lower.triangles.into_iter().chain(upper.triangles.into_iter().map(|t| t.map(|v| v + first))).collect();
         let samples = positions.map(|position| Sample { position, normal: DVec3::Z, triangle: 0, size: 1.0 });
         let mesh = Manifold::new(samples.collect(), &triangles);
-        let mut patch = Patch::around(&mesh, (first + COARSE) / 2, 2).unwrap();
+        let mut neighborhood = Neighborhood::around(&mesh, (first + COARSE) / 2, 2).unwrap();
         let faces = Faces::new(&mesh);
         for (height, crosses) in [(0.0, false), (0.009, false), (0.02, true)] {
-            patch.mesh.samples[0].position.z = height;
-            assert_eq!(would_cross(&faces, &patch), crosses, "{height}");
+            neighborhood.mesh.samples[0].position.z = height;
+            assert_eq!(would_cross(&faces, &neighborhood), crosses, "{height}");
         }
     }
 
@@ -498,9 +499,9 @@ mod tests {
         let coarse = sheet(COARSE, |_, _| 0.0);
         let samples = coarse.positions.iter().map(|&p| domain.project_anywhere(p)).collect();
         let mut mesh = Manifold::new(samples, &coarse.triangles);
-        mesh.hold_boundary();
+        mesh.lock_boundary();
         let old = mesh.to_mesh();
-        reach_far_places(&domain, &mut mesh, 1.0 / f64::from(COARSE), &fitted(&domain, 1e-9), &()).unwrap();
+        reduce_max_error(&domain, &mut mesh, 1.0 / f64::from(COARSE), &fitted(&domain, 1e-9), &()).unwrap();
         assert_eq!((mesh.to_mesh().positions, mesh.to_mesh().triangles), (old.positions, old.triangles));
     }
 }

@@ -45,7 +45,7 @@ pub(super) fn newton_step(mesh: &Manifold, spacing: f64, strain_of: impl Fn([u32
 
 /// The axes along which vertex `v` can move; zero for what it cannot.
 fn axes(mesh: &Manifold, v: u32) -> [DVec3; 2] {
-    if !mesh.connectivity.has_vertex(v) || mesh.is_held(v) {
+    if !mesh.connectivity.has_vertex(v) || mesh.is_locked(v) {
         return [DVec3::ZERO; 2];
     }
     match mesh.along(v) {

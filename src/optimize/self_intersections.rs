@@ -28,7 +28,7 @@ use crate::mesh::half_edge::{next, prev};
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
-use crate::spatial::self_intersections::{crossing_faces, faces_of};
+use crate::spatial::self_intersections::{faces_of, self_intersections};
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -65,7 +65,7 @@ const MOST_MENDED: usize = 150;
 const LEAST_PROGRESS: f64 = 0.8;
 
 /// Moves vertices and flips edges until no faces cross that need not, or nothing helps.
-pub fn untangle(domain: &Domain, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<()> {
+pub fn resolve_self_intersections(domain: &Domain, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<()> {
     if Crossings::new(mesh).pairs.is_empty() {
         return Ok(());
     }
@@ -82,7 +82,7 @@ impl Crossings {
     /// All pairs.
     fn new(mesh: &Manifold) -> Crossings {
         let faces = Faces::new(mesh);
-        Crossings { pairs: faces.crossing_pairs(), faces }
+        Crossings { pairs: faces.self_intersecting_pairs(), faces }
     }
 
     /// The pairs that need not cross.
@@ -112,7 +112,7 @@ impl Inherited {
         near.sort_unstable();
         near.dedup();
         let near = Mesh::soup(near.into_iter().map(|t| domain.mesh.corners(t as usize)));
-        let mesh = Mesh::soup(crossing_faces(&near).into_iter().map(|t| near.corners(t as usize)));
+        let mesh = Mesh::soup(self_intersections(&near).into_iter().map(|t| near.corners(t as usize)));
         Inherited { bvh: Bvh::new(&mesh), mesh }
     }
 
@@ -223,7 +223,7 @@ fn step_off(domain: &Domain, mesh: &mut Manifold, v: u32, way: DVec3) -> bool {
     let here = mesh.samples[v as usize];
     let there = Sample { position: here.position + way, ..here };
     let may = way != DVec3::ZERO
-        && !mesh.connectivity.is_on_seam(v)
+        && !mesh.connectivity.is_on_interface(v)
         && is_near_surface(domain, mesh, v, &there)
         && mesh.worst_facing(v, &there) >= mesh.worst_facing(v, &here).min(LEAST_FACING);
     if may {
@@ -306,7 +306,7 @@ impl Surroundings {
     fn move_if_fewer(&mut self, domain: &Domain, mesh: &mut Manifold, v: u32) {
         let old: Vec<u32> = mesh.connectivity.outgoing(v).map(|h| h / 3).collect();
         let mut now = self.count(mesh, &fan(mesh, v, mesh.position(v)), &old);
-        if now == 0 || mesh.is_held(v) {
+        if now == 0 || mesh.is_locked(v) {
             return;
         }
         let longest = longest_edge(mesh, v);

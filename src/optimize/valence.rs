@@ -340,7 +340,7 @@ mod tests {
         let samples =
             samples.map(|(i, j)| Sample { position: place(i, j), normal: DVec3::Z, triangle: 0, size: 1.0 }).collect();
         let mut mesh = Manifold::new(samples, &triangles);
-        mesh.hold_boundary();
+        mesh.lock_boundary();
         mesh
     }
 

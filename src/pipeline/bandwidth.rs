@@ -18,7 +18,7 @@ const LARGEST_STEP: f64 = 8.0;
 const EXPONENTS: [f64; 2] = [0.5, 3.0];
 
 /// The width for about `wanted` samples, and those: of all that were tried, what came nearest.
-pub(super) fn find_width<T>(
+pub(super) fn find_bandwidth<T>(
     first: f64,
     wanted: usize,
     scan: &mut dyn FnMut(f64) -> Result<Vec<T>>,
@@ -62,7 +62,7 @@ mod tests {
             scans += 1;
             Ok(vec![(); count(sigma).round() as usize])
         };
-        let (sigma, samples) = find_width(0.1, wanted, &mut scan).unwrap();
+        let (sigma, samples) = find_bandwidth(0.1, wanted, &mut scan).unwrap();
         (sigma, samples.len(), scans)
     }
 

@@ -107,7 +107,7 @@ pub struct CloudSummary {
     /// Points at exactly the place of another one.
     pub duplicates: usize,
     /// Points that are no other point's neighbours.
-    pub strays: usize,
+    pub outliers: usize,
     /// Other points that no triangle of the mesh has as a corner.
     pub unused: usize,
     /// Normals that were estimated.
@@ -135,7 +135,7 @@ const SPHERES: usize = 2;
 
 /// How far points reach on their implicit surface, in their spacings, if nothing else is asked for: no farther than it takes
 /// to have no holes between them.
-pub const DEFAULT_REACH: f64 = 2.3;
+pub const DEFAULT_SUPPORT: f64 = 2.3;
 
 /// The area of a point in squares of its spacing, which is the distance of the sixth neighbour.
 const AREA_OF_SPACING: f64 = 0.6;
@@ -190,8 +190,8 @@ pub(super) fn prepared(points: &Points, options: &CloudOptions, monitor: &dyn Mo
     let mut graph = NeighborGraph::new(&points.positions, &near, DEGREE);
     check(monitor)?;
     let wanted = wanted_by_others(&graph, points.positions.len());
-    summary.strays = wanted.iter().filter(|w| !**w).count();
-    if summary.strays > 0 {
+    summary.outliers = wanted.iter().filter(|w| !**w).count();
+    if summary.outliers > 0 {
         let kept: Vec<u32> = (0..wanted.len() as u32).filter(|&p| wanted[p as usize]).collect();
         points = points.pick(&kept);
         source = kept.iter().map(|&p| source[p as usize]).collect();
@@ -312,19 +312,19 @@ fn normals(
     normals
 }
 
-/// A piece whose area looks this way, as a share of all of it, is a sheet: it has an upper side and no outside.
+/// A component whose area looks this way, as a share of all of it, is a sheet: it has an upper side and no outside.
 const SHEET: f64 = 0.6;
 
-/// Turns over the pieces that look inwards; of those that are sheets, like ground, the ones that look down.
+/// Turns over the components that look inwards; of those that are sheets, like ground, the ones that look down.
 pub(super) fn face_outwards(mesh: &mut Mesh) {
-    let piece = components(mesh.positions.len(), &mesh.triangles);
-    let pieces = piece.iter().max().map_or(0, |&p| p as usize + 1);
-    let mut origin = vec![DVec3::ZERO; pieces];
-    piece.iter().zip(&mesh.positions).for_each(|(&p, x)| origin[p as usize] = *x);
-    let mut volume = vec![0.0; pieces];
-    let mut area = vec![(DVec3::ZERO, 0.0); pieces];
+    let component = components(mesh.positions.len(), &mesh.triangles);
+    let components = component.iter().max().map_or(0, |&p| p as usize + 1);
+    let mut origin = vec![DVec3::ZERO; components];
+    component.iter().zip(&mesh.positions).for_each(|(&p, x)| origin[p as usize] = *x);
+    let mut volume = vec![0.0; components];
+    let mut area = vec![(DVec3::ZERO, 0.0); components];
     for (t, corners) in mesh.triangles.iter().enumerate() {
-        let p = piece[corners[0] as usize] as usize;
+        let p = component[corners[0] as usize] as usize;
         let [a, b, c] = mesh.corners(t).map(|x| x - origin[p]);
         volume[p] += a.dot(b.cross(c));
         area[p].0 += mesh.area_vector(t);
@@ -335,8 +335,8 @@ pub(super) fn face_outwards(mesh: &mut Mesh) {
         let upwards = [sum.z, sum.y, sum.x].into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs()));
         if sum.length() > SHEET * all { upwards < Some(0.0) } else { volume[p] < 0.0 }
     };
-    let turned: Vec<bool> = (0..pieces).map(looks_in).collect();
-    for t in mesh.triangles.iter_mut().filter(|t| turned[piece[t[0] as usize] as usize]) {
+    let turned: Vec<bool> = (0..components).map(looks_in).collect();
+    for t in mesh.triangles.iter_mut().filter(|t| turned[component[t[0] as usize] as usize]) {
         t.swap(1, 2);
     }
 }

@@ -9,13 +9,13 @@ use crate::base::error::Result;
 use crate::base::monitor::Monitor;
 use crate::base::rng::{Stage, stream};
 use crate::manifold::Manifold;
-use crate::pipeline::bandwidth::find_width;
+use crate::pipeline::bandwidth::find_bandwidth;
 use crate::pipeline::kernel::Beside;
 use crate::pipeline::options::{Density, Options, check_count};
 use crate::pipeline::sample::{ASCENT_OF_SCAN, MOST_DIMENSIONS};
 use crate::pipeline::scale::CANDIDATES_PER_POINT;
 use crate::pipeline::scale::Scale;
-use crate::spectral::ascent::{Climb, PAPER_STEP, ascend_lifted};
+use crate::spectral::ascent::{AscentParameters, PAPER_STEP, ascend_lifted};
 use crate::spectral::candidates::{Candidate, candidates};
 use crate::spectral::scan::{Choices, OnDomain, scan_lifted};
 use crate::spectral::spacing::spacings;
@@ -49,7 +49,7 @@ pub(super) fn follow(
         check_count("sigma-p", n, format!("a length of {width} means {n} vertices"))?;
         (Scale::of_points(n, domain.mesh.area()), scale.sigma(), samples)
     } else {
-        let (sigma, samples) = find_width(scale.sigma(), scale.wanted, &mut scan)?;
+        let (sigma, samples) = find_bandwidth(scale.sigma(), scale.wanted, &mut scan)?;
         (scale, sigma, samples)
     };
     let sizes = field_sizes(domain, spacings(domain, &candidates, &samples, sigma), scale.spacing);
@@ -82,10 +82,10 @@ pub(super) fn ascend_as_asked(
     sweeps: usize,
     monitor: &dyn Monitor,
 ) -> Result<()> {
-    let climb = Climb { sigma: ASCENT_OF_SCAN * sigma, step: PAPER_STEP, sweeps };
+    let ascent = AscentParameters { sigma: ASCENT_OF_SCAN * sigma, step: PAPER_STEP, sweeps };
     beside.with_kernel(sigma, |kernel| match beside.dimensions() {
-        3 => ascend_lifted::<3>(domain, mesh, kernel.lift, climb, monitor),
-        6 => ascend_lifted::<6>(domain, mesh, kernel.lift, climb, monitor),
-        _ => ascend_lifted::<MOST_DIMENSIONS>(domain, mesh, kernel.lift, climb, monitor),
+        3 => ascend_lifted::<3>(domain, mesh, kernel.lift, ascent, monitor),
+        6 => ascend_lifted::<6>(domain, mesh, kernel.lift, ascent, monitor),
+        _ => ascend_lifted::<MOST_DIMENSIONS>(domain, mesh, kernel.lift, ascent, monitor),
     })
 }

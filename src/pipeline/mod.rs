@@ -14,7 +14,7 @@ mod source;
 mod unit;
 mod within;
 
-pub use cloud::{CloudOptions, CloudSummary, DEFAULT_REACH, MeshOfPoints, NormalFit, Reach, mesh_of_points};
+pub use cloud::{CloudOptions, CloudSummary, DEFAULT_SUPPORT, MeshOfPoints, NormalFit, Reach, mesh_of_points};
 pub use kernel::Signal;
 pub use options::{Density, FEWEST_POINTS, MOST_POINTS, MaxError, Options, check_field};
 pub use reconstruct::{ReconstructOptions, Reconstructed, points_of_mesh, reconstruct};

@@ -1,7 +1,7 @@
 //! What can be asked of the pipeline, and what is refused at once.
 
 use crate::base::error::{Error, Result};
-use crate::pipeline::cloud::{DEFAULT_REACH, check_smooth};
+use crate::pipeline::cloud::{DEFAULT_SUPPORT, check_smooth};
 use crate::pipeline::kernel::{Signal, check_kernel};
 use crate::pipeline::within::Selection;
 use crate::surface::features::Features;
@@ -175,7 +175,7 @@ impl Options {
 impl Options {
     /// How far vertices reach on the implicit surface that lies between them, if one does.
     pub(super) fn reach(&self) -> Option<f64> {
-        self.smooth.or(self.of_points.then_some(DEFAULT_REACH))
+        self.smooth.or(self.of_points.then_some(DEFAULT_SUPPORT))
     }
 
     /// Whether more than the position counts in the kernel.

@@ -8,7 +8,7 @@ use crate::mesh::points::Points;
 use crate::mesh::topology::{Topology, topology};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::cloud::{
-    CloudOptions, CloudSummary, DEFAULT_REACH, Prepared, face_outwards, no_surface, prepared,
+    CloudOptions, CloudSummary, DEFAULT_SUPPORT, Prepared, face_outwards, no_surface, prepared,
 };
 use crate::pipeline::options::check_length;
 use crate::prepare::repair::repair;
@@ -19,7 +19,7 @@ use crate::surface::implicit::Rimls;
 pub struct ReconstructOptions {
     /// The length of the edges of cells, in the units of the input. Default: half the mean spacing of the points.
     pub resolution: Option<f64>,
-    /// What to make of the points; [`CloudOptions::smooth`] is [`DEFAULT_REACH`] if it is not given, and
+    /// What to make of the points; [`CloudOptions::smooth`] is [`DEFAULT_SUPPORT`] if it is not given, and
     /// [`CloudOptions::fill_holes`] does not matter.
     pub cloud: CloudOptions,
 }
@@ -78,7 +78,7 @@ pub fn points_of_mesh(mesh: &Mesh) -> Points {
 /// [`Error::Cancelled`] if the monitor asks for it.
 pub fn reconstruct(points: &Points, options: &ReconstructOptions, monitor: &dyn Monitor) -> Result<Reconstructed> {
     options.validate()?;
-    let reach = options.cloud.smooth.unwrap_or(DEFAULT_REACH);
+    let reach = options.cloud.smooth.unwrap_or(DEFAULT_SUPPORT);
     let prepared = prepared(points, &options.cloud, monitor)?;
     let has_no_outside = prepared.has_no_outside();
     let area = prepared.area();
@@ -91,7 +91,7 @@ pub fn reconstruct(points: &Points, options: &ReconstructOptions, monitor: &dyn 
 
     monitor.stage("extract");
     let surface = Rimls::new(&points.positions, &points.normals, &near, &spacings, reach);
-    let lattice = Lattice::around(&points.positions, surface.longest_reach(), resolution);
+    let lattice = Lattice::around(&points.positions, surface.largest_support(), resolution);
     let lattice = lattice.ok_or_else(|| too_small(resolution, f64::INFINITY))?;
     let mesh = extract(&surface, &lattice, MOST_VERTICES, monitor)?;
     check(monitor)?;

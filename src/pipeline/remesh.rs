@@ -8,13 +8,14 @@ use crate::mesh::topology::{Topology, topology, twins};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::optimize::angles::improve_angles;
 use crate::optimize::coarse_to_fine::{
-    balance, clear_seam, coarsen, fix_all_but_narrow, fix_tips, indispensable, keep_where_crossing, narrow, split_to,
+    coarsen, fix_all_but_narrow, fix_tips, indispensable, keep_where_crossing, match_target_count, narrow,
+    remove_encroaching_vertices, split_to,
 };
 use crate::optimize::counts::meet_count;
 use crate::optimize::fit::fit;
-use crate::optimize::max_error::reach_far_places;
+use crate::optimize::max_error::reduce_max_error;
 use crate::optimize::relax::{Flips, relax};
-use crate::optimize::self_intersections::untangle;
+use crate::optimize::self_intersections::resolve_self_intersections;
 use crate::optimize::valence::{remove_defects, remove_near_defects};
 use crate::pipeline::follow::{ascend_as_asked, follow};
 use crate::pipeline::options::{Density, FEWEST_POINTS, FIRST_POINTS, MOST_POINTS, Options};
@@ -24,15 +25,15 @@ use crate::pipeline::source::Source;
 use crate::prepare::bend::{Split, smoothed};
 use crate::prepare::refine::refine;
 use crate::quality::bound::{Bounds, hausdorff_bounds};
-use crate::spatial::self_intersections::crossing_faces;
-use crate::spectral::ascent::{Climb, LONG_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA, ascend};
+use crate::spatial::self_intersections::self_intersections;
+use crate::spectral::ascent::{AscentParameters, LONG_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA, ascend};
 use crate::spectral::candidates::candidates;
 use crate::spectral::curve_samples::sample_curves;
 use crate::spectral::scan::linear_scan;
 use crate::surface::domain::Domain;
 use crate::surface::features::{sharp_length, sharp_sides};
 use crate::surface::sizing::adapted_sizes;
-use crate::triangulate::stitch::{Seams, glue};
+use crate::triangulate::stitch::{Gluing, glue};
 use crate::triangulate::{Boundary, triangulate};
 
 /// Share of the error that is allowed below which it does not matter how small it is.
@@ -117,11 +118,11 @@ fn remesh_soundly(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Res
                 attempt + 1
             ));
         }
-        let rank = |r: &Remeshed| (!r.has_topology(), r.crossing_faces.len());
+        let rank = |r: &Remeshed| (!r.has_topology(), r.self_intersections.len());
         if best.as_ref().is_none_or(|best| rank(&made) < rank(best)) {
             best = Some(made);
         }
-        if sound || best.as_ref().is_some_and(|best| best.crossing_faces.len() > MOST_BY_CHANCE) {
+        if sound || best.as_ref().is_some_and(|best| best.self_intersections.len() > MOST_BY_CHANCE) {
             break;
         }
     }
@@ -143,8 +144,8 @@ fn remesh_once(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result
     let graded = graded(&source, clean, scale, monitor)?;
     let (graded, mut made) = sample_and_triangulate(graded, &source.of_sampled, options, monitor)?;
     arrange(&source, &graded, &mut made.mesh, monitor)?;
-    monitor.stage("untangle");
-    untangle(&graded.domain, &mut made.mesh, monitor)?;
+    monitor.stage("resolve self-intersections");
+    resolve_self_intersections(&graded.domain, &mut made.mesh, monitor)?;
     let mesh = made.mesh.to_mesh();
     let deviation = deviation(&source, &graded.domain, &mesh, monitor);
     Ok(remeshed(&source, &graded, &made, mesh, deviation))
@@ -160,7 +161,7 @@ struct Graded {
     blunted: bool,
 }
 
-/// The domain of `clean` with the lengths that a field, the shape or a kernel want, and a seam.
+/// The domain of `clean` with the lengths that a field, the shape or a kernel want, and an interface.
 fn graded(source: &Source, clean: Mesh, mut scale: Scale, monitor: &dyn Monitor) -> Result<Graded> {
     let options = source.options;
     let (mut domain, blunted) = domain_over(clean, source, &scale);
@@ -189,8 +190,8 @@ fn domain_over(mut clean: Mesh, source: &Source, scale: &Scale) -> (Domain, bool
     if blunted {
         sharp.fill(false);
     }
-    let seam = source.within.as_ref().map_or_else(Vec::new, |within| within.part.seam.clone());
-    (Domain::with_sharp(clean, twin, &sharp, scale.spacing, seam), blunted)
+    let interface = source.within.as_ref().map_or_else(Vec::new, |within| within.part.interface.clone());
+    (Domain::with_sharp(clean, twin, &sharp, scale.spacing, interface), blunted)
 }
 
 /// Splits the long edges of `clean`, and bends it where its vertices are points of a smooth surface. The side across each of
@@ -250,8 +251,9 @@ fn remeshed(source: &Source, graded: &Graded, made: &Meshed, mesh: Mesh, deviati
         Some(within) => within.sew(&mesh, &made.mesh, domain, source.input),
         None => (mesh, None),
     };
-    let crossing = crossing_faces(&mesh);
-    let crossing_of_input = || within.map_or_else(|| domain.crossing_faces(), |within| crossing_faces(&within.whole));
+    let crossing = self_intersections(&mesh);
+    let crossing_of_input =
+        || within.map_or_else(|| domain.self_intersections(), |within| self_intersections(&within.whole));
     let mut result = Remeshed {
         input: source.of_input,
         repaired: source.of_repaired,
@@ -263,14 +265,14 @@ fn remeshed(source: &Source, graded: &Graded, made: &Meshed, mesh: Mesh, deviati
         spacing_range: domain.size_range().map(|size| unit.size * scale.spacing * size),
         wanted: within.map_or(scale.wanted, |within| within.wanted(scale.wanted)),
         sharp_curves: domain.sharp_curves(),
-        tessellated_pieces: made.tessellated_pieces,
-        crossing_faces_of_input: (!crossing.is_empty()).then(|| crossing_of_input().len()),
-        crossing_faces: crossing,
+        tessellated_patches: made.tessellated_patches,
+        self_intersections_of_input: (!crossing.is_empty()).then(|| crossing_of_input().len()),
+        self_intersections: crossing,
         deviation,
         kept,
         notes: Vec::new(),
     };
-    result.notes = notes(&result, source.open_seams, *blunted);
+    result.notes = notes(&result, source.open_cracks, *blunted);
     if let (Some(within), Some(kept)) = (within, &result.kept) {
         result.notes.extend(within.notes(&result.mesh, kept));
     }
@@ -302,8 +304,8 @@ fn sample_and_triangulate(
 fn least_crossing(graded: &Graded, curve_density: f64, options: &Options, monitor: &dyn Monitor) -> Result<Meshed> {
     let Graded { domain, scale, .. } = graded;
     let mut best = mesh_of_samples(domain, scale, curve_density, options.seed, monitor)?;
-    let mut least = crossing_faces(&best.mesh.to_mesh()).len();
-    let of_surface = if least == 0 { 0 } else { domain.crossing_faces().len() };
+    let mut least = self_intersections(&best.mesh.to_mesh()).len();
+    let of_surface = if least == 0 { 0 } else { domain.self_intersections().len() };
     for attempt in 1..MOST_SAMPLINGS {
         if least <= of_surface || !best.glued {
             break;
@@ -311,7 +313,7 @@ fn least_crossing(graded: &Graded, curve_density: f64, options: &Options, monito
         monitor.stage("sample");
         let seed = options.seed.wrapping_add(attempt << 40);
         let other = mesh_of_samples(domain, scale, curve_density, seed, monitor)?;
-        let crossing = crossing_faces(&other.mesh.to_mesh()).len();
+        let crossing = self_intersections(&other.mesh.to_mesh()).len();
         if crossing < least {
             (best, least) = (other, crossing);
         }
@@ -331,7 +333,7 @@ struct Meshed {
     mesh: Manifold,
     /// Whether the patches between the curves fit together.
     glued: bool,
-    tessellated_pieces: usize,
+    tessellated_patches: usize,
 }
 
 /// Samples `domain` and triangulates the samples.
@@ -349,15 +351,15 @@ fn mesh_of_samples(
     monitor.stage("triangulate");
     let boundary = Boundary { sites: &curves.sites, successor: &curves.successor };
     let patches = triangulate(domain, &samples, boundary, scale.spacing, monitor)?;
-    let seams = Seams { point: &curves.point, edges: &curves.edges, corners: &curves.corners };
-    let glued = glue(&patches, seams);
-    let tessellated_pieces = patches.tessellated_pieces;
+    let interfaces = Gluing { point: &curves.point, edges: &curves.edges, corners: &curves.corners };
+    let glued = glue(&patches, interfaces);
+    let tessellated_patches = patches.tessellated_patches;
     Ok(match glued {
-        Some(mesh) => Meshed { mesh, glued: true, tessellated_pieces },
+        Some(mesh) => Meshed { mesh, glued: true, tessellated_patches },
         None => {
             let mut mesh = patches.mesh;
-            mesh.hold_boundary();
-            Meshed { mesh, glued: false, tessellated_pieces }
+            mesh.lock_boundary();
+            Meshed { mesh, glued: false, tessellated_patches }
         }
     })
 }
@@ -387,23 +389,23 @@ fn optimize(
     let fitted = fit(domain, mesh, spacing, limit, monitor)?;
     // A vertex that was taken back to the surface may have spoilt its triangles.
     improve_angles(domain, mesh, spacing, monitor)?;
-    reach_far_places(domain, mesh, spacing, &fitted, monitor)
+    reduce_max_error(domain, mesh, spacing, &fitted, monitor)
 }
 
 /// A quarter of the vertices, in good order; all of them where a coarser mesh could not follow the surface.
 fn arrange_coarse(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
     let spacing = scale.spacing;
     monitor.stage("ascend");
-    clear_seam(mesh);
+    remove_encroaching_vertices(mesh);
     if fix_all_but_narrow(domain, mesh, spacing) {
-        let narrow = Climb { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS };
+        let narrow = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS };
         ascend(domain, mesh, narrow, monitor)?;
     }
     let fine = mesh.clone();
     let mut kept = vec![false; mesh.samples.len()];
     for _ in 0..MOST_COARSE_MESHES {
         *mesh = fine.clone();
-        order_coarse(domain, mesh, scale, &kept, monitor)?;
+        build_coarse_level(domain, mesh, scale, &kept, monitor)?;
         if !keep_where_crossing(&mut kept, &fine, mesh, spacing) {
             break;
         }
@@ -415,7 +417,7 @@ fn arrange_coarse(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: 
 }
 
 /// A quarter of the vertices, ordered by ascent, and all that are to be `kept`.
-fn order_coarse(
+fn build_coarse_level(
     domain: &Domain,
     mesh: &mut Manifold,
     scale: &Scale,
@@ -424,13 +426,13 @@ fn order_coarse(
 ) -> Result<()> {
     let Scale { wanted, spacing } = *scale;
     mesh.fixed = indispensable(mesh, kept).into_iter().map(|kept| !kept).collect();
-    let fine = Climb { sigma: ASCENT_SIGMA * spacing, step: LONG_STEP, sweeps: FINE_SWEEPS };
+    let fine = AscentParameters { sigma: ASCENT_SIGMA * spacing, step: LONG_STEP, sweeps: FINE_SWEEPS };
     ascend(domain, mesh, fine, monitor)?;
     coarsen(domain, mesh, spacing, kept);
-    let coarse = Climb { sigma: COARSE_SIGMA * 2.0 * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS / 2 };
+    let coarse = AscentParameters { sigma: COARSE_SIGMA * 2.0 * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS / 2 };
     for _ in 0..2 {
         ascend(domain, mesh, coarse, monitor)?;
-        balance(domain, mesh, wanted, spacing);
+        match_target_count(domain, mesh, wanted, spacing);
     }
     Ok(())
 }
@@ -440,13 +442,13 @@ fn refine_to_count(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor:
     let Scale { wanted, spacing } = *scale;
     *mesh = split_to(domain, mesh, wanted, spacing);
     if mesh.fixed.contains(&false) {
-        let transition = Climb { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: TRANSITION_SWEEPS };
+        let transition = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: TRANSITION_SWEEPS };
         ascend(domain, mesh, transition, monitor)?;
     }
     fix_tips(mesh);
     remove_near_defects(mesh, spacing);
     relax(domain, mesh, spacing, Flips::Delaunay, ROUNDS, monitor)?;
-    clear_seam(mesh);
+    remove_encroaching_vertices(mesh);
     meet_count(domain, mesh, wanted);
     let wide: Vec<bool> = narrow(domain, mesh, spacing).into_iter().map(|narrow| !narrow).collect();
     for _ in 0..2 {

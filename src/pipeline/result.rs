@@ -32,11 +32,11 @@ pub struct Remeshed {
     pub sharp_curves: usize,
     /// Smooth patches whose samples did not settle even with parts of them tessellated from the input, and that were
     /// tessellated as a whole.
-    pub tessellated_pieces: usize,
+    pub tessellated_patches: usize,
     /// Faces of the result that cross or touch another one where they are not joined, in increasing order.
-    pub crossing_faces: Vec<u32>,
+    pub self_intersections: Vec<u32>,
     /// How many faces of the repaired input do; `None` where the result has none, since then nobody needs to know.
-    pub crossing_faces_of_input: Option<usize>,
+    pub self_intersections_of_input: Option<usize>,
     /// How far the result is from the repaired input; `None` if no bound was asked for.
     pub deviation: Option<Deviation>,
     /// What of the input came through untouched, if only a part of it was remeshed: its vertices and triangles are the
@@ -76,7 +76,7 @@ impl Remeshed {
     /// Whether the result is of the topology of the repaired input, without faces that cross each other, unless the
     /// input has some, too.
     pub fn is_sound(&self) -> bool {
-        self.has_topology() && (self.crossing_faces.is_empty() || self.crossing_faces_of_input != Some(0))
+        self.has_topology() && (self.self_intersections.is_empty() || self.self_intersections_of_input != Some(0))
     }
 
     /// Whether the result is an oriented manifold of the repaired input's Euler characteristic, components and
@@ -88,7 +88,7 @@ impl Remeshed {
 }
 
 /// What a user should know about a result.
-pub(super) fn notes(result: &Remeshed, open_seams: usize, blunted: bool) -> Vec<String> {
+pub(super) fn notes(result: &Remeshed, open_cracks: usize, blunted: bool) -> Vec<String> {
     let mut notes = Vec::new();
     let r = &result.repairs;
     let mut note = |n: usize, text: &str| {
@@ -102,7 +102,7 @@ pub(super) fn notes(result: &Remeshed, open_seams: usize, blunted: bool) -> Vec<
     note(r.flipped_triangles, "faces were turned over to agree with their neighbours");
     note(r.degenerate_triangles + r.duplicate_triangles, "degenerate or repeated faces were dropped");
     note(
-        open_seams,
+        open_cracks,
         "boundary vertices all but touch another one: seams that rounding left open? Welding within a tolerance closes them",
     );
     if blunted {
@@ -124,9 +124,9 @@ pub(super) fn notes(result: &Remeshed, open_seams: usize, blunted: bool) -> Vec<
 
 /// How many faces cross, where the first one is, and whether the input is to blame.
 fn note_on_crossings(result: &Remeshed) -> Option<String> {
-    let (first, count) = (*result.crossing_faces.first()?, result.crossing_faces.len());
+    let (first, count) = (*result.self_intersections.first()?, result.self_intersections.len());
     let place = near(result.mesh.corners(first as usize).into_iter().sum::<DVec3>() / 3.0);
-    let input = match result.crossing_faces_of_input {
+    let input = match result.self_intersections_of_input {
         Some(0) | None => "none of the input do; more points there would part them".into(),
         Some(n) => format!("so do {n} of the input"),
     };

@@ -6,8 +6,8 @@
 use crate::base::error::{Error, Result};
 use crate::base::monitor::{Monitor, check};
 use crate::base::rng::{Stage, stream, unit as unit_random};
-use crate::pipeline::bandwidth::find_width;
-use crate::pipeline::cloud::{CloudOptions, CloudSummary, DEFAULT_REACH, Prepared, prepared};
+use crate::pipeline::bandwidth::find_bandwidth;
+use crate::pipeline::cloud::{CloudOptions, CloudSummary, DEFAULT_SUPPORT, Prepared, prepared};
 use crate::pipeline::kernel::{Beside, Signal, check_kernel, check_signals};
 use crate::pipeline::options::{Density, check_count, check_length};
 use crate::pipeline::scale::{
@@ -21,7 +21,7 @@ use crate::mesh::points::Points;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::prepare::refine::refine;
 use crate::prepare::repair::repair;
-use crate::spectral::ascent::{Climb, PAPER_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA};
+use crate::spectral::ascent::{AscentParameters, PAPER_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA};
 use crate::spectral::candidates::{Candidate, candidates};
 use crate::spectral::free_ascent::ascend_freely;
 use crate::spectral::samples::meet_count;
@@ -52,7 +52,7 @@ pub struct SampleOptions {
     /// Sweeps of gradient ascent. Default: 10, as in the paper (section 6.3).
     pub sweeps: usize,
     /// What to make of a cloud: its normals, and how far its points reach on the implicit surface that samples move on,
-    /// [`DEFAULT_REACH`] if that is not given. Holes do not matter.
+    /// [`DEFAULT_SUPPORT`] if that is not given. Holes do not matter.
     pub cloud: CloudOptions,
 }
 
@@ -409,16 +409,16 @@ impl Task<'_> {
 
     /// Samples of the surface of a cloud after ascent.
     fn on_cloud(&self, cloud: &Prepared, unit: &Unit) -> Result<Sampled> {
-        let reach = self.options.cloud.smooth.unwrap_or(DEFAULT_REACH);
+        let reach = self.options.cloud.smooth.unwrap_or(DEFAULT_SUPPORT);
         let surface = Rimls::new(&cloud.points.positions, &cloud.points.normals, &cloud.near, &cloud.spacings, reach);
         let expected = self.wanted.unwrap_or_else(|| Scale::count_of_sigma(self.first_sigma, cloud.area()));
         check_count("sigma-p", expected, format!("this width means {expected} samples"))?;
         let choices = choices_on(&surface, cloud, expected, self.options.seed);
         check(self.monitor)?;
         let (sigma, samples) = match self.beside.dimensions() {
-            3 => self.climbed::<3>(&surface, &choices),
-            6 => self.climbed::<6>(&surface, &choices),
-            _ => self.climbed::<MOST_DIMENSIONS>(&surface, &choices),
+            3 => self.ascended::<3>(&surface, &choices),
+            6 => self.ascended::<6>(&surface, &choices),
+            _ => self.ascended::<MOST_DIMENSIONS>(&surface, &choices),
         }?;
         let points = Points {
             positions: samples.iter().map(|s| unit.outwards_point(s.position)).collect(),
@@ -438,7 +438,7 @@ impl Task<'_> {
     }
 
     /// Those of `choices` that the scan keeps, after ascent on `surface`.
-    fn climbed<const D: usize>(&self, surface: &Rimls, choices: &[Sample]) -> Result<(f64, Vec<Sample>)> {
+    fn ascended<const D: usize>(&self, surface: &Rimls, choices: &[Sample]) -> Result<(f64, Vec<Sample>)> {
         let (sigma, kept) = self.kept_of::<_, D>(surface, &Given { samples: choices, domain: None })?;
         let mut samples: Vec<Sample> = kept.into_iter().map(|i| choices[i as usize]).collect();
         self.beside.with_kernel(sigma, |kernel| self.ascend::<_, D>(surface, kernel, &mut samples))?;
@@ -447,8 +447,9 @@ impl Task<'_> {
 
     fn ascend<S: Surface, const D: usize>(&self, surface: &S, kernel: Kernel, samples: &mut [Sample]) -> Result<()> {
         self.monitor.stage("ascend");
-        let climb = Climb { sigma: ASCENT_OF_SCAN * kernel.sigma, step: PAPER_STEP, sweeps: self.options.sweeps };
-        ascend_freely::<_, D>(&Lifted { surface, lift: kernel.lift }, samples, climb, self.monitor)
+        let ascent =
+            AscentParameters { sigma: ASCENT_OF_SCAN * kernel.sigma, step: PAPER_STEP, sweeps: self.options.sweeps };
+        ascend_freely::<_, D>(&Lifted { surface, lift: kernel.lift }, samples, ascent, self.monitor)
     }
 
     /// The width of the kernel with which a scan of `most` candidates keeps about as many as are wanted, and what it
@@ -456,7 +457,7 @@ impl Task<'_> {
     fn search<T>(&self, most: usize, mut scan: impl FnMut(Kernel) -> Result<Vec<T>>) -> Result<(f64, Vec<T>)> {
         let mut scan = |sigma: f64| self.beside.with_kernel(sigma, &mut scan);
         let Some(wanted) = self.wanted else { return Ok((self.first_sigma, scan(self.first_sigma)?)) };
-        find_width(self.first_sigma, wanted.min(most), &mut scan)
+        find_bandwidth(self.first_sigma, wanted.min(most), &mut scan)
     }
 }
 

@@ -9,7 +9,7 @@ use crate::pipeline::scale::Field;
 use crate::pipeline::unit::Unit;
 use crate::pipeline::within::Within;
 use crate::prepare::repair::{Repairs, repair};
-use crate::prepare::stitch::{close_seams, open_seams};
+use crate::prepare::stitch::{close_cracks, open_cracks};
 use crate::surface::domain::Domain;
 use glam::DVec3;
 
@@ -25,7 +25,7 @@ pub(super) struct Source<'a> {
     /// How far the result may be from the input, in the units of that.
     pub allowed: Option<f64>,
     pub repairs: Repairs,
-    pub open_seams: usize,
+    pub open_cracks: usize,
     pub of_input: Topology,
     /// The topology after repairs.
     pub of_repaired: Topology,
@@ -46,7 +46,7 @@ impl<'a> Source<'a> {
         let field = options.sizing.as_deref().map(|lengths| Field::new(lengths, input, &unit));
         let within = Within::new(input, options, field.as_ref(), &unit)?;
         let topology_of = |mesh: &Mesh| topology(mesh.positions.len(), &mesh.triangles);
-        let (of_input, Repaired { mesh, repairs, open_seams }) = rayon::join(
+        let (of_input, Repaired { mesh, repairs, open_cracks }) = rayon::join(
             || topology_of(input),
             || match &within {
                 Some(within) => within.repaired(options, &unit),
@@ -67,7 +67,7 @@ impl<'a> Source<'a> {
             within,
             allowed,
             repairs,
-            open_seams,
+            open_cracks,
             of_input,
             of_repaired,
             of_sampled,
@@ -85,17 +85,17 @@ impl<'a> Source<'a> {
 pub(super) struct Repaired {
     pub mesh: Mesh,
     pub repairs: Repairs,
-    pub open_seams: usize,
+    pub open_cracks: usize,
 }
 
 fn repaired(input: &Mesh, options: &Options, unit: &Unit) -> Repaired {
     let mut mesh = unit.inwards(input);
     if let Some(tolerance) = options.weld {
-        mesh = close_seams(&mesh, tolerance / unit.size);
+        mesh = close_cracks(&mesh, tolerance / unit.size);
     }
     let (mesh, repairs) = repair(&mesh);
-    let open_seams = if options.weld.is_none() { open_seams(&mesh) } else { 0 };
-    Repaired { mesh, repairs, open_seams }
+    let open_cracks = if options.weld.is_none() { open_cracks(&mesh) } else { 0 };
+    Repaired { mesh, repairs, open_cracks }
 }
 
 /// Largest coordinate that can be worked with: squares of differences must stay finite.

@@ -1,16 +1,16 @@
 //! Local resampling: a part of the input is remeshed and everything else stays as it is, to the last bit.
 //!
-//! The part is cut out, remeshed as a surface with a boundary whose vertices and edges along the seam are given, and sewn
-//! in again. Edge lengths go over from those of the seam to the wanted ones.
+//! The part is cut out, remeshed as a surface with a boundary whose vertices and edges along the interface are given, and sewn
+//! in again. Edge lengths go over from those of the interface to the wanted ones.
 //!
 //! Based on: the future work in C. Öztireli, M. Alexa, M. Gross, Spectral sampling of manifolds, 2010,
 //! DOI 10.1145/1882261.1866190.
 //!
-//! Limits: triangles at the seam are as good as its edges allow, and where a seam zigzags that is not very good.
+//! Limits: triangles at the interface are as good as its edges allow, and where an interface zigzags that is not very good.
 
 use crate::base::error::{Error, Result};
 use crate::manifold::Manifold;
-use crate::mesh::submesh::{Kept, Part, sew};
+use crate::mesh::submesh::{Kept, Submesh, sew};
 use crate::mesh::topology::{NONE, components};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::options::{Density, Options};
@@ -18,9 +18,9 @@ use crate::pipeline::scale::{Field, Scale};
 use crate::pipeline::source::Repaired;
 use crate::pipeline::unit::Unit;
 use crate::prepare::repair::{Repairs, repair};
-use crate::prepare::stitch::{close_seams, open_seams};
+use crate::prepare::stitch::{close_cracks, open_cracks};
 use crate::surface::domain::Domain;
-use crate::surface::interface_sizing::{lengths_from_seam, vertices};
+use crate::surface::interface_sizing::{lengths_from_interface, vertices};
 use crate::surface::sizing::mean_density;
 use glam::DVec3;
 use std::collections::HashMap;
@@ -117,7 +117,7 @@ pub(super) struct Within {
     pub whole: Mesh,
     repairs: Repairs,
     /// The part, in the coordinates of the input.
-    pub part: Part,
+    pub part: Submesh,
     /// Whether each triangle of the whole is in the part.
     selected: Vec<bool>,
     /// Pieces of the selection that are too small.
@@ -129,7 +129,7 @@ impl Within {
     pub(super) fn new(input: &Mesh, options: &Options, field: Option<&Field>, unit: &Unit) -> Result<Option<Within>> {
         let Some(selection) = &options.part else { return Ok(None) };
         selection.check(input.positions.len())?;
-        let welded = options.weld.map(|tolerance| close_seams(input, tolerance));
+        let welded = options.weld.map(|tolerance| close_cracks(input, tolerance));
         let (whole, repairs) = repair(welded.as_ref().unwrap_or(input));
         let selected = selection.triangles(&whole, input);
         if selected.iter().all(|selected| *selected) {
@@ -138,9 +138,9 @@ impl Within {
         if !selected.contains(&true) {
             return Err(selection.is_empty(&whole));
         }
-        let mut within = Within { part: Part::cut_out(&whole, &selected), whole, repairs, selected, left: 0 };
+        let mut within = Within { part: Submesh::cut_out(&whole, &selected), whole, repairs, selected, left: 0 };
         let spacing = unit.size * Scale::new(options.density, field, &unit.inwards(&within.part.mesh), unit)?.spacing;
-        within.leave_small_pieces(spacing);
+        within.leave_small_components(spacing);
         if within.part.mesh.triangles.is_empty() {
             let cause = format!("the part is smaller than a triangle of edges {spacing:.4e} long");
             return Err(Error::Option { option: "points", cause, remedy: "give more points, or a larger part".into() });
@@ -150,60 +150,60 @@ impl Within {
 
     /// The part, in the pipeline's unit.
     pub(super) fn repaired(&self, options: &Options, unit: &Unit) -> Repaired {
-        let open_seams = if options.weld.is_none() { open_seams(&self.whole) } else { 0 };
-        Repaired { mesh: unit.inwards(&self.part.mesh), repairs: self.repairs, open_seams }
+        let open_cracks = if options.weld.is_none() { open_cracks(&self.whole) } else { 0 };
+        Repaired { mesh: unit.inwards(&self.part.mesh), repairs: self.repairs, open_cracks }
     }
 
-    /// Leaves pieces that have no room for a point as they are.
-    fn leave_small_pieces(&mut self, spacing: f64) {
+    /// Leaves components that have no room for a point as they are.
+    fn leave_small_components(&mut self, spacing: f64) {
         let mesh = &self.part.mesh;
-        let piece = components(mesh.positions.len(), &mesh.triangles);
+        let component = components(mesh.positions.len(), &mesh.triangles);
         let mut area = vec![0.0; mesh.positions.len()];
         for (t, corners) in mesh.triangles.iter().enumerate() {
-            area[piece[corners[0] as usize] as usize] += 0.5 * mesh.area_vector(t).length();
+            area[component[corners[0] as usize] as usize] += 0.5 * mesh.area_vector(t).length();
         }
         let mut is_small = vec![false; mesh.positions.len()];
-        for ends in &self.part.seam {
-            let piece = piece[ends[0] as usize] as usize;
-            is_small[piece] = area[piece] < 0.75f64.sqrt() * spacing * spacing;
+        for ends in &self.part.interface {
+            let component = component[ends[0] as usize] as usize;
+            is_small[component] = area[component] < 0.75f64.sqrt() * spacing * spacing;
         }
         self.left = is_small.iter().filter(|small| **small).count();
         if self.left == 0 {
             return;
         }
-        let stays = mesh.triangles.iter().map(|corners| is_small[piece[corners[0] as usize] as usize]);
+        let stays = mesh.triangles.iter().map(|corners| is_small[component[corners[0] as usize] as usize]);
         let of_part = self.selected.iter_mut().filter(|selected| **selected);
         of_part.zip(stays).filter(|(_, stays)| *stays).for_each(|(selected, _)| *selected = false);
-        self.part = Part::cut_out(&self.whole, &self.selected);
+        self.part = Submesh::cut_out(&self.whole, &self.selected);
     }
 
-    /// Gives `domain`, that of the part, lengths that go over from those of the seam, and the scale that they have.
-    /// Vertices on the seam are counted by half: the other half of the surface around them is not in the part.
+    /// Gives `domain`, that of the part, lengths that go over from those of the interface, and the scale that they have.
+    /// Vertices on the interface are counted by half: the other half of the surface around them is not in the part.
     pub(super) fn grade(&self, domain: &mut Domain, density: Density, scale: &Scale) -> Scale {
-        let on_seam = self.part.seam_vertices();
+        let on_interface = self.part.interface_vertices();
         let wanted: Vec<f64> =
             (0..domain.mesh.positions.len() as u32).map(|v| scale.spacing * domain.size_at(v)).collect();
         let count = matches!(density, Density::Points(_) | Density::Auto).then_some(scale.wanted);
-        let lengths = lengths_from_seam(domain, &wanted, count.map(|n| n as f64 + 0.5 * on_seam as f64));
-        let inside = count.unwrap_or_else(|| (vertices(domain, &lengths) - 0.5 * on_seam as f64).round() as usize);
+        let lengths = lengths_from_interface(domain, &wanted, count.map(|n| n as f64 + 0.5 * on_interface as f64));
+        let inside = count.unwrap_or_else(|| (vertices(domain, &lengths) - 0.5 * on_interface as f64).round() as usize);
         let spacing = mean_density(&domain.mesh, &lengths).sqrt().recip();
         domain.grade(lengths.into_iter().map(|length| length / spacing).collect());
-        Scale { wanted: inside + on_seam, spacing }
+        Scale { wanted: inside + on_interface, spacing }
     }
 
-    /// The vertices that the whole is to have, with so many `wanted` of the part and its seam.
+    /// The vertices that the whole is to have, with so many `wanted` of the part and its interface.
     pub(super) fn wanted(&self, wanted: usize) -> usize {
         let mut stays = vec![false; self.whole.positions.len()];
         let corners = self.whole.triangles.iter().zip(&self.selected).filter(|t| !*t.1).flat_map(|t| t.0);
         corners.for_each(|&v| stays[v as usize] = true);
-        stays.iter().filter(|stays| **stays).count() + wanted - self.part.seam_vertices()
+        stays.iter().filter(|stays| **stays).count() + wanted - self.part.interface_vertices()
     }
 
     /// The whole with `mesh`, that of `made`, whose vertices lie on `domain`, in the place of the part; what is kept are
     /// vertices and triangles of `input`.
     pub(super) fn sew(&self, mesh: &Mesh, made: &Manifold, domain: &Domain, input: &Mesh) -> (Mesh, Option<Kept>) {
         let (_, old) = made.connectivity.compact();
-        let joined = |&v: &u32| match corner_of_seam(made, domain, v) {
+        let joined = |&v: &u32| match corner_of_interface(made, domain, v) {
             NONE => NONE,
             corner => self.part.source[corner as usize],
         };
@@ -226,16 +226,16 @@ impl Within {
             kept.triangles.len()
         )];
         if self.left > 0 {
-            notes.push(format!("{} pieces of the part stay as they are: no point fits into them", self.left));
+            notes.push(format!("{} components of the part stay as they are: no point fits into them", self.left));
         }
         notes
     }
 }
 
-/// The vertex of the part that vertex `v` of what was made of it is, if that is on the seam. A vertex there is a corner of
+/// The vertex of the part that vertex `v` of what was made of it is, if that is on the interface. A vertex there is a corner of
 /// the triangle of the domain that it lies on.
-fn corner_of_seam(made: &Manifold, domain: &Domain, v: u32) -> u32 {
-    if !made.connectivity.is_on_seam(v) {
+fn corner_of_interface(made: &Manifold, domain: &Domain, v: u32) -> u32 {
+    if !made.connectivity.is_on_interface(v) {
         return NONE;
     }
     let sample = &made.samples[v as usize];

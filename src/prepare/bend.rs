@@ -18,7 +18,7 @@ use crate::prepare::refine::halve_edges;
 use crate::spatial::bvh::Bvh;
 use crate::spatial::kdtree::{Neighbor, Neighbors};
 use crate::spatial::knn_graph::{DEGREE, NeighborGraph};
-use crate::spatial::self_intersections::crossing_faces;
+use crate::spatial::self_intersections::self_intersections;
 use crate::surface::implicit::Rimls;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -249,5 +249,5 @@ fn crossing_among(mesh: &Mesh, triangles: &[u32]) -> Vec<u32> {
         any
     };
     let around: Vec<u32> = (0..mesh.triangles.len() as u32).into_par_iter().filter(meets).collect();
-    crossing_faces(&soup(&around)).into_iter().map(|t| around[t as usize]).collect()
+    self_intersections(&soup(&around)).into_iter().map(|t| around[t as usize]).collect()
 }

@@ -45,7 +45,7 @@ pub fn distinct(positions: &[DVec3], numbers: &[u32]) -> Vec<u32> {
     numbers.iter().copied().filter(|&p| is_first[p as usize]).collect()
 }
 
-/// For each point whether it is a neighbour of its neighbours, or of any other point: strays are not.
+/// For each point whether it is a neighbour of its neighbours, or of any other point: outliers are not.
 pub fn wanted_by_others(graph: &NeighborGraph, points: usize) -> Vec<bool> {
     let mut wanted = vec![false; points];
     (0..points as u32).flat_map(|p| graph.of(p)).for_each(|&n| wanted[n as usize] = true);

@@ -7,7 +7,7 @@
 //! 2. Faces are glued in pairs along edges. Where an edge has more than two faces, the pairs that bound a solid wedge
 //!    are glued if the faces alternate in direction around the edge, else the flattest pairs, those of closed patches
 //!    first; a face left over gets a boundary there.
-//! 3. Orientation spreads over the glued pairs; each piece keeps the orientation that most of its area had. Where the
+//! 3. Orientation spreads over the glued pairs; each component keeps the orientation that most of its area had. Where the
 //!    surface cannot be oriented (a Möbius strip) it is cut open.
 //! 4. Every fan of glued faces around a vertex becomes a vertex of its own, which takes bow ties apart.
 //! 5. Pieces without area are dropped.
@@ -31,7 +31,7 @@ pub struct Repairs {
     pub welded_vertices: usize,
     /// Vertices that no triangle uses.
     pub unused_vertices: usize,
-    /// Triangles with two corners at one place, or in a piece that has no area.
+    /// Triangles with two corners at one place, or in a component that has no area.
     pub degenerate_triangles: usize,
     /// Triangles with the same three corners as another one.
     pub duplicate_triangles: usize,
@@ -58,7 +58,7 @@ pub fn repair(mesh: &Mesh) -> (Mesh, Repairs) {
     if repairs.cut_edges + repairs.unorientable_edges > 0 {
         split_repeated_edges(&mut result, &glued);
     }
-    drop_flat_pieces(&mut result, &mut repairs);
+    drop_flat_components(&mut result, &mut repairs);
     (result, repairs)
 }
 
@@ -219,29 +219,25 @@ fn spread_orientation(positions: &[DVec3], triangles: &[[u32; 3]], glued: &[Glue
             continue;
         }
         seen[start] = true;
-        let mut piece = vec![start];
+        let mut component = vec![start];
         let mut next = 0;
-        while next < piece.len() {
-            let t = piece[next];
+        while next < component.len() {
+            let t = component[next];
             next += 1;
             for &(u, agree) in neighbours[t].iter().flatten() {
                 let u = u as usize;
                 if !seen[u] {
                     seen[u] = true;
                     flipped[u] = flipped[t] == agree;
-                    piece.push(u);
+                    component.push(u);
                 }
             }
         }
-        let (turned, kept) =
-            piece.iter().fold(
-                (0.0, 0.0),
-                |(turned, kept), &t| {
-                    if flipped[t] { (turned + area(t), kept) } else { (turned, kept + area(t)) }
-                },
-            );
+        let (turned, kept) = component.iter().fold((0.0, 0.0), |(turned, kept), &t| {
+            if flipped[t] { (turned + area(t), kept) } else { (turned, kept + area(t)) }
+        });
         if turned > kept {
-            piece.iter().for_each(|&t| flipped[t] = !flipped[t]);
+            component.iter().for_each(|&t| flipped[t] = !flipped[t]);
         }
     }
     flipped
@@ -307,14 +303,14 @@ fn split_repeated_edges(mesh: &mut Mesh, glued: &[Glued]) {
     }
 }
 
-fn drop_flat_pieces(mesh: &mut Mesh, repairs: &mut Repairs) {
-    let piece = components(mesh.positions.len(), &mesh.triangles);
+fn drop_flat_components(mesh: &mut Mesh, repairs: &mut Repairs) {
+    let component = components(mesh.positions.len(), &mesh.triangles);
     let mut has_area = vec![false; mesh.positions.len()];
     for t in 0..mesh.triangles.len() {
-        has_area[piece[mesh.triangles[t][0] as usize] as usize] |= mesh.area_vector(t) != DVec3::ZERO;
+        has_area[component[mesh.triangles[t][0] as usize] as usize] |= mesh.area_vector(t) != DVec3::ZERO;
     }
     let before = mesh.triangles.len();
-    mesh.triangles.retain(|t| has_area[piece[t[0] as usize] as usize]);
+    mesh.triangles.retain(|t| has_area[component[t[0] as usize] as usize]);
     if mesh.triangles.len() < before {
         repairs.degenerate_triangles += before - mesh.triangles.len();
         mesh.drop_unused();

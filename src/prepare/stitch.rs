@@ -1,7 +1,7 @@
 //! Open seams: boundaries that lie along each other because vertices that should be one differ by rounding.
 //!
 //! Exports of separate triangles or patches have them. Welding of exactly equal places leaves them open, and the result
-//! gets boundaries along them. [`open_seams`] tells how likely that is, [`close_seams`] welds them.
+//! gets boundaries along them. [`open_cracks`] tells how likely that is, [`close_cracks`] welds them.
 //!
 //! Two boundary vertices belong together if they are within a tolerance of each other and within half of the shortest
 //! boundary edge at either. The second condition keeps a tolerance that is too large from eating a finely divided
@@ -26,7 +26,7 @@ pub const SUSPICIOUS: f64 = 1e-5;
 ///
 /// `mesh` is one whose vertices at exactly one place have been welded, or kept apart for a reason (as
 /// [`repair`](crate::prepare::repair::repair) does): such pairs do not count.
-pub fn open_seams(mesh: &Mesh) -> usize {
+pub fn open_cracks(mesh: &Mesh) -> usize {
     let boundary = OpenBoundary::new(mesh);
     let pairs = boundary.pairs(SUSPICIOUS * mesh.diagonal());
     let mut near: Vec<u32> = pairs.iter().filter(|p| p.distance_squared > 0.0).flat_map(|p| p.ends).collect();
@@ -42,7 +42,7 @@ pub fn open_seams(mesh: &Mesh) -> usize {
 /// No two ends of an edge are ever welded, so no triangle is lost. With a tolerance of zero, or one that is not a
 /// number, only exact places are welded. The patches on both sides of a seam may differ in orientation, and more than
 /// two faces may meet at a seam now: [`repair`](crate::prepare::repair::repair) is meant to follow.
-pub fn close_seams(mesh: &Mesh, tolerance: f64) -> Mesh {
+pub fn close_cracks(mesh: &Mesh, tolerance: f64) -> Mesh {
     let mut result = weld(mesh);
     let boundary = OpenBoundary::new(&result);
     let mut groups = Groups::new(boundary.vertices.len());
@@ -185,27 +185,27 @@ mod tests {
         for n in [1, 4] {
             let apart = repair(&cube_of_sheets(n, 1e-7)).0;
             assert_eq!(topology(apart.positions.len(), &apart.triangles).boundary_loops, 6);
-            assert_eq!(open_seams(&apart), 6 * 4 * n as usize);
-            let closed = close_seams(&apart, 1e-6);
+            assert_eq!(open_cracks(&apart), 6 * 4 * n as usize);
+            let closed = close_cracks(&apart, 1e-6);
             let t = topology(closed.positions.len(), &closed.triangles);
             assert_eq!((t.euler, t.components, t.boundary_loops), (2, 1, 0));
             assert!(t.is_manifold() && t.is_oriented() && t.vertices == closed.positions.len());
-            assert_eq!((closed.triangles.len(), open_seams(&closed)), (apart.triangles.len(), 0));
+            assert_eq!((closed.triangles.len(), open_cracks(&closed)), (apart.triangles.len(), 0));
         }
     }
 
     #[test]
     fn an_open_sheet_has_none_however_fine_it_is() {
         let open = sheet(20, DVec3::ZERO, DVec3::X, DVec3::Y);
-        assert_eq!(open_seams(&open), 0);
-        assert_eq!(close_seams(&open, 100.0), open);
+        assert_eq!(open_cracks(&open), 0);
+        assert_eq!(close_cracks(&open, 100.0), open);
         // A second one far off: the edges of the first are shorter than what is suspicious.
         let mut far = sheet(2, dvec3(1e7, 0.0, 0.0), DVec3::X, DVec3::Y);
         far.triangles.iter_mut().flatten().for_each(|v| *v += open.positions.len() as u32);
         let mut both = open;
         both.positions.extend(far.positions);
         both.triangles.extend(far.triangles);
-        assert_eq!(open_seams(&both), 0);
+        assert_eq!(open_cracks(&both), 0);
     }
 
     #[test]
@@ -220,10 +220,10 @@ mod tests {
             positions: [DVec3::ZERO].into_iter().chain(ring).collect(),
             triangles: (1..=12).map(|k| [0, k, k + 1]).collect(),
         };
-        assert_eq!(open_seams(&slit), 2);
-        let closed = close_seams(&slit, 1e-6);
+        assert_eq!(open_cracks(&slit), 2);
+        let closed = close_cracks(&slit, 1e-6);
         assert_eq!((closed.positions.len(), closed.triangles.len()), (13, 12));
-        assert_eq!(open_seams(&closed), 0);
+        assert_eq!(open_cracks(&closed), 0);
     }
 
     #[test]
@@ -234,16 +234,16 @@ mod tests {
         };
         let (apart, repairs) = repair(&fin);
         assert_eq!(repairs.cut_edges, 1);
-        assert_eq!(open_seams(&apart), 0);
+        assert_eq!(open_cracks(&apart), 0);
     }
 
     #[test]
     fn tolerances_that_are_none_change_nothing() {
         let apart = cube_of_sheets(1, 1e-7);
         for tolerance in [0.0, -1.0, f64::NAN] {
-            assert_eq!(close_seams(&apart, tolerance), apart);
+            assert_eq!(close_cracks(&apart, tolerance), apart);
         }
-        assert_eq!(open_seams(&Mesh::default()), 0);
-        assert_eq!(close_seams(&Mesh::default(), 1.0), Mesh::default());
+        assert_eq!(open_cracks(&Mesh::default()), 0);
+        assert_eq!(close_cracks(&Mesh::default(), 1.0), Mesh::default());
     }
 }

@@ -17,13 +17,13 @@ use crate::pipeline::{CloudSummary, Deviation, Remeshed};
 use crate::prepare::repair::Repairs;
 use crate::quality::distance::{Distance, REPORT_SAMPLES, distance};
 use crate::quality::shape::{Shape, shape};
-use crate::spatial::self_intersections::crossing_faces;
+use crate::spatial::self_intersections::self_intersections;
 use crate::transfer::vertex::Carried;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
 /// Name and version of the JSON schema.
-pub const SCHEMA: &str = "spectral-remesh/report/1";
+pub const SCHEMA: &str = "spectral-remesh/report/2";
 
 /// A report. The members are those of the JSON text.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -100,7 +100,7 @@ pub struct Sampling {
     /// Sharp edges that were kept, as curves between corners.
     pub sharp_curves: usize,
     /// Connected pieces whose samples did not settle by themselves and took their connectivity from the input.
-    pub tessellated_pieces: usize,
+    pub tessellated_patches: usize,
     /// Seed of all random numbers.
     pub seed: u64,
 }
@@ -150,7 +150,7 @@ impl Measured {
 impl Crossings {
     /// Those of a result and of what it was made of.
     pub fn of(remeshed: &Remeshed) -> Crossings {
-        Crossings { faces: remeshed.crossing_faces.clone(), repaired: remeshed.crossing_faces_of_input }
+        Crossings { faces: remeshed.self_intersections.clone(), repaired: remeshed.self_intersections_of_input }
     }
 }
 
@@ -158,7 +158,7 @@ impl Report {
     /// The report on a remeshing of `input` with `seed` whose result went to the file `output`. Stages, memory and
     /// threads are the caller's to add, by [`Report::with_run`].
     pub fn of_remesh(remeshed: &Remeshed, input: Named, output: &str, seed: u64) -> Report {
-        let &Remeshed { sigma_p, spacing, spacing_range, wanted, sharp_curves, tessellated_pieces, .. } = remeshed;
+        let &Remeshed { sigma_p, spacing, spacing_range, wanted, sharp_curves, tessellated_patches, .. } = remeshed;
         Report {
             verified: Some(remeshed.verified()),
             input: Some(Measured { file: input.file.into(), topology: remeshed.input, shape: shape(input.mesh) }),
@@ -173,7 +173,7 @@ impl Report {
                 spacing,
                 spacing_range,
                 sharp_curves,
-                tessellated_pieces,
+                tessellated_patches,
                 seed,
             }),
             notes: remeshed.notes.clone(),
@@ -189,7 +189,7 @@ impl Report {
     pub fn of_mesh(mesh: Named, against: Option<Named>) -> Report {
         Report {
             input: against.map(Measured::of),
-            crossings: Crossings { faces: crossing_faces(mesh.mesh), repaired: None },
+            crossings: Crossings { faces: self_intersections(mesh.mesh), repaired: None },
             distance: against.and_then(|input| distance(mesh.mesh, input.mesh, REPORT_SAMPLES, 0)),
             ..Report::of_output(Measured::of(mesh))
         }
@@ -303,9 +303,9 @@ mod tests {
             wanted: 4,
             deviation: Some(Deviation { allowed: 1.0, reached: 0.5, place: [0.0; 3] }),
             sharp_curves: 0,
-            tessellated_pieces: 0,
-            crossing_faces: vec![],
-            crossing_faces_of_input: None,
+            tessellated_patches: 0,
+            self_intersections: vec![],
+            self_intersections_of_input: None,
             kept: None,
             notes: vec!["One face is missing.".into()],
         };

@@ -78,7 +78,7 @@ impl SurfaceReport {
         let mut out = format!("{} -> {}\n{} points", self.input, self.output, cloud.points);
         let counts = [
             (cloud.duplicates, "duplicates"),
-            (cloud.strays, "strays"),
+            (cloud.outliers, "outliers"),
             (cloud.estimated_normals, "normals estimated"),
             (cloud.turned_normals, "normals turned over"),
         ];

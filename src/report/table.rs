@@ -130,7 +130,7 @@ fn remarks(out: &mut String, report: &Report) {
     }
     list(out, "points", &report.cloud.as_ref().map(points_used).unwrap_or_default());
     list(out, "repairs", &report.repairs.as_ref().map(repairs_made).unwrap_or_default());
-    list(out, "crossing faces", &crossing_faces(&report.crossings.faces));
+    list(out, "crossing faces", &self_intersections(&report.crossings.faces));
     if let Some(kept) = &report.attributes {
         list(out, "attributes", &kept.carried);
         let lost: Vec<String> = kept.lost.iter().map(|l| format!("{}: {}", l.name, l.cause)).collect();
@@ -150,10 +150,10 @@ fn remarks(out: &mut String, report: &Report) {
 
 /// What became of the points of a cloud.
 fn points_used(cloud: &CloudSummary) -> Vec<String> {
-    let CloudSummary { points, duplicates, strays, unused, estimated_normals, turned_normals } = *cloud;
+    let CloudSummary { points, duplicates, outliers, unused, estimated_normals, turned_normals } = *cloud;
     let others = [
         (duplicates, "at the place of another one"),
-        (strays, "strays"),
+        (outliers, "outliers"),
         (unused, "others that no triangle uses"),
         (estimated_normals, "normals estimated"),
         (turned_normals, "normals turned over"),
@@ -204,7 +204,7 @@ fn repairs_made(repairs: &Repairs) -> Vec<String> {
 }
 
 /// The numbers of the first faces, and how many more there are.
-fn crossing_faces(faces: &[u32]) -> Vec<String> {
+fn self_intersections(faces: &[u32]) -> Vec<String> {
     let more = faces.len().saturating_sub(FACES_NAMED);
     let named = faces.iter().take(FACES_NAMED).map(u32::to_string);
     named.chain((more > 0).then(|| format!("and {more} more"))).collect()
@@ -305,9 +305,9 @@ mod tests {
     #[test]
     fn of_many_crossing_faces_the_first_are_named() {
         let faces: Vec<u32> = (0..123).collect();
-        let named = crossing_faces(&faces);
+        let named = self_intersections(&faces);
         assert_eq!((named.len(), named[19].as_str(), named[20].as_str()), (21, "19", "and 103 more"));
-        assert_eq!(crossing_faces(&faces[..20]).len(), 20);
+        assert_eq!(self_intersections(&faces[..20]).len(), 20);
     }
 
     #[test]

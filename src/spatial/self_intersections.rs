@@ -13,13 +13,13 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
 
 /// The pairs of faces of `mesh` that cross, the lower index first, in increasing order. `bvh` is the hierarchy over it.
-pub fn crossing_pairs(mesh: &Mesh, bvh: &Bvh) -> Vec<(u32, u32)> {
+pub fn self_intersecting_pairs(mesh: &Mesh, bvh: &Bvh) -> Vec<(u32, u32)> {
     bvh.pairs_that_meet(mesh, |t, u| cross(mesh.corners(t as usize), mesh.corners(u as usize)))
 }
 
 /// The faces of `mesh` that cross another one, in increasing order.
-pub fn crossing_faces(mesh: &Mesh) -> Vec<u32> {
-    faces_of(crossing_pairs(mesh, &Bvh::new(mesh)))
+pub fn self_intersections(mesh: &Mesh) -> Vec<u32> {
+    faces_of(self_intersecting_pairs(mesh, &Bvh::new(mesh)))
 }
 
 /// The faces of some pairs, each once, in increasing order.
@@ -50,10 +50,10 @@ mod tests {
 
     #[test]
     fn a_surface_does_not_cross_itself_and_a_tangled_one_does() {
-        assert!(crossing_faces(&band(100, 1.0)).is_empty());
-        assert!(crossing_faces(&band(100, 0.1)).is_empty());
+        assert!(self_intersections(&band(100, 1.0)).is_empty());
+        assert!(self_intersections(&band(100, 0.1)).is_empty());
         // Turned through its axis: each of the triangles crosses those on the other side.
-        assert_eq!(crossing_faces(&band(9, -1.0)).len(), 18);
+        assert_eq!(self_intersections(&band(9, -1.0)).len(), 18);
     }
 
     #[test]
@@ -61,7 +61,7 @@ mod tests {
         let whole = band(20, 0.7);
         let positions: Vec<DVec3> = (0..whole.triangles.len()).flat_map(|t| whole.corners(t)).collect();
         let triangles = (0..whole.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
-        assert!(crossing_faces(&Mesh { positions, triangles }).is_empty());
+        assert!(self_intersections(&Mesh { positions, triangles }).is_empty());
     }
 
     #[test]
@@ -80,12 +80,12 @@ mod tests {
             let expected: Vec<(u32, u32)> =
                 all.filter(|&(t, u)| cross(mesh.corners(t as usize), mesh.corners(u as usize))).collect();
             assert!(expected.len() > 10);
-            assert_eq!(crossing_pairs(&mesh, &Bvh::new(&mesh)), expected);
+            assert_eq!(self_intersecting_pairs(&mesh, &Bvh::new(&mesh)), expected);
         }
     }
 
     #[test]
     fn no_faces_cross_no_faces() {
-        assert!(crossing_faces(&Mesh::default()).is_empty());
+        assert!(self_intersections(&Mesh::default()).is_empty());
     }
 }

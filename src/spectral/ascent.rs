@@ -26,7 +26,7 @@ use glam::DVec3;
 
 /// How an ascent goes.
 #[derive(Debug, Clone, Copy)]
-pub struct Climb {
+pub struct AscentParameters {
     /// Width of the kernel where the wanted size is 1, in the units of the domain.
     pub sigma: f64,
     /// Share of the gradient that a vertex goes at once: [`PAPER_STEP`] or [`LONG_STEP`].
@@ -48,8 +48,8 @@ pub(super) const MOST_STEP: f64 = 0.5;
 pub const SIGMA_OF_SPACING: f64 = 0.94;
 
 /// Moves all vertices of `mesh` that are not fixed.
-pub fn ascend(domain: &Domain, mesh: &mut Manifold, climb: Climb, monitor: &dyn Monitor) -> Result<()> {
-    ascend_lifted::<3>(domain, mesh, Lift::NONE, climb, monitor)
+pub fn ascend(domain: &Domain, mesh: &mut Manifold, ascent: AscentParameters, monitor: &dyn Monitor) -> Result<()> {
+    ascend_lifted::<3>(domain, mesh, Lift::NONE, ascent, monitor)
 }
 
 /// [`ascend`] with a kernel of D dimensions, those that `lift` needs.
@@ -57,21 +57,26 @@ pub fn ascend_lifted<const D: usize>(
     domain: &Domain,
     mesh: &mut Manifold,
     lift: Lift,
-    climb: Climb,
+    ascent: AscentParameters,
     monitor: &dyn Monitor,
 ) -> Result<()> {
     mesh.make_delaunay();
-    for sweep in 0..climb.sweeps {
+    for sweep in 0..ascent.sweeps {
         check(monitor)?;
-        move_vertices(domain, mesh, |mesh, v| way_up::<D>(mesh, lift, v, climb));
+        move_vertices(domain, mesh, |mesh, v| way_up::<D>(mesh, lift, v, ascent));
         mesh.make_delaunay();
-        monitor.progress((sweep + 1) as f64 / climb.sweeps as f64);
+        monitor.progress((sweep + 1) as f64 / ascent.sweeps as f64);
     }
     Ok(())
 }
 
 /// Where vertex `v` wants to go: up the gradient.
-fn way_up<const D: usize>(mesh: &Manifold, lift: Lift, v: u32, Climb { sigma, step, .. }: Climb) -> DVec3 {
+fn way_up<const D: usize>(
+    mesh: &Manifold,
+    lift: Lift,
+    v: u32,
+    AscentParameters { sigma, step, .. }: AscentParameters,
+) -> DVec3 {
     let mut offsets = [[0.0; D]; GRADIENT_NEIGHBOURS];
     let here = &mesh.samples[v as usize];
     let found = nearest::<D>(mesh, lift, v);

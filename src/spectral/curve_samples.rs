@@ -1,13 +1,13 @@
 //! Samples along the curves of a surface, its boundary and its sharp edges: evenly spaced points are what the measure of
 //! section 3 of the paper settles on in one dimension. Where other sizes are wanted, lengths count relative to them.
 //!
-//! Corners are points as they are, and edges of a seam have no others between them. Every smooth patch gets samples of
+//! Corners are points as they are, and edges of an interface have no others between them. Every smooth patch gets samples of
 //! its own for the points along its rim, so that it is sampled and triangulated by itself; [`CurveSamples::point`] says
 //! which of them are the same point.
 //!
 //! Cost: linear in the sides on curves, and a sort of the points.
 
-use crate::mesh::half_edge::{SEAM, next};
+use crate::mesh::half_edge::{INTERFACE, next};
 use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::feature_curves::Curve;
@@ -24,7 +24,7 @@ pub struct CurveSamples {
     pub successor: Vec<u32>,
     /// For each sample the point that it is.
     pub point: Vec<u32>,
-    /// The points next to each other along a curve, and the curve, or [`SEAM`].
+    /// The points next to each other along a curve, and the curve, or [`INTERFACE`].
     pub edges: Vec<([u32; 2], u32)>,
     /// Points that are corners.
     pub corners: Vec<u32>,
@@ -61,7 +61,7 @@ pub fn sample_curves(domain: &Domain, spacing: f64) -> CurveSamples {
             Some([first, last]) => [first].into_iter().chain(own).chain([last]).collect(),
             None => own.iter().chain(own.first()).copied().collect(),
         };
-        let name = if curve.seam { SEAM } else { number };
+        let name = if curve.interface { INTERFACE } else { number };
         result.edges.extend(chain.windows(2).map(|pair| ([pair[0], pair[1]], name)));
     }
     on_sides.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
@@ -86,7 +86,7 @@ fn counts(domain: &Domain, loops: &[Vec<u32>], spacing: f64) -> Vec<usize> {
         if curve.closed || key(curve)[0] == key(curve)[1] { FEWEST } else { 1 + usize::from(between[&key(curve)] > 1) }
     };
     let wanted = |curve: &Curve| {
-        if curve.seam {
+        if curve.interface {
             return 1;
         }
         let length: f64 = curve.sides.iter().map(|&s| length(domain, s)).sum();
@@ -97,9 +97,9 @@ fn counts(domain: &Domain, loops: &[Vec<u32>], spacing: f64) -> Vec<usize> {
         // Each curve once for each time that the loop goes along it.
         let starts = sides.iter().filter(|&&s| is_first(domain, s)).map(|&s| domain.curves.of_side(s) as usize);
         let along: Vec<usize> = starts.collect();
-        let may_grow = along.iter().any(|&c| !curves[c].seam);
+        let may_grow = along.iter().any(|&c| !curves[c].interface);
         while may_grow && along.iter().map(|&c| counts[c]).sum::<usize>() < FEWEST {
-            along.iter().filter(|&&c| !curves[c].seam).for_each(|&c| counts[c] += 1);
+            along.iter().filter(|&&c| !curves[c].interface).for_each(|&c| counts[c] += 1);
         }
     }
     counts
@@ -192,7 +192,7 @@ mod tests {
         for (i, a) in made.samples.iter().enumerate() {
             for j in (0..i).filter(|&j| made.point[j] == made.point[i]) {
                 assert!(a.position.distance(made.samples[j].position) < 1e-12);
-                assert_ne!(domain.piece_of(a.triangle), domain.piece_of(made.samples[j].triangle));
+                assert_ne!(domain.patch_of(a.triangle), domain.patch_of(made.samples[j].triangle));
             }
             let along = made.samples[made.successor[i] as usize].position;
             assert_relative_eq!(a.position.distance(along), 0.25, epsilon = 1e-12);

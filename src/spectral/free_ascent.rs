@@ -13,7 +13,7 @@
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 use crate::geom::vector::{length_squared, scaled, shortened};
-use crate::spectral::ascent::{Climb, MOST_STEP};
+use crate::spectral::ascent::{AscentParameters, MOST_STEP};
 use crate::spectral::cells::Cells;
 use crate::spectral::measure::{GRADIENT_NEIGHBOURS, RADIUS, gradient};
 use crate::spectral::nearest::Nearest;
@@ -33,31 +33,31 @@ const CROWDED: f64 = 0.25;
 /// Points that one task moves.
 const CHUNK: usize = 64;
 
-/// Moves all `points`. `climb.sigma` is in the units of the coordinates.
+/// Moves all `points`. `ascent.sigma` is in the units of the coordinates.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
 pub fn ascend_freely<S: Submanifold<D>, const D: usize>(
     manifold: &S,
     points: &mut [S::Point],
-    climb: Climb,
+    ascent: AscentParameters,
     monitor: &dyn Monitor,
 ) -> Result<()> {
     let mut classes = Vec::new();
     let mut lists = Vec::new();
-    for sweep in 0..climb.sweeps {
+    for sweep in 0..ascent.sweeps {
         check(monitor)?;
         if sweep % SWEEPS_OF_LISTS == 0 {
-            lists = neighbours(manifold, points, climb.sigma);
+            lists = neighbours(manifold, points, ascent.sigma);
             classes = colour_classes(&lists);
         }
         for class in &classes {
             let moved: Vec<S::Point> = (class.par_iter().with_min_len(CHUNK))
-                .map(|&v| step(manifold, points, &lists[v as usize], v, climb))
+                .map(|&v| step(manifold, points, &lists[v as usize], v, ascent))
                 .collect();
             class.iter().zip(moved).for_each(|(&v, point)| points[v as usize] = point);
         }
-        monitor.progress((sweep + 1) as f64 / climb.sweeps as f64);
+        monitor.progress((sweep + 1) as f64 / ascent.sweeps as f64);
     }
     Ok(())
 }
@@ -68,7 +68,7 @@ fn step<S: Submanifold<D>, const D: usize>(
     points: &[S::Point],
     list: &[u32],
     v: u32,
-    Climb { sigma, step, .. }: Climb,
+    AscentParameters { sigma, step, .. }: AscentParameters,
 ) -> S::Point {
     let here = manifold.coordinates(&points[v as usize]);
     let offset = |w: u32| manifold.offset(&here, &manifold.coordinates(&points[w as usize]));
@@ -128,14 +128,14 @@ mod tests {
     use crate::spectral::ascent::PAPER_STEP;
     use crate::surface::submanifold::{FlatTorus, UnitCube};
 
-    fn climb(sigma: f64, sweeps: usize) -> Climb {
-        Climb { sigma, step: PAPER_STEP, sweeps }
+    fn ascent(sigma: f64, sweeps: usize) -> AscentParameters {
+        AscentParameters { sigma, step: PAPER_STEP, sweeps }
     }
 
     #[test]
     fn two_points_part_until_they_do_not_hear_each_other() {
         let mut points = [[0.45, 0.5], [0.55, 0.5]];
-        ascend_freely(&UnitCube, &mut points, climb(0.2, 100), &()).unwrap();
+        ascend_freely(&UnitCube, &mut points, ascent(0.2, 100), &()).unwrap();
         assert!(points[1][0] - points[0][0] > 0.35 && points[0][1] == 0.5, "{points:?}");
     }
 
@@ -143,7 +143,7 @@ mod tests {
     fn points_on_a_circle_come_to_be_equally_far_apart() {
         let mut rng = stream(2, Stage::Scan);
         let mut points: Vec<[f64; 1]> = (0..20).map(|_| [unit(&mut rng)]).collect();
-        ascend_freely(&FlatTorus, &mut points, climb(0.05, 400), &()).unwrap();
+        ascend_freely(&FlatTorus, &mut points, ascent(0.05, 400), &()).unwrap();
         points.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let gaps = (0..20).map(|i| FlatTorus.offset(&points[i], &points[(i + 1) % 20])[0]);
         gaps.for_each(|gap| assert!((gap - 0.05).abs() < 0.005, "{gap}"));
@@ -153,7 +153,7 @@ mod tests {
     fn a_crowd_is_broken_up() {
         let mut rng = stream(3, Stage::Scan);
         let mut points: Vec<[f64; 2]> = (0..12).map(|_| [0.5, 0.5].map(|x| x + 1e-4 * unit(&mut rng))).collect();
-        ascend_freely(&FlatTorus, &mut points, climb(0.2, 30), &()).unwrap();
+        ascend_freely(&FlatTorus, &mut points, ascent(0.2, 30), &()).unwrap();
         for (i, x) in points.iter().enumerate() {
             let nearest = points[..i].iter().map(|y| length_squared(&FlatTorus.offset(x, y))).fold(1.0, f64::min);
             assert!(nearest.sqrt() > 0.1, "{nearest}");

@@ -10,7 +10,7 @@
 //! cells are for the widest. Where more than the position counts (a [`Lift`]), the kernel has more dimensions; the cells
 //! stay those of space, since further dimensions only make distances larger.
 //!
-//! A candidate listens only to neighbours of its own piece that face its way: two sheets that nearly touch are sampled
+//! A candidate listens only to neighbours of its own patch that face its way: two sheets that nearly touch are sampled
 //! each for itself.
 //!
 //! Cost: linear in the candidates; nine of ten are settled by their nearest neighbours.
@@ -79,8 +79,8 @@ pub trait Choices: Sync {
     fn count(&self) -> usize;
     /// One of them.
     fn sample(&self, number: u32) -> Sample;
-    /// The piece of the surface that a sample lies on: only samples of the same piece are neighbours.
-    fn piece_of(&self, sample: &Sample) -> u32;
+    /// The patch of the surface that a sample lies on: only samples of the same patch are neighbours.
+    fn patch_of(&self, sample: &Sample) -> u32;
     /// The largest size that is wanted anywhere.
     fn largest_size(&self) -> f64;
 }
@@ -104,8 +104,8 @@ impl Choices for OnDomain<'_> {
     }
 
     #[inline]
-    fn piece_of(&self, sample: &Sample) -> u32 {
-        self.domain.piece_of(sample.triangle)
+    fn patch_of(&self, sample: &Sample) -> u32 {
+        self.domain.patch_of(sample.triangle)
     }
 
     fn largest_size(&self) -> f64 {
@@ -130,8 +130,8 @@ impl Choices for Given<'_> {
         self.samples[number as usize]
     }
 
-    fn piece_of(&self, sample: &Sample) -> u32 {
-        self.domain.map_or(0, |domain| domain.piece_of(sample.triangle))
+    fn patch_of(&self, sample: &Sample) -> u32 {
+        self.domain.map_or(0, |domain| domain.patch_of(sample.triangle))
     }
 
     fn largest_size(&self) -> f64 {
@@ -233,14 +233,14 @@ impl<'a, C: Choices> Blocks<'a, C> {
         }
         let mut near = Neighbourhood::<D>::new(self.places[b] * BLOCK - HALO, self.kernel, self.cell);
         for other in self.around(b) {
-            self.list[other].kept.iter().for_each(|s| near.insert(s, self.choices.piece_of(s)));
+            self.list[other].kept.iter().for_each(|s| near.insert(s, self.choices.patch_of(s)));
         }
         let mut kept = Vec::new();
         for &i in &self.order[block.candidates.clone()] {
             let sample = self.choices.sample(i);
-            let piece = self.choices.piece_of(&sample);
-            if near.changes_spectrum(&sample, piece) {
-                near.insert(&sample, piece);
+            let patch = self.choices.patch_of(&sample);
+            if near.changes_spectrum(&sample, patch) {
+                near.insert(&sample, patch);
                 kept.push((i, sample));
             }
         }
@@ -272,7 +272,7 @@ struct Neighbourhood<'a, const D: usize> {
 struct Member<const D: usize> {
     coordinates: [f64; D],
     normal: DVec3,
-    piece: u32,
+    patch: u32,
     next: u32,
 }
 
@@ -286,23 +286,23 @@ impl<'a, const D: usize> Neighbourhood<'a, D> {
         (p / self.cell).floor().as_ivec3() - self.origin
     }
 
-    fn insert(&mut self, sample: &Sample, piece: u32) {
+    fn insert(&mut self, sample: &Sample, patch: u32) {
         let c = self.cell_of(sample.position);
         if c.cmpge(IVec3::ZERO).all() && c.cmplt(IVec3::splat(SPAN)).all() {
             let head = &mut self.heads[(c.x + SPAN * (c.y + SPAN * c.z)) as usize];
             let next = std::mem::replace(head, self.members.len() as u32);
             let coordinates = self.kernel.lift.coordinates(sample);
-            self.members.push(Member { coordinates, normal: sample.normal, piece, next });
+            self.members.push(Member { coordinates, normal: sample.normal, patch, next });
         }
     }
 
     /// Whether s(x) > ε: first with the nearest cells, which settle most, then with all in reach.
-    fn changes_spectrum(&mut self, x: &Sample, piece: u32) -> bool {
+    fn changes_spectrum(&mut self, x: &Sample, patch: u32) -> bool {
         let p = x.position / self.cell;
         let home = self.cell_of(x.position);
         let towards = (p - p.floor()).round().as_ivec3() - 1;
         let here = self.kernel.lift.coordinates(x);
-        self.gather(x, &here, piece, home + towards, home + towards + 1);
+        self.gather(x, &here, patch, home + towards, home + towards + 1);
         if self.found.iter().any(|f| f.0 <= TOO_NEAR) {
             return false;
         }
@@ -310,7 +310,7 @@ impl<'a, const D: usize> Neighbourhood<'a, D> {
         let reach = sigma * RADIUS;
         let (lowest, highest) = (self.cell_of(x.position - reach), self.cell_of(x.position + reach));
         (1..=HALO).all(|reach| {
-            self.gather(x, &here, piece, (home - reach).max(lowest), (home + reach).min(highest));
+            self.gather(x, &here, patch, (home - reach).max(lowest), (home + reach).min(highest));
             self.exceeds_epsilon(&here, sigma)
         })
     }
@@ -320,7 +320,7 @@ impl<'a, const D: usize> Neighbourhood<'a, D> {
     }
 
     /// Collects the samples of a box of cells that `x` listens to, with their squared distances in units of σ.
-    fn gather(&mut self, x: &Sample, here: &[f64; D], piece: u32, lo: IVec3, hi: IVec3) {
+    fn gather(&mut self, x: &Sample, here: &[f64; D], patch: u32, lo: IVec3, hi: IVec3) {
         self.found.clear();
         let sigma = self.sigma_at(x);
         let scale = 1.0 / (sigma * sigma);
@@ -332,7 +332,7 @@ impl<'a, const D: usize> Neighbourhood<'a, D> {
                     while i != END {
                         let m = &self.members[i as usize];
                         let d = distance_squared(&m.coordinates, here) * scale;
-                        if d < RADIUS * RADIUS && m.piece == piece && m.normal.dot(x.normal) >= 0.0 {
+                        if d < RADIUS * RADIUS && m.patch == patch && m.normal.dot(x.normal) >= 0.0 {
                             self.found.push((d, i));
                         }
                         i = m.next;

@@ -10,7 +10,7 @@ use crate::mesh::normals::vertex_normals;
 use crate::mesh::topology::{NONE, components, twins};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::{Bvh, Hit};
-use crate::spatial::self_intersections::{crossing_pairs, faces_of};
+use crate::spatial::self_intersections::{faces_of, self_intersecting_pairs};
 use crate::surface::feature_curves::Curves;
 use crate::surface::features::{Features, sharp_sides};
 use glam::DVec3;
@@ -38,8 +38,8 @@ pub struct Domain {
     pub across: Vec<u32>,
     /// For each vertex the one it was before sharp edges were cut.
     pub original: Vec<u32>,
-    /// The connected piece of each vertex: its smooth patch.
-    pub piece: Vec<u32>,
+    /// The connected patch of each vertex: its smooth patch.
+    pub patch: Vec<u32>,
     /// The boundary and the sharp edges.
     pub curves: Curves,
     /// Unit normal at each vertex; zero where all its triangles are flat.
@@ -47,7 +47,7 @@ pub struct Domain {
     /// The wanted edge length at each vertex, relative to the mean spacing; empty if it is 1 everywhere.
     sizes: Vec<f64>,
     /// See [`Curves::new`].
-    seam: Vec<[u32; 2]>,
+    interface: Vec<[u32; 2]>,
     pub(super) bvh: Bvh,
 }
 
@@ -76,28 +76,28 @@ impl Domain {
     /// The domain over `mesh`, which has to be an oriented 2-manifold, with the sharp edges that `features` says.
     /// `spacing` is that of the samples, in the units of the mesh.
     pub fn with_features(mesh: Mesh, features: Features, spacing: f64) -> Domain {
-        Domain::with_seam(mesh, features, spacing, Vec::new())
+        Domain::with_interface(mesh, features, spacing, Vec::new())
     }
 
-    /// [`Self::with_features`] over a part of a larger mesh. `seam` has the ends of the edges along which it is cut out,
+    /// [`Self::with_features`] over a part of a larger mesh. `interface` has the ends of the edges along which it is cut out,
     /// in increasing order, with the part on the left of the way between them.
-    pub fn with_seam(mesh: Mesh, features: Features, spacing: f64, seam: Vec<[u32; 2]>) -> Domain {
+    pub fn with_interface(mesh: Mesh, features: Features, spacing: f64, interface: Vec<[u32; 2]>) -> Domain {
         let twin = twins(&mesh.triangles);
         let sharp = sharp_sides(&mesh, &twin, features, spacing);
-        Domain::with_sharp(mesh, twin, &sharp, spacing, seam)
+        Domain::with_sharp(mesh, twin, &sharp, spacing, interface)
     }
 
-    /// [`Self::with_seam`] with the sharp edges that are given: for each side of `mesh` whether it is on one, and the side
+    /// [`Self::with_interface`] with the sharp edges that are given: for each side of `mesh` whether it is on one, and the side
     /// across it, as [`twins`] says.
-    pub fn with_sharp(mesh: Mesh, twin: Vec<u32>, sharp: &[bool], spacing: f64, seam: Vec<[u32; 2]>) -> Domain {
+    pub fn with_sharp(mesh: Mesh, twin: Vec<u32>, sharp: &[bool], spacing: f64, interface: Vec<[u32; 2]>) -> Domain {
         let cut = cut(mesh, twin, sharp);
         let (curves, (vertex_normals, bvh)) = rayon::join(
-            || Curves::new(&cut, spacing, &seam),
+            || Curves::new(&cut, spacing, &interface),
             || rayon::join(|| vertex_normals(&cut.mesh), || Bvh::new(&cut.mesh)),
         );
         let Cut { mesh, twin, across, original } = cut;
-        let piece = components(mesh.positions.len(), &mesh.triangles);
-        Domain { mesh, twin, across, original, piece, curves, vertex_normals, sizes: Vec::new(), seam, bvh }
+        let patch = components(mesh.positions.len(), &mesh.triangles);
+        Domain { mesh, twin, across, original, patch, curves, vertex_normals, sizes: Vec::new(), interface, bvh }
     }
 
     /// Wants edges of these lengths, relative to the mean spacing, at the vertices, instead of 1 everywhere. Vertices
@@ -115,13 +115,13 @@ impl Domain {
 
     /// This domain with its sharp edges smoothed over.
     pub fn smooth(self) -> Domain {
-        let Domain { mut mesh, original, mut sizes, seam, .. } = self;
+        let Domain { mut mesh, original, mut sizes, interface, .. } = self;
         mesh.triangles.iter_mut().flatten().for_each(|v| *v = original[*v as usize]);
         // The first copy of a vertex has its number, further ones come after all others.
         let count = original.iter().zip(0..).take_while(|&(&v, i)| v == i).count();
         mesh.positions.truncate(count);
         sizes.truncate(count);
-        Domain { sizes, ..Domain::with_seam(mesh, Features::Smooth, f64::INFINITY, seam) }
+        Domain { sizes, ..Domain::with_interface(mesh, Features::Smooth, f64::INFINITY, interface) }
     }
 
     /// The number of curves along sharp edges.
@@ -129,19 +129,19 @@ impl Domain {
         self.curves.list.iter().filter(|c| self.across[c.sides[0] as usize] != NONE).count()
     }
 
-    /// The piece that triangle `t` belongs to.
+    /// The patch that triangle `t` belongs to.
     #[inline]
-    pub fn piece_of(&self, t: u32) -> u32 {
-        self.piece[self.mesh.triangles[t as usize][0] as usize]
+    pub fn patch_of(&self, t: u32) -> u32 {
+        self.patch[self.mesh.triangles[t as usize][0] as usize]
     }
 
-    /// How wide each piece is, by the number of its piece: twice its area for the length of its boundary, which is the
+    /// How wide each patch is, by the number of its patch: twice its area for the length of its boundary, which is the
     /// width of a long strip; infinite for a closed one.
     pub fn widths(&self) -> Vec<f64> {
         let mut sums = vec![(0.0, 0.0); self.mesh.positions.len()];
         for t in 0..self.mesh.triangles.len() {
             let corners = self.mesh.corners(t);
-            let (area, length) = &mut sums[self.piece_of(t as u32) as usize];
+            let (area, length) = &mut sums[self.patch_of(t as u32) as usize];
             *area += 0.5 * self.mesh.area_vector(t).length();
             let open = (0..3).filter(|&k| self.twin[3 * t + k] == NONE);
             *length += open.map(|k| corners[k].distance(corners[(k + 1) % 3])).sum::<f64>();
@@ -192,12 +192,12 @@ impl Domain {
     }
 
     /// The point closest to `p` among those where the surface faces the way of `normal`, so that the other side of a
-    /// thin place is not taken for this one. `near` is a triangle known to be close by, of the piece that is meant.
+    /// thin place is not taken for this one. `near` is a triangle known to be close by, of the patch that is meant.
     pub fn project(&self, p: DVec3, normal: DVec3, near: u32) -> Sample {
-        let piece = self.piece_of(near);
+        let patch = self.patch_of(near);
         let here = closest_point(p, self.mesh.corners(near as usize));
         let bound = p.distance_squared(here);
-        let faces = |t: u32| self.piece_of(t) == piece && self.mesh.area_vector(t as usize).dot(normal) > 0.0;
+        let faces = |t: u32| self.patch_of(t) == patch && self.mesh.area_vector(t as usize).dot(normal) > 0.0;
         let hit = self.bvh.closest_where(&self.mesh, p, bound, faces);
         let (t, point) = hit.map_or((near, here), |h| (h.triangle, h.point));
         self.sample(t, barycentric(point, self.mesh.corners(t as usize)))
@@ -331,8 +331,8 @@ impl Domain {
     }
 
     /// The triangles that cross or touch another one where they are not joined.
-    pub fn crossing_faces(&self) -> Vec<u32> {
-        faces_of(crossing_pairs(&self.mesh, &self.bvh))
+    pub fn self_intersections(&self) -> Vec<u32> {
+        faces_of(self_intersecting_pairs(&self.mesh, &self.bvh))
     }
 
     /// The loops of the boundary, and of sharp edges, each as the sides `3 t + k` along it with the surface on their

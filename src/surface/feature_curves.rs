@@ -28,9 +28,9 @@ pub struct Curve {
     pub sides: Vec<u32>,
     /// Whether it has no ends.
     pub closed: bool,
-    /// Whether it is an edge of the seam, along which the surface is cut out of a larger one: it is one edge of every
+    /// Whether it is an edge of the interface, along which the surface is cut out of a larger one: it is one edge of every
     /// mesh, too.
-    pub seam: bool,
+    pub interface: bool,
 }
 
 /// All curves of a surface.
@@ -49,13 +49,13 @@ pub struct Curves {
 }
 
 impl Curves {
-    /// The curves of a surface that is cut open along its sharp edges. `spacing` is that of the samples; `seam` has the
-    /// ends of each edge of the seam, in increasing order, with the surface on the left of the way between them. On the
+    /// The curves of a surface that is cut open along its sharp edges. `spacing` is that of the samples; `interface` has the
+    /// ends of each edge of the interface, in increasing order, with the surface on the left of the way between them. On the
     /// boundary that way may be several sides.
-    pub fn new(cut: &Cut, spacing: f64, seam: &[[u32; 2]]) -> Self {
+    pub fn new(cut: &Cut, spacing: f64, interface: &[[u32; 2]]) -> Self {
         let mut net = Net::new(cut);
-        seam.iter().flatten().for_each(|&v| net.corner[v as usize] = true);
-        let list: Vec<Curve> = net.curves(seam).into_iter().flat_map(|c| net.split_at_turns(c, spacing)).collect();
+        interface.iter().flatten().for_each(|&v| net.corner[v as usize] = true);
+        let list: Vec<Curve> = net.curves(interface).into_iter().flat_map(|c| net.split_at_turns(c, spacing)).collect();
         let mut of_side = vec![NONE; cut.twin.len()];
         for (curve, number) in list.iter().zip(0u32..) {
             for &side in &curve.sides {
@@ -153,7 +153,7 @@ impl<'a> Net<'a> {
     }
 
     /// All curves between vertices where they meet or end, and the closed ones.
-    fn curves(&self, seam: &[[u32; 2]]) -> Vec<Curve> {
+    fn curves(&self, interface: &[[u32; 2]]) -> Vec<Curve> {
         let mut used = vec![false; self.cut.twin.len()];
         let mut curves = Vec::new();
         // Those that begin at a corner first; what is left after them is closed.
@@ -173,7 +173,7 @@ impl<'a> Net<'a> {
             }
             if let (Some(&first), Some(&last)) = (curve.sides.first(), curve.sides.last()) {
                 let between = [self.ends(first)[0], self.ends(last)[1]];
-                curve.seam = self.cut.across[first as usize] == NONE && seam.binary_search(&between).is_ok();
+                curve.interface = self.cut.across[first as usize] == NONE && interface.binary_search(&between).is_ok();
                 curves.push(curve);
             }
         }
@@ -182,7 +182,7 @@ impl<'a> Net<'a> {
 
     /// The parts of a curve between the vertices where it turns sharply, which become corners.
     fn split_at_turns(&mut self, mut curve: Curve, spacing: f64) -> Vec<Curve> {
-        let turns = if curve.seam { Vec::new() } else { Polyline::new(self, &curve).turns(spacing) };
+        let turns = if curve.interface { Vec::new() } else { Polyline::new(self, &curve).turns(spacing) };
         let Some(&first) = turns.first() else { return vec![curve] };
         for &i in &turns {
             let [at, _] = self.ends(curve.sides[i]);

@@ -97,7 +97,7 @@ impl<'a> Rimls<'a> {
     }
 
     /// The farthest that any point reaches.
-    pub fn longest_reach(&self) -> f64 {
+    pub fn largest_support(&self) -> f64 {
         self.longest
     }
 

@@ -1,6 +1,6 @@
-//! Edge lengths that go over from those of a seam to the wanted ones.
+//! Edge lengths that go over from those of an interface to the wanted ones.
 //!
-//! A part that is cut out of a mesh keeps the edges of its seam. Where their length l(s) at a vertex s is not the wanted
+//! A part that is cut out of a mesh keeps the edges of its interface. Where their length l(s) at a vertex s is not the wanted
 //! one, h, the length at a vertex v that is a way d(s) away from them is
 //!
 //! ```text
@@ -8,7 +8,7 @@
 //! ```
 //!
 //! so lengths change by at most g for each length gone until they are the wanted ones. Where a number of vertices is
-//! wanted, h is scaled to meet it; 2 / (√3 h²) integrates to it. If no length off the seam leaves as few, or as many, g is
+//! wanted, h is scaled to meet it; 2 / (√3 h²) integrates to it. If no length off the interface leaves as few, or as many, g is
 //! doubled, and so it is where given lengths are but for a small part of the surface too short for it.
 //!
 //! Based on: P.-O. Persson, Mesh size functions for implicit geometries and PDE-based gradient limiting, 2006,
@@ -24,17 +24,17 @@ use crate::surface::sizing::{FIELD_GRADIENT, Graph, limited, mean_density};
 /// number of vertices that not even it leaves is met with even lengths.
 const STEEPEST: f64 = 4.0;
 
-/// Share of the vertices that wanted lengths mean which has to be left of them beside a seam of longer edges.
+/// Share of the vertices that wanted lengths mean which has to be left of them beside an interface of longer edges.
 const LEAST_LEFT: f64 = 0.5;
 
 /// The factors that the wanted lengths are scaled by at most, and the steps of the search for the right one.
 const LARGEST_FACTOR: f64 = 1e3;
 const STEPS: usize = 50;
 
-/// The length at each vertex of `domain`, in its units, where `wanted` says it off the seam; scaled, if `count` is given,
+/// The length at each vertex of `domain`, in its units, where `wanted` says it off the interface; scaled, if `count` is given,
 /// to so many vertices.
-pub fn lengths_from_seam(domain: &Domain, wanted: &[f64], count: Option<f64>) -> Vec<f64> {
-    let own = seam_lengths(domain);
+pub fn lengths_from_interface(domain: &Domain, wanted: &[f64], count: Option<f64>) -> Vec<f64> {
+    let own = interface_lengths(domain);
     let graph = Graph::whole(domain);
     let mut gradient = FIELD_GRADIENT;
     while gradient <= STEEPEST {
@@ -69,11 +69,11 @@ fn scaled_to(count: f64, domain: &Domain, lengths: impl Fn(f64) -> Vec<f64>) -> 
     lengths(most)
 }
 
-/// For each vertex the mean length of the edges of the seam that it lies on, if it lies on any.
-fn seam_lengths(domain: &Domain) -> Vec<Option<f64>> {
+/// For each vertex the mean length of the edges of the interface that it lies on, if it lies on any.
+fn interface_lengths(domain: &Domain) -> Vec<Option<f64>> {
     let corner = |side: u32| domain.mesh.triangles[side as usize / 3][side as usize % 3];
     let mut sums = vec![(0.0, 0); domain.mesh.positions.len()];
-    for curve in domain.curves.list.iter().filter(|curve| curve.seam) {
+    for curve in domain.curves.list.iter().filter(|curve| curve.interface) {
         let sides = || curve.sides.iter().map(|&s| [corner(s), corner(next(s))]);
         let length: f64 =
             sides().map(|[a, b]| domain.mesh.positions[a as usize].distance(domain.mesh.positions[b as usize])).sum();
@@ -86,7 +86,7 @@ fn seam_lengths(domain: &Domain) -> Vec<Option<f64>> {
     sums.into_iter().map(|(sum, count)| (count > 0).then(|| sum / f64::from(count))).collect()
 }
 
-/// Between which lengths those at each vertex must be for the seam.
+/// Between which lengths those at each vertex must be for the interface.
 struct Bounds {
     least: Vec<f64>,
     most: Vec<f64>,
@@ -128,15 +128,15 @@ mod tests {
             [[a, b, c], [a, c, d]]
         };
         let mesh = Mesh { positions, triangles: squares.flat_map(halves).collect() };
-        Domain::with_seam(mesh, Features::Smooth, 0.1, vec![[1, 0], [2, 1], [3, 2], [4, 3]])
+        Domain::with_interface(mesh, Features::Smooth, 0.1, vec![[1, 0], [2, 1], [3, 2], [4, 3]])
     }
 
     #[test]
     fn lengths_go_over_from_the_seam_to_what_is_wanted() {
         let domain = band();
-        assert_eq!(domain.curves.list.iter().filter(|curve| curve.seam).count(), 4);
+        assert_eq!(domain.curves.list.iter().filter(|curve| curve.interface).count(), 4);
         for wanted in [0.1, 0.001] {
-            let lengths = lengths_from_seam(&domain, &vec![wanted; domain.mesh.positions.len()], None);
+            let lengths = lengths_from_interface(&domain, &vec![wanted; domain.mesh.positions.len()], None);
             for (p, length) in domain.mesh.positions.iter().zip(&lengths) {
                 let should_be = if wanted > 0.01 {
                     (0.01 + FIELD_GRADIENT * p.x).min(wanted)
@@ -155,7 +155,7 @@ mod tests {
         let mut domain = band();
         domain.mesh.positions.iter_mut().for_each(|p| p.y *= 40.0);
         let wanted = vec![0.01; domain.mesh.positions.len()];
-        let lengths = lengths_from_seam(&domain, &wanted, None);
+        let lengths = lengths_from_interface(&domain, &wanted, None);
         assert!(lengths[1] > 0.39, "{}", lengths[1]);
         assert!(vertices(&domain, &lengths) > 0.5 * vertices(&domain, &wanted));
     }
@@ -164,7 +164,7 @@ mod tests {
     fn as_many_vertices_as_wanted_are_meant() {
         let domain = band();
         for count in [10.0, 200.0, 5000.0, 1e5] {
-            let lengths = lengths_from_seam(&domain, &vec![0.03; domain.mesh.positions.len()], Some(count));
+            let lengths = lengths_from_interface(&domain, &vec![0.03; domain.mesh.positions.len()], Some(count));
             assert!((vertices(&domain, &lengths) / count - 1.0).abs() < 1e-6);
         }
     }

@@ -30,7 +30,7 @@ impl Surface for Domain {
     }
 
     fn joined(&self, one: &Sample, other: &Sample) -> bool {
-        self.piece_of(one.triangle) == self.piece_of(other.triangle) && one.normal.dot(other.normal) >= 0.0
+        self.patch_of(one.triangle) == self.patch_of(other.triangle) && one.normal.dot(other.normal) >= 0.0
     }
 }
 

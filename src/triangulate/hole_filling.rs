@@ -80,12 +80,12 @@ pub(super) fn closed_fans(vertices: usize, triangles: &[[u32; 3]]) -> Vec<bool> 
 /// do, too. Around a closed star every neighbour is once the second and once the third corner, so that sums of any
 /// numbers of theirs are the same.
 pub(super) fn closed_stars(vertices: usize, triangles: impl Iterator<Item = [u32; 3]>) -> Vec<bool> {
-    let mut balance = vec![0u64; vertices];
+    let mut match_target_count = vec![0u64; vertices];
     for [v, from, to] in triangles {
-        let sum = &mut balance[v as usize];
+        let sum = &mut match_target_count[v as usize];
         *sum = sum.wrapping_add(scrambled(to)).wrapping_sub(scrambled(from));
     }
-    balance.into_iter().map(|b| b == 0).collect()
+    match_target_count.into_iter().map(|b| b == 0).collect()
 }
 
 /// A number of 64 bits that looks random (the mixing of SplitMix64), so that no two open fans cancel each other.

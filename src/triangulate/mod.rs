@@ -1,12 +1,12 @@
 //! From samples on a surface to an oriented 2-manifold with the surface's topology.
 
 pub mod agreement;
+pub mod boundary_loops;
 pub mod cell;
-pub mod gaps;
 pub mod hole_filling;
-pub mod mutual;
+pub mod inconsistent_stars;
+pub mod mutual_tessellation;
 pub mod points;
-pub mod settle;
 pub mod star;
 pub mod stitch;
 pub mod unfold;
@@ -20,8 +20,8 @@ use crate::surface::domain::{Domain, Sample};
 use agreement::agreed;
 use glam::DVec3;
 use hole_filling::fill_holes;
+use inconsistent_stars::{Starred, tessellate_around};
 use rayon::prelude::*;
-use settle::{Starred, tessellate_around};
 use star::{Cloud, INTERIOR, StarMaker};
 use unfold::SamplesByTriangle;
 
@@ -29,7 +29,7 @@ use unfold::SamplesByTriangle;
 const CHUNK: usize = 512;
 
 /// How far around samples that do not settle the domain is tessellated, in mean spacings, in one attempt after the
-/// other. The first also goes to where triangles are possible but not good, the last is of the whole piece.
+/// other. The first also goes to where triangles are possible but not good, the last is of the whole patch.
 const REACHES: [f64; 3] = [6.0, 12.0, f64::INFINITY];
 
 /// Gaps between samples are too small for triangles in them to be held to a direction.
@@ -55,7 +55,7 @@ pub struct Triangulated {
     /// For each of its vertices the sample that it is; vertices of the domain come after all samples.
     pub source: Vec<u32>,
     /// Pieces whose stars did not settle and that were tessellated from the input as a whole.
-    pub tessellated_pieces: usize,
+    pub tessellated_patches: usize,
 }
 
 /// The oriented 2-manifold over `samples`, of the topology of the domain. `spacing` is the mean distance of neighbours.
@@ -74,7 +74,7 @@ pub fn triangulate(
     let stars = stars(domain, samples, &successor, spacing, monitor)?;
     let mut starred = Starred { samples: samples.to_vec(), successor, stars };
     let wanted = kinds_of_domain(domain);
-    let mut tessellated_pieces = 0;
+    let mut tessellated_patches = 0;
     for reach in REACHES {
         check(monitor)?;
         let triangles = joined(&starred);
@@ -83,16 +83,16 @@ pub fn triangulate(
             centres.extend(starred.not_used(&triangles));
             centres.extend(starred.turned_away(&triangles));
         }
-        add_pieces_of_wrong_kind(domain, &starred, &triangles, &wanted, &mut centres);
+        add_patches_of_wrong_kind(domain, &starred, &triangles, &wanted, &mut centres);
         if centres.is_empty() {
-            return Ok(Triangulated::new(&starred, &triangles, tessellated_pieces));
+            return Ok(Triangulated::new(&starred, &triangles, tessellated_patches));
         }
         let whole = reach == f64::INFINITY;
-        tessellated_pieces = if whole { pieces_of(domain, &centres).len() } else { 0 };
+        tessellated_patches = if whole { patches_of(domain, &centres).len() } else { 0 };
         tessellate_around(domain, &mut starred, boundary, &centres, reach * spacing);
     }
     let triangles = joined(&starred);
-    Ok(Triangulated::new(&starred, &triangles, tessellated_pieces))
+    Ok(Triangulated::new(&starred, &triangles, tessellated_patches))
 }
 
 /// The triangles that stars agree on and those that fill the gaps between them.
@@ -111,7 +111,7 @@ fn joined(starred: &Starred) -> Vec<[u32; 3]> {
     triangles
 }
 
-/// Counts of a connected piece, or of its mesh, that tell its topology.
+/// Counts of a connected patch, or of its mesh, that tell its topology.
 #[derive(Debug, Clone, Copy, Default)]
 struct Kind {
     vertices: usize,
@@ -122,25 +122,25 @@ struct Kind {
 }
 
 impl Kind {
-    /// Those of each of `pieces` pieces. `component` is the connected component of
+    /// Those of each of `patches` patches. `component` is the connected component of
     /// each vertex, `next` the vertex after it on the boundary, or [`INTERIOR`].
-    fn of_pieces(
-        pieces: usize,
-        piece: impl Fn(u32) -> u32,
+    fn of_patches(
+        patches: usize,
+        patch: impl Fn(u32) -> u32,
         triangles: &[[u32; 3]],
         component: &[u32],
         next: &[u32],
     ) -> Vec<Kind> {
-        let mut kinds = vec![Kind::default(); pieces];
+        let mut kinds = vec![Kind::default(); patches];
         let mut used = vec![false; next.len()];
         for t in triangles {
             t.iter().for_each(|&v| used[v as usize] = true);
-            kinds[piece(t[0]) as usize].faces += 1;
+            kinds[patch(t[0]) as usize].faces += 1;
         }
         let mut counted = vec![false; next.len()];
         let mut walked = vec![false; next.len()];
         for v in (0..next.len() as u32).filter(|&v| used[v as usize]) {
-            let kind = &mut kinds[piece(v) as usize];
+            let kind = &mut kinds[patch(v) as usize];
             kind.vertices += 1;
             kind.boundary_edges += usize::from(next[v as usize] != INTERIOR);
             kind.components += usize::from(!std::mem::replace(&mut counted[component[v as usize] as usize], true));
@@ -161,7 +161,7 @@ impl Kind {
     }
 }
 
-/// The pieces of the domain.
+/// The patches of the domain.
 fn kinds_of_domain(domain: &Domain) -> Vec<Kind> {
     let mut next = vec![INTERIOR; domain.mesh.positions.len()];
     for (t, corners) in domain.mesh.triangles.iter().enumerate() {
@@ -169,27 +169,27 @@ fn kinds_of_domain(domain: &Domain) -> Vec<Kind> {
             next[corners[k] as usize] = corners[(k + 1) % 3];
         }
     }
-    let pieces = domain.piece.iter().max().map_or(0, |&p| p as usize + 1);
-    Kind::of_pieces(pieces, |v| domain.piece[v as usize], &domain.mesh.triangles, &domain.piece, &next)
+    let patches = domain.patch.iter().max().map_or(0, |&p| p as usize + 1);
+    Kind::of_patches(patches, |v| domain.patch[v as usize], &domain.mesh.triangles, &domain.patch, &next)
 }
 
-/// Adds to `unsettled` a point of each further piece whose triangles, although they fit together everywhere, are not of
+/// Adds to `unsettled` a point of each further patch whose triangles, although they fit together everywhere, are not of
 /// the topology wanted or do not use most of its samples.
-fn add_pieces_of_wrong_kind(
+fn add_patches_of_wrong_kind(
     domain: &Domain,
     starred: &Starred,
     triangles: &[[u32; 3]],
     wanted: &[Kind],
     unsettled: &mut Vec<Sample>,
 ) {
-    let piece = |s: u32| domain.piece_of(starred.samples[s as usize].triangle);
+    let patch = |s: u32| domain.patch_of(starred.samples[s as usize].triangle);
     let component = components(starred.samples.len(), triangles);
-    let kinds = Kind::of_pieces(wanted.len(), piece, triangles, &component, &starred.successor);
-    let known = pieces_of(domain, unsettled);
+    let kinds = Kind::of_patches(wanted.len(), patch, triangles, &component, &starred.successor);
+    let known = patches_of(domain, unsettled);
     let mut samples_of = vec![0; wanted.len()];
-    (0..starred.samples.len() as u32).for_each(|s| samples_of[piece(s) as usize] += 1);
+    (0..starred.samples.len() as u32).for_each(|s| samples_of[patch(s) as usize] += 1);
     let mut triangle_of = vec![NONE; wanted.len()];
-    (0..domain.mesh.triangles.len() as u32).for_each(|t| triangle_of[domain.piece_of(t) as usize] = t);
+    (0..domain.mesh.triangles.len() as u32).for_each(|t| triangle_of[domain.patch_of(t) as usize] = t);
     let wrong = |p: usize| {
         let lost = samples_of[p] - kinds[p].vertices;
         kinds[p].topology() != wanted[p].topology() || LEAST_USED * lost > kinds[p].vertices
@@ -198,20 +198,20 @@ fn add_pieces_of_wrong_kind(
     unsettled.extend(further.map(|p| domain.sample(triangle_of[p], [1.0, 0.0, 0.0])));
 }
 
-/// The pieces that `samples` are of, in increasing order.
-fn pieces_of(domain: &Domain, samples: &[Sample]) -> Vec<u32> {
-    let mut pieces: Vec<u32> = samples.iter().map(|s| domain.piece_of(s.triangle)).collect();
-    pieces.sort_unstable();
-    pieces.dedup();
-    pieces
+/// The patches that `samples` are of, in increasing order.
+fn patches_of(domain: &Domain, samples: &[Sample]) -> Vec<u32> {
+    let mut patches: Vec<u32> = samples.iter().map(|s| domain.patch_of(s.triangle)).collect();
+    patches.sort_unstable();
+    patches.dedup();
+    patches
 }
 
-/// A piece may lose one sample in this many to holes that were filled across it.
+/// A patch may lose one sample in this many to holes that were filled across it.
 const LEAST_USED: usize = 50;
 
 impl Triangulated {
     /// The manifold of `triangles` over the samples that they use.
-    fn new(starred: &Starred, triangles: &[[u32; 3]], tessellated_pieces: usize) -> Self {
+    fn new(starred: &Starred, triangles: &[[u32; 3]], tessellated_patches: usize) -> Self {
         let mut number = vec![NONE; starred.samples.len()];
         triangles.iter().flatten().for_each(|&v| number[v as usize] = 0);
         let mut source = Vec::new();
@@ -221,7 +221,7 @@ impl Triangulated {
         }
         let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|v| number[v as usize])).collect();
         let mesh = Manifold::new(source.iter().map(|&s| starred.samples[s as usize]).collect(), &triangles);
-        Triangulated { mesh, source, tessellated_pieces }
+        Triangulated { mesh, source, tessellated_patches }
     }
 }
 

@@ -11,8 +11,8 @@ use crate::base::monitor::{Monitor, check};
 use crate::base::rng::{Stage, stream, unit};
 use crate::spatial::kdtree::{Neighbor, Neighbors};
 use crate::spatial::knn_graph::NeighborGraph;
+use crate::triangulate::boundary_loops::{HoleCriteria, settle};
 use crate::triangulate::cell::Cell;
-use crate::triangulate::gaps::{Look, settle};
 use crate::triangulate::unfold::{Neighbour, along_bend};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -65,23 +65,24 @@ pub fn triangulate_points(points: Surroundings<'_>, close_up_to: f64, monitor: &
         .collect();
     check(monitor)?;
     let smallest_diagonal = close_up_to.max(SMALL_HOLE * diagonal(points.positions));
-    let closed = settle(points, &stars, Look { smallest_diagonal, ..LENIENT });
+    let closed = settle(points, &stars, HoleCriteria { smallest_diagonal, ..LENIENT });
     check(monitor)?;
     if closed.holes == 0 {
         return Ok(closed.triangles);
     }
-    Ok(settle(points, &stars, Look { smallest_diagonal: close_up_to, ..STRICT }).triangles)
+    Ok(settle(points, &stars, HoleCriteria { smallest_diagonal: close_up_to, ..STRICT }).triangles)
 }
 
 /// A look at a closed scan, whose gaps may be where it is only sparse.
-const LENIENT: Look =
-    Look { largest_circumradius: LARGEST_CIRCUMRADIUS, most_sides: 16, noise: 0.17, smallest_diagonal: 0.0 };
+const LENIENT: HoleCriteria =
+    HoleCriteria { largest_circumradius: LARGEST_CIRCUMRADIUS, most_sides: 16, noise: 0.17, smallest_diagonal: 0.0 };
 
 /// A scan whose holes have boxes with diagonals below this share of that of all points is taken for a closed one.
 const SMALL_HOLE: f64 = 0.08;
 
 /// A look at a scan that has holes.
-const STRICT: Look = Look { largest_circumradius: 1.2, most_sides: 7, noise: 0.0, smallest_diagonal: 0.0 };
+const STRICT: HoleCriteria =
+    HoleCriteria { largest_circumradius: 1.2, most_sides: 7, noise: 0.0, smallest_diagonal: 0.0 };
 
 /// How far points are moved, in spacings, so that no four of them are on one circle: those of a grid are, and each would
 /// see another two of them as neighbours.

@@ -99,7 +99,7 @@ impl<'a> StarMaker<'a> {
         self.cloud.spacing * self.cloud.samples[s as usize].size
     }
 
-    /// Finds the samples of the piece of `centre` within `radius` of it, as if they were all of one sheet. The distance
+    /// Finds the samples of the patch of `centre` within `radius` of it, as if they were all of one sheet. The distance
     /// of the nearest that may not be, for facing another way. (The two sides of a thin sheet do, and between two
     /// layers that face the same way there is one that does not.)
     fn find_in_ball(&mut self, centre: u32, radius: f64) -> f64 {
@@ -110,7 +110,7 @@ impl<'a> StarMaker<'a> {
         let mut doubtful = f64::INFINITY;
         for neighbor in &self.ball {
             let there = &samples[neighbor.point as usize];
-            if neighbor.point == centre || domain.piece_of(there.triangle) != domain.piece_of(here.triangle) {
+            if neighbor.point == centre || domain.patch_of(there.triangle) != domain.patch_of(here.triangle) {
                 continue;
             }
             match along_gentle_bend(here, there) {

@@ -8,7 +8,7 @@ use glam::DVec3;
 
 /// How the samples on curves belong together.
 #[derive(Debug, Clone, Copy)]
-pub struct Seams<'a> {
+pub struct Gluing<'a> {
     /// For each of the samples on curves, the first of all samples, the point that it is.
     pub point: &'a [u32],
     /// The points next to each other along a curve, and the curve.
@@ -20,7 +20,7 @@ pub struct Seams<'a> {
 /// The manifold of `patches` with the curves laid on it.
 ///
 /// `None` if that is no oriented 2-manifold, or an edge of a curve is not there: the points on the curves are too few.
-pub fn glue(patches: &Triangulated, seams: Seams<'_>) -> Option<Manifold> {
+pub fn glue(patches: &Triangulated, seams: Gluing<'_>) -> Option<Manifold> {
     let points = seams.point.iter().max().map_or(0, |&p| p + 1);
     let on_curves = patches.source.partition_point(|&s| (s as usize) < seams.point.len());
     let inner = &patches.mesh.samples[on_curves..];
@@ -44,7 +44,7 @@ pub fn glue(patches: &Triangulated, seams: Seams<'_>) -> Option<Manifold> {
         return None;
     }
     let mut mesh = Manifold::new(samples, &triangles);
-    mesh.lay_curves(seams.edges, seams.corners.iter().copied()).then_some(mesh)
+    mesh.mark_curves(seams.edges, seams.corners.iter().copied()).then_some(mesh)
 }
 
 #[cfg(test)]
@@ -62,13 +62,13 @@ mod tests {
         };
         let samples = vec![at(0., 0., 0), at(1., 0., 0), at(0., 1., 0), at(1., 0., 1), at(1., 1., 1), at(0., 1., 1)];
         let mesh = Manifold::new(samples, &[[0, 1, 2], [3, 4, 5]]);
-        Triangulated { mesh, source: (0..6).collect(), tessellated_pieces: 0 }
+        Triangulated { mesh, source: (0..6).collect(), tessellated_patches: 0 }
     }
 
     #[test]
     fn two_triangles_share_an_edge_afterwards() {
         let edges = [([0, 1], 0), ([1, 2], 1), ([2, 0], 2), ([1, 3], 3), ([3, 2], 4)];
-        let seams = Seams { point: &[0, 1, 2, 1, 3, 2], edges: &edges, corners: &[1, 2] };
+        let seams = Gluing { point: &[0, 1, 2, 1, 3, 2], edges: &edges, corners: &[1, 2] };
         let whole = glue(&two_patches(), seams).unwrap();
         assert_eq!(whole.connectivity.vertex_count(), 4);
         assert_eq!(whole.connectivity.curve_at(1), CORNER);
@@ -81,7 +81,7 @@ mod tests {
 
     #[test]
     fn an_edge_that_is_not_there_is_a_failure() {
-        let seams = Seams { point: &[0, 1, 2, 1, 3, 2], edges: &[([0, 3], 0)], corners: &[] };
+        let seams = Gluing { point: &[0, 1, 2, 1, 3, 2], edges: &[([0, 3], 0)], corners: &[] };
         assert!(glue(&two_patches(), seams).is_none());
     }
 }

@@ -152,7 +152,7 @@ fn quality_prints_a_table() {
 fn quality_against_another_mesh_has_distances() {
     let ran = run(folder().path(), "quality moved.off --against octahedron.off --json");
     let report = json(ran.went_well());
-    assert_eq!(report["schema"], "spectral-remesh/report/1");
+    assert_eq!(report["schema"], "spectral-remesh/report/2");
     assert_eq!((&report["output"]["file"], &report["input"]["file"]), (&"moved.off".into(), &"octahedron.off".into()));
     assert_eq!(report["verified"], serde_json::Value::Null);
     let hausdorff = report["distance"]["hausdorff"].as_f64().unwrap();

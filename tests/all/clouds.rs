@@ -102,7 +102,7 @@ fn duplicates_and_strays_are_left_out_and_counted() {
     positions.extend([dvec3(1.8, 0.0, 0.0), dvec3(0.0, 0.0, 0.1), dvec3(-3.0, 2.0, 5.0)]);
     let made = connect(&cloud(positions.clone()));
     assert_eq!(audit(&made.mesh), (2, 1, 0));
-    assert_eq!((made.summary.duplicates, made.summary.strays), (50, 3));
+    assert_eq!((made.summary.duplicates, made.summary.outliers), (50, 3));
     // Every vertex of the mesh is the point of the cloud that it says it is.
     assert_eq!(made.mesh.positions.len(), made.source.len());
     for (v, &p) in made.mesh.positions.iter().zip(&made.source) {

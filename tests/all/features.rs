@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 fn check_with(input: &Mesh, n: usize, features: Features) -> Remeshed {
     let made = remesh(input, &Options { density: Density::Points(n), features, ..Options::default() }, &()).unwrap();
     assert!(made.verified(), "{:?} became {:?}: {:?}", made.repaired, made.output, made.notes);
-    assert!(made.crossing_faces.is_empty());
+    assert!(made.self_intersections.is_empty());
     assert_eq!(made.mesh.positions.len(), n);
     audit(&made.mesh);
     made

@@ -125,8 +125,8 @@ fn sheets_nearer_than_the_triangles_are_high_do_not_cross() {
         [("thick shell", shell(0.01)), ("thin shell", shell(0.002)), ("socket", socket), ("beside", beside)]
     {
         let made = check(name, &input, 500);
-        assert!(made.verified() && made.crossing_faces.is_empty(), "{name}: {:?}", made.crossing_faces);
-        assert_eq!(made.crossing_faces_of_input, None, "{name}");
+        assert!(made.verified() && made.self_intersections.is_empty(), "{name}: {:?}", made.self_intersections);
+        assert_eq!(made.self_intersections_of_input, None, "{name}");
     }
 }
 
@@ -135,7 +135,7 @@ fn sheets_nearer_than_the_triangles_are_high_do_not_cross() {
 fn crossings_of_the_input_stay_and_are_told() {
     let input = together(&[sphere(4, DVec3::ZERO, 1.0), sphere(4, DVec3::X, 1.0)]);
     let made = check_with("spheres", &input, &Options { optimize: false, ..points(800) });
-    assert!(made.crossing_faces.len() > 20 && made.crossing_faces_of_input > Some(20) && made.verified());
+    assert!(made.self_intersections.len() > 20 && made.self_intersections_of_input > Some(20) && made.verified());
     assert!(made.notes.iter().any(|note| note.contains("cross")), "{:?}", made.notes);
     let bvh = Bvh::new(&input);
     // The fit takes them off the surface by some thousandths, parting sheets would by 0.15 of an edge, 0.03.

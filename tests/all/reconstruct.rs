@@ -2,7 +2,7 @@
 
 use crate::common::{audit, moved, noisy, random, sphere, together, torus, volume};
 use glam::{DVec3, dvec3};
-use spectral_remesh::pipeline::DEFAULT_REACH;
+use spectral_remesh::pipeline::DEFAULT_SUPPORT;
 use spectral_remesh::{
     CloudOptions, Error, Mesh, Points, ReconstructOptions, Reconstructed, points_of_mesh, reconstruct,
 };
@@ -35,7 +35,7 @@ fn a_ball_is_closed_round_and_faces_outwards() {
         assert!((resolution - 0.5 * spacing).abs() < 1e-12);
         let off = |p: &DVec3| (p.distance(dvec3(5.0, -3.0, 1.0)) - 2.0).abs();
         // Planes through points that reach h lie outside of a ball of radius R by h² / 12 R in the mean.
-        let outside = (DEFAULT_REACH * spacing).powi(2) / (12.0 * 2.0);
+        let outside = (DEFAULT_SUPPORT * spacing).powi(2) / (12.0 * 2.0);
         let farthest = mesh.positions.iter().map(off).fold(0.0, f64::max);
         assert!(farthest < 2.5 * outside, "{farthest} {outside}");
         assert!((volume(&mesh) / (4.0 * PI / 3.0 * 8.0) - 1.0).abs() < 0.02, "{}", volume(&mesh));

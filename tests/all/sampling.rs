@@ -7,7 +7,7 @@ use crate::common::{audit, cuboid, moved, noisy, random, sphere, torus};
 use glam::{DVec3, dvec3};
 use spectral_remesh::base::rng::unit;
 use spectral_remesh::geom::vector::length_squared;
-use spectral_remesh::spectral::ascent::{Climb, PAPER_STEP};
+use spectral_remesh::spectral::ascent::{AscentParameters, PAPER_STEP};
 use spectral_remesh::spectral::free_ascent::ascend_freely;
 use spectral_remesh::spectral::samples::{meet_count, scan};
 use spectral_remesh::surface::submanifold::{FlatTorus, Submanifold, UnitCube};
@@ -34,7 +34,7 @@ fn poisson_disk_radius<S: Submanifold<D>, const D: usize>(manifold: &S, points: 
 /// Random points after ten sweeps with the kernel of section 7.1 of the paper: σ = 2.5 r for ρ = 0.75.
 fn relaxed<S: Submanifold<D>, const D: usize>(manifold: &S, mut points: Vec<S::Point>, area: f64) -> Vec<S::Point> {
     let sigma = 2.5 * 0.75 * largest_radius(points.len(), area);
-    ascend_freely(manifold, &mut points, Climb { sigma, step: PAPER_STEP, sweeps: SWEEPS }, &()).unwrap();
+    ascend_freely(manifold, &mut points, AscentParameters { sigma, step: PAPER_STEP, sweeps: SWEEPS }, &()).unwrap();
     points
 }
 
@@ -73,8 +73,13 @@ fn a_square_with_borders_and_a_cube() {
     // Spacing of the densest packing of balls.
     let spacing = (2f64.sqrt() / 500.0).cbrt();
     let before = poisson_disk_radius(&FlatTorus, &cube, 1.0);
-    ascend_freely(&FlatTorus, &mut cube, Climb { sigma: 0.94 * spacing, step: PAPER_STEP, sweeps: SWEEPS }, &())
-        .unwrap();
+    ascend_freely(
+        &FlatTorus,
+        &mut cube,
+        AscentParameters { sigma: 0.94 * spacing, step: PAPER_STEP, sweeps: SWEEPS },
+        &(),
+    )
+    .unwrap();
     let nearest = poisson_disk_radius(&FlatTorus, &cube, 1.0) * 2.0 * largest_radius(500, 1.0) / spacing;
     assert!(nearest > 0.7, "{nearest} of the densest, {before} before");
 }
@@ -212,7 +217,7 @@ fn a_subset_is_numbered_as_in_the_input_also_where_points_are_dropped() {
     assert!(indices.iter().zip(&made.points.positions).all(|(&i, p)| *p == positions[i as usize]));
     assert!(!indices.contains(&0));
     let summary = made.cloud.unwrap();
-    assert_eq!((summary.duplicates, summary.strays), (1, 1));
+    assert_eq!((summary.duplicates, summary.outliers), (1, 1));
 }
 
 #[test]

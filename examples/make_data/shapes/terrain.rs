@@ -8,7 +8,7 @@ use spectral_remesh::base::rng::{Random, Stage, stream, unit};
 /// Vertices along a side.
 const SIDE: usize = 72;
 
-/// How far a vertex strays from its place in the grid, in cells. Below 0.25 no triangle can turn over.
+/// How far a vertex outliers from its place in the grid, in cells. Below 0.25 no triangle can turn over.
 const STRAY: f64 = 0.24;
 
 /// Octaves of the relief, each of half the height and half the width of the one before it.
@@ -20,8 +20,8 @@ pub fn terrain() -> Mesh {
     let relief: Vec<Lattice> = (0..OCTAVES).map(|_| Lattice::new(&mut rng)).collect();
     let mut mesh = Mesh::default();
     for n in 0..SIDE * SIDE {
-        let stray = DVec2::new(signed(&mut rng), signed(&mut rng)) * STRAY;
-        let cell = DVec2::new((n % SIDE) as f64, (n / SIDE) as f64) + stray;
+        let outlier = DVec2::new(signed(&mut rng), signed(&mut rng)) * STRAY;
+        let cell = DVec2::new((n % SIDE) as f64, (n / SIDE) as f64) + outlier;
         let p = warp(cell * (2.0 / (SIDE - 1) as f64) - 1.0);
         mesh.positions.push(snap(DVec3::new(5.0 * p.x, 5.0 * p.y, height(p, &relief))));
     }

@@ -4,12 +4,12 @@
 //! such a place a mutual tessellation is made, which is a manifold whatever the samples are, and the samples well inside
 //! take their stars from it. Among themselves these agree; towards the rest they are Delaunay like all others, and
 //! agree as those do. If that was too narrow a place it is done again with a wider one, and at last with the whole
-//! connected piece, so that all of the piece is a manifold of the topology of the domain.
+//! connected patch, so that all of the patch is a manifold of the topology of the domain.
 
 use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
 use crate::triangulate::Boundary;
-use crate::triangulate::mutual::{Insertion, Tessellation, mutual_tessellation};
+use crate::triangulate::mutual_tessellation::{Insertion, Tessellation, mutual_tessellation};
 use crate::triangulate::star::INTERIOR;
 use crate::triangulate::unfold::SamplesByTriangle;
 use rayon::prelude::*;
@@ -110,7 +110,7 @@ impl Fans {
 }
 
 /// Gives the samples around `centres` the stars of a mutual tessellation of the domain within `radius` times
-/// their size of them, or of all of their pieces if `radius` is infinite.
+/// their size of them, or of all of their patches if `radius` is infinite.
 pub fn tessellate_around(
     domain: &Domain,
     starred: &mut Starred,

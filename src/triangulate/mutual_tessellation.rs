@@ -1,13 +1,13 @@
 //! Mutual tessellation: the samples become vertices of the input mesh, and the input's own vertices are taken away.
 //!
 //! Every step keeps the link condition, so the result has the topology of the input whatever the samples are. It serves
-//! the pieces whose stars do not settle, because they are thinner or more bent than the samples resolve. A vertex that
+//! the patches whose stars do not settle, because they are thinner or more bent than the samples resolve. A vertex that
 //! cannot go without turning a triangle against the surface stays as a sample of its own.
 //!
 //! Based on: G. Turk, Re-tiling polygonal surfaces, 1992, DOI 10.1145/142920.134008. Departures: vertices go by edge
 //! collapses, and every collapse is followed by Delaunay flips around it.
 //!
-//! Cost: linear in the triangles of the piece, with a large constant: some microseconds a vertex.
+//! Cost: linear in the triangles of the patch, with a large constant: some microseconds a vertex.
 
 use crate::base::union_find::UnionFind;
 use crate::geom::triangle::barycentric;

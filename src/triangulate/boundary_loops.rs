@@ -10,7 +10,7 @@
 use crate::geom::eigen::{eigen, scatter};
 use crate::mesh::topology::components;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::spatial::self_intersections::crossing_faces;
+use crate::spatial::self_intersections::self_intersections;
 use crate::triangulate::agreement::agreed_by_most;
 use crate::triangulate::hole_filling::{closed_fans, closed_stars, fill_holes, gaps};
 use crate::triangulate::points::Surroundings;
@@ -19,7 +19,7 @@ use glam::DVec3;
 
 /// What passes for a hole.
 #[derive(Debug, Clone, Copy)]
-pub struct Look {
+pub struct HoleCriteria {
     /// Triangles whose circumradius is larger than so many spacings of their corners span one.
     pub largest_circumradius: f64,
     /// Gaps of so many sides are none, if these are no longer than points are apart on the mean.
@@ -56,7 +56,7 @@ const FEWEST_POINTS_OF_SHEET: usize = 64;
 const ENDS: usize = 2;
 
 /// The share of points around a flat place that lie in its plane, and how far off they may be: as a share of its width,
-/// or in spacings, where [`Look::noise`] says so.
+/// or in spacings, where [`HoleCriteria::noise`] says so.
 const IN_PLANE: f64 = 0.8;
 const THICKNESS: f64 = 0.03;
 
@@ -73,7 +73,7 @@ const ONE_WAY: f64 = 0.8;
 const OUTSIDE: f64 = -0.5;
 
 /// The triangles that stars agree on and those that close the gaps between them which are no holes.
-pub fn settle(points: Surroundings<'_>, stars: &[[u32; 3]], look: Look) -> Settled {
+pub fn settle(points: Surroundings<'_>, stars: &[[u32; 3]], look: HoleCriteria) -> Settled {
     let stars: Vec<[u32; 3]> =
         stars.iter().copied().filter(|t| points.relative_circumradius(*t) <= look.largest_circumradius).collect();
     let ends = ends(&stars, points.positions.len());
@@ -113,7 +113,7 @@ fn crossing(points: Surroundings<'_>, triangles: &[[u32; 3]], is_filled: &[bool]
     let near: Vec<[u32; 3]> = triangles.iter().filter(is_near).copied().collect();
     let mut mesh = Mesh { positions: points.positions.to_vec(), triangles: near.clone() };
     mesh.drop_unused();
-    crossing_faces(&mesh).into_iter().map(|t| near[t as usize]).collect()
+    self_intersections(&mesh).into_iter().map(|t| near[t as usize]).collect()
 }
 
 /// The points whose stars are not closed, or that have none.
@@ -124,7 +124,7 @@ fn ends(stars: &[[u32; 3]], points: usize) -> Vec<bool> {
     ends
 }
 
-fn is_hole(points: Surroundings<'_>, ends: &[bool], look: Look, polygon: &[u32]) -> bool {
+fn is_hole(points: Surroundings<'_>, ends: &[bool], look: HoleCriteria, polygon: &[u32]) -> bool {
     let open = polygon.iter().filter(|&&p| ends[p as usize]).count();
     if ENDS * open < polygon.len() {
         return false;
@@ -149,7 +149,7 @@ fn area_vector(rim: &[DVec3]) -> DVec3 {
 
 /// Whether a gap is part of a flat face, as of a machine part, that has points at its sharp rim only: most of the points
 /// around it lie in one plane, and there are some that have its normal and some that do not, which all lean one way.
-fn is_flat_place(points: Surroundings<'_>, look: Look, polygon: &[u32]) -> bool {
+fn is_flat_place(points: Surroundings<'_>, look: HoleCriteria, polygon: &[u32]) -> bool {
     let mut rim: Vec<DVec3> = polygon.iter().map(|&p| points.positions[p as usize]).collect();
     let (mut mean, mut normal, width) = plane(&rim);
     let height = |p: &DVec3, mean: DVec3, normal: DVec3| (p - mean).dot(normal).abs();
@@ -228,16 +228,16 @@ fn beside_largest_fan(triangles: &[[u32; 3]], corners: &[u32], mut remove: impl 
     }
 }
 
-/// Removes the triangles of pieces of a few points; of those that have some of the `holes`, a few more.
+/// Removes the triangles of patches of a few points; of those that have some of the `holes`, a few more.
 fn drop_islands(triangles: &mut Vec<[u32; 3]>, holes: &[Vec<u32>], points: usize) {
-    let piece = components(points, triangles);
+    let patch = components(points, triangles);
     let mut sizes = vec![0usize; points];
-    piece.iter().for_each(|&p| sizes[p as usize] += 1);
+    patch.iter().for_each(|&p| sizes[p as usize] += 1);
     let mut fewest = vec![FEWEST_POINTS; points];
-    holes.iter().for_each(|hole| fewest[piece[hole[0] as usize] as usize] = FEWEST_POINTS_OF_SHEET);
+    holes.iter().for_each(|hole| fewest[patch[hole[0] as usize] as usize] = FEWEST_POINTS_OF_SHEET);
     triangles.retain(|t| {
-        let piece = piece[t[0] as usize] as usize;
-        sizes[piece] >= fewest[piece]
+        let patch = patch[t[0] as usize] as usize;
+        sizes[patch] >= fewest[patch]
     });
 }
 
