@@ -6,20 +6,25 @@ use std::path::{Path, PathBuf};
 
 /// Each top-level module and its layer. A module may import from its own folder and from lower layers, never from a
 /// higher one and never from another module of its own layer: stages do not know each other.
-const LAYERS: [(&str, u32); 13] = [
+const LAYERS: [(&str, u32); 18] = [
     ("base", 0),
     ("geom", 1),
-    ("surface", 2),
-    ("io", 3),
-    ("spectral", 3),
-    ("project", 3),
-    ("triangulate", 3),
-    ("optimize", 3),
-    ("quality", 3),
-    ("remesh", 4),
-    ("levels", 4),
-    ("report", 5),
-    ("cli", 6),
+    ("mesh", 2),
+    ("spatial", 3),
+    ("surface", 4),
+    ("manifold", 5),
+    ("prepare", 5),
+    ("io", 6),
+    ("spectral", 6),
+    ("triangulate", 6),
+    ("optimize", 6),
+    ("contour", 6),
+    ("transfer", 6),
+    ("quality", 6),
+    ("pipeline", 7),
+    ("report", 8),
+    ("job", 9),
+    ("cli", 10),
 ];
 
 #[test]
@@ -133,9 +138,9 @@ fn paths_are_read_from_lists_and_not_from_comments() {
 #[test]
 fn every_way_against_the_layers_is_noticed() {
     let broken = |module, import: &str| !faults(module, &format!("use crate::{import};")).is_empty();
-    assert!(broken("geom", "surface::mesh::Mesh"), "up");
+    assert!(broken("geom", "mesh::triangle_mesh::Mesh"), "up");
     assert!(broken("io", "quality::shape"), "aside");
     assert!(broken("io", "Mesh"), "a name of the root");
     assert!(broken("nowhere", "base::error::Error"), "a module without a layer");
-    assert!(!broken("io", "io::stream::Lines") && !broken("io", "surface::mesh::Mesh"));
+    assert!(!broken("io", "io::stream::Lines") && !broken("io", "mesh::triangle_mesh::Mesh"));
 }

@@ -5,6 +5,7 @@ pub mod cut;
 pub mod half_edge;
 pub mod normals;
 pub mod points;
+pub mod refine;
 pub mod submesh;
 pub mod topology;
 pub mod triangle_mesh;

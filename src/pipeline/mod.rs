@@ -4,6 +4,7 @@ mod bandwidth;
 mod cloud;
 mod follow;
 mod kernel;
+mod optimization;
 mod options;
 mod reconstruct;
 mod remesh;

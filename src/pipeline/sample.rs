@@ -18,8 +18,8 @@ use crate::pipeline::unit::Unit;
 use crate::surface::implicit::Rimls;
 
 use crate::mesh::points::Points;
+use crate::mesh::refine::refine;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::prepare::refine::refine;
 use crate::prepare::repair::repair;
 use crate::spectral::ascent::{AscentParameters, PAPER_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA};
 use crate::spectral::candidates::{Candidate, candidates};

@@ -11,10 +11,10 @@
 //! flat.
 
 use crate::mesh::points::Points;
+use crate::mesh::refine::halve_edges;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::prepare::cloud_normals::{MANY_NEIGHBORS, Neighborhood, sphere_normals};
-use crate::prepare::refine::halve_edges;
 use crate::spatial::bvh::Bvh;
 use crate::spatial::kdtree::{Neighbor, Neighbors};
 use crate::spatial::knn_graph::{DEGREE, NeighborGraph};

@@ -4,6 +4,5 @@ pub mod bend;
 pub mod clean;
 pub mod cloud_normals;
 pub mod orient;
-pub mod refine;
 pub mod repair;
 pub mod stitch;

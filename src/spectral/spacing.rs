@@ -54,8 +54,8 @@ fn length_of(area: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::base::rng::{Stage, stream};
+    use crate::mesh::refine::refine;
     use crate::mesh::triangle_mesh::Mesh;
-    use crate::prepare::refine::refine;
     use crate::spectral::candidates::candidates;
     use crate::spectral::scan::linear_scan;
     use glam::dvec3;

@@ -323,7 +323,7 @@ mod tests {
         let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
         let triangles = faces.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
         let mut mesh = Mesh { positions: corners.collect(), triangles };
-        crate::prepare::refine::refine(&mut mesh, 0.15, usize::MAX);
+        crate::mesh::refine::refine(&mut mesh, 0.15, usize::MAX);
         Domain::with_features(mesh, Features::Degrees(30.0), 0.1)
     }
 

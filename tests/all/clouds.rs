@@ -3,9 +3,9 @@
 use crate::common::cuboid;
 use glam::{DVec3, dvec3};
 use spectral_remesh::base::rng::{Random, Stage, stream, unit};
+use spectral_remesh::mesh::refine::refine;
 use spectral_remesh::mesh::topology::{Topology, topology};
 use spectral_remesh::pipeline::{CloudSummary, MeshOfPoints};
-use spectral_remesh::prepare::refine::refine;
 use spectral_remesh::{CloudOptions, Density, Mesh, Options, Points, Remeshed, mesh_of_points, remesh};
 use std::f64::consts::TAU;
 

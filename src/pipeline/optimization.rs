@@ -1,0 +1,123 @@
+//! Optimisation of a triangulation: a coarse level first, then all the vertices, good angles, and the fit to the surface.
+
+use crate::base::error::Result;
+use crate::base::monitor::Monitor;
+use crate::manifold::Manifold;
+use crate::optimize::angles::improve_angles;
+use crate::optimize::coarse_to_fine::{
+    coarsen, fix_all_but_narrow, fix_tips, indispensable, keep_where_crossing, match_target_count, narrow,
+    remove_encroaching_vertices, split_to,
+};
+use crate::optimize::counts::meet_count;
+use crate::optimize::fit::fit;
+use crate::optimize::max_error::reduce_max_error;
+use crate::optimize::relax::{Flips, relax};
+use crate::optimize::valence::{remove_defects, remove_near_defects};
+use crate::pipeline::scale::Scale;
+use crate::spectral::ascent::{AscentParameters, LONG_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA, ascend};
+use crate::surface::domain::Domain;
+
+/// The mesh of the samples, coarse to fine, with good angles, at the wanted count, and fitted to the surface: to within
+/// `limit`, in the pipeline's unit, if that can be.
+pub(super) fn optimize(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    scale: &Scale,
+    limit: Option<f64>,
+    monitor: &dyn Monitor,
+) -> Result<()> {
+    arrange_coarse(domain, mesh, scale, monitor)?;
+    refine_to_count(domain, mesh, scale, monitor)?;
+    let spacing = scale.spacing;
+    monitor.stage("improve angles");
+    mesh.fixed.fill(false);
+    improve_angles(domain, mesh, spacing, monitor)?;
+    monitor.stage("fit");
+    let fitted = fit(domain, mesh, spacing, limit, monitor)?;
+    // A vertex that was taken back to the surface may have spoilt its triangles.
+    improve_angles(domain, mesh, spacing, monitor)?;
+    reduce_max_error(domain, mesh, spacing, &fitted, monitor)
+}
+
+/// A quarter of the vertices, in good order; all of them where a coarser mesh could not follow the surface.
+fn arrange_coarse(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
+    let spacing = scale.spacing;
+    monitor.stage("ascend");
+    remove_encroaching_vertices(mesh);
+    if fix_all_but_narrow(domain, mesh, spacing) {
+        let narrow = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS };
+        ascend(domain, mesh, narrow, monitor)?;
+    }
+    let fine = mesh.clone();
+    let mut kept = vec![false; mesh.samples.len()];
+    for _ in 0..MOST_COARSE_MESHES {
+        *mesh = fine.clone();
+        build_coarse_level(domain, mesh, scale, &kept, monitor)?;
+        if !keep_where_crossing(&mut kept, &fine, mesh, spacing) {
+            break;
+        }
+    }
+    monitor.stage("relax");
+    remove_near_defects(mesh, 2.0 * spacing);
+    relax(domain, mesh, 2.0 * spacing, Flips::KeepValence, SETTLING_ROUNDS, monitor)?;
+    relax(domain, mesh, 2.0 * spacing, Flips::Delaunay, ROUNDS, monitor)
+}
+
+/// A quarter of the vertices, ordered by ascent, and all that are to be `kept`.
+fn build_coarse_level(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    scale: &Scale,
+    kept: &[bool],
+    monitor: &dyn Monitor,
+) -> Result<()> {
+    let Scale { wanted, spacing } = *scale;
+    mesh.fixed = indispensable(mesh, kept).into_iter().map(|kept| !kept).collect();
+    let fine = AscentParameters { sigma: ASCENT_SIGMA * spacing, step: LONG_STEP, sweeps: FINE_SWEEPS };
+    ascend(domain, mesh, fine, monitor)?;
+    coarsen(domain, mesh, spacing, kept);
+    let coarse = AscentParameters { sigma: COARSE_SIGMA * 2.0 * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS / 2 };
+    for _ in 0..2 {
+        ascend(domain, mesh, coarse, monitor)?;
+        match_target_count(domain, mesh, wanted, spacing);
+    }
+    Ok(())
+}
+
+/// All the wanted vertices, relaxed, with as few irregular ones as can be.
+fn refine_to_count(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
+    let Scale { wanted, spacing } = *scale;
+    *mesh = split_to(domain, mesh, wanted, spacing);
+    if mesh.fixed.contains(&false) {
+        let transition = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: TRANSITION_SWEEPS };
+        ascend(domain, mesh, transition, monitor)?;
+    }
+    fix_tips(mesh);
+    remove_near_defects(mesh, spacing);
+    relax(domain, mesh, spacing, Flips::Delaunay, ROUNDS, monitor)?;
+    remove_encroaching_vertices(mesh);
+    meet_count(domain, mesh, wanted);
+    let wide: Vec<bool> = narrow(domain, mesh, spacing).into_iter().map(|narrow| !narrow).collect();
+    for _ in 0..2 {
+        remove_defects(mesh, &wide);
+        relax(domain, mesh, spacing, Flips::KeepValence, SETTLING_ROUNDS, monitor)?;
+    }
+    relax(domain, mesh, spacing, Flips::KeepValence, 2 * ROUNDS, monitor)
+}
+
+/// Coarse meshes that are made, each with more of the surface kept dense, until none of its faces cross.
+const MOST_COARSE_MESHES: usize = 3;
+
+/// Sweeps of ascent in the places that no coarser mesh can follow, those over the coarse mesh, in two halves, and those
+/// where dense and coarse vertices meet: with more there are fewer irregular vertices, though less and less so.
+const FINE_SWEEPS: usize = 11;
+const COARSE_SWEEPS: usize = 120;
+const TRANSITION_SWEEPS: usize = 30;
+
+/// Kernel width of the ascent over the coarse mesh, in its spacings: a little narrower than elsewhere ([`ASCENT_SIGMA`]).
+const COARSE_SIGMA: f64 = 0.9;
+
+/// Rounds of relaxation at each level: after three, vertices move by a hundredth of an edge. Those after defects have
+/// gone only give the rows room.
+const ROUNDS: usize = 3;
+const SETTLING_ROUNDS: usize = 2;
