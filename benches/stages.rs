@@ -8,31 +8,33 @@
 
 use divan::{Bencher, Divan, black_box};
 use glam::{DVec3, dvec3};
-use spectral_remesh::base::rng::{Stage, stream};
 use spectral_remesh::io::{self, Format, NO_BUFFERS};
-use spectral_remesh::manifold::Manifold;
-use spectral_remesh::mesh::attributes::{Attribute, Attributes, COLOR, Scalar};
-use spectral_remesh::mesh::topology::{topology, twins};
-use spectral_remesh::optimize::angles::improve_angles;
-use spectral_remesh::optimize::coarse_to_fine::coarsen;
-use spectral_remesh::optimize::counts::meet_count;
-use spectral_remesh::optimize::fit::fit;
-use spectral_remesh::optimize::relax::{Flips, relax};
-use spectral_remesh::optimize::self_intersections::resolve_self_intersections;
-use spectral_remesh::optimize::valence::remove_defects;
-use spectral_remesh::prepare::repair::repair;
-use spectral_remesh::prepare::stitch::open_cracks;
-use spectral_remesh::quality::distance::{REPORT_SAMPLES, distance};
-use spectral_remesh::quality::shape::shape;
-use spectral_remesh::spatial::bvh::Bvh;
-use spectral_remesh::spectral::ascent::{AscentParameters, PAPER_STEP, ascend};
-use spectral_remesh::spectral::candidates::{Candidate, candidates};
-use spectral_remesh::spectral::scan::linear_scan;
-use spectral_remesh::surface::domain::{Domain, Sample};
-use spectral_remesh::transfer::vertex::carry;
-use spectral_remesh::triangulate::mutual_tessellation::{Insertion, mutual_tessellation};
-use spectral_remesh::triangulate::{Boundary, triangulate};
-use spectral_remesh::{CloudOptions, Density, Mesh, Options, Points, Result, mesh_of_points, remesh};
+use spectral_remesh::stages::base::rng::{Stage, stream};
+use spectral_remesh::stages::manifold::Manifold;
+use spectral_remesh::stages::mesh::attributes::{Attribute, Attributes, COLOR, Scalar};
+use spectral_remesh::stages::mesh::provenance::{Origins, PointOnTriangle};
+use spectral_remesh::stages::mesh::topology::{topology, twins};
+use spectral_remesh::stages::optimize::angles::improve_angles;
+use spectral_remesh::stages::optimize::coarse_to_fine::coarsen;
+use spectral_remesh::stages::optimize::counts::meet_count;
+use spectral_remesh::stages::optimize::fit::fit;
+use spectral_remesh::stages::optimize::relax::{Flips, relax};
+use spectral_remesh::stages::optimize::self_intersections::resolve_self_intersections;
+use spectral_remesh::stages::optimize::valence::remove_defects;
+use spectral_remesh::stages::pipeline::{mesh_of_points, remesh};
+use spectral_remesh::stages::prepare::repair::repair;
+use spectral_remesh::stages::prepare::stitch::open_cracks;
+use spectral_remesh::stages::quality::distance::{REPORT_SAMPLES, distance};
+use spectral_remesh::stages::quality::shape::shape;
+use spectral_remesh::stages::spatial::bvh::Bvh;
+use spectral_remesh::stages::spectral::ascent::{AscentParameters, PAPER_STEP, ascend};
+use spectral_remesh::stages::spectral::candidates::{Candidate, candidates};
+use spectral_remesh::stages::spectral::scan::linear_scan;
+use spectral_remesh::stages::surface::domain::{Domain, Sample};
+use spectral_remesh::stages::transfer::vertex::carry;
+use spectral_remesh::stages::triangulate::mutual_tessellation::{Insertion, mutual_tessellation};
+use spectral_remesh::stages::triangulate::{Boundary, triangulate};
+use spectral_remesh::{CloudOptions, Density, Mesh, Options, Points, Result};
 use std::f64::consts::{PI, TAU};
 use std::sync::LazyLock;
 
@@ -55,6 +57,16 @@ struct Inputs {
     samples: Vec<Sample>,
     manifold: Manifold,
     result: Mesh,
+    origins: Origins,
+}
+
+/// Where on `mesh`, that of `domain`, these places lie.
+fn on(domain: &Domain, mesh: &Mesh, places: &[DVec3]) -> Vec<PointOnTriangle> {
+    places.iter().map(|&p| domain.origin(&domain.project_anywhere(p), 0.0, &mesh.triangles)).collect()
+}
+
+fn centres(mesh: &Mesh) -> Vec<DVec3> {
+    (0..mesh.triangles.len()).map(|t| mesh.corners(t).into_iter().sum::<DVec3>() / 3.0).collect()
 }
 
 fn ascent(spacing: f64) -> AscentParameters {
@@ -73,7 +85,12 @@ impl Inputs {
         let manifold = join(&domain, &samples, spacing);
         let mut spread = manifold.clone();
         ascend(&domain, &mut spread, ascent(spacing), &()).expect("nobody cancels");
-        Inputs { result: spread.to_mesh(), mesh, domain, spacing, candidates, samples, manifold }
+        let result = spread.to_mesh();
+        let origins = Origins {
+            vertices: on(&domain, &mesh, &result.positions),
+            triangles: on(&domain, &mesh, &centres(&result)),
+        };
+        Inputs { result, origins, mesh, domain, spacing, candidates, samples, manifold }
     }
 }
 
@@ -130,7 +147,7 @@ fn s03_topology(bencher: Bencher) {
 
 #[divan::bench]
 fn s04_domain(bencher: Bencher) {
-    bencher.with_inputs(|| INPUTS.domain.mesh.clone()).bench_values(Domain::new);
+    bencher.with_inputs(|| repair(&INPUTS.mesh).0).bench_values(Domain::new);
 }
 
 #[divan::bench]
@@ -270,7 +287,7 @@ fn s13_carry(bencher: Bencher, with_texture: bool) {
         false => Attributes { vertex: vec![color], ..Attributes::default() },
         true => Attributes { texture: (0..given.mesh.triangles.len()).map(corners).collect(), ..Attributes::default() },
     };
-    bencher.bench(|| carry(black_box(&given.mesh), &attributes, &given.result));
+    bencher.bench(|| carry(black_box(&given.mesh), &attributes, &given.result, &given.origins));
 }
 
 #[divan::bench(args = Format::OF_MESHES)]

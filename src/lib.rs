@@ -111,30 +111,59 @@
 
 #![warn(missing_docs)]
 
+#[doc(hidden)]
 pub mod base;
 #[cfg(feature = "cli")]
 pub mod cli;
+#[doc(hidden)]
 pub mod contour;
+#[doc(hidden)]
 pub mod geom;
 pub mod io;
+#[doc(hidden)]
+pub mod job;
+#[doc(hidden)]
 pub mod manifold;
+#[doc(hidden)]
 pub mod mesh;
+#[doc(hidden)]
 pub mod optimize;
+#[doc(hidden)]
 pub mod pipeline;
+#[doc(hidden)]
 pub mod prepare;
+#[doc(hidden)]
 pub mod quality;
 pub mod report;
+#[doc(hidden)]
 pub mod spatial;
+#[doc(hidden)]
 pub mod spectral;
+#[doc(hidden)]
 pub mod surface;
+#[doc(hidden)]
 pub mod transfer;
+#[doc(hidden)]
 pub mod triangulate;
 
-pub use base::error::{Error, Place, Result};
+/// The stages, each of which can be used by itself. This module is outside of the promise of versions: names and arguments
+/// change when a stage gets better.
+pub mod stages {
+    #[doc(inline)]
+    pub use crate::{
+        base, contour, geom, manifold, mesh, optimize, pipeline, prepare, quality, spatial, spectral, surface,
+        transfer, triangulate,
+    };
+}
+
+pub use base::error::{Error, Place, Result, Setting};
 pub use base::monitor::{Monitor, Stopwatch};
+pub use job::{Carry, Input, Origin, Outcome, RemeshOptions, quality, reconstruct, remesh, sample};
+pub use mesh::attributes::{Attribute, Attributes, Lost, Materials, Scalar};
 pub use mesh::points::Points;
 pub use mesh::triangle_mesh::Mesh;
 pub use pipeline::{
-    CloudOptions, Density, Deviation, MaxError, Options, ReconstructOptions, Reconstructed, Remeshed, SampleOptions,
-    Sampled, Selection, Signal, mesh_of_points, points_of_mesh, reconstruct, remesh, sample, sample_points,
+    CloudOptions, Density, Grading, MaxError, NormalFit, Options, Reach, ReconstructOptions, Reconstructed,
+    SampleDensity, SampleOptions, Sampled, Selection, Signal, Values,
 };
+pub use surface::features::Features;

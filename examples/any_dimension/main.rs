@@ -6,13 +6,13 @@
 
 mod ten;
 
-use spectral_remesh::base::error::Result;
-use spectral_remesh::base::rng::{Random, Stage, stream, unit};
-use spectral_remesh::geom::vector::length_squared;
-use spectral_remesh::spectral::ascent::{AscentParameters, PAPER_STEP};
-use spectral_remesh::spectral::free_ascent::ascend_freely;
-use spectral_remesh::spectral::samples::scan;
-use spectral_remesh::surface::submanifold::{FlatTorus, Submanifold, UnitCube};
+use spectral_remesh::stages::base::error::Result;
+use spectral_remesh::stages::base::rng::{Random, Stage, stream, unit};
+use spectral_remesh::stages::geom::vector::length_squared;
+use spectral_remesh::stages::spectral::ascent::{AscentParameters, PAPER_STEP};
+use spectral_remesh::stages::spectral::free_ascent::ascend_freely;
+use spectral_remesh::stages::spectral::samples::scan;
+use spectral_remesh::stages::surface::submanifold::{FlatTorus, Submanifold, UnitCube};
 use ten::FiveCircles;
 
 /// Points of each manifold, and those that the scan chooses from.

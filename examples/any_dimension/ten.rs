@@ -2,8 +2,8 @@
 //!
 //! Its metric Σ kᵢ kᵢᵗ is the same everywhere, so its area is known and even samples are evenly dense in u and v.
 
-use spectral_remesh::base::rng::{Random, unit};
-use spectral_remesh::surface::submanifold::Submanifold;
+use spectral_remesh::stages::base::rng::{Random, unit};
+use spectral_remesh::stages::surface::submanifold::Submanifold;
 use std::f64::consts::TAU;
 
 /// The wave vectors.

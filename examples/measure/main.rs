@@ -7,8 +7,8 @@
 //! Each line of both files is the coordinates of a point in units of σ, two or three. Prints for each query a line: s
 //! after the nearest neighbour, after the two nearest, and so on, as far as the library counts neighbours.
 
-use spectral_remesh::geom::vector::{difference, length_squared};
-use spectral_remesh::spectral::measure::{MOST_NEIGHBOURS, Measure};
+use spectral_remesh::stages::geom::vector::{difference, length_squared};
+use spectral_remesh::stages::spectral::measure::{MOST_NEIGHBOURS, Measure};
 use std::error::Error;
 
 type Point = [f64; 3];

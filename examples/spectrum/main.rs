@@ -8,12 +8,12 @@
 //! rings |f| = r; anisotropy the variance over the ring by the square of that, -10 dB for a mean of ten distributions
 //! without any. R. A. Ulichney, Digital halftoning, 1987, chapter 3.
 
-use spectral_remesh::base::error::Result;
-use spectral_remesh::base::rng::{Stage, stream, unit};
-use spectral_remesh::geom::vector::length_squared;
-use spectral_remesh::spectral::ascent::{AscentParameters, PAPER_STEP};
-use spectral_remesh::spectral::free_ascent::ascend_freely;
-use spectral_remesh::surface::submanifold::{FlatTorus, Submanifold};
+use spectral_remesh::stages::base::error::Result;
+use spectral_remesh::stages::base::rng::{Stage, stream, unit};
+use spectral_remesh::stages::geom::vector::length_squared;
+use spectral_remesh::stages::spectral::ascent::{AscentParameters, PAPER_STEP};
+use spectral_remesh::stages::spectral::free_ascent::ascend_freely;
+use spectral_remesh::stages::surface::submanifold::{FlatTorus, Submanifold};
 use std::f64::consts::TAU;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};

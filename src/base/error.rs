@@ -41,8 +41,8 @@ pub enum Error {
     /// An option outside of its range, or two that exclude each other.
     #[error("{option}: {cause}; {remedy}")]
     Option {
-        /// The option's name on the command line, without dashes.
-        option: &'static str,
+        /// Which one.
+        option: Setting,
         /// What is wrong.
         cause: String,
         /// What to do about it.
@@ -62,6 +62,76 @@ impl Error {
             Error::Mesh { cause, remedy } => Error::Format { file: name.into(), place: Place::Whole, cause, remedy },
             other => other,
         }
+    }
+}
+
+/// What can be set, for programs that match on an error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Setting {
+    /// The number of vertices or samples.
+    Points,
+    /// The mean edge length.
+    EdgeLength,
+    /// The kernel width σp.
+    SigmaP,
+    /// The kernel width σn along normals.
+    SigmaN,
+    /// The properties that samples follow, and the kernel widths along these.
+    Signals,
+    /// How much edge lengths follow the shape.
+    Adaptivity,
+    /// The field of wanted edge lengths.
+    Field,
+    /// The distance within which boundary vertices are welded.
+    Weld,
+    /// Which edges are sharp.
+    Features,
+    /// The support radius of smoothing.
+    Smoothing,
+    /// The box around the part that is remeshed.
+    PartBox,
+    /// The marked vertices of the part that is remeshed.
+    PartMarks,
+    /// The bound of the error.
+    MaxError,
+    /// How many neighbours normals are fitted to.
+    NormalNeighbors,
+    /// The radius within which normals are fitted.
+    NormalRadius,
+    /// The size of holes that are closed.
+    FillHoles,
+    /// The edge length of cells.
+    Resolution,
+    /// The format of a file.
+    Format,
+    /// The number of threads.
+    Threads,
+}
+
+impl fmt::Display for Setting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Setting::Points => "number of points",
+            Setting::EdgeLength => "edge length",
+            Setting::SigmaP => "kernel width σp",
+            Setting::SigmaN => "kernel width σn",
+            Setting::Signals => "signals",
+            Setting::Adaptivity => "adaptivity",
+            Setting::Field => "field of edge lengths",
+            Setting::Weld => "weld distance",
+            Setting::Features => "feature angle",
+            Setting::Smoothing => "support radius of smoothing",
+            Setting::PartBox => "box of the part",
+            Setting::PartMarks => "marks of the part",
+            Setting::MaxError => "error bound",
+            Setting::NormalNeighbors => "neighbours for normals",
+            Setting::NormalRadius => "radius for normals",
+            Setting::FillHoles => "size of holes to fill",
+            Setting::Resolution => "resolution",
+            Setting::Format => "format",
+            Setting::Threads => "number of threads",
+        })
     }
 }
 

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 pub trait Monitor: Sync {
     /// A stage of that name begins; the one before it is over.
     fn stage(&self, _name: &'static str) {}
-    /// The share of the current stage that is done, in 0..=1, never falling within a stage.
+    /// The share of the call that is done, in 0..=1, never falling.
     fn progress(&self, _done: f64) {}
     /// Whether the call shall end with [`Error::Cancelled`]. Once true it stays true.
     fn cancelled(&self) -> bool {
@@ -22,6 +22,78 @@ impl Monitor for () {}
 /// [`Error::Cancelled`] if the monitor asks to stop.
 pub fn check(monitor: &dyn Monitor) -> Result<()> {
     if monitor.cancelled() { Err(Error::Cancelled) } else { Ok(()) }
+}
+
+/// A monitor for calls that are stages of a larger one: it turns their shares into that of the whole.
+///
+/// The plan says what share of the time each stage takes. A stage that the plan has before the current one begins another
+/// attempt: what is left then is for that attempt, so that the share never falls.
+pub struct Overall<'a> {
+    inner: &'a dyn Monitor,
+    /// The end of each stage, as a share of an attempt.
+    ends: Vec<(&'static str, f64)>,
+    state: Mutex<State>,
+}
+
+/// Where a call is.
+#[derive(Default)]
+struct State {
+    /// The share that was done when the current attempt began.
+    before: f64,
+    /// Begin and end of the current stage, as shares of the attempt.
+    stage: [f64; 2],
+    done: f64,
+}
+
+impl<'a> Overall<'a> {
+    /// A monitor that tells `inner` of the whole; `plan` has the stages in their order and about how long each takes.
+    pub fn new(inner: &'a dyn Monitor, plan: &[(&'static str, f64)]) -> Self {
+        let total: f64 = plan.iter().map(|stage| stage.1).sum();
+        let mut end = 0.0;
+        let ends = plan.iter().map(|&(name, share)| {
+            end += share / total;
+            (name, end)
+        });
+        Overall { inner, ends: ends.collect(), state: Mutex::default() }
+    }
+
+    /// Begin and end of a stage; `None` for one that is not planned.
+    fn planned(&self, name: &str) -> Option<[f64; 2]> {
+        let place = self.ends.iter().position(|stage| stage.0 == name)?;
+        let begin = if place == 0 { 0.0 } else { self.ends[place - 1].1 };
+        Some([begin, self.ends[place].1])
+    }
+
+    /// Sets the state to what `change` makes of it and tells the share.
+    fn update(&self, change: impl FnOnce(&mut State)) {
+        let mut state = self.state.lock().unwrap_or_else(|e| e.into_inner());
+        change(&mut state);
+        self.inner.progress(state.done);
+    }
+}
+
+impl Monitor for Overall<'_> {
+    fn stage(&self, name: &'static str) {
+        self.inner.stage(name);
+        let Some(stage) = self.planned(name) else { return };
+        self.update(|state| {
+            if stage[0] < state.stage[0] {
+                state.before = state.done;
+            }
+            state.stage = stage;
+        });
+        self.progress(0.0);
+    }
+    fn progress(&self, done: f64) {
+        self.update(|state| {
+            let [begin, end] = state.stage;
+            let of_attempt = begin + (end - begin) * done.clamp(0.0, 1.0);
+            state.done = state.done.max(state.before + (1.0 - state.before) * of_attempt);
+        });
+    }
+    fn cancelled(&self) -> bool {
+        self.inner.cancelled()
+    }
 }
 
 /// A monitor that notes how long each stage took and passes everything on to another one.
@@ -54,5 +126,36 @@ impl Monitor for Stopwatch<'_> {
     }
     fn cancelled(&self) -> bool {
         self.inner.cancelled()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Keeps all shares that it is told.
+    #[derive(Default)]
+    struct Shares(Mutex<Vec<f64>>);
+
+    impl Monitor for Shares {
+        fn progress(&self, done: f64) {
+            self.0.lock().unwrap().push(done);
+        }
+    }
+
+    #[test]
+    fn the_share_of_the_whole_never_falls_whatever_is_tried_again() {
+        let shares = Shares::default();
+        let overall = Overall::new(&shares, &[("sample", 1.0), ("relax", 3.0)]);
+        for _ in 0..3 {
+            overall.stage("sample");
+            overall.progress(0.5);
+            overall.stage("not planned");
+            overall.stage("relax");
+            overall.progress(1.0);
+            overall.progress(0.2);
+        }
+        let shares = shares.0.into_inner().unwrap();
+        assert!(shares.is_sorted() && shares.contains(&0.125) && shares.contains(&1.0), "{shares:?}");
     }
 }

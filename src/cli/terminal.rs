@@ -3,14 +3,14 @@
 
 use crate::base::error::{Error, Result};
 use crate::base::monitor::Monitor;
-use crate::cli::Status;
 use crate::cli::args::Voice;
+use crate::cli::status::Status;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Steps of the progress bar within a stage.
+/// Steps of the progress bar.
 const STEPS: u64 = 1000;
 
 /// Whether the user wants the run to end.
@@ -54,7 +54,6 @@ impl Monitor for Terminal {
     fn stage(&self, name: &'static str) {
         if let Some(bar) = &self.bar {
             bar.set_message(name);
-            bar.set_position(0);
         }
         if self.lines {
             complain(&format!("{:7.3} s {name}", self.start.elapsed().as_secs_f64()));
@@ -97,13 +96,4 @@ pub fn print(text: &str) -> Result<()> {
 pub fn complain(cause: &str) {
     let line = cause.split_whitespace().collect::<Vec<_>>().join(" ");
     let _ = writeln!(std::io::stderr(), "remesh: {line}");
-}
-
-/// Says why a run failed, and gives its exit status.
-pub fn failed(error: &Error) -> Status {
-    match error {
-        Error::Cancelled => complain("interrupted; no file was changed"),
-        other => complain(&other.to_string()),
-    }
-    Status::of(error)
 }

@@ -23,7 +23,7 @@
 //!
 //! Limits: what is smaller than a tetrahedron may be missed, and triangles are of all shapes.
 
-use crate::base::error::{Error, Result};
+use crate::base::error::{Error, Result, Setting};
 use crate::base::monitor::{Monitor, check};
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
@@ -174,7 +174,7 @@ pub fn contour(
 
 fn too_many(most: usize) -> Error {
     Error::Option {
-        option: "resolution",
+        option: Setting::Resolution,
         cause: format!("the cells near the surface have more than {most} corners"),
         remedy: "give a larger length".into(),
     }

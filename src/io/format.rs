@@ -1,7 +1,7 @@
 //! The formats by name, by ending and by content.
 
 use super::{las, off, xyz};
-use crate::base::error::{Error, Result};
+use crate::base::error::{Error, Result, Setting};
 use crate::mesh::attributes::{Attribute, Attributes, Lost, MATERIALS, TEXTURE};
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -145,7 +145,7 @@ impl FromStr for Format {
 
     fn from_str(name: &str) -> Result<Format> {
         Format::from_extension(name).ok_or_else(|| Error::Option {
-            option: "format",
+            option: Setting::Format,
             cause: format!("{} is no mesh format", super::text::quote(name.as_bytes())),
             remedy: format!("use one of {}", Format::list(&Format::ALL, "")),
         })

@@ -11,6 +11,7 @@ use super::text::{Words, number, quote};
 use crate::base::error::{Error, Place, Result};
 use crate::io::{Content, Parsed, Read};
 use crate::mesh::triangle_mesh::Mesh;
+use crate::mesh::weld::weld;
 use glam::{DVec3, Vec3};
 use std::io::{self, Write};
 
@@ -22,12 +23,13 @@ const FACET: usize = 50;
 /// below 800 MB.
 const PROBE: usize = 512;
 
-/// The mesh in an STL file, with three vertices a facet.
+/// The mesh in an STL file. Corners of facets at exactly the same place are one vertex.
 ///
 /// # Errors
 /// `Error::Format` with the line or byte of what is malformed.
 pub(crate) fn parse(bytes: &[u8]) -> Parsed {
-    if is_text(bytes) { parse_text(bytes) } else { parse_binary(bytes) }
+    let read = if is_text(bytes) { parse_text(bytes) } else { parse_binary(bytes) }?;
+    Ok(Read { mesh: weld(&read.mesh), ..read })
 }
 
 fn is_text(bytes: &[u8]) -> bool {

@@ -5,20 +5,20 @@
 //!
 //! Cost: linear in the result. Every pass halves the edges that are too long.
 
-use crate::mesh::triangle_mesh::Mesh;
+use crate::mesh::oriented_manifold::OrientedManifold;
 use std::collections::HashMap;
 
 /// Halves the edges longer than `longest` until there are none, or until the mesh has `most` triangles.
 ///
-/// A manifold stays one, with the same topology: both faces of an edge get the same new vertex.
-pub fn refine(mesh: &mut Mesh, longest: f64, most: usize) {
+/// It stays a manifold of the same topology: both faces of an edge get the same new vertex.
+pub fn refine(mesh: &mut OrientedManifold, longest: f64, most: usize) {
     let is_long = |_: u32, _: u32, length: f64| length > longest;
     while mesh.triangles.len() < most && !halve_edges(mesh, is_long).is_empty() {}
 }
 
 /// Halves every edge once of which `is_long` says so from its ends and its length, whatever the order of the ends. Gives for
 /// each new vertex the two that it is in the middle of; new ones come after all others.
-pub fn halve_edges(mesh: &mut Mesh, is_long: impl Fn(u32, u32, f64) -> bool) -> Vec<[u32; 2]> {
+pub fn halve_edges(mesh: &mut OrientedManifold, is_long: impl Fn(u32, u32, f64) -> bool) -> Vec<[u32; 2]> {
     // Only looked up, never iterated: the numbers of the new vertices follow the order of the triangles.
     let mut middles: HashMap<(u32, u32), u32> = HashMap::new();
     let mut ends = Vec::new();
@@ -26,12 +26,11 @@ pub fn halve_edges(mesh: &mut Mesh, is_long: impl Fn(u32, u32, f64) -> bool) -> 
         let corners = mesh.triangles[t];
         let middle = [0, 1, 2].map(|k| {
             let (a, b) = (corners[k], corners[(k + 1) % 3]);
-            let (p, q) = (mesh.positions[a as usize], mesh.positions[b as usize]);
-            is_long(a, b, p.distance(q)).then(|| {
+            let length = mesh.positions[a as usize].distance(mesh.positions[b as usize]);
+            is_long(a, b, length).then(|| {
                 *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
-                    mesh.positions.push((p + q) / 2.0);
                     ends.push([a, b]);
-                    mesh.positions.len() as u32 - 1
+                    mesh.insert_middle([a, b])
                 })
             })
         });
@@ -40,37 +39,26 @@ pub fn halve_edges(mesh: &mut Mesh, is_long: impl Fn(u32, u32, f64) -> bool) -> 
     ends
 }
 
-/// Replaces triangle `t` by those that its corners and the middles of its sides make.
-fn split(mesh: &mut Mesh, t: usize, middle: [Option<u32>; 3]) {
+/// Splits triangle `t` into those that its corners and the middles of its sides make.
+fn split(mesh: &mut OrientedManifold, t: usize, middle: [Option<u32>; 3]) {
     let corners = mesh.triangles[t];
     let at = |k: usize| corners[k % 3];
-    let shorter = |mesh: &Mesh, a: u32, b: u32, c: u32, d: u32| {
-        let length = |v: u32, w: u32| mesh.positions[v as usize].distance_squared(mesh.positions[w as usize]);
-        length(a, b) <= length(c, d)
-    };
+    let length = |v: u32, w: u32| mesh.positions[v as usize].distance_squared(mesh.positions[w as usize]);
     match middle {
         [None, None, None] => {}
         [Some(p), Some(q), Some(r)] => {
-            mesh.triangles[t] = [p, q, r];
-            mesh.triangles.extend([[at(0), p, r], [p, at(1), q], [r, q, at(2)]]);
+            mesh.split_triangle(t, &[[p, q, r], [at(0), p, r], [p, at(1), q], [r, q, at(2)]]);
         }
         _ => {
             // Turn so that side 0 is split and, of two split sides, side 1 is the other one.
             let k = (0..3).find(|&k| middle[k].is_some() && middle[(k + 2) % 3].is_none()).unwrap_or(0);
             let (a, b, c) = (at(k), at(k + 1), at(k + 2));
             match (middle[k], middle[(k + 1) % 3]) {
-                (Some(p), Some(q)) => {
-                    mesh.triangles[t] = [p, b, q];
-                    if shorter(mesh, p, c, a, q) {
-                        mesh.triangles.extend([[p, q, c], [p, c, a]]);
-                    } else {
-                        mesh.triangles.extend([[a, p, q], [a, q, c]]);
-                    }
+                (Some(p), Some(q)) if length(p, c) <= length(a, q) => {
+                    mesh.split_triangle(t, &[[p, b, q], [p, q, c], [p, c, a]]);
                 }
-                (Some(p), None) => {
-                    mesh.triangles[t] = [p, b, c];
-                    mesh.triangles.push([a, p, c]);
-                }
+                (Some(p), Some(q)) => mesh.split_triangle(t, &[[p, b, q], [a, p, q], [a, q, c]]),
+                (Some(p), None) => mesh.split_triangle(t, &[[p, b, c], [a, p, c]]),
                 (None, _) => {}
             }
         }
@@ -81,32 +69,37 @@ fn split(mesh: &mut Mesh, t: usize, middle: [Option<u32>; 3]) {
 mod tests {
     use super::*;
     use crate::mesh::topology::topology;
-    use glam::dvec3;
+    use crate::mesh::triangle_mesh::Mesh;
+    use glam::{DVec3, dvec3};
 
     #[test]
-    fn a_long_thin_prism_keeps_area_and_topology() {
+    fn a_long_thin_prism_keeps_area_and_topology_and_knows_where_it_came_from() {
         let p = |x: f64, y: f64, z: f64| dvec3(x, y, z);
-        let mut mesh = Mesh {
+        let source = Mesh {
             positions: vec![p(0., 0., 0.), p(1., 0., 0.), p(0., 1., 0.), p(0., 0., 40.)],
             triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
         };
-        let area = mesh.area();
+        let mut mesh = OrientedManifold::try_from(source.clone()).unwrap();
         refine(&mut mesh, 0.3, usize::MAX);
-        assert!((mesh.area() / area - 1.0).abs() < 1e-12);
+        assert!((mesh.area() / source.area() - 1.0).abs() < 1e-12);
         let t = topology(mesh.positions.len(), &mesh.triangles);
         assert!(t.is_manifold() && t.is_oriented() && t.euler == 2);
         let longest = mesh.triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
         assert!(
             longest.map(|(a, b)| mesh.positions[a as usize].distance(mesh.positions[b as usize])).all(|l| l <= 0.3)
         );
+        let blend = |[a, b, c]: [DVec3; 3], [u, v, w]: [f64; 3]| a * u + b * v + c * w;
+        for (t, &corners) in (0..).zip(&mesh.triangles) {
+            let origin = mesh.provenance().origin(t, corners, [0.5, 0.3, 0.2], &source.triangles);
+            let (here, there) = (mesh.corners(t as usize), source.corners(origin.triangle as usize));
+            assert!(blend(here, [0.5, 0.3, 0.2]).distance(blend(there, origin.weights)) < 1e-12);
+        }
     }
 
     #[test]
     fn a_fine_mesh_stays_as_it_is() {
-        let mut mesh = Mesh {
-            positions: vec![dvec3(0., 0., 0.), dvec3(1., 0., 0.), dvec3(0., 1., 0.)],
-            triangles: vec![[0, 1, 2]],
-        };
+        let positions = vec![dvec3(0., 0., 0.), dvec3(1., 0., 0.), dvec3(0., 1., 0.)];
+        let mut mesh = OrientedManifold::try_from(Mesh { positions, triangles: vec![[0, 1, 2]] }).unwrap();
         let before = mesh.clone();
         refine(&mut mesh, 1.5, usize::MAX);
         assert_eq!(mesh, before);

@@ -6,17 +6,23 @@ use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 use rayon::slice::ParallelSliceMut;
 
-/// The same triangles over vertices that are all at different places, in the order of their first use of a place.
-/// Places are compared exactly, 0 and -0 being one; nothing else changes, so triangles may end up with equal corners.
-pub fn weld(mesh: &Mesh) -> Mesh {
+/// For each position the number of the first one at exactly its place; 0 and -0 are one place.
+pub fn representatives(positions: &[DVec3]) -> Vec<u32> {
     // Adding zero makes -0.0 and 0.0 the same bits.
-    let key = |v: u32| (mesh.positions[v as usize] + DVec3::ZERO).to_array().map(f64::to_bits);
-    let mut order: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+    let key = |v: u32| (positions[v as usize] + DVec3::ZERO).to_array().map(f64::to_bits);
+    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
     order.par_sort_unstable_by_key(|&v| (key(v), v));
-    let mut first = vec![0; mesh.positions.len()];
+    let mut first = vec![0; positions.len()];
     for place in order.chunk_by(|&a, &b| key(a) == key(b)) {
         place.iter().for_each(|&v| first[v as usize] = place[0]);
     }
+    first
+}
+
+/// The same triangles over vertices that are all at different places, in the order of their first use of a place;
+/// nothing else changes, so triangles may end up with equal corners.
+pub fn weld(mesh: &Mesh) -> Mesh {
+    let first = representatives(&mesh.positions);
     let mut positions = Vec::new();
     // The number of the first vertex at a place is known before any other one at it asks for it.
     let mut number = vec![0; first.len()];

@@ -538,7 +538,7 @@ mod tests {
     #[test]
     fn a_ball_is_fitted_with_half_the_error_and_its_volume() {
         let fine = ball(5);
-        let domain = Domain::new(fine.clone());
+        let domain = Domain::new(fine.clone().try_into().unwrap());
         let mut mesh = on(&domain, &ball(2));
         let (before, lost) = (rms(&domain, &mesh), volume(&fine) - volume(&mesh.to_mesh()));
         fit(&domain, &mut mesh, 0.31, None, &()).unwrap();
@@ -549,7 +549,7 @@ mod tests {
 
     #[test]
     fn no_triangle_leaves_the_goal_and_the_boundary_stays() {
-        let domain = Domain::new(bump(60));
+        let domain = Domain::new(bump(60).try_into().unwrap());
         let mut mesh = on(&domain, &bump(10));
         let start = mesh.clone();
         fit(&domain, &mut mesh, 0.11, None, &()).unwrap();
@@ -564,7 +564,7 @@ mod tests {
 
     #[test]
     fn the_same_bits_with_any_number_of_threads() {
-        let domain = Domain::new(ball(4));
+        let domain = Domain::new(ball(4).try_into().unwrap());
         let start = on(&domain, &ball(2));
         let with = |threads| {
             let mut mesh = start.clone();

@@ -443,7 +443,7 @@ mod tests {
     fn spike() -> (Domain, Manifold) {
         let (middle, spacing) = (middle(), 1.0 / f64::from(COARSE));
         let spike = |x: f64, y: f64| 0.5 * (spacing - 1.2 * (x - middle.x).hypot(y - middle.y)).max(0.0);
-        let domain = Domain::new(sheet(8 * COARSE, spike));
+        let domain = Domain::new(sheet(8 * COARSE, spike).try_into().unwrap());
         let coarse = sheet(COARSE, |_, _| 0.0);
         let samples = coarse.positions.iter().map(|&p| domain.project_anywhere(p)).collect();
         let mut mesh = Manifold::new(samples, &coarse.triangles);
@@ -495,7 +495,8 @@ mod tests {
 
     #[test]
     fn a_mesh_that_is_near_everywhere_stays() {
-        let domain = Domain::new(sheet(4 * COARSE, |x, y| 0.01 * (3.0 * x).sin() * (2.0 * y).cos()));
+        let domain =
+            Domain::new(sheet(4 * COARSE, |x, y| 0.01 * (3.0 * x).sin() * (2.0 * y).cos()).try_into().unwrap());
         let coarse = sheet(COARSE, |_, _| 0.0);
         let samples = coarse.positions.iter().map(|&p| domain.project_anywhere(p)).collect();
         let mut mesh = Manifold::new(samples, &coarse.triangles);

@@ -1,6 +1,6 @@
 //! From a point cloud to a mesh through its points, which is then remeshed like any other.
 
-use crate::base::error::{Error, Result};
+use crate::base::error::{Error, Result, Setting};
 use crate::base::monitor::{Monitor, check};
 use crate::geom::eigen::{eigen, scatter};
 use crate::mesh::points::Points;
@@ -47,14 +47,14 @@ impl CloudOptions {
         let refuse = |option, cause: String, remedy: &str| Err(Error::Option { option, cause, remedy: remedy.into() });
         match self.neighborhood {
             Some(Reach::Count(n)) if n < 3 => {
-                refuse("normal-neighbors", format!("{n} neighbours have no normal"), "give at least 3")
+                refuse(Setting::NormalNeighbors, format!("{n} neighbours have no normal"), "give at least 3")
             }
             Some(Reach::Radius(r)) if !(r > 0.0 && r.is_finite()) => {
-                refuse("normal-radius", format!("{r} is not a length"), "give a length above zero")
+                refuse(Setting::NormalRadius, format!("{r} is not a length"), "give a length above zero")
             }
             _ if !(self.fill_holes >= 0.0 && self.fill_holes.is_finite()) => {
                 let cause = format!("{} is not the size of a hole", self.fill_holes);
-                refuse("fill-holes", cause, "give a length of zero or more")
+                refuse(Setting::FillHoles, cause, "give a length of zero or more")
             }
             _ => Ok(()),
         }
@@ -76,7 +76,7 @@ impl CloudOptions {
 pub(super) fn check_smooth(reach: Option<f64>) -> Result<()> {
     let refuse = |reach: f64| {
         let cause = format!("points that reach {reach} spacings make no surface");
-        Err(Error::Option { option: "smooth", cause, remedy: "give a number from 1.5 to 20".into() })
+        Err(Error::Option { option: Setting::Smoothing, cause, remedy: "give a number from 1.5 to 20".into() })
     };
     reach.filter(|r| !(1.5..=20.0).contains(r)).map_or(Ok(()), refuse)
 }
@@ -133,9 +133,12 @@ const FEW_NEIGHBORS: usize = 8;
 /// Times that spheres are fitted, each time to the normals of the time before.
 const SPHERES: usize = 2;
 
-/// How far points reach on their implicit surface, in their spacings, if nothing else is asked for: no farther than it takes
-/// to have no holes between them.
-pub const DEFAULT_SUPPORT: f64 = 2.3;
+/// Support radius of the implicit surface of points without noise, in their spacings: no more than it takes to have no
+/// holes between them.
+pub const INTERPOLATING_SUPPORT: f64 = 2.3;
+
+/// Support radius that smooths the noise of a usual scan away, in the spacings of its points.
+pub const SMOOTHING_SUPPORT: f64 = 2.7;
 
 /// The area of a point in squares of its spacing, which is the distance of the sixth neighbour.
 const AREA_OF_SPACING: f64 = 0.6;

@@ -5,13 +5,13 @@
 //! equilateral, where the kernel's own samples would be farther apart along a ridge than across it. Without optimising,
 //! the ascent is that of the kernel in all its dimensions, and leaves vertices as it wants them.
 
-use crate::base::error::Result;
+use crate::base::error::{Result, Setting};
 use crate::base::monitor::Monitor;
 use crate::base::rng::{Stage, stream};
 use crate::manifold::Manifold;
 use crate::pipeline::bandwidth::find_bandwidth;
-use crate::pipeline::kernel::Beside;
-use crate::pipeline::options::{Density, Options, check_count};
+use crate::pipeline::density::{Density, check_count};
+use crate::pipeline::kernel::KernelFeatures;
 use crate::pipeline::sample::{ASCENT_OF_SCAN, MOST_DIMENSIONS};
 use crate::pipeline::scale::CANDIDATES_PER_POINT;
 use crate::pipeline::scale::Scale;
@@ -35,18 +35,19 @@ pub(super) struct Followed {
 /// Follows the kernel over `domain`.
 pub(super) fn follow(
     domain: &Domain,
-    beside: &Beside,
+    features: &KernelFeatures,
     scale: Scale,
-    options: &Options,
+    density: Density,
+    seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<Followed> {
     let count = CANDIDATES_PER_POINT * scale.wanted;
-    let candidates = candidates(domain, count, &mut stream(options.seed, Stage::Candidates));
-    let mut scan = |sigma: f64| scan_of(domain, beside, &candidates, sigma, options.seed, monitor);
-    let (scale, sigma, samples) = if let Density::SigmaP(width) = options.density {
+    let candidates = candidates(domain, count, &mut stream(seed, Stage::Candidates));
+    let mut scan = |sigma: f64| scan_of(domain, features, &candidates, sigma, seed, monitor);
+    let (scale, sigma, samples) = if let Density::SigmaP(width) = density {
         let samples = scan(scale.sigma())?;
         let n = samples.len();
-        check_count("sigma-p", n, format!("a length of {width} means {n} vertices"))?;
+        check_count(Setting::SigmaP, n, format!("a length of {width} means {n} vertices"))?;
         (Scale::of_points(n, domain.mesh.area()), scale.sigma(), samples)
     } else {
         let (sigma, samples) = find_bandwidth(scale.sigma(), scale.wanted, &mut scan)?;
@@ -58,14 +59,14 @@ pub(super) fn follow(
 
 fn scan_of(
     domain: &Domain,
-    beside: &Beside,
+    features: &KernelFeatures,
     candidates: &[Candidate],
     sigma: f64,
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<Vec<Sample>> {
     let choices = OnDomain { domain, candidates };
-    let chosen = beside.with_kernel(sigma, |kernel| match beside.dimensions() {
+    let chosen = features.with_kernel(sigma, |kernel| match features.dimensions() {
         3 => scan_lifted::<3>(&choices, &[], kernel, seed, monitor),
         6 => scan_lifted::<6>(&choices, &[], kernel, seed, monitor),
         _ => scan_lifted::<MOST_DIMENSIONS>(&choices, &[], kernel, seed, monitor),
@@ -77,13 +78,13 @@ fn scan_of(
 pub(super) fn ascend_as_asked(
     domain: &Domain,
     mesh: &mut Manifold,
-    beside: &Beside,
+    features: &KernelFeatures,
     sigma: f64,
     sweeps: usize,
     monitor: &dyn Monitor,
 ) -> Result<()> {
     let ascent = AscentParameters { sigma: ASCENT_OF_SCAN * sigma, step: PAPER_STEP, sweeps };
-    beside.with_kernel(sigma, |kernel| match beside.dimensions() {
+    features.with_kernel(sigma, |kernel| match features.dimensions() {
         3 => ascend_lifted::<3>(domain, mesh, kernel.lift, ascent, monitor),
         6 => ascend_lifted::<6>(domain, mesh, kernel.lift, ascent, monitor),
         _ => ascend_lifted::<MOST_DIMENSIONS>(domain, mesh, kernel.lift, ascent, monitor),

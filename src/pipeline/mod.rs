@@ -1,25 +1,36 @@
 //! The pipelines: the only places that know the order of the stages.
 
+mod attempts;
 mod bandwidth;
 mod cloud;
+mod density;
 mod follow;
 mod kernel;
 mod optimization;
 mod options;
+mod origins;
+mod prepared;
 mod reconstruct;
 mod remesh;
 mod result;
 mod sample;
 mod scale;
-mod source;
+mod selection;
+mod sized;
 mod unit;
+mod values;
 mod within;
 
-pub use cloud::{CloudOptions, CloudSummary, DEFAULT_SUPPORT, MeshOfPoints, NormalFit, Reach, mesh_of_points};
+pub use cloud::{
+    CloudOptions, CloudSummary, INTERPOLATING_SUPPORT, MeshOfPoints, NormalFit, Reach, SMOOTHING_SUPPORT,
+    mesh_of_points,
+};
+pub use density::{Density, FEWEST_POINTS, MOST_POINTS, SampleDensity};
 pub use kernel::Signal;
-pub use options::{Density, FEWEST_POINTS, MOST_POINTS, MaxError, Options, check_field};
+pub use options::{Grading, MaxError, Options};
 pub use reconstruct::{ReconstructOptions, Reconstructed, points_of_mesh, reconstruct};
 pub use remesh::remesh;
 pub use result::{Deviation, Remeshed};
 pub use sample::{SampleOptions, Sampled, sample, sample_points};
-pub use within::Selection;
+pub use selection::Selection;
+pub use values::Values;

@@ -1,6 +1,6 @@
 //! From points to triangles all over their robust implicit surface: densely, and without a wanted number of vertices.
 
-use crate::base::error::{Error, Result};
+use crate::base::error::{Error, Result, Setting};
 use crate::base::monitor::{Monitor, check};
 use crate::contour::extract::extract;
 use crate::contour::lattice::{BYTES_PER_VERTEX, Lattice};
@@ -8,9 +8,9 @@ use crate::mesh::points::Points;
 use crate::mesh::topology::{Topology, topology};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::cloud::{
-    CloudOptions, CloudSummary, DEFAULT_SUPPORT, Prepared, face_outwards, no_surface, prepared,
+    CloudOptions, CloudSummary, INTERPOLATING_SUPPORT, Prepared, face_outwards, no_surface, prepared,
 };
-use crate::pipeline::options::check_length;
+use crate::pipeline::density::check_length;
 use crate::prepare::repair::repair;
 use crate::surface::implicit::Rimls;
 
@@ -19,7 +19,7 @@ use crate::surface::implicit::Rimls;
 pub struct ReconstructOptions {
     /// The length of the edges of cells, in the units of the input. Default: half the mean spacing of the points.
     pub resolution: Option<f64>,
-    /// What to make of the points; [`CloudOptions::smooth`] is [`DEFAULT_SUPPORT`] if it is not given, and
+    /// What to make of the points; [`CloudOptions::smooth`] is [`INTERPOLATING_SUPPORT`] if it is not given, and
     /// [`CloudOptions::fill_holes`] does not matter.
     pub cloud: CloudOptions,
 }
@@ -56,7 +56,7 @@ impl ReconstructOptions {
     /// # Errors
     /// [`Error::Option`] for a resolution that is not positive, and those of [`CloudOptions::validate`].
     pub fn validate(&self) -> Result<()> {
-        self.resolution.map_or(Ok(()), |length| check_length("resolution", length))?;
+        self.resolution.map_or(Ok(()), |length| check_length(Setting::Resolution, length))?;
         self.cloud.validate()
     }
 }
@@ -78,7 +78,7 @@ pub fn points_of_mesh(mesh: &Mesh) -> Points {
 /// [`Error::Cancelled`] if the monitor asks for it.
 pub fn reconstruct(points: &Points, options: &ReconstructOptions, monitor: &dyn Monitor) -> Result<Reconstructed> {
     options.validate()?;
-    let reach = options.cloud.smooth.unwrap_or(DEFAULT_SUPPORT);
+    let reach = options.cloud.smooth.unwrap_or(INTERPOLATING_SUPPORT);
     let prepared = prepared(points, &options.cloud, monitor)?;
     let has_no_outside = prepared.has_no_outside();
     let area = prepared.area();
@@ -96,7 +96,7 @@ pub fn reconstruct(points: &Points, options: &ReconstructOptions, monitor: &dyn 
     let mesh = extract(&surface, &lattice, MOST_VERTICES, monitor)?;
     check(monitor)?;
     // Where two parts of the boundary meet in a vertex, each gets its own.
-    let (mut mesh, _) = repair(&mesh);
+    let mut mesh = repair(&mesh).0.into_mesh();
     if mesh.triangles.is_empty() {
         return Err(no_surface(count));
     }
@@ -118,5 +118,5 @@ fn too_small(resolution: f64, vertices: f64) -> Error {
         "cells of {resolution} would have about {vertices:.1e} corners near the surface, {:.0} GB",
         vertices * BYTES_PER_VERTEX as f64 / 1e9
     );
-    Error::Option { option: "resolution", cause, remedy: "give a larger length".into() }
+    Error::Option { option: Setting::Resolution, cause, remedy: "give a larger length".into() }
 }

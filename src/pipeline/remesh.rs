@@ -1,33 +1,35 @@
 //! The pipeline from mesh to mesh.
 
 use crate::base::error::Result;
-use crate::base::monitor::{Monitor, check};
+use crate::base::monitor::Monitor;
 use crate::base::rng::{Stage, stream};
 use crate::manifold::Manifold;
-use crate::mesh::refine::refine;
-use crate::mesh::topology::{Topology, topology, twins};
+use crate::mesh::oriented_manifold::OrientedManifold;
+use crate::mesh::topology::{Topology, topology};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::optimize::counts::meet_count;
 use crate::optimize::self_intersections::resolve_self_intersections;
-use crate::pipeline::follow::{ascend_as_asked, follow};
+use crate::pipeline::attempts::{Attempt, Attempts, MOST_RUNS, Score, Step};
+use crate::pipeline::density::{Density, FEWEST_POINTS, FIRST_POINTS, MOST_POINTS};
+use crate::pipeline::follow::ascend_as_asked;
+use crate::pipeline::kernel::KernelFeatures;
 use crate::pipeline::optimization::optimize;
-use crate::pipeline::options::{Density, FEWEST_POINTS, FIRST_POINTS, MOST_POINTS, Options};
-use crate::pipeline::result::{Deviation, Remeshed, notes};
-use crate::pipeline::scale::{CANDIDATES_PER_POINT, LONGEST_EDGE, Scale};
-use crate::pipeline::source::Source;
-use crate::prepare::bend::{Split, smoothed};
+use crate::pipeline::options::{Grading, Options};
+use crate::pipeline::origins::origins;
+use crate::pipeline::prepared::PreparedInput;
+use crate::pipeline::result::{Deviation, Remeshed, has_kind, notes};
+use crate::pipeline::scale::CANDIDATES_PER_POINT;
+use crate::pipeline::sized::SizedSurface;
+use crate::pipeline::within::Sewn;
 use crate::quality::bound::{Bounds, hausdorff_bounds};
 use crate::spatial::self_intersections::self_intersections;
 use crate::spectral::candidates::candidates;
 use crate::spectral::curve_samples::sample_curves;
 use crate::spectral::scan::linear_scan;
-use crate::surface::domain::Domain;
-use crate::surface::features::{sharp_length, sharp_sides};
-use crate::surface::sizing::adapted_sizes;
 use crate::triangulate::stitch::{Gluing, glue};
 use crate::triangulate::{Boundary, triangulate};
 
-/// Share of the error that is allowed below which it does not matter how small it is.
+/// Errors below this fraction of the bound are not resolved further.
 const OF_INTEREST: f64 = 0.25;
 
 /// Remeshes `input`: as many vertices as wanted, evenly spread over its surface, and triangles of its topology.
@@ -47,9 +49,10 @@ const OF_INTEREST: f64 = 0.25;
 /// [`Error::Cancelled`]: crate::base::error::Error::Cancelled
 pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<Remeshed> {
     options.validate()?;
+    let (prepared, repaired) = PreparedInput::new(input, options, monitor)?;
     match options.density {
-        Density::Auto => with_fewest_points(input, options, monitor),
-        _ => remesh_soundly(input, options, monitor),
+        Density::Auto => with_fewest_points(&prepared, &repaired, monitor),
+        density => remesh_to(&prepared, repaired, density, monitor),
     }
 }
 
@@ -62,13 +65,17 @@ const NEAR_ENOUGH: f64 = 1.1;
 const LARGEST_CHANGE: f64 = 8.0;
 
 /// The result of the fewest vertices that keep to the error asked for, of those that were tried; if none did, the last.
-fn with_fewest_points(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<Remeshed> {
+fn with_fewest_points(
+    prepared: &PreparedInput,
+    repaired: &OrientedManifold,
+    monitor: &dyn Monitor,
+) -> Result<Remeshed> {
     let (mut too_few, mut enough) = (FEWEST_POINTS as f64, MOST_POINTS as f64);
     let (mut best, mut last) = (None, None);
     let mut n = FIRST_POINTS as f64;
     for _ in 0..MOST_TRIES {
         let density = Density::Points(n.round() as usize);
-        let made = remesh_soundly(input, &Options { density, ..options.clone() }, monitor)?;
+        let made = remesh_to(prepared, repaired.clone(), density, monitor)?;
         let ratio = made.deviation.map_or(1.0, |d| d.reached / d.allowed);
         if ratio <= 1.0 {
             enough = n;
@@ -88,275 +95,216 @@ fn with_fewest_points(input: &Mesh, options: &Options, monitor: &dyn Monitor) ->
     Ok(best.or(last).expect("at least one try was made"))
 }
 
-/// Attempts at a sound result, each with other random numbers: where a wall is far thinner than the spacing, whether all
-/// its faces can be parted is a matter of where the samples happen to lie.
-const MOST_ATTEMPTS: u64 = 3;
-
-/// More faces than this do not cross by chance: the samples are too few for how near to each other the walls are.
-const MOST_BY_CHANCE: usize = 60;
-
-/// The first result that is sound, or, if none is, the one with the fewest faces that cross.
-fn remesh_soundly(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<Remeshed> {
-    let mut best: Option<Remeshed> = None;
-    for attempt in 0..MOST_ATTEMPTS {
-        // Far from the seeds that people give.
-        let seed = options.seed.wrapping_add(attempt << 48);
-        let mut made = remesh_once(input, &Options { seed, ..options.clone() }, monitor)?;
-        let sound = made.is_sound();
-        if sound && attempt > 0 {
-            made.notes.push(format!(
-                "attempt {} of {MOST_ATTEMPTS}: before it, samples that could not be made a sound mesh",
-                attempt + 1
-            ));
+/// The result for one density: the first that is sound, or, if none is, the one with the best score.
+fn remesh_to(
+    prepared: &PreparedInput,
+    repaired: OrientedManifold,
+    density: Density,
+    monitor: &dyn Monitor,
+) -> Result<Remeshed> {
+    let mut surface = SizedSurface::new(prepared, repaired, density, monitor)?;
+    let mut attempts = Attempts::new(prepared.options.seed, surface.domain.sharp_curves() > 0);
+    let mut best: Option<Finished> = None;
+    loop {
+        let triangulation;
+        (surface, triangulation) = triangulated(surface, &mut attempts, monitor)?;
+        let finished = Finished::new(prepared, &surface, triangulation, attempts.run(), monitor)?;
+        let is_sound = finished.is_sound(&surface);
+        if best.as_ref().is_none_or(|best| finished.score < best.score) {
+            best = Some(finished);
         }
-        let rank = |r: &Remeshed| (!r.has_topology(), r.self_intersections.len());
-        if best.as_ref().is_none_or(|best| rank(&made) < rank(best)) {
-            best = Some(made);
-        }
-        if sound || best.as_ref().is_some_and(|best| best.self_intersections.len() > MOST_BY_CHANCE) {
+        let score = best.as_ref().expect("a result was made").score;
+        if is_sound || !attempts.after_unsound(score) {
             break;
         }
+        monitor.stage("sample");
     }
-    Ok(best.expect("at least one attempt was made"))
+    remeshed(prepared, &surface, best.expect("a result was made"), monitor)
 }
 
-fn remesh_once(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<Remeshed> {
-    monitor.stage("repair");
-    let (source, mut clean) = Source::new(input, options)?;
-    let scale = Scale::new(options.density, source.field.as_ref(), &clean, &source.unit)?;
-    check(monitor)?;
-    if let Some(reach) = options.smooth {
-        monitor.stage("smooth");
-        clean = smoothed(&clean, reach);
-        check(monitor)?;
+/// The best triangulation of samples of a surface, and the surface, which comes back without its sharp edges if they could
+/// not be kept.
+fn triangulated(
+    mut surface: SizedSurface,
+    attempts: &mut Attempts,
+    monitor: &dyn Monitor,
+) -> Result<(SizedSurface, Triangulation)> {
+    let mut best: Option<Triangulation> = None;
+    loop {
+        let triangulation = Triangulation::new(&surface, attempts.current(), monitor)?;
+        if best.as_ref().is_none_or(|best| triangulation.score < best.score) {
+            best = Some(triangulation);
+        }
+        let score = best.as_ref().expect("samples were triangulated").score;
+        match attempts.after_triangulation(score, || surface.self_intersections()) {
+            Step::Continue => return Ok((surface, best.expect("samples were triangulated"))),
+            Step::Resample => {}
+            Step::Restart => best = None,
+        }
+        if attempts.current().curve_density.is_none() && surface.domain.sharp_curves() > 0 {
+            surface = surface.smooth();
+        }
+        monitor.stage("sample");
     }
-
-    monitor.stage("sample");
-    let graded = graded(&source, clean, scale, monitor)?;
-    let (graded, mut made) = sample_and_triangulate(graded, &source.of_sampled, options, monitor)?;
-    arrange(&source, &graded, &mut made.mesh, monitor)?;
-    monitor.stage("resolve self-intersections");
-    resolve_self_intersections(&graded.domain, &mut made.mesh, monitor)?;
-    let mesh = made.mesh.to_mesh();
-    let deviation = deviation(&source, &graded.domain, &mesh, monitor);
-    Ok(remeshed(&source, &graded, &made, mesh, deviation))
 }
 
-/// A domain that knows the lengths wanted on it, the scale that these have, and the width σp of the kernel, both in the
-/// pipeline's unit.
-struct Graded {
-    domain: Domain,
-    scale: Scale,
-    sigma: f64,
-    /// Whether there were sharp edges that could not be kept.
-    blunted: bool,
+/// Samples of a surface, triangulated.
+struct Triangulation {
+    mesh: Manifold,
+    /// Smooth patches that were tessellated from the input as a whole.
+    tessellated_patches: usize,
+    score: Score,
 }
 
-/// The domain of `clean` with the lengths that a field, the shape or a kernel want, and an interface.
-fn graded(source: &Source, clean: Mesh, mut scale: Scale, monitor: &dyn Monitor) -> Result<Graded> {
-    let options = source.options;
-    let (mut domain, blunted) = domain_over(clean, source, &scale);
-    if let Some(field) = &source.field {
-        scale = field.grade(&mut domain, options.density, scale)?;
-    } else if options.adapt > 0.0 {
-        domain.grade(adapted_sizes(&domain, options.adapt, scale.spacing));
+impl Triangulation {
+    /// That of an attempt at `surface`.
+    fn new(surface: &SizedSurface, attempt: Attempt, monitor: &dyn Monitor) -> Result<Triangulation> {
+        let SizedSurface { domain, scale, .. } = surface;
+        let seed = attempt.seed;
+        let curves = sample_curves(domain, scale.curve_spacing(domain) / attempt.curve_density.unwrap_or(1.0));
+        let candidates = candidates(domain, CANDIDATES_PER_POINT * scale.wanted, &mut stream(seed, Stage::Candidates));
+        let samples = linear_scan(domain, &candidates, &curves.samples, scale.sigma(), seed, monitor)?;
+        drop(candidates);
+        monitor.stage("triangulate");
+        let boundary = Boundary { sites: &curves.sites, successor: &curves.successor };
+        let patches = triangulate(domain, &samples, boundary, scale.spacing, monitor)?;
+        let tessellated_patches = patches.tessellated_patches;
+        let glued = glue(&patches, Gluing { point: &curves.point, edges: &curves.edges, corners: &curves.corners });
+        let fits = glued.is_some();
+        let mesh = glued.unwrap_or_else(|| {
+            let mut mesh = patches.mesh;
+            mesh.lock_boundary();
+            mesh
+        });
+        let made = mesh.to_mesh();
+        let kind = topology(made.positions.len(), &made.triangles);
+        let other_topology = !fits || !has_kind(&kind, &surface.topology);
+        let score = Score { other_topology, self_intersections: self_intersections(&made).len() };
+        Ok(Triangulation { mesh, tessellated_patches, score })
     }
-    let mut sigma = scale.sigma();
-    if options.has_kernel() {
-        let followed = follow(&domain, &source.beside(&domain), scale, options, monitor)?;
-        domain.grade(followed.sizes);
-        (scale, sigma) = (followed.scale, followed.sigma);
-    }
-    if let Some(within) = &source.within {
-        scale = within.grade(&mut domain, options.density, &scale);
-        sigma = if options.has_kernel() { sigma } else { scale.sigma() };
-    }
-    Ok(Graded { domain, scale, sigma, blunted })
 }
 
-/// The domain over `clean`, refined for that scale; and whether it had more sharp edges than can be kept.
-fn domain_over(mut clean: Mesh, source: &Source, scale: &Scale) -> (Domain, bool) {
-    let (twin, mut sharp) = refined(&mut clean, source.options, scale);
-    let blunted = !scale.has_room_on(sharp_length(&clean, &sharp));
-    if blunted {
-        sharp.fill(false);
-    }
-    let interface = source.within.as_ref().map_or_else(Vec::new, |within| within.part.interface.clone());
-    (Domain::with_sharp(clean, twin, &sharp, scale.spacing, interface), blunted)
+/// The mesh of an attempt, optimised, in the coordinates of the input and joined to what was to stay of it.
+struct Finished {
+    manifold: Manifold,
+    /// In the pipeline's unit, before it is joined.
+    of_part: Mesh,
+    sewn: Option<Sewn>,
+    mesh: Mesh,
+    topology: Topology,
+    self_intersections: Vec<u32>,
+    tessellated_patches: usize,
+    score: Score,
+    run: u64,
 }
 
-/// Splits the long edges of `clean`, and bends it where its vertices are points of a smooth surface. The side across each of
-/// its sides then, and whether it is sharp.
-fn refined(clean: &mut Mesh, options: &Options, scale: &Scale) -> (Vec<u32>, Vec<bool>) {
-    let longest = LONGEST_EDGE * scale.spacing;
-    let most = 4 * clean.triangles.len() + 16 * scale.wanted;
-    let creases = |mesh: &Mesh| {
-        let twin = twins(&mesh.triangles);
-        let sharp = sharp_sides(mesh, &twin, options.features, scale.spacing);
-        (twin, sharp)
-    };
-    let Some(reach) = options.reach() else {
-        refine(clean, longest, most);
-        return creases(clean);
-    };
-    let (mut twin, mut sharp) = creases(clean);
-    let split = Split::new(clean, &sharp, longest, scale.spacing, most);
-    if !split.is_empty() {
-        // Neither splitting nor bending makes an edge sharp.
-        (twin, sharp) = if sharp.contains(&true) {
-            creases(clean)
-        } else {
-            (twins(&clean.triangles), vec![false; 3 * clean.triangles.len()])
-        };
-        split.bend(clean, &twin, &sharp, reach);
+impl Finished {
+    fn new(
+        prepared: &PreparedInput,
+        surface: &SizedSurface,
+        triangulation: Triangulation,
+        run: u64,
+        monitor: &dyn Monitor,
+    ) -> Result<Finished> {
+        let Triangulation { mesh: mut manifold, tessellated_patches, .. } = triangulation;
+        arrange(prepared, surface, &mut manifold, monitor)?;
+        monitor.stage("resolve self-intersections");
+        resolve_self_intersections(&surface.domain, &mut manifold, monitor)?;
+        let of_part = manifold.to_mesh();
+        let outwards = prepared.unit.outwards(of_part.clone());
+        let sewn = surface.within.as_ref().map(|within| within.sew(&outwards, &manifold, &surface.domain));
+        let mesh = sewn.as_ref().map_or(outwards, |sewn| sewn.mesh.clone());
+        let topology = topology(mesh.positions.len(), &mesh.triangles);
+        let self_intersections = self_intersections(&mesh);
+        let other_topology = !has_kind(&topology, &prepared.of_repaired);
+        let score = Score { other_topology, self_intersections: self_intersections.len() };
+        Ok(Finished { manifold, of_part, sewn, mesh, topology, self_intersections, tessellated_patches, score, run })
     }
-    (twin, sharp)
+
+    /// Whether it is of the wanted topology and intersects itself only if the surface does.
+    fn is_sound(&self, surface: &SizedSurface) -> bool {
+        !self.score.other_topology && (self.self_intersections.is_empty() || self_intersections_of(surface) > 0)
+    }
+}
+
+/// How many triangles of the repaired input intersect others.
+fn self_intersections_of(surface: &SizedSurface) -> usize {
+    let of_whole = surface.within.as_ref().map(|within| self_intersections(&within.whole).len());
+    of_whole.unwrap_or_else(|| surface.self_intersections())
 }
 
 /// Optimises the mesh, or, if that is not wanted, gives it the wanted count and leaves it where the paper's ascent does.
-fn arrange(source: &Source, graded: &Graded, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<()> {
-    let Graded { domain, scale, sigma, .. } = graded;
-    if source.options.optimize {
-        return optimize(domain, mesh, scale, source.allowed.map(|a| a / source.unit.size), monitor);
+fn arrange(prepared: &PreparedInput, surface: &SizedSurface, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<()> {
+    let SizedSurface { domain, scale, sigma, .. } = surface;
+    let Options { grading, sweeps, .. } = prepared.options;
+    if prepared.options.optimize {
+        let limit = prepared.allowed.map(|allowed| allowed / prepared.unit.size);
+        return optimize(domain, mesh, scale, limit, monitor);
     }
     meet_count(domain, mesh, scale.wanted);
     monitor.stage("ascend");
-    ascend_as_asked(domain, mesh, &source.beside(domain), *sigma, source.options.sweeps, monitor)
+    let features = match grading {
+        Grading::Kernel { sigma_n, signals } => KernelFeatures::over(domain, *sigma_n, signals),
+        _ => KernelFeatures::over(domain, f64::INFINITY, &[]),
+    };
+    ascend_as_asked(domain, mesh, &features, *sigma, *sweeps, monitor)
 }
 
-/// How far `mesh` is from the domain, if that is asked for.
-fn deviation(source: &Source, domain: &Domain, mesh: &Mesh, monitor: &dyn Monitor) -> Option<Deviation> {
-    let Source { allowed, unit, .. } = source;
+/// How far the result is from the surface, if that is asked for.
+fn deviation(
+    prepared: &PreparedInput,
+    surface: &SizedSurface,
+    mesh: &Mesh,
+    monitor: &dyn Monitor,
+) -> Option<Deviation> {
+    let PreparedInput { allowed, unit, .. } = prepared;
     let allowed = (*allowed)?;
     monitor.stage("bound");
-    let Bounds { upper, place, .. } = hausdorff_bounds(mesh, &domain.mesh, OF_INTEREST * allowed / unit.size)?;
+    let Bounds { upper, place, .. } = hausdorff_bounds(mesh, &surface.domain.mesh, OF_INTEREST * allowed / unit.size)?;
     Some(Deviation { allowed, reached: unit.size * upper, place: unit.outwards_point(place).to_array() })
 }
 
-/// `mesh`, that of `made`, in the units of the input and joined to what was to stay of it, and what there is to say.
-fn remeshed(source: &Source, graded: &Graded, made: &Meshed, mesh: Mesh, deviation: Option<Deviation>) -> Remeshed {
-    let Graded { domain, scale, sigma, blunted } = graded;
-    let (unit, within) = (&source.unit, source.within.as_ref());
-    let mesh = unit.outwards(mesh);
-    let (mesh, kept) = match within {
-        Some(within) => within.sew(&mesh, &made.mesh, domain, source.input),
-        None => (mesh, None),
-    };
-    let crossing = self_intersections(&mesh);
-    let crossing_of_input =
-        || within.map_or_else(|| domain.self_intersections(), |within| self_intersections(&within.whole));
+/// The result and what there is to say about it.
+fn remeshed(
+    prepared: &PreparedInput,
+    surface: &SizedSurface,
+    finished: Finished,
+    monitor: &dyn Monitor,
+) -> Result<Remeshed> {
+    let deviation = deviation(prepared, surface, &finished.of_part, monitor);
+    let SizedSurface { domain, scale, sigma, blunted, within, .. } = surface;
+    let unit = &prepared.unit;
+    let kept = within.as_ref().zip(finished.sewn.as_ref()).map(|(within, sewn)| within.kept(sewn));
+    let origins = origins(prepared, surface, &finished.manifold, &finished.of_part, finished.sewn.as_ref());
+    let intersects = !finished.self_intersections.is_empty();
     let mut result = Remeshed {
-        input: source.of_input,
-        repaired: source.of_repaired,
-        output: topology(mesh.positions.len(), &mesh.triangles),
-        mesh,
-        repairs: source.repairs,
+        input: prepared.of_input,
+        repaired: prepared.of_repaired,
+        output: finished.topology,
+        mesh: finished.mesh,
+        origins,
+        repairs: prepared.repairs,
         sigma_p: unit.size * sigma,
         spacing: unit.size * scale.spacing,
         spacing_range: domain.size_range().map(|size| unit.size * scale.spacing * size),
-        wanted: within.map_or(scale.wanted, |within| within.wanted(scale.wanted)),
+        wanted: within.as_ref().map_or(scale.wanted, |within| within.wanted(scale.wanted)),
         sharp_curves: domain.sharp_curves(),
-        tessellated_patches: made.tessellated_patches,
-        self_intersections_of_input: (!crossing.is_empty()).then(|| crossing_of_input().len()),
-        self_intersections: crossing,
+        tessellated_patches: finished.tessellated_patches,
+        self_intersections_of_input: intersects.then(|| self_intersections_of(surface)),
+        self_intersections: finished.self_intersections,
         deviation,
         kept,
         notes: Vec::new(),
     };
-    result.notes = notes(&result, source.open_cracks, *blunted);
+    result.notes = notes(&result, prepared.cracks, *blunted);
     if let (Some(within), Some(kept)) = (within, &result.kept) {
         result.notes.extend(within.notes(&result.mesh, kept));
     }
-    result
-}
-
-/// The mesh of the samples of a domain, which comes back without its sharp edges if they could not be kept.
-fn sample_and_triangulate(
-    graded: Graded,
-    wanted: &Topology,
-    options: &Options,
-    monitor: &dyn Monitor,
-) -> Result<(Graded, Meshed)> {
-    for density in CURVE_DENSITIES {
-        let meshed = least_crossing(&graded, density, options, monitor)?;
-        if meshed.glued && has_kind(&meshed.mesh, wanted) || graded.domain.sharp_curves() == 0 {
-            return Ok((graded, meshed));
-        }
-        monitor.stage("sample");
+    if finished.run > 1 && result.is_sound() {
+        result.notes.push(format!(
+            "attempt {} of {MOST_RUNS}: before it, samples that could not be made a sound mesh",
+            finished.run
+        ));
     }
-    let graded = Graded { domain: graded.domain.smooth(), blunted: true, ..graded };
-    let meshed = least_crossing(&graded, 1.0, options, monitor)?;
-    Ok((graded, meshed))
-}
-
-/// The mesh of the samples; where its patches fit together, but its faces cross more than those of the surface, that of
-/// other samples if they cross less. At a thin wall the samples of its two sides may come together such that nothing later
-/// parts them.
-fn least_crossing(graded: &Graded, curve_density: f64, options: &Options, monitor: &dyn Monitor) -> Result<Meshed> {
-    let Graded { domain, scale, .. } = graded;
-    let mut best = mesh_of_samples(domain, scale, curve_density, options.seed, monitor)?;
-    let mut least = self_intersections(&best.mesh.to_mesh()).len();
-    let of_surface = if least == 0 { 0 } else { domain.self_intersections().len() };
-    for attempt in 1..MOST_SAMPLINGS {
-        if least <= of_surface || !best.glued {
-            break;
-        }
-        monitor.stage("sample");
-        let seed = options.seed.wrapping_add(attempt << 40);
-        let other = mesh_of_samples(domain, scale, curve_density, seed, monitor)?;
-        let crossing = self_intersections(&other.mesh.to_mesh()).len();
-        if crossing < least {
-            (best, least) = (other, crossing);
-        }
-    }
-    Ok(best)
-}
-
-/// Times that the surface is sampled, the first included, for a mesh that does not cross itself.
-const MOST_SAMPLINGS: u64 = 4;
-
-/// Points on curves for each spacing of their length, in one attempt after the other: patches narrower than the spacing
-/// need more of them.
-const CURVE_DENSITIES: [f64; 3] = [1.0, 2.0, 4.0];
-
-/// Samples, triangulated.
-struct Meshed {
-    mesh: Manifold,
-    /// Whether the patches between the curves fit together.
-    glued: bool,
-    tessellated_patches: usize,
-}
-
-/// Samples `domain` and triangulates the samples.
-fn mesh_of_samples(
-    domain: &Domain,
-    scale: &Scale,
-    curve_density: f64,
-    seed: u64,
-    monitor: &dyn Monitor,
-) -> Result<Meshed> {
-    let curves = sample_curves(domain, scale.curve_spacing(domain) / curve_density);
-    let candidates = candidates(domain, CANDIDATES_PER_POINT * scale.wanted, &mut stream(seed, Stage::Candidates));
-    let samples = linear_scan(domain, &candidates, &curves.samples, scale.sigma(), seed, monitor)?;
-    drop(candidates);
-    monitor.stage("triangulate");
-    let boundary = Boundary { sites: &curves.sites, successor: &curves.successor };
-    let patches = triangulate(domain, &samples, boundary, scale.spacing, monitor)?;
-    let interfaces = Gluing { point: &curves.point, edges: &curves.edges, corners: &curves.corners };
-    let glued = glue(&patches, interfaces);
-    let tessellated_patches = patches.tessellated_patches;
-    Ok(match glued {
-        Some(mesh) => Meshed { mesh, glued: true, tessellated_patches },
-        None => {
-            let mut mesh = patches.mesh;
-            mesh.lock_boundary();
-            Meshed { mesh, glued: false, tessellated_patches }
-        }
-    })
-}
-
-fn has_kind(mesh: &Manifold, wanted: &Topology) -> bool {
-    let (triangles, old) = mesh.connectivity.compact();
-    let made = topology(old.len(), &triangles);
-    (made.euler, made.components, made.boundary_loops) == (wanted.euler, wanted.components, wanted.boundary_loops)
+    Ok(result)
 }

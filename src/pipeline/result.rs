@@ -1,5 +1,6 @@
 //! What the pipeline gives back: the mesh, whether it is what was asked for, and what a user should know about it.
 
+use crate::mesh::provenance::Origins;
 use crate::mesh::submesh::Kept;
 use crate::mesh::topology::Topology;
 use crate::mesh::triangle_mesh::Mesh;
@@ -12,6 +13,8 @@ use serde::{Deserialize, Serialize};
 pub struct Remeshed {
     /// The result, in the coordinates of the input.
     pub mesh: Mesh,
+    /// Where on the input its vertices and triangles lie.
+    pub origins: Origins,
     /// The input as it came, before repairs.
     pub input: Topology,
     /// The input after repairs: what the result's topology is held against.
@@ -82,9 +85,14 @@ impl Remeshed {
     /// Whether the result is an oriented manifold of the repaired input's Euler characteristic, components and
     /// boundary loops.
     pub fn has_topology(&self) -> bool {
-        let kind = |t: &Topology| (t.euler, t.components, t.boundary_loops);
-        self.output.is_manifold() && self.output.is_oriented() && kind(&self.output) == kind(&self.repaired)
+        has_kind(&self.output, &self.repaired)
     }
+}
+
+/// Whether a topology is that of an oriented manifold of the wanted Euler characteristic, components and boundary loops.
+pub(super) fn has_kind(found: &Topology, wanted: &Topology) -> bool {
+    let kind = |t: &Topology| (t.euler, t.components, t.boundary_loops);
+    found.is_manifold() && found.is_oriented() && kind(found) == kind(wanted)
 }
 
 /// What a user should know about a result.

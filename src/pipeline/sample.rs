@@ -3,20 +3,21 @@
 //! The count comes of the width of the kernel, which is found by search. What is left is added where s is largest or
 //! removed where it is smallest.
 
-use crate::base::error::{Error, Result};
+use crate::base::error::{Error, Result, Setting};
 use crate::base::monitor::{Monitor, check};
 use crate::base::rng::{Stage, stream, unit as unit_random};
 use crate::pipeline::bandwidth::find_bandwidth;
-use crate::pipeline::cloud::{CloudOptions, CloudSummary, DEFAULT_SUPPORT, Prepared, prepared};
-use crate::pipeline::kernel::{Beside, Signal, check_kernel, check_signals};
-use crate::pipeline::options::{Density, check_count, check_length};
+use crate::pipeline::cloud::{CloudOptions, CloudSummary, INTERPOLATING_SUPPORT, Prepared, prepared};
+use crate::pipeline::density::{SampleDensity, check_count, check_length};
+use crate::pipeline::kernel::{KernelFeatures, Signal, check_kernel, check_signals};
+use crate::pipeline::prepared::{refuse_bad_numbers, refuse_bad_positions};
 use crate::pipeline::scale::{
     CANDIDATES_PER_POINT, LONGEST_EDGE, SIGMA_OF_SPACING, SMALLEST_SPACING, Scale, refuse_no_area,
 };
-use crate::pipeline::source::{refuse_bad_numbers, refuse_bad_positions};
 use crate::pipeline::unit::Unit;
 use crate::surface::implicit::Rimls;
 
+use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::points::Points;
 use crate::mesh::refine::refine;
 use crate::mesh::triangle_mesh::Mesh;
@@ -36,10 +37,10 @@ use std::f64::consts::TAU;
 /// How to sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampleOptions {
-    /// How dense the samples shall be: [`Density::Points`], [`Density::EdgeLength`] or [`Density::SigmaP`]. An edge length
+    /// How dense the samples shall be. An edge length
     /// means as many samples as have it at hexagonal packing on the input's area; with [`Self::scan_only`] it means the
     /// width of the kernel that would leave it. Default: 10,000 points.
-    pub density: Density,
+    pub density: SampleDensity,
     /// The width σn of the kernel along unit normals: samples gather where the surface turns by more than this within a
     /// spacing. Default: infinite, samples are even.
     pub sigma_n: f64,
@@ -52,14 +53,14 @@ pub struct SampleOptions {
     /// Sweeps of gradient ascent. Default: 10, as in the paper (section 6.3).
     pub sweeps: usize,
     /// What to make of a cloud: its normals, and how far its points reach on the implicit surface that samples move on,
-    /// [`DEFAULT_SUPPORT`] if that is not given. Holes do not matter.
+    /// [`INTERPOLATING_SUPPORT`] if that is not given. Holes do not matter.
     pub cloud: CloudOptions,
 }
 
 impl Default for SampleOptions {
     fn default() -> Self {
         SampleOptions {
-            density: Density::Points(10_000),
+            density: SampleDensity::Points(10_000),
             sigma_n: f64::INFINITY,
             signals: Vec::new(),
             scan_only: false,
@@ -79,14 +80,9 @@ impl SampleOptions {
         check_kernel(self.sigma_n, &self.signals)?;
         self.cloud.validate()?;
         match self.density {
-            Density::Points(n) => check_count("points", n, format!("{n} samples are asked for")),
-            Density::EdgeLength(l) => check_length("edge-length", l),
-            Density::SigmaP(s) => check_length("sigma-p", s),
-            Density::Auto | Density::OfSizing => Err(Error::Option {
-                option: "points",
-                cause: "samples have no triangles whose error or length could be met".into(),
-                remedy: "give a number of points, an edge-length or a sigma-p".into(),
-            }),
+            SampleDensity::Points(n) => check_count(Setting::Points, n, format!("{n} samples are asked for")),
+            SampleDensity::EdgeLength(l) => check_length(Setting::EdgeLength, l),
+            SampleDensity::SigmaP(s) => check_length(Setting::SigmaP, s),
         }
     }
 }
@@ -133,28 +129,27 @@ pub fn sample(input: &Mesh, options: &SampleOptions, monitor: &dyn Monitor) -> R
     if options.scan_only {
         sample_vertices(input, clean, &unit, options, monitor)
     } else {
-        sample_surface(input, clean, &unit, options, monitor)
+        sample_surface(clean, &unit, options, monitor)
     }
 }
 
-/// Samples of the surface `clean`, which is `input` repaired and in `unit`.
+/// Samples of the surface `clean`, the input repaired and in `unit`.
 fn sample_surface(
-    input: &Mesh,
-    mut clean: Mesh,
+    mut clean: OrientedManifold,
     unit: &Unit,
     options: &SampleOptions,
     monitor: &dyn Monitor,
 ) -> Result<Sampled> {
-    let scale = Scale::new(options.density, None, &clean, unit)?;
+    let scale = Scale::new(options.density.into(), None, &clean, unit)?;
     monitor.stage("sample");
     let most = 4 * clean.triangles.len() + 16 * scale.wanted;
     refine(&mut clean, LONGEST_EDGE * scale.spacing, most);
     let domain = Domain::new(clean);
-    let beside = Beside::new(options.sigma_n, &options.signals, input, unit, &domain);
-    let wanted = (!matches!(options.density, Density::SigmaP(_))).then_some(scale.wanted);
-    let task = Task { beside: &beside, first_sigma: scale.sigma(), wanted, options, monitor };
-    let candidates = candidates_for(&domain, &beside, scale.wanted, options.seed);
-    let (sigma, samples) = match beside.dimensions() {
+    let features = KernelFeatures::over(&domain, options.sigma_n, &options.signals);
+    let wanted = (!matches!(options.density, SampleDensity::SigmaP(_))).then_some(scale.wanted);
+    let task = Task { features: &features, first_sigma: scale.sigma(), wanted, options, monitor };
+    let candidates = candidates_for(&domain, &features, scale.wanted, options.seed);
+    let (sigma, samples) = match features.dimensions() {
         3 => task.on_surface::<3>(&domain, &candidates),
         6 => task.on_surface::<6>(&domain, &candidates),
         _ => task.on_surface::<MOST_DIMENSIONS>(&domain, &candidates),
@@ -178,7 +173,7 @@ fn sample_surface(
 /// A subset of the vertices of `input`, which are on the surface `clean`.
 fn sample_vertices(
     input: &Mesh,
-    clean: Mesh,
+    clean: OrientedManifold,
     unit: &Unit,
     options: &SampleOptions,
     monitor: &dyn Monitor,
@@ -186,10 +181,10 @@ fn sample_vertices(
     monitor.stage("sample");
     let area = clean.area();
     let domain = Domain::new(clean);
-    let beside = Beside::new(options.sigma_n, &options.signals, input, unit, &domain);
+    let features = KernelFeatures::over(&domain, options.sigma_n, &options.signals);
     let (vertices, numbers) = used_vertices(input, unit, &domain);
     let (first_sigma, wanted) = first_sigma(options.density, area, unit);
-    let task = Task { beside: &beside, first_sigma, wanted, options, monitor };
+    let task = Task { features: &features, first_sigma, wanted, options, monitor };
     Ok(task.subset(&domain, &Given { samples: &vertices, domain: Some(&domain) })?.of(
         &input.positions,
         Some(&numbers),
@@ -220,9 +215,9 @@ pub fn sample_points(input: &Points, options: &SampleOptions, monitor: &dyn Moni
     };
     monitor.stage("sample");
     let signals: Vec<Signal> = options.signals.iter().map(|signal| signal.of(&cloud.source)).collect();
-    let beside = Beside::of_points(options.sigma_n, &signals);
+    let features = KernelFeatures::of_points(options.sigma_n, &signals);
     let (first_sigma, wanted) = first_sigma(options.density, cloud.area(), &unit);
-    let task = Task { beside: &beside, first_sigma, wanted, options, monitor };
+    let task = Task { features: &features, first_sigma, wanted, options, monitor };
     let sampled = if options.scan_only {
         let given = bare_samples(&cloud.points);
         task.subset(&BarePoints, &Given { samples: &given, domain: None })?.of(
@@ -241,8 +236,8 @@ fn sample_bare_points(input: &Points, unit: &Unit, options: &SampleOptions, moni
     let positions = input.positions.iter().map(|&p| unit.inwards_point(p)).collect();
     let bare = bare_samples(&Points { positions, normals: input.normals.clone() });
     let (first_sigma, wanted) = first_sigma(options.density, area_of_box(&bare), unit);
-    let beside = Beside::of_points(options.sigma_n, &options.signals);
-    let task = Task { beside: &beside, first_sigma, wanted, options, monitor };
+    let features = KernelFeatures::of_points(options.sigma_n, &options.signals);
+    let task = Task { features: &features, first_sigma, wanted, options, monitor };
     let mut sampled =
         task.subset(&BarePoints, &Given { samples: &bare, domain: None })?.of(&input.positions, None, unit.size);
     if input.normals.is_empty() {
@@ -280,8 +275,8 @@ fn choices_on(surface: &Rimls, cloud: &Prepared, wanted: usize, seed: u64) -> Ve
 pub(super) const MOST_DIMENSIONS: usize = 6 + MOST_SIGNALS;
 
 /// Candidates on `domain` for so many samples.
-fn candidates_for(domain: &Domain, beside: &Beside, wanted: usize, seed: u64) -> Vec<Candidate> {
-    let more = if beside.counts() { MORE_CANDIDATES } else { 1 };
+fn candidates_for(domain: &Domain, features: &KernelFeatures, wanted: usize, seed: u64) -> Vec<Candidate> {
+    let more = if features.counts() { MORE_CANDIDATES } else { 1 };
     candidates(domain, more * CANDIDATES_PER_POINT * wanted, &mut stream(seed, Stage::Candidates))
 }
 
@@ -319,18 +314,17 @@ fn area_of_box(samples: &[Sample]) -> f64 {
 const SMALLEST_AREA: f64 = 1e-12;
 
 /// The width to begin with for a subset of points of about `area`, and the samples wanted.
-fn first_sigma(density: Density, area: f64, unit: &Unit) -> (f64, Option<usize>) {
+fn first_sigma(density: SampleDensity, area: f64, unit: &Unit) -> (f64, Option<usize>) {
     match density {
-        Density::SigmaP(sigma) => ((sigma / unit.size).max(SMALLEST_SPACING), None),
-        Density::EdgeLength(length) => (Scale::sigma_of_spacing(length / unit.size).max(SMALLEST_SPACING), None),
-        Density::Points(n) => (Scale::of_points(n, area.max(SMALLEST_AREA * n as f64)).sigma(), Some(n)),
-        Density::Auto | Density::OfSizing => unreachable!("validated before"),
+        SampleDensity::SigmaP(sigma) => ((sigma / unit.size).max(SMALLEST_SPACING), None),
+        SampleDensity::EdgeLength(length) => (Scale::sigma_of_spacing(length / unit.size).max(SMALLEST_SPACING), None),
+        SampleDensity::Points(n) => (Scale::of_points(n, area.max(SMALLEST_AREA * n as f64)).sigma(), Some(n)),
     }
 }
 
 /// What sampling needs to know, whatever is sampled.
 struct Task<'a> {
-    beside: &'a Beside<'a>,
+    features: &'a KernelFeatures<'a>,
     first_sigma: f64,
     wanted: Option<usize>,
     options: &'a SampleOptions,
@@ -370,7 +364,7 @@ impl Subset<'_> {
 impl Task<'_> {
     /// Those of `given` that the scan keeps.
     fn subset<'a, S: Surface>(&self, surface: &S, given: &Given<'a>) -> Result<Subset<'a>> {
-        let (sigma, mut kept) = match self.beside.dimensions() {
+        let (sigma, mut kept) = match self.features.dimensions() {
             3 => self.kept_of::<S, 3>(surface, given),
             6 => self.kept_of::<S, 6>(surface, given),
             _ => self.kept_of::<S, MOST_DIMENSIONS>(surface, given),
@@ -383,7 +377,7 @@ impl Task<'_> {
         let (sigma, kept) =
             self.search(given.count(), |kernel| scan_lifted::<D>(given, &[], kernel, self.options.seed, self.monitor))?;
         let Some(wanted) = self.wanted else { return Ok((sigma, kept)) };
-        let kept = self.beside.with_kernel(sigma, |kernel| {
+        let kept = self.features.with_kernel(sigma, |kernel| {
             meet_count::<_, D>(&Lifted { surface, lift: kernel.lift }, given.samples, &kept, sigma, wanted)
         });
         Ok((sigma, kept))
@@ -396,7 +390,7 @@ impl Task<'_> {
             scan_lifted::<D>(&choices, &[], kernel, self.options.seed, self.monitor)
         })?;
         let samples = samples.into_iter().map(|i| choices.sample(i)).collect();
-        self.beside.with_kernel(sigma, |kernel| {
+        self.features.with_kernel(sigma, |kernel| {
             let surface = Lifted { surface: domain, lift: kernel.lift };
             let mut samples = match self.wanted {
                 Some(wanted) => exactly::<_, D>(&surface, domain, candidates, samples, sigma, wanted),
@@ -409,13 +403,13 @@ impl Task<'_> {
 
     /// Samples of the surface of a cloud after ascent.
     fn on_cloud(&self, cloud: &Prepared, unit: &Unit) -> Result<Sampled> {
-        let reach = self.options.cloud.smooth.unwrap_or(DEFAULT_SUPPORT);
+        let reach = self.options.cloud.smooth.unwrap_or(INTERPOLATING_SUPPORT);
         let surface = Rimls::new(&cloud.points.positions, &cloud.points.normals, &cloud.near, &cloud.spacings, reach);
         let expected = self.wanted.unwrap_or_else(|| Scale::count_of_sigma(self.first_sigma, cloud.area()));
-        check_count("sigma-p", expected, format!("this width means {expected} samples"))?;
+        check_count(Setting::SigmaP, expected, format!("this width means {expected} samples"))?;
         let choices = choices_on(&surface, cloud, expected, self.options.seed);
         check(self.monitor)?;
-        let (sigma, samples) = match self.beside.dimensions() {
+        let (sigma, samples) = match self.features.dimensions() {
             3 => self.ascended::<3>(&surface, &choices),
             6 => self.ascended::<6>(&surface, &choices),
             _ => self.ascended::<MOST_DIMENSIONS>(&surface, &choices),
@@ -441,7 +435,7 @@ impl Task<'_> {
     fn ascended<const D: usize>(&self, surface: &Rimls, choices: &[Sample]) -> Result<(f64, Vec<Sample>)> {
         let (sigma, kept) = self.kept_of::<_, D>(surface, &Given { samples: choices, domain: None })?;
         let mut samples: Vec<Sample> = kept.into_iter().map(|i| choices[i as usize]).collect();
-        self.beside.with_kernel(sigma, |kernel| self.ascend::<_, D>(surface, kernel, &mut samples))?;
+        self.features.with_kernel(sigma, |kernel| self.ascend::<_, D>(surface, kernel, &mut samples))?;
         Ok((sigma, samples))
     }
 
@@ -455,7 +449,7 @@ impl Task<'_> {
     /// The width of the kernel with which a scan of `most` candidates keeps about as many as are wanted, and what it
     /// keeps; with the first width if nobody says how many.
     fn search<T>(&self, most: usize, mut scan: impl FnMut(Kernel) -> Result<Vec<T>>) -> Result<(f64, Vec<T>)> {
-        let mut scan = |sigma: f64| self.beside.with_kernel(sigma, &mut scan);
+        let mut scan = |sigma: f64| self.features.with_kernel(sigma, &mut scan);
         let Some(wanted) = self.wanted else { return Ok((self.first_sigma, scan(self.first_sigma)?)) };
         find_bandwidth(self.first_sigma, wanted.min(most), &mut scan)
     }

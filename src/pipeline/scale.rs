@@ -1,11 +1,11 @@
 //! How many vertices there shall be, and how far apart: of a density, or of a field of wanted lengths.
 
-use crate::base::error::{Error, Result};
+use crate::base::error::{Error, Result, Setting};
 use crate::mesh::triangle_mesh::Mesh;
-use crate::pipeline::options::{Density, FIRST_POINTS, check_count};
+use crate::pipeline::density::{Density, FIRST_POINTS, check_count};
 use crate::pipeline::unit::Unit;
 use crate::surface::domain::Domain;
-use crate::surface::sizing::{field_lengths, field_sizes, mean_density, transferred};
+use crate::surface::sizing::{field_lengths, field_sizes, mean_density};
 
 /// σp in units of the mean spacing d at which the scan with ε = 0.5 keeps a density of 2 / (√3 d²): measured on eleven
 /// closed models at 5,000 to 20,000 points, where it met the count within 1 %.
@@ -23,26 +23,24 @@ pub(super) const LONGEST_EDGE: f64 = 2.0;
 
 /// A field of wanted edge lengths, in the pipeline's unit.
 pub(super) struct Field {
-    mesh: Mesh,
-    lengths: Vec<f64>,
+    /// For each vertex of the input.
+    of_input: Vec<f64>,
+    /// The spacing of as many vertices as the lengths ask for.
+    spacing: f64,
 }
 
 impl Field {
     /// `lengths` at the vertices of `input`.
     pub(super) fn new(lengths: &[f64], input: &Mesh, unit: &Unit) -> Field {
-        Field { mesh: unit.inwards(input), lengths: lengths.iter().map(|length| length / unit.size).collect() }
+        let of_input: Vec<f64> = lengths.iter().map(|length| length / unit.size).collect();
+        let spacing = mean_density(input, &of_input).sqrt().recip();
+        Field { of_input, spacing }
     }
 
-    /// The spacing of as many vertices as the lengths ask for.
-    fn spacing(&self) -> f64 {
-        mean_density(&self.mesh, &self.lengths).sqrt().recip()
-    }
-
-    /// Gives `domain` the sizes of the field, and the scale that they have with that density. Repairs number the
-    /// vertices anew, so the lengths are looked up by place.
+    /// Gives `domain` the sizes of the field, and the scale that they have with that density.
     pub(super) fn grade(&self, domain: &mut Domain, density: Density, scale: Scale) -> Result<Scale> {
-        let lengths = transferred(&self.lengths, &self.mesh, &domain.mesh.positions);
-        if density != Density::OfSizing {
+        let lengths = domain.values(&self.of_input);
+        if density != Density::OfField {
             domain.grade(field_sizes(domain, lengths, scale.spacing));
             return Ok(scale);
         }
@@ -50,7 +48,7 @@ impl Field {
         let spacing = mean_density(&domain.mesh, &lengths).sqrt().recip();
         domain.grade(lengths.into_iter().map(|length| length / spacing).collect());
         let wanted = count(domain.mesh.area(), spacing);
-        check_count("sizing", wanted, format!("the lengths mean {wanted} vertices"))?;
+        check_count(Setting::Field, wanted, format!("the lengths mean {wanted} vertices"))?;
         Ok(Scale { wanted, spacing })
     }
 }
@@ -61,6 +59,7 @@ fn count(area: f64, spacing: f64) -> usize {
 }
 
 /// The lengths that a density means on a surface, in the pipeline's unit.
+#[derive(Clone, Copy)]
 pub(super) struct Scale {
     pub wanted: usize,
     pub spacing: f64,
@@ -97,12 +96,12 @@ impl Scale {
         let points = |n: usize| checked(n, Scale::of_points(n, area).spacing);
         match density {
             Density::Points(n) => points(n),
-            Density::EdgeLength(l) => from_length("edge-length", l, l / unit.size),
-            Density::OfSizing => {
-                let spacing = field.map_or(f64::NAN, Field::spacing);
-                from_length("sizing", spacing * unit.size, spacing)
+            Density::EdgeLength(l) => from_length(Setting::EdgeLength, l, l / unit.size),
+            Density::OfField => {
+                let spacing = field.map_or(f64::NAN, |field| field.spacing);
+                from_length(Setting::Field, spacing * unit.size, spacing)
             }
-            Density::SigmaP(s) => from_length("sigma-p", s, s / unit.size / SIGMA_OF_SPACING),
+            Density::SigmaP(s) => from_length(Setting::SigmaP, s, s / unit.size / SIGMA_OF_SPACING),
             Density::Auto => points(FIRST_POINTS),
         }
     }

@@ -43,6 +43,10 @@ impl Unit {
         Mesh { positions, triangles: mesh.triangles.clone() }
     }
 
+    pub(super) fn move_inwards(&self, positions: &mut [DVec3]) {
+        positions.iter_mut().for_each(|p| *p = self.inwards_point(*p));
+    }
+
     pub(super) fn inwards_point(&self, p: DVec3) -> DVec3 {
         (p - self.centre) / self.size
     }

@@ -8,150 +8,78 @@
 //!
 //! Limits: triangles at the interface are as good as its edges allow, and where an interface zigzags that is not very good.
 
-use crate::base::error::{Error, Result};
+use crate::base::error::{Error, Result, Setting};
 use crate::manifold::Manifold;
+use crate::mesh::oriented_manifold::OrientedManifold;
+use crate::mesh::provenance::PointOnTriangle;
 use crate::mesh::submesh::{Kept, Submesh, sew};
 use crate::mesh::topology::{NONE, components};
 use crate::mesh::triangle_mesh::Mesh;
-use crate::pipeline::options::{Density, Options};
-use crate::pipeline::scale::{Field, Scale};
-use crate::pipeline::source::Repaired;
-use crate::pipeline::unit::Unit;
-use crate::prepare::repair::{Repairs, repair};
-use crate::prepare::stitch::{close_cracks, open_cracks};
+use crate::pipeline::density::Density;
+use crate::pipeline::prepared::PreparedInput;
+use crate::pipeline::scale::Scale;
+use crate::prepare::repair::Repairs;
 use crate::surface::domain::Domain;
 use crate::surface::interface_sizing::{lengths_from_interface, vertices};
 use crate::surface::sizing::mean_density;
-use glam::DVec3;
-use std::collections::HashMap;
 
-/// Which part of the input is remeshed: the triangles with all three corners in it.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Selection {
-    /// What is inside a box, its faces included: its lowest and its highest x, y and z, in the units of the input.
-    Box([f64; 3], [f64; 3]),
-    /// So much of the vertices of the input.
-    Vertices(Vec<bool>),
-}
-
-impl Selection {
-    /// Refuses what no input has a part in.
-    pub(super) fn validate(&self) -> Result<()> {
-        let Selection::Box(lowest, highest) = self else { return Ok(()) };
-        let wrong = (0..3).find(|&k| !lowest[k].is_finite() || !highest[k].is_finite() || lowest[k] > highest[k]);
-        wrong.map_or(Ok(()), |k| {
-            let cause = format!("no {} is from {} to {}", ["x", "y", "z"][k], lowest[k], highest[k]);
-            let remedy = "give the lowest x, y and z of a box, then the highest".into();
-            Err(Error::Option { option: "within", cause, remedy })
-        })
-    }
-
-    /// Refuses another number of vertices than the input has.
-    fn check(&self, vertices: usize) -> Result<()> {
-        match self {
-            Selection::Vertices(selected) if selected.len() != vertices => Err(Error::Option {
-                option: "select",
-                cause: format!("{} marks for the {vertices} vertices of the input", selected.len()),
-                remedy: "give each vertex one".into(),
-            }),
-            _ => Ok(()),
-        }
-    }
-
-    /// For each triangle of `whole`, which is `input` but for repairs, whether it is in the part. Repairs number vertices
-    /// anew, so those that are selected are known by their places.
-    fn triangles(&self, whole: &Mesh, input: &Mesh) -> Vec<bool> {
-        let inside: Vec<bool> = match self {
-            Selection::Box(lowest, highest) => {
-                let (lowest, highest) = (DVec3::from(*lowest), DVec3::from(*highest));
-                whole.positions.iter().map(|p| p.cmpge(lowest).all() && p.cmple(highest).all()).collect()
-            }
-            Selection::Vertices(selected) => {
-                let mut places = HashMap::new();
-                for (&p, &is_selected) in input.positions.iter().zip(selected) {
-                    *places.entry(place(p)).or_insert(false) |= is_selected;
-                }
-                whole.positions.iter().map(|&p| places.get(&place(p)).copied().unwrap_or(false)).collect()
-            }
-        };
-        whole.triangles.iter().map(|t| t.iter().all(|&v| inside[v as usize])).collect()
-    }
-
-    /// That it has no triangle of `whole`.
-    fn is_empty(&self, whole: &Mesh) -> Error {
-        let (lo, hi) = whole.bounds().unwrap_or_default();
-        let list = |p: DVec3| p.to_array().map(|x| x.to_string()).join(",");
-        match self {
-            Selection::Box(lowest, highest) => Error::Option {
-                option: "within",
-                cause: format!(
-                    "no triangle is inside {},{}; those of the input are within {},{}",
-                    list(DVec3::from(*lowest)),
-                    list(DVec3::from(*highest)),
-                    list(lo),
-                    list(hi)
-                ),
-                remedy: "give a larger box, or another one".into(),
-            },
-            Selection::Vertices(selected) => Error::Option {
-                option: "select",
-                cause: format!(
-                    "no triangle has all its corners selected; {} of {} vertices are",
-                    selected.iter().filter(|s| **s).count(),
-                    selected.len()
-                ),
-                remedy: "select more of them".into(),
-            },
-        }
-    }
-}
-
-/// What makes vertices at exactly the same place the same: adding zero makes -0.0 and 0.0 the same bits.
-fn place(p: DVec3) -> [u64; 3] {
-    (p + DVec3::ZERO).to_array().map(f64::to_bits)
-}
-
-/// The input, the part of it that is remeshed, and what it was mended by.
+/// The repaired input and the part of it that is remeshed.
 pub(super) struct Within {
     /// The input after repairs, in its own coordinates.
-    pub whole: Mesh,
-    repairs: Repairs,
+    pub whole: OrientedManifold,
     /// The part, in the coordinates of the input.
     pub part: Submesh,
     /// Whether each triangle of the whole is in the part.
     selected: Vec<bool>,
-    /// Pieces of the selection that are too small.
+    /// Components of the selection that are too small.
     left: usize,
+    /// Whether the whole is not the input as it came.
+    was_repaired: bool,
+}
+
+/// What is sampled of the repaired input, in the pipeline's unit, and, if that is not all of it, what stays.
+///
+/// # Errors
+/// [`Error::Option`] if no triangle is in the part that is asked for, or there is no room in it.
+pub(super) fn sampled_part(
+    prepared: &PreparedInput,
+    mut repaired: OrientedManifold,
+    density: Density,
+) -> Result<(OrientedManifold, Option<Within>)> {
+    let Some(selection) = &prepared.options.part else { return Ok((repaired, None)) };
+    let selected = selection.triangles(&repaired);
+    if !selected.contains(&false) {
+        prepared.unit.move_inwards(repaired.positions_mut());
+        return Ok((repaired, None));
+    }
+    if !selected.contains(&true) {
+        return selection.refuse_nothing(&repaired);
+    }
+    let within = Within::new(prepared, repaired, selected, density)?;
+    Ok((within.part(prepared), Some(within)))
 }
 
 impl Within {
-    /// The part of `input` that is asked for; `None` if that is all of it.
-    pub(super) fn new(input: &Mesh, options: &Options, field: Option<&Field>, unit: &Unit) -> Result<Option<Within>> {
-        let Some(selection) = &options.part else { return Ok(None) };
-        selection.check(input.positions.len())?;
-        let welded = options.weld.map(|tolerance| close_cracks(input, tolerance));
-        let (whole, repairs) = repair(welded.as_ref().unwrap_or(input));
-        let selected = selection.triangles(&whole, input);
-        if selected.iter().all(|selected| *selected) {
-            return Ok(None);
-        }
-        if !selected.contains(&true) {
-            return Err(selection.is_empty(&whole));
-        }
-        let mut within = Within { part: Submesh::cut_out(&whole, &selected), whole, repairs, selected, left: 0 };
-        let spacing = unit.size * Scale::new(options.density, field, &unit.inwards(&within.part.mesh), unit)?.spacing;
+    fn new(prepared: &PreparedInput, whole: OrientedManifold, selected: Vec<bool>, density: Density) -> Result<Within> {
+        let was_repaired = prepared.repairs != Repairs::default();
+        let mut within = Within { part: Submesh::cut_out(&whole, &selected), whole, selected, left: 0, was_repaired };
+        let scale = Scale::new(density, prepared.field.as_ref(), &within.part(prepared), &prepared.unit)?;
+        let spacing = prepared.unit.size * scale.spacing;
         within.leave_small_components(spacing);
         if within.part.mesh.triangles.is_empty() {
             let cause = format!("the part is smaller than a triangle of edges {spacing:.4e} long");
-            return Err(Error::Option { option: "points", cause, remedy: "give more points, or a larger part".into() });
+            let remedy = "give more points, or a larger part".into();
+            return Err(Error::Option { option: Setting::Points, cause, remedy });
         }
-        Ok(Some(within))
+        Ok(within)
     }
 
     /// The part, in the pipeline's unit.
-    pub(super) fn repaired(&self, options: &Options, unit: &Unit) -> Repaired {
-        let open_cracks = if options.weld.is_none() { open_cracks(&self.whole) } else { 0 };
-        Repaired { mesh: unit.inwards(&self.part.mesh), repairs: self.repairs, open_cracks }
+    fn part(&self, prepared: &PreparedInput) -> OrientedManifold {
+        let triangles: Vec<u32> =
+            (0..).zip(&self.selected).filter(|(_, selected)| **selected).map(|(t, _)| t).collect();
+        let provenance = self.whole.provenance().clone().select(&self.part.source, &triangles);
+        OrientedManifold::trusted(prepared.unit.inwards(&self.part.mesh), provenance)
     }
 
     /// Leaves components that have no room for a point as they are.
@@ -199,26 +127,39 @@ impl Within {
         stays.iter().filter(|stays| **stays).count() + wanted - self.part.interface_vertices()
     }
 
-    /// The whole with `mesh`, that of `made`, whose vertices lie on `domain`, in the place of the part; what is kept are
-    /// vertices and triangles of `input`.
-    pub(super) fn sew(&self, mesh: &Mesh, made: &Manifold, domain: &Domain, input: &Mesh) -> (Mesh, Option<Kept>) {
+    /// The whole with `mesh`, that of `made`, whose vertices lie on `domain`, in the place of the part.
+    pub(super) fn sew(&self, mesh: &Mesh, made: &Manifold, domain: &Domain) -> Sewn {
         let (_, old) = made.connectivity.compact();
-        let joined = |&v: &u32| match corner_of_interface(made, domain, v) {
-            NONE => NONE,
-            corner => self.part.source[corner as usize],
-        };
-        let joined: Vec<u32> = old.iter().map(joined).collect();
-        let (mesh, kept) = sew(&self.whole, &self.selected, mesh, &joined);
-        let origin = Origin::new(input);
-        let vertices = kept.vertices.iter().map(|&v| origin.vertex(self.whole.positions[v as usize])).collect();
-        let triangles = kept.triangles.iter().map(|&t| origin.triangle(self.whole.corners(t as usize))).collect();
-        (mesh, Some(Kept { vertices, triangles }))
+        let joined: Vec<u32> = old
+            .iter()
+            .map(|&v| corner_of_interface(made, domain, v).map_or(NONE, |v| self.part.source[v as usize]))
+            .collect();
+        let (mesh, Kept { vertices, triangles }) = sew(&self.whole, &self.selected, mesh, &joined);
+        let new = (0..).zip(&joined).filter(|v| *v.1 == NONE).map(|(v, _)| v).collect();
+        Sewn { mesh, kept_vertices: vertices, kept_triangles: triangles, new }
+    }
+
+    /// What of the input the kept vertices and triangles are.
+    pub(super) fn kept(&self, sewn: &Sewn) -> Kept {
+        let provenance = self.whole.provenance();
+        let vertex = |&v: &u32| provenance.vertex(v).unwrap_or(NONE);
+        let is_whole = |t: u32| self.whole.triangles[t as usize].iter().all(|&v| provenance.vertex(v).is_some());
+        let triangle = |&t: &u32| if is_whole(t) { provenance.triangle(t) } else { NONE };
+        Kept {
+            vertices: sewn.kept_vertices.iter().map(vertex).collect(),
+            triangles: sewn.kept_triangles.iter().map(triangle).collect(),
+        }
+    }
+
+    /// The point of the input that is at share `weights` of triangle `t` of the whole.
+    pub(super) fn origin(&self, t: u32, weights: [f64; 3], input: &Mesh) -> PointOnTriangle {
+        self.whole.provenance().origin(t, self.whole.triangles[t as usize], weights, &input.triangles)
     }
 
     /// What a user should know about it.
     pub(super) fn notes(&self, mesh: &Mesh, kept: &Kept) -> Vec<String> {
         let new = mesh.positions.len() - kept.vertices.len();
-        let of_input = if self.repairs == Repairs::default() { "the input" } else { "the input, once repaired," };
+        let of_input = if self.was_repaired { "the input, once repaired," } else { "the input" };
         let mut notes = vec![format!(
             "{new} vertices are inside of the part that was remeshed; {} vertices and {} triangles of {of_input} are as \
              they were",
@@ -232,48 +173,25 @@ impl Within {
     }
 }
 
-/// The vertex of the part that vertex `v` of what was made of it is, if that is on the interface. A vertex there is a corner of
-/// the triangle of the domain that it lies on.
-fn corner_of_interface(made: &Manifold, domain: &Domain, v: u32) -> u32 {
+/// The whole with a new part.
+pub(super) struct Sewn {
+    /// The kept vertices and triangles come first.
+    pub mesh: Mesh,
+    /// For each kept vertex and triangle that of the whole.
+    kept_vertices: Vec<u32>,
+    pub kept_triangles: Vec<u32>,
+    /// For each vertex after the kept ones its number in the part.
+    pub new: Vec<u32>,
+}
+
+/// The vertex of the part, before it was cut along sharp edges, that vertex `v` of what was made of it is, if that is on
+/// the interface. A vertex there is a corner of the triangle of the domain that it lies on.
+fn corner_of_interface(made: &Manifold, domain: &Domain, v: u32) -> Option<u32> {
     if !made.connectivity.is_on_interface(v) {
-        return NONE;
+        return None;
     }
     let sample = &made.samples[v as usize];
     let corners = domain.mesh.triangles[sample.triangle as usize];
     let corner = corners.into_iter().find(|&w| domain.mesh.positions[w as usize] == sample.position);
-    corner.map_or(NONE, |w| domain.original[w as usize])
-}
-
-/// Which vertex and which triangle of a mesh is at a place: the first of several.
-struct Origin {
-    vertices: HashMap<[u64; 3], u32>,
-    triangles: HashMap<[[u64; 3]; 3], u32>,
-}
-
-impl Origin {
-    fn new(mesh: &Mesh) -> Origin {
-        let mut origin = Origin { vertices: HashMap::new(), triangles: HashMap::new() };
-        for (&p, v) in mesh.positions.iter().zip(0..) {
-            origin.vertices.entry(place(p)).or_insert(v);
-        }
-        for t in 0..mesh.triangles.len() {
-            origin.triangles.entry(places(mesh.corners(t))).or_insert(t as u32);
-        }
-        origin
-    }
-
-    fn vertex(&self, at: DVec3) -> u32 {
-        self.vertices.get(&place(at)).copied().unwrap_or(NONE)
-    }
-
-    fn triangle(&self, corners: [DVec3; 3]) -> u32 {
-        self.triangles.get(&places(corners)).copied().unwrap_or(NONE)
-    }
-}
-
-/// The places of the corners of a triangle, wherever they begin and whichever way they go.
-fn places(corners: [DVec3; 3]) -> [[u64; 3]; 3] {
-    let mut places = corners.map(place);
-    places.sort_unstable();
-    places
+    corner.map(|w| domain.original[w as usize])
 }

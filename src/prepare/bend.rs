@@ -10,6 +10,7 @@
 //! Limits: sharp edges, the boundary, triangles over gaps, and places where the result would fold or cross itself stay
 //! flat.
 
+use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::points::Points;
 use crate::mesh::refine::halve_edges;
 use crate::mesh::topology::NONE;
@@ -65,12 +66,12 @@ impl Cloud {
     }
 }
 
-/// `mesh` with its vertices on the implicit surface of their own places and normals, each reaching as far as `reach`
+/// Moves the vertices of `mesh` to the implicit surface of their own places and normals, with a support radius of `support`
 /// times how far apart they are.
-pub fn smoothed(mesh: &Mesh, reach: f64) -> Mesh {
+pub fn smooth(mesh: &mut OrientedManifold, support: f64) {
     let all: Vec<u32> = (0..mesh.positions.len() as u32).collect();
-    let (positions, _) = Cloud::new(mesh, &all).surface(reach).smoothed();
-    Mesh { positions, triangles: mesh.triangles.clone() }
+    let (positions, _) = Cloud::new(mesh, &all).surface(support).smoothed();
+    mesh.positions_mut().copy_from_slice(&positions);
 }
 
 /// A mesh whose edges were split where its vertices say that the surface bends.
@@ -85,7 +86,7 @@ impl Split {
     /// Splits the edges of `mesh` that are longer than `longest` or that the surface bends away from by more than the
     /// tolerance, at most to `most` triangles. `sharp` says of each side `3 t + k` whether the edge is sharp, `spacing` is
     /// that of the result.
-    pub fn new(mesh: &mut Mesh, sharp: &[bool], longest: f64, spacing: f64, most: usize) -> Split {
+    pub fn new(mesh: &mut OrientedManifold, sharp: &[bool], longest: f64, spacing: f64, most: usize) -> Split {
         let mut split = Split { ends: Vec::new(), normals: steady_normals(mesh, sharp) };
         while mesh.triangles.len() < most {
             let is_long = |a: u32, b: u32, length: f64| {
@@ -121,7 +122,7 @@ impl Split {
     /// the surface lies beside them. `twin` and `sharp` are as [`Domain::with_sharp`] takes them.
     ///
     /// [`Domain::with_sharp`]: crate::surface::domain::Domain::with_sharp
-    pub fn bend(&self, mesh: &mut Mesh, twin: &[u32], sharp: &[bool], reach: f64) {
+    pub fn bend(&self, mesh: &mut OrientedManifold, twin: &[u32], sharp: &[bool], reach: f64) {
         let count = mesh.positions.len() - self.ends.len();
         let at_sharp = corners_of_sides(mesh, |side| sharp[side]);
         let at_boundary = corners_of_sides(mesh, |side| twin[side] == NONE);
@@ -212,11 +213,11 @@ fn corners_of_sides(mesh: &Mesh, is_one: impl Fn(usize) -> bool) -> Vec<bool> {
 }
 
 /// Moves the vertices from number `first` on, but for those of triangles that would turn over or cross others.
-fn raise(mesh: &mut Mesh, first: usize, mut rises: Vec<Option<DVec3>>) {
+fn raise(mesh: &mut OrientedManifold, first: usize, mut rises: Vec<Option<DVec3>>) {
     let flat = mesh.clone();
     loop {
         for (v, rise) in (first..).zip(&rises) {
-            mesh.positions[v] = flat.positions[v] + rise.unwrap_or_default();
+            mesh.positions_mut()[v] = flat.positions[v] + rise.unwrap_or_default();
         }
         let has_risen = |t: &u32| {
             let corners = mesh.triangles[*t as usize];

@@ -18,10 +18,12 @@
 //! Cost: sorting the vertices and the edges; linear otherwise.
 
 use crate::base::union_find::UnionFind;
+use crate::mesh::oriented_manifold::OrientedManifold;
+use crate::mesh::provenance::Provenance;
 use crate::mesh::topology::{NONE, Side, components, sorted_sides};
 use crate::mesh::triangle_mesh::Mesh;
+use crate::mesh::weld::representatives;
 use glam::DVec3;
-use rayon::slice::ParallelSliceMut;
 use serde::{Deserialize, Serialize};
 
 /// What was done to an input so that it became an oriented manifold. All zero: nothing had to be done.
@@ -46,44 +48,55 @@ pub struct Repairs {
 }
 
 /// The oriented 2-manifold made of `mesh`, and what it took.
-pub fn repair(mesh: &Mesh) -> (Mesh, Repairs) {
+pub fn repair(mesh: &Mesh) -> (OrientedManifold, Repairs) {
+    repair_welded(mesh, representatives(&mesh.positions))
+}
+
+/// [`repair`] of a mesh some of whose vertices are one. `representatives` has for each vertex the first of those that it is
+/// one with, as [`crate::mesh::weld`] and [`close_cracks`](crate::prepare::stitch::close_cracks) give it.
+pub fn repair_welded(mesh: &Mesh, representatives: Vec<u32>) -> (OrientedManifold, Repairs) {
     let mut repairs = Repairs::default();
-    let mut triangles = weld(mesh, &mut repairs);
-    let mut sides = sorted_sides(&triangles);
-    drop_duplicates(&mut triangles, &mut sides, &mut repairs);
+    let mut soup = weld(mesh, &representatives, &mut repairs);
+    let mut sides = sorted_sides(&soup.triangles);
+    drop_duplicates(&mut soup, &mut sides, &mut repairs);
+    let Soup { mut triangles, sources } = soup;
     let mut glued = glue(&mesh.positions, &triangles, &sides, &mut repairs);
     drop(sides);
     orient(&mesh.positions, &mut triangles, &mut glued, &mut repairs);
-    let mut result = separate_fans(&mesh.positions, &triangles, &glued, &mut repairs);
+    let (mut result, vertices) = separate_fans(&mesh.positions, &triangles, &glued, &mut repairs);
+    let mut provenance = Provenance::new(representatives, vertices, sources);
     if repairs.cut_edges + repairs.unorientable_edges > 0 {
-        split_repeated_edges(&mut result, &glued);
+        split_repeated_edges(&mut result, &mut provenance, &glued);
     }
-    drop_flat_components(&mut result, &mut repairs);
-    (result, repairs)
+    (drop_flat_components(result, provenance, &mut repairs), repairs)
 }
 
-/// The triangles over the first vertex at each place, without those that lose a corner.
-fn weld(mesh: &Mesh, repairs: &mut Repairs) -> Vec<[u32; 3]> {
+/// Triangles over the vertices of a mesh, and which of its triangles each is.
+struct Soup {
+    triangles: Vec<[u32; 3]>,
+    sources: Vec<u32>,
+}
+
+/// The triangles over the vertices that stand for their places, without those that lose a corner.
+fn weld(mesh: &Mesh, representatives: &[u32], repairs: &mut Repairs) -> Soup {
     let mut used = vec![false; mesh.positions.len()];
     mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
     repairs.unused_vertices = used.iter().filter(|&&u| !u).count();
-    // Adding zero makes -0.0 and 0.0 the same bits.
-    let key = |v: u32| (mesh.positions[v as usize] + DVec3::ZERO).to_array().map(f64::to_bits);
-    let mut order: Vec<u32> = (0..used.len() as u32).filter(|&v| used[v as usize]).collect();
-    order.par_sort_unstable_by_key(|&v| (key(v), v));
-    let mut first: Vec<u32> = (0..used.len() as u32).collect();
-    for place in order.chunk_by(|&a, &b| key(a) == key(b)) {
-        place.iter().for_each(|&v| first[v as usize] = place[0]);
-        repairs.welded_vertices += place.len() - 1;
-    }
-    let welded = mesh.triangles.iter().map(|t| t.map(|v| first[v as usize]));
-    let kept: Vec<_> = welded.filter(|[a, b, c]| a != b && b != c && c != a).collect();
-    repairs.degenerate_triangles = mesh.triangles.len() - kept.len();
-    kept
+    // An unused vertex may stand for a place of used ones.
+    let mut stands = vec![false; used.len()];
+    representatives.iter().zip(&used).filter(|v| *v.1).for_each(|(&first, _)| stands[first as usize] = true);
+    let places = stands.iter().filter(|stands| **stands).count();
+    repairs.welded_vertices = used.len() - repairs.unused_vertices - places;
+    let welded = mesh.triangles.iter().map(|t| t.map(|v| representatives[v as usize]));
+    let kept = welded.zip(0..).filter(|([a, b, c], _)| a != b && b != c && c != a);
+    let (triangles, sources): (Vec<_>, Vec<_>) = kept.unzip();
+    repairs.degenerate_triangles = mesh.triangles.len() - triangles.len();
+    Soup { triangles, sources }
 }
 
 /// Keeps the first of the triangles that have the same three corners. Copies are found at one of their edges.
-fn drop_duplicates(triangles: &mut Vec<[u32; 3]>, sides: &mut Vec<Side>, repairs: &mut Repairs) {
+fn drop_duplicates(soup: &mut Soup, sides: &mut Vec<Side>, repairs: &mut Repairs) {
+    let Soup { triangles, sources } = soup;
     let mut copy = vec![false; triangles.len()];
     for edge in sides.chunk_by(|a, b| a.ends == b.ends).filter(|e| e.len() > 1) {
         let apex = |s: &Side| triangles[s.side as usize / 3][(s.side as usize + 2) % 3];
@@ -93,10 +106,16 @@ fn drop_duplicates(triangles: &mut Vec<[u32; 3]>, sides: &mut Vec<Side>, repairs
     }
     repairs.duplicate_triangles = copy.iter().filter(|c| **c).count();
     if repairs.duplicate_triangles > 0 {
-        let mut copy = copy.into_iter();
-        triangles.retain(|_| !copy.next().unwrap_or(false));
+        retain(triangles, |t| !copy[t]);
+        retain(sources, |t| !copy[t]);
         *sides = sorted_sides(triangles);
     }
+}
+
+/// Keeps the entries whose numbers `keeps` holds for.
+fn retain<T>(list: &mut Vec<T>, keeps: impl Fn(usize) -> bool) {
+    let mut numbers = 0..;
+    list.retain(|_| numbers.next().is_some_and(&keeps));
 }
 
 /// Two sides that are the same edge of the manifold, and whether the faces agree in orientation.
@@ -243,8 +262,14 @@ fn spread_orientation(positions: &[DVec3], triangles: &[[u32; 3]], glued: &[Glue
     flipped
 }
 
-/// One vertex for each fan of glued faces, numbered as the vertices were and then by corner; unused ones are gone.
-fn separate_fans(positions: &[DVec3], triangles: &[[u32; 3]], glued: &[Glued], repairs: &mut Repairs) -> Mesh {
+/// One vertex for each fan of glued faces, numbered as the vertices were and then by corner, and which vertex each was;
+/// unused ones are gone.
+fn separate_fans(
+    positions: &[DVec3],
+    triangles: &[[u32; 3]],
+    glued: &[Glued],
+    repairs: &mut Repairs,
+) -> (Mesh, Vec<u32>) {
     let mut fans = UnionFind::new(3 * triangles.len());
     for g in glued {
         let [a, b] = g.sides;
@@ -261,15 +286,14 @@ fn separate_fans(positions: &[DVec3], triangles: &[[u32; 3]], glued: &[Glued], r
         number[c as usize] = n;
     }
     let mut vertex = |c: usize| number[fans.find(c as u32) as usize];
-    Mesh {
-        positions: roots.iter().map(|&c| positions[corner_vertex(c) as usize]).collect(),
-        triangles: (0..triangles.len()).map(|t| [vertex(3 * t), vertex(3 * t + 1), vertex(3 * t + 2)]).collect(),
-    }
+    let triangles = (0..triangles.len()).map(|t| [vertex(3 * t), vertex(3 * t + 1), vertex(3 * t + 2)]).collect();
+    let vertices: Vec<u32> = roots.into_iter().map(corner_vertex).collect();
+    (Mesh { positions: vertices.iter().map(|&v| positions[v as usize]).collect(), triangles }, vertices)
 }
 
 /// Where a surface touches itself along an edge and both ends are in one fan, the edge is still there twice: all but
 /// one of its copies, each a glued pair of sides or a boundary, get a vertex in the middle.
-fn split_repeated_edges(mesh: &mut Mesh, glued: &[Glued]) {
+fn split_repeated_edges(mesh: &mut Mesh, provenance: &mut Provenance, glued: &[Glued]) {
     let sides = sorted_sides(&mesh.triangles);
     let mut partner = vec![NONE; 3 * mesh.triangles.len()];
     for &Glued { sides: [a, b], .. } in glued {
@@ -284,6 +308,7 @@ fn split_repeated_edges(mesh: &mut Mesh, glued: &[Glued]) {
             let middle = mesh.positions.len() as u32;
             let [lo, hi] = edge[0].ends.map(|v| mesh.positions[v as usize]);
             mesh.positions.push((lo + hi) / 2.0);
+            provenance.insert_middle(edge[0].ends);
             middles.extend([side, partner[side as usize]].into_iter().filter(|&s| s != NONE).map(|s| (s, middle)));
         }
     }
@@ -299,22 +324,30 @@ fn split_repeated_edges(mesh: &mut Mesh, glued: &[Glued]) {
         // A fan from a middle has no flat triangle.
         ring.rotate_left(of_triangle[0].0 as usize % 3 + 1);
         mesh.triangles[t] = [ring[0], ring[1], ring[2]];
-        mesh.triangles.extend((2..ring.len() - 1).map(|i| [ring[0], ring[i], ring[i + 1]]));
+        for i in 2..ring.len() - 1 {
+            mesh.triangles.push([ring[0], ring[i], ring[i + 1]]);
+            provenance.insert_part(t as u32);
+        }
     }
 }
 
-fn drop_flat_components(mesh: &mut Mesh, repairs: &mut Repairs) {
+/// The manifold without its components that have no area.
+fn drop_flat_components(mut mesh: Mesh, provenance: Provenance, repairs: &mut Repairs) -> OrientedManifold {
     let component = components(mesh.positions.len(), &mesh.triangles);
     let mut has_area = vec![false; mesh.positions.len()];
     for t in 0..mesh.triangles.len() {
         has_area[component[mesh.triangles[t][0] as usize] as usize] |= mesh.area_vector(t) != DVec3::ZERO;
     }
-    let before = mesh.triangles.len();
-    mesh.triangles.retain(|t| has_area[component[t[0] as usize] as usize]);
-    if mesh.triangles.len() < before {
-        repairs.degenerate_triangles += before - mesh.triangles.len();
-        mesh.drop_unused();
+    let stays = |v: u32| has_area[component[v as usize] as usize];
+    let triangles: Vec<u32> = (0..).zip(&mesh.triangles).filter(|(_, t)| stays(t[0])).map(|(t, _)| t).collect();
+    if triangles.len() == mesh.triangles.len() {
+        return OrientedManifold::trusted(mesh, provenance);
     }
+    repairs.degenerate_triangles += mesh.triangles.len() - triangles.len();
+    let vertices: Vec<u32> = (0..mesh.positions.len() as u32).filter(|&v| stays(v)).collect();
+    mesh.triangles = triangles.iter().map(|&t| mesh.triangles[t as usize]).collect();
+    mesh.drop_unused();
+    OrientedManifold::trusted(mesh, provenance.select(&vertices, &triangles))
 }
 
 #[cfg(test)]
@@ -354,7 +387,7 @@ mod tests {
         let cube = cube(DVec3::ZERO);
         let (same, repairs) = repair(&cube);
         assert_eq!(repairs, Repairs::default());
-        assert_eq!(same, cube);
+        assert_eq!(same.into_mesh(), cube);
     }
 
     #[test]

@@ -69,7 +69,7 @@ pub struct Report {
 /// A mesh and its figures.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
-    /// The name of its file, as it was given.
+    /// The name of its file; empty for a mesh that is in none.
     pub file: String,
     /// Counts over the vertices that triangles use.
     pub topology: Topology,
@@ -129,21 +129,11 @@ pub struct Lap {
     pub seconds: f64,
 }
 
-/// A mesh and the name of its file.
-#[derive(Debug, Clone, Copy)]
-pub struct Named<'a> {
-    /// The name, as it was given.
-    pub file: &'a str,
-    /// The mesh in it.
-    pub mesh: &'a Mesh,
-}
-
 impl Measured {
     /// The figures of a mesh, as it is.
-    pub fn of(named: Named) -> Measured {
-        let Named { file, mesh } = named;
+    pub fn of(mesh: &Mesh) -> Measured {
         let topology = topology(mesh.positions.len(), &mesh.triangles);
-        Measured { file: file.into(), topology, shape: shape(mesh) }
+        Measured { file: String::new(), topology, shape: shape(mesh) }
     }
 }
 
@@ -155,17 +145,17 @@ impl Crossings {
 }
 
 impl Report {
-    /// The report on a remeshing of `input` with `seed` whose result went to the file `output`. Stages, memory and
-    /// threads are the caller's to add, by [`Report::with_run`].
-    pub fn of_remesh(remeshed: &Remeshed, input: Named, output: &str, seed: u64) -> Report {
+    /// The report on a remeshing of `input` with `seed`. The names of files are the caller's to add, by
+    /// [`Report::add_files`], and stages, memory and threads by [`Report::add_run`].
+    pub fn of_remesh(remeshed: &Remeshed, input: &Mesh, seed: u64) -> Report {
         let &Remeshed { sigma_p, spacing, spacing_range, wanted, sharp_curves, tessellated_patches, .. } = remeshed;
         Report {
             verified: Some(remeshed.verified()),
-            input: Some(Measured { file: input.file.into(), topology: remeshed.input, shape: shape(input.mesh) }),
+            input: Some(Measured { file: String::new(), topology: remeshed.input, shape: shape(input) }),
             repairs: Some(remeshed.repairs),
             repaired: Some(remeshed.repaired),
             crossings: Crossings::of(remeshed),
-            distance: distance(&remeshed.mesh, input.mesh, REPORT_SAMPLES, seed),
+            distance: distance(&remeshed.mesh, input, REPORT_SAMPLES, seed),
             deviation: remeshed.deviation,
             sampling: Some(Sampling {
                 wanted,
@@ -178,7 +168,7 @@ impl Report {
             }),
             notes: remeshed.notes.clone(),
             ..Report::of_output(Measured {
-                file: output.into(),
+                file: String::new(),
                 topology: remeshed.output,
                 shape: shape(&remeshed.mesh),
             })
@@ -186,11 +176,11 @@ impl Report {
     }
 
     /// The report on any mesh, as it is, and on its distance to another one.
-    pub fn of_mesh(mesh: Named, against: Option<Named>) -> Report {
+    pub fn of_mesh(mesh: &Mesh, against: Option<&Mesh>) -> Report {
         Report {
             input: against.map(Measured::of),
-            crossings: Crossings { faces: self_intersections(mesh.mesh), repaired: None },
-            distance: against.and_then(|input| distance(mesh.mesh, input.mesh, REPORT_SAMPLES, 0)),
+            crossings: Crossings { faces: self_intersections(mesh), repaired: None },
+            distance: against.and_then(|input| distance(mesh, input, REPORT_SAMPLES, 0)),
             ..Report::of_output(Measured::of(mesh))
         }
     }
@@ -217,11 +207,17 @@ impl Report {
         }
     }
 
-    /// The same report with what the run took.
-    #[must_use]
-    pub fn with_run(self, laps: &[(&str, Duration)], peak_memory_bytes: Option<u64>, threads: usize) -> Report {
+    /// Adds the names of the files of the input and the output.
+    pub fn add_files(&mut self, input: &str, output: &str) {
+        self.input.iter_mut().for_each(|mesh| mesh.file = input.into());
+        self.output.file = output.into();
+    }
+
+    /// Adds what the run took.
+    pub fn add_run(&mut self, laps: &[(&str, Duration)], peak_memory_bytes: Option<u64>, threads: usize) {
         let lap = |&(name, time): &(&str, Duration)| Lap { name: name.into(), seconds: time.as_secs_f64() };
-        Report { stages: laps.iter().map(lap).collect(), peak_memory_bytes, threads, ..self }
+        self.stages = laps.iter().map(lap).collect();
+        (self.peak_memory_bytes, self.threads) = (peak_memory_bytes, threads);
     }
 
     /// Why the output is not what the input asked for, a phrase each; empty for a verified result and for a mesh that
@@ -257,7 +253,7 @@ pub fn shortcomings(
         (found.nonmanifold_edges, "edges with more than two faces"),
         (found.nonmanifold_vertices, "vertices with more than one fan"),
         (found.misoriented_edges, "edges between faces of opposite orientation"),
-        (new_crossings, "faces that cross or touch each other"),
+        (new_crossings, "self-intersecting faces"),
     ];
     let differences = [
         ("Euler characteristic", found.euler, wanted.euler),
@@ -275,6 +271,7 @@ pub fn shortcomings(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::provenance::Origins;
     use glam::DVec3;
 
     pub(super) fn tetrahedron() -> Mesh {
@@ -294,6 +291,7 @@ mod tests {
         let remeshed = Remeshed {
             output: topology(4, &mesh.triangles),
             mesh,
+            origins: Origins::default(),
             input: whole,
             repaired: whole,
             repairs: Repairs { welded_vertices: 2, flipped_triangles: 1, ..Repairs::default() },
@@ -311,13 +309,21 @@ mod tests {
         };
         let lost = vec![Lost { name: "h".into(), cause: "PLY has lost it".into() }];
         let attributes = Some(AttributesKept { carried: vec!["color".into(), "normal".into()], lost });
-        let report = Report::of_remesh(&remeshed, Named { file: "in.obj", mesh: &input }, "out.ply", 7);
-        Report { attributes, ..report }
+        let mut report = Report { attributes, ..Report::of_remesh(&remeshed, &input, 7) };
+        report.add_files("in.obj", "out.ply");
+        report
+    }
+
+    /// The same with what a run of one stage took.
+    pub(super) fn failed_run(stage: &'static str, milliseconds: u64, peak_memory_bytes: Option<u64>) -> Report {
+        let mut report = failed();
+        report.add_run(&[(stage, Duration::from_millis(milliseconds))], peak_memory_bytes, 2);
+        report
     }
 
     #[test]
     fn json_can_be_read_back() {
-        let report = failed().with_run(&[("read", Duration::from_millis(125))], Some(1 << 20), 2);
+        let report = failed_run("read", 125, Some(1 << 20));
         let back: Report = serde_json::from_str(&report.to_json()).unwrap();
         assert_eq!((&back.output.topology, &back.repairs), (&report.output.topology, &report.repairs));
         assert_eq!((&back.stages, back.peak_memory_bytes), (&report.stages, report.peak_memory_bytes));
@@ -326,7 +332,7 @@ mod tests {
     #[test]
     fn every_member_is_there_and_what_is_not_known_is_null() {
         let mesh = tetrahedron();
-        let json = Report::of_mesh(Named { file: "m.off", mesh: &mesh }, None).to_json();
+        let json = Report::of_mesh(&mesh, None).to_json();
         let value: serde_json::Value = serde_json::from_str(&json).unwrap();
         assert_eq!(value["schema"], SCHEMA);
         assert_eq!(value["output"]["topology"]["euler"], 2);
@@ -339,8 +345,7 @@ mod tests {
     #[test]
     fn the_documentation_names_every_member() {
         let documentation = include_str!("../../docs/report.md");
-        let value: serde_json::Value =
-            serde_json::from_str(&failed().with_run(&[("x", Duration::ZERO)], None, 1).to_json()).unwrap();
+        let value: serde_json::Value = serde_json::from_str(&failed_run("x", 0, None).to_json()).unwrap();
         let mut todo = vec![&value];
         while let Some(value) = todo.pop() {
             for (name, member) in value.as_object().into_iter().flatten() {
@@ -378,7 +383,7 @@ mod tests {
     #[test]
     fn faces_that_cross_are_named() {
         let mesh = crossing();
-        let report = Report::of_mesh(Named { file: "m.off", mesh: &mesh }, None);
+        let report = Report::of_mesh(&mesh, None);
         assert_eq!(report.crossings, Crossings { faces: vec![2, 4, 5, 7], repaired: None });
         assert!(report.to_text().contains("crossing faces           2, 4, 5, 7\n"), "{}", report.to_text());
         assert_eq!(report.shortcomings(), [""; 0]);
@@ -388,15 +393,14 @@ mod tests {
     fn faces_that_cross_where_those_of_the_input_do_not_are_a_shortcoming() {
         let wanted = topology(4, &tetrahedron().triangles);
         let with = |repaired| shortcomings(&wanted, &wanted, &Crossings { faces: vec![3, 5], repaired }, None);
-        assert_eq!(with(Some(0)), ["2 faces that cross or touch each other"]);
+        assert_eq!(with(Some(0)), ["2 self-intersecting faces"]);
         assert_eq!((with(Some(7)), with(None)), (vec![], vec![]));
     }
 
     #[test]
     fn a_mesh_against_itself_is_at_no_distance() {
         let mesh = tetrahedron();
-        let named = Named { file: "m.off", mesh: &mesh };
-        let report = Report::of_mesh(named, Some(named));
+        let report = Report::of_mesh(&mesh, Some(&mesh));
         assert!(report.distance.unwrap().hausdorff < 1e-9);
         assert_eq!(report.input, Some(report.output));
     }

@@ -256,10 +256,9 @@ fn valence_share(shape: &Shape, range: std::ops::RangeInclusive<u32>) -> String 
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{failed, tetrahedron};
-    use super::super::{Named, Report};
+    use super::super::Report;
+    use super::super::tests::{failed_run, tetrahedron};
     use super::*;
-    use std::time::Duration;
 
     fn has(text: &str, line: &str) {
         assert!(text.lines().any(|l| l == line), "no line\n{line}\nin\n{text}");
@@ -267,7 +266,7 @@ mod tests {
 
     #[test]
     fn input_and_output_stand_side_by_side() {
-        let text = failed().with_run(&[("read", Duration::from_millis(250))], Some(150_000_000), 2).to_text();
+        let text = failed_run("read", 250, Some(150_000_000)).to_text();
         has(&text, "in.obj -> out.ply");
         has(&text, "                                  input         output");
         has(&text, "vertices                              4              4");
@@ -291,15 +290,11 @@ mod tests {
     #[test]
     fn a_mesh_alone_has_one_column_and_no_verdict() {
         let mesh = tetrahedron();
-        let text = Report::of_mesh(Named { file: "m.off", mesh: &mesh }, None).to_text();
-        has(&text, "m.off");
+        let text = Report::of_mesh(&mesh, None).to_text();
         has(&text, "Euler characteristic                  2");
         assert!(!text.contains("verified") && !text.contains("RMS") && !text.contains("seconds"));
         let mesh = Default::default();
-        has(
-            &Report::of_mesh(Named { file: "m.off", mesh: &mesh }, None).to_text(),
-            "Q mean                                -",
-        );
+        has(&Report::of_mesh(&mesh, None).to_text(), "Q mean                                -");
     }
 
     #[test]

@@ -63,7 +63,8 @@ mod tests {
     /// A unit square of small triangles.
     fn square() -> Domain {
         let positions = (0..4).map(|v| dvec3(f64::from(v & 1), f64::from(v >> 1), 0.0)).collect();
-        let mut mesh = Mesh { positions, triangles: vec![[0, 1, 3], [0, 3, 2]] };
+        let mesh = Mesh { positions, triangles: vec![[0, 1, 3], [0, 3, 2]] };
+        let mut mesh = mesh.try_into().unwrap();
         refine(&mut mesh, 0.05, usize::MAX);
         Domain::new(mesh)
     }

@@ -7,6 +7,8 @@ use crate::geom::triangle::{barycentric, closest_point, closest_weights};
 use crate::mesh::cut::{Cut, cut};
 use crate::mesh::half_edge::{next, prev};
 use crate::mesh::normals::vertex_normals;
+use crate::mesh::oriented_manifold::OrientedManifold;
+use crate::mesh::provenance::{PointOnTriangle, Provenance};
 use crate::mesh::topology::{NONE, components, twins};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::{Bvh, Hit};
@@ -38,6 +40,8 @@ pub struct Domain {
     pub across: Vec<u32>,
     /// For each vertex the one it was before sharp edges were cut.
     pub original: Vec<u32>,
+    /// Where it came from before sharp edges were cut.
+    provenance: Provenance,
     /// The connected patch of each vertex: its smooth patch.
     pub patch: Vec<u32>,
     /// The boundary and the sharp edges.
@@ -68,20 +72,25 @@ const LONGEST_WALK: usize = 64;
 const WALKED_OF_STEP: f64 = 0.6;
 
 impl Domain {
-    /// The domain over `mesh`, which has to be an oriented 2-manifold, without sharp edges.
-    pub fn new(mesh: Mesh) -> Domain {
+    /// The domain over `mesh` without sharp edges.
+    pub fn new(mesh: OrientedManifold) -> Domain {
         Domain::with_features(mesh, Features::Smooth, f64::INFINITY)
     }
 
-    /// The domain over `mesh`, which has to be an oriented 2-manifold, with the sharp edges that `features` says.
-    /// `spacing` is that of the samples, in the units of the mesh.
-    pub fn with_features(mesh: Mesh, features: Features, spacing: f64) -> Domain {
+    /// The domain over `mesh` with the sharp edges that `features` says. `spacing` is that of the samples, in the units of the
+    /// mesh.
+    pub fn with_features(mesh: OrientedManifold, features: Features, spacing: f64) -> Domain {
         Domain::with_interface(mesh, features, spacing, Vec::new())
     }
 
     /// [`Self::with_features`] over a part of a larger mesh. `interface` has the ends of the edges along which it is cut out,
     /// in increasing order, with the part on the left of the way between them.
-    pub fn with_interface(mesh: Mesh, features: Features, spacing: f64, interface: Vec<[u32; 2]>) -> Domain {
+    pub fn with_interface(
+        mesh: OrientedManifold,
+        features: Features,
+        spacing: f64,
+        interface: Vec<[u32; 2]>,
+    ) -> Domain {
         let twin = twins(&mesh.triangles);
         let sharp = sharp_sides(&mesh, &twin, features, spacing);
         Domain::with_sharp(mesh, twin, &sharp, spacing, interface)
@@ -89,7 +98,14 @@ impl Domain {
 
     /// [`Self::with_interface`] with the sharp edges that are given: for each side of `mesh` whether it is on one, and the side
     /// across it, as [`twins`] says.
-    pub fn with_sharp(mesh: Mesh, twin: Vec<u32>, sharp: &[bool], spacing: f64, interface: Vec<[u32; 2]>) -> Domain {
+    pub fn with_sharp(
+        mesh: OrientedManifold,
+        twin: Vec<u32>,
+        sharp: &[bool],
+        spacing: f64,
+        interface: Vec<[u32; 2]>,
+    ) -> Domain {
+        let (mesh, provenance) = mesh.into_parts();
         let cut = cut(mesh, twin, sharp);
         let (curves, (vertex_normals, bvh)) = rayon::join(
             || Curves::new(&cut, spacing, &interface),
@@ -97,7 +113,30 @@ impl Domain {
         );
         let Cut { mesh, twin, across, original } = cut;
         let patch = components(mesh.positions.len(), &mesh.triangles);
-        Domain { mesh, twin, across, original, patch, curves, vertex_normals, sizes: Vec::new(), interface, bvh }
+        let sizes = Vec::new();
+        Domain { mesh, twin, across, original, provenance, patch, curves, vertex_normals, sizes, interface, bvh }
+    }
+
+    /// The values at its vertices of a function that is linear on each triangle, given at the vertices of what it came
+    /// from.
+    pub fn values(&self, of_source: &[f64]) -> Vec<f64> {
+        let uncut = self.provenance.values(of_source);
+        self.original.iter().map(|&v| uncut[v as usize]).collect()
+    }
+
+    /// The vertex of what it came from that vertex `v` is; `None` for one that was inserted.
+    pub fn source_vertex(&self, v: u32) -> Option<u32> {
+        self.provenance.vertex(self.original[v as usize])
+    }
+
+    /// The point of what it came from, whose triangles are `source`, that is closest to that of `off`, which lies at most
+    /// `reach` off the surface.
+    pub fn origin(&self, off: &Sample, reach: f64, source: &[[u32; 3]]) -> PointOnTriangle {
+        let sample = self.settle(off, reach);
+        let t = sample.triangle;
+        let weights = barycentric(sample.position, self.mesh.corners(t as usize));
+        let corners = self.mesh.triangles[t as usize].map(|v| self.original[v as usize]);
+        self.provenance.origin(t, corners, weights, source)
     }
 
     /// Wants edges of these lengths, relative to the mean spacing, at the vertices, instead of 1 everywhere. Vertices
@@ -115,12 +154,13 @@ impl Domain {
 
     /// This domain with its sharp edges smoothed over.
     pub fn smooth(self) -> Domain {
-        let Domain { mut mesh, original, mut sizes, interface, .. } = self;
+        let Domain { mut mesh, original, provenance, mut sizes, interface, .. } = self;
         mesh.triangles.iter_mut().flatten().for_each(|v| *v = original[*v as usize]);
         // The first copy of a vertex has its number, further ones come after all others.
         let count = original.iter().zip(0..).take_while(|&(&v, i)| v == i).count();
         mesh.positions.truncate(count);
         sizes.truncate(count);
+        let mesh = OrientedManifold::trusted(mesh, provenance);
         Domain { sizes, ..Domain::with_interface(mesh, Features::Smooth, f64::INFINITY, interface) }
     }
 
@@ -307,6 +347,14 @@ impl Domain {
         }
     }
 
+    /// The point closest to `p` among those where the surface faces the way of `normal`; the closest of all if there is
+    /// none.
+    pub fn project_facing(&self, p: DVec3, normal: DVec3) -> Sample {
+        let faces = |t: u32| self.mesh.area_vector(t as usize).dot(normal) > 0.0;
+        let hit = self.bvh.closest_where(&self.mesh, p, f64::INFINITY, faces);
+        hit.map_or_else(|| self.project_anywhere(p), |hit| self.at_hit(hit))
+    }
+
     /// The point closest to `p` on the whole surface if it is farther away than `distance`: found out sooner if not.
     pub fn foot_farther_than(&self, p: DVec3, distance: f64) -> Option<Sample> {
         let square = distance * distance;
@@ -383,7 +431,8 @@ mod tests {
             let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
             [[a, b, c], [a, c, d]]
         };
-        Domain::new(Mesh { positions, triangles: squares.flat_map(halves).collect() })
+        let mesh = Mesh { positions, triangles: squares.flat_map(halves).collect() };
+        Domain::new(OrientedManifold::try_from(mesh).unwrap())
     }
 
     #[test]

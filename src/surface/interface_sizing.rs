@@ -128,7 +128,7 @@ mod tests {
             [[a, b, c], [a, c, d]]
         };
         let mesh = Mesh { positions, triangles: squares.flat_map(halves).collect() };
-        Domain::with_interface(mesh, Features::Smooth, 0.1, vec![[1, 0], [2, 1], [3, 2], [4, 3]])
+        Domain::with_interface(mesh.try_into().unwrap(), Features::Smooth, 0.1, vec![[1, 0], [2, 1], [3, 2], [4, 3]])
     }
 
     #[test]

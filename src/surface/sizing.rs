@@ -25,13 +25,10 @@
 //! Limits: where curves of the boundary or along sharp edges bend is not looked at.
 
 use crate::base::heap::Ranked;
-use crate::geom::triangle::barycentric;
 use crate::mesh::half_edge::next;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::spatial::bvh::Bvh;
 use crate::surface::domain::Domain;
-use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BinaryHeap;
 
@@ -103,20 +100,6 @@ pub fn mean_density(mesh: &Mesh, lengths: &[f64]) -> f64 {
         area += own;
     }
     sum / area
-}
-
-/// The lengths that a field over the vertices of `from` has at `points`: that of the closest point of its triangles,
-/// interpolated.
-pub fn transferred(lengths: &[f64], from: &Mesh, points: &[DVec3]) -> Vec<f64> {
-    let bvh = Bvh::new(from);
-    let at = |&p: &DVec3| {
-        let Some(hit) = bvh.closest(from, p) else { return f64::NAN };
-        let weights = barycentric(hit.point, from.corners(hit.triangle as usize)).map(|w| w.clamp(0.0, 1.0));
-        let corners = from.triangles[hit.triangle as usize];
-        let sum: f64 = (0..3).map(|k| weights[k] * lengths[corners[k] as usize]).sum();
-        sum / weights.iter().sum::<f64>()
-    };
-    points.par_iter().map(at).collect()
 }
 
 fn scale(lengths: &mut [f64], factor: f64) {
@@ -286,7 +269,7 @@ mod tests {
     use super::*;
     use crate::base::rng::{Stage, stream, unit};
     use crate::surface::features::Features;
-    use glam::dvec3;
+    use glam::{DVec3, dvec3};
 
     /// The closed surface of revolution of a profile, given by radius and height between the poles, which are the first
     /// two heights asked for.
@@ -322,7 +305,7 @@ mod tests {
         let corners = (0..8).map(|v| dvec3(f64::from(v & 1), f64::from(v >> 1 & 1), f64::from(v >> 2)));
         let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
         let triangles = faces.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-        let mut mesh = Mesh { positions: corners.collect(), triangles };
+        let mut mesh = Mesh { positions: corners.collect(), triangles }.try_into().unwrap();
         crate::mesh::refine::refine(&mut mesh, 0.15, usize::MAX);
         Domain::with_features(mesh, Features::Degrees(30.0), 0.1)
     }
@@ -363,7 +346,7 @@ mod tests {
 
     #[test]
     fn a_sphere_is_even() {
-        let domain = Domain::new(sphere());
+        let domain = Domain::new(sphere().try_into().unwrap());
         for adapt in [0.5, 1.0] {
             let sizes = adapted_sizes(&domain, adapt, 0.1);
             assert!(
@@ -378,7 +361,7 @@ mod tests {
     fn curvature_and_thickness_are_those_of_a_sphere_and_a_tube() {
         let tube = revolved([-3.0, 3.0], &(0..=60).map(|i| (0.5, -3.0 + 0.1 * f64::from(i))).collect::<Vec<_>>(), 60);
         for (mesh, curvature, thickness) in [(sphere(), 1.0, 1.0), (tube, 0.5f64.sqrt() / 0.5, 0.5)] {
-            let domain = Domain::new(mesh);
+            let domain = Domain::new(mesh.try_into().unwrap());
             let areas = vertex_areas(&domain.mesh);
             let curvatures = curvatures(&domain, &Graph::of_patches(&domain), &areas, 3);
             for (v, p) in domain.mesh.positions.iter().enumerate().filter(|(_, p)| p.z.abs() < 0.5) {
@@ -392,7 +375,7 @@ mod tests {
     fn edges_are_short_where_a_bottle_is_thin() {
         let radius = |z: f64| if z < 0.0 { 1.0 } else { 0.25 + 0.75 * (1.0 - z).max(0.0) };
         let profile: Vec<(f64, f64)> = (-20..=60).map(|i| 0.05 * f64::from(i)).map(|z| (radius(z), z)).collect();
-        let domain = Domain::new(revolved([-1.0, 3.0], &profile, 60));
+        let domain = Domain::new(revolved([-1.0, 3.0], &profile, 60).try_into().unwrap());
         let sizes = adapted_sizes(&domain, 1.0, 0.1);
         let mean = |which: &dyn Fn(f64) -> bool| {
             let there =
@@ -404,18 +387,5 @@ mod tests {
         assert!((0.4..0.65).contains(&ratio), "{ratio}: the root of a quarter is a half");
         let even = adapted_sizes(&domain, 0.0, 0.1);
         assert!(even.iter().all(|size| (size - 1.0).abs() < 1e-9));
-    }
-
-    #[test]
-    fn a_field_is_found_again_by_place() {
-        let mesh = sphere();
-        let field = |p: DVec3| 2.0 + p.x + 0.5 * p.z;
-        let lengths: Vec<f64> = mesh.positions.iter().map(|&p| field(p)).collect();
-        let points: Vec<DVec3> =
-            (0..mesh.triangles.len()).map(|t| mesh.corners(t).into_iter().sum::<DVec3>() / 3.0).collect();
-        for (found, &p) in transferred(&lengths, &mesh, &points).into_iter().zip(&points) {
-            assert!((found - field(p)).abs() < 1e-9, "{p}");
-        }
-        assert_eq!(transferred(&lengths, &mesh, &mesh.positions[5..6])[0], lengths[5]);
     }
 }

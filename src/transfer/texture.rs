@@ -15,10 +15,10 @@
 
 use crate::geom::triangle::{area, barycentric, closest_point, longest_side};
 use crate::mesh::attributes::Wedges;
+use crate::mesh::provenance::{Origins, PointOnTriangle};
 use crate::mesh::topology::{NONE, twins};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::mesh::weld::weld;
-use crate::transfer::vertex::Foot;
 use glam::{DMat2, DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::HashSet;
@@ -37,6 +37,13 @@ pub(super) struct Atlas<'a> {
     twin: Vec<u32>,
 }
 
+/// A point of the mesh.
+struct Foot {
+    triangle: u32,
+    weights: [f64; 3],
+    point: DVec3,
+}
+
 /// The triangles around a place that can be reached without crossing a seam.
 struct Patch {
     triangles: Vec<u32>,
@@ -50,29 +57,34 @@ impl<'a> Atlas<'a> {
         Atlas { mesh, texture, twin: twins(&wedges.corners) }
     }
 
-    /// The coordinates of all corners of `output`, whose vertices and the centres of whose triangles have these feet; not
-    /// a number where this mesh has none. And the number of triangles that are distorted.
-    pub fn carry(&self, output: &Mesh, feet: &[Foot], centres: &[Foot]) -> (Vec<[DVec2; 3]>, usize) {
+    /// The coordinates of all corners of `output`, which lies on this mesh as `origins` say; not a number where this mesh
+    /// has none. And the number of triangles that are distorted.
+    pub fn carry(&self, output: &Mesh, origins: &Origins) -> (Vec<[DVec2; 3]>, usize) {
         let of_triangle = |t: usize| {
-            let feet = output.triangles[t].map(|v| &feet[v as usize]);
-            self.triangle(output.corners(t), feet, &centres[t])
+            let feet = output.triangles[t].map(|v| self.foot(origins.vertices[v as usize]));
+            self.triangle(output.corners(t), &feet, &self.foot(origins.triangles[t]))
         };
         let all: Vec<([DVec2; 3], bool)> = (0..output.triangles.len()).into_par_iter().map(of_triangle).collect();
         let distorted = all.iter().filter(|(_, distorted)| *distorted).count();
         (all.into_iter().map(|(coordinates, _)| coordinates).collect(), distorted)
     }
 
+    fn foot(&self, PointOnTriangle { triangle, weights }: PointOnTriangle) -> Foot {
+        let [a, b, c] = self.mesh.corners(triangle as usize);
+        Foot { triangle, weights, point: a * weights[0] + b * weights[1] + c * weights[2] }
+    }
+
     /// The coordinates at three corners, and whether they are distorted.
-    fn triangle(&self, corners: [DVec3; 3], feet: [&Foot; 3], centre: &Foot) -> ([DVec2; 3], bool) {
+    fn triangle(&self, corners: [DVec3; 3], feet: &[Foot; 3], centre: &Foot) -> ([DVec2; 3], bool) {
         if !self.texture[centre.triangle as usize].iter().all(|at| at.is_finite()) {
             return ([DVec2::NAN; 3], false);
         }
         let middle = centre.point;
         let reach = |k: usize| middle.distance(corners[k]).max(middle.distance(feet[k].point));
-        let patch = self.patch(centre, reach(0).max(reach(1)).max(reach(2)), feet.map(|foot| foot.triangle));
-        let met = feet.map(|foot| patch.triangles.contains(&foot.triangle));
+        let patch = self.patch(centre, reach(0).max(reach(1)).max(reach(2)), feet.each_ref().map(|foot| foot.triangle));
+        let met = feet.each_ref().map(|foot| patch.triangles.contains(&foot.triangle));
         if met == [true; 3] && !patch.at_seam {
-            return (feet.map(|foot| self.at(foot.triangle, foot.weights)), false);
+            return (feet.each_ref().map(|foot| self.at(foot.triangle, foot.weights)), false);
         }
         let frame = Frame::of(corners);
         let map = self.affine_map(&patch, &frame);

@@ -1,26 +1,21 @@
 //! Attributes of one mesh carried over to another one of the same surface.
 //!
-//! Each vertex of the output takes the attributes of the point of the input that is closest to it among those where the
-//! surface faces the same way: numbers are interpolated in the triangle there, labels, which have no mean, are those of
-//! the nearest corner. A triangle has the material of the input below its centre. Texture coordinates are those of
-//! corners, and `atlas.rs` beside this says how. Normals are not carried but computed anew, for an output whose input
-//! had some.
+//! Each vertex of the output takes the attributes of the point of the input that it lies on, its origin: numbers are
+//! interpolated in the triangle there, labels, which have no mean, are those of the nearest corner. A triangle has the
+//! material of the input below its centre. Texture coordinates are those of corners, and `texture.rs` beside this says
+//! how. Normals are not carried but computed anew, for an output whose input had some.
 //!
-//! Cost: a hierarchy over the input and a search for each vertex, and, for texture coordinates and materials, for each
-//! triangle of the output; in parallel, with the same result for any number of threads.
-//!
-//! Limits: where the input's triangles are turned over, the other side of a wall thinner than an edge of the output may
-//! be taken for this one.
+//! Cost: linear in the output; in parallel, with the same result for any number of threads.
 
-use crate::geom::triangle::{barycentric, longest_side};
 use crate::mesh::attributes::{Attribute, Attributes, Lost, Materials};
 use crate::mesh::normals::vertex_normals;
+use crate::mesh::provenance::{Origins, PointOnTriangle};
 use crate::mesh::submesh::Kept;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::spatial::bvh::Bvh;
 use crate::transfer::texture::Atlas;
-use glam::{DVec2, DVec3};
+use glam::DVec2;
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// What got through, and what did not.
@@ -34,38 +29,16 @@ pub struct Carried {
     pub notes: Vec<String>,
 }
 
-/// A point of the input.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Foot {
-    pub triangle: u32,
-    /// Its barycentric coordinates there, none negative.
-    pub weights: [f64; 3],
-    pub point: DVec3,
-}
-
-/// The input, to be searched.
-struct Surface<'a> {
-    mesh: &'a Mesh,
-    bvh: Bvh,
-}
-
-/// The `attributes` of `input`, which may be any mesh whose indices are in range, on `output`, which is near to it.
-/// Attributes that are not those of all vertices or triangles of `input` are lost.
-pub fn carry(input: &Mesh, attributes: &Attributes, output: &Mesh) -> Carried {
+/// The `attributes` of `input` on `output`, whose vertices and triangles lie on it as `origins` say. Attributes that are not
+/// those of all vertices or triangles of `input` are lost.
+pub fn carry(input: &Mesh, attributes: &Attributes, output: &Mesh, origins: &Origins) -> Carried {
     let mut carried = Carried::default();
     if attributes.is_empty() {
         return carried;
     }
-    if input.triangles.is_empty() {
-        let lost = |name| Lost { name, cause: "the input has no triangles to find it on".into() };
-        carried.lost = attributes.names().into_iter().map(lost).collect();
-        return carried;
-    }
-    let surface = Surface { mesh: input, bvh: Bvh::new(input) };
     let normals = vertex_normals(output);
-    let feet = surface.feet_of_vertices(output, &normals);
     for attribute in &attributes.vertex {
-        match of_vertices(attribute, input, &feet, &normals) {
+        match of_vertices(attribute, input, &origins.vertices, &normals) {
             Ok(values) => {
                 let Attribute { name, components, scalar, .. } = attribute;
                 let (name, components, scalar) = (name.clone(), *components, *scalar);
@@ -74,11 +47,8 @@ pub fn carry(input: &Mesh, attributes: &Attributes, output: &Mesh) -> Carried {
             Err(cause) => carried.lost.push(Lost { name: attribute.name.clone(), cause }),
         }
     }
-    if !attributes.texture.is_empty() || attributes.materials.is_some() {
-        let centres = surface.feet_of_centres(output);
-        carried.attributes.materials = attributes.materials.as_ref().map(|m| of_triangles(m, &centres));
-        carried.add_texture(&surface, attributes, output, &feet, &centres);
-    }
+    carried.attributes.materials = attributes.materials.as_ref().map(|m| of_triangles(m, &origins.triangles));
+    carried.add_texture(input, attributes, output, origins);
     carried
 }
 
@@ -110,11 +80,11 @@ impl Carried {
         }
     }
 
-    fn add_texture(&mut self, surface: &Surface, of: &Attributes, output: &Mesh, feet: &[Foot], centres: &[Foot]) {
+    fn add_texture(&mut self, input: &Mesh, of: &Attributes, output: &Mesh, origins: &Origins) {
         if of.texture.is_empty() {
             return;
         }
-        let (texture, distorted) = Atlas::new(surface.mesh, &of.texture).carry(output, feet, centres);
+        let (texture, distorted) = Atlas::new(input, &of.texture).carry(output, origins);
         self.attributes.texture = texture;
         if distorted > 0 {
             let total = output.triangles.len();
@@ -129,7 +99,7 @@ impl Carried {
 fn of_vertices(
     attribute: &Attribute,
     input: &Mesh,
-    feet: &[Foot],
+    origins: &[PointOnTriangle],
     normals: &[DVec3],
 ) -> std::result::Result<Vec<f64>, String> {
     let Attribute { components, values, scalar, .. } = attribute;
@@ -142,7 +112,7 @@ fn of_vertices(
     if let Some(at) = values.iter().position(|x| !x.is_finite()) {
         return Err(format!("vertex {} has {}, which is not a number to interpolate", at / components, values[at]));
     }
-    let at = |&Foot { triangle, weights, .. }: &Foot| {
+    let at = |&PointOnTriangle { triangle, weights }: &PointOnTriangle| {
         let corners = input.triangles[triangle as usize].map(|v| attribute.of(v as usize));
         let mean = move |k: usize| (0..3).map(|i| weights[i] * corners[i][k]).sum::<f64>();
         let nearest = (1..3).fold(0, |best, i| if weights[i] > weights[best] { i } else { best });
@@ -152,52 +122,14 @@ fn of_vertices(
             () => mean(k),
         })
     };
-    Ok(feet.par_iter().flat_map_iter(at).collect())
+    Ok(origins.par_iter().flat_map_iter(at).collect())
 }
 
 /// The materials of triangles whose centres are these points of the input.
-fn of_triangles(materials: &Materials, centres: &[Foot]) -> Materials {
-    let of_triangle = |foot: &Foot| materials.of_triangle.get(foot.triangle as usize).copied().unwrap_or(NONE);
+fn of_triangles(materials: &Materials, centres: &[PointOnTriangle]) -> Materials {
+    let of_triangle =
+        |centre: &PointOnTriangle| materials.of_triangle.get(centre.triangle as usize).copied().unwrap_or(NONE);
     let Materials { libraries, names, .. } = materials;
     let of_triangle = centres.iter().map(of_triangle).collect();
     Materials { libraries: libraries.clone(), names: names.clone(), of_triangle }
-}
-
-impl Surface<'_> {
-    fn feet_of_vertices(&self, output: &Mesh, normals: &[DVec3]) -> Vec<Foot> {
-        let mut reach = vec![0.0f64; output.positions.len()];
-        for (t, corners) in output.triangles.iter().enumerate() {
-            let longest = longest_side(output.corners(t));
-            corners.iter().for_each(|&v| reach[v as usize] = reach[v as usize].max(longest));
-        }
-        let foot = |v: usize| self.foot(output.positions[v], normals[v], reach[v]);
-        (0..output.positions.len()).into_par_iter().map(foot).collect()
-    }
-
-    fn feet_of_centres(&self, output: &Mesh) -> Vec<Foot> {
-        let foot = |t: usize| {
-            let corners = output.corners(t);
-            self.foot(corners.into_iter().sum::<DVec3>() / 3.0, output.area_vector(t), longest_side(corners))
-        };
-        (0..output.triangles.len()).into_par_iter().map(foot).collect()
-    }
-
-    /// The point closest to `p` among those where the surface faces the way of `normal`; among all, if none of those is
-    /// nearer than `reach` beyond the closest one.
-    fn foot(&self, p: DVec3, normal: DVec3, reach: f64) -> Foot {
-        let agrees = |t: u32| self.mesh.area_vector(t as usize).dot(normal) > 0.0;
-        // Nothing is closest to a point that is not finite, or so far that squares are not.
-        let Some(nearest) = self.bvh.closest(self.mesh, p) else {
-            return Foot { triangle: 0, weights: [1.0, 0.0, 0.0], point: self.mesh.corners(0)[0] };
-        };
-        let hit = if agrees(nearest.triangle) {
-            nearest
-        } else {
-            let bound = nearest.distance_squared.sqrt() + reach;
-            self.bvh.closest_where(self.mesh, p, bound * bound, agrees).unwrap_or(nearest)
-        };
-        let weights = barycentric(hit.point, self.mesh.corners(hit.triangle as usize)).map(|w| w.clamp(0.0, 1.0));
-        let sum: f64 = weights.iter().sum();
-        Foot { triangle: hit.triangle, weights: weights.map(|w| w / sum), point: hit.point }
-    }
 }

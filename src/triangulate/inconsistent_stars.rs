@@ -240,7 +240,7 @@ mod tests {
         };
         let halves = |(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]];
         let positions = (0..(n + 1) * (n + 1)).map(place).collect();
-        Domain::new(Mesh { positions, triangles: cells().flat_map(halves).collect() })
+        Domain::new(Mesh { positions, triangles: cells().flat_map(halves).collect() }.try_into().unwrap())
     }
 
     /// A sample in the middle of every second triangle, without stars.

@@ -2,10 +2,13 @@
 
 use crate::common::{Ends, cells, grid, inside_out, moved, plate, random, sphere, together};
 use glam::{DVec2, DVec3, dvec2, dvec3};
-use spectral_remesh::base::rng::unit;
-use spectral_remesh::mesh::attributes::{Attribute, Attributes, Materials, Scalar};
-use spectral_remesh::transfer::vertex::{Carried, carry};
-use spectral_remesh::{Density, Mesh, Options, remesh};
+use spectral_remesh::stages::base::rng::unit;
+use spectral_remesh::stages::mesh::attributes::{Attribute, Attributes, Materials, Scalar};
+use spectral_remesh::stages::mesh::provenance::{Origins, PointOnTriangle};
+use spectral_remesh::stages::pipeline::Remeshed;
+use spectral_remesh::stages::pipeline::remesh;
+use spectral_remesh::stages::transfer::vertex::{self, Carried};
+use spectral_remesh::{Density, Mesh, Options};
 use std::f64::consts::TAU;
 
 /// One attribute with the values that `f` has at the vertices.
@@ -15,11 +18,16 @@ fn of_places<const N: usize>(mesh: &Mesh, name: &str, scalar: Scalar, f: impl Fn
     Attributes { vertex: vec![attribute], ..Attributes::default() }
 }
 
-fn remeshed(input: &Mesh, points: usize) -> Mesh {
+fn remeshed(input: &Mesh, points: usize) -> Remeshed {
     let options = Options { density: Density::Points(points), ..Options::default() };
     let result = remesh(input, &options, &()).unwrap();
     assert!(result.verified(), "{:?}", result.notes);
-    result.mesh
+    result
+}
+
+/// The attributes of `input` on what was made of it.
+fn carry(input: &Mesh, attributes: &Attributes, output: &Remeshed) -> Carried {
+    vertex::carry(input, attributes, &output.mesh, &output.origins)
 }
 
 /// All of it got through, without a remark.
@@ -39,7 +47,7 @@ fn a_linear_function_on_a_plane_is_exact() {
     let f = |p: DVec3| [3.0 * p.x - 2.0 * p.y + 0.7, p.x];
     let output = remeshed(&input, 500);
     let carried = whole(carry(&input, &of_places(&input, "h", Scalar::F64, f), &output));
-    for (p, values) in output.positions.iter().zip(carried.vertex[0].values.chunks_exact(2)) {
+    for (p, values) in output.mesh.positions.iter().zip(carried.vertex[0].values.chunks_exact(2)) {
         assert!((0..2).all(|k| (values[k] - f(*p)[k]).abs() < 1e-9), "{p} {values:?}");
     }
 }
@@ -51,7 +59,7 @@ fn labels_stay_whole_and_are_those_below() {
     let attributes = of_places(&input, "part", Scalar::U8, |p| [10.0 * octant(p)]);
     let output = remeshed(&input, 800);
     let carried = whole(carry(&input, &attributes, &output));
-    for (&p, &label) in output.positions.iter().zip(&carried.vertex[0].values) {
+    for (&p, &label) in output.mesh.positions.iter().zip(&carried.vertex[0].values) {
         assert!((0..8).any(|o| label == 10.0 * f64::from(o)));
         // An edge of the input is about a tenth long.
         assert!(p.abs().min_element() < 0.12 || label == 10.0 * octant(p), "{p} {label}");
@@ -70,7 +78,7 @@ fn colours_of_a_sphere_stay_bytes_and_do_not_depend_on_threads() {
     };
     let carried = with_threads(1);
     assert!(carried == with_threads(2) && carried == with_threads(4));
-    for (&p, color) in output.positions.iter().zip(carried.vertex[0].values.chunks_exact(3)) {
+    for (&p, color) in output.mesh.positions.iter().zip(carried.vertex[0].values.chunks_exact(3)) {
         let expected = f(p);
         assert!((0..3).all(|k| color[k].fract() == 0.0 && (color[k] - expected[k]).abs() <= 2.0), "{color:?}");
     }
@@ -80,10 +88,10 @@ fn colours_of_a_sphere_stay_bytes_and_do_not_depend_on_threads() {
 fn the_other_side_of_a_thin_plate_is_another_one() {
     let input = plate(12, 0.004);
     let attributes = of_places(&input, "side", Scalar::F64, |p| [f64::from(p.z > 0.002)]);
-    let output = remeshed(&input, 600);
-    for (input, output) in [(input.clone(), output.clone()), (inside_out(input), inside_out(output))] {
+    for input in [input.clone(), inside_out(input)] {
+        let output = remeshed(&input, 600);
         let carried = whole(carry(&input, &attributes, &output));
-        let flips = output.positions.iter().zip(&carried.vertex[0].values);
+        let flips = output.mesh.positions.iter().zip(&carried.vertex[0].values);
         assert!(
             flips.clone().all(|(p, &side)| (side - f64::from(p.z > 0.002)).abs() < 1e-9 || p.z > 0.0 && p.z < 0.004)
         );
@@ -96,7 +104,7 @@ fn normals_are_those_of_the_output() {
     let attributes = of_places(&input, "normal", Scalar::F32, |_| [0.0, 0.0, 1.0]);
     let output = remeshed(&input, 500);
     let normals = whole(carry(&input, &attributes, &output)).normals();
-    assert!(output.positions.iter().zip(&normals).all(|(p, n)| n.dot(p.normalize()) > 0.99));
+    assert!(output.mesh.positions.iter().zip(&normals).all(|(p, n)| n.dot(p.normalize()) > 0.99));
 }
 
 #[test]
@@ -106,7 +114,11 @@ fn what_cannot_be_carried_is_named() {
     let mut bad = attributes.vertex[0].clone();
     (bad.name, bad.values[7]) = ("bad".into(), f64::NAN);
     attributes.vertex.push(bad);
-    let carried = carry(&input, &attributes, &input);
+    let corner = |v: u32| (0..).zip(&input.triangles).find_map(|(t, c)| Some((t, c.iter().position(|&w| w == v)?)));
+    let point = |(triangle, k)| PointOnTriangle { triangle, weights: [0, 1, 2].map(|i| f64::from(i == k)) };
+    let vertices = (0..input.positions.len() as u32).map(|v| point(corner(v).unwrap())).collect();
+    let origins = Origins { vertices, triangles: vec![] };
+    let carried = vertex::carry(&input, &attributes, &input, &origins);
     assert_eq!(carried.attributes.names(), ["good"]);
     assert_eq!(carried.attributes.vertex[0].values, attributes.vertex[0].values);
     assert!(
@@ -114,9 +126,7 @@ fn what_cannot_be_carried_is_named() {
         "{:?}",
         carried.lost
     );
-    let cloud = Mesh { triangles: vec![], ..input.clone() };
-    assert_eq!(carry(&cloud, &attributes, &input).lost.len(), 2);
-    assert_eq!(carry(&input, &Attributes::default(), &input), Carried::default());
+    assert_eq!(vertex::carry(&input, &Attributes::default(), &input, &origins), Carried::default());
 }
 
 /// The side of the unit cube that a point is nearest to, and its place in an atlas of six squares.
@@ -143,10 +153,10 @@ fn a_cube_keeps_its_seams_and_its_materials() {
     let materials = Some(Materials { names, of_triangle, ..Materials::default() });
     let output = remeshed(&input, 900);
     let carried = whole(carry(&input, &Attributes { texture, materials, ..Attributes::default() }, &output));
-    for t in 0..output.triangles.len() {
-        let side = side(&output, t);
+    for t in 0..output.mesh.triangles.len() {
+        let side = side(&output.mesh, t);
         assert_eq!(carried.materials.as_ref().unwrap().of_triangle[t], side);
-        for (p, at) in output.corners(t).into_iter().zip(carried.texture[t]) {
+        for (p, at) in output.mesh.corners(t).into_iter().zip(carried.texture[t]) {
             assert!(at.distance(on_side(side, p)) < 1e-6, "{p} {at}");
         }
     }
@@ -174,7 +184,7 @@ fn a_seam_within_one_chart_is_kept() {
             // An edge is at most a fifth of the way around.
             let width = (0..3).map(|k| (texture[k].x - texture[(k + 1) % 3].x).abs()).fold(0.0, f64::max);
             assert!(width < 0.2, "{n} {texture:?}");
-            for (p, at) in output.corners(t).into_iter().zip(texture) {
+            for (p, at) in output.mesh.corners(t).into_iter().zip(texture) {
                 let turn = p.y.atan2(p.x) / TAU;
                 let off = (at.x - turn - (at.x - turn).round()).abs().max((at.y - p.z / 3.0).abs());
                 assert!(off < 0.02, "{n} {p} {at} {off}");
@@ -206,7 +216,7 @@ fn triangles_without_texture_stay_without() {
     let output = remeshed(&input, 300);
     let carried = whole(carry(&input, &Attributes { texture, ..Attributes::default() }, &output));
     for (t, texture) in carried.texture.iter().enumerate() {
-        let found = output.corners(t).into_iter().zip(texture);
+        let found = output.mesh.corners(t).into_iter().zip(texture);
         assert!(found.clone().all(|(p, at)| if p.x < 2.0 { at.distance(p.truncate()) < 1e-9 } else { at.is_nan() }));
     }
 }

@@ -2,11 +2,12 @@
 
 use crate::common::cuboid;
 use glam::{DVec3, dvec3};
-use spectral_remesh::base::rng::{Random, Stage, stream, unit};
-use spectral_remesh::mesh::refine::refine;
-use spectral_remesh::mesh::topology::{Topology, topology};
-use spectral_remesh::pipeline::{CloudSummary, MeshOfPoints};
-use spectral_remesh::{CloudOptions, Density, Mesh, Options, Points, Remeshed, mesh_of_points, remesh};
+use spectral_remesh::stages::base::rng::{Random, Stage, stream, unit};
+use spectral_remesh::stages::mesh::refine::refine;
+use spectral_remesh::stages::mesh::topology::{Topology, topology};
+use spectral_remesh::stages::pipeline::{CloudSummary, MeshOfPoints};
+use spectral_remesh::stages::pipeline::{Remeshed, mesh_of_points, remesh};
+use spectral_remesh::{CloudOptions, Density, Mesh, Options, Points};
 use std::f64::consts::TAU;
 
 fn random() -> Random {
@@ -66,7 +67,7 @@ fn random_points_without_normals_become_a_good_mesh() {
     assert_eq!(audit(&result.mesh), (2, 1, 0));
     assert_eq!(result.mesh.positions.len(), 1_000);
     assert!(volume(&result.mesh) > 0.0);
-    let quality = spectral_remesh::quality::shape::shape(&result.mesh).unwrap();
+    let quality = spectral_remesh::stages::quality::shape::shape(&result.mesh).unwrap();
     assert!(quality.theta_min > 35.0 && quality.q_mean > 0.97, "{quality:?}");
     assert!(result.mesh.positions.iter().all(|p| (p.length() - 1.0).abs() < 0.01));
 }
@@ -229,7 +230,7 @@ fn few_points_are_not_joined_by_flat_triangles() {
 #[test]
 fn between_few_points_edges_stay_sharp_and_faces_flat() {
     let options = Options { density: Density::Points(4_000), of_points: true, ..Options::default() };
-    let mut cube = cuboid(DVec3::splat(2.0));
+    let mut cube = cuboid(DVec3::splat(2.0)).try_into().unwrap();
     refine(&mut cube, 0.3, 10_000);
     let made = remesh(&cube, &options, &()).unwrap();
     assert_eq!(audit(&made.mesh), (2, 1, 0));

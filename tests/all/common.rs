@@ -2,8 +2,8 @@
 
 use glam::{DMat3, DVec3, dvec3};
 use spectral_remesh::Mesh;
-use spectral_remesh::base::rng::{Random, unit};
-use spectral_remesh::mesh::topology::{Topology, topology};
+use spectral_remesh::stages::base::rng::{Random, unit};
+use spectral_remesh::stages::mesh::topology::{Topology, topology};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 
@@ -292,5 +292,5 @@ pub fn ten_spheres() -> Mesh {
 
 /// A generator for tests.
 pub fn random(seed: u64) -> Random {
-    spectral_remesh::base::rng::stream(seed, spectral_remesh::base::rng::Stage::Distance)
+    spectral_remesh::stages::base::rng::stream(seed, spectral_remesh::stages::base::rng::Stage::Distance)
 }

@@ -3,7 +3,8 @@
 #[path = "../../examples/make_data/shapes/mod.rs"]
 mod shapes;
 
-use spectral_remesh::{Density, Options, remesh};
+use spectral_remesh::stages::pipeline::remesh;
+use spectral_remesh::{Density, Options};
 use std::path::Path;
 
 #[test]

@@ -2,9 +2,10 @@
 
 use crate::common::*;
 use glam::{DVec3, dvec3};
-use spectral_remesh::quality::shape::shape;
-use spectral_remesh::surface::features::Features;
-use spectral_remesh::{Density, Mesh, Options, Remeshed, remesh};
+use spectral_remesh::stages::pipeline::{Remeshed, remesh};
+use spectral_remesh::stages::quality::shape::shape;
+use spectral_remesh::stages::surface::features::Features;
+use spectral_remesh::{Density, Mesh, Options};
 use std::f64::consts::TAU;
 
 #[track_caller]

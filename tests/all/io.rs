@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use spectral_remesh::io::{self, Format, NO_BUFFERS};
-use spectral_remesh::mesh::attributes::{Attribute, Attributes, Materials, Scalar};
+use spectral_remesh::stages::mesh::attributes::{Attribute, Attributes, Materials, Scalar};
 use spectral_remesh::{Error, Mesh, Points};
 
 /// An octahedron, in coordinates that f32 holds exactly.

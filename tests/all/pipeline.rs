@@ -3,12 +3,13 @@
 use crate::common::*;
 use glam::{DVec3, dvec3};
 use proptest::prelude::*;
-use spectral_remesh::prepare::repair::Repairs;
-use spectral_remesh::quality::distance::distance;
-use spectral_remesh::quality::shape::shape;
-use spectral_remesh::spatial::bvh::Bvh;
-use spectral_remesh::surface::features::Features;
-use spectral_remesh::{Density, Error, MaxError, Mesh, Monitor, Options, Remeshed, remesh};
+use spectral_remesh::stages::pipeline::{Remeshed, remesh};
+use spectral_remesh::stages::prepare::repair::Repairs;
+use spectral_remesh::stages::quality::distance::distance;
+use spectral_remesh::stages::quality::shape::shape;
+use spectral_remesh::stages::spatial::bvh::Bvh;
+use spectral_remesh::stages::surface::features::Features;
+use spectral_remesh::{Density, Error, Grading, MaxError, Mesh, Monitor, Options, Values};
 
 fn points(n: usize) -> Options {
     Options { density: Density::Points(n), ..Options::default() }
@@ -334,7 +335,7 @@ fn heaps_of_random_triangles() {
     for seed in 0..40 {
         let mut rng = random(seed);
         let vertices = 5 + (seed as usize % 6);
-        let mut pick = |n: usize| (spectral_remesh::base::rng::unit(&mut rng) * n as f64) as u32;
+        let mut pick = |n: usize| (spectral_remesh::stages::base::rng::unit(&mut rng) * n as f64) as u32;
         let triangles: Vec<[u32; 3]> = (0..6 + seed % 20).map(|_| [0; 3].map(|_| pick(vertices))).collect();
         let positions = noisy(Mesh { positions: vec![DVec3::ZERO; vertices], triangles: vec![] }, 1.0, &mut rng);
         let input = Mesh { positions: positions.positions, triangles };
@@ -361,17 +362,17 @@ fn relative_lengths(mesh: &Mesh, field: impl Fn(DVec3) -> f64) -> Vec<f64> {
 #[test]
 fn edges_follow_a_field() {
     let (input, field) = sphere_with_field();
-    let sizing = Some(at_vertices(&input, field));
+    let grading = Grading::Field(Values::Given(at_vertices(&input, field)));
     for optimize in [true, false] {
-        for density in [Density::OfSizing, Density::Points(1500)] {
+        for density in [Density::OfField, Density::Points(1500)] {
             let made =
-                check_with("graded", &input, &Options { density, sizing: sizing.clone(), optimize, ..points(9) });
+                check_with("graded", &input, &Options { density, grading: grading.clone(), optimize, ..points(9) });
             assert_eq!(made.mesh.positions.len(), made.wanted);
             let lengths = relative_lengths(&made.mesh, field);
             let mean = lengths.iter().sum::<f64>() / lengths.len() as f64;
             let off = lengths.iter().map(|l| (l / mean - 1.0).abs()).sum::<f64>() / lengths.len() as f64;
             assert!(off < 0.15, "{density:?}, {optimize}: {off}");
-            assert!(density != Density::OfSizing || (mean - 1.0).abs() < 0.1, "{mean}");
+            assert!(density != Density::OfField || (mean - 1.0).abs() < 0.1, "{mean}");
             let [smallest, largest] = made.spacing_range;
             assert!((2.5..3.2).contains(&(largest / smallest)), "{smallest} {largest}");
         }
@@ -383,8 +384,8 @@ fn edges_follow_a_field() {
 fn a_field_survives_repairs() {
     let (input, field) = sphere_with_field();
     let with = |input: &Mesh| {
-        let sizing = Some(at_vertices(input, field));
-        check_with("field", input, &Options { density: Density::OfSizing, sizing, ..points(9) })
+        let grading = Grading::Field(Values::Given(at_vertices(input, field)));
+        check_with("field", input, &Options { density: Density::OfField, grading, ..points(9) })
     };
     let mut turned = soup(&input);
     turned.positions.insert(0, DVec3::splat(9.0));
@@ -410,7 +411,7 @@ fn shapes_of_all_kinds_are_graded() {
     ];
     for (name, input) in shapes {
         for (adapt, optimize) in [(0.5, true), (1.0, true), (1.0, false)] {
-            check_with(name, &input, &Options { adapt, optimize, ..points(800) });
+            check_with(name, &input, &Options { grading: Grading::Curvature(adapt), optimize, ..points(800) });
         }
     }
 }
@@ -420,7 +421,7 @@ fn a_graded_result_has_the_same_bytes_with_any_number_of_threads() {
     let input = together(&[cylinder(40, 1.0, 0.3, 3.0), sphere(4, 3.0 * DVec3::X, 1.0)]);
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| check_with("graded", &input, &Options { adapt: 1.0, ..points(900) }).mesh)
+        pool.install(|| check_with("graded", &input, &Options { grading: Grading::Curvature(1.0), ..points(900) }).mesh)
     };
     assert!(with(1) == with(3));
 }
@@ -454,26 +455,25 @@ fn what_cannot_be_remeshed_is_refused_with_a_reason() {
         refused(&cube, &points(n), "points");
     }
     for length in [f64::NAN, f64::INFINITY, 0.0, -1.0] {
-        refused(&cube, &Options { density: Density::EdgeLength(length), ..Options::default() }, "edge-length");
-        refused(&cube, &Options { density: Density::SigmaP(length), ..Options::default() }, "sigma-p");
+        refused(&cube, &Options { density: Density::EdgeLength(length), ..Options::default() }, "edge length");
+        refused(&cube, &Options { density: Density::SigmaP(length), ..Options::default() }, "kernel width σp");
     }
     for adapt in [f64::NAN, -0.1, 1.5] {
-        refused(&cube, &Options { adapt, ..points(100) }, "adapt");
+        refused(&cube, &Options { grading: Grading::Curvature(adapt), ..points(100) }, "adaptivity");
     }
-    let field = |lengths: &[f64]| Options { sizing: Some(lengths.to_vec()), ..points(100) };
-    refused(&cube, &field(&[1.0; 7]), "sizing: 7 lengths for the 8 vertices");
+    let field = |lengths: &[f64]| Options { grading: Grading::Field(Values::Given(lengths.to_vec())), ..points(100) };
+    refused(&cube, &field(&[1.0; 7]), "field of edge lengths: 7 values for the 8 vertices");
     for bad in [f64::NAN, f64::INFINITY, 0.0, -1.0] {
-        refused(&cube, &field(&[1.0, 1.0, bad, 1.0, 1.0, 1.0, 1.0, 1.0]), "sizing: vertex 2");
+        refused(&cube, &field(&[1.0, 1.0, bad, 1.0, 1.0, 1.0, 1.0, 1.0]), "field of edge lengths: vertex 2");
     }
-    refused(&cube, &Options { adapt: 1.0, ..field(&[1.0; 8]) }, "adapt");
-    refused(&cube, &Options { density: Density::OfSizing, ..Options::default() }, "sizing");
-    refused(&cube, &Options { density: Density::OfSizing, ..field(&[1e-6; 8]) }, "sizing");
+    refused(&cube, &Options { density: Density::OfField, ..Options::default() }, "field of edge lengths");
+    refused(&cube, &Options { density: Density::OfField, ..field(&[1e-6; 8]) }, "field of edge lengths");
     for error in [MaxError::Length(0.0), MaxError::OfDiagonal(f64::NAN)] {
-        refused(&cube, &Options { max_error: Some(error), ..Options::default() }, "max-error");
+        refused(&cube, &Options { max_error: Some(error), ..Options::default() }, "error bound");
     }
     refused(&cube, &Options { density: Density::Auto, ..Options::default() }, "how many");
     for length in [1e-9, 1e9] {
-        refused(&cube, &Options { density: Density::EdgeLength(length), ..Options::default() }, "edge-length");
+        refused(&cube, &Options { density: Density::EdgeLength(length), ..Options::default() }, "edge length");
     }
 }
 

@@ -2,10 +2,9 @@
 
 use crate::common::{audit, moved, noisy, random, sphere, together, torus, volume};
 use glam::{DVec3, dvec3};
-use spectral_remesh::pipeline::DEFAULT_SUPPORT;
-use spectral_remesh::{
-    CloudOptions, Error, Mesh, Points, ReconstructOptions, Reconstructed, points_of_mesh, reconstruct,
-};
+use spectral_remesh::stages::pipeline::INTERPOLATING_SUPPORT;
+use spectral_remesh::stages::pipeline::{points_of_mesh, reconstruct};
+use spectral_remesh::{CloudOptions, Error, Mesh, Points, ReconstructOptions, Reconstructed, Setting};
 use std::f64::consts::PI;
 
 fn with_normals(mesh: &Mesh) -> Points {
@@ -35,7 +34,7 @@ fn a_ball_is_closed_round_and_faces_outwards() {
         assert!((resolution - 0.5 * spacing).abs() < 1e-12);
         let off = |p: &DVec3| (p.distance(dvec3(5.0, -3.0, 1.0)) - 2.0).abs();
         // Planes through points that reach h lie outside of a ball of radius R by h² / 12 R in the mean.
-        let outside = (DEFAULT_SUPPORT * spacing).powi(2) / (12.0 * 2.0);
+        let outside = (INTERPOLATING_SUPPORT * spacing).powi(2) / (12.0 * 2.0);
         let farthest = mesh.positions.iter().map(off).fold(0.0, f64::max);
         assert!(farthest < 2.5 * outside, "{farthest} {outside}");
         assert!((volume(&mesh) / (4.0 * PI / 3.0 * 8.0) - 1.0).abs() < 0.02, "{}", volume(&mesh));
@@ -107,7 +106,7 @@ fn noise_is_smoothed() {
 fn random_points_have_no_holes() {
     let ball = with_normals(&sphere(6, DVec3::ZERO, 1.0));
     let mut rng = random(6);
-    let mut is_chosen = |_: &u32| spectral_remesh::base::rng::unit(&mut rng) < 0.25;
+    let mut is_chosen = |_: &u32| spectral_remesh::stages::base::rng::unit(&mut rng) < 0.25;
     let chosen: Vec<u32> = (0..ball.positions.len() as u32).filter(|p| is_chosen(p)).collect();
     let t = made(&ball.pick(&chosen), &ReconstructOptions::default()).topology;
     assert_eq!((t.euler, t.components, t.boundary_loops), (2, 1, 0));
@@ -146,9 +145,9 @@ fn what_has_no_surface_is_refused() {
         cloud: CloudOptions { smooth: Some(w), ..CloudOptions::default() },
         ..ReconstructOptions::default()
     };
-    refused(&ball, &smooth(0.5), "smooth: ");
+    refused(&ball, &smooth(0.5), "support radius of smoothing: ");
     let said = refused(&ball, &at(1e-4), "corners near the surface");
-    assert!(matches!(said, Error::Option { option: "resolution", .. }));
+    assert!(matches!(said, Error::Option { option: Setting::Resolution, .. }));
     refused(&ball, &at(1e-12), "corners near the surface");
     refused(&ball, &at(100.0), "");
 }

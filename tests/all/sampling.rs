@@ -5,15 +5,15 @@ mod ten;
 
 use crate::common::{audit, cuboid, moved, noisy, random, sphere, torus};
 use glam::{DVec3, dvec3};
-use spectral_remesh::base::rng::unit;
-use spectral_remesh::geom::vector::length_squared;
-use spectral_remesh::spectral::ascent::{AscentParameters, PAPER_STEP};
-use spectral_remesh::spectral::free_ascent::ascend_freely;
-use spectral_remesh::spectral::samples::{meet_count, scan};
-use spectral_remesh::surface::submanifold::{FlatTorus, Submanifold, UnitCube};
+use spectral_remesh::stages::base::rng::unit;
+use spectral_remesh::stages::geom::vector::length_squared;
+use spectral_remesh::stages::pipeline::{points_of_mesh, remesh, sample, sample_points};
+use spectral_remesh::stages::spectral::ascent::{AscentParameters, PAPER_STEP};
+use spectral_remesh::stages::spectral::free_ascent::ascend_freely;
+use spectral_remesh::stages::spectral::samples::{meet_count, scan};
+use spectral_remesh::stages::surface::submanifold::{FlatTorus, Submanifold, UnitCube};
 use spectral_remesh::{
-    CloudOptions, Density, Mesh, Options, Points, SampleOptions, Sampled, Signal, points_of_mesh, remesh, sample,
-    sample_points,
+    CloudOptions, Density, Grading, Mesh, Options, Points, SampleDensity, SampleOptions, Sampled, Signal, Values,
 };
 
 const SWEEPS: usize = 10;
@@ -109,7 +109,7 @@ fn sampled(mesh: &Mesh, options: &SampleOptions) -> Sampled {
 }
 
 fn count(n: usize) -> SampleOptions {
-    SampleOptions { density: Density::Points(n), ..SampleOptions::default() }
+    SampleOptions { density: SampleDensity::Points(n), ..SampleOptions::default() }
 }
 
 /// As if the three coordinates were all there is.
@@ -171,7 +171,7 @@ fn a_subset_of_the_vertices_with_their_numbers() {
 fn a_kernel_that_is_too_narrow_or_too_wide_says_so() {
     let ball = sphere(4, DVec3::ZERO, 1.0);
     let with = |sigma| {
-        let density = Density::SigmaP(sigma);
+        let density = SampleDensity::SigmaP(sigma);
         sampled(&ball, &SampleOptions { density, scan_only: true, ..SampleOptions::default() })
     };
     let narrow = with(1e-6);
@@ -318,16 +318,18 @@ fn what_cannot_be_sampled_is_refused() {
     let line = cloud((0..50).map(|i| f64::from(i) * DVec3::ONE).collect());
     refused(&line, &count(10), "on a line");
     refused(&line, &SampleOptions { sigma_n: 0.5, ..subset.clone() }, "on a line");
-    refused(&some, &SampleOptions { density: Density::SigmaP(1e-7), ..count(10) }, "this width means");
-    refused(&some, &SampleOptions { sigma_n: 0.0, ..subset.clone() }, "sigma-n: 0 is not a width");
+    refused(&some, &SampleOptions { density: SampleDensity::SigmaP(1e-7), ..count(10) }, "this width means");
+    refused(&some, &SampleOptions { sigma_n: 0.0, ..subset.clone() }, "kernel width σn: 0 is not a width");
     refused(&some, &SampleOptions { sigma_n: f64::NAN, ..subset.clone() }, "not a width");
-    let signal = |values, sigma| SampleOptions { signals: vec![Signal { values, sigma }], ..subset.clone() };
+    let signal = |values, sigma| {
+        let signals = vec![Signal { values: Values::Given(values), sigma }];
+        SampleOptions { signals, ..subset.clone() }
+    };
     refused(&some, &signal(vec![1.0; 49], 1.0), "49 values for the 50 vertices");
-    refused(&some, &signal(vec![1.0; 50], -1.0), "sigma: -1 is not a width");
+    refused(&some, &signal(vec![1.0; 50], -1.0), "signals: -1 is not a width");
     refused(&some, &signal(vec![f64::NAN; 50], 1.0), "vertex 0 has the value NaN");
     refused(&cloud(vec![]), &subset, "no points");
     refused(&cloud(vec![DVec3::NAN]), &subset, "vertex 0");
-    refused(&some, &SampleOptions { density: Density::Auto, ..subset.clone() }, "no triangles");
 }
 
 /// An ellipsoid three times as long as wide: its tips bend most.
@@ -360,12 +362,17 @@ fn samples_gather_where_the_surface_bends_as_sigma_n_falls() {
     grows(&[f64::INFINITY, 0.4, 0.2, 0.1].map(share), 1.1);
 }
 
+fn kernel(sigma_n: f64) -> Grading {
+    Grading::Kernel { sigma_n, signals: vec![] }
+}
+
 #[test]
 fn vertices_gather_where_the_surface_bends_as_sigma_n_falls() {
     let mesh = ellipsoid();
     for optimize in [true, false] {
         let share = |sigma_n| {
-            let options = Options { density: Density::Points(1000), sigma_n, optimize, ..Options::default() };
+            let options =
+                Options { density: Density::Points(1000), grading: kernel(sigma_n), optimize, ..Options::default() };
             let made = remesh(&mesh, &options, &()).unwrap();
             assert!(made.verified(), "{:?}", made.notes);
             assert_eq!((audit(&made.mesh).euler, made.mesh.positions.len()), (2, 1000));
@@ -379,7 +386,7 @@ fn vertices_gather_where_the_surface_bends_as_sigma_n_falls() {
 fn a_width_that_is_given_decides_the_number_of_vertices() {
     let mesh = ellipsoid();
     let with = |sigma_n| {
-        let options = Options { density: Density::SigmaP(0.2), sigma_n, ..Options::default() };
+        let options = Options { density: Density::SigmaP(0.2), grading: kernel(sigma_n), ..Options::default() };
         let made = remesh(&mesh, &options, &()).unwrap();
         assert_eq!((made.verified(), made.mesh.positions.len()), (true, made.wanted));
         assert!((made.sigma_p - 0.2).abs() < 1e-12);
@@ -414,7 +421,7 @@ fn at_equator(points: &[DVec3]) -> f64 {
 #[test]
 fn samples_follow_a_property() {
     let (ball, values) = striped();
-    let signals = |sigma| vec![Signal { values: values.clone(), sigma }];
+    let signals = |sigma| vec![Signal { values: Values::Given(values.clone()), sigma }];
     let of_samples = |sigma| {
         let made = sampled(&ball, &SampleOptions { signals: signals(sigma), ..count(800) });
         assert_eq!(made.points.positions.len(), 800);
@@ -427,7 +434,8 @@ fn samples_follow_a_property() {
     };
     grows(&[1e9, 0.5, 0.2].map(of_subset), 1.2);
     let of_vertices = |sigma| {
-        let options = Options { density: Density::Points(800), signals: signals(sigma), ..Options::default() };
+        let grading = Grading::Kernel { sigma_n: f64::INFINITY, signals: signals(sigma) };
+        let options = Options { density: Density::Points(800), grading, ..Options::default() };
         let made = remesh(&ball, &options, &()).unwrap();
         assert_eq!((made.verified(), made.mesh.positions.len()), (true, 800));
         at_equator(&made.mesh.positions)
@@ -437,9 +445,7 @@ fn samples_follow_a_property() {
 }
 
 #[test]
-fn a_kernel_and_sizes_exclude_each_other() {
-    let options = Options { sigma_n: 0.5, adapt: 0.5, ..Options::default() };
-    assert!(options.validate().unwrap_err().to_string().contains("sigma-n"));
-    let options = Options { sigma_n: -0.5, ..Options::default() };
+fn a_width_below_zero_is_none() {
+    let options = Options { grading: kernel(-0.5), ..Options::default() };
     assert!(options.validate().unwrap_err().to_string().contains("not a width"));
 }

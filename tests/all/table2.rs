@@ -3,11 +3,10 @@
 
 use crate::common::{Ends, grid};
 use glam::{DVec3, dvec3};
-use spectral_remesh::base::rng::{Rng, Stage, stream};
-use spectral_remesh::quality::distance::distance;
-use spectral_remesh::{
-    Density, Mesh, Points, ReconstructOptions, Result, SampleOptions, points_of_mesh, reconstruct, sample_points,
-};
+use spectral_remesh::stages::base::rng::{Rng, Stage, stream};
+use spectral_remesh::stages::pipeline::{points_of_mesh, reconstruct, sample_points};
+use spectral_remesh::stages::quality::distance::distance;
+use spectral_remesh::{Mesh, Points, ReconstructOptions, Result, SampleDensity, SampleOptions};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
@@ -67,7 +66,7 @@ fn rows(model: &Points) -> Result<Vec<Row>> {
         Ok(lost(&made, &whole.mesh))
     };
     let row = |&sigma_p: &f64| {
-        let density = Density::SigmaP(sigma_p);
+        let density = SampleDensity::SigmaP(sigma_p);
         let options = SampleOptions { density, sigma_n: SIGMA_N, scan_only: true, ..SampleOptions::default() };
         let kept = sample_points(&points, &options, &())?.indices.expect("a subset has numbers");
         let random = lost(&random(points.positions.len(), kept.len()))?;

@@ -2,11 +2,12 @@
 
 use crate::common::*;
 use glam::{DVec2, DVec3, dvec2, dvec3};
-use spectral_remesh::geom::triangle::smallest_angle;
-use spectral_remesh::mesh::attributes::{Attribute, Attributes, Materials, Scalar};
-use spectral_remesh::mesh::submesh::Kept;
-use spectral_remesh::transfer::vertex::carry;
-use spectral_remesh::{Density, Mesh, Options, Remeshed, Selection, remesh};
+use spectral_remesh::stages::geom::triangle::smallest_angle;
+use spectral_remesh::stages::mesh::attributes::{Attribute, Attributes, Materials, Scalar};
+use spectral_remesh::stages::mesh::submesh::Kept;
+use spectral_remesh::stages::pipeline::{Remeshed, remesh};
+use spectral_remesh::stages::transfer::vertex::carry;
+use spectral_remesh::{Density, Mesh, Options, Selection};
 
 const ALL: f64 = 1e9;
 
@@ -112,7 +113,7 @@ fn sharp_edges_inside_stay_sharp() {
     let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z];
     let o = DVec3::ZERO;
     let faces = [face(y, x, o), face(x, z, o), face(z, y, o), face(x, y, z), face(z, x, y), face(y, z, x)];
-    let cube = spectral_remesh::prepare::repair::repair(&together(&faces)).0;
+    let cube = spectral_remesh::stages::prepare::repair::repair(&together(&faces)).0.into_mesh();
     let (made, _) = check(&cube, Selection::Box([0.45; 3], [2.0; 3]), 300);
     assert_eq!(made.sharp_curves, 3);
     assert!((volume(&made.mesh) - 1.0).abs() < 1e-9, "{}", volume(&made.mesh));
@@ -137,7 +138,7 @@ fn a_part_that_is_nothing_is_one_line() {
     assert!(message(Selection::Box([0.0, 3.0, 0.0], [1.0; 3])).contains("no y is from 3 to 1"));
     assert!(message(Selection::Vertices(vec![true; 5])).contains("5 marks for the 66 vertices"));
     let smoothed = Options { smooth: Some(2.0), ..part(above(0.0), 100) };
-    assert!(remesh(&input, &smoothed, &()).unwrap_err().to_string().starts_with("smooth: "));
+    assert!(remesh(&input, &smoothed, &()).unwrap_err().to_string().starts_with("support radius of smoothing: "));
 }
 
 #[test]
@@ -146,7 +147,11 @@ fn pieces_without_room_for_a_point_stay() {
     let triangle = input.triangles.iter().find(|t| t.iter().all(|&v| input.positions[v as usize].z < -0.5)).unwrap();
     let selected = (0..).zip(&input.positions).map(|(v, p)| p.z > 0.3 || triangle.contains(&v)).collect();
     let (made, _) = check(&input, Selection::Vertices(selected), 300);
-    assert!(made.notes.iter().any(|note| note.contains("1 pieces of the part stay as they are")), "{:?}", made.notes);
+    assert!(
+        made.notes.iter().any(|note| note.contains("1 components of the part stay as they are")),
+        "{:?}",
+        made.notes
+    );
 }
 
 #[test]
@@ -165,7 +170,7 @@ fn what_is_repaired_stays_as_it_is_then() {
 fn what_stays_has_the_attributes_that_it_had() {
     let input = sphere(4, DVec3::ZERO, 1.0);
     let mut rng = random(5);
-    let mut number = || spectral_remesh::base::rng::unit(&mut rng);
+    let mut number = || spectral_remesh::stages::base::rng::unit(&mut rng);
     let vertex = |name: &str, components: usize, values: Vec<f64>| Attribute {
         name: name.into(),
         components,
@@ -181,7 +186,7 @@ fn what_stays_has_the_attributes_that_it_had() {
     let materials = Materials { libraries: vec![], names: vec!["a".into(), "b".into()], of_triangle };
     let attributes = Attributes { vertex: vec![heat, normal], texture, materials: Some(materials) };
     let (made, kept) = check(&input, above(0.2), 200);
-    let mut carried = carry(&input, &attributes, &made.mesh);
+    let mut carried = carry(&input, &attributes, &made.mesh, &made.origins);
     carried.keep(&input, &attributes, &made.mesh, &kept);
     let carried = carried.attributes;
     for (new, &old) in kept.vertices.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use spectral_remesh::Mesh;
-use spectral_remesh::base::rng::{Random, unit};
+use spectral_remesh::stages::base::rng::{Random, unit};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 

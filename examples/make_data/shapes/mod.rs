@@ -10,7 +10,7 @@ mod terrain;
 
 use spectral_remesh::Mesh;
 use spectral_remesh::io::{Format, write};
-use spectral_remesh::mesh::topology::topology;
+use spectral_remesh::stages::mesh::topology::topology;
 
 /// One model and what is promised of it.
 pub struct Model {

@@ -3,7 +3,7 @@
 use super::build::{Builder, gauss, signed, snap};
 use glam::DVec3;
 use spectral_remesh::Mesh;
-use spectral_remesh::base::rng::{Stage, stream};
+use spectral_remesh::stages::base::rng::{Stage, stream};
 
 /// Parts into which each edge of the icosahedron is cut.
 const FREQUENCY: usize = 24;

@@ -3,7 +3,7 @@
 use super::build::{signed, snap};
 use glam::{DVec2, DVec3};
 use spectral_remesh::Mesh;
-use spectral_remesh::base::rng::{Random, Stage, stream, unit};
+use spectral_remesh::stages::base::rng::{Random, Stage, stream, unit};
 
 /// Vertices along a side.
 const SIDE: usize = 72;

@@ -3,9 +3,10 @@
 use crate::cli::args::shared::{FormatArgs, MeshFile, NormalArgs, Run, RunArgs, density};
 use crate::cli::args::stop::Stop;
 use crate::cli::args::words::{
-    Mark, PropertyWidth, Sizing, features, mark, max_error, points, positive, property_width, within,
+    PropertyWidth, Sizing, features, mark, max_error, no_density, points, positive, property_width, within,
 };
-use crate::pipeline::{CloudOptions, Density, MaxError, Options, Selection};
+use crate::job::{Carry, RemeshOptions};
+use crate::pipeline::{Density, Grading, MaxError, Options, SMOOTHING_SUPPORT, Selection, Signal};
 use crate::surface::features::Features;
 use std::path::PathBuf;
 
@@ -43,22 +44,22 @@ pub(super) struct RemeshArgs {
     #[arg(long, value_name = "DEGREES|none", allow_negative_numbers = true, value_parser = features)]
     features: Option<Features>,
     /// How much edge lengths follow the shape: from 0, even, to 1, short where it bends or is thin
-    #[arg(long, value_name = "A", default_value_t = 0.0, allow_negative_numbers = true, conflicts_with = "sizing")]
-    adapt: f64,
+    #[arg(long, value_name = "A", group = "grading", allow_negative_numbers = true)]
+    adapt: Option<f64>,
     /// Kernel width σn along unit normals: with 0.5 to 1 samples gather where the surface bends; inf is even
-    #[arg(long, value_name = "S", default_value_t = f64::INFINITY, allow_negative_numbers = true)]
-    sigma_n: f64,
+    #[arg(long, value_name = "S", conflicts_with = "grading", allow_negative_numbers = true)]
+    sigma_n: Option<f64>,
     /// Kernel width along a property of the input's vertices (as of a vertex in PLY, or an attribute like _HEAT in glTF),
     /// in its units: samples gather where it changes; up to four times
-    #[arg(long = "sigma", value_name = "NAME=VALUE", value_parser = property_width)]
+    #[arg(long = "sigma", value_name = "NAME=VALUE", conflicts_with = "grading", value_parser = property_width)]
     properties: Vec<PropertyWidth>,
     /// Edge lengths wanted at the vertices of the input: a property of theirs, as of a vertex in PLY or an attribute like
     /// _SIZE in glTF, or a .json file with a list; also says how dense, if nothing else does
-    #[arg(long, value_name = "PROPERTY|F.json")]
+    #[arg(long, value_name = "PROPERTY|F.json", group = "grading")]
     sizing: Option<String>,
     /// Smooth noise away first, of clouds and of meshes: points reach as far as W mean distances of neighbouring ones
-    #[arg(long, value_name = "W", num_args = 0..=1, default_missing_value = "2.7", allow_negative_numbers = true)]
-    smooth: Option<f64>,
+    #[arg(long, value_name = "W", num_args = 0..=1, allow_negative_numbers = true)]
+    smooth: Option<Option<f64>>,
     /// Close holes of a cloud that fit in a box with this diagonal, in the units of the input
     #[arg(long, value_name = "SIZE", default_value_t = 0.0, allow_negative_numbers = true)]
     fill_holes: f64,
@@ -71,7 +72,7 @@ pub(super) struct RemeshArgs {
     /// Remesh only the triangles at whose corners this property of the input's vertices is not zero, or has a value;
     /// otherwise as --within
     #[arg(long, value_name = "PROPERTY[=VALUE]", conflicts_with = "within", value_parser = mark)]
-    select: Option<Mark>,
+    select: Option<Selection>,
     /// How far any point of the output may be from the input, and back: a length, or a share of the diagonal of the
     /// input's bounding box, as in 0.1%
     #[arg(long, value_name = "E|E%", allow_negative_numbers = true, value_parser = max_error)]
@@ -95,18 +96,10 @@ pub struct Remeshing {
     pub input: MeshFile,
     /// What to write.
     pub output: MeshFile,
-    /// What to make of it; lengths and signals that it has a place for are still to be read.
-    pub options: Options,
-    /// What to make of the input if it has no triangles.
-    pub cloud: CloudOptions,
-    /// Where the lengths for [`Options::sizing`] are, if there are any.
+    /// What to make of it; lengths that are in a file of their own are still to be read.
+    pub options: RemeshOptions,
+    /// Where the wanted lengths are, if there are any.
     pub sizing: Option<Sizing>,
-    /// Whether the attributes of the input are carried to the output.
-    pub attributes: bool,
-    /// Where the selection for [`Options::part`] is, if there is one.
-    pub select: Option<Mark>,
-    /// Where the values for [`Options::signals`] are.
-    pub properties: Vec<PropertyWidth>,
     /// How it goes on meanwhile.
     pub run: Run,
 }
@@ -137,34 +130,36 @@ impl RemeshArgs {
         } = self;
         let (input, output) = formats.resolve(files.input, files.output);
         let sizing = sizing.map(Sizing::from);
-        let density = density(points, edge_length, sigma_p, sizing.as_ref())?;
-        let features = features.unwrap_or_default();
-        Ok(Remeshing {
-            input,
-            output,
-            options: Options {
-                density,
-                seed,
-                weld,
-                features,
-                adapt,
-                sigma_n,
-                signals: Vec::new(),
-                sizing: sizing.as_ref().map(|_| Vec::new()),
-                smooth,
-                of_points: false,
-                part: within,
-                max_error,
-                optimize: optimize != 0,
-                // Without a flag.
-                sweeps: Options::default().sweeps,
-            },
-            cloud: normals.resolve(smooth, fill_holes),
-            sizing,
-            attributes: !no_attributes,
-            select,
-            properties,
-            run: run.into(),
-        })
+        let of_sizing = sizing.as_ref().map(|_| Density::OfField);
+        let given = points.or(density(None, edge_length, sigma_p).map(Density::from));
+        let density = given.or(of_sizing).ok_or_else(no_density)?;
+        let signals: Vec<Signal> = properties.into_iter().map(Signal::from).collect();
+        let grading = match (&sizing, adapt) {
+            (Some(sizing), _) => Grading::Field(sizing.values()),
+            (None, Some(adapt)) => Grading::Curvature(adapt),
+            (None, None) if sigma_n.is_some() || !signals.is_empty() => {
+                Grading::Kernel { sigma_n: sigma_n.unwrap_or(f64::INFINITY), signals }
+            }
+            (None, None) => Grading::Even,
+        };
+        let smooth = smooth.map(|support| support.unwrap_or(SMOOTHING_SUPPORT));
+        let surface = Options {
+            density,
+            seed,
+            weld,
+            features: features.unwrap_or_default(),
+            grading,
+            smooth,
+            of_points: false,
+            part: within.or(select),
+            max_error,
+            optimize: optimize != 0,
+            // Without a flag.
+            sweeps: Options::default().sweeps,
+        };
+        let cloud = normals.resolve(smooth, fill_holes);
+        let carry = if no_attributes { Carry::Nothing } else { Carry::All };
+        let options = RemeshOptions { surface, cloud, carry, without_report: false };
+        Ok(Remeshing { input, output, options, sizing, run: run.into() })
     }
 }

@@ -2,9 +2,9 @@
 
 use crate::cli::args::shared::{MeshFile, NormalArgs, Run, RunArgs, density};
 use crate::cli::args::stop::Stop;
-use crate::cli::args::words::{PropertyWidth, points, positive, property_width};
+use crate::cli::args::words::{PropertyWidth, no_density, positive, property_width, samples};
 use crate::io::Format;
-use crate::pipeline::{Density, SampleOptions};
+use crate::pipeline::{SampleDensity, SampleOptions, Signal};
 use std::path::PathBuf;
 
 pub(super) const HELP: &str = "\
@@ -25,8 +25,8 @@ pub(super) struct SampleArgs {
     #[arg(value_name = "OUT")]
     output: PathBuf,
     /// Number of samples
-    #[arg(long, value_name = "N", group = "density", allow_negative_numbers = true, value_parser = points)]
-    points: Option<Density>,
+    #[arg(long, value_name = "N", group = "density", allow_negative_numbers = true, value_parser = samples)]
+    points: Option<SampleDensity>,
     /// Mean distance between neighbouring samples, in the units of the input
     #[arg(long, value_name = "L", group = "density", allow_negative_numbers = true, value_parser = positive)]
     edge_length: Option<f64>,
@@ -68,10 +68,8 @@ pub struct Sampling {
     pub input: MeshFile,
     /// What to write.
     pub output: PathBuf,
-    /// How to sample; signals that it has a place for are still to be read.
+    /// How to sample.
     pub options: SampleOptions,
-    /// Where the signals are.
-    pub properties: Vec<PropertyWidth>,
     /// How it goes on meanwhile.
     pub run: Run,
 }
@@ -94,20 +92,19 @@ impl SampleArgs {
             format,
             run,
         } = self;
-        let density = density(points, edge_length, sigma_p, None)?;
+        let density = density(points, edge_length, sigma_p).ok_or_else(no_density)?;
         Ok(Sampling {
             input: MeshFile { path: input, format },
             output,
             options: SampleOptions {
                 density,
                 sigma_n,
-                signals: Vec::new(),
+                signals: properties.into_iter().map(Signal::from).collect(),
                 scan_only,
                 seed,
                 sweeps,
                 cloud: normals.resolve(smooth, 0.0),
             },
-            properties,
             run: run.into(),
         })
     }

@@ -1,9 +1,8 @@
 //! Arguments that several commands have, and what they resolve to.
 
-use crate::cli::args::stop::{Stop, wrong};
-use crate::cli::args::words::{Sizing, positive};
+use crate::cli::args::words::positive;
 use crate::io::Format;
-use crate::pipeline::{CloudOptions, Density, NormalFit, Reach};
+use crate::pipeline::{CloudOptions, NormalFit, Reach, SampleDensity};
 use clap::ArgAction;
 use std::path::PathBuf;
 
@@ -109,17 +108,11 @@ pub struct MeshFile {
     pub format: Option<Format>,
 }
 
-/// The one that is given of the ways to say how dense the output shall be.
+/// The one that is given of the ways to say how dense samples shall be.
 pub(super) fn density(
-    points: Option<Density>,
+    points: Option<SampleDensity>,
     edge_length: Option<f64>,
     sigma_p: Option<f64>,
-    sizing: Option<&Sizing>,
-) -> Result<Density, Stop> {
-    let others = edge_length.map(Density::EdgeLength).or(sigma_p.map(Density::SigmaP));
-    let of_sizing = sizing.map(|_| Density::OfSizing);
-    points
-        .or(others)
-        .or(of_sizing)
-        .ok_or_else(|| wrong("how dense? give one of --points N, --edge-length L and --sigma-p S"))
+) -> Option<SampleDensity> {
+    points.or(edge_length.map(SampleDensity::EdgeLength)).or(sigma_p.map(SampleDensity::SigmaP))
 }

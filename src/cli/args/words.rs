@@ -1,7 +1,8 @@
 //! Single words of the command line, read as what they stand for.
 
+use crate::cli::args::stop::{Stop, wrong};
 use crate::io::Format;
-use crate::pipeline::{Density, MaxError, NormalFit, Selection};
+use crate::pipeline::{Density, MaxError, NormalFit, SampleDensity, Selection, Signal, Values};
 use crate::surface::features::Features;
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
@@ -16,15 +17,6 @@ pub enum Sizing {
     File(PathBuf),
 }
 
-/// What marks the vertices of a part.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Mark {
-    /// A property of the input's vertices.
-    pub property: String,
-    /// The value that it has to have; any but zero without.
-    pub value: Option<f64>,
-}
-
 /// A property of the input's vertices and the width of the kernel along it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PropertyWidth {
@@ -32,6 +24,22 @@ pub struct PropertyWidth {
     pub name: String,
     /// The width, in its units.
     pub sigma: f64,
+}
+
+impl From<PropertyWidth> for Signal {
+    fn from(PropertyWidth { name, sigma }: PropertyWidth) -> Signal {
+        Signal { values: Values::Attribute(name), sigma }
+    }
+}
+
+impl Sizing {
+    /// The lengths; none yet of those that are in a file.
+    pub(super) fn values(&self) -> Values {
+        match self {
+            Sizing::Property(name) => Values::Attribute(name.clone()),
+            Sizing::File(_) => Values::Given(Vec::new()),
+        }
+    }
 }
 
 impl ValueEnum for Format {
@@ -63,6 +71,17 @@ impl From<String> for Sizing {
         let is_json = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"));
         if is_json { Sizing::File(path) } else { Sizing::Property(word) }
     }
+}
+
+/// What somebody is told who did not say how dense the result shall be.
+pub(super) fn no_density() -> Stop {
+    wrong("how dense? give one of --points N, --edge-length L and --sigma-p S")
+}
+
+/// A number of samples; what is too few or too many for a surface is for the library to say.
+pub(super) fn samples(word: &str) -> Result<SampleDensity, String> {
+    let count = word.parse().ok().filter(|&n| n > 0).map(SampleDensity::Points);
+    count.ok_or_else(|| "it must be a whole number of at least 1".into())
 }
 
 /// A number of vertices; what is too few or too many for a surface is for the library to say.
@@ -97,14 +116,14 @@ pub(super) fn within(word: &str) -> Result<Selection, String> {
     }
 }
 
-/// The name of a property, or one and a value; the name may have an = of its own.
-pub(super) fn mark(word: &str) -> Result<Mark, String> {
+/// The vertices with a value of a property, or with any but zero; the name of the property may have an = of its own.
+pub(super) fn mark(word: &str) -> Result<Selection, String> {
     let parts = word.rsplit_once('=').and_then(|(property, value)| Some((property, value.parse().ok()?)));
-    let (property, value) = parts.map_or((word, None), |(property, value)| (property, Some(value)));
-    if property.is_empty() {
+    let (attribute, value) = parts.map_or((word, None), |(property, value)| (property, Some(value)));
+    if attribute.is_empty() {
         Err("it must be the name of a property".into())
     } else {
-        Ok(Mark { property: property.into(), value })
+        Ok(Selection::Marked { attribute: attribute.into(), value })
     }
 }
 

@@ -26,7 +26,7 @@ pub use remesh::Remeshing;
 pub use sample::Sampling;
 pub use shared::{MeshFile, Run, Voice};
 pub use stop::Stop;
-pub use words::{Mark, PropertyWidth, Sizing};
+pub use words::Sizing;
 
 /// Examples and exit statuses, below the help.
 pub const AFTER_HELP: &str = "\
@@ -127,7 +127,10 @@ fn completions(shell: Shell) -> String {
 mod tests {
     use super::*;
     use crate::io::Format;
-    use crate::pipeline::{CloudOptions, Density, MaxError, NormalFit, Options, Reach, Selection};
+    use crate::job::{Carry, RemeshOptions};
+    use crate::pipeline::{
+        CloudOptions, Density, Grading, MaxError, NormalFit, Options, Reach, Selection, Signal, Values,
+    };
     use crate::surface::features::Features;
 
     fn parsed(line: &str) -> Result<Job, Stop> {
@@ -157,12 +160,9 @@ mod tests {
     fn no_flags_give_the_default() {
         let file = |path: &str| MeshFile { path: path.into(), format: None };
         let job = remeshing("remesh a.obj b.ply --points 10000");
-        let Remeshing { input, output, options, cloud, sizing, select, properties, attributes, run } = job;
-        assert_eq!(options, Options::default());
-        assert_eq!(cloud, CloudOptions::default());
-        assert_eq!((input, output), (file("a.obj"), file("b.ply")));
-        assert_eq!((sizing, properties, attributes), (None, vec![], true));
-        assert_eq!(select, None);
+        let Remeshing { input, output, options, sizing, run } = job;
+        assert_eq!(options, RemeshOptions::default());
+        assert_eq!((input, output, sizing), (file("a.obj"), file("b.ply"), None));
         assert_eq!(run, Run { threads: None, report: None, voice: Voice::Normal });
     }
 
@@ -173,30 +173,38 @@ mod tests {
         let job = remeshing(line);
         let options =
             Options { density: Density::SigmaP(0.5), seed: 7, features: Features::Degrees(30.0), ..Options::default() };
-        assert_eq!(job.options, options);
+        assert_eq!(job.options, options.into());
         assert_eq!((job.input.format, job.output.format), (Some(Format::Ply), Some(Format::Glb)));
         assert_eq!(job.run, Run { threads: Some(3), report: Some("r.json".into()), voice: Voice::Verbose });
-        assert_eq!(remeshing("remesh a b --points 5 --features none").options.features, Features::Smooth);
-        assert_eq!(remeshing("remesh a b --points 5 --adapt 0.5").options.adapt, 0.5);
-        assert_eq!(remeshing("remesh a b --sizing h").options.density, Density::OfSizing);
+        assert_eq!(remeshing("remesh a b --points 5 --features none").options.surface.features, Features::Smooth);
+        assert_eq!(remeshing("remesh a b --points 5 --adapt 0.5").options.surface.grading, Grading::Curvature(0.5));
+        assert_eq!(remeshing("remesh a b --sizing h").options.surface.density, Density::OfField);
+        let field = Grading::Field(Values::Attribute("h".into()));
+        assert_eq!(remeshing("remesh a b --points 5 --sizing h").options.surface.grading, field);
+        let signals = vec![Signal { values: Values::Attribute("t=0".into()), sigma: 0.5 }];
+        let kernel = |sigma_n, signals| Grading::Kernel { sigma_n, signals };
+        let grading = |line: &str| remeshing(line).options.surface.grading;
+        assert_eq!(grading("remesh a b --points 5 --sigma t=0=0.5"), kernel(f64::INFINITY, signals));
+        assert_eq!(grading("remesh a b --points 5 --sigma-n 0.7"), kernel(0.7, vec![]));
         assert_eq!(remeshing("remesh a b --points 5 --sizing h").sizing, Some(Sizing::Property("h".into())));
         assert_eq!(remeshing("remesh a b --points 5 --sizing h.JSON").sizing, Some(Sizing::File("h.JSON".into())));
-        assert!(!remeshing("remesh a b --points 5 --no-attributes").attributes);
-        assert_eq!(remeshing("remesh a b --edge-length 2 -q").options.density, Density::EdgeLength(2.0));
+        assert_eq!(remeshing("remesh a b --points 5 --no-attributes").options.carry, Carry::Nothing);
+        assert_eq!(remeshing("remesh a b --edge-length 2 -q").options.surface.density, Density::EdgeLength(2.0));
         assert_eq!(remeshing("remesh a b --points 5 -q").run.voice, Voice::Quiet);
         let part = Some(Selection::Box([-1.0, 0.0, 0.5], [1.0, 2.0, 3e1]));
-        assert_eq!(remeshing("remesh a b --points 5 --within -1,0,.5,1,2,3e1").options.part, part);
-        let mark = |property: &str, value| Some(Mark { property: property.into(), value });
-        assert_eq!(remeshing("remesh a b --points 5 --select red").select, mark("red", None));
-        assert_eq!(remeshing("remesh a b --points 5 --select red=-1").select, mark("red", Some(-1.0)));
-        assert_eq!(remeshing("remesh a b --points 5 --select a=b=2").select, mark("a=b", Some(2.0)));
-        let cloud =
-            remeshing("remesh a b --points 5 --normal-fit sphere --normal-neighbors 9 --fill-holes 2 --smooth").cloud;
+        assert_eq!(remeshing("remesh a b --points 5 --within -1,0,.5,1,2,3e1").options.surface.part, part);
+        let mark = |attribute: &str, value| Some(Selection::Marked { attribute: attribute.into(), value });
+        assert_eq!(remeshing("remesh a b --points 5 --select red").options.surface.part, mark("red", None));
+        assert_eq!(remeshing("remesh a b --points 5 --select red=-1").options.surface.part, mark("red", Some(-1.0)));
+        assert_eq!(remeshing("remesh a b --points 5 --select a=b=2").options.surface.part, mark("a=b", Some(2.0)));
+        let cloud = remeshing("remesh a b --points 5 --normal-fit sphere --normal-neighbors 9 --fill-holes 2 --smooth")
+            .options
+            .cloud;
         let (fit, neighborhood) = (Some(NormalFit::Sphere), Some(Reach::Count(9)));
         assert_eq!(cloud, CloudOptions { fit, neighborhood, smooth: Some(2.7), fill_holes: 2.0 });
-        let options = remeshing("remesh a b --points auto --max-error 0.5%").options;
+        let options = remeshing("remesh a b --points auto --max-error 0.5%").options.surface;
         assert_eq!((options.density, options.max_error), (Density::Auto, Some(MaxError::OfDiagonal(0.005))));
-        let options = remeshing("remesh a b --points 9 --max-error 0.5").options;
+        let options = remeshing("remesh a b --points 9 --max-error 0.5").options.surface;
         assert_eq!(options.max_error, Some(MaxError::Length(0.5)));
     }
 
@@ -204,7 +212,13 @@ mod tests {
     fn exactly_one_density() {
         assert!(complaint("remesh a b").contains("one of --points N, --edge-length L and --sigma-p S"));
         assert!(complaint("remesh a b --points 9 --sigma-p 1").contains("cannot be used with"));
-        assert!(complaint("remesh a b --sizing h --adapt 1").contains("cannot be used with"));
+    }
+
+    #[test]
+    fn lengths_follow_one_thing() {
+        for line in ["--sizing h --adapt 1", "--adapt 1 --sigma-n 0.5", "--sizing h --sigma t=1"] {
+            assert!(complaint(&format!("remesh a b --points 9 {line}")).contains("cannot be used with"), "{line}");
+        }
     }
 
     #[test]

@@ -1,0 +1,66 @@
+//! Files of the commands: what is read, and where results and reports go.
+
+use crate::base::error::Result;
+use crate::base::monitor::{Monitor, Stopwatch, check};
+use crate::cli::args::{MeshFile, Run, Voice};
+use crate::cli::terminal::{self, Terminal};
+use crate::io::{Loaded, file};
+use crate::job::Input;
+use std::path::Path;
+
+/// Refuses targets that nothing can be written to, before the work for them is done and not after.
+pub(super) fn check_targets(output: &Path, run: &Run) -> Result<()> {
+    file::check_target(output)?;
+    run.report.iter().try_for_each(|path| file::check_target(path))
+}
+
+/// What is in a file.
+pub(super) fn load(from: &MeshFile, monitor: &dyn Monitor) -> Result<Loaded> {
+    monitor.stage("read");
+    let loaded = file::read_file(&from.path, from.format)?;
+    check(monitor)?;
+    Ok(loaded)
+}
+
+/// What was read, as something to work on.
+pub(super) fn input(loaded: &Loaded) -> Input<'_> {
+    Input::from(&loaded.mesh).with_attributes(&loaded.attributes)
+}
+
+/// The name of a file, as it was given.
+pub(super) fn name(file: &MeshFile) -> String {
+    file.path.display().to_string()
+}
+
+/// Calls `work` with a monitor that shows it on the terminal, and notes how long its stages take.
+pub(super) fn watched<T>(voice: Voice, work: impl FnOnce(&Stopwatch) -> Result<T>) -> Result<T> {
+    let terminal = Terminal::new(voice);
+    work(&Stopwatch::new(&terminal))
+}
+
+/// A report to its file and to standard output.
+pub(super) fn hand_out(json: &str, text: &str, run: &Run) -> Result<()> {
+    if let Some(path) = &run.report {
+        file::replace_file(path, &mut |out| out.write_all(json.as_bytes()))?;
+    }
+    if run.voice == Voice::Quiet { Ok(()) } else { terminal::print(text) }
+}
+
+/// The most memory that this process had at once, where Linux tells.
+pub(super) fn peak_memory_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string(Path::new("/proc/self/status")).ok()?;
+    let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.trim().strip_suffix("kB")?;
+    kilobytes.trim().parse::<u64>().ok().map(|n| 1024 * n)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn this_process_has_used_a_megabyte_and_less_than_a_terabyte() {
+        let peak = peak_memory_bytes().unwrap();
+        assert!((1 << 20..1 << 40).contains(&peak));
+    }
+}

@@ -1,0 +1,59 @@
+//! `remesh IN OUT`: reads, remeshes, writes, reports.
+
+use crate::base::error::Result;
+use crate::base::monitor::Monitor;
+use crate::cli::args::{Remeshing, Sizing, Voice};
+use crate::cli::files::{check_targets, hand_out, input, load, name, peak_memory_bytes, watched};
+use crate::cli::status::Status;
+use crate::cli::terminal;
+use crate::io::{Loaded, file};
+use crate::job::{Carry, Outcome, RemeshOptions, remesh};
+use crate::pipeline::{Grading, Values};
+
+pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
+    job.options.surface.validate()?;
+    file::output_format(&job.output.path, job.output.format)?;
+    check_targets(&job.output.path, &job.run)?;
+    let outcome = watched(job.run.voice, |monitor| {
+        let loaded = load(&job.input, monitor)?;
+        let options = options(job, &loaded)?;
+        let mut outcome = remesh(&input(&loaded), &options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
+        monitor.stage("write");
+        file::write_file(&job.output.path, &outcome.mesh, &outcome.attributes, job.output.format)?;
+        if let Some(report) = &mut outcome.report {
+            report.notes.splice(0..0, loaded.notes);
+            report.add_files(&name(&job.input), &name(&job.output));
+            report.add_run(&monitor.laps(), peak_memory_bytes(), rayon::current_num_threads());
+        }
+        Ok(outcome)
+    })?;
+    if let Some(report) = &outcome.report {
+        hand_out(&report.to_json(), &report.to_text(), &job.run)?;
+    }
+    Ok(verdict(&outcome, job))
+}
+
+/// The options, with what other files say of them.
+fn options(job: &Remeshing, loaded: &Loaded) -> Result<RemeshOptions> {
+    let mut options = job.options.clone();
+    if let Some(Sizing::File(path)) = &job.sizing {
+        options.surface.grading = Grading::Field(Values::Given(file::read_numbers(path)?));
+    }
+    if options.carry == Carry::All {
+        let format = file::output_format(&job.output.path, job.output.format)?;
+        options.carry = Carry::AllBut(format.cannot_hold(&loaded.attributes));
+    }
+    options.without_report = job.run.voice == Voice::Quiet && job.run.report.is_none();
+    Ok(options)
+}
+
+/// The exit status of a result that is written, and a line about one that is not verified.
+fn verdict(outcome: &Outcome, job: &Remeshing) -> Status {
+    if outcome.verified() {
+        return Status::Done;
+    }
+    let why = outcome.shortcomings.join(", ");
+    let output = name(&job.output);
+    terminal::complain(&format!("{output}: written but not verified: {why}; try another --seed or more points"));
+    Status::Unverified
+}

@@ -1,0 +1,52 @@
+//! The exit status of the process.
+
+use crate::base::error::Error;
+use std::process::ExitCode;
+
+/// How the process ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Status {
+    /// What was asked for is done; a result is verified.
+    Done = 0,
+    /// A file cannot be read or written, or holds no mesh that can be worked on.
+    File = 1,
+    /// The command line makes no sense.
+    Usage = 2,
+    /// The result is written, but is not an oriented manifold of the input's topology.
+    Unverified = 3,
+    /// Interrupted, by Ctrl-C or a signal to end.
+    Interrupted = 130,
+}
+
+impl Status {
+    /// The status of a run that failed.
+    pub fn of(error: &Error) -> Status {
+        match error {
+            Error::File { .. } | Error::Format { .. } | Error::Mesh { .. } => Status::File,
+            Error::Option { .. } => Status::Usage,
+            Error::Cancelled => Status::Interrupted,
+        }
+    }
+}
+
+impl From<Status> for ExitCode {
+    fn from(status: Status) -> ExitCode {
+        ExitCode::from(status as u8)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::error::Setting;
+
+    #[test]
+    fn each_error_has_its_status() {
+        let (cause, remedy) = (String::new(), String::new());
+        let file = Error::File { file: String::new(), cause: cause.clone(), remedy: remedy.clone() };
+        let mesh = Error::Mesh { cause: cause.clone(), remedy: remedy.clone() };
+        let option = Error::Option { option: Setting::Points, cause, remedy };
+        let found = [file, mesh.clone(), mesh.in_file("x"), option, Error::Cancelled].map(|e| Status::of(&e));
+        assert_eq!(found, [Status::File, Status::File, Status::File, Status::Usage, Status::Interrupted]);
+    }
+}

@@ -1,0 +1,59 @@
+//! What a job works on.
+
+use crate::mesh::attributes::Attributes;
+use crate::mesh::points::Points;
+use crate::mesh::triangle_mesh::Mesh;
+use glam::DVec3;
+use std::borrow::Cow;
+
+/// A mesh or a cloud of points, with attributes.
+#[derive(Debug, Clone, Default)]
+pub struct Input<'a> {
+    mesh: Cow<'a, Mesh>,
+    attributes: Cow<'a, Attributes>,
+}
+
+impl<'a> Input<'a> {
+    /// A mesh: x, y and z of each vertex, and for each triangle the numbers of its corners from 0, counter-clockwise seen
+    /// from outside.
+    pub fn mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Input<'a> {
+        let positions: &[DVec3] = bytemuck::cast_slice(positions);
+        let mesh = Mesh { positions: positions.to_vec(), triangles: triangles.to_vec() };
+        Input { mesh: Cow::Owned(mesh), ..Input::default() }
+    }
+
+    /// A cloud of points: x, y and z of each. Normals, where they are known, are the attribute `normal`.
+    pub fn points(positions: &[[f64; 3]]) -> Input<'a> {
+        Input::mesh(positions, &[])
+    }
+
+    /// The same with attributes of its vertices, corners and triangles.
+    #[must_use]
+    pub fn with_attributes(self, attributes: &'a Attributes) -> Input<'a> {
+        Input { attributes: Cow::Borrowed(attributes), ..self }
+    }
+
+    /// Whether it has points and no triangles.
+    pub fn is_cloud(&self) -> bool {
+        self.mesh.triangles.is_empty()
+    }
+
+    pub(super) fn as_mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    pub(super) fn attributes(&self) -> &Attributes {
+        &self.attributes
+    }
+
+    /// The vertices, with the normals that they have.
+    pub(super) fn as_points(&self) -> Points {
+        Points { positions: self.mesh.positions.clone(), normals: self.attributes.normals() }
+    }
+}
+
+impl<'a> From<&'a Mesh> for Input<'a> {
+    fn from(mesh: &'a Mesh) -> Input<'a> {
+        Input { mesh: Cow::Borrowed(mesh), ..Input::default() }
+    }
+}

@@ -1,0 +1,12 @@
+//! The whole job in one call: from a mesh or points with attributes to a mesh with attributes, where it came from, and a
+//! report. Nothing is read, written or printed here.
+
+mod input;
+mod outcome;
+mod points;
+mod remesh;
+
+pub use input::Input;
+pub use outcome::{Origin, Outcome};
+pub use points::{reconstruct, sample};
+pub use remesh::{Carry, RemeshOptions, quality, remesh};

@@ -1,0 +1,68 @@
+//! What a job gives.
+
+use crate::mesh::attributes::Attributes;
+use crate::mesh::provenance::PointOnTriangle;
+use crate::mesh::triangle_mesh::Mesh;
+use crate::report::Report;
+
+/// Where on the input a vertex of the result lies: the point of the input that is closest to it, of those that face its
+/// way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Origin {
+    /// The triangle of the input; `None` for points without triangles.
+    pub triangle: Option<u32>,
+    /// The corners of the triangle, or the points that it is between.
+    pub vertices: [u32; 3],
+    /// The barycentric coordinates of the point, none negative, of sum 1.
+    pub weights: [f64; 3],
+}
+
+impl Origin {
+    /// A point of a mesh with these triangles.
+    pub(super) fn on_mesh(point: &PointOnTriangle, triangles: &[[u32; 3]]) -> Origin {
+        let PointOnTriangle { triangle, weights } = *point;
+        Origin { triangle: Some(triangle), vertices: triangles[triangle as usize], weights }
+    }
+
+    /// The same between the points that the vertices of a mesh through points are.
+    pub(super) fn between_points(self, points: &[u32]) -> Origin {
+        Origin { triangle: None, vertices: self.vertices.map(|v| points[v as usize]), ..self }
+    }
+}
+
+/// A remeshed surface with all that is known of it.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// The result, in the coordinates of the input.
+    pub mesh: Mesh,
+    /// Its attributes.
+    pub attributes: Attributes,
+    /// For each vertex where on the input it lies.
+    pub origins: Vec<Origin>,
+    /// For each triangle the triangle of the input below its centre; empty for points without triangles.
+    pub triangle_origins: Vec<u32>,
+    /// Why the result is not what was asked for, a phrase each; empty for a verified one.
+    pub shortcomings: Vec<String>,
+    /// Things a user should know, a sentence each; the report has them, too.
+    pub notes: Vec<String>,
+    /// What was done, and how good the result is; `None` if it was not wanted.
+    pub report: Option<Report>,
+}
+
+impl Outcome {
+    /// x, y and z of each vertex.
+    pub fn positions(&self) -> &[[f64; 3]] {
+        bytemuck::cast_slice(&self.mesh.positions)
+    }
+
+    /// For each triangle the numbers of its corners.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.mesh.triangles
+    }
+
+    /// Whether the result is what it should be: an oriented manifold of the topology of the repaired input, without
+    /// self-intersections unless that has some, too, and as near to it as was asked for.
+    pub fn verified(&self) -> bool {
+        self.shortcomings.is_empty()
+    }
+}

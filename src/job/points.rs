@@ -1,0 +1,38 @@
+//! Sampling and reconstruction as one call each.
+
+use crate::base::error::Result;
+use crate::base::monitor::{Monitor, Overall};
+use crate::job::input::Input;
+use crate::pipeline::{self, ReconstructOptions, Reconstructed, SampleOptions, Sampled, Signal, points_of_mesh};
+
+/// The stages and about how much of the time each takes.
+const SAMPLING: [(&str, f64); 5] =
+    [("clean", 0.1), ("normals", 0.1), ("repair", 0.1), ("sample", 0.4), ("ascend", 0.4)];
+const RECONSTRUCTION: [(&str, f64); 3] = [("clean", 0.1), ("normals", 0.1), ("extract", 0.8)];
+
+/// Samples the surface of a mesh or of points: points with normals, without triangles, as the gradient ascent of the paper
+/// leaves them; or a subset of the input's points.
+///
+/// # Errors
+/// Those of [`remesh`](crate::remesh()).
+pub fn sample(input: &Input, options: &SampleOptions, monitor: &dyn Monitor) -> Result<Sampled> {
+    let monitor = &Overall::new(monitor, &SAMPLING);
+    let signals: Result<Vec<Signal>> =
+        options.signals.iter().map(|signal| signal.resolved(input.attributes())).collect();
+    let options = SampleOptions { signals: signals?, ..options.clone() };
+    if input.is_cloud() {
+        return pipeline::sample_points(&input.as_points(), &options, monitor);
+    }
+    pipeline::sample(input.as_mesh(), &options, monitor)
+}
+
+/// The robust implicit surface of points, or of the vertices of a mesh, as dense triangles.
+///
+/// # Errors
+/// Those of [`remesh`](crate::remesh()), and [`Error::Option`](crate::Error::Option) for a resolution that takes more
+/// memory than can be meant.
+pub fn reconstruct(input: &Input, options: &ReconstructOptions, monitor: &dyn Monitor) -> Result<Reconstructed> {
+    let monitor = &Overall::new(monitor, &RECONSTRUCTION);
+    let points = if input.is_cloud() { input.as_points() } else { points_of_mesh(input.as_mesh()) };
+    pipeline::reconstruct(&points, options, monitor)
+}

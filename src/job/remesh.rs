@@ -1,0 +1,195 @@
+//! Remeshing as one call.
+
+use crate::base::error::{Error, Result};
+use crate::base::monitor::{Monitor, Overall, check};
+use crate::job::input::Input;
+use crate::job::outcome::{Origin, Outcome};
+use crate::mesh::attributes::{Attributes, Lost};
+use crate::mesh::triangle_mesh::Mesh;
+use crate::pipeline::{self, CloudOptions, CloudSummary, Grading, Options, Remeshed, Signal, mesh_of_points};
+use crate::report::{Crossings, Report, shortcomings};
+use crate::transfer::vertex::{Carried, carry};
+use std::borrow::Cow;
+
+/// What to make of an input.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RemeshOptions {
+    /// How to remesh it.
+    pub surface: Options,
+    /// How points without triangles become a surface first.
+    pub cloud: CloudOptions,
+    /// Which attributes the result gets.
+    pub carry: Carry,
+    /// Whether to leave out the report: measuring takes time. Default: false.
+    pub without_report: bool,
+}
+
+impl From<Options> for RemeshOptions {
+    fn from(surface: Options) -> RemeshOptions {
+        RemeshOptions { surface, ..RemeshOptions::default() }
+    }
+}
+
+/// Which attributes of the input the result gets.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum Carry {
+    /// All of them.
+    #[default]
+    All,
+    /// All but these, which the report says are lost.
+    AllBut(Vec<Lost>),
+    /// None.
+    Nothing,
+}
+
+/// The stages and about how much of the time each takes.
+const OF_POINTS: [(&str, f64); 4] = [("clean", 0.1), ("normals", 0.1), ("smooth", 0.1), ("connect", 0.4)];
+const OF_MESH: [(&str, f64); 12] = [
+    ("repair", 0.06),
+    ("smooth", 0.02),
+    ("sample", 0.1),
+    ("triangulate", 0.08),
+    ("ascend", 0.3),
+    ("relax", 0.16),
+    ("improve angles", 0.06),
+    ("fit", 0.12),
+    ("resolve self-intersections", 0.03),
+    ("bound", 0.02),
+    ("carry attributes", 0.02),
+    ("measure", 0.1),
+];
+
+/// Remeshes a mesh or points: as many vertices as wanted, evenly spread or graded, and triangles close to equilateral, of
+/// the same shape and topology, with the attributes of the input and where each vertex came from.
+///
+/// # Errors
+/// [`Error::Mesh`] for an input that has no area, bad numbers, or points that no surface goes through, and for an attribute
+/// that options name and the input does not have; [`Error::Option`] for options out of range; [`Error::Cancelled`] if the
+/// monitor asks for it.
+pub fn remesh(input: &Input, options: &RemeshOptions, monitor: &dyn Monitor) -> Result<Outcome> {
+    options.surface.validate()?;
+    let plan = if input.is_cloud() { [&OF_POINTS[..], &OF_MESH].concat() } else { OF_MESH.to_vec() };
+    let monitor = &Overall::new(monitor, &plan);
+    let surface = Surface::new(input, options, monitor)?;
+    let mut remeshed = pipeline::remesh(&surface.mesh, &surface.options, monitor)?;
+    let mut carried = carried(&surface, &mut remeshed, &options.carry, monitor)?;
+    remeshed.notes.append(&mut carried.notes);
+    let report = (!options.without_report).then(|| {
+        monitor.stage("measure");
+        let report = Report::of_remesh(&remeshed, &surface.mesh, options.surface.seed);
+        let attributes = (options.carry != Carry::Nothing).then(|| (&carried).into());
+        Report { cloud: surface.cloud.clone(), attributes, ..report }
+    });
+    check(monitor)?;
+    monitor.progress(1.0);
+    Ok(outcome(&surface, remeshed, carried.attributes, report))
+}
+
+/// Measures a mesh, and its distance to another one.
+///
+/// # Errors
+/// [`Error::Mesh`] for points without triangles.
+pub fn quality(mesh: &Input, against: Option<&Input>) -> Result<Report> {
+    if mesh.is_cloud() {
+        let cause = format!("{} points and no triangles", mesh.as_mesh().positions.len());
+        return Err(Error::Mesh { cause, remedy: "make a mesh of them first, by remeshing them".into() });
+    }
+    Ok(Report::of_mesh(mesh.as_mesh(), against.map(Input::as_mesh)))
+}
+
+/// The surface that is remeshed: the input, or the mesh through its points.
+struct Surface<'a> {
+    mesh: Cow<'a, Mesh>,
+    attributes: Cow<'a, Attributes>,
+    /// With values for what is known at the vertices of the mesh.
+    options: Options,
+    /// For each vertex the point of the input that it is, if that has no triangles.
+    points: Option<Vec<u32>>,
+    cloud: Option<CloudSummary>,
+}
+
+impl<'a> Surface<'a> {
+    fn new(input: &'a Input, options: &RemeshOptions, monitor: &dyn Monitor) -> Result<Surface<'a>> {
+        let resolved = resolved(&options.surface, input.attributes())?;
+        if !input.is_cloud() {
+            let (mesh, attributes) = (Cow::Borrowed(input.as_mesh()), Cow::Borrowed(input.attributes()));
+            return Ok(Surface { mesh, attributes, options: resolved, points: None, cloud: None });
+        }
+        if let Some(part) = &options.surface.part {
+            let cause = "the input has points and no triangles, so nothing could stay as it is".into();
+            let remedy = "make a mesh of it first, by remeshing all of it".into();
+            return Err(Error::Option { option: part.setting(), cause, remedy });
+        }
+        resolved.grading.check(input.as_mesh().positions.len())?;
+        let smooth = options.cloud.smooth.or(options.surface.smooth);
+        let made = mesh_of_points(&input.as_points(), &CloudOptions { smooth, ..options.cloud.clone() }, monitor)?;
+        let grading = resolved.grading.of(&made.source);
+        Ok(Surface {
+            attributes: Cow::Owned(input.attributes().of_vertices(&made.source)),
+            mesh: Cow::Owned(made.mesh),
+            options: Options { grading, smooth: None, of_points: true, ..resolved },
+            points: Some(made.source),
+            cloud: Some(made.summary),
+        })
+    }
+}
+
+/// The options with all attributes that they name looked up.
+fn resolved(options: &Options, attributes: &Attributes) -> Result<Options> {
+    let grading = match &options.grading {
+        Grading::Field(lengths) => Grading::Field(lengths.resolved(attributes)?),
+        Grading::Kernel { sigma_n, signals } => {
+            let signals: Result<Vec<Signal>> = signals.iter().map(|signal| signal.resolved(attributes)).collect();
+            Grading::Kernel { sigma_n: *sigma_n, signals: signals? }
+        }
+        other => other.clone(),
+    };
+    let part = options.part.as_ref().map(|part| part.resolved(attributes)).transpose()?;
+    let resolved = Options { grading, part, ..options.clone() };
+    resolved.validate()?;
+    Ok(resolved)
+}
+
+/// The attributes of the surface on the result, as far as they are wanted.
+fn carried(surface: &Surface, remeshed: &mut Remeshed, wanted: &Carry, monitor: &dyn Monitor) -> Result<Carried> {
+    if *wanted == Carry::Nothing || surface.attributes.is_empty() {
+        return Ok(Carried::default());
+    }
+    monitor.stage("carry attributes");
+    let mut attributes = Cow::Borrowed(&*surface.attributes);
+    let mut lost = Vec::new();
+    if let Carry::AllBut(others) = wanted {
+        others.iter().for_each(|other| attributes.to_mut().remove(&other.name));
+        lost.clone_from(others);
+    }
+    let mut carried = carry(&surface.mesh, &attributes, &remeshed.mesh, &remeshed.origins);
+    if let Some(kept) = &remeshed.kept {
+        carried.keep(&surface.mesh, &attributes, &remeshed.mesh, kept);
+    }
+    carried.lost.splice(0..0, lost);
+    check(monitor)?;
+    Ok(carried)
+}
+
+fn outcome(surface: &Surface, remeshed: Remeshed, attributes: Attributes, report: Option<Report>) -> Outcome {
+    let on_mesh = |point| Origin::on_mesh(point, &surface.mesh.triangles);
+    let on_input = |origin: Origin| match &surface.points {
+        Some(points) => origin.between_points(points),
+        None => origin,
+    };
+    let triangles = remeshed.origins.triangles.iter().map(|point| point.triangle);
+    Outcome {
+        origins: remeshed.origins.vertices.iter().map(on_mesh).map(on_input).collect(),
+        triangle_origins: if surface.points.is_none() { triangles.collect() } else { Vec::new() },
+        shortcomings: shortcomings(
+            &remeshed.output,
+            &remeshed.repaired,
+            &Crossings::of(&remeshed),
+            remeshed.deviation.as_ref(),
+        ),
+        attributes,
+        notes: remeshed.notes,
+        mesh: remeshed.mesh,
+        report,
+    }
+}

@@ -1,0 +1,99 @@
+//! A mesh that is known to be an oriented 2-manifold, and where it came from.
+
+use crate::base::error::{Error, Result};
+use crate::mesh::provenance::Provenance;
+use crate::mesh::topology::topology;
+use crate::mesh::triangle_mesh::Mesh;
+use glam::DVec3;
+use std::ops::Deref;
+
+/// An oriented 2-manifold, with or without a boundary: every edge has at most two faces, which agree on the outside, and
+/// every vertex one fan. All its vertices are used.
+///
+/// [`repair`](crate::prepare::repair::repair) makes one of any mesh; [`TryFrom`] takes a mesh that is one.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct OrientedManifold {
+    mesh: Mesh,
+    provenance: Provenance,
+}
+
+impl OrientedManifold {
+    /// The manifold `mesh`, which is one by the way it was made.
+    pub(crate) fn trusted(mesh: Mesh, provenance: Provenance) -> OrientedManifold {
+        OrientedManifold { mesh, provenance }
+    }
+
+    /// Where its vertices and triangles came from.
+    pub fn provenance(&self) -> &Provenance {
+        &self.provenance
+    }
+
+    /// The mesh and where it came from.
+    pub fn into_parts(self) -> (Mesh, Provenance) {
+        (self.mesh, self.provenance)
+    }
+
+    /// The mesh alone.
+    pub fn into_mesh(self) -> Mesh {
+        self.mesh
+    }
+
+    /// Where its vertices are; how they are joined does not change.
+    pub fn positions_mut(&mut self) -> &mut [DVec3] {
+        &mut self.mesh.positions
+    }
+
+    /// Adds a vertex at the middle of an edge, given by its ends. That of the triangles is for the caller to split.
+    pub(super) fn insert_middle(&mut self, ends: [u32; 2]) -> u32 {
+        let [a, b] = ends.map(|v| self.mesh.positions[v as usize]);
+        self.mesh.positions.push((a + b) / 2.0);
+        self.provenance.insert_middle(ends);
+        self.mesh.positions.len() as u32 - 1
+    }
+
+    /// Puts `parts`, which cover it, in the place of triangle `t`: the first has its number, the others come last.
+    pub(super) fn split_triangle(&mut self, t: usize, parts: &[[u32; 3]]) {
+        self.mesh.triangles[t] = parts[0];
+        self.mesh.triangles.extend(&parts[1..]);
+        parts[1..].iter().for_each(|_| self.provenance.insert_part(t as u32));
+    }
+}
+
+impl Deref for OrientedManifold {
+    type Target = Mesh;
+
+    fn deref(&self) -> &Mesh {
+        &self.mesh
+    }
+}
+
+impl TryFrom<Mesh> for OrientedManifold {
+    type Error = Error;
+
+    fn try_from(mesh: Mesh) -> Result<OrientedManifold> {
+        let t = topology(mesh.positions.len(), &mesh.triangles);
+        if !t.is_manifold() || !t.is_oriented() || t.vertices < mesh.positions.len() {
+            let cause = "the mesh is no oriented manifold that uses all of its vertices".into();
+            return Err(Error::Mesh { cause, remedy: "repair it first".into() });
+        }
+        let provenance = Provenance::identity(mesh.positions.len(), mesh.triangles.len());
+        Ok(OrientedManifold { mesh, provenance })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_oriented_manifolds_are_taken() {
+        let mesh = |triangles: &[[u32; 3]]| Mesh {
+            positions: [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].into(),
+            triangles: triangles.into(),
+        };
+        assert!(OrientedManifold::try_from(mesh(&[[0, 1, 2], [0, 2, 3]])).is_ok());
+        for wrong in [&[[0, 1, 2], [0, 3, 2]][..], &[[0, 1, 2]], &[[0, 1, 2], [0, 2, 3], [2, 0, 1]]] {
+            assert!(OrientedManifold::try_from(mesh(wrong)).is_err());
+        }
+    }
+}

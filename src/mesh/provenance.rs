@@ -1,0 +1,193 @@
+//! Where the vertices and triangles of a mesh came from: each preparing step says what it made of what, and their
+//! composition tells for any point of the last mesh which point of the first one, the source, it is.
+//!
+//! A triangle is a part of one triangle of the source. A vertex is one of the source, or lies between some of one of its
+//! triangles: a [`Blend`] of at most three. Vertices at one place of the source are one; the first stands for all.
+//!
+//! Cost: four bytes a vertex and a triangle, forty for each vertex that was inserted.
+
+use crate::mesh::topology::NONE;
+
+/// A point of the source: the mean of at most three of its vertices, those of a triangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Blend {
+    vertices: [u32; 3],
+    /// None negative, of sum 1; zero where there are fewer than three.
+    weights: [f64; 3],
+}
+
+impl Blend {
+    fn of(vertex: u32) -> Blend {
+        Blend { vertices: [vertex, NONE, NONE], weights: [1.0, 0.0, 0.0] }
+    }
+
+    /// How much a vertex of the source counts.
+    fn weight_of(&self, vertex: u32) -> f64 {
+        let places = self.vertices.iter().zip(self.weights);
+        places.filter(|(v, _)| **v == vertex).map(|(_, weight)| weight).sum()
+    }
+
+    /// The mean of points of one triangle of the source.
+    fn mean<const N: usize>(points: [Blend; N], weights: [f64; N]) -> Blend {
+        let mut mean = Blend { vertices: [NONE; 3], weights: [0.0; 3] };
+        for (point, share) in points.into_iter().zip(weights) {
+            for (vertex, weight) in point.vertices.into_iter().zip(point.weights).filter(|(v, _)| *v != NONE) {
+                // Points of one triangle have no fourth vertex.
+                if let Some(slot) = mean.vertices.iter().position(|&v| v == vertex || v == NONE) {
+                    mean.vertices[slot] = vertex;
+                    mean.weights[slot] += share * weight;
+                }
+            }
+        }
+        mean
+    }
+
+    /// The value here of a function that is linear on each triangle, given at the vertices of the source.
+    fn value(&self, values: &[f64]) -> f64 {
+        let known = self.vertices.iter().zip(self.weights).filter(|(v, _)| **v != NONE);
+        known.map(|(&v, weight)| weight * values[v as usize]).sum()
+    }
+}
+
+/// A point of a triangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PointOnTriangle {
+    /// The triangle.
+    pub triangle: u32,
+    /// Its barycentric coordinates there, none negative, of sum 1.
+    pub weights: [f64; 3],
+}
+
+/// Where on a source the vertices and triangles of another mesh lie.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Origins {
+    /// For each vertex the point of the source that is closest to it, of those that face its way.
+    pub vertices: Vec<PointOnTriangle>,
+    /// The same for the centre of each triangle.
+    pub triangles: Vec<PointOnTriangle>,
+}
+
+/// Where a mesh came from.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Provenance {
+    /// For each vertex of the source the one that stands for its place.
+    representatives: Vec<u32>,
+    /// For each vertex that of the source, or, from the number of these on, the number of an inserted one.
+    vertices: Vec<u32>,
+    inserted: Vec<Blend>,
+    /// For each triangle that of the source that it is a part of.
+    triangles: Vec<u32>,
+}
+
+impl Provenance {
+    /// That of a mesh of some vertices and triangles of the source. `representatives` has for each vertex of the source
+    /// the one that stands for its place, `vertices` for each of the mesh one of these.
+    pub fn new(representatives: Vec<u32>, vertices: Vec<u32>, triangles: Vec<u32>) -> Provenance {
+        Provenance { representatives, vertices, inserted: Vec::new(), triangles }
+    }
+
+    /// That of a mesh which is the source.
+    pub fn identity(vertices: usize, triangles: usize) -> Provenance {
+        let all = |n: usize| (0..n as u32).collect();
+        Provenance::new(all(vertices), all(vertices), all(triangles))
+    }
+
+    /// Adds a vertex in the middle between two of the mesh.
+    pub fn insert_middle(&mut self, [a, b]: [u32; 2]) {
+        self.vertices.push((self.representatives.len() + self.inserted.len()) as u32);
+        self.inserted.push(Blend::mean([self.blend(a), self.blend(b)], [0.5; 2]));
+    }
+
+    /// Adds a triangle that is a part of triangle `t` of the mesh.
+    pub fn insert_part(&mut self, t: u32) {
+        self.triangles.push(self.triangles[t as usize]);
+    }
+
+    /// That of a mesh which has these vertices and triangles of the mesh, in their order.
+    #[must_use]
+    pub fn select(mut self, vertices: &[u32], triangles: &[u32]) -> Provenance {
+        self.vertices = vertices.iter().map(|&v| self.vertices[v as usize]).collect();
+        self.triangles = triangles.iter().map(|&t| self.triangles[t as usize]).collect();
+        self
+    }
+
+    /// The vertex of the source that vertex `v` is; `None` for one that was inserted.
+    pub fn vertex(&self, v: u32) -> Option<u32> {
+        let source = self.vertices[v as usize];
+        ((source as usize) < self.representatives.len()).then_some(source)
+    }
+
+    /// The triangle of the source that triangle `t` is a part of.
+    pub fn triangle(&self, t: u32) -> u32 {
+        self.triangles[t as usize]
+    }
+
+    fn blend(&self, v: u32) -> Blend {
+        let source = self.vertices[v as usize];
+        match (source as usize).checked_sub(self.representatives.len()) {
+            Some(number) => self.inserted[number],
+            None => Blend::of(source),
+        }
+    }
+
+    /// The values at the vertices of the mesh of a function that is linear on each triangle, given at the vertices of the
+    /// source.
+    pub fn values(&self, of_source: &[f64]) -> Vec<f64> {
+        (0..self.vertices.len() as u32).map(|v| self.blend(v).value(of_source)).collect()
+    }
+
+    /// For each vertex of the mesh whether any vertex of the source at its place is marked; none that was inserted is.
+    pub fn marks(&self, of_source: &[bool]) -> Vec<bool> {
+        let mut at_place = vec![false; of_source.len()];
+        let marked = self.representatives.iter().zip(of_source).filter(|(_, marked)| **marked);
+        marked.for_each(|(&place, _)| at_place[place as usize] = true);
+        (0..self.vertices.len() as u32).map(|v| self.vertex(v).is_some_and(|s| at_place[s as usize])).collect()
+    }
+
+    /// The point of the source that a point of triangle `t` of the mesh is. `corners` are the vertices of `t`, `weights`
+    /// the barycentric coordinates there; `source` are the triangles of the source.
+    pub fn origin(&self, t: u32, corners: [u32; 3], weights: [f64; 3], source: &[[u32; 3]]) -> PointOnTriangle {
+        let triangle = self.triangle(t);
+        let blend = Blend::mean(corners.map(|v| self.blend(v)), weights.map(|weight| weight.max(0.0)));
+        let of_corner = |v: u32| blend.weight_of(self.representatives[v as usize]);
+        let weights = source[triangle as usize].map(of_corner);
+        let sum: f64 = weights.iter().sum();
+        PointOnTriangle { triangle, weights: if sum > 0.0 { weights.map(|w| w / sum) } else { [1.0, 0.0, 0.0] } }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_of_a_part_of_a_part_are_points_of_the_source() {
+        // Vertex 3 of the source is at the place of vertex 1.
+        let source = [[0, 1, 2], [2, 3, 4]];
+        let mut provenance = Provenance::new(vec![0, 1, 2, 1, 4], vec![0, 1, 2, 4], vec![0, 1]);
+        provenance.insert_middle([1, 2]);
+        provenance.insert_part(1);
+        provenance.insert_middle([4, 3]);
+        // The middle between vertex 4 of the source and the middle of its other two.
+        let origin = provenance.origin(2, [5, 5, 5], [0.2, 0.3, 0.5], &source);
+        assert_eq!(origin, PointOnTriangle { triangle: 1, weights: [0.25, 0.25, 0.5] });
+        assert_eq!(provenance.values(&[0.0, 4.0, 8.0, 4.0, 1.0]), [0.0, 4.0, 8.0, 1.0, 6.0, 3.5]);
+        assert_eq!(provenance.vertex(4), None);
+        let corner = provenance.origin(0, [0, 1, 2], [0.0, 1.0, 0.0], &source);
+        assert_eq!(corner, PointOnTriangle { triangle: 0, weights: [0.0, 1.0, 0.0] });
+    }
+
+    #[test]
+    fn a_mark_is_that_of_a_place() {
+        let provenance = Provenance::new(vec![0, 1, 1], vec![1, 0], vec![0]);
+        assert_eq!(provenance.marks(&[false, false, true]), [true, false]);
+    }
+
+    #[test]
+    fn what_is_selected_keeps_where_it_came_from() {
+        let mut provenance = Provenance::identity(3, 2);
+        provenance.insert_middle([0, 2]);
+        let some = provenance.select(&[3, 1], &[1]);
+        assert_eq!((some.values(&[1.0, 2.0, 5.0]), some.triangle(0)), (vec![3.0, 2.0], 1));
+    }
+}

@@ -1,0 +1,157 @@
+//! Which attempts are made at a sound result, one after the other.
+//!
+//! Three things go wrong, and each has its remedy. Samples on sharp edges that are too few leave patches that do not fit
+//! together: there are more of them in the next attempt, and at last the sharp edges are smoothed over. Samples of the two
+//! sides of a thin wall come together such that triangles intersect: others are drawn. A result that is not sound even so
+//! is made again from other samples: whether all triangles of a thin wall can be parted is a matter of chance.
+
+/// Runs up to a whole result, and times that the surface is sampled in each for a mesh that does not intersect itself.
+pub(super) const MOST_RUNS: u64 = 3;
+const MOST_SAMPLINGS: u64 = 4;
+
+/// Samples on feature curves for each spacing of their length, in one attempt after the other: patches narrower than the
+/// spacing need more of them.
+const CURVE_DENSITIES: [f64; 3] = [1.0, 2.0, 4.0];
+
+/// More triangles than this do not intersect by chance: the samples are too few for how near to each other the walls are.
+const MOST_BY_CHANCE: usize = 60;
+
+/// How good what an attempt led to is: the less the better, topology first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Score {
+    /// Whether it is not of the topology that it should have.
+    pub other_topology: bool,
+    /// Triangles that intersect others.
+    pub self_intersections: usize,
+}
+
+/// What an attempt goes by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Attempt {
+    /// The seed of its random numbers.
+    pub seed: u64,
+    /// Samples on feature curves for each spacing of their length; `None`: sharp edges are smoothed over.
+    pub curve_density: Option<f64>,
+}
+
+/// What to do with the samples that an attempt has triangulated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Step {
+    /// Go on with the best so far.
+    Continue,
+    /// Draw others for the same sharp edges: the best of them counts.
+    Resample,
+    /// Draw others, sharp edges being treated in another way: what was before does not count.
+    Restart,
+}
+
+/// The attempts at one result.
+#[derive(Debug, Clone)]
+pub(super) struct Attempts {
+    seed: u64,
+    run: u64,
+    sampling: u64,
+    /// The place in the densities on curves; beyond them curves are smoothed over.
+    curves: usize,
+    has_curves: bool,
+}
+
+impl Attempts {
+    /// Those with the random numbers of `seed`, of a surface that has sharp edges or not.
+    pub(super) fn new(seed: u64, has_curves: bool) -> Attempts {
+        Attempts { seed, run: 0, sampling: 0, curves: 0, has_curves }
+    }
+
+    /// The one to make now.
+    pub(super) fn current(&self) -> Attempt {
+        // Far from the seeds that people give.
+        let seed = self.seed.wrapping_add(self.run << 48).wrapping_add(self.sampling << 40);
+        Attempt { seed, curve_density: CURVE_DENSITIES.get(self.curves).copied() }
+    }
+
+    /// What to do after samples were triangulated with `best` as the best score for these sharp edges; `of_surface` counts
+    /// the triangles of the surface that intersect others.
+    pub(super) fn after_triangulation(&mut self, best: Score, of_surface: impl FnOnce() -> usize) -> Step {
+        if best.other_topology && self.has_curves {
+            self.curves += 1;
+            self.has_curves = self.curves < CURVE_DENSITIES.len();
+            self.sampling = 0;
+            return Step::Restart;
+        }
+        let found = best.self_intersections;
+        if found == 0 || self.sampling + 1 == MOST_SAMPLINGS || found <= of_surface() {
+            return Step::Continue;
+        }
+        self.sampling += 1;
+        Step::Resample
+    }
+
+    /// Whether to make another run after a result that is not sound; `best` is the best score of all.
+    pub(super) fn after_unsound(&mut self, best: Score) -> bool {
+        if best.self_intersections > MOST_BY_CHANCE || self.run + 1 == MOST_RUNS {
+            return false;
+        }
+        (self.run, self.sampling) = (self.run + 1, 0);
+        true
+    }
+
+    /// The run that is being made, from 1.
+    pub(super) fn run(&self) -> u64 {
+        self.run + 1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SOUND: Score = Score { other_topology: false, self_intersections: 0 };
+    const TORN: Score = Score { other_topology: true, self_intersections: 0 };
+    const CROSSED: Score = Score { other_topology: false, self_intersections: 8 };
+
+    #[test]
+    fn what_is_sound_at_once_takes_one_attempt() {
+        let mut attempts = Attempts::new(7, true);
+        assert_eq!(attempts.current(), Attempt { seed: 7, curve_density: Some(1.0) });
+        assert_eq!(attempts.after_triangulation(SOUND, || 0), Step::Continue);
+    }
+
+    #[test]
+    fn curves_get_more_samples_and_are_smoothed_over_at_last() {
+        let mut attempts = Attempts::new(0, true);
+        let mut densities = Vec::new();
+        while attempts.after_triangulation(TORN, || 0) == Step::Restart {
+            densities.push(attempts.current().curve_density);
+        }
+        assert_eq!(densities, [Some(2.0), Some(4.0), None]);
+    }
+
+    #[test]
+    fn intersections_are_accepted_where_the_surface_has_as_many() {
+        let mut attempts = Attempts::new(0, false);
+        assert_eq!(attempts.after_triangulation(CROSSED, || 8), Step::Continue);
+        let mut samplings = 1;
+        while attempts.after_triangulation(CROSSED, || 0) == Step::Resample {
+            samplings += 1;
+        }
+        assert_eq!(samplings, MOST_SAMPLINGS);
+    }
+
+    #[test]
+    fn no_two_attempts_have_the_same_seed_and_there_is_an_end_to_them() {
+        let mut attempts = Attempts::new(3, true);
+        let mut seeds = vec![attempts.current().seed];
+        loop {
+            let resample = attempts.after_triangulation(CROSSED, || 0) == Step::Resample;
+            if !resample && !attempts.after_unsound(CROSSED) {
+                break;
+            }
+            seeds.push(attempts.current().seed);
+        }
+        assert_eq!(seeds.len() as u64, MOST_RUNS * MOST_SAMPLINGS);
+        seeds.sort_unstable();
+        seeds.dedup();
+        assert_eq!(seeds.len() as u64, MOST_RUNS * MOST_SAMPLINGS);
+        assert!(!Attempts::new(3, true).after_unsound(Score { self_intersections: 61, ..CROSSED }));
+    }
+}

@@ -1,0 +1,109 @@
+//! What a run goes by: the input, repaired once for all attempts, and what is asked of the result.
+
+use crate::base::error::{Error, Result};
+use crate::base::monitor::{Monitor, check};
+use crate::mesh::oriented_manifold::OrientedManifold;
+use crate::mesh::topology::{Topology, topology};
+use crate::mesh::triangle_mesh::Mesh;
+use crate::pipeline::options::Options;
+use crate::pipeline::scale::Field;
+use crate::pipeline::unit::Unit;
+use crate::prepare::bend::smooth;
+use crate::prepare::repair::{Repairs, repair, repair_welded};
+use crate::prepare::stitch::{close_cracks, open_cracks};
+use glam::DVec3;
+
+/// What a run goes by, whatever the number of vertices.
+pub(super) struct PreparedInput<'a> {
+    pub input: &'a Mesh,
+    pub options: &'a Options,
+    pub unit: Unit,
+    /// The edge lengths that are wanted, if the options have some.
+    pub field: Option<Field>,
+    /// How far the result may be from the input, in the units of that.
+    pub allowed: Option<f64>,
+    pub repairs: Repairs,
+    /// Boundary vertices of the repaired input that all but touch another one.
+    pub cracks: usize,
+    /// The topology of the input.
+    pub of_input: Topology,
+    /// The topology after repairs.
+    pub of_repaired: Topology,
+}
+
+impl<'a> PreparedInput<'a> {
+    /// What a run goes by, and the input repaired and smoothed: in the pipeline's unit, or in that of the input if only a
+    /// part of it is remeshed, so that the rest stays as it is to the last bit.
+    ///
+    /// # Errors
+    /// Those of [`super::remesh`] that the input and its fields can have.
+    pub(super) fn new(
+        input: &'a Mesh,
+        options: &'a Options,
+        monitor: &dyn Monitor,
+    ) -> Result<(PreparedInput<'a>, OrientedManifold)> {
+        monitor.stage("repair");
+        refuse_bad_numbers(input)?;
+        options.grading.check(input.positions.len())?;
+        options.part.as_ref().map_or(Ok(()), |part| part.check(input.positions.len()))?;
+        let unit = Unit::of(input);
+        let field = options.grading.field().map(|lengths| Field::new(lengths, input, &unit));
+        let topology_of = |mesh: &Mesh| topology(mesh.positions.len(), &mesh.triangles);
+        let (of_input, (mut repaired, repairs)) = rayon::join(
+            || topology_of(input),
+            || match options.part {
+                Some(_) => repaired(input, options.weld),
+                None => repaired(&unit.inwards(input), options.weld.map(|tolerance| tolerance / unit.size)),
+            },
+        );
+        check(monitor)?;
+        let cracks = if options.weld.is_none() { open_cracks(&repaired) } else { 0 };
+        let untouched = repairs == Repairs::default();
+        let of_repaired = if untouched { of_input } else { topology_of(&repaired) };
+        let scale = if options.part.is_some() { 1.0 } else { unit.size };
+        let allowed = options.max_error.map(|e| e.length(scale * repaired.diagonal()));
+        if let Some(support) = options.smooth {
+            monitor.stage("smooth");
+            smooth(&mut repaired, support);
+            check(monitor)?;
+        }
+        let prepared = PreparedInput { input, options, unit, field, allowed, repairs, cracks, of_input, of_repaired };
+        Ok((prepared, repaired))
+    }
+}
+
+fn repaired(mesh: &Mesh, weld: Option<f64>) -> (OrientedManifold, Repairs) {
+    match weld {
+        Some(tolerance) => repair_welded(mesh, close_cracks(mesh, tolerance)),
+        None => repair(mesh),
+    }
+}
+
+/// Largest coordinate that can be worked with: squares of differences must stay finite.
+const LARGEST_COORDINATE: f64 = 1e150;
+
+pub(super) fn refuse_bad_numbers(mesh: &Mesh) -> Result<()> {
+    let mesh_error = |cause: String, remedy: &str| Err(Error::Mesh { cause, remedy: remedy.into() });
+    if mesh.triangles.is_empty() {
+        let n = mesh.positions.len();
+        let remedy = "a surface with faces is needed; reconstruct one from the points first";
+        return mesh_error(format!("{n} points and no faces"), remedy);
+    }
+    refuse_bad_positions(&mesh.positions)?;
+    let bound = mesh.positions.len();
+    if let Some(t) = mesh.triangles.iter().position(|t| t.iter().any(|&v| v as usize >= bound)) {
+        return mesh_error(
+            format!("triangle {t} has a corner that is not there: {:?} of {bound}", mesh.triangles[t]),
+            "mend the indices",
+        );
+    }
+    Ok(())
+}
+
+pub(super) fn refuse_bad_positions(positions: &[DVec3]) -> Result<()> {
+    let bad = positions.iter().position(|p| !p.abs().cmplt(DVec3::splat(LARGEST_COORDINATE)).all());
+    bad.map_or(Ok(()), |v| {
+        let remedy = "remove it or mend its coordinates".into();
+        Err(Error::Mesh { cause: format!("vertex {v} is at {}", positions[v]), remedy })
+    })
+}

@@ -1,0 +1,107 @@
+//! Which part of the input is remeshed.
+
+use crate::base::error::{Error, Result, Setting};
+use crate::mesh::attributes::Attributes;
+use crate::mesh::oriented_manifold::OrientedManifold;
+use crate::mesh::triangle_mesh::Mesh;
+use glam::DVec3;
+
+/// Which part of the input is remeshed: the triangles with all three corners in it.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Selection {
+    /// What is inside a box, its faces included: its lowest and its highest x, y and z, in the units of the input.
+    Box([f64; 3], [f64; 3]),
+    /// So much of the vertices of the input.
+    Vertices(Vec<bool>),
+    /// The vertices with a value of an attribute.
+    Marked {
+        /// The name of the attribute, or of a component of one.
+        attribute: String,
+        /// The value that it has to have; `None` for any but zero.
+        value: Option<f64>,
+    },
+}
+
+impl Selection {
+    /// The selection with an attribute looked up.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] for an attribute that is not there.
+    pub fn resolved(&self, attributes: &Attributes) -> Result<Selection> {
+        let Selection::Marked { attribute, value } = self else { return Ok(self.clone()) };
+        let is_marked = |number: f64| value.map_or(number != 0.0 && !number.is_nan(), |value| number == value);
+        Ok(Selection::Vertices(attributes.numbers(attribute)?.into_iter().map(is_marked).collect()))
+    }
+
+    /// The setting that it is.
+    pub(crate) fn setting(&self) -> Setting {
+        if matches!(self, Selection::Box(..)) { Setting::PartBox } else { Setting::PartMarks }
+    }
+
+    fn refuse<T>(&self, cause: String, remedy: &str) -> Result<T> {
+        Err(Error::Option { option: self.setting(), cause, remedy: remedy.into() })
+    }
+
+    /// Refuses what no input has a part in.
+    pub(super) fn validate(&self) -> Result<()> {
+        let Selection::Box(lowest, highest) = self else { return Ok(()) };
+        let wrong = (0..3).find(|&k| !lowest[k].is_finite() || !highest[k].is_finite() || lowest[k] > highest[k]);
+        wrong.map_or(Ok(()), |k| {
+            let cause = format!("no {} is from {} to {}", ["x", "y", "z"][k], lowest[k], highest[k]);
+            self.refuse(cause, "give the lowest x, y and z of a box, then the highest")
+        })
+    }
+
+    /// Refuses marks that are not one for each of so many vertices.
+    pub(super) fn check(&self, vertices: usize) -> Result<()> {
+        match self {
+            Selection::Vertices(selected) if selected.len() != vertices => {
+                let cause = format!("{} marks for the {vertices} vertices of the input", selected.len());
+                self.refuse(cause, "give each vertex one")
+            }
+            Selection::Marked { attribute, .. } => {
+                self.refuse(format!("the attribute {attribute} was not looked up"), "give each vertex a mark")
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// For each triangle of the repaired input whether it is in the part.
+    pub(super) fn triangles(&self, repaired: &OrientedManifold) -> Vec<bool> {
+        let inside: Vec<bool> = match self {
+            Selection::Box(lowest, highest) => {
+                let (lowest, highest) = (DVec3::from(*lowest), DVec3::from(*highest));
+                repaired.positions.iter().map(|p| p.cmpge(lowest).all() && p.cmple(highest).all()).collect()
+            }
+            Selection::Vertices(selected) => repaired.provenance().marks(selected),
+            Selection::Marked { .. } => vec![false; repaired.positions.len()],
+        };
+        repaired.triangles.iter().map(|t| t.iter().all(|&v| inside[v as usize])).collect()
+    }
+
+    /// Says that no triangle of `repaired` is in the part.
+    pub(super) fn refuse_nothing<T>(&self, repaired: &Mesh) -> Result<T> {
+        let (lo, hi) = repaired.bounds().unwrap_or_default();
+        let list = |p: [f64; 3]| p.map(|x| x.to_string()).join(",");
+        match self {
+            Selection::Box(lowest, highest) => {
+                let (part, all) = ([*lowest, *highest].map(list), [lo, hi].map(|p| list(p.to_array())));
+                let cause = format!(
+                    "no triangle is inside {}; those of the input are within {}",
+                    part.join(","),
+                    all.join(",")
+                );
+                self.refuse(cause, "give a larger box, or another one")
+            }
+            Selection::Vertices(selected) => {
+                let count = selected.iter().filter(|s| **s).count();
+                let all = selected.len();
+                let cause = format!("no triangle has all its corners selected; {count} of {all} vertices are");
+                self.refuse(cause, "select more of them")
+            }
+            Selection::Marked { attribute, .. } => {
+                self.refuse(format!("the attribute {attribute} was not looked up"), "give each vertex a mark")
+            }
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! The surface that is sampled for a number of vertices, with the edge lengths that are wanted on it.
+
+use crate::base::error::Result;
+use crate::base::monitor::Monitor;
+use crate::mesh::oriented_manifold::OrientedManifold;
+use crate::mesh::refine::refine;
+use crate::mesh::topology::{Topology, topology, twins};
+use crate::pipeline::density::Density;
+use crate::pipeline::follow::follow;
+use crate::pipeline::kernel::KernelFeatures;
+use crate::pipeline::options::{Grading, Options};
+use crate::pipeline::prepared::PreparedInput;
+use crate::pipeline::scale::{LONGEST_EDGE, Scale};
+use crate::pipeline::within::{Within, sampled_part};
+use crate::prepare::bend::Split;
+use crate::surface::domain::Domain;
+use crate::surface::features::{sharp_length, sharp_sides};
+use crate::surface::sizing::adapted_sizes;
+use std::sync::OnceLock;
+
+/// The domain of sampling, its scale, and the width of the kernel.
+pub(super) struct SizedSurface {
+    /// In the pipeline's unit.
+    pub domain: Domain,
+    pub scale: Scale,
+    /// The width σp of the kernel, in the pipeline's unit.
+    pub sigma: f64,
+    /// Whether there were sharp edges that could not be kept.
+    pub blunted: bool,
+    /// What stays of the input, if only a part of it is sampled.
+    pub within: Option<Within>,
+    /// The topology of what is sampled.
+    pub topology: Topology,
+    self_intersections: OnceLock<usize>,
+}
+
+impl SizedSurface {
+    /// The surface of `repaired`, the repaired input, for that density.
+    pub(super) fn new(
+        prepared: &PreparedInput,
+        repaired: OrientedManifold,
+        density: Density,
+        monitor: &dyn Monitor,
+    ) -> Result<SizedSurface> {
+        let options = prepared.options;
+        let (clean, within) = sampled_part(prepared, repaired, density)?;
+        let scale = Scale::new(density, prepared.field.as_ref(), &clean, &prepared.unit)?;
+        monitor.stage("sample");
+        let topology = match within {
+            Some(_) => topology(clean.positions.len(), &clean.triangles),
+            None => prepared.of_repaired,
+        };
+        let (domain, blunted) = domain_over(clean, within.as_ref(), options, &scale);
+        let self_intersections = OnceLock::new();
+        let sigma = scale.sigma();
+        let mut surface = SizedSurface { domain, scale, sigma, blunted, within, topology, self_intersections };
+        surface.grade(prepared, density, monitor)?;
+        Ok(surface)
+    }
+
+    /// Gives the domain the lengths that the options and the interface want.
+    fn grade(&mut self, prepared: &PreparedInput, density: Density, monitor: &dyn Monitor) -> Result<()> {
+        let options = prepared.options;
+        let domain = &mut self.domain;
+        match &options.grading {
+            Grading::Even => {}
+            Grading::Curvature(adapt) if *adapt > 0.0 => {
+                domain.grade(adapted_sizes(domain, *adapt, self.scale.spacing));
+            }
+            Grading::Curvature(_) => {}
+            Grading::Field(_) => {
+                if let Some(field) = &prepared.field {
+                    self.scale = field.grade(domain, density, self.scale)?;
+                }
+            }
+            Grading::Kernel { sigma_n, signals } => {
+                let features = KernelFeatures::over(domain, *sigma_n, signals);
+                let followed = follow(domain, &features, self.scale, density, options.seed, monitor)?;
+                domain.grade(followed.sizes);
+                (self.scale, self.sigma) = (followed.scale, followed.sigma);
+            }
+        }
+        if let Some(within) = &self.within {
+            self.scale = within.grade(&mut self.domain, density, &self.scale);
+        }
+        if !matches!(options.grading, Grading::Kernel { .. }) {
+            self.sigma = self.scale.sigma();
+        }
+        Ok(())
+    }
+
+    /// The same surface with its sharp edges smoothed over.
+    pub(super) fn smooth(self) -> SizedSurface {
+        SizedSurface { domain: self.domain.smooth(), blunted: true, ..self }
+    }
+
+    /// How many of its triangles intersect others; it is counted once.
+    pub(super) fn self_intersections(&self) -> usize {
+        *self.self_intersections.get_or_init(|| self.domain.self_intersections().len())
+    }
+}
+
+/// The domain over `clean`, refined for that scale; and whether it had more sharp edges than can be kept.
+fn domain_over(
+    mut clean: OrientedManifold,
+    within: Option<&Within>,
+    options: &Options,
+    scale: &Scale,
+) -> (Domain, bool) {
+    let (twin, mut sharp) = refined(&mut clean, options, scale);
+    let blunted = !scale.has_room_on(sharp_length(&clean, &sharp));
+    if blunted {
+        sharp.fill(false);
+    }
+    let interface = within.map_or_else(Vec::new, |within| within.part.interface.clone());
+    (Domain::with_sharp(clean, twin, &sharp, scale.spacing, interface), blunted)
+}
+
+/// Splits the long edges of `clean`, and bends it where its vertices are points of a smooth surface. The side across each of
+/// its sides then, and whether it is sharp.
+fn refined(clean: &mut OrientedManifold, options: &Options, scale: &Scale) -> (Vec<u32>, Vec<bool>) {
+    let longest = LONGEST_EDGE * scale.spacing;
+    let most = 4 * clean.triangles.len() + 16 * scale.wanted;
+    let creases = |mesh: &OrientedManifold| {
+        let twin = twins(&mesh.triangles);
+        let sharp = sharp_sides(mesh, &twin, options.features, scale.spacing);
+        (twin, sharp)
+    };
+    let Some(support) = options.support() else {
+        refine(clean, longest, most);
+        return creases(clean);
+    };
+    let (mut twin, mut sharp) = creases(clean);
+    let split = Split::new(clean, &sharp, longest, scale.spacing, most);
+    if !split.is_empty() {
+        // Neither splitting nor bending makes an edge sharp.
+        (twin, sharp) = if sharp.contains(&true) {
+            creases(clean)
+        } else {
+            (twins(&clean.triangles), vec![false; 3 * clean.triangles.len()])
+        };
+        split.bend(clean, &twin, &sharp, support);
+    }
+    (twin, sharp)
+}
