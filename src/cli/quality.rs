@@ -2,15 +2,20 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
-use crate::cli::args::{Measuring, Voice};
+use crate::cli::args::{Measuring, MeshFile, Voice};
 use crate::cli::files::{input, load, name, peak_memory_bytes, watched};
 use crate::cli::terminal;
 use crate::job::quality;
 
 pub(super) fn measure_file(job: &Measuring) -> Result<()> {
     let report = watched(Voice::Normal, |monitor| {
-        let mesh = load(&job.mesh, monitor)?;
-        let against = job.against.as_ref().map(|file| load(file, monitor)).transpose()?;
+        let load = |file: &MeshFile| {
+            let loaded = load(file, monitor)?;
+            input(&loaded).refuse_points().map_err(|e| e.in_file(&name(file)))?;
+            Ok(loaded)
+        };
+        let mesh = load(&job.mesh)?;
+        let against = job.against.as_ref().map(load).transpose()?;
         monitor.stage("measure");
         let measured = quality(&input(&mesh), against.as_ref().map(input).as_ref());
         let mut report = measured.map_err(|e| e.in_file(&name(&job.mesh)))?;

@@ -1,5 +1,6 @@
 //! What a job works on.
 
+use crate::base::error::{Error, Result};
 use crate::mesh::attributes::Attributes;
 use crate::mesh::points::Points;
 use crate::mesh::triangle_mesh::Mesh;
@@ -36,6 +37,18 @@ impl<'a> Input<'a> {
     /// Whether it has points and no triangles.
     pub fn is_cloud(&self) -> bool {
         self.mesh.triangles.is_empty()
+    }
+
+    /// Refuses points without triangles.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] for them.
+    pub fn refuse_points(&self) -> Result<()> {
+        if !self.is_cloud() {
+            return Ok(());
+        }
+        let cause = format!("{} points and no triangles", self.mesh.positions.len());
+        Err(Error::Mesh { cause, remedy: "make a mesh of them first, by remeshing them".into() })
     }
 
     pub(super) fn as_mesh(&self) -> &Mesh {

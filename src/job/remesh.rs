@@ -90,10 +90,8 @@ pub fn remesh(input: &Input, options: &RemeshOptions, monitor: &dyn Monitor) -> 
 /// # Errors
 /// [`Error::Mesh`] for points without triangles.
 pub fn quality(mesh: &Input, against: Option<&Input>) -> Result<Report> {
-    if mesh.is_cloud() {
-        let cause = format!("{} points and no triangles", mesh.as_mesh().positions.len());
-        return Err(Error::Mesh { cause, remedy: "make a mesh of them first, by remeshing them".into() });
-    }
+    mesh.refuse_points()?;
+    against.map_or(Ok(()), Input::refuse_points)?;
     Ok(Report::of_mesh(mesh.as_mesh(), against.map(Input::as_mesh)))
 }
 

@@ -271,6 +271,6 @@ fn no_surface_goes_through_them() {
         let error = mesh_of_points(&cloud(sphere(100)), &options, &()).unwrap_err().to_string();
         assert!(error.starts_with(name), "{error}");
     };
-    bad(CloudOptions { smooth: Some(0.1), ..CloudOptions::default() }, "smooth");
-    bad(CloudOptions { fill_holes: -1.0, ..CloudOptions::default() }, "fill-holes");
+    bad(CloudOptions { smooth: Some(0.1), ..CloudOptions::default() }, "support radius");
+    bad(CloudOptions { fill_holes: -1.0, ..CloudOptions::default() }, "size of holes");
 }
