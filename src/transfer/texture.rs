@@ -1,32 +1,31 @@
 //! Texture coordinates of one mesh carried over to another one.
 //!
-//! Texture coordinates jump at seams, and each triangle of the output has to be on one side of a seam as a whole: on
-//! that of the triangle of the input below its centre. From there the input is walked over as far as the output's
-//! triangle reaches, but across no seam. A corner above a triangle that the walk has met has the coordinates there, as
-//! in all its triangles on this side; a corner beyond a seam has those of the closest point that the walk has met,
-//! continued linearly by the affine map that fits the coordinates of what the walk has met best (least squares,
-//! weighted by area).
+//! Texture coordinates jump at seams, and each triangle of the output has to lie on one side of a seam as a whole: the
+//! side of the input triangle below its centre. From there the input is walked over as far as the output's
+//! triangle reaches, but across no seam. A corner above a triangle that the walk has visited takes the coordinates
+//! there; a corner beyond a seam takes those of the closest point that the walk has visited, continued linearly by the
+//! affine map that fits the coordinates of the visited triangles best (least squares, weighted by area).
 //!
 //! Cost: for each output triangle the input triangles below it.
 //!
-//! Limits: next to a seam that is shorter than an edge of the output, or to a chart that is narrower, coordinates are
-//! distorted. A triangle at a seam is counted as such if all its corners are beyond it, or if along one of its sides they
-//! differ by more than half of its longest side from what the affine map says.
+//! Limits: coordinates are distorted next to a seam shorter than an edge of the output and in a chart narrower than one.
+//! A triangle at a seam counts as distorted if all its corners lie beyond the seam, or if one of its sides in the texture
+//! differs from the affine map's by more than half of the longest side.
 
 use crate::geom::triangle::{area, barycentric, closest_point, longest_side};
 use crate::mesh::attributes::Wedges;
 use crate::mesh::topology::{NONE, twins};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::mesh::weld::weld;
-use crate::transfer::vertex::Foot;
+use crate::spatial::foot::Foot;
 use glam::{DMat2, DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::HashSet;
 
-/// How far, in sides of a triangle in the texture, coordinates may be from those of an affine map.
+/// Largest deviation of a side in the texture from that of the affine map, in longest sides of the triangle there.
 const DISTORTED: f64 = 0.5;
 
-/// How far beyond seams, in longest sides, all corners of a triangle may be.
+/// How far beyond seams all corners of a triangle may lie, in longest sides.
 const BEYOND: f64 = 0.1;
 
 /// A mesh with texture coordinates.
@@ -50,8 +49,8 @@ impl<'a> Atlas<'a> {
         Atlas { mesh, texture, twin: twins(&wedges.corners) }
     }
 
-    /// The coordinates of all corners of `output`, whose vertices and the centres of whose triangles have these feet; not
-    /// a number where this mesh has none. And the number of triangles that are distorted.
+    /// The coordinates of all corners of `output`, NaN where this mesh has none, and the number of distorted triangles.
+    /// `feet` are those of the vertices of `output`, `centres` those of the centroids of its triangles.
     pub fn carry(&self, output: &Mesh, feet: &[Foot], centres: &[Foot]) -> (Vec<[DVec2; 3]>, usize) {
         let of_triangle = |t: usize| {
             let feet = output.triangles[t].map(|v| &feet[v as usize]);
@@ -89,8 +88,8 @@ impl<'a> Atlas<'a> {
         (coordinates, is_beyond || is_distorted(coordinates, corners.map(|p| map * frame.flat(p))))
     }
 
-    /// The triangles that a walk from that of `centre` meets within `radius`; it ends early once it has met all that are
-    /// `wanted`.
+    /// The triangles that a walk from that of `centre` visits within `radius`; it ends early once it has visited all
+    /// `wanted` ones.
     fn patch(&self, centre: &Foot, radius: f64, wanted: [u32; 3]) -> Patch {
         let mut patch = Patch { triangles: vec![centre.triangle], at_seam: false };
         let mut met = HashSet::from([centre.triangle]);
@@ -120,7 +119,7 @@ impl<'a> Atlas<'a> {
         a * weights[0] + b * weights[1] + c * weights[2]
     }
 
-    /// The coordinates at `p`, which lies beyond a seam of the patch, and how far.
+    /// The coordinates at `p`, which lies beyond a seam of the patch, and its distance from the patch.
     fn beyond(&self, p: DVec3, patch: &Patch, frame: &Frame, map: DMat2) -> (DVec2, f64) {
         let foot = |&t: &u32| {
             let point = closest_point(p, self.mesh.corners(t as usize));
@@ -132,8 +131,8 @@ impl<'a> Atlas<'a> {
         (at + map * (frame.flat(p) - frame.flat(point)), distance)
     }
 
-    /// The linear part of the affine map from the frame to the texture that fits the patch best; zero if it is too thin
-    /// to tell.
+    /// The linear part of the affine map from the frame to the texture that fits the patch best; zero where the patch is
+    /// too thin to determine it.
     fn affine_map(&self, patch: &Patch, frame: &Frame) -> DMat2 {
         let corners = |t: u32| {
             let places = self.mesh.corners(t as usize);
@@ -158,7 +157,7 @@ impl<'a> Atlas<'a> {
     }
 }
 
-/// Whether the sides of a triangle in the texture are not about those `expected`.
+/// Whether the sides of a triangle in the texture differ too much from those `expected`.
 fn is_distorted(found: [DVec2; 3], expected: [DVec2; 3]) -> bool {
     let side = |p: [DVec2; 3], k: usize| p[(k + 1) % 3] - p[k];
     let longest = (0..3).map(|k| side(expected, k).length()).fold(0.0, f64::max);

@@ -1,10 +1,9 @@
 //! Attributes of one mesh carried over to another one of the same surface.
 //!
 //! Each vertex of the output takes the attributes of the point of the input that is closest to it among those where the
-//! surface faces the same way: numbers are interpolated in the triangle there, labels, which have no mean, are those of
-//! the nearest corner. A triangle has the material of the input below its centre. Texture coordinates are those of
-//! corners, and `atlas.rs` beside this says how. Normals are not carried but computed anew, for an output whose input
-//! had some.
+//! surface faces the same way: numbers are interpolated in the triangle there; labels, which have no mean, are those of
+//! the nearest corner. A triangle takes the material of the input triangle below its centre. Texture coordinates belong to
+//! corners; `texture.rs` carries them. Normals are computed anew, if the input had any.
 //!
 //! Cost: a hierarchy over the input and a search for each vertex, and, for texture coordinates and materials, for each
 //! triangle of the output; in parallel, with the same result for any number of threads.
@@ -12,18 +11,19 @@
 //! Limits: where the input's triangles are turned over, the other side of a wall thinner than an edge of the output may
 //! be taken for this one.
 
-use crate::geom::triangle::{barycentric, longest_side};
+use crate::geom::triangle::longest_side;
 use crate::mesh::attributes::{Attribute, Attributes, Lost, Materials};
 use crate::mesh::normals::vertex_normals;
 use crate::mesh::submesh::Kept;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
+use crate::spatial::foot::Foot;
 use crate::transfer::texture::Atlas;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-/// What got through, and what did not.
+/// The attributes of an output: those it got and those it lost.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Carried {
     /// The attributes of the output.
@@ -34,23 +34,14 @@ pub struct Carried {
     pub notes: Vec<String>,
 }
 
-/// A point of the input.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Foot {
-    pub triangle: u32,
-    /// Its barycentric coordinates there, none negative.
-    pub weights: [f64; 3],
-    pub point: DVec3,
-}
-
-/// The input, to be searched.
+/// The input with its search structure.
 struct Surface<'a> {
     mesh: &'a Mesh,
     bvh: Bvh,
 }
 
-/// The `attributes` of `input`, which may be any mesh whose indices are in range, on `output`, which is near to it.
-/// Attributes that are not those of all vertices or triangles of `input` are lost.
+/// Carries the `attributes` of `input`, which may be any mesh whose indices are in range, over to `output`, which lies near
+/// it. Attributes without a value for each vertex or triangle of `input` are lost.
 pub fn carry(input: &Mesh, attributes: &Attributes, output: &Mesh) -> Carried {
     let mut carried = Carried::default();
     if attributes.is_empty() {
@@ -83,8 +74,8 @@ pub fn carry(input: &Mesh, attributes: &Attributes, output: &Mesh) -> Carried {
 }
 
 impl Carried {
-    /// Gives vertices and triangles of `output` that are those of `input` the `attributes` that they have there, where
-    /// the output has such attributes.
+    /// Copies the `attributes` of the vertices and triangles of `output` that were kept from `input`, for the attributes
+    /// that the output has.
     pub fn keep(&mut self, input: &Mesh, attributes: &Attributes, output: &Mesh, kept: &Kept) {
         let vertices = || (0..).zip(&kept.vertices).filter(|v| *v.1 != NONE).map(|(new, &old)| (new, old as usize));
         let triangles = || (0..).zip(&kept.triangles).filter(|t| *t.1 != NONE).map(|(new, &old)| (new, old as usize));
@@ -155,7 +146,7 @@ fn of_vertices(
     Ok(feet.par_iter().flat_map_iter(at).collect())
 }
 
-/// The materials of triangles whose centres are these points of the input.
+/// The materials of triangles whose centroids have these feet.
 fn of_triangles(materials: &Materials, centres: &[Foot]) -> Materials {
     let of_triangle = |foot: &Foot| materials.of_triangle.get(foot.triangle as usize).copied().unwrap_or(NONE);
     let Materials { libraries, names, .. } = materials;
@@ -182,13 +173,14 @@ impl Surface<'_> {
         (0..output.triangles.len()).into_par_iter().map(foot).collect()
     }
 
-    /// The point closest to `p` among those where the surface faces the way of `normal`; among all, if none of those is
-    /// nearer than `reach` beyond the closest one.
+    /// The point closest to `p` among those where the surface faces the way of `normal`; among all points if none of those
+    /// lies within `reach` more than the distance to the closest one.
     fn foot(&self, p: DVec3, normal: DVec3, reach: f64) -> Foot {
         let agrees = |t: u32| self.mesh.area_vector(t as usize).dot(normal) > 0.0;
         // Nothing is closest to a point that is not finite, or so far that squares are not.
         let Some(nearest) = self.bvh.closest(self.mesh, p) else {
-            return Foot { triangle: 0, weights: [1.0, 0.0, 0.0], point: self.mesh.corners(0)[0] };
+            let point = self.mesh.corners(0)[0];
+            return Foot { triangle: 0, weights: [1.0, 0.0, 0.0], point, distance_squared: f64::INFINITY };
         };
         let hit = if agrees(nearest.triangle) {
             nearest
@@ -196,8 +188,6 @@ impl Surface<'_> {
             let bound = nearest.distance_squared.sqrt() + reach;
             self.bvh.closest_where(self.mesh, p, bound * bound, agrees).unwrap_or(nearest)
         };
-        let weights = barycentric(hit.point, self.mesh.corners(hit.triangle as usize)).map(|w| w.clamp(0.0, 1.0));
-        let sum: f64 = weights.iter().sum();
-        Foot { triangle: hit.triangle, weights: weights.map(|w| w / sum), point: hit.point }
+        Foot::of_hit(self.mesh, hit)
     }
 }
