@@ -9,6 +9,7 @@
 //! Limits: triangles at the interface are as good as its edges allow, and where an interface zigzags that is not very good.
 
 use crate::base::error::{Error, Result};
+use crate::geom::aabb::Aabb;
 use crate::manifold::Manifold;
 use crate::mesh::submesh::{Kept, Submesh, sew};
 use crate::mesh::topology::{NONE, components};
@@ -79,7 +80,7 @@ impl Selection {
 
     /// That it has no triangle of `whole`.
     fn is_empty(&self, whole: &Mesh) -> Error {
-        let (lo, hi) = whole.bounds().unwrap_or_default();
+        let Aabb { lo, hi } = whole.bounds().unwrap_or_default();
         let list = |p: DVec3| p.to_array().map(|x| x.to_string()).join(",");
         match self {
             Selection::Box(lowest, highest) => Error::Option {

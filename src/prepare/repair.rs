@@ -20,8 +20,8 @@
 use crate::base::union_find::UnionFind;
 use crate::mesh::topology::{NONE, Side, components, sorted_sides};
 use crate::mesh::triangle_mesh::Mesh;
+use crate::mesh::weld::first_at_place;
 use glam::DVec3;
-use rayon::slice::ParallelSliceMut;
 use serde::{Deserialize, Serialize};
 
 /// What was done to an input so that it became an oriented manifold. All zero: nothing had to be done.
@@ -67,15 +67,9 @@ fn weld(mesh: &Mesh, repairs: &mut Repairs) -> Vec<[u32; 3]> {
     let mut used = vec![false; mesh.positions.len()];
     mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
     repairs.unused_vertices = used.iter().filter(|&&u| !u).count();
-    // Adding zero makes -0.0 and 0.0 the same bits.
-    let key = |v: u32| (mesh.positions[v as usize] + DVec3::ZERO).to_array().map(f64::to_bits);
-    let mut order: Vec<u32> = (0..used.len() as u32).filter(|&v| used[v as usize]).collect();
-    order.par_sort_unstable_by_key(|&v| (key(v), v));
-    let mut first: Vec<u32> = (0..used.len() as u32).collect();
-    for place in order.chunk_by(|&a, &b| key(a) == key(b)) {
-        place.iter().for_each(|&v| first[v as usize] = place[0]);
-        repairs.welded_vertices += place.len() - 1;
-    }
+    let vertices = (0..used.len() as u32).filter(|&v| used[v as usize]).collect();
+    let first = first_at_place(&mesh.positions, vertices);
+    repairs.welded_vertices = (0..).zip(&first).filter(|&(v, &first)| v != first).count();
     let welded = mesh.triangles.iter().map(|t| t.map(|v| first[v as usize]));
     let kept: Vec<_> = welded.filter(|[a, b, c]| a != b && b != c && c != a).collect();
     repairs.degenerate_triangles = mesh.triangles.len() - kept.len();

@@ -9,6 +9,7 @@
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 use crate::base::rng::{Stage, stream, unit};
+use crate::geom::aabb::Aabb;
 use crate::spatial::kdtree::{Neighbor, Neighbors};
 use crate::spatial::knn_graph::NeighborGraph;
 use crate::triangulate::boundary_loops::{HoleCriteria, settle};
@@ -64,7 +65,8 @@ pub fn triangulate_points(points: Surroundings<'_>, close_up_to: f64, monitor: &
         .flatten_iter()
         .collect();
     check(monitor)?;
-    let smallest_diagonal = close_up_to.max(SMALL_HOLE * diagonal(points.positions));
+    let bounds = Aabb::of(points.positions.iter().copied()).unwrap_or_default();
+    let smallest_diagonal = close_up_to.max(SMALL_HOLE * bounds.diagonal());
     let closed = settle(points, &stars, HoleCriteria { smallest_diagonal, ..LENIENT });
     check(monitor)?;
     if closed.holes == 0 {
@@ -93,13 +95,6 @@ fn jittered(points: Surroundings<'_>) -> Vec<DVec3> {
     let mut rng = stream(0, Stage::Jitter);
     let mut aside = || 2.0 * DVec3::new(unit(&mut rng), unit(&mut rng), unit(&mut rng)) - 1.0;
     points.positions.iter().zip(points.spacings).map(|(p, spacing)| p + JITTER * spacing * aside()).collect()
-}
-
-/// The diagonal of the bounding box.
-fn diagonal(positions: &[DVec3]) -> f64 {
-    let first = positions.first().copied().unwrap_or_default();
-    let (lo, hi) = positions.iter().fold((first, first), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
-    lo.distance(hi)
 }
 
 impl Surroundings<'_> {
