@@ -68,7 +68,7 @@ fn measure_file(job: &Measuring) -> Result<Status> {
             Named { file: &name(&job.mesh), mesh: &mesh.mesh },
             against.as_ref().map(|input| Named { file: &against_name, mesh: &input.mesh }),
         );
-        report.notes = against.into_iter().chain([mesh]).flat_map(|loaded| loaded.notes).collect();
+        report.run.notes = against.into_iter().chain([mesh]).flat_map(|loaded| loaded.notes).collect();
         check(&monitor)?;
         with_run(report, &monitor)
     };

@@ -15,8 +15,8 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::self_intersections::self_intersections;
 use crate::triangulate::agreement::agreed_by_most;
 use crate::triangulate::hole_filling::{closed_fans, closed_stars, fill_holes, gaps};
-use crate::triangulate::points::Surroundings;
 use crate::triangulate::star::INTERIOR;
+use crate::triangulate::surroundings::Surroundings;
 use glam::DVec3;
 
 /// What passes for a hole.

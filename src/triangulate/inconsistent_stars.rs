@@ -9,9 +9,9 @@
 use crate::base::csr::Csr;
 use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
-use crate::triangulate::Boundary;
 use crate::triangulate::mutual_tessellation::{Insertion, Tessellation, mutual_tessellation};
 use crate::triangulate::star::INTERIOR;
+use crate::triangulate::triangulation::Boundary;
 use crate::triangulate::unfold::SamplesByTriangle;
 use rayon::prelude::*;
 use std::collections::VecDeque;
