@@ -1,6 +1,8 @@
-//! Imports go down one table of layers only. This test reads every `crate::` path of `src/` and holds it to the table,
-//! which `ARCHITECTURE.md` shows, too.
+//! Imports go down one table of layers, which `ARCHITECTURE.md` shows, too, and files do not import each other in
+//! circles. These tests read every path in `src/` that begins with `crate`, `self`, `super` or a child module, those of
+//! unit tests included.
 
+use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -27,15 +29,81 @@ const LAYERS: [(&str, u32); 18] = [
     ("cli", 10),
 ];
 
+/// Folders whose files still import each other in circles.
+const CIRCLES: [&str; 2] = ["cli", "pipeline"];
+
+/// The one folder that may hold more than a sixth of the lines of `src/`: it has a reader and a writer for each format.
+const LARGE: &str = "io";
+
+/// The names of a module or an item, from the root of the crate.
+type Names = Vec<String>;
+
+/// A file of `src/`.
+struct Source {
+    module: Names,
+    text: String,
+}
+
+/// A path in a file that leads to the crate's own modules.
+#[derive(Debug, PartialEq)]
+struct Import {
+    line: usize,
+    path: Names,
+    /// Whether it only shows what a module below has.
+    is_reexport: bool,
+}
+
+/// All files, and which of them import which.
+struct Graph {
+    sources: Vec<Source>,
+    /// The number of the file of each module.
+    files: HashMap<Names, usize>,
+    imports: Vec<Vec<Import>>,
+    /// The paths that re-exports stand for.
+    reexports: HashMap<Names, Names>,
+}
+
 #[test]
 fn imports_go_down_the_layers_only() {
+    let graph = Graph::new(sources());
+    let faults: Vec<String> = (0..graph.sources.len()).flat_map(|file| graph.faults(file)).collect();
+    assert!(faults.is_empty(), "{} imports against the layers:\n{}", faults.len(), faults.join("\n"));
+}
+
+#[test]
+fn files_do_not_import_each_other_in_circles() {
+    let mut circles = Graph::new(sources()).circles();
+    circles.retain(|circle| !CIRCLES.iter().any(|folder| circle.iter().all(|file| file.starts_with(folder))));
+    let circles: Vec<String> = circles.iter().map(|circle| circle.join(", ")).collect();
+    assert!(circles.is_empty(), "{} circles:\n{}", circles.len(), circles.join("\n"));
+}
+
+#[test]
+fn no_folder_is_a_house() {
+    let mut lines: HashMap<String, usize> = HashMap::new();
+    for source in sources() {
+        *lines.entry(source.module[0].clone()).or_default() += source.text.lines().count();
+    }
+    let total: usize = lines.values().sum();
+    lines.retain(|folder, &mut lines| folder != LARGE && 6 * lines > total);
+    assert!(lines.is_empty(), "more than a sixth of {total} lines: {lines:?}");
+}
+
+/// All files but the roots of the library and of the binary, which may import everything.
+fn sources() -> Vec<Source> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut files = Vec::new();
     collect(&root, &mut files);
     files.sort();
-    assert!(files.len() > 3, "no sources found in {}", root.display());
-    let faults: Vec<String> = files.iter().flat_map(|file| faults_of_file(&root, file)).collect();
-    assert!(faults.is_empty(), "{} imports against the layers:\n{}", faults.len(), faults.join("\n"));
+    let source = |file: &PathBuf| {
+        let inside = file.strip_prefix(&root).expect("a file of src").with_extension("");
+        let text = fs::read_to_string(file).expect("a source that can be read");
+        Source::new(inside.to_str().expect("names are plain"), &text)
+    };
+    let mut sources: Vec<Source> = files.iter().map(source).collect();
+    sources.retain(|source| !["lib", "main"].contains(&source.module[0].as_str()));
+    assert!(sources.len() > 3, "no sources found in {}", root.display());
+    sources
 }
 
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
@@ -49,98 +117,233 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
     }
 }
 
-/// The faults of one file, a line each. The roots of the library and of the binary may import everything.
-fn faults_of_file(root: &Path, file: &Path) -> Vec<String> {
-    let inside = file.strip_prefix(root).expect("a file of src").with_extension("");
-    let module = inside.iter().next().expect("a file has a name").to_str().expect("names are plain");
-    if ["lib", "main"].contains(&module) {
-        return Vec::new();
+impl Source {
+    /// The source at `path` in `src/`, without its ending.
+    fn new(path: &str, text: &str) -> Source {
+        let path = path.strip_suffix("/mod").unwrap_or(path);
+        Source { module: path.split('/').map(String::from).collect(), text: text.into() }
     }
-    let text = fs::read_to_string(file).expect("a source that can be read");
-    faults(module, &text)
-        .into_iter()
-        .map(|(line, rule)| format!("src/{}.rs:{line}: {rule}", inside.display()))
-        .collect()
+
+    /// The imports of the file and of the modules within it. `is_module` says which paths are files.
+    fn imports(&self, is_module: impl Fn(&[String]) -> bool) -> Vec<Import> {
+        let mut found = Vec::new();
+        let mut module = self.module.clone();
+        let (mut first, mut code) = (1, String::new());
+        for (number, line) in (1..).zip(self.text.lines().chain(["}"])) {
+            code.push_str(line.split("//").next().unwrap_or(""));
+            code.push('\n');
+            // Modules within a file begin and end at the start of a line.
+            let opened = inner_module(line);
+            if opened.is_some() || line == "}" {
+                found.extend(imports(&code, first, &module, &is_module));
+                (first, code) = (number + 1, String::new());
+                module.truncate(self.module.len());
+                module.extend(opened);
+            }
+        }
+        found
+    }
 }
 
-/// What is wrong with the `crate::` paths in a source of `module`: lines and the rule that each breaks.
-fn faults(module: &str, text: &str) -> Vec<(usize, String)> {
-    let Some(own) = layer(module) else {
-        return vec![(1, format!("`{module}` has no layer; add it to tests/layers.rs and ARCHITECTURE.md"))];
-    };
-    let fault = |(line, name): (usize, String)| {
-        let rule = match layer(&name) {
-            _ if name == module => return None,
-            Some(other) if other < own => return None,
-            Some(other) if other > own => {
-                format!("`{module}` (layer {own}) imports `{name}` (layer {other}), which is above it")
+/// The name of the module that a line begins.
+fn inner_module(line: &str) -> Option<String> {
+    let begins = !line.starts_with(' ') && line.ends_with('{');
+    let mut words = line.split_whitespace().skip_while(|word| *word != "mod");
+    words.nth(1).filter(|_| begins).map(String::from)
+}
+
+/// The imports in the code of `module`, which begins in line `first` of its file.
+fn imports(code: &str, first: usize, module: &[String], is_module: impl Fn(&[String]) -> bool) -> Vec<Import> {
+    let mut found = Vec::new();
+    let (mut rest, mut is_public, mut is_reexport) = (code, false, false);
+    while let Some(start) = rest.find(is_of_name) {
+        let (before, at) = rest.split_at(start);
+        let (name, after) = split_name(at);
+        is_reexport &= !before.contains(';');
+        let is_root = ["crate", "self", "super"].contains(&name) || is_module(&[module, &[name.into()]].concat());
+        if is_root && after.starts_with("::") && !before.ends_with("::") {
+            let line = first + code[..code.len() - at.len()].matches('\n').count();
+            let mut paths = Vec::new();
+            rest = read_paths(at, &[], &mut paths);
+            let paths = paths.iter().map(|names| absolute(module, names));
+            found.extend(paths.map(|path| Import { line, is_reexport: is_reexport && path.starts_with(module), path }));
+        } else {
+            is_reexport |= name == "use" && (is_public || before.ends_with(") "));
+            is_public = name == "pub";
+            rest = after;
+        }
+    }
+    found
+}
+
+/// Reads the path, or the tree of paths, that `code` begins with, and gives what comes after.
+fn read_paths<'a>(code: &'a str, prefix: &[&'a str], found: &mut Vec<Vec<&'a str>>) -> &'a str {
+    let code = code.trim_start();
+    if let Some(mut list) = code.strip_prefix('{') {
+        while !list.trim_start().starts_with('}') {
+            list = read_paths(list, prefix, found);
+            list = &list[list.find([',', '}']).expect("a list ends")..];
+            list = list.strip_prefix(',').unwrap_or(list);
+        }
+        return &list.trim_start()[1..];
+    }
+    let (name, rest) = split_name(code);
+    let path = [prefix, &[name]].concat();
+    match rest.strip_prefix("::") {
+        Some(rest) => read_paths(rest, &path, found),
+        None => {
+            found.push(path);
+            rest
+        }
+    }
+}
+
+fn split_name(code: &str) -> (&str, &str) {
+    code.split_at(code.find(|c| !is_of_name(c)).unwrap_or(code.len()))
+}
+
+fn is_of_name(c: char) -> bool {
+    c.is_alphanumeric() || c == '_'
+}
+
+/// The path from the root of the crate that `names` are in `module`.
+fn absolute(module: &[String], names: &[&str]) -> Names {
+    let mut path = if names[0] == "crate" { Names::new() } else { module.to_vec() };
+    for &name in names {
+        match name {
+            "crate" | "self" => {}
+            "super" => drop(path.pop()),
+            _ => path.push(name.into()),
+        }
+    }
+    path
+}
+
+impl Graph {
+    fn new(sources: Vec<Source>) -> Graph {
+        let files: HashMap<Names, usize> = (0..).zip(&sources).map(|(i, source)| (source.module.clone(), i)).collect();
+        let imports: Vec<Vec<Import>> =
+            sources.iter().map(|source| source.imports(|path| files.contains_key(path))).collect();
+        let mut reexports = HashMap::new();
+        for (source, imports) in sources.iter().zip(&imports) {
+            for Import { path, .. } in imports.iter().filter(|import| import.is_reexport) {
+                reexports.insert([&source.module[..], &path[path.len() - 1..]].concat(), path.clone());
             }
-            Some(_) => format!("`{module}` imports `{name}`, but modules of layer {own} do not know each other"),
-            None => format!("`crate::{name}` is no module of the table; name the module that defines it"),
+        }
+        Graph { sources, files, imports, reexports }
+    }
+
+    /// The file that a path leads to, re-exports followed.
+    fn target(&self, path: &[String]) -> Option<usize> {
+        let length = (1..=path.len()).rev().find(|&n| self.files.contains_key(&path[..n]))?;
+        match path.get(..=length).and_then(|item| self.reexports.get(item)) {
+            Some(item) => self.target(item),
+            None => Some(self.files[&path[..length]]),
+        }
+    }
+
+    /// What is wrong with the imports of a file by the table of layers, a line each.
+    fn faults(&self, file: usize) -> Vec<String> {
+        let name = self.sources[file].module.join("/");
+        let module = &self.sources[file].module[0];
+        let Some(own) = layer(module) else {
+            return vec![format!("`{module}` has no layer; add it to tests/layers.rs and ARCHITECTURE.md")];
         };
-        Some((line, rule))
-    };
-    crate_paths(text).into_iter().filter_map(fault).collect()
+        let fault = |import: &Import| {
+            let other = &import.path[0];
+            let rule = match layer(other) {
+                _ if other == module => return None,
+                Some(layer) if layer < own => return None,
+                Some(layer) if layer > own => {
+                    format!("`{module}` (layer {own}) imports `{other}` (layer {layer}), which is above it")
+                }
+                Some(_) => format!("`{module}` imports `{other}`, but modules of layer {own} do not know each other"),
+                None => format!("`crate::{other}` is no module of the table; name the module that defines it"),
+            };
+            Some(format!("src/{name}.rs:{}: {rule}", import.line))
+        };
+        self.imports[file].iter().filter_map(fault).collect()
+    }
+
+    /// The names of the files of each circle of imports.
+    fn circles(&self) -> Vec<Vec<String>> {
+        let reached: Vec<Vec<bool>> = (0..self.sources.len()).map(|file| self.reached_from(file)).collect();
+        let mut circles = Vec::new();
+        for file in 0..self.sources.len() {
+            let both = |&other: &usize| reached[file][other] && reached[other][file];
+            let circle: Vec<usize> = (0..self.sources.len()).filter(both).collect();
+            if circle.first() == Some(&file) {
+                circles.push(circle.iter().map(|&other| self.sources[other].module.join("/")).collect());
+            }
+        }
+        circles
+    }
+
+    /// For each file whether one or more imports by other files lead to it from `file`.
+    fn reached_from(&self, file: usize) -> Vec<bool> {
+        let mut reached = vec![false; self.sources.len()];
+        let mut todo = vec![file];
+        while let Some(from) = todo.pop() {
+            let imports = self.imports[from].iter().filter(|import| !import.is_reexport);
+            for to in imports.filter_map(|import| self.target(&import.path)).filter(|&to| to != from) {
+                if !std::mem::replace(&mut reached[to], true) {
+                    todo.push(to);
+                }
+            }
+        }
+        reached
+    }
 }
 
 fn layer(module: &str) -> Option<u32> {
     LAYERS.iter().find(|(name, _)| *name == module).map(|l| l.1)
 }
 
-/// The first name after each `crate::`, those in braces one by one, with their lines. Comments do not count.
-fn crate_paths(text: &str) -> Vec<(usize, String)> {
-    let code: String = text.lines().map(|line| line.split("//").next().unwrap_or("").to_owned() + "\n").collect();
-    let mut found = Vec::new();
-    for (at, _) in code.match_indices("crate::") {
-        if code[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_') {
-            continue;
-        }
-        let after = at + "crate::".len();
-        let starts = if code[after..].starts_with('{') { item_starts(&code, after + 1) } else { vec![after] };
-        for start in starts {
-            let name: String = code[start..].chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-            found.push((1 + code[..start].matches('\n').count(), name));
-        }
-    }
-    found
-}
-
-/// Where each item begins in a list of imports, up to its closing brace.
-fn item_starts(code: &str, open: usize) -> Vec<usize> {
-    let mut starts = Vec::new();
-    let (mut depth, mut fresh) = (1, true);
-    for (offset, c) in code[open..].char_indices() {
-        match c {
-            '{' => depth += 1,
-            '}' => depth -= 1,
-            ',' if depth == 1 => fresh = true,
-            c if fresh && !c.is_whitespace() => {
-                starts.push(open + offset);
-                fresh = false;
-            }
-            _ => {}
-        }
-        if depth == 0 {
-            break;
-        }
-    }
-    starts
-}
-
 #[test]
 fn paths_are_read_from_lists_and_not_from_comments() {
-    let text = "use crate::base::error::Error;\nuse crate::{\n    geom::{grid::Grid, aabb},\n    surface,\n};\n\
-                // crate::cli\nfn f() { crate::io::write() } my_crate::x;\n";
-    let expected = [(1, "base"), (3, "geom"), (4, "surface"), (7, "io")];
-    assert_eq!(crate_paths(text), expected.map(|(line, name)| (line, name.to_owned())));
+    let text = "use crate::base::error::Error;\nuse crate::{\n    geom::{grid::Grid, aabb as boxes},\n    surface,\n};\n\
+                // crate::cli\npub use below::Item;\nfn f() { crate::io::write() } my_crate::x; other::below::y;\n\
+                mod tests {\n    use super::*;\n    use super::super::next;\n}\nfn g() { below::h() }\n";
+    let source = Source::new("a/b/mod", text);
+    let found = source.imports(|path| path.ends_with(&["b".into(), "below".into()]));
+    let paths: Vec<(usize, String)> = found.iter().map(|i| (i.line, i.path.join("::"))).collect();
+    let expected = [
+        (1, "base::error::Error"),
+        (2, "geom::grid::Grid"),
+        (2, "geom::aabb"),
+        (2, "surface"),
+        (7, "a::b::below::Item"),
+        (8, "io::write"),
+        (10, "a::b::"),
+        (11, "a::next"),
+        (13, "a::b::below::h"),
+    ];
+    assert_eq!(paths, expected.map(|(line, path)| (line, path.to_owned())));
+    assert_eq!(found.iter().filter(|import| import.is_reexport).map(|import| import.line).collect::<Vec<_>>(), [7]);
 }
 
 #[test]
 fn every_way_against_the_layers_is_noticed() {
-    let broken = |module, import: &str| !faults(module, &format!("use crate::{import};")).is_empty();
-    assert!(broken("geom", "mesh::triangle_mesh::Mesh"), "up");
-    assert!(broken("io", "quality::shape"), "aside");
-    assert!(broken("io", "Mesh"), "a name of the root");
+    let broken = |module: &str, import: &str| {
+        !Graph::new(vec![Source::new(module, &format!("use crate::{import};"))]).faults(0).is_empty()
+    };
+    assert!(broken("geom/aabb", "mesh::triangle_mesh::Mesh"), "up");
+    assert!(broken("io/mod", "quality::shape"), "aside");
+    assert!(broken("io/mod", "Mesh"), "a name of the root");
     assert!(broken("nowhere", "base::error::Error"), "a module without a layer");
-    assert!(!broken("io", "io::stream::Lines") && !broken("io", "mesh::triangle_mesh::Mesh"));
+    assert!(!broken("io/mod", "io::stream::Lines") && !broken("io/mod", "mesh::triangle_mesh::Mesh"));
+}
+
+#[test]
+fn circles_are_noticed_and_re_exports_are_none() {
+    let circles = |files: &[(&str, &str)]| {
+        Graph::new(files.iter().map(|(module, text)| Source::new(module, text)).collect()).circles()
+    };
+    let parent = ("io/mod", "mod read;\npub use read::Read;");
+    assert_eq!(circles(&[parent, ("io/read", "use super::*;"), ("io/ply", "use crate::io::Read;")]), [[""; 0]; 0]);
+    assert_eq!(
+        circles(&[parent, ("io/read", "use super::ply;"), ("io/ply", "use super::Read;")]),
+        [["io/read", "io/ply"]]
+    );
+    assert_eq!(circles(&[("io/mod", "use ply::x;"), ("io/ply", "fn f() { super::g() }")]), [["io", "io/ply"]]);
 }

@@ -2,6 +2,7 @@
 
 use glam::{DVec2, DVec3};
 use spectral_remesh::Mesh;
+use spectral_remesh::geom::aabb::Aabb;
 
 /// How far the camera stands from the middle of the mesh, in half diagonals of its bounding box.
 const DISTANCE: f64 = 4.5;
@@ -45,7 +46,7 @@ pub struct View {
 impl Camera {
     /// A camera at an azimuth and an elevation in degrees.
     pub fn new(mesh: &Mesh, (azimuth, elevation): (f64, f64)) -> Camera {
-        let (low, high) = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
+        let Aabb { lo: low, hi: high } = mesh.bounds().unwrap_or(Aabb { lo: DVec3::ZERO, hi: DVec3::ONE });
         let (sin_a, cos_a) = azimuth.to_radians().sin_cos();
         let (sin_e, cos_e) = elevation.to_radians().sin_cos();
         let right = DVec3::new(-sin_a, cos_a, 0.0);

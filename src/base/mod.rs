@@ -1,5 +1,6 @@
-//! What every layer needs: errors, progress and cancelling, random streams, order in heaps, disjoint sets.
+//! What every layer needs: errors, progress and cancelling, random streams, order in heaps, disjoint sets, compressed rows.
 
+pub(crate) mod csr;
 pub mod error;
 pub mod heap;
 pub mod monitor;

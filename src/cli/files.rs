@@ -6,6 +6,7 @@ use crate::cli::args::{MeshFile, Run, Voice};
 use crate::cli::terminal::{self, Terminal};
 use crate::io::{Loaded, file};
 use crate::job::Input;
+use crate::report::RunSummary;
 use std::path::Path;
 
 /// Refuses targets that nothing can be written to, before the work for them is done and not after.
@@ -46,8 +47,13 @@ pub(super) fn hand_out(json: &str, text: &str, run: &Run) -> Result<()> {
     if run.voice == Voice::Quiet { Ok(()) } else { terminal::print(text) }
 }
 
+/// Adds what the run took so far.
+pub(super) fn add_run(summary: &mut RunSummary, monitor: &Stopwatch) {
+    summary.measure(&monitor.laps(), peak_memory_bytes(), rayon::current_num_threads());
+}
+
 /// The most memory that this process had at once, where Linux tells.
-pub(super) fn peak_memory_bytes() -> Option<u64> {
+fn peak_memory_bytes() -> Option<u64> {
     let status = std::fs::read_to_string(Path::new("/proc/self/status")).ok()?;
     let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.trim().strip_suffix("kB")?;
     kilobytes.trim().parse::<u64>().ok().map(|n| 1024 * n)

@@ -3,7 +3,7 @@
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 use crate::cli::args::{Measuring, MeshFile, Voice};
-use crate::cli::files::{input, load, name, peak_memory_bytes, watched};
+use crate::cli::files::{add_run, input, load, name, watched};
 use crate::cli::terminal;
 use crate::job::quality;
 
@@ -21,8 +21,8 @@ pub(super) fn measure_file(job: &Measuring) -> Result<()> {
         let mut report = measured.map_err(|e| e.in_file(&name(&job.mesh)))?;
         check(monitor)?;
         report.add_files(&job.against.as_ref().map(name).unwrap_or_default(), &name(&job.mesh));
-        report.notes = against.into_iter().chain([mesh]).flat_map(|loaded| loaded.notes).collect();
-        report.add_run(&monitor.laps(), peak_memory_bytes(), rayon::current_num_threads());
+        report.run.notes = against.into_iter().chain([mesh]).flat_map(|loaded| loaded.notes).collect();
+        add_run(&mut report.run, monitor);
         Ok(report)
     })?;
     terminal::print(&if job.json { report.to_json() } else { report.to_text() })

@@ -3,7 +3,7 @@
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 use crate::cli::args::Reconstructing;
-use crate::cli::files::{check_targets, hand_out, input, load, name, peak_memory_bytes, watched};
+use crate::cli::files::{add_run, check_targets, hand_out, input, load, name, watched};
 use crate::io::file;
 use crate::job::reconstruct;
 use crate::mesh::attributes::Attributes;
@@ -19,8 +19,9 @@ pub(super) fn reconstruct_file(job: &Reconstructing) -> Result<()> {
         check(monitor)?;
         monitor.stage("write");
         file::write_file(&job.output.path, &made.mesh, &Attributes::default(), job.output.format)?;
-        let report = SurfaceReport::new(&made, loaded.notes, name(&job.input), name(&job.output));
-        Ok(report.with_run(&monitor.laps(), peak_memory_bytes(), rayon::current_num_threads()))
+        let mut report = SurfaceReport::new(&made, loaded.notes, name(&job.input), name(&job.output));
+        add_run(&mut report.run, monitor);
+        Ok(report)
     })?;
     hand_out(&report.to_json(), &report.to_text(), &job.run)
 }

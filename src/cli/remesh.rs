@@ -3,7 +3,7 @@
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
 use crate::cli::args::{Remeshing, Sizing, Voice};
-use crate::cli::files::{check_targets, hand_out, input, load, name, peak_memory_bytes, watched};
+use crate::cli::files::{add_run, check_targets, hand_out, input, load, name, watched};
 use crate::cli::status::Status;
 use crate::cli::terminal;
 use crate::io::{Loaded, file};
@@ -21,9 +21,9 @@ pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
         monitor.stage("write");
         file::write_file(&job.output.path, &outcome.mesh, &outcome.attributes, job.output.format)?;
         if let Some(report) = &mut outcome.report {
-            report.notes.splice(0..0, loaded.notes);
+            report.run.notes.splice(0..0, loaded.notes);
             report.add_files(&name(&job.input), &name(&job.output));
-            report.add_run(&monitor.laps(), peak_memory_bytes(), rayon::current_num_threads());
+            add_run(&mut report.run, monitor);
         }
         Ok(outcome)
     })?;

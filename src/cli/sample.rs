@@ -3,7 +3,7 @@
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 use crate::cli::args::Sampling;
-use crate::cli::files::{check_targets, hand_out, input, load, name, peak_memory_bytes, watched};
+use crate::cli::files::{add_run, check_targets, hand_out, input, load, name, watched};
 use crate::io::file;
 use crate::job::sample;
 use crate::mesh::attributes::{Attribute, Attributes, Scalar};
@@ -21,8 +21,9 @@ pub(super) fn sample_file(job: &Sampling) -> Result<()> {
         monitor.stage("write");
         file::write_points_file(&job.output, &sampled.points, &numbers(&sampled), None)?;
         let mut report = SamplesReport::new(&sampled, &job.options, name(&job.input), job.output.display().to_string());
-        report.notes.splice(0..0, loaded.notes);
-        Ok(report.with_run(&monitor.laps(), peak_memory_bytes(), rayon::current_num_threads()))
+        report.run.notes.splice(0..0, loaded.notes);
+        add_run(&mut report.run, monitor);
+        Ok(report)
     })?;
     hand_out(&report.to_json(), &report.to_text(), &job.run)
 }

@@ -13,6 +13,7 @@
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 use crate::contour::lattice::{Field, Lattice, contour};
+use crate::geom::aabb::Aabb;
 use crate::mesh::topology::{NONE, components, twins};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::kdtree::Neighbor;
@@ -104,15 +105,14 @@ fn doubtful(mesh: &Mesh, surface: &Rimls) -> Vec<bool> {
 
 /// The diagonals of the bounding boxes of parts numbered in the order of their first vertex.
 fn extents(part: &[u32], positions: &[DVec3]) -> Vec<f64> {
-    let mut boxes: Vec<(DVec3, DVec3)> = Vec::new();
+    let mut boxes: Vec<Aabb> = Vec::new();
     for (&part, &p) in part.iter().zip(positions) {
-        if part as usize == boxes.len() {
-            boxes.push((p, p));
+        match boxes.get_mut(part as usize) {
+            Some(own) => *own = own.join(&Aabb::at(p)),
+            None => boxes.push(Aabb::at(p)),
         }
-        let (lo, hi) = &mut boxes[part as usize];
-        (*lo, *hi) = (lo.min(p), hi.max(p));
     }
-    boxes.into_iter().map(|(lo, hi)| lo.distance(hi)).collect()
+    boxes.iter().map(Aabb::diagonal).collect()
 }
 
 /// Drops the pieces that are smaller than `smallest`.

@@ -25,6 +25,7 @@
 
 use crate::base::error::{Error, Result, Setting};
 use crate::base::monitor::{Monitor, check};
+use crate::geom::aabb::Aabb;
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -65,12 +66,11 @@ impl Lattice {
     /// The lattice of cubes with edges of length `edge` that reaches as far as `reach` around `points`; `None` if that
     /// are more places than can be numbered.
     pub fn around(points: &[DVec3], reach: f64, edge: f64) -> Option<Lattice> {
-        let lowest = points.iter().copied().reduce(DVec3::min).unwrap_or_default();
-        let highest = points.iter().copied().reduce(DVec3::max).unwrap_or_default();
+        let bounds = Aabb::of(points.iter().copied()).unwrap_or_default();
         let margin = reach + MARGIN * edge;
-        let longest = (highest - lowest).max_element() + 2.0 * margin;
+        let longest = bounds.size().max_element() + 2.0 * margin;
         // Each coordinate on the lattice is the sum of two of space.
-        (2.0 * longest / edge < PLACES).then_some(Lattice { origin: lowest - margin, edge })
+        (2.0 * longest / edge < PLACES).then_some(Lattice { origin: bounds.lo - margin, edge })
     }
 
     /// The length of the edges of its cubes.

@@ -1,5 +1,6 @@
 //! Small geometry: what can be said about a few points without a mesh.
 
+pub mod aabb;
 pub mod eigen;
 pub mod intersection;
 pub mod polygon;

@@ -1,7 +1,10 @@
 //! Mesh files by name: which format they have, and writing that never leaves half a file.
 
-use super::{Format, Loaded, Resolve};
 use crate::base::error::{Error, Place, Result};
+use crate::io::content::Resolve;
+use crate::io::format::Format;
+use crate::io::read::{Loaded, parse};
+use crate::io::write::{write_points, write_with_attributes};
 use crate::mesh::attributes::Attributes;
 use crate::mesh::points::Points;
 use crate::mesh::triangle_mesh::Mesh;
@@ -29,7 +32,7 @@ pub fn read_file(path: &Path, format: Option<Format>) -> Result<Loaded> {
     }
     let format = input_format(path, &bytes, format)?;
     let resolve: Resolve = &|address| read_buffer(path, address);
-    super::parse(&bytes, format, resolve).map_err(|error| error.in_file(&path.display().to_string()))
+    parse(&bytes, format, resolve).map_err(|error| error.in_file(&path.display().to_string()))
 }
 
 /// Reads a list of numbers from the JSON file at `path`.
@@ -52,7 +55,7 @@ pub fn read_numbers(path: &Path) -> Result<Vec<f64>> {
 /// [`Error::File`] if the format is not known or the file cannot be written.
 pub fn write_file(path: &Path, mesh: &Mesh, attributes: &Attributes, format: Option<Format>) -> Result<()> {
     let format = output_format(path, format)?;
-    replace_file(path, &mut |out| super::write_with_attributes(mesh, attributes, format, out))
+    replace_file(path, &mut |out| write_with_attributes(mesh, attributes, format, out))
 }
 
 /// Writes `points`, and those of their `attributes` that the format can hold, to `path` by [`replace_file`], in the
@@ -62,7 +65,7 @@ pub fn write_file(path: &Path, mesh: &Mesh, attributes: &Attributes, format: Opt
 /// [`Error::File`] if the format is not known or the file cannot be written.
 pub fn write_points_file(path: &Path, points: &Points, attributes: &Attributes, format: Option<Format>) -> Result<()> {
     let format = points_format(path, format)?;
-    replace_file(path, &mut |out| super::write_points(points, attributes, format, out))
+    replace_file(path, &mut |out| write_points(points, attributes, format, out))
 }
 
 /// The format to write a mesh to `path` in: `format`, else what the ending says.

@@ -14,8 +14,8 @@
 //! a panic hook still hears of it. In layouts from 6 on the crate believes the sizes of layers that a chunk names.
 
 use super::bytes::{CUT_SHORT, EXPORT_AGAIN, array, malformed, u32_at};
-use super::{Parsed, Read};
 use crate::base::error::{Place, Result};
+use crate::io::content::{Parsed, Read};
 use crate::mesh::attributes::{Attribute, Attributes, COLOR, Scalar};
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;

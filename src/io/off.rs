@@ -11,8 +11,8 @@
 use super::columns::{Columns, color, cut, normal};
 use super::faces::Faces;
 use super::text::{Words, quote, small_faces, whole, write_line};
-use super::{Content, Parsed, Read};
 use crate::base::error::{Error, Result};
+use crate::io::content::{Content, Parsed, Read};
 use crate::mesh::attributes::Attributes;
 use crate::mesh::triangle_mesh::Mesh;
 use glam::{DVec2, DVec3};
@@ -210,9 +210,7 @@ fn corner(words: &mut Words, vertices: usize) -> Result<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::Format;
     use crate::io::bytes::samples;
-    use proptest::prelude::*;
 
     fn mesh(text: &str) -> Mesh {
         parse(text.as_bytes()).unwrap().mesh
@@ -286,19 +284,5 @@ mod tests {
         assert!(has_keyword(b"# x\n\nCOFF\n1 1 1"));
         assert!(has_keyword(b"4OFF BINARY"));
         assert!(!has_keyword(b"OFFICE 1") && !has_keyword(b"ply\n") && !has_keyword(b"v 1 2 3 OFF"));
-    }
-
-    proptest! {
-        #[test]
-        fn the_written_reads_as_the_same(points in prop::collection::vec(prop::array::uniform3(prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO), 3..20)) {
-            let last = points.len() as u32 - 1;
-            let m = Mesh { positions: points.into_iter().map(DVec3::from).collect(), triangles: vec![[0, 1, last], [last, 1, 0]] };
-            for format in [Format::Off, Format::Obj] {
-                let mut text = Vec::new();
-                crate::io::write(&m, format, &mut text).unwrap();
-                let loaded = crate::io::parse(&text, format, crate::io::NO_BUFFERS).unwrap();
-                prop_assert_eq!((loaded.mesh, loaded.attributes, loaded.notes), (m.clone(), Attributes::default(), Vec::new()));
-            }
-        }
     }
 }

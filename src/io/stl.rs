@@ -9,7 +9,7 @@
 use super::bytes::{CUT_SHORT, EXPORT_AGAIN, array, finite, malformed, narrow, u32_at, without_mark};
 use super::text::{Words, number, quote};
 use crate::base::error::{Error, Place, Result};
-use crate::io::{Content, Parsed, Read};
+use crate::io::content::{Content, Parsed, Read};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::mesh::weld::weld;
 use glam::{DVec3, Vec3};
@@ -183,6 +183,7 @@ fn facet([a, b, c]: [DVec3; 3]) -> io::Result<[u8; FACET]> {
 mod tests {
     use super::*;
     use crate::io::bytes::samples::{fault, signed_volume, tetrahedron};
+    use crate::mesh::attributes::Attributes;
 
     const ONE: &str = "solid a part\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1.5 0 0\n   \
                        vertex 0 1e0 -2\n  endloop\n endfacet\nendsolid a part\n";
@@ -193,7 +194,8 @@ mod tests {
     }
 
     fn write(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
-        crate::io::write(mesh, crate::io::Format::Stl, out)
+        let attributes = &Attributes::default();
+        super::write(&Content { positions: &mesh.positions, triangles: &mesh.triangles, attributes }, out)
     }
 
     fn binary() -> Vec<u8> {

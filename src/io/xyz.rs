@@ -14,8 +14,8 @@
 use super::bytes::malformed;
 use super::columns::{are_unit, color, cut, normal};
 use super::text::{Words, number, quote, write_number};
-use super::{Content, Parsed, Read};
 use crate::base::error::{Place, Result};
+use crate::io::content::{Content, Parsed, Read};
 use crate::mesh::attributes::{Attribute, Attributes, Scalar};
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;

@@ -3,6 +3,7 @@
 //!
 //! Cost: linear in the triangles, plus one sort of the edges.
 
+use crate::base::csr::Csr;
 use crate::base::union_find::UnionFind;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -165,18 +166,7 @@ pub(crate) fn sorted_sides(triangles: &[[u32; 3]]) -> Vec<Side> {
         })
     };
     let vertices = triangles.iter().flatten().max().map_or(0, |&v| v as usize + 1);
-    let mut start = vec![0u32; vertices + 1];
-    sides().for_each(|s| start[s.ends[0] as usize + 1] += 1);
-    for v in 0..vertices {
-        start[v + 1] += start[v];
-    }
-    let mut fill = start.clone();
-    let mut sorted = vec![Side { ends: [0; 2], side: 0, forward: false }; start[vertices] as usize];
-    for s in sides() {
-        let at = &mut fill[s.ends[0] as usize];
-        sorted[*at as usize] = s;
-        *at += 1;
-    }
+    let mut sorted = Csr::new(vertices, || sides().map(|s| (s.ends[0], s))).into_values();
     let of_one_vertex = |a: &Side, b: &Side| a.ends[0] == b.ends[0];
     sorted.par_chunk_by_mut(of_one_vertex).for_each(|sides| sides.sort_unstable_by_key(|s| (s.ends[1], s.side)));
     sorted

@@ -1,5 +1,6 @@
 //! A triangle mesh as plain data.
 
+use crate::geom::aabb::Aabb;
 use glam::DVec3;
 
 /// An indexed triangle mesh. The corners of a triangle go counter-clockwise seen from outside.
@@ -49,16 +50,14 @@ impl Mesh {
         (0..self.triangles.len()).map(|t| 0.5 * self.area_vector(t).length()).sum()
     }
 
-    /// The smallest and largest coordinates of the vertices that triangles use; `None` without triangles.
-    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
-        let mut used = self.triangles.iter().flatten().map(|&v| self.positions[v as usize]);
-        let first = used.next()?;
-        Some(used.fold((first, first), |(lo, hi), p| (lo.min(p), hi.max(p))))
+    /// The bounding box of the vertices that triangles use; `None` without triangles.
+    pub fn bounds(&self) -> Option<Aabb> {
+        Aabb::of(self.triangles.iter().flatten().map(|&v| self.positions[v as usize]))
     }
 
     /// The length of the bounding box's diagonal, zero without triangles.
     pub fn diagonal(&self) -> f64 {
-        self.bounds().map_or(0.0, |(lo, hi)| (hi - lo).length())
+        self.bounds().map_or(0.0, |bounds| bounds.diagonal())
     }
 
     /// Removes the vertices that no triangle uses; the others keep their order.

@@ -1,4 +1,4 @@
-//! One vertex for each place: what a file of separate triangles leaves out.
+//! Welding: vertices at exactly the same place become one. Files of separate triangles need it.
 //!
 //! Cost: one sort of the vertices.
 
@@ -6,21 +6,26 @@ use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 use rayon::slice::ParallelSliceMut;
 
-/// For each position the number of the first one at exactly its place; 0 and -0 are one place.
-pub fn representatives(positions: &[DVec3]) -> Vec<u32> {
+/// The representative of each position: for those of `numbers` the lowest of them at exactly the same place, for all others
+/// themselves. Zeros of either sign are the same coordinate.
+pub fn first_at_place(positions: &[DVec3], mut numbers: Vec<u32>) -> Vec<u32> {
     // Adding zero makes -0.0 and 0.0 the same bits.
     let key = |v: u32| (positions[v as usize] + DVec3::ZERO).to_array().map(f64::to_bits);
-    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
-    order.par_sort_unstable_by_key(|&v| (key(v), v));
-    let mut first = vec![0; positions.len()];
-    for place in order.chunk_by(|&a, &b| key(a) == key(b)) {
+    numbers.par_sort_unstable_by_key(|&v| (key(v), v));
+    let mut first: Vec<u32> = (0..positions.len() as u32).collect();
+    for place in numbers.chunk_by(|&a, &b| key(a) == key(b)) {
         place.iter().for_each(|&v| first[v as usize] = place[0]);
     }
     first
 }
 
-/// The same triangles over vertices that are all at different places, in the order of their first use of a place;
-/// nothing else changes, so triangles may end up with equal corners.
+/// For each position the number of the first one at exactly its place.
+pub fn representatives(positions: &[DVec3]) -> Vec<u32> {
+    first_at_place(positions, (0..positions.len() as u32).collect())
+}
+
+/// The same triangles over vertices that are all at different places, in the order of the first vertex at each place.
+/// Nothing else changes, so triangles may end up with equal corners.
 pub fn weld(mesh: &Mesh) -> Mesh {
     let first = representatives(&mesh.positions);
     let mut positions = Vec::new();

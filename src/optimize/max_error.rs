@@ -18,6 +18,7 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
+use crate::geom::aabb::Aabb;
 use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
 use crate::manifold::neighborhood::Neighborhood;
@@ -179,7 +180,7 @@ impl Probes {
 /// Whether more of the faces would cross if `neighborhood` were put back.
 fn would_cross(faces: &Faces, neighborhood: &Neighborhood) -> bool {
     let new = neighborhood.mesh.to_mesh();
-    let Some((lo, hi)) = new.bounds() else { return false };
+    let Some(Aabb { lo, hi }) = new.bounds() else { return false };
     let (mut now, mut then) = (Vec::new(), Vec::new());
     faces.in_box(lo, hi, |t, corners| {
         now.push(corners);

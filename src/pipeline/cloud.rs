@@ -12,7 +12,8 @@ use crate::prepare::orient::{disagreement, orient, side_with};
 use crate::spatial::kdtree::Neighbors;
 use crate::spatial::knn_graph::{DEGREE, NeighborGraph};
 use crate::surface::implicit::Rimls;
-use crate::triangulate::points::{Surroundings, triangulate_points};
+use crate::triangulate::points::triangulate_points;
+use crate::triangulate::surroundings::Surroundings;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 

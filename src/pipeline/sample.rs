@@ -6,6 +6,7 @@
 use crate::base::error::{Error, Result, Setting};
 use crate::base::monitor::{Monitor, check};
 use crate::base::rng::{Stage, stream, unit as unit_random};
+use crate::geom::aabb::Aabb;
 use crate::pipeline::bandwidth::find_bandwidth;
 use crate::pipeline::cloud::{CloudOptions, CloudSummary, INTERPOLATING_SUPPORT, Prepared, prepared};
 use crate::pipeline::density::{SampleDensity, check_count, check_length};
@@ -305,8 +306,7 @@ fn bare_samples(input: &Points) -> Vec<Sample> {
 
 /// Half the area of the bounding box: about that of a surface whose area is not known.
 fn area_of_box(samples: &[Sample]) -> f64 {
-    let lowest = samples.iter().fold(DVec3::INFINITY, |lo, s| lo.min(s.position));
-    let size = samples.iter().fold(DVec3::NEG_INFINITY, |hi, s| hi.max(s.position)) - lowest;
+    let size = Aabb::of(samples.iter().map(|s| s.position)).unwrap_or_default().size();
     size.x * size.y + size.y * size.z + size.z * size.x
 }
 

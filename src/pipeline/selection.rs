@@ -1,6 +1,7 @@
 //! Which part of the input is remeshed.
 
 use crate::base::error::{Error, Result, Setting};
+use crate::geom::aabb::Aabb;
 use crate::mesh::attributes::Attributes;
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::triangle_mesh::Mesh;
@@ -81,7 +82,7 @@ impl Selection {
 
     /// Says that no triangle of `repaired` is in the part.
     pub(super) fn refuse_nothing<T>(&self, repaired: &Mesh) -> Result<T> {
-        let (lo, hi) = repaired.bounds().unwrap_or_default();
+        let Aabb { lo, hi } = repaired.bounds().unwrap_or_default();
         let list = |p: [f64; 3]| p.map(|x| x.to_string()).join(",");
         match self {
             Selection::Box(lowest, highest) => {

@@ -1,5 +1,6 @@
 //! The coordinates that the pipeline works in.
 
+use crate::geom::aabb::Aabb;
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 
@@ -17,14 +18,13 @@ impl Unit {
     }
 
     pub(super) fn of_points(points: &[DVec3]) -> Unit {
-        let lowest = points.iter().copied().reduce(DVec3::min).unwrap_or_default();
-        Unit::within((lowest, points.iter().copied().reduce(DVec3::max).unwrap_or_default()))
+        Unit::within(Aabb::of(points.iter().copied()).unwrap_or_default())
     }
 
-    fn within((lo, hi): (DVec3, DVec3)) -> Unit {
-        let longest = (hi - lo).max_element();
+    fn within(bounds: Aabb) -> Unit {
+        let longest = bounds.size().max_element();
         let size = if longest > 0.0 { longest.log2().ceil().exp2() } else { 1.0 };
-        Unit { centre: lo + (hi - lo) / 2.0, size }
+        Unit { centre: bounds.lo + bounds.size() / 2.0, size }
     }
 
     /// The area that `mesh`, in this unit, could have if all its corners were on one line but for the rounding of their

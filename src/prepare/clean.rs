@@ -1,5 +1,7 @@
-//! Which points of a cloud say something of a surface.
+//! The points of a cloud in an order near to memory, without copies, and which of them are outliers.
 
+use crate::geom::aabb::Aabb;
+use crate::mesh::weld::first_at_place;
 use crate::spatial::knn_graph::NeighborGraph;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -9,11 +11,10 @@ use rayon::prelude::*;
 ///
 /// Based on: G. M. Morton, A computer oriented geodetic data base and a new technique in file sequencing, 1966.
 pub fn spatial_order(positions: &[DVec3]) -> Vec<u32> {
-    let Some(&first) = positions.first() else { return Vec::new() };
-    let (lo, hi) = positions.iter().fold((first, first), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
-    let scale = f64::from(1 << BITS) / (hi - lo).max_element().max(f64::MIN_POSITIVE);
+    let Some(bounds) = Aabb::of(positions.iter().copied()) else { return Vec::new() };
+    let scale = f64::from(1 << BITS) / bounds.size().max_element().max(f64::MIN_POSITIVE);
     let key = |p: DVec3| {
-        let cell = ((p - lo) * scale).to_array().map(|c| spread((c as u64).min((1 << BITS) - 1)));
+        let cell = ((p - bounds.lo) * scale).to_array().map(|c| spread((c as u64).min((1 << BITS) - 1)));
         cell[0] | cell[1] << 1 | cell[2] << 2
     };
     let mut keyed: Vec<(u64, u32)> =
@@ -34,15 +35,10 @@ fn spread(x: u64) -> u64 {
     (x | x << 2) & 0x1249_2492_4924_9249
 }
 
-/// Those of `numbers` that are the first ones at their positions, in their order.
+/// Those of `numbers` that are the lowest ones at their places, in the order given.
 pub fn distinct(positions: &[DVec3], numbers: &[u32]) -> Vec<u32> {
-    // Adding zero makes -0.0 and 0.0 the same bits.
-    let key = |p: u32| (positions[p as usize] + DVec3::ZERO).to_array().map(f64::to_bits);
-    let mut order = numbers.to_vec();
-    order.par_sort_unstable_by_key(|&p| (key(p), p));
-    let mut is_first = vec![false; positions.len()];
-    order.chunk_by(|&a, &b| key(a) == key(b)).for_each(|place| is_first[place[0] as usize] = true);
-    numbers.iter().copied().filter(|&p| is_first[p as usize]).collect()
+    let first = first_at_place(positions, numbers.to_vec());
+    numbers.iter().copied().filter(|&p| first[p as usize] == p).collect()
 }
 
 /// For each point whether it is a neighbour of its neighbours, or of any other point: outliers are not.
@@ -82,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stray_is_nobodys_neighbour() {
+    fn an_outlier_is_no_ones_neighbour() {
         let mut positions: Vec<DVec3> =
             (0..400).map(|i| DVec3::new(f64::from(i % 20), f64::from(i / 20), 0.0)).collect();
         positions.push(DVec3::new(10.0, 10.0, 4.0));

@@ -1,11 +1,10 @@
 //! What a run that only samples did: as JSON of a fixed schema, and as a few lines for a terminal.
 
-use super::Lap;
-use super::table::significant;
 use crate::pipeline::{CloudSummary, SampleOptions, Sampled};
+use crate::report::run::{RunSummary, to_json};
+use crate::report::table::significant;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
-use std::time::Duration;
 
 /// Name and version of the JSON schema.
 pub const SAMPLES_SCHEMA: &str = "spectral-remesh/samples/1";
@@ -39,14 +38,9 @@ pub struct SamplesReport {
     pub sweeps: usize,
     /// What became of the points of a cloud; `None` for a mesh, or for points that are no surface.
     pub cloud: Option<CloudSummary>,
-    /// Things a user should know, a sentence each.
-    pub notes: Vec<String>,
-    /// Seconds of each stage, in the order in which they ran.
-    pub stages: Vec<Lap>,
-    /// Most memory that the process had at once, in bytes, where the system tells.
-    pub peak_memory_bytes: Option<u64>,
-    /// Threads that the run could use.
-    pub threads: usize,
+    /// Notes, times, memory and threads.
+    #[serde(flatten)]
+    pub run: RunSummary,
 }
 
 impl SamplesReport {
@@ -66,23 +60,13 @@ impl SamplesReport {
             seed: options.seed,
             sweeps: if sampled.indices.is_some() { 0 } else { options.sweeps },
             cloud: sampled.cloud.clone(),
-            notes: sampled.notes.clone(),
-            stages: Vec::new(),
-            peak_memory_bytes: None,
-            threads: 1,
+            run: RunSummary::of_notes(sampled.notes.clone()),
         }
-    }
-
-    /// The same report with what the run took.
-    #[must_use]
-    pub fn with_run(self, laps: &[(&str, Duration)], peak_memory_bytes: Option<u64>, threads: usize) -> SamplesReport {
-        let stages = laps.iter().map(|&(name, time)| Lap { name: name.into(), seconds: time.as_secs_f64() }).collect();
-        SamplesReport { stages, peak_memory_bytes, threads, ..self }
     }
 
     /// The report as indented JSON that ends with a line break.
     pub fn to_json(&self) -> String {
-        serde_json::to_string_pretty(self).expect("a report is plain data with text keys") + "\n"
+        to_json(self)
     }
 
     /// The report as a few lines for people.
@@ -100,7 +84,6 @@ impl SamplesReport {
             let _ = write!(out, ", σn {sigma_n}");
         }
         out.push('\n');
-        self.notes.iter().for_each(|note| out.push_str(&format!("note: {note}\n")));
-        out
+        out + &self.run.note_lines()
     }
 }

@@ -1,10 +1,9 @@
 //! What a reconstruction did: as JSON of a fixed schema, and as a few lines for a terminal.
 
-use super::Lap;
 use crate::mesh::topology::Topology;
 use crate::pipeline::{CloudSummary, Reconstructed};
+use crate::report::run::{RunSummary, to_json};
 use serde::{Deserialize, Serialize};
-use std::time::Duration;
 
 /// Name and version of the JSON schema.
 pub const SURFACE_SCHEMA: &str = "spectral-remesh/surface/1";
@@ -30,14 +29,9 @@ pub struct SurfaceReport {
     pub resolution: f64,
     /// How far points reach, in their spacings.
     pub reach: f64,
-    /// Things a user should know, a sentence each.
-    pub notes: Vec<String>,
-    /// Seconds of each stage, in the order in which they ran.
-    pub stages: Vec<Lap>,
-    /// Most memory that the process had at once, in bytes, where the system tells.
-    pub peak_memory_bytes: Option<u64>,
-    /// Threads that the run could use.
-    pub threads: usize,
+    /// Notes, times, memory and threads.
+    #[serde(flatten)]
+    pub run: RunSummary,
 }
 
 impl SurfaceReport {
@@ -53,23 +47,13 @@ impl SurfaceReport {
             spacing: made.spacing,
             resolution: made.resolution,
             reach: made.reach,
-            notes,
-            stages: Vec::new(),
-            peak_memory_bytes: None,
-            threads: 1,
+            run: RunSummary::of_notes(notes),
         }
-    }
-
-    /// The same report with what the run took.
-    #[must_use]
-    pub fn with_run(self, laps: &[(&str, Duration)], peak_memory_bytes: Option<u64>, threads: usize) -> SurfaceReport {
-        let stages = laps.iter().map(|&(name, time)| Lap { name: name.into(), seconds: time.as_secs_f64() }).collect();
-        SurfaceReport { stages, peak_memory_bytes, threads, ..self }
     }
 
     /// The report as indented JSON that ends with a line break.
     pub fn to_json(&self) -> String {
-        serde_json::to_string_pretty(self).expect("a report is plain data with text keys") + "\n"
+        to_json(self)
     }
 
     /// The report as a few lines for people.
@@ -88,7 +72,6 @@ impl SurfaceReport {
              cells of {:.6}, points {:.6} apart that reach {} as far\n",
             s.vertices, s.faces, s.euler, s.components, s.boundary_loops, self.resolution, self.spacing, self.reach
         ));
-        self.notes.iter().for_each(|note| out.push_str(&format!("note: {note}\n")));
-        out
+        out + &self.run.note_lines()
     }
 }

@@ -1,10 +1,11 @@
 //! The report as a table for a terminal: a row for each figure, the input beside the output.
 
-use super::{Measured, Report};
 use crate::mesh::topology::Topology;
 use crate::pipeline::CloudSummary;
 use crate::prepare::repair::Repairs;
 use crate::quality::shape::Shape;
+use crate::report::remeshing::{Measured, Report};
+use crate::report::run::RunSummary;
 use std::fmt::Write;
 
 /// Width of the names of the rows, and of each column of figures.
@@ -20,17 +21,19 @@ const FACES_NAMED: usize = 20;
 /// The name of a row and how its figure is told.
 type Row<T> = (&'static str, fn(&T) -> String);
 
-/// The whole report.
-pub(super) fn text(report: &Report) -> String {
-    let mut out = String::new();
-    let columns: Vec<&Measured> = report.input.iter().chain([&report.output]).collect();
-    heading(&mut out, &columns);
-    topology_rows(&mut out, &columns.iter().map(|m| m.topology).collect::<Vec<_>>());
-    crossing_row(&mut out, report);
-    shape_rows(&mut out, &columns.iter().map(|m| m.shape.as_ref()).collect::<Vec<_>>());
-    distance_rows(&mut out, report);
-    remarks(&mut out, report);
-    out
+impl Report {
+    /// The report as a table for people, lines of at most 80 characters unless a name or note is longer.
+    pub fn to_text(&self) -> String {
+        let mut out = String::new();
+        let columns: Vec<&Measured> = self.input.iter().chain([&self.output]).collect();
+        heading(&mut out, &columns);
+        topology_rows(&mut out, &columns.iter().map(|m| m.topology).collect::<Vec<_>>());
+        crossing_row(&mut out, self);
+        shape_rows(&mut out, &columns.iter().map(|m| m.shape.as_ref()).collect::<Vec<_>>());
+        distance_rows(&mut out, self);
+        remarks(&mut out, self);
+        out
+    }
 }
 
 /// A name and its figures, right-aligned.
@@ -136,9 +139,9 @@ fn remarks(out: &mut String, report: &Report) {
         let lost: Vec<String> = kept.lost.iter().map(|l| format!("{}: {}", l.name, l.cause)).collect();
         list(out, "attributes, lost", &lost);
     }
-    report.notes.iter().for_each(|note| list(out, "note", std::slice::from_ref(note)));
-    list(out, "seconds", &seconds(report));
-    if let Some(bytes) = report.peak_memory_bytes {
+    report.run.notes.iter().for_each(|note| list(out, "note", std::slice::from_ref(note)));
+    list(out, "seconds", &seconds(&report.run));
+    if let Some(bytes) = report.run.peak_memory_bytes {
         list(out, "memory, at most", &[format!("{:.0} MB", bytes as f64 / 1e6)]);
     }
     match report.verified {
@@ -211,13 +214,13 @@ fn self_intersections(faces: &[u32]) -> Vec<String> {
 }
 
 /// The total and each stage.
-fn seconds(report: &Report) -> Vec<String> {
-    if report.stages.is_empty() {
+fn seconds(run: &RunSummary) -> Vec<String> {
+    if run.stages.is_empty() {
         return Vec::new();
     }
-    let total: f64 = report.stages.iter().map(|lap| lap.seconds).sum();
-    let threads = if report.threads == 1 { "1 thread".into() } else { format!("{} threads", report.threads) };
-    let stages = report.stages.iter().map(|lap| format!("{} {:.3}", lap.name, lap.seconds));
+    let total: f64 = run.stages.iter().map(|lap| lap.seconds).sum();
+    let threads = if run.threads == 1 { "1 thread".into() } else { format!("{} threads", run.threads) };
+    let stages = run.stages.iter().map(|lap| format!("{} {:.3}", lap.name, lap.seconds));
     [format!("{total:.3} with {threads}")].into_iter().chain(stages).collect()
 }
 
@@ -256,9 +259,8 @@ fn valence_share(shape: &Shape, range: std::ops::RangeInclusive<u32>) -> String 
 
 #[cfg(test)]
 mod tests {
-    use super::super::Report;
-    use super::super::tests::{failed_run, tetrahedron};
     use super::*;
+    use crate::report::remeshing::tests::{crossing, failed_run, tetrahedron};
 
     fn has(text: &str, line: &str) {
         assert!(text.lines().any(|l| l == line), "no line\n{line}\nin\n{text}");
@@ -298,7 +300,9 @@ mod tests {
     }
 
     #[test]
-    fn of_many_crossing_faces_the_first_are_named() {
+    fn of_many_self_intersecting_faces_the_first_are_named() {
+        let text = Report::of_mesh(&crossing(), None).to_text();
+        has(&text, "crossing faces           2, 4, 5, 7");
         let faces: Vec<u32> = (0..123).collect();
         let named = self_intersections(&faces);
         assert_eq!((named.len(), named[19].as_str(), named[20].as_str()), (21, "19", "and 103 more"));

@@ -16,6 +16,7 @@
 //! Limits: medians do not know of areas, so triangles of very different sizes give more overlap than a surface-area
 //! heuristic would.
 
+use crate::geom::aabb::Aabb;
 use crate::geom::triangle;
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
@@ -51,12 +52,6 @@ pub struct Hit {
     pub point: DVec3,
     /// Its squared distance to the point asked about.
     pub distance_squared: f64,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Aabb {
-    lo: DVec3,
-    hi: DVec3,
 }
 
 /// A triangle on its way to its leaf.
@@ -190,7 +185,7 @@ impl Bvh {
             }
             if self.is_leaf(node) {
                 let triangles = self.leaf(node).iter().copied();
-                triangles.filter(|&t| Aabb::around(mesh, t).meets(&wanted)).for_each(&mut visit);
+                triangles.filter(|&t| box_of(mesh, t).meets(&wanted)).for_each(&mut visit);
             } else {
                 aside[waiting] = 2 * node + 2;
                 aside[waiting + 1] = 2 * node + 1;
@@ -209,7 +204,7 @@ impl Bvh {
                 nodes.par_iter().flat_map_iter(|&pair| pairs_below(pair).into_iter().flatten().filter(meet)).collect();
         }
         let in_leaves = |&(a, b): &(u32, u32)| {
-            let boxed = |&t: &u32| (t, Aabb::around(mesh, t));
+            let boxed = |&t: &u32| (t, box_of(mesh, t));
             let others = move || self.leaf(b).iter().map(boxed);
             let pairs = self.leaf(a).iter().map(boxed).flat_map(move |one| others().map(move |other| (one, other)));
             let meeting = pairs.filter(move |((t, _), (u, _))| a != b || t < u).filter(|(t, u)| t.1.meets(&u.1));
@@ -307,7 +302,7 @@ impl Tree {
         let leaves = &mut boxes[(1 << self.depth) - 1..];
         leaves.par_iter_mut().with_min_len(PARALLEL_ABOVE / LEAF).enumerate().for_each(|(place, leaf)| {
             let triangles = &order[self.range(self.depth, place)];
-            *leaf = triangles.iter().fold(Aabb::EMPTY, |all, &t| all.join(&Aabb::around(mesh, t)));
+            *leaf = triangles.iter().fold(Aabb::EMPTY, |all, &t| all.join(&box_of(mesh, t)));
         });
         for level in (0..self.depth).rev() {
             let (above, below) = boxes.split_at_mut((2 << level) - 1);
@@ -322,8 +317,8 @@ impl Tree {
 
 /// The axis along which the items spread most.
 fn widest_axis(items: &[Item]) -> usize {
-    let spread = items.iter().fold(Aabb::EMPTY, |all, item| all.join(&Aabb { lo: item.place, hi: item.place }));
-    let size = spread.hi - spread.lo;
+    let spread = items.iter().fold(Aabb::EMPTY, |all, item| all.join(&Aabb::at(item.place)));
+    let size = spread.size();
     if size.x >= size.y && size.x >= size.z {
         0
     } else if size.y >= size.z {
@@ -333,42 +328,8 @@ fn widest_axis(items: &[Item]) -> usize {
     }
 }
 
-impl Aabb {
-    const EMPTY: Aabb = Aabb { lo: DVec3::INFINITY, hi: DVec3::NEG_INFINITY };
-
-    fn around(mesh: &Mesh, t: u32) -> Aabb {
-        let [a, b, c] = mesh.corners(t as usize);
-        Aabb { lo: a.min(b).min(c), hi: a.max(b).max(c) }
-    }
-
-    #[inline]
-    fn join(&self, other: &Aabb) -> Aabb {
-        Aabb { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
-    }
-
-    /// The squared distance of `p`, zero inside. Rounding keeps the order: no point of the box has a smaller one.
-    #[inline]
-    fn distance_squared(&self, p: DVec3) -> f64 {
-        (self.lo - p).max(p - self.hi).max(DVec3::ZERO).length_squared()
-    }
-
-    /// Whether a ray comes through within the distance `longest`. `inverse` has the reciprocals of its unit direction.
-    #[inline]
-    fn meets_ray(&self, origin: DVec3, inverse: DVec3, longest: f64) -> bool {
-        let (a, b) = ((self.lo - origin) * inverse, (self.hi - origin) * inverse);
-        // Where the ray runs along a side, 0 times infinity is no number and says nothing.
-        let (enters, leaves) = (a.min(b), a.max(b));
-        let last = |leaves: f64, so_far: f64| if leaves < so_far { leaves } else { so_far };
-        let first = |enters: f64, so_far: f64| if enters > so_far { enters } else { so_far };
-        let enters = enters.to_array().into_iter().fold(0.0, |so_far, x| first(x, so_far));
-        let leaves = leaves.to_array().into_iter().fold(longest, |so_far, x| last(x, so_far));
-        enters <= leaves
-    }
-
-    #[inline]
-    fn meets(&self, other: &Aabb) -> bool {
-        self.lo.cmple(other.hi).all() && other.lo.cmple(self.hi).all()
-    }
+fn box_of(mesh: &Mesh, t: u32) -> Aabb {
+    Aabb::of_triangle(mesh.corners(t as usize))
 }
 
 #[cfg(test)]
@@ -410,7 +371,7 @@ mod tests {
     }
 
     fn agrees_with_all_pairs(mesh: &Mesh) {
-        let boxes: Vec<Aabb> = (0..mesh.triangles.len() as u32).map(|t| Aabb::around(mesh, t)).collect();
+        let boxes: Vec<Aabb> = (0..mesh.triangles.len() as u32).map(|t| box_of(mesh, t)).collect();
         let all = (0..boxes.len()).flat_map(|t| (t + 1..boxes.len()).map(move |u| (t, u)));
         let expected: Vec<(u32, u32)> = all
             .filter(|&(t, u)| boxes[t].meets(&boxes[u]) && (t + u) % 3 > 0)
@@ -468,7 +429,7 @@ mod tests {
             bvh.in_box(mesh, lo, hi, |t| found.push(t));
             found.sort_unstable();
             let all = 0..mesh.triangles.len() as u32;
-            let expected: Vec<u32> = all.filter(|&t| Aabb::around(mesh, t).meets(&Aabb { lo, hi })).collect();
+            let expected: Vec<u32> = all.filter(|&t| box_of(mesh, t).meets(&Aabb { lo, hi })).collect();
             assert_eq!(found, expected);
         }
     }

@@ -1,6 +1,7 @@
 //! Searches in space: hierarchies of boxes over triangles, k-d trees over points, and what is found by them.
 
 pub mod bvh;
+pub mod foot;
 pub mod kdtree;
 pub mod knn_graph;
 pub mod self_intersections;

@@ -3,7 +3,7 @@
 //!
 //! It is cut open along its sharp edges, so that walks, normals and projections stay within a smooth patch.
 
-use crate::geom::triangle::{barycentric, closest_point, closest_weights};
+use crate::geom::triangle::{barycentric, closest_point};
 use crate::mesh::cut::{Cut, cut};
 use crate::mesh::half_edge::{next, prev};
 use crate::mesh::normals::vertex_normals;
@@ -12,6 +12,7 @@ use crate::mesh::provenance::{PointOnTriangle, Provenance};
 use crate::mesh::topology::{NONE, components, twins};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::{Bvh, Hit};
+use crate::spatial::foot::Foot;
 use crate::spatial::self_intersections::{faces_of, self_intersecting_pairs};
 use crate::surface::feature_curves::Curves;
 use crate::surface::features::{Features, sharp_sides};
@@ -53,15 +54,6 @@ pub struct Domain {
     /// See [`Curves::new`].
     interface: Vec<[u32; 2]>,
     pub(super) bvh: Bvh,
-}
-
-/// A point of a triangle that is the closest one there to another point.
-#[derive(Clone, Copy)]
-struct Foot {
-    triangle: u32,
-    weights: [f64; 3],
-    /// From the point asked about.
-    distance_squared: f64,
 }
 
 /// Triangles that a step may lead over before searching from the root is cheaper.
@@ -267,7 +259,7 @@ impl Domain {
     /// From triangle `t` on to triangles that are nearer to `p`, until none of those around is. `None` for a way that is
     /// too long, or leads to a sliver or a corner of the boundary.
     fn walk(&self, p: DVec3, t: u32) -> Option<Foot> {
-        let mut at = self.foot(p, t)?;
+        let mut at = Foot::on_triangle(&self.mesh, p, t)?;
         for _ in 0..LONGEST_WALK {
             let nearer = self.nearer(p, at)?;
             if nearer.triangle == at.triangle {
@@ -295,7 +287,7 @@ impl Domain {
             if side == NONE {
                 return None;
             }
-            let other = self.foot(p, side / 3)?;
+            let other = Foot::on_triangle(&self.mesh, p, side / 3)?;
             if other.distance_squared < at.distance_squared {
                 return Some(other);
             }
@@ -308,19 +300,9 @@ impl Domain {
     fn nearer_across(&self, p: DVec3, at: Foot, side: u32) -> Option<Foot> {
         match self.twin[side as usize] {
             NONE => Some(at),
-            twin => self
-                .foot(p, twin / 3)
+            twin => Foot::on_triangle(&self.mesh, p, twin / 3)
                 .map(|other| if other.distance_squared < at.distance_squared { other } else { at }),
         }
-    }
-
-    /// The point of triangle `t` that is closest to `p`; `None` on a sliver.
-    #[inline]
-    fn foot(&self, p: DVec3, t: u32) -> Option<Foot> {
-        let corners = self.mesh.corners(t as usize);
-        let weights = closest_weights(p, corners)?;
-        let point: DVec3 = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
-        Some(Foot { triangle: t, weights, distance_squared: p.distance_squared(point) })
     }
 
     /// The point of curve `curve` closest to `p`. Its normal is zero on a sharp edge.

@@ -24,6 +24,7 @@
 //!
 //! Limits: where curves of the boundary or along sharp edges bend is not looked at.
 
+use crate::base::csr::Csr;
 use crate::base::heap::Ranked;
 use crate::mesh::half_edge::next;
 use crate::mesh::topology::NONE;
@@ -107,11 +108,7 @@ fn scale(lengths: &mut [f64], factor: f64) {
 }
 
 /// The neighbours of vertices.
-pub(super) struct Graph {
-    /// Where each vertex's neighbours begin; one more entry than vertices.
-    start: Vec<u32>,
-    neighbours: Vec<u32>,
-}
+pub(super) struct Graph(Csr<u32>);
 
 impl Graph {
     /// Those of the vertices of a domain within its smooth patches.
@@ -132,13 +129,11 @@ impl Graph {
         let mut pairs: Vec<(u32, u32)> = sides.clone().map(|s| (corner(s), corner(next(s)))).collect();
         pairs.extend(sides.filter(|&s| on_boundary(s as usize)).map(|s| (corner(next(s)), corner(s))));
         pairs.par_sort_unstable();
-        let vertices = 0..=domain.mesh.positions.len() as u32;
-        let start = vertices.map(|v| pairs.partition_point(|p| p.0 < v) as u32).collect();
-        Graph { start, neighbours: pairs.into_iter().map(|p| p.1).collect() }
+        Graph(Csr::new(domain.mesh.positions.len(), || pairs.iter().copied()))
     }
 
     fn of(&self, v: u32) -> &[u32] {
-        &self.neighbours[self.start[v as usize] as usize..self.start[v as usize + 1] as usize]
+        self.0.row(v)
     }
 
     /// What is where after `steps` steps of random walks, each to a neighbour or nowhere.

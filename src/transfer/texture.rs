@@ -38,7 +38,7 @@ pub(super) struct Atlas<'a> {
 }
 
 /// A point of the mesh.
-struct Foot {
+struct SurfacePoint {
     triangle: u32,
     weights: [f64; 3],
     point: DVec3,
@@ -69,13 +69,13 @@ impl<'a> Atlas<'a> {
         (all.into_iter().map(|(coordinates, _)| coordinates).collect(), distorted)
     }
 
-    fn foot(&self, PointOnTriangle { triangle, weights }: PointOnTriangle) -> Foot {
+    fn foot(&self, PointOnTriangle { triangle, weights }: PointOnTriangle) -> SurfacePoint {
         let [a, b, c] = self.mesh.corners(triangle as usize);
-        Foot { triangle, weights, point: a * weights[0] + b * weights[1] + c * weights[2] }
+        SurfacePoint { triangle, weights, point: a * weights[0] + b * weights[1] + c * weights[2] }
     }
 
     /// The coordinates at three corners, and whether they are distorted.
-    fn triangle(&self, corners: [DVec3; 3], feet: &[Foot; 3], centre: &Foot) -> ([DVec2; 3], bool) {
+    fn triangle(&self, corners: [DVec3; 3], feet: &[SurfacePoint; 3], centre: &SurfacePoint) -> ([DVec2; 3], bool) {
         if !self.texture[centre.triangle as usize].iter().all(|at| at.is_finite()) {
             return ([DVec2::NAN; 3], false);
         }
@@ -103,7 +103,7 @@ impl<'a> Atlas<'a> {
 
     /// The triangles that a walk from that of `centre` meets within `radius`; it ends early once it has met all that are
     /// `wanted`.
-    fn patch(&self, centre: &Foot, radius: f64, wanted: [u32; 3]) -> Patch {
+    fn patch(&self, centre: &SurfacePoint, radius: f64, wanted: [u32; 3]) -> Patch {
         let mut patch = Patch { triangles: vec![centre.triangle], at_seam: false };
         let mut met = HashSet::from([centre.triangle]);
         let mut next = 0;

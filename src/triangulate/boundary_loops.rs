@@ -7,14 +7,16 @@
 //!
 //! Cost: sorting the sides of the triangles, a few times.
 
+use crate::base::csr::Csr;
+use crate::geom::aabb::Aabb;
 use crate::geom::eigen::{eigen, scatter};
 use crate::mesh::topology::components;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::self_intersections::self_intersections;
 use crate::triangulate::agreement::agreed_by_most;
 use crate::triangulate::hole_filling::{closed_fans, closed_stars, fill_holes, gaps};
-use crate::triangulate::points::Surroundings;
 use crate::triangulate::star::INTERIOR;
+use crate::triangulate::surroundings::Surroundings;
 use glam::DVec3;
 
 /// What passes for a hole.
@@ -132,12 +134,12 @@ fn is_hole(points: Surroundings<'_>, ends: &[bool], look: HoleCriteria, polygon:
     let rim: Vec<DVec3> = polygon.iter().map(|&p| points.positions[p as usize]).collect();
     let normal = area_vector(&rim).normalize_or_zero();
     let facing = polygon.iter().map(|&p| points.normals[p as usize].dot(normal)).sum::<f64>() / rim.len() as f64;
-    let (lo, hi) = rim.iter().fold((rim[0], rim[0]), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
     let is_flat = is_flat_place(points, look, polygon);
     let sides = polygon.iter().zip(&rim).zip(rim.iter().cycle().skip(1));
     let length: f64 = sides.map(|((&p, a), b)| a.distance(*b) / points.spacings[p as usize]).sum();
     let has_few_sides = polygon.len() <= look.most_sides && length <= look.most_sides as f64;
-    let is_small = has_few_sides || lo.distance(hi) <= look.smallest_diagonal;
+    let is_small =
+        has_few_sides || Aabb::of(rim.iter().copied()).is_none_or(|bounds| bounds.diagonal() <= look.smallest_diagonal);
     facing < OUTSIDE || !is_flat && !is_small
 }
 
@@ -180,22 +182,11 @@ fn plane(points: &[DVec3]) -> (DVec3, DVec3, f64) {
 
 /// Removes triangles until every point has one fan of them, its largest.
 fn keep_largest_fans(triangles: &mut Vec<[u32; 3]>, points: usize) {
-    let mut start = vec![0u32; points + 1];
-    triangles.iter().flatten().for_each(|&p| start[p as usize + 1] += 1);
-    (0..points).for_each(|p| start[p + 1] += start[p]);
-    let mut fill = start.clone();
-    let mut corners = vec![0u32; 3 * triangles.len()];
-    for (t, triangle) in triangles.iter().enumerate() {
-        for (k, &p) in triangle.iter().enumerate() {
-            corners[fill[p as usize] as usize] = (3 * t + k) as u32;
-            fill[p as usize] += 1;
-        }
-    }
+    let corners = Csr::new(points, || triangles.iter().flatten().copied().zip(0u32..));
     let mut gone = vec![false; triangles.len()];
     let closed = closed_fans(points, triangles);
-    for p in (0..points).filter(|&p| !closed[p] || start[p + 1] - start[p] > 5) {
-        let corners = &corners[start[p] as usize..start[p + 1] as usize];
-        beside_largest_fan(triangles, corners, |t| gone[t] = true);
+    for p in (0..points as u32).filter(|&p| !closed[p as usize] || corners.row(p).len() > 5) {
+        beside_largest_fan(triangles, corners.row(p), |t| gone[t] = true);
     }
     let mut gone = gone.into_iter();
     triangles.retain(|_| !gone.next().unwrap_or(false));

@@ -6,11 +6,12 @@
 //! agree as those do. If that was too narrow a place it is done again with a wider one, and at last with the whole
 //! connected patch, so that all of the patch is a manifold of the topology of the domain.
 
+use crate::base::csr::Csr;
 use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
-use crate::triangulate::Boundary;
 use crate::triangulate::mutual_tessellation::{Insertion, Tessellation, mutual_tessellation};
 use crate::triangulate::star::INTERIOR;
+use crate::triangulate::triangulation::Boundary;
 use crate::triangulate::unfold::SamplesByTriangle;
 use rayon::prelude::*;
 use std::collections::VecDeque;
@@ -36,8 +37,9 @@ impl Starred {
     /// The samples at which `triangles` are neither one closed fan nor, on the boundary, one from its successor to its
     /// predecessor.
     pub fn at_open_fans(&self, triangles: &[[u32; 3]]) -> Vec<Sample> {
-        let fans = Fans::new(triangles, self.samples.len());
-        self.those(|s| !fans.is_settled(s as u32, &self.successor))
+        let sides = || triangles.iter().flat_map(|&[a, b, c]| [(a, [b, c]), (b, [c, a]), (c, [a, b])]);
+        let fans = Csr::new(self.samples.len(), sides);
+        self.those(|s| !is_settled(fans.row(s as u32), s as u32, &self.successor))
     }
 
     /// The samples without a triangle.
@@ -68,45 +70,21 @@ impl Starred {
     }
 }
 
-/// The sides across from each vertex.
-struct Fans {
-    start: Vec<u32>,
-    sides: Vec<[u32; 2]>,
-}
-
-impl Fans {
-    fn new(triangles: &[[u32; 3]], vertex_count: usize) -> Self {
-        let mut start = vec![0u32; vertex_count + 1];
-        triangles.iter().flatten().for_each(|&v| start[v as usize + 1] += 1);
-        for v in 0..vertex_count {
-            start[v + 1] += start[v];
+/// Whether the fan of vertex `v`, the sides across from it, is closed or, on the boundary, runs from its successor to its
+/// predecessor. A vertex without triangles is settled.
+fn is_settled(fan: &[[u32; 2]], v: u32, successor: &[u32]) -> bool {
+    let Some(first) = fan.first() else { return true };
+    let next = successor[v as usize];
+    let begin = if next == INTERIOR { first[0] } else { next };
+    let mut at = begin;
+    for step in 0..fan.len() {
+        let Some(side) = fan.iter().find(|s| s[0] == at) else { return false };
+        at = side[1];
+        if at == begin {
+            return next == INTERIOR && step + 1 == fan.len();
         }
-        let mut fill = start.clone();
-        let mut sides = vec![[0; 2]; 3 * triangles.len()];
-        for &[a, b, c] in triangles {
-            for [v, from, to] in [[a, b, c], [b, c, a], [c, a, b]] {
-                sides[fill[v as usize] as usize] = [from, to];
-                fill[v as usize] += 1;
-            }
-        }
-        Fans { start, sides }
     }
-
-    fn is_settled(&self, v: u32, successor: &[u32]) -> bool {
-        let fan = &self.sides[self.start[v as usize] as usize..self.start[v as usize + 1] as usize];
-        let Some(first) = fan.first() else { return true };
-        let next = successor[v as usize];
-        let begin = if next == INTERIOR { first[0] } else { next };
-        let mut at = begin;
-        for step in 0..fan.len() {
-            let Some(side) = fan.iter().find(|s| s[0] == at) else { return false };
-            at = side[1];
-            if at == begin {
-                return next == INTERIOR && step + 1 == fan.len();
-            }
-        }
-        next != INTERIOR && successor[at as usize] == v
-    }
+    next != INTERIOR && successor[at as usize] == v
 }
 
 /// Gives the samples around `centres` the stars of a mutual tessellation of the domain within `radius` times

@@ -10,11 +10,14 @@
 //! Cost: a query for some fifteen points and their bisectors; in bent or thin places a walk, near boundaries a
 //! triangulation instead.
 
-use crate::spatial::kdtree::{Neighbor, Neighbors};
+use crate::base::error::Result;
+use crate::base::monitor::{Monitor, check};
+use crate::spatial::kdtree::Neighbors;
 use crate::surface::domain::{Domain, Sample};
-use crate::triangulate::cell::Cell;
-use crate::triangulate::unfold::{Neighbour, SamplesByTriangle, Unfolding, along_gentle_bend};
-use glam::DVec2;
+use crate::triangulate::neighbourhood::Neighbourhood;
+use crate::triangulate::unfold::{SamplesByTriangle, Unfolding, along_gentle_bend};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
 
 /// First radius of a neighbourhood in mean spacings. Circumradii of samples that the scan leaves are mostly below one.
@@ -23,6 +26,9 @@ const FIRST_RADIUS: f64 = 2.0;
 /// How much a neighbourhood grows when it was too small, and how often.
 const GROWTH: f64 = 1.5;
 const MOST_ATTEMPTS: usize = 3;
+
+/// Samples that one task makes the stars of: enough to outweigh the memory that a walk needs.
+const CHUNK: usize = 512;
 
 /// Marks a sample that is not on a boundary.
 pub const INTERIOR: u32 = u32::MAX;
@@ -43,39 +49,63 @@ impl HasPosition for Site {
 
 /// The samples that stars are made of.
 #[derive(Clone, Copy)]
-pub struct Cloud<'a> {
-    /// What the samples lie on.
-    pub domain: &'a Domain,
-    /// All samples.
-    pub samples: &'a [Sample],
-    /// For each sample the next one on the boundary, or [`INTERIOR`].
-    pub successor: &'a [u32],
-    /// Mean distance of neighbouring samples where their size is 1.
-    pub spacing: f64,
-    /// The samples by the triangle that they lie on.
-    pub by_triangle: &'a SamplesByTriangle,
-    /// The samples as points.
-    pub near: &'a Neighbors,
+struct Cloud<'a> {
+    domain: &'a Domain,
+    samples: &'a [Sample],
+    successor: &'a [u32],
+    spacing: f64,
+    by_triangle: &'a SamplesByTriangle,
+    near: &'a Neighbors,
+}
+
+/// The stars of all samples, as triangles that begin with the centre of the star. `successor` has for each sample the next
+/// one on the boundary, or [`INTERIOR`]; `spacing` is the mean distance of neighbouring samples where their size is 1.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
+pub fn stars(
+    domain: &Domain,
+    samples: &[Sample],
+    successor: &[u32],
+    spacing: f64,
+    monitor: &dyn Monitor,
+) -> Result<Vec<[u32; 3]>> {
+    check(monitor)?;
+    let by_triangle = SamplesByTriangle::new(domain.mesh.triangles.len(), samples);
+    let positions: Vec<DVec3> = samples.iter().map(|s| s.position).collect();
+    let near = Neighbors::new(&positions);
+    let cloud = Cloud { domain, samples, successor, spacing, by_triangle: &by_triangle, near: &near };
+    let chunks: Vec<Vec<[u32; 3]>> = (0..samples.len().div_ceil(CHUNK))
+        .into_par_iter()
+        .map_init(
+            || StarMaker::new(cloud),
+            |maker, chunk| {
+                let mut triangles = Vec::with_capacity(6 * CHUNK);
+                for centre in CHUNK * chunk..(CHUNK * (chunk + 1)).min(samples.len()) {
+                    maker.star(centre as u32, &mut triangles);
+                }
+                triangles
+            },
+        )
+        .collect();
+    Ok(chunks.concat())
 }
 
 /// Makes stars; keeps its memory from one to the next.
-pub struct StarMaker<'a> {
+struct StarMaker<'a> {
     cloud: Cloud<'a>,
     unfolding: Unfolding<'a>,
-    ball: Vec<Neighbor>,
-    found: Vec<Neighbour>,
-    cell: Cell,
+    around: Neighbourhood,
 }
 
 impl<'a> StarMaker<'a> {
-    /// A maker of the stars of a cloud.
-    pub fn new(cloud: Cloud<'a>) -> Self {
+    fn new(cloud: Cloud<'a>) -> Self {
         let unfolding = Unfolding::new(cloud.domain, cloud.samples, cloud.by_triangle);
-        StarMaker { cloud, unfolding, ball: Vec::new(), found: Vec::new(), cell: Cell::default() }
+        StarMaker { cloud, unfolding, around: Neighbourhood::default() }
     }
 
     /// Adds the triangles of the star of sample `centre` to `triangles`, counter-clockwise, the centre first.
-    pub fn star(&mut self, centre: u32, triangles: &mut Vec<[u32; 3]>) {
+    fn star(&mut self, centre: u32, triangles: &mut Vec<[u32; 3]>) {
         let mut radius = FIRST_RADIUS * self.spacing_at(centre);
         let begin = triangles.len();
         for _ in 0..MOST_ATTEMPTS {
@@ -84,7 +114,7 @@ impl<'a> StarMaker<'a> {
             let mut reach = self.star_of_found(centre, radius, triangles);
             if doubtful <= 2.0 * reach {
                 triangles.truncate(begin);
-                self.unfolding.neighbours(centre, radius, &mut self.found);
+                self.unfolding.neighbours(centre, radius, &mut self.around.found);
                 reach = self.star_of_found(centre, radius, triangles);
             }
             if 2.0 * reach <= radius {
@@ -105,29 +135,26 @@ impl<'a> StarMaker<'a> {
     fn find_in_ball(&mut self, centre: u32, radius: f64) -> f64 {
         let Cloud { domain, samples, near, .. } = self.cloud;
         let here = &samples[centre as usize];
-        near.collect_within(here.position, radius, &mut self.ball);
-        self.found.clear();
         let mut doubtful = f64::INFINITY;
-        for neighbor in &self.ball {
+        self.around.find_in_ball(near, (centre, here.position), radius, |neighbor| {
             let there = &samples[neighbor.point as usize];
-            if neighbor.point == centre || domain.patch_of(there.triangle) != domain.patch_of(here.triangle) {
-                continue;
+            if domain.patch_of(there.triangle) != domain.patch_of(here.triangle) {
+                return None;
             }
-            match along_gentle_bend(here, there) {
-                Some(place) => self.found.push(Neighbour { sample: neighbor.point, place }),
-                None => doubtful = doubtful.min(neighbor.distance_squared.sqrt()),
+            let place = along_gentle_bend(here, there);
+            if place.is_none() {
+                doubtful = doubtful.min(neighbor.distance_squared.sqrt());
             }
-        }
+            place
+        });
         doubtful
     }
 
     /// The star among the samples found; the largest circumradius, infinite if the star is open where no boundary is.
     fn star_of_found(&mut self, centre: u32, radius: f64, triangles: &mut Vec<[u32; 3]>) -> f64 {
-        self.found.sort_unstable_by(|a, b| {
-            a.place.length_squared().total_cmp(&b.place.length_squared()).then(a.sample.cmp(&b.sample))
-        });
+        self.around.sort();
         let at_boundary = |s: u32| self.cloud.successor[s as usize] != INTERIOR;
-        if at_boundary(centre) || self.found.iter().any(|n| at_boundary(n.sample)) {
+        if at_boundary(centre) || self.around.found.iter().any(|n| at_boundary(n.sample)) {
             self.constrained_star(centre, triangles)
         } else {
             self.star_of_cell(centre, radius, triangles)
@@ -136,9 +163,9 @@ impl<'a> StarMaker<'a> {
 
     /// The star of a sample without boundaries around it; the largest circumradius, infinite if the star is open.
     fn star_of_cell(&mut self, centre: u32, radius: f64, triangles: &mut Vec<[u32; 3]>) -> f64 {
-        let reach = self.cell.cut(&self.found, radius);
+        let reach = self.around.cut(radius);
         if reach.is_finite() {
-            let ring = self.cell.ring();
+            let ring = self.around.cell.ring();
             let next = ring.clone().cycle().skip(1);
             triangles.extend(ring.zip(next).map(|(a, b)| [centre, a, b]));
         }
@@ -181,7 +208,7 @@ impl<'a> StarMaker<'a> {
         if self.cloud.successor[centre as usize] != INTERIOR {
             on_boundary.push((centre, hub));
         }
-        for n in &self.found {
+        for n in &self.around.found {
             let DVec2 { x, y } = n.place / spacing;
             let before = plane.num_vertices();
             // Places too small to be told apart are taken by the sample that came first.

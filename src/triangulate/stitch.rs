@@ -3,7 +3,7 @@
 use crate::manifold::Manifold;
 use crate::mesh::topology::{NONE, topology};
 use crate::surface::domain::Sample;
-use crate::triangulate::Triangulated;
+use crate::triangulate::triangulation::Triangulated;
 use glam::DVec3;
 
 /// How the samples on curves belong together.

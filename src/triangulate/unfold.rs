@@ -13,6 +13,7 @@
 //! Limits: a triangle has one place, that of the nearest way to it; beyond a spike's tip ways to both sides of it
 //! compete.
 
+use crate::base::csr::Csr;
 use crate::base::heap::Ranked;
 use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
@@ -23,33 +24,17 @@ use std::collections::BinaryHeap;
 const LEAST_AGREEMENT: f64 = 0.2;
 
 /// Samples by the triangle that they lie on.
-pub struct SamplesByTriangle {
-    /// Where each triangle's samples begin in `samples`; one more entry than triangles.
-    start: Vec<u32>,
-    samples: Vec<u32>,
-}
+pub struct SamplesByTriangle(Csr<u32>);
 
 impl SamplesByTriangle {
     /// The samples by triangle, of `triangle_count` triangles.
     pub fn new(triangle_count: usize, samples: &[Sample]) -> Self {
-        let mut start = vec![0u32; triangle_count + 1];
-        samples.iter().for_each(|s| start[s.triangle as usize + 1] += 1);
-        for t in 0..triangle_count {
-            start[t + 1] += start[t];
-        }
-        let mut fill = start.clone();
-        let mut sorted = vec![0; samples.len()];
-        for (s, i) in samples.iter().zip(0u32..) {
-            let at = &mut fill[s.triangle as usize];
-            sorted[*at as usize] = i;
-            *at += 1;
-        }
-        SamplesByTriangle { start, samples: sorted }
+        SamplesByTriangle(Csr::new(triangle_count, || samples.iter().map(|s| s.triangle).zip(0u32..)))
     }
 
     /// The samples on triangle `t`, in increasing order.
     pub fn on(&self, t: u32) -> &[u32] {
-        &self.samples[self.start[t as usize] as usize..self.start[t as usize + 1] as usize]
+        self.0.row(t)
     }
 }
 

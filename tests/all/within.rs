@@ -210,8 +210,8 @@ fn rough_seams_fit_on_any_shape() {
     ];
     for (k, input) in shapes.iter().enumerate() {
         for n in [40, 300, 1000] {
-            let (lo, hi) = input.bounds().unwrap();
-            let cut = lo + 0.37 * (hi - lo);
+            let bounds = input.bounds().unwrap();
+            let cut = bounds.lo + 0.37 * bounds.size();
             let side = dvec3(1.0, 0.3, 0.7);
             let selection = places(input, |p| (p - cut).dot(side) > 0.0);
             let made = remesh(input, &part(selection, n), &()).unwrap();

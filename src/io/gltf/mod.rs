@@ -22,7 +22,7 @@ pub(crate) use write::{write_glb, write_gltf};
 
 use crate::base::error::{Place, Result};
 use crate::io::bytes::{EXPORT_AGAIN, malformed, without_mark};
-use crate::io::{Parsed, Read, Resolve};
+use crate::io::content::{Parsed, Read, Resolve};
 use ::gltf::json::Root;
 use serde_json::Value;
 use store::Store;

@@ -3,8 +3,8 @@
 use super::store::{Store, wrong};
 use super::vertices::{Columns, accessors};
 use crate::base::error::{Place, Result};
-use crate::io::Read;
 use crate::io::bytes::malformed;
+use crate::io::content::Read;
 use crate::mesh::triangle_mesh::Mesh;
 use ::gltf::json::mesh::{Mode, Primitive, Semantic};
 use ::gltf::json::validation::Checked;

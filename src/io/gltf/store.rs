@@ -2,9 +2,9 @@
 //! error that names the part, and no memory is reserved on the word of a count.
 
 use crate::base::error::{Error, Place, Result};
-use crate::io::Resolve;
 use crate::io::base64;
 use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, array, malformed};
+use crate::io::content::Resolve;
 use crate::mesh::attributes::Scalar;
 use ::gltf::json::accessor::{Accessor, ComponentType, Type, sparse::Sparse};
 use ::gltf::json::validation::Checked;

@@ -3,9 +3,9 @@
 //! Vertices on seams of the texture are written once for each pair of texture coordinates, as the format wants it.
 
 use super::glb;
-use crate::io::Content;
 use crate::io::base64;
 use crate::io::bytes::narrow;
+use crate::io::content::Content;
 use crate::mesh::attributes::{Attribute, Scalar, Wedges};
 use glam::DVec3;
 use serde_json::{Map, Value, json};

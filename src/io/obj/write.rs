@@ -1,6 +1,6 @@
 //! Writing OBJ.
 
-use crate::io::Content;
+use crate::io::content::Content;
 use crate::io::text::write_line;
 use crate::mesh::attributes::{Materials, Wedges};
 use std::io::{self, Write};

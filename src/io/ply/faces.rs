@@ -1,8 +1,8 @@
 //! The tables of polygons and strips, as triangles.
 
+use super::elements::{checked_count, list_length, skip};
 use super::header::{Element, Kind, Property};
 use super::source::Source;
-use super::{checked_count, list_length, skip};
 use crate::base::error::{Error, Place, Result};
 use crate::geom::polygon::triangulate;
 use crate::io::bytes::{EXPORT_AGAIN, malformed};

@@ -13,6 +13,7 @@
 //!
 //! Limits: 64-bit integers, which some programs write, are no part of the format and refused.
 
+mod elements;
 mod faces;
 mod header;
 mod source;
@@ -21,15 +22,16 @@ mod write;
 
 pub(crate) use write::write;
 
-use crate::base::error::{Error, Place, Result};
-use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed};
+use crate::base::error::{Error, Place};
+use crate::io::bytes::{EXPORT_AGAIN, malformed};
+use crate::io::content::{Parsed, Read};
 use crate::io::text::small_faces;
-use crate::io::{Parsed, Read};
-use crate::mesh::attributes::{Attributes, Scalar};
+use crate::mesh::attributes::Attributes;
 use crate::mesh::triangle_mesh::Mesh;
+use elements::skip_element;
 use faces::Faces;
 use glam::DVec2;
-use header::{Element, Encoding, Header, Kind, Property};
+use header::{Element, Encoding, Header};
 use source::{Binary, Source, Text};
 use vertices::Vertices;
 
@@ -97,59 +99,6 @@ fn joined(vertices: Vertices, faces: Faces, notes: Vec<String>) -> Read {
     }
     let attributes = Attributes { vertex: attributes, texture, materials: None };
     Read { mesh: Mesh { positions, triangles }, attributes, notes }
-}
-
-/// The element's count, if the bytes that are left can hold it.
-fn checked_count<S: Source>(source: &S, element: &Element) -> Result<usize> {
-    let least = |p: &Property| match p.kind {
-        Kind::Scalar(scalar) => S::least(scalar),
-        Kind::List { count, .. } => S::least(count),
-    };
-    let row: usize = element.properties.iter().map(least).sum();
-    if row == 0 {
-        return Ok(0);
-    }
-    let most = source.remaining() / row;
-    if element.count > most as u64 {
-        let Element { name, count, .. } = element;
-        let cause = format!("the header says {count} elements '{name}', but there are bytes for at most {most}");
-        return Err(malformed(source.end(), cause, CUT_SHORT));
-    }
-    if element.count > u64::from(u32::MAX) {
-        return Err(element.error(format!("more than {} elements '{}'", u32::MAX, element.name), "split the file"));
-    }
-    Ok(element.count as usize)
-}
-
-/// The length of the list that comes next, if the bytes that are left can hold it.
-#[inline]
-fn list_length<S: Source>(source: &mut S, count: Scalar, item: Scalar) -> Result<usize> {
-    let length = source.value(count)?;
-    let most = source.remaining() / S::least(item);
-    let whole = length as usize;
-    if whole as f64 == length && whole <= most {
-        return Ok(whole);
-    }
-    let cause = format!("a list of {length} values, where there are bytes for at most {most}");
-    Err(malformed(source.place(), cause, EXPORT_AGAIN))
-}
-
-#[inline]
-fn skip<S: Source>(source: &mut S, kind: Kind) -> Result<()> {
-    match kind {
-        Kind::Scalar(scalar) => source.skip(scalar, 1),
-        Kind::List { count, item } => {
-            let length = list_length(source, count, item)?;
-            source.skip(item, length)
-        }
-    }
-}
-
-fn skip_element<S: Source>(source: &mut S, element: &Element) -> Result<()> {
-    for _ in 0..checked_count(source, element)? {
-        element.properties.iter().try_for_each(|p| skip(source, p.kind))?;
-    }
-    Ok(())
 }
 
 #[cfg(test)]

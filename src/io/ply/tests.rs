@@ -1,5 +1,7 @@
 use super::*;
+use crate::base::error::Result;
 use crate::io::bytes::samples::{fault, tetrahedron};
+use crate::mesh::attributes::Scalar;
 use glam::DVec3;
 use std::io::{self, Write};
 

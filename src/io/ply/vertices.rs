@@ -1,8 +1,8 @@
 //! The table of vertices: positions, and all that is a number of a vertex.
 
+use super::elements::{checked_count, skip};
 use super::header::{Element, Kind, Property};
 use super::source::Source;
-use super::{checked_count, skip};
 use crate::base::error::{Error, Place, Result};
 use crate::io::bytes::{EXPORT_AGAIN, malformed};
 use crate::mesh::attributes::{Attribute, COLOR, NORMAL, Scalar};

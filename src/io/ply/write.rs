@@ -1,6 +1,6 @@
 //! Writing PLY.
 
-use crate::io::Content;
+use crate::io::content::Content;
 use crate::mesh::attributes::{Attribute, Scalar};
 use std::io::{self, Write};
 

@@ -1,0 +1,105 @@
+//! Axis-aligned bounding boxes.
+
+use glam::DVec3;
+
+/// An axis-aligned box. The default is the origin alone.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Aabb {
+    /// Its smallest coordinates.
+    pub lo: DVec3,
+    /// Its largest coordinates.
+    pub hi: DVec3,
+}
+
+impl Aabb {
+    /// The neutral element of [`Self::join`]: it contains nothing.
+    pub(crate) const EMPTY: Aabb = Aabb { lo: DVec3::INFINITY, hi: DVec3::NEG_INFINITY };
+
+    /// The bounding box of some points; `None` if there are no points.
+    pub fn of(points: impl IntoIterator<Item = DVec3>) -> Option<Aabb> {
+        points.into_iter().map(Aabb::at).reduce(|all, point| all.join(&point))
+    }
+
+    /// The bounding box of a triangle.
+    #[inline]
+    pub fn of_triangle([a, b, c]: [DVec3; 3]) -> Aabb {
+        Aabb { lo: a.min(b).min(c), hi: a.max(b).max(c) }
+    }
+
+    /// The box that is a point.
+    #[inline]
+    pub fn at(p: DVec3) -> Aabb {
+        Aabb { lo: p, hi: p }
+    }
+
+    /// The smallest box around both.
+    #[inline]
+    #[must_use]
+    pub fn join(&self, other: &Aabb) -> Aabb {
+        Aabb { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
+    }
+
+    /// The lengths of its sides.
+    #[inline]
+    pub fn size(&self) -> DVec3 {
+        self.hi - self.lo
+    }
+
+    /// The length of its diagonal.
+    #[inline]
+    pub fn diagonal(&self) -> f64 {
+        self.size().length()
+    }
+
+    /// The squared distance of `p`, zero inside. Rounding keeps the order: no point of the box has a smaller one.
+    #[inline]
+    pub fn distance_squared(&self, p: DVec3) -> f64 {
+        (self.lo - p).max(p - self.hi).max(DVec3::ZERO).length_squared()
+    }
+
+    /// Whether a ray meets the box within the distance `longest`. `inverse` has the reciprocals of its unit direction.
+    #[inline]
+    pub fn meets_ray(&self, origin: DVec3, inverse: DVec3, longest: f64) -> bool {
+        let (a, b) = ((self.lo - origin) * inverse, (self.hi - origin) * inverse);
+        // Where the ray runs along a side, 0 times infinity is NaN; such an axis does not limit the ray.
+        let (enters, leaves) = (a.min(b), a.max(b));
+        let last = |leaves: f64, so_far: f64| if leaves < so_far { leaves } else { so_far };
+        let first = |enters: f64, so_far: f64| if enters > so_far { enters } else { so_far };
+        let enters = enters.to_array().into_iter().fold(0.0, |so_far, x| first(x, so_far));
+        let leaves = leaves.to_array().into_iter().fold(longest, |so_far, x| last(x, so_far));
+        enters <= leaves
+    }
+
+    /// Whether two boxes have a point in common, touching included.
+    #[inline]
+    pub fn meets(&self, other: &Aabb) -> bool {
+        self.lo.cmple(other.hi).all() && other.lo.cmple(self.hi).all()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_box_of_points_has_their_extent() {
+        let corners = [DVec3::new(1.0, 0.0, 3.0), DVec3::new(-1.0, 2.0, 5.0), DVec3::new(0.0, 1.0, 4.0)];
+        let found = Aabb::of(corners).unwrap();
+        assert_eq!((found.lo, found.hi), (DVec3::new(-1.0, 0.0, 3.0), DVec3::new(1.0, 2.0, 5.0)));
+        assert_eq!((found.size(), found.diagonal()), (DVec3::splat(2.0), 12f64.sqrt()));
+        assert_eq!((found, found), (Aabb::of_triangle(corners), found.join(&Aabb::EMPTY)));
+        assert_eq!(Aabb::of([]), None);
+    }
+
+    #[test]
+    fn distances_rays_and_contacts() {
+        let unit = Aabb { lo: DVec3::ZERO, hi: DVec3::ONE };
+        assert_eq!(unit.distance_squared(DVec3::new(2.0, 0.5, -1.0)), 2.0);
+        assert_eq!(unit.distance_squared(DVec3::splat(0.5)), 0.0);
+        assert!(unit.meets(&Aabb::at(DVec3::X)) && !unit.meets(&Aabb::at(1.1 * DVec3::X)));
+        let from = DVec3::new(0.5, 0.5, -1.0);
+        assert!(unit.meets_ray(from, DVec3::Z.recip(), 1.5) && !unit.meets_ray(from, DVec3::Z.recip(), 0.5));
+        assert!(!unit.meets_ray(from, DVec3::NEG_Z.recip(), 9.0));
+        assert!(unit.meets_ray(DVec3::new(0.0, 0.5, -1.0), DVec3::Z.recip(), 1.5), "along a side");
+    }
+}

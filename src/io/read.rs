@@ -1,0 +1,133 @@
+//! Reading: the bytes of a file in any format become a mesh whose indices and coordinates are checked.
+
+use crate::base::error::{Error, Place, Result};
+use crate::io::content::{Read, Resolve};
+use crate::io::format::Format;
+use crate::io::{gltf, las, obj, off, ply, stl, text, xyz};
+use crate::mesh::attributes::{Attribute, Attributes};
+use crate::mesh::points::Points;
+use crate::mesh::triangle_mesh::Mesh;
+
+/// A mesh or a cloud as it was read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Loaded {
+    /// All triangles of the file over all its vertices. A file without faces gives vertices without triangles.
+    pub mesh: Mesh,
+    /// What its vertices, corners and triangles have beside their places.
+    pub attributes: Attributes,
+    /// The format that it was read as.
+    pub format: Format,
+    /// What a user should know of what was left out, a sentence each.
+    pub notes: Vec<String>,
+}
+
+impl Loaded {
+    /// The vertices as points, with their normals if the file has them.
+    pub fn into_points(self) -> Points {
+        Points { normals: self.attributes.normals(), positions: self.mesh.positions }
+    }
+}
+
+/// Reads a mesh from the bytes of a file. Indices of the result are in range and coordinates finite; vertices and
+/// triangles are those of the file, in its order, with nothing merged or repaired.
+///
+/// # Errors
+/// [`Error::Format`] with an empty file name and the place, for content that is not what the format says.
+pub fn parse(bytes: &[u8], format: Format, resolve: Resolve) -> Result<Loaded> {
+    if bytes.is_empty() {
+        return Err(whole("the file is empty", "export it again"));
+    }
+    let Read { mesh, attributes, notes } = match format {
+        Format::Obj => obj::parse(bytes),
+        Format::Ply => ply::parse(bytes),
+        Format::Stl => stl::parse(bytes),
+        Format::Off => off::parse(bytes),
+        Format::Gltf | Format::Glb => gltf::parse(bytes, resolve),
+        Format::Xyz => xyz::parse(bytes),
+        Format::Las => las::parse(bytes),
+    }?;
+    check(&mesh, format)?;
+    check_attributes(&mesh, &attributes)?;
+    Ok(Loaded { mesh, attributes, format, notes })
+}
+
+/// What every stage after this one relies on, whatever the reader did.
+fn check(mesh: &Mesh, format: Format) -> Result<()> {
+    let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
+    if vertices == 0 {
+        return Err(whole(format!("there are no vertices in it, read as {format}"), "check what the file is"));
+    }
+    // Three sides a triangle are numbered in u32.
+    if vertices >= u32::MAX as usize || triangles >= (u32::MAX / 3) as usize {
+        let cause =
+            format!("{vertices} vertices and {triangles} triangles are more than 32-bit numbers can tell apart");
+        return Err(whole(cause, "split the file"));
+    }
+    if let Some(v) = mesh.positions.iter().position(|p| !p.is_finite()) {
+        return Err(part(format!("vertex {v}"), "a coordinate is not finite"));
+    }
+    let out_of_range = |t: &[u32; 3]| t.iter().any(|&v| v as usize >= vertices);
+    if let Some(t) = mesh.triangles.iter().position(out_of_range) {
+        return Err(part(
+            format!("triangle {t}"),
+            &format!("an index is not below the number of vertices, {vertices}"),
+        ));
+    }
+    Ok(())
+}
+
+/// That there is a value for each vertex, corner and triangle.
+fn check_attributes(mesh: &Mesh, attributes: &Attributes) -> Result<()> {
+    let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
+    let is_whole = |a: &Attribute| a.components > 0 && Some(a.values.len()) == a.components.checked_mul(vertices);
+    if let Some(a) = attributes.vertex.iter().find(|a| !is_whole(a)) {
+        return Err(part(
+            format!("attribute {}", text::quote(a.name.as_bytes())),
+            "its values are not those of all vertices",
+        ));
+    }
+    let of_triangles = attributes.materials.as_ref().map_or(triangles, |m| m.of_triangle.len());
+    if of_triangles != triangles || !attributes.texture.is_empty() && attributes.texture.len() != triangles {
+        return Err(whole("texture coordinates or materials are not those of all triangles", "export the file again"));
+    }
+    Ok(())
+}
+
+fn whole(cause: impl Into<String>, remedy: &str) -> Error {
+    Error::Format { file: String::new(), place: Place::Whole, cause: cause.into(), remedy: remedy.into() }
+}
+
+fn part(name: String, cause: &str) -> Error {
+    let remedy = "export the file again".into();
+    Error::Format { file: String::new(), place: Place::Part(name), cause: cause.into(), remedy }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::content::NO_BUFFERS;
+    use glam::DVec3;
+
+    #[test]
+    fn no_reader_is_trusted() {
+        let good = Mesh { positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y], triangles: vec![[0, 1, 2]] };
+        assert_eq!(check(&good, Format::Obj), Ok(()));
+        let mut bad = good.clone();
+        bad.triangles.push([0, 1, 3]);
+        assert!(check(&bad, Format::Obj).unwrap_err().to_string().contains("triangle 1"));
+        let mut bad = good;
+        bad.positions[2].z = f64::NAN;
+        assert!(check(&bad, Format::Obj).unwrap_err().to_string().contains("vertex 2"));
+        assert!(
+            check(&Mesh::default(), Format::Stl).unwrap_err().to_string().contains("no vertices in it, read as STL")
+        );
+    }
+
+    #[test]
+    fn empty_and_foreign_content() {
+        for format in Format::ALL {
+            assert!(parse(b"", format, NO_BUFFERS).unwrap_err().to_string().contains("empty"));
+            assert!(parse(b"hello\n", format, NO_BUFFERS).is_err());
+        }
+    }
+}

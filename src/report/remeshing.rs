@@ -1,0 +1,372 @@
+//! The report on a remeshing, or on any mesh as it is.
+//!
+//! The schema is [`SCHEMA`]. Every member is always there: what a report cannot know (the distance to an input that was
+//! not given) is `null`.
+//!
+//! Cost: the shapes of both meshes, and their distance from [`REPORT_SAMPLES`] points each way.
+
+use crate::mesh::attributes::Lost;
+use crate::mesh::topology::{Topology, topology};
+use crate::mesh::triangle_mesh::Mesh;
+use crate::pipeline::{CloudSummary, Deviation, Remeshed};
+use crate::prepare::repair::Repairs;
+use crate::quality::distance::{Distance, REPORT_SAMPLES, distance};
+use crate::quality::shape::{Shape, shape};
+use crate::report::run::{RunSummary, to_json};
+use crate::spatial::self_intersections::self_intersections;
+use crate::transfer::vertex::Carried;
+use serde::{Deserialize, Serialize};
+
+/// Name and version of the JSON schema.
+pub const SCHEMA: &str = "spectral-remesh/report/2";
+
+/// A report. The members are those of the JSON text.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// Version of the tool that made the report.
+    pub version: String,
+    /// Whether the output is an oriented manifold of the repaired input's Euler characteristic, components and boundary
+    /// loops, without faces that cross each other unless the input has some, and within the error asked for; `None` for
+    /// a mesh that was measured only.
+    pub verified: Option<bool>,
+    /// The input as it was read; for a mesh that was measured only, what it was measured against.
+    pub input: Option<Measured>,
+    /// What the mesh of an input of points was made of; `None` for an input with triangles.
+    pub cloud: Option<CloudSummary>,
+    /// What was done to the input before it was sampled.
+    pub repairs: Option<Repairs>,
+    /// The topology after those repairs: what the output's is held against.
+    pub repaired: Option<Topology>,
+    /// The output, or the mesh that was measured.
+    pub output: Measured,
+    /// Faces that cross each other.
+    pub crossings: Crossings,
+    /// Distances between output and input, in percent of the diagonal of the input's bounding box.
+    pub distance: Option<Distance>,
+    /// How far the output is from the repaired input, and may be; `None` if no bound was asked for.
+    pub deviation: Option<Deviation>,
+    /// How the output was sampled.
+    pub sampling: Option<Sampling>,
+    /// What became of the attributes of the input; `None` if they were not wanted.
+    pub attributes: Option<AttributesKept>,
+    /// Notes, times, memory and threads.
+    #[serde(flatten)]
+    pub run: RunSummary,
+}
+
+/// A mesh and its figures.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Measured {
+    /// The name of its file; empty for a mesh that is in none.
+    pub file: String,
+    /// Counts over the vertices that triangles use.
+    pub topology: Topology,
+    /// `None` without triangles.
+    pub shape: Option<Shape>,
+}
+
+/// Faces that cross or touch another one where they are not joined.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Crossings {
+    /// Those of the output, in increasing order, numbered from 0.
+    pub faces: Vec<u32>,
+    /// How many the repaired input has; `None` where the output has none, and for a mesh that was measured only.
+    pub repaired: Option<usize>,
+}
+
+/// How a result was sampled.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Sampling {
+    /// Vertices wanted.
+    pub wanted: usize,
+    /// Kernel width σp, in the units of the input.
+    pub sigma_p: f64,
+    /// The spacing that so many points have on the input's area at hexagonal packing, in the units of the input.
+    pub spacing: f64,
+    /// The smallest and the largest spacing wanted anywhere; both are `spacing` where nothing is graded.
+    pub spacing_range: [f64; 2],
+    /// Sharp edges that were kept, as curves between corners.
+    pub sharp_curves: usize,
+    /// Connected pieces whose samples did not settle by themselves and took their connectivity from the input.
+    pub tessellated_patches: usize,
+    /// Seed of all random numbers.
+    pub seed: u64,
+}
+
+/// What became of attributes such as colours.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct AttributesKept {
+    /// Names of those that the output has.
+    pub carried: Vec<String>,
+    /// Those of the input that it has not, and why.
+    pub lost: Vec<Lost>,
+}
+
+impl From<&Carried> for AttributesKept {
+    fn from(carried: &Carried) -> AttributesKept {
+        AttributesKept { carried: carried.attributes.names(), lost: carried.lost.clone() }
+    }
+}
+
+impl Measured {
+    /// The figures of a mesh, as it is.
+    pub fn of(mesh: &Mesh) -> Measured {
+        let topology = topology(mesh.positions.len(), &mesh.triangles);
+        Measured { file: String::new(), topology, shape: shape(mesh) }
+    }
+}
+
+impl Crossings {
+    /// Those of a result and of what it was made of.
+    pub fn of(remeshed: &Remeshed) -> Crossings {
+        Crossings { faces: remeshed.self_intersections.clone(), repaired: remeshed.self_intersections_of_input }
+    }
+}
+
+impl Report {
+    /// The report on a remeshing of `input` with `seed`. The names of files are the caller's to add, by
+    /// [`Report::add_files`], and stages, memory and threads by [`RunSummary::measure`].
+    pub fn of_remesh(remeshed: &Remeshed, input: &Mesh, seed: u64) -> Report {
+        let &Remeshed { sigma_p, spacing, spacing_range, wanted, sharp_curves, tessellated_patches, .. } = remeshed;
+        Report {
+            verified: Some(remeshed.verified()),
+            input: Some(Measured { file: String::new(), topology: remeshed.input, shape: shape(input) }),
+            repairs: Some(remeshed.repairs),
+            repaired: Some(remeshed.repaired),
+            crossings: Crossings::of(remeshed),
+            distance: distance(&remeshed.mesh, input, REPORT_SAMPLES, seed),
+            deviation: remeshed.deviation,
+            sampling: Some(Sampling {
+                wanted,
+                sigma_p,
+                spacing,
+                spacing_range,
+                sharp_curves,
+                tessellated_patches,
+                seed,
+            }),
+            run: RunSummary::of_notes(remeshed.notes.clone()),
+            ..Report::of_output(Measured {
+                file: String::new(),
+                topology: remeshed.output,
+                shape: shape(&remeshed.mesh),
+            })
+        }
+    }
+
+    /// The report on any mesh, as it is, and on its distance to another one.
+    pub fn of_mesh(mesh: &Mesh, against: Option<&Mesh>) -> Report {
+        Report {
+            input: against.map(Measured::of),
+            crossings: Crossings { faces: self_intersections(mesh), repaired: None },
+            distance: against.and_then(|input| distance(mesh, input, REPORT_SAMPLES, 0)),
+            ..Report::of_output(Measured::of(mesh))
+        }
+    }
+
+    fn of_output(output: Measured) -> Report {
+        Report {
+            schema: SCHEMA.into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            verified: None,
+            input: None,
+            cloud: None,
+            repairs: None,
+            repaired: None,
+            output,
+            crossings: Crossings::default(),
+            distance: None,
+            deviation: None,
+            sampling: None,
+            attributes: None,
+            run: RunSummary::of_notes(Vec::new()),
+        }
+    }
+
+    /// Adds the names of the files of the input and the output.
+    pub fn add_files(&mut self, input: &str, output: &str) {
+        self.input.iter_mut().for_each(|mesh| mesh.file = input.into());
+        self.output.file = output.into();
+    }
+
+    /// Why the output is not what the input asked for, a phrase each; empty for a verified result and for a mesh that
+    /// was measured only.
+    pub fn shortcomings(&self) -> Vec<String> {
+        let against = |wanted| shortcomings(&self.output.topology, wanted, &self.crossings, self.deviation.as_ref());
+        self.repaired.as_ref().map_or_else(Vec::new, against)
+    }
+
+    /// The report as indented JSON that ends with a line break.
+    pub fn to_json(&self) -> String {
+        to_json(self)
+    }
+}
+
+/// What keeps a result from being an oriented manifold of the wanted Euler characteristic, components and boundary
+/// loops, without crossing faces that the input does not have and within the error asked for, a phrase each; empty if it
+/// is one.
+pub fn shortcomings(
+    found: &Topology,
+    wanted: &Topology,
+    crossings: &Crossings,
+    deviation: Option<&Deviation>,
+) -> Vec<String> {
+    let new_crossings = if crossings.repaired == Some(0) { crossings.faces.len() } else { 0 };
+    let faults = [
+        (found.nonmanifold_edges, "edges with more than two faces"),
+        (found.nonmanifold_vertices, "vertices with more than one fan"),
+        (found.misoriented_edges, "edges between faces of opposite orientation"),
+        (new_crossings, "self-intersecting faces"),
+    ];
+    let differences = [
+        ("Euler characteristic", found.euler, wanted.euler),
+        ("components", found.components as i64, wanted.components as i64),
+        ("boundary loops", found.boundary_loops as i64, wanted.boundary_loops as i64),
+    ];
+    let faults = faults.iter().filter(|f| f.0 > 0).map(|(count, what)| format!("{count} {what}"));
+    let differences = differences.iter().filter(|(_, found, wanted)| found != wanted);
+    let differences = differences.map(|(what, found, wanted)| format!("{what} {found} and not {wanted}"));
+    let far = deviation.filter(|d| !d.is_allowed());
+    let far = far.map(|d| format!("up to {:.4e} from the input and not {:.4e}", d.reached, d.allowed));
+    faults.chain(differences).chain(far).collect()
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::mesh::provenance::Origins;
+    use glam::DVec3;
+    use std::time::Duration;
+
+    pub(in crate::report) fn tetrahedron() -> Mesh {
+        Mesh {
+            positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z],
+            triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+        }
+    }
+
+    /// A report on a remeshing whose result lacks a face and has a flipped one.
+    pub(in crate::report) fn failed() -> Report {
+        let input = tetrahedron();
+        let mut mesh = input.clone();
+        mesh.triangles.pop();
+        mesh.triangles[0].swap(0, 1);
+        let whole = topology(4, &input.triangles);
+        let remeshed = Remeshed {
+            output: topology(4, &mesh.triangles),
+            mesh,
+            origins: Origins::default(),
+            input: whole,
+            repaired: whole,
+            repairs: Repairs { welded_vertices: 2, flipped_triangles: 1, ..Repairs::default() },
+            sigma_p: 0.123_456,
+            spacing: 0.5,
+            spacing_range: [0.5; 2],
+            wanted: 4,
+            deviation: Some(Deviation { allowed: 1.0, reached: 0.5, place: [0.0; 3] }),
+            sharp_curves: 0,
+            tessellated_patches: 0,
+            self_intersections: vec![],
+            self_intersections_of_input: None,
+            kept: None,
+            notes: vec!["One face is missing.".into()],
+        };
+        let lost = vec![Lost { name: "h".into(), cause: "PLY has lost it".into() }];
+        let attributes = Some(AttributesKept { carried: vec!["color".into(), "normal".into()], lost });
+        let mut report = Report { attributes, ..Report::of_remesh(&remeshed, &input, 7) };
+        report.add_files("in.obj", "out.ply");
+        report
+    }
+
+    /// The same with what a run of one stage took.
+    pub(in crate::report) fn failed_run(stage: &'static str, milliseconds: u64, bytes: Option<u64>) -> Report {
+        let mut report = failed();
+        report.run.measure(&[(stage, Duration::from_millis(milliseconds))], bytes, 2);
+        report
+    }
+
+    #[test]
+    fn json_can_be_read_back() {
+        let report = failed_run("read", 125, Some(1 << 20));
+        let back: Report = serde_json::from_str(&report.to_json()).unwrap();
+        assert_eq!((&back.output.topology, &back.repairs), (&report.output.topology, &report.repairs));
+        assert_eq!((back.run.stages.len(), back.run), (1, report.run));
+    }
+
+    #[test]
+    fn every_member_is_there_and_what_is_not_known_is_null() {
+        let mesh = tetrahedron();
+        let json = Report::of_mesh(&mesh, None).to_json();
+        let value: serde_json::Value = serde_json::from_str(&json).unwrap();
+        assert_eq!(value["schema"], SCHEMA);
+        assert_eq!(value["output"]["topology"]["euler"], 2);
+        assert_eq!(value["output"]["shape"]["valence"]["3"], 4);
+        for absent in ["verified", "input", "repairs", "repaired", "distance", "sampling", "attributes"] {
+            assert!(value.as_object().unwrap().contains_key(absent) && value[absent].is_null(), "{absent}");
+        }
+    }
+
+    #[test]
+    fn the_documentation_names_every_member() {
+        let documentation = include_str!("../../docs/report.md");
+        let value: serde_json::Value = serde_json::from_str(&failed_run("x", 0, None).to_json()).unwrap();
+        let mut todo = vec![&value];
+        while let Some(value) = todo.pop() {
+            for (name, member) in value.as_object().into_iter().flatten() {
+                let counted = name.parse::<u32>().is_ok();
+                assert!(counted || documentation.contains(&format!("`{name}`")), "{name} is not in docs/report.md");
+                todo.push(member);
+            }
+            todo.extend(value.as_array().into_iter().flatten());
+        }
+    }
+
+    #[test]
+    fn shortcomings_say_what_is_wrong() {
+        let report = failed();
+        assert_eq!(report.verified, Some(false));
+        let said = report.shortcomings();
+        assert_eq!(
+            said,
+            [
+                "2 edges between faces of opposite orientation",
+                "Euler characteristic 1 and not 2",
+                "boundary loops 1 and not 0"
+            ]
+        );
+    }
+
+    /// Two tetrahedra, one a little higher than the other.
+    pub(in crate::report) fn crossing() -> Mesh {
+        let mut mesh = tetrahedron();
+        mesh.positions.extend(tetrahedron().positions.iter().map(|&p| p + DVec3::new(0.1, 0.1, 0.2)));
+        mesh.triangles.extend(tetrahedron().triangles.iter().map(|t| t.map(|v| v + 4)));
+        mesh
+    }
+
+    #[test]
+    fn self_intersections_are_listed() {
+        let mesh = crossing();
+        let report = Report::of_mesh(&mesh, None);
+        assert_eq!(report.crossings, Crossings { faces: vec![2, 4, 5, 7], repaired: None });
+        assert_eq!(report.shortcomings(), [""; 0]);
+    }
+
+    #[test]
+    fn self_intersections_that_the_input_does_not_have_are_a_shortcoming() {
+        let wanted = topology(4, &tetrahedron().triangles);
+        let with = |repaired| shortcomings(&wanted, &wanted, &Crossings { faces: vec![3, 5], repaired }, None);
+        assert_eq!(with(Some(0)), ["2 self-intersecting faces"]);
+        assert_eq!((with(Some(7)), with(None)), (vec![], vec![]));
+    }
+
+    #[test]
+    fn a_mesh_against_itself_is_at_no_distance() {
+        let mesh = tetrahedron();
+        let report = Report::of_mesh(&mesh, Some(&mesh));
+        assert!(report.distance.unwrap().hausdorff < 1e-9);
+        assert_eq!(report.input, Some(report.output));
+    }
+}

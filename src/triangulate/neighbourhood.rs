@@ -1,0 +1,45 @@
+//! The points around a point in its tangent plane, and its Voronoi cell among them.
+
+use crate::spatial::kdtree::{Neighbor, Neighbors};
+use crate::triangulate::cell::Cell;
+use crate::triangulate::unfold::Neighbour;
+use glam::{DVec2, DVec3};
+
+/// The neighbours of one point after the other; keeps its memory from one to the next.
+#[derive(Default)]
+pub(super) struct Neighbourhood {
+    ball: Vec<Neighbor>,
+    /// The neighbours found, in the tangent plane of the point.
+    pub found: Vec<Neighbour>,
+    pub cell: Cell,
+}
+
+impl Neighbourhood {
+    /// Finds the points but `centre` within `radius` of `p` that `place` gives a place in the plane.
+    pub fn find_in_ball(
+        &mut self,
+        near: &Neighbors,
+        (centre, p): (u32, DVec3),
+        radius: f64,
+        mut place: impl FnMut(&Neighbor) -> Option<DVec2>,
+    ) {
+        near.collect_within(p, radius, &mut self.ball);
+        let others = self.ball.iter().filter(|n| n.point != centre);
+        let placed = others.filter_map(|n| Some(Neighbour { sample: n.point, place: place(n)? }));
+        self.found.clear();
+        self.found.extend(placed);
+    }
+
+    /// Brings the neighbours into the order of their distance.
+    pub fn sort(&mut self) {
+        self.found.sort_unstable_by(|a, b| {
+            a.place.length_squared().total_cmp(&b.place.length_squared()).then(a.sample.cmp(&b.sample))
+        });
+    }
+
+    /// Cuts the cell among the neighbours, which are in order, out of the square of half width `extent`; the distance of
+    /// its farthest corner.
+    pub fn cut(&mut self, extent: f64) -> f64 {
+        self.cell.cut(&self.found, extent)
+    }
+}

@@ -1,0 +1,23 @@
+//! What a triangulation of samples takes and gives.
+
+use crate::manifold::Manifold;
+
+/// Samples on the boundary of a domain, the first ones of all samples.
+#[derive(Debug, Clone, Copy)]
+pub struct Boundary<'a> {
+    /// The side `3 t + k` of the domain that each lies on, and how far along in 0..1.
+    pub sites: &'a [(u32, f64)],
+    /// The next one on its loop; the surface is on the left of the way there.
+    pub successor: &'a [u32],
+}
+
+/// A triangulation of samples.
+#[derive(Debug, Clone)]
+pub struct Triangulated {
+    /// The mesh.
+    pub mesh: Manifold,
+    /// For each of its vertices the sample that it is; vertices of the domain come after all samples.
+    pub source: Vec<u32>,
+    /// Pieces whose stars did not settle and that were tessellated from the input as a whole.
+    pub tessellated_patches: usize,
+}
