@@ -7,6 +7,7 @@ mod cli;
 mod clouds;
 mod common;
 mod data;
+mod docs;
 mod features;
 mod io;
 mod pipeline;
