@@ -58,10 +58,10 @@
 //! use glam::{DVec3, dvec3};
 //! use spectral_remesh::Mesh;
 //! use spectral_remesh::base::rng::{Stage, stream};
-//! use spectral_remesh::spectral::{candidates::candidates, curves::sample_curves, scan::linear_scan};
+//! use spectral_remesh::spectral::{candidates::candidates, curve_samples::sample_curves, scan::linear_scan};
 //! use spectral_remesh::surface::domain::Domain;
 //!
-//! // A unit square, which is an oriented manifold already. (Others go through `surface::repair::repair` first.)
+//! // A unit square, which is an oriented manifold already. (Others go through `prepare::repair::repair` first.)
 //! let square = Mesh {
 //!     positions: vec![DVec3::ZERO, DVec3::X, dvec3(1., 1., 0.), DVec3::Y],
 //!     triangles: vec![[0, 1, 2], [0, 2, 3]],

@@ -10,6 +10,8 @@ mod data;
 mod docs;
 mod features;
 mod io;
+#[cfg(feature = "fs")]
+mod library;
 mod pipeline;
 mod reconstruct;
 mod sampling;
