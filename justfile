@@ -4,9 +4,13 @@
 default:
     @just --list
 
-# All tests.
+# The tests that are quick.
 test:
     cargo test
+
+# All tests.
+test-all:
+    cargo test -- --include-ignored
 
 # Everything that must hold before a change is merged.
 ci:
@@ -25,7 +29,7 @@ picture:
 bench:
     cargo bench
 
-# The paper's experiments and other remeshers on the models in FOLDER and in data/, into eval/RESULTS.md and the README.
+# The paper's experiments and other remeshers on the models in FOLDER and in data/, into eval/RESULTS.md, docs/figures.md and the README.
 figures FOLDER:
     eval/setup
     eval/run --models {{FOLDER}}

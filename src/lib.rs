@@ -1,72 +1,50 @@
-//! Remeshing by spectral sampling: from a triangle mesh as it comes to one with the wanted number of vertices, evenly
-//! spread, with triangles close to equilateral, of the same shape and the same topology.
+//! Remeshing by spectral sampling: from a triangle mesh or a point cloud as it comes to a mesh with the wanted number of
+//! vertices, evenly spread, with triangles close to equilateral, of the same shape and the same topology.
 //!
-//! The points are those of *Spectral sampling of manifolds* (A. C. Öztireli, M. Alexa, M. Gross, 2010,
-//! [DOI 10.1145/1882261.1866190](https://doi.org/10.1145/1882261.1866190)); how they become a mesh is told by the
-//! modules. Everything is one call, [`remesh()`]:
+//! The samples are those of *Spectral sampling of manifolds* (A. C. Öztireli, M. Alexa, M. Gross, 2010,
+//! [DOI 10.1145/1882261.1866190](https://doi.org/10.1145/1882261.1866190)). The whole job is one call, [`remesh()`]:
 //!
 //! ```
-//! use glam::{DVec3, dvec3};
-//! use spectral_remesh::{Density, Mesh, Options, remesh};
+//! use spectral_remesh::{Input, Options, remesh};
 //!
-//! // A sphere: the faces of a tetrahedron, each split in four five times and pushed outwards. Every triangle has
-//! // vertices of its own; they are welded on the way.
-//! let [a, b, c, d] = [dvec3(1., 1., 1.), dvec3(-1., -1., 1.), dvec3(-1., 1., -1.), dvec3(1., -1., -1.)];
-//! let mut faces = [[a, c, b], [a, d, c], [a, b, d], [d, b, c]].map(|f| f.map(DVec3::normalize)).to_vec();
-//! for _ in 0..5 {
-//!     let split = |[a, b, c]: [DVec3; 3]| {
-//!         let [ab, bc, ca] = [(a + b).normalize(), (b + c).normalize(), (c + a).normalize()];
-//!         [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
-//!     };
-//!     faces = faces.into_iter().flat_map(split).collect();
+//! // A cube of six squares, two triangles each.
+//! let positions: Vec<[f64; 3]> = (0..8).map(|v| [v & 1, v >> 1 & 1, v >> 2].map(f64::from)).collect();
+//! let squares = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+//! let triangles: Vec<[u32; 3]> = squares.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+//!
+//! let outcome = remesh(&Input::mesh(&positions, &triangles), &Options::points(400).into(), &())?;
+//! assert!(outcome.verified());
+//! assert_eq!(outcome.positions().len(), 400);
+//!
+//! // Where each vertex came from: a triangle of the input and barycentric coordinates there.
+//! for (position, origin) in outcome.positions().iter().zip(&outcome.origins) {
+//!     let at = |k: usize| (0..3).map(|i| origin.weights[i] * positions[origin.vertices[i] as usize][k]).sum::<f64>();
+//!     assert!((0..3).all(|k| (at(k) - position[k]).abs() < 1e-9));
 //! }
-//! let sphere = Mesh {
-//!     triangles: (0..faces.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
-//!     positions: faces.concat(),
-//! };
-//!
-//! let options = Options { density: Density::Points(400), ..Options::default() };
-//! let result = remesh(&sphere, &options, &())?;
-//! assert!(result.verified());
-//! assert_eq!(result.mesh.positions.len(), 400);
-//! assert_eq!(result.output.euler, 2);
 //! # Ok::<(), spectral_remesh::Error>(())
 //! ```
 //!
-//! # The way of the data
+//! [`Input`] is a mesh or points, with [`Attributes`]; [`RemeshOptions`] say what to make of it; [`Outcome`] has the mesh, its
+//! attributes, origins and the [`report`]. [`sample()`] gives points without triangles, [`reconstruct()`] dense triangles of
+//! a cloud, [`quality()`] the figures of any mesh. [`io`] reads and writes files.
 //!
-//! 1. [`io`] makes a [`Mesh`] of the bytes of a file: positions and triples of indices, nothing merged; beside it what
-//!    its vertices, corners and triangles have, as [`mesh::attributes`].
-//! 2. [`prepare::repair`] makes an oriented 2-manifold of it and counts what that took; [`surface::domain`] adds what it
-//!    takes to walk over it and to find back to it.
-//! 3. [`spectral`] covers it with candidates, and a randomized scan keeps those that add to the spectrum of the samples
-//!    so far. Boundaries and sharp edges are sampled as curves.
-//! 4. [`triangulate`] joins the samples by Delaunay stars along the surface to a manifold of the same topology.
-//! 5. [`optimize`] arranges a coarse mesh first, with gradient ascent in [`spectral`], refines it to exactly the wanted
-//!    number of vertices, mends triangles and crossings, and fits the vertices to the surface.
-//! 6. [`transfer::vertex`] carries colours, texture coordinates and other attributes of the input over to the result.
-//! 7. [`quality`] measures the result, [`report`] says how good it is, [`io`] writes it.
-//!
-//! [`sample()`] ends after the samples: points with normals, as gradient ascent without a mesh leaves them
-//! ([`spectral::free_ascent`]), or a subset of the input's points ([`sample_points`] for a cloud). All of the sampler works in
-//! any dimension, on whatever is a [`surface::submanifold::Submanifold`].
-//!
-//! Only [`mod@remesh`] knows that order. Each stage takes plain data and can be used by itself; here it is the sampler
-//! alone:
+//! [`stages`] has what these calls are made of: each stage takes plain data and can be used by itself. Here it is the
+//! sampler alone:
 //!
 //! ```
 //! use glam::{DVec3, dvec3};
 //! use spectral_remesh::Mesh;
-//! use spectral_remesh::base::rng::{Stage, stream};
-//! use spectral_remesh::spectral::{candidates::candidates, curves::sample_curves, scan::linear_scan};
-//! use spectral_remesh::surface::domain::Domain;
+//! use spectral_remesh::stages::base::rng::{Stage, stream};
+//! use spectral_remesh::stages::mesh::oriented_manifold::OrientedManifold;
+//! use spectral_remesh::stages::spectral::{candidates::candidates, curve_samples::sample_curves, scan::linear_scan};
+//! use spectral_remesh::stages::surface::domain::Domain;
 //!
-//! // A unit square, which is an oriented manifold already. (Others go through `surface::repair::repair` first.)
+//! // A unit square, which is an oriented manifold already. (Others go through `prepare::repair::repair` first.)
 //! let square = Mesh {
 //!     positions: vec![DVec3::ZERO, DVec3::X, dvec3(1., 1., 0.), DVec3::Y],
 //!     triangles: vec![[0, 1, 2], [0, 2, 3]],
 //! };
-//! let domain = Domain::new(square);
+//! let domain = Domain::new(OrientedManifold::try_from(square)?);
 //! let (spacing, seed) = (0.05, 1);
 //! let rim = sample_curves(&domain, spacing).samples;
 //! let candidates = candidates(&domain, 10_000, &mut stream(seed, Stage::Candidates));
@@ -89,7 +67,7 @@
 //! - Corners of triangles go counter-clockwise seen from outside. Side `k` of triangle `t` runs from its corner `k` to
 //!   the next one, and has the number `3 t + k`.
 //! - What fails is an [`Error`], which names place, cause and remedy. What is merely not as wished (a missed count, a
-//!   topology that differs) is a field of the result: ask [`Remeshed::verified`].
+//!   topology that differs) is a field of the result: ask [`Outcome::verified`].
 //! - The same input, options and seed give the same result with any number of threads. The threads are those of the
 //!   `rayon` pool that the call is made in.
 //!

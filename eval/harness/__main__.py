@@ -33,7 +33,7 @@ def _arguments():
     two = commands.add_parser('compare', help='what got better and worse between two files; exit status 1 if worse')
     two.add_argument('before')
     two.add_argument('after')
-    table = commands.add_parser('readme', help="write the README's tables from figures")
+    table = commands.add_parser('readme', help='write the tables of README.md and docs/figures.md')
     table.add_argument('file', nargs='?', default=results.LATEST)
     commands.add_parser('test', help='test the measures and the experiments, against `remesh quality` and MeshLab, too')
     return arguments

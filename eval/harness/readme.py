@@ -1,4 +1,4 @@
-"""The figures in README.md, written from those of a run between two markers."""
+"""The figures in README.md and docs/figures.md, written from those of a run between two markers in each."""
 
 import os
 import sys
@@ -7,43 +7,78 @@ from . import results
 from .context import ROOT
 from .experiments import cases, clouds
 from .race import median_of
-from .tables import columns, number
+from .tables import columns, markdown, number
 from .verdicts import faults_of, measure_called
 
 README = os.path.join(ROOT, 'README.md')
+FIGURES = os.path.join(ROOT, 'docs', 'figures.md')
 BEGIN, END = '<!-- figures:begin -->', '<!-- figures:end -->'
 FAULTY = '†'
+WRITTEN = 'Written by `eval/run readme`; do not edit.'
 
 # Heading, and the printf form of the measure of that name in verdicts.MEASURES.
 BEST = {'θmin': '%.1f', 'mean θmin': '%.1f', 'θmax': '%.1f', 'Qmin': '%.2f', 'Qave': '%.3f', '% of valence 6': '%.1f',
         'variation of edges': '%.3f', 'RMS distance': '%.3f', 'Hausdorff distance': '%.2f'}
+# Those of the short table.
+SHORT = ['θmin', 'mean θmin', 'Hausdorff distance']
 
 
 def rewrite(found):
-    """Puts the section between the markers of README.md."""
-    with open(README, encoding='utf-8') as f:
-        readme = f.read()
-    if readme.count(BEGIN) != 1 or readme.count(END) != 1 or readme.index(BEGIN) > readme.index(END):
-        sys.exit('eval/run: README.md needs one %s and, after it, one %s' % (BEGIN, END))
-    before, rest = readme.split(BEGIN)
-    new = README + '.new'
-    with open(new, 'w', encoding='utf-8') as f:
-        f.write('%s%s\n%s\n%s%s' % (before, BEGIN, section(found), END, rest.split(END)[1]))
-    os.replace(new, README)
+    """Puts the sections between the markers of README.md and of docs/figures.md."""
+    for path, text in [(README, short_section(found)), (FIGURES, section(found))]:
+        with open(path, encoding='utf-8') as f:
+            page = between_markers(f.read(), text, os.path.relpath(path, ROOT))
+        with open(path + '.new', 'w', encoding='utf-8') as f:
+            f.write(page)
+        os.replace(path + '.new', path)
+
+
+def between_markers(page, text, name):
+    """The page with `text` between its markers."""
+    if page.count(BEGIN) != 1 or page.count(END) != 1 or page.index(BEGIN) > page.index(END):
+        sys.exit('eval/run: %s needs one %s and, after it, one %s' % (name, BEGIN, END))
+    before, rest = page.split(BEGIN)
+    return '%s%s\n%s\n%s%s' % (before, BEGIN, text, END, rest.split(END)[1])
+
+
+def short_section(found):
+    """A row for each model that all programs remeshed: ours and the best of the others, by a few measures."""
+    parts = ['Measured on %s on %s. %s' % (found['date'], results.machine_words(found), WRITTEN)]
+    raw = _experiment(found, 'remeshers')
+    if raw:
+        parts.append(_short(raw))
+    return '\n\n'.join(parts)
 
 
 def section(found):
-    """What stands between the markers, of those experiments that the run had."""
-    parts = ['Version %s, measured on %s (%s) by `%s`. Written by `eval/run readme`; do not edit. '
-             '[eval/RESULTS.md](eval/RESULTS.md) has all figures, the settings of the other programs, and what is '
+    """All figures that the page has, of those experiments that the run had."""
+    parts = ['Version %s, measured on %s (%s) by `%s`. %s '
+             '[eval/RESULTS.md](../eval/RESULTS.md) has all figures, the settings of the other programs, and what is '
              'better and what is worse than each of them.' % (
-                 found['versions']['remesh'], found['date'], results.machine_words(found), found['command'])]
+                 found['versions']['remesh'], found['date'], results.machine_words(found), found['command'], WRITTEN)]
     writers = {'cases': _cases, 'remeshers': _best, 'clouds': _points}
     for name, write in writers.items():
-        raw = found['experiments'].get(name)
-        if raw and 'failed' not in raw:
+        raw = _experiment(found, name)
+        if raw:
             parts += write(raw)
     return '\n\n'.join(parts)
+
+
+def _experiment(found, name):
+    """The figures of an experiment, or `None` if the run did not have it or it failed."""
+    raw = found['experiments'].get(name)
+    return raw if raw and 'failed' not in raw else None
+
+
+def _short(raw):
+    models = {name: model['results'] for name, model in raw['models'].items()}
+    rows = [(label, _two_rows(label, BEST[label], models, raw, measure_called(label).sense, _value(label)))
+            for label in SHORT]
+    rows.append(('seconds', _two_rows('seconds', '%.2f', models, raw, -1, _seconds)))
+    heading = ['model', 'vertices'] + [title for label, _ in rows for title in (label, 'best other')]
+    return markdown([heading] + [
+        [name, '{:,}'.format(raw['models'][name]['points'])] +
+        [row.get(name, '-') for _, pair in rows for _, row in pair] for name in models])
 
 
 def _cases(raw):
@@ -55,15 +90,23 @@ def _best(raw):
     models = {name: model['results'] for name, model in raw['models'].items()}
     rows = []
     for label, form in BEST.items():
-        measure = measure_called(label)
-        rows += _two_rows(label, form, models, raw, measure.sense,
-                          lambda result, measure=measure: measure.of(result['measures']))
-    rows += _two_rows('seconds', '%.2f', models, raw, -1, lambda result: median_of(result['seconds']))
+        rows += _two_rows(label, form, models, raw, measure_called(label).sense, _value(label))
+    rows += _two_rows('seconds', '%.2f', models, raw, -1, _seconds)
     others = [p['label'] for n, p in raw['programs'].items() if 'version' in p and n not in ('remesh', 'ascent')]
     about = ('Beside the best of %s at the same counts, by one measure at a time; seconds are of remeshing alone. %s '
              'marks results with a fault: non-manifold, another topology than the input, faces that cross, or a count '
              'missed by more than 3 %%.' % (', '.join(others), FAULTY))
     return [about, columns('', list(models), rows)]
+
+
+def _value(label):
+    """What reads a measure in a result."""
+    measure = measure_called(label)
+    return lambda result: measure.of(result['measures'])
+
+
+def _seconds(result):
+    return median_of(result['seconds'])
 
 
 def _two_rows(label, form, models, raw, sense, value):

@@ -158,12 +158,30 @@ class Words(unittest.TestCase):
                       'Its faults: more than 3 % off the count (ball).', text)
         self.assertIn('**cgal** (0 of 1 models): nothing to compare. Its faults: signal 11: no message (ball).', text)
 
-    def test_best_of_the_others(self):
+    def found(self):
         machine = {'cores': 2, 'architecture': 'any', 'system': 'any'}
-        text = readme.section({'versions': {'remesh': '1'}, 'date': 'today', 'command': 'eval/run', 'machine': machine,
-                               'experiments': {'remeshers': self.raw(), 'clouds': {'failed': 'no reason'}}})
+        return {'versions': {'remesh': '1'}, 'date': 'today', 'command': 'eval/run', 'machine': machine,
+                'experiments': {'remeshers': self.raw(), 'clouds': {'failed': 'no reason'}}}
+
+    def test_best_of_the_others(self):
+        text = readme.section(self.found())
         self.assertIn('| **θmin, remesh** | **40.0** |\n| best of the others | 30.0† meshlab |', text)
         self.assertIn('| **seconds, remesh** | **1.50** |\n| best of the others | 0.50† meshlab |', text)
+
+    def test_short_table(self):
+        text = readme.short_section(self.found())
+        self.assertRegex(text, r'\| ball \| 400 \| \*\*40\.0\*\* \| 30\.0† meshlab \|.*'
+                               r'\| \*\*1\.50\*\* \| 0\.50† meshlab \|')
+        none = self.found() | {'experiments': {}}
+        self.assertNotIn('|', readme.short_section(none))
+
+    def test_only_what_is_between_the_markers_changes(self):
+        page = 'above\n%s\nold\n%s\nbelow\n'
+        new = readme.between_markers(page % (readme.BEGIN, readme.END), 'new', 'page')
+        self.assertEqual(new, 'above\n%s\nnew\n%s\nbelow\n' % (readme.BEGIN, readme.END))
+        for wrong in ['none', page % (readme.END, readme.BEGIN)]:
+            with self.assertRaisesRegex(SystemExit, 'page needs one'):
+                readme.between_markers(wrong, 'new', 'page')
 
 
 def figures(context):

@@ -5,7 +5,6 @@ use crate::base::monitor::{Monitor, Stopwatch, check};
 use crate::cli::args::{MeshFile, Run, Voice};
 use crate::cli::terminal::{self, Terminal};
 use crate::io::{Loaded, file};
-use crate::job::Input;
 use crate::report::RunSummary;
 use std::path::Path;
 
@@ -21,11 +20,6 @@ pub(super) fn load(from: &MeshFile, monitor: &dyn Monitor) -> Result<Loaded> {
     let loaded = file::read_file(&from.path, from.format)?;
     check(monitor)?;
     Ok(loaded)
-}
-
-/// What was read, as something to work on.
-pub(super) fn input(loaded: &Loaded) -> Input<'_> {
-    Input::from(&loaded.mesh).with_attributes(&loaded.attributes)
 }
 
 /// The name of a file, as it was given.

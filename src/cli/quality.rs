@@ -3,21 +3,21 @@
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 use crate::cli::args::{Measuring, MeshFile, Voice};
-use crate::cli::files::{add_run, input, load, name, watched};
+use crate::cli::files::{add_run, load, name, watched};
 use crate::cli::terminal;
-use crate::job::quality;
+use crate::job::{Input, quality};
 
 pub(super) fn measure_file(job: &Measuring) -> Result<()> {
     let report = watched(Voice::Normal, |monitor| {
         let load = |file: &MeshFile| {
             let loaded = load(file, monitor)?;
-            input(&loaded).refuse_points().map_err(|e| e.in_file(&name(file)))?;
+            Input::from(&loaded).refuse_points().map_err(|e| e.in_file(&name(file)))?;
             Ok(loaded)
         };
         let mesh = load(&job.mesh)?;
         let against = job.against.as_ref().map(load).transpose()?;
         monitor.stage("measure");
-        let measured = quality(&input(&mesh), against.as_ref().map(input).as_ref());
+        let measured = quality(&Input::from(&mesh), against.as_ref().map(Input::from).as_ref());
         let mut report = measured.map_err(|e| e.in_file(&name(&job.mesh)))?;
         check(monitor)?;
         report.add_files(&job.against.as_ref().map(name).unwrap_or_default(), &name(&job.mesh));

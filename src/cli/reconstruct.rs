@@ -3,9 +3,9 @@
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 use crate::cli::args::Reconstructing;
-use crate::cli::files::{add_run, check_targets, hand_out, input, load, name, watched};
+use crate::cli::files::{add_run, check_targets, hand_out, load, name, watched};
 use crate::io::file;
-use crate::job::reconstruct;
+use crate::job::{Input, reconstruct};
 use crate::mesh::attributes::Attributes;
 use crate::report::surface::SurfaceReport;
 
@@ -15,7 +15,8 @@ pub(super) fn reconstruct_file(job: &Reconstructing) -> Result<()> {
     check_targets(&job.output.path, &job.run)?;
     let report = watched(job.run.voice, |monitor| {
         let loaded = load(&job.input, monitor)?;
-        let made = reconstruct(&input(&loaded), &job.options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
+        let made =
+            reconstruct(&Input::from(&loaded), &job.options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
         check(monitor)?;
         monitor.stage("write");
         file::write_file(&job.output.path, &made.mesh, &Attributes::default(), job.output.format)?;

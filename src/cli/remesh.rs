@@ -3,11 +3,11 @@
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
 use crate::cli::args::{Remeshing, Sizing, Voice};
-use crate::cli::files::{add_run, check_targets, hand_out, input, load, name, watched};
+use crate::cli::files::{add_run, check_targets, hand_out, load, name, watched};
 use crate::cli::status::Status;
 use crate::cli::terminal;
 use crate::io::{Loaded, file};
-use crate::job::{Carry, Outcome, RemeshOptions, remesh};
+use crate::job::{Carry, Input, Outcome, RemeshOptions, remesh};
 use crate::pipeline::{Grading, Values};
 
 pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
@@ -17,7 +17,7 @@ pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
     let outcome = watched(job.run.voice, |monitor| {
         let loaded = load(&job.input, monitor)?;
         let options = options(job, &loaded)?;
-        let mut outcome = remesh(&input(&loaded), &options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
+        let mut outcome = remesh(&Input::from(&loaded), &options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
         monitor.stage("write");
         file::write_file(&job.output.path, &outcome.mesh, &outcome.attributes, job.output.format)?;
         if let Some(report) = &mut outcome.report {

@@ -3,9 +3,9 @@
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 use crate::cli::args::Sampling;
-use crate::cli::files::{add_run, check_targets, hand_out, input, load, name, watched};
+use crate::cli::files::{add_run, check_targets, hand_out, load, name, watched};
 use crate::io::file;
-use crate::job::sample;
+use crate::job::{Input, sample};
 use crate::mesh::attributes::{Attribute, Attributes, Scalar};
 use crate::pipeline::Sampled;
 use crate::report::samples::SamplesReport;
@@ -16,7 +16,7 @@ pub(super) fn sample_file(job: &Sampling) -> Result<()> {
     check_targets(&job.output, &job.run)?;
     let report = watched(job.run.voice, |monitor| {
         let loaded = load(&job.input, monitor)?;
-        let sampled = sample(&input(&loaded), &job.options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
+        let sampled = sample(&Input::from(&loaded), &job.options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
         check(monitor)?;
         monitor.stage("write");
         file::write_points_file(&job.output, &sampled.points, &numbers(&sampled), None)?;

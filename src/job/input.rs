@@ -1,6 +1,7 @@
 //! What a job works on.
 
 use crate::base::error::{Error, Result};
+use crate::io::Loaded;
 use crate::mesh::attributes::Attributes;
 use crate::mesh::points::Points;
 use crate::mesh::triangle_mesh::Mesh;
@@ -62,6 +63,12 @@ impl<'a> Input<'a> {
     /// The vertices, with the normals that they have.
     pub(super) fn as_points(&self) -> Points {
         Points { positions: self.mesh.positions.clone(), normals: self.attributes.normals() }
+    }
+}
+
+impl<'a> From<&'a Loaded> for Input<'a> {
+    fn from(loaded: &'a Loaded) -> Input<'a> {
+        Input::from(&loaded.mesh).with_attributes(&loaded.attributes)
     }
 }
 

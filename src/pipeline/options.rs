@@ -102,6 +102,11 @@ impl Default for Options {
 }
 
 impl Options {
+    /// The default, with so many vertices.
+    pub fn points(n: usize) -> Options {
+        Options { density: Density::Points(n), ..Options::default() }
+    }
+
     /// Refuses what no input can be remeshed with.
     ///
     /// # Errors

@@ -198,6 +198,7 @@ fn scans_do_not_break_up_in_false_edges() {
 
 /// A million vertices, far away and large or tiny: the same figures as for those at the origin.
 #[test]
+#[ignore = "slow"]
 fn a_million_vertices_at_any_place_and_scale() {
     let torus = torus(1400, 720, 3.0, 1.0);
     for (size, place) in [(1.0, dvec3(1e6, -1e6, 1e6)), (1e-6, DVec3::ZERO)] {

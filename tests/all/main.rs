@@ -7,8 +7,11 @@ mod cli;
 mod clouds;
 mod common;
 mod data;
+mod docs;
 mod features;
 mod io;
+#[cfg(feature = "fs")]
+mod library;
 mod pipeline;
 mod reconstruct;
 mod sampling;

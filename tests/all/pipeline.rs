@@ -145,6 +145,7 @@ fn crossings_of_the_input_stay_and_are_told() {
 
 /// Many needles of open ends would take a hundred times the wanted vertices for their boundaries.
 #[test]
+#[ignore = "slow"]
 fn a_boundary_that_is_long_for_its_area_ends_in_time() {
     let needle = |i: i32| cells(&[[i, 0, 0], [i, 1, 0]]);
     let mut needles = together(&(0..20).map(|i| soup(&needle(2 * i))).collect::<Vec<_>>());

@@ -352,6 +352,7 @@ fn grows(shares: &[f64], by: f64) {
 }
 
 #[test]
+#[ignore = "slow"]
 fn samples_gather_where_the_surface_bends_as_sigma_n_falls() {
     let mesh = ellipsoid();
     let share = |sigma_n| {
@@ -367,6 +368,7 @@ fn kernel(sigma_n: f64) -> Grading {
 }
 
 #[test]
+#[ignore = "slow"]
 fn vertices_gather_where_the_surface_bends_as_sigma_n_falls() {
     let mesh = ellipsoid();
     for optimize in [true, false] {

@@ -21,6 +21,7 @@ const RESOLUTION: f64 = 0.65;
 const SAMPLES: usize = 20_000;
 
 #[test]
+#[ignore = "slow"]
 fn less_is_lost_with_the_points_that_the_scan_keeps() {
     // A ring with bumps, whose points are half as far apart as those that the narrowest kernel keeps.
     let bumpy = grid(520, 66, Ends::Joined, Ends::Joined, |u, v| {

@@ -1,0 +1,126 @@
+//! The Rust of `docs/library.md`, compiled and run, and what the one call promises.
+
+use spectral_remesh::io::file::{read_file, write_file};
+use spectral_remesh::{Input, Options, remesh};
+use std::path::Path;
+
+pub fn clean(from: &Path, to: &Path) -> spectral_remesh::Result<bool> {
+    let loaded = read_file(from, None)?;
+    let outcome = remesh(&Input::from(&loaded), &Options::points(2000).into(), &())?;
+    write_file(to, &outcome.mesh, &outcome.attributes, None)?;
+    Ok(outcome.verified())
+}
+
+use spectral_remesh::{Grading, RemeshOptions};
+
+pub fn graded(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> spectral_remesh::Result<Vec<[f64; 3]>> {
+    let surface = Options { grading: Grading::Curvature(1.0), ..Options::points(2000) };
+    let options = RemeshOptions { surface, without_report: true, ..RemeshOptions::default() };
+    Ok(remesh(&Input::mesh(positions, triangles), &options, &())?.positions().to_vec())
+}
+
+use crate::common::{cuboid, cylinder, plate, soup, sphere, together};
+use glam::{DVec3, dvec3};
+use spectral_remesh::stages::geom::triangle::closest_point;
+use spectral_remesh::{Attribute, Attributes, Density, MaxError, Mesh, Monitor, Origin, Scalar};
+use std::sync::Mutex;
+
+#[test]
+fn the_page_has_this_code() {
+    let page = include_str!("../../docs/library.md");
+    let blocks: Vec<&str> = page.split("```rust\n").skip(1).filter_map(|rest| rest.split("\n```").next()).collect();
+    assert_eq!(blocks.len(), 2);
+    blocks.iter().for_each(|block| assert!(include_str!("library.rs").contains(block), "{block}"));
+}
+
+#[test]
+fn a_file_is_cleaned() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().join("blob.ply");
+    let input = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/blob.obj");
+    assert_eq!(clean(&input, &output), Ok(true));
+    assert_eq!(read_file(&output, None).unwrap().mesh.positions.len(), 2000);
+}
+
+fn arrays(mesh: &Mesh) -> Vec<[f64; 3]> {
+    mesh.positions.iter().map(|p| p.to_array()).collect()
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    glam::DVec3::from(a).distance(b.into())
+}
+
+/// The point that an origin says, of the vertices of an input.
+fn place(origin: &Origin, positions: &[[f64; 3]]) -> [f64; 3] {
+    let at = |k: usize| (0..3).map(|i| origin.weights[i] * positions[origin.vertices[i] as usize][k]).sum();
+    [0, 1, 2].map(at)
+}
+
+#[test]
+fn slices_are_graded() {
+    let cone = cylinder(40, 1.0, 0.1, 2.0);
+    assert_eq!(graded(&arrays(&cone), &cone.triangles).unwrap().len(), 2000);
+}
+
+#[test]
+fn every_vertex_and_triangle_knows_where_it_came_from() {
+    // Repaired, refined, and cut along its sharp edges.
+    let input = soup(&together(&[cuboid(dvec3(1.0, 2.0, 3.0)), sphere(3, 5.0 * DVec3::X, 1.0)]));
+    let outcome = remesh(&Input::from(&input), &Options::points(1500).into(), &()).unwrap();
+    assert!(outcome.verified(), "{:?}", outcome.shortcomings);
+    assert_eq!((outcome.origins.len(), outcome.triangle_origins.len()), (1500, outcome.triangles().len()));
+    for (&position, origin) in outcome.positions().iter().zip(&outcome.origins) {
+        assert_eq!(origin.vertices, input.triangles[origin.triangle.unwrap() as usize]);
+        assert!((origin.weights.iter().sum::<f64>() - 1.0).abs() < 1e-12 && origin.weights.iter().all(|&w| w >= 0.0));
+        assert!(distance(position, place(origin, &arrays(&input))) < 0.02, "{origin:?} {position:?}");
+    }
+    for (t, &origin) in outcome.triangle_origins.iter().enumerate() {
+        let facing = outcome.mesh.area_vector(t).dot(input.area_vector(origin as usize));
+        let [a, b, c] = input.corners(origin as usize);
+        let centre = outcome.mesh.corners(t).into_iter().sum::<DVec3>() / 3.0;
+        assert!(facing > 0.0 && centre.distance(closest_point(centre, [a, b, c])) < 0.03);
+    }
+}
+
+#[test]
+fn vertices_of_a_cloud_lie_between_its_points() {
+    let positions = arrays(&sphere(4, DVec3::ZERO, 1.0));
+    let values = positions.iter().flatten().map(|x| 0.5 + 0.5 * x).collect();
+    let color = Attribute { name: "color".into(), components: 3, values, scalar: Scalar::F32 };
+    let attributes = Attributes { vertex: vec![color], ..Attributes::default() };
+    let input = Input::points(&positions).with_attributes(&attributes);
+    let outcome = remesh(&input, &Options::points(500).into(), &()).unwrap();
+    assert!(outcome.verified() && outcome.triangle_origins.is_empty());
+    let colors = outcome.attributes.vertex[0].values.chunks_exact(3);
+    for ((&position, origin), color) in outcome.positions().iter().zip(&outcome.origins).zip(colors) {
+        assert_eq!(origin.triangle, None);
+        assert!(distance(position, place(origin, &positions)) < 0.05);
+        assert!((0..3).all(|k| (color[k] - 0.5 - 0.5 * position[k]).abs() < 0.03));
+    }
+}
+
+/// Keeps all shares of the work that it is told.
+#[derive(Default)]
+struct Shares(Mutex<Vec<f64>>);
+
+impl Monitor for Shares {
+    fn progress(&self, done: f64) {
+        self.0.lock().unwrap().push(done);
+    }
+}
+
+#[test]
+fn progress_never_falls() {
+    // A wall far thinner than the spacing takes several attempts, a bound of the error several counts.
+    let wall = plate(12, 0.004);
+    let bounded = Options { density: Density::Auto, max_error: Some(MaxError::OfDiagonal(0.02)), ..Options::default() };
+    let cloud = Input::points(&arrays(&sphere(3, DVec3::ZERO, 1.0)));
+    let jobs =
+        [(Input::from(&wall), Options::points(150)), (Input::from(&wall), bounded), (cloud, Options::points(300))];
+    for (input, options) in jobs {
+        let shares = Shares::default();
+        remesh(&input, &options.into(), &shares).unwrap();
+        let shares = shares.0.into_inner().unwrap();
+        assert!(shares.is_sorted() && shares.len() > 20 && shares.last() == Some(&1.0), "{shares:?}");
+    }
+}
