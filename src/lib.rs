@@ -127,6 +127,8 @@ pub mod report;
 pub mod spatial;
 pub mod spectral;
 pub mod surface;
+#[cfg(test)]
+mod testing;
 pub mod transfer;
 pub mod triangulate;
 

@@ -21,8 +21,7 @@ use crate::pipeline::unit::Unit;
 use crate::prepare::repair::{Repairs, repair};
 use crate::prepare::stitch::{close_cracks, open_cracks};
 use crate::surface::domain::Domain;
-use crate::surface::interface_sizing::{lengths_from_interface, vertices};
-use crate::surface::sizing::mean_density;
+use crate::surface::sizing::{lengths_from_interface, mean_density, vertices};
 use glam::DVec3;
 use std::collections::HashMap;
 

@@ -247,14 +247,8 @@ pub fn shortcomings(
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::testing::tetrahedron;
     use glam::DVec3;
-
-    pub(in crate::report) fn tetrahedron() -> Mesh {
-        Mesh {
-            positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z],
-            triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-        }
-    }
 
     /// A report on a remeshing whose result lacks a face and has a flipped one.
     pub(in crate::report) fn failed() -> Report {

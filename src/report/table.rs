@@ -261,7 +261,8 @@ fn valence_share(shape: &Shape, range: std::ops::RangeInclusive<u32>) -> String 
 mod tests {
     use super::*;
     use crate::report::remeshing::Named;
-    use crate::report::remeshing::tests::{crossing, failed, tetrahedron};
+    use crate::report::remeshing::tests::{crossing, failed};
+    use crate::testing::tetrahedron;
     use std::time::Duration;
 
     fn has(text: &str, line: &str) {
