@@ -119,6 +119,8 @@ pub mod spatial;
 pub mod spectral;
 #[doc(hidden)]
 pub mod surface;
+#[cfg(test)]
+mod testing;
 #[doc(hidden)]
 pub mod transfer;
 #[doc(hidden)]

@@ -118,8 +118,9 @@ fn sign(x: f64) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::rng::{Random, Stage, stream, unit};
-    use glam::{DMat3, dvec3};
+    use crate::base::rng::{Stage, stream};
+    use crate::testing::random_point;
+    use glam::DMat3;
 
     fn triangle(corners: [[f64; 3]; 3]) -> Triangle {
         corners.map(DVec3::from)
@@ -213,10 +214,6 @@ mod tests {
         assert!(segments([[2., 2., 0.], [2., 2., 1.], [2., 2., 3.]]), "two segments");
         assert!(!segments([[2., 2.5, 0.], [2., 2.5, 1.], [2., 2.5, 3.]]), "two segments that miss each other");
         assert!(!segments([[5., 5., 5.], [6., 6., 6.], [7., 7., 7.]]), "two segments on one line");
-    }
-
-    fn random_point(rng: &mut Random) -> DVec3 {
-        dvec3(unit(rng), unit(rng), unit(rng))
     }
 
     /// The least distance between points of a segment and a triangle, by ternary search: both are convex.

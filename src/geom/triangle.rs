@@ -200,6 +200,7 @@ pub fn quality(corners: [DVec3; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing;
 
     #[test]
     fn a_ray_meets_a_triangle_in_front_of_it() {
@@ -208,11 +209,11 @@ mod tests {
         assert_eq!((from(0.5, 0.5, 3.0), from(0.5, 0.5, -3.0), from(1.5, 1.5, 3.0)), (Some(3.0), None, None));
         assert_eq!(along_ray(DVec3::new(-1.0, 0.5, 0.0), DVec3::X, triangle), None);
     }
-    use crate::base::rng::{Random, Stage, stream, unit};
+    use crate::base::rng::{Random, Stage, stream};
     use approx::assert_relative_eq;
 
     fn random_point(rng: &mut Random) -> DVec3 {
-        DVec3::new(unit(rng), unit(rng), unit(rng)) * 2.0 - DVec3::ONE
+        testing::random_point(rng) * 2.0 - DVec3::ONE
     }
 
     /// The smallest squared distance over a grid of the triangle's points, and the grid's pitch.

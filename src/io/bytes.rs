@@ -59,13 +59,7 @@ pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
 pub(super) mod samples {
     use crate::base::error::{Error, Place, Result};
     use crate::mesh::triangle_mesh::Mesh;
-    use glam::DVec3;
-
-    /// A tetrahedron whose faces look outwards.
-    pub fn tetrahedron() -> Mesh {
-        let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
-        Mesh { positions, triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]] }
-    }
+    pub use crate::testing::tetrahedron;
 
     /// Six times the enclosed volume: positive when the faces of a closed mesh look outwards.
     pub fn signed_volume(mesh: &Mesh) -> f64 {

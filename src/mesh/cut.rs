@@ -62,16 +62,12 @@ pub fn cut(mut mesh: Mesh, mut twin: Vec<u32>, sharp: &[bool]) -> Cut {
 mod tests {
     use super::*;
     use crate::mesh::topology::{topology, twins};
+    use crate::testing::grid;
     use glam::DVec3;
 
     /// A grid of n by n squares in the plane.
     fn sheet(n: u32) -> Mesh {
-        let width = n + 1;
-        let positions =
-            (0..width * width).map(|v| DVec3::new(f64::from(v % width), f64::from(v / width), 0.0)).collect();
-        let squares = (0..n).flat_map(|j| (0..n).map(move |i| j * width + i));
-        let triangles = squares.flat_map(|v| [[v, v + 1, v + width + 1], [v, v + width + 1, v + width]]).collect();
-        Mesh { positions, triangles }
+        grid(n, n, |u, v| f64::from(n) * DVec3::new(v, u, 0.0))
     }
 
     /// The sheet of 4 by 4 squares cut along the vertical line x = 2 between these heights.

@@ -106,11 +106,11 @@ pub fn sew(whole: &Mesh, selected: &[bool], piece: &Mesh, joined: &[u32]) -> (Me
 mod tests {
     use super::*;
     use crate::mesh::topology::topology;
-    use crate::mesh::triangle_mesh::unit_cube;
+    use crate::testing;
 
     #[test]
     fn a_part_sewn_in_again_is_the_whole() {
-        let cube = unit_cube();
+        let cube = testing::cube();
         let selected: Vec<bool> = (0..12).map(|t| t < 2 || t == 7).collect();
         let part = Submesh::cut_out(&cube, &selected);
         assert_eq!(part.mesh.triangles.len(), 3);
@@ -129,7 +129,7 @@ mod tests {
     #[test]
     fn a_part_that_touches_itself_at_a_vertex_is_a_manifold() {
         // Two faces of the cube across from each other at the corner 0: a triangle of each, without a common edge.
-        let cube = unit_cube();
+        let cube = testing::cube();
         let at_corner: Vec<usize> = (0..12).filter(|&t| cube.triangles[t].contains(&0)).collect();
         let apart =
             |&&t: &&usize| cube.triangles[at_corner[0]].iter().filter(|v| cube.triangles[t].contains(v)).count() == 1;

@@ -22,7 +22,7 @@ pub struct Topology {
     pub faces: usize,
     /// Euler characteristic, vertices - edges + faces.
     pub euler: i64,
-    /// Pieces connected through edges.
+    /// Components connected through edges.
     pub components: usize,
     /// Closed chains of boundary edges (components of the boundary that are connected through vertices).
     pub boundary_loops: usize,

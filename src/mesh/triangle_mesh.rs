@@ -74,12 +74,3 @@ impl Mesh {
         self.triangles.iter_mut().flatten().for_each(|v| *v = number[*v as usize]);
     }
 }
-
-/// The unit cube, each face two triangles, for tests.
-#[cfg(test)]
-pub(crate) fn unit_cube() -> Mesh {
-    let positions = (0..8).map(|v| DVec3::new(f64::from(v & 1), f64::from(v >> 1 & 1), f64::from(v >> 2)));
-    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    let triangles = faces.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    Mesh { positions: positions.collect(), triangles }
-}

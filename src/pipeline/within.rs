@@ -20,8 +20,7 @@ use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::scale::Scale;
 use crate::prepare::repair::Repairs;
 use crate::surface::domain::Domain;
-use crate::surface::interface_sizing::{lengths_from_interface, vertices};
-use crate::surface::sizing::mean_density;
+use crate::surface::sizing::{lengths_from_interface, mean_density, vertices};
 
 /// The repaired input and the part of it that is remeshed.
 pub(super) struct Within {

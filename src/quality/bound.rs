@@ -123,19 +123,7 @@ impl Side<'_> {
 mod tests {
     use super::*;
     use crate::quality::distance::distance;
-
-    /// The unit square at the height that `f` says, as `n` by `n` squares.
-    fn sheet(n: u32, f: impl Fn(f64, f64) -> f64) -> Mesh {
-        let at = |i: u32, j: u32| i * (n + 1) + j;
-        let place = |i: u32| f64::from(i) / f64::from(n);
-        let cells = || (0..n).flat_map(move |i| (0..n).map(move |j| (i, j)));
-        let corners = (0..=n).flat_map(|i| (0..=n).map(move |j| (place(i), place(j))));
-        let halves = |(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]];
-        Mesh {
-            positions: corners.map(|(x, y)| DVec3::new(x, y, f(x, y))).collect(),
-            triangles: cells().flat_map(halves).collect(),
-        }
-    }
+    use crate::testing::sheet;
 
     #[test]
     fn the_truth_is_between_the_bounds_and_they_are_close() {

@@ -106,16 +106,12 @@ fn used_vertices(mesh: &Mesh) -> Vec<DVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::sheet;
     use approx::assert_relative_eq;
 
     /// The unit square at height `z`, as `n` by `n` squares.
     fn square(n: u32, z: f64) -> Mesh {
-        let at = |i: u32, j: u32| i * (n + 1) + j;
-        let cells = || (0..n).flat_map(move |i| (0..n).map(move |j| (i, j)));
-        let point =
-            |k: u32| DVec3::new(f64::from(k / (n + 1)) / f64::from(n), f64::from(k % (n + 1)) / f64::from(n), z);
-        let halves = |(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]];
-        Mesh { positions: (0..(n + 1) * (n + 1)).map(point).collect(), triangles: cells().flat_map(halves).collect() }
+        sheet(n, |_, _| z)
     }
 
     #[test]

@@ -28,7 +28,7 @@ pub struct Report {
     /// Version of the tool that made the report.
     pub version: String,
     /// Whether the output is an oriented manifold of the repaired input's Euler characteristic, components and boundary
-    /// loops, without faces that cross each other unless the input has some, and within the error asked for; `None` for
+    /// loops, without self-intersections unless the input has some, and within the error asked for; `None` for
     /// a mesh that was measured only.
     pub verified: Option<bool>,
     /// The input as it was read; for a mesh that was measured only, what it was measured against.
@@ -41,7 +41,7 @@ pub struct Report {
     pub repaired: Option<Topology>,
     /// The output, or the mesh that was measured.
     pub output: Measured,
-    /// Faces that cross each other.
+    /// Self-intersecting faces.
     pub crossings: Crossings,
     /// Distances between output and input, in percent of the diagonal of the input's bounding box.
     pub distance: Option<Distance>,
@@ -67,7 +67,7 @@ pub struct Measured {
     pub shape: Option<Shape>,
 }
 
-/// Faces that cross or touch another one where they are not joined.
+/// Self-intersecting faces: those that cross or touch another one where they are not joined.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Crossings {
     /// Those of the output, in increasing order, numbered from 0.
@@ -89,7 +89,7 @@ pub struct Sampling {
     pub spacing_range: [f64; 2],
     /// Sharp edges that were kept, as curves between corners.
     pub sharp_curves: usize,
-    /// Connected pieces whose samples did not settle by themselves and took their connectivity from the input.
+    /// Smooth patches whose stars contradicted each other and that were tessellated from the input.
     pub tessellated_patches: usize,
     /// Seed of all random numbers.
     pub seed: u64,
@@ -237,15 +237,9 @@ pub fn shortcomings(
 pub(super) mod tests {
     use super::*;
     use crate::mesh::provenance::Origins;
+    use crate::testing::tetrahedron;
     use glam::DVec3;
     use std::time::Duration;
-
-    pub(in crate::report) fn tetrahedron() -> Mesh {
-        Mesh {
-            positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z],
-            triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-        }
-    }
 
     /// A report on a remeshing whose result lacks a face and has a flipped one.
     pub(in crate::report) fn failed() -> Report {

@@ -260,7 +260,8 @@ fn valence_share(shape: &Shape, range: std::ops::RangeInclusive<u32>) -> String 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::remeshing::tests::{crossing, failed_run, tetrahedron};
+    use crate::report::remeshing::tests::{crossing, failed_run};
+    use crate::testing::tetrahedron;
 
     fn has(text: &str, line: &str) {
         assert!(text.lines().any(|l| l == line), "no line\n{line}\nin\n{text}");

@@ -335,11 +335,8 @@ fn box_of(mesh: &Mesh, t: u32) -> Aabb {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::rng::{Random, Stage, stream, unit};
-
-    fn random_point(rng: &mut Random) -> DVec3 {
-        DVec3::new(unit(rng), unit(rng), unit(rng))
-    }
+    use crate::base::rng::{Stage, stream, unit};
+    use crate::testing::{random_point, sheet};
 
     /// `n` triangles without common corners, of about the size `size`.
     fn soup(n: usize, size: f64, seed: u64) -> Mesh {
@@ -354,20 +351,8 @@ mod tests {
     }
 
     /// A wavy sheet of `n` by `n` squares.
-    fn sheet(n: u32) -> Mesh {
-        let at = |i: u32, j: u32| i * (n + 1) + j;
-        let mut mesh = Mesh::default();
-        for i in 0..=n {
-            for j in 0..=n {
-                let (x, y) = (f64::from(i) / f64::from(n), f64::from(j) / f64::from(n));
-                mesh.positions.push(DVec3::new(x, y, 0.1 * (9.0 * x).sin() * (7.0 * y).cos()));
-                if i < n && j < n {
-                    mesh.triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
-                    mesh.triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
-                }
-            }
-        }
-        mesh
+    fn wavy(n: u32) -> Mesh {
+        sheet(n, |x, y| 0.1 * (9.0 * x).sin() * (7.0 * y).cos())
     }
 
     fn agrees_with_all_pairs(mesh: &Mesh) {
@@ -398,7 +383,7 @@ mod tests {
         for n in [1, 2, 4, 5, 31, 32, 33, 500] {
             agrees_with_all_pairs(&soup(n, 0.2, n as u64));
         }
-        agrees_with_all_pairs(&sheet(15));
+        agrees_with_all_pairs(&wavy(15));
         assert!(Bvh::new(&Mesh::default()).pairs_that_meet(&Mesh::default(), |_, _| true).is_empty());
     }
 
@@ -444,7 +429,7 @@ mod tests {
 
     #[test]
     fn a_sheet_whose_vertices_are_shared_breaks_ties_by_index() {
-        let mesh = sheet(20);
+        let mesh = wavy(20);
         agrees_with_brute_force(&mesh, 100);
         let bvh = Bvh::new(&mesh);
         for &p in &mesh.positions {
@@ -488,7 +473,7 @@ mod tests {
     #[test]
     #[ignore = "a measurement"]
     fn timing() {
-        let mesh = sheet(224);
+        let mesh = wavy(224);
         let start = std::time::Instant::now();
         let bvh = Bvh::new(&mesh);
         let build = start.elapsed();

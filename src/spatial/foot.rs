@@ -41,12 +41,12 @@ impl Foot {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::triangle_mesh::unit_cube;
     use crate::spatial::bvh::Bvh;
+    use crate::testing::cube;
 
     #[test]
     fn a_search_and_a_single_triangle_have_the_same_foot() {
-        let mesh = unit_cube();
+        let mesh = cube();
         for p in [DVec3::new(0.3, 0.6, 2.0), DVec3::new(-1.0, -1.0, -1.0), DVec3::new(0.9, 0.2, 0.5)] {
             let searched = Foot::of_hit(&mesh, Bvh::new(&mesh).closest(&mesh, p).unwrap());
             let alone = Foot::on_triangle(&mesh, p, searched.triangle).unwrap();

@@ -1,8 +1,8 @@
-//! Faces of a mesh that cross each other: which, exactly.
+//! Self-intersections of a mesh, exactly.
 //!
-//! Faces cross where they have a point in common that is neither a corner of both nor on a side of both; see
-//! [`crate::geom::intersection`]. Corners at the same place are one corner here, whatever their numbers are, so seams and
-//! sheets that touch at common vertices do not cross.
+//! Two faces intersect where they have a point in common that is neither a corner of both nor on a side of both; see
+//! [`crate::geom::intersection`]. Corners at the same place are one corner here, whatever their numbers are, so UV seams and
+//! surfaces that touch at common vertices do not intersect.
 //!
 //! Cost: n log n to build the hierarchy, then near-linear for surfaces, whose boxes meet few others; in parallel.
 //!
@@ -12,12 +12,12 @@ use crate::geom::intersection::cross;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
 
-/// The pairs of faces of `mesh` that cross, the lower index first, in increasing order. `bvh` is the hierarchy over it.
+/// The pairs of faces of `mesh` that intersect, the lower index first, in increasing order. `bvh` is the hierarchy over it.
 pub fn self_intersecting_pairs(mesh: &Mesh, bvh: &Bvh) -> Vec<(u32, u32)> {
     bvh.pairs_that_meet(mesh, |t, u| cross(mesh.corners(t as usize), mesh.corners(u as usize)))
 }
 
-/// The faces of `mesh` that cross another one, in increasing order.
+/// The self-intersecting faces of `mesh`, in increasing order.
 pub fn self_intersections(mesh: &Mesh) -> Vec<u32> {
     faces_of(self_intersecting_pairs(mesh, &Bvh::new(mesh)))
 }

@@ -180,14 +180,15 @@ fn sample_loop(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::triangle_mesh::{Mesh, unit_cube};
+    use crate::mesh::triangle_mesh::Mesh;
     use crate::prepare::repair::repair;
     use crate::surface::features::Features;
+    use crate::testing::cube;
     use approx::assert_relative_eq;
 
     #[test]
     fn each_face_of_a_cube_gets_its_own_samples_of_the_same_points() {
-        let domain = Domain::with_features(unit_cube().try_into().unwrap(), Features::Automatic, 0.25);
+        let domain = Domain::with_features(cube().try_into().unwrap(), Features::Automatic, 0.25);
         let made = sample_curves(&domain, 0.25);
         assert_eq!((made.samples.len(), made.edges.len(), made.corners.len()), (6 * 16, 12 * 4, 8));
         for (i, a) in made.samples.iter().enumerate() {
@@ -202,10 +203,10 @@ mod tests {
 
     #[test]
     fn curves_too_short_for_the_spacing_still_bound_something() {
-        let domain = Domain::with_features(unit_cube().try_into().unwrap(), Features::Automatic, 2.0);
+        let domain = Domain::with_features(cube().try_into().unwrap(), Features::Automatic, 2.0);
         let made = sample_curves(&domain, 2.0);
         assert_eq!((made.samples.len(), made.edges.len(), made.corners.len()), (24, 12, 8));
-        let open = Domain::new(repair(&Mesh { triangles: unit_cube().triangles[..2].to_vec(), ..unit_cube() }).0);
+        let open = Domain::new(repair(&Mesh { triangles: cube().triangles[..2].to_vec(), ..cube() }).0);
         assert_eq!(sample_curves(&open, 10.0).samples.len(), 4);
     }
 }

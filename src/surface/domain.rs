@@ -400,21 +400,12 @@ impl Domain {
 mod tests {
     use super::*;
     use crate::base::rng::{Stage, stream, unit};
+    use crate::testing;
     use glam::{DVec2, dvec3};
 
     /// A sheet of `n` by `n` squares over the unit square at the height that `f` says.
     fn sheet(n: u32, f: impl Fn(f64, f64) -> f64) -> Domain {
-        let place = |i: u32| f64::from(i) / f64::from(n);
-        let at = |i: u32, j: u32| i * (n + 1) + j;
-        let squares = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
-        let corners = (0..=n).flat_map(|i| (0..=n).map(move |j| (place(i), place(j))));
-        let positions = corners.map(|(x, y)| dvec3(x, y, f(x, y))).collect();
-        let halves = |(i, j)| {
-            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-            [[a, b, c], [a, c, d]]
-        };
-        let mesh = Mesh { positions, triangles: squares.flat_map(halves).collect() };
-        Domain::new(OrientedManifold::try_from(mesh).unwrap())
+        Domain::new(testing::sheet(n, f).try_into().unwrap())
     }
 
     #[test]

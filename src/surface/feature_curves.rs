@@ -263,8 +263,8 @@ mod tests {
     use super::*;
     use crate::mesh::cut::cut;
     use crate::mesh::topology::twins;
-    use crate::mesh::triangle_mesh::unit_cube;
     use crate::surface::features::{Features, sharp_sides};
+    use crate::testing::cube;
 
     fn curves_of(mesh: Mesh, features: Features) -> (Cut, Curves) {
         let twin = twins(&mesh.triangles);
@@ -276,7 +276,7 @@ mod tests {
 
     #[test]
     fn a_cube_has_twelve_curves_between_eight_corners() {
-        let (cut, curves) = curves_of(unit_cube(), Features::Automatic);
+        let (cut, curves) = curves_of(cube(), Features::Automatic);
         assert_eq!(curves.list.len(), 12);
         assert!(curves.list.iter().all(|c| !c.closed && c.sides.len() == 1));
         assert!((0..cut.original.len() as u32).all(|v| curves.is_corner(v)));
@@ -288,7 +288,7 @@ mod tests {
 
     #[test]
     fn the_boundary_of_a_square_has_four_corners_and_that_of_a_disk_none() {
-        let mut square = unit_cube();
+        let mut square = cube();
         square.triangles.truncate(2);
         square.drop_unused();
         let (_, curves) = curves_of(square, Features::Smooth);
@@ -306,7 +306,7 @@ mod tests {
 
     #[test]
     fn the_sides_of_a_curve_follow_each_other() {
-        let (cut, curves) = curves_of(unit_cube(), Features::Automatic);
+        let (cut, curves) = curves_of(cube(), Features::Automatic);
         let net = Net::new(&cut);
         for curve in &curves.list {
             for pair in curve.sides.windows(2) {

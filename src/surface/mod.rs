@@ -5,7 +5,6 @@ pub mod domain;
 pub mod feature_curves;
 pub mod features;
 pub mod implicit;
-pub mod interface_sizing;
 pub mod lift;
 pub mod sizing;
 pub mod submanifold;

@@ -1,11 +1,11 @@
-//! Gaps between the stars of the points of a cloud: those that are holes of the scan stay, all others are closed.
+//! The boundary loops between the stars of the points of a cloud: holes of the scan stay open, all other loops are filled.
 //!
-//! A gap is no hole if the stars around it are complete and only contradict each other, if it has but a few sides, or if
-//! it is a flat place of a flat surface, which needs no points. Points with several fans of triangles keep the largest
-//! one, so that every gap is a simple polygon, which is triangulated. Where that cannot be, the triangles around it go,
-//! and the polygon is a larger one.
+//! A loop is no hole if the stars around it are complete and only contradict each other, if it has only a few sides, or
+//! if it bounds a flat face, which needs no points inside. Points with several fans of triangles keep the largest one, so
+//! every loop is a simple polygon, which is triangulated. Where that fails, the triangles around the loop are removed, and
+//! the larger loop is tried.
 //!
-//! Cost: sorting the sides of the triangles, a few times.
+//! Cost: a few sorts of the sides of the triangles.
 
 use crate::base::csr::Csr;
 use crate::geom::aabb::Aabb;
@@ -14,45 +14,45 @@ use crate::mesh::topology::components;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::self_intersections::self_intersections;
 use crate::triangulate::agreement::agreed_by_most;
-use crate::triangulate::hole_filling::{closed_fans, closed_stars, fill_holes, gaps};
+use crate::triangulate::hole_filling::{boundary_loops, closed_fans, closed_stars, fill_holes};
 use crate::triangulate::star::INTERIOR;
 use crate::triangulate::surroundings::Surroundings;
 use glam::DVec3;
 
-/// What passes for a hole.
+/// Which boundary loops are holes.
 #[derive(Debug, Clone, Copy)]
 pub struct HoleCriteria {
-    /// Triangles whose circumradius is larger than so many spacings of their corners span one.
+    /// Triangles with a larger circumradius, in spacings of their corners, span a hole.
     pub largest_circumradius: f64,
-    /// Gaps of so many sides are none, if these are no longer than points are apart on the mean.
+    /// Loops of at most so many sides, of about a spacing each, are no holes.
     pub most_sides: usize,
-    /// How far off points may be, in spacings, and still lie in one plane.
+    /// Largest distance, in spacings, of points from the plane that they lie in.
     pub noise: f64,
-    /// Gaps in a box of no longer a diagonal are none.
+    /// Loops whose bounding box has at most this diagonal are no holes.
     pub smallest_diagonal: f64,
 }
 
-/// Triangles, each point with at most one fan of them.
-pub struct Settled {
+/// Triangles with at most one fan at each point.
+pub struct Filled {
     /// The triangles.
     pub triangles: Vec<[u32; 3]>,
-    /// Holes that were left.
+    /// The number of holes that were left open.
     pub holes: usize,
 }
 
-/// A triangle that only two of its corners say is taken if its circumradius is at most so many spacings: it is beside a
-/// hole otherwise.
+/// A triangle in the stars of only two of its corners is taken if its circumradius is at most so many spacings: larger ones
+/// lie beside a hole.
 const DOUBTFUL: f64 = 0.65;
 
-/// Least cosine between a triangle in a gap and the mean normal of its corners, if that can be had.
+/// Least cosine between a triangle that fills a loop and the mean normal of its corners, where that is possible.
 const LEAST_COSINE: f64 = 0.2;
 
-/// Rounds of closing gaps and widening those that cannot be closed.
+/// Rounds of filling loops and widening those that cannot be filled.
 const ROUNDS: usize = 6;
 
-/// Triangles of fewer connected points than this are no surface, and those with a boundary no sheet but a scrap of one.
+/// Components of fewer points than this are no surface; those with a boundary need more.
 const FEWEST_POINTS: usize = 8;
-const FEWEST_POINTS_OF_SHEET: usize = 64;
+const FEWEST_POINTS_OF_OPEN: usize = 64;
 
 /// One in so many points, at least, around a hole has a star that ends there.
 const ENDS: usize = 2;
@@ -71,18 +71,18 @@ const APART: f64 = 0.94;
 /// what bends a little normals lean to either side.
 const ONE_WAY: f64 = 0.8;
 
-/// Mean cosine, of the normals around a gap and its own, below which the gap is all that is outside of a sheet.
+/// Mean cosine between the normals around a loop and its own below which the loop is the outer boundary of a surface.
 const OUTSIDE: f64 = -0.5;
 
-/// The triangles that stars agree on and those that close the gaps between them which are no holes.
-pub fn settle(points: Surroundings<'_>, stars: &[[u32; 3]], look: HoleCriteria) -> Settled {
+/// The triangles that stars agree on and those that fill the boundary loops which are no holes.
+pub fn fill_boundary_loops(points: Surroundings<'_>, stars: &[[u32; 3]], criteria: HoleCriteria) -> Filled {
     let stars: Vec<[u32; 3]> =
-        stars.iter().copied().filter(|t| points.relative_circumradius(*t) <= look.largest_circumradius).collect();
+        stars.iter().copied().filter(|t| points.relative_circumradius(*t) <= criteria.largest_circumradius).collect();
     let ends = ends(&stars, points.positions.len());
     let successor = vec![INTERIOR; points.positions.len()];
     let mut triangles = agreed_by_most(&stars, DOUBTFUL, |t| points.relative_circumradius(t));
     drop(stars);
-    let is_hole = |polygon: &[u32]| is_hole(points, &ends, look, polygon);
+    let is_hole = |polygon: &[u32]| is_hole(points, &ends, criteria, polygon);
     let mut is_filled = vec![false; points.positions.len()];
     for _ in 0..ROUNDS {
         keep_largest_fans(&mut triangles, points.positions.len());
@@ -90,12 +90,12 @@ pub fn settle(points: Surroundings<'_>, stars: &[[u32; 3]], look: HoleCriteria) 
         let before = triangles.len();
         fill_holes(points.positions, points.normals, &successor, |p| !is_hole(p), LEAST_COSINE, &mut triangles);
         triangles[before..].iter().flatten().for_each(|&p| is_filled[p as usize] = true);
-        let mut left = gaps(points.positions, points.normals, &successor, &triangles);
+        let mut left = boundary_loops(points.positions, points.normals, &successor, &triangles);
         left.retain(|polygon| !is_hole(polygon));
         let mut is_bad = vec![false; points.positions.len()];
         left.iter().flatten().for_each(|&p| is_bad[p as usize] = true);
         if !is_bad.contains(&true) {
-            crossing(points, &triangles, &is_filled).iter().flatten().for_each(|&p| is_bad[p as usize] = true);
+            self_intersecting(points, &triangles, &is_filled).iter().flatten().for_each(|&p| is_bad[p as usize] = true);
         }
         if !is_bad.contains(&true) {
             break;
@@ -103,14 +103,14 @@ pub fn settle(points: Surroundings<'_>, stars: &[[u32; 3]], look: HoleCriteria) 
         triangles.retain(|t| !t.iter().any(|&p| is_bad[p as usize]));
     }
     keep_largest_fans(&mut triangles, points.positions.len());
-    let holes = gaps(points.positions, points.normals, &successor, &triangles);
+    let holes = boundary_loops(points.positions, points.normals, &successor, &triangles);
     drop_islands(&mut triangles, &holes, points.positions.len());
-    let holes = gaps(points.positions, points.normals, &successor, &triangles).len();
-    Settled { triangles, holes }
+    let holes = boundary_loops(points.positions, points.normals, &successor, &triangles).len();
+    Filled { triangles, holes }
 }
 
-/// The triangles around points where a gap was filled that cross each other.
-fn crossing(points: Surroundings<'_>, triangles: &[[u32; 3]], is_filled: &[bool]) -> Vec<[u32; 3]> {
+/// The self-intersecting triangles around points where a loop was filled.
+fn self_intersecting(points: Surroundings<'_>, triangles: &[[u32; 3]], is_filled: &[bool]) -> Vec<[u32; 3]> {
     let is_near = |t: &&[u32; 3]| t.iter().any(|&p| is_filled[p as usize]);
     let near: Vec<[u32; 3]> = triangles.iter().filter(is_near).copied().collect();
     let mut mesh = Mesh { positions: points.positions.to_vec(), triangles: near.clone() };
@@ -126,7 +126,7 @@ fn ends(stars: &[[u32; 3]], points: usize) -> Vec<bool> {
     ends
 }
 
-fn is_hole(points: Surroundings<'_>, ends: &[bool], look: HoleCriteria, polygon: &[u32]) -> bool {
+fn is_hole(points: Surroundings<'_>, ends: &[bool], criteria: HoleCriteria, polygon: &[u32]) -> bool {
     let open = polygon.iter().filter(|&&p| ends[p as usize]).count();
     if ENDS * open < polygon.len() {
         return false;
@@ -134,12 +134,12 @@ fn is_hole(points: Surroundings<'_>, ends: &[bool], look: HoleCriteria, polygon:
     let rim: Vec<DVec3> = polygon.iter().map(|&p| points.positions[p as usize]).collect();
     let normal = area_vector(&rim).normalize_or_zero();
     let facing = polygon.iter().map(|&p| points.normals[p as usize].dot(normal)).sum::<f64>() / rim.len() as f64;
-    let is_flat = is_flat_place(points, look, polygon);
+    let is_flat = is_flat_place(points, criteria, polygon);
     let sides = polygon.iter().zip(&rim).zip(rim.iter().cycle().skip(1));
     let length: f64 = sides.map(|((&p, a), b)| a.distance(*b) / points.spacings[p as usize]).sum();
-    let has_few_sides = polygon.len() <= look.most_sides && length <= look.most_sides as f64;
-    let is_small =
-        has_few_sides || Aabb::of(rim.iter().copied()).is_none_or(|bounds| bounds.diagonal() <= look.smallest_diagonal);
+    let has_few_sides = polygon.len() <= criteria.most_sides && length <= criteria.most_sides as f64;
+    let is_small = has_few_sides
+        || Aabb::of(rim.iter().copied()).is_none_or(|bounds| bounds.diagonal() <= criteria.smallest_diagonal);
     facing < OUTSIDE || !is_flat && !is_small
 }
 
@@ -149,9 +149,9 @@ fn area_vector(rim: &[DVec3]) -> DVec3 {
     rim.windows(2).map(|side| (side[0] - origin).cross(side[1] - origin)).sum()
 }
 
-/// Whether a gap is part of a flat face, as of a machine part, that has points at its sharp rim only: most of the points
-/// around it lie in one plane, and there are some that have its normal and some that do not, which all lean one way.
-fn is_flat_place(points: Surroundings<'_>, look: HoleCriteria, polygon: &[u32]) -> bool {
+/// Whether a loop bounds a flat face, as of a machine part, that has points at its sharp rim only: most points of the loop
+/// lie in one plane; some have its normal, and those that do not all lean the same way.
+fn is_flat_place(points: Surroundings<'_>, criteria: HoleCriteria, polygon: &[u32]) -> bool {
     let mut rim: Vec<DVec3> = polygon.iter().map(|&p| points.positions[p as usize]).collect();
     let (mut mean, mut normal, width) = plane(&rim);
     let height = |p: &DVec3, mean: DVec3, normal: DVec3| (p - mean).dot(normal).abs();
@@ -159,7 +159,7 @@ fn is_flat_place(points: Surroundings<'_>, look: HoleCriteria, polygon: &[u32]) 
     let core = (IN_PLANE * rim.len() as f64).ceil() as usize;
     (mean, normal, _) = plane(&rim[..core]);
     let spacing = polygon.iter().map(|&p| points.spacings[p as usize]).sum::<f64>() / rim.len() as f64;
-    let thickness = (THICKNESS * width).max(look.noise * spacing);
+    let thickness = (THICKNESS * width).max(criteria.noise * spacing);
     let in_plane = rim.iter().filter(|p| height(p, mean, normal) < thickness).count();
     let cosine = |p: u32| points.normals[p as usize].dot(normal).abs();
     let apart = polygon.iter().filter(|&&p| cosine(p) <= APART).count();
@@ -192,7 +192,7 @@ fn keep_largest_fans(triangles: &mut Vec<[u32; 3]>, points: usize) {
     triangles.retain(|_| !gone.next().unwrap_or(false));
 }
 
-/// Calls `remove` with the triangles that are not of the largest fan among those with `corners` at one point.
+/// Calls `remove` with the triangles outside of the largest fan among those with `corners` at one point.
 fn beside_largest_fan(triangles: &[[u32; 3]], corners: &[u32], mut remove: impl FnMut(usize)) {
     let from = |c: u32| triangles[c as usize / 3][(c as usize + 1) % 3];
     let to = |c: u32| triangles[c as usize / 3][(c as usize + 2) % 3];
@@ -225,7 +225,7 @@ fn drop_islands(triangles: &mut Vec<[u32; 3]>, holes: &[Vec<u32>], points: usize
     let mut sizes = vec![0usize; points];
     patch.iter().for_each(|&p| sizes[p as usize] += 1);
     let mut fewest = vec![FEWEST_POINTS; points];
-    holes.iter().for_each(|hole| fewest[patch[hole[0] as usize] as usize] = FEWEST_POINTS_OF_SHEET);
+    holes.iter().for_each(|hole| fewest[patch[hole[0] as usize] as usize] = FEWEST_POINTS_OF_OPEN);
     triangles.retain(|t| {
         let patch = patch[t[0] as usize] as usize;
         sizes[patch] >= fewest[patch]

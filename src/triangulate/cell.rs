@@ -7,7 +7,7 @@
 //! Based on: B. Lévy, N. Bonneel, Variational anisotropic surface meshing with Voronoi parallel linear enumeration,
 //! 2013, DOI 10.1007/978-3-642-33573-0_21, which names that radius of security.
 //!
-//! Cost: some six corners looked at for each of some fifteen neighbours, and no memory.
+//! Cost: about six corners are tested for each of about fifteen neighbours; no memory.
 //!
 //! Limits: floating point decides which of four neighbours on one circle are adjacent, and each of them may see it in
 //! another way.

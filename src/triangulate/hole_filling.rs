@@ -1,10 +1,10 @@
-//! Fills what the agreed triangles leave open: mostly quadruples of samples on one circle, where either diagonal is
+//! Fills the holes between the agreed triangles: mostly quadruples of samples on one circle, where either diagonal is
 //! right, and now and then a place that the samples do not resolve.
 //!
 //! The sides that still need a triangle are chained into polygons, each side followed by the next one around its end,
-//! and each polygon is triangulated such that no triangle looks away from the surface, if that can be, and the smallest
-//! angle is largest. An edge that is there already is never made again. What cannot be filled like this stays open, and
-//! the verification that follows sees it.
+//! and each polygon is triangulated such that the smallest angle is largest and, if possible, no triangle faces away from
+//! the surface. An existing edge is never made again. Polygons that cannot be filled stay open, and the verification that
+//! follows sees them.
 //!
 //! Cost: cubic in the sides of a polygon, of which there are four or five nearly always.
 
@@ -16,7 +16,7 @@ use std::collections::HashSet;
 /// Polygons of more sides are left open: they would take a second each.
 const MOST_SIDES: usize = 200;
 
-/// Adds to `triangles` those that close the gaps between them that are `to_fill`: polygons with the gap on their left.
+/// Adds to `triangles` those that fill the boundary loops `to_fill`: polygons with the hole on their left.
 /// `successor` is the next sample on a boundary. Triangles should have at least this cosine with the mean normal of their
 /// corners.
 pub fn fill_holes(
@@ -45,8 +45,13 @@ pub fn fill_holes(
     }
 }
 
-/// The gaps between `triangles`, as polygons with the gap on their left.
-pub fn gaps(positions: &[DVec3], normals: &[DVec3], successor: &[u32], triangles: &[[u32; 3]]) -> Vec<Vec<u32>> {
+/// The boundary loops of `triangles`, as polygons with the hole on their left.
+pub fn boundary_loops(
+    positions: &[DVec3],
+    normals: &[DVec3],
+    successor: &[u32],
+    triangles: &[[u32; 3]],
+) -> Vec<Vec<u32>> {
     chain(positions, normals, &open_sides(successor, triangles))
 }
 
@@ -80,12 +85,12 @@ pub(super) fn closed_fans(vertices: usize, triangles: &[[u32; 3]]) -> Vec<bool> 
 /// do, too. Around a closed star every neighbour is once the second and once the third corner, so that sums of any
 /// numbers of theirs are the same.
 pub(super) fn closed_stars(vertices: usize, triangles: impl Iterator<Item = [u32; 3]>) -> Vec<bool> {
-    let mut match_target_count = vec![0u64; vertices];
+    let mut sums_of_fans = vec![0u64; vertices];
     for [v, from, to] in triangles {
-        let sum = &mut match_target_count[v as usize];
+        let sum = &mut sums_of_fans[v as usize];
         *sum = sum.wrapping_add(scrambled(to)).wrapping_sub(scrambled(from));
     }
-    match_target_count.into_iter().map(|b| b == 0).collect()
+    sums_of_fans.into_iter().map(|sum| sum == 0).collect()
 }
 
 /// A number of 64 bits that looks random (the mixing of SplitMix64), so that no two open fans cancel each other.
@@ -187,7 +192,7 @@ fn triangulate_polygon(
     Some(filling)
 }
 
-/// The smallest angle of a triangle; less than zero for one that looks away from the surface.
+/// The smallest angle of a triangle; negative for a triangle that faces away from the surface.
 fn goodness(triangle: [usize; 3], positions: &[DVec3], normals: &[DVec3], least_facing: f64) -> f64 {
     let corners = triangle.map(|v| positions[v]);
     let [a, b, c] = corners;

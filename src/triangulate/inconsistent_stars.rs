@@ -202,23 +202,17 @@ mod tests {
     use super::*;
 
     use crate::mesh::topology::topology;
-    use crate::mesh::triangle_mesh::Mesh;
+    use crate::testing::grid;
     use crate::triangulate::agreement::agreed;
-    use glam::dvec3;
+    use glam::{DVec3, dvec3};
 
     const NO_BOUNDARY: Boundary = Boundary { sites: &[], successor: &[] };
 
     /// A square of `n` by `n` unit cells, slightly vaulted.
     fn sheet(n: u32) -> Domain {
-        let at = |i: u32, j: u32| i * (n + 1) + j;
-        let cells = || (0..n).flat_map(move |i| (0..n).map(move |j| (i, j)));
-        let place = |v: u32| {
-            let (x, y) = (f64::from(v / (n + 1)), f64::from(v % (n + 1)));
-            dvec3(x, y, 0.01 * (x * y).sin())
-        };
-        let halves = |(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]];
-        let positions = (0..(n + 1) * (n + 1)).map(place).collect();
-        Domain::new(Mesh { positions, triangles: cells().flat_map(halves).collect() }.try_into().unwrap())
+        let place = |u: f64, v: f64| f64::from(n) * dvec3(u, v, 0.0);
+        let vaulted = |p: DVec3| dvec3(p.x, p.y, 0.01 * (p.x * p.y).sin());
+        Domain::new(grid(n, n, |u, v| vaulted(place(u, v))).try_into().unwrap())
     }
 
     /// A sample in the middle of every second triangle, without stars.

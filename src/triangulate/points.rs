@@ -10,7 +10,7 @@ use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 use crate::base::rng::{Stage, stream, unit};
 use crate::geom::aabb::Aabb;
-use crate::triangulate::boundary_loops::{HoleCriteria, settle};
+use crate::triangulate::boundary_loops::{HoleCriteria, fill_boundary_loops};
 use crate::triangulate::neighbourhood::Neighbourhood;
 use crate::triangulate::surroundings::Surroundings;
 use crate::triangulate::unfold::Neighbour;
@@ -26,8 +26,8 @@ const GROWTH: f64 = 1.5;
 /// The triangles between the points, counter-clockwise seen from where normals point. Each point has one fan of them at
 /// most. Holes whose loops have a bounding box with a diagonal of up to `close_up_to` are closed.
 ///
-/// Where even a lenient look finds holes the scan is an open one, and a stricter look finds the smaller ones, too: none
-/// of them could be told from places that are only sparse otherwise.
+/// If lenient criteria find holes, the scan is open, and strict criteria are applied to find its smaller holes, too; in a
+/// closed scan these would be places that are only sparse.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
@@ -43,22 +43,22 @@ pub fn triangulate_points(points: Surroundings<'_>, close_up_to: f64, monitor: &
     check(monitor)?;
     let bounds = Aabb::of(points.positions.iter().copied()).unwrap_or_default();
     let smallest_diagonal = close_up_to.max(SMALL_HOLE * bounds.diagonal());
-    let closed = settle(points, &stars, HoleCriteria { smallest_diagonal, ..LENIENT });
+    let closed = fill_boundary_loops(points, &stars, HoleCriteria { smallest_diagonal, ..LENIENT });
     check(monitor)?;
     if closed.holes == 0 {
         return Ok(closed.triangles);
     }
-    Ok(settle(points, &stars, HoleCriteria { smallest_diagonal: close_up_to, ..STRICT }).triangles)
+    Ok(fill_boundary_loops(points, &stars, HoleCriteria { smallest_diagonal: close_up_to, ..STRICT }).triangles)
 }
 
-/// A look at a closed scan, whose gaps may be where it is only sparse.
+/// Hole criteria for a closed scan, whose loops may lie where it is only sparse.
 const LENIENT: HoleCriteria =
     HoleCriteria { largest_circumradius: LARGEST_CIRCUMRADIUS, most_sides: 16, noise: 0.17, smallest_diagonal: 0.0 };
 
-/// A scan whose holes have boxes with diagonals below this share of that of all points is taken for a closed one.
+/// Loops whose bounding box has a diagonal below this fraction of the cloud's do not make a scan an open one.
 const SMALL_HOLE: f64 = 0.08;
 
-/// A look at a scan that has holes.
+/// Hole criteria for a scan that has holes.
 const STRICT: HoleCriteria =
     HoleCriteria { largest_circumradius: 1.2, most_sides: 7, noise: 0.0, smallest_diagonal: 0.0 };
 

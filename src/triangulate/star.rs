@@ -129,9 +129,9 @@ impl<'a> StarMaker<'a> {
         self.cloud.spacing * self.cloud.samples[s as usize].size
     }
 
-    /// Finds the samples of the patch of `centre` within `radius` of it, as if they were all of one sheet. The distance
-    /// of the nearest that may not be, for facing another way. (The two sides of a thin sheet do, and between two
-    /// layers that face the same way there is one that does not.)
+    /// Finds the samples of the patch of `centre` within `radius` of it, as if the surface were a single layer. Gives the
+    /// distance of the nearest sample that may belong to another layer because it faces another way. (The two sides of a
+    /// thin wall do, and between two layers that face the same way there is one that does not.)
     fn find_in_ball(&mut self, centre: u32, radius: f64) -> f64 {
         let Cloud { domain, samples, near, .. } = self.cloud;
         let here = &samples[centre as usize];

@@ -5,11 +5,11 @@ use crate::spatial::knn_graph::NeighborGraph;
 use crate::triangulate::unfold::along_bend;
 use glam::{DVec2, DVec3};
 
-/// Least cosine between the normals of two points of one sheet: sharp edges are part of it, the two sides of a thin wall
+/// Least cosine between the normals of two points of one layer: sharp edges are part of it, the two sides of a thin wall
 /// are not.
 const LEAST_AGREEMENT: f64 = -0.2;
 
-/// The largest sine between the way to a neighbour that faces the same way and the plane of both. On a sheet it is near
+/// The largest sine between the way to a neighbour that faces the same way and the plane of both. Within a layer it is near
 /// zero, towards another layer of a fold it is large; across an edge it may be anything up to the sine of half the angle.
 const STEEPEST: f64 = 0.5;
 
@@ -37,7 +37,7 @@ impl Surroundings<'_> {
         sides / (2.0 * (b - a).cross(c - a).length() * spacing)
     }
 
-    /// Where point `b` lies in the tangent plane of `a`; `None` if they are not of one sheet.
+    /// Where point `b` lies in the tangent plane of `a`; `None` if they do not belong to one layer.
     pub(super) fn place(&self, a: u32, b: u32) -> Option<DVec2> {
         let (a, b) = (a as usize, b as usize);
         let offset = self.positions[b] - self.positions[a];

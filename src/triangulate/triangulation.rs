@@ -18,6 +18,6 @@ pub struct Triangulated {
     pub mesh: Manifold,
     /// For each of its vertices the sample that it is; vertices of the domain come after all samples.
     pub source: Vec<u32>,
-    /// Pieces whose stars did not settle and that were tessellated from the input as a whole.
+    /// Smooth patches whose stars contradicted each other and that were tessellated from the input as a whole.
     pub tessellated_patches: usize,
 }

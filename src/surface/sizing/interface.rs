@@ -18,7 +18,9 @@
 
 use crate::mesh::half_edge::next;
 use crate::surface::domain::Domain;
-use crate::surface::sizing::{FIELD_GRADIENT, Graph, limited, mean_density};
+use crate::surface::sizing::field::{FIELD_GRADIENT, mean_density};
+use crate::surface::sizing::gradation::limited;
+use crate::surface::sizing::graph::Graph;
 
 /// Steepest gradient that is tried: with a steeper one there is nothing left to go over. Given lengths keep it, and a
 /// number of vertices that not even it leaves is met with even lengths.
@@ -113,26 +115,18 @@ impl Bounds {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::triangle_mesh::Mesh;
     use crate::surface::features::Features;
+    use crate::testing::grid;
     use glam::DVec3;
 
     /// A band of 200 by 4 squares of side 0.01, cut out along its left end.
     fn band() -> Domain {
-        let at = |i: u32, j: u32| 5 * i + j;
-        let places = (0..=200).flat_map(|i| (0..=4).map(move |j| (i, j)));
-        let positions = places.map(|(i, j)| 0.01 * DVec3::new(f64::from(i), f64::from(j), 0.0)).collect();
-        let squares = (0..200).flat_map(|i| (0..4).map(move |j| (i, j)));
-        let halves = |(i, j)| {
-            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-            [[a, b, c], [a, c, d]]
-        };
-        let mesh = Mesh { positions, triangles: squares.flat_map(halves).collect() };
+        let mesh = grid(200, 4, |u, v| DVec3::new(2.0 * u, 0.04 * v, 0.0));
         Domain::with_interface(mesh.try_into().unwrap(), Features::Smooth, 0.1, vec![[1, 0], [2, 1], [3, 2], [4, 3]])
     }
 
     #[test]
-    fn lengths_go_over_from_the_seam_to_what_is_wanted() {
+    fn lengths_change_from_those_of_the_interface_to_the_wanted_ones() {
         let domain = band();
         assert_eq!(domain.curves.list.iter().filter(|curve| curve.interface).count(), 4);
         for wanted in [0.1, 0.001] {

@@ -1,0 +1,53 @@
+//! The neighbours of the vertices of a domain, and random walks between them.
+
+use crate::base::csr::Csr;
+use crate::mesh::half_edge::next;
+use crate::mesh::topology::NONE;
+use crate::surface::domain::Domain;
+use rayon::prelude::*;
+
+/// The neighbours of vertices.
+pub(super) struct Graph(Csr<u32>);
+
+impl Graph {
+    /// Those of the vertices of a domain within its smooth patches.
+    pub fn of_patches(domain: &Domain) -> Graph {
+        Graph::new(domain, |v| v, |side| domain.twin[side] == NONE)
+    }
+
+    /// Those of the vertices of a domain as they were before sharp edges were cut; further copies of them have none.
+    pub fn whole(domain: &Domain) -> Graph {
+        let on_boundary = |side: usize| domain.twin[side] == NONE && domain.across[side] == NONE;
+        Graph::new(domain, |v| domain.original[v as usize], on_boundary)
+    }
+
+    /// Each side makes its end a neighbour of its start, and also the other way where no side across does.
+    fn new(domain: &Domain, name: impl Fn(u32) -> u32, on_boundary: impl Fn(usize) -> bool) -> Graph {
+        let corner = |side: u32| name(domain.mesh.triangles[side as usize / 3][side as usize % 3]);
+        let sides = 0..domain.twin.len() as u32;
+        let mut pairs: Vec<(u32, u32)> = sides.clone().map(|s| (corner(s), corner(next(s)))).collect();
+        pairs.extend(sides.filter(|&s| on_boundary(s as usize)).map(|s| (corner(next(s)), corner(s))));
+        pairs.par_sort_unstable();
+        Graph(Csr::new(domain.mesh.positions.len(), || pairs.iter().copied()))
+    }
+
+    pub fn of(&self, v: u32) -> &[u32] {
+        self.0.row(v)
+    }
+
+    /// What is where after `steps` steps of random walks, each to a neighbour or nowhere.
+    pub fn spread<const K: usize>(&self, mut amounts: Vec<[f64; K]>, steps: usize) -> Vec<[f64; K]> {
+        let share = |v: u32| 1.0 / (1 + self.of(v).len()) as f64;
+        for _ in 0..steps {
+            let arriving = |v: u32| {
+                let mut sum = [0.0; K];
+                for &w in self.of(v).iter().chain([&v]) {
+                    (0..K).for_each(|k| sum[k] += share(w) * amounts[w as usize][k]);
+                }
+                sum
+            };
+            amounts = (0..amounts.len() as u32).into_par_iter().map(arriving).collect();
+        }
+        amounts
+    }
+}

@@ -1,0 +1,10 @@
+//! The edge lengths that are wanted on a domain.
+
+mod field;
+mod gradation;
+mod graph;
+mod interface;
+mod radii;
+
+pub use field::{adapted_sizes, field_lengths, field_sizes, mean_density};
+pub use interface::{lengths_from_interface, vertices};
