@@ -265,7 +265,7 @@ fn s11_report_distance(bencher: Bencher) {
 #[divan::bench(args = [false, true])]
 fn s11_mesh_of_points(bencher: Bencher, smooth: bool) {
     let all = INPUTS.candidates.iter().step_by(2).map(|c| c.sample(&INPUTS.domain).position);
-    let points = Points { positions: all.collect(), normals: Vec::new() };
+    let points = Points::without_normals(all.collect());
     let options = CloudOptions { smooth: smooth.then_some(2.3), ..CloudOptions::default() };
     bencher.bench(|| mesh_of_points(black_box(&points), &options, &()).unwrap().mesh.triangles.len());
 }

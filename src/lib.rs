@@ -136,7 +136,7 @@ pub mod stages {
     };
 }
 
-pub use base::error::{Error, Place, Result, Setting};
+pub use base::error::{Error, Fault, Place, Result, Setting};
 pub use base::monitor::{Monitor, Stopwatch};
 pub use job::{Carry, Input, Origin, Outcome, RemeshOptions, quality, reconstruct, remesh, sample};
 pub use mesh::attributes::{Attribute, Attributes, Lost, Materials, Scalar};

@@ -33,6 +33,8 @@ pub enum Error {
     /// A mesh that no stage can work on: no triangles, no area, coordinates that are not finite.
     #[error("{cause}; {remedy}")]
     Mesh {
+        /// The kind of it.
+        fault: Fault,
         /// What is wrong.
         cause: String,
         /// What to do about it.
@@ -59,10 +61,36 @@ impl Error {
     pub fn in_file(self, name: &str) -> Self {
         match self {
             Error::Format { place, cause, remedy, .. } => Error::Format { file: name.into(), place, cause, remedy },
-            Error::Mesh { cause, remedy } => Error::Format { file: name.into(), place: Place::Whole, cause, remedy },
+            Error::Mesh { cause, remedy, .. } => {
+                Error::Format { file: name.into(), place: Place::Whole, cause, remedy }
+            }
             other => other,
         }
     }
+}
+
+/// What is wrong with a mesh or with points, for programs that match on an error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Fault {
+    /// It has no triangles, or there are no points.
+    Empty,
+    /// All of it is on a line or at one place.
+    NoArea,
+    /// A coordinate is not finite, or too large.
+    Coordinates,
+    /// A triangle has a corner that is not there.
+    Indices,
+    /// Lists that belong together differ in length.
+    Lengths,
+    /// It is no oriented manifold.
+    NotManifold,
+    /// The wanted vertices would be too near to each other.
+    TooNarrow,
+    /// No surface goes through the points.
+    NoSurface,
+    /// It does not have an attribute that was asked for.
+    NoAttribute,
 }
 
 /// What can be set, for programs that match on an error.

@@ -38,13 +38,13 @@ impl From<Status> for ExitCode {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::error::Setting;
+    use crate::base::error::{Fault, Setting};
 
     #[test]
     fn each_error_has_its_status() {
         let (cause, remedy) = (String::new(), String::new());
         let file = Error::File { file: String::new(), cause: cause.clone(), remedy: remedy.clone() };
-        let mesh = Error::Mesh { cause: cause.clone(), remedy: remedy.clone() };
+        let mesh = Error::Mesh { fault: Fault::NoArea, cause: cause.clone(), remedy: remedy.clone() };
         let option = Error::Option { option: Setting::Points, cause, remedy };
         let found = [file, mesh.clone(), mesh.in_file("x"), option, Error::Cancelled].map(|e| Status::of(&e));
         assert_eq!(found, [Status::File, Status::File, Status::File, Status::Usage, Status::Interrupted]);

@@ -23,8 +23,11 @@ pub struct Loaded {
 
 impl Loaded {
     /// The vertices as points, with their normals if the file has them.
-    pub fn into_points(self) -> Points {
-        Points { normals: self.attributes.normals(), positions: self.mesh.positions }
+    ///
+    /// # Errors
+    /// [`Error::Mesh`](crate::Error::Mesh) for attributes that are not those of all vertices.
+    pub fn into_points(self) -> Result<Points> {
+        Points::new(self.mesh.positions, self.attributes.normals())
     }
 }
 

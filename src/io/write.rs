@@ -42,12 +42,12 @@ pub fn write_points(
     out: &mut dyn std::io::Write,
 ) -> std::io::Result<()> {
     let mut attributes = attributes.clone();
-    if !points.normals.is_empty() {
-        let values = points.normals.iter().flat_map(|n| n.to_array()).collect();
+    if !points.normals().is_empty() {
+        let values = points.normals().iter().flat_map(|n| n.to_array()).collect();
         attributes.vertex.retain(|a| !a.is_normal());
         attributes.vertex.insert(0, Attribute { name: NORMAL.into(), components: 3, values, scalar: Scalar::F64 });
     }
-    write_content(&Content { positions: &points.positions, triangles: &[], attributes: &attributes }, format, out)
+    write_content(&Content { positions: points.positions(), triangles: &[], attributes: &attributes }, format, out)
 }
 
 fn write_content(content: &Content, format: Format, out: &mut dyn std::io::Write) -> std::io::Result<()> {

@@ -1,6 +1,6 @@
 //! What a job works on.
 
-use crate::base::error::{Error, Result};
+use crate::base::error::{Error, Fault, Result};
 use crate::io::Loaded;
 use crate::mesh::attributes::Attributes;
 use crate::mesh::points::Points;
@@ -49,7 +49,7 @@ impl<'a> Input<'a> {
             return Ok(());
         }
         let cause = format!("{} points and no triangles", self.mesh.positions.len());
-        Err(Error::Mesh { cause, remedy: "make a mesh of them first, by remeshing them".into() })
+        Err(Error::Mesh { fault: Fault::Empty, cause, remedy: "make a mesh of them first, by remeshing them".into() })
     }
 
     pub(super) fn as_mesh(&self) -> &Mesh {
@@ -61,8 +61,8 @@ impl<'a> Input<'a> {
     }
 
     /// The vertices, with the normals that they have.
-    pub(super) fn as_points(&self) -> Points {
-        Points { positions: self.mesh.positions.clone(), normals: self.attributes.normals() }
+    pub(super) fn as_points(&self) -> Result<Points> {
+        Points::new(self.mesh.positions.clone(), self.attributes.normals())
     }
 }
 

@@ -21,7 +21,7 @@ pub fn sample(input: &Input, options: &SampleOptions, monitor: &dyn Monitor) -> 
         options.signals.iter().map(|signal| signal.resolved(input.attributes())).collect();
     let options = SampleOptions { signals: signals?, ..options.clone() };
     if input.is_cloud() {
-        return pipeline::sample_points(&input.as_points(), &options, monitor);
+        return pipeline::sample_points(&input.as_points()?, &options, monitor);
     }
     pipeline::sample(input.as_mesh(), &options, monitor)
 }
@@ -33,6 +33,6 @@ pub fn sample(input: &Input, options: &SampleOptions, monitor: &dyn Monitor) -> 
 /// memory than can be meant.
 pub fn reconstruct(input: &Input, options: &ReconstructOptions, monitor: &dyn Monitor) -> Result<Reconstructed> {
     let monitor = &Overall::new(monitor, &RECONSTRUCTION);
-    let points = if input.is_cloud() { input.as_points() } else { points_of_mesh(input.as_mesh()) };
+    let points = if input.is_cloud() { input.as_points()? } else { points_of_mesh(input.as_mesh()) };
     pipeline::reconstruct(&points, options, monitor)
 }

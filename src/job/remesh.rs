@@ -120,7 +120,7 @@ impl<'a> Surface<'a> {
         }
         resolved.grading.check(input.as_mesh().positions.len())?;
         let smooth = options.cloud.smooth.or(options.surface.smooth);
-        let made = mesh_of_points(&input.as_points(), &CloudOptions { smooth, ..options.cloud.clone() }, monitor)?;
+        let made = mesh_of_points(&input.as_points()?, &CloudOptions { smooth, ..options.cloud.clone() }, monitor)?;
         let grading = resolved.grading.of(&made.source);
         Ok(Surface {
             attributes: Cow::Owned(input.attributes().of_vertices(&made.source)),

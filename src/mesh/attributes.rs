@@ -3,7 +3,7 @@
 //!
 //! Two names mean something: [`COLOR`] and [`NORMAL`]. Everything else goes by the name that its file gives it.
 
-use crate::base::error::{Error, Result};
+use crate::base::error::{Error, Fault, Result};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -240,7 +240,8 @@ impl Attributes {
             [] => "they have none at all; give the numbers in another way, or the mesh as PLY or glTF with them".into(),
             _ => format!("use one of {}", known.join(", ")),
         };
-        Err(Error::Mesh { cause: format!("the vertices have no property '{}'", name.escape_debug()), remedy })
+        let cause = format!("the vertices have no property '{}'", name.escape_debug());
+        Err(Error::Mesh { fault: Fault::NoAttribute, cause, remedy })
     }
 }
 

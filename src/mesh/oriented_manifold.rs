@@ -1,6 +1,6 @@
 //! A mesh that is known to be an oriented 2-manifold, and where it came from.
 
-use crate::base::error::{Error, Result};
+use crate::base::error::{Error, Fault, Result};
 use crate::mesh::provenance::Provenance;
 use crate::mesh::topology::topology;
 use crate::mesh::triangle_mesh::Mesh;
@@ -74,7 +74,7 @@ impl TryFrom<Mesh> for OrientedManifold {
         let t = topology(mesh.positions.len(), &mesh.triangles);
         if !t.is_manifold() || !t.is_oriented() || t.vertices < mesh.positions.len() {
             let cause = "the mesh is no oriented manifold that uses all of its vertices".into();
-            return Err(Error::Mesh { cause, remedy: "repair it first".into() });
+            return Err(Error::Mesh { fault: Fault::NotManifold, cause, remedy: "repair it first".into() });
         }
         let provenance = Provenance::identity(mesh.positions.len(), mesh.triangles.len());
         Ok(OrientedManifold { mesh, provenance })

@@ -1,17 +1,60 @@
 //! A point cloud as plain data.
 
+use crate::base::error::{Error, Fault, Result};
 use glam::DVec3;
 
 /// Points of a surface, with or without normals.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Points {
-    /// Where they are, in the units of the file.
-    pub positions: Vec<DVec3>,
-    /// A normal for each point, of any length, or none at all: then this is empty.
-    pub normals: Vec<DVec3>,
+    positions: Vec<DVec3>,
+    normals: Vec<DVec3>,
 }
 
 impl Points {
+    /// Points at `positions`, with a normal each, of any length, or with none at all.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] for more or fewer normals than points.
+    pub fn new(positions: Vec<DVec3>, normals: Vec<DVec3>) -> Result<Points> {
+        if normals.is_empty() || normals.len() == positions.len() {
+            return Ok(Points { positions, normals });
+        }
+        let cause = format!("{} normals for {} points", normals.len(), positions.len());
+        Err(Error::Mesh { fault: Fault::Lengths, cause, remedy: "give each point one, or none at all".into() })
+    }
+
+    /// Points at `positions`, without normals.
+    pub fn without_normals(positions: Vec<DVec3>) -> Points {
+        Points { positions, normals: Vec::new() }
+    }
+
+    /// Points with their normals, of any length.
+    pub fn from_pairs(pairs: impl IntoIterator<Item = (DVec3, DVec3)>) -> Points {
+        let (positions, normals) = pairs.into_iter().unzip();
+        Points { positions, normals }
+    }
+
+    /// Where they are, in the units of the file.
+    pub fn positions(&self) -> &[DVec3] {
+        &self.positions
+    }
+
+    /// A normal for each point, of any length, or none at all.
+    pub fn normals(&self) -> &[DVec3] {
+        &self.normals
+    }
+
+    /// The same points with these normals, or with none.
+    pub(crate) fn with_normals(self, normals: Vec<DVec3>) -> Points {
+        debug_assert!(normals.is_empty() || normals.len() == self.positions.len());
+        Points { normals, ..self }
+    }
+
+    /// Positions and normals.
+    pub fn into_parts(self) -> (Vec<DVec3>, Vec<DVec3>) {
+        (self.positions, self.normals)
+    }
+
     /// The points of these numbers, in their order.
     #[must_use]
     pub fn pick(&self, numbers: &[u32]) -> Points {

@@ -1,6 +1,6 @@
 //! From a point cloud to a mesh through its points, which is then remeshed like any other.
 
-use crate::base::error::{Error, Result, Setting};
+use crate::base::error::{Error, Fault, Result, Setting};
 use crate::base::monitor::{Monitor, check};
 use crate::geom::eigen::{eigen, scatter};
 use crate::mesh::points::Points;
@@ -185,28 +185,29 @@ impl Prepared {
 pub(super) fn prepared(points: &Points, options: &CloudOptions, monitor: &dyn Monitor) -> Result<Prepared> {
     options.validate()?;
     monitor.stage("clean");
-    let mut summary = CloudSummary { points: points.positions.len(), ..CloudSummary::default() };
-    let mut source = distinct(&points.positions, &spatial_order(&points.positions));
+    let mut summary = CloudSummary { points: points.positions().len(), ..CloudSummary::default() };
+    let mut source = distinct(points.positions(), &spatial_order(points.positions()));
     let mut points = points.pick(&source);
-    summary.duplicates = summary.points - points.positions.len();
-    refuse_without_surface(&points.positions)?;
-    let mut near = Neighbors::new(&points.positions);
-    let mut graph = NeighborGraph::new(&points.positions, &near, DEGREE);
+    summary.duplicates = summary.points - points.positions().len();
+    refuse_without_surface(points.positions())?;
+    let mut near = Neighbors::new(points.positions());
+    let mut graph = NeighborGraph::new(points.positions(), &near, DEGREE);
     check(monitor)?;
-    let wanted = wanted_by_others(&graph, points.positions.len());
+    let wanted = wanted_by_others(&graph, points.positions().len());
     summary.outliers = wanted.iter().filter(|w| !**w).count();
     if summary.outliers > 0 {
         let kept: Vec<u32> = (0..wanted.len() as u32).filter(|&p| wanted[p as usize]).collect();
         points = points.pick(&kept);
         source = kept.iter().map(|&p| source[p as usize]).collect();
-        near = Neighbors::new(&points.positions);
-        graph = NeighborGraph::new(&points.positions, &near, DEGREE);
+        near = Neighbors::new(points.positions());
+        graph = NeighborGraph::new(points.positions(), &near, DEGREE);
     }
     check(monitor)?;
 
     monitor.stage("normals");
-    points.normals = normals(&points, &near, &graph, options, &mut summary);
-    let spacings = graph.spacings(&points.positions);
+    let normals = normals(&points, &near, &graph, options, &mut summary);
+    let points = points.with_normals(normals);
+    let spacings = graph.spacings(points.positions());
     check(monitor)?;
     Ok(Prepared { points, source, near, graph, spacings, summary })
 }
@@ -219,8 +220,8 @@ pub(super) fn prepared(points: &Points, options: &CloudOptions, monitor: &dyn Mo
 pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Monitor) -> Result<MeshOfPoints> {
     let prepared = prepared(points, options, monitor)?;
     let has_no_outside = prepared.has_no_outside();
-    let Prepared { points: Points { mut positions, mut normals }, mut source, mut near, graph, spacings, mut summary } =
-        prepared;
+    let Prepared { points, mut source, mut near, graph, spacings, mut summary } = prepared;
+    let (mut positions, mut normals) = points.into_parts();
     if let Some(reach) = options.smooth {
         monitor.stage("smooth");
         (positions, normals) = Rimls::new(&positions, &normals, &near, &spacings, reach).smoothed();
@@ -250,25 +251,30 @@ pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Mon
 /// What to say of points whose surface has no triangle.
 pub(super) fn no_surface(points: usize) -> Error {
     let cause = format!("no surface goes through these {points} points: neighbours do not agree on one");
-    Error::Mesh { cause, remedy: "give more points, or less noisy ones, or try smoothing".into() }
+    Error::Mesh {
+        fault: Fault::NoSurface,
+        cause,
+        remedy: "give more points, or less noisy ones, or try smoothing".into(),
+    }
 }
 
 /// Refuses points without an area.
 fn refuse_without_surface(positions: &[DVec3]) -> Result<()> {
-    let refuse = |cause: String| Err(Error::Mesh { cause, remedy: "give points all over a surface".into() });
+    let refuse =
+        |fault, cause: String| Err(Error::Mesh { fault, cause, remedy: "give points all over a surface".into() });
     if let Some(p) = positions.iter().position(|p| !p.is_finite()) {
-        return refuse(format!("point {p} is at {}", positions[p]));
+        return refuse(Fault::Coordinates, format!("point {p} is at {}", positions[p]));
     }
     let n = positions.len();
     if n == 1 {
-        return refuse("all points are at one place".into());
+        return refuse(Fault::NoArea, "all points are at one place".into());
     }
     let ([_, middle, largest], _) = eigen(scatter(positions.iter().copied()).1);
     if n > 1 && middle.max(0.0).sqrt() <= 1e-7 * largest.sqrt() {
-        return refuse(format!("all {n} points lie on a line"));
+        return refuse(Fault::NoArea, format!("all {n} points lie on a line"));
     }
     if n < FEWEST_POINTS {
-        return refuse(format!("{n} points at different places are too few for a surface"));
+        return refuse(Fault::Empty, format!("{n} points at different places are too few for a surface"));
     }
     Ok(())
 }
@@ -281,8 +287,8 @@ fn normals(
     options: &CloudOptions,
     summary: &mut CloudSummary,
 ) -> Vec<DVec3> {
-    let positions = &points.positions;
-    let mut given: Vec<DVec3> = points.normals.iter().map(|n| n.normalize_or_zero()).collect();
+    let positions = points.positions();
+    let mut given: Vec<DVec3> = points.normals().iter().map(|n| n.normalize_or_zero()).collect();
     given.resize(positions.len(), DVec3::ZERO);
     let missing = given.iter().filter(|n| **n == DVec3::ZERO).count();
     summary.estimated_normals = missing;

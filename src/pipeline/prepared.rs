@@ -1,6 +1,6 @@
 //! What a run goes by: the input, repaired once for all attempts, and what is asked of the result.
 
-use crate::base::error::{Error, Result};
+use crate::base::error::{Error, Fault, Result};
 use crate::base::monitor::{Monitor, check};
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::topology::{Topology, topology};
@@ -83,16 +83,17 @@ fn repaired(mesh: &Mesh, weld: Option<f64>) -> (OrientedManifold, Repairs) {
 const LARGEST_COORDINATE: f64 = 1e150;
 
 pub(super) fn refuse_bad_numbers(mesh: &Mesh) -> Result<()> {
-    let mesh_error = |cause: String, remedy: &str| Err(Error::Mesh { cause, remedy: remedy.into() });
+    let refuse = |fault, cause: String, remedy: &str| Err(Error::Mesh { fault, cause, remedy: remedy.into() });
     if mesh.triangles.is_empty() {
         let n = mesh.positions.len();
         let remedy = "a surface with faces is needed; reconstruct one from the points first";
-        return mesh_error(format!("{n} points and no faces"), remedy);
+        return refuse(Fault::Empty, format!("{n} points and no faces"), remedy);
     }
     refuse_bad_positions(&mesh.positions)?;
     let bound = mesh.positions.len();
     if let Some(t) = mesh.triangles.iter().position(|t| t.iter().any(|&v| v as usize >= bound)) {
-        return mesh_error(
+        return refuse(
+            Fault::Indices,
             format!("triangle {t} has a corner that is not there: {:?} of {bound}", mesh.triangles[t]),
             "mend the indices",
         );
@@ -104,6 +105,6 @@ pub(super) fn refuse_bad_positions(positions: &[DVec3]) -> Result<()> {
     let bad = positions.iter().position(|p| !p.abs().cmplt(DVec3::splat(LARGEST_COORDINATE)).all());
     bad.map_or(Ok(()), |v| {
         let remedy = "remove it or mend its coordinates".into();
-        Err(Error::Mesh { cause: format!("vertex {v} is at {}", positions[v]), remedy })
+        Err(Error::Mesh { fault: Fault::Coordinates, cause: format!("vertex {v} is at {}", positions[v]), remedy })
     })
 }

@@ -66,7 +66,8 @@ pub fn points_of_mesh(mesh: &Mesh) -> Points {
     let mut used = vec![false; mesh.positions.len()];
     mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
     let used: Vec<u32> = (0..used.len() as u32).filter(|&v| used[v as usize]).collect();
-    Points { positions: mesh.positions.clone(), normals: mesh.vertex_area_vectors() }.pick(&used)
+    let normals = mesh.vertex_area_vectors();
+    Points::from_pairs(used.into_iter().map(|v| (mesh.positions[v as usize], normals[v as usize])))
 }
 
 /// The robust implicit surface of `points` (Öztireli, Guennebaud, Gross 2009) as triangles about as large as the cells
@@ -83,15 +84,15 @@ pub fn reconstruct(points: &Points, options: &ReconstructOptions, monitor: &dyn 
     let has_no_outside = prepared.has_no_outside();
     let area = prepared.area();
     let Prepared { points, near, mut spacings, summary, .. } = prepared;
-    let count = points.positions.len();
+    let count = points.positions().len();
     let spacing = spacings.iter().sum::<f64>() / count as f64;
     let resolution = options.resolution.unwrap_or(DEFAULT_RESOLUTION * spacing);
     refuse_too_small(resolution, area)?;
     spacings.iter_mut().for_each(|s| *s = s.max(resolution));
 
     monitor.stage("extract");
-    let surface = Rimls::new(&points.positions, &points.normals, &near, &spacings, reach);
-    let lattice = Lattice::around(&points.positions, surface.largest_support(), resolution);
+    let surface = Rimls::new(points.positions(), points.normals(), &near, &spacings, reach);
+    let lattice = Lattice::around(points.positions(), surface.largest_support(), resolution);
     let lattice = lattice.ok_or_else(|| too_small(resolution, f64::INFINITY))?;
     let mesh = extract(&surface, &lattice, MOST_VERTICES, monitor)?;
     check(monitor)?;

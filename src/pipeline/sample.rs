@@ -3,7 +3,7 @@
 //! The count comes of the width of the kernel, which is found by search. What is left is added where s is largest or
 //! removed where it is smallest.
 
-use crate::base::error::{Error, Result, Setting};
+use crate::base::error::{Error, Fault, Result, Setting};
 use crate::base::monitor::{Monitor, check};
 use crate::base::rng::{Stage, stream, unit as unit_random};
 use crate::geom::aabb::Aabb;
@@ -155,11 +155,8 @@ fn sample_surface(
         6 => task.on_surface::<6>(&domain, &candidates),
         _ => task.on_surface::<MOST_DIMENSIONS>(&domain, &candidates),
     }?;
-    let points = Points {
-        positions: samples.iter().map(|s| unit.outwards_point(s.position)).collect(),
-        normals: samples.iter().map(|s| s.normal).collect(),
-    };
-    let notes = notes(points.positions.len(), candidates.len(), wanted);
+    let points = Points::from_pairs(samples.iter().map(|s| (unit.outwards_point(s.position), s.normal)));
+    let notes = notes(points.positions().len(), candidates.len(), wanted);
     Ok(Sampled {
         points,
         indices: None,
@@ -201,12 +198,12 @@ fn sample_vertices(
 /// options out of range; [`Error::Cancelled`] if the monitor asks for it.
 pub fn sample_points(input: &Points, options: &SampleOptions, monitor: &dyn Monitor) -> Result<Sampled> {
     options.validate()?;
-    check_signals(&options.signals, input.positions.len())?;
-    refuse_bad_points(&input.positions)?;
-    let unit = Unit::of_points(&input.positions);
-    let positions = input.positions.iter().map(|&p| unit.inwards_point(p)).collect();
-    let inwards = Points { positions, normals: input.normals.clone() };
-    let needs_normals = options.sigma_n.is_finite() && input.normals.is_empty();
+    check_signals(&options.signals, input.positions().len())?;
+    refuse_bad_points(input.positions())?;
+    let unit = Unit::of_points(input.positions());
+    let positions = input.positions().iter().map(|&p| unit.inwards_point(p)).collect();
+    let inwards = Points::new(positions, input.normals().to_vec())?;
+    let needs_normals = options.sigma_n.is_finite() && input.normals().is_empty();
     let cloud = match prepared(&inwards, &options.cloud.within_unit(unit.size), monitor) {
         Err(Error::Mesh { .. }) if options.scan_only && !needs_normals => {
             monitor.stage("sample");
@@ -222,7 +219,7 @@ pub fn sample_points(input: &Points, options: &SampleOptions, monitor: &dyn Moni
     let sampled = if options.scan_only {
         let given = bare_samples(&cloud.points);
         task.subset(&BarePoints, &Given { samples: &given, domain: None })?.of(
-            &input.positions,
+            input.positions(),
             Some(&cloud.source),
             unit.size,
         )
@@ -234,15 +231,15 @@ pub fn sample_points(input: &Points, options: &SampleOptions, monitor: &dyn Moni
 
 /// A subset of points that are no surface.
 fn sample_bare_points(input: &Points, unit: &Unit, options: &SampleOptions, monitor: &dyn Monitor) -> Result<Sampled> {
-    let positions = input.positions.iter().map(|&p| unit.inwards_point(p)).collect();
-    let bare = bare_samples(&Points { positions, normals: input.normals.clone() });
+    let positions = input.positions().iter().map(|&p| unit.inwards_point(p)).collect();
+    let bare = bare_samples(&Points::new(positions, input.normals().to_vec())?);
     let (first_sigma, wanted) = first_sigma(options.density, area_of_box(&bare), unit);
     let features = KernelFeatures::of_points(options.sigma_n, &options.signals);
     let task = Task { features: &features, first_sigma, wanted, options, monitor };
     let mut sampled =
-        task.subset(&BarePoints, &Given { samples: &bare, domain: None })?.of(&input.positions, None, unit.size);
-    if input.normals.is_empty() {
-        sampled.points.normals.clear();
+        task.subset(&BarePoints, &Given { samples: &bare, domain: None })?.of(input.positions(), None, unit.size);
+    if input.normals().is_empty() {
+        sampled.points = sampled.points.with_normals(Vec::new());
     }
     Ok(sampled)
 }
@@ -255,7 +252,7 @@ const DISK: f64 = 0.6;
 /// The points of a cloud on its surface, as samples, and more between them if `wanted` is no small part of them.
 fn choices_on(surface: &Rimls, cloud: &Prepared, wanted: usize, seed: u64) -> Vec<Sample> {
     let mut rng = stream(seed, Stage::Candidates);
-    let Points { positions, normals } = &cloud.points;
+    let (positions, normals) = (cloud.points.positions(), cloud.points.normals());
     let each = (CHOICES_PER_POINT * wanted).div_ceil(positions.len()).max(1);
     let places: Vec<DVec3> = (0..each * positions.len())
         .map(|i| {
@@ -297,11 +294,11 @@ fn used_vertices(input: &Mesh, unit: &Unit, domain: &Domain) -> (Vec<Sample>, Ve
 fn bare_samples(input: &Points) -> Vec<Sample> {
     let sample = |(i, &position): (usize, &DVec3)| Sample {
         position,
-        normal: input.normals.get(i).map_or(DVec3::ZERO, |n| n.normalize_or_zero()),
+        normal: input.normals().get(i).map_or(DVec3::ZERO, |n| n.normalize_or_zero()),
         triangle: i as u32,
         size: 1.0,
     };
-    input.positions.iter().enumerate().map(sample).collect()
+    input.positions().iter().enumerate().map(sample).collect()
 }
 
 /// Half the area of the bounding box: about that of a surface whose area is not known.
@@ -344,10 +341,9 @@ impl Subset<'_> {
     fn of(self, positions: &[DVec3], numbers: Option<&[u32]>, unit: f64) -> Sampled {
         let Subset { given, kept, sigma, wanted } = self;
         let indices: Vec<u32> = kept.iter().map(|&i| numbers.map_or(i, |numbers| numbers[i as usize])).collect();
-        let points = Points {
-            positions: indices.iter().map(|&i| positions[i as usize]).collect(),
-            normals: kept.iter().map(|&i| given[i as usize].normal).collect(),
-        };
+        let points = Points::from_pairs(
+            indices.iter().zip(&kept).map(|(&i, &k)| (positions[i as usize], given[k as usize].normal)),
+        );
         let notes = notes(kept.len(), given.len(), wanted);
         Sampled {
             points,
@@ -404,7 +400,8 @@ impl Task<'_> {
     /// Samples of the surface of a cloud after ascent.
     fn on_cloud(&self, cloud: &Prepared, unit: &Unit) -> Result<Sampled> {
         let reach = self.options.cloud.smooth.unwrap_or(INTERPOLATING_SUPPORT);
-        let surface = Rimls::new(&cloud.points.positions, &cloud.points.normals, &cloud.near, &cloud.spacings, reach);
+        let surface =
+            Rimls::new(&cloud.points.positions(), &cloud.points.normals(), &cloud.near, &cloud.spacings, reach);
         let expected = self.wanted.unwrap_or_else(|| Scale::count_of_sigma(self.first_sigma, cloud.area()));
         check_count(Setting::SigmaP, expected, format!("this width means {expected} samples"))?;
         let choices = choices_on(&surface, cloud, expected, self.options.seed);
@@ -414,10 +411,7 @@ impl Task<'_> {
             6 => self.ascended::<6>(&surface, &choices),
             _ => self.ascended::<MOST_DIMENSIONS>(&surface, &choices),
         }?;
-        let points = Points {
-            positions: samples.iter().map(|s| unit.outwards_point(s.position)).collect(),
-            normals: samples.iter().map(|s| s.normal).collect(),
-        };
+        let points = Points::from_pairs(samples.iter().map(|s| (unit.outwards_point(s.position), s.normal)));
         let notes = notes(samples.len(), choices.len(), self.wanted);
         let sigma_p = unit.size * sigma;
         Ok(Sampled {
@@ -497,7 +491,11 @@ fn notes(kept: usize, candidates: usize, wanted: Option<usize>) -> Vec<String> {
 
 fn refuse_bad_points(positions: &[DVec3]) -> Result<()> {
     if positions.is_empty() {
-        return Err(Error::Mesh { cause: "there are no points".into(), remedy: "check what the file is".into() });
+        return Err(Error::Mesh {
+            fault: Fault::Empty,
+            cause: "there are no points".into(),
+            remedy: "check what the file is".into(),
+        });
     }
     refuse_bad_positions(positions)
 }

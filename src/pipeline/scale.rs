@@ -1,6 +1,6 @@
 //! How many vertices there shall be, and how far apart: of a density, or of a field of wanted lengths.
 
-use crate::base::error::{Error, Result, Setting};
+use crate::base::error::{Error, Fault, Result, Setting};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::density::{Density, FIRST_POINTS, check_count};
 use crate::pipeline::unit::Unit;
@@ -71,7 +71,7 @@ pub(super) fn refuse_no_area(clean: &Mesh, unit: &Unit) -> Result<()> {
         return Ok(());
     }
     let remedy = "a surface is needed; check that the coordinates are not all on one line".into();
-    Err(Error::Mesh { cause: "the triangles have no area".into(), remedy })
+    Err(Error::Mesh { fault: Fault::NoArea, cause: "the triangles have no area".into(), remedy })
 }
 
 /// Smallest spacing that can be worked with, in the pipeline's unit: cells of the sampler are numbered in 32 bits.
@@ -86,7 +86,11 @@ impl Scale {
                 return Ok(Scale { wanted, spacing });
             }
             let cause = format!("{wanted} vertices would be {:e} apart", spacing * unit.size);
-            Err(Error::Mesh { cause, remedy: "so narrow a surface needs fewer vertices".into() })
+            Err(Error::Mesh {
+                fault: Fault::TooNarrow,
+                cause,
+                remedy: "so narrow a surface needs fewer vertices".into(),
+            })
         };
         let from_length = |option, length: f64, spacing: f64| {
             let wanted = count(area, spacing);

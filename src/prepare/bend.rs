@@ -11,7 +11,6 @@
 //! flat.
 
 use crate::mesh::oriented_manifold::OrientedManifold;
-use crate::mesh::points::Points;
 use crate::mesh::refine::halve_edges;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
@@ -44,7 +43,8 @@ const RINGS: usize = 5;
 
 /// Points with normals, and what their implicit surface takes.
 struct Cloud {
-    points: Points,
+    positions: Vec<DVec3>,
+    normals: Vec<DVec3>,
     near: Neighbors,
     spacings: Vec<f64>,
 }
@@ -52,17 +52,18 @@ struct Cloud {
 impl Cloud {
     /// The vertices `of_mesh`, which look as the triangles there do.
     fn new(mesh: &Mesh, of_mesh: &[u32]) -> Cloud {
-        let normals = mesh.vertex_area_vectors().into_iter().map(DVec3::normalize_or_zero).collect();
-        let Points { positions, normals } = Points { positions: mesh.positions.clone(), normals }.pick(of_mesh);
+        let normals: Vec<DVec3> = mesh.vertex_area_vectors().into_iter().map(DVec3::normalize_or_zero).collect();
+        let pick = |list: &[DVec3]| of_mesh.iter().map(|&v| list[v as usize]).collect::<Vec<DVec3>>();
+        let (positions, normals) = (pick(&mesh.positions), pick(&normals));
         let near = Neighbors::new(&positions);
         let graph = NeighborGraph::new(&positions, &near, DEGREE);
         let spacings = graph.spacings(&positions);
         let normals = sphere_normals(&positions, &normals, &Neighborhood::Nearest(&graph, MANY_NEIGHBORS));
-        Cloud { points: Points { positions, normals }, near, spacings }
+        Cloud { positions, normals, near, spacings }
     }
 
     fn surface(&self, reach: f64) -> Rimls<'_> {
-        Rimls::new(&self.points.positions, &self.points.normals, &self.near, &self.spacings, reach)
+        Rimls::new(&self.positions, &self.normals, &self.near, &self.spacings, reach)
     }
 }
 

@@ -56,13 +56,16 @@ mod tests {
 
     #[test]
     fn the_first_at_each_place_stays() {
-        let points = Points {
-            positions: vec![DVec3::X, DVec3::ZERO, DVec3::X, DVec3::new(-0.0, 0.0, 0.0), DVec3::Y],
-            normals: vec![DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y],
-        };
-        let kept = points.pick(&distinct(&points.positions, &[4, 3, 2, 1, 0]));
-        assert_eq!(kept.positions, [DVec3::Y, DVec3::ZERO, DVec3::X]);
-        assert_eq!(kept.normals, [DVec3::NEG_Y, DVec3::Y, DVec3::X]);
+        let points = Points::from_pairs([
+            (DVec3::X, DVec3::X),
+            (DVec3::ZERO, DVec3::Y),
+            (DVec3::X, DVec3::Z),
+            (DVec3::new(-0.0, 0.0, 0.0), DVec3::NEG_X),
+            (DVec3::Y, DVec3::NEG_Y),
+        ]);
+        let kept = points.pick(&distinct(points.positions(), &[4, 3, 2, 1, 0]));
+        assert_eq!(kept.positions(), [DVec3::Y, DVec3::ZERO, DVec3::X]);
+        assert_eq!(kept.normals(), [DVec3::NEG_Y, DVec3::Y, DVec3::X]);
     }
 
     #[test]

@@ -51,7 +51,7 @@ impl SamplesReport {
             version: env!("CARGO_PKG_VERSION").into(),
             input,
             output,
-            samples: sampled.points.positions.len(),
+            samples: sampled.points.positions().len(),
             wanted: sampled.wanted,
             candidates: sampled.candidates,
             scan_only: sampled.indices.is_some(),

@@ -28,7 +28,7 @@ fn sphere(count: usize) -> Vec<DVec3> {
 }
 
 fn cloud(positions: Vec<DVec3>) -> Points {
-    Points { positions, normals: Vec::new() }
+    Points::without_normals(positions)
 }
 
 fn connected(points: &Points, options: &CloudOptions) -> MeshOfPoints {
@@ -75,7 +75,7 @@ fn random_points_without_normals_become_a_good_mesh() {
 #[test]
 fn given_normals_say_the_outside() {
     let positions = sphere(3_000);
-    let inwards = Points { normals: positions.iter().map(|p| -3.0 * *p).collect(), positions };
+    let inwards = Points::new(positions.clone(), positions.iter().map(|p| -3.0 * *p).collect()).unwrap();
     let made = connect(&inwards);
     assert_eq!(audit(&made.mesh), (2, 1, 0));
     assert!(volume(&made.mesh) < 0.0);
@@ -88,7 +88,7 @@ fn half_of_the_normals_flipped_and_some_of_no_length() {
     let mut rng = random();
     let mut normals: Vec<DVec3> = positions.iter().map(|p| if unit(&mut rng) < 0.5 { *p } else { -*p }).collect();
     normals[..100].fill(DVec3::ZERO);
-    let made = connect(&Points { positions, normals });
+    let made = connect(&Points::new(positions, normals).unwrap());
     assert_eq!(audit(&made.mesh), (2, 1, 0));
     assert!(volume(&made.mesh) > 0.0);
     assert_eq!(made.summary.estimated_normals, 100);
@@ -249,7 +249,7 @@ fn the_same_mesh_for_any_number_of_threads_scale_and_place() {
     };
     assert_eq!(with(1), with(4));
     for (scale, offset) in [(1e-6, 0.0), (1e6, 1e9)] {
-        let moved = points.positions.iter().map(|p| *p * scale + offset).collect();
+        let moved = points.positions().iter().map(|p| *p * scale + offset).collect();
         assert_eq!(audit(&connect(&cloud(moved)).mesh), (2, 1, 0), "{scale}");
     }
 }

@@ -138,7 +138,7 @@ fn scan() -> (Points, Attributes) {
         scalar,
     };
     let vertex = vec![attribute("color", 3, Scalar::U8), attribute("_LABEL", 1, Scalar::U16)];
-    (Points { positions, normals }, Attributes { vertex, ..Attributes::default() })
+    (Points::new(positions, normals).unwrap(), Attributes { vertex, ..Attributes::default() })
 }
 
 #[test]
@@ -159,9 +159,9 @@ fn points_come_back_from_every_format_that_has_them() {
         let label = loaded.attributes.vertex.iter().find(|a| a.components == 1);
         assert_eq!(label.map(|a| a.values.clone()), holds("_LABEL").then(|| attributes.vertex[1].values.clone()));
         assert!(label.is_none_or(|a| a.name == "_LABEL"), "{format}");
-        let back = loaded.into_points();
-        assert_eq!(back.positions, points.positions, "{format}");
-        assert!((0..6).all(|v| back.normals[v].distance(points.normals[v]) < 1e-6), "{format}");
+        let back = loaded.into_points().unwrap();
+        assert_eq!(back.positions(), points.positions(), "{format}");
+        assert!((0..6).all(|v| back.normals()[v].distance(points.normals()[v]) < 1e-6), "{format}");
     }
 }
 
@@ -177,16 +177,16 @@ fn clouds_are_read_from_all_that_holds_them() {
     ] {
         let loaded = io::parse(text.as_bytes(), format, NO_BUFFERS).unwrap();
         assert_eq!(loaded.mesh.triangles.len(), 0);
-        let points = loaded.into_points();
-        assert_eq!(points.positions, [DVec3::ZERO, DVec3::X, DVec3::Y], "{format}");
-        assert_eq!(points.normals, &normals[..if with_normals { 3 } else { 0 }], "{format}");
+        let points = loaded.into_points().unwrap();
+        assert_eq!(points.positions(), [DVec3::ZERO, DVec3::X, DVec3::Y], "{format}");
+        assert_eq!(points.normals(), &normals[..if with_normals { 3 } else { 0 }], "{format}");
     }
 }
 
 /// An octahedron with everything: normals, colours, labels, textured faces of two materials.
 fn dressed() -> (Mesh, Attributes) {
     let (points, mut attributes) = scan();
-    let values = points.normals.iter().flat_map(|n| n.to_array()).collect();
+    let values = points.normals().iter().flat_map(|n| n.to_array()).collect();
     attributes.vertex.insert(0, Attribute { name: "normal".into(), components: 3, values, scalar: Scalar::F64 });
     attributes.texture = (0..8).map(|t| [0.0, 0.25, 0.5].map(|x| DVec2::new(x, f64::from(t / 4) / 2.0))).collect();
     let of_triangle = (0..8).map(|t| t / 4).collect();

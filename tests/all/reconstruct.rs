@@ -12,7 +12,7 @@ fn with_normals(mesh: &Mesh) -> Points {
 }
 
 fn without_normals(mesh: &Mesh) -> Points {
-    Points { positions: mesh.positions.clone(), normals: Vec::new() }
+    Points::without_normals(mesh.positions.clone())
 }
 
 fn made(points: &Points, options: &ReconstructOptions) -> Reconstructed {
@@ -68,7 +68,7 @@ fn a_torus_and_nested_balls() {
 fn a_thin_wall_has_two_sides_and_no_others() {
     let flat = moved(sphere(5, DVec3::ZERO, 1.0), |p| p * dvec3(1.0, 1.0, 0.06));
     let normal = |p: &DVec3| *p / dvec3(1.0, 1.0, 0.06).powf(2.0);
-    let points = Points { normals: flat.positions.iter().map(normal).collect(), positions: flat.positions };
+    let points = Points::from_pairs(flat.positions.iter().map(|p| (*p, normal(p))));
     let t = made(&points, &at(0.01)).topology;
     assert_eq!((t.euler, t.components, t.boundary_loops), (2, 1, 0));
 }
@@ -78,7 +78,7 @@ fn an_open_cloud_has_a_border_near_its_own() {
     let half = |mesh: Mesh| mesh.positions.into_iter().filter(|p| p.z > -0.01).collect::<Vec<DVec3>>();
     let positions = half(sphere(5, DVec3::ZERO, 1.0));
     let Reconstructed { mesh, topology, spacing, .. } =
-        made(&Points { normals: positions.clone(), positions }, &ReconstructOptions::default());
+        made(&Points::from_pairs(positions.into_iter().map(|p| (p, p))), &ReconstructOptions::default());
     assert_eq!((topology.euler, topology.boundary_loops, topology.components), (1, 1, 1));
     let lowest = mesh.positions.iter().map(|p| p.z).fold(1.0, f64::min);
     assert!((-1.5 * spacing..0.0).contains(&lowest), "{lowest} {spacing}");
@@ -92,7 +92,7 @@ fn noise_is_smoothed() {
         (mesh.positions.iter().map(square).sum::<f64>() / mesh.positions.len() as f64).sqrt()
     };
     let normals = sphere(5, DVec3::ZERO, 1.0).positions;
-    let given = Points { positions: ball.positions.clone(), normals };
+    let given = Points::new(ball.positions.clone(), normals).unwrap();
     for (points, most) in [(given, 0.5), (without_normals(&ball), 0.7)] {
         let cloud = CloudOptions { smooth: Some(2.2), ..CloudOptions::default() };
         let smooth = made(&points, &ReconstructOptions { resolution: Some(0.03), cloud });
@@ -107,7 +107,7 @@ fn random_points_have_no_holes() {
     let ball = with_normals(&sphere(6, DVec3::ZERO, 1.0));
     let mut rng = random(6);
     let mut is_chosen = |_: &u32| spectral_remesh::stages::base::rng::unit(&mut rng) < 0.25;
-    let chosen: Vec<u32> = (0..ball.positions.len() as u32).filter(|p| is_chosen(p)).collect();
+    let chosen: Vec<u32> = (0..ball.positions().len() as u32).filter(|p| is_chosen(p)).collect();
     let t = made(&ball.pick(&chosen), &ReconstructOptions::default()).topology;
     assert_eq!((t.euler, t.components, t.boundary_loops), (2, 1, 0));
 }
@@ -134,9 +134,9 @@ fn what_has_no_surface_is_refused() {
     let ball = with_normals(&sphere(3, DVec3::ZERO, 1.0));
     let default = ReconstructOptions::default();
     refused(&Points::default(), &default, "too few");
-    let five = Points { positions: ball.positions[..5].to_vec(), normals: Vec::new() };
+    let five = Points::without_normals(ball.positions()[..5].to_vec());
     refused(&five, &default, "5 points at different places are too few");
-    let line = Points { positions: (0..50).map(|i| f64::from(i) * DVec3::ONE).collect(), normals: Vec::new() };
+    let line = Points::without_normals((0..50).map(|i| f64::from(i) * DVec3::ONE).collect());
     refused(&line, &default, "on a line");
     for length in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         refused(&ball, &at(length), "resolution: ");

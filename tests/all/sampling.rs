@@ -131,13 +131,13 @@ fn exactly_as_many_samples_evenly_on_the_surface() {
     let ball = sphere(6, centre, 20.0);
     for n in [3, 100, 999, 2000] {
         let Sampled { points, indices, wanted, notes, .. } = sampled(&ball, &count(n));
-        assert_eq!((points.positions.len(), points.normals.len(), wanted), (n, n, Some(n)));
+        assert_eq!((points.positions().len(), points.normals().len(), wanted), (n, n, Some(n)));
         assert!(indices.is_none() && notes.is_empty(), "{notes:?}");
-        for (p, normal) in points.positions.iter().zip(&points.normals) {
+        for (p, normal) in points.positions().iter().zip(points.normals()) {
             let out = (*p - centre) / 20.0;
             assert!((out.length() - 1.0).abs() < 1e-3 && normal.dot(out) > 0.999, "{p} {normal}");
         }
-        let rho = poisson_disk_radius(&Space, &points.positions, ball.area());
+        let rho = poisson_disk_radius(&Space, points.positions(), ball.area());
         assert!(n == 3 || rho > 0.72, "{n}: {rho}");
     }
 }
@@ -161,10 +161,10 @@ fn a_subset_of_the_vertices_with_their_numbers() {
     let ball = sphere(5, DVec3::ZERO, 1.0);
     let Sampled { points, indices, candidates, .. } = sampled(&ball, &SampleOptions { scan_only: true, ..count(500) });
     let indices = indices.unwrap();
-    assert_eq!((points.positions.len(), indices.len(), candidates), (500, 500, ball.positions.len()));
+    assert_eq!((points.positions().len(), indices.len(), candidates), (500, 500, ball.positions.len()));
     assert!(indices.windows(2).all(|pair| pair[0] < pair[1]));
-    assert!(indices.iter().zip(&points.positions).all(|(&i, p)| *p == ball.positions[i as usize]));
-    assert!(poisson_disk_radius(&Space, &points.positions, ball.area()) > 0.45);
+    assert!(indices.iter().zip(points.positions()).all(|(&i, p)| *p == ball.positions[i as usize]));
+    assert!(poisson_disk_radius(&Space, points.positions(), ball.area()) > 0.45);
 }
 
 #[test]
@@ -175,16 +175,16 @@ fn a_kernel_that_is_too_narrow_or_too_wide_says_so() {
         sampled(&ball, &SampleOptions { density, scan_only: true, ..SampleOptions::default() })
     };
     let narrow = with(1e-6);
-    assert_eq!(narrow.points.positions.len(), ball.positions.len());
+    assert_eq!(narrow.points.positions().len(), ball.positions.len());
     assert!(narrow.notes[0].contains("all 1026 points are kept"), "{:?}", narrow.notes);
     let wide = with(10.0);
-    assert!(wide.points.positions.len() < 5 && wide.notes[0].contains("only"), "{:?}", wide.notes);
+    assert!(wide.points.positions().len() < 5 && wide.notes[0].contains("only"), "{:?}", wide.notes);
     let fine = with(0.2);
-    assert!(fine.notes.is_empty() && (200..500).contains(&fine.points.positions.len()));
+    assert!(fine.notes.is_empty() && (200..500).contains(&fine.points.positions().len()));
 }
 
 fn cloud(positions: Vec<DVec3>) -> Points {
-    Points { positions, normals: Vec::new() }
+    Points::without_normals(positions)
 }
 
 fn subset(points: &Points, n: usize) -> Sampled {
@@ -195,16 +195,16 @@ fn subset(points: &Points, n: usize) -> Sampled {
 fn a_subset_of_a_cloud() {
     let ball = sphere(5, DVec3::ZERO, 1.0);
     let without = subset(&cloud(ball.positions.clone()), 400);
-    assert_eq!(without.points.positions.len(), 400);
+    assert_eq!(without.points.positions().len(), 400);
     // Normals that are not given are estimated, all to the same side.
     let facing = |(p, n): (&DVec3, &DVec3)| n.dot(*p);
-    let sides: Vec<f64> = without.points.positions.iter().zip(&without.points.normals).map(facing).collect();
+    let sides: Vec<f64> = without.points.positions().iter().zip(without.points.normals()).map(facing).collect();
     assert!(sides.iter().all(|side| side * sides[0] > 0.99), "{sides:?}");
-    let with = Points { normals: ball.positions.iter().map(|p| 3.0 * *p).collect(), ..cloud(ball.positions.clone()) };
+    let with = Points::new(ball.positions.clone(), ball.positions.iter().map(|p| 3.0 * *p).collect()).unwrap();
     let options = SampleOptions { scan_only: true, sigma_n: 0.5, ..count(400) };
     let both = sample_points(&with, &options, &()).unwrap();
-    assert_eq!(both.points.positions.len(), 400);
-    assert!(both.points.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-12));
+    assert_eq!(both.points.positions().len(), 400);
+    assert!(both.points.normals().iter().all(|n| (n.length() - 1.0).abs() < 1e-12));
 }
 
 #[test]
@@ -214,7 +214,7 @@ fn a_subset_is_numbered_as_in_the_input_also_where_points_are_dropped() {
     positions.insert(0, DVec3::splat(9.0));
     let made = subset(&cloud(positions.clone()), 500);
     let indices = made.indices.unwrap();
-    assert!(indices.iter().zip(&made.points.positions).all(|(&i, p)| *p == positions[i as usize]));
+    assert!(indices.iter().zip(made.points.positions()).all(|(&i, p)| *p == positions[i as usize]));
     assert!(!indices.contains(&0));
     let summary = made.cloud.unwrap();
     assert_eq!((summary.duplicates, summary.outliers), (1, 1));
@@ -224,19 +224,18 @@ fn a_subset_is_numbered_as_in_the_input_also_where_points_are_dropped() {
 fn blue_noise_on_a_cloud() {
     let centre = dvec3(1e3, -2e3, 5.0);
     let ball = sphere(6, centre, 20.0);
-    let given =
-        Points { normals: ball.positions.iter().map(|p| *p - centre).collect(), ..cloud(ball.positions.clone()) };
+    let given = Points::new(ball.positions.clone(), ball.positions.iter().map(|p| *p - centre).collect()).unwrap();
     // Without normals as well, and more samples than points.
     for (points, n) in [(&given, 300), (&given, 1000), (&cloud(ball.positions.clone()), 1000), (&given, 6000)] {
         let made = sample_points(points, &count(n), &()).unwrap();
-        assert_eq!((made.points.positions.len(), made.points.normals.len(), made.wanted), (n, n, Some(n)));
+        assert_eq!((made.points.positions().len(), made.points.normals().len(), made.wanted), (n, n, Some(n)));
         assert!(made.indices.is_none() && made.notes.is_empty(), "{:?}", made.notes);
-        let side = (made.points.positions[0] - centre).dot(made.points.normals[0]).signum();
-        for (p, normal) in made.points.positions.iter().zip(&made.points.normals) {
+        let side = (made.points.positions()[0] - centre).dot(made.points.normals()[0]).signum();
+        for (p, normal) in made.points.positions().iter().zip(made.points.normals()) {
             let out = (*p - centre) / 20.0;
             assert!((out.length() - 1.0).abs() < 3e-3 && side * normal.dot(out) > 0.99, "{p} {normal}");
         }
-        let rho = poisson_disk_radius(&Space, &made.points.positions, ball.area());
+        let rho = poisson_disk_radius(&Space, &made.points.positions(), ball.area());
         assert!(rho > 0.7, "{n}: {rho}");
     }
 }
@@ -244,13 +243,13 @@ fn blue_noise_on_a_cloud() {
 #[test]
 fn noise_of_a_cloud_is_not_sampled() {
     let ball = noisy(sphere(6, DVec3::ZERO, 1.0), 0.015, &mut random(8));
-    let given = Points { normals: ball.positions.clone(), ..cloud(ball.positions.clone()) };
+    let given = Points::new(ball.positions.clone(), ball.positions.clone()).unwrap();
     let cloud = CloudOptions { smooth: Some(4.0), ..CloudOptions::default() };
     let made = sample_points(&given, &SampleOptions { cloud, ..count(800) }, &()).unwrap();
     let off = |points: &[DVec3]| {
         (points.iter().map(|p| (p.length() - 1.0).powi(2)).sum::<f64>() / points.len() as f64).sqrt()
     };
-    assert!(off(&made.points.positions) < 0.4 * off(&ball.positions), "{}", off(&made.points.positions));
+    assert!(off(&made.points.positions()) < 0.4 * off(&ball.positions), "{}", off(&made.points.positions()));
 }
 
 /// Samples stay on an open sheet, and on either side of a thin plate.
@@ -260,8 +259,8 @@ fn samples_keep_to_the_sheet_of_the_cloud() {
         |z: f64, n: i32| (0..n * n).map(move |i| dvec3(f64::from(i % n), f64::from(i / n), z) / f64::from(n - 1));
     let positions: Vec<DVec3> = square(0.0, 50).chain(square(0.5, 50)).collect();
     let normals = positions.iter().map(|p| if p.z > 0.0 { DVec3::Z } else { DVec3::NEG_Z }).collect();
-    let made = sample_points(&Points { positions, normals }, &count(600), &()).unwrap();
-    for (p, n) in made.points.positions.iter().zip(&made.points.normals) {
+    let made = sample_points(&Points::new(positions, normals).unwrap(), &count(600), &()).unwrap();
+    for (p, n) in made.points.positions().iter().zip(made.points.normals()) {
         assert!(p.truncate().clamp(glam::DVec2::ZERO, glam::DVec2::ONE).distance(p.truncate()) < 0.04, "{p}");
         assert!(p.z.min(0.5 / 49.0 - p.z).abs() < 1e-3, "{p}");
         let side = if p.z > 0.25 / 49.0 { DVec3::Z } else { DVec3::NEG_Z };
@@ -279,21 +278,21 @@ fn the_samples_of_a_cloud_gather_where_it_bends_for_any_number_of_threads() {
     };
     let one = with(1, 0.3);
     assert_eq!(one, with(4, 0.3));
-    grows(&[at_tips(&with(2, f64::INFINITY).points.positions), at_tips(&one.points.positions)], 1.1);
+    grows(&[at_tips(&with(2, f64::INFINITY).points.positions()), at_tips(&one.points.positions())], 1.1);
 }
 
 #[test]
 fn poor_clouds() {
     let line: Vec<DVec3> = (0..300).map(|i| f64::from(i) * dvec3(1.0, 2.0, -1.0)).collect();
-    assert_eq!(subset(&cloud(line.clone()), 30).points.positions.len(), 30);
-    assert_eq!(subset(&cloud(line), 300).points.positions.len(), 300);
+    assert_eq!(subset(&cloud(line.clone()), 30).points.positions().len(), 30);
+    assert_eq!(subset(&cloud(line), 300).points.positions().len(), 300);
     let heap = subset(&cloud(vec![DVec3::ONE; 50]), 10);
-    assert_eq!(heap.points.positions.len(), 1);
+    assert_eq!(heap.points.positions().len(), 1);
     assert!(heap.notes[0].contains("1 samples instead of 10"), "{:?}", heap.notes);
-    assert_eq!(subset(&cloud(vec![DVec3::ONE]), 3).points.positions.len(), 1);
+    assert_eq!(subset(&cloud(vec![DVec3::ONE]), 3).points.positions().len(), 1);
     let apart: Vec<DVec3> = unit_points::<3>(400, 5).into_iter().map(DVec3::from).collect();
     let both = apart.iter().copied().chain(apart.iter().map(|p| *p + 1e6)).collect();
-    assert_eq!(subset(&cloud(both), 200).points.positions.len(), 200);
+    assert_eq!(subset(&cloud(both), 200).points.positions().len(), 200);
 }
 
 #[track_caller]
@@ -356,7 +355,7 @@ fn grows(shares: &[f64], by: f64) {
 fn samples_gather_where_the_surface_bends_as_sigma_n_falls() {
     let mesh = ellipsoid();
     let share = |sigma_n| {
-        let points = sampled(&mesh, &SampleOptions { sigma_n, ..count(1000) }).points.positions;
+        let points = sampled(&mesh, &SampleOptions { sigma_n, ..count(1000) }).points.positions().to_vec();
         assert_eq!(points.len(), 1000);
         at_tips(&points)
     };
@@ -405,7 +404,7 @@ fn samples_gather_at_features() {
         let near = |x: f64| !(0.05..0.95).contains(&x);
         share(points, |p| p.to_array().into_iter().filter(|&x| near(x)).count() >= 2)
     };
-    let share = |sigma_n| at_edges(&sampled(&cube, &SampleOptions { sigma_n, ..count(1500) }).points.positions);
+    let share = |sigma_n| at_edges(&sampled(&cube, &SampleOptions { sigma_n, ..count(1500) }).points.positions());
     grows(&[f64::INFINITY, 1.0, 0.5].map(share), 1.2);
 }
 
@@ -426,13 +425,13 @@ fn samples_follow_a_property() {
     let signals = |sigma| vec![Signal { values: Values::Given(values.clone()), sigma }];
     let of_samples = |sigma| {
         let made = sampled(&ball, &SampleOptions { signals: signals(sigma), ..count(800) });
-        assert_eq!(made.points.positions.len(), 800);
-        at_equator(&made.points.positions)
+        assert_eq!(made.points.positions().len(), 800);
+        at_equator(&made.points.positions())
     };
     grows(&[1e9, 0.5, 0.2].map(of_samples), 1.2);
     let of_subset = |sigma| {
         let options = SampleOptions { signals: signals(sigma), scan_only: true, ..count(800) };
-        at_equator(&sampled(&ball, &options).points.positions)
+        at_equator(&sampled(&ball, &options).points.positions())
     };
     grows(&[1e9, 0.5, 0.2].map(of_subset), 1.2);
     let of_vertices = |sigma| {

@@ -70,8 +70,8 @@ fn rows(model: &Points) -> Result<Vec<Row>> {
         let density = SampleDensity::SigmaP(sigma_p);
         let options = SampleOptions { density, sigma_n: SIGMA_N, scan_only: true, ..SampleOptions::default() };
         let kept = sample_points(&points, &options, &())?.indices.expect("a subset has numbers");
-        let random = lost(&random(points.positions.len(), kept.len()))?;
-        let voxels = lost(&voxels(&points.positions, kept.len()))?;
+        let random = lost(&random(points.positions().len(), kept.len()))?;
+        let voxels = lost(&voxels(points.positions(), kept.len()))?;
         Ok(Row { sigma_p, points: kept.len(), ours: lost(&kept)?, random, voxels })
     };
     WIDTHS.iter().map(row).collect()
@@ -84,18 +84,16 @@ fn lost(made: &Mesh, whole: &Mesh) -> Lost {
 }
 
 fn scaled(points: &Points) -> Points {
-    let lowest = points.positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-    let highest = points.positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let lowest = points.positions().iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let highest = points.positions().iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
     let size = 100.0 / lowest.distance(highest);
-    Points {
-        positions: points.positions.iter().map(|p| size * (*p - lowest)).collect(),
-        normals: points.normals.clone(),
-    }
+    let positions = points.positions().iter().map(|p| size * (*p - lowest)).collect();
+    Points::new(positions, points.normals().to_vec()).unwrap()
 }
 
 fn part_of(points: &Points, part: &[u32]) -> Points {
     let of = |list: &[DVec3]| part.iter().map(|&i| list[i as usize]).collect();
-    Points { positions: of(&points.positions), normals: of(&points.normals) }
+    Points::new(of(points.positions()), of(points.normals())).unwrap()
 }
 
 /// `wanted` of `count` numbers at random.

@@ -86,7 +86,7 @@ mod tests {
 
     /// A cube of small triangles, its edges sharp.
     fn cube() -> Domain {
-                let mut mesh = testing::cube().try_into().unwrap();
+        let mut mesh = testing::cube().try_into().unwrap();
         refine(&mut mesh, 0.15, usize::MAX);
         Domain::with_features(mesh, Features::Degrees(30.0), 0.1)
     }
