@@ -272,15 +272,14 @@ impl Graph {
     /// The names of the files of each circle of imports.
     fn circles(&self) -> Vec<Vec<String>> {
         let reached: Vec<Vec<bool>> = (0..self.sources.len()).map(|file| self.reached_from(file)).collect();
-        let mut circles = Vec::new();
-        for file in 0..self.sources.len() {
+        let circle = |file: usize| -> Vec<usize> {
             let both = |&other: &usize| reached[file][other] && reached[other][file];
-            let circle: Vec<usize> = (0..self.sources.len()).filter(both).collect();
-            if circle.first() == Some(&file) {
-                circles.push(circle.iter().map(|&other| self.sources[other].module.join("/")).collect());
-            }
-        }
-        circles
+            (0..self.sources.len()).filter(both).collect()
+        };
+        let name = |file: usize| self.sources[file].module.join("/");
+        let circles = (0..self.sources.len()).map(|file| (file, circle(file)));
+        let first_named = circles.filter(|(file, circle)| circle.first() == Some(file));
+        first_named.map(|(_, circle)| circle.into_iter().map(name).collect()).collect()
     }
 
     /// For each file whether one or more imports by other files lead to it from `file`.

@@ -10,11 +10,11 @@ mod neighbourhood;
 mod patch_topology;
 pub mod points;
 pub mod star;
+mod stars_to_manifold;
 pub mod stitch;
 pub mod surroundings;
-mod triangulate;
 pub mod triangulation;
 pub mod unfold;
 
-pub use triangulate::triangulate;
+pub use stars_to_manifold::triangulate;
 pub use triangulation::{Boundary, Triangulated};
