@@ -6,6 +6,8 @@
 //! threads.
 
 use crate::manifold::Manifold;
+use crate::manifold::facing::FacingGuard;
+use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
@@ -14,15 +16,17 @@ use rayon::prelude::*;
 /// How often a step that would fold the mesh is halved before the vertex stays.
 const HALVINGS: usize = 4;
 
-/// Least cosine between a triangle and the surface after a step, unless it was worse before.
-const LEAST_FACING: f64 = 0.3;
-
 /// Vertices that one task moves.
 const CHUNK: usize = 64;
 
-/// Moves all vertices that are not fixed once. `way` is where a vertex wants to go from where it is.
-pub fn move_vertices(domain: &Domain, mesh: &mut Manifold, way: impl Fn(&Manifold, u32) -> DVec3 + Sync + Send) {
-    for class in mesh.colour_classes() {
+/// Moves all vertices that are not `locked` once. `way` is where a vertex wants to go from where it is.
+pub fn move_vertices(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    locked: &VertexSet,
+    way: impl Fn(&Manifold, u32) -> DVec3 + Sync + Send,
+) {
+    for class in mesh.colour_classes(locked) {
         let moved: Vec<Sample> =
             class.par_iter().with_min_len(CHUNK).map(|&v| step(domain, mesh, v, way(mesh, v))).collect();
         for (&v, sample) in class.iter().zip(moved) {
@@ -41,16 +45,10 @@ fn step(domain: &Domain, mesh: &Manifold, v: u32, way: DVec3) -> Sample {
     }
     for _ in 0..HALVINGS {
         let there = mesh.place_after(domain, v, way, &here);
-        if mesh.faces_surface(v, &there, LEAST_FACING) || is_no_worse(mesh, v, &there) {
+        if mesh.move_keeps_facing(v, &there, FacingGuard::MOVE) {
             return there;
         }
         way *= 0.5;
     }
     here
-}
-
-/// Whether the worst triangle around `v` faces the surface as well with `v` at `there` as it does now.
-#[cold]
-fn is_no_worse(mesh: &Manifold, v: u32, there: &Sample) -> bool {
-    mesh.worst_facing(v, there) >= mesh.worst_facing(v, &mesh.samples[v as usize])
 }

@@ -1,6 +1,7 @@
 //! A part of a manifold as one by itself, to be changed and put back.
 
 use crate::manifold::Manifold;
+use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::topology::NONE;
 use std::collections::BTreeMap;
 
@@ -60,7 +61,7 @@ impl Neighborhood {
 
     /// The vertices that are not on the border or on curves.
     pub fn free_vertices(&self) -> impl Iterator<Item = u32> {
-        (0..self.mesh.connectivity.vertex_bound()).filter(|&v| !self.mesh.is_locked(v))
+        (0..self.mesh.connectivity.vertex_bound()).filter(|&v| self.mesh.can_move(v, &VertexSet::EMPTY))
     }
 
     /// Puts the triangles back where they were taken from, and marks them in `touched`. As many vertices and triangles

@@ -14,6 +14,8 @@ use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 use crate::geom::triangle::{angles, quality, smallest_angle, smallest_sine_cosine};
 use crate::manifold::Manifold;
+use crate::manifold::facing::FacingGuard;
+use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{next, prev};
 use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
@@ -47,18 +49,16 @@ const MOST_TRIES: usize = 24;
 /// Directions that the search tries.
 const DIRECTIONS: usize = 8;
 
-/// Least cosine between a triangle and the surface that the search accepts, unless it was worse before.
-const LEAST_FACING: f64 = 0.3;
-
 /// Improves the worst triangles until none is outside of the goal or nothing helps. `spacing` is the mean edge length.
 pub fn improve_angles(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
-    improve_angles_for(domain, mesh, spacing, MOST_PASSES, monitor)
+    improve_angles_for(domain, mesh, &VertexSet::EMPTY, spacing, MOST_PASSES, monitor)
 }
 
-/// [`improve_angles`] with at most that many passes.
+/// [`improve_angles`] with at most that many passes, and without moving the vertices in `locked`.
 pub(super) fn improve_angles_for(
     domain: &Domain,
     mesh: &mut Manifold,
+    locked: &VertexSet,
     spacing: f64,
     passes: usize,
     monitor: &dyn Monitor,
@@ -82,7 +82,10 @@ pub(super) fn improve_angles_for(
                 }
             }
             for v in mesh.connectivity.triangle(h) {
-                if std::mem::take(&mut hopeful[v as usize]) && move_if_better(domain, mesh, v, spacing) {
+                if std::mem::take(&mut hopeful[v as usize])
+                    && mesh.can_move(v, locked)
+                    && move_if_better(domain, mesh, v, spacing)
+                {
                     changed = true;
                     mesh.connectivity.ring(v).chain([v]).for_each(|w| hopeful[w as usize] = true);
                 }
@@ -153,7 +156,7 @@ fn least_margin_above(mesh: &Manifold, v: u32, p: DVec3, floor: f64) -> Option<f
 fn flip_if_better(mesh: &mut Manifold, h: u32) -> bool {
     let c = &mesh.connectivity;
     let g = c.twin(h);
-    if g == NONE || !c.can_flip(h) || !mesh.flip_keeps_facing(h, LEAST_FACING) {
+    if g == NONE || !c.can_flip(h) || !mesh.flip_keeps_facing(h, FacingGuard::MOVE) {
         return false;
     }
     // An ear, two sides on a curve, has no other way to become better.
@@ -181,13 +184,9 @@ fn can_spare_an_edge(mesh: &Manifold, v: u32) -> bool {
 
 /// Moves `v` to a place where the worst triangle around it is better; whether there was one.
 fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, spacing: f64) -> bool {
-    if mesh.is_locked(v) {
-        return false;
-    }
     let here = mesh.samples[v as usize];
     let spacing = spacing * here.size;
     let before = least_margin(mesh, v, here.position);
-    let facing = mesh.worst_facing(v, &here).min(LEAST_FACING);
     let mut best = (before, here);
     let mut step = FIRST_STEP * spacing;
     for _ in 0..MOST_TRIES {
@@ -196,7 +195,9 @@ fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, spacing: f64) ->
         }
         let found = places(domain, mesh, v, &best.1, step).into_iter().fold(best, |best, there| {
             let margin = least_margin_above(mesh, v, there.position, best.0);
-            margin.filter(|_| mesh.worst_facing(v, &there) >= facing).map_or(best, |margin| (margin, there))
+            margin
+                .filter(|_| mesh.move_keeps_facing(v, &there, FacingGuard::MOVE))
+                .map_or(best, |margin| (margin, there))
         });
         if found.0 > best.0 + LEAST_GAIN {
             best = found;

@@ -8,13 +8,11 @@
 
 use crate::base::heap::Ranked;
 use crate::manifold::Manifold;
+use crate::manifold::facing::FacingGuard;
 use crate::mesh::half_edge::next;
 use crate::mesh::topology::NONE;
 use crate::surface::domain::Domain;
 use std::collections::BinaryHeap;
-
-/// Least cosine between a triangle and the surface after a collapse done with care.
-const LEAST_FACING: f64 = 0.5;
 
 /// Brings `mesh` to `wanted` vertices, as far as its topology allows.
 pub fn meet_count(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
@@ -23,7 +21,7 @@ pub fn meet_count(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
     split_longest_with(mesh, wanted, |mesh, h| Some(mesh.split_anyhow(domain, h)));
     collapse_shortest(mesh, wanted, |mesh, h| {
         let c = &mesh.connectivity;
-        c.curve_at(c.origin(h)) == NONE && mesh.after_collapse(h).0 >= LEAST_FACING
+        c.curve_at(c.origin(h)) == NONE && FacingGuard::CAREFUL.passes(mesh.after_collapse(h).0)
     });
     collapse_shortest(mesh, wanted, |_, _| true);
     if mesh.connectivity.vertex_count() > wanted {
@@ -54,8 +52,7 @@ fn split_longest_with(mesh: &mut Manifold, wanted: usize, split: impl Fn(&mut Ma
             continue;
         }
         let Some(v) = split(mesh, top.index) else { continue };
-        let around: Vec<u32> = mesh.connectivity.outgoing(v).flat_map(|h| [h, next(h)]).collect();
-        mesh.flip_to_delaunay(around);
+        mesh.make_delaunay_around(v);
         heap.extend(mesh.connectivity.outgoing(v).flat_map(|h| [h, next(h)]).filter_map(|h| entry(mesh, h)));
     }
 }
@@ -73,8 +70,7 @@ pub(super) fn collapse_shortest(mesh: &mut Manifold, wanted: usize, may: impl Fn
             continue;
         }
         let into = c.target(h);
-        mesh.connectivity.collapse(h);
-        mesh.flip_to_delaunay(mesh.connectivity.outgoing(into).flat_map(|h| [h, next(h)]).collect());
+        mesh.collapse(h);
         let c = &mesh.connectivity;
         let changed = c.outgoing(into).flat_map(|h| [h, c.twin(h)]).filter(|&h| h != NONE);
         heap.extend(changed.map(|h| Ranked::new(-mesh.relative_length_squared(h), h)));

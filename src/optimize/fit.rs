@@ -35,6 +35,8 @@ use crate::geom::symmetric::Symmetric;
 use crate::geom::triangle::barycentric;
 use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
+use crate::manifold::facing::FacingGuard;
+use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::topology::NONE;
 use crate::optimize::angles::{is_good_around, least_margin};
 use crate::optimize::relax::pull;
@@ -80,9 +82,6 @@ const REACH: f64 = 0.3;
 
 /// How often a step that would spoil a triangle is halved before the vertex stays.
 const HALVINGS: usize = 3;
-
-/// Least cosine between a triangle and the surface after a step.
-const LEAST_FACING: f64 = 0.3;
 
 /// Vertices that one task moves, or triangles or points that it looks at.
 const CHUNK: usize = 64;
@@ -265,7 +264,7 @@ impl Targets {
 
     /// Moves all vertices some steps.
     fn pull(&self, mesh: &mut Manifold, spacing: f64) {
-        let classes = mesh.colour_classes();
+        let classes = mesh.colour_classes(&VertexSet::EMPTY);
         for _ in 0..SWEEPS {
             classes.iter().for_each(|class| move_all(mesh, class, |mesh, v| step(mesh, self, v, spacing)));
         }
@@ -420,7 +419,7 @@ fn step(mesh: &Manifold, targets: &Targets, v: u32, spacing: f64) -> Sample {
     }
     for _ in 0..HALVINGS {
         let there = Sample { position: here.position + way, ..here };
-        if mesh.faces_surface(v, &there, LEAST_FACING) && keeps_shape(mesh, v, there.position) {
+        if mesh.move_keeps_facing(v, &there, FacingGuard::MOVE) && keeps_shape(mesh, v, there.position) {
             return there;
         }
         way *= 0.5;

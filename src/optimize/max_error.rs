@@ -21,6 +21,7 @@ use crate::base::monitor::{Monitor, check};
 use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
 use crate::manifold::neighborhood::Neighborhood;
+use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::optimize::angles::{bad_triangles, improve_angles_for, worst_margin};
@@ -343,18 +344,17 @@ impl Task<'_> {
     /// Arranges the vertices around those that are `held`. Whether no triangle is farther outside of the goal than by
     /// `margin` then.
     fn arrange(&self, mesh: &mut Manifold, held: &[u32], measured: &Measured, margin: f64) -> Result<bool> {
-        let improve = |mesh: &mut Manifold| {
-            improve_angles_for(self.domain, mesh, self.spacing, self.effort.passes, &())?;
+        let improve = |mesh: &mut Manifold, locked: &VertexSet| {
+            improve_angles_for(self.domain, mesh, locked, self.spacing, self.effort.passes, &())?;
             Ok(worst_margin(mesh) >= margin)
         };
-        held.iter().for_each(|&v| mesh.fixed[v as usize] = true);
-        relax(self.domain, mesh, self.spacing, Flips::Delaunay, RELAX_ROUNDS, &())?;
-        if bad_triangles(mesh) > MOST_BAD || !improve(mesh)? {
+        let locked = held.iter().copied().collect();
+        relax(self.domain, mesh, &locked, self.spacing, Flips::Delaunay, RELAX_ROUNDS, &())?;
+        if bad_triangles(mesh) > MOST_BAD || !improve(mesh, &locked)? {
             return Ok(false);
         }
-        mesh.fixed.fill(false);
         fit_part(self.domain, mesh, self.spacing, self.mean_square, &measured.probes.vertices);
-        improve(mesh)
+        improve(mesh, &VertexSet::EMPTY)
     }
 }
 
@@ -472,7 +472,7 @@ mod tests {
         assert!(before > 1.5 * FAR * spacing && after < FAR * spacing, "{before} {after}");
         assert!(worst_margin(&mesh) >= -LEEWAY);
         assert_eq!(mesh.to_mesh().positions.len(), old.to_mesh().positions.len());
-        let corners = (0..mesh.connectivity.vertex_bound()).filter(|&v| mesh.is_locked(v));
+        let corners = (0..mesh.connectivity.vertex_bound()).filter(|&v| !mesh.can_move(v, &VertexSet::EMPTY));
         corners.for_each(|v| assert_eq!(mesh.position(v), old.position(v)));
     }
 

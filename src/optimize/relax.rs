@@ -12,7 +12,7 @@
 //! last part is least at the area A₀ of an equilateral triangle of the mean edge length: without it the vertices would
 //! drain from every tip of the surface, as in conformal maps.
 //!
-//! Each round is a Gauss-Newton step for all vertices at once (`step.rs`): strain evens out over hundreds of
+//! Each round is a Gauss-Newton step for all vertices at once (`newton.rs`): strain evens out over hundreds of
 //! edges, which steps of single vertices take as many rounds for. With the corners z₀, z₁, z₂ of a triangle as complex
 //! numbers in its plane and ω a third root of one, E = |β|² / (2 √3 A) for β = z₀ + ω z₁ + ω² z₂.
 //!
@@ -29,6 +29,7 @@ use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 use crate::manifold::Manifold;
 use crate::manifold::motion::move_vertices;
+use crate::manifold::vertex_set::VertexSet;
 use crate::optimize::newton::{Strain, newton_step};
 use crate::optimize::valence::Defects;
 use crate::surface::domain::Domain;
@@ -56,11 +57,12 @@ const LEAST_AREA: f64 = 0.03;
 /// Longest step of a vertex in spacings; with twice as much neighbours get in each other's way.
 const LONGEST_STEP: f64 = 0.25;
 
-/// Relaxes all vertices of `mesh` that are not fixed for `rounds` rounds, with flips after each. `spacing` is the edge
+/// Relaxes all vertices of `mesh` that are not `locked` for `rounds` rounds, with flips after each. `spacing` is the edge
 /// length that is wanted where the size of samples is 1.
 pub fn relax(
     domain: &Domain,
     mesh: &mut Manifold,
+    locked: &VertexSet,
     spacing: f64,
     flips: Flips,
     rounds: usize,
@@ -69,9 +71,9 @@ pub fn relax(
     flip(mesh, flips);
     for _ in 0..rounds {
         check(monitor)?;
-        let steps = newton_step(mesh, spacing, |t| strain_of(mesh, t, spacing));
+        let steps = newton_step(mesh, locked, spacing, |t| strain_of(mesh, t, spacing));
         let longest = |mesh: &Manifold, v: u32| LONGEST_STEP * spacing * mesh.samples[v as usize].size;
-        move_vertices(domain, mesh, |mesh, v| steps[v as usize].clamp_length_max(longest(mesh, v)));
+        move_vertices(domain, mesh, locked, |mesh, v| steps[v as usize].clamp_length_max(longest(mesh, v)));
         flip(mesh, flips);
     }
     Ok(())

@@ -24,6 +24,8 @@ use crate::geom::intersection::cross;
 use crate::geom::triangle::{longest_side, mean_ratio};
 use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
+use crate::manifold::facing::FacingGuard;
+use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{next, prev};
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
@@ -54,8 +56,7 @@ const REACHES: [f64; 4] = [0.06, 0.12, 0.25, 0.5];
 /// Directions in which it looks.
 const DIRECTIONS: usize = 8;
 
-/// Least cosine between a triangle and the surface, and least mean ratio, after a change, unless they were worse before.
-const LEAST_FACING: f64 = 0.2;
+/// Least mean ratio of a triangle after a change, unless it was worse before.
 const LEAST_SHAPE: f64 = 0.25;
 
 /// Faces that are mended one by one in a turn: where more cross, only parting sheets can help, if anything.
@@ -225,7 +226,7 @@ fn step_off(domain: &Domain, mesh: &mut Manifold, v: u32, way: DVec3) -> bool {
     let may = way != DVec3::ZERO
         && !mesh.connectivity.is_on_interface(v)
         && is_near_surface(domain, mesh, v, &there)
-        && mesh.worst_facing(v, &there) >= mesh.worst_facing(v, &here).min(LEAST_FACING);
+        && mesh.move_keeps_facing(v, &there, FacingGuard::PART);
     if may {
         mesh.samples[v as usize] = there;
     }
@@ -287,7 +288,7 @@ impl Surroundings {
 
     fn flip_if_fewer(&mut self, mesh: &mut Manifold, h: u32) {
         let g = mesh.connectivity.twin(h);
-        if g == NONE || !mesh.connectivity.can_flip(h) || !mesh.flip_keeps_facing(h, LEAST_FACING) {
+        if g == NONE || !mesh.connectivity.can_flip(h) || !mesh.flip_keeps_facing(h, FacingGuard::PART) {
             return;
         }
         let old = [h / 3, g / 3];
@@ -306,7 +307,7 @@ impl Surroundings {
     fn move_if_fewer(&mut self, domain: &Domain, mesh: &mut Manifold, v: u32) {
         let old: Vec<u32> = mesh.connectivity.outgoing(v).map(|h| h / 3).collect();
         let mut now = self.count(mesh, &fan(mesh, v, mesh.position(v)), &old);
-        if now == 0 || mesh.is_locked(v) {
+        if now == 0 || !mesh.can_move(v, &VertexSet::EMPTY) {
             return;
         }
         let longest = longest_edge(mesh, v);
@@ -348,10 +349,9 @@ fn fan(mesh: &Manifold, v: u32, there: DVec3) -> Vec<Corners> {
 
 /// Whether the triangles around `v` are no worse, or good enough, with `v` at `there`.
 fn acceptable(mesh: &Manifold, v: u32, there: &Sample) -> bool {
-    let here = &mesh.samples[v as usize];
     let shape = |p: DVec3| fan(mesh, v, p).into_iter().map(mean_ratio).fold(1.0, f64::min);
-    mesh.worst_facing(v, there) >= mesh.worst_facing(v, here).min(LEAST_FACING)
-        && shape(there.position) >= shape(here.position).min(LEAST_SHAPE)
+    mesh.move_keeps_facing(v, there, FacingGuard::PART)
+        && shape(there.position) >= shape(mesh.position(v)).min(LEAST_SHAPE)
 }
 
 /// Places around `v` at a distance: on the surface, and a little above and below it; along the curve of a vertex on one.

@@ -22,10 +22,12 @@
 //!
 //! Cost: linear in the edges for each pass, and some hundred flips tried for each defect.
 //!
-//! Limits: defects that curvature asks for stay, and so do those next to fixed vertices.
+//! Limits: defects that curvature asks for stay, and so do those next to locked vertices.
 
 use crate::geom::triangle::{angles, mean_ratio};
 use crate::manifold::Manifold;
+use crate::manifold::facing::FacingGuard;
+use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{Connectivity, next, prev};
 use crate::mesh::topology::NONE;
 use glam::DVec3;
@@ -36,9 +38,6 @@ const REGULAR: i32 = 6;
 /// Flips of one glide, and flips that the search for one may try: a pair has one way to go, sometimes two.
 const LONGEST_GLIDE: usize = 12;
 const MOST_TRIES: usize = 40;
-
-/// Least cosine between a triangle and the surface that a move may leave: 60 degrees.
-const LEAST_FACING: f64 = 0.5;
 
 /// Least mean ratio of a triangle that a move may leave: a row sheared twice has 0.27.
 const LEAST_SHAPE: f64 = 0.25;
@@ -51,18 +50,19 @@ const FLAT: f64 = 0.5;
 const TOLERANCE: f64 = 0.25;
 
 /// Lowers the energy of the fine mesh by flips, and by glides of up to a dozen flips that begin at vertices where
-/// `glides` says so. Between near curves they would shear rows that have no room to straighten.
-pub fn remove_defects(mesh: &mut Manifold, glides: &[bool]) {
+/// in `wide`. Between near curves they would shear rows that have no room to straighten.
+pub fn remove_defects(mesh: &mut Manifold, locked: &VertexSet, wide: &VertexSet) {
     let mut defects = Defects::new(mesh);
     defects.flip_down(mesh.edges().collect(), mesh);
-    defects.glide_all(mesh, glides);
+    defects.glide_all(mesh, locked, wide);
 }
 
-/// Lowers the energy of a mesh whose number of vertices is not settled yet: by flips, and by collapses.
-pub fn remove_near_defects(mesh: &mut Manifold, spacing: f64) {
+/// Lowers the energy of a mesh whose number of vertices is not settled yet: by flips, and by collapses of vertices that
+/// are not `locked`.
+pub fn remove_near_defects(mesh: &mut Manifold, locked: &VertexSet, spacing: f64) {
     let mut defects = Defects::new(mesh);
     defects.flip_down(mesh.edges().collect(), mesh);
-    defects.collapse_down(mesh, spacing);
+    defects.collapse_down(mesh, locked, spacing);
 }
 
 /// The excess of each vertex that is not on a curve, kept up to date with the mesh.
@@ -135,16 +135,16 @@ impl Defects {
         }
     }
 
-    fn glide_all(&mut self, mesh: &mut Manifold, glides: &[bool]) {
+    fn glide_all(&mut self, mesh: &mut Manifold, locked: &VertexSet, wide: &VertexSet) {
         for h in 0..mesh.connectivity.half_edge_bound() {
             let c = &mesh.connectivity;
             if !c.has_half_edge(h) || c.twin(h) == NONE || h > c.twin(h) || self.rise(mesh, h) != 0 {
                 continue;
             }
-            if !glides[mesh.connectivity.origin(h) as usize] || !may_glide(mesh, h) {
+            if !wide.contains(mesh.connectivity.origin(h)) || !may_glide(mesh, locked, h) {
                 continue;
             }
-            let mut glide = Glide { flipped: Vec::new(), gone: Vec::new(), tries: MOST_TRIES };
+            let mut glide = Glide { locked, flipped: Vec::new(), gone: Vec::new(), tries: MOST_TRIES };
             if self.glide(mesh, h, &mut glide) {
                 let around = glide.flipped.iter().flat_map(|&h| touched(&mesh.connectivity, h)).collect();
                 self.flip_down(around, mesh);
@@ -153,7 +153,7 @@ impl Defects {
     }
 
     /// Flips `h` and further edges until the energy is lower; if that is not to be had, none.
-    fn glide(&mut self, mesh: &mut Manifold, h: u32, glide: &mut Glide) -> bool {
+    fn glide(&mut self, mesh: &mut Manifold, h: u32, glide: &mut Glide<'_>) -> bool {
         glide.tries -= 1;
         let lower = self.rise(mesh, h) < 0;
         glide.gone.push(ends(&mesh.connectivity, h));
@@ -168,7 +168,7 @@ impl Defects {
         false
     }
 
-    fn glide_on(&mut self, mesh: &mut Manifold, h: u32, glide: &mut Glide) -> bool {
+    fn glide_on(&mut self, mesh: &mut Manifold, h: u32, glide: &mut Glide<'_>) -> bool {
         if glide.flipped.len() >= LONGEST_GLIDE {
             return false;
         }
@@ -180,18 +180,18 @@ impl Defects {
             .collect();
         ways.sort_unstable();
         ways.dedup_by_key(|way| way.1.min(c.twin(way.1)));
-        ways.into_iter().any(|(_, g)| glide.tries > 0 && may_glide(mesh, g) && self.glide(mesh, g, glide))
+        ways.into_iter().any(|(_, g)| glide.tries > 0 && may_glide(mesh, glide.locked, g) && self.glide(mesh, g, glide))
     }
 
     /// Collapses edges, those first that lower the energy most.
-    fn collapse_down(&mut self, mesh: &mut Manifold, spacing: f64) {
+    fn collapse_down(&mut self, mesh: &mut Manifold, locked: &VertexSet, spacing: f64) {
         let rise = |h| (self.rise_of_collapse(mesh, h), h);
         let mut falls: Vec<(i32, u32)> = mesh.half_edges().map(rise).filter(|(rise, _)| *rise < 0).collect();
         falls.sort_unstable();
         for (_, h) in falls {
             if mesh.connectivity.has_half_edge(h)
                 && self.rise_of_collapse(mesh, h) < 0
-                && may_collapse(mesh, h, spacing)
+                && may_collapse(mesh, locked, h, spacing)
             {
                 self.collapse(mesh, h);
             }
@@ -222,7 +222,9 @@ impl Defects {
 }
 
 /// The flips of a glide so far and the edges that they took away, which must not come back.
-struct Glide {
+struct Glide<'a> {
+    /// No glide goes past these vertices.
+    locked: &'a VertexSet,
     flipped: Vec<u32>,
     gone: Vec<[u32; 2]>,
     tries: usize,
@@ -287,34 +289,31 @@ fn may_flip(mesh: &Manifold, h: u32) -> bool {
     let c = &mesh.connectivity;
     let [a, b, top] = c.triangle(h);
     let bottom = c.apex(c.twin(h));
-    let good =
-        |t: [u32; 3]| mesh.agreement(t) >= LEAST_FACING && mean_ratio(t.map(|v| mesh.position(v))) >= LEAST_SHAPE;
+    let good = |t: [u32; 3]| {
+        FacingGuard::CAREFUL.passes(mesh.agreement(t)) && mean_ratio(t.map(|v| mesh.position(v))) >= LEAST_SHAPE
+    };
     c.can_flip(h) && good([top, a, bottom]) && good([bottom, b, top])
 }
 
 /// Whether a pair may glide over the edge of `h`: the surface is flat enough, and the vertices are free to move
 /// afterwards.
-fn may_glide(mesh: &Manifold, h: u32) -> bool {
+fn may_glide(mesh: &Manifold, locked: &VertexSet, h: u32) -> bool {
     let c = &mesh.connectivity;
     let [a, b, top] = c.triangle(h);
     let bottom = c.apex(c.twin(h));
-    let free = [a, b, top, bottom].into_iter().all(|v| !mesh.fixed[v as usize]);
+    let free = [a, b, top, bottom].into_iter().all(|v| !locked.contains(v));
     free && turn(mesh, a, b).min(turn(mesh, top, bottom)) >= FLAT && may_flip(mesh, h)
 }
 
 /// Whether the origin of `h` is free and not missed if it merges into the target.
-fn may_collapse(mesh: &Manifold, h: u32, spacing: f64) -> bool {
+fn may_collapse(mesh: &Manifold, locked: &VertexSet, h: u32, spacing: f64) -> bool {
     let c = &mesh.connectivity;
     let a = c.origin(h);
-    if mesh.fixed[a as usize]
-        || c.curve_at(a) != NONE
-        || !c.can_collapse(h)
-        || c.ring(a).any(|w| turn(mesh, a, w) < FLAT)
-    {
+    if locked.contains(a) || c.curve_at(a) != NONE || !c.can_collapse(h) || c.ring(a).any(|w| turn(mesh, a, w) < FLAT) {
         return false;
     }
     let (facing, shape) = mesh.after_collapse(h);
-    facing >= LEAST_FACING
+    FacingGuard::CAREFUL.passes(facing)
         && shape >= LEAST_SHAPE
         && mesh.distance_after_collapse(h) <= TOLERANCE * spacing * mesh.samples[a as usize].size
 }
@@ -369,18 +368,19 @@ mod tests {
                 flip(&mut mesh, row(j)[0], row(j)[1]);
             }
             assert_eq!(energy(&mesh), 4, "{length}");
-            remove_defects(&mut mesh, &[true; ((SIZE + 1) * (SIZE + 1)) as usize]);
+            let everywhere = VertexSet::all(&mesh);
+            remove_defects(&mut mesh, &VertexSet::EMPTY, &everywhere);
             assert_eq!(energy(&mesh), 0, "{length}");
         }
     }
 
     #[test]
-    fn a_fixed_vertex_lets_no_pair_pass() {
+    fn a_locked_vertex_lets_no_pair_pass() {
         let mut mesh = sheet();
         (3..8).for_each(|j| flip(&mut mesh, 6 * (SIZE + 1) + j, 7 * (SIZE + 1) + j));
         let before = mesh.connectivity.clone();
-        mesh.fixed.fill(true);
-        remove_defects(&mut mesh, &[true; ((SIZE + 1) * (SIZE + 1)) as usize]);
+        let all = VertexSet::all(&mesh);
+        remove_defects(&mut mesh, &all, &all);
         assert_eq!(mesh.connectivity.compact(), before.compact());
     }
 
@@ -391,10 +391,9 @@ mod tests {
         let h = mesh.edges().find(|&h| mesh.connectivity.origin(h) == 6 * (SIZE + 1) + 6).unwrap();
         let middle = 0.5 * (mesh.position(mesh.connectivity.origin(h)) + mesh.position(mesh.connectivity.target(h)));
         mesh.samples.push(Sample { position: middle, normal: DVec3::Z, triangle: 0, size: 1.0 });
-        mesh.fixed.push(false);
         mesh.connectivity.split_edge(h);
         assert!(energy(&mesh) > 0);
-        remove_near_defects(&mut mesh, 1.0);
+        remove_near_defects(&mut mesh, &VertexSet::EMPTY, 1.0);
         assert_eq!(energy(&mesh), 0);
         let made = mesh.to_mesh();
         let t = topology(made.positions.len(), &made.triangles);

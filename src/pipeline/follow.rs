@@ -9,6 +9,7 @@ use crate::base::error::Result;
 use crate::base::monitor::Monitor;
 use crate::base::rng::{Stage, stream};
 use crate::manifold::Manifold;
+use crate::manifold::vertex_set::VertexSet;
 use crate::pipeline::bandwidth::find_bandwidth;
 use crate::pipeline::kernel::Beside;
 use crate::pipeline::options::{Density, Options, check_count};
@@ -84,8 +85,8 @@ pub(super) fn ascend_as_asked(
 ) -> Result<()> {
     let ascent = AscentParameters { sigma: ASCENT_OF_SCAN * sigma, step: PAPER_STEP, sweeps };
     beside.with_kernel(sigma, |kernel| match beside.dimensions() {
-        3 => ascend_lifted::<3>(domain, mesh, kernel.lift, ascent, monitor),
-        6 => ascend_lifted::<6>(domain, mesh, kernel.lift, ascent, monitor),
-        _ => ascend_lifted::<MOST_DIMENSIONS>(domain, mesh, kernel.lift, ascent, monitor),
+        3 => ascend_lifted::<3>(domain, mesh, &VertexSet::EMPTY, kernel.lift, ascent, monitor),
+        6 => ascend_lifted::<6>(domain, mesh, &VertexSet::EMPTY, kernel.lift, ascent, monitor),
+        _ => ascend_lifted::<MOST_DIMENSIONS>(domain, mesh, &VertexSet::EMPTY, kernel.lift, ascent, monitor),
     })
 }

@@ -12,6 +12,8 @@
 use crate::base::union_find::UnionFind;
 use crate::geom::triangle::barycentric;
 use crate::manifold::Manifold;
+use crate::manifold::facing::FacingGuard;
+use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::next;
 use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
@@ -29,9 +31,10 @@ pub struct Insertion {
 /// A part of the domain with other vertices.
 #[derive(Debug, Clone)]
 pub struct Tessellation {
-    /// Its vertices are insertions and what could not be removed of the domain's own. Those where the part was cut out
-    /// of the domain are fixed and as they were.
+    /// Its vertices are insertions and what could not be removed of the domain's own.
     pub mesh: Manifold,
+    /// The vertices along which the part was cut out of the domain; they are as they were.
+    pub border: VertexSet,
     /// For each vertex the number of its insertion, or [`NONE`].
     pub insertion: Vec<u32>,
 }
@@ -40,34 +43,30 @@ pub struct Tessellation {
 /// its surroundings are coarser.
 const ROUNDS: [f64; 6] = [0.7, 0.7, 0.5, 0.3, 0.1, -1.0];
 
-/// A cosine below this between a triangle and the surface means that a fold is not resolved.
-const TURNED: f64 = 0.3;
-
 /// The part of the domain made of the triangles `part`, in increasing order, over `insertions` on them.
 ///
 /// Insertions that coincide with another one are left out.
 pub fn mutual_tessellation(domain: &Domain, part: &[u32], insertions: &[Insertion]) -> Tessellation {
-    let mut mesh = insert(domain, part, insertions);
+    let (mut mesh, border) = insert(domain, part, insertions);
     let inserted = insertions.len() as u32;
     mesh.make_delaunay();
     for least_facing in ROUNDS {
         for v in inserted..mesh.connectivity.vertex_bound() {
-            if mesh.connectivity.has_vertex(v) && !mesh.fixed[v as usize] {
+            if mesh.connectivity.has_vertex(v) && !border.contains(v) {
                 remove(&mut mesh, v, least_facing);
             }
         }
     }
     mesh.make_delaunay();
     for v in 0..mesh.connectivity.vertex_bound() {
-        if mesh.connectivity.has_vertex(v) && !mesh.fixed[v as usize] {
+        if mesh.connectivity.has_vertex(v) && !border.contains(v) {
             straighten(&mut mesh, v);
         }
     }
     let (triangles, old) = mesh.connectivity.compact();
-    let mut left = Manifold::new(old.iter().map(|&v| mesh.samples[v as usize]).collect(), &triangles);
-    left.fixed = old.iter().map(|&v| mesh.fixed[v as usize]).collect();
+    let left = Manifold::new(old.iter().map(|&v| mesh.samples[v as usize]).collect(), &triangles);
     let insertion = old.iter().map(|&v| if v < inserted { v } else { NONE }).collect();
-    Tessellation { mesh: left, insertion }
+    Tessellation { mesh: left, border: border.renumbered(&old), insertion }
 }
 
 /// Merges `v` into the neighbour that leaves the best triangles, if there is one that may be.
@@ -82,7 +81,7 @@ fn remove(mesh: &mut Manifold, v: u32, least_facing: f64) {
         }
     }
     if let Some(h) = best {
-        merge(mesh, h);
+        mesh.collapse(h);
     }
 }
 
@@ -90,21 +89,13 @@ fn remove(mesh: &mut Manifold, v: u32, least_facing: f64) {
 /// fold smaller than the samples resolve is left out, samples on it included.
 fn straighten(mesh: &mut Manifold, v: u32) {
     let c = &mesh.connectivity;
-    if c.is_boundary(v) || c.outgoing(v).all(|h| mesh.agreement(c.triangle(h)) >= TURNED) {
+    if c.is_boundary(v) || c.outgoing(v).all(|h| FacingGuard::MOVE.passes(mesh.agreement(c.triangle(h)))) {
         return;
     }
     let merges = c.outgoing(v).filter(|&h| c.can_collapse(h)).map(|h| (mesh.after_collapse(h).0, h));
     if let Some((_, h)) = merges.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1))) {
-        merge(mesh, h);
+        mesh.collapse(h);
     }
-}
-
-/// Collapses `h` and makes its surroundings Delaunay.
-fn merge(mesh: &mut Manifold, h: u32) {
-    let into = mesh.connectivity.target(h);
-    mesh.connectivity.collapse(h);
-    let around = mesh.connectivity.outgoing(into).flat_map(|h| [h, next(h)]).collect();
-    mesh.flip_to_delaunay(around);
 }
 
 /// A point of a triangle in affine coordinates, so that points on its sides are on them exactly.
@@ -122,13 +113,13 @@ impl HasPosition for Site {
     }
 }
 
-/// The mesh of the part with the insertions in it; they are the first vertices. Fixed is what the part was cut out
-/// along.
-fn insert(domain: &Domain, part: &[u32], insertions: &[Insertion]) -> Manifold {
+/// The mesh of the part with the insertions in it, which are its first vertices, and the vertices along which it was cut
+/// out.
+fn insert(domain: &Domain, part: &[u32], insertions: &[Insertion]) -> (Manifold, VertexSet) {
     let mut by_triangle: Vec<(u32, u32)> =
         insertions.iter().enumerate().map(|(i, p)| (p.sample.triangle, i as u32)).collect();
     by_triangle.sort_unstable();
-    let Corners { vertices, of_corner, fixed } = Corners::new(domain, part);
+    let Corners { vertices, of_corner, border } = Corners::new(domain, part);
     let first = insertions.len() as u32;
     let mut triangles = Vec::with_capacity(part.len() + 2 * insertions.len());
     let mut own = by_triangle.chunk_by(|a, b| a.0 == b.0).peekable();
@@ -140,9 +131,7 @@ fn insert(domain: &Domain, part: &[u32], insertions: &[Insertion]) -> Manifold {
         }
     }
     let samples = insertions.iter().map(|p| p.sample).chain(vertices).collect();
-    let mut mesh = Manifold::new(samples, &triangles);
-    mesh.fixed[first as usize..].copy_from_slice(&fixed);
-    mesh
+    (Manifold::new(samples, &triangles), border.into_iter().map(|v| first + v).collect())
 }
 
 /// The vertices of a part of the domain. One at which the part has several fans is several vertices.
@@ -150,8 +139,8 @@ struct Corners {
     vertices: Vec<Sample>,
     /// The vertex of each corner, triangle by triangle of the part.
     of_corner: Vec<u32>,
-    /// The vertices at which the part was cut out of the domain.
-    fixed: Vec<bool>,
+    /// The vertices along which the part was cut out of the domain.
+    border: Vec<u32>,
 }
 
 impl Corners {
@@ -189,9 +178,8 @@ impl Corners {
                 of_corner[c] = of_corner[first];
             }
         }
-        let mut fixed = vec![false; vertices.len()];
-        cut.iter().for_each(|&c| fixed[of_corner[c as usize] as usize] = true);
-        Corners { vertices, of_corner, fixed }
+        let border = cut.into_iter().map(|c| of_corner[c as usize]).collect();
+        Corners { vertices, of_corner, border }
     }
 }
 
