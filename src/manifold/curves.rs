@@ -2,7 +2,7 @@
 
 use crate::manifold::Manifold;
 use crate::manifold::vertex_set::VertexSet;
-use crate::mesh::half_edge::{CORNER, prev};
+use crate::mesh::half_edge::{OnCurve, prev};
 use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
@@ -10,7 +10,7 @@ use glam::DVec3;
 impl Manifold {
     /// Lays edges, each given by its ends and its curve, on curves, and their ends with them; then makes `corners` of
     /// these vertices. Whether all the edges are there.
-    pub fn mark_curves(&mut self, edges: &[([u32; 2], u32)], corners: impl IntoIterator<Item = u32>) -> bool {
+    pub fn mark_curves(&mut self, edges: &[([u32; 2], OnCurve)], corners: impl IntoIterator<Item = u32>) -> bool {
         let mut all = true;
         for &([a, b], curve) in edges {
             all &= self.connectivity.mark_on_curve(a, b, curve);
@@ -18,7 +18,7 @@ impl Manifold {
             self.connectivity.put_on_curve(b, curve);
         }
         for v in corners {
-            self.connectivity.put_on_curve(v, CORNER);
+            self.connectivity.put_on_curve(v, OnCurve::Corner);
         }
         all
     }
@@ -27,7 +27,7 @@ impl Manifold {
     pub fn lock_boundary(&mut self) {
         for v in 0..self.connectivity.vertex_bound() {
             if self.connectivity.has_vertex(v) && self.connectivity.is_boundary(v) {
-                self.connectivity.put_on_curve(v, CORNER);
+                self.connectivity.put_on_curve(v, OnCurve::Corner);
             }
         }
     }
@@ -35,7 +35,7 @@ impl Manifold {
     /// Whether vertex `v` may move: it is neither `locked` nor a corner.
     #[inline]
     pub fn can_move(&self, v: u32, locked: &VertexSet) -> bool {
-        !locked.contains(v) && self.connectivity.curve_at(v) != CORNER
+        !locked.contains(v) && !self.connectivity.is_corner(v)
     }
 
     /// The unit direction of the curve that `v` lies on, if it lies on one.
@@ -47,16 +47,16 @@ impl Manifold {
     /// The point of the domain closest to `p` for a vertex that is at `here` now, on the same curve if it is on one.
     pub fn place_on(&self, domain: &Domain, v: u32, p: DVec3, here: &Sample) -> Sample {
         match self.connectivity.curve_at(v) {
-            NONE => domain.project(p, here.normal, here.triangle),
-            curve => domain.project_on_curve(p, curve),
+            OnCurve::Curve(curve) => domain.project_on_curve(p, curve),
+            _ => domain.project(p, here.normal, here.triangle),
         }
     }
 
     /// Where a step of `way` takes vertex `v` from `here`, along the same curve if it is on one.
     pub fn place_after(&self, domain: &Domain, v: u32, way: DVec3, here: &Sample) -> Sample {
         match self.connectivity.curve_at(v) {
-            NONE => domain.follow(here, way),
-            curve => domain.project_on_curve(here.position + way, curve),
+            OnCurve::Curve(curve) => domain.project_on_curve(here.position + way, curve),
+            _ => domain.follow(here, way),
         }
     }
 
@@ -66,11 +66,11 @@ impl Manifold {
         let mut seen = vec![false; self.samples.len()];
         let mut chains = Vec::new();
         let vertices = || (0..c.vertex_bound()).filter(|&v| c.has_vertex(v));
-        let corners = vertices().filter(|&v| c.curve_at(v) == CORNER);
-        let on_curves = vertices().filter(|&v| c.curve_at(v) < CORNER);
+        let corners = vertices().filter(|&v| c.is_corner(v));
+        let on_curves = vertices().filter(|&v| matches!(c.curve_at(v), OnCurve::Curve(_)));
         for start in corners.chain(on_curves) {
             for first in self.neighbours_on_curves(start) {
-                if c.curve_at(first) == CORNER || seen[first as usize] {
+                if c.is_corner(first) || seen[first as usize] {
                     continue;
                 }
                 let mut chain = vec![start, first];
@@ -92,8 +92,8 @@ impl Manifold {
     /// The neighbours of `v` across edges on curves.
     fn neighbours_on_curves(&self, v: u32) -> Vec<u32> {
         let c = &self.connectivity;
-        let last = c.outgoing(v).map(prev).find(|&h| c.twin(h) == NONE && c.curve(h) != NONE);
-        let out = c.outgoing(v).filter(|&h| c.curve(h) != NONE).map(|h| c.target(h));
+        let last = c.outgoing(v).map(prev).find(|&h| !c.has_twin(h) && c.is_curve_edge(h));
+        let out = c.outgoing(v).filter(|&h| c.is_curve_edge(h)).map(|h| c.target(h));
         out.chain(last.map(|h| c.origin(h))).collect()
     }
 
@@ -102,14 +102,14 @@ impl Manifold {
     pub(super) fn hand_curves_on(&self, finer: &mut Manifold, number: &[u32], middle_of: &[u32]) {
         let c = &self.connectivity;
         let mut edges = Vec::new();
-        for h in self.edges().filter(|&h| c.curve(h) != NONE) {
+        for h in self.edges().filter(|&h| c.is_curve_edge(h)) {
             let [a, b] = [c.origin(h), c.target(h)].map(|v| number[v as usize]);
             match middle_of[h as usize] {
                 NONE => edges.push(([a, b], c.curve(h))),
                 m => edges.extend([([a, m], c.curve(h)), ([m, b], c.curve(h))]),
             }
         }
-        let corners = (0..c.vertex_bound()).filter(|&v| c.has_vertex(v) && c.curve_at(v) == CORNER);
+        let corners = (0..c.vertex_bound()).filter(|&v| c.has_vertex(v) && c.is_corner(v));
         finer.mark_curves(&edges, corners.map(|v| number[v as usize]));
     }
 }

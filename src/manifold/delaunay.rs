@@ -3,7 +3,6 @@
 use crate::manifold::Manifold;
 use crate::manifold::facing::FacingGuard;
 use crate::mesh::half_edge::{next, prev};
-use crate::mesh::topology::NONE;
 use rayon::prelude::*;
 
 impl Manifold {
@@ -11,12 +10,11 @@ impl Manifold {
     ///
     /// With the cosines and sines of both the sum's sine is negative then; no angle needs to be computed.
     pub fn breaks_delaunay(&self, h: u32) -> bool {
-        let g = self.connectivity.twin(h);
-        if g == NONE {
+        if !self.connectivity.has_twin(h) {
             return false;
         }
         let [a, b, c] = self.connectivity.triangle(h).map(|v| self.position(v));
-        let d = self.position(self.connectivity.apex(g));
+        let d = self.position(self.connectivity.apex(self.connectivity.twin(h)));
         let (ca, cb, da, db) = (a - c, b - c, a - d, b - d);
         let (cos_c, cos_d) = (ca.dot(cb), da.dot(db));
         if cos_c >= 0.0 && cos_d >= 0.0 {
@@ -35,7 +33,7 @@ impl Manifold {
             if left == 0 || !self.connectivity.has_half_edge(h) || !self.breaks_delaunay(h) {
                 continue;
             }
-            if self.connectivity.can_flip(h) && self.flip_keeps_facing(h, FacingGuard::FLIP) {
+            if self.connectivity.can_flip(h) && self.flip_keeps_facing(h, FacingGuard::SOUND) {
                 let g = self.connectivity.twin(h);
                 self.connectivity.flip(h);
                 queue.extend([next(h), prev(h), next(g), prev(g)]);

@@ -2,7 +2,6 @@
 
 use crate::manifold::Manifold;
 use crate::manifold::vertex_set::VertexSet;
-use crate::mesh::topology::NONE;
 use crate::surface::domain::Sample;
 use glam::DVec3;
 
@@ -13,16 +12,11 @@ pub struct FacingGuard {
 }
 
 impl FacingGuard {
-    /// For flips and splits: 75 degrees.
-    pub const FLIP: FacingGuard = FacingGuard { least: 0.26 };
+    /// For what every triangle needs, at most 73 degrees: coarse meshes of strongly bent surfaces reach 70.
+    pub const SOUND: FacingGuard = FacingGuard { least: 0.3 };
 
-    /// For moves of vertices, and for collapses to a coarse mesh: 73 degrees.
-    pub const MOVE: FacingGuard = FacingGuard { least: 0.3 };
-
-    /// For moves that part intersecting sheets: 78 degrees.
-    pub const PART: FacingGuard = FacingGuard { least: 0.2 };
-
-    /// For moves that are not needed: 60 degrees.
+    /// For changes that another one can take the place of, at most 60 degrees: collapses and flips for the sake of the
+    /// count or of valences, after which vertices have yet to move.
     pub const CAREFUL: FacingGuard = FacingGuard { least: 0.5 };
 
     /// Whether a triangle of this cosine faces the surface.
@@ -82,7 +76,8 @@ impl Manifold {
             let own = (p.position - there.position).cross(q.position - there.position);
             let surface = there.normal + p.normal + q.normal;
             let dot = own.dot(surface);
-            dot > 0.0 && dot * dot >= guard.least * guard.least * own.length_squared() * surface.length_squared()
+            let least = guard.least * guard.least * own.length_squared() * surface.length_squared();
+            dot > 0.0 && dot * dot >= least || surface == DVec3::ZERO && own != DVec3::ZERO
         })
     }
 
@@ -105,7 +100,7 @@ impl Manifold {
     pub fn bent(&self, cosine: f64) -> VertexSet {
         let c = &self.connectivity;
         let normal = |v: u32| self.samples[v as usize].normal;
-        let inside = |v: u32| c.ring(v).filter(|&w| c.curve_at(w) == NONE);
+        let inside = |v: u32| c.ring(v).filter(|&w| !c.is_on_curve(w));
         VertexSet::new(self, |v| inside(v).any(|w| c.ring(w).any(|x| normal(x).dot(normal(v)) < cosine)))
     }
 }

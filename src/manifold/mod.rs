@@ -49,12 +49,7 @@ impl Manifold {
 
     /// One half-edge of each edge, in increasing order.
     pub fn edges(&self) -> impl Iterator<Item = u32> {
-        self.half_edges().filter(|&h| h < self.connectivity.twin(h))
-    }
-
-    /// The half-edges of the edge of `h`, one or two.
-    fn both_sides(&self, h: u32) -> impl Iterator<Item = u32> {
-        [h, self.connectivity.twin(h)].into_iter().filter(|&h| h != NONE)
+        self.half_edges().filter(|&h| !self.connectivity.has_twin(h) || h < self.connectivity.twin(h))
     }
 
     /// The squared length of the edge of `h`.

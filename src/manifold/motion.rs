@@ -8,7 +8,6 @@
 use crate::manifold::Manifold;
 use crate::manifold::facing::FacingGuard;
 use crate::manifold::vertex_set::VertexSet;
-use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -38,14 +37,14 @@ pub fn move_vertices(
 /// Where vertex `v` comes to on its way.
 fn step(domain: &Domain, mesh: &Manifold, v: u32, way: DVec3) -> Sample {
     let here = mesh.samples[v as usize];
-    let on_curve = mesh.connectivity.curve_at(v) != NONE;
+    let on_curve = mesh.connectivity.is_on_curve(v);
     let mut way = if on_curve { way } else { way.reject_from_normalized(here.normal) };
     if !way.is_finite() || way == DVec3::ZERO {
         return here;
     }
     for _ in 0..HALVINGS {
         let there = mesh.place_after(domain, v, way, &here);
-        if mesh.move_keeps_facing(v, &there, FacingGuard::MOVE) {
+        if mesh.move_keeps_facing(v, &there, FacingGuard::SOUND) {
             return there;
         }
         way *= 0.5;

@@ -2,7 +2,6 @@
 
 use crate::manifold::Manifold;
 use crate::manifold::vertex_set::VertexSet;
-use crate::mesh::topology::NONE;
 use std::collections::BTreeMap;
 
 /// The triangles around a vertex, with a border that stays.
@@ -27,7 +26,7 @@ impl Neighborhood {
         for _ in 0..rings {
             let end = vertices.len();
             for i in begin..end {
-                if c.curve_at(vertices[i]) != NONE || c.is_boundary(vertices[i]) {
+                if c.is_on_curve(vertices[i]) || c.is_boundary(vertices[i]) {
                     continue;
                 }
                 for h in c.outgoing(vertices[i]) {
@@ -42,9 +41,9 @@ impl Neighborhood {
         }
         triangles.sort_unstable();
         triangles.dedup();
-        let inside = |h: u32| h != NONE && triangles.binary_search(&(h / 3)).is_ok();
+        let inside = |h: u32| triangles.binary_search(&(h / 3)).is_ok();
         let sides = || triangles.iter().flat_map(|&t| 3 * t..3 * t + 3);
-        if triangles.is_empty() || sides().any(|h| c.curve(h) != NONE && inside(c.twin(h))) {
+        if triangles.is_empty() || sides().any(|h| c.is_curve_edge(h) && c.has_twin(h) && inside(c.twin(h))) {
             return None;
         }
         let corners: Vec<[u32; 3]> = triangles.iter().map(|&t| c.triangle(3 * t).map(|v| number[&v])).collect();
@@ -88,6 +87,7 @@ impl Neighborhood {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::half_edge::OnCurve;
     use crate::mesh::topology::topology;
     use crate::surface::domain::Sample;
     use glam::DVec3;
@@ -156,7 +156,7 @@ mod tests {
     fn a_patch_ends_at_curves_and_is_refused_on_one() {
         let mut mesh = square();
         let row = |i: u32| i * (WIDTH + 1) + 5;
-        let edges: Vec<([u32; 2], u32)> = (0..WIDTH).map(|i| ([row(i), row(i + 1)], 0)).collect();
+        let edges: Vec<([u32; 2], OnCurve)> = (0..WIDTH).map(|i| ([row(i), row(i + 1)], OnCurve::Curve(0))).collect();
         assert!(mesh.mark_curves(&edges, []));
         let neighborhood = Neighborhood::around(&mesh, MIDDLE, 3).unwrap();
         let beyond = neighborhood.vertices.iter().filter(|&&v| v % (WIDTH + 1) > 5).count();

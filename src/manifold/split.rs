@@ -2,6 +2,7 @@
 
 use crate::manifold::Manifold;
 use crate::manifold::facing::{FacingGuard, cosine_to_surface};
+use crate::mesh::half_edge::OnCurve;
 use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
@@ -19,7 +20,7 @@ impl Manifold {
         let ends = [self.connectivity.origin(h), self.connectivity.target(h)].map(|v| self.position(v));
         let longest = MIDDLE_REACH * MIDDLE_REACH * self.length_squared(h);
         let between = ends.iter().all(|end| end.distance_squared(middle.position) <= longest);
-        if !between || !self.both_sides(h).all(|h| self.halves_face_surface(h, &middle)) {
+        if !between || !self.connectivity.both_sides(h).all(|h| self.halves_face_surface(h, &middle)) {
             return None;
         }
         Some(self.split_at(middle, h))
@@ -40,7 +41,7 @@ impl Manifold {
     fn halves_face_surface(&self, h: u32, middle: &Sample) -> bool {
         let [a, b, top] = self.connectivity.triangle(h).map(|v| &self.samples[v as usize]);
         let after = cosine_to_surface([a, middle, top]).min(cosine_to_surface([middle, b, top]));
-        FacingGuard::FLIP.allows(after, || cosine_to_surface([a, b, top]))
+        FacingGuard::SOUND.allows(after, || cosine_to_surface([a, b, top]))
     }
 
     /// The middle of the edge of `h`, put back on the domain, or on the curve that the edge lies on.
@@ -48,16 +49,15 @@ impl Manifold {
         let c = &self.connectivity;
         let ends = [c.origin(h), c.target(h)];
         let middle = (self.position(ends[0]) + self.position(ends[1])) / 2.0;
-        if c.curve(h) != NONE {
-            return domain.project_on_curve(middle, c.curve(h));
+        if let OnCurve::Curve(curve) = c.curve(h) {
+            return domain.project_on_curve(middle, curve);
         }
-        // Of the corners of both triangles, one that is on no curve knows the patch.
-        let apexes = [c.apex(h), if c.twin(h) == NONE { c.apex(h) } else { c.apex(c.twin(h)) }];
-        let knows = ends.into_iter().chain(apexes).find(|&v| c.curve_at(v) == NONE);
+        // A corner of either triangle that is on no curve tells which patch the edge is on.
+        let knows = ends.into_iter().chain(c.both_sides(h).map(|h| c.apex(h))).find(|&v| !c.is_on_curve(v));
         let normal = self.samples[ends[0] as usize].normal + self.samples[ends[1] as usize].normal;
         match knows.map(|v| &self.samples[v as usize]) {
             Some(near) if normal == DVec3::ZERO => domain.project(middle, near.normal, near.triangle),
-            Some(_) if c.curve_at(ends[0]) == NONE => {
+            Some(_) if !c.is_on_curve(ends[0]) => {
                 domain.follow(&Sample { normal, ..self.samples[ends[0] as usize] }, middle - self.position(ends[0]))
             }
             Some(near) => domain.project(middle, normal, near.triangle),
@@ -85,7 +85,7 @@ impl Manifold {
                 break;
             }
             for (&h, v) in more.iter().zip(samples.len() as u32..) {
-                self.both_sides(h).for_each(|h| middle_of[h as usize] = v);
+                self.connectivity.both_sides(h).for_each(|h| middle_of[h as usize] = v);
             }
             samples.par_extend(more.par_iter().map(|&h| self.middle(domain, h)));
             self.refuse_folds(&number, &mut samples, &mut middle_of, first);
@@ -119,7 +119,7 @@ impl Manifold {
     /// Takes the middles away from the sides of triangles with a part that is turned against the surface, and their
     /// samples, which begin at `first`.
     fn refuse_folds(&self, number: &[u32], samples: &mut Vec<Sample>, middle_of: &mut [u32], first: usize) {
-        let faces = |t: &[u32; 3]| FacingGuard::FLIP.passes(cosine_to_surface(t.map(|v| &samples[v as usize])));
+        let faces = |t: &[u32; 3]| FacingGuard::SOUND.passes(cosine_to_surface(t.map(|v| &samples[v as usize])));
         let sound = |&h: &u32| {
             !faces(&self.connectivity.triangle(h).map(|v| number[v as usize]))
                 || self.parts(h, number, middle_of).iter().all(faces)
@@ -130,7 +130,7 @@ impl Manifold {
             return;
         }
         for h in folded.into_iter().flat_map(|h| [h, h + 1, h + 2]) {
-            self.both_sides(h).for_each(|h| middle_of[h as usize] = NONE);
+            self.connectivity.both_sides(h).for_each(|h| middle_of[h as usize] = NONE);
         }
         let mut kept = vec![false; samples.len()];
         kept[..first].fill(true);

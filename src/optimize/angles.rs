@@ -17,7 +17,6 @@ use crate::manifold::Manifold;
 use crate::manifold::facing::FacingGuard;
 use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{next, prev};
-use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 
@@ -155,12 +154,12 @@ fn least_margin_above(mesh: &Manifold, v: u32, p: DVec3, floor: f64) -> Option<f
 
 fn flip_if_better(mesh: &mut Manifold, h: u32) -> bool {
     let c = &mesh.connectivity;
-    let g = c.twin(h);
-    if g == NONE || !c.can_flip(h) || !mesh.flip_keeps_facing(h, FacingGuard::MOVE) {
+    if !c.can_flip(h) || !mesh.flip_keeps_facing(h, FacingGuard::SOUND) {
         return false;
     }
+    let g = c.twin(h);
     // An ear, two sides on a curve, has no other way to become better.
-    let is_ear = |h: u32| c.curve(next(h)) != NONE && c.curve(prev(h)) != NONE;
+    let is_ear = |h: u32| c.is_curve_edge(next(h)) && c.is_curve_edge(prev(h));
     let spare = is_ear(h) || is_ear(g) || [c.origin(h), c.target(h)].into_iter().all(|v| can_spare_an_edge(mesh, v));
     let [a, b, top] = c.triangle(h).map(|v| mesh.position(v));
     let bottom = mesh.position(c.apex(g));
@@ -196,7 +195,7 @@ fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, spacing: f64) ->
         let found = places(domain, mesh, v, &best.1, step).into_iter().fold(best, |best, there| {
             let margin = least_margin_above(mesh, v, there.position, best.0);
             margin
-                .filter(|_| mesh.move_keeps_facing(v, &there, FacingGuard::MOVE))
+                .filter(|_| mesh.move_keeps_facing(v, &there, FacingGuard::SOUND))
                 .map_or(best, |margin| (margin, there))
         });
         if found.0 > best.0 + LEAST_GAIN {

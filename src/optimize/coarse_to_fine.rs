@@ -12,8 +12,7 @@
 use crate::manifold::Manifold;
 use crate::manifold::facing::FacingGuard;
 use crate::manifold::vertex_set::VertexSet;
-use crate::mesh::half_edge::{INTERFACE, next, prev};
-use crate::mesh::topology::NONE;
+use crate::mesh::half_edge::{OnCurve, next, prev};
 use crate::optimize::counts::{collapse_shortest, split_longest};
 use crate::spatial::kdtree::Neighbors;
 use crate::spatial::self_intersections::self_intersections;
@@ -82,9 +81,10 @@ pub fn keep_where_crossing(kept: &mut VertexSet, mesh: &Manifold, coarse: &Manif
 pub fn remove_encroaching_vertices(mesh: &mut Manifold) {
     let mut changed = true;
     while std::mem::take(&mut changed) {
-        for h in mesh.half_edges().filter(|&h| mesh.connectivity.curve(h) == INTERFACE).collect::<Vec<u32>>() {
+        let on_interface = |mesh: &Manifold, h: u32| mesh.connectivity.curve(h) == OnCurve::Interface;
+        for h in mesh.half_edges().filter(|&h| on_interface(mesh, h)).collect::<Vec<u32>>() {
             // Flips after a collapse may have given the number to another half-edge.
-            let is_there = mesh.connectivity.has_half_edge(h) && mesh.connectivity.curve(h) == INTERFACE;
+            let is_there = mesh.connectivity.has_half_edge(h) && on_interface(mesh, h);
             if let Some(into) = (is_there && is_encroached(mesh, h)).then(|| way_out(mesh, h)).flatten() {
                 mesh.collapse(into);
                 changed = true;
@@ -97,7 +97,7 @@ pub fn remove_encroaching_vertices(mesh: &mut Manifold) {
 fn is_encroached(mesh: &Manifold, h: u32) -> bool {
     let [a, b, top] = mesh.connectivity.triangle(h);
     let [p, q] = [a, b].map(|v| (mesh.position(v) - mesh.position(top)).normalize_or_zero());
-    mesh.connectivity.curve_at(top) == NONE && p.dot(q) < ENCROACHED
+    !mesh.connectivity.is_on_curve(top) && p.dot(q) < ENCROACHED
 }
 
 /// The half-edge along which the vertex across from the edge of `h` can merge into the nearer end of that, or the other.
@@ -105,7 +105,7 @@ fn way_out(mesh: &Manifold, h: u32) -> Option<u32> {
     let c = &mesh.connectivity;
     let mut ways = [prev(h), c.twin(next(h))];
     ways.sort_by(|&g, &h| mesh.length_squared(g).total_cmp(&mesh.length_squared(h)));
-    ways.into_iter().find(|&h| c.can_collapse(h) && FacingGuard::MOVE.passes(mesh.bend_after_collapse(h)))
+    ways.into_iter().find(|&h| c.can_collapse(h) && FacingGuard::SOUND.passes(mesh.bend_after_collapse(h)))
 }
 
 /// The vertices on an interface and in the rings beside it.
@@ -118,7 +118,7 @@ pub fn narrow(domain: &Domain, mesh: &Manifold, spacing: f64) -> VertexSet {
     let narrow: Vec<bool> = domain.widths().into_iter().map(|width| width < NARROW * spacing).collect();
     let c = &mesh.connectivity;
     let own = |v: u32| narrow[domain.patch_of(mesh.samples[v as usize].triangle) as usize];
-    let is_narrow = |v: u32| own(v) || c.curve_at(v) != NONE && c.ring(v).any(|w| c.curve_at(w) == NONE && own(w));
+    let is_narrow = |v: u32| own(v) || c.is_on_curve(v) && c.ring(v).any(|w| !c.is_on_curve(w) && own(w));
     VertexSet::new(mesh, is_narrow)
 }
 
@@ -194,12 +194,12 @@ fn coarsen_curves(mesh: &mut Manifold, dense: &VertexSet, spacing: f64) {
 fn keeps_shape(mesh: &Manifold, dense: &VertexSet, h: u32, spacing: f64) -> bool {
     let origin = mesh.connectivity.origin(h);
     !dense.contains(origin)
-        && FacingGuard::MOVE.passes(mesh.bend_after_collapse(h))
+        && FacingGuard::SOUND.passes(mesh.bend_after_collapse(h))
         && mesh.distance_after_collapse(h) <= TOLERANCE * spacing * mesh.samples[origin as usize].size
 }
 
 fn collapse(mesh: &mut Manifold, dense: &VertexSet, wanted: usize, spacing: f64) {
     collapse_shortest(mesh, wanted, |mesh, h| {
-        mesh.connectivity.curve_at(mesh.connectivity.origin(h)) == NONE && keeps_shape(mesh, dense, h, spacing)
+        !mesh.connectivity.is_on_curve(mesh.connectivity.origin(h)) && keeps_shape(mesh, dense, h, spacing)
     });
 }

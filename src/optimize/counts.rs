@@ -10,7 +10,6 @@ use crate::base::heap::Ranked;
 use crate::manifold::Manifold;
 use crate::manifold::facing::FacingGuard;
 use crate::mesh::half_edge::next;
-use crate::mesh::topology::NONE;
 use crate::surface::domain::Domain;
 use std::collections::BinaryHeap;
 
@@ -21,7 +20,7 @@ pub fn meet_count(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
     split_longest_with(mesh, wanted, |mesh, h| Some(mesh.split_anyhow(domain, h)));
     collapse_shortest(mesh, wanted, |mesh, h| {
         let c = &mesh.connectivity;
-        c.curve_at(c.origin(h)) == NONE && FacingGuard::CAREFUL.passes(mesh.after_collapse(h).0)
+        !c.is_on_curve(c.origin(h)) && FacingGuard::CAREFUL.passes(mesh.after_collapse(h).0)
     });
     collapse_shortest(mesh, wanted, |_, _| true);
     if mesh.connectivity.vertex_count() > wanted {
@@ -42,8 +41,8 @@ fn split_longest_with(mesh: &mut Manifold, wanted: usize, split: impl Fn(&mut Ma
         return;
     }
     let entry = |mesh: &Manifold, h: u32| {
-        let g = mesh.connectivity.twin(h);
-        (g != NONE && mesh.connectivity.can_split(h)).then(|| Ranked::new(mesh.relative_length_squared(h), h.min(g)))
+        let c = &mesh.connectivity;
+        (c.has_twin(h) && c.can_split(h)).then(|| Ranked::new(mesh.relative_length_squared(h), h.min(c.twin(h))))
     };
     let mut heap: BinaryHeap<Ranked> = mesh.half_edges().filter_map(|h| entry(mesh, h)).collect();
     while mesh.connectivity.vertex_count() < wanted {
@@ -72,7 +71,7 @@ pub(super) fn collapse_shortest(mesh: &mut Manifold, wanted: usize, may: impl Fn
         let into = c.target(h);
         mesh.collapse(h);
         let c = &mesh.connectivity;
-        let changed = c.outgoing(into).flat_map(|h| [h, c.twin(h)]).filter(|&h| h != NONE);
+        let changed = c.outgoing(into).flat_map(|h| c.both_sides(h));
         heap.extend(changed.map(|h| Ranked::new(-mesh.relative_length_squared(h), h)));
     }
 }

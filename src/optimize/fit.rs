@@ -312,7 +312,7 @@ impl Targets {
 fn settle_vertices(domain: &Domain, mesh: &mut Manifold, spacing: f64) -> Vec<DVec3> {
     let settle = |v: usize| {
         let here = mesh.samples[v];
-        let moves = mesh.connectivity.has_vertex(v as u32) && mesh.connectivity.curve_at(v as u32) == NONE;
+        let moves = mesh.connectivity.has_vertex(v as u32) && !mesh.connectivity.is_on_curve(v as u32);
         let foot = if moves { domain.settle(&here, REACH * spacing) } else { here };
         (Sample { position: here.position, ..foot }, foot.position)
     };
@@ -357,7 +357,7 @@ fn corners(mesh: &Manifold, t: u32) -> [DVec3; 3] {
 fn find_planes(domain: &Domain, mesh: &Manifold, t: u32, own: &mut [Target; POINTS.len()], reach: f64) {
     let numbers = mesh.connectivity.triangle(3 * t);
     // A corner on no curve knows the patch.
-    let Some(v) = numbers.into_iter().find(|&v| mesh.connectivity.curve_at(v) == NONE) else {
+    let Some(v) = numbers.into_iter().find(|&v| !mesh.connectivity.is_on_curve(v)) else {
         return;
     };
     let x = corners(mesh, t);
@@ -405,7 +405,7 @@ fn move_all(mesh: &mut Manifold, vertices: &[u32], place: impl Fn(&Manifold, u32
 /// Where `v` comes to by a step that spoils no triangle.
 fn step(mesh: &Manifold, targets: &Targets, v: u32, spacing: f64) -> Sample {
     let here = mesh.samples[v as usize];
-    if mesh.connectivity.curve_at(v) != NONE {
+    if mesh.connectivity.is_on_curve(v) {
         return here;
     }
     let way = newton_step(mesh, targets, v, spacing);
@@ -419,7 +419,7 @@ fn step(mesh: &Manifold, targets: &Targets, v: u32, spacing: f64) -> Sample {
     }
     for _ in 0..HALVINGS {
         let there = Sample { position: here.position + way, ..here };
-        if mesh.move_keeps_facing(v, &there, FacingGuard::MOVE) && keeps_shape(mesh, v, there.position) {
+        if mesh.move_keeps_facing(v, &there, FacingGuard::SOUND) && keeps_shape(mesh, v, there.position) {
             return there;
         }
         way *= 0.5;

@@ -22,7 +22,6 @@ use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
 use crate::manifold::neighborhood::Neighborhood;
 use crate::manifold::vertex_set::VertexSet;
-use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::optimize::angles::{bad_triangles, improve_angles_for, worst_margin};
 use crate::optimize::fit::{BEYOND, Fitted, POINTS, fit_part, point};
@@ -309,7 +308,7 @@ impl Task<'_> {
             mesh.position(a).distance_squared(p).total_cmp(&mesh.position(b).distance_squared(p)).then(a.cmp(&b))
         };
         let corners = mesh.connectivity.triangle(3 * place.triangle).into_iter();
-        let free = corners.filter(|&v| mesh.connectivity.curve_at(v) == NONE);
+        let free = corners.filter(|&v| !mesh.connectivity.is_on_curve(v));
         let middle = free.min_by(|&a, &b| by_distance(mesh, a, b))?;
         let neighborhood = Neighborhood::around(mesh, middle, self.effort.rings)?;
         let measured = Measured::new(self, faces, &neighborhood, p);

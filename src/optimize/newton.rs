@@ -12,7 +12,6 @@
 use crate::manifold::Manifold;
 use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{Connectivity, prev};
-use crate::mesh::topology::NONE;
 use glam::{DMat2, DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -206,12 +205,11 @@ fn shares(corners: [u32; 3], axes: &[[DVec3; 2]], strain: Strain) -> [Share; 3] 
 fn entries_of<'a>(c: &'a Connectivity, v: u32, shares: &'a [[Share; 3]]) -> impl Iterator<Item = (u32, DMat2)> + 'a {
     let back = |h: u32| share_of(shares, h).between.transpose();
     let outwards = c.outgoing(v).map(move |h| {
-        let across = c.twin(h);
-        let other = if across == NONE { DMat2::ZERO } else { back(across) };
+        let other = if c.has_twin(h) { back(c.twin(h)) } else { DMat2::ZERO };
         (c.target(h), share_of(shares, h).between + other)
     });
     // The last edge around a vertex of the boundary has a triangle on its right only.
-    let last = c.outgoing(v).map(prev).find(|&h| c.twin(h) == NONE);
+    let last = c.outgoing(v).map(prev).find(|&h| !c.has_twin(h));
     outwards.chain(last.map(move |h| (c.origin(h), back(h))))
 }
 

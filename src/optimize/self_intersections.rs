@@ -27,7 +27,6 @@ use crate::manifold::faces::Faces;
 use crate::manifold::facing::FacingGuard;
 use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{next, prev};
-use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
 use crate::spatial::self_intersections::{faces_of, self_intersections};
@@ -226,7 +225,7 @@ fn step_off(domain: &Domain, mesh: &mut Manifold, v: u32, way: DVec3) -> bool {
     let may = way != DVec3::ZERO
         && !mesh.connectivity.is_on_interface(v)
         && is_near_surface(domain, mesh, v, &there)
-        && mesh.move_keeps_facing(v, &there, FacingGuard::PART);
+        && mesh.move_keeps_facing(v, &there, FacingGuard::SOUND);
     if may {
         mesh.samples[v as usize] = there;
     }
@@ -287,10 +286,10 @@ impl Surroundings {
     }
 
     fn flip_if_fewer(&mut self, mesh: &mut Manifold, h: u32) {
-        let g = mesh.connectivity.twin(h);
-        if g == NONE || !mesh.connectivity.can_flip(h) || !mesh.flip_keeps_facing(h, FacingGuard::PART) {
+        if !mesh.connectivity.can_flip(h) || !mesh.flip_keeps_facing(h, FacingGuard::SOUND) {
             return;
         }
+        let g = mesh.connectivity.twin(h);
         let old = [h / 3, g / 3];
         let ([a, b, top], bottom) = (corners(mesh, h), mesh.position(mesh.connectivity.apex(g)));
         let before = [[a, b, top], [b, a, bottom]];
@@ -350,7 +349,7 @@ fn fan(mesh: &Manifold, v: u32, there: DVec3) -> Vec<Corners> {
 /// Whether the triangles around `v` are no worse, or good enough, with `v` at `there`.
 fn acceptable(mesh: &Manifold, v: u32, there: &Sample) -> bool {
     let shape = |p: DVec3| fan(mesh, v, p).into_iter().map(mean_ratio).fold(1.0, f64::min);
-    mesh.move_keeps_facing(v, there, FacingGuard::PART)
+    mesh.move_keeps_facing(v, there, FacingGuard::SOUND)
         && shape(there.position) >= shape(mesh.position(v)).min(LEAST_SHAPE)
 }
 

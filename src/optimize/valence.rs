@@ -29,7 +29,6 @@ use crate::manifold::Manifold;
 use crate::manifold::facing::FacingGuard;
 use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{Connectivity, next, prev};
-use crate::mesh::topology::NONE;
 use glam::DVec3;
 
 /// Edges of a regular vertex inside.
@@ -81,10 +80,7 @@ impl Defects {
     #[inline]
     fn at(&self, mesh: &Manifold, h: u32) -> i32 {
         let v = mesh.connectivity.origin(h);
-        match mesh.connectivity.curve_at(v) {
-            NONE => self.excess[v as usize],
-            _ => excess_of_fan(mesh, h),
-        }
+        if mesh.connectivity.is_on_curve(v) { excess_of_fan(mesh, h) } else { self.excess[v as usize] }
     }
 
     /// What flipping the edge of `h`, which has two faces, adds to the energy.
@@ -112,7 +108,7 @@ impl Defects {
     fn flip_down(&mut self, mut queue: Vec<u32>, mesh: &mut Manifold) {
         while let Some(h) = queue.pop() {
             let c = &mesh.connectivity;
-            if c.has_half_edge(h) && c.twin(h) != NONE && self.rise(mesh, h) < 0 && may_flip(mesh, h) {
+            if c.has_half_edge(h) && c.has_twin(h) && self.rise(mesh, h) < 0 && may_flip(mesh, h) {
                 self.flip(&mut mesh.connectivity, h);
                 queue.extend(touched(&mesh.connectivity, h));
             }
@@ -125,8 +121,7 @@ impl Defects {
         let mut left = 20 * queue.len();
         while let Some(h) = queue.pop() {
             let c = &mesh.connectivity;
-            if left > 0 && c.twin(h) != NONE && mesh.breaks_delaunay(h) && self.rise(mesh, h) <= 0 && may_flip(mesh, h)
-            {
+            if left > 0 && c.has_twin(h) && mesh.breaks_delaunay(h) && self.rise(mesh, h) <= 0 && may_flip(mesh, h) {
                 let g = c.twin(h);
                 self.flip(&mut mesh.connectivity, h);
                 queue.extend([next(h), prev(h), next(g), prev(g)]);
@@ -138,7 +133,7 @@ impl Defects {
     fn glide_all(&mut self, mesh: &mut Manifold, locked: &VertexSet, wide: &VertexSet) {
         for h in 0..mesh.connectivity.half_edge_bound() {
             let c = &mesh.connectivity;
-            if !c.has_half_edge(h) || c.twin(h) == NONE || h > c.twin(h) || self.rise(mesh, h) != 0 {
+            if !c.has_half_edge(h) || !c.has_twin(h) || h > c.twin(h) || self.rise(mesh, h) != 0 {
                 continue;
             }
             if !wide.contains(mesh.connectivity.origin(h)) || !may_glide(mesh, locked, h) {
@@ -174,7 +169,7 @@ impl Defects {
         }
         let c = &mesh.connectivity;
         let mut ways: Vec<(i32, u32)> = touched(c, h)
-            .filter(|&g| c.twin(g) != NONE)
+            .filter(|&g| c.has_twin(g))
             .map(|g| (self.rise(mesh, g), g))
             .filter(|&(rise, g)| rise <= 0 && !glide.gone.contains(&ends_after(c, g)))
             .collect();
@@ -201,7 +196,7 @@ impl Defects {
     /// What merging the origin of `h` into its target adds to the energy.
     fn rise_of_collapse(&self, mesh: &Manifold, h: u32) -> i32 {
         let c = &mesh.connectivity;
-        if c.twin(h) == NONE {
+        if !c.has_twin(h) {
             return 0;
         }
         let [a, b, top] = [h, next(h), prev(h)].map(|h| self.at(mesh, h));
@@ -234,7 +229,7 @@ struct Glide<'a> {
 /// either side of the triangle of `h`.
 fn excess_of_fan(mesh: &Manifold, h: u32) -> i32 {
     let c = &mesh.connectivity;
-    let ends = |h: u32| c.curve(h) != NONE || c.twin(h) == NONE;
+    let ends = |h: u32| c.is_curve_edge(h) || !c.has_twin(h);
     let mut first = h;
     while !ends(first) {
         first = next(c.twin(first));
@@ -273,7 +268,7 @@ fn ends_after(c: &Connectivity, h: u32) -> [u32; 2] {
 /// The edges whose flip means something else after that of `h`: those at and across from its four vertices, or from three
 /// if later flips have put it on the boundary.
 fn touched(c: &Connectivity, h: u32) -> impl Iterator<Item = u32> {
-    let across = Some(c.twin(h)).filter(|&twin| twin != NONE).map(|twin| c.apex(twin));
+    let across = c.has_twin(h).then(|| c.apex(c.twin(h)));
     let corners = c.triangle(h).into_iter().chain(across);
     corners.flat_map(move |v| c.outgoing(v).flat_map(|h| [h, next(h)]))
 }
@@ -309,7 +304,7 @@ fn may_glide(mesh: &Manifold, locked: &VertexSet, h: u32) -> bool {
 fn may_collapse(mesh: &Manifold, locked: &VertexSet, h: u32, spacing: f64) -> bool {
     let c = &mesh.connectivity;
     let a = c.origin(h);
-    if locked.contains(a) || c.curve_at(a) != NONE || !c.can_collapse(h) || c.ring(a).any(|w| turn(mesh, a, w) < FLAT) {
+    if locked.contains(a) || c.is_on_curve(a) || !c.can_collapse(h) || c.ring(a).any(|w| turn(mesh, a, w) < FLAT) {
         return false;
     }
     let (facing, shape) = mesh.after_collapse(h);
@@ -406,7 +401,7 @@ mod tests {
         let mut mesh = sheet();
         let mut defects = Defects::new(&mesh);
         let before = mesh.connectivity.compact();
-        for h in mesh.edges().filter(|&h| mesh.connectivity.twin(h) != NONE).collect::<Vec<_>>() {
+        for h in mesh.edges().filter(|&h| mesh.connectivity.has_twin(h)).collect::<Vec<_>>() {
             if mesh.connectivity.can_flip(h) {
                 defects.flip(&mut mesh.connectivity, h);
                 defects.flip_back(&mut mesh.connectivity, h);

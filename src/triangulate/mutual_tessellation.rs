@@ -89,7 +89,7 @@ fn remove(mesh: &mut Manifold, v: u32, least_facing: f64) {
 /// fold smaller than the samples resolve is left out, samples on it included.
 fn straighten(mesh: &mut Manifold, v: u32) {
     let c = &mesh.connectivity;
-    if c.is_boundary(v) || c.outgoing(v).all(|h| FacingGuard::MOVE.passes(mesh.agreement(c.triangle(h)))) {
+    if c.is_boundary(v) || c.outgoing(v).all(|h| FacingGuard::SOUND.passes(mesh.agreement(c.triangle(h)))) {
         return;
     }
     let merges = c.outgoing(v).filter(|&h| c.can_collapse(h)).map(|h| (mesh.after_collapse(h).0, h));
