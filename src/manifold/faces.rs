@@ -20,7 +20,7 @@ pub struct Faces {
 impl Faces {
     /// Those of `mesh`.
     pub fn new(mesh: &Manifold) -> Faces {
-        let number: Vec<u32> = mesh.half_edges().filter(|h| h % 3 == 0).map(|h| h / 3).collect();
+        let number: Vec<u32> = mesh.triangles().collect();
         let triangles = number.iter().map(|&t| mesh.connectivity.triangle(3 * t)).collect();
         let mesh = Mesh { positions: mesh.samples.iter().map(|s| s.position).collect(), triangles };
         Faces { bvh: Bvh::new(&mesh), mesh, number }

@@ -42,6 +42,17 @@ impl Manifold {
         self.samples[v as usize].position
     }
 
+    /// The positions of the corners of triangle `t`, whose first half-edge is `3 t`.
+    #[inline]
+    pub fn corners(&self, t: u32) -> [DVec3; 3] {
+        self.connectivity.triangle(3 * t).map(|v| self.position(v))
+    }
+
+    /// The numbers of all triangles, in increasing order.
+    pub fn triangles(&self) -> impl Iterator<Item = u32> {
+        (0..self.connectivity.half_edge_bound() / 3).filter(|t| self.connectivity.has_half_edge(3 * t))
+    }
+
     /// All half-edges, in increasing order.
     pub fn half_edges(&self) -> impl Iterator<Item = u32> {
         (0..self.connectivity.half_edge_bound()).filter(|&h| self.connectivity.has_half_edge(h))

@@ -91,7 +91,7 @@ impl Manifold {
             self.refuse_folds(&number, &mut samples, &mut middle_of, first);
         }
         let mut triangles = Vec::with_capacity(4 * self.connectivity.half_edge_bound() as usize / 3);
-        self.half_edges().filter(|h| h % 3 == 0).for_each(|h| triangles.extend(self.parts(h, &number, &middle_of)));
+        self.triangles().for_each(|t| triangles.extend(self.parts(3 * t, &number, &middle_of)));
         let mut finer = Manifold::new(samples, &triangles);
         self.hand_curves_on(&mut finer, &number, &middle_of);
         finer

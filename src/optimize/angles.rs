@@ -66,9 +66,9 @@ pub(super) fn improve_angles_for(
     let mut hopeful = vec![true; mesh.samples.len()];
     for _ in 0..passes {
         check(monitor)?;
-        let bad: Vec<u32> = mesh.half_edges().filter(|&h| h % 3 == 0 && is_bad(mesh, h)).collect();
+        let bad: Vec<u32> = mesh.triangles().filter(|&t| is_bad(mesh, t)).collect();
         let mut changed = false;
-        for h in bad {
+        for h in bad.into_iter().map(|t| 3 * t) {
             for side in [h, next(h), prev(h)] {
                 if flip_if_better(mesh, side) {
                     changed = true;
@@ -110,18 +110,17 @@ fn margin_above(corners: [DVec3; 3], floor: f64) -> Option<f64> {
 
 /// The least margin of all triangles, in degrees; negative outside of the goal.
 pub(super) fn worst_margin(mesh: &Manifold) -> f64 {
-    let triangles = mesh.half_edges().filter(|h| h % 3 == 0);
-    triangles.map(|h| margin_of(mesh.connectivity.triangle(h).map(|v| mesh.position(v)))).fold(f64::INFINITY, f64::min)
+    mesh.triangles().map(|t| margin_of(mesh.corners(t))).fold(f64::INFINITY, f64::min)
 }
 
 /// The number of triangles outside of the goal.
 pub(super) fn bad_triangles(mesh: &Manifold) -> usize {
-    mesh.half_edges().filter(|&h| h % 3 == 0 && is_bad(mesh, h)).count()
+    mesh.triangles().filter(|&t| is_bad(mesh, t)).count()
 }
 
-/// Whether the triangle of `h` is outside of the goal.
-fn is_bad(mesh: &Manifold, h: u32) -> bool {
-    !is_good(mesh.connectivity.triangle(h).map(|v| mesh.position(v)))
+/// Whether triangle `t` is outside of the goal.
+fn is_bad(mesh: &Manifold, t: u32) -> bool {
+    !is_good(mesh.corners(t))
 }
 
 /// Whether a triangle of these corners has a margin: [`margin_of`] without its costly arc.

@@ -87,7 +87,7 @@ fn flip(mesh: &mut Manifold, flips: Flips) {
 }
 
 /// The gradient at `v` of the energy of the triangles around it, and the mean second derivative along the surface.
-pub(super) fn pull(mesh: &Manifold, v: u32, spacing: f64) -> (DVec3, f64) {
+pub(super) fn shape_gradient(mesh: &Manifold, v: u32, spacing: f64) -> (DVec3, f64) {
     let strains = mesh.connectivity.outgoing(v).map(|h| strain_of(mesh, mesh.connectivity.triangle(h), spacing));
     strains.fold((DVec3::ZERO, 0.0), |(gradient, stiffness), strain| {
         let squares: f64 = strain.forms.iter().map(|form| form[0].length_squared()).sum();
@@ -158,11 +158,12 @@ mod tests {
     }
 
     #[test]
-    fn an_equilateral_triangle_of_the_right_size_pulls_nowhere() {
+    fn the_gradient_is_zero_for_an_equilateral_triangle_of_the_right_size() {
         let d = 0.4;
         let triangle = [DVec3::ZERO, d * DVec3::X, d * DVec3::new(0.5, 0.75f64.sqrt(), 0.0)];
-        let pull = |spacing: f64| strain(triangle, spacing).gradient.map(DVec3::length).into_iter().fold(0.0, f64::max);
-        assert!(pull(d) < 1e-12);
-        assert!(pull(1.1 * d) > 0.01);
+        let steepest =
+            |spacing: f64| strain(triangle, spacing).gradient.map(DVec3::length).into_iter().fold(0.0, f64::max);
+        assert!(steepest(d) < 1e-12);
+        assert!(steepest(1.1 * d) > 0.01);
     }
 }

@@ -89,7 +89,7 @@ impl Crossings {
     fn avoidable(domain: &Domain, mesh: &Manifold) -> Crossings {
         let mut crossings = Crossings::new(mesh);
         let crossing = faces_of(crossings.pairs.clone());
-        let triangles: Vec<Corners> = crossing.iter().map(|&t| corners(mesh, 3 * t)).collect();
+        let triangles: Vec<Corners> = crossing.iter().map(|&t| mesh.corners(t)).collect();
         let inherited = Inherited::around(domain, &triangles);
         let need_not = triangles.iter().map(|&t| !inherited.is_near(t));
         let need_not: BTreeMap<u32, bool> = crossing.into_iter().zip(need_not).collect();
@@ -282,7 +282,7 @@ impl Surroundings {
             count += usize::from(stays && cross(triangle, corners));
         });
         let changed = self.changed.iter().filter(|t| !old.contains(t));
-        count + changed.filter(|&&t| cross(triangle, corners(mesh, 3 * t))).count()
+        count + changed.filter(|&&t| cross(triangle, mesh.corners(t))).count()
     }
 
     fn flip_if_fewer(&mut self, mesh: &mut Manifold, h: u32) {
@@ -291,7 +291,8 @@ impl Surroundings {
         }
         let g = mesh.connectivity.twin(h);
         let old = [h / 3, g / 3];
-        let ([a, b, top], bottom) = (corners(mesh, h), mesh.position(mesh.connectivity.apex(g)));
+        let [a, b, top] = mesh.connectivity.triangle(h).map(|v| mesh.position(v));
+        let bottom = mesh.position(mesh.connectivity.apex(g));
         let before = [[a, b, top], [b, a, bottom]];
         let after = [[top, a, bottom], [bottom, b, top]];
         let least = |faces: &[Corners]| faces.iter().map(|&t| mean_ratio(t)).fold(1.0, f64::min);
@@ -330,11 +331,6 @@ impl Surroundings {
             }
         }
     }
-}
-
-/// The corners of the triangle of `h`, from its origin on.
-fn corners(mesh: &Manifold, h: u32) -> Corners {
-    mesh.connectivity.triangle(h).map(|v| mesh.position(v))
 }
 
 /// The triangles around `v` if it were at `there`.

@@ -9,12 +9,12 @@
 //!
 //! Cost: linear in the triangles of the patch, with a large constant: some microseconds a vertex.
 
-use crate::base::union_find::UnionFind;
 use crate::geom::triangle::barycentric;
 use crate::manifold::Manifold;
 use crate::manifold::facing::FacingGuard;
 use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::next;
+use crate::mesh::submesh::Fans;
 use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
 use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
@@ -119,7 +119,7 @@ fn insert(domain: &Domain, part: &[u32], insertions: &[Insertion]) -> (Manifold,
     let mut by_triangle: Vec<(u32, u32)> =
         insertions.iter().enumerate().map(|(i, p)| (p.sample.triangle, i as u32)).collect();
     by_triangle.sort_unstable();
-    let Corners { vertices, of_corner, border } = Corners::new(domain, part);
+    let Fans { of_corner, first_corner, interface } = Fans::new(part, &domain.twin);
     let first = insertions.len() as u32;
     let mut triangles = Vec::with_capacity(part.len() + 2 * insertions.len());
     let mut own = by_triangle.chunk_by(|a, b| a.0 == b.0).peekable();
@@ -130,57 +130,14 @@ fn insert(domain: &Domain, part: &[u32], insertions: &[Insertion]) -> (Manifold,
             None => triangles.push(ends),
         }
     }
+    let vertices = first_corner.into_iter().map(|corner| {
+        let mut weights = [0.0; 3];
+        weights[corner as usize % 3] = 1.0;
+        domain.sample(part[corner as usize / 3], weights)
+    });
     let samples = insertions.iter().map(|p| p.sample).chain(vertices).collect();
-    (Manifold::new(samples, &triangles), border.into_iter().map(|v| first + v).collect())
-}
-
-/// The vertices of a part of the domain. One at which the part has several fans is several vertices.
-struct Corners {
-    vertices: Vec<Sample>,
-    /// The vertex of each corner, triangle by triangle of the part.
-    of_corner: Vec<u32>,
-    /// The vertices along which the part was cut out of the domain.
-    border: Vec<u32>,
-}
-
-impl Corners {
-    fn new(domain: &Domain, part: &[u32]) -> Self {
-        let mut fans = UnionFind::new(3 * part.len());
-        let mut cut = Vec::new();
-        for (i, &t) in part.iter().enumerate() {
-            for k in 0..3 {
-                let (corner, end) = (3 * i as u32 + k, 3 * i as u32 + (k + 1) % 3);
-                let across = domain.twin[3 * t as usize + k as usize];
-                if across == NONE {
-                    continue;
-                }
-                match part.binary_search(&(across / 3)) {
-                    Ok(j) => {
-                        let back = 3 * j as u32 + across % 3;
-                        fans.join(corner, next(back));
-                        fans.join(end, back);
-                    }
-                    Err(_) => cut.extend([corner, end]),
-                }
-            }
-        }
-        let mut vertices = Vec::new();
-        let mut of_corner = vec![NONE; 3 * part.len()];
-        for c in 0..of_corner.len() {
-            // The representative of a fan is its first corner.
-            let first = fans.find(c as u32) as usize;
-            if first == c {
-                let mut weights = [0.0; 3];
-                weights[c % 3] = 1.0;
-                of_corner[c] = vertices.len() as u32;
-                vertices.push(domain.sample(part[c / 3], weights));
-            } else {
-                of_corner[c] = of_corner[first];
-            }
-        }
-        let border = cut.into_iter().map(|c| of_corner[c as usize]).collect();
-        Corners { vertices, of_corner, border }
-    }
+    let border = interface.iter().flat_map(|&side| [side, next(side)]).map(|c| first + of_corner[c as usize]);
+    (Manifold::new(samples, &triangles), border.collect())
 }
 
 /// Adds the Delaunay triangles of the points of triangle `t`, whose corners have the numbers `ends`.
