@@ -8,8 +8,8 @@ use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 
 impl Manifold {
-    /// Lays edges, each given by its ends and its curve, on curves, and their ends with them; then makes `corners` of
-    /// these vertices. Whether all the edges are there.
+    /// Puts edges, each given by its ends and its curve, and their ends on curves, and then makes the vertices `corners`
+    /// corners. Returns whether all the edges exist.
     pub fn mark_curves(&mut self, edges: &[([u32; 2], OnCurve)], corners: impl IntoIterator<Item = u32>) -> bool {
         let mut all = true;
         for &([a, b], curve) in edges {
@@ -23,7 +23,7 @@ impl Manifold {
         all
     }
 
-    /// Makes corners of all vertices on the boundary.
+    /// Makes all vertices on the boundary corners.
     pub fn lock_boundary(&mut self) {
         for v in 0..self.connectivity.vertex_bound() {
             if self.connectivity.has_vertex(v) && self.connectivity.is_boundary(v) {
@@ -97,9 +97,9 @@ impl Manifold {
         out.chain(last.map(|h| c.origin(h))).collect()
     }
 
-    /// Lays the curves of this mesh on one made from it by splitting edges: `number` has the number of each vertex
+    /// Copies the curves of this mesh to one made from it by splitting edges: `number` has the number of each vertex
     /// there, `middle_of` the vertex that splits each half-edge, or [`NONE`].
-    pub(super) fn hand_curves_on(&self, finer: &mut Manifold, number: &[u32], middle_of: &[u32]) {
+    pub(super) fn copy_curves(&self, finer: &mut Manifold, number: &[u32], middle_of: &[u32]) {
         let c = &self.connectivity;
         let mut edges = Vec::new();
         for h in self.edges().filter(|&h| c.is_curve_edge(h)) {

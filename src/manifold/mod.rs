@@ -90,7 +90,7 @@ impl Manifold {
         let (triangles, old) = self.connectivity.compact();
         let mut mesh = Manifold::new(old.iter().map(|&v| self.samples[v as usize]).collect(), &triangles);
         let unsplit = vec![NONE; self.connectivity.half_edge_bound() as usize];
-        self.hand_curves_on(&mut mesh, &self.new_numbers(&old), &unsplit);
+        self.copy_curves(&mut mesh, &self.new_numbers(&old), &unsplit);
         (mesh, old)
     }
 

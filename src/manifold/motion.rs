@@ -1,8 +1,8 @@
-//! Moves the vertices of a manifold over its domain: all of them once, each to where a rule wants it, tangentially and
-//! back on the surface; vertices on a curve stay on it. A step that would turn a triangle against the surface is halved
-//! until it does not.
+//! Moves the vertices of a manifold over its domain, all of them once, by steps that a rule gives. A step is tangential and
+//! projected back onto the surface; vertices on a feature curve stay on it. A step that would turn a triangle against the
+//! surface is halved until it does not.
 //!
-//! Vertices of one colour, no two of them adjacent, move at the same time: the result is the same for any number of
+//! Vertices of one colour, no two of them adjacent, move at the same time, so the result does not depend on the number of
 //! threads.
 
 use crate::manifold::Manifold;
@@ -18,7 +18,7 @@ const HALVINGS: usize = 4;
 /// Vertices that one task moves.
 const CHUNK: usize = 64;
 
-/// Moves all vertices that are not `locked` once. `way` is where a vertex wants to go from where it is.
+/// Moves all vertices that are not `locked` once. `way` gives the step of each.
 pub fn move_vertices(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -34,7 +34,7 @@ pub fn move_vertices(
     }
 }
 
-/// Where vertex `v` comes to on its way.
+/// Where the step `way` takes vertex `v`.
 fn step(domain: &Domain, mesh: &Manifold, v: u32, way: DVec3) -> Sample {
     let here = mesh.samples[v as usize];
     let on_curve = mesh.connectivity.is_on_curve(v);

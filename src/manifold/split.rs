@@ -12,9 +12,9 @@ use rayon::prelude::*;
 const MIDDLE_REACH: f64 = 0.75;
 
 impl Manifold {
-    /// Splits the edge of `h` at its middle, put back on the domain; the new vertex. `None`, and nothing is done, if
-    /// that place is not between the ends or would turn a triangle against the surface, as happens where the edge cuts
-    /// through a thin part.
+    /// Splits the edge of `h` at its middle, projected onto the domain; the new vertex. Returns `None`, and does nothing, if
+    /// the projection is not between the ends or would turn a triangle against the surface, as where the edge cuts through
+    /// a thin part.
     pub fn split_at_middle(&mut self, domain: &Domain, h: u32) -> Option<u32> {
         let middle = self.middle(domain, h);
         let ends = [self.connectivity.origin(h), self.connectivity.target(h)].map(|v| self.position(v));
@@ -26,7 +26,7 @@ impl Manifold {
         Some(self.split_at(middle, h))
     }
 
-    /// [`Self::split_at_middle`] wherever that place is, and whatever becomes of the triangles.
+    /// [`Self::split_at_middle`] without these conditions.
     pub fn split_anyhow(&mut self, domain: &Domain, h: u32) -> u32 {
         self.split_at(self.middle(domain, h), h)
     }
@@ -36,15 +36,14 @@ impl Manifold {
         self.connectivity.split_edge(h)
     }
 
-    /// Whether the triangle of `h`, split from `middle` to the corner across, faces the surface as well as it must or
-    /// as it does now.
+    /// Whether the guard allows the halves of the triangle of `h`, split from `middle` to the corner across.
     fn halves_face_surface(&self, h: u32, middle: &Sample) -> bool {
         let [a, b, top] = self.connectivity.triangle(h).map(|v| &self.samples[v as usize]);
         let after = cosine_to_surface([a, middle, top]).min(cosine_to_surface([middle, b, top]));
         FacingGuard::SOUND.allows(after, || cosine_to_surface([a, b, top]))
     }
 
-    /// The middle of the edge of `h`, put back on the domain, or on the curve that the edge lies on.
+    /// The middle of the edge of `h`, projected onto the domain, or onto the curve that the edge lies on.
     fn middle(&self, domain: &Domain, h: u32) -> Sample {
         let c = &self.connectivity;
         let ends = [c.origin(h), c.target(h)];
@@ -65,10 +64,9 @@ impl Manifold {
         }
     }
 
-    /// The mesh with its `count` relatively longest edges split at their middles, put back on the domain: a triangle
-    /// with three such edges becomes four, the others two or three or stay. Edges whose middle would turn a triangle
-    /// against the surface, as happens where they cut through a thin part, are left out, and the next longest are split
-    /// instead.
+    /// The mesh with its `count` relatively longest edges split at their middles, projected onto the domain: a triangle
+    /// with three such edges becomes four, others become two or three or stay. Edges whose middle would turn a triangle
+    /// against the surface are left out, and the next longest are split instead.
     pub fn with_longest_split(&self, domain: &Domain, count: usize) -> Manifold {
         let (_, old) = self.connectivity.compact();
         let number = self.new_numbers(&old);
@@ -93,7 +91,7 @@ impl Manifold {
         let mut triangles = Vec::with_capacity(4 * self.connectivity.half_edge_bound() as usize / 3);
         self.triangles().for_each(|t| triangles.extend(self.parts(3 * t, &number, &middle_of)));
         let mut finer = Manifold::new(samples, &triangles);
-        self.hand_curves_on(&mut finer, &number, &middle_of);
+        self.copy_curves(&mut finer, &number, &middle_of);
         finer
     }
 
@@ -116,8 +114,8 @@ impl Manifold {
         }
     }
 
-    /// Takes the middles away from the sides of triangles with a part that is turned against the surface, and their
-    /// samples, which begin at `first`.
+    /// Removes the middles of the sides of triangles that have a part turned against the surface, and their samples, which
+    /// begin at `first`.
     fn refuse_folds(&self, number: &[u32], samples: &mut Vec<Sample>, middle_of: &mut [u32], first: usize) {
         let faces = |t: &[u32; 3]| FacingGuard::SOUND.passes(cosine_to_surface(t.map(|v| &samples[v as usize])));
         let sound = |&h: &u32| {

@@ -1,8 +1,8 @@
 //! The connectivity of a triangle mesh that changes: half-edges in flat arrays, without positions.
 //!
 //! Half-edge 3 t + k runs from corner k of triangle t to its corner k + 1, so next and previous are arithmetic and only
-//! origin and twin are stored. Of a boundary vertex the outgoing half-edge that is kept is the one on the boundary:
-//! turning counter-clockwise from it meets all others.
+//! origin and twin are stored. Each vertex stores one outgoing half-edge, at the boundary the one along it: turning
+//! counter-clockwise from that meets all others.
 //!
 //! Edges can be laid on feature curves: creases and boundaries of the surface. Such an edge is never flipped, a vertex on
 //! a curve merges along it only, and a corner, where curves meet or end, not at all. So curves keep their course. An
@@ -40,7 +40,7 @@ pub enum OnCurve {
     Interface,
 }
 
-/// Triangles and their neighbours.
+/// Triangles, and how they are joined.
 #[derive(Debug, Clone, Default)]
 pub struct Connectivity {
     origin: Vec<u32>,
@@ -83,7 +83,7 @@ impl Connectivity {
         self.curve_at[v as usize] = curve;
     }
 
-    /// Lays the edge between `v` and `w` on a curve; whether there is one.
+    /// Puts the edge between `v` and `w` on a curve; returns whether there is such an edge.
     pub fn mark_on_curve(&mut self, v: u32, w: u32, curve: OnCurve) -> bool {
         let mut found = false;
         for (from, to) in [(v, w), (w, v)] {
@@ -140,7 +140,7 @@ impl Connectivity {
         (!ends.contains(&NONE)).then_some(ends)
     }
 
-    /// Vertices that are there, gaps not counted.
+    /// The number of vertices, gaps not counted.
     pub fn vertex_count(&self) -> usize {
         self.live_vertices
     }
@@ -250,8 +250,7 @@ impl Connectivity {
         self.ring(v).any(|u| u == w)
     }
 
-    /// Whether the edge of `h` can be flipped: it has two faces, is not on a curve, and the new edge is not there
-    /// already.
+    /// Whether the edge of `h` can be flipped: it has two faces, is not on a curve, and the new edge does not exist yet.
     pub fn can_flip(&self, h: u32) -> bool {
         let across = |h: u32| self.apex(self.twin(h));
         self.has_twin(h)
@@ -302,7 +301,7 @@ impl Connectivity {
         sides.all(|side| self.curve(side) != OnCurve::Interface)
     }
 
-    /// Takes all edges and vertices off their curves, but for those of the interface.
+    /// Takes all edges and vertices off their curves, except those of the interface.
     pub fn forget_curves(&mut self) {
         self.curve.iter_mut().filter(|curve| **curve != OnCurve::Interface).for_each(|curve| *curve = OnCurve::No);
         for v in 0..self.vertex_bound() {
@@ -432,8 +431,8 @@ impl Connectivity {
         new
     }
 
-    /// Puts `triangles` in the place of those with the numbers in `old`, of which there are as many, with the same
-    /// border. Whether it could be: not if one of the new edges is there already, elsewhere.
+    /// Replaces the triangles with the numbers in `old` by `triangles`, as many and with the same boundary. Returns `false`,
+    /// and does nothing, if one of the new edges exists elsewhere already.
     pub fn replace(&mut self, old: &[u32], triangles: &[[u32; 3]]) -> bool {
         let sides = || old.iter().flat_map(|&t| 3 * t..3 * t + 3);
         let inside = |h: u32| old.binary_search(&(h / 3)).is_ok();

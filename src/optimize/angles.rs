@@ -1,8 +1,8 @@
 //! Raises the smallest angles and the quality of the worst triangles only.
 //!
-//! Every triangle has a margin: how far its smallest angle and its quality are inside of the goal. Vertices of
-//! triangles without a margin look around for a place where the least margin of their triangles is larger, and edges
-//! flip where that gives the larger one. Nothing else moves, so the evenness of the rest is kept.
+//! The margin of a triangle is the distance of its smallest angle and quality from the goal, negative if it misses the
+//! goal. Vertices of triangles with a negative margin search for a place where the least margin of their triangles is
+//! larger, and edges flip if that makes it larger. Nothing else moves, so the rest stays even.
 //!
 //! Based on: L. A. Freitag, C. Ollivier-Gooch, Tetrahedral mesh improvement using swapping and smoothing, 1997,
 //! DOI 10.1002/(SICI)1097-0207(19971115)40:21<3979::AID-NME251>3.0.CO;2-9. Departure: a pattern search in the tangent
@@ -62,7 +62,7 @@ pub(super) fn improve_angles_for(
     passes: usize,
     monitor: &dyn Monitor,
 ) -> Result<()> {
-    // Vertices around which something has changed since they looked for a better place.
+    // Vertices around which something has changed since their last search.
     let mut hopeful = vec![true; mesh.samples.len()];
     for _ in 0..passes {
         check(monitor)?;
@@ -123,7 +123,7 @@ fn is_bad(mesh: &Manifold, t: u32) -> bool {
     !is_good(mesh.corners(t))
 }
 
-/// Whether a triangle of these corners has a margin: [`margin_of`] without its costly arc.
+/// Whether the margin of a triangle is not negative: [`margin_of`] without its costly arc.
 fn is_good(corners: [DVec3; 3]) -> bool {
     let (sine, cosine) = smallest_sine_cosine(corners);
     sine >= TANGENT_OF_SMALLEST * cosine && quality(corners) >= LEAST_QUALITY
@@ -142,7 +142,7 @@ pub fn least_margin(mesh: &Manifold, v: u32, p: DVec3) -> f64 {
     least_margin_above(mesh, v, p, f64::NEG_INFINITY).unwrap_or(f64::NEG_INFINITY)
 }
 
-/// [`least_margin`] if it is above `floor`, which is found out sooner.
+/// [`least_margin`] if it is above `floor`; cheaper if it is not.
 fn least_margin_above(mesh: &Manifold, v: u32, p: DVec3, floor: f64) -> Option<f64> {
     mesh.connectivity.outgoing(v).try_fold(f64::INFINITY, |least, h| {
         let [_, a, b] = mesh.connectivity.triangle(h);
@@ -157,7 +157,7 @@ fn flip_if_better(mesh: &mut Manifold, h: u32) -> bool {
         return false;
     }
     let g = c.twin(h);
-    // An ear, two sides on a curve, has no other way to become better.
+    // An ear, a triangle with two sides on a curve, can improve in no other way.
     let is_ear = |h: u32| c.is_curve_edge(next(h)) && c.is_curve_edge(prev(h));
     let spare = is_ear(h) || is_ear(g) || [c.origin(h), c.target(h)].into_iter().all(|v| can_spare_an_edge(mesh, v));
     let [a, b, top] = c.triangle(h).map(|v| mesh.position(v));

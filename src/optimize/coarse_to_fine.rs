@@ -2,10 +2,10 @@
 //!
 //! Half of all irregular vertices (of a valence other than 6) come from the order of the sampling and not from the
 //! curvature of the surface. A mesh of a quarter of the vertices has a quarter of them, and splitting each of its
-//! triangles in four adds none. Where the surface bends within the longer edges, at tips and in thin parts, a coarser
-//! mesh would lose it: the vertices there are fixed, stay as dense as they are, and their edges are not split. So are those
-//! beside an interface, which stays as dense as it is. Once the edges around are split, dense and once coarse vertices meet in no
-//! order; a few rings of both are freed for ascent.
+//! triangles in four adds none. A coarser mesh would lose the surface where it bends within the longer edges, at the ends
+//! of spikes and in thin parts: the vertices there are locked and stay dense, and their edges are not split. So are those
+//! beside an interface, which stays as dense as it is. Once the edges around are split, a few rings of vertices are
+//! ordered anew by ascent where dense and once coarse ones meet.
 //!
 //! Cost: a heap operation for each edge that is collapsed, and a sort of the edges that may be split.
 
@@ -19,29 +19,29 @@ use crate::spatial::self_intersections::self_intersections;
 use crate::surface::domain::Domain;
 use glam::DVec3;
 
-/// Cosine of the turn of the surface within two rings from which on vertices are kept: 120 degrees. At 75 a fifth of the
-/// vertices of a detailed model were kept and stayed irregular; above 120 tips are lost that are not found again.
+/// Cosine of the angle between normals within two rings above which vertices are kept: 120 degrees. At 75 a fifth of the
+/// vertices of a detailed model were kept and stayed irregular; above 120 ends of spikes are lost for good.
 const BENT: f64 = -0.5;
 
-/// Distance, in spacings of the fine mesh, from faces of the coarse one that cross, within which vertices are kept.
+/// Distance, in spacings of the fine mesh, from self-intersections of the coarse one within which vertices are kept.
 const CLEARANCE: f64 = 6.0;
 
-/// Cosine of the turn of the surface within an edge from which on a vertex is at a tip, the end of a spike or a slit: 120
-/// degrees. From 102 on too few around it can move.
+/// Cosine of the angle between the normals of adjacent vertices above which they are tips, at the end of a spike or a
+/// slit: 120 degrees. From 102 on too few around them can move.
 const TIP: f64 = -0.5;
 
-/// Width of a patch in spacings of the fine mesh below which its vertices are fixed: what a coarser mesh gains inside it
-/// loses at the curves around.
+/// Width of a smooth patch, in spacings of the fine mesh, below which its vertices are locked: what a coarser mesh gains
+/// inside it loses at the curves around.
 const NARROW: f64 = 12.0;
 
-/// How far, in spacings of the fine mesh, a vertex that is collapsed may be from the coarse one.
+/// Largest distance, in spacings of the fine mesh, of a collapsed vertex from the coarse mesh.
 const TOLERANCE: f64 = 0.25;
 
 /// Rings beside an interface that stay as dense as it is.
 const RINGS_BESIDE_INTERFACE: usize = 2;
 
-/// Rings around vertices that stayed dense that are ordered anew with them once the edges around have been split: half of
-/// the irregular vertices lie where the two meet, and more rings do not get rid of more of them.
+/// Rings around dense vertices that are ordered anew with them once the edges around have been split: half of the
+/// irregular vertices lie where the two meet, and more rings do not remove more of them.
 const RINGS_OF_TRANSITION: usize = 4;
 
 /// Cosine of the angle at which a vertex that is too near sees an edge of the interface: 105 degrees.
@@ -50,15 +50,14 @@ const ENCROACHED: f64 = -0.26;
 /// Edges longer than this many fine spacings are to be split: the middle, in ratio, between one spacing and two.
 const SPLIT_ABOVE: f64 = std::f64::consts::SQRT_2;
 
-/// The vertices that a coarser mesh could not do without: those that are `kept`, and those where the surface bends or that
-/// are beside an interface.
+/// The vertices that a coarser mesh needs: those in `kept`, those where the surface bends, and those beside an interface.
 pub fn indispensable(mesh: &Manifold, kept: &VertexSet) -> VertexSet {
     &(&mesh.bent(BENT) | kept) | &beside_interface(mesh)
 }
 
-/// Adds to `kept` the vertices of `mesh` around the faces of `coarse` that cross: the surface is a wall there that is
-/// too thin for such large faces. Whether there are any.
-pub fn keep_where_crossing(kept: &mut VertexSet, mesh: &Manifold, coarse: &Manifold, spacing: f64) -> bool {
+/// Adds the vertices of `mesh` around self-intersections of `coarse` to `kept`: the surface is a wall there that is too
+/// thin for such large faces. Returns whether there are any.
+pub fn keep_at_self_intersections(kept: &mut VertexSet, mesh: &Manifold, coarse: &Manifold, spacing: f64) -> bool {
     let coarse = coarse.to_mesh();
     let crossing = self_intersections(&coarse);
     if crossing.is_empty() {
@@ -73,8 +72,8 @@ pub fn keep_where_crossing(kept: &mut VertexSet, mesh: &Manifold, coarse: &Manif
     true
 }
 
-/// Takes vertices out that are so near to an edge of the interface that they see it at an obtuse angle. Nothing there can
-/// flip or move out of their way.
+/// Collapses vertices so near to an edge of the interface that they see it at an obtuse angle. Nothing there can flip or
+/// move out of their way.
 ///
 /// J. Ruppert, A Delaunay refinement algorithm for quality 2-dimensional mesh generation, 1995, DOI
 /// 10.1006/jagm.1995.1021, calls such edges encroached, and splits them.
@@ -122,8 +121,8 @@ pub fn narrow(domain: &Domain, mesh: &Manifold, spacing: f64) -> VertexSet {
     VertexSet::new(mesh, is_narrow)
 }
 
-/// The vertices at which the surface turns away within an edge: ascent would draw those around into a fan, relaxation
-/// would take them from the end of their spike.
+/// The vertices at the end of a spike or a slit. Ascent would draw those around into a fan, relaxation would move them
+/// away from the end.
 pub fn tips(mesh: &Manifold) -> VertexSet {
     let c = &mesh.connectivity;
     let normal = |v: u32| mesh.samples[v as usize].normal;

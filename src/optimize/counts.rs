@@ -1,8 +1,7 @@
-//! Exactly the wanted number of vertices: the longest edges are split or the shortest collapsed, by their length
+//! Brings a mesh to the wanted number of vertices: splits the longest edges or collapses the shortest, by their length
 //! relative to the one that is wanted there.
 //!
-//! Every step keeps the topology. Where that needs more vertices than are wanted, there are more in the end; the caller
-//! compares.
+//! Every step keeps the topology. If that needs more vertices than are wanted, more are left; the caller compares.
 //!
 //! Cost: n log n in the edges once, and a heap operation for each edge changed.
 
@@ -15,7 +14,7 @@ use std::collections::BinaryHeap;
 
 /// Brings `mesh` to `wanted` vertices, as far as its topology allows.
 pub fn meet_count(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
-    // First with care, then whatever it takes.
+    // First under the guard, then without.
     split_longest(domain, mesh, wanted);
     split_longest_with(mesh, wanted, |mesh, h| Some(mesh.split_anyhow(domain, h)));
     collapse_shortest(mesh, wanted, |mesh, h| {
@@ -24,7 +23,7 @@ pub fn meet_count(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
     });
     collapse_shortest(mesh, wanted, |_, _| true);
     if mesh.connectivity.vertex_count() > wanted {
-        // The count goes before sharp edges and the corners of the boundary.
+        // The count takes precedence over feature curves and their corners.
         mesh.connectivity.forget_curves();
         collapse_shortest(mesh, wanted, |_, _| true);
     }
@@ -35,7 +34,7 @@ pub(super) fn split_longest(domain: &Domain, mesh: &mut Manifold, wanted: usize)
     split_longest_with(mesh, wanted, |mesh, h| mesh.split_at_middle(domain, h));
 }
 
-/// Splits the longest inner edges by `split`, which says the new vertex if it did, until there are `wanted` vertices.
+/// Splits the longest inner edges by `split`, which returns the new vertex if it splits one, until there are `wanted` vertices.
 fn split_longest_with(mesh: &mut Manifold, wanted: usize, split: impl Fn(&mut Manifold, u32) -> Option<u32>) {
     if mesh.connectivity.vertex_count() >= wanted {
         return;

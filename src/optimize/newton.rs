@@ -15,7 +15,7 @@ use crate::mesh::half_edge::{Connectivity, prev};
 use glam::{DMat2, DVec2, DVec3};
 use rayon::prelude::*;
 
-/// How the energy of a triangle changes when its corners move.
+/// The derivatives of the energy of a triangle.
 pub(super) struct Strain {
     /// The gradient at each corner.
     pub gradient: [DVec3; 3],
@@ -60,7 +60,7 @@ fn axes(mesh: &Manifold, locked: &VertexSet, v: u32) -> [DVec3; 2] {
     }
 }
 
-/// What a half-edge has from its triangle, in the axes of the vertices.
+/// The contribution of a triangle at one of its half-edges, in the axes of the vertices.
 #[derive(Clone, Copy, Default)]
 struct Share {
     /// The negative gradient at the origin.
@@ -88,7 +88,7 @@ struct Rows {
 }
 
 impl Rows {
-    /// Those of the vertices `begin` and after.
+    /// The rows of a chunk of vertices from `begin` on.
     fn new(c: &Connectivity, shares: &[[Share; 3]], begin: u32) -> Rows {
         let mut rows = Rows { end: Vec::with_capacity(CHUNK), entries: Vec::with_capacity(7 * CHUNK) };
         for v in begin..c.vertex_bound().min(begin + CHUNK as u32) {
@@ -178,13 +178,13 @@ impl Equations {
     }
 }
 
-/// What half-edge `h` has.
+/// The share of half-edge `h`.
 #[inline]
 fn share_of(shares: &[[Share; 3]], h: u32) -> &Share {
     &shares[h as usize / 3][h as usize % 3]
 }
 
-/// What the half-edges of a triangle have from it.
+/// The shares of the half-edges of a triangle.
 fn shares(corners: [u32; 3], axes: &[[DVec3; 2]], strain: Strain) -> [Share; 3] {
     let in_axes = |k: usize, v: DVec3| {
         let [x, y] = axes[corners[k] as usize];

@@ -7,10 +7,10 @@
 //! ```
 //!
 //! E is 0 for an equilateral triangle of any size and grows with the square of its strain. The root makes that linear,
-//! as quality and angles are, but for the smallest strains: strain gathers at the irregular vertices that cannot be
-//! without, and the rows between them are straight. The square keeps it from gathering in a few triangles alone. The
+//! as quality and angles are, except for the smallest strains: strain gathers at the unavoidable irregular vertices, and
+//! the rows between them are straight. The square keeps it from gathering in a few triangles alone. The
 //! last part is least at the area A₀ of an equilateral triangle of the mean edge length: without it the vertices would
-//! drain from every tip of the surface, as in conformal maps.
+//! drain from the end of every spike of the surface, as in conformal maps.
 //!
 //! Each round is a Gauss-Newton step for all vertices at once (`newton.rs`): strain evens out over hundreds of
 //! edges, which steps of single vertices take as many rounds for. With the corners z₀, z₁, z₂ of a triangle as complex
@@ -35,12 +35,13 @@ use crate::optimize::valence::Defects;
 use crate::surface::domain::Domain;
 use glam::DVec3;
 
-/// What the edges do while vertices relax.
+/// The flips after each round of relaxation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Flips {
-    /// All flip that are not Delaunay.
+    /// All edges that are not Delaunay flip.
     Delaunay,
-    /// Only those flip that also add nothing to the irregularity: vertices find the room that a changed valence needs.
+    /// Only edges flip that are not Delaunay and whose flip does not raise the energy of irregular vertices, so that
+    /// vertices find the room that a changed valence needs.
     KeepValence,
 }
 
@@ -51,7 +52,7 @@ const SIZE_WEIGHT: f64 = 0.05;
 /// ε: strains of less count with their square, larger ones linearly. More leaves lengths less even, less takes longer.
 const SMALL_STRAIN: f64 = 0.003;
 
-/// Triangles of less than this share of A₀ count as of as much, so that steps stay finite.
+/// Least area of a triangle in the energy, as a share of A₀, so that steps stay finite.
 const LEAST_AREA: f64 = 0.03;
 
 /// Longest step of a vertex in spacings; with twice as much neighbours get in each other's way.
@@ -100,7 +101,7 @@ fn strain_of(mesh: &Manifold, corners: [u32; 3], spacing: f64) -> Strain {
     strain(corners.map(|v| mesh.position(v)), spacing * size)
 }
 
-/// How the energy of a triangle changes with its corners.
+/// The derivatives of the energy of a triangle by its corners.
 fn strain([p, q, r]: [DVec3; 3], spacing: f64) -> Strain {
     let sides = [r - q, p - r, q - p];
     let area_vector = 0.5 * sides[2].cross(-sides[1]);

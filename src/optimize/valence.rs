@@ -41,11 +41,11 @@ const MOST_TRIES: usize = 40;
 /// Least mean ratio of a triangle that a move may leave: a row sheared twice has 0.27.
 const LEAST_SHAPE: f64 = 0.25;
 
-/// Least cosine of the turn of the surface along an edge that a pair glides over or a vertex is taken from: 60 degrees.
-/// Glides around tips cost their height.
+/// Least cosine between the normals at the ends of an edge that a pair glides over or a vertex is removed from: 60
+/// degrees. Glides around the end of a spike would shorten it.
 const FLAT: f64 = 0.5;
 
-/// How far, in spacings, a vertex that is removed may be from what is left.
+/// Largest distance, in spacings, of a removed vertex from the mesh.
 const TOLERANCE: f64 = 0.25;
 
 /// Lowers the energy of the fine mesh by flips, and by glides of up to a dozen flips that begin at vertices where
@@ -273,8 +273,8 @@ fn touched(c: &Connectivity, h: u32) -> impl Iterator<Item = u32> {
     corners.flat_map(move |v| c.outgoing(v).flat_map(|h| [h, next(h)]))
 }
 
-/// The cosine of the turn of the surface between two vertices; 1 if one is on a sharp edge and has no normal.
-fn turn(mesh: &Manifold, v: u32, w: u32) -> f64 {
+/// The cosine of the angle between the normals of two vertices; 1 if one is on a sharp edge and has no normal.
+fn normal_cosine(mesh: &Manifold, v: u32, w: u32) -> f64 {
     let [n, m] = [v, w].map(|v| mesh.samples[v as usize].normal);
     if n == DVec3::ZERO || m == DVec3::ZERO { 1.0 } else { n.dot(m) }
 }
@@ -297,14 +297,18 @@ fn may_glide(mesh: &Manifold, locked: &VertexSet, h: u32) -> bool {
     let [a, b, top] = c.triangle(h);
     let bottom = c.apex(c.twin(h));
     let free = [a, b, top, bottom].into_iter().all(|v| !locked.contains(v));
-    free && turn(mesh, a, b).min(turn(mesh, top, bottom)) >= FLAT && may_flip(mesh, h)
+    free && normal_cosine(mesh, a, b).min(normal_cosine(mesh, top, bottom)) >= FLAT && may_flip(mesh, h)
 }
 
 /// Whether the origin of `h` is free and not missed if it merges into the target.
 fn may_collapse(mesh: &Manifold, locked: &VertexSet, h: u32, spacing: f64) -> bool {
     let c = &mesh.connectivity;
     let a = c.origin(h);
-    if locked.contains(a) || c.is_on_curve(a) || !c.can_collapse(h) || c.ring(a).any(|w| turn(mesh, a, w) < FLAT) {
+    if locked.contains(a)
+        || c.is_on_curve(a)
+        || !c.can_collapse(h)
+        || c.ring(a).any(|w| normal_cosine(mesh, a, w) < FLAT)
+    {
         return false;
     }
     let (facing, shape) = mesh.after_collapse(h);

@@ -6,8 +6,8 @@ use crate::manifold::Manifold;
 use crate::manifold::vertex_set::VertexSet;
 use crate::optimize::angles::improve_angles;
 use crate::optimize::coarse_to_fine::{
-    coarsen, indispensable, keep_where_crossing, match_target_count, narrow, remove_encroaching_vertices, split_to,
-    tips, transition,
+    coarsen, indispensable, keep_at_self_intersections, match_target_count, narrow, remove_encroaching_vertices,
+    split_to, tips, transition,
 };
 use crate::optimize::counts::meet_count;
 use crate::optimize::fit::fit;
@@ -18,8 +18,8 @@ use crate::pipeline::scale::Scale;
 use crate::spectral::ascent::{AscentParameters, LONG_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA, ascend};
 use crate::surface::domain::Domain;
 
-/// The mesh of the samples, coarse to fine, with good angles, at the wanted count, and fitted to the surface: to within
-/// `limit`, in the pipeline's unit, if that can be.
+/// Optimises the mesh of the samples, coarse to fine, at the wanted count, with good angles, and fitted to the surface: to
+/// within `limit`, in the pipeline's unit, if possible.
 pub(super) fn optimize(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -34,13 +34,13 @@ pub(super) fn optimize(
     improve_angles(domain, mesh, spacing, monitor)?;
     monitor.stage("fit");
     let fitted = fit(domain, mesh, spacing, limit, monitor)?;
-    // A vertex that was taken back to the surface may have spoilt its triangles.
+    // The fit may have spoilt triangles of vertices that it took back to the surface.
     improve_angles(domain, mesh, spacing, monitor)?;
     reduce_max_error(domain, mesh, spacing, &fitted, monitor)
 }
 
-/// A quarter of the vertices, in good order; all of them where a coarser mesh could not follow the surface. The vertices
-/// there.
+/// Reduces the mesh to a quarter of the vertices, in good order, and leaves all of them where a coarser mesh could not
+/// follow the surface; these dense vertices.
 fn arrange_coarse(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<VertexSet> {
     let spacing = scale.spacing;
     monitor.stage("ascend");
@@ -55,7 +55,7 @@ fn arrange_coarse(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: 
     for _ in 0..MOST_COARSE_MESHES {
         *mesh = fine.clone();
         dense = build_coarse_level(domain, mesh, scale, &kept, monitor)?;
-        if !keep_where_crossing(&mut kept, &fine, mesh, spacing) {
+        if !keep_at_self_intersections(&mut kept, &fine, mesh, spacing) {
             break;
         }
     }
@@ -66,7 +66,8 @@ fn arrange_coarse(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: 
     Ok(dense)
 }
 
-/// A quarter of the vertices, ordered by ascent, and all that are to be `kept` or stay dense for other reasons; the latter.
+/// Reduces the mesh to a quarter of the vertices, ordered by ascent, and leaves those in `kept` and others that a coarser
+/// mesh needs; the dense vertices.
 fn build_coarse_level(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -86,7 +87,7 @@ fn build_coarse_level(
     Ok(dense)
 }
 
-/// All the wanted vertices, relaxed, with as few irregular ones as can be.
+/// Splits edges up to the wanted number of vertices, and relaxes them with as few irregular ones as possible.
 fn refine_to_count(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -115,7 +116,7 @@ fn refine_to_count(
     relax(domain, mesh, &locked, spacing, Flips::KeepValence, 2 * ROUNDS, monitor)
 }
 
-/// Coarse meshes that are made, each with more of the surface kept dense, until none of its faces cross.
+/// Most coarse meshes that are made, each with more vertices kept dense, until one has no self-intersections.
 const MOST_COARSE_MESHES: usize = 3;
 
 /// Sweeps of ascent in the places that no coarser mesh can follow, those over the coarse mesh, in two halves, and those
