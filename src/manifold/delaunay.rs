@@ -33,7 +33,7 @@ impl Manifold {
             if left == 0 || !self.connectivity.has_half_edge(h) || !self.breaks_delaunay(h) {
                 continue;
             }
-            if self.connectivity.can_flip(h) && self.flip_keeps_facing(h, FacingGuard::SOUND) {
+            if self.connectivity.can_flip(h) && self.flip_keeps_facing(h, FacingGuard::DELAUNAY) {
                 let g = self.connectivity.twin(h);
                 self.connectivity.flip(h);
                 queue.extend([next(h), prev(h), next(g), prev(g)]);

@@ -40,7 +40,7 @@ impl Manifold {
     fn halves_face_surface(&self, h: u32, middle: &Sample) -> bool {
         let [a, b, top] = self.connectivity.triangle(h).map(|v| &self.samples[v as usize]);
         let after = cosine_to_surface([a, middle, top]).min(cosine_to_surface([middle, b, top]));
-        FacingGuard::SOUND.allows(after, || cosine_to_surface([a, b, top]))
+        FacingGuard::DELAUNAY.allows(after, || cosine_to_surface([a, b, top]))
     }
 
     /// The middle of the edge of `h`, projected onto the domain, or onto the curve that the edge lies on.
@@ -117,7 +117,7 @@ impl Manifold {
     /// Removes the middles of the sides of triangles that have a part turned against the surface, and their samples, which
     /// begin at `first`.
     fn refuse_folds(&self, number: &[u32], samples: &mut Vec<Sample>, middle_of: &mut [u32], first: usize) {
-        let faces = |t: &[u32; 3]| FacingGuard::SOUND.passes(cosine_to_surface(t.map(|v| &samples[v as usize])));
+        let faces = |t: &[u32; 3]| FacingGuard::DELAUNAY.passes(cosine_to_surface(t.map(|v| &samples[v as usize])));
         let sound = |&h: &u32| {
             !faces(&self.connectivity.triangle(h).map(|v| number[v as usize]))
                 || self.parts(h, number, middle_of).iter().all(faces)

@@ -214,7 +214,8 @@ fn step(mesh: &Manifold, targets: &Targets, v: u32, closest: DVec3, spacing: f64
     }
     for _ in 0..HALVINGS {
         let there = Sample { position: here.position + way, ..here };
-        if mesh.move_keeps_facing(v, &there, FacingGuard::SOUND) && keeps_shape(mesh, v, there.position) {
+        // Not even where it was worse before: the largest errors would grow.
+        if mesh.star_passes(v, &there, FacingGuard::SOUND) && keeps_shape(mesh, v, there.position) {
             return there;
         }
         way *= 0.5;
