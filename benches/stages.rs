@@ -11,6 +11,7 @@ use glam::{DVec3, dvec3};
 use spectral_remesh::io::{self, Format, NO_BUFFERS};
 use spectral_remesh::stages::base::rng::{Stage, stream};
 use spectral_remesh::stages::manifold::Manifold;
+use spectral_remesh::stages::manifold::vertex_set::VertexSet;
 use spectral_remesh::stages::mesh::attributes::{Attribute, Attributes, COLOR, Scalar};
 use spectral_remesh::stages::mesh::provenance::{Origins, PointOnTriangle};
 use spectral_remesh::stages::mesh::topology::{topology, twins};
@@ -84,7 +85,7 @@ impl Inputs {
         let samples = scan(&domain, &candidates, spacing);
         let manifold = join(&domain, &samples, spacing);
         let mut spread = manifold.clone();
-        ascend(&domain, &mut spread, ascent(spacing), &()).expect("nobody cancels");
+        ascend(&domain, &mut spread, &VertexSet::EMPTY, ascent(spacing), &()).expect("nobody cancels");
         let result = spread.to_mesh();
         let origins = Origins {
             vertices: on(&domain, &mesh, &result.positions),
@@ -199,7 +200,7 @@ fn s08_meet_count(bencher: Bencher) {
 fn s09_ascent(bencher: Bencher) {
     let given = &*INPUTS;
     bencher.with_inputs(|| given.manifold.clone()).bench_values(|mut mesh| {
-        ascend(&given.domain, &mut mesh, ascent(given.spacing), &()).expect("nobody cancels");
+        ascend(&given.domain, &mut mesh, &VertexSet::EMPTY, ascent(given.spacing), &()).expect("nobody cancels");
         mesh
     });
 }
@@ -216,22 +217,23 @@ fn optimising(bencher: Bencher, stage: impl Fn(&Domain, &mut Manifold, f64) -> R
 #[divan::bench]
 fn s10_coarsen(bencher: Bencher) {
     optimising(bencher, |domain, mesh, spacing| {
-        let kept = vec![false; mesh.samples.len()];
-        coarsen(domain, mesh, spacing, &kept);
+        coarsen(domain, mesh, spacing, &VertexSet::EMPTY);
         Ok(())
     });
 }
 
 #[divan::bench]
 fn s10_relax_one_round(bencher: Bencher) {
-    optimising(bencher, |domain, mesh, spacing| relax(domain, mesh, spacing, Flips::Delaunay, 1, &()));
+    optimising(bencher, |domain, mesh, spacing| {
+        relax(domain, mesh, &VertexSet::EMPTY, spacing, Flips::Delaunay, 1, &())
+    });
 }
 
 #[divan::bench]
 fn s10_remove_defects(bencher: Bencher) {
     optimising(bencher, |_, mesh, _| {
-        let everywhere = vec![true; mesh.samples.len()];
-        remove_defects(mesh, &everywhere);
+        let everywhere = VertexSet::all(mesh);
+        remove_defects(mesh, &VertexSet::EMPTY, &everywhere);
         Ok(())
     });
 }
@@ -247,7 +249,7 @@ fn s10_fit(bencher: Bencher) {
 }
 
 #[divan::bench]
-fn s10_untangle(bencher: Bencher) {
+fn s10_resolve_self_intersections(bencher: Bencher) {
     optimising(bencher, |domain, mesh, _| resolve_self_intersections(domain, mesh, &()));
 }
 

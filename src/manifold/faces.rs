@@ -1,6 +1,6 @@
-//! The faces of a manifold at one time, for searches among them.
+//! A snapshot of the faces of a manifold, for searches among them.
 //!
-//! They go by their numbers in the manifold: half-edge `3 t` is the first one of face `t`.
+//! Faces have the numbers of their triangles in the manifold: half-edge `3 t` is the first one of face `t`.
 
 use crate::manifold::Manifold;
 use crate::mesh::triangle_mesh::Mesh;
@@ -9,7 +9,7 @@ use crate::spatial::self_intersections::self_intersecting_pairs;
 use glam::DVec3;
 use std::ops::Range;
 
-/// The faces of a manifold as they were when this was made, or at the last [`Self::follow`].
+/// The faces of a manifold at the time of [`Self::new`] or of the last [`Self::follow`].
 pub struct Faces {
     mesh: Mesh,
     bvh: Bvh,
@@ -18,15 +18,15 @@ pub struct Faces {
 }
 
 impl Faces {
-    /// Those of `mesh`.
+    /// The faces of `mesh`.
     pub fn new(mesh: &Manifold) -> Faces {
-        let number: Vec<u32> = mesh.half_edges().filter(|h| h % 3 == 0).map(|h| h / 3).collect();
+        let number: Vec<u32> = mesh.triangles().collect();
         let triangles = number.iter().map(|&t| mesh.connectivity.triangle(3 * t)).collect();
         let mesh = Mesh { positions: mesh.samples.iter().map(|s| s.position).collect(), triangles };
         Faces { bvh: Bvh::new(&mesh), mesh, number }
     }
 
-    /// Takes over where the vertices are, and what faces there are in the place of as many others.
+    /// Updates positions and corners of the faces. `mesh` must have faces of the same numbers as before.
     pub fn follow(&mut self, mesh: &Manifold) {
         self.mesh.positions.iter_mut().zip(&mesh.samples).for_each(|(p, sample)| *p = sample.position);
         let triangles = self.mesh.triangles.iter_mut().zip(&self.number);
@@ -39,20 +39,20 @@ impl Faces {
         (0..self.number.len()).map(|t| self.mesh.corners(t))
     }
 
-    /// The corners of face `t`; `None` if there is none of that number.
+    /// The corners of face `t`; `None` if no face has that number.
     pub fn corners(&self, t: u32) -> Option<[DVec3; 3]> {
         self.number.binary_search(&t).ok().map(|t| self.mesh.corners(t))
     }
 
-    /// The closest point to `p` on a face that looks the way of `normal`, with the number of that face, if its squared
-    /// distance is in `range`; below the range any such point will do.
+    /// The closest point to `p` on a face whose normal makes an acute angle with `normal`, with the number of that face, if
+    /// its squared distance is below the end of `range`. A point nearer than its start need not be the closest one.
     pub fn closest_facing(&self, p: DVec3, normal: DVec3, range: Range<f64>) -> Option<Hit> {
         let facing = |t: u32| self.mesh.area_vector(t as usize).dot(normal) > 0.0;
         let hit = self.bvh.closest_or_near(&self.mesh, p, range.start, range.end, facing)?;
         Some(Hit { triangle: self.number[hit.triangle as usize], ..hit })
     }
 
-    /// Whether any face is within `distance` of `p`, whichever way it looks.
+    /// Whether any face is within `distance` of `p`, whatever its normal.
     pub fn any_within(&self, p: DVec3, distance: f64) -> bool {
         let square = distance * distance;
         self.bvh.closest_or_near(&self.mesh, p, square, square, |_| true).is_some()
@@ -63,7 +63,7 @@ impl Faces {
         self.bvh.in_box(&self.mesh, lo, hi, |t| visit(self.number[t as usize], self.mesh.corners(t as usize)));
     }
 
-    /// The pairs of faces that cross.
+    /// The pairs of faces that intersect.
     pub fn self_intersecting_pairs(&self) -> Vec<(u32, u32)> {
         let numbered = |(t, u): (u32, u32)| (self.number[t as usize], self.number[u as usize]);
         self_intersecting_pairs(&self.mesh, &self.bvh).into_iter().map(numbered).collect()

@@ -1,12 +1,13 @@
-//! Moves the vertices of a manifold over its domain: all of them once, each to where a rule wants it, tangentially and
-//! back on the surface; vertices on a curve stay on it. A step that would turn a triangle against the surface is halved
-//! until it does not.
+//! Moves the vertices of a manifold over its domain, all of them once, by steps that a rule gives. A step is tangential and
+//! projected back onto the surface; vertices on a feature curve stay on it. A step that would turn a triangle against the
+//! surface is halved until it does not.
 //!
-//! Vertices of one colour, no two of them adjacent, move at the same time: the result is the same for any number of
+//! Vertices of one colour, no two of them adjacent, move at the same time, so the result does not depend on the number of
 //! threads.
 
 use crate::manifold::Manifold;
-use crate::mesh::topology::NONE;
+use crate::manifold::facing::FacingGuard;
+use crate::manifold::vertex_set::VertexSet;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -14,15 +15,17 @@ use rayon::prelude::*;
 /// How often a step that would fold the mesh is halved before the vertex stays.
 const HALVINGS: usize = 4;
 
-/// Least cosine between a triangle and the surface after a step, unless it was worse before.
-const LEAST_FACING: f64 = 0.3;
-
 /// Vertices that one task moves.
 const CHUNK: usize = 64;
 
-/// Moves all vertices that are not fixed once. `way` is where a vertex wants to go from where it is.
-pub fn move_vertices(domain: &Domain, mesh: &mut Manifold, way: impl Fn(&Manifold, u32) -> DVec3 + Sync + Send) {
-    for class in mesh.colour_classes() {
+/// Moves all vertices that are not `locked` once. `way` gives the step of each.
+pub fn move_vertices(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    locked: &VertexSet,
+    way: impl Fn(&Manifold, u32) -> DVec3 + Sync + Send,
+) {
+    for class in mesh.colour_classes(locked) {
         let moved: Vec<Sample> =
             class.par_iter().with_min_len(CHUNK).map(|&v| step(domain, mesh, v, way(mesh, v))).collect();
         for (&v, sample) in class.iter().zip(moved) {
@@ -31,26 +34,20 @@ pub fn move_vertices(domain: &Domain, mesh: &mut Manifold, way: impl Fn(&Manifol
     }
 }
 
-/// Where vertex `v` comes to on its way.
+/// Where the step `way` takes vertex `v`.
 fn step(domain: &Domain, mesh: &Manifold, v: u32, way: DVec3) -> Sample {
     let here = mesh.samples[v as usize];
-    let on_curve = mesh.connectivity.curve_at(v) != NONE;
+    let on_curve = mesh.connectivity.is_on_curve(v);
     let mut way = if on_curve { way } else { way.reject_from_normalized(here.normal) };
     if !way.is_finite() || way == DVec3::ZERO {
         return here;
     }
     for _ in 0..HALVINGS {
         let there = mesh.place_after(domain, v, way, &here);
-        if mesh.faces_surface(v, &there, LEAST_FACING) || is_no_worse(mesh, v, &there) {
+        if mesh.move_keeps_facing(v, &there, FacingGuard::SOUND) {
             return there;
         }
         way *= 0.5;
     }
     here
-}
-
-/// Whether the worst triangle around `v` faces the surface as well with `v` at `there` as it does now.
-#[cold]
-fn is_no_worse(mesh: &Manifold, v: u32, there: &Sample) -> bool {
-    mesh.worst_facing(v, there) >= mesh.worst_facing(v, &mesh.samples[v as usize])
 }

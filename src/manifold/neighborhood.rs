@@ -1,22 +1,23 @@
-//! A part of a manifold as one by itself, to be changed and put back.
+//! Neighborhood of a vertex as a manifold of its own, to be changed and put back.
 
 use crate::manifold::Manifold;
-use crate::mesh::topology::NONE;
+use crate::manifold::vertex_set::VertexSet;
 use std::collections::BTreeMap;
 
-/// The triangles around a vertex, with a border that stays.
+/// The triangles around a vertex, with a boundary that stays.
 #[derive(Debug, Clone)]
 pub struct Neighborhood {
-    /// The triangles by themselves. Vertices on the border are corners of the boundary.
+    /// The triangles. Vertices on the boundary are corners; the middle is vertex 0.
     pub mesh: Manifold,
-    /// The numbers of its vertices and triangles in the whole, those of the latter by their size.
+    /// The number of each vertex in the whole.
     vertices: Vec<u32>,
+    /// The number of each triangle in the whole, in increasing order.
     triangles: Vec<u32>,
 }
 
 impl Neighborhood {
-    /// The triangles within `rings` rings around vertex `middle`, and no farther than to the next curves. `None` if
-    /// `middle` is on a curve, or one ends among them.
+    /// The triangles within `rings` rings around vertex `middle`, up to the next feature curves. `None` if `middle` is on a
+    /// curve, or a curve ends among the triangles.
     pub fn around(whole: &Manifold, middle: u32, rings: usize) -> Option<Neighborhood> {
         let c = &whole.connectivity;
         let mut vertices = vec![middle];
@@ -26,7 +27,7 @@ impl Neighborhood {
         for _ in 0..rings {
             let end = vertices.len();
             for i in begin..end {
-                if c.curve_at(vertices[i]) != NONE || c.is_boundary(vertices[i]) {
+                if c.is_on_curve(vertices[i]) || c.is_boundary(vertices[i]) {
                     continue;
                 }
                 for h in c.outgoing(vertices[i]) {
@@ -41,9 +42,9 @@ impl Neighborhood {
         }
         triangles.sort_unstable();
         triangles.dedup();
-        let inside = |h: u32| h != NONE && triangles.binary_search(&(h / 3)).is_ok();
+        let inside = |h: u32| triangles.binary_search(&(h / 3)).is_ok();
         let sides = || triangles.iter().flat_map(|&t| 3 * t..3 * t + 3);
-        if triangles.is_empty() || sides().any(|h| c.curve(h) != NONE && inside(c.twin(h))) {
+        if triangles.is_empty() || sides().any(|h| c.is_curve_edge(h) && c.has_twin(h) && inside(c.twin(h))) {
             return None;
         }
         let corners: Vec<[u32; 3]> = triangles.iter().map(|&t| c.triangle(3 * t).map(|v| number[&v])).collect();
@@ -53,19 +54,18 @@ impl Neighborhood {
         Some(Neighborhood { mesh, vertices, triangles })
     }
 
-    /// Whether the triangle with that number in the whole was taken.
+    /// Whether it has the triangle with number `t` in the whole.
     pub fn has_triangle(&self, t: u32) -> bool {
         self.triangles.binary_search(&t).is_ok()
     }
 
-    /// The vertices that are not on the border or on curves.
+    /// The vertices that are not on the boundary.
     pub fn free_vertices(&self) -> impl Iterator<Item = u32> {
-        (0..self.mesh.connectivity.vertex_bound()).filter(|&v| !self.mesh.is_locked(v))
+        (0..self.mesh.connectivity.vertex_bound()).filter(|&v| self.mesh.can_move(v, &VertexSet::EMPTY))
     }
 
-    /// Puts the triangles back where they were taken from, and marks them in `touched`. As many vertices and triangles
-    /// must be there as there were. Whether it could be: not if one of them is marked already, or an edge would be there
-    /// twice.
+    /// Replaces the triangles of the whole, and marks them in `touched`. The numbers of vertices and triangles must not have
+    /// changed. Returns `false`, and does nothing, if one of them is marked already or an edge would occur twice.
     pub fn put_back(&self, whole: &mut Manifold, touched: &mut [bool]) -> bool {
         if self.triangles.iter().any(|&t| touched[t as usize]) {
             return false;
@@ -87,6 +87,7 @@ impl Neighborhood {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::half_edge::OnCurve;
     use crate::mesh::topology::topology;
     use crate::surface::domain::Sample;
     use glam::DVec3;
@@ -115,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn a_patch_put_back_as_it_is_changes_nothing() {
+    fn an_unchanged_neighborhood_put_back_changes_nothing() {
         let mut mesh = square();
         let before = mesh.to_mesh();
         let neighborhood = Neighborhood::around(&mesh, MIDDLE, 2).unwrap();
@@ -135,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_moved_and_flipped_in_a_patch_is_so_in_the_whole() {
+    fn moves_and_flips_in_a_neighborhood_are_put_back() {
         let mut mesh = square();
         let mut neighborhood = Neighborhood::around(&mesh, MIDDLE, 2).unwrap();
         neighborhood.mesh.samples[0].position.z = 0.5;
@@ -152,10 +153,10 @@ mod tests {
     }
 
     #[test]
-    fn a_patch_ends_at_curves_and_is_refused_on_one() {
+    fn a_neighborhood_ends_at_curves_and_is_refused_on_one() {
         let mut mesh = square();
         let row = |i: u32| i * (WIDTH + 1) + 5;
-        let edges: Vec<([u32; 2], u32)> = (0..WIDTH).map(|i| ([row(i), row(i + 1)], 0)).collect();
+        let edges: Vec<([u32; 2], OnCurve)> = (0..WIDTH).map(|i| ([row(i), row(i + 1)], OnCurve::Curve(0))).collect();
         assert!(mesh.mark_curves(&edges, []));
         let neighborhood = Neighborhood::around(&mesh, MIDDLE, 3).unwrap();
         let beyond = neighborhood.vertices.iter().filter(|&&v| v % (WIDTH + 1) > 5).count();

@@ -1,13 +1,13 @@
 //! The connectivity of a triangle mesh that changes: half-edges in flat arrays, without positions.
 //!
 //! Half-edge 3 t + k runs from corner k of triangle t to its corner k + 1, so next and previous are arithmetic and only
-//! origin and twin are stored. Of a boundary vertex the outgoing half-edge that is kept is the one on the boundary:
-//! turning counter-clockwise from it meets all others.
+//! origin and twin are stored. Each vertex stores one outgoing half-edge, at the boundary the one along it: turning
+//! counter-clockwise from that meets all others.
 //!
-//! Edges can be laid on curves: sharp edges of the surface and its boundary. Such an edge is never flipped, a vertex on
-//! a curve merges along it only, and one where curves meet or end, a corner, not at all. So curves stay what they are.
-//! Edges of an interface, along which the mesh will be joined to another one, and of the triangles at it are not split either,
-//! and the ends of those are corners: an interface stays as it is to the last edge.
+//! Edges can be laid on feature curves: creases and boundaries of the surface. Such an edge is never flipped, a vertex on
+//! a curve merges along it only, and a corner, where curves meet or end, not at all. So curves keep their course. An
+//! interface is a boundary along which the mesh will be joined to another one. Its vertices are corners, and neither its
+//! edges nor those of the triangles at it are split, so it stays the same edge by edge.
 //!
 //! Removed triangles and vertices leave gaps until [`Connectivity::compact`].
 
@@ -26,22 +26,30 @@ pub fn prev(h: u32) -> u32 {
     if h.is_multiple_of(3) { h + 2 } else { h - 1 }
 }
 
-/// In the place of a curve's number: a vertex where curves meet or end.
-pub const CORNER: u32 = NONE - 1;
+/// The feature curve that an edge or a vertex lies on.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum OnCurve {
+    /// None.
+    #[default]
+    No,
+    /// The curve of that number.
+    Curve(u32),
+    /// A vertex where curves meet or end, or that must stay for other reasons.
+    Corner,
+    /// An edge of an interface.
+    Interface,
+}
 
-/// In the place of a curve's number: the interface.
-pub const INTERFACE: u32 = NONE - 2;
-
-/// Triangles and their neighbours.
+/// Triangles, and how they are joined.
 #[derive(Debug, Clone, Default)]
 pub struct Connectivity {
     origin: Vec<u32>,
     twin: Vec<u32>,
-    /// The curve that each half-edge lies on, or [`NONE`].
-    curve: Vec<u32>,
+    /// The curve of each half-edge, never a corner.
+    curve: Vec<OnCurve>,
     out: Vec<u32>,
-    /// The curve that each vertex lies on, [`CORNER`] or [`NONE`].
-    curve_at: Vec<u32>,
+    /// The curve of each vertex.
+    curve_at: Vec<OnCurve>,
     live_vertices: usize,
     live_triangles: usize,
 }
@@ -58,7 +66,7 @@ impl Connectivity {
                 *slot = h as u32;
             }
         }
-        let (curve, curve_at) = (vec![NONE; origin.len()], vec![NONE; vertex_count]);
+        let (curve, curve_at) = (vec![OnCurve::No; origin.len()], vec![OnCurve::No; vertex_count]);
         Connectivity {
             live_triangles: triangles.len(),
             live_vertices: vertex_count,
@@ -70,13 +78,13 @@ impl Connectivity {
         }
     }
 
-    /// Puts vertex `v` on a curve, or makes it a [`CORNER`].
-    pub fn put_on_curve(&mut self, v: u32, curve: u32) {
+    /// Puts vertex `v` on a curve, or makes it a corner.
+    pub fn put_on_curve(&mut self, v: u32, curve: OnCurve) {
         self.curve_at[v as usize] = curve;
     }
 
-    /// Lays the edge between `v` and `w` on a curve; whether there is one.
-    pub fn mark_on_curve(&mut self, v: u32, w: u32, curve: u32) -> bool {
+    /// Puts the edge between `v` and `w` on a curve; returns whether there is such an edge.
+    pub fn mark_on_curve(&mut self, v: u32, w: u32, curve: OnCurve) -> bool {
         let mut found = false;
         for (from, to) in [(v, w), (w, v)] {
             if let Some(h) = self.outgoing(from).find(|&h| self.target(h) == to) {
@@ -87,37 +95,52 @@ impl Connectivity {
         found
     }
 
-    /// The curve that the edge of `h` lies on, or [`NONE`].
+    /// The curve that the edge of `h` lies on.
     #[inline]
-    pub fn curve(&self, h: u32) -> u32 {
+    pub fn curve(&self, h: u32) -> OnCurve {
         self.curve[h as usize]
     }
 
-    /// The curve that `v` lies on, [`CORNER`] where curves meet or end, or [`NONE`].
+    /// The curve that vertex `v` lies on.
     #[inline]
-    pub fn curve_at(&self, v: u32) -> u32 {
+    pub fn curve_at(&self, v: u32) -> OnCurve {
         self.curve_at[v as usize]
     }
 
-    /// The neighbours of `v` along the curve it lies on: none off the curves and at corners.
+    /// Whether the edge of `h` lies on a curve.
+    #[inline]
+    pub fn is_curve_edge(&self, h: u32) -> bool {
+        self.curve(h) != OnCurve::No
+    }
+
+    /// Whether vertex `v` lies on a curve or is a corner.
+    #[inline]
+    pub fn is_on_curve(&self, v: u32) -> bool {
+        self.curve_at(v) != OnCurve::No
+    }
+
+    /// Whether vertex `v` is a corner.
+    #[inline]
+    pub fn is_corner(&self, v: u32) -> bool {
+        self.curve_at(v) == OnCurve::Corner
+    }
+
+    /// The neighbours of `v` along the curve it lies on; `None` off the curves and at corners.
     pub fn along_curve(&self, v: u32) -> Option<[u32; 2]> {
-        let curve = self.curve_at(v);
-        if curve >= CORNER {
-            return None;
-        }
+        let curve @ OnCurve::Curve(_) = self.curve_at(v) else { return None };
         let mut ends = [NONE; 2];
         for h in self.outgoing(v) {
             if self.curve(h) == curve {
                 ends[usize::from(ends[0] != NONE)] = self.target(h);
             }
-            if self.twin(prev(h)) == NONE && self.curve(prev(h)) == curve {
+            if !self.has_twin(prev(h)) && self.curve(prev(h)) == curve {
                 ends[1] = self.apex(h);
             }
         }
         (!ends.contains(&NONE)).then_some(ends)
     }
 
-    /// Vertices that are there, gaps not counted.
+    /// The number of vertices, gaps not counted.
     pub fn vertex_count(&self) -> usize {
         self.live_vertices
     }
@@ -156,10 +179,22 @@ impl Connectivity {
         self.origin[next(h) as usize]
     }
 
-    /// The half-edge that runs back along `h`, or [`NONE`] at the boundary.
+    /// Whether the edge of `h` has a triangle on either side; only one on the boundary.
+    #[inline]
+    pub fn has_twin(&self, h: u32) -> bool {
+        self.twin[h as usize] != NONE
+    }
+
+    /// The half-edge that runs back along `h`. Only if [`Self::has_twin`].
     #[inline]
     pub fn twin(&self, h: u32) -> u32 {
         self.twin[h as usize]
+    }
+
+    /// The half-edges of the edge of `h`: itself, and its twin if it has one.
+    #[inline]
+    pub fn both_sides(&self, h: u32) -> impl Iterator<Item = u32> + use<> {
+        [h, self.twin(h)].into_iter().filter(|&h| h != NONE)
     }
 
     /// The corner of the triangle of `h` that `h` does not touch.
@@ -196,7 +231,7 @@ impl Connectivity {
                 last = h;
                 Some(self.target(h))
             }
-            None if last != NONE && self.twin(prev(last)) == NONE => {
+            None if last != NONE && !self.has_twin(prev(last)) => {
                 let end = self.apex(last);
                 last = NONE;
                 Some(end)
@@ -215,14 +250,13 @@ impl Connectivity {
         self.ring(v).any(|u| u == w)
     }
 
-    /// Whether the edge of `h` can be flipped: it has two faces, is not on a curve, and the new edge is not there
-    /// already.
+    /// Whether the edge of `h` can be flipped: it has two faces, is not on a curve, and the new edge does not exist yet.
     pub fn can_flip(&self, h: u32) -> bool {
-        let g = self.twin(h);
-        g != NONE
-            && self.curve(h) == NONE
-            && self.apex(h) != self.apex(g)
-            && !self.are_adjacent(self.apex(h), self.apex(g))
+        let across = |h: u32| self.apex(self.twin(h));
+        self.has_twin(h)
+            && !self.is_curve_edge(h)
+            && self.apex(h) != across(h)
+            && !self.are_adjacent(self.apex(h), across(h))
     }
 
     /// Replaces the edge of `h` by the other diagonal of its two triangles; `h` is the new edge from the apex across to
@@ -256,23 +290,23 @@ impl Connectivity {
 
     /// Whether `v` is an end of an edge of the interface, which is on the boundary.
     pub fn is_on_interface(&self, v: u32) -> bool {
-        let on_interface = |h: u32| self.twin(h) == NONE && self.curve(h) == INTERFACE;
+        let on_interface = |h: u32| !self.has_twin(h) && self.curve(h) == OnCurve::Interface;
         self.is_boundary(v) && self.outgoing(v).any(|h| on_interface(h) || on_interface(prev(h)))
     }
 
-    /// Whether the edge of `h` can be split: not those of a triangle at the interface. Vertices between its ends and the corner
-    /// across would pile up along it.
+    /// Whether the edge of `h` can be split: no triangle at it may have an edge on the interface. Vertices between the ends
+    /// of that and the corner across would pile up along it.
     pub fn can_split(&self, h: u32) -> bool {
-        let sides = [h, self.twin(h)].into_iter().filter(|&h| h != NONE).flat_map(|h| [h, next(h), prev(h)]);
-        sides.into_iter().all(|side| self.curve(side) != INTERFACE)
+        let mut sides = self.both_sides(h).flat_map(|h| [h, next(h), prev(h)]);
+        sides.all(|side| self.curve(side) != OnCurve::Interface)
     }
 
-    /// Takes all edges and vertices off their curves, but for those of the interface.
+    /// Takes all edges and vertices off their curves, except those of the interface.
     pub fn forget_curves(&mut self) {
-        self.curve.iter_mut().filter(|curve| **curve != INTERFACE).for_each(|curve| *curve = NONE);
+        self.curve.iter_mut().filter(|curve| **curve != OnCurve::Interface).for_each(|curve| *curve = OnCurve::No);
         for v in 0..self.vertex_bound() {
             if !self.has_vertex(v) || !self.is_on_interface(v) {
-                self.curve_at[v as usize] = NONE;
+                self.curve_at[v as usize] = OnCurve::No;
             }
         }
     }
@@ -282,40 +316,38 @@ impl Connectivity {
     /// A boundary vertex merges along the boundary only, one on a curve along that. H. Edelsbrunner, Geometry and
     /// topology for mesh generation, 2001, section 4.2.
     pub fn can_collapse(&self, h: u32) -> bool {
-        let (a, b, g) = (self.origin(h), self.target(h), self.twin(h));
-        if self.is_boundary(a) && g != NONE || !self.keeps_curves(h) {
+        let (a, b) = (self.origin(h), self.target(h));
+        if self.is_boundary(a) && self.has_twin(h) || !self.keeps_curves(h) {
             return false;
         }
         let shared = self.ring(a).filter(|&v| v != b && self.are_adjacent(v, b)).count();
-        let faces = 1 + usize::from(g != NONE);
         let apex_stays = |h: u32| {
             let c = self.apex(h);
             self.valence(c) > if self.is_boundary(c) { 2 } else { 3 }
         };
-        shared == faces && apex_stays(h) && (g == NONE || apex_stays(g))
+        shared == self.both_sides(h).count() && self.both_sides(h).all(apex_stays)
     }
 
     /// Whether merging the origin of `h` into its target leaves every curve what it is.
     fn keeps_curves(&self, h: u32) -> bool {
-        let (curve, g) = (self.curve_at(self.origin(h)), self.twin(h));
-        let alone = || self.curve(prev(h)) == NONE && (g == NONE || self.curve(next(g)) == NONE);
-        curve == NONE || curve != CORNER && self.curve(h) == curve && alone()
+        let alone = || !self.is_curve_edge(prev(h)) && (!self.has_twin(h) || !self.is_curve_edge(next(self.twin(h))));
+        match self.curve_at(self.origin(h)) {
+            OnCurve::No => true,
+            OnCurve::Corner => false,
+            curve => self.curve(h) == curve && alone(),
+        }
     }
 
     /// Merges the origin of `h` into its target. Only if [`Self::can_collapse`].
     pub fn collapse(&mut self, h: u32) {
-        let (a, b, g) = (self.origin(h), self.target(h), self.twin(h));
+        let (a, b) = (self.origin(h), self.target(h));
         let moved: Vec<u32> = self.outgoing(a).collect();
         for out in moved {
             self.origin[out as usize] = b;
         }
         self.out[a as usize] = NONE;
         self.live_vertices -= 1;
-        for side in [h, g] {
-            if side != NONE {
-                self.close(side);
-            }
-        }
+        self.both_sides(h).for_each(|side| self.close(side));
     }
 
     /// Removes the triangle of `h`, whose ends are one vertex by now, and glues its other two sides.
@@ -323,7 +355,7 @@ impl Connectivity {
         let (end, apex) = (self.origin(next(h)), self.apex(h));
         let (one, other) = (self.twin(next(h)), self.twin(prev(h)));
         // At most one of the two edges that become one is on a curve.
-        let curve = self.curve(next(h)).min(self.curve(prev(h)));
+        let curve = if self.is_curve_edge(next(h)) { self.curve(next(h)) } else { self.curve(prev(h)) };
         for side in [one, other].into_iter().filter(|&side| side != NONE) {
             self.curve[side as usize] = curve;
         }
@@ -346,7 +378,7 @@ impl Connectivity {
     /// Makes the boundary half-edge of the fan of `out` the one that `v` keeps, or `out` itself inside.
     fn set_out(&mut self, v: u32, out: u32) {
         let mut h = out;
-        while self.twin(h) != NONE {
+        while self.has_twin(h) {
             h = next(self.twin(h));
             if h == out {
                 break;
@@ -387,8 +419,8 @@ impl Connectivity {
         let across = self.twin(next(h));
         self.origin.extend([v, b, c]);
         self.twin.extend([NONE; 3]);
-        self.curve.extend([self.curve(h), self.curve(next(h)), NONE]);
-        self.curve[next(h) as usize] = NONE;
+        self.curve.extend([self.curve(h), self.curve(next(h)), OnCurve::No]);
+        self.curve[next(h) as usize] = OnCurve::No;
         self.live_triangles += 1;
         self.glue(new + 1, across);
         self.origin[next(h) as usize] = v;
@@ -399,14 +431,14 @@ impl Connectivity {
         new
     }
 
-    /// Puts `triangles` in the place of those with the numbers in `old`, of which there are as many, with the same
-    /// border. Whether it could be: not if one of the new edges is there already, elsewhere.
+    /// Replaces the triangles with the numbers in `old` by `triangles`, as many and with the same boundary. Returns `false`,
+    /// and does nothing, if one of the new edges exists elsewhere already.
     pub fn replace(&mut self, old: &[u32], triangles: &[[u32; 3]]) -> bool {
         let sides = || old.iter().flat_map(|&t| 3 * t..3 * t + 3);
         let inside = |h: u32| old.binary_search(&(h / 3)).is_ok();
-        let border = sides().filter(|&h| self.twin(h) == NONE || !inside(self.twin(h)));
+        let border = sides().filter(|&h| !self.has_twin(h) || !inside(self.twin(h)));
         // What is across each side of the border, and its curve.
-        let mut open: BTreeMap<[u32; 2], (u32, u32)> =
+        let mut open: BTreeMap<[u32; 2], (u32, OnCurve)> =
             border.map(|h| ([self.origin(h), self.target(h)], (self.twin(h), self.curve(h)))).collect();
         let known: BTreeSet<[u32; 2]> = sides().map(|h| [self.origin(h), self.target(h)]).collect();
         let edges = || triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
@@ -417,14 +449,14 @@ impl Connectivity {
         for (side, edge) in sides().zip(edges()) {
             self.origin[side as usize] = edge[0];
             self.twin[side as usize] = NONE;
-            self.curve[side as usize] = NONE;
+            self.curve[side as usize] = OnCurve::No;
             match open.remove(&edge) {
                 Some((across, curve)) => {
                     self.curve[side as usize] = curve;
                     self.glue(side, across);
                 }
                 None => {
-                    open.insert([edge[1], edge[0]], (side, NONE));
+                    open.insert([edge[1], edge[0]], (side, OnCurve::No));
                 }
             }
         }

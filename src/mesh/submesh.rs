@@ -1,14 +1,14 @@
-//! A part of a mesh, cut out to be worked on, and sewn in again.
+//! Part of a mesh, cut out to be changed and sewn in again.
 //!
-//! What is cut out has an open boundary along the interface. Its vertices there are those of the whole; whatever else becomes
-//! of the part, as long as it keeps the edges of the interface it fits in again, and the rest is as it was.
+//! The part has an open boundary along the interface, with the vertices of the whole. Whatever else changes, as long as the
+//! part keeps the edges of the interface it fits in again, and the rest of the whole is as it was.
 //!
-//! Where the part touches itself at a vertex, that becomes one vertex for each fan of its triangles, so that the part of a
-//! manifold is a manifold.
+//! A vertex at which the part touches itself becomes one vertex for each fan of its triangles, so that part of a manifold
+//! is a manifold.
 //!
-//! Cost: linear in the triangles of the whole.
+//! Cost: linear in the triangles of the whole, with a logarithmic factor for the part.
 
-use crate::mesh::cut::cut;
+use crate::base::union_find::UnionFind;
 use crate::mesh::half_edge::next;
 use crate::mesh::topology::{NONE, twins};
 use crate::mesh::triangle_mesh::Mesh;
@@ -34,41 +34,63 @@ pub struct Kept {
     pub triangles: Vec<u32>,
 }
 
+/// The vertices of a part of an oriented manifold: one for each fan of the part's triangles around a vertex of the whole.
+pub struct Fans {
+    /// The vertex of each corner, triangle by triangle of the part.
+    pub of_corner: Vec<u32>,
+    /// The first corner of each vertex, in increasing order.
+    pub first_corner: Vec<u32>,
+    /// The sides along which the part is cut out, as half-edges `3 i + k` of its i-th triangle.
+    pub interface: Vec<u32>,
+}
+
+impl Fans {
+    /// Those of the triangles `part`, in increasing order; `twin` has the twin of each half-edge of the whole, or [`NONE`].
+    pub fn new(part: &[u32], twin: &[u32]) -> Fans {
+        let mut fans = UnionFind::new(3 * part.len());
+        let mut interface = Vec::new();
+        for (side, h) in (0..).zip(part.iter().flat_map(|&t| 3 * t..3 * t + 3)) {
+            let across = twin[h as usize];
+            if across == NONE {
+                continue;
+            }
+            match part.binary_search(&(across / 3)) {
+                // The other end is joined from the other side.
+                Ok(j) => {
+                    fans.join(side, next(3 * j as u32 + across % 3));
+                }
+                Err(_) => interface.push(side),
+            }
+        }
+        // The representative of a fan is its first corner.
+        let first: Vec<u32> = (0..3 * part.len() as u32).map(|corner| fans.find(corner)).collect();
+        let first_corner: Vec<u32> =
+            (0..).zip(&first).filter(|&(corner, &first)| corner == first).map(|c| c.0).collect();
+        let mut number = vec![NONE; first.len()];
+        first_corner.iter().zip(0..).for_each(|(&corner, v)| number[corner as usize] = v);
+        Fans { of_corner: first.into_iter().map(|corner| number[corner as usize]).collect(), first_corner, interface }
+    }
+}
+
 impl Submesh {
     /// The triangles of `whole`, an oriented manifold, that are `selected`.
     pub fn cut_out(whole: &Mesh, selected: &[bool]) -> Submesh {
-        let twin = twins(&whole.triangles);
-        let is_selected = |side: u32| selected[side as usize / 3];
-        let on_interface =
-            |side: u32| twin[side as usize] != NONE && is_selected(side) != is_selected(twin[side as usize]);
-        let on_interface: Vec<bool> = (0..twin.len() as u32).map(on_interface).collect();
-        let cut = cut(whole.clone(), twin, &on_interface);
-        let sides = (0..on_interface.len() as u32).filter(|&s| on_interface[s as usize] && is_selected(s));
-        let corner = |side: u32| cut.mesh.triangles[side as usize / 3][side as usize % 3];
-        let interface: Vec<[u32; 2]> = sides.map(|s| [corner(s), corner(next(s))]).collect();
-        let triangles = cut.mesh.triangles.into_iter().zip(selected).filter(|t| *t.1).map(|t| t.0).collect();
-        Submesh { mesh: Mesh { positions: cut.mesh.positions, triangles }, source: cut.original, interface }
-            .numbered_anew()
-    }
-
-    /// The part with the vertices that it uses only. Of the copies of a vertex the first has the lowest number.
-    fn numbered_anew(self) -> Submesh {
-        let mut is_used = vec![false; self.source.len()];
-        self.mesh.triangles.iter().flatten().for_each(|&v| is_used[v as usize] = true);
-        let mut used: Vec<u32> = (0..is_used.len() as u32).filter(|&v| is_used[v as usize]).collect();
-        used.sort_by_key(|&v| (self.source[v as usize], v));
-        let mut number = vec![NONE; is_used.len()];
-        used.iter().zip(0..).for_each(|(&v, n)| number[v as usize] = n);
-        let anew = |v: u32| number[v as usize];
-        let mut interface: Vec<[u32; 2]> = self.interface.into_iter().map(|ends| ends.map(anew)).collect();
+        let part: Vec<u32> = (0..selected.len() as u32).filter(|&t| selected[t as usize]).collect();
+        let Fans { of_corner, first_corner, interface } = Fans::new(&part, &twins(&whole.triangles));
+        let source_of = |corner: u32| whole.triangles[part[corner as usize / 3] as usize][corner as usize % 3];
+        let mut vertices: Vec<(u32, u32)> = first_corner.into_iter().map(source_of).zip(0..).collect();
+        vertices.sort_unstable();
+        let mut number = vec![NONE; vertices.len()];
+        vertices.iter().zip(0..).for_each(|(&(_, v), n)| number[v as usize] = n);
+        let vertex = |corner: u32| number[of_corner[corner as usize] as usize];
+        let mut interface: Vec<[u32; 2]> = interface.into_iter().map(|s| [s, next(s)].map(vertex)).collect();
         interface.sort_unstable();
-        let positions = used.iter().map(|&v| self.mesh.positions[v as usize]).collect();
-        let triangles = self.mesh.triangles.into_iter().map(|t| t.map(anew)).collect();
-        let source = used.iter().map(|&v| self.source[v as usize]).collect();
-        Submesh { mesh: Mesh { positions, triangles }, source, interface }
+        let positions = vertices.iter().map(|v| whole.positions[v.0 as usize]).collect();
+        let triangles = (0..part.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2].map(vertex)).collect();
+        Submesh { mesh: Mesh { positions, triangles }, source: vertices.into_iter().map(|v| v.0).collect(), interface }
     }
 
-    /// How many of its vertices are on the interface.
+    /// The number of its vertices on the interface.
     pub fn interface_vertices(&self) -> usize {
         let mut ends: Vec<u32> = self.interface.iter().flatten().copied().collect();
         ends.sort_unstable();

@@ -1,8 +1,8 @@
 //! Raises the smallest angles and the quality of the worst triangles only.
 //!
-//! Every triangle has a margin: how far its smallest angle and its quality are inside of the goal. Vertices of
-//! triangles without a margin look around for a place where the least margin of their triangles is larger, and edges
-//! flip where that gives the larger one. Nothing else moves, so the evenness of the rest is kept.
+//! The margin of a triangle is the distance of its smallest angle and quality from the goal, negative if it misses the
+//! goal. Vertices of triangles with a negative margin search for a place where the least margin of their triangles is
+//! larger, and edges flip if that makes it larger. Nothing else moves, so the rest stays even.
 //!
 //! Based on: L. A. Freitag, C. Ollivier-Gooch, Tetrahedral mesh improvement using swapping and smoothing, 1997,
 //! DOI 10.1002/(SICI)1097-0207(19971115)40:21<3979::AID-NME251>3.0.CO;2-9. Departure: a pattern search in the tangent
@@ -14,8 +14,9 @@ use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 use crate::geom::triangle::{angles, quality, smallest_angle, smallest_sine_cosine};
 use crate::manifold::Manifold;
+use crate::manifold::facing::FacingGuard;
+use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{next, prev};
-use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 
@@ -47,29 +48,27 @@ const MOST_TRIES: usize = 24;
 /// Directions that the search tries.
 const DIRECTIONS: usize = 8;
 
-/// Least cosine between a triangle and the surface that the search accepts, unless it was worse before.
-const LEAST_FACING: f64 = 0.3;
-
 /// Improves the worst triangles until none is outside of the goal or nothing helps. `spacing` is the mean edge length.
 pub fn improve_angles(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
-    improve_angles_for(domain, mesh, spacing, MOST_PASSES, monitor)
+    improve_angles_for(domain, mesh, &VertexSet::EMPTY, spacing, MOST_PASSES, monitor)
 }
 
-/// [`improve_angles`] with at most that many passes.
+/// [`improve_angles`] with at most that many passes, and without moving the vertices in `locked`.
 pub(super) fn improve_angles_for(
     domain: &Domain,
     mesh: &mut Manifold,
+    locked: &VertexSet,
     spacing: f64,
     passes: usize,
     monitor: &dyn Monitor,
 ) -> Result<()> {
-    // Vertices around which something has changed since they looked for a better place.
+    // Vertices around which something has changed since their last search.
     let mut hopeful = vec![true; mesh.samples.len()];
     for _ in 0..passes {
         check(monitor)?;
-        let bad: Vec<u32> = mesh.half_edges().filter(|&h| h % 3 == 0 && is_bad(mesh, h)).collect();
+        let bad: Vec<u32> = mesh.triangles().filter(|&t| is_bad(mesh, t)).collect();
         let mut changed = false;
-        for h in bad {
+        for h in bad.into_iter().map(|t| 3 * t) {
             for side in [h, next(h), prev(h)] {
                 if flip_if_better(mesh, side) {
                     changed = true;
@@ -82,7 +81,10 @@ pub(super) fn improve_angles_for(
                 }
             }
             for v in mesh.connectivity.triangle(h) {
-                if std::mem::take(&mut hopeful[v as usize]) && move_if_better(domain, mesh, v, spacing) {
+                if std::mem::take(&mut hopeful[v as usize])
+                    && mesh.can_move(v, locked)
+                    && move_if_better(domain, mesh, v, spacing)
+                {
                     changed = true;
                     mesh.connectivity.ring(v).chain([v]).for_each(|w| hopeful[w as usize] = true);
                 }
@@ -108,21 +110,20 @@ fn margin_above(corners: [DVec3; 3], floor: f64) -> Option<f64> {
 
 /// The least margin of all triangles, in degrees; negative outside of the goal.
 pub(super) fn worst_margin(mesh: &Manifold) -> f64 {
-    let triangles = mesh.half_edges().filter(|h| h % 3 == 0);
-    triangles.map(|h| margin_of(mesh.connectivity.triangle(h).map(|v| mesh.position(v)))).fold(f64::INFINITY, f64::min)
+    mesh.triangles().map(|t| margin_of(mesh.corners(t))).fold(f64::INFINITY, f64::min)
 }
 
 /// The number of triangles outside of the goal.
 pub(super) fn bad_triangles(mesh: &Manifold) -> usize {
-    mesh.half_edges().filter(|&h| h % 3 == 0 && is_bad(mesh, h)).count()
+    mesh.triangles().filter(|&t| is_bad(mesh, t)).count()
 }
 
-/// Whether the triangle of `h` is outside of the goal.
-fn is_bad(mesh: &Manifold, h: u32) -> bool {
-    !is_good(mesh.connectivity.triangle(h).map(|v| mesh.position(v)))
+/// Whether triangle `t` is outside of the goal.
+fn is_bad(mesh: &Manifold, t: u32) -> bool {
+    !is_good(mesh.corners(t))
 }
 
-/// Whether a triangle of these corners has a margin: [`margin_of`] without its costly arc.
+/// Whether the margin of a triangle is not negative: [`margin_of`] without its costly arc.
 fn is_good(corners: [DVec3; 3]) -> bool {
     let (sine, cosine) = smallest_sine_cosine(corners);
     sine >= TANGENT_OF_SMALLEST * cosine && quality(corners) >= LEAST_QUALITY
@@ -141,7 +142,7 @@ pub fn least_margin(mesh: &Manifold, v: u32, p: DVec3) -> f64 {
     least_margin_above(mesh, v, p, f64::NEG_INFINITY).unwrap_or(f64::NEG_INFINITY)
 }
 
-/// [`least_margin`] if it is above `floor`, which is found out sooner.
+/// [`least_margin`] if it is above `floor`; cheaper if it is not.
 fn least_margin_above(mesh: &Manifold, v: u32, p: DVec3, floor: f64) -> Option<f64> {
     mesh.connectivity.outgoing(v).try_fold(f64::INFINITY, |least, h| {
         let [_, a, b] = mesh.connectivity.triangle(h);
@@ -152,12 +153,12 @@ fn least_margin_above(mesh: &Manifold, v: u32, p: DVec3, floor: f64) -> Option<f
 
 fn flip_if_better(mesh: &mut Manifold, h: u32) -> bool {
     let c = &mesh.connectivity;
-    let g = c.twin(h);
-    if g == NONE || !c.can_flip(h) || !mesh.flip_keeps_facing(h, LEAST_FACING) {
+    if !c.can_flip(h) || !mesh.flip_keeps_facing(h, FacingGuard::SOUND) {
         return false;
     }
-    // An ear, two sides on a curve, has no other way to become better.
-    let is_ear = |h: u32| c.curve(next(h)) != NONE && c.curve(prev(h)) != NONE;
+    let g = c.twin(h);
+    // An ear, a triangle with two sides on a curve, can improve in no other way.
+    let is_ear = |h: u32| c.is_curve_edge(next(h)) && c.is_curve_edge(prev(h));
     let spare = is_ear(h) || is_ear(g) || [c.origin(h), c.target(h)].into_iter().all(|v| can_spare_an_edge(mesh, v));
     let [a, b, top] = c.triangle(h).map(|v| mesh.position(v));
     let bottom = mesh.position(c.apex(g));
@@ -181,13 +182,9 @@ fn can_spare_an_edge(mesh: &Manifold, v: u32) -> bool {
 
 /// Moves `v` to a place where the worst triangle around it is better; whether there was one.
 fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, spacing: f64) -> bool {
-    if mesh.is_locked(v) {
-        return false;
-    }
     let here = mesh.samples[v as usize];
     let spacing = spacing * here.size;
     let before = least_margin(mesh, v, here.position);
-    let facing = mesh.worst_facing(v, &here).min(LEAST_FACING);
     let mut best = (before, here);
     let mut step = FIRST_STEP * spacing;
     for _ in 0..MOST_TRIES {
@@ -196,7 +193,9 @@ fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, spacing: f64) ->
         }
         let found = places(domain, mesh, v, &best.1, step).into_iter().fold(best, |best, there| {
             let margin = least_margin_above(mesh, v, there.position, best.0);
-            margin.filter(|_| mesh.worst_facing(v, &there) >= facing).map_or(best, |margin| (margin, there))
+            margin
+                .filter(|_| mesh.move_keeps_facing(v, &there, FacingGuard::SOUND))
+                .map_or(best, |margin| (margin, there))
         });
         if found.0 > best.0 + LEAST_GAIN {
             best = found;

@@ -1,33 +1,29 @@
-//! Exactly the wanted number of vertices: the longest edges are split or the shortest collapsed, by their length
+//! Brings a mesh to the wanted number of vertices: splits the longest edges or collapses the shortest, by their length
 //! relative to the one that is wanted there.
 //!
-//! Every step keeps the topology. Where that needs more vertices than are wanted, there are more in the end; the caller
-//! compares.
+//! Every step keeps the topology. If that needs more vertices than are wanted, more are left; the caller compares.
 //!
 //! Cost: n log n in the edges once, and a heap operation for each edge changed.
 
 use crate::base::heap::Ranked;
 use crate::manifold::Manifold;
+use crate::manifold::facing::FacingGuard;
 use crate::mesh::half_edge::next;
-use crate::mesh::topology::NONE;
 use crate::surface::domain::Domain;
 use std::collections::BinaryHeap;
 
-/// Least cosine between a triangle and the surface after a collapse done with care.
-const LEAST_FACING: f64 = 0.5;
-
 /// Brings `mesh` to `wanted` vertices, as far as its topology allows.
 pub fn meet_count(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
-    // First with care, then whatever it takes.
+    // First under the guard, then without.
     split_longest(domain, mesh, wanted);
     split_longest_with(mesh, wanted, |mesh, h| Some(mesh.split_anyhow(domain, h)));
     collapse_shortest(mesh, wanted, |mesh, h| {
         let c = &mesh.connectivity;
-        c.curve_at(c.origin(h)) == NONE && mesh.after_collapse(h).0 >= LEAST_FACING
+        !c.is_on_curve(c.origin(h)) && FacingGuard::CAREFUL.passes(mesh.after_collapse(h).0)
     });
     collapse_shortest(mesh, wanted, |_, _| true);
     if mesh.connectivity.vertex_count() > wanted {
-        // The count goes before sharp edges and the corners of the boundary.
+        // The count takes precedence over feature curves and their corners.
         mesh.connectivity.forget_curves();
         collapse_shortest(mesh, wanted, |_, _| true);
     }
@@ -38,14 +34,14 @@ pub(super) fn split_longest(domain: &Domain, mesh: &mut Manifold, wanted: usize)
     split_longest_with(mesh, wanted, |mesh, h| mesh.split_at_middle(domain, h));
 }
 
-/// Splits the longest inner edges by `split`, which says the new vertex if it did, until there are `wanted` vertices.
+/// Splits the longest inner edges by `split`, which returns the new vertex if it splits one, until there are `wanted` vertices.
 fn split_longest_with(mesh: &mut Manifold, wanted: usize, split: impl Fn(&mut Manifold, u32) -> Option<u32>) {
     if mesh.connectivity.vertex_count() >= wanted {
         return;
     }
     let entry = |mesh: &Manifold, h: u32| {
-        let g = mesh.connectivity.twin(h);
-        (g != NONE && mesh.connectivity.can_split(h)).then(|| Ranked::new(mesh.relative_length_squared(h), h.min(g)))
+        let c = &mesh.connectivity;
+        (c.has_twin(h) && c.can_split(h)).then(|| Ranked::new(mesh.relative_length_squared(h), h.min(c.twin(h))))
     };
     let mut heap: BinaryHeap<Ranked> = mesh.half_edges().filter_map(|h| entry(mesh, h)).collect();
     while mesh.connectivity.vertex_count() < wanted {
@@ -54,8 +50,7 @@ fn split_longest_with(mesh: &mut Manifold, wanted: usize, split: impl Fn(&mut Ma
             continue;
         }
         let Some(v) = split(mesh, top.index) else { continue };
-        let around: Vec<u32> = mesh.connectivity.outgoing(v).flat_map(|h| [h, next(h)]).collect();
-        mesh.flip_to_delaunay(around);
+        mesh.make_delaunay_around(v);
         heap.extend(mesh.connectivity.outgoing(v).flat_map(|h| [h, next(h)]).filter_map(|h| entry(mesh, h)));
     }
 }
@@ -73,10 +68,9 @@ pub(super) fn collapse_shortest(mesh: &mut Manifold, wanted: usize, may: impl Fn
             continue;
         }
         let into = c.target(h);
-        mesh.connectivity.collapse(h);
-        mesh.flip_to_delaunay(mesh.connectivity.outgoing(into).flat_map(|h| [h, next(h)]).collect());
+        mesh.collapse(h);
         let c = &mesh.connectivity;
-        let changed = c.outgoing(into).flat_map(|h| [h, c.twin(h)]).filter(|&h| h != NONE);
+        let changed = c.outgoing(into).flat_map(|h| c.both_sides(h));
         heap.extend(changed.map(|h| Ranked::new(-mesh.relative_length_squared(h), h)));
     }
 }

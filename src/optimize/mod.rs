@@ -1,4 +1,4 @@
-//! What is done to a mesh so that its triangles are good, and as many as wanted.
+//! Optimisation of a mesh over its domain: connectivity, positions of the vertices, their number, and the error.
 
 pub mod angles;
 pub mod coarse_to_fine;
@@ -6,6 +6,7 @@ pub mod counts;
 pub mod fit;
 pub mod max_error;
 mod newton;
+mod quadrature;
 pub mod relax;
 pub mod self_intersections;
 pub mod valence;

@@ -1,7 +1,7 @@
 //! One Gauss-Newton step for all vertices of a mesh at once.
 //!
 //! Each vertex has two unknowns, its step along two axes of its tangent plane; on a curve one, along the curve; none
-//! where it is held. The energy's gradient is the sum of those of the triangles, its Hessian the sum of the squares of
+//! where it is locked. The energy's gradient is the sum of those of the triangles, its Hessian the sum of the squares of
 //! linear forms that the triangles give. The equations are solved by conjugate gradients, preconditioned by the 2 x 2
 //! blocks of the vertices.
 //!
@@ -10,12 +10,12 @@
 //! Cost: about a microsecond a vertex to set up, a tenth of one for each of some ten to twenty iterations.
 
 use crate::manifold::Manifold;
+use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{Connectivity, prev};
-use crate::mesh::topology::NONE;
 use glam::{DMat2, DVec2, DVec3};
 use rayon::prelude::*;
 
-/// How the energy of a triangle changes when its corners move.
+/// The derivatives of the energy of a triangle.
 pub(super) struct Strain {
     /// The gradient at each corner.
     pub gradient: [DVec3; 3],
@@ -35,17 +35,23 @@ const TOLERANCE: f64 = 0.05;
 /// Vertices that one task works on.
 const CHUNK: usize = 1024;
 
-/// The step of each vertex, by its number. `strain_of` is asked for each triangle, by its vertices, one of them not
-/// held; `spacing` is the edge length that is wanted where the size of samples is 1.
-pub(super) fn newton_step(mesh: &Manifold, spacing: f64, strain_of: impl Fn([u32; 3]) -> Strain + Sync) -> Vec<DVec3> {
-    let axes: Vec<[DVec3; 2]> = (0..mesh.connectivity.vertex_bound()).into_par_iter().map(|v| axes(mesh, v)).collect();
+/// The step of each vertex, by its number; zero for those in `locked`. `strain_of` has the strain of each triangle, by its
+/// vertices; `spacing` is the edge length that is wanted where the size of samples is 1.
+pub(super) fn newton_step(
+    mesh: &Manifold,
+    locked: &VertexSet,
+    spacing: f64,
+    strain_of: impl Fn([u32; 3]) -> Strain + Sync,
+) -> Vec<DVec3> {
+    let vertices = (0..mesh.connectivity.vertex_bound()).into_par_iter();
+    let axes: Vec<[DVec3; 2]> = vertices.map(|v| axes(mesh, locked, v)).collect();
     let steps = Equations::new(mesh, &axes, spacing, strain_of).solve();
     steps.iter().zip(axes).map(|(step, axes)| step.x * axes[0] + step.y * axes[1]).collect()
 }
 
 /// The axes along which vertex `v` can move; zero for what it cannot.
-fn axes(mesh: &Manifold, v: u32) -> [DVec3; 2] {
-    if !mesh.connectivity.has_vertex(v) || mesh.is_locked(v) {
+fn axes(mesh: &Manifold, locked: &VertexSet, v: u32) -> [DVec3; 2] {
+    if !mesh.connectivity.has_vertex(v) || !mesh.can_move(v, locked) {
         return [DVec3::ZERO; 2];
     }
     match mesh.along(v) {
@@ -54,7 +60,7 @@ fn axes(mesh: &Manifold, v: u32) -> [DVec3; 2] {
     }
 }
 
-/// What a half-edge has from its triangle, in the axes of the vertices.
+/// The contribution of a triangle at one of its half-edges, in the axes of the vertices.
 #[derive(Clone, Copy, Default)]
 struct Share {
     /// The negative gradient at the origin.
@@ -82,7 +88,7 @@ struct Rows {
 }
 
 impl Rows {
-    /// Those of the vertices `begin` and after.
+    /// The rows of a chunk of vertices from `begin` on.
     fn new(c: &Connectivity, shares: &[[Share; 3]], begin: u32) -> Rows {
         let mut rows = Rows { end: Vec::with_capacity(CHUNK), entries: Vec::with_capacity(7 * CHUNK) };
         for v in begin..c.vertex_bound().min(begin + CHUNK as u32) {
@@ -172,13 +178,13 @@ impl Equations {
     }
 }
 
-/// What half-edge `h` has.
+/// The share of half-edge `h`.
 #[inline]
 fn share_of(shares: &[[Share; 3]], h: u32) -> &Share {
     &shares[h as usize / 3][h as usize % 3]
 }
 
-/// What the half-edges of a triangle have from it.
+/// The shares of the half-edges of a triangle.
 fn shares(corners: [u32; 3], axes: &[[DVec3; 2]], strain: Strain) -> [Share; 3] {
     let in_axes = |k: usize, v: DVec3| {
         let [x, y] = axes[corners[k] as usize];
@@ -199,12 +205,11 @@ fn shares(corners: [u32; 3], axes: &[[DVec3; 2]], strain: Strain) -> [Share; 3] 
 fn entries_of<'a>(c: &'a Connectivity, v: u32, shares: &'a [[Share; 3]]) -> impl Iterator<Item = (u32, DMat2)> + 'a {
     let back = |h: u32| share_of(shares, h).between.transpose();
     let outwards = c.outgoing(v).map(move |h| {
-        let across = c.twin(h);
-        let other = if across == NONE { DMat2::ZERO } else { back(across) };
+        let other = if c.has_twin(h) { back(c.twin(h)) } else { DMat2::ZERO };
         (c.target(h), share_of(shares, h).between + other)
     });
     // The last edge around a vertex of the boundary has a triangle on its right only.
-    let last = c.outgoing(v).map(prev).find(|&h| c.twin(h) == NONE);
+    let last = c.outgoing(v).map(prev).find(|&h| !c.has_twin(h));
     outwards.chain(last.map(move |h| (c.origin(h), back(h))))
 }
 
@@ -213,7 +218,7 @@ mod tests {
     use super::*;
     use crate::surface::domain::Sample;
 
-    /// A flat ring of six triangles around the origin whose middle is at `middle`, the ring's corners fixed.
+    /// A flat ring of six triangles around the origin whose middle is at `middle`.
     fn ring(middle: DVec3) -> Manifold {
         let corner = |i: u32| {
             let (sin, cos) = (f64::from(i) * std::f64::consts::FRAC_PI_3).sin_cos();
@@ -222,9 +227,7 @@ mod tests {
         let places = std::iter::once(middle).chain((0..6).map(corner));
         let samples = places.map(|position| Sample { position, normal: DVec3::Z, triangle: 0, size: 1.0 }).collect();
         let triangles: Vec<[u32; 3]> = (0..6).map(|i| [0, 1 + i, 1 + (i + 1) % 6]).collect();
-        let mut mesh = Manifold::new(samples, &triangles);
-        mesh.fixed[1..].fill(true);
-        mesh
+        Manifold::new(samples, &triangles)
     }
 
     /// Springs of no rest length: half the squares of the sides from the first corner.
@@ -238,16 +241,16 @@ mod tests {
     #[test]
     fn a_quadratic_energy_is_least_after_one_step_but_for_the_damping() {
         let mesh = ring(DVec3::new(0.3, -0.2, 0.0));
-        let steps = newton_step(&mesh, 1e3, |t| springs(&mesh, t));
+        let ring = VertexSet::from_iter(1..7);
+        let steps = newton_step(&mesh, &ring, 1e3, |t| springs(&mesh, t));
         assert!((mesh.position(0) + steps[0]).length() < 1e-6, "{:?}", steps[0]);
         assert!(steps[1..].iter().all(|step| *step == DVec3::ZERO));
     }
 
     #[test]
     fn the_blocks_are_those_of_a_symmetric_matrix() {
-        let mut mesh = ring(DVec3::new(0.1, 0.1, 0.0));
-        mesh.fixed.fill(false);
-        let axes: Vec<[DVec3; 2]> = (0..7).map(|v| super::axes(&mesh, v)).collect();
+        let mesh = ring(DVec3::new(0.1, 0.1, 0.0));
+        let axes: Vec<[DVec3; 2]> = (0..7).map(|v| super::axes(&mesh, &VertexSet::EMPTY, v)).collect();
         let equations = Equations::new(&mesh, &axes, 1.0, |t| springs(&mesh, t));
         let unit = |i: usize| {
             let mut x = vec![DVec2::ZERO; 7];

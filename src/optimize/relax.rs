@@ -7,12 +7,12 @@
 //! ```
 //!
 //! E is 0 for an equilateral triangle of any size and grows with the square of its strain. The root makes that linear,
-//! as quality and angles are, but for the smallest strains: strain gathers at the irregular vertices that cannot be
-//! without, and the rows between them are straight. The square keeps it from gathering in a few triangles alone. The
+//! as quality and angles are, except for the smallest strains: strain gathers at the unavoidable irregular vertices, and
+//! the rows between them are straight. The square keeps it from gathering in a few triangles alone. The
 //! last part is least at the area A₀ of an equilateral triangle of the mean edge length: without it the vertices would
-//! drain from every tip of the surface, as in conformal maps.
+//! drain from the end of every spike of the surface, as in conformal maps.
 //!
-//! Each round is a Gauss-Newton step for all vertices at once (`step.rs`): strain evens out over hundreds of
+//! Each round is a Gauss-Newton step for all vertices at once (`newton.rs`): strain evens out over hundreds of
 //! edges, which steps of single vertices take as many rounds for. With the corners z₀, z₁, z₂ of a triangle as complex
 //! numbers in its plane and ω a third root of one, E = |β|² / (2 √3 A) for β = z₀ + ω z₁ + ω² z₂.
 //!
@@ -29,17 +29,19 @@ use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 use crate::manifold::Manifold;
 use crate::manifold::motion::move_vertices;
+use crate::manifold::vertex_set::VertexSet;
 use crate::optimize::newton::{Strain, newton_step};
 use crate::optimize::valence::Defects;
 use crate::surface::domain::Domain;
 use glam::DVec3;
 
-/// What the edges do while vertices relax.
+/// The flips after each round of relaxation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Flips {
-    /// All flip that are not Delaunay.
+    /// All edges that are not Delaunay flip.
     Delaunay,
-    /// Only those flip that also add nothing to the irregularity: vertices find the room that a changed valence needs.
+    /// Only edges flip that are not Delaunay and whose flip does not raise the energy of irregular vertices, so that
+    /// vertices find the room that a changed valence needs.
     KeepValence,
 }
 
@@ -50,17 +52,18 @@ const SIZE_WEIGHT: f64 = 0.05;
 /// ε: strains of less count with their square, larger ones linearly. More leaves lengths less even, less takes longer.
 const SMALL_STRAIN: f64 = 0.003;
 
-/// Triangles of less than this share of A₀ count as of as much, so that steps stay finite.
+/// Least area of a triangle in the energy, as a share of A₀, so that steps stay finite.
 const LEAST_AREA: f64 = 0.03;
 
 /// Longest step of a vertex in spacings; with twice as much neighbours get in each other's way.
 const LONGEST_STEP: f64 = 0.25;
 
-/// Relaxes all vertices of `mesh` that are not fixed for `rounds` rounds, with flips after each. `spacing` is the edge
+/// Relaxes all vertices of `mesh` that are not `locked` for `rounds` rounds, with flips after each. `spacing` is the edge
 /// length that is wanted where the size of samples is 1.
 pub fn relax(
     domain: &Domain,
     mesh: &mut Manifold,
+    locked: &VertexSet,
     spacing: f64,
     flips: Flips,
     rounds: usize,
@@ -69,9 +72,9 @@ pub fn relax(
     flip(mesh, flips);
     for _ in 0..rounds {
         check(monitor)?;
-        let steps = newton_step(mesh, spacing, |t| strain_of(mesh, t, spacing));
+        let steps = newton_step(mesh, locked, spacing, |t| strain_of(mesh, t, spacing));
         let longest = |mesh: &Manifold, v: u32| LONGEST_STEP * spacing * mesh.samples[v as usize].size;
-        move_vertices(domain, mesh, |mesh, v| steps[v as usize].clamp_length_max(longest(mesh, v)));
+        move_vertices(domain, mesh, locked, |mesh, v| steps[v as usize].clamp_length_max(longest(mesh, v)));
         flip(mesh, flips);
     }
     Ok(())
@@ -85,7 +88,7 @@ fn flip(mesh: &mut Manifold, flips: Flips) {
 }
 
 /// The gradient at `v` of the energy of the triangles around it, and the mean second derivative along the surface.
-pub(super) fn pull(mesh: &Manifold, v: u32, spacing: f64) -> (DVec3, f64) {
+pub(super) fn shape_gradient(mesh: &Manifold, v: u32, spacing: f64) -> (DVec3, f64) {
     let strains = mesh.connectivity.outgoing(v).map(|h| strain_of(mesh, mesh.connectivity.triangle(h), spacing));
     strains.fold((DVec3::ZERO, 0.0), |(gradient, stiffness), strain| {
         let squares: f64 = strain.forms.iter().map(|form| form[0].length_squared()).sum();
@@ -98,7 +101,7 @@ fn strain_of(mesh: &Manifold, corners: [u32; 3], spacing: f64) -> Strain {
     strain(corners.map(|v| mesh.position(v)), spacing * size)
 }
 
-/// How the energy of a triangle changes with its corners.
+/// The derivatives of the energy of a triangle by its corners.
 fn strain([p, q, r]: [DVec3; 3], spacing: f64) -> Strain {
     let sides = [r - q, p - r, q - p];
     let area_vector = 0.5 * sides[2].cross(-sides[1]);
@@ -156,11 +159,12 @@ mod tests {
     }
 
     #[test]
-    fn an_equilateral_triangle_of_the_right_size_pulls_nowhere() {
+    fn the_gradient_is_zero_for_an_equilateral_triangle_of_the_right_size() {
         let d = 0.4;
         let triangle = [DVec3::ZERO, d * DVec3::X, d * DVec3::new(0.5, 0.75f64.sqrt(), 0.0)];
-        let pull = |spacing: f64| strain(triangle, spacing).gradient.map(DVec3::length).into_iter().fold(0.0, f64::max);
-        assert!(pull(d) < 1e-12);
-        assert!(pull(1.1 * d) > 0.01);
+        let steepest =
+            |spacing: f64| strain(triangle, spacing).gradient.map(DVec3::length).into_iter().fold(0.0, f64::max);
+        assert!(steepest(d) < 1e-12);
+        assert!(steepest(1.1 * d) > 0.01);
     }
 }

@@ -1,22 +1,22 @@
-//! Parts faces that cross each other, at the places where they do.
+//! Resolves self-intersections of the mesh.
 //!
-//! Two kinds of places make faces cross: sheets that are nearer to each other than a face is to the surface that it
-//! stands for, and folds at narrow rims, where a face or two lie wrong. So there are two means, in turns.
+//! They have two causes: sheets of the surface that are nearer to each other than the faces are to the surface, and folds
+//! at narrow rims, where one or two faces lie wrong. So there are two remedies, in turns.
 //!
-//! - Sheets part: the corners of faces that cross those of another sheet step away from that sheet along the normal,
+//! - Sheets part: the corners of faces that intersect those of another sheet step away from that sheet along the normal,
 //!   outwards where there is a wall between the sheets and inwards where there is a gap, by shares of the distance
-//!   between face and surface. All step at once, since at a thin shell every face is in the way of many.
-//! - Single edges flip and single vertices move to where fewer faces cross; of several such places to the one with the
+//!   between face and surface. All step at once, since at a thin shell every face intersects many.
+//! - Single edges flip and single vertices move to where fewer faces intersect, of several such places to the one with the
 //!   best triangles.
 //!
-//! A turn that leaves as many crossings as there were is taken back, and is the last. Places where the input crosses
-//! itself are left alone: there the sheets are where they should be. What crosses in the end is for the report to tell.
+//! A turn that does not reduce the number of intersecting pairs is taken back, and is the last. Self-intersections of the
+//! input are left alone: the sheets belong there. The report counts those that are left.
 //!
-//! Cost: one search for crossings where there are none. Else one for each step of the sheets, and some ten searches
-//! among its surroundings for each corner of a crossing face.
+//! Cost: one search for self-intersections if there are none. Otherwise one for each step of the sheets, and some ten
+//! local searches for each corner of an intersecting face.
 //!
-//! Limits: vertices that step away from the surface stay off it, by at most `FARTHEST`. A place whose samples cannot be
-//! joined without a crossing keeps it: splitting the edges there made more faces cross, not fewer.
+//! Limits: vertices that step away from the surface stay off it, by at most `FARTHEST`. Some self-intersections cannot be
+//! resolved with the samples there; splitting edges made more faces intersect, not fewer.
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
@@ -24,8 +24,9 @@ use crate::geom::intersection::cross;
 use crate::geom::triangle::{longest_side, mean_ratio};
 use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
+use crate::manifold::facing::FacingGuard;
+use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{next, prev};
-use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
 use crate::spatial::self_intersections::{faces_of, self_intersections};
@@ -41,8 +42,8 @@ const TURNS: usize = 6;
 const STEPS: usize = 6;
 const STEP: f64 = 0.35;
 
-/// Distance around a face, in lengths of its longest edge, in which crossings of the input are looked for: one, and what
-/// those that cross there reach.
+/// Distance around a face, in lengths of its longest edge, within which self-intersections of the input are searched: one,
+/// and the size of the faces that intersect there.
 const SURROUNDINGS: f64 = 3.0;
 
 /// How far a vertex may step away from its place on the surface, in lengths of its longest edge.
@@ -54,17 +55,16 @@ const REACHES: [f64; 4] = [0.06, 0.12, 0.25, 0.5];
 /// Directions in which it looks.
 const DIRECTIONS: usize = 8;
 
-/// Least cosine between a triangle and the surface, and least mean ratio, after a change, unless they were worse before.
-const LEAST_FACING: f64 = 0.2;
+/// Least mean ratio of a triangle after a change, unless it was worse before.
 const LEAST_SHAPE: f64 = 0.25;
 
-/// Faces that are mended one by one in a turn: where more cross, only parting sheets can help, if anything.
-const MOST_MENDED: usize = 150;
+/// Most faces treated one by one in a turn: where more intersect, only parting the sheets helps, if anything.
+const MOST_TREATED: usize = 150;
 
-/// Where more cross than that, a turn that leaves so large a share of the crossings is the last.
+/// If more intersect than that, a turn that leaves a larger share of the pairs is the last.
 const LEAST_PROGRESS: f64 = 0.8;
 
-/// Moves vertices and flips edges until no faces cross that need not, or nothing helps.
+/// Moves vertices and flips edges until no avoidable self-intersection is left, or nothing helps.
 pub fn resolve_self_intersections(domain: &Domain, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<()> {
     if Crossings::new(mesh).pairs.is_empty() {
         return Ok(());
@@ -72,7 +72,7 @@ pub fn resolve_self_intersections(domain: &Domain, mesh: &mut Manifold, monitor:
     take_turns(domain, mesh, monitor)
 }
 
-/// The faces of a mesh at one time, and the pairs of them that cross.
+/// A snapshot of the faces of a mesh, and the pairs of them that intersect.
 struct Crossings {
     faces: Faces,
     pairs: Vec<(u32, u32)>,
@@ -85,11 +85,11 @@ impl Crossings {
         Crossings { pairs: faces.self_intersecting_pairs(), faces }
     }
 
-    /// The pairs that need not cross.
+    /// The pairs at places where the input has no self-intersection.
     fn avoidable(domain: &Domain, mesh: &Manifold) -> Crossings {
         let mut crossings = Crossings::new(mesh);
         let crossing = faces_of(crossings.pairs.clone());
-        let triangles: Vec<Corners> = crossing.iter().map(|&t| corners(mesh, 3 * t)).collect();
+        let triangles: Vec<Corners> = crossing.iter().map(|&t| mesh.corners(t)).collect();
         let inherited = Inherited::around(domain, &triangles);
         let need_not = triangles.iter().map(|&t| !inherited.is_near(t));
         let need_not: BTreeMap<u32, bool> = crossing.into_iter().zip(need_not).collect();
@@ -98,7 +98,7 @@ impl Crossings {
     }
 }
 
-/// The triangles of the input that cross each other.
+/// The triangles of the input that intersect each other.
 struct Inherited {
     mesh: Mesh,
     bvh: Bvh,
@@ -128,7 +128,7 @@ fn middle(triangle: Corners) -> DVec3 {
     triangle.iter().sum::<DVec3>() / 3.0
 }
 
-/// Parts sheets and mends faces in turns; no turn leaves more pairs that cross.
+/// Parts sheets and treats single faces in turns, as long as the number of intersecting pairs falls.
 fn take_turns(domain: &Domain, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<()> {
     let mut crossings = Crossings::avoidable(domain, mesh);
     for _ in 0..TURNS {
@@ -138,13 +138,13 @@ fn take_turns(domain: &Domain, mesh: &mut Manifold, monitor: &dyn Monitor) -> Re
         check(monitor)?;
         let (before, left) = (mesh.clone(), crossings.pairs.len());
         crossings = part_sheets(domain, mesh, crossings);
-        mend_faces(domain, mesh, crossings);
+        treat_faces(domain, mesh, crossings);
         crossings = Crossings::avoidable(domain, mesh);
         if crossings.pairs.len() >= left {
             *mesh = before;
             break;
         }
-        if crossings.pairs.len() > MOST_MENDED.max((LEAST_PROGRESS * left as f64) as usize) {
+        if crossings.pairs.len() > MOST_TREATED.max((LEAST_PROGRESS * left as f64) as usize) {
             break;
         }
     }
@@ -225,7 +225,7 @@ fn step_off(domain: &Domain, mesh: &mut Manifold, v: u32, way: DVec3) -> bool {
     let may = way != DVec3::ZERO
         && !mesh.connectivity.is_on_interface(v)
         && is_near_surface(domain, mesh, v, &there)
-        && mesh.worst_facing(v, &there) >= mesh.worst_facing(v, &here).min(LEAST_FACING);
+        && mesh.move_keeps_facing(v, &there, FacingGuard::SOUND);
     if may {
         mesh.samples[v as usize] = there;
     }
@@ -244,10 +244,10 @@ fn longest_edge(mesh: &Manifold, v: u32) -> f64 {
 }
 
 /// Flips edges and moves vertices of faces that cross, one by one, where that leaves fewer crossings.
-fn mend_faces(domain: &Domain, mesh: &mut Manifold, Crossings { faces, pairs }: Crossings) {
+fn treat_faces(domain: &Domain, mesh: &mut Manifold, Crossings { faces, pairs }: Crossings) {
     let crossing: BTreeSet<u32> = pairs.iter().flat_map(|&(t, u)| [t, u]).collect();
     let mut around = Surroundings { faces, changed: BTreeSet::new() };
-    for face in crossing.into_iter().take(MOST_MENDED) {
+    for face in crossing.into_iter().take(MOST_TREATED) {
         let h = 3 * face;
         for side in [h, next(h), prev(h)] {
             around.flip_if_fewer(mesh, side);
@@ -258,7 +258,7 @@ fn mend_faces(domain: &Domain, mesh: &mut Manifold, Crossings { faces, pairs }: 
     }
 }
 
-/// What is around a place of a mesh that changes: its faces at one time, and those that have changed since.
+/// The faces of a mesh that changes: a snapshot, and those that have changed since.
 struct Surroundings {
     faces: Faces,
     changed: BTreeSet<u32>,
@@ -282,16 +282,17 @@ impl Surroundings {
             count += usize::from(stays && cross(triangle, corners));
         });
         let changed = self.changed.iter().filter(|t| !old.contains(t));
-        count + changed.filter(|&&t| cross(triangle, corners(mesh, 3 * t))).count()
+        count + changed.filter(|&&t| cross(triangle, mesh.corners(t))).count()
     }
 
     fn flip_if_fewer(&mut self, mesh: &mut Manifold, h: u32) {
-        let g = mesh.connectivity.twin(h);
-        if g == NONE || !mesh.connectivity.can_flip(h) || !mesh.flip_keeps_facing(h, LEAST_FACING) {
+        if !mesh.connectivity.can_flip(h) || !mesh.flip_keeps_facing(h, FacingGuard::SOUND) {
             return;
         }
+        let g = mesh.connectivity.twin(h);
         let old = [h / 3, g / 3];
-        let ([a, b, top], bottom) = (corners(mesh, h), mesh.position(mesh.connectivity.apex(g)));
+        let [a, b, top] = mesh.connectivity.triangle(h).map(|v| mesh.position(v));
+        let bottom = mesh.position(mesh.connectivity.apex(g));
         let before = [[a, b, top], [b, a, bottom]];
         let after = [[top, a, bottom], [bottom, b, top]];
         let least = |faces: &[Corners]| faces.iter().map(|&t| mean_ratio(t)).fold(1.0, f64::min);
@@ -306,7 +307,7 @@ impl Surroundings {
     fn move_if_fewer(&mut self, domain: &Domain, mesh: &mut Manifold, v: u32) {
         let old: Vec<u32> = mesh.connectivity.outgoing(v).map(|h| h / 3).collect();
         let mut now = self.count(mesh, &fan(mesh, v, mesh.position(v)), &old);
-        if now == 0 || mesh.is_locked(v) {
+        if now == 0 || !mesh.can_move(v, &VertexSet::EMPTY) {
             return;
         }
         let longest = longest_edge(mesh, v);
@@ -332,11 +333,6 @@ impl Surroundings {
     }
 }
 
-/// The corners of the triangle of `h`, from its origin on.
-fn corners(mesh: &Manifold, h: u32) -> Corners {
-    mesh.connectivity.triangle(h).map(|v| mesh.position(v))
-}
-
 /// The triangles around `v` if it were at `there`.
 fn fan(mesh: &Manifold, v: u32, there: DVec3) -> Vec<Corners> {
     let triangle = |h: u32| {
@@ -348,10 +344,9 @@ fn fan(mesh: &Manifold, v: u32, there: DVec3) -> Vec<Corners> {
 
 /// Whether the triangles around `v` are no worse, or good enough, with `v` at `there`.
 fn acceptable(mesh: &Manifold, v: u32, there: &Sample) -> bool {
-    let here = &mesh.samples[v as usize];
     let shape = |p: DVec3| fan(mesh, v, p).into_iter().map(mean_ratio).fold(1.0, f64::min);
-    mesh.worst_facing(v, there) >= mesh.worst_facing(v, here).min(LEAST_FACING)
-        && shape(there.position) >= shape(here.position).min(LEAST_SHAPE)
+    mesh.move_keeps_facing(v, there, FacingGuard::SOUND)
+        && shape(there.position) >= shape(mesh.position(v)).min(LEAST_SHAPE)
 }
 
 /// Places around `v` at a distance: on the surface, and a little above and below it; along the curve of a vertex on one.

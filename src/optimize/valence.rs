@@ -22,12 +22,13 @@
 //!
 //! Cost: linear in the edges for each pass, and some hundred flips tried for each defect.
 //!
-//! Limits: defects that curvature asks for stay, and so do those next to fixed vertices.
+//! Limits: defects that curvature asks for stay, and so do those next to locked vertices.
 
 use crate::geom::triangle::{angles, mean_ratio};
 use crate::manifold::Manifold;
+use crate::manifold::facing::FacingGuard;
+use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{Connectivity, next, prev};
-use crate::mesh::topology::NONE;
 use glam::DVec3;
 
 /// Edges of a regular vertex inside.
@@ -37,32 +38,30 @@ const REGULAR: i32 = 6;
 const LONGEST_GLIDE: usize = 12;
 const MOST_TRIES: usize = 40;
 
-/// Least cosine between a triangle and the surface that a move may leave: 60 degrees.
-const LEAST_FACING: f64 = 0.5;
-
 /// Least mean ratio of a triangle that a move may leave: a row sheared twice has 0.27.
 const LEAST_SHAPE: f64 = 0.25;
 
-/// Least cosine of the turn of the surface along an edge that a pair glides over or a vertex is taken from: 60 degrees.
-/// Glides around tips cost their height.
+/// Least cosine between the normals at the ends of an edge that a pair glides over or a vertex is removed from: 60
+/// degrees. Glides around the end of a spike would shorten it.
 const FLAT: f64 = 0.5;
 
-/// How far, in spacings, a vertex that is removed may be from what is left.
+/// Largest distance, in spacings, of a removed vertex from the mesh.
 const TOLERANCE: f64 = 0.25;
 
 /// Lowers the energy of the fine mesh by flips, and by glides of up to a dozen flips that begin at vertices where
-/// `glides` says so. Between near curves they would shear rows that have no room to straighten.
-pub fn remove_defects(mesh: &mut Manifold, glides: &[bool]) {
+/// in `wide`. Between near curves they would shear rows that have no room to straighten.
+pub fn remove_defects(mesh: &mut Manifold, locked: &VertexSet, wide: &VertexSet) {
     let mut defects = Defects::new(mesh);
     defects.flip_down(mesh.edges().collect(), mesh);
-    defects.glide_all(mesh, glides);
+    defects.glide_all(mesh, locked, wide);
 }
 
-/// Lowers the energy of a mesh whose number of vertices is not settled yet: by flips, and by collapses.
-pub fn remove_near_defects(mesh: &mut Manifold, spacing: f64) {
+/// Lowers the energy of a mesh whose number of vertices is not settled yet: by flips, and by collapses of vertices that
+/// are not `locked`.
+pub fn remove_near_defects(mesh: &mut Manifold, locked: &VertexSet, spacing: f64) {
     let mut defects = Defects::new(mesh);
     defects.flip_down(mesh.edges().collect(), mesh);
-    defects.collapse_down(mesh, spacing);
+    defects.collapse_down(mesh, locked, spacing);
 }
 
 /// The excess of each vertex that is not on a curve, kept up to date with the mesh.
@@ -81,10 +80,7 @@ impl Defects {
     #[inline]
     fn at(&self, mesh: &Manifold, h: u32) -> i32 {
         let v = mesh.connectivity.origin(h);
-        match mesh.connectivity.curve_at(v) {
-            NONE => self.excess[v as usize],
-            _ => excess_of_fan(mesh, h),
-        }
+        if mesh.connectivity.is_on_curve(v) { excess_of_fan(mesh, h) } else { self.excess[v as usize] }
     }
 
     /// What flipping the edge of `h`, which has two faces, adds to the energy.
@@ -112,7 +108,7 @@ impl Defects {
     fn flip_down(&mut self, mut queue: Vec<u32>, mesh: &mut Manifold) {
         while let Some(h) = queue.pop() {
             let c = &mesh.connectivity;
-            if c.has_half_edge(h) && c.twin(h) != NONE && self.rise(mesh, h) < 0 && may_flip(mesh, h) {
+            if c.has_half_edge(h) && c.has_twin(h) && self.rise(mesh, h) < 0 && may_flip(mesh, h) {
                 self.flip(&mut mesh.connectivity, h);
                 queue.extend(touched(&mesh.connectivity, h));
             }
@@ -125,8 +121,7 @@ impl Defects {
         let mut left = 20 * queue.len();
         while let Some(h) = queue.pop() {
             let c = &mesh.connectivity;
-            if left > 0 && c.twin(h) != NONE && mesh.breaks_delaunay(h) && self.rise(mesh, h) <= 0 && may_flip(mesh, h)
-            {
+            if left > 0 && c.has_twin(h) && mesh.breaks_delaunay(h) && self.rise(mesh, h) <= 0 && may_flip(mesh, h) {
                 let g = c.twin(h);
                 self.flip(&mut mesh.connectivity, h);
                 queue.extend([next(h), prev(h), next(g), prev(g)]);
@@ -135,16 +130,16 @@ impl Defects {
         }
     }
 
-    fn glide_all(&mut self, mesh: &mut Manifold, glides: &[bool]) {
+    fn glide_all(&mut self, mesh: &mut Manifold, locked: &VertexSet, wide: &VertexSet) {
         for h in 0..mesh.connectivity.half_edge_bound() {
             let c = &mesh.connectivity;
-            if !c.has_half_edge(h) || c.twin(h) == NONE || h > c.twin(h) || self.rise(mesh, h) != 0 {
+            if !c.has_half_edge(h) || !c.has_twin(h) || h > c.twin(h) || self.rise(mesh, h) != 0 {
                 continue;
             }
-            if !glides[mesh.connectivity.origin(h) as usize] || !may_glide(mesh, h) {
+            if !wide.contains(mesh.connectivity.origin(h)) || !may_glide(mesh, locked, h) {
                 continue;
             }
-            let mut glide = Glide { flipped: Vec::new(), gone: Vec::new(), tries: MOST_TRIES };
+            let mut glide = Glide { locked, flipped: Vec::new(), gone: Vec::new(), tries: MOST_TRIES };
             if self.glide(mesh, h, &mut glide) {
                 let around = glide.flipped.iter().flat_map(|&h| touched(&mesh.connectivity, h)).collect();
                 self.flip_down(around, mesh);
@@ -153,7 +148,7 @@ impl Defects {
     }
 
     /// Flips `h` and further edges until the energy is lower; if that is not to be had, none.
-    fn glide(&mut self, mesh: &mut Manifold, h: u32, glide: &mut Glide) -> bool {
+    fn glide(&mut self, mesh: &mut Manifold, h: u32, glide: &mut Glide<'_>) -> bool {
         glide.tries -= 1;
         let lower = self.rise(mesh, h) < 0;
         glide.gone.push(ends(&mesh.connectivity, h));
@@ -168,30 +163,30 @@ impl Defects {
         false
     }
 
-    fn glide_on(&mut self, mesh: &mut Manifold, h: u32, glide: &mut Glide) -> bool {
+    fn glide_on(&mut self, mesh: &mut Manifold, h: u32, glide: &mut Glide<'_>) -> bool {
         if glide.flipped.len() >= LONGEST_GLIDE {
             return false;
         }
         let c = &mesh.connectivity;
         let mut ways: Vec<(i32, u32)> = touched(c, h)
-            .filter(|&g| c.twin(g) != NONE)
+            .filter(|&g| c.has_twin(g))
             .map(|g| (self.rise(mesh, g), g))
             .filter(|&(rise, g)| rise <= 0 && !glide.gone.contains(&ends_after(c, g)))
             .collect();
         ways.sort_unstable();
         ways.dedup_by_key(|way| way.1.min(c.twin(way.1)));
-        ways.into_iter().any(|(_, g)| glide.tries > 0 && may_glide(mesh, g) && self.glide(mesh, g, glide))
+        ways.into_iter().any(|(_, g)| glide.tries > 0 && may_glide(mesh, glide.locked, g) && self.glide(mesh, g, glide))
     }
 
     /// Collapses edges, those first that lower the energy most.
-    fn collapse_down(&mut self, mesh: &mut Manifold, spacing: f64) {
+    fn collapse_down(&mut self, mesh: &mut Manifold, locked: &VertexSet, spacing: f64) {
         let rise = |h| (self.rise_of_collapse(mesh, h), h);
         let mut falls: Vec<(i32, u32)> = mesh.half_edges().map(rise).filter(|(rise, _)| *rise < 0).collect();
         falls.sort_unstable();
         for (_, h) in falls {
             if mesh.connectivity.has_half_edge(h)
                 && self.rise_of_collapse(mesh, h) < 0
-                && may_collapse(mesh, h, spacing)
+                && may_collapse(mesh, locked, h, spacing)
             {
                 self.collapse(mesh, h);
             }
@@ -201,7 +196,7 @@ impl Defects {
     /// What merging the origin of `h` into its target adds to the energy.
     fn rise_of_collapse(&self, mesh: &Manifold, h: u32) -> i32 {
         let c = &mesh.connectivity;
-        if c.twin(h) == NONE {
+        if !c.has_twin(h) {
             return 0;
         }
         let [a, b, top] = [h, next(h), prev(h)].map(|h| self.at(mesh, h));
@@ -222,7 +217,9 @@ impl Defects {
 }
 
 /// The flips of a glide so far and the edges that they took away, which must not come back.
-struct Glide {
+struct Glide<'a> {
+    /// No glide goes past these vertices.
+    locked: &'a VertexSet,
     flipped: Vec<u32>,
     gone: Vec<[u32; 2]>,
     tries: usize,
@@ -232,7 +229,7 @@ struct Glide {
 /// either side of the triangle of `h`.
 fn excess_of_fan(mesh: &Manifold, h: u32) -> i32 {
     let c = &mesh.connectivity;
-    let ends = |h: u32| c.curve(h) != NONE || c.twin(h) == NONE;
+    let ends = |h: u32| c.is_curve_edge(h) || !c.has_twin(h);
     let mut first = h;
     while !ends(first) {
         first = next(c.twin(first));
@@ -271,13 +268,13 @@ fn ends_after(c: &Connectivity, h: u32) -> [u32; 2] {
 /// The edges whose flip means something else after that of `h`: those at and across from its four vertices, or from three
 /// if later flips have put it on the boundary.
 fn touched(c: &Connectivity, h: u32) -> impl Iterator<Item = u32> {
-    let across = Some(c.twin(h)).filter(|&twin| twin != NONE).map(|twin| c.apex(twin));
+    let across = c.has_twin(h).then(|| c.apex(c.twin(h)));
     let corners = c.triangle(h).into_iter().chain(across);
     corners.flat_map(move |v| c.outgoing(v).flat_map(|h| [h, next(h)]))
 }
 
-/// The cosine of the turn of the surface between two vertices; 1 if one is on a sharp edge and has no normal.
-fn turn(mesh: &Manifold, v: u32, w: u32) -> f64 {
+/// The cosine of the angle between the normals of two vertices; 1 if one is on a sharp edge and has no normal.
+fn normal_cosine(mesh: &Manifold, v: u32, w: u32) -> f64 {
     let [n, m] = [v, w].map(|v| mesh.samples[v as usize].normal);
     if n == DVec3::ZERO || m == DVec3::ZERO { 1.0 } else { n.dot(m) }
 }
@@ -287,34 +284,35 @@ fn may_flip(mesh: &Manifold, h: u32) -> bool {
     let c = &mesh.connectivity;
     let [a, b, top] = c.triangle(h);
     let bottom = c.apex(c.twin(h));
-    let good =
-        |t: [u32; 3]| mesh.agreement(t) >= LEAST_FACING && mean_ratio(t.map(|v| mesh.position(v))) >= LEAST_SHAPE;
+    let good = |t: [u32; 3]| {
+        FacingGuard::CAREFUL.passes(mesh.agreement(t)) && mean_ratio(t.map(|v| mesh.position(v))) >= LEAST_SHAPE
+    };
     c.can_flip(h) && good([top, a, bottom]) && good([bottom, b, top])
 }
 
 /// Whether a pair may glide over the edge of `h`: the surface is flat enough, and the vertices are free to move
 /// afterwards.
-fn may_glide(mesh: &Manifold, h: u32) -> bool {
+fn may_glide(mesh: &Manifold, locked: &VertexSet, h: u32) -> bool {
     let c = &mesh.connectivity;
     let [a, b, top] = c.triangle(h);
     let bottom = c.apex(c.twin(h));
-    let free = [a, b, top, bottom].into_iter().all(|v| !mesh.fixed[v as usize]);
-    free && turn(mesh, a, b).min(turn(mesh, top, bottom)) >= FLAT && may_flip(mesh, h)
+    let free = [a, b, top, bottom].into_iter().all(|v| !locked.contains(v));
+    free && normal_cosine(mesh, a, b).min(normal_cosine(mesh, top, bottom)) >= FLAT && may_flip(mesh, h)
 }
 
 /// Whether the origin of `h` is free and not missed if it merges into the target.
-fn may_collapse(mesh: &Manifold, h: u32, spacing: f64) -> bool {
+fn may_collapse(mesh: &Manifold, locked: &VertexSet, h: u32, spacing: f64) -> bool {
     let c = &mesh.connectivity;
     let a = c.origin(h);
-    if mesh.fixed[a as usize]
-        || c.curve_at(a) != NONE
+    if locked.contains(a)
+        || c.is_on_curve(a)
         || !c.can_collapse(h)
-        || c.ring(a).any(|w| turn(mesh, a, w) < FLAT)
+        || c.ring(a).any(|w| normal_cosine(mesh, a, w) < FLAT)
     {
         return false;
     }
     let (facing, shape) = mesh.after_collapse(h);
-    facing >= LEAST_FACING
+    FacingGuard::CAREFUL.passes(facing)
         && shape >= LEAST_SHAPE
         && mesh.distance_after_collapse(h) <= TOLERANCE * spacing * mesh.samples[a as usize].size
 }
@@ -369,18 +367,19 @@ mod tests {
                 flip(&mut mesh, row(j)[0], row(j)[1]);
             }
             assert_eq!(energy(&mesh), 4, "{length}");
-            remove_defects(&mut mesh, &[true; ((SIZE + 1) * (SIZE + 1)) as usize]);
+            let everywhere = VertexSet::all(&mesh);
+            remove_defects(&mut mesh, &VertexSet::EMPTY, &everywhere);
             assert_eq!(energy(&mesh), 0, "{length}");
         }
     }
 
     #[test]
-    fn a_fixed_vertex_lets_no_pair_pass() {
+    fn a_locked_vertex_lets_no_pair_pass() {
         let mut mesh = sheet();
         (3..8).for_each(|j| flip(&mut mesh, 6 * (SIZE + 1) + j, 7 * (SIZE + 1) + j));
         let before = mesh.connectivity.clone();
-        mesh.fixed.fill(true);
-        remove_defects(&mut mesh, &[true; ((SIZE + 1) * (SIZE + 1)) as usize]);
+        let all = VertexSet::all(&mesh);
+        remove_defects(&mut mesh, &all, &all);
         assert_eq!(mesh.connectivity.compact(), before.compact());
     }
 
@@ -391,10 +390,9 @@ mod tests {
         let h = mesh.edges().find(|&h| mesh.connectivity.origin(h) == 6 * (SIZE + 1) + 6).unwrap();
         let middle = 0.5 * (mesh.position(mesh.connectivity.origin(h)) + mesh.position(mesh.connectivity.target(h)));
         mesh.samples.push(Sample { position: middle, normal: DVec3::Z, triangle: 0, size: 1.0 });
-        mesh.fixed.push(false);
         mesh.connectivity.split_edge(h);
         assert!(energy(&mesh) > 0);
-        remove_near_defects(&mut mesh, 1.0);
+        remove_near_defects(&mut mesh, &VertexSet::EMPTY, 1.0);
         assert_eq!(energy(&mesh), 0);
         let made = mesh.to_mesh();
         let t = topology(made.positions.len(), &made.triangles);
@@ -407,7 +405,7 @@ mod tests {
         let mut mesh = sheet();
         let mut defects = Defects::new(&mesh);
         let before = mesh.connectivity.compact();
-        for h in mesh.edges().filter(|&h| mesh.connectivity.twin(h) != NONE).collect::<Vec<_>>() {
+        for h in mesh.edges().filter(|&h| mesh.connectivity.has_twin(h)).collect::<Vec<_>>() {
             if mesh.connectivity.can_flip(h) {
                 defects.flip(&mut mesh.connectivity, h);
                 defects.flip_back(&mut mesh.connectivity, h);

@@ -9,6 +9,7 @@ use crate::base::error::{Result, Setting};
 use crate::base::monitor::Monitor;
 use crate::base::rng::{Stage, stream};
 use crate::manifold::Manifold;
+use crate::manifold::vertex_set::VertexSet;
 use crate::pipeline::bandwidth::find_bandwidth;
 use crate::pipeline::density::{Density, check_count};
 use crate::pipeline::kernel::KernelFeatures;
@@ -85,8 +86,8 @@ pub(super) fn ascend_as_asked(
 ) -> Result<()> {
     let ascent = AscentParameters { sigma: ASCENT_OF_SCAN * sigma, step: PAPER_STEP, sweeps };
     features.with_kernel(sigma, |kernel| match features.dimensions() {
-        3 => ascend_lifted::<3>(domain, mesh, kernel.lift, ascent, monitor),
-        6 => ascend_lifted::<6>(domain, mesh, kernel.lift, ascent, monitor),
-        _ => ascend_lifted::<MOST_DIMENSIONS>(domain, mesh, kernel.lift, ascent, monitor),
+        3 => ascend_lifted::<3>(domain, mesh, &VertexSet::EMPTY, kernel.lift, ascent, monitor),
+        6 => ascend_lifted::<6>(domain, mesh, &VertexSet::EMPTY, kernel.lift, ascent, monitor),
+        _ => ascend_lifted::<MOST_DIMENSIONS>(domain, mesh, &VertexSet::EMPTY, kernel.lift, ascent, monitor),
     })
 }

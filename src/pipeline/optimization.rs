@@ -3,10 +3,11 @@
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
 use crate::manifold::Manifold;
+use crate::manifold::vertex_set::VertexSet;
 use crate::optimize::angles::improve_angles;
 use crate::optimize::coarse_to_fine::{
-    coarsen, fix_all_but_narrow, fix_tips, indispensable, keep_where_crossing, match_target_count, narrow,
-    remove_encroaching_vertices, split_to,
+    coarsen, indispensable, keep_at_self_intersections, match_target_count, narrow, remove_encroaching_vertices,
+    split_to, tips, transition,
 };
 use crate::optimize::counts::meet_count;
 use crate::optimize::fit::fit;
@@ -17,8 +18,8 @@ use crate::pipeline::scale::Scale;
 use crate::spectral::ascent::{AscentParameters, LONG_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA, ascend};
 use crate::surface::domain::Domain;
 
-/// The mesh of the samples, coarse to fine, with good angles, at the wanted count, and fitted to the surface: to within
-/// `limit`, in the pipeline's unit, if that can be.
+/// Optimises the mesh of the samples, coarse to fine, at the wanted count, with good angles, and fitted to the surface: to
+/// within `limit`, in the pipeline's unit, if possible.
 pub(super) fn optimize(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -26,86 +27,96 @@ pub(super) fn optimize(
     limit: Option<f64>,
     monitor: &dyn Monitor,
 ) -> Result<()> {
-    arrange_coarse(domain, mesh, scale, monitor)?;
-    refine_to_count(domain, mesh, scale, monitor)?;
+    let dense = arrange_coarse(domain, mesh, scale, monitor)?;
+    refine_to_count(domain, mesh, &dense, scale, monitor)?;
     let spacing = scale.spacing;
     monitor.stage("improve angles");
-    mesh.fixed.fill(false);
     improve_angles(domain, mesh, spacing, monitor)?;
     monitor.stage("fit");
     let fitted = fit(domain, mesh, spacing, limit, monitor)?;
-    // A vertex that was taken back to the surface may have spoilt its triangles.
+    // The fit may have spoilt triangles of vertices that it took back to the surface.
     improve_angles(domain, mesh, spacing, monitor)?;
     reduce_max_error(domain, mesh, spacing, &fitted, monitor)
 }
 
-/// A quarter of the vertices, in good order; all of them where a coarser mesh could not follow the surface.
-fn arrange_coarse(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
+/// Reduces the mesh to a quarter of the vertices, in good order, and leaves all of them where a coarser mesh could not
+/// follow the surface; these dense vertices.
+fn arrange_coarse(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<VertexSet> {
     let spacing = scale.spacing;
     monitor.stage("ascend");
     remove_encroaching_vertices(mesh);
-    if fix_all_but_narrow(domain, mesh, spacing) {
-        let narrow = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS };
-        ascend(domain, mesh, narrow, monitor)?;
+    let narrow = narrow(domain, mesh, spacing);
+    if !narrow.is_empty() {
+        let ascent = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS };
+        ascend(domain, mesh, &!&narrow, ascent, monitor)?;
     }
     let fine = mesh.clone();
-    let mut kept = vec![false; mesh.samples.len()];
+    let (mut kept, mut dense) = (VertexSet::EMPTY, VertexSet::EMPTY);
     for _ in 0..MOST_COARSE_MESHES {
         *mesh = fine.clone();
-        build_coarse_level(domain, mesh, scale, &kept, monitor)?;
-        if !keep_where_crossing(&mut kept, &fine, mesh, spacing) {
+        dense = build_coarse_level(domain, mesh, scale, &kept, monitor)?;
+        if !keep_at_self_intersections(&mut kept, &fine, mesh, spacing) {
             break;
         }
     }
     monitor.stage("relax");
-    remove_near_defects(mesh, 2.0 * spacing);
-    relax(domain, mesh, 2.0 * spacing, Flips::KeepValence, SETTLING_ROUNDS, monitor)?;
-    relax(domain, mesh, 2.0 * spacing, Flips::Delaunay, ROUNDS, monitor)
+    remove_near_defects(mesh, &dense, 2.0 * spacing);
+    relax(domain, mesh, &dense, 2.0 * spacing, Flips::KeepValence, SETTLING_ROUNDS, monitor)?;
+    relax(domain, mesh, &dense, 2.0 * spacing, Flips::Delaunay, ROUNDS, monitor)?;
+    Ok(dense)
 }
 
-/// A quarter of the vertices, ordered by ascent, and all that are to be `kept`.
+/// Reduces the mesh to a quarter of the vertices, ordered by ascent, and leaves those in `kept` and others that a coarser
+/// mesh needs; the dense vertices.
 fn build_coarse_level(
     domain: &Domain,
     mesh: &mut Manifold,
     scale: &Scale,
-    kept: &[bool],
+    kept: &VertexSet,
+    monitor: &dyn Monitor,
+) -> Result<VertexSet> {
+    let Scale { wanted, spacing } = *scale;
+    let fine = AscentParameters { sigma: ASCENT_SIGMA * spacing, step: LONG_STEP, sweeps: FINE_SWEEPS };
+    ascend(domain, mesh, &!&indispensable(mesh, kept), fine, monitor)?;
+    let dense = coarsen(domain, mesh, spacing, kept);
+    let coarse = AscentParameters { sigma: COARSE_SIGMA * 2.0 * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS / 2 };
+    for _ in 0..2 {
+        ascend(domain, mesh, &dense, coarse, monitor)?;
+        match_target_count(domain, mesh, &dense, wanted, spacing);
+    }
+    Ok(dense)
+}
+
+/// Splits edges up to the wanted number of vertices, and relaxes them with as few irregular ones as possible.
+fn refine_to_count(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    dense: &VertexSet,
+    scale: &Scale,
     monitor: &dyn Monitor,
 ) -> Result<()> {
     let Scale { wanted, spacing } = *scale;
-    mesh.fixed = indispensable(mesh, kept).into_iter().map(|kept| !kept).collect();
-    let fine = AscentParameters { sigma: ASCENT_SIGMA * spacing, step: LONG_STEP, sweeps: FINE_SWEEPS };
-    ascend(domain, mesh, fine, monitor)?;
-    coarsen(domain, mesh, spacing, kept);
-    let coarse = AscentParameters { sigma: COARSE_SIGMA * 2.0 * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS / 2 };
-    for _ in 0..2 {
-        ascend(domain, mesh, coarse, monitor)?;
-        match_target_count(domain, mesh, wanted, spacing);
+    let (finer, dense) = split_to(domain, mesh, dense, wanted);
+    *mesh = finer;
+    let transition = transition(domain, mesh, dense, spacing);
+    if !transition.is_empty() {
+        let ascent = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: TRANSITION_SWEEPS };
+        ascend(domain, mesh, &!&transition, ascent, monitor)?;
     }
-    Ok(())
-}
-
-/// All the wanted vertices, relaxed, with as few irregular ones as can be.
-fn refine_to_count(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
-    let Scale { wanted, spacing } = *scale;
-    *mesh = split_to(domain, mesh, wanted, spacing);
-    if mesh.fixed.contains(&false) {
-        let transition = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: TRANSITION_SWEEPS };
-        ascend(domain, mesh, transition, monitor)?;
-    }
-    fix_tips(mesh);
-    remove_near_defects(mesh, spacing);
-    relax(domain, mesh, spacing, Flips::Delaunay, ROUNDS, monitor)?;
+    let locked = tips(mesh);
+    remove_near_defects(mesh, &locked, spacing);
+    relax(domain, mesh, &locked, spacing, Flips::Delaunay, ROUNDS, monitor)?;
     remove_encroaching_vertices(mesh);
     meet_count(domain, mesh, wanted);
-    let wide: Vec<bool> = narrow(domain, mesh, spacing).into_iter().map(|narrow| !narrow).collect();
+    let wide = !&narrow(domain, mesh, spacing);
     for _ in 0..2 {
-        remove_defects(mesh, &wide);
-        relax(domain, mesh, spacing, Flips::KeepValence, SETTLING_ROUNDS, monitor)?;
+        remove_defects(mesh, &locked, &wide);
+        relax(domain, mesh, &locked, spacing, Flips::KeepValence, SETTLING_ROUNDS, monitor)?;
     }
-    relax(domain, mesh, spacing, Flips::KeepValence, 2 * ROUNDS, monitor)
+    relax(domain, mesh, &locked, spacing, Flips::KeepValence, 2 * ROUNDS, monitor)
 }
 
-/// Coarse meshes that are made, each with more of the surface kept dense, until none of its faces cross.
+/// Most coarse meshes that are made, each with more vertices kept dense, until one has no self-intersections.
 const MOST_COARSE_MESHES: usize = 3;
 
 /// Sweeps of ascent in the places that no coarser mesh can follow, those over the coarse mesh, in two halves, and those

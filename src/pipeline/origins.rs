@@ -6,6 +6,7 @@
 //! Cost: about a microsecond a vertex and a triangle, in parallel.
 
 use crate::manifold::Manifold;
+use crate::mesh::half_edge::OnCurve;
 use crate::mesh::provenance::{Origins, PointOnTriangle};
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
@@ -36,7 +37,7 @@ pub(super) fn origins(
         let normal = of_part.area_vector(t);
         // A corner that is on no curve knows the smooth patch.
         let mut corners = of_part.triangles[t].iter().map(|&v| old[v as usize]);
-        match corners.find(|&v| made.connectivity.curve_at(v) == NONE) {
+        match corners.find(|&v| made.connectivity.curve_at(v) == OnCurve::No) {
             Some(v) => {
                 let near = &made.samples[v as usize];
                 domain.origin(&Sample { position: centre, normal, ..*near }, reach(near.size), input)

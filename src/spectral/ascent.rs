@@ -17,6 +17,7 @@ use crate::base::monitor::{Monitor, check};
 use crate::geom::vector::length_squared;
 use crate::manifold::Manifold;
 use crate::manifold::motion::move_vertices;
+use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::next;
 use crate::spectral::measure::{GRADIENT_NEIGHBOURS, gradient};
 use crate::spectral::nearest::Nearest;
@@ -47,15 +48,22 @@ pub(super) const MOST_STEP: f64 = 0.5;
 /// Kernel width of the ascent in mean spacings: narrower ones leave clusters, wider ones blur the gradient.
 pub const SIGMA_OF_SPACING: f64 = 0.94;
 
-/// Moves all vertices of `mesh` that are not fixed.
-pub fn ascend(domain: &Domain, mesh: &mut Manifold, ascent: AscentParameters, monitor: &dyn Monitor) -> Result<()> {
-    ascend_lifted::<3>(domain, mesh, Lift::NONE, ascent, monitor)
+/// Moves all vertices of `mesh` that are not `locked`.
+pub fn ascend(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    locked: &VertexSet,
+    ascent: AscentParameters,
+    monitor: &dyn Monitor,
+) -> Result<()> {
+    ascend_lifted::<3>(domain, mesh, locked, Lift::NONE, ascent, monitor)
 }
 
 /// [`ascend`] with a kernel of D dimensions, those that `lift` needs.
 pub fn ascend_lifted<const D: usize>(
     domain: &Domain,
     mesh: &mut Manifold,
+    locked: &VertexSet,
     lift: Lift,
     ascent: AscentParameters,
     monitor: &dyn Monitor,
@@ -63,7 +71,7 @@ pub fn ascend_lifted<const D: usize>(
     mesh.make_delaunay();
     for sweep in 0..ascent.sweeps {
         check(monitor)?;
-        move_vertices(domain, mesh, |mesh, v| way_up::<D>(mesh, lift, v, ascent));
+        move_vertices(domain, mesh, locked, |mesh, v| way_up::<D>(mesh, lift, v, ascent));
         mesh.make_delaunay();
         monitor.progress((sweep + 1) as f64 / ascent.sweeps as f64);
     }

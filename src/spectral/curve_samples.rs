@@ -7,7 +7,7 @@
 //!
 //! Cost: linear in the sides on curves, and a sort of the points.
 
-use crate::mesh::half_edge::{INTERFACE, next};
+use crate::mesh::half_edge::{OnCurve, next};
 use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::feature_curves::Curve;
@@ -24,8 +24,8 @@ pub struct CurveSamples {
     pub successor: Vec<u32>,
     /// For each sample the point that it is.
     pub point: Vec<u32>,
-    /// The points next to each other along a curve, and the curve, or [`INTERFACE`].
-    pub edges: Vec<([u32; 2], u32)>,
+    /// The points next to each other along a curve, and the curve or interface.
+    pub edges: Vec<([u32; 2], OnCurve)>,
     /// Points that are corners.
     pub corners: Vec<u32>,
 }
@@ -61,7 +61,7 @@ pub fn sample_curves(domain: &Domain, spacing: f64) -> CurveSamples {
             Some([first, last]) => [first].into_iter().chain(own).chain([last]).collect(),
             None => own.iter().chain(own.first()).copied().collect(),
         };
-        let name = if curve.interface { INTERFACE } else { number };
+        let name = if curve.interface { OnCurve::Interface } else { OnCurve::Curve(number) };
         result.edges.extend(chain.windows(2).map(|pair| ([pair[0], pair[1]], name)));
     }
     on_sides.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));

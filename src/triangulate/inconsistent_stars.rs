@@ -19,10 +19,6 @@ use std::collections::VecDeque;
 /// Edges between a place where a part was cut out of the domain and the nearest samples that take their stars from it.
 const RIM: u32 = 3;
 
-/// Least cosine between a triangle and the surface at each of its corners that passes for one along the surface. Between
-/// -0.5 and 0.3 it made no difference to what came out, only to how much had to be done.
-const LEAST_FACING: f64 = 0.0;
-
 /// Samples and their stars.
 pub struct Starred {
     /// The samples.
@@ -49,10 +45,11 @@ impl Starred {
         self.those(|s| !used[s])
     }
 
-    /// The corners of triangles that do not face the way of the surface.
+    /// The corners of triangles that face away from the surface at one of them. Other limits of the cosine between -0.5 and
+    /// 0.3 gave the same meshes, and took more or less work.
     pub fn turned_away(&self, triangles: &[[u32; 3]]) -> Vec<Sample> {
         let mut away = vec![false; self.samples.len()];
-        for t in triangles.iter().filter(|t| self.facing(**t) < LEAST_FACING) {
+        for t in triangles.iter().filter(|t| self.facing(**t) < 0.0) {
             t.iter().for_each(|&s| away[s as usize] = true);
         }
         self.those(|s| away[s])
@@ -126,7 +123,7 @@ impl Starred {
     /// Takes over the stars well inside a tessellation; what it left of the vertices of the domain there become samples.
     fn transplant(&mut self, from: &Tessellation, replaced: &mut [bool], stars: &mut Vec<[u32; 3]>) {
         let c = &from.mesh.connectivity;
-        let inside: Vec<bool> = rings_from_fixed(from).into_iter().map(|ring| ring >= RIM).collect();
+        let inside: Vec<bool> = rings_from_border(from).into_iter().map(|ring| ring >= RIM).collect();
         let mut number = from.insertion.clone();
         for (v, number) in number.iter_mut().enumerate().filter(|(v, n)| **n == NONE && inside[*v]) {
             *number = self.samples.len() as u32;
@@ -146,10 +143,10 @@ impl Starred {
     }
 }
 
-/// For each vertex the edges from it to the nearest that is fixed, [`RIM`] at most.
-fn rings_from_fixed(from: &Tessellation) -> Vec<u32> {
+/// For each vertex the number of edges to the nearest one on the border, [`RIM`] at most.
+fn rings_from_border(from: &Tessellation) -> Vec<u32> {
     let c = &from.mesh.connectivity;
-    let mut rings: Vec<u32> = from.mesh.fixed.iter().map(|&fixed| if fixed { 0 } else { RIM }).collect();
+    let mut rings: Vec<u32> = (0..c.vertex_bound()).map(|v| if from.border.contains(v) { 0 } else { RIM }).collect();
     for ring in 1..RIM {
         for v in 0..c.vertex_bound() {
             if rings[v as usize] == RIM && c.ring(v).any(|w| rings[w as usize] == ring - 1) {

@@ -9,10 +9,12 @@
 //!
 //! Cost: linear in the triangles of the patch, with a large constant: some microseconds a vertex.
 
-use crate::base::union_find::UnionFind;
 use crate::geom::triangle::barycentric;
 use crate::manifold::Manifold;
+use crate::manifold::facing::FacingGuard;
+use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::next;
+use crate::mesh::submesh::Fans;
 use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
 use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
@@ -29,9 +31,10 @@ pub struct Insertion {
 /// A part of the domain with other vertices.
 #[derive(Debug, Clone)]
 pub struct Tessellation {
-    /// Its vertices are insertions and what could not be removed of the domain's own. Those where the part was cut out
-    /// of the domain are fixed and as they were.
+    /// Its vertices are insertions and what could not be removed of the domain's own.
     pub mesh: Manifold,
+    /// The vertices along which the part was cut out of the domain; they are as they were.
+    pub border: VertexSet,
     /// For each vertex the number of its insertion, or [`NONE`].
     pub insertion: Vec<u32>,
 }
@@ -40,34 +43,30 @@ pub struct Tessellation {
 /// its surroundings are coarser.
 const ROUNDS: [f64; 6] = [0.7, 0.7, 0.5, 0.3, 0.1, -1.0];
 
-/// A cosine below this between a triangle and the surface means that a fold is not resolved.
-const TURNED: f64 = 0.3;
-
 /// The part of the domain made of the triangles `part`, in increasing order, over `insertions` on them.
 ///
 /// Insertions that coincide with another one are left out.
 pub fn mutual_tessellation(domain: &Domain, part: &[u32], insertions: &[Insertion]) -> Tessellation {
-    let mut mesh = insert(domain, part, insertions);
+    let (mut mesh, border) = insert(domain, part, insertions);
     let inserted = insertions.len() as u32;
     mesh.make_delaunay();
     for least_facing in ROUNDS {
         for v in inserted..mesh.connectivity.vertex_bound() {
-            if mesh.connectivity.has_vertex(v) && !mesh.fixed[v as usize] {
+            if mesh.connectivity.has_vertex(v) && !border.contains(v) {
                 remove(&mut mesh, v, least_facing);
             }
         }
     }
     mesh.make_delaunay();
     for v in 0..mesh.connectivity.vertex_bound() {
-        if mesh.connectivity.has_vertex(v) && !mesh.fixed[v as usize] {
+        if mesh.connectivity.has_vertex(v) && !border.contains(v) {
             straighten(&mut mesh, v);
         }
     }
     let (triangles, old) = mesh.connectivity.compact();
-    let mut left = Manifold::new(old.iter().map(|&v| mesh.samples[v as usize]).collect(), &triangles);
-    left.fixed = old.iter().map(|&v| mesh.fixed[v as usize]).collect();
+    let left = Manifold::new(old.iter().map(|&v| mesh.samples[v as usize]).collect(), &triangles);
     let insertion = old.iter().map(|&v| if v < inserted { v } else { NONE }).collect();
-    Tessellation { mesh: left, insertion }
+    Tessellation { mesh: left, border: border.renumbered(&old), insertion }
 }
 
 /// Merges `v` into the neighbour that leaves the best triangles, if there is one that may be.
@@ -82,7 +81,7 @@ fn remove(mesh: &mut Manifold, v: u32, least_facing: f64) {
         }
     }
     if let Some(h) = best {
-        merge(mesh, h);
+        mesh.collapse(h);
     }
 }
 
@@ -90,21 +89,13 @@ fn remove(mesh: &mut Manifold, v: u32, least_facing: f64) {
 /// fold smaller than the samples resolve is left out, samples on it included.
 fn straighten(mesh: &mut Manifold, v: u32) {
     let c = &mesh.connectivity;
-    if c.is_boundary(v) || c.outgoing(v).all(|h| mesh.agreement(c.triangle(h)) >= TURNED) {
+    if c.is_boundary(v) || c.outgoing(v).all(|h| FacingGuard::SOUND.passes(mesh.agreement(c.triangle(h)))) {
         return;
     }
     let merges = c.outgoing(v).filter(|&h| c.can_collapse(h)).map(|h| (mesh.after_collapse(h).0, h));
     if let Some((_, h)) = merges.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1))) {
-        merge(mesh, h);
+        mesh.collapse(h);
     }
-}
-
-/// Collapses `h` and makes its surroundings Delaunay.
-fn merge(mesh: &mut Manifold, h: u32) {
-    let into = mesh.connectivity.target(h);
-    mesh.connectivity.collapse(h);
-    let around = mesh.connectivity.outgoing(into).flat_map(|h| [h, next(h)]).collect();
-    mesh.flip_to_delaunay(around);
 }
 
 /// A point of a triangle in affine coordinates, so that points on its sides are on them exactly.
@@ -122,13 +113,13 @@ impl HasPosition for Site {
     }
 }
 
-/// The mesh of the part with the insertions in it; they are the first vertices. Fixed is what the part was cut out
-/// along.
-fn insert(domain: &Domain, part: &[u32], insertions: &[Insertion]) -> Manifold {
+/// The mesh of the part with the insertions in it, which are its first vertices, and the vertices along which it was cut
+/// out.
+fn insert(domain: &Domain, part: &[u32], insertions: &[Insertion]) -> (Manifold, VertexSet) {
     let mut by_triangle: Vec<(u32, u32)> =
         insertions.iter().enumerate().map(|(i, p)| (p.sample.triangle, i as u32)).collect();
     by_triangle.sort_unstable();
-    let Corners { vertices, of_corner, fixed } = Corners::new(domain, part);
+    let Fans { of_corner, first_corner, interface } = Fans::new(part, &domain.twin);
     let first = insertions.len() as u32;
     let mut triangles = Vec::with_capacity(part.len() + 2 * insertions.len());
     let mut own = by_triangle.chunk_by(|a, b| a.0 == b.0).peekable();
@@ -139,60 +130,14 @@ fn insert(domain: &Domain, part: &[u32], insertions: &[Insertion]) -> Manifold {
             None => triangles.push(ends),
         }
     }
+    let vertices = first_corner.into_iter().map(|corner| {
+        let mut weights = [0.0; 3];
+        weights[corner as usize % 3] = 1.0;
+        domain.sample(part[corner as usize / 3], weights)
+    });
     let samples = insertions.iter().map(|p| p.sample).chain(vertices).collect();
-    let mut mesh = Manifold::new(samples, &triangles);
-    mesh.fixed[first as usize..].copy_from_slice(&fixed);
-    mesh
-}
-
-/// The vertices of a part of the domain. One at which the part has several fans is several vertices.
-struct Corners {
-    vertices: Vec<Sample>,
-    /// The vertex of each corner, triangle by triangle of the part.
-    of_corner: Vec<u32>,
-    /// The vertices at which the part was cut out of the domain.
-    fixed: Vec<bool>,
-}
-
-impl Corners {
-    fn new(domain: &Domain, part: &[u32]) -> Self {
-        let mut fans = UnionFind::new(3 * part.len());
-        let mut cut = Vec::new();
-        for (i, &t) in part.iter().enumerate() {
-            for k in 0..3 {
-                let (corner, end) = (3 * i as u32 + k, 3 * i as u32 + (k + 1) % 3);
-                let across = domain.twin[3 * t as usize + k as usize];
-                if across == NONE {
-                    continue;
-                }
-                match part.binary_search(&(across / 3)) {
-                    Ok(j) => {
-                        let back = 3 * j as u32 + across % 3;
-                        fans.join(corner, next(back));
-                        fans.join(end, back);
-                    }
-                    Err(_) => cut.extend([corner, end]),
-                }
-            }
-        }
-        let mut vertices = Vec::new();
-        let mut of_corner = vec![NONE; 3 * part.len()];
-        for c in 0..of_corner.len() {
-            // The representative of a fan is its first corner.
-            let first = fans.find(c as u32) as usize;
-            if first == c {
-                let mut weights = [0.0; 3];
-                weights[c % 3] = 1.0;
-                of_corner[c] = vertices.len() as u32;
-                vertices.push(domain.sample(part[c / 3], weights));
-            } else {
-                of_corner[c] = of_corner[first];
-            }
-        }
-        let mut fixed = vec![false; vertices.len()];
-        cut.iter().for_each(|&c| fixed[of_corner[c as usize] as usize] = true);
-        Corners { vertices, of_corner, fixed }
-    }
+    let border = interface.iter().flat_map(|&side| [side, next(side)]).map(|c| first + of_corner[c as usize]);
+    (Manifold::new(samples, &triangles), border.collect())
 }
 
 /// Adds the Delaunay triangles of the points of triangle `t`, whose corners have the numbers `ends`.

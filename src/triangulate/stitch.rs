@@ -1,6 +1,7 @@
 //! Glues the smooth patches of a surface along its curves: the samples of one point become one vertex.
 
 use crate::manifold::Manifold;
+use crate::mesh::half_edge::OnCurve;
 use crate::mesh::topology::{NONE, topology};
 use crate::surface::domain::Sample;
 use crate::triangulate::triangulation::Triangulated;
@@ -12,7 +13,7 @@ pub struct Gluing<'a> {
     /// For each of the samples on curves, the first of all samples, the point that it is.
     pub point: &'a [u32],
     /// The points next to each other along a curve, and the curve.
-    pub edges: &'a [([u32; 2], u32)],
+    pub edges: &'a [([u32; 2], OnCurve)],
     /// Points that are corners.
     pub corners: &'a [u32],
 }
@@ -50,7 +51,6 @@ pub fn glue(patches: &Triangulated, seams: Gluing<'_>) -> Option<Manifold> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::half_edge::CORNER;
 
     /// Two triangles beside each other, each with its own samples of the two points they share.
     fn two_patches() -> Triangulated {
@@ -67,21 +67,22 @@ mod tests {
 
     #[test]
     fn two_triangles_share_an_edge_afterwards() {
-        let edges = [([0, 1], 0), ([1, 2], 1), ([2, 0], 2), ([1, 3], 3), ([3, 2], 4)];
+        let ends = [[0, 1], [1, 2], [2, 0], [1, 3], [3, 2]];
+        let edges: Vec<([u32; 2], OnCurve)> = ends.into_iter().zip((0..).map(OnCurve::Curve)).collect();
         let seams = Gluing { point: &[0, 1, 2, 1, 3, 2], edges: &edges, corners: &[1, 2] };
         let whole = glue(&two_patches(), seams).unwrap();
         assert_eq!(whole.connectivity.vertex_count(), 4);
-        assert_eq!(whole.connectivity.curve_at(1), CORNER);
-        assert_eq!(whole.connectivity.curve_at(3), 4);
-        let shared = whole.edges().find(|&h| whole.connectivity.twin(h) != NONE).unwrap();
-        assert_eq!(whole.connectivity.curve(shared), 1);
+        assert_eq!(whole.connectivity.curve_at(1), OnCurve::Corner);
+        assert_eq!(whole.connectivity.curve_at(3), OnCurve::Curve(4));
+        let shared = whole.edges().find(|&h| whole.connectivity.has_twin(h)).unwrap();
+        assert_eq!(whole.connectivity.curve(shared), OnCurve::Curve(1));
         assert!(!whole.connectivity.can_flip(shared));
         assert_eq!(whole.samples[1].normal, DVec3::ZERO);
     }
 
     #[test]
     fn an_edge_that_is_not_there_is_a_failure() {
-        let seams = Gluing { point: &[0, 1, 2, 1, 3, 2], edges: &[([0, 3], 0)], corners: &[] };
+        let seams = Gluing { point: &[0, 1, 2, 1, 3, 2], edges: &[([0, 3], OnCurve::Curve(0))], corners: &[] };
         assert!(glue(&two_patches(), seams).is_none());
     }
 }

@@ -1,0 +1,211 @@
+//! The points of the triangles that are fitted, each to a plane and with a weight.
+//!
+//! The weights are those of the quadrature rule at first, and grow where the error is large.
+
+use crate::geom::triangle::barycentric;
+use crate::manifold::Manifold;
+use crate::manifold::faces::Faces;
+use crate::mesh::topology::NONE;
+use crate::optimize::fit::CHUNK;
+use crate::optimize::quadrature::{POINTS, point};
+use crate::surface::domain::{Domain, Sample};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Share of the limit above which an error is large.
+const OF_LIMIT: f64 = 0.7;
+
+/// Distance, in root mean squares, above which an error is large, and the share of it above which vertices of the input
+/// are watched.
+const LARGE: f64 = 5.5;
+const WATCHED: f64 = 0.55;
+
+/// Growth of the weight for each mean square by which a squared distance is above the large one. With six times as much
+/// the root mean square rose by a tenth, and ridges were overshot.
+const GAIN: f64 = 0.05;
+
+/// Weight of a vertex of the input, where a triangle's own points weigh one together.
+const WEIGHT_OF_VERTEX: f64 = 0.1;
+
+/// Distance, in spacings, beyond which surfaces have nothing to do with each other.
+pub(in crate::optimize) const BEYOND: f64 = 2.0;
+
+/// Which errors are large.
+pub(super) struct ErrorScale {
+    mean_square: f64,
+    /// The square of the large distance.
+    large: f64,
+}
+
+impl ErrorScale {
+    pub(super) fn new(mean_square: f64, limit: Option<f64>) -> ErrorScale {
+        let limit = limit.map_or(f64::INFINITY, |limit| OF_LIMIT * limit);
+        ErrorScale { mean_square, large: (LARGE * LARGE * mean_square).min(limit * limit) }
+    }
+
+    /// The squared distance above which vertices of the input are watched.
+    pub(super) fn watched(&self) -> f64 {
+        WATCHED * WATCHED * self.large
+    }
+
+    /// The factor by which the weight of a point at this distance grows: zero where that is not large.
+    fn excess(&self, distance: f64) -> f64 {
+        GAIN * ((distance * distance - self.large) / self.mean_square).max(0.0)
+    }
+}
+
+/// A point of a triangle and the plane that it is fitted to.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Target {
+    /// Barycentric coordinates of the point.
+    pub at: [f64; 3],
+    /// Unit normal of the plane, and the distance along it from the origin.
+    pub normal: DVec3,
+    offset: f64,
+    pub weight: f64,
+    /// The triangle of the domain with the closest point.
+    foot: u32,
+}
+
+impl Target {
+    const NONE: Target = Target { at: [0.0; 3], normal: DVec3::ZERO, offset: 0.0, weight: 0.0, foot: NONE };
+
+    /// The signed distance of the point from the plane if the corners are at `x`.
+    #[inline]
+    pub fn residual(&self, x: [DVec3; 3]) -> f64 {
+        self.normal.dot(point(x, self.at)) - self.offset
+    }
+}
+
+/// All targets of a mesh.
+pub(super) struct Targets {
+    /// For each triangle the points of the quadrature rule.
+    own: Vec<[Target; POINTS.len()]>,
+    /// Closest points to vertices of the input with large errors, each with its triangle, by increasing triangles.
+    of_vertices: Vec<(u32, Target)>,
+}
+
+impl Targets {
+    pub(super) fn new(mesh: &Manifold) -> Targets {
+        let count = mesh.connectivity.half_edge_bound() as usize / 3;
+        Targets { own: vec![[Target::NONE; POINTS.len()]; count], of_vertices: Vec::new() }
+    }
+
+    /// Those of triangle `t`.
+    pub(super) fn of(&self, t: u32) -> impl Iterator<Item = &Target> {
+        let first = self.of_vertices.partition_point(|other| other.0 < t);
+        let others = self.of_vertices[first..].iter().take_while(move |other| other.0 == t);
+        self.own[t as usize].iter().chain(others.map(|other| &other.1))
+    }
+
+    /// Finds the planes anew, by walks over the surface that are trusted up to the distance `reach`.
+    pub(super) fn find(&mut self, domain: &Domain, mesh: &Manifold, reach: f64) {
+        let triangles = self.own.par_iter_mut().enumerate().with_min_len(CHUNK).map(|(t, own)| (t as u32, own));
+        let there = triangles.filter(|(t, _)| mesh.connectivity.has_half_edge(3 * t));
+        there.for_each(|(t, own)| find_planes(domain, mesh, t, own, reach));
+    }
+
+    /// Gives large errors more weight, those of the triangles and of the vertices in `watched`. The vertices that are to
+    /// be watched further.
+    pub(super) fn reweight(
+        &mut self,
+        domain: &Domain,
+        mesh: &Manifold,
+        scale: &ErrorScale,
+        spacing: f64,
+        watched: &[u32],
+    ) -> Vec<u32> {
+        let beyond = BEYOND * spacing;
+        let mut far = vertices_in_range(scale.watched()..beyond * beyond, domain, mesh, watched);
+        let watched = far.iter().map(|far| far.vertex).collect();
+        far.retain(|far| far.target.residual(mesh.corners(far.triangle)).abs() < spacing);
+        self.reweight_triangles(mesh, scale);
+        self.weigh_vertices(mesh, scale, far);
+        watched
+    }
+
+    /// The mean of the squared distances of the triangles' own points to their planes.
+    pub(super) fn mean_square(&self, mesh: &Manifold) -> f64 {
+        let (mut sum, mut weight) = (0.0, 0.0);
+        for (own, t) in self.own.iter().zip(0..).filter(|(own, _)| own[0].weight > 0.0) {
+            let x = mesh.corners(t);
+            sum += own.iter().map(|target| target.weight * target.residual(x).powi(2)).sum::<f64>();
+            weight += own.iter().map(|target| target.weight).sum::<f64>();
+        }
+        sum / weight
+    }
+
+    /// The triangles with a point whose squared distance to its plane is above `square`.
+    pub(super) fn triangles_beyond(&self, mesh: &Manifold, square: f64) -> Vec<u32> {
+        let is_beyond = |own: &[Target], t: u32| {
+            let x = mesh.corners(t);
+            own.iter().any(|target| target.residual(x).powi(2) > square)
+        };
+        let there = self.own.iter().zip(0..).filter(|(own, _)| own[0].weight > 0.0);
+        there.filter(|(own, t)| is_beyond(*own, *t)).map(|(_, t)| t).collect()
+    }
+
+    fn reweight_triangles(&mut self, mesh: &Manifold, scale: &ErrorScale) {
+        for (own, t) in self.own.iter_mut().zip(0..).filter(|(own, _)| own[0].weight > 0.0) {
+            let x = mesh.corners(t);
+            own.iter_mut().for_each(|target| target.weight *= 1.0 + scale.excess(target.residual(x)));
+        }
+    }
+
+    fn weigh_vertices(&mut self, mesh: &Manifold, scale: &ErrorScale, far: Vec<FarVertex>) {
+        self.of_vertices.clear();
+        for FarVertex { triangle, target, .. } in far {
+            let weight = WEIGHT_OF_VERTEX * scale.excess(target.residual(mesh.corners(triangle)));
+            if weight > 0.0 {
+                self.of_vertices.push((triangle, Target { weight, ..target }));
+            }
+        }
+        self.of_vertices.sort_by_key(|target| target.0);
+    }
+}
+
+/// Finds the planes of the points of triangle `t`, unless all its corners are on feature curves and stay.
+fn find_planes(domain: &Domain, mesh: &Manifold, t: u32, own: &mut [Target; POINTS.len()], reach: f64) {
+    let numbers = mesh.connectivity.triangle(3 * t);
+    // A corner on no curve tells which patch the triangle is on.
+    let Some(v) = numbers.into_iter().find(|&v| !mesh.connectivity.is_on_curve(v)) else {
+        return;
+    };
+    let x = mesh.corners(t);
+    let normal = (x[1] - x[0]).cross(x[2] - x[0]);
+    let mut triangle = mesh.samples[v as usize].triangle;
+    for (target, (at, weight)) in own.iter_mut().zip(POINTS) {
+        if target.foot != NONE {
+            triangle = target.foot;
+        }
+        let foot = domain.settle(&Sample { position: point(x, at), normal, triangle, size: 1.0 }, reach);
+        triangle = foot.triangle;
+        *target = Target { at, normal: foot.normal, offset: foot.normal.dot(foot.position), weight, foot: triangle };
+    }
+}
+
+/// A vertex of the domain with a large distance to the mesh.
+struct FarVertex {
+    vertex: u32,
+    /// The triangle closest to it, and the target there.
+    triangle: u32,
+    target: Target,
+}
+
+/// Those of `vertices` whose squared distance to the triangles that face their way is in `range`, in their order.
+fn vertices_in_range(range: Range<f64>, domain: &Domain, mesh: &Manifold, vertices: &[u32]) -> Vec<FarVertex> {
+    let faces = Faces::new(mesh);
+    let far_vertex = |&v: &u32| {
+        let p = domain.mesh.positions[v as usize];
+        let hit = faces.closest_facing(p, domain.vertex_normal(v), range.clone())?;
+        if hit.distance_squared < range.start {
+            return None;
+        }
+        let at = barycentric(hit.point, faces.corners(hit.triangle)?);
+        let way = (p - hit.point).normalize_or_zero();
+        let target = Target { at, normal: way, offset: way.dot(p), ..Target::NONE };
+        Some(FarVertex { vertex: v, triangle: hit.triangle, target })
+    };
+    vertices.par_iter().with_min_len(CHUNK).filter_map(far_vertex).collect()
+}
