@@ -51,7 +51,7 @@
 //! ([`spectral::free_ascent`]), or a subset of the input's points ([`sample_points`] for a cloud). All of the sampler works in
 //! any dimension, on whatever is a [`surface::submanifold::Submanifold`].
 //!
-//! Only [`mod@remesh`] knows that order. Each stage takes plain data and can be used by itself; here it is the sampler
+//! Only [`pipeline`] knows that order. Each stage takes plain data and can be used by itself; here it is the sampler
 //! alone:
 //!
 //! ```
