@@ -3,9 +3,6 @@
 use crate::manifold::Manifold;
 use crate::manifold::vertex_set::VertexSet;
 
-/// The colour of each vertex, from 0 to 63; vertices that are made later have none yet.
-pub(super) type Colours = Vec<u8>;
-
 /// The colour of a vertex without one.
 const UNCOLOURED: u8 = u8::MAX;
 

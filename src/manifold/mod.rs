@@ -16,7 +16,6 @@ use crate::mesh::half_edge::Connectivity;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::surface::domain::Sample;
-use colours::Colours;
 use glam::DVec3;
 
 /// A 2-manifold over samples.
@@ -26,14 +25,15 @@ pub struct Manifold {
     pub connectivity: Connectivity,
     /// A sample for each vertex number, those of removed vertices included.
     pub samples: Vec<Sample>,
-    /// A cache: the colouring of the last [`Self::colour_classes`], which the next one begins with.
-    colours: Colours,
+    /// A cache: the colours, from 0 to 63, of the last [`Self::colour_classes`], which the next one begins with. Vertices that
+    /// are made later have none yet.
+    colours: Vec<u8>,
 }
 
 impl Manifold {
     /// The manifold of `triangles`, which have to be an oriented 2-manifold that uses all of `samples`.
     pub fn new(samples: Vec<Sample>, triangles: &[[u32; 3]]) -> Self {
-        Manifold { connectivity: Connectivity::new(samples.len(), triangles), samples, colours: Colours::default() }
+        Manifold { connectivity: Connectivity::new(samples.len(), triangles), samples, colours: Vec::new() }
     }
 
     /// The position of vertex `v`.

@@ -42,7 +42,7 @@ use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 use rayon::prelude::*;
 pub(super) use targets::BEYOND;
-use targets::{ErrorScale, Targets};
+use targets::{CHUNK, ErrorScale, Targets};
 
 /// Rounds of plain least squares, and reweighted ones after them.
 const PLAIN_ROUNDS: usize = 1;
@@ -79,9 +79,6 @@ const REACH: f64 = 0.3;
 
 /// How often a step that would spoil a triangle is halved before the vertex stays.
 const HALVINGS: usize = 3;
-
-/// Vertices that one task moves, or triangles or points that it looks at.
-const CHUNK: usize = 64;
 
 /// The errors that a fit has left.
 pub struct Fitted {

@@ -6,12 +6,14 @@ use crate::geom::triangle::barycentric;
 use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
 use crate::mesh::topology::NONE;
-use crate::optimize::fit::CHUNK;
 use crate::optimize::quadrature::{POINTS, point};
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
+
+/// Vertices that one task moves, or triangles or points that it looks at.
+pub(super) const CHUNK: usize = 64;
 
 /// Share of the limit above which an error is large.
 const OF_LIMIT: f64 = 0.7;
