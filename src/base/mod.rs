@@ -1,7 +1,8 @@
-//! What every layer needs: errors, progress and cancelling, random streams, order in heaps, disjoint sets.
+//! What every layer needs: errors, progress and cancelling, elementary functions, random numbers, order in heaps, disjoint sets.
 
 pub mod error;
 pub mod heap;
+pub mod math;
 pub mod monitor;
 pub mod rng;
 pub mod union_find;

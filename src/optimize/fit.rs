@@ -30,6 +30,7 @@
 //! Cost: some ten microseconds a vertex, and a search for each vertex of the input.
 
 use crate::base::error::Result;
+use crate::base::math;
 use crate::base::monitor::{Monitor, check};
 use crate::geom::symmetric::Symmetric;
 use crate::geom::triangle::barycentric;
@@ -276,7 +277,7 @@ impl Targets {
         let (mut sum, mut weight) = (0.0, 0.0);
         for (own, t) in self.own.iter().zip(0..).filter(|(own, _)| own[0].weight > 0.0) {
             let x = corners(mesh, t);
-            sum += own.iter().map(|target| target.weight * target.residual(x).powi(2)).sum::<f64>();
+            sum += own.iter().map(|target| target.weight * math::square(target.residual(x))).sum::<f64>();
             weight += own.iter().map(|target| target.weight).sum::<f64>();
         }
         sum / weight
@@ -286,7 +287,7 @@ impl Targets {
     fn triangles_beyond(&self, mesh: &Manifold, square: f64) -> Vec<u32> {
         let is_beyond = |own: &[Target], t: u32| {
             let x = corners(mesh, t);
-            own.iter().any(|target| target.residual(x).powi(2) > square)
+            own.iter().any(|target| math::square(target.residual(x)) > square)
         };
         let there = self.own.iter().zip(0..).filter(|(own, _)| own[0].weight > 0.0);
         there.filter(|(own, t)| is_beyond(*own, *t)).map(|(_, t)| t).collect()
@@ -442,7 +443,7 @@ fn newton_step(mesh: &Manifold, targets: &Targets, v: u32, spacing: f64) -> DVec
     }
     let normal = mesh.samples[v as usize].normal;
     let (shape, stiffness) = pull(mesh, v, spacing);
-    let scale = SHAPE_WEIGHT * (spacing * mesh.samples[v as usize].size).powi(2);
+    let scale = SHAPE_WEIGHT * math::square(spacing * mesh.samples[v as usize].size);
     gradient += scale * shape.reject_from_normalized(normal);
     let along_normal = STIFFNESS * hessian.diagonal.element_sum() - scale * stiffness;
     hessian += Symmetric::outer(normal) * along_normal;

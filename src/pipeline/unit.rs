@@ -1,5 +1,6 @@
 //! The coordinates that the pipeline works in.
 
+use crate::base::math;
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 
@@ -23,7 +24,7 @@ impl Unit {
 
     fn within((lo, hi): (DVec3, DVec3)) -> Unit {
         let longest = (hi - lo).max_element();
-        let size = if longest > 0.0 { longest.log2().ceil().exp2() } else { 1.0 };
+        let size = if longest > 0.0 { math::next_power_of_two(longest) } else { 1.0 };
         Unit { centre: lo + (hi - lo) / 2.0, size }
     }
 

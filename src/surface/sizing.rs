@@ -25,6 +25,7 @@
 //! Limits: where curves of the boundary or along sharp edges bend is not looked at.
 
 use crate::base::heap::Ranked;
+use crate::base::math;
 use crate::geom::triangle::barycentric;
 use crate::mesh::half_edge::next;
 use crate::mesh::topology::NONE;
@@ -59,7 +60,7 @@ const MEAN_TOLERANCE: f64 = 1e-3;
 
 /// The sizes for adaptivity `adapt`, from 0 for none to 1 for the same error everywhere, relative to `spacing`.
 pub fn adapted_sizes(domain: &Domain, adapt: f64, spacing: f64) -> Vec<f64> {
-    let lengths = radii(domain, spacing).into_iter().map(|radius| radius.powf(0.5 * adapt)).collect();
+    let lengths = radii(domain, spacing).into_iter().map(|radius| math::pow(radius, 0.5 * adapt)).collect();
     normalised(domain, lengths, spacing, ADAPTED_GRADIENT)
 }
 
@@ -210,14 +211,14 @@ fn radii(domain: &Domain, spacing: f64) -> Vec<f64> {
     let curvatures = curvatures(domain, &graph, &areas, steps);
     let logarithm = |v: usize| {
         let of_curvature = (1.0 / curvatures[v]).clamp(smallest, widest);
-        half_thickness(domain, v, of_curvature).max(smallest).ln()
+        math::ln(half_thickness(domain, v, of_curvature).max(smallest))
     };
     let logarithms: Vec<f64> = (0..areas.len()).into_par_iter().map(logarithm).collect();
     let mean = areas.iter().zip(&logarithms).map(|(a, l)| a * l).sum::<f64>() / areas.iter().sum::<f64>();
-    let cut_off = |l: f64| l.clamp(mean - RANGE.ln(), mean + RANGE.ln());
+    let cut_off = |l: f64| l.clamp(mean - math::ln(RANGE), mean + math::ln(RANGE));
     let amounts = areas.iter().zip(logarithms).map(|(&area, l)| [area, area * cut_off(l)]).collect();
     let amounts = graph.spread(amounts, steps);
-    amounts.into_iter().map(|[area, sum]| if area > 0.0 { (sum / area).exp() } else { mean.exp() }).collect()
+    amounts.into_iter().map(|[area, sum]| if area > 0.0 { math::exp(sum / area) } else { math::exp(mean) }).collect()
 }
 
 /// The steps of a random walk along edges of the mean length that lead about as far as `distance`.
@@ -228,7 +229,7 @@ fn steps_within(domain: &Domain, distance: f64) -> usize {
         a.distance(b) + b.distance(c) + c.distance(a)
     };
     let mean = (0..mesh.triangles.len()).map(length).sum::<f64>() / domain.twin.len() as f64;
-    (distance / mean).powi(2).clamp(1.0, MOST_STEPS).round() as usize
+    math::square(distance / mean).clamp(1.0, MOST_STEPS).round() as usize
 }
 
 /// A third of the area of the triangles at each vertex.
@@ -255,7 +256,7 @@ fn curvatures(domain: &Domain, graph: &Graph, areas: &[f64], steps: usize) -> Ve
         let along = mesh.positions[ends[1]] - mesh.positions[ends[0]];
         let e = along.normalize_or_zero();
         let [n, m] = [side, twin].map(|s| mesh.area_vector(s as usize / 3));
-        let half = 0.5 * along.length() * e.dot(n.cross(m)).atan2(n.dot(m));
+        let half = 0.5 * along.length() * math::atan2(e.dot(n.cross(m)), n.dot(m));
         let off = std::f64::consts::SQRT_2 * half;
         let entries =
             [half * e.x * e.x, half * e.y * e.y, half * e.z * e.z, off * e.x * e.y, off * e.y * e.z, off * e.z * e.x];
