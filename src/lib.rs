@@ -88,6 +88,8 @@
 //! Without default features readers and writers work on bytes only.
 
 #![warn(missing_docs)]
+// Shapes that tests build may have other bits on other machines.
+#![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 #[doc(hidden)]
 pub mod base;

@@ -4,6 +4,8 @@
 //!
 //! `cargo run --release --example any_dimension`
 
+#![allow(clippy::disallowed_methods)]
+
 mod ten;
 
 use spectral_remesh::stages::base::error::Result;

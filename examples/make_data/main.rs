@@ -1,5 +1,7 @@
 //! Writes the models of `data/`, the same bytes every time: `cargo run --example make_data [FOLDER]`.
 
+#![allow(clippy::disallowed_methods)]
+
 mod shapes;
 
 use std::path::PathBuf;

@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release --example render -- MESH [MESH] OUT.png [--size 800] [--view AZIMUTH,ELEVATION] [--zoom 1]`
 
+#![allow(clippy::disallowed_methods)]
+
 mod camera;
 mod raster;
 mod shade;

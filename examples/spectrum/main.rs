@@ -8,6 +8,8 @@
 //! rings |f| = r; anisotropy the variance over the ring by the square of that, -10 dB for a mean of ten distributions
 //! without any. R. A. Ulichney, Digital halftoning, 1987, chapter 3.
 
+#![allow(clippy::disallowed_methods)]
+
 use spectral_remesh::stages::base::error::Result;
 use spectral_remesh::stages::base::rng::{Stage, stream, unit};
 use spectral_remesh::stages::geom::vector::length_squared;

@@ -17,6 +17,7 @@
 //!
 //! Cost: constant. Limits: coordinates whose fourth powers overflow or vanish in f64 are not supported.
 
+use crate::base::math;
 use glam::DVec3;
 
 /// Below this squared sine of the angle at the first corner the system above has lost half of its digits, and the
@@ -162,14 +163,14 @@ pub fn longest_side(triangle: [DVec3; 3]) -> f64 {
 /// places on the line; where all corners coincide, all are 0.
 pub fn angles([a, b, c]: [DVec3; 3]) -> [f64; 3] {
     let twice_area = (b - a).cross(c - a).length();
-    let at = |u: DVec3, w: DVec3| twice_area.atan2(u.dot(w)).to_degrees();
+    let at = |u: DVec3, w: DVec3| math::atan2(twice_area, u.dot(w)).to_degrees();
     [at(b - a, c - a), at(c - b, a - b), at(a - c, b - c)]
 }
 
 /// The smallest of [`angles`].
 pub fn smallest_angle(corners: [DVec3; 3]) -> f64 {
     let (sine, cosine) = smallest_sine_cosine(corners);
-    sine.atan2(cosine).to_degrees()
+    math::atan2(sine, cosine).to_degrees()
 }
 
 /// Sine and cosine of the smallest angle, times the lengths of its sides.

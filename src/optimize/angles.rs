@@ -11,6 +11,7 @@
 //! Cost: linear in the triangles for each pass, and some hundred triangles looked at for each vertex that is moved.
 
 use crate::base::error::Result;
+use crate::base::math;
 use crate::base::monitor::{Monitor, check};
 use crate::geom::triangle::{angles, quality, smallest_angle, smallest_sine_cosine};
 use crate::manifold::Manifold;
@@ -216,7 +217,7 @@ fn places(domain: &Domain, mesh: &Manifold, v: u32, at: &Sample, step: f64) -> V
     }
     let (x, y) = at.normal.any_orthonormal_pair();
     let direction = |i: usize| {
-        let (sin, cos) = (std::f64::consts::TAU * i as f64 / DIRECTIONS as f64).sin_cos();
+        let (sin, cos) = math::sin_cos(std::f64::consts::TAU * i as f64 / DIRECTIONS as f64);
         x * cos + y * sin
     };
     let place = |i: usize| Sample { position: at.position + step * direction(i), ..*at };

@@ -26,6 +26,7 @@
 //! Cost: a few microseconds a vertex and round.
 
 use crate::base::error::Result;
+use crate::base::math;
 use crate::base::monitor::{Monitor, check};
 use crate::manifold::Manifold;
 use crate::manifold::motion::move_vertices;
@@ -121,9 +122,9 @@ fn strain([p, q, r]: [DVec3; 3], spacing: f64) -> Strain {
     let weight = (SMALL_STRAIN / (shape + SMALL_STRAIN)).sqrt() + shape;
     let relative = area / ideal;
     let per_beta = weight / (3f64.sqrt() * area);
-    let per_area = 0.5 * SIZE_WEIGHT * (1.0 - relative.powi(-2)) / ideal - weight * shape / area;
+    let per_area = 0.5 * SIZE_WEIGHT * (1.0 - 1.0 / math::square(relative)) / ideal - weight * shape / area;
     let gradient = [0, 1, 2].map(|k| per_beta * (beta[0] * real[k] + beta[1] * imaginary[k]) + per_area * to_area[k]);
-    let (of_beta, of_area) = (per_beta.sqrt(), (SIZE_WEIGHT * relative.powi(-3)).sqrt() / ideal);
+    let (of_beta, of_area) = (per_beta.sqrt(), (SIZE_WEIGHT / math::cube(relative)).sqrt() / ideal);
     let forms = [real.map(|f| of_beta * f), imaginary.map(|f| of_beta * f), to_area.map(|f| of_area * f)];
     Strain { gradient, forms }
 }

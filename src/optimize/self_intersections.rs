@@ -19,6 +19,7 @@
 //! resolved with the samples there; splitting edges made more faces intersect, not fewer.
 
 use crate::base::error::Result;
+use crate::base::math;
 use crate::base::monitor::{Monitor, check};
 use crate::geom::intersection::cross;
 use crate::geom::triangle::{longest_side, mean_ratio};
@@ -357,7 +358,7 @@ fn places(domain: &Domain, mesh: &Manifold, v: u32, distance: f64) -> Vec<Sample
     }
     let (x, y) = here.normal.any_orthonormal_pair();
     let around = (0..DIRECTIONS).map(|i| {
-        let (sin, cos) = (std::f64::consts::TAU * i as f64 / DIRECTIONS as f64).sin_cos();
+        let (sin, cos) = math::sin_cos(std::f64::consts::TAU * i as f64 / DIRECTIONS as f64);
         domain.project(here.position + distance * (cos * x + sin * y), here.normal, here.triangle)
     });
     let off = [0.3, -0.3].map(|side| Sample { position: here.position + side * distance * here.normal, ..here });

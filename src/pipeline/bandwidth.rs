@@ -7,6 +7,7 @@
 //! Cost: two or three scans, mostly.
 
 use crate::base::error::Result;
+use crate::base::math;
 use crate::pipeline::scale::SMALLEST_SPACING;
 
 /// Scans at most for one width, and how near to the count is near enough.
@@ -23,7 +24,7 @@ pub(super) fn find_bandwidth<T>(
     wanted: usize,
     scan: &mut dyn FnMut(f64) -> Result<Vec<T>>,
 ) -> Result<(f64, Vec<T>)> {
-    let excess = |samples: &[T]| (samples.len().max(1) as f64 / wanted as f64).ln();
+    let excess = |samples: &[T]| math::ln(samples.len().max(1) as f64 / wanted as f64);
     let (mut sigma, mut samples) = (first, scan(first)?);
     let (mut best_sigma, mut exponent) = (sigma, 2.0);
     let mut now = excess(&samples);
@@ -32,14 +33,14 @@ pub(super) fn find_bandwidth<T>(
         if best.abs() <= NEAR_ENOUGH {
             break;
         }
-        let step = (now / exponent).exp().clamp(1.0 / LARGEST_STEP, LARGEST_STEP);
+        let step = math::exp(now / exponent).clamp(1.0 / LARGEST_STEP, LARGEST_STEP);
         let next = (step * sigma).max(SMALLEST_SPACING);
         if next == sigma {
             break;
         }
         let found = scan(next)?;
         let then = excess(&found);
-        let shown = -(then - now) / (next / sigma).ln();
+        let shown = -(then - now) / math::ln(next / sigma);
         if shown.is_finite() {
             exponent = shown.clamp(EXPONENTS[0], EXPONENTS[1]);
         }

@@ -1,6 +1,7 @@
 //! The pipeline from mesh to mesh.
 
 use crate::base::error::Result;
+use crate::base::math;
 use crate::base::monitor::Monitor;
 use crate::base::rng::{Stage, stream};
 use crate::manifold::Manifold;
@@ -89,7 +90,7 @@ fn with_fewest_points(
         }
         let wanted = n * ratio.clamp(1.0 / LARGEST_CHANGE, LARGEST_CHANGE);
         // Well inside of what is left, so that each try narrows it down.
-        let step = (enough / too_few).powf(0.2).min(NEAR_ENOUGH);
+        let step = math::pow(enough / too_few, 0.2).min(NEAR_ENOUGH);
         n = wanted.clamp(step * too_few, enough / step);
     }
     Ok(best.or(last).expect("at least one try was made"))

@@ -1,5 +1,6 @@
 //! The coordinates that the pipeline works in.
 
+use crate::base::math;
 use crate::geom::aabb::Aabb;
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
@@ -23,7 +24,7 @@ impl Unit {
 
     fn within(bounds: Aabb) -> Unit {
         let longest = bounds.size().max_element();
-        let size = if longest > 0.0 { longest.log2().ceil().exp2() } else { 1.0 };
+        let size = if longest > 0.0 { math::next_power_of_two(longest) } else { 1.0 };
         Unit { centre: bounds.lo + bounds.size() / 2.0, size }
     }
 

@@ -11,6 +11,7 @@
 //!
 //! Cost: linear in points and neighbours.
 
+use crate::base::math;
 use crate::geom::eigen::{eigen, scatter};
 use crate::spatial::kdtree::Neighbors;
 use crate::spatial::knn_graph::NeighborGraph;
@@ -71,7 +72,7 @@ fn sphere_normal(points: &[DVec3], normals: &[DVec3], p: u32, neighbors: &[u32])
     for &n in neighbors {
         let (offset, other) = ((points[n as usize] - here) / reach, normals[n as usize]);
         if normal.dot(other) > 0.0 {
-            fit.add(offset, other, (1.0 - offset.length_squared()).max(0.0).powi(2));
+            fit.add(offset, other, math::square((1.0 - offset.length_squared()).max(0.0)));
         }
     }
     fit.gradient_at_origin().try_normalize().filter(|g| g.dot(normal) > 0.0).unwrap_or(normal)

@@ -19,6 +19,7 @@
 //!
 //! Cost: sorting the edges of the graph, about twice.
 
+use crate::base::math;
 use crate::base::union_find::UnionFind;
 use crate::spatial::knn_graph::NeighborGraph;
 use glam::DVec3;
@@ -117,7 +118,7 @@ fn turn_outvoted(points: &[DVec3], normals: &mut [DVec3], graph: &NeighborGraph)
 
 /// How clearly the normals of `a` and `b` are on the same side: from -1, if they are not, to 1.
 fn vote(points: &[DVec3], normals: &[DVec3], a: u32, b: u32) -> f64 {
-    agreement(points, normals, a, b).powi(3)
+    math::cube(agreement(points, normals, a, b))
 }
 
 /// Turns over the normals of each part of the points that disagrees, on the whole, with those that are `given`, which

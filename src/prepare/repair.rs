@@ -17,6 +17,7 @@
 //!
 //! Cost: sorting the vertices and the edges; linear otherwise.
 
+use crate::base::math;
 use crate::base::union_find::UnionFind;
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::provenance::Provenance;
@@ -162,7 +163,7 @@ fn pair_sheets(positions: &[DVec3], triangles: &[[u32; 3]], sheets: &[Side], loo
     let angle = |s: &Side| {
         let apex = triangles[s.side as usize / 3][(s.side as usize + 2) % 3];
         let out = positions[apex as usize] - lo;
-        out.dot(y).atan2(out.dot(x))
+        math::atan2(out.dot(y), out.dot(x))
     };
     let angles: Vec<f64> = sheets.iter().map(angle).collect();
     let mut order: Vec<usize> = (0..sheets.len()).collect();

@@ -11,6 +11,7 @@
 //!
 //! Limits: vertices are welded to vertices. A vertex that lies on the middle of an edge across the seam stays.
 
+use crate::base::math;
 use crate::base::union_find::UnionFind;
 use crate::mesh::topology::sorted_sides;
 use crate::mesh::triangle_mesh::Mesh;
@@ -108,7 +109,7 @@ impl OpenBoundary {
         for (a, &p) in (0u32..).zip(&self.positions) {
             for found in set.within(p, reach(a)) {
                 let (b, distance_squared) = (found.point, found.distance_squared);
-                if a < b && distance_squared <= reach(b).powi(2) && !self.are_joined(a, b) {
+                if a < b && distance_squared <= math::square(reach(b)) && !self.are_joined(a, b) {
                     pairs.push(Pair { ends: [a, b], distance_squared });
                 }
             }

@@ -1,5 +1,6 @@
 //! The report as a table for a terminal: a row for each figure, the input beside the output.
 
+use crate::base::math;
 use crate::mesh::topology::Topology;
 use crate::pipeline::CloudSummary;
 use crate::prepare::repair::Repairs;
@@ -246,7 +247,7 @@ pub(super) fn significant(x: f64) -> String {
     if x == 0.0 || !x.is_finite() {
         return x.to_string();
     }
-    let magnitude = x.abs().log10().floor() as i32;
+    let magnitude = math::log10(x.abs()).floor() as i32;
     if (-5..6).contains(&magnitude) { format!("{x:.*}", (3 - magnitude).max(0) as usize) } else { format!("{x:.3e}") }
 }
 

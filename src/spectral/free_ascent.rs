@@ -11,6 +11,7 @@
 //! [`Submanifold::joined`] tells its two sides apart.
 
 use crate::base::error::Result;
+use crate::base::math;
 use crate::base::monitor::{Monitor, check};
 use crate::geom::vector::{length_squared, scaled, shortened};
 use crate::spectral::ascent::{AscentParameters, MOST_STEP};
@@ -78,7 +79,7 @@ fn step<S: Submanifold<D>, const D: usize>(
     for (scaled, &(_, w)) in offsets.iter_mut().zip(found.list()) {
         *scaled = offset(w).map(|x| x / sigma);
     }
-    let is_crowded = found.list().first().is_some_and(|nearest| nearest.0 < (CROWDED * sigma).powi(2));
+    let is_crowded = found.list().first().is_some_and(|nearest| nearest.0 < math::square(CROWDED * sigma));
     let counting = if is_crowded { 1 } else { found.list().len() };
     let uphill = gradient(&offsets[..counting]);
     manifold.step(&points[v as usize], &shortened(&scaled(&uphill, step * sigma), MOST_STEP * sigma))

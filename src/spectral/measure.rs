@@ -9,6 +9,7 @@
 //!
 //! Cost: the n-th neighbour n² / 2 multiplications and n kernels.
 
+use crate::base::math::gaussian;
 use crate::geom::vector::{distance_squared, length_squared};
 
 /// Neighbours beyond this many, the nearest counted first, change s by less than its use can tell.
@@ -138,7 +139,7 @@ pub fn gradient<const D: usize>(offsets: &[[f64; D]]) -> [f64; D] {
 /// The Gaussian kernel of a squared distance in units of σ.
 #[inline]
 pub fn kernel(distance_squared: f64) -> f64 {
-    (-distance_squared).exp()
+    gaussian(distance_squared)
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@
 //!
 //! Cost: linear in the triangles.
 
+use crate::base::math;
 use crate::base::union_find::UnionFind;
 use crate::mesh::half_edge::next;
 use crate::mesh::topology::NONE;
@@ -68,7 +69,7 @@ fn turns(mesh: &Mesh, twin: &[u32]) -> Vec<f64> {
             return 0.0;
         }
         let [a, b] = [side, across as usize].map(|s| mesh.area_vector(s / 3));
-        if a == DVec3::ZERO || b == DVec3::ZERO { 0.0 } else { a.angle_between(b).to_degrees() }
+        if a == DVec3::ZERO || b == DVec3::ZERO { 0.0 } else { math::atan2(a.cross(b).length(), a.dot(b)).to_degrees() }
     };
     (0..twin.len()).into_par_iter().map(turn).collect()
 }

@@ -21,6 +21,7 @@
 //! Limits: where no point reaches there is no surface. Planes lie outside of what is convex, so the surface does by about
 //! (h/4)² over the radius of curvature.
 
+use crate::base::math;
 use crate::spatial::kdtree::{Neighbor, Neighbors};
 use crate::surface::domain::Sample;
 use crate::surface::lift::Surface;
@@ -140,7 +141,7 @@ impl<'a> Rimls<'a> {
         found.extend(points.iter().map(neighbor));
         let nearest = *found.iter().min_by(|a, b| a.distance_squared.total_cmp(&b.distance_squared))?;
         let radius = self.radius(nearest.point);
-        let counts = |n: &Neighbor| n.distance_squared < radius.min(self.reaches[n.point as usize]).powi(2);
+        let counts = |n: &Neighbor| n.distance_squared < math::square(radius.min(self.reaches[n.point as usize]));
         found.retain(counts);
         Some((self.value_of(x, found, nearest.point)?, nearest))
     }
@@ -244,7 +245,7 @@ impl<'a> Rimls<'a> {
                 let robust = last.map_or(at_first, |last| {
                     let r = (residual - last.f) / (SIGMA_R * reach);
                     let dn = normal.distance_squared(last.gradient) / (SIGMA_N * SIGMA_N);
-                    (-r * r - dn).exp()
+                    math::gaussian(r * r + dn)
                 });
                 let cube = share * share * share;
                 let slope = -8.0 * cube / (reach * reach) * offset;

@@ -8,6 +8,7 @@
 //!
 //! Cost: cubic in the sides of a polygon, of which there are four or five nearly always.
 
+use crate::base::math;
 use crate::geom::triangle::angles;
 use crate::triangulate::star::INTERIOR;
 use glam::DVec3;
@@ -140,7 +141,7 @@ fn following(
     let reference = flat(back);
     let clockwise = |i: usize| {
         let d = flat(open[i][1]);
-        let angle = -normal.dot(reference.cross(d)).atan2(reference.dot(d));
+        let angle = -math::atan2(normal.dot(reference.cross(d)), reference.dot(d));
         if angle <= 0.0 { angle + std::f64::consts::TAU } else { angle }
     };
     out.min_by(|&i, &j| clockwise(i).total_cmp(&clockwise(j)).then(i.cmp(&j)))

@@ -15,6 +15,7 @@
 
 use crate::base::csr::Csr;
 use crate::base::heap::Ranked;
+use crate::base::math;
 use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
 use glam::{DVec2, DVec3};
@@ -166,7 +167,7 @@ pub fn along_gentle_bend(here: &Sample, there: &Sample) -> Option<DVec2> {
 pub fn along_bend(here: DVec3, there: DVec3, offset: DVec3) -> DVec2 {
     let (x, y) = here.any_orthonormal_pair();
     let half_sine = 0.5 * here.distance(there);
-    let stretch = if half_sine > 1e-6 { half_sine.min(1.0).asin() / half_sine } else { 1.0 };
+    let stretch = if half_sine > 1e-6 { math::asin(half_sine.min(1.0)) / half_sine } else { 1.0 };
     let direction = DVec2::new(offset.dot(x), offset.dot(y)).normalize_or_zero();
     direction * offset.length() * stretch
 }

@@ -1,6 +1,8 @@
 //! What users see of the library and of the program, tested in one binary, which is compiled and linked once. Each module
 //! is a subject: `cargo test --test all sampling` runs one.
 
+#![allow(clippy::disallowed_methods)]
+
 mod attributes;
 #[cfg(feature = "cli")]
 mod cli;
@@ -14,6 +16,8 @@ mod io;
 mod library;
 mod pipeline;
 mod reconstruct;
+#[cfg(feature = "cli")]
+mod same_bytes;
 mod sampling;
 mod table2;
 mod within;

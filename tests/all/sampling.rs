@@ -235,7 +235,7 @@ fn blue_noise_on_a_cloud() {
             let out = (*p - centre) / 20.0;
             assert!((out.length() - 1.0).abs() < 3e-3 && side * normal.dot(out) > 0.99, "{p} {normal}");
         }
-        let rho = poisson_disk_radius(&Space, &made.points.positions(), ball.area());
+        let rho = poisson_disk_radius(&Space, made.points.positions(), ball.area());
         assert!(rho > 0.7, "{n}: {rho}");
     }
 }
@@ -249,7 +249,7 @@ fn noise_of_a_cloud_is_not_sampled() {
     let off = |points: &[DVec3]| {
         (points.iter().map(|p| (p.length() - 1.0).powi(2)).sum::<f64>() / points.len() as f64).sqrt()
     };
-    assert!(off(&made.points.positions()) < 0.4 * off(&ball.positions), "{}", off(&made.points.positions()));
+    assert!(off(made.points.positions()) < 0.4 * off(&ball.positions), "{}", off(made.points.positions()));
 }
 
 /// Samples stay on an open sheet, and on either side of a thin plate.
@@ -278,7 +278,7 @@ fn the_samples_of_a_cloud_gather_where_it_bends_for_any_number_of_threads() {
     };
     let one = with(1, 0.3);
     assert_eq!(one, with(4, 0.3));
-    grows(&[at_tips(&with(2, f64::INFINITY).points.positions()), at_tips(&one.points.positions())], 1.1);
+    grows(&[at_tips(with(2, f64::INFINITY).points.positions()), at_tips(one.points.positions())], 1.1);
 }
 
 #[test]
@@ -404,7 +404,7 @@ fn samples_gather_at_features() {
         let near = |x: f64| !(0.05..0.95).contains(&x);
         share(points, |p| p.to_array().into_iter().filter(|&x| near(x)).count() >= 2)
     };
-    let share = |sigma_n| at_edges(&sampled(&cube, &SampleOptions { sigma_n, ..count(1500) }).points.positions());
+    let share = |sigma_n| at_edges(sampled(&cube, &SampleOptions { sigma_n, ..count(1500) }).points.positions());
     grows(&[f64::INFINITY, 1.0, 0.5].map(share), 1.2);
 }
 
@@ -426,12 +426,12 @@ fn samples_follow_a_property() {
     let of_samples = |sigma| {
         let made = sampled(&ball, &SampleOptions { signals: signals(sigma), ..count(800) });
         assert_eq!(made.points.positions().len(), 800);
-        at_equator(&made.points.positions())
+        at_equator(made.points.positions())
     };
     grows(&[1e9, 0.5, 0.2].map(of_samples), 1.2);
     let of_subset = |sigma| {
         let options = SampleOptions { signals: signals(sigma), scan_only: true, ..count(800) };
-        at_equator(&sampled(&ball, &options).points.positions())
+        at_equator(sampled(&ball, &options).points.positions())
     };
     grows(&[1e9, 0.5, 0.2].map(of_subset), 1.2);
     let of_vertices = |sigma| {

@@ -31,6 +31,7 @@
 mod targets;
 
 use crate::base::error::Result;
+use crate::base::math;
 use crate::base::monitor::{Monitor, check};
 use crate::geom::symmetric::Symmetric;
 use crate::manifold::Manifold;
@@ -234,7 +235,7 @@ fn newton_step(mesh: &Manifold, targets: &Targets, v: u32, spacing: f64) -> DVec
     }
     let normal = mesh.samples[v as usize].normal;
     let (shape, stiffness) = shape_gradient(mesh, v, spacing);
-    let scale = SHAPE_WEIGHT * (spacing * mesh.samples[v as usize].size).powi(2);
+    let scale = SHAPE_WEIGHT * math::square(spacing * mesh.samples[v as usize].size);
     gradient += scale * shape.reject_from_normalized(normal);
     let along_normal = STIFFNESS * hessian.diagonal.element_sum() - scale * stiffness;
     hessian += Symmetric::outer(normal) * along_normal;

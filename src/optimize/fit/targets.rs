@@ -2,6 +2,7 @@
 //!
 //! The weights are those of the quadrature rule at first, and grow where the error is large.
 
+use crate::base::math;
 use crate::geom::triangle::barycentric;
 use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
@@ -132,7 +133,7 @@ impl Targets {
         let (mut sum, mut weight) = (0.0, 0.0);
         for (own, t) in self.own.iter().zip(0..).filter(|(own, _)| own[0].weight > 0.0) {
             let x = mesh.corners(t);
-            sum += own.iter().map(|target| target.weight * target.residual(x).powi(2)).sum::<f64>();
+            sum += own.iter().map(|target| target.weight * math::square(target.residual(x))).sum::<f64>();
             weight += own.iter().map(|target| target.weight).sum::<f64>();
         }
         sum / weight
@@ -142,7 +143,7 @@ impl Targets {
     pub(super) fn triangles_beyond(&self, mesh: &Manifold, square: f64) -> Vec<u32> {
         let is_beyond = |own: &[Target], t: u32| {
             let x = mesh.corners(t);
-            own.iter().any(|target| target.residual(x).powi(2) > square)
+            own.iter().any(|target| math::square(target.residual(x)) > square)
         };
         let there = self.own.iter().zip(0..).filter(|(own, _)| own[0].weight > 0.0);
         there.filter(|(own, t)| is_beyond(*own, *t)).map(|(_, t)| t).collect()

@@ -20,6 +20,7 @@
 mod probes;
 
 use crate::base::error::Result;
+use crate::base::math;
 use crate::base::monitor::{Monitor, check};
 use crate::geom::aabb::Aabb;
 use crate::manifold::Manifold;
@@ -344,7 +345,7 @@ impl<'a> Measured<'a> {
                 (farthest, place) = (distance, probe.position);
             }
         }
-        let is_near = |p: &DVec3| p.distance_squared(self.place) < (MEASURED * spacing).powi(2);
+        let is_near = |p: &DVec3| p.distance_squared(self.place) < math::square(MEASURED * spacing);
         let near = faces.iter().filter(|x| x.iter().all(is_near));
         for p in near.flat_map(|x| POINTS.map(|(at, _)| point(x, at))) {
             if let Some(foot) = domain.foot_farther_than(p, farthest) {

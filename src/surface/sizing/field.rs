@@ -9,6 +9,7 @@
 //!
 //! Cost: one pass of Dijkstra's algorithm for each alternation.
 
+use crate::base::math;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::surface::domain::Domain;
 use crate::surface::sizing::gradation::limited;
@@ -26,7 +27,7 @@ const MEAN_TOLERANCE: f64 = 1e-3;
 
 /// The sizes for adaptivity `adapt`, from 0 for none to 1 for the same error everywhere, relative to `spacing`.
 pub fn adapted_sizes(domain: &Domain, adapt: f64, spacing: f64) -> Vec<f64> {
-    let lengths = radii(domain, spacing).into_iter().map(|radius| radius.powf(0.5 * adapt)).collect();
+    let lengths = radii(domain, spacing).into_iter().map(|radius| math::pow(radius, 0.5 * adapt)).collect();
     normalised(domain, lengths, spacing, ADAPTED_GRADIENT)
 }
 

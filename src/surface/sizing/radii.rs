@@ -14,6 +14,7 @@
 //!
 //! Limits: the curvature of feature curves does not count.
 
+use crate::base::math;
 use crate::mesh::half_edge::next;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
@@ -44,14 +45,14 @@ pub(super) fn radii(domain: &Domain, spacing: f64) -> Vec<f64> {
     let curvatures = curvatures(domain, &graph, &areas, steps);
     let logarithm = |v: usize| {
         let of_curvature = (1.0 / curvatures[v]).clamp(smallest, widest);
-        half_thickness(domain, v, of_curvature).max(smallest).ln()
+        math::ln(half_thickness(domain, v, of_curvature).max(smallest))
     };
     let logarithms: Vec<f64> = (0..areas.len()).into_par_iter().map(logarithm).collect();
     let mean = areas.iter().zip(&logarithms).map(|(a, l)| a * l).sum::<f64>() / areas.iter().sum::<f64>();
-    let cut_off = |l: f64| l.clamp(mean - RANGE.ln(), mean + RANGE.ln());
+    let cut_off = |l: f64| l.clamp(mean - math::ln(RANGE), mean + math::ln(RANGE));
     let amounts = areas.iter().zip(logarithms).map(|(&area, l)| [area, area * cut_off(l)]).collect();
     let amounts = graph.spread(amounts, steps);
-    amounts.into_iter().map(|[area, sum]| if area > 0.0 { (sum / area).exp() } else { mean.exp() }).collect()
+    amounts.into_iter().map(|[area, sum]| if area > 0.0 { math::exp(sum / area) } else { math::exp(mean) }).collect()
 }
 
 /// The steps of a random walk along edges of the mean length that lead about as far as `distance`.
@@ -62,7 +63,7 @@ fn steps_within(domain: &Domain, distance: f64) -> usize {
         a.distance(b) + b.distance(c) + c.distance(a)
     };
     let mean = (0..mesh.triangles.len()).map(length).sum::<f64>() / domain.twin.len() as f64;
-    (distance / mean).powi(2).clamp(1.0, MOST_STEPS).round() as usize
+    math::square(distance / mean).clamp(1.0, MOST_STEPS).round() as usize
 }
 
 /// A third of the area of the triangles at each vertex.
@@ -89,7 +90,7 @@ fn curvatures(domain: &Domain, graph: &Graph, areas: &[f64], steps: usize) -> Ve
         let along = mesh.positions[ends[1]] - mesh.positions[ends[0]];
         let e = along.normalize_or_zero();
         let [n, m] = [side, twin].map(|s| mesh.area_vector(s as usize / 3));
-        let half = 0.5 * along.length() * e.dot(n.cross(m)).atan2(n.dot(m));
+        let half = 0.5 * along.length() * math::atan2(e.dot(n.cross(m)), n.dot(m));
         let off = std::f64::consts::SQRT_2 * half;
         let entries =
             [half * e.x * e.x, half * e.y * e.y, half * e.z * e.z, off * e.x * e.y, off * e.y * e.z, off * e.z * e.x];

@@ -1,0 +1,63 @@
+//! The same bytes on every processor and for any number of threads, of the program as it is run.
+//!
+//! The system's C library chooses its elementary functions by what the processor can do. glibc can be told to go without
+//! fused multiply-add, which is another processor for all that the library might ask of it.
+
+use spectral_remesh::io::file::read_file;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+/// The setting of glibc that hides what its faster functions need, under the names of new and old versions.
+const WITHOUT_FMA: &str = "glibc.cpu.hwcaps=-FMA,-AVX2,-FMA4,-AVX2_Usable,-FMA_Usable,-FMA4_Usable";
+
+/// Arguments of the runs, but for the file that they write.
+const RUNS: [(&str, &str); 6] = [
+    ("blob.obj", "out.obj --points 600"),
+    ("bracket.stl", "out.obj --points 800"),
+    ("blob.obj", "out.obj --points 600 --adapt 1 --optimize 0"),
+    ("bracket.stl", "out.ply --points 600 --max-error 1%"),
+    ("sample blob.obj", "out.ply --points 400"),
+    ("cloud.xyz", "out.obj --points 600 --smooth"),
+];
+
+/// The bytes that the program writes to `out`, run in `folder` with `words`.
+fn written(folder: &Path, words: &str, out: &str, tunables: &str) -> Vec<u8> {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_remesh"));
+    command.current_dir(folder).args(words.split_whitespace()).stdin(Stdio::null()).env("GLIBC_TUNABLES", tunables);
+    let output = command.output().unwrap();
+    assert!(output.status.success(), "{words}: {}", String::from_utf8_lossy(&output.stderr));
+    let file = folder.join(out);
+    let bytes = std::fs::read(&file).unwrap();
+    std::fs::remove_file(file).unwrap();
+    bytes
+}
+
+/// The folder that the runs are in: models of `data/`, and the vertices of one as a cloud.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("data");
+    for name in ["blob.obj", "bracket.stl"] {
+        std::fs::copy(data.join(name), folder.path().join(name)).unwrap();
+    }
+    let cloud = read_file(&data.join("noisy.ply"), None).unwrap().mesh.positions;
+    let lines: String = cloud.iter().step_by(3).map(|p| format!("{} {} {}\n", p.x, p.y, p.z)).collect();
+    std::fs::write(folder.path().join("cloud.xyz"), lines).unwrap();
+    folder
+}
+
+#[test]
+fn neither_processors_nor_threads_change_a_byte() {
+    let folder = folder();
+    for (input, rest) in RUNS {
+        let out = rest.split(' ').next().unwrap();
+        let with = |threads: usize, tunables| {
+            written(folder.path(), &format!("{input} {rest} --quiet --threads {threads}"), out, tunables)
+        };
+        let bytes = with(1, "");
+        assert!(bytes.len() > 1000, "{input}");
+        assert!(bytes == with(2, "") && bytes == with(8, ""), "{input} {rest} differs between numbers of threads");
+        if cfg!(all(target_os = "linux", target_env = "gnu")) {
+            assert!(bytes == with(2, WITHOUT_FMA), "{input} {rest} differs between processors");
+        }
+    }
+}
