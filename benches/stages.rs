@@ -6,10 +6,11 @@
 //!
 //! Times are of the threads that `RAYON_NUM_THREADS` says, by default one a core.
 
+#![allow(clippy::disallowed_methods)]
+
 use divan::{Bencher, Divan, black_box};
 use glam::{DVec3, dvec3};
 use spectral_remesh::io::{self, Format, NO_BUFFERS};
-use spectral_remesh::stages::base::rng::{Stage, stream};
 use spectral_remesh::stages::manifold::Manifold;
 use spectral_remesh::stages::manifold::vertex_set::VertexSet;
 use spectral_remesh::stages::mesh::attributes::{Attribute, Attributes, COLOR, Scalar};
@@ -119,7 +120,7 @@ fn bumpy_sphere(rows: u32, columns: u32) -> Mesh {
 }
 
 fn cover(domain: &Domain) -> Vec<Candidate> {
-    candidates(domain, 20 * POINTS, &mut stream(SEED, Stage::Candidates))
+    candidates(domain, 20 * POINTS, SEED)
 }
 
 fn scan(domain: &Domain, candidates: &[Candidate], spacing: f64) -> Vec<Sample> {

@@ -34,7 +34,6 @@
 //! ```
 //! use glam::{DVec3, dvec3};
 //! use spectral_remesh::Mesh;
-//! use spectral_remesh::stages::base::rng::{Stage, stream};
 //! use spectral_remesh::stages::mesh::oriented_manifold::OrientedManifold;
 //! use spectral_remesh::stages::spectral::{candidates::candidates, curve_samples::sample_curves, scan::linear_scan};
 //! use spectral_remesh::stages::surface::domain::Domain;
@@ -47,7 +46,7 @@
 //! let domain = Domain::new(OrientedManifold::try_from(square)?);
 //! let (spacing, seed) = (0.05, 1);
 //! let rim = sample_curves(&domain, spacing).samples;
-//! let candidates = candidates(&domain, 10_000, &mut stream(seed, Stage::Candidates));
+//! let candidates = candidates(&domain, 10_000, seed);
 //! let sigma = 0.866 * spacing;
 //! let samples = linear_scan(&domain, &candidates, &rim, sigma, seed, &())?;
 //!

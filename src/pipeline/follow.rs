@@ -7,7 +7,6 @@
 
 use crate::base::error::{Result, Setting};
 use crate::base::monitor::Monitor;
-use crate::base::rng::{Stage, stream};
 use crate::manifold::Manifold;
 use crate::manifold::vertex_set::VertexSet;
 use crate::pipeline::bandwidth::find_bandwidth;
@@ -43,7 +42,7 @@ pub(super) fn follow(
     monitor: &dyn Monitor,
 ) -> Result<Followed> {
     let count = CANDIDATES_PER_POINT * scale.wanted;
-    let candidates = candidates(domain, count, &mut stream(seed, Stage::Candidates));
+    let candidates = candidates(domain, count, seed);
     let mut scan = |sigma: f64| scan_of(domain, features, &candidates, sigma, seed, monitor);
     let (scale, sigma, samples) = if let Density::SigmaP(width) = density {
         let samples = scan(scale.sigma())?;

@@ -3,7 +3,6 @@
 use crate::base::error::Result;
 use crate::base::math;
 use crate::base::monitor::Monitor;
-use crate::base::rng::{Stage, stream};
 use crate::manifold::Manifold;
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::topology::{Topology, topology};
@@ -163,7 +162,7 @@ impl Triangulation {
         let SizedSurface { domain, scale, .. } = surface;
         let seed = attempt.seed;
         let curves = sample_curves(domain, scale.curve_spacing(domain) / attempt.curve_density.unwrap_or(1.0));
-        let candidates = candidates(domain, CANDIDATES_PER_POINT * scale.wanted, &mut stream(seed, Stage::Candidates));
+        let candidates = candidates(domain, CANDIDATES_PER_POINT * scale.wanted, seed);
         let samples = linear_scan(domain, &candidates, &curves.samples, scale.sigma(), seed, monitor)?;
         drop(candidates);
         monitor.stage("triangulate");

@@ -4,8 +4,9 @@
 //! removed where it is smallest.
 
 use crate::base::error::{Error, Fault, Result, Setting};
+use crate::base::math;
 use crate::base::monitor::{Monitor, check};
-use crate::base::rng::{Stage, stream, unit as unit_random};
+use crate::base::rng::{Stage, units_at};
 use crate::geom::aabb::Aabb;
 use crate::pipeline::bandwidth::find_bandwidth;
 use crate::pipeline::cloud::{CloudOptions, CloudSummary, INTERPOLATING_SUPPORT, Prepared, prepared};
@@ -251,21 +252,16 @@ const DISK: f64 = 0.6;
 
 /// The points of a cloud on its surface, as samples, and more between them if `wanted` is no small part of them.
 fn choices_on(surface: &Rimls, cloud: &Prepared, wanted: usize, seed: u64) -> Vec<Sample> {
-    let mut rng = stream(seed, Stage::Candidates);
     let (positions, normals) = (cloud.points.positions(), cloud.points.normals());
     let each = (CHOICES_PER_POINT * wanted).div_ceil(positions.len()).max(1);
-    let places: Vec<DVec3> = (0..each * positions.len())
-        .map(|i| {
-            let p = i % positions.len();
-            if i < positions.len() {
-                return positions[p];
-            }
-            let (angle, radius) =
-                (TAU * unit_random(&mut rng), DISK * cloud.spacings[p] * unit_random(&mut rng).sqrt());
-            let (across, along) = normals[p].any_orthonormal_pair();
-            positions[p] + radius * (angle.cos() * across + angle.sin() * along)
-        })
-        .collect();
+    let place = |p: usize, k: u64| {
+        let [turn, share] = units_at(seed, Stage::Candidates, (p as u32, k));
+        let (sin, cos) = math::sin_cos(TAU * turn);
+        let (across, along) = normals[p].any_orthonormal_pair();
+        positions[p] + DISK * cloud.spacings[p] * share.sqrt() * (cos * across + sin * along)
+    };
+    let between = (1..each as u64).flat_map(|k| (0..positions.len()).map(move |p| (p, k)));
+    let places: Vec<DVec3> = positions.iter().copied().chain(between.map(|(p, k)| place(p, k))).collect();
     places.par_iter().filter_map(|&place| surface.sample(place)).collect()
 }
 
@@ -275,7 +271,7 @@ pub(super) const MOST_DIMENSIONS: usize = 6 + MOST_SIGNALS;
 /// Candidates on `domain` for so many samples.
 fn candidates_for(domain: &Domain, features: &KernelFeatures, wanted: usize, seed: u64) -> Vec<Candidate> {
     let more = if features.counts() { MORE_CANDIDATES } else { 1 };
-    candidates(domain, more * CANDIDATES_PER_POINT * wanted, &mut stream(seed, Stage::Candidates))
+    candidates(domain, more * CANDIDATES_PER_POINT * wanted, seed)
 }
 
 /// The vertices of `input` that triangles use, as samples, and their numbers.

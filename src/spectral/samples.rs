@@ -14,7 +14,7 @@
 use crate::base::error::Result;
 use crate::base::heap::Ranked;
 use crate::base::monitor::{Monitor, check};
-use crate::base::rng::{Rng, Stage, stream};
+use crate::base::rng::{Stage, bits_at};
 use crate::spectral::cells::Cells;
 use crate::spectral::measure::{MOST_NEIGHBOURS, Measure, RADIUS};
 use crate::spectral::scan::{EPSILON, TOO_NEAR};
@@ -47,8 +47,8 @@ pub fn scan<S: Submanifold<D>, const D: usize>(
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<Vec<u32>> {
-    let mut rng = stream(seed, Stage::Scan);
-    let mut order: Vec<(u32, u32)> = (0..points.len() as u32).map(|i| (rng.next_u32(), i)).collect();
+    let turn = |i: u32| bits_at(seed, Stage::Scan, (i, 0))[0] as u32;
+    let mut order: Vec<(u32, u32)> = (0..points.len() as u32).into_par_iter().map(|i| (turn(i), i)).collect();
     order.par_sort_unstable();
     let mut kept = Samples::new(manifold, points, sigma);
     for (i, chunk) in order.chunks(CHUNK).enumerate() {
@@ -195,7 +195,7 @@ impl<'a, S: Submanifold<D>, const D: usize> Samples<'a, S, D> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::rng::unit;
+    use crate::base::rng::{stream, unit};
     use crate::surface::submanifold::{FlatTorus, UnitCube};
 
     fn points(n: usize) -> Vec<[f64; 2]> {

@@ -17,7 +17,7 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
-use crate::base::rng::{Random, Rng, Stage, stream};
+use crate::base::rng::{Address, Stage, bits_at};
 use crate::geom::vector::{difference, distance_squared};
 use crate::spectral::candidates::Candidate;
 use crate::spectral::measure::{MOST_NEIGHBOURS, Measure, RADIUS};
@@ -79,6 +79,8 @@ pub trait Choices: Sync {
     fn count(&self) -> usize;
     /// One of them.
     fn sample(&self, number: u32) -> Sample;
+    /// What random numbers for one are drawn for.
+    fn address(&self, number: u32) -> Address;
     /// The patch of the surface that a sample lies on: only samples of the same patch are neighbours.
     fn patch_of(&self, sample: &Sample) -> u32;
     /// The largest size that is wanted anywhere.
@@ -101,6 +103,11 @@ impl Choices for OnDomain<'_> {
     #[inline]
     fn sample(&self, number: u32) -> Sample {
         self.candidates[number as usize].sample(self.domain)
+    }
+
+    #[inline]
+    fn address(&self, number: u32) -> Address {
+        self.candidates[number as usize].address(self.domain)
     }
 
     #[inline]
@@ -130,6 +137,10 @@ impl Choices for Given<'_> {
         self.samples[number as usize]
     }
 
+    fn address(&self, number: u32) -> Address {
+        (number, 0)
+    }
+
     fn patch_of(&self, sample: &Sample) -> u32 {
         self.domain.map_or(0, |domain| domain.patch_of(sample.triangle))
     }
@@ -151,8 +162,7 @@ pub fn scan_lifted<const D: usize>(
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<Vec<u32>> {
-    let mut rng = stream(seed, Stage::Scan);
-    let mut blocks = Blocks::new(choices, fixed, kernel, &mut rng);
+    let mut blocks = Blocks::new(choices, fixed, kernel, seed);
     let turns = blocks.turns();
     for (i, turn) in turns.iter().enumerate() {
         check(monitor)?;
@@ -188,12 +198,13 @@ struct Block {
 }
 
 impl<'a, C: Choices> Blocks<'a, C> {
-    fn new(choices: &'a C, fixed: &[Sample], kernel: Kernel<'a>, rng: &mut Random) -> Self {
+    fn new(choices: &'a C, fixed: &[Sample], kernel: Kernel<'a>, seed: u64) -> Self {
         let cell = kernel.sigma * choices.largest_size() * RADIUS / 2.0;
         let place = |p: DVec3| (p / (cell * f64::from(BLOCK))).floor().as_ivec3();
-        let random: Vec<u32> = (0..choices.count()).map(|_| rng.next_u32()).collect();
-        let mut keyed: Vec<([i32; 3], u32, u32)> = (random.par_iter().enumerate())
-            .map(|(i, &r)| (place(choices.sample(i as u32).position).to_array(), r, i as u32))
+        let turn = |i: u32| bits_at(seed, Stage::Scan, choices.address(i))[0] as u32;
+        let mut keyed: Vec<([i32; 3], u32, u32)> = (0..choices.count() as u32)
+            .into_par_iter()
+            .map(|i| (place(choices.sample(i).position).to_array(), turn(i), i))
             .collect();
         keyed.par_sort_unstable();
         let mut homes: Vec<([i32; 3], usize)> =

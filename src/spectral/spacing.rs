@@ -8,6 +8,7 @@
 //!
 //! Cost: a search among the samples for each candidate and each vertex.
 
+use crate::base::math;
 use crate::spatial::kdtree::Neighbors;
 use crate::spectral::candidates::Candidate;
 use crate::surface::domain::{Domain, Sample};
@@ -33,14 +34,14 @@ pub fn spacings(domain: &Domain, candidates: &[Candidate], samples: &[Sample], s
     let mut counts = vec![0.0; samples.len()];
     nearest.into_iter().flatten().for_each(|i| counts[i] += 1.0);
     let mean_area = domain.mesh.area() / candidates.len() as f64;
-    let logarithms: Vec<f64> = counts.iter().map(|&n| length_of(mean_area * f64::max(n, 1.0)).ln()).collect();
-    let otherwise = length_of(domain.mesh.area() / samples.len().max(1) as f64).ln();
+    let logarithms: Vec<f64> = counts.iter().map(|&n| math::ln(length_of(mean_area * f64::max(n, 1.0)))).collect();
+    let otherwise = math::ln(length_of(domain.mesh.area() / samples.len().max(1) as f64));
     let at_vertex = |v: u32| {
         let position = domain.mesh.positions[v as usize];
         let sample = Sample { position, normal: domain.vertex_normal(v), triangle: 0, size: 1.0 };
         let around: Vec<f64> = facing(&sample).take(AVERAGED).map(|i| logarithms[i]).collect();
         let mean = if around.is_empty() { otherwise } else { around.iter().sum::<f64>() / around.len() as f64 };
-        mean.exp()
+        math::exp(mean)
     };
     (0..domain.mesh.positions.len() as u32).into_par_iter().map(at_vertex).collect()
 }
@@ -53,7 +54,6 @@ fn length_of(area: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::rng::{Stage, stream};
     use crate::mesh::refine::refine;
     use crate::mesh::triangle_mesh::Mesh;
     use crate::spectral::candidates::candidates;
@@ -72,9 +72,9 @@ mod tests {
     #[test]
     fn even_samples_have_the_spacing_of_their_number() {
         let domain = square();
-        let all = candidates(&domain, 40_000, &mut stream(1, Stage::Candidates));
+        let all = candidates(&domain, 40_000, 4);
         let sigma = 0.03;
-        let samples = linear_scan(&domain, &all, &[], sigma, 1, &()).unwrap();
+        let samples = linear_scan(&domain, &all, &[], sigma, 4, &()).unwrap();
         let expected = (2.0 / (3f64.sqrt() * samples.len() as f64)).sqrt();
         let found = spacings(&domain, &all, &samples, sigma);
         assert_eq!(found.len(), domain.mesh.positions.len());
@@ -89,7 +89,7 @@ mod tests {
     #[test]
     fn dense_samples_are_near_each_other() {
         let domain = square();
-        let all = candidates(&domain, 40_000, &mut stream(1, Stage::Candidates));
+        let all = candidates(&domain, 40_000, 1);
         let samples = linear_scan(&domain, &all, &[], 0.03, 1, &()).unwrap();
         // A quarter of them on the right.
         let thinned: Vec<Sample> = (samples.iter().enumerate())

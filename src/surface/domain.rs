@@ -116,6 +116,12 @@ impl Domain {
         self.original.iter().map(|&v| uncut[v as usize]).collect()
     }
 
+    /// The triangle of what it came from that triangle `t` is a part of.
+    #[inline]
+    pub fn source_triangle(&self, t: u32) -> u32 {
+        self.provenance.triangle(t)
+    }
+
     /// The vertex of what it came from that vertex `v` is; `None` for one that was inserted.
     pub fn source_vertex(&self, v: u32) -> Option<u32> {
         self.provenance.vertex(self.original[v as usize])

@@ -8,7 +8,7 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
-use crate::base::rng::{Stage, stream, unit};
+use crate::base::rng::{Stage, units_at};
 use crate::geom::aabb::Aabb;
 use crate::triangulate::boundary_loops::{HoleCriteria, fill_boundary_loops};
 use crate::triangulate::neighbourhood::Neighbourhood;
@@ -68,9 +68,12 @@ const JITTER: f64 = 1e-4;
 
 /// The positions, each a little aside.
 fn jittered(points: Surroundings<'_>) -> Vec<DVec3> {
-    let mut rng = stream(0, Stage::Jitter);
-    let mut aside = || 2.0 * DVec3::new(unit(&mut rng), unit(&mut rng), unit(&mut rng)) - 1.0;
-    points.positions.iter().zip(points.spacings).map(|(p, spacing)| p + JITTER * spacing * aside()).collect()
+    let aside = |i: u32| {
+        let ([x, y], [z, _]) = (units_at(0, Stage::Jitter, (i, 0)), units_at(0, Stage::Jitter, (i, 1)));
+        2.0 * DVec3::new(x, y, z) - 1.0
+    };
+    let positions = points.positions.iter().zip(points.spacings).zip(0..);
+    positions.map(|((p, spacing), i)| p + JITTER * spacing * aside(i)).collect()
 }
 
 /// Makes stars; keeps its memory from one to the next.
