@@ -13,7 +13,7 @@ use spectral_remesh::stages::base::rng::{Random, Stage, stream, unit};
 use spectral_remesh::stages::geom::vector::length_squared;
 use spectral_remesh::stages::spectral::ascent::{AscentParameters, PAPER_STEP};
 use spectral_remesh::stages::spectral::free_ascent::ascend_freely;
-use spectral_remesh::stages::spectral::samples::scan;
+use spectral_remesh::stages::spectral::subset::scan;
 use spectral_remesh::stages::surface::submanifold::{FlatTorus, Submanifold, UnitCube};
 use ten::FiveCircles;
 

@@ -27,8 +27,8 @@ use crate::prepare::repair::repair;
 use crate::spectral::ascent::{AscentParameters, PAPER_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA};
 use crate::spectral::candidates::{Candidate, candidates};
 use crate::spectral::free_ascent::ascend_freely;
-use crate::spectral::samples::meet_count;
 use crate::spectral::scan::{Choices, Given, Kernel, OnDomain, scan_lifted};
+use crate::spectral::subset::thin_or_fill;
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::lift::{BarePoints, Lifted, MOST_SIGNALS, Surface};
 use crate::surface::submanifold::Submanifold;
@@ -370,7 +370,7 @@ impl Task<'_> {
             self.search(given.count(), |kernel| scan_lifted::<D>(given, &[], kernel, self.options.seed, self.monitor))?;
         let Some(wanted) = self.wanted else { return Ok((sigma, kept)) };
         let kept = self.features.with_kernel(sigma, |kernel| {
-            meet_count::<_, D>(&Lifted { surface, lift: kernel.lift }, given.samples, &kept, sigma, wanted)
+            thin_or_fill::<_, D>(&Lifted { surface, lift: kernel.lift }, given.samples, &kept, sigma, wanted)
         });
         Ok((sigma, kept))
     }
@@ -461,7 +461,7 @@ fn exactly<S: Submanifold<D, Point = Sample>, const D: usize>(
         let spare = SPARE_PER_MISSING * (wanted - samples.len());
         samples.extend(candidates.iter().step_by((candidates.len() / spare).max(1)).map(|c| c.sample(domain)));
     }
-    let kept = meet_count::<S, D>(surface, &samples, &chosen, sigma, wanted);
+    let kept = thin_or_fill::<S, D>(surface, &samples, &chosen, sigma, wanted);
     kept.into_iter().map(|i| samples[i as usize]).collect()
 }
 

@@ -172,7 +172,7 @@ mod tests {
         let own: Vec<Candidate> = all.iter().copied().filter(|c| c.triangle == triangle).collect();
         let alone: Vec<Candidate> = in_triangle(&domain, triangle, part, 5000.0 / domain.mesh.area(), 7).collect();
         assert_eq!(own, alone);
-        let denser: Vec<Candidate> = in_triangle(&domain, triangle, part, 9000.0 / domain.mesh.area(), 7).collect();
+        let denser: Vec<Candidate> = in_triangle(&domain, triangle, part, 60_000.0 / domain.mesh.area(), 7).collect();
         assert!(denser.len() > own.len() && denser[..own.len()] == own);
     }
 }

@@ -9,6 +9,6 @@ pub mod curve_samples;
 pub mod free_ascent;
 pub mod measure;
 mod nearest;
-pub mod samples;
 pub mod scan;
 pub mod spacing;
+pub mod subset;

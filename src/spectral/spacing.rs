@@ -72,9 +72,9 @@ mod tests {
     #[test]
     fn even_samples_have_the_spacing_of_their_number() {
         let domain = square();
-        let all = candidates(&domain, 40_000, 4);
+        let all = candidates(&domain, 40_000, 9);
         let sigma = 0.03;
-        let samples = linear_scan(&domain, &all, &[], sigma, 4, &()).unwrap();
+        let samples = linear_scan(&domain, &all, &[], sigma, 9, &()).unwrap();
         let expected = (2.0 / (3f64.sqrt() * samples.len() as f64)).sqrt();
         let found = spacings(&domain, &all, &samples, sigma);
         assert_eq!(found.len(), domain.mesh.positions.len());

@@ -10,7 +10,7 @@ use spectral_remesh::stages::geom::vector::length_squared;
 use spectral_remesh::stages::pipeline::{points_of_mesh, remesh, sample, sample_points};
 use spectral_remesh::stages::spectral::ascent::{AscentParameters, PAPER_STEP};
 use spectral_remesh::stages::spectral::free_ascent::ascend_freely;
-use spectral_remesh::stages::spectral::samples::{meet_count, scan};
+use spectral_remesh::stages::spectral::subset::{scan, thin_or_fill};
 use spectral_remesh::stages::surface::submanifold::{FlatTorus, Submanifold, UnitCube};
 use spectral_remesh::{
     CloudOptions, Density, Grading, Mesh, Options, Points, SampleDensity, SampleOptions, Sampled, Signal, Values,
@@ -97,7 +97,7 @@ fn a_surface_in_ten_dimensions() {
     let kept = scan(&ten::FiveCircles, &points, sigma, 7, &()).unwrap();
     assert!((900..1100).contains(&kept.len()), "{}", kept.len());
     for wanted in [850, 1150] {
-        let exactly = meet_count(&ten::FiveCircles, &points, &kept, sigma, wanted);
+        let exactly = thin_or_fill(&ten::FiveCircles, &points, &kept, sigma, wanted);
         let chosen: Vec<[f64; 2]> = exactly.iter().map(|&i| points[i as usize]).collect();
         assert_eq!(chosen.len(), wanted);
         assert!(poisson_disk_radius(&ten::FiveCircles, &chosen, area) > 0.4);

@@ -65,7 +65,7 @@ pub fn scan<S: Submanifold<D>, const D: usize>(
 
 /// `wanted` of `points`, or fewer if no others differ from those, beginning with those numbered in `chosen`: what is too much is
 /// removed where s is smallest, what is missing is added where it is largest.
-pub fn meet_count<S: Submanifold<D>, const D: usize>(
+pub fn thin_or_fill<S: Submanifold<D>, const D: usize>(
     manifold: &S,
     points: &[S::Point],
     chosen: &[u32],
@@ -232,9 +232,9 @@ mod tests {
     fn the_least_important_go_first_and_the_most_important_come_first() {
         let (points, sigma) = (points(60), 0.15);
         let all: Vec<u32> = (0..60).collect();
-        assert_eq!(meet_count(&UnitCube, &points, &all, sigma, 40), thinned_by_hand(&points, sigma, 40));
+        assert_eq!(thin_or_fill(&UnitCube, &points, &all, sigma, 40), thinned_by_hand(&points, sigma, 40));
         // The first is the lowest number, as good as any; the second is the one that it says least about.
-        let two = meet_count(&UnitCube, &points, &[], 10.0, 2);
+        let two = thin_or_fill(&UnitCube, &points, &[], 10.0, 2);
         let distance = |i: u32| length(&points[two[0] as usize], &points[i as usize]);
         assert_eq!((two[0], two.len()), (0, 2));
         assert!((0..60).all(|i| distance(i) <= distance(two[1])));
@@ -247,7 +247,7 @@ mod tests {
     #[test]
     fn the_same_point_twice_is_no_other_point() {
         let points = vec![[0.5, 0.5]; 9];
-        assert_eq!(meet_count(&UnitCube, &points, &[], 0.1, 5).len(), 1);
+        assert_eq!(thin_or_fill(&UnitCube, &points, &[], 0.1, 5).len(), 1);
         assert_eq!(scan(&UnitCube, &points, 0.1, 0, &()).unwrap().len(), 1);
     }
 }
