@@ -48,12 +48,16 @@ struct State {
 impl<'a> Overall<'a> {
     /// A monitor that tells `inner` of the whole; `plan` has the stages in their order and about how long each takes.
     pub fn new(inner: &'a dyn Monitor, plan: &[(&'static str, f64)]) -> Self {
-        let total: f64 = plan.iter().map(|stage| stage.1).sum();
-        let mut end = 0.0;
-        let ends = plan.iter().map(|&(name, share)| {
-            end += share / total;
-            (name, end)
-        });
+        let mut sum = 0.0;
+        let sums: Vec<f64> = plan
+            .iter()
+            .map(|stage| stage.1)
+            .map(|share| {
+                sum += share;
+                sum
+            })
+            .collect();
+        let ends = plan.iter().zip(sums).map(|(&(name, _), end)| (name, end / sum));
         Overall { inner, ends: ends.collect(), state: Mutex::default() }
     }
 
@@ -88,7 +92,8 @@ impl Monitor for Overall<'_> {
         self.update(|state| {
             let [begin, end] = state.stage;
             let of_attempt = begin + (end - begin) * done.clamp(0.0, 1.0);
-            state.done = state.done.max(state.before + (1.0 - state.before) * of_attempt);
+            let left = 1.0 - of_attempt;
+            state.done = state.done.max(1.0 - (1.0 - state.before) * left);
         });
     }
     fn cancelled(&self) -> bool {
