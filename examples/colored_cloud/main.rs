@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release --example colored_cloud`
 
+#![allow(clippy::disallowed_methods)]
+
 use spectral_remesh::{Attribute, Attributes, Input, Options, Result, Scalar, remesh};
 use std::f64::consts::{PI, TAU};
 

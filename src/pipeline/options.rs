@@ -65,7 +65,7 @@ pub struct Options {
     /// Noise is smoothed away first: vertices move to the implicit surface of all of them, on which each reaches as far as
     /// so many mean distances of neighbouring ones. Default: `None`, they stay where they are.
     pub smooth: Option<f64>,
-    /// The input goes through points, as [`crate::mesh_of_points`] makes it: where its edges are longer than those of the
+    /// The input goes through points, as [`mesh_of_points`](crate::stages::pipeline::mesh_of_points) makes it: where its edges are longer than those of the
     /// result, what lies between its vertices is their implicit surface, and not the flat triangles. So it is with `smooth`,
     /// too. Default: false.
     pub of_points: bool,
