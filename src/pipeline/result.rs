@@ -122,7 +122,7 @@ pub(super) fn notes(result: &Remeshed, open_cracks: usize, blunted: bool) -> Vec
             result.output.vertices, result.wanted
         ));
     }
-    notes.extend(note_on_crossings(result));
+    notes.extend(note_on_self_intersections(result));
     notes.extend(result.deviation.as_ref().filter(|d| !d.is_allowed()).map(note_on_deviation));
     if !result.has_topology() {
         notes.push("the result does not have the topology of the input".into());
@@ -130,15 +130,15 @@ pub(super) fn notes(result: &Remeshed, open_cracks: usize, blunted: bool) -> Vec
     notes
 }
 
-/// How many faces cross, where the first one is, and whether the input is to blame.
-fn note_on_crossings(result: &Remeshed) -> Option<String> {
+/// How many faces intersect others, where the first one is, and whether the input is to blame.
+fn note_on_self_intersections(result: &Remeshed) -> Option<String> {
     let (first, count) = (*result.self_intersections.first()?, result.self_intersections.len());
     let place = near(result.mesh.corners(first as usize).into_iter().sum::<DVec3>() / 3.0);
     let input = match result.self_intersections_of_input {
         Some(0) | None => "none of the input do; more points there would part them".into(),
         Some(n) => format!("so do {n} of the input"),
     };
-    Some(format!("{count} faces cross or touch each other, the first {place}: {input}"))
+    Some(format!("{count} faces intersect others, the first {place}: {input}"))
 }
 
 /// By how much the error that was asked for is exceeded, and where.

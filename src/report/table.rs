@@ -75,7 +75,7 @@ fn topology_rows(out: &mut String, columns: &[Topology]) {
 fn crossing_row(out: &mut String, report: &Report) {
     let output = report.crossings.faces.len().to_string();
     let input = report.input.iter().map(|_| report.crossings.repaired.map_or("-".into(), |n| n.to_string()));
-    row(out, "faces that cross", input.chain([output]));
+    row(out, "self-intersecting faces", input.chain([output]));
 }
 
 fn shape_rows(out: &mut String, columns: &[Option<&Shape>]) {
@@ -134,7 +134,7 @@ fn remarks(out: &mut String, report: &Report) {
     }
     list(out, "points", &report.cloud.as_ref().map(points_used).unwrap_or_default());
     list(out, "repairs", &report.repairs.as_ref().map(repairs_made).unwrap_or_default());
-    list(out, "crossing faces", &self_intersections(&report.crossings.faces));
+    list(out, "self-intersections", &self_intersections(&report.crossings.faces));
     if let Some(kept) = &report.attributes {
         list(out, "attributes", &kept.carried);
         let lost: Vec<String> = kept.lost.iter().map(|l| format!("{}: {}", l.name, l.cause)).collect();
@@ -276,7 +276,7 @@ mod tests {
         has(&text, "vertices                              4              4");
         has(&text, "faces                                 4              3");
         has(&text, "boundary loops                        0              1");
-        has(&text, "faces that cross                      -              0");
+        has(&text, "self-intersecting faces               -              0");
         has(&text, "oriented                            yes             no");
         has(&text, "θ max                            90.00°         90.00°");
         has(&text, "valence 4 or less              100.00 %       100.00 %");
@@ -304,7 +304,7 @@ mod tests {
     #[test]
     fn of_many_self_intersecting_faces_the_first_are_named() {
         let text = Report::of_mesh(&crossing(), None).to_text();
-        has(&text, "crossing faces           2, 4, 5, 7");
+        has(&text, "self-intersections       2, 4, 5, 7");
         let faces: Vec<u32> = (0..123).collect();
         let named = self_intersections(&faces);
         assert_eq!((named.len(), named[19].as_str(), named[20].as_str()), (21, "19", "and 103 more"));

@@ -49,8 +49,8 @@ read from all of them but stl, from las and laz, and from columns of numbers: xy
 txt.
 
 Exit status:
-  0   the result is written and verified: an oriented manifold of the input's topology whose faces
-      do not cross each other, unless the input's do, and within --max-error if that is given
+  0   the result is written and verified: an oriented manifold of the input's topology, without
+      self-intersections unless the input has some, and within --max-error if that is given
   1   a file cannot be read or written, or holds no mesh that can be remeshed
   2   wrong usage, or an option out of its range
   3   the result is written, but could not be verified; the report says why
