@@ -137,7 +137,7 @@ fn crossings_of_the_input_stay_and_are_told() {
     let input = together(&[sphere(4, DVec3::ZERO, 1.0), sphere(4, DVec3::X, 1.0)]);
     let made = check_with("spheres", &input, &Options { optimize: false, ..points(800) });
     assert!(made.self_intersections.len() > 20 && made.self_intersections_of_input > Some(20) && made.verified());
-    assert!(made.notes.iter().any(|note| note.contains("cross")), "{:?}", made.notes);
+    assert!(made.notes.iter().any(|note| note.contains("intersect")), "{:?}", made.notes);
     let bvh = Bvh::new(&input);
     // The fit takes them off the surface by some thousandths, parting sheets would by 0.15 of an edge, 0.03.
     assert!(made.mesh.positions.iter().all(|&p| bvh.closest(&input, p).unwrap().distance_squared < 0.01 * 0.01));
