@@ -33,6 +33,12 @@ pub(super) fn watched<T>(voice: Voice, work: impl FnOnce(&Stopwatch) -> Result<T
     work(&Stopwatch::new(&terminal))
 }
 
+/// Says that files are written from now on.
+pub(super) fn now_writing(monitor: &dyn Monitor) {
+    monitor.stage("write");
+    terminal::now_writing();
+}
+
 /// A report to its file and to standard output.
 pub(super) fn hand_out(json: &str, text: &str, run: &Run) -> Result<()> {
     if let Some(path) = &run.report {

@@ -1,9 +1,9 @@
 //! `remesh reconstruct`: reads, reconstructs, writes, reports.
 
 use crate::base::error::Result;
-use crate::base::monitor::{Monitor, check};
+use crate::base::monitor::check;
 use crate::cli::args::Reconstructing;
-use crate::cli::files::{add_run, check_targets, hand_out, load, name, watched};
+use crate::cli::files::{add_run, check_targets, hand_out, load, name, now_writing, watched};
 use crate::io::file;
 use crate::job::{Input, reconstruct};
 use crate::mesh::attributes::Attributes;
@@ -18,7 +18,7 @@ pub(super) fn reconstruct_file(job: &Reconstructing) -> Result<()> {
         let made =
             reconstruct(&Input::from(&loaded), &job.options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
         check(monitor)?;
-        monitor.stage("write");
+        now_writing(monitor);
         file::write_file(&job.output.path, &made.mesh, &Attributes::default(), job.output.format)?;
         let mut report = SurfaceReport::new(&made, loaded.notes, name(&job.input), name(&job.output));
         add_run(&mut report.run, monitor);

@@ -1,9 +1,8 @@
 //! `remesh IN OUT`: reads, remeshes, writes, reports.
 
 use crate::base::error::Result;
-use crate::base::monitor::Monitor;
 use crate::cli::args::{Remeshing, Sizing, Voice};
-use crate::cli::files::{add_run, check_targets, hand_out, load, name, watched};
+use crate::cli::files::{add_run, check_targets, hand_out, load, name, now_writing, watched};
 use crate::cli::status::Status;
 use crate::cli::terminal;
 use crate::io::{Loaded, file};
@@ -18,7 +17,7 @@ pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
         let loaded = load(&job.input, monitor)?;
         let options = options(job, &loaded)?;
         let mut outcome = remesh(&Input::from(&loaded), &options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
-        monitor.stage("write");
+        now_writing(monitor);
         file::write_file(&job.output.path, &outcome.mesh, &outcome.attributes, job.output.format)?;
         if let Some(report) = &mut outcome.report {
             report.run.notes.splice(0..0, loaded.notes);

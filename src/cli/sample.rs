@@ -1,9 +1,9 @@
 //! `remesh sample`: reads, samples, writes, reports.
 
 use crate::base::error::Result;
-use crate::base::monitor::{Monitor, check};
+use crate::base::monitor::check;
 use crate::cli::args::Sampling;
-use crate::cli::files::{add_run, check_targets, hand_out, load, name, watched};
+use crate::cli::files::{add_run, check_targets, hand_out, load, name, now_writing, watched};
 use crate::io::file;
 use crate::job::{Input, sample};
 use crate::mesh::attributes::{Attribute, Attributes, Scalar};
@@ -18,7 +18,7 @@ pub(super) fn sample_file(job: &Sampling) -> Result<()> {
         let loaded = load(&job.input, monitor)?;
         let sampled = sample(&Input::from(&loaded), &job.options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
         check(monitor)?;
-        monitor.stage("write");
+        now_writing(monitor);
         file::write_points_file(&job.output, &sampled.points, &numbers(&sampled), None)?;
         let mut report = SamplesReport::new(&sampled, &job.options, name(&job.input), job.output.display().to_string());
         report.run.notes.splice(0..0, loaded.notes);

@@ -16,15 +16,40 @@ const STEPS: u64 = 1000;
 /// Whether the user wants the run to end.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// From now on Ctrl-C, and on Unix the signals to terminate and to hang up, ask the run to end; a second one ends it
-/// at once. Without a handler, where the system has none, they end it as they always do.
+/// Whether files are being written.
+static WRITING: AtomicBool = AtomicBool::new(false);
+
+/// Time that a stage has to end by itself once the user wants the run to end.
+const PATIENCE: Duration = Duration::from_millis(800);
+
+/// From now on Ctrl-C, and on Unix the signals to terminate and to hang up, ask the run to end. What has not ended then
+/// after [`PATIENCE`], or at a second signal, is ended. Without a handler, where the system has none, they end it as they
+/// always do.
 pub fn listen_for_interrupts() {
     let handler = || {
         if INTERRUPTED.swap(true, Ordering::Relaxed) {
-            std::process::exit(i32::from(Status::Interrupted as u8));
+            end();
         }
+        std::thread::spawn(|| {
+            std::thread::sleep(PATIENCE);
+            // A file that is being written is renamed or removed soon.
+            if !WRITING.load(Ordering::Relaxed) {
+                complain(&Error::Cancelled.to_string());
+                end();
+            }
+        });
     };
     let _ = ctrlc::set_handler(handler);
+}
+
+/// Ends the process as interrupted.
+fn end() -> ! {
+    std::process::exit(i32::from(Status::Interrupted as u8))
+}
+
+/// From now on files are written: an interrupt lets that come to an end.
+pub fn now_writing() {
+    WRITING.store(true, Ordering::Relaxed);
 }
 
 /// A monitor that shows the stages of a run on standard error: as a bar if that is a terminal, as lines if they are

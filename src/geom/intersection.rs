@@ -10,6 +10,9 @@
 //! - With two, they cross where they are coplanar and on the same side of the side that they share.
 //! - With three they are the same.
 //!
+//! Bodies that stand on each other touch, but rounding has each corner now above and now below. [`cross_deeper_than`]
+//! tells contact from crossing: no triangle lies on one side of the other's plane, within a depth.
+//!
 //! A segment that is not in the triangle's plane meets the triangle if its ends are not on the same side of the plane
 //! and its line goes around the three sides of the triangle in one sense. Coplanar things meet in space where their
 //! shadows along all three axes meet: along one of them at least the shadows are as good as the originals.
@@ -36,6 +39,24 @@ pub fn cross(a: Triangle, b: Triangle) -> bool {
         return meets(opposite(a, i), b) || meets(opposite(b, j), a);
     };
     shared.next().is_some() || i == k || j == l || folded([a[i], a[k]], a[3 - i - k], b[3 - j - l])
+}
+
+/// Whether the triangles [`cross`], and not only touch: both have corners deeper than `depth` on both sides of the other.
+/// Triangles of one plane without a shared corner touch. Sheets that are folded over at a shared corner or side cross.
+pub fn cross_deeper_than(depth: f64, a: Triangle, b: Triangle) -> bool {
+    let shared = (0..9).filter(|&i| a[i / 3] == b[i % 3]).count();
+    let sides = [sides_of(a, b, depth), sides_of(b, a, depth)];
+    let is_flat = sides == [Some([0; 3]); 2];
+    let passes = |sides: Option<[i32; 3]>| sides.is_none_or(|s| s.contains(&1) && s.contains(&-1));
+    let may = shared > 1 || shared == 1 && is_flat || sides.into_iter().all(passes);
+    may && cross(a, b)
+}
+
+/// On which side of the plane of `triangle` the corners of `other` are, 0 within `depth` of it; `None` if it has no area.
+fn sides_of(triangle: Triangle, other: Triangle, depth: f64) -> Option<[i32; 3]> {
+    let [a, b, c] = triangle;
+    let normal = (b - a).cross(c - a).try_normalize()?;
+    Some(other.map(|p| (p - a).dot(normal)).map(|height| if height.abs() <= depth { 0 } else { sign(height) }))
 }
 
 /// Whether triangles without shared corners meet.
@@ -169,6 +190,22 @@ mod tests {
         assert!(crosses([[1., 0., 0.], [3., 0., 0.], [1., -1., 1.]]), "a side on a part of a side");
         let eps = f64::EPSILON;
         assert!(!crosses([[2. + 2. * eps, 2. + 2. * eps, 0.], [9., 9., 1.], [9., 9., -1.]]), "all but touching");
+    }
+
+    #[test]
+    fn touching_is_told_from_crossing() {
+        let deeper = |other: [[f64; 3]; 3]| {
+            let (a, b) = (triangle(BASE), triangle(other));
+            assert_eq!(cross_deeper_than(0.01, a, b), cross_deeper_than(0.01, b, a));
+            cross_deeper_than(0.01, a, b)
+        };
+        assert!(!deeper([[1., 1., -0.009], [2., 1., 1.], [1., 2., 1.]]), "a corner inside, by rounding below");
+        assert!(deeper([[1., 1., -0.011], [2., 1., 1.], [1., 2., 1.]]), "a corner below");
+        assert!(!deeper([[1., 1., 0.009], [9., 1., -0.009], [9., 9., 0.]]), "one on the other");
+        assert!(!deeper([[2., -1., -1.], [2., 0.009, 0.], [2., -1., 1.]]), "a corner against a side");
+        assert!(deeper([[0., 0., 0.], [1., 1., 0.], [1., 2., 0.]]), "folded over at a corner");
+        assert!(deeper([[0., 0., 0.], [4., 0., 0.], [1., 1., 0.]]), "folded over at a side");
+        assert!(deeper([[1., 1., -1.], [1., 1., 0.5], [1., 1., 2.]]), "a pin without area");
     }
 
     #[test]

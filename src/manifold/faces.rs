@@ -5,7 +5,7 @@
 use crate::manifold::Manifold;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::{Bvh, Hit};
-use crate::spatial::self_intersections::self_intersecting_pairs;
+use crate::spatial::self_intersections::{depth_of_contact, self_intersecting_pairs};
 use glam::DVec3;
 use std::ops::Range;
 
@@ -32,6 +32,11 @@ impl Faces {
         let triangles = self.mesh.triangles.iter_mut().zip(&self.number);
         triangles.for_each(|(corners, &t)| *corners = mesh.connectivity.triangle(3 * t));
         self.bvh.refit(&self.mesh);
+    }
+
+    /// The depth up to which faces touch.
+    pub fn depth_of_contact(&self) -> f64 {
+        depth_of_contact(&self.mesh)
     }
 
     /// The corners of each face, in the order of the faces.

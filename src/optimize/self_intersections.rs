@@ -21,7 +21,7 @@
 use crate::base::error::Result;
 use crate::base::math;
 use crate::base::monitor::{Monitor, check};
-use crate::geom::intersection::cross;
+use crate::geom::intersection::cross_deeper_than;
 use crate::geom::triangle::{longest_side, mean_ratio};
 use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
@@ -30,7 +30,7 @@ use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{next, prev};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
-use crate::spatial::self_intersections::{faces_of, self_intersections};
+use crate::spatial::self_intersections::faces_of;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -42,10 +42,6 @@ const TURNS: usize = 6;
 /// the face is clear of the surface.
 const STEPS: usize = 6;
 const STEP: f64 = 0.35;
-
-/// Distance around a face, in lengths of its longest edge, within which self-intersections of the input are searched: one,
-/// and the size of the faces that intersect there.
-const SURROUNDINGS: f64 = 3.0;
 
 /// How far a vertex may step away from its place on the surface, in lengths of its longest edge.
 const FARTHEST: f64 = 0.14;
@@ -65,12 +61,18 @@ const MOST_TREATED: usize = 150;
 /// If more intersect than that, a turn that leaves a larger share of the pairs is the last.
 const LEAST_PROGRESS: f64 = 0.8;
 
-/// Moves vertices and flips edges until no avoidable self-intersection is left, or nothing helps.
-pub fn resolve_self_intersections(domain: &Domain, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<()> {
+/// Moves vertices and flips edges until no avoidable self-intersection is left, or nothing helps. `of_domain` gives the
+/// triangles of the domain that intersect others.
+pub fn resolve_self_intersections<'a>(
+    domain: &Domain,
+    of_domain: impl FnOnce() -> &'a [u32],
+    mesh: &mut Manifold,
+    monitor: &dyn Monitor,
+) -> Result<()> {
     if Crossings::new(mesh).pairs.is_empty() {
         return Ok(());
     }
-    take_turns(domain, mesh, monitor)
+    take_turns(domain, &Inherited::new(domain, of_domain()), mesh, monitor)
 }
 
 /// A snapshot of the faces of a mesh, and the pairs of them that intersect.
@@ -87,13 +89,10 @@ impl Crossings {
     }
 
     /// The pairs at places where the input has no self-intersection.
-    fn avoidable(domain: &Domain, mesh: &Manifold) -> Crossings {
+    fn avoidable(inherited: &Inherited, mesh: &Manifold) -> Crossings {
         let mut crossings = Crossings::new(mesh);
-        let crossing = faces_of(crossings.pairs.clone());
-        let triangles: Vec<Corners> = crossing.iter().map(|&t| mesh.corners(t)).collect();
-        let inherited = Inherited::around(domain, &triangles);
-        let need_not = triangles.iter().map(|&t| !inherited.is_near(t));
-        let need_not: BTreeMap<u32, bool> = crossing.into_iter().zip(need_not).collect();
+        let crossing = faces_of(crossings.pairs.clone()).into_iter();
+        let need_not: BTreeMap<u32, bool> = crossing.map(|t| (t, !inherited.is_near(mesh.corners(t)))).collect();
         crossings.pairs.retain(|(t, u)| need_not[t] || need_not[u]);
         crossings
     }
@@ -106,14 +105,9 @@ struct Inherited {
 }
 
 impl Inherited {
-    /// Those around `triangles`.
-    fn around(domain: &Domain, triangles: &[Corners]) -> Inherited {
-        let reach = |t: &Corners| SURROUNDINGS * longest_side(*t);
-        let mut near: Vec<u32> = triangles.iter().flat_map(|t| domain.triangles_near(middle(*t), reach(t))).collect();
-        near.sort_unstable();
-        near.dedup();
-        let near = Mesh::soup(near.into_iter().map(|t| domain.mesh.corners(t as usize)));
-        let mesh = Mesh::soup(self_intersections(&near).into_iter().map(|t| near.corners(t as usize)));
+    /// Those `triangles` of the domain.
+    fn new(domain: &Domain, triangles: &[u32]) -> Inherited {
+        let mesh = Mesh::soup(triangles.iter().map(|&t| domain.mesh.corners(t as usize)));
         Inherited { bvh: Bvh::new(&mesh), mesh }
     }
 
@@ -130,17 +124,17 @@ fn middle(triangle: Corners) -> DVec3 {
 }
 
 /// Parts sheets and treats single faces in turns, as long as the number of intersecting pairs falls.
-fn take_turns(domain: &Domain, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<()> {
-    let mut crossings = Crossings::avoidable(domain, mesh);
+fn take_turns(domain: &Domain, inherited: &Inherited, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<()> {
+    let mut crossings = Crossings::avoidable(inherited, mesh);
     for _ in 0..TURNS {
         if crossings.pairs.is_empty() {
             break;
         }
         check(monitor)?;
         let (before, left) = (mesh.clone(), crossings.pairs.len());
-        crossings = part_sheets(domain, mesh, crossings);
+        crossings = part_sheets(domain, inherited, mesh, crossings);
         treat_faces(domain, mesh, crossings);
-        crossings = Crossings::avoidable(domain, mesh);
+        crossings = Crossings::avoidable(inherited, mesh);
         if crossings.pairs.len() >= left {
             *mesh = before;
             break;
@@ -153,7 +147,7 @@ fn take_turns(domain: &Domain, mesh: &mut Manifold, monitor: &dyn Monitor) -> Re
 }
 
 /// Moves the sheets that cross apart, step by step, and keeps the step with the fewest crossings; those that are left.
-fn part_sheets(domain: &Domain, mesh: &mut Manifold, crossings: Crossings) -> Crossings {
+fn part_sheets(domain: &Domain, inherited: &Inherited, mesh: &mut Manifold, crossings: Crossings) -> Crossings {
     let mut pairs = crossings.pairs.clone();
     let mut best = (crossings, mesh.samples.clone());
     for _ in 0..STEPS {
@@ -162,7 +156,7 @@ fn part_sheets(domain: &Domain, mesh: &mut Manifold, crossings: Crossings) -> Cr
         if moved == 0 {
             break;
         }
-        let crossings = Crossings::avoidable(domain, mesh);
+        let crossings = Crossings::avoidable(inherited, mesh);
         pairs.clone_from(&crossings.pairs);
         if pairs.len() < best.0.pairs.len() {
             best = (crossings, mesh.samples.clone());
@@ -247,7 +241,7 @@ fn longest_edge(mesh: &Manifold, v: u32) -> f64 {
 /// Flips edges and moves vertices of faces that cross, one by one, where that leaves fewer crossings.
 fn treat_faces(domain: &Domain, mesh: &mut Manifold, Crossings { faces, pairs }: Crossings) {
     let crossing: BTreeSet<u32> = pairs.iter().flat_map(|&(t, u)| [t, u]).collect();
-    let mut around = Surroundings { faces, changed: BTreeSet::new() };
+    let mut around = Surroundings { depth: faces.depth_of_contact(), faces, changed: BTreeSet::new() };
     for face in crossing.into_iter().take(MOST_TREATED) {
         let h = 3 * face;
         for side in [h, next(h), prev(h)] {
@@ -263,6 +257,8 @@ fn treat_faces(domain: &Domain, mesh: &mut Manifold, Crossings { faces, pairs }:
 struct Surroundings {
     faces: Faces,
     changed: BTreeSet<u32>,
+    /// Up to which faces touch.
+    depth: f64,
 }
 
 type Corners = [DVec3; 3];
@@ -270,8 +266,12 @@ type Corners = [DVec3; 3];
 impl Surroundings {
     /// How many pairs of faces would cross, of those that `new` is in, if it were there in place of the faces `old`.
     fn count(&self, mesh: &Manifold, new: &[Corners], old: &[u32]) -> usize {
-        let among: usize = (1..new.len()).map(|i| new[..i].iter().filter(|&&t| cross(t, new[i])).count()).sum();
+        let among: usize = (1..new.len()).map(|i| new[..i].iter().filter(|&&t| self.cross(t, new[i])).count()).sum();
         among + new.iter().map(|&t| self.count_of(mesh, t, old)).sum::<usize>()
+    }
+
+    fn cross(&self, a: Corners, b: Corners) -> bool {
+        cross_deeper_than(self.depth, a, b)
     }
 
     /// How many faces, those of `old` left out, cross a triangle.
@@ -280,10 +280,10 @@ impl Surroundings {
         let mut count = 0;
         self.faces.in_box(a.min(b).min(c), a.max(b).max(c), |t, corners| {
             let stays = !old.contains(&t) && !self.changed.contains(&t);
-            count += usize::from(stays && cross(triangle, corners));
+            count += usize::from(stays && self.cross(triangle, corners));
         });
         let changed = self.changed.iter().filter(|t| !old.contains(t));
-        count + changed.filter(|&&t| cross(triangle, mesh.corners(t))).count()
+        count + changed.filter(|&&t| self.cross(triangle, mesh.corners(t))).count()
     }
 
     fn flip_if_fewer(&mut self, mesh: &mut Manifold, h: u32) {

@@ -38,6 +38,9 @@ const REGULAR: i32 = 6;
 const LONGEST_GLIDE: usize = 12;
 const MOST_TRIES: usize = 40;
 
+/// Flips for each edge after which flipping ends at the latest.
+const FLIPS_PER_EDGE: usize = 20;
+
 /// Least mean ratio of a triangle that a move may leave: a row sheared twice has 0.27.
 const LEAST_SHAPE: f64 = 0.25;
 
@@ -67,13 +70,18 @@ pub fn remove_near_defects(mesh: &mut Manifold, locked: &VertexSet, spacing: f64
 /// The excess of each vertex that is not on a curve, kept up to date with the mesh.
 pub(super) struct Defects {
     excess: Vec<i32>,
+    /// Flips that may still lower the energy. Each takes two of it at least, so there are no more than half of what there
+    /// was; but the angles of a fan change with its triangles, and where they do, what one flip lowers another may raise.
+    flips_left: usize,
 }
 
 impl Defects {
     pub(super) fn new(mesh: &Manifold) -> Defects {
         let c = &mesh.connectivity;
         let excess = |v: u32| if c.has_vertex(v) { c.valence(v) as i32 - REGULAR } else { 0 };
-        Defects { excess: (0..c.vertex_bound()).map(excess).collect() }
+        let excess: Vec<i32> = (0..c.vertex_bound()).map(excess).collect();
+        let energy: usize = excess.iter().map(|&e| e.unsigned_abs() as usize).map(|e| e * e).sum();
+        Defects { excess, flips_left: energy / 2 + c.half_edge_bound() as usize }
     }
 
     /// The excess at the origin of `h`, on the side of the curve that the triangle of `h` is on.
@@ -106,9 +114,10 @@ impl Defects {
 
     /// Flips edges that lower the energy until there are none, beginning with those in `queue`.
     fn flip_down(&mut self, mut queue: Vec<u32>, mesh: &mut Manifold) {
-        while let Some(h) = queue.pop() {
+        while let Some(h) = queue.pop().filter(|_| self.flips_left > 0) {
             let c = &mesh.connectivity;
             if c.has_half_edge(h) && c.has_twin(h) && self.rise(mesh, h) < 0 && may_flip(mesh, h) {
+                self.flips_left -= 1;
                 self.flip(&mut mesh.connectivity, h);
                 queue.extend(touched(&mesh.connectivity, h));
             }
@@ -118,7 +127,7 @@ impl Defects {
     /// Flips edges that are not Delaunay unless that raises the energy.
     pub(super) fn flip_level(&mut self, mesh: &mut Manifold) {
         let mut queue: Vec<u32> = mesh.edges().collect();
-        let mut left = 20 * queue.len();
+        let mut left = FLIPS_PER_EDGE * queue.len();
         while let Some(h) = queue.pop() {
             let c = &mesh.connectivity;
             if left > 0 && c.has_twin(h) && mesh.breaks_delaunay(h) && self.rise(mesh, h) <= 0 && may_flip(mesh, h) {

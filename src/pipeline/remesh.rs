@@ -136,7 +136,7 @@ fn triangulated(
             best = Some(triangulation);
         }
         let score = best.as_ref().expect("samples were triangulated").score;
-        match attempts.after_triangulation(score, || surface.self_intersections()) {
+        match attempts.after_triangulation(score, || surface.self_intersections().len()) {
             Step::Continue => return Ok((surface, best.expect("samples were triangulated"))),
             Step::Resample => {}
             Step::Restart => best = None,
@@ -209,7 +209,7 @@ impl Finished {
         let Triangulation { mesh: mut manifold, tessellated_patches, .. } = triangulation;
         arrange(prepared, surface, &mut manifold, monitor)?;
         monitor.stage("resolve self-intersections");
-        resolve_self_intersections(&surface.domain, &mut manifold, monitor)?;
+        resolve_self_intersections(&surface.domain, || surface.self_intersections(), &mut manifold, monitor)?;
         let of_part = manifold.to_mesh();
         let outwards = prepared.unit.outwards(of_part.clone());
         let sewn = surface.within.as_ref().map(|within| within.sew(&outwards, &manifold, &surface.domain));
@@ -230,7 +230,7 @@ impl Finished {
 /// How many triangles of the repaired input intersect others.
 fn self_intersections_of(surface: &SizedSurface) -> usize {
     let of_whole = surface.within.as_ref().map(|within| self_intersections(&within.whole).len());
-    of_whole.unwrap_or_else(|| surface.self_intersections())
+    of_whole.unwrap_or_else(|| surface.self_intersections().len())
 }
 
 /// Optimises the mesh, or, if that is not wanted, gives it the wanted count and leaves it where the paper's ascent does.

@@ -31,7 +31,7 @@ pub(super) struct SizedSurface {
     pub within: Option<Within>,
     /// The topology of what is sampled.
     pub topology: Topology,
-    self_intersections: OnceLock<usize>,
+    self_intersections: OnceLock<Vec<u32>>,
 }
 
 impl SizedSurface {
@@ -94,9 +94,9 @@ impl SizedSurface {
         SizedSurface { domain: self.domain.smooth(), blunted: true, ..self }
     }
 
-    /// How many of its triangles intersect others; it is counted once.
-    pub(super) fn self_intersections(&self) -> usize {
-        *self.self_intersections.get_or_init(|| self.domain.self_intersections().len())
+    /// Its triangles that intersect others, in increasing order; they are searched once.
+    pub(super) fn self_intersections(&self) -> &[u32] {
+        self.self_intersections.get_or_init(|| self.domain.self_intersections())
     }
 }
 

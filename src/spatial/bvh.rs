@@ -22,6 +22,7 @@ use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Most triangles of a leaf. Fewer makes more boxes to test, more makes more triangles to test.
 const LEAF: usize = 4;
@@ -61,6 +62,9 @@ struct Item {
     place: DVec3,
     triangle: u32,
 }
+
+/// Pairs of nodes from which on the pairs below them are looked for in parallel.
+const PAIRS_IN_PARALLEL: usize = 1024;
 
 impl Bvh {
     /// The hierarchy over all triangles of `mesh`. The same mesh gives the same hierarchy with any number of threads.
@@ -197,22 +201,57 @@ impl Bvh {
     /// The pairs of triangles, the lower index first and in increasing order, whose bounding boxes meet and that
     /// `accept` says yes to. In parallel; the same pairs with any number of threads.
     pub fn pairs_that_meet(&self, mesh: &Mesh, accept: impl Fn(u32, u32) -> bool + Sync) -> Vec<(u32, u32)> {
-        let meet = |&(a, b): &(u32, u32)| self.boxes[a as usize].meets(&self.boxes[b as usize]);
-        let mut nodes = vec![(0, 0)];
-        for _ in 0..self.depth {
-            nodes =
-                nodes.par_iter().flat_map_iter(|&pair| pairs_below(pair).into_iter().flatten().filter(meet)).collect();
-        }
-        let in_leaves = |&(a, b): &(u32, u32)| {
-            let boxed = |&t: &u32| (t, box_of(mesh, t));
-            let others = move || self.leaf(b).iter().map(boxed);
-            let pairs = self.leaf(a).iter().map(boxed).flat_map(move |one| others().map(move |other| (one, other)));
-            let meeting = pairs.filter(move |((t, _), (u, _))| a != b || t < u).filter(|(t, u)| t.1.meets(&u.1));
-            meeting.map(|((t, _), (u, _))| (t.min(u), t.max(u))).filter(|&(t, u)| accept(t, u))
-        };
-        let mut pairs: Vec<(u32, u32)> = nodes.par_iter().flat_map_iter(in_leaves).collect();
+        let mut pairs = self.of_pairs(mesh, |t, u| accept(t, u).then_some((t, u)));
         pairs.par_sort_unstable();
         pairs
+    }
+
+    /// The triangles of those pairs, in increasing order. Pairs of triangles that are known already are not looked at: that
+    /// and the memory are bounded where a great many triangles are in one place.
+    pub fn triangles_that_meet(&self, mesh: &Mesh, accept: impl Fn(u32, u32) -> bool + Sync) -> Vec<u32> {
+        let known: Vec<AtomicBool> = mesh.triangles.iter().map(|_| AtomicBool::new(false)).collect();
+        let is_known = |t: u32| known[t as usize].load(Ordering::Relaxed);
+        self.of_pairs(mesh, |t, u| -> Option<()> {
+            if !(is_known(t) && is_known(u)) && accept(t, u) {
+                [t, u].iter().for_each(|&t| known[t as usize].store(true, Ordering::Relaxed));
+            }
+            None
+        });
+        (0..mesh.triangles.len() as u32).filter(|&t| is_known(t)).collect()
+    }
+
+    /// What `of` makes of the pairs of triangles, the lower index first, whose bounding boxes meet; in no order.
+    fn of_pairs<T: Send>(&self, mesh: &Mesh, of: impl Fn(u32, u32) -> Option<T> + Sync) -> Vec<T> {
+        let meet = |&(a, b): &(u32, u32)| self.boxes[a as usize].meets(&self.boxes[b as usize]);
+        let mut nodes = vec![(0, 0)];
+        let mut level = 0;
+        while level < self.depth && nodes.len() < PAIRS_IN_PARALLEL {
+            nodes = nodes.into_iter().flat_map(|pair| pairs_below(pair).into_iter().flatten().filter(meet)).collect();
+            level += 1;
+        }
+        let below = |pair: (u32, u32)| {
+            let (mut made, mut waiting) = (Vec::new(), vec![(pair, level)]);
+            while let Some((pair, level)) = waiting.pop() {
+                if level == self.depth {
+                    self.of_leaves(mesh, pair, &of, &mut made);
+                } else {
+                    let next = pairs_below(pair).into_iter().flatten().filter(meet);
+                    waiting.extend(next.map(|pair| (pair, level + 1)));
+                }
+            }
+            made
+        };
+        nodes.into_par_iter().flat_map_iter(below).collect()
+    }
+
+    /// [`Self::of_pairs`] of a triangle of leaf `a` and one of leaf `b` each.
+    fn of_leaves<T>(&self, mesh: &Mesh, (a, b): (u32, u32), of: impl Fn(u32, u32) -> Option<T>, made: &mut Vec<T>) {
+        for &t in self.leaf(a) {
+            let around = box_of(mesh, t);
+            let others = self.leaf(b).iter().filter(|&&u| a != b || t < u);
+            let meeting = others.filter(|&&u| around.meets(&box_of(mesh, u)));
+            made.extend(meeting.filter_map(|&u| of(t.min(u), t.max(u))));
+        }
     }
 
     /// The children of `node` and their squared distances to `p`, the nearer first; `None` for a leaf.
@@ -363,6 +402,10 @@ mod tests {
             .map(|(t, u)| (t as u32, u as u32))
             .collect();
         assert_eq!(Bvh::new(mesh).pairs_that_meet(mesh, |t, u| (t + u) % 3 > 0), expected);
+        let mut triangles: Vec<u32> = expected.into_iter().flat_map(|(t, u)| [t, u]).collect();
+        triangles.sort_unstable();
+        triangles.dedup();
+        assert_eq!(Bvh::new(mesh).triangles_that_meet(mesh, |t, u| (t + u) % 3 > 0), triangles);
     }
 
     #[test]

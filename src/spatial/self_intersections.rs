@@ -1,25 +1,42 @@
-//! Self-intersections of a mesh, exactly.
+//! Self-intersections of a mesh.
 //!
-//! Two faces intersect where they have a point in common that is neither a corner of both nor on a side of both; see
-//! [`crate::geom::intersection`]. Corners at the same place are one corner here, whatever their numbers are, so UV seams and
-//! surfaces that touch at common vertices do not intersect.
+//! Two faces intersect where they pass through each other, or where they share a side and are folded over; see
+//! [`crate::geom::intersection`]. Corners at the same place are one corner here, whatever their numbers are, so UV seams do
+//! not intersect. Nor do surfaces that only touch, at corners, along edges or with whole faces: what is no deeper than
+//! [`CONTACT`] is contact.
 //!
 //! Cost: n log n to build the hierarchy, then near-linear for surfaces, whose boxes meet few others; in parallel.
 //!
-//! Limits: faces that are all in one place (a soup of n copies) are n² pairs.
+//! Limits: faces that are all in one place (a soup of n copies) are n² pairs; only who asks for pairs keeps them.
 
-use crate::geom::intersection::cross;
+use crate::geom::intersection::cross_deeper_than;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
 
+/// Depth up to which faces touch, as a share of the diagonal of their mesh: coordinates in single precision are off by up
+/// to a tenth of it.
+const CONTACT: f64 = 1e-6;
+
+/// The depth, for [`cross_deeper_than`], from which on faces of `mesh` intersect.
+pub fn depth_of_contact(mesh: &Mesh) -> f64 {
+    CONTACT * mesh.diagonal()
+}
+
 /// The pairs of faces of `mesh` that intersect, the lower index first, in increasing order. `bvh` is the hierarchy over it.
 pub fn self_intersecting_pairs(mesh: &Mesh, bvh: &Bvh) -> Vec<(u32, u32)> {
-    bvh.pairs_that_meet(mesh, |t, u| cross(mesh.corners(t as usize), mesh.corners(u as usize)))
+    let depth = depth_of_contact(mesh);
+    bvh.pairs_that_meet(mesh, |t, u| cross_deeper_than(depth, mesh.corners(t as usize), mesh.corners(u as usize)))
 }
 
 /// The self-intersecting faces of `mesh`, in increasing order.
 pub fn self_intersections(mesh: &Mesh) -> Vec<u32> {
-    faces_of(self_intersecting_pairs(mesh, &Bvh::new(mesh)))
+    self_intersecting_faces(mesh, &Bvh::new(mesh))
+}
+
+/// [`self_intersections`] with the hierarchy over `mesh`.
+pub fn self_intersecting_faces(mesh: &Mesh, bvh: &Bvh) -> Vec<u32> {
+    let depth = depth_of_contact(mesh);
+    bvh.triangles_that_meet(mesh, |t, u| cross_deeper_than(depth, mesh.corners(t as usize), mesh.corners(u as usize)))
 }
 
 /// The faces of some pairs, each once, in increasing order.
@@ -77,8 +94,9 @@ mod tests {
                 mesh.triangles.push([3 * t, 3 * t + 1, 3 * t + 2]);
             }
             let all = (0..count).flat_map(|t| (t + 1..count).map(move |u| (t, u)));
-            let expected: Vec<(u32, u32)> =
-                all.filter(|&(t, u)| cross(mesh.corners(t as usize), mesh.corners(u as usize))).collect();
+            let depth = depth_of_contact(&mesh);
+            let meet = |t, u| cross_deeper_than(depth, mesh.corners(t as usize), mesh.corners(u as usize));
+            let expected: Vec<(u32, u32)> = all.filter(|&(t, u)| meet(t, u)).collect();
             assert!(expected.len() > 10);
             assert_eq!(self_intersecting_pairs(&mesh, &Bvh::new(&mesh)), expected);
         }

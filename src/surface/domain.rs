@@ -13,7 +13,7 @@ use crate::mesh::topology::{NONE, components, twins};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::{Bvh, Hit};
 use crate::spatial::foot::Foot;
-use crate::spatial::self_intersections::{faces_of, self_intersecting_pairs};
+use crate::spatial::self_intersections::self_intersecting_faces;
 use crate::surface::feature_curves::Curves;
 use crate::surface::features::{Features, sharp_sides};
 use glam::DVec3;
@@ -368,7 +368,7 @@ impl Domain {
 
     /// The triangles that cross or touch another one where they are not joined.
     pub fn self_intersections(&self) -> Vec<u32> {
-        faces_of(self_intersecting_pairs(&self.mesh, &self.bvh))
+        self_intersecting_faces(&self.mesh, &self.bvh)
     }
 
     /// The loops of the boundary, and of sharp edges, each as the sides `3 t + k` along it with the surface on their

@@ -7,6 +7,7 @@ pub mod hole_filling;
 pub mod inconsistent_stars;
 pub mod mutual_tessellation;
 mod neighbourhood;
+mod neighbours_of_patch;
 mod patch_topology;
 pub mod points;
 pub mod star;

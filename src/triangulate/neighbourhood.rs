@@ -1,9 +1,9 @@
 //! The points around a point in its tangent plane, and its Voronoi cell among them.
 
-use crate::spatial::kdtree::{Neighbor, Neighbors};
+use crate::spatial::kdtree::Neighbor;
 use crate::triangulate::cell::Cell;
 use crate::triangulate::unfold::Neighbour;
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 
 /// The neighbours of one point after the other; keeps its memory from one to the next.
 #[derive(Default)]
@@ -15,15 +15,14 @@ pub(super) struct Neighbourhood {
 }
 
 impl Neighbourhood {
-    /// Finds the points but `centre` within `radius` of `p` that `place` gives a place in the plane.
-    pub fn find_in_ball(
+    /// Finds the points but `centre`, of those that `collect` finds, that `place` gives a place in the plane.
+    pub fn find(
         &mut self,
-        near: &Neighbors,
-        (centre, p): (u32, DVec3),
-        radius: f64,
+        centre: u32,
+        collect: impl FnOnce(&mut Vec<Neighbor>),
         mut place: impl FnMut(&Neighbor) -> Option<DVec2>,
     ) {
-        near.collect_within(p, radius, &mut self.ball);
+        collect(&mut self.ball);
         let others = self.ball.iter().filter(|n| n.point != centre);
         let placed = others.filter_map(|n| Some(Neighbour { sample: n.point, place: place(n)? }));
         self.found.clear();

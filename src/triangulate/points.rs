@@ -10,6 +10,7 @@ use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 use crate::base::rng::{Stage, units_at};
 use crate::geom::aabb::Aabb;
+use crate::spatial::kdtree::Neighbor;
 use crate::triangulate::boundary_loops::{HoleCriteria, fill_boundary_loops};
 use crate::triangulate::neighbourhood::Neighbourhood;
 use crate::triangulate::surroundings::Surroundings;
@@ -106,7 +107,8 @@ impl<'a> StarMaker<'a> {
                 break;
             }
             radius = (GROWTH * radius).min(2.0 * largest);
-            self.around.find_in_ball(points.near, (centre, here), radius, |n| points.place(centre, n.point));
+            let collect = |found: &mut Vec<Neighbor>| points.near.collect_within(here, radius, found);
+            self.around.find(centre, collect, |n| points.place(centre, n.point));
         }
         self.around.cell.wedges().filter(|w| w.1.length() <= largest).map(|([a, b], _)| [centre, a, b]).collect()
     }

@@ -12,11 +12,12 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
-use crate::spatial::kdtree::Neighbors;
+use crate::spatial::kdtree::Neighbor;
 use crate::surface::domain::{Domain, Sample};
 use crate::triangulate::neighbourhood::Neighbourhood;
+use crate::triangulate::neighbours_of_patch::NeighboursOfPatch;
 use crate::triangulate::unfold::{SamplesByTriangle, Unfolding, along_gentle_bend};
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use rayon::prelude::*;
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
 
@@ -55,7 +56,7 @@ struct Cloud<'a> {
     successor: &'a [u32],
     spacing: f64,
     by_triangle: &'a SamplesByTriangle,
-    near: &'a Neighbors,
+    near: &'a NeighboursOfPatch<'a>,
 }
 
 /// The stars of all samples, as triangles that begin with the centre of the star. `successor` has for each sample the next
@@ -72,8 +73,7 @@ pub fn stars(
 ) -> Result<Vec<[u32; 3]>> {
     check(monitor)?;
     let by_triangle = SamplesByTriangle::new(domain.mesh.triangles.len(), samples);
-    let positions: Vec<DVec3> = samples.iter().map(|s| s.position).collect();
-    let near = Neighbors::new(&positions);
+    let near = NeighboursOfPatch::new(domain, samples);
     let cloud = Cloud { domain, samples, successor, spacing, by_triangle: &by_triangle, near: &near };
     let chunks: Vec<Vec<[u32; 3]>> = (0..samples.len().div_ceil(CHUNK))
         .into_par_iter()
@@ -136,12 +136,10 @@ impl<'a> StarMaker<'a> {
         let Cloud { domain, samples, near, .. } = self.cloud;
         let here = &samples[centre as usize];
         let mut doubtful = f64::INFINITY;
-        self.around.find_in_ball(near, (centre, here.position), radius, |neighbor| {
-            let there = &samples[neighbor.point as usize];
-            if domain.patch_of(there.triangle) != domain.patch_of(here.triangle) {
-                return None;
-            }
-            let place = along_gentle_bend(here, there);
+        let patch = domain.patch_of(here.triangle);
+        let collect = |found: &mut Vec<Neighbor>| near.collect_within(patch, here.position, radius, found);
+        self.around.find(centre, collect, |neighbor| {
+            let place = along_gentle_bend(here, &samples[neighbor.point as usize]);
             if place.is_none() {
                 doubtful = doubtful.min(neighbor.distance_squared.sqrt());
             }
@@ -222,10 +220,11 @@ impl<'a> StarMaker<'a> {
                 on_boundary.push((n.sample, vertex));
             }
         }
+        let mut by_sample = on_boundary.clone();
+        by_sample.sort_unstable_by_key(|b| b.0);
         for &(sample, from) in &on_boundary {
-            let next = on_boundary.iter().find(|b| b.0 == self.cloud.successor[sample as usize]);
-            if let Some(&(_, to)) = next {
-                plane.try_add_constraint(from, to);
+            if let Ok(next) = by_sample.binary_search_by_key(&self.cloud.successor[sample as usize], |b| b.0) {
+                plane.try_add_constraint(from, by_sample[next].1);
             }
         }
         Some(plane)

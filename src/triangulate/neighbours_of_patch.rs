@@ -1,0 +1,51 @@
+//! The neighbours of a sample within its own smooth patch: a k-d tree for each patch of many samples, and all samples of a
+//! patch of few. A surface in a great many small pieces has most samples around a place on other patches.
+//!
+//! Cost: n log n to build; a query is linear in what it finds, or in [`FEW`].
+
+use crate::base::csr::Csr;
+use crate::spatial::kdtree::{Neighbor, Neighbors};
+use crate::surface::domain::{Domain, Sample};
+use glam::DVec3;
+
+/// Samples of a patch that looking at all of them is as good for as a tree.
+const FEW: usize = 32;
+
+/// Samples by their patch.
+pub(super) struct NeighboursOfPatch<'a> {
+    samples: &'a [Sample],
+    /// The samples of each patch.
+    of_patch: Csr<u32>,
+    /// The trees of patches with more than a few samples.
+    trees: Vec<Option<Neighbors>>,
+}
+
+impl<'a> NeighboursOfPatch<'a> {
+    pub(super) fn new(domain: &Domain, samples: &'a [Sample]) -> Self {
+        let patches = domain.patch.iter().max().map_or(0, |&last| last as usize + 1);
+        let of_patch = Csr::new(patches, || samples.iter().map(|s| domain.patch_of(s.triangle)).zip(0u32..));
+        let tree = |patch: u32| {
+            let own = of_patch.row(patch);
+            let positions = || own.iter().map(|&s| samples[s as usize].position).collect::<Vec<DVec3>>();
+            (own.len() > FEW).then(|| Neighbors::new(&positions()))
+        };
+        let trees = (0..patches as u32).map(tree).collect();
+        NeighboursOfPatch { samples, of_patch, trees }
+    }
+
+    /// Collects into `found` the samples of `patch` within `radius` of `p`, in no order that means anything.
+    pub(super) fn collect_within(&self, patch: u32, p: DVec3, radius: f64, found: &mut Vec<Neighbor>) {
+        let own = self.of_patch.row(patch);
+        if let Some(tree) = &self.trees[patch as usize] {
+            tree.collect_within(p, radius, found);
+            found.iter_mut().for_each(|n| n.point = own[n.point as usize]);
+            return;
+        }
+        let all = own.iter().map(|&s| {
+            let distance_squared = self.samples[s as usize].position.distance_squared(p);
+            Neighbor { point: s, distance_squared }
+        });
+        found.clear();
+        found.extend(all.filter(|n| n.distance_squared <= radius * radius));
+    }
+}
