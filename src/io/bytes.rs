@@ -10,6 +10,8 @@ pub(super) const CUT_SHORT: &str = "the file seems to be cut short: copy or expo
 pub(super) const CORRECT_LINE: &str = "correct that line or export the file again";
 /// What to do about a file that contradicts itself.
 pub(super) const EXPORT_AGAIN: &str = "export it again, or repair it with the program that made it";
+/// What to do about a file of curves.
+pub(super) const NO_LINES: &str = "export the faces of a surface, or its points without the lines between them";
 
 /// The error for content that is not what the format says; the name of the file is filled in later.
 pub(super) fn malformed(place: Place, cause: impl Into<String>, remedy: &str) -> Error {

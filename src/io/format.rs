@@ -30,7 +30,7 @@ pub enum Format {
 }
 
 /// Where a keyword that is not at the very start must appear for the content to be recognised.
-const HEAD: usize = 4096;
+pub(super) const HEAD: usize = 4096;
 
 /// Header and triangle count of a binary STL, and each of its triangles.
 const STL_BYTES: (usize, usize) = (84, 50);

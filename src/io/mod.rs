@@ -20,8 +20,12 @@ mod content;
 mod faces;
 #[cfg(feature = "fs")]
 pub mod file;
+#[cfg(feature = "fs")]
+mod foreign;
 mod format;
 mod gltf;
+#[cfg(feature = "fs")]
+mod gzip;
 mod las;
 mod obj;
 mod off;

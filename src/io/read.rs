@@ -1,6 +1,7 @@
 //! Reading: the bytes of a file in any format become a mesh whose indices and coordinates are checked.
 
 use crate::base::error::{Error, Place, Result};
+use crate::geom::triangle::area;
 use crate::io::content::{Read, Resolve};
 use crate::io::format::Format;
 use crate::io::{gltf, las, obj, off, ply, stl, text, xyz};
@@ -32,7 +33,8 @@ impl Loaded {
 }
 
 /// Reads a mesh from the bytes of a file. Indices of the result are in range and coordinates finite; vertices and
-/// triangles are those of the file, in its order, with nothing merged or repaired.
+/// triangles are those of the file, in its order, with nothing merged or repaired. If no face of it has an area, the
+/// result has points only: some programs put a face into the file of a cloud that is none.
 ///
 /// # Errors
 /// [`Error::Format`] with an empty file name and the place, for content that is not what the format says.
@@ -51,7 +53,23 @@ pub fn parse(bytes: &[u8], format: Format, resolve: Resolve) -> Result<Loaded> {
     }?;
     check(&mesh, format)?;
     check_attributes(&mesh, &attributes)?;
+    let (mesh, attributes, notes) = without_empty_faces(mesh, attributes, notes);
     Ok(Loaded { mesh, attributes, format, notes })
+}
+
+/// Points instead of a mesh without area, and a note of that.
+fn without_empty_faces(
+    mesh: Mesh,
+    attributes: Attributes,
+    mut notes: Vec<String>,
+) -> (Mesh, Attributes, Vec<String>) {
+    let faces = mesh.triangles.len();
+    if faces == 0 || (0..faces).any(|t| area(mesh.corners(t)) > 0.0) {
+        return (mesh, attributes, notes);
+    }
+    notes.push(format!("all faces, {faces}, have no area: the vertices are taken as a cloud of points"));
+    let attributes = Attributes { vertex: attributes.vertex, ..Attributes::default() };
+    (Mesh { triangles: Vec::new(), ..mesh }, attributes, notes)
 }
 
 /// What every stage after this one relies on, whatever the reader did.

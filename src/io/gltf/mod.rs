@@ -43,6 +43,10 @@ const HARMLESS: [&str; 9] = [
     "MSFT_texture_",
 ];
 
+/// Extensions that compress meshes, and what to do about them.
+const COMPRESSIONS: [&str; 3] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
+const DECOMPRESS: &str = "decompress it by `gltf-transform copy IN OUT.glb`, or export it without compression";
+
 /// The triangles and points of the default scene (of the first one, if none is the default; of all meshes, if there is
 /// no scene). `resolve` is given the addresses of buffers in other files as they are in the JSON.
 ///
@@ -65,7 +69,8 @@ fn read(json: &[u8], bin: Option<&[u8]>, resolve: Resolve, place: impl Fn(usize)
     let harmless = |name: &String| HARMLESS.iter().any(|prefix| name.starts_with(prefix));
     if let Some(name) = root.extensions_required.iter().find(|name| !harmless(name)) {
         let cause = format!("requires the extension {name}, which is not supported");
-        return Err(malformed(Place::Part("extensionsRequired".into()), cause, "export it without that extension"));
+        let remedy = if COMPRESSIONS.contains(&name.as_str()) { DECOMPRESS } else { "export it without that extension" };
+        return Err(malformed(Place::Part("extensionsRequired".into()), cause, remedy));
     }
     let mut all: Read = scene::collect(&root, &Store::new(&root, bin, resolve))?;
     if has_materials {
