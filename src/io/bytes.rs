@@ -41,6 +41,22 @@ pub(super) fn narrow(p: DVec3) -> io::Result<[f32; 3]> {
     Err(io::Error::new(io::ErrorKind::InvalidData, cause))
 }
 
+/// How many bytes a packed one may stand for. Meshes take three to twenty; what takes more is made to be large.
+const MOST_PER_BYTE: usize = 256;
+
+/// What any file may unpack to.
+const FEW: usize = 1 << 20;
+
+/// What a file of this many bytes may unpack to, in bytes, before it is refused.
+pub(super) fn most_unpacked(packed: usize) -> usize {
+    packed.saturating_mul(MOST_PER_BYTE).max(FEW)
+}
+
+/// The error that a file would fill the memory.
+pub(super) fn unpacks_to_too_much(remedy: &str) -> Error {
+    malformed(Place::Whole, format!("it unpacks to more than {MOST_PER_BYTE} times its size"), remedy)
+}
+
 /// The first `N` bytes from `at` on, if there are that many.
 #[inline]
 pub(super) fn array<const N: usize>(bytes: &[u8], at: usize) -> Option<[u8; N]> {

@@ -2,7 +2,7 @@
 //!
 //! What a packed file holds is bounded by its size, so that a small one cannot fill the memory.
 
-use super::bytes::{CUT_SHORT, malformed};
+use super::bytes::{CUT_SHORT, malformed, most_unpacked, unpacks_to_too_much};
 use crate::base::error::{Place, Result};
 use flate2::Compression;
 use flate2::read::MultiGzDecoder;
@@ -15,12 +15,6 @@ pub(super) const ENDING: &str = "gz";
 /// The first bytes of a packed file: its mark, and the one way of packing that there is.
 const MAGIC: [u8; 3] = [0x1F, 0x8B, 8];
 
-/// How many bytes a packed one may stand for. Meshes take three to twenty; what takes more is made to be large.
-const MOST_PER_BYTE: usize = 256;
-
-/// What any file may unpack to.
-const FEW: usize = 1 << 20;
-
 pub(super) fn is_packed(bytes: &[u8]) -> bool {
     bytes.starts_with(&MAGIC)
 }
@@ -30,15 +24,14 @@ pub(super) fn is_packed(bytes: &[u8]) -> bool {
 /// # Errors
 /// `Error::Format` for what is damaged, or unpacks to more than its size lets expect.
 pub(super) fn unpack(bytes: &[u8]) -> Result<Vec<u8>> {
-    let limit = bytes.len().saturating_mul(MOST_PER_BYTE).max(FEW);
+    let limit = most_unpacked(bytes.len());
     let mut unpacked = Vec::new();
     let mut source = MultiGzDecoder::new(bytes).take(limit as u64 + 1);
     if let Err(error) = source.read_to_end(&mut unpacked) {
         return Err(malformed(Place::Whole, format!("it cannot be unpacked: {error}"), CUT_SHORT));
     }
     if unpacked.len() > limit {
-        let cause = format!("it unpacks to more than {MOST_PER_BYTE} times its size");
-        return Err(malformed(Place::Whole, cause, "unpack it with gunzip if that is right"));
+        return Err(unpacks_to_too_much("unpack it with gunzip if that is right"));
     }
     Ok(unpacked)
 }

@@ -2,7 +2,7 @@
 
 use crate::io::content::Content;
 use crate::io::format::Format;
-use crate::io::{gltf, obj, off, ply, stl, xyz};
+use crate::io::{gltf, obj, off, pcd, ply, stl, threemf, vtk, xyz};
 use crate::mesh::attributes::{Attribute, Attributes, NORMAL, Scalar};
 use crate::mesh::points::Points;
 use crate::mesh::triangle_mesh::Mesh;
@@ -59,7 +59,12 @@ fn write_content(content: &Content, format: Format, out: &mut dyn std::io::Write
         Format::Gltf => gltf::write_gltf(content, out),
         Format::Glb => gltf::write_glb(content, out),
         Format::Xyz => xyz::write(content, out),
-        Format::Las => Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, "LAS is read only")),
+        Format::ThreeMf => threemf::write(content, out),
+        Format::Vtp => vtk::write(content, out),
+        Format::Pcd => pcd::write(content, out),
+        Format::Las | Format::Vtk | Format::Gmsh | Format::Medit | Format::E57 => {
+            Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, format!("{format} is read only")))
+        }
     }
 }
 

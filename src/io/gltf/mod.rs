@@ -69,7 +69,8 @@ fn read(json: &[u8], bin: Option<&[u8]>, resolve: Resolve, place: impl Fn(usize)
     let harmless = |name: &String| HARMLESS.iter().any(|prefix| name.starts_with(prefix));
     if let Some(name) = root.extensions_required.iter().find(|name| !harmless(name)) {
         let cause = format!("requires the extension {name}, which is not supported");
-        let remedy = if COMPRESSIONS.contains(&name.as_str()) { DECOMPRESS } else { "export it without that extension" };
+        let remedy =
+            if COMPRESSIONS.contains(&name.as_str()) { DECOMPRESS } else { "export it without that extension" };
         return Err(malformed(Place::Part("extensionsRequired".into()), cause, remedy));
     }
     let mut all: Read = scene::collect(&root, &Store::new(&root, bin, resolve))?;

@@ -3,16 +3,19 @@
 //! The keyword is `OFF` with any of the prefixes `ST`, `C` and `N`, or missing. They announce that normals, colours and
 //! texture coordinates follow the position of each vertex, in this order; what else follows it, and colours of faces, are
 //! skipped up to the end of the line. The number of vertices and of faces must be on one line with or without the
-//! keyword; the number of edges is not read. Not supported: the binary form and the forms with other dimensions (`4OFF`,
-//! `nOFF`).
+//! keyword; the number of edges is not read. The word `BINARY` behind the keyword announces the same in numbers of four
+//! bytes, the most significant first; colours of vertices have four components there, and those of faces a count of
+//! their own. Not supported: the forms with other dimensions (`4OFF`, `nOFF`).
 //!
 //! Cost: one pass; what a header promises is held against the length of the file before memory is reserved.
 
-use super::columns::{Columns, color, cut, normal};
-use super::faces::Faces;
-use super::text::{Words, quote, small_faces, whole, write_line};
-use crate::base::error::{Error, Result};
+mod binary;
+
+use crate::base::error::Result;
+use crate::io::columns::{Columns, color, cut, normal};
 use crate::io::content::{Content, Parsed, Read};
+use crate::io::faces::Faces;
+use crate::io::text::{Words, quote, small_faces, whole, write_line};
 use crate::mesh::attributes::Attributes;
 use crate::mesh::triangle_mesh::Mesh;
 use glam::{DVec2, DVec3};
@@ -27,6 +30,13 @@ const FACE_BYTES: (usize, usize) = (8, 2);
 /// Numbers of a vertex behind its position: a normal, a colour with opacity, texture coordinates.
 const MOST_COLUMNS: usize = 3 + 4 + 2;
 
+/// What a file says before its first vertex.
+struct Header {
+    /// The numbers of vertices and of faces; none in text if the file is binary.
+    counts: Option<(usize, usize)>,
+    further: Further,
+}
+
 /// What follows the position of each vertex.
 #[derive(Clone, Copy, Default)]
 struct Further {
@@ -37,7 +47,11 @@ struct Further {
 
 pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     let mut words = Words::new(bytes).with_comments();
-    let (vertices, faces, further) = header(&mut words)?;
+    let Header { counts, further } = header(&mut words)?;
+    let Some((vertices, faces)) = counts else {
+        words.next_line();
+        return binary::parse(bytes, bytes.len() - words.remaining(), further);
+    };
     let (positions, columns) = read_vertices(&mut words, vertices, further)?;
     let faces = read_faces(&mut words, faces, vertices)?;
     let triangles = faces.triangles(&positions);
@@ -71,6 +85,11 @@ impl Further {
         Further { normals: has(b"N"), colors: has(b"C"), texture: has(b"ST") }
     }
 
+    /// The numbers of a vertex behind its position in a binary file.
+    fn width(self) -> usize {
+        3 * usize::from(self.normals) + 4 * usize::from(self.colors) + 2 * usize::from(self.texture)
+    }
+
     fn is_nothing(self) -> bool {
         !(self.normals || self.colors || self.texture)
     }
@@ -78,6 +97,17 @@ impl Further {
     /// What the numbers of vertices are; a note if they are not what the keyword announces.
     fn attributes(self, columns: Columns, triangles: &[[u32; 3]], notes: &mut Vec<String>) -> Attributes {
         let (values, width) = columns.into_table();
+        self.attributes_of(values, width, triangles, notes)
+    }
+
+    /// What `values` are, `width` for each vertex.
+    fn attributes_of(
+        self,
+        values: Vec<f64>,
+        width: usize,
+        triangles: &[[u32; 3]],
+        notes: &mut Vec<String>,
+    ) -> Attributes {
         let normals = if self.normals { 3 } else { 0 };
         let texture = if self.texture { 2 } else { 0 };
         let colors = width.saturating_sub(normals + texture);
@@ -120,8 +150,7 @@ fn keyword(word: &[u8]) -> Option<(&[u8], &[u8])> {
     is_known.then_some((prefix, rest))
 }
 
-/// The numbers of vertices and of faces, and what the keyword announces.
-fn header(words: &mut Words) -> Result<(usize, usize, Further)> {
+fn header(words: &mut Words) -> Result<Header> {
     let mut first = words.anywhere();
     let mut further = Further::default();
     if let Some((prefix, rest)) = first.and_then(keyword) {
@@ -130,24 +159,21 @@ fn header(words: &mut Words) -> Result<(usize, usize, Further)> {
         first = if rest.is_empty() { words.anywhere() } else { Some(rest) };
     }
     if first == Some(&b"BINARY"[..]) {
-        return Err(unsupported(words, "binary OFF is not supported"));
+        return Ok(Header { counts: None, further });
     }
     let vertices = count(words, first, "vertices", VERTEX_BYTES)?;
     let second = words.anywhere();
     let faces = count(words, second, "faces", FACE_BYTES.1)?;
     words.next_line();
-    Ok((vertices, faces, further))
+    Ok(Header { counts: Some((vertices, faces)), further })
 }
 
 fn check_dimensions(words: &Words, prefix: &[u8]) -> Result<()> {
     if prefix.contains(&b'4') || prefix.contains(&b'n') {
-        return Err(unsupported(words, "OFF with other than three dimensions is not supported"));
+        let cause = "OFF with other than three dimensions is not supported";
+        return Err(words.error(cause, "export the file as plain OFF, or as PLY or OBJ"));
     }
     Ok(())
-}
-
-fn unsupported(words: &Words, cause: &str) -> Error {
-    words.error(cause, "export the file as plain OFF, or as PLY or OBJ")
 }
 
 fn count(words: &Words, word: Option<&[u8]>, what: &str, bytes_each: usize) -> Result<usize> {
@@ -258,8 +284,6 @@ mod tests {
 
     #[test]
     fn errors_name_the_line() {
-        fails_at("OFF BINARY\n\0\0\0\x03", 1, "binary OFF");
-        fails_at("# a\nOFF\nBINARY\n", 3, "binary OFF");
         fails_at("4OFF\n3 1 0\n", 1, "dimensions");
         fails_at("nOFF\n3\n3 1 0\n", 1, "dimensions");
         fails_at("C4OFF\n3 1 0\n", 1, "dimensions");
