@@ -144,7 +144,7 @@ fn xml(form: Form, compressed: bool) -> Vec<u8> {
         };
         appended.extend(if form == Form::Raw { pieces.concat() } else { spelled.into_bytes() });
         format!(
-            "<DataArray type='{kind}' Name='{name}' NumberOfComponents='{components}' format=\"{format}\">{text}</DataArray>"
+            "<DataArray type='{kind}' Name='{name}' NumberOfComponents='{components}' format=\"{format}\">{text}<Key>7</Key></DataArray>"
         )
     };
     let points = array("Float32", "Points", 3, &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0]);
@@ -225,7 +225,7 @@ fn arrays_may_not_fill_the_memory() {
     let text = base64::encode(&sizes) + &base64::encode(&squeezed);
     let file = format!(
         "<VTKFile type=\"PolyData\" compressor='vtkZLibDataCompressor'><Piece><Points><DataArray type='Float32' \
-         format='binary'>{text}</DataArray></Points></Piece></VTKFile>"
+         format='binary'>{text}<Key>7</Key></DataArray></Points></Piece></VTKFile>"
     );
     assert!(fault(parse_xml(file.as_bytes())).1.contains("more than 256 times"));
 }

@@ -30,6 +30,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
         section: Section::Other,
         piece: Piece::default(),
         open: None,
+        inner: 0,
     };
     loop {
         let event = reader.read_event().map_err(|e| mistake(&reader, &e))?;
@@ -40,7 +41,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
                 file.end(tag.local_name().as_ref())?;
             }
             Event::Text(words) => {
-                if let Some((_, text)) = &mut file.open {
+                if let Some((_, text)) = file.open.as_mut().filter(|_| file.inner == 0) {
                     text.push_str(&words);
                 }
             }
@@ -109,10 +110,16 @@ struct File<'a> {
     section: Section,
     piece: Piece,
     open: Option<(Header, String)>,
+    /// How many elements are open in the array: they describe it, their text is none of its numbers.
+    inner: usize,
 }
 
 impl File<'_> {
     fn start(&mut self, tag: &BytesStart) -> Result<()> {
+        if self.open.is_some() {
+            self.inner += 1;
+            return Ok(());
+        }
         match tag.local_name().as_ref() {
             "VTKFile" => self.packing = packing(tag)?,
             "Piece" => {
@@ -137,6 +144,10 @@ impl File<'_> {
     }
 
     fn end(&mut self, name: &str) -> Result<()> {
+        if self.inner > 0 {
+            self.inner -= 1;
+            return Ok(());
+        }
         match name {
             "DataArray" => {
                 if let Some((header, text)) = self.open.take() {
