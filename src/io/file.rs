@@ -246,9 +246,9 @@ fn input_format(path: &Path, bytes: &[u8], format: Option<Format>) -> Result<For
     }
 }
 
-/// The kind of a file that is not read, by its content, else by its ending.
+/// The kind of a file that is not read, by its ending, else by its content: some are archives to look at.
 fn foreign_kind(path: &Path, bytes: &[u8]) -> Option<&'static Foreign> {
-    foreign::by_content(bytes).or_else(|| foreign::by_ending(ending(path)?))
+    ending(path).and_then(foreign::by_ending).or_else(|| foreign::by_content(bytes))
 }
 
 fn read_bytes(path: &Path) -> Result<Vec<u8>> {
@@ -440,6 +440,8 @@ mod tests {
             ("a.xyz", b"\x89PNG", "no numbers"),
             ("a.dae", b"<COLLADA>", "it is a COLLADA file, which is not read; convert it, with Blender"),
             ("a.pts", b"ISO-10303-21;\n1 2 3\n", "it is a STEP file"),
+            ("a.usdz", b"PK\x03\x04", "it is a USD file"),
+            ("a", b"PK\x03\x04", "it is an archive, which is not read; unpack it"),
             ("a.fbx", b"1 2 3\n1 2 3\n", "it is an FBX file"),
             ("a.drc", b"DRACO\x02", "draco_decoder -i IN.drc -o OUT.ply"),
             ("a.pts", b"\0\0\x80\x3f\0\0\x80\x3f", "binary, not columns of numbers in text; export"),

@@ -19,7 +19,7 @@ const ASSIMP: &str = "convert it, with Blender or by `assimp export IN OUT.glb`"
 const GMSH: &str = "it has exact surfaces: mesh it in a CAD program or by `gmsh IN -2 -o OUT.stl`";
 const UNPACK: &str = "unpack it and give the file in it";
 
-const KINDS: [Foreign; 21] = [
+const KINDS: [Foreign; 20] = [
     Foreign { name: "a COLLADA file", endings: &["dae"], remedy: ASSIMP, has_signature: |head| has(head, "<COLLADA") },
     Foreign {
         name: "an FBX file",
@@ -76,19 +76,13 @@ const KINDS: [Foreign; 21] = [
         name: "a grid of VTK",
         endings: &["vtu", "vts", "vtr", "vti", "pvtu", "pvd", "vtm", "vtkhdf"],
         remedy: "open it in ParaView, extract its surface and save that as VTP",
-        has_signature: |head| has(head, "<VTKFile") && !has(head, "\"PolyData\""),
+        has_signature: |head| has(head, "<VTKFile") && !has(head, "PolyData"),
     },
     Foreign {
         name: "an HDF5 file",
         endings: &["h5", "hdf5", "xdmf"],
         remedy: "export its surface as VTP or PLY with the program that made it",
         has_signature: |head| head.starts_with(b"\x89HDF\r\n"),
-    },
-    Foreign {
-        name: "a spatial database of Potree or Entwine",
-        endings: &["ept"],
-        remedy: "export its points as LAZ",
-        has_signature: |_| false,
     },
     Foreign {
         name: "a pointer of Git LFS, not the file itself",

@@ -27,7 +27,7 @@ pub enum Format {
     Xyz,
     /// LAS or, compressed, LAZ: points of laser scanners; only read.
     Las,
-    /// 3MF of printing in three dimensions; single precision.
+    /// 3MF of printing in three dimensions.
     #[serde(rename = "3mf")]
     ThreeMf,
     /// Legacy VTK: polygons, or an unstructured grid that has some; only read.
@@ -159,7 +159,7 @@ impl Format {
             Some(Format::ThreeMf)
         } else if head.trim_ascii_start().starts_with(b"# vtk DataFile") {
             Some(Format::Vtk)
-        } else if has("<VTKFile") && has("\"PolyData\"") {
+        } else if has("<VTKFile") && has("PolyData") {
             Some(Format::Vtp)
         } else if pcd::has_signature(head) {
             Some(Format::Pcd)

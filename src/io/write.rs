@@ -9,7 +9,7 @@ use crate::mesh::triangle_mesh::Mesh;
 
 /// Writes a mesh as the content of a file. `out` should be buffered.
 ///
-/// OBJ and OFF keep every bit of the coordinates; STL and glTF have single precision.
+/// STL, glTF and PCD have single precision; the others keep every bit of the coordinates.
 ///
 /// # Errors
 /// Those of `out`; `InvalidData` for a mesh that the format cannot hold.

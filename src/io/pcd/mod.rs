@@ -17,7 +17,7 @@ pub(crate) use write::write;
 use super::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed, u32_at};
 use super::numbers::{Order, Type};
 use super::text::{Words, number, quote, whole};
-use crate::base::error::{Error, Place, Result};
+use crate::base::error::{Place, Result};
 use crate::io::content::{Parsed, Read};
 use crate::mesh::attributes::{Attribute, Attributes, COLOR, NORMAL, Scalar};
 use crate::mesh::triangle_mesh::Mesh;

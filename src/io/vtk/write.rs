@@ -5,13 +5,15 @@ use crate::mesh::attributes::{Attribute, Scalar};
 use quick_xml::escape::escape;
 use std::io::{self, Write};
 
+type Fill<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>;
+
 /// An array that is appended.
 struct Appended<'a> {
     /// The start of the element that names it; where its numbers are is added.
     element: String,
     /// The bytes of its numbers.
     length: u64,
-    write: Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>,
+    write: Fill<'a>,
 }
 
 /// The bytes before the numbers of an array, which say how many there are.
