@@ -1,6 +1,6 @@
 //! The binary form of OFF: three counts, vertices and faces in numbers of four bytes, the most significant first.
 
-use super::Further;
+use super::further::Further;
 use crate::base::error::Result;
 use crate::io::content::{Parsed, Read};
 use crate::io::grid::Grid;
@@ -63,59 +63,4 @@ fn read_face(source: &mut Mixed, grid: &mut Grid) -> Result<()> {
     let colors = source.size(Type::I32, 4)?;
     source.skip(4 * colors);
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use crate::base::error::Place;
-    use crate::io::bytes::samples::fault;
-    use crate::io::off::{has_keyword, parse};
-    use glam::DVec3;
-
-    fn file(keyword: &str, further: &[[f32; 4]]) -> Vec<u8> {
-        let mut bytes = keyword.as_bytes().to_vec();
-        let ints = |numbers: &[i32]| numbers.iter().flat_map(|x| x.to_be_bytes()).collect::<Vec<_>>();
-        bytes.extend(ints(&[4, 2, 0]));
-        for (v, place) in [[0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]].into_iter().enumerate()
-        {
-            bytes.extend(place.iter().chain(further.get(v).into_iter().flatten()).flat_map(|x| x.to_be_bytes()));
-        }
-        bytes.extend([ints(&[4, 0, 1, 2, 3, 0]), ints(&[3, 0, 1, 2, 1]), 0.5f32.to_be_bytes().to_vec()].concat());
-        bytes
-    }
-
-    #[test]
-    fn binary_files_are_read() {
-        for keyword in ["OFF BINARY\n", "# a\nOFF\nBINARY\n"] {
-            let bytes = file(keyword, &[]);
-            assert!(has_keyword(&bytes));
-            let read = parse(&bytes).unwrap();
-            assert_eq!(read.mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 1, 2]]);
-            assert_eq!(read.mesh.positions[2], DVec3::new(1.0, 1.0, 0.0));
-            assert!(read.notes.is_empty() && read.attributes.is_empty());
-        }
-        let read = parse(&file("COFF BINARY\n", &[[0.0, 0.25, 0.5, 1.0]; 4])).unwrap();
-        assert_eq!(read.attributes.color().unwrap().of(3), [0.0, 0.25, 0.5, 1.0]);
-    }
-
-    #[test]
-    fn errors_name_the_byte() {
-        let good = file("OFF BINARY\n", &[]);
-        for end in 0..good.len() - 4 {
-            assert!(parse(&good[..end]).is_err(), "{end}");
-        }
-        for (at, value, words) in [
-            (11, -1, "is negative"),
-            (11, 99, "99 entries are promised"),
-            (15, 99, "99 entries are promised"),
-            (75, 4, "uses vertex 4"),
-            (71, 1 << 30, "entries are promised"),
-            (23, f32::NAN.to_bits() as i32, "not finite"),
-        ] {
-            let mut bytes = good.clone();
-            bytes[at..at + 4].copy_from_slice(&i32::to_be_bytes(value));
-            let (place, cause) = fault(parse(&bytes));
-            assert!(matches!(place, Place::Byte(_)) && cause.contains(words), "{cause}");
-        }
-    }
 }

@@ -191,7 +191,8 @@ impl Field {
     /// A number of this field as text; of a colour its bits, which some programs write as the float that has them.
     fn spelled(&self, word: &[u8]) -> Option<f64> {
         let number = number(word)?;
-        let is_bits = !self.is_color() || self.kind != Type::F32 || number.abs() >= 1.0;
+        let is_whole = number.fract() == 0.0 && (1.0..=u32::MAX.into()).contains(&number.abs());
+        let is_bits = !self.is_color() || self.kind != Type::F32 || is_whole;
         Some(if is_bits { number } else { f64::from((number as f32).to_bits()) })
     }
 }
@@ -319,7 +320,7 @@ fn normals(table: &Table, at: [usize; 3]) -> Attribute {
 fn color(table: &Table, field: &Field) -> Attribute {
     let components = field.name.len();
     let bytes = |bits: f64| {
-        let [a, r, g, b] = (bits as u32).to_be_bytes();
+        let [a, r, g, b] = (bits as i64 as u32).to_be_bytes();
         [r, g, b, a].map(f64::from)
     };
     let bits = table.columns(field.column, 1);
