@@ -25,7 +25,7 @@ use crate::io::bytes::{EXPORT_AGAIN, malformed, without_mark};
 use crate::io::content::{Parsed, Read, Resolve};
 use ::gltf::json::Root;
 use serde_json::Value;
-use store::Store;
+use store::{COMPRESSIONS, DECOMPRESS, Store};
 
 /// What geometry does not depend on.
 const UNUSED: [&str; 9] =
@@ -42,10 +42,6 @@ const HARMLESS: [&str; 9] = [
     "KHR_xmp",
     "MSFT_texture_",
 ];
-
-/// Extensions that compress meshes, and what to do about them.
-const COMPRESSIONS: [&str; 3] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
-const DECOMPRESS: &str = "decompress it by `gltf-transform copy IN OUT.glb`, or export it without compression";
 
 /// The triangles and points of the default scene (of the first one, if none is the default; of all meshes, if there is
 /// no scene). `resolve` is given the addresses of buffers in other files as they are in the JSON.

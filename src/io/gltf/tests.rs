@@ -254,6 +254,16 @@ fn extensions_that_are_not_supported() {
 }
 
 #[test]
+fn compressed_data_are_named() {
+    let mut root = with_data(&SQUARE, &[]);
+    root["accessors"][0].as_object_mut().unwrap().remove("bufferView");
+    assert_eq!(cause(load(&root)), "has no data");
+    root["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
+    let error = load(&root).unwrap_err().to_string();
+    assert!(error.contains("compressed by KHR_draco_mesh_compression") && error.contains("gltf-transform"), "{error}");
+}
+
+#[test]
 fn buffers_beside_the_file() {
     let bytes = glb();
     let bin = glb::split(&bytes).unwrap().bin.unwrap().to_vec();
