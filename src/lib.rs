@@ -81,6 +81,7 @@
 //! | feature | what it adds |
 //! |---|---|
 //! | `fs` | `io::file`: meshes by the name of their file, written beside the target and renamed |
+//! | `e57` (default) | E57 files can be read |
 //! | `laz` (default) | compressed LAS files can be read |
 //! | `cli` (default) | `cli`: all of the command line tool; implies `fs` |
 //!

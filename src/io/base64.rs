@@ -15,31 +15,40 @@ pub(super) fn encode(bytes: &[u8]) -> String {
     text
 }
 
+/// The value of each character that is a digit.
+const VALUES: [Option<u8>; 256] = {
+    let mut values = [None; 256];
+    let mut value = 0;
+    while value < ALPHABET.len() {
+        values[ALPHABET[value] as usize] = Some(value as u8);
+        value += 1;
+    }
+    values
+};
+
 /// The bytes that `text` spells; the padding may be missing. `None` if a character or the length is wrong.
 pub(super) fn decode(text: &str) -> Option<Vec<u8>> {
     let digits = text.trim_ascii().trim_end_matches('=').as_bytes();
-    let values = values();
     let mut bytes = Vec::with_capacity(digits.len() / 4 * 3 + 2);
-    for group in digits.chunks(4) {
-        let mut bits = 0u32;
-        for (i, &digit) in group.iter().enumerate() {
-            bits |= u32::from(values[digit as usize]?) << (18 - 6 * i);
-        }
-        if group.len() == 1 {
-            return None;
-        }
-        bytes.extend_from_slice(&bits.to_be_bytes()[1..group.len()]);
+    for digits in digits.chunks(4) {
+        let mut group = [b'='; 4];
+        group[..digits.len()].copy_from_slice(digits);
+        let (three, length) = decode_group(group)?;
+        bytes.extend_from_slice(&three[..length]);
     }
     Some(bytes)
 }
 
-/// The value of each character that is a digit.
-fn values() -> [Option<u8>; 256] {
-    let mut values = [None; 256];
-    for (value, &digit) in (0u8..).zip(ALPHABET) {
-        values[digit as usize] = Some(value);
+/// The one to three bytes that four characters spell, padding included, and how many they are.
+#[inline]
+pub(super) fn decode_group(group: [u8; 4]) -> Option<([u8; 3], usize)> {
+    let digits = 4 - group.iter().rev().take_while(|&&b| b == b'=').count();
+    let mut bits = 0u32;
+    for (i, &digit) in group[..digits].iter().enumerate() {
+        bits |= u32::from(VALUES[digit as usize]?) << (18 - 6 * i);
     }
-    values
+    let [_, a, b, c] = bits.to_be_bytes();
+    (digits > 1).then_some(([a, b, c], digits - 1))
 }
 
 #[cfg(test)]

@@ -10,6 +10,8 @@ pub(super) const CUT_SHORT: &str = "the file seems to be cut short: copy or expo
 pub(super) const CORRECT_LINE: &str = "correct that line or export the file again";
 /// What to do about a file that contradicts itself.
 pub(super) const EXPORT_AGAIN: &str = "export it again, or repair it with the program that made it";
+/// What to do about a file of curves.
+pub(super) const NO_LINES: &str = "export the faces of a surface, or its points without the lines between them";
 
 /// The error for content that is not what the format says; the name of the file is filled in later.
 pub(super) fn malformed(place: Place, cause: impl Into<String>, remedy: &str) -> Error {
@@ -37,6 +39,22 @@ pub(super) fn narrow(p: DVec3) -> io::Result<[f32; 3]> {
     let cause =
         format!("the position ({}, {}, {}) is beyond single precision; write OBJ or PLY instead", p.x, p.y, p.z);
     Err(io::Error::new(io::ErrorKind::InvalidData, cause))
+}
+
+/// How many bytes a packed one may stand for. Meshes take three to twenty; what takes more is made to be large.
+const MOST_PER_BYTE: usize = 256;
+
+/// What any file may unpack to.
+const FEW: usize = 1 << 20;
+
+/// What a file of this many bytes may unpack to, in bytes, before it is refused.
+pub(super) fn most_unpacked(packed: usize) -> usize {
+    packed.saturating_mul(MOST_PER_BYTE).max(FEW)
+}
+
+/// The error that a file would fill the memory.
+pub(super) fn unpacks_to_too_much(remedy: &str) -> Error {
+    malformed(Place::Whole, format!("it unpacks to more than {MOST_PER_BYTE} times its size"), remedy)
 }
 
 /// The first `N` bytes from `at` on, if there are that many.

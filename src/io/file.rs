@@ -2,13 +2,16 @@
 
 use crate::base::error::{Error, Place, Result};
 use crate::io::content::Resolve;
+use crate::io::foreign::{self, Foreign};
 use crate::io::format::Format;
+use crate::io::gzip;
 use crate::io::read::{Loaded, parse};
 use crate::io::write::{write_points, write_with_attributes};
 use crate::mesh::attributes::Attributes;
 use crate::mesh::points::Points;
 use crate::mesh::triangle_mesh::Mesh;
 use std::borrow::Cow;
+use std::ffi::OsStr;
 use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Component, Path, PathBuf};
@@ -20,19 +23,23 @@ const BUFFER: usize = 1 << 18;
 const UNFINISHED: &str = ".remesh-";
 
 /// Reads the mesh file at `path`. Its format is `format`, else what the ending says, else what the content looks like.
-/// External buffers of a glTF file are read from its folder and the folders in it.
+/// External buffers of a glTF file are read from its folder and the folders in it. What gzip packed is unpacked.
 ///
 /// # Errors
 /// [`Error::File`] if there is no such file, it cannot be read, or its format cannot be told or is another one than the
 /// ending says; [`Error::Format`] for wrong content, with the line, byte or part.
 pub fn read_file(path: &Path, format: Option<Format>) -> Result<Loaded> {
-    let bytes = read_bytes(path)?;
+    let in_file = |error: Error| error.in_file(&path.display().to_string());
+    let mut bytes = read_bytes(path)?;
+    if gzip::is_packed(&bytes) {
+        bytes = gzip::unpack(&bytes).map_err(in_file)?;
+    }
     if bytes.is_empty() {
         return Err(file_error(path, "the file is empty", "export it again"));
     }
     let format = input_format(path, &bytes, format)?;
     let resolve: Resolve = &|address| read_buffer(path, address);
-    parse(&bytes, format, resolve).map_err(|error| error.in_file(&path.display().to_string()))
+    parse(&bytes, format, resolve).map_err(in_file)
 }
 
 /// Reads a list of numbers from the JSON file at `path`.
@@ -55,7 +62,7 @@ pub fn read_numbers(path: &Path) -> Result<Vec<f64>> {
 /// [`Error::File`] if the format is not known or the file cannot be written.
 pub fn write_file(path: &Path, mesh: &Mesh, attributes: &Attributes, format: Option<Format>) -> Result<()> {
     let format = output_format(path, format)?;
-    replace_file(path, &mut |out| write_with_attributes(mesh, attributes, format, out))
+    replace_packed(path, &mut |out| write_with_attributes(mesh, attributes, format, out))
 }
 
 /// Writes `points`, and those of their `attributes` that the format can hold, to `path` by [`replace_file`], in the
@@ -65,7 +72,15 @@ pub fn write_file(path: &Path, mesh: &Mesh, attributes: &Attributes, format: Opt
 /// [`Error::File`] if the format is not known or the file cannot be written.
 pub fn write_points_file(path: &Path, points: &Points, attributes: &Attributes, format: Option<Format>) -> Result<()> {
     let format = points_format(path, format)?;
-    replace_file(path, &mut |out| write_points(points, attributes, format, out))
+    replace_packed(path, &mut |out| write_points(points, attributes, format, out))
+}
+
+/// Writes what `fill` writes by [`replace_file`], packed by gzip if the name ends with `.gz`.
+fn replace_packed(path: &Path, fill: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> Result<()> {
+    if path.extension().is_some_and(is_gz) {
+        return replace_file(path, &mut |out| gzip::pack(out, fill));
+    }
+    replace_file(path, fill)
 }
 
 /// The format to write a mesh to `path` in: `format`, else what the ending says.
@@ -190,7 +205,19 @@ fn folder_of(path: &Path) -> &Path {
 }
 
 fn by_ending(path: &Path) -> Option<Format> {
-    Format::from_extension(path.extension()?.to_str()?)
+    Format::from_extension(ending(path)?)
+}
+
+/// The ending of a name, before `.gz` if it has that.
+fn ending(path: &Path) -> Option<&str> {
+    match path.extension()? {
+        gz if is_gz(gz) => Path::new(path.file_stem()?).extension()?.to_str(),
+        ending => ending.to_str(),
+    }
+}
+
+fn is_gz(ending: &OsStr) -> bool {
+    ending.eq_ignore_ascii_case(gzip::ENDING)
 }
 
 fn input_format(path: &Path, bytes: &[u8], format: Option<Format>) -> Result<Format> {
@@ -198,6 +225,10 @@ fn input_format(path: &Path, bytes: &[u8], format: Option<Format>) -> Result<For
         return Ok(format);
     }
     let by_content = Format::by_signature(bytes);
+    if let (None, Some(foreign)) = (by_content, foreign_kind(path, bytes)) {
+        let Foreign { name, remedy, .. } = foreign;
+        return Err(file_error(path, format!("it is {name}, which is not read"), *remedy));
+    }
     match (by_ending(path), by_content) {
         // The two forms of one format are read by one reader.
         (Some(Format::Gltf | Format::Glb), Some(content @ (Format::Gltf | Format::Glb))) => Ok(content),
@@ -213,6 +244,11 @@ fn input_format(path: &Path, bytes: &[u8], format: Option<Format>) -> Result<For
             file_error(path, cause, format!("use --format with one of {}", Format::list(&Format::ALL, "")))
         }),
     }
+}
+
+/// The kind of a file that is not read, by its ending, else by its content: some are archives to look at.
+fn foreign_kind(path: &Path, bytes: &[u8]) -> Option<&'static Foreign> {
+    ending(path).and_then(foreign::by_ending).or_else(|| foreign::by_content(bytes))
 }
 
 fn read_bytes(path: &Path) -> Result<Vec<u8>> {
@@ -377,6 +413,7 @@ mod tests {
             ("a", OFF, None, Format::Off),
             ("a.txt", OBJ, None, Format::Obj),
             ("a.obj", OFF, Some(Format::Off), Format::Off),
+            ("a.dae", OFF, None, Format::Off),
         ] {
             let (_folder, path) = file(name, content);
             let loaded = read_file(&path, option).unwrap();
@@ -401,6 +438,15 @@ mod tests {
             ("a.obj", &b""[..], "empty"),
             ("a.doc", b"\x89PNG", "--format with one of obj,"),
             ("a.xyz", b"\x89PNG", "no numbers"),
+            ("a.dae", b"<COLLADA>", "it is a COLLADA file, which is not read; convert it, with Blender"),
+            ("a.pts", b"ISO-10303-21;\n1 2 3\n", "it is a STEP file"),
+            ("a.usdz", b"PK\x03\x04", "it is a USD file"),
+            ("a", b"PK\x03\x04", "it is an archive, which is not read; unpack it"),
+            ("a.fbx", b"1 2 3\n1 2 3\n", "it is an FBX file"),
+            ("a.drc", b"DRACO\x02", "draco_decoder -i IN.drc -o OUT.ply"),
+            ("a.pts", b"\0\0\x80\x3f\0\0\x80\x3f", "binary, not columns of numbers in text; export"),
+            ("a.dat", b"a text\n1 2 3\n4 5 6\n", "--format with one of"),
+            ("a.ply.gz", b"\x1f\x8b\x08\0\0", "cannot be unpacked"),
             ("a.obj", b"v 0 0 nan", ":1: the coordinate 'nan' is not finite"),
             ("a.obj", b"\x89PNG", "no vertices"),
         ] {
@@ -441,6 +487,22 @@ mod tests {
             }
         }
         assert_eq!(names_in(folder.path()).len(), Format::OF_MESHES.len());
+    }
+
+    #[test]
+    fn files_are_packed_as_the_name_says_and_unpacked_as_they_are() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["a.ply.gz", "a.OBJ.GZ", "a.off.gz"] {
+            let path = folder.path().join(name);
+            write(&path, None).unwrap();
+            assert!(gzip::is_packed(&fs::read(&path).unwrap()));
+            assert_eq!(read_file(&path, None).unwrap().mesh, triangle());
+            let renamed = folder.path().join("b");
+            fs::rename(&path, &renamed).unwrap();
+            assert_eq!(read_file(&renamed, None).unwrap().mesh, triangle());
+        }
+        let orphan = folder.path().join("a.gz");
+        fails(write(&orphan, None), &orphan, "use one of .obj, .ply");
     }
 
     #[test]

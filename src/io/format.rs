@@ -1,6 +1,6 @@
 //! The formats by name, by ending and by content.
 
-use super::{las, off, xyz};
+use super::{e57, las, medit, off, pcd, threemf, xyz};
 use crate::base::error::{Error, Result, Setting};
 use crate::mesh::attributes::{Attribute, Attributes, Lost, MATERIALS, TEXTURE};
 use serde::{Deserialize, Serialize};
@@ -27,10 +27,27 @@ pub enum Format {
     Xyz,
     /// LAS or, compressed, LAZ: points of laser scanners; only read.
     Las,
+    /// 3MF of printing in three dimensions.
+    #[serde(rename = "3mf")]
+    ThreeMf,
+    /// Legacy VTK: polygons, or an unstructured grid that has some; only read.
+    Vtk,
+    /// The polygons of VTK as XML.
+    Vtp,
+    /// PCD of the Point Cloud Library: points; single precision.
+    Pcd,
+    /// Gmsh's MSH, of which the surface elements are read; only read.
+    #[serde(rename = "msh")]
+    Gmsh,
+    /// Medit, text or binary, of which triangles and quadrilaterals are read; only read.
+    #[serde(rename = "mesh")]
+    Medit,
+    /// E57: points of laser scanners; only read.
+    E57,
 }
 
 /// Where a keyword that is not at the very start must appear for the content to be recognised.
-const HEAD: usize = 4096;
+pub(super) const HEAD: usize = 4096;
 
 /// Header and triangle count of a binary STL, and each of its triangles.
 const STL_BYTES: (usize, usize) = (84, 50);
@@ -44,14 +61,31 @@ const OBJ_STATEMENTS: [&[u8]; 12] =
 
 impl Format {
     /// All formats, in the order of the documentation.
-    pub const ALL: [Format; 8] =
-        [Format::Obj, Format::Ply, Format::Stl, Format::Off, Format::Gltf, Format::Glb, Format::Xyz, Format::Las];
+    pub const ALL: [Format; 15] = [
+        Format::Obj,
+        Format::Ply,
+        Format::Stl,
+        Format::Off,
+        Format::Gltf,
+        Format::Glb,
+        Format::ThreeMf,
+        Format::Vtp,
+        Format::Vtk,
+        Format::Gmsh,
+        Format::Medit,
+        Format::Xyz,
+        Format::Pcd,
+        Format::Las,
+        Format::E57,
+    ];
 
-    /// Those that have triangles.
-    pub const OF_MESHES: [Format; 6] = [Format::Obj, Format::Ply, Format::Stl, Format::Off, Format::Gltf, Format::Glb];
+    /// Those that have triangles and are written.
+    pub const OF_MESHES: [Format; 8] =
+        [Format::Obj, Format::Ply, Format::Stl, Format::Off, Format::Gltf, Format::Glb, Format::ThreeMf, Format::Vtp];
 
     /// Those that have points without triangles and are written.
-    pub const OF_POINTS: [Format; 6] = [Format::Obj, Format::Ply, Format::Off, Format::Gltf, Format::Glb, Format::Xyz];
+    pub const OF_POINTS: [Format; 8] =
+        [Format::Obj, Format::Ply, Format::Off, Format::Gltf, Format::Glb, Format::Vtp, Format::Xyz, Format::Pcd];
 
     /// The ending of its files, without a dot.
     pub fn extension(self) -> &'static str {
@@ -64,6 +98,13 @@ impl Format {
             Format::Glb => "glb",
             Format::Xyz => "xyz",
             Format::Las => "las",
+            Format::ThreeMf => "3mf",
+            Format::Vtk => "vtk",
+            Format::Vtp => "vtp",
+            Format::Pcd => "pcd",
+            Format::Gmsh => "msh",
+            Format::Medit => "mesh",
+            Format::E57 => "e57",
         }
     }
 
@@ -78,6 +119,13 @@ impl Format {
             Format::Glb => "GLB",
             Format::Xyz => "XYZ",
             Format::Las => "LAS",
+            Format::ThreeMf => "3MF",
+            Format::Vtk => "VTK",
+            Format::Vtp => "VTP",
+            Format::Pcd => "PCD",
+            Format::Gmsh => "MSH",
+            Format::Medit => "MESH",
+            Format::E57 => "E57",
         }
     }
 
@@ -85,8 +133,9 @@ impl Format {
     pub fn from_extension(extension: &str) -> Option<Format> {
         let is = |ending: &str| ending.eq_ignore_ascii_case(extension);
         let of_columns = || XYZ_ENDINGS.into_iter().any(is).then_some(Format::Xyz);
-        let compressed = || is("laz").then_some(Format::Las);
-        Format::ALL.into_iter().find(|f| is(f.extension())).or_else(of_columns).or_else(compressed)
+        let others = || [("laz", Format::Las), ("meshb", Format::Medit)].into_iter().find(|(ending, _)| is(ending));
+        let known = Format::ALL.into_iter().find(|f| is(f.extension()));
+        known.or_else(of_columns).or_else(|| others().map(|(_, format)| format))
     }
 
     /// The format of a file by its content: a signature, or a first statement that only one format has.
@@ -104,6 +153,20 @@ impl Format {
             Some(Format::Glb)
         } else if bytes.starts_with(las::MAGIC) {
             Some(Format::Las)
+        } else if bytes.starts_with(e57::MAGIC) {
+            Some(Format::E57)
+        } else if threemf::has_signature(bytes) {
+            Some(Format::ThreeMf)
+        } else if head.trim_ascii_start().starts_with(b"# vtk DataFile") {
+            Some(Format::Vtk)
+        } else if has("<VTKFile") && has("PolyData") {
+            Some(Format::Vtp)
+        } else if pcd::has_signature(head) {
+            Some(Format::Pcd)
+        } else if starts("$MeshFormat") {
+            Some(Format::Gmsh)
+        } else if medit::has_signature(head) {
+            Some(Format::Medit)
         } else if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
             Some(Format::Ply)
         } else if is_binary_stl(bytes) || (starts("solid") && (has("facet") || has("endsolid"))) {
@@ -162,8 +225,8 @@ impl Format {
     pub fn cannot_hold(self, attributes: &Attributes) -> Vec<Lost> {
         let lost = |name: &str| Lost { name: name.into(), cause: format!("{self} has no place for it") };
         let vertex = attributes.vertex.iter().filter(|a| !self.holds(a)).map(|a| lost(&a.name));
-        let texture =
-            !attributes.texture.is_empty() && matches!(self, Format::Stl | Format::Off | Format::Xyz | Format::Las);
+        let has_texture = matches!(self, Format::Obj | Format::Ply | Format::Gltf | Format::Glb);
+        let texture = !attributes.texture.is_empty() && !has_texture;
         let materials = attributes.materials.is_some() && self != Format::Obj;
         let opacity = self == Format::Obj && attributes.color().is_some_and(|color| color.components == 4);
         let others = [(texture, TEXTURE), (materials, MATERIALS), (opacity, "opacity")];
@@ -173,10 +236,11 @@ impl Format {
     /// Whether files have a place for an attribute of vertices.
     fn holds(self, attribute: &Attribute) -> bool {
         match self {
-            Format::Ply | Format::Xyz => true,
+            Format::Ply | Format::Xyz | Format::Vtp | Format::Pcd => true,
             Format::Obj | Format::Off => attribute.is_color() || attribute.is_normal(),
             Format::Gltf | Format::Glb => attribute.components <= 4,
-            Format::Stl | Format::Las => false,
+            Format::ThreeMf => attribute.is_color(),
+            Format::Stl | Format::Las | Format::Vtk | Format::Gmsh | Format::Medit | Format::E57 => false,
         }
     }
 }
@@ -195,7 +259,10 @@ mod tests {
         assert_eq!(Format::from_extension("PLY"), Some(Format::Ply));
         assert_eq!(Format::from_extension("ply "), None);
         let message = "doc".parse::<Format>().unwrap_err().to_string();
-        assert_eq!(message, "format: 'doc' is no mesh format; use one of obj, ply, stl, off, gltf, glb, xyz, las");
+        assert_eq!(
+            message,
+            "format: 'doc' is no mesh format; use one of obj, ply, stl, off, gltf, glb, 3mf, vtp, vtk, msh, mesh, xyz, pcd, las, e57"
+        );
         assert_eq!(["XYZN", "txt", "pts", "asc"].map(Format::from_extension), [Some(Format::Xyz); 4]);
     }
 
@@ -227,6 +294,16 @@ mod tests {
             (b"", None),
             (b"\x89PNG\r\n", None),
             (b"LASF\0\0", Some(Format::Las)),
+            (b"ASTM-E57\x01", Some(Format::E57)),
+            (b"PK\x03\x04 a zip with 3D/a.model in it", Some(Format::ThreeMf)),
+            (b"PK\x03\x04 another zip", None),
+            (b"# vtk DataFile Version 3.0\n", Some(Format::Vtk)),
+            (b"<?xml?>\n<VTKFile type=\"PolyData\">", Some(Format::Vtp)),
+            (b"<VTKFile type=\"ImageData\">", None),
+            (b"# .PCD v.7\n", Some(Format::Pcd)),
+            (b"$MeshFormat\n", Some(Format::Gmsh)),
+            (b"# a\nMeshVersionFormatted 2\n", Some(Format::Medit)),
+            (b"\x01\0\0\0\x02\0\0\0\x03\0\0\0", Some(Format::Medit)),
             (b"hello world", None),
         ] {
             assert_eq!(Format::sniff(bytes), format, "{}", String::from_utf8_lossy(bytes));

@@ -17,19 +17,33 @@ mod base64;
 mod bytes;
 mod columns;
 mod content;
+mod e57;
 mod faces;
 #[cfg(feature = "fs")]
 pub mod file;
+#[cfg(feature = "fs")]
+mod foreign;
 mod format;
 mod gltf;
+mod gmsh;
+mod grid;
+#[cfg(feature = "fs")]
+mod gzip;
 mod las;
+mod medit;
+mod mixed;
+mod numbers;
 mod obj;
 mod off;
+mod pcd;
 mod ply;
 mod read;
 mod stl;
 mod text;
+mod threemf;
+mod vtk;
 mod write;
+mod xml;
 mod xyz;
 
 pub use content::{NO_BUFFERS, Resolve};

@@ -3,7 +3,7 @@
 use crate::base::error::{Error, Place, Result};
 use crate::io::content::{Read, Resolve};
 use crate::io::format::Format;
-use crate::io::{gltf, las, obj, off, ply, stl, text, xyz};
+use crate::io::{e57, gltf, gmsh, las, medit, obj, off, pcd, ply, stl, text, threemf, vtk, xyz};
 use crate::mesh::attributes::{Attribute, Attributes};
 use crate::mesh::points::Points;
 use crate::mesh::triangle_mesh::Mesh;
@@ -32,7 +32,8 @@ impl Loaded {
 }
 
 /// Reads a mesh from the bytes of a file. Indices of the result are in range and coordinates finite; vertices and
-/// triangles are those of the file, in its order, with nothing merged or repaired.
+/// triangles are those of the file, in its order, with nothing merged or repaired. If each face of it has a
+/// corner twice, the result has points only: some programs put such faces into the files of clouds.
 ///
 /// # Errors
 /// [`Error::Format`] with an empty file name and the place, for content that is not what the format says.
@@ -48,10 +49,30 @@ pub fn parse(bytes: &[u8], format: Format, resolve: Resolve) -> Result<Loaded> {
         Format::Gltf | Format::Glb => gltf::parse(bytes, resolve),
         Format::Xyz => xyz::parse(bytes),
         Format::Las => las::parse(bytes),
+        Format::ThreeMf => threemf::parse(bytes),
+        Format::Vtk => vtk::parse_legacy(bytes),
+        Format::Vtp => vtk::parse_xml(bytes),
+        Format::Pcd => pcd::parse(bytes),
+        Format::Gmsh => gmsh::parse(bytes),
+        Format::Medit => medit::parse(bytes),
+        Format::E57 => e57::parse(bytes),
     }?;
     check(&mesh, format)?;
     check_attributes(&mesh, &attributes)?;
+    let (mesh, attributes, notes) = without_empty_faces(mesh, attributes, notes);
     Ok(Loaded { mesh, attributes, format, notes })
+}
+
+/// Points instead of a mesh whose faces all have a corner twice, and a note of that.
+fn without_empty_faces(mesh: Mesh, attributes: Attributes, mut notes: Vec<String>) -> (Mesh, Attributes, Vec<String>) {
+    let faces = mesh.triangles.len();
+    let is_empty = |&[a, b, c]: &[u32; 3]| a == b || b == c || c == a;
+    if faces == 0 || !mesh.triangles.iter().all(is_empty) {
+        return (mesh, attributes, notes);
+    }
+    notes.push(format!("no face has an area ({faces} in all): the vertices are taken as a cloud of points"));
+    let attributes = Attributes { vertex: attributes.vertex, ..Attributes::default() };
+    (Mesh { triangles: Vec::new(), ..mesh }, attributes, notes)
 }
 
 /// What every stage after this one relies on, whatever the reader did.
@@ -110,6 +131,18 @@ mod tests {
     use super::*;
     use crate::io::content::NO_BUFFERS;
     use glam::DVec3;
+
+    #[test]
+    fn vertices_with_empty_faces_are_a_cloud() {
+        let read = |faces: &str| {
+            let text = format!("OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n{faces}");
+            parse(text.as_bytes(), Format::Off, NO_BUFFERS).unwrap()
+        };
+        let cloud = read("3 0 0 0\n3 1 2 1\n");
+        assert_eq!((cloud.mesh.positions.len(), cloud.mesh.triangles.len()), (3, 0));
+        assert_eq!(cloud.notes, ["no face has an area (2 in all): the vertices are taken as a cloud of points"]);
+        assert_eq!(read("3 0 0 0\n3 0 1 2\n").mesh.triangles.len(), 2);
+    }
 
     #[test]
     fn no_reader_is_trusted() {

@@ -2,14 +2,14 @@
 
 use crate::io::content::Content;
 use crate::io::format::Format;
-use crate::io::{gltf, obj, off, ply, stl, xyz};
+use crate::io::{gltf, obj, off, pcd, ply, stl, threemf, vtk, xyz};
 use crate::mesh::attributes::{Attribute, Attributes, NORMAL, Scalar};
 use crate::mesh::points::Points;
 use crate::mesh::triangle_mesh::Mesh;
 
 /// Writes a mesh as the content of a file. `out` should be buffered.
 ///
-/// OBJ and OFF keep every bit of the coordinates; STL and glTF have single precision.
+/// STL, glTF and PCD have single precision; the others keep every bit of the coordinates.
 ///
 /// # Errors
 /// Those of `out`; `InvalidData` for a mesh that the format cannot hold.
@@ -59,7 +59,12 @@ fn write_content(content: &Content, format: Format, out: &mut dyn std::io::Write
         Format::Gltf => gltf::write_gltf(content, out),
         Format::Glb => gltf::write_glb(content, out),
         Format::Xyz => xyz::write(content, out),
-        Format::Las => Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, "LAS is read only")),
+        Format::ThreeMf => threemf::write(content, out),
+        Format::Vtp => vtk::write(content, out),
+        Format::Pcd => pcd::write(content, out),
+        Format::Las | Format::Vtk | Format::Gmsh | Format::Medit | Format::E57 => {
+            Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, format!("{format} is read only")))
+        }
     }
 }
 

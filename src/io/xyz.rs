@@ -24,6 +24,9 @@ use std::io::{self, Write};
 /// Lines that are looked at to tell whether a text is a table.
 const PROBE: usize = 8;
 
+/// Bytes that are looked at to tell whether it is text at all.
+const HEAD: usize = 4096;
+
 /// What headings call normals and colours.
 const NORMALS: [[&str; 3]; 2] = [["nx", "ny", "nz"], ["normal_x", "normal_y", "normal_z"]];
 const COLORS: [[&str; 3]; 2] = [["r", "g", "b"], ["red", "green", "blue"]];
@@ -40,6 +43,10 @@ struct Table {
 }
 
 pub(crate) fn parse(bytes: &[u8]) -> Parsed {
+    if is_binary(bytes) {
+        let remedy = "export its points as such text, one a line, or as PLY, PCD or LAS";
+        return Err(malformed(Place::Whole, "it is binary, not columns of numbers in text", remedy));
+    }
     let Table { heading, width, values } = read(bytes)?;
     if width == 0 {
         return Err(malformed(Place::Whole, "there are no numbers in it", "check that it has one point a line"));
@@ -70,22 +77,30 @@ pub(crate) fn write(content: &Content, out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-/// Whether a text looks like a table of points.
+/// Whether a text is a table of points without doubt: its first lines are rows of as many numbers each, under nothing
+/// but comments, a heading and a number of points.
 pub(crate) fn is_table(bytes: &[u8]) -> bool {
     let mut words = Words::new(bytes);
-    let mut row = Vec::new();
+    let (mut row, mut width) = (Vec::new(), None);
     for _ in 0..PROBE {
         match read_line(&mut words, &mut row) {
-            Line::Row if row.len() >= 3 => return true,
-            Line::Row if row.len() > 1 => return false,
-            _ => {}
+            Line::Row if row.len() >= 3 && width.is_none_or(|width| width == row.len()) => width = Some(row.len()),
+            Line::Row if row.len() == 1 && width.is_none() => {}
+            Line::Words(heading) if width.is_none() && is_heading(&heading) => {}
+            Line::Row | Line::Words(_) => return false,
+            Line::Empty | Line::Comment(_) => {}
         }
         row.clear();
         if !words.next_line() {
             break;
         }
     }
-    false
+    width.is_some() && !is_binary(bytes)
+}
+
+/// Whether a file is no text: it has a zero byte near its beginning.
+fn is_binary(bytes: &[u8]) -> bool {
+    bytes[..bytes.len().min(HEAD)].contains(&0)
 }
 
 fn read(bytes: &[u8]) -> Result<Table> {

@@ -44,12 +44,68 @@ fn valid_files() -> Vec<(Format, Vec<u8>)> {
             "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\nproperty short label\nelement face 1\nproperty list uchar float texcoord\nproperty list uchar int vertex_indices\nend_header\n0 0 0 0 0 1 5\n1 0 0 0 0 1 6\n1 1 0 0 0 1 7\n6 0 0 1 0 0 1 3 0 1 2\n",
         ),
         (
+            Format::Vtk,
+            "# vtk DataFile Version 3.0\na\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n0 0 0 1 0 0\n1 1 0 0 1 0\nPOLYGONS 1 5\n4 0 1 2 3\nTRIANGLE_STRIPS 1 5\n4 0 1 3 2\nPOINT_DATA 4\nSCALARS heat float\nLOOKUP_TABLE default\n1 2 3 4\nFIELD f 1\nwind 2 4 int\n1 2 3 4 5 6 7 8\n",
+        ),
+        (
+            Format::Vtk,
+            "# vtk DataFile Version 3.0\na\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 float\n0 0 0 1 0 0 1 1 0\nCELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n5\n",
+        ),
+        (
+            Format::Vtp,
+            "<VTKFile type=\"PolyData\"><PolyData><Piece><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"binary\">JAAAAAAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAA==</DataArray></Points><Polys><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 1 2</DataArray><DataArray type=\"Int32\" Name=\"offsets\">3</DataArray></Polys></Piece></PolyData></VTKFile>",
+        ),
+        (
+            Format::Gmsh,
+            "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$EndNodes\n$Elements\n2\n1 1 1 0 1 2\n2 2 2 0 1 1 2 3\n$EndElements\n",
+        ),
+        (
+            Format::Medit,
+            "MeshVersionFormatted 2\nDimension 3\nVertices 3\n0 0 0 1\n1 0 0 1\n0 1 0 1\nTriangles 1\n1 2 3 7\nEdges 1\n1 2 0\nEnd\n",
+        ),
+        (
             Format::Gltf,
             r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"children":[1],"scale":[1,2,3]},{"mesh":0,"translation":[1,0,0]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"mode":5}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","sparse":{"count":1,"indices":{"bufferView":1,"componentType":5121},"values":{"bufferView":0}}}],"bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":1}],"buffers":[{"byteLength":37,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAQ=="}]}"#,
         ),
     ];
     files.extend(texts.map(|(format, text)| (format, text.as_bytes().to_vec())));
+    let mut binary = b"OFF BINARY\n".to_vec();
+    binary.extend([3, 1, 0].map(i32::to_be_bytes).as_flattened());
+    binary.extend([0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].map(f32::to_be_bytes).as_flattened());
+    binary.extend([3, 0, 1, 2, 0].map(i32::to_be_bytes).as_flattened());
+    files.push((Format::Off, binary));
+    files.push((Format::Gmsh, gmsh_file()));
+    files.push((Format::Medit, medit_file()));
     files
+}
+
+/// A triangle in MSH 4.1, binary.
+fn gmsh_file() -> Vec<u8> {
+    let (ints, sizes) =
+        (|x: [i32; 3]| x.map(i32::to_le_bytes).concat(), |x: &[u64]| x.iter().flat_map(|x| x.to_le_bytes()).collect());
+    let places = [0f64, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].map(f64::to_le_bytes).concat();
+    let parts: [Vec<u8>; 10] = [
+        b"$MeshFormat\n4.1 1 8\n\x01\0\0\0\n$EndMeshFormat\n$Nodes\n".to_vec(),
+        sizes(&[1, 3, 1, 3]),
+        ints([2, 1, 0]),
+        sizes(&[3, 1, 2, 3]),
+        places,
+        b"\n$EndNodes\n$Elements\n".to_vec(),
+        sizes(&[1, 1, 1, 1]),
+        ints([2, 1, 2]),
+        sizes(&[1, 1, 1, 2, 3]),
+        b"\n$EndElements\n".to_vec(),
+    ];
+    parts.concat()
+}
+
+/// A triangle in binary Medit.
+fn medit_file() -> Vec<u8> {
+    let head = [1i32, 2, 3, 20, 3, 4, 116, 3].map(i32::to_le_bytes).concat();
+    let vertex = |place: [f64; 3]| [place.map(f64::to_le_bytes).concat(), 0i32.to_le_bytes().to_vec()].concat();
+    let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(vertex).concat();
+    let faces = [6i32, 144, 1, 1, 2, 3, 0, 54].map(i32::to_le_bytes).concat();
+    [head, vertices, faces].concat()
 }
 
 /// Files of points without triangles, none of them broken.
@@ -65,7 +121,11 @@ fn cloud_files() -> Vec<(Format, Vec<u8>)> {
     (las[24], las[25], las[94], las[96], las[104], las[105], las[107]) = (1, 2, 227, 227, 2, 26, 3);
     las[131..155].copy_from_slice(&[1f64.to_le_bytes(); 3].concat());
     let text = b"// x;y;z;r;g;b\n3\n0;0;0;255;8;0\n1;0;0;7;8;9\n0;1;0;0;0;0\n".to_vec();
-    Format::OF_POINTS.into_iter().map(written).chain([(Format::Las, las), (Format::Xyz, text)]).collect()
+    let pcd = b"# .PCD v0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH 3\nHEIGHT 1\nDATA ";
+    let ascii = [&pcd[..], b"ascii\n0 0 0 1\n1 0 0 4e6\n0 1 0 0\n"].concat();
+    let compressed = [&pcd[..], b"binary_compressed\n\x05\0\0\0\x30\0\0\0\0\0\xE0\x26\0"].concat();
+    let others = [(Format::Las, las), (Format::Xyz, text), (Format::Pcd, ascii), (Format::Pcd, compressed)];
+    Format::OF_POINTS.into_iter().map(written).chain(others).collect()
 }
 
 /// Reads as every format, also after the wrong ones: an error or a mesh that is sound.
@@ -234,7 +294,7 @@ fn files_may_end_anywhere() {
 
 #[test]
 fn binary_files_that_end_early_are_refused() {
-    for format in [Format::Ply, Format::Stl, Format::Glb] {
+    for format in [Format::Ply, Format::Stl, Format::Glb, Format::ThreeMf] {
         let bytes = written(&octahedron(), format);
         for end in 0..bytes.len() {
             assert!(io::parse(&bytes[..end], format, NO_BUFFERS).is_err(), "{format} {end}");
@@ -287,7 +347,19 @@ proptest! {
     #[test]
     fn random_bytes_are_read_or_refused(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
         read_as_anything(&bytes);
-        for start in [&b"ply\n"[..], b"solid a\n", b"OFF\n", b"glTF\x02\0\0\0", b"v 0 0 0\nf "] {
+        for start in [
+            &b"ply\n"[..],
+            b"solid a\n",
+            b"OFF\n",
+            b"OFF BINARY\n",
+            b"glTF\x02\0\0\0",
+            b"v 0 0 0\nf ",
+            b"# vtk DataFile Version 3.0\na\nBINARY\nDATASET POLYDATA\nPOINTS ",
+            b"FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 2\nDATA binary_compressed\n",
+            b"$MeshFormat\n4.1 1 8\n\x01\0\0\0\n$EndMeshFormat\n$Nodes\n",
+            b"$MeshFormat\n2.2 1 8\n\x01\0\0\0\n$EndMeshFormat\n$Elements\n",
+            b"\x01\0\0\0\x02\0\0\0\x03\0\0\0\x14\0\0\0\x03\0\0\0",
+        ] {
             read_as_anything(&[start, &bytes].concat());
         }
     }

@@ -12,7 +12,7 @@ Samples a surface: points with normals, without triangles, as the paper's gradie
 With --scan-only a subset of the input's points, each with its index in it (in PLY as the property index). A cloud of
 points is sampled on its robust implicit surface; normals that it lacks are estimated.
 
-Formats of the output, by the ending of the file: obj (v, vn), ply (x y z nx ny nz index), xyz.
+Formats of the output, by the ending of the file: obj (v, vn), ply (x y z nx ny nz index), off, gltf, glb, vtp, pcd, xyz.
 
 Exit status: 0 sampled, 1 a file cannot be read or written, or cannot be sampled, 2 wrong usage, 130 interrupted.";
 

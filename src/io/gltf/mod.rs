@@ -25,7 +25,7 @@ use crate::io::bytes::{EXPORT_AGAIN, malformed, without_mark};
 use crate::io::content::{Parsed, Read, Resolve};
 use ::gltf::json::Root;
 use serde_json::Value;
-use store::Store;
+use store::{COMPRESSIONS, DECOMPRESS, Store};
 
 /// What geometry does not depend on.
 const UNUSED: [&str; 9] =
@@ -65,7 +65,9 @@ fn read(json: &[u8], bin: Option<&[u8]>, resolve: Resolve, place: impl Fn(usize)
     let harmless = |name: &String| HARMLESS.iter().any(|prefix| name.starts_with(prefix));
     if let Some(name) = root.extensions_required.iter().find(|name| !harmless(name)) {
         let cause = format!("requires the extension {name}, which is not supported");
-        return Err(malformed(Place::Part("extensionsRequired".into()), cause, "export it without that extension"));
+        let remedy =
+            if COMPRESSIONS.contains(&name.as_str()) { DECOMPRESS } else { "export it without that extension" };
+        return Err(malformed(Place::Part("extensionsRequired".into()), cause, remedy));
     }
     let mut all: Read = scene::collect(&root, &Store::new(&root, bin, resolve))?;
     if has_materials {

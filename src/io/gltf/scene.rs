@@ -3,7 +3,7 @@
 use super::store::{Store, wrong};
 use super::vertices::{Columns, accessors};
 use crate::base::error::{Place, Result};
-use crate::io::bytes::malformed;
+use crate::io::bytes::{NO_LINES, malformed};
 use crate::io::content::Read;
 use crate::mesh::triangle_mesh::Mesh;
 use ::gltf::json::mesh::{Mode, Primitive, Semantic};
@@ -27,6 +27,9 @@ pub(super) fn collect(root: &Root, store: &Store) -> Result<Read> {
         }
     };
     scene.instances(&instances)?;
+    if scene.mesh.positions.is_empty() && scene.left_out.lines > 0 {
+        return Err(malformed(Place::Whole, "it holds lines, no faces", NO_LINES));
+    }
     let mut notes = scene.left_out.notes();
     if scenes > 1 {
         notes.push(format!("only one of {scenes} scenes is read"));

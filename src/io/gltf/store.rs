@@ -18,6 +18,12 @@ const SPARSITY: u64 = 64;
 /// How many elements it may have in any case.
 const FEW: u64 = 1 << 16;
 
+/// Extensions that compress meshes, and what to do about them.
+pub(super) const COMPRESSIONS: [&str; 3] =
+    ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
+pub(super) const DECOMPRESS: &str =
+    "decompress it by `gltf-transform copy IN OUT.glb`, or export it without compression";
+
 /// The data of a file. Buffers are fetched when they are first needed, so that those of textures are not.
 pub(super) struct Store<'a> {
     root: &'a Root,
@@ -127,12 +133,23 @@ impl<'a> Store<'a> {
                 let offset = accessor.byte_offset.unwrap_or_default().0;
                 self.rows(view.value(), offset, accessor.count.0, size, &fail)?.map(&read).collect()
             }
-            None => zeros(accessor, read(&[0; 16])).ok_or_else(|| fail("has no data".into()))?,
+            None => zeros(accessor, read(&[0; 16])).ok_or_else(|| self.without_data(index))?,
         };
         if let Some(sparse) = &accessor.sparse {
             self.replace(sparse, &mut values, size, read, &fail)?;
         }
         Ok(values)
+    }
+
+    /// The error that an accessor has no data, which are elsewhere in files that are compressed.
+    fn without_data(&self, index: usize) -> Error {
+        match self.root.extensions_used.iter().find(|name| COMPRESSIONS.contains(&name.as_str())) {
+            Some(name) => {
+                let cause = format!("its data are compressed by {name}, which is not supported");
+                malformed(Place::Part(format!("accessor {index}")), cause, DECOMPRESS)
+            }
+            None => wrong("accessor", index, "has no data"),
+        }
     }
 
     /// Puts the exceptions of a sparse accessor in their places.

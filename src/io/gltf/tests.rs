@@ -157,9 +157,12 @@ fn lines_are_noted_and_points_read() {
     for mode in 1..4 {
         let mut root = with_data(&SQUARE, &[]);
         root["meshes"][0]["primitives"][0]["mode"] = mode.into();
-        let (mesh, notes) = load(&root).unwrap();
-        assert!(mesh.triangles.is_empty());
-        assert_eq!(notes, ["1 primitives of lines are left out"]);
+        assert!(cause(load(&root)).contains("it holds lines, no faces"));
+        let lines = root["meshes"][0]["primitives"][0].clone();
+        root["meshes"][0]["primitives"][0]["mode"] = 4.into();
+        root["meshes"][0]["primitives"].as_array_mut().unwrap().push(lines);
+        let (_, notes) = load(&root).unwrap();
+        assert!(notes.contains(&"1 primitives of lines are left out".into()));
     }
     let mut root = with_data(&SQUARE, &[]);
     root["meshes"][0]["primitives"][0]["mode"] = 0.into();
@@ -246,7 +249,18 @@ fn extensions_that_are_not_supported() {
         let mut root = written();
         root["extensionsRequired"] = json!(["KHR_materials_unlit", name]);
         assert!(cause(load(&root)).contains(name));
+        assert_eq!(load(&root).unwrap_err().to_string().contains("gltf-transform copy"), name != "X_new");
     }
+}
+
+#[test]
+fn compressed_data_are_named() {
+    let mut root = with_data(&SQUARE, &[]);
+    root["accessors"][0].as_object_mut().unwrap().remove("bufferView");
+    assert_eq!(cause(load(&root)), "has no data");
+    root["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
+    let error = load(&root).unwrap_err().to_string();
+    assert!(error.contains("compressed by KHR_draco_mesh_compression") && error.contains("gltf-transform"), "{error}");
 }
 
 #[test]

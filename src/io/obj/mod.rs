@@ -12,7 +12,7 @@ mod write;
 pub(crate) use write::write;
 
 use crate::base::error::{Place, Result};
-use crate::io::bytes::{CORRECT_LINE, malformed};
+use crate::io::bytes::{CORRECT_LINE, NO_LINES, malformed};
 use crate::io::columns::{Columns, color, normal};
 use crate::io::content::{Parsed, Read};
 use crate::io::faces::Faces;
@@ -58,6 +58,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
         }
     }
     reader.check_indices()?;
+    reader.refuse_lines()?;
     Ok(reader.finish())
 }
 
@@ -240,6 +241,14 @@ impl<'a> Reader<'a> {
         if largest > count {
             let cause = format!("a face uses vertex {largest}, but the file has {count}");
             return Err(malformed(Place::Line(line), cause, CORRECT_LINE));
+        }
+        Ok(())
+    }
+
+    /// Refuses lines by themselves: their vertices are no points of a surface.
+    fn refuse_lines(&self) -> Result<()> {
+        if self.lines > 0 && self.points == 0 && self.faces.count() == 0 {
+            return Err(malformed(Place::Whole, "it holds lines, no faces", NO_LINES));
         }
         Ok(())
     }

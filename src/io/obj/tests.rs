@@ -58,6 +58,14 @@ fn faces_may_come_first() {
 }
 
 #[test]
+fn lines_by_themselves_are_no_cloud() {
+    let read = |text: &str| parse(text.as_bytes()).map(|read| read.mesh.positions.len());
+    let error = read("v 0 0 0\nv 1 0 0\nl 1 2\n").unwrap_err();
+    assert!(error.to_string().contains("it holds lines, no faces; export"), "{error}");
+    assert_eq!(read("v 0 0 0\nv 1 0 0\nl 1 2\np 1 2\n"), Ok(2));
+}
+
+#[test]
 fn what_is_left_out_is_said() {
     let text = format!("{SQUARE}p 1\nl 1 2\nf 1 2\nf\nvp 1 2\ncstype bezier\nsurf 0 1\nend\nfoo\nbar\n");
     assert_eq!(

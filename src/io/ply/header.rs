@@ -14,6 +14,8 @@ pub(super) struct Header {
     pub body: usize,
     /// The line where the body begins, from 1.
     pub line: usize,
+    /// What was left out, a sentence each.
+    pub notes: Vec<String>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,6 +70,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Header> {
     }
     let mut encoding = None;
     let mut elements: Vec<Element> = Vec::new();
+    let mut notes = Vec::new();
     while let Some(raw) = lines.next() {
         let place = || Place::Line(lines.number);
         let wrong = |cause: &str| malformed(place(), format!("{}: {cause}", quote(raw)), EXPORT_AGAIN);
@@ -87,7 +90,11 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Header> {
             }
             ["end_header"] => {
                 let encoding = encoding.ok_or_else(|| malformed(place(), "no 'format' line", EXPORT_AGAIN))?;
-                return Ok(Header { encoding, elements, body: lines.at, line: lines.number + 1 });
+                return Ok(Header { encoding, elements, body: lines.at, line: lines.number + 1, notes });
+            }
+            // Some programs sign their files without the word 'comment'. Behind an element it could be a property.
+            _ if elements.is_empty() => {
+                notes.push(format!("line {} of the header, {}, is left out", lines.number, quote(raw)));
             }
             _ => return Err(wrong("not a line of a PLY header")),
         }
@@ -198,6 +205,13 @@ mod tests {
     }
 
     #[test]
+    fn lines_that_programs_sign_files_with_are_left_out() {
+        let header = parse(TEXT.replace("comment any", "Created by any").as_bytes()).unwrap();
+        assert_eq!(header.elements, parse(TEXT.as_bytes()).unwrap().elements);
+        assert_eq!(header.notes, ["line 3 of the header, 'Created by any thing', is left out"]);
+    }
+
+    #[test]
     fn malformed_headers_have_a_line() {
         assert_eq!(line("plyx\n"), 1);
         assert_eq!(line(""), 1);
@@ -207,7 +221,7 @@ mod tests {
         assert_eq!(line(&TEXT.replace("float x", "quad x")), 6);
         assert_eq!(line(&TEXT.replace("list uchar int", "list uchar")), 9);
         assert_eq!(line(&TEXT.replace("element vertex 3", "")), 6);
-        assert_eq!(line(&TEXT.replace("comment", "remark")), 3);
+        assert_eq!(line(&TEXT.replace("property float x", "propperty float x")), 6);
         assert_eq!(line(&TEXT.replace("format ascii 1.0", "")), 10);
         assert_eq!(line(&TEXT.replace("end_header", "")), 10);
     }

@@ -61,7 +61,7 @@ fn read<S: Source>(mut source: S, header: &Header) -> Parsed {
     let with_faces = header.elements.iter().any(|e| is_surface(e) && e.count > 0);
     let mut vertices = Vertices::default();
     let mut faces = Faces::default();
-    let mut notes = Vec::new();
+    let mut notes = header.notes.clone();
     let mut early = Vec::new();
     for (i, element) in header.elements.iter().enumerate() {
         let surface = is_surface(element);

@@ -1,0 +1,206 @@
+//! 3MF, the format of printing in three dimensions: an archive with a model, and perhaps further ones, in XML.
+//!
+//! A model has objects, which are meshes or put together from other objects, and a list of objects to build. What is built
+//! is read, each object in its place; the unit of the file is kept. Colours of the corners of triangles become those of
+//! vertices.
+//!
+//! What the archive unpacks to is bounded by its size, and so is how often objects are repeated.
+//!
+//! Limits: materials, textures, slices and beams are left out; so are encrypted models.
+
+mod model;
+mod write;
+
+pub(crate) use write::write;
+
+use super::bytes::{EXPORT_AGAIN, malformed, most_unpacked, unpacks_to_too_much};
+use crate::base::error::{Error, Place, Result};
+use crate::io::content::{Parsed, Read};
+use crate::mesh::attributes::{Attribute, Attributes, COLOR, Scalar};
+use crate::mesh::triangle_mesh::Mesh;
+use glam::DMat4;
+use model::{Model, Object, Reference};
+use std::collections::BTreeMap;
+use std::io::{Cursor, Read as _};
+use zip::ZipArchive;
+
+/// Where the model is, if nothing says it.
+const MODEL: &str = "3D/3dmodel.model";
+const RELATIONS: &str = "_rels/.rels";
+
+/// The end of the type of the relation that says where the model is.
+const RELATION: &str = "/3dmodel";
+
+/// How deep objects may be put together from objects.
+const DEPTH: usize = 32;
+
+/// Vertices, triangles and objects that all copies together may have.
+const REPEATED: usize = 1 << 26;
+
+/// How far from the end of an archive its list of files is looked at.
+const TAIL: usize = 1 << 16;
+
+/// Whether a file is an archive with a model in it.
+pub(crate) fn has_signature(bytes: &[u8]) -> bool {
+    let tail = &bytes[bytes.len().saturating_sub(TAIL)..];
+    bytes.starts_with(b"PK\x03\x04") && tail.windows(6).any(|w| w == b".model")
+}
+
+/// The meshes in a 3MF file.
+///
+/// # Errors
+/// `Error::Format` with the part of what is malformed.
+pub(crate) fn parse(bytes: &[u8]) -> Parsed {
+    let mut archive = Archive::new(bytes)?;
+    let root = archive.model_name()?;
+    let models = archive.models(&root)?;
+    let mut builder = Builder { models: &models, built: 0, mesh: Mesh::default(), colors: Vec::new(), bare: false };
+    let items = &models[&root].items;
+    if items.is_empty() {
+        // A file that builds nothing has objects all the same.
+        for (id, _) in models[&root].objects.iter().filter(|(_, object)| !object.triangles.is_empty()) {
+            builder.add(
+                &root,
+                &Reference { object: *id, path: None, transform: DMat4::IDENTITY },
+                DMat4::IDENTITY,
+                0,
+            )?;
+        }
+    }
+    for item in items {
+        builder.add(&root, item, DMat4::IDENTITY, 0)?;
+    }
+    Ok(builder.finish())
+}
+
+struct Archive<'a> {
+    zip: ZipArchive<Cursor<&'a [u8]>>,
+    /// Bytes that may still be unpacked.
+    budget: usize,
+}
+
+impl<'a> Archive<'a> {
+    fn new(bytes: &'a [u8]) -> Result<Archive<'a>> {
+        let zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| {
+            let cause = format!("it is no archive, as a 3MF file is: {error}").replace(['\n', '\r'], " ");
+            malformed(Place::Whole, cause, "check that this is a 3MF file and complete")
+        })?;
+        Ok(Archive { zip, budget: most_unpacked(bytes.len()) })
+    }
+
+    /// The text of a file of the archive.
+    fn text(&mut self, name: &str) -> Result<String> {
+        let wrong = |cause: String| malformed(part(name), cause.replace(['\n', '\r'], " "), EXPORT_AGAIN);
+        let file = self.zip.by_name(name).map_err(|e| wrong(format!("it cannot be read: {e}")))?;
+        let mut bytes = Vec::new();
+        let read = file.take(self.budget as u64 + 1).read_to_end(&mut bytes);
+        read.map_err(|e| wrong(format!("it cannot be unpacked: {e}")))?;
+        let left = self.budget.checked_sub(bytes.len());
+        self.budget = left.ok_or_else(|| unpacks_to_too_much("save it anew with a slicer"))?;
+        String::from_utf8(bytes).map_err(|_| wrong("it is no text in UTF-8".into()))
+    }
+
+    fn model_name(&mut self) -> Result<String> {
+        if self.zip.index_for_name(RELATIONS).is_none() {
+            return Ok(MODEL.into());
+        }
+        let relations = self.text(RELATIONS)?;
+        Ok(model::target(&relations, RELATION).map_err(|e| in_part(e, RELATIONS))?.unwrap_or_else(|| MODEL.into()))
+    }
+
+    /// The model of this name and all that its objects refer to.
+    fn models(&mut self, root: &str) -> Result<BTreeMap<String, Model>> {
+        let mut models = BTreeMap::new();
+        let mut open = vec![root.to_string()];
+        while let Some(name) = open.pop() {
+            if models.contains_key(&name) {
+                continue;
+            }
+            let model = Model::read(&self.text(&name)?).map_err(|e| in_part(e, &name))?;
+            open.extend(model.references().filter_map(|r| r.path.clone()));
+            models.insert(name, model);
+        }
+        Ok(models)
+    }
+}
+
+fn part(name: &str) -> Place {
+    Place::Part(name.escape_debug().to_string())
+}
+
+/// The error, in a file of the archive.
+fn in_part(error: Error, name: &str) -> Error {
+    match error {
+        Error::Format { file, place, cause, remedy } => {
+            let place = Place::Part(format!("{}{place}", name.escape_debug()));
+            Error::Format { file, place, cause, remedy }
+        }
+        other => other,
+    }
+}
+
+/// What is built so far.
+struct Builder<'a> {
+    models: &'a BTreeMap<String, Model>,
+    /// Vertices, triangles and objects so far.
+    built: usize,
+    mesh: Mesh,
+    /// The colours of the vertices: those up to here.
+    colors: Vec<[u8; 4]>,
+    /// Whether some vertices have no colour.
+    bare: bool,
+}
+
+/// The colour of what has none.
+const WHITE: [u8; 4] = [255; 4];
+
+impl Builder<'_> {
+    /// Adds an object, which may be put together from others.
+    fn add(&mut self, model: &str, what: &Reference, outer: DMat4, depth: usize) -> Result<()> {
+        let model = what.path.as_deref().unwrap_or(model);
+        let wrong = |cause: &str| malformed(part(&format!("{model}, object {}", what.object)), cause, EXPORT_AGAIN);
+        let object = self.models.get(model).and_then(|m| m.objects.get(&what.object));
+        let object = object.ok_or_else(|| wrong("does not exist"))?;
+        let transform = outer * what.transform;
+        self.built = self.built.saturating_add(1 + object.positions.len() + object.triangles.len());
+        if self.built > REPEATED {
+            return Err(malformed(Place::Whole, "it repeats its objects too often", "build fewer copies"));
+        }
+        if depth == DEPTH {
+            return Err(wrong("it is put together from itself, or from too many others in each other"));
+        }
+        self.add_mesh(object, transform).ok_or_else(|| wrong("a position is not finite after its transform"))?;
+        object.components.iter().try_for_each(|component| self.add(model, component, transform, depth + 1))
+    }
+
+    fn add_mesh(&mut self, object: &Object, transform: DMat4) -> Option<()> {
+        let base = self.mesh.positions.len() as u32;
+        self.mesh.positions.extend(object.positions.iter().map(|&p| transform.transform_point3(p)));
+        // A mirrored triangle looks the other way.
+        let is_mirrored = transform.determinant() < 0.0;
+        let place = |&[a, b, c]: &[u32; 3]| if is_mirrored { [a, c, b] } else { [a, b, c] }.map(|v| base + v);
+        self.mesh.triangles.extend(object.triangles.iter().map(place));
+        self.bare |= object.colors.is_empty() && !object.positions.is_empty();
+        if !object.colors.is_empty() {
+            self.colors.resize(base as usize, WHITE);
+            self.colors.extend(&object.colors);
+        }
+        self.mesh.positions[base as usize..].iter().all(|p| p.is_finite()).then_some(())
+    }
+
+    fn finish(mut self) -> Read {
+        let mut attributes = Attributes::default();
+        if !self.colors.is_empty() {
+            self.colors.resize(self.mesh.positions.len(), WHITE);
+            let components = if self.colors.iter().all(|c| c[3] == 255) { 3 } else { 4 };
+            let values = self.colors.iter().flat_map(|c| &c[..components]).map(|&x| f64::from(x)).collect();
+            attributes.vertex.push(Attribute { name: COLOR.into(), components, values, scalar: Scalar::U8 });
+        }
+        let has_both = self.bare && !self.colors.is_empty();
+        let notes = has_both.then(|| "objects without colours are white".to_string());
+        Read { mesh: self.mesh, attributes, notes: notes.into_iter().collect() }
+    }
+}
+
+#[cfg(test)]
+mod tests;
