@@ -6,7 +6,7 @@ use crate::geom::eigen::{eigen, scatter};
 use crate::mesh::points::Points;
 use crate::mesh::topology::components;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::prepare::clean::{distinct, spatial_order, wanted_by_others};
+use crate::prepare::clean::{merged, wanted_by_others};
 use crate::prepare::cloud_normals::{MANY_NEIGHBORS, Neighborhood, plane_normals, sphere_normals};
 use crate::prepare::orient::{disagreement, orient, side_with};
 use crate::spatial::kdtree::Neighbors;
@@ -124,6 +124,10 @@ pub struct MeshOfPoints {
     pub mesh: Mesh,
     /// For each of its vertices the point that it is.
     pub source: Vec<u32>,
+    /// The points that it should go through: all at different places that are no outliers.
+    pub surface_points: Vec<u32>,
+    /// The mean distance of neighbouring points.
+    pub spacing: f64,
     /// What it was made of.
     pub summary: CloudSummary,
 }
@@ -186,8 +190,7 @@ pub(super) fn prepared(points: &Points, options: &CloudOptions, monitor: &dyn Mo
     options.validate()?;
     monitor.stage("clean");
     let mut summary = CloudSummary { points: points.positions().len(), ..CloudSummary::default() };
-    let mut source = distinct(points.positions(), &spatial_order(points.positions()));
-    let mut points = points.pick(&source);
+    let (mut points, mut source) = merged(points);
     summary.duplicates = summary.points - points.positions().len();
     refuse_without_surface(points.positions())?;
     let mut near = Neighbors::new(points.positions());
@@ -234,6 +237,8 @@ pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Mon
     let triangles = triangulate_points(surroundings, options.fill_holes, monitor)?;
     let mut mesh = Mesh { positions, triangles };
     let all = mesh.positions.len();
+    let spacing = spacings.iter().sum::<f64>() / all as f64;
+    let surface_points = source.clone();
     let mut used = vec![false; all];
     mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
     source = (0..all).filter(|&p| used[p]).map(|p| source[p]).collect();
@@ -245,7 +250,7 @@ pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Mon
     if mesh.triangles.is_empty() {
         return Err(no_surface(all));
     }
-    Ok(MeshOfPoints { mesh, source, summary })
+    Ok(MeshOfPoints { mesh, source, surface_points, spacing, summary })
 }
 
 /// What to say of points whose surface has no triangle.

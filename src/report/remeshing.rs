@@ -8,7 +8,7 @@
 use crate::mesh::attributes::Lost;
 use crate::mesh::topology::{Topology, topology};
 use crate::mesh::triangle_mesh::Mesh;
-use crate::pipeline::{CloudSummary, Deviation, Remeshed};
+use crate::pipeline::{CloudSummary, Coverage, Deviation, Remeshed};
 use crate::prepare::repair::Repairs;
 use crate::quality::distance::{Distance, REPORT_SAMPLES, distance};
 use crate::quality::shape::{Shape, shape};
@@ -35,6 +35,9 @@ pub struct Report {
     pub input: Option<Measured>,
     /// What the mesh of an input of points was made of; `None` for an input with triangles.
     pub cloud: Option<CloudSummary>,
+    /// How near the points of such an input are to the output; `None` for an input with triangles.
+    #[serde(default)]
+    pub coverage: Option<Coverage>,
     /// What was done to the input before it was sampled.
     pub repairs: Option<Repairs>,
     /// The topology after those repairs: what the output's is held against.
@@ -166,6 +169,16 @@ impl Report {
         }
     }
 
+    /// The same for points, through which the input that is reported was laid: their distance to the output takes the place
+    /// of that of `input`.
+    #[must_use]
+    pub fn of_points(self, coverage: Coverage, input: &Mesh) -> Report {
+        let unit = 100.0 / input.diagonal();
+        let distance = self.distance.map(|d| d.with_way_back(unit * coverage.rms, unit * coverage.largest));
+        let verified = self.verified.map(|verified| verified && coverage.is_enough());
+        Report { verified, coverage: Some(coverage), distance, ..self }
+    }
+
     fn of_output(output: Measured) -> Report {
         Report {
             schema: SCHEMA.into(),
@@ -173,6 +186,7 @@ impl Report {
             verified: None,
             input: None,
             cloud: None,
+            coverage: None,
             repairs: None,
             repaired: None,
             output,
@@ -195,7 +209,8 @@ impl Report {
     /// was measured only.
     pub fn shortcomings(&self) -> Vec<String> {
         let against = |wanted| shortcomings(&self.output.topology, wanted, &self.crossings, self.deviation.as_ref());
-        self.repaired.as_ref().map_or_else(Vec::new, against)
+        let of_mesh = self.repaired.as_ref().map_or_else(Vec::new, against);
+        of_mesh.into_iter().chain(self.coverage.as_ref().and_then(too_few_covered)).collect()
     }
 
     /// The report as indented JSON that ends with a line break.
@@ -231,6 +246,25 @@ pub fn shortcomings(
     let far = deviation.filter(|d| !d.is_allowed());
     let far = far.map(|d| format!("up to {:.4e} from the input and not {:.4e}", d.reached, d.allowed));
     faults.chain(differences).chain(far).collect()
+}
+
+/// That too many points of a cloud are far from the result, if they are.
+pub fn too_few_covered(coverage: &Coverage) -> Option<String> {
+    let Coverage { points, missed, within, .. } = *coverage;
+    let is_short = !coverage.is_enough();
+    is_short.then(|| format!("{missed} of {points} points are farther than {within:.4e} from it"))
+}
+
+/// Which points of a cloud are not on the result, and why; `None` if all are.
+pub fn left_out(cloud: &CloudSummary, coverage: &Coverage) -> Option<String> {
+    let far = format!("are farther than {:.4e} from the result", coverage.within);
+    let parts = [
+        (cloud.outliers, "are outliers, no other point's neighbours"),
+        (cloud.unused, "are no corner of the first mesh, since neighbours do not agree on a surface there"),
+        (coverage.missed, &far),
+    ];
+    let parts: Vec<String> = parts.iter().filter(|p| p.0 > 0).map(|(n, what)| format!("{n} {what}")).collect();
+    (!parts.is_empty()).then(|| format!("of {} points {}", cloud.points, parts.join("; ")))
 }
 
 #[cfg(test)]

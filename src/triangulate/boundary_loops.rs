@@ -90,6 +90,7 @@ pub fn fill_boundary_loops(points: Surroundings<'_>, stars: &[[u32; 3]], criteri
         let before = triangles.len();
         fill_holes(points.positions, points.normals, &successor, |p| !is_hole(p), LEAST_COSINE, &mut triangles);
         triangles[before..].iter().flatten().for_each(|&p| is_filled[p as usize] = true);
+        keep_largest_fans(&mut triangles, points.positions.len());
         let mut left = boundary_loops(points.positions, points.normals, &successor, &triangles);
         left.retain(|polygon| !is_hole(polygon));
         let mut is_bad = vec![false; points.positions.len()];
@@ -105,7 +106,8 @@ pub fn fill_boundary_loops(points: Surroundings<'_>, stars: &[[u32; 3]], criteri
     keep_largest_fans(&mut triangles, points.positions.len());
     let holes = boundary_loops(points.positions, points.normals, &successor, &triangles);
     drop_islands(&mut triangles, &holes, points.positions.len());
-    let holes = boundary_loops(points.positions, points.normals, &successor, &triangles).len();
+    let left = boundary_loops(points.positions, points.normals, &successor, &triangles);
+    let holes = left.iter().filter(|polygon| is_hole(polygon)).count();
     Filled { triangles, holes }
 }
 

@@ -274,3 +274,33 @@ fn no_surface_goes_through_them() {
     bad(CloudOptions { smooth: Some(0.1), ..CloudOptions::default() }, "support radius");
     bad(CloudOptions { fill_holes: -1.0, ..CloudOptions::default() }, "size of holes");
 }
+
+/// Points on the faces of a box at all places with whole coordinates, those at an edge once for each of its faces, each with
+/// the normal of the face.
+fn box_on_a_lattice(size: [i32; 3]) -> Vec<(DVec3, DVec3)> {
+    let mut points = Vec::new();
+    for axis in 0..3 {
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        for (side, sign) in [(0, -1.0), (size[axis], 1.0)] {
+            for (i, j) in (0..=size[u]).flat_map(|i| (0..=size[v]).map(move |j| (i, j))) {
+                let (mut at, mut normal) = (DVec3::ZERO, DVec3::ZERO);
+                (at[axis], at[u], at[v]) = (f64::from(side), f64::from(i), f64::from(j));
+                normal[axis] = sign;
+                points.push((at, normal));
+            }
+        }
+    }
+    points
+}
+
+#[test]
+fn points_on_a_lattice_and_twice_at_edges_are_all_used() {
+    let points = box_on_a_lattice([8, 30, 20]);
+    let bare = cloud(points.iter().map(|p| p.0).collect());
+    for points in [Points::from_pairs(points), bare] {
+        let made = connect(&points);
+        assert_eq!(audit(&made.mesh), (2, 1, 0));
+        assert_eq!(made.summary.unused, 0);
+        assert_eq!(volume(&made.mesh) / 6.0, 8.0 * 30.0 * 20.0);
+    }
+}
