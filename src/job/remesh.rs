@@ -7,7 +7,7 @@ use crate::job::outcome::{Origin, Outcome};
 use crate::mesh::attributes::{Attributes, Lost};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::{self, CloudOptions, CloudSummary, Coverage, Grading, Options, Remeshed, Signal, mesh_of_points};
-use crate::report::{Crossings, Report, left_out, shortcomings, too_few_covered};
+use crate::report::{Crossings, Report, left_out, noise, shortcomings, too_few_covered};
 use crate::transfer::vertex::{Carried, carry};
 use glam::DVec3;
 use std::borrow::Cow;
@@ -76,8 +76,11 @@ pub fn remesh(input: &Input, options: &RemeshOptions, monitor: &dyn Monitor) -> 
     let mut carried = carried(&surface, &mut remeshed, &options.carry, monitor)?;
     remeshed.notes.append(&mut carried.notes);
     let coverage = surface.cloud.as_ref().map(|cloud| cloud.coverage(&remeshed));
-    let left_out = surface.cloud.as_ref().zip(coverage).and_then(|(cloud, coverage)| left_out(&cloud.summary, &coverage));
+    let left_out =
+        surface.cloud.as_ref().zip(coverage).and_then(|(cloud, coverage)| left_out(&cloud.summary, &coverage));
     remeshed.notes.extend(left_out.clone());
+    let is_smoothed = options.cloud.smooth.or(options.surface.smooth).is_some();
+    remeshed.notes.extend(surface.cloud.as_ref().filter(|_| !is_smoothed).and_then(|cloud| noise(&cloud.summary)));
     let report = (!options.without_report).then(|| {
         monitor.stage("measure");
         let report = Report::of_remesh(&remeshed, &surface.mesh, options.surface.seed);

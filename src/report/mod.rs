@@ -10,6 +10,6 @@ pub mod surface;
 mod table;
 
 pub use remeshing::{
-    AttributesKept, Crossings, Measured, Report, SCHEMA, Sampling, left_out, shortcomings, too_few_covered,
+    AttributesKept, Crossings, Measured, Report, SCHEMA, Sampling, left_out, noise, shortcomings, too_few_covered,
 };
 pub use run::{Lap, RunSummary};

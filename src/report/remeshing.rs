@@ -255,6 +255,16 @@ pub fn too_few_covered(coverage: &Coverage) -> Option<String> {
     is_short.then(|| format!("{missed} of {points} points are farther than {within:.4e} from it"))
 }
 
+/// What to do about the noise of a cloud, and what was done, if it has some.
+pub fn noise(cloud: &CloudSummary) -> Option<String> {
+    let done = match cloud.flattened_neighbors {
+        _ if !cloud.noisy => return None,
+        0 => "the points are noisy".into(),
+        n => format!("the points are noisy, and were moved onto planes through the nearest {n}"),
+    };
+    Some(format!("{done}; smoothing (--smooth) takes noise away"))
+}
+
 /// Which points of a cloud are not on the result, and why; `None` if all are.
 pub fn left_out(cloud: &CloudSummary, coverage: &Coverage) -> Option<String> {
     let far = format!("are farther than {:.4e} from the result", coverage.within);

@@ -158,7 +158,7 @@ fn remarks(out: &mut String, report: &Report) {
 
 /// What became of the points of a cloud.
 fn points_used(cloud: &CloudSummary) -> Vec<String> {
-    let CloudSummary { points, duplicates, outliers, unused, estimated_normals, turned_normals } = *cloud;
+    let &CloudSummary { points, duplicates, outliers, unused, estimated_normals, turned_normals, .. } = cloud;
     let others = [
         (duplicates, "at the place of another one"),
         (outliers, "outliers"),
