@@ -29,8 +29,8 @@ pub struct Coverage {
 /// Points as many spacings as this away from a surface are none of its points.
 const FAR: f64 = 3.0;
 
-/// The share of points that may be missed: a tip or two that a scan has only a few points of.
-const MOST_MISSED: f64 = 0.03;
+/// The share of points that may be missed: tips and shreds that a scan has only a few points of.
+const MOST_MISSED: f64 = 0.05;
 
 impl Coverage {
     /// That of `points` by `mesh`, which has triangles; `spacing` is the larger mean spacing of both.

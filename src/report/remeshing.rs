@@ -401,6 +401,32 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn a_cloud_that_is_missed_is_not_verified() {
+        let coverage = |missed| Coverage { points: 100, missed, within: 0.5, rms: 1.0, largest: 2.0 };
+        let mesh = tetrahedron();
+        let report = Report::of_mesh(&mesh, Some(&mesh));
+        let report = Report { verified: Some(true), repaired: Some(report.output.topology), ..report };
+        let good = report.clone().of_points(coverage(5), &mesh);
+        assert_eq!((good.verified, good.shortcomings().len()), (Some(true), 0));
+        assert!((good.distance.unwrap().hausdorff - 200.0 / 3f64.sqrt()).abs() < 1e-9);
+        let bad = report.of_points(coverage(6), &mesh);
+        assert_eq!(bad.verified, Some(false));
+        assert_eq!(bad.shortcomings(), ["6 of 100 points are farther than 5.0000e-1 from it"]);
+    }
+
+    #[test]
+    fn what_is_left_out_of_a_cloud_is_told_with_the_reason() {
+        let cloud = CloudSummary { points: 100, outliers: 2, unused: 3, ..CloudSummary::default() };
+        let coverage = Coverage { points: 98, missed: 0, within: 0.5, rms: 0.1, largest: 0.2 };
+        let told = left_out(&cloud, &coverage).unwrap();
+        assert!(told.starts_with("of 100 points 2 are outliers") && told.contains("; 3 are no corner"), "{told}");
+        assert_eq!(left_out(&CloudSummary::default(), &coverage), None);
+        let noisy = CloudSummary { noisy: true, flattened_neighbors: 64, ..cloud };
+        assert!(noise(&noisy).unwrap().contains("nearest 64; smoothing (--smooth)"));
+        assert_eq!(noise(&CloudSummary::default()), None);
+    }
+
+    #[test]
     fn a_mesh_against_itself_is_at_no_distance() {
         let mesh = tetrahedron();
         let report = Report::of_mesh(&mesh, Some(&mesh));
