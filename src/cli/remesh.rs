@@ -29,6 +29,10 @@ pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
     if let Some(report) = &outcome.report {
         hand_out(&report.to_json(), &report.to_text(), &job.run)?;
     }
+    // Without the report nothing else would tell.
+    if let Some(left_out) = outcome.left_out.as_ref().filter(|_| job.run.voice == Voice::Quiet) {
+        terminal::complain(&format!("{}: {left_out}", name(&job.input)));
+    }
     Ok(verdict(&outcome, job))
 }
 

@@ -45,6 +45,8 @@ pub struct Outcome {
     pub shortcomings: Vec<String>,
     /// Things a user should know, a sentence each; the report has them, too.
     pub notes: Vec<String>,
+    /// Which points of a cloud are not on the result, and why: one of the notes; `None` if all are.
+    pub left_out: Option<String>,
     /// What was done, and how good the result is; `None` if it was not wanted.
     pub report: Option<Report>,
 }

@@ -6,9 +6,10 @@ use crate::job::input::Input;
 use crate::job::outcome::{Origin, Outcome};
 use crate::mesh::attributes::{Attributes, Lost};
 use crate::mesh::triangle_mesh::Mesh;
-use crate::pipeline::{self, CloudOptions, CloudSummary, Grading, Options, Remeshed, Signal, mesh_of_points};
-use crate::report::{Crossings, Report, shortcomings};
+use crate::pipeline::{self, CloudOptions, CloudSummary, Coverage, Grading, Options, Remeshed, Signal, mesh_of_points};
+use crate::report::{Crossings, Report, left_out, noise, shortcomings, too_few_covered};
 use crate::transfer::vertex::{Carried, carry};
+use glam::DVec3;
 use std::borrow::Cow;
 
 /// What to make of an input.
@@ -74,15 +75,28 @@ pub fn remesh(input: &Input, options: &RemeshOptions, monitor: &dyn Monitor) -> 
     let mut remeshed = pipeline::remesh(&surface.mesh, &surface.options, monitor)?;
     let mut carried = carried(&surface, &mut remeshed, &options.carry, monitor)?;
     remeshed.notes.append(&mut carried.notes);
+    let coverage = surface.cloud.as_ref().map(|cloud| cloud.coverage(&remeshed));
+    let left_out =
+        surface.cloud.as_ref().zip(coverage).and_then(|(cloud, coverage)| left_out(&cloud.summary, &coverage));
+    remeshed.notes.extend(left_out.clone());
+    let is_smoothed = options.cloud.smooth.or(options.surface.smooth).is_some();
+    remeshed.notes.extend(surface.cloud.as_ref().filter(|_| !is_smoothed).and_then(|cloud| noise(&cloud.summary)));
     let report = (!options.without_report).then(|| {
         monitor.stage("measure");
         let report = Report::of_remesh(&remeshed, &surface.mesh, options.surface.seed);
         let attributes = (options.carry != Carry::Nothing).then(|| (&carried).into());
-        Report { cloud: surface.cloud.clone(), attributes, ..report }
+        let cloud = surface.cloud.as_ref().map(|cloud| cloud.summary.clone());
+        let report = Report { cloud, attributes, ..report };
+        match coverage {
+            Some(coverage) => report.of_points(coverage, &surface.mesh),
+            None => report,
+        }
     });
     check(monitor)?;
     monitor.progress(1.0);
-    Ok(outcome(&surface, remeshed, carried.attributes, report))
+    let outcome = outcome(&surface, remeshed, carried.attributes, report);
+    let short = coverage.and_then(|coverage| too_few_covered(&coverage));
+    Ok(Outcome { shortcomings: outcome.shortcomings.into_iter().chain(short).collect(), left_out, ..outcome })
 }
 
 /// Measures a mesh, and its distance to another one.
@@ -103,7 +117,16 @@ struct Surface<'a> {
     options: Options,
     /// For each vertex the point of the input that it is, if that has no triangles.
     points: Option<Vec<u32>>,
-    cloud: Option<CloudSummary>,
+    cloud: Option<Cloud>,
+}
+
+/// What is known of an input of points.
+struct Cloud {
+    summary: CloudSummary,
+    /// Where the points are that the surface should go through.
+    positions: Vec<DVec3>,
+    /// Their mean spacing.
+    spacing: f64,
 }
 
 impl<'a> Surface<'a> {
@@ -122,13 +145,21 @@ impl<'a> Surface<'a> {
         let smooth = options.cloud.smooth.or(options.surface.smooth);
         let made = mesh_of_points(&input.as_points()?, &CloudOptions { smooth, ..options.cloud.clone() }, monitor)?;
         let grading = resolved.grading.of(&made.source);
+        let positions = made.surface_points.iter().map(|&p| input.as_mesh().positions[p as usize]).collect();
         Ok(Surface {
             attributes: Cow::Owned(input.attributes().of_vertices(&made.source)),
             mesh: Cow::Owned(made.mesh),
             options: Options { grading, smooth: None, of_points: true, ..resolved },
             points: Some(made.source),
-            cloud: Some(made.summary),
+            cloud: Some(Cloud { summary: made.summary, positions, spacing: made.spacing }),
         })
+    }
+}
+
+impl Cloud {
+    /// How near the result is to the points.
+    fn coverage(&self, remeshed: &Remeshed) -> Coverage {
+        Coverage::of(&self.positions, &remeshed.mesh, self.spacing.max(remeshed.spacing))
     }
 }
 
@@ -189,5 +220,6 @@ fn outcome(surface: &Surface, remeshed: Remeshed, attributes: Attributes, report
         notes: remeshed.notes,
         mesh: remeshed.mesh,
         report,
+        left_out: None,
     }
 }

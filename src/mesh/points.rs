@@ -50,6 +50,12 @@ impl Points {
         Points { normals, ..self }
     }
 
+    /// The same points at these positions.
+    pub(crate) fn at(self, positions: Vec<DVec3>) -> Points {
+        debug_assert_eq!(positions.len(), self.positions.len());
+        Points { positions, ..self }
+    }
+
     /// Positions and normals.
     pub fn into_parts(self) -> (Vec<DVec3>, Vec<DVec3>) {
         (self.positions, self.normals)

@@ -6,8 +6,9 @@ use crate::geom::eigen::{eigen, scatter};
 use crate::mesh::points::Points;
 use crate::mesh::topology::components;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::prepare::clean::{distinct, spatial_order, wanted_by_others};
+use crate::prepare::clean::{merged, wanted_by_others};
 use crate::prepare::cloud_normals::{MANY_NEIGHBORS, Neighborhood, plane_normals, sphere_normals};
+use crate::prepare::flatten::{Flatness, flatness, flattened};
 use crate::prepare::orient::{disagreement, orient, side_with};
 use crate::spatial::kdtree::Neighbors;
 use crate::spatial::knn_graph::{DEGREE, NeighborGraph};
@@ -111,6 +112,12 @@ pub struct CloudSummary {
     pub outliers: usize,
     /// Other points that no triangle of the mesh has as a corner.
     pub unused: usize,
+    /// Whether there is noise that smoothing would take away.
+    #[serde(default)]
+    pub noisy: bool,
+    /// Neighbours of each point whose planes the points were moved onto, since fewer are not flat for noise; 0 without.
+    #[serde(default)]
+    pub flattened_neighbors: usize,
     /// Normals that were estimated.
     pub estimated_normals: usize,
     /// Normals that were given and turned over.
@@ -124,6 +131,10 @@ pub struct MeshOfPoints {
     pub mesh: Mesh,
     /// For each of its vertices the point that it is.
     pub source: Vec<u32>,
+    /// The points that it should go through: all at different places that are no outliers.
+    pub surface_points: Vec<u32>,
+    /// The mean distance of neighbouring points.
+    pub spacing: f64,
     /// What it was made of.
     pub summary: CloudSummary,
 }
@@ -163,6 +174,8 @@ pub(super) struct Prepared {
     pub graph: NeighborGraph,
     /// How far apart the points are around each.
     pub spacings: Vec<f64>,
+    /// How far apart the points of the input are, on the mean.
+    pub spacing: f64,
     pub summary: CloudSummary,
 }
 
@@ -186,8 +199,7 @@ pub(super) fn prepared(points: &Points, options: &CloudOptions, monitor: &dyn Mo
     options.validate()?;
     monitor.stage("clean");
     let mut summary = CloudSummary { points: points.positions().len(), ..CloudSummary::default() };
-    let mut source = distinct(points.positions(), &spatial_order(points.positions()));
-    let mut points = points.pick(&source);
+    let (mut points, mut source) = merged(points);
     summary.duplicates = summary.points - points.positions().len();
     refuse_without_surface(points.positions())?;
     let mut near = Neighbors::new(points.positions());
@@ -203,13 +215,28 @@ pub(super) fn prepared(points: &Points, options: &CloudOptions, monitor: &dyn Mo
         graph = NeighborGraph::new(points.positions(), &near, DEGREE);
     }
     check(monitor)?;
+    let spacing = mean(&graph.spacings(points.positions()));
+    let flatness = flatness(points.positions(), &near);
+    summary.noisy = matches!(flatness, Flatness::NotQuite | Flatness::At(_));
+    match flatness {
+        Flatness::Never => return Err(volume(points.positions().len())),
+        Flatness::At(count) if options.smooth.is_none() => {
+            summary.flattened_neighbors = count;
+            let flat = flattened(points.positions(), count);
+            near = Neighbors::new(&flat);
+            graph = NeighborGraph::new(&flat, &near, DEGREE);
+            points = points.at(flat);
+        }
+        _ => {}
+    }
+    check(monitor)?;
 
     monitor.stage("normals");
     let normals = normals(&points, &near, &graph, options, &mut summary);
     let points = points.with_normals(normals);
     let spacings = graph.spacings(points.positions());
     check(monitor)?;
-    Ok(Prepared { points, source, near, graph, spacings, summary })
+    Ok(Prepared { points, source, near, graph, spacings, spacing, summary })
 }
 
 /// The mesh through the points of a cloud.
@@ -220,7 +247,7 @@ pub(super) fn prepared(points: &Points, options: &CloudOptions, monitor: &dyn Mo
 pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Monitor) -> Result<MeshOfPoints> {
     let prepared = prepared(points, options, monitor)?;
     let has_no_outside = prepared.has_no_outside();
-    let Prepared { points, mut source, mut near, graph, spacings, mut summary } = prepared;
+    let Prepared { points, mut source, mut near, graph, spacings, spacing, mut summary } = prepared;
     let (mut positions, mut normals) = points.into_parts();
     if let Some(reach) = options.smooth {
         monitor.stage("smooth");
@@ -234,6 +261,7 @@ pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Mon
     let triangles = triangulate_points(surroundings, options.fill_holes, monitor)?;
     let mut mesh = Mesh { positions, triangles };
     let all = mesh.positions.len();
+    let surface_points = source.clone();
     let mut used = vec![false; all];
     mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
     source = (0..all).filter(|&p| used[p]).map(|p| source[p]).collect();
@@ -245,7 +273,18 @@ pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Mon
     if mesh.triangles.is_empty() {
         return Err(no_surface(all));
     }
-    Ok(MeshOfPoints { mesh, source, summary })
+    Ok(MeshOfPoints { mesh, source, surface_points, spacing, summary })
+}
+
+fn mean(numbers: &[f64]) -> f64 {
+    numbers.iter().sum::<f64>() / numbers.len().max(1) as f64
+}
+
+/// What to say of points that are as thick as wide wherever one looks.
+fn volume(points: usize) -> Error {
+    let cause = format!("no surface goes through these {points} points: they fill a volume");
+    let remedy = "give points of a surface, or less noisy ones".into();
+    Error::Mesh { fault: Fault::NoSurface, cause, remedy }
 }
 
 /// What to say of points whose surface has no triangle.

@@ -3,6 +3,7 @@
 mod attempts;
 mod bandwidth;
 mod cloud;
+mod coverage;
 mod density;
 mod follow;
 mod kernel;
@@ -25,6 +26,7 @@ pub use cloud::{
     CloudOptions, CloudSummary, INTERPOLATING_SUPPORT, MeshOfPoints, NormalFit, Reach, SMOOTHING_SUPPORT,
     mesh_of_points,
 };
+pub use coverage::Coverage;
 pub use density::{Density, FEWEST_POINTS, MOST_POINTS, SampleDensity};
 pub use kernel::Signal;
 pub use options::{Grading, MaxError, Options};

@@ -1,6 +1,7 @@
 //! The points of a cloud in an order near to memory, without copies, and which of them are outliers.
 
 use crate::geom::aabb::Aabb;
+use crate::mesh::points::Points;
 use crate::mesh::weld::first_at_place;
 use crate::spatial::knn_graph::NeighborGraph;
 use glam::DVec3;
@@ -35,10 +36,17 @@ fn spread(x: u64) -> u64 {
     (x | x << 2) & 0x1249_2492_4924_9249
 }
 
-/// Those of `numbers` that are the lowest ones at their places, in the order given.
-pub fn distinct(positions: &[DVec3], numbers: &[u32]) -> Vec<u32> {
-    let first = first_at_place(positions, numbers.to_vec());
-    numbers.iter().copied().filter(|&p| first[p as usize] == p).collect()
+/// One point for each place, in a [`spatial_order`]: the number of the lowest point there, and the points with the sum of
+/// the unit normals of all points at their places, so that one at a sharp edge that was given the normal of each of its
+/// faces is of both.
+pub fn merged(points: &Points) -> (Points, Vec<u32>) {
+    let order = spatial_order(points.positions());
+    let first = first_at_place(points.positions(), order.clone());
+    let distinct: Vec<u32> = order.into_iter().filter(|&p| first[p as usize] == p).collect();
+    let mut sums = vec![DVec3::ZERO; points.normals().len()];
+    points.normals().iter().zip(&first).for_each(|(n, &p)| sums[p as usize] += n.normalize_or_zero());
+    let normals = if sums.is_empty() { Vec::new() } else { distinct.iter().map(|&p| sums[p as usize]).collect() };
+    (points.pick(&distinct).with_normals(normals), distinct)
 }
 
 /// For each point whether it is a neighbour of its neighbours, or of any other point: outliers are not.
@@ -51,21 +59,22 @@ pub fn wanted_by_others(graph: &NeighborGraph, points: usize) -> Vec<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::points::Points;
     use crate::spatial::kdtree::Neighbors;
 
     #[test]
-    fn the_first_at_each_place_stays() {
+    fn points_at_one_place_become_one_with_the_normals_of_all() {
         let points = Points::from_pairs([
-            (DVec3::X, DVec3::X),
+            (DVec3::X, 2.0 * DVec3::X),
             (DVec3::ZERO, DVec3::Y),
             (DVec3::X, DVec3::Z),
-            (DVec3::new(-0.0, 0.0, 0.0), DVec3::NEG_X),
-            (DVec3::Y, DVec3::NEG_Y),
+            (DVec3::new(-0.0, 0.0, 0.0), DVec3::NEG_Y),
         ]);
-        let kept = points.pick(&distinct(points.positions(), &[4, 3, 2, 1, 0]));
-        assert_eq!(kept.positions(), [DVec3::Y, DVec3::ZERO, DVec3::X]);
-        assert_eq!(kept.normals(), [DVec3::NEG_Y, DVec3::Y, DVec3::X]);
+        let (merged, numbers) = merged(&points);
+        assert_eq!(numbers, [1, 0]);
+        assert_eq!(merged.positions(), [DVec3::ZERO, DVec3::X]);
+        assert_eq!(merged.normals(), [DVec3::ZERO, DVec3::X + DVec3::Z]);
+        let bare = Points::without_normals(points.positions().to_vec());
+        assert!(super::merged(&bare).0.normals().is_empty());
     }
 
     #[test]

@@ -3,6 +3,7 @@
 pub mod bend;
 pub mod clean;
 pub mod cloud_normals;
+pub mod flatten;
 pub mod orient;
 pub mod repair;
 pub mod stitch;

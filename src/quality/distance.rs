@@ -13,6 +13,7 @@
 //! for any number of threads. Limits: both figures are those of the points looked at. The true Hausdorff distance is
 //! never smaller, and may be larger where a triangle's inside is farther off than its corners and every sample.
 
+use crate::base::math;
 use crate::base::rng::{Stage, stream};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::quality::sampling;
@@ -45,6 +46,20 @@ pub struct Distance {
     pub hausdorff: f64,
     /// Samples taken on each of the two.
     pub samples: usize,
+}
+
+impl Distance {
+    /// The same with other figures of the way from the reference to the mesh.
+    #[must_use]
+    pub fn with_way_back(self, rms: f64, hausdorff: f64) -> Distance {
+        Distance {
+            rms_in_to_out: rms,
+            rms: (0.5 * (math::square(self.rms_out_to_in) + math::square(rms))).sqrt(),
+            hausdorff_in_to_out: hausdorff,
+            hausdorff: self.hausdorff_out_to_in.max(hausdorff),
+            ..self
+        }
+    }
 }
 
 /// The distances between `mesh` and `reference`, from `samples` points on each.

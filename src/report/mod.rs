@@ -9,5 +9,7 @@ pub mod samples;
 pub mod surface;
 mod table;
 
-pub use remeshing::{AttributesKept, Crossings, Measured, Report, SCHEMA, Sampling, shortcomings};
+pub use remeshing::{
+    AttributesKept, Crossings, Measured, Report, SCHEMA, Sampling, left_out, noise, shortcomings, too_few_covered,
+};
 pub use run::{Lap, RunSummary};

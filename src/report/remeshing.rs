@@ -8,7 +8,7 @@
 use crate::mesh::attributes::Lost;
 use crate::mesh::topology::{Topology, topology};
 use crate::mesh::triangle_mesh::Mesh;
-use crate::pipeline::{CloudSummary, Deviation, Remeshed};
+use crate::pipeline::{CloudSummary, Coverage, Deviation, Remeshed};
 use crate::prepare::repair::Repairs;
 use crate::quality::distance::{Distance, REPORT_SAMPLES, distance};
 use crate::quality::shape::{Shape, shape};
@@ -35,6 +35,9 @@ pub struct Report {
     pub input: Option<Measured>,
     /// What the mesh of an input of points was made of; `None` for an input with triangles.
     pub cloud: Option<CloudSummary>,
+    /// How near the points of such an input are to the output; `None` for an input with triangles.
+    #[serde(default)]
+    pub coverage: Option<Coverage>,
     /// What was done to the input before it was sampled.
     pub repairs: Option<Repairs>,
     /// The topology after those repairs: what the output's is held against.
@@ -166,6 +169,16 @@ impl Report {
         }
     }
 
+    /// The same for points, through which the input that is reported was laid: their distance to the output takes the place
+    /// of that of `input`.
+    #[must_use]
+    pub fn of_points(self, coverage: Coverage, input: &Mesh) -> Report {
+        let unit = 100.0 / input.diagonal();
+        let distance = self.distance.map(|d| d.with_way_back(unit * coverage.rms, unit * coverage.largest));
+        let verified = self.verified.map(|verified| verified && coverage.is_enough());
+        Report { verified, coverage: Some(coverage), distance, ..self }
+    }
+
     fn of_output(output: Measured) -> Report {
         Report {
             schema: SCHEMA.into(),
@@ -173,6 +186,7 @@ impl Report {
             verified: None,
             input: None,
             cloud: None,
+            coverage: None,
             repairs: None,
             repaired: None,
             output,
@@ -195,7 +209,8 @@ impl Report {
     /// was measured only.
     pub fn shortcomings(&self) -> Vec<String> {
         let against = |wanted| shortcomings(&self.output.topology, wanted, &self.crossings, self.deviation.as_ref());
-        self.repaired.as_ref().map_or_else(Vec::new, against)
+        let of_mesh = self.repaired.as_ref().map_or_else(Vec::new, against);
+        of_mesh.into_iter().chain(self.coverage.as_ref().and_then(too_few_covered)).collect()
     }
 
     /// The report as indented JSON that ends with a line break.
@@ -231,6 +246,35 @@ pub fn shortcomings(
     let far = deviation.filter(|d| !d.is_allowed());
     let far = far.map(|d| format!("up to {:.4e} from the input and not {:.4e}", d.reached, d.allowed));
     faults.chain(differences).chain(far).collect()
+}
+
+/// That too many points of a cloud are far from the result, if they are.
+pub fn too_few_covered(coverage: &Coverage) -> Option<String> {
+    let Coverage { points, missed, within, .. } = *coverage;
+    let is_short = !coverage.is_enough();
+    is_short.then(|| format!("{missed} of {points} points are farther than {within:.4e} from it"))
+}
+
+/// What to do about the noise of a cloud, and what was done, if it has some.
+pub fn noise(cloud: &CloudSummary) -> Option<String> {
+    let done = match cloud.flattened_neighbors {
+        _ if !cloud.noisy => return None,
+        0 => "the points are noisy".into(),
+        n => format!("the points are noisy, and were moved onto planes through the nearest {n}"),
+    };
+    Some(format!("{done}; smoothing (--smooth) takes noise away"))
+}
+
+/// Which points of a cloud are not on the result, and why; `None` if all are.
+pub fn left_out(cloud: &CloudSummary, coverage: &Coverage) -> Option<String> {
+    let far = format!("are farther than {:.4e} from the result", coverage.within);
+    let parts = [
+        (cloud.outliers, "are outliers, no other point's neighbours"),
+        (cloud.unused, "are no corner of the first mesh, since neighbours do not agree on a surface there"),
+        (coverage.missed, &far),
+    ];
+    let parts: Vec<String> = parts.iter().filter(|p| p.0 > 0).map(|(n, what)| format!("{n} {what}")).collect();
+    (!parts.is_empty()).then(|| format!("of {} points {}", cloud.points, parts.join("; ")))
 }
 
 #[cfg(test)]
@@ -354,6 +398,32 @@ pub(super) mod tests {
         let with = |repaired| shortcomings(&wanted, &wanted, &Crossings { faces: vec![3, 5], repaired }, None);
         assert_eq!(with(Some(0)), ["2 self-intersecting faces"]);
         assert_eq!((with(Some(7)), with(None)), (vec![], vec![]));
+    }
+
+    #[test]
+    fn a_cloud_that_is_missed_is_not_verified() {
+        let coverage = |missed| Coverage { points: 100, missed, within: 0.5, rms: 1.0, largest: 2.0 };
+        let mesh = tetrahedron();
+        let report = Report::of_mesh(&mesh, Some(&mesh));
+        let report = Report { verified: Some(true), repaired: Some(report.output.topology), ..report };
+        let good = report.clone().of_points(coverage(5), &mesh);
+        assert_eq!((good.verified, good.shortcomings().len()), (Some(true), 0));
+        assert!((good.distance.unwrap().hausdorff - 200.0 / 3f64.sqrt()).abs() < 1e-9);
+        let bad = report.of_points(coverage(6), &mesh);
+        assert_eq!(bad.verified, Some(false));
+        assert_eq!(bad.shortcomings(), ["6 of 100 points are farther than 5.0000e-1 from it"]);
+    }
+
+    #[test]
+    fn what_is_left_out_of_a_cloud_is_told_with_the_reason() {
+        let cloud = CloudSummary { points: 100, outliers: 2, unused: 3, ..CloudSummary::default() };
+        let coverage = Coverage { points: 98, missed: 0, within: 0.5, rms: 0.1, largest: 0.2 };
+        let told = left_out(&cloud, &coverage).unwrap();
+        assert!(told.starts_with("of 100 points 2 are outliers") && told.contains("; 3 are no corner"), "{told}");
+        assert_eq!(left_out(&CloudSummary::default(), &coverage), None);
+        let noisy = CloudSummary { noisy: true, flattened_neighbors: 64, ..cloud };
+        assert!(noise(&noisy).unwrap().contains("nearest 64; smoothing (--smooth)"));
+        assert_eq!(noise(&CloudSummary::default()), None);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::base::math;
 use crate::mesh::topology::Topology;
-use crate::pipeline::CloudSummary;
+use crate::pipeline::{CloudSummary, Coverage};
 use crate::prepare::repair::Repairs;
 use crate::quality::shape::Shape;
 use crate::report::remeshing::{Measured, Report};
@@ -133,6 +133,10 @@ fn remarks(out: &mut String, report: &Report) {
         );
     }
     list(out, "points", &report.cloud.as_ref().map(points_used).unwrap_or_default());
+    if let Some(Coverage { points, missed, within, .. }) = &report.coverage {
+        let within = significant(*within);
+        list(out, "on the output", &[format!("{} of {points} points within {within}", points - missed)]);
+    }
     list(out, "repairs", &report.repairs.as_ref().map(repairs_made).unwrap_or_default());
     list(out, "self-intersections", &self_intersections(&report.crossings.faces));
     if let Some(kept) = &report.attributes {
@@ -154,7 +158,7 @@ fn remarks(out: &mut String, report: &Report) {
 
 /// What became of the points of a cloud.
 fn points_used(cloud: &CloudSummary) -> Vec<String> {
-    let CloudSummary { points, duplicates, outliers, unused, estimated_normals, turned_normals } = *cloud;
+    let &CloudSummary { points, duplicates, outliers, unused, estimated_normals, turned_normals, .. } = cloud;
     let others = [
         (duplicates, "at the place of another one"),
         (outliers, "outliers"),

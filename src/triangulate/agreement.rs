@@ -13,15 +13,25 @@ pub fn agreed(stars: &[[u32; 3]]) -> Vec<[u32; 3]> {
     with_votes(&stars, 3).collect()
 }
 
-/// The triangles that all three corners say, and those of the ones that two say which fit between them: all their
-/// directed edges are free, and their `rank` is at most the `highest`. Of two that do not fit together the first in increasing order of rank is taken, then the
-/// first in the order of corners.
+/// The triangles that all three corners say, and those of the ones that two say, and after them one, which fit between
+/// them: all their directed edges are free, and their `rank` is at most the `highest`. Of two that do not fit together the
+/// first in increasing order of rank is taken, then the first in the order of corners. `stars` are in the order of their
+/// centres, which come first in each triangle.
+///
+/// Where four points are on a circle, as on a lattice that bends a little, every one of them may see the diagonal that does
+/// not end at it: each of the four triangles then has one vote. Such a triangle counts if the two other corners have the one
+/// that says it as a neighbour; between two layers near each other they have not.
 pub fn agreed_by_most(stars: &[[u32; 3]], highest: f64, rank: impl Fn([u32; 3]) -> f64) -> Vec<[u32; 3]> {
-    let stars = sorted(stars);
-    let mut triangles: Vec<[u32; 3]> = with_votes(&stars, 3).collect();
-    let mut doubtful: Vec<(f64, [u32; 3])> =
-        with_votes(&stars, 2).map(|t| (rank(t), t)).filter(|d| d.0 <= highest).collect();
-    doubtful.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let by_corners = sorted(stars);
+    let mut triangles: Vec<[u32; 3]> = with_votes(&by_corners, 3).collect();
+    let ranked = |t| Some((rank(t), t)).filter(|d| d.0 <= highest);
+    let in_order = |mut doubtful: Vec<(f64, [u32; 3])>| {
+        doubtful.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        doubtful
+    };
+    let mut doubtful = in_order(with_votes(&by_corners, 2).filter_map(ranked).collect());
+    let alone = with_votes(&by_corners, 1).filter(|t| is_among_neighbours(stars, *t));
+    doubtful.extend(in_order(alone.filter_map(ranked).collect()));
     let edges = |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]];
     let near: HashSet<u32> = doubtful.iter().flat_map(|d| d.1).collect();
     let mut taken: HashSet<[u32; 2]> =
@@ -33,6 +43,18 @@ pub fn agreed_by_most(stars: &[[u32; 3]], highest: f64, rank: impl Fn([u32; 3]) 
         }
     }
     triangles
+}
+
+/// Whether the corner of `triangle` that has it in its star is a neighbour of both others, by theirs.
+fn is_among_neighbours(stars: &[[u32; 3]], triangle: [u32; 3]) -> bool {
+    let star = |p: u32| {
+        let begin = stars.partition_point(|t| t[0] < p);
+        stars[begin..].iter().take_while(move |t| t[0] == p)
+    };
+    let [a, b, c] = triangle;
+    let rotated = [[a, b, c], [b, c, a], [c, a, b]];
+    let said = rotated.into_iter().find(|t| star(t[0]).any(|s| s == t));
+    said.is_some_and(|[centre, b, c]| [b, c].into_iter().all(|p| star(p).any(|s| s.contains(&centre))))
 }
 
 /// All triangles, the corner of the lowest number first, in increasing order of corners.
@@ -64,9 +86,18 @@ mod tests {
     #[test]
     fn what_two_corners_say_is_taken_where_it_fits() {
         let two = |t: [u32; 3]| [t, [t[1], t[2], t[0]]];
-        let stars =
+        let mut stars =
             [&[[1, 2, 3], [2, 3, 1], [3, 1, 2]][..], &two([2, 1, 4]), &two([1, 2, 5]), &two([2, 1, 6])].concat();
+        stars.sort();
         let triangles = agreed_by_most(&stars, 5.0, |t| f64::from(t[2]));
         assert_eq!(triangles, vec![[1, 2, 3], [1, 4, 2]]);
+    }
+
+    #[test]
+    fn of_four_points_that_each_see_the_other_diagonal_two_triangles_are_taken() {
+        let stars = [[0, 1, 3], [1, 2, 0], [2, 3, 1], [3, 0, 2]];
+        assert_eq!(agreed_by_most(&stars, 1.0, |_| 1.0), vec![[0, 1, 2], [0, 2, 3]]);
+        // Point 3 sees none of the others, so they do not see it either.
+        assert_eq!(agreed_by_most(&stars[..3], 1.0, |_| 1.0), vec![[0, 1, 2]]);
     }
 }

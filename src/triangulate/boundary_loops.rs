@@ -18,6 +18,7 @@ use crate::triangulate::hole_filling::{boundary_loops, closed_fans, closed_stars
 use crate::triangulate::star::INTERIOR;
 use crate::triangulate::surroundings::Surroundings;
 use glam::DVec3;
+use std::collections::HashSet;
 
 /// Which boundary loops are holes.
 #[derive(Debug, Clone, Copy)]
@@ -90,27 +91,27 @@ pub fn fill_boundary_loops(points: Surroundings<'_>, stars: &[[u32; 3]], criteri
         let before = triangles.len();
         fill_holes(points.positions, points.normals, &successor, |p| !is_hole(p), LEAST_COSINE, &mut triangles);
         triangles[before..].iter().flatten().for_each(|&p| is_filled[p as usize] = true);
+        keep_largest_fans(&mut triangles, points.positions.len());
         let mut left = boundary_loops(points.positions, points.normals, &successor, &triangles);
         left.retain(|polygon| !is_hole(polygon));
         let mut is_bad = vec![false; points.positions.len()];
         left.iter().flatten().for_each(|&p| is_bad[p as usize] = true);
-        if !is_bad.contains(&true) {
-            self_intersecting(points, &triangles, &is_filled).iter().flatten().for_each(|&p| is_bad[p as usize] = true);
-        }
-        if !is_bad.contains(&true) {
+        let crossing = if left.is_empty() { self_intersecting(points, &triangles, &is_filled) } else { HashSet::new() };
+        if left.is_empty() && crossing.is_empty() {
             break;
         }
-        triangles.retain(|t| !t.iter().any(|&p| is_bad[p as usize]));
+        triangles.retain(|t| !crossing.contains(t) && !t.iter().any(|&p| is_bad[p as usize]));
     }
     keep_largest_fans(&mut triangles, points.positions.len());
     let holes = boundary_loops(points.positions, points.normals, &successor, &triangles);
     drop_islands(&mut triangles, &holes, points.positions.len());
-    let holes = boundary_loops(points.positions, points.normals, &successor, &triangles).len();
+    let left = boundary_loops(points.positions, points.normals, &successor, &triangles);
+    let holes = left.iter().filter(|polygon| is_hole(polygon)).count();
     Filled { triangles, holes }
 }
 
 /// The self-intersecting triangles around points where a loop was filled.
-fn self_intersecting(points: Surroundings<'_>, triangles: &[[u32; 3]], is_filled: &[bool]) -> Vec<[u32; 3]> {
+fn self_intersecting(points: Surroundings<'_>, triangles: &[[u32; 3]], is_filled: &[bool]) -> HashSet<[u32; 3]> {
     let is_near = |t: &&[u32; 3]| t.iter().any(|&p| is_filled[p as usize]);
     let near: Vec<[u32; 3]> = triangles.iter().filter(is_near).copied().collect();
     let mut mesh = Mesh { positions: points.positions.to_vec(), triangles: near.clone() };

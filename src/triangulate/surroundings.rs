@@ -3,7 +3,7 @@
 use crate::spatial::kdtree::Neighbors;
 use crate::spatial::knn_graph::NeighborGraph;
 use crate::triangulate::unfold::along_bend;
-use glam::{DVec2, DVec3};
+use glam::{DQuat, DVec2, DVec3};
 
 /// Least cosine between the normals of two points of one layer: sharp edges are part of it, the two sides of a thin wall
 /// are not.
@@ -46,6 +46,12 @@ impl Surroundings<'_> {
         let half_sine = (0.5 - 0.5 * cosine).max(0.0).sqrt();
         let steepness = offset.dot((here + there).normalize_or_zero()).abs();
         let is_steep = steepness > (STEEPEST + (1.0 - STEEPEST) * half_sine) * offset.length();
-        if cosine < LEAST_AGREEMENT || is_steep { None } else { Some(along_bend(here, there, offset)) }
+        if cosine < LEAST_AGREEMENT || is_steep {
+            return None;
+        }
+        // Seen from half-way the bend is the same on both sides, also from a point that has the normal of one side of a
+        // sharp edge only: straight below it there is a direction, too.
+        let half_way = DQuat::from_rotation_arc((here + there).normalize_or(here), here);
+        Some(along_bend(here, there, half_way * offset))
     }
 }

@@ -7,7 +7,7 @@ use spectral_remesh::stages::mesh::refine::refine;
 use spectral_remesh::stages::mesh::topology::{Topology, topology};
 use spectral_remesh::stages::pipeline::{CloudSummary, MeshOfPoints};
 use spectral_remesh::stages::pipeline::{Remeshed, mesh_of_points, remesh};
-use spectral_remesh::{CloudOptions, Density, Mesh, Options, Points};
+use spectral_remesh::{CloudOptions, Density, Input, Mesh, Options, Points, RemeshOptions};
 use std::f64::consts::TAU;
 
 fn random() -> Random {
@@ -267,10 +267,61 @@ fn no_surface_goes_through_them() {
     refused(vec![DVec3::X, DVec3::Y, DVec3::ZERO], "3 points at different places are too few");
     refused((0..1_000).map(|i| dvec3(f64::from(i), 2.0 * f64::from(i), 1.0)).collect(), "1000 points lie on a line");
     refused(vec![dvec3(f64::NAN, 0.0, 0.0); 10], "point 0");
+    let mut rng = random();
+    let volume = (0..2_000).map(|_| dvec3(unit(&mut rng), unit(&mut rng), unit(&mut rng))).collect();
+    refused(volume, "they fill a volume");
     let bad = |options: CloudOptions, name: &str| {
         let error = mesh_of_points(&cloud(sphere(100)), &options, &()).unwrap_err().to_string();
         assert!(error.starts_with(name), "{error}");
     };
     bad(CloudOptions { smooth: Some(0.1), ..CloudOptions::default() }, "support radius");
     bad(CloudOptions { fill_holes: -1.0, ..CloudOptions::default() }, "size of holes");
+}
+
+/// Points on the faces of a box at all places with whole coordinates, those at an edge once for each of its faces, each with
+/// the normal of the face.
+fn box_on_a_lattice(size: [i32; 3]) -> Vec<(DVec3, DVec3)> {
+    let mut points = Vec::new();
+    for axis in 0..3 {
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        for (side, sign) in [(0, -1.0), (size[axis], 1.0)] {
+            for (i, j) in (0..=size[u]).flat_map(|i| (0..=size[v]).map(move |j| (i, j))) {
+                let (mut at, mut normal) = (DVec3::ZERO, DVec3::ZERO);
+                (at[axis], at[u], at[v]) = (f64::from(side), f64::from(i), f64::from(j));
+                normal[axis] = sign;
+                points.push((at, normal));
+            }
+        }
+    }
+    points
+}
+
+#[test]
+fn points_on_a_lattice_and_twice_at_edges_are_all_used() {
+    let points = box_on_a_lattice([8, 30, 20]);
+    let bare = cloud(points.iter().map(|p| p.0).collect());
+    for points in [Points::from_pairs(points), bare] {
+        let made = connect(&points);
+        assert_eq!(audit(&made.mesh), (2, 1, 0));
+        assert_eq!(made.summary.unused, 0);
+        assert_eq!(volume(&made.mesh) / 6.0, 8.0 * 30.0 * 20.0);
+    }
+}
+
+#[test]
+fn noise_stronger_than_the_spacing_is_taken_out() {
+    let mut rng = random();
+    let noisy: Vec<DVec3> =
+        sphere(6_000).into_iter().map(|p| p * (1.0 + 0.08 * (2.0 * unit(&mut rng) - 1.0))).collect();
+    let positions: Vec<[f64; 3]> = noisy.iter().map(|p| p.to_array()).collect();
+    let options = RemeshOptions::from(Options::points(1_000));
+    let made = spectral_remesh::remesh(&Input::points(&positions), &options, &()).unwrap();
+    assert!(made.verified(), "{:?}", made.shortcomings);
+    assert_eq!(audit(&made.mesh), (2, 1, 0));
+    assert!(made.mesh.positions.iter().all(|p| (p.length() - 1.0).abs() < 0.04));
+    assert!(made.notes.iter().any(|note| note.contains("noisy")), "{:?}", made.notes);
+    let report = made.report.unwrap();
+    assert!(report.cloud.is_some_and(|cloud| cloud.noisy && cloud.flattened_neighbors > 8));
+    let coverage = report.coverage.unwrap();
+    assert!(coverage.missed == 0 && coverage.points > 5_900 && coverage.largest > 0.04, "{coverage:?}");
 }

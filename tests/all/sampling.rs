@@ -312,7 +312,7 @@ fn a_mesh_without_area_is_no_surface() {
 
 #[test]
 fn what_cannot_be_sampled_is_refused() {
-    let some = cloud(unit_points::<3>(50, 1).into_iter().map(DVec3::from).collect());
+    let some = cloud(unit_points::<2>(50, 1).into_iter().map(|[x, y]| DVec3::new(x, y, 0.0)).collect());
     let subset = SampleOptions { scan_only: true, ..count(10) };
     let line = cloud((0..50).map(|i| f64::from(i) * DVec3::ONE).collect());
     refused(&line, &count(10), "on a line");

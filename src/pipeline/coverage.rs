@@ -1,0 +1,70 @@
+//! How near a result comes to the points of the cloud that it was made of.
+//!
+//! The distance of a cloud to a mesh is that of its points, each to the closest point of the mesh. The mesh that was first
+//! laid through the points is no measure: points that it left out are far from it, too.
+//!
+//! Cost: a hierarchy, and one closest-point query for each point, in parallel.
+
+use crate::mesh::triangle_mesh::Mesh;
+use crate::spatial::bvh::Bvh;
+use glam::DVec3;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// How near the points of a cloud, outliers aside, are to a result, in their units.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Coverage {
+    /// The points at different places that are no outliers.
+    pub points: usize,
+    /// Those of them that are farther than `within`.
+    pub missed: usize,
+    /// Three times the mean spacing of the points, or of the vertices of the result if that is larger.
+    pub within: f64,
+    /// Root of the mean of the squared distances of the points to the result.
+    pub rms: f64,
+    /// The largest of the distances.
+    pub largest: f64,
+}
+
+/// Points as many spacings as this away from a surface are none of its points.
+const FAR: f64 = 3.0;
+
+/// The share of points that may be missed: tips and shreds that a scan has only a few points of.
+const MOST_MISSED: f64 = 0.05;
+
+impl Coverage {
+    /// That of `points` by `mesh`, which has triangles; `spacing` is the larger mean spacing of both.
+    pub fn of(points: &[DVec3], mesh: &Mesh, spacing: f64) -> Coverage {
+        let hierarchy = Bvh::new(mesh);
+        let squared = |p: &DVec3| hierarchy.closest(mesh, *p).map_or(f64::INFINITY, |hit| hit.distance_squared);
+        let squared: Vec<f64> = points.par_iter().map(squared).collect();
+        let within = FAR * spacing;
+        Coverage {
+            points: points.len(),
+            missed: squared.iter().filter(|d| **d > within * within).count(),
+            within,
+            rms: (squared.iter().sum::<f64>() / points.len().max(1) as f64).sqrt(),
+            largest: squared.iter().fold(0.0, |a: f64, b| a.max(*b)).sqrt(),
+        }
+    }
+
+    /// Whether all points but a few are on the result.
+    pub fn is_enough(&self) -> bool {
+        self.missed as f64 <= MOST_MISSED * self.points as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::cube;
+
+    #[test]
+    fn points_beside_a_cube_are_missed() {
+        let points = [DVec3::ZERO, DVec3::new(0.5, 0.5, 1.1), DVec3::new(0.5, 0.5, 3.0), DVec3::X];
+        let found = Coverage::of(&points, &cube(), 0.1);
+        assert_eq!((found.points, found.missed), (4, 1));
+        assert!((found.largest - 2.0).abs() < 1e-12 && (found.rms - (4.01f64 / 4.0).sqrt()).abs() < 1e-12);
+        assert!(!found.is_enough() && Coverage { missed: 0, ..found }.is_enough());
+    }
+}
