@@ -19,8 +19,7 @@ pub fn agreed(stars: &[[u32; 3]]) -> Vec<[u32; 3]> {
 /// centres, which come first in each triangle.
 ///
 /// Where four points are on a circle, as on a lattice that bends a little, every one of them may see the diagonal that does
-/// not end at it: each of the four triangles then has one vote. Such a triangle counts if the two other corners have the one
-/// that says it as a neighbour; between two layers near each other they have not.
+/// not end at it: each of the four triangles then has one vote, and counts. No other triangle with one vote does.
 pub fn agreed_by_most(stars: &[[u32; 3]], highest: f64, rank: impl Fn([u32; 3]) -> f64) -> Vec<[u32; 3]> {
     let by_corners = sorted(stars);
     let mut triangles: Vec<[u32; 3]> = with_votes(&by_corners, 3).collect();
@@ -30,7 +29,7 @@ pub fn agreed_by_most(stars: &[[u32; 3]], highest: f64, rank: impl Fn([u32; 3]) 
         doubtful
     };
     let mut doubtful = in_order(with_votes(&by_corners, 2).filter_map(ranked).collect());
-    let alone = with_votes(&by_corners, 1).filter(|t| is_among_neighbours(stars, *t));
+    let alone = with_votes(&by_corners, 1).filter(|t| is_of_four(stars, *t));
     doubtful.extend(in_order(alone.filter_map(ranked).collect()));
     let edges = |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]];
     let near: HashSet<u32> = doubtful.iter().flat_map(|d| d.1).collect();
@@ -45,16 +44,17 @@ pub fn agreed_by_most(stars: &[[u32; 3]], highest: f64, rank: impl Fn([u32; 3]) 
     triangles
 }
 
-/// Whether the corner of `triangle` that has it in its star is a neighbour of both others, by theirs.
-fn is_among_neighbours(stars: &[[u32; 3]], triangle: [u32; 3]) -> bool {
+/// Whether `triangle` and a fourth point are a quad whose corners each see the diagonal that does not end there.
+fn is_of_four(stars: &[[u32; 3]], triangle: [u32; 3]) -> bool {
     let star = |p: u32| {
         let begin = stars.partition_point(|t| t[0] < p);
         stars[begin..].iter().take_while(move |t| t[0] == p)
     };
+    let says = |t: [u32; 3]| star(t[0]).any(|s| *s == t);
     let [a, b, c] = triangle;
-    let rotated = [[a, b, c], [b, c, a], [c, a, b]];
-    let said = rotated.into_iter().find(|t| star(t[0]).any(|s| s == t));
-    said.is_some_and(|[centre, b, c]| [b, c].into_iter().all(|p| star(p).any(|s| s.contains(&centre))))
+    let Some([p, q, r]) = [[a, b, c], [b, c, a], [c, a, b]].into_iter().find(|t| says(*t)) else { return false };
+    let mut across = star(q).filter(|t| t[2] == p).map(|t| t[1]);
+    across.any(|s| says([s, r, q]) && says([r, p, s]))
 }
 
 /// All triangles, the corner of the lowest number first, in increasing order of corners.
@@ -97,7 +97,6 @@ mod tests {
     fn of_four_points_that_each_see_the_other_diagonal_two_triangles_are_taken() {
         let stars = [[0, 1, 3], [1, 2, 0], [2, 3, 1], [3, 0, 2]];
         assert_eq!(agreed_by_most(&stars, 1.0, |_| 1.0), vec![[0, 1, 2], [0, 2, 3]]);
-        // Point 3 sees none of the others, so they do not see it either.
-        assert_eq!(agreed_by_most(&stars[..3], 1.0, |_| 1.0), vec![[0, 1, 2]]);
+        assert!(agreed_by_most(&stars[..3], 1.0, |_| 1.0).is_empty(), "point 3 sees none of the others");
     }
 }
