@@ -6,7 +6,7 @@
 //! Cost: linear in the result. Every pass halves the edges that are too long.
 
 use crate::mesh::oriented_manifold::OrientedManifold;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Halves the edges longer than `longest` until there are none, or until the mesh has `most` triangles.
 ///
@@ -14,6 +14,22 @@ use std::collections::HashMap;
 pub fn refine(mesh: &mut OrientedManifold, longest: f64, most: usize) {
     let is_long = |_: u32, _: u32, length: f64| length > longest;
     while mesh.triangles.len() < most && !halve_edges(mesh, is_long).is_empty() {}
+}
+
+/// Halves those of `edges`, the lower end first, that are longer than `longest`, as [`refine`] does. The halves take their
+/// place in `edges`.
+pub fn refine_edges(mesh: &mut OrientedManifold, edges: &mut HashSet<[u32; 2]>, longest: f64, most: usize) {
+    while mesh.triangles.len() < most {
+        let first = mesh.positions.len() as u32;
+        let ends = halve_edges(mesh, |a, b, length| length > longest && edges.contains(&[a.min(b), a.max(b)]));
+        if ends.is_empty() {
+            break;
+        }
+        for (middle, [a, b]) in (first..).zip(ends) {
+            edges.remove(&[a.min(b), a.max(b)]);
+            edges.extend([[a, middle], [b, middle]]);
+        }
+    }
 }
 
 /// Halves every edge once of which `is_long` says so from its ends and its length, whatever the order of the ends. Gives for

@@ -21,6 +21,9 @@ pub(super) const CANDIDATES_PER_POINT: usize = 20;
 /// Longest edge of the domain in mean spacings, for the sake of the walks over it.
 pub(super) const LONGEST_EDGE: f64 = 2.0;
 
+/// The same of edges on curves: how near curves are to each other is found out at their ends.
+pub(super) const LONGEST_ON_CURVES: f64 = 0.5;
+
 /// A field of wanted edge lengths, in the pipeline's unit.
 pub(super) struct Field {
     /// For each vertex of the input.

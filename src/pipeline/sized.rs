@@ -2,20 +2,22 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
+use crate::mesh::half_edge::next;
 use crate::mesh::oriented_manifold::OrientedManifold;
-use crate::mesh::refine::refine;
-use crate::mesh::topology::{Topology, topology, twins};
+use crate::mesh::refine::{refine, refine_edges};
+use crate::mesh::topology::{NONE, Topology, topology, twins};
 use crate::pipeline::density::Density;
 use crate::pipeline::follow::follow;
 use crate::pipeline::kernel::KernelFeatures;
 use crate::pipeline::options::{Grading, Options};
 use crate::pipeline::prepared::PreparedInput;
-use crate::pipeline::scale::{LONGEST_EDGE, Scale};
+use crate::pipeline::scale::{LONGEST_EDGE, LONGEST_ON_CURVES, Scale};
 use crate::pipeline::within::{Within, sampled_part};
 use crate::prepare::bend::Split;
 use crate::surface::domain::Domain;
 use crate::surface::features::{sharp_length, sharp_sides};
-use crate::surface::sizing::adapted_sizes;
+use crate::surface::sizing::{adapted_sizes, sizes_between_curves};
+use std::collections::HashSet;
 use std::sync::OnceLock;
 
 /// The domain of sampling, its scale, and the width of the kernel.
@@ -62,6 +64,7 @@ impl SizedSurface {
     fn grade(&mut self, prepared: &PreparedInput, density: Density, monitor: &dyn Monitor) -> Result<()> {
         let options = prepared.options;
         let domain = &mut self.domain;
+        let follows_curves = matches!(options.grading, Grading::Even | Grading::Curvature(_));
         match &options.grading {
             Grading::Even => {}
             Grading::Curvature(adapt) if *adapt > 0.0 => {
@@ -79,6 +82,12 @@ impl SizedSurface {
                 domain.grade(followed.sizes);
                 (self.scale, self.sigma) = (followed.scale, followed.sigma);
             }
+        }
+        if follows_curves
+            && domain.sharp_curves() > 0
+            && let Some(sizes) = sizes_between_curves(domain, &domain.sizes(), self.scale.spacing)
+        {
+            domain.grade(sizes);
         }
         if let Some(within) = &self.within {
             self.scale = within.grade(&mut self.domain, density, &self.scale);
@@ -116,6 +125,31 @@ fn domain_over(
     (Domain::with_sharp(clean, twin, &sharp, scale.spacing, interface), blunted)
 }
 
+/// Splits the edges on curves that are longer than `longest`, so that lengths that differ along them can be told. The side
+/// across each side then, and whether it is sharp.
+fn refined_curves(
+    clean: &mut OrientedManifold,
+    twin: &[u32],
+    sharp: &[bool],
+    longest: f64,
+    most: usize,
+) -> (Vec<u32>, Vec<bool>) {
+    let ends = |mesh: &OrientedManifold, side: usize| {
+        let [a, b] = [side, next(side as u32) as usize].map(|s| mesh.triangles[s / 3][s % 3]);
+        [a.min(b), a.max(b)]
+    };
+    // Only looked up, never iterated.
+    let edges_of = |which: &dyn Fn(usize) -> bool| -> HashSet<[u32; 2]> {
+        (0..twin.len()).filter(|&s| which(s)).map(|s| ends(clean, s)).collect()
+    };
+    let mut creases = edges_of(&|s| sharp[s]);
+    let mut boundary = edges_of(&|s| twin[s] == NONE);
+    refine_edges(clean, &mut creases, longest, most);
+    refine_edges(clean, &mut boundary, longest, most);
+    let sharp = (0..3 * clean.triangles.len()).map(|s| creases.contains(&ends(clean, s))).collect();
+    (twins(&clean.triangles), sharp)
+}
+
 /// Splits the long edges of `clean`, and bends it where its vertices are points of a smooth surface. The side across each of
 /// its sides then, and whether it is sharp.
 fn refined(clean: &mut OrientedManifold, options: &Options, scale: &Scale) -> (Vec<u32>, Vec<bool>) {
@@ -128,7 +162,11 @@ fn refined(clean: &mut OrientedManifold, options: &Options, scale: &Scale) -> (V
     };
     let Some(support) = options.support() else {
         refine(clean, longest, most);
-        return creases(clean);
+        let (twin, sharp) = creases(clean);
+        if !sharp.contains(&true) {
+            return (twin, sharp);
+        }
+        return refined_curves(clean, &twin, &sharp, LONGEST_ON_CURVES * scale.spacing, most);
     };
     let (mut twin, mut sharp) = creases(clean);
     let split = Split::new(clean, &sharp, longest, scale.spacing, most);

@@ -143,6 +143,11 @@ impl Domain {
         self.sizes = sizes;
     }
 
+    /// The edge length wanted at each vertex, relative to the mean spacing.
+    pub fn sizes(&self) -> Vec<f64> {
+        if self.sizes.is_empty() { vec![1.0; self.mesh.positions.len()] } else { self.sizes.clone() }
+    }
+
     /// The smallest and the largest edge length wanted, relative to the mean spacing.
     pub fn size_range(&self) -> [f64; 2] {
         let mut sizes = self.sizes.iter().copied();

@@ -5,6 +5,9 @@
 //! are either almost flat or clearly sharp. On a scan there are ever fewer edges of ever larger turns and no gap
 //! between; there, none is sharp.
 //!
+//! The normal of a needle or a cap that is narrower than the samples can tell is not to be trusted: rounding turns it. It
+//! is taken from the triangle across its longest side. Strips as narrow as that become one edge.
+//!
 //! Short scraps, shorter than a few spacings of the samples in all, are left out: at that spacing they are noise.
 //! [`sharp_length`] tells whether there are more than samples could lie on, as on a crumpled surface.
 //!
@@ -37,13 +40,19 @@ const THRESHOLDS: std::ops::RangeInclusive<usize> = 15..=60;
 /// those above it. Fifteen scans and sculpts have between 1.5 and 40 at every threshold, CAD parts 0.1 and less.
 const GAP: f64 = 0.2;
 
+/// Height of a triangle, in lengths of its longest side and in spacings, below which its normal is not trusted.
+const NARROW: f64 = 0.05;
+
+/// Longest chain of narrow triangles that is followed to one that is not.
+const LONGEST_CHAIN: usize = 16;
+
 /// Least length of a connected net of sharp edges, in spacings.
 const SHORTEST: f64 = 3.0;
 
 /// For each side `3 t + k` of the triangles whether it is on a sharp edge. `twin` is as
 /// [`twins`](crate::mesh::topology::twins) says, `spacing` that of the samples, in the units of the mesh.
 pub fn sharp_sides(mesh: &Mesh, twin: &[u32], features: Features, spacing: f64) -> Vec<bool> {
-    let turns = turns(mesh, twin);
+    let turns = turns(twin, &trusted_normals(mesh, twin, spacing));
     let threshold = match features {
         Features::Smooth => None,
         Features::Degrees(degrees) => Some(degrees),
@@ -61,14 +70,45 @@ pub fn sharp_length(mesh: &Mesh, sharp: &[bool]) -> f64 {
     (0u32..).zip(sharp).filter(|s| *s.1).map(|s| length(mesh, s.0) / 2.0).sum()
 }
 
+/// For each triangle a vector along its normal, or along that of the one across its longest side, and so on, if it is so
+/// narrow that its own cannot be trusted. Of two narrow ones whose longest side is the same it is that of both.
+fn trusted_normals(mesh: &Mesh, twin: &[u32], spacing: f64) -> Vec<DVec3> {
+    let longest_side = |t: u32| {
+        let length = |k: &u32| length(mesh, 3 * t + k);
+        let k = (0..3).max_by(|j, k| length(j).total_cmp(&length(k)).then(k.cmp(j))).unwrap_or(0);
+        (3 * t + k, length(&k))
+    };
+    let is_narrow = |t: u32| {
+        let (_, longest) = longest_side(t);
+        mesh.area_vector(t as usize).length() < NARROW * longest * longest.min(spacing)
+    };
+    let normal = |first: u32| {
+        let mut t = first;
+        for _ in 0..LONGEST_CHAIN {
+            let own = mesh.area_vector(t as usize);
+            let across = twin[longest_side(t).0 as usize];
+            if across == NONE || !is_narrow(t) {
+                return own;
+            }
+            let next = across / 3;
+            if longest_side(next).0 == across && is_narrow(next) {
+                return own + mesh.area_vector(next as usize);
+            }
+            t = next;
+        }
+        mesh.area_vector(first as usize)
+    };
+    (0..mesh.triangles.len() as u32).into_par_iter().map(normal).collect()
+}
+
 /// The turn of the surface across each side, in degrees; zero at the boundary and next to triangles without area.
-fn turns(mesh: &Mesh, twin: &[u32]) -> Vec<f64> {
+fn turns(twin: &[u32], normals: &[DVec3]) -> Vec<f64> {
     let turn = |side: usize| {
         let across = twin[side];
         if across == NONE {
             return 0.0;
         }
-        let [a, b] = [side, across as usize].map(|s| mesh.area_vector(s / 3));
+        let [a, b] = [side, across as usize].map(|s| normals[s / 3]);
         if a == DVec3::ZERO || b == DVec3::ZERO { 0.0 } else { math::atan2(a.cross(b).length(), a.dot(b)).to_degrees() }
     };
     (0..twin.len()).into_par_iter().map(turn).collect()
@@ -166,6 +206,15 @@ mod tests {
         let roof = Mesh { positions: positions.to_vec(), triangles };
         assert_eq!(sharp_edges(&roof, Features::Automatic, 0.1), 1);
         assert_eq!(sharp_edges(&roof, Features::Automatic, 0.4), 0, "too short for the spacing");
+    }
+
+    /// A needle in a flat sheet whose tip rounding has lifted by a tenth of its width stands at 45 degrees to it.
+    #[test]
+    fn a_needle_makes_no_edge_sharp() {
+        let p = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
+        let positions = vec![p(0., 0., 0.), p(2., 0., 0.), p(1., 1e-4, 1e-4), p(1., -1., 0.), p(1., 1., 0.)];
+        let sheet = Mesh { positions, triangles: vec![[0, 1, 2], [1, 0, 3], [2, 1, 4], [0, 2, 4]] };
+        assert_eq!(sharp_edges(&sheet, Features::Degrees(10.0), 0.1), 0);
     }
 
     #[test]

@@ -1,10 +1,12 @@
 //! The edge lengths that are wanted on a domain.
 
+mod feature_size;
 mod field;
 mod gradation;
 mod graph;
 mod interface;
 mod radii;
 
+pub use feature_size::sizes_between_curves;
 pub use field::{adapted_sizes, field_lengths, field_sizes, mean_density};
 pub use interface::{lengths_from_interface, vertices};

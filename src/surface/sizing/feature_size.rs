@@ -1,0 +1,181 @@
+//! Edge lengths that follow the size of what lies between feature curves: the width of strips, chamfers and slots, the
+//! distance of holes, the radius of their rims.
+//!
+//! The local feature size f of a point on a curve is the distance to the nearest other part of the boundary of its smooth
+//! patch: of another loop, or so much farther along the same loop than through space that the loop has turned back. Where
+//! two curves meet at a corner the distance between them falls to zero, which no refinement changes, so around one corner
+//! only the narrowest wedges count. Along a curve without corners, a rim, f is the diameter. The length that is wanted there
+//! is f / κ, but no less than a share of the length elsewhere, and grows by a bounded gradient from there. The length
+//! elsewhere grows such that the number of vertices stays what it was.
+//!
+//! Based on: J. Ruppert, A Delaunay refinement algorithm for quality 2-dimensional mesh generation, 1995,
+//! DOI 10.1006/jagm.1995.1021 (local feature size). Departures: parts of one curve count, too; distances are in space, not
+//! within the patch; wedges do not count.
+//!
+//! Cost: a search among the sides of curves for each vertex on them, and some passes of Dijkstra's algorithm.
+//!
+//! Limits: strips narrower than [`SHORTEST`] of the length elsewhere keep triangles that are longer than they are wide.
+
+use crate::geom::triangle::closest_point_of_segment;
+use crate::mesh::half_edge::next;
+use crate::mesh::triangle_mesh::Mesh;
+use crate::spatial::bvh::Bvh;
+use crate::surface::domain::Domain;
+use crate::surface::sizing::field::{FIELD_GRADIENT, mean_density};
+use crate::surface::sizing::gradation::limited;
+use crate::surface::sizing::graph::Graph;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// κ, edges across what is narrow, and around a rim edges for each diameter of it: eight in all.
+const ACROSS: f64 = 1.2;
+const ACROSS_RIM: f64 = 2.6;
+
+/// How much longer the way along a loop has to be than the distance, by the corners that it passes: none, one, more.
+const TURNED_BACK: [f64; 3] = [1.5, 6.0, 1.5];
+
+/// Ways along a loop shorter than this share of it are none.
+const ROUNDING: f64 = 1e-9;
+
+/// Shortest length, as a share of that elsewhere. The first of these with which what is narrow takes no more vertices than
+/// [`MOST_DENSE`] allows is taken.
+const SHORTEST: [f64; 4] = [0.125, 0.25, 0.4, 0.6];
+
+/// Largest mean of 1 / h², relative to the length elsewhere: half of the vertices may go to what is narrow.
+const MOST_DENSE: f64 = 2.0;
+
+/// Alternations of limiting and scaling, and the error of the mean length at which they end.
+const MOST_TURNS: usize = 20;
+const MEAN_TOLERANCE: f64 = 1e-3;
+
+/// `sizes`, relative to `spacing`, made smaller where curves are near each other, and as much larger elsewhere as keeps the
+/// number of vertices. `None` if there is no such place, or no room for one.
+pub fn sizes_between_curves(domain: &Domain, sizes: &[f64], spacing: f64) -> Option<Vec<f64>> {
+    let wanted: Vec<f64> = lengths(domain, ACROSS_RIM * spacing).into_iter().map(|l| l / spacing).collect();
+    if wanted.iter().zip(sizes).all(|(wanted, size)| wanted >= size) {
+        return None;
+    }
+    let graph = Graph::whole(domain);
+    let graded = |shortest: f64, factor: f64| {
+        let at = |(&size, &wanted): (&f64, &f64)| (factor * size).min(wanted.max(shortest * factor * size));
+        let lengths = sizes.iter().zip(&wanted).map(at).collect();
+        limited(domain, &graph, lengths, FIELD_GRADIENT / spacing)
+    };
+    let before = mean_density(&domain.mesh, sizes);
+    let density = |graded: &[f64]| mean_density(&domain.mesh, graded) / before;
+    let shortest = SHORTEST.into_iter().find(|&shortest| density(&graded(shortest, 1.0)) <= MOST_DENSE)?;
+    let mut factor = 1.0;
+    let mut made = graded(shortest, factor);
+    for _ in 0..MOST_TURNS {
+        let excess = density(&made).sqrt();
+        if (excess - 1.0).abs() <= MEAN_TOLERANCE {
+            break;
+        }
+        factor *= excess;
+        made = graded(shortest, factor);
+    }
+    Some(made)
+}
+
+/// Where a side of the domain lies along the boundary of its patch.
+#[derive(Clone, Copy)]
+struct Along {
+    /// The loop, and the length of all of it.
+    number: u32,
+    total: f64,
+    /// The length of the loop up to the side, the number of corners up to its begin, that one included, and in all.
+    arc: f64,
+    corners: u32,
+    all_corners: u32,
+}
+
+/// The sides of all curves as segments, each with its place on its loop.
+struct Sides {
+    segments: Mesh,
+    bvh: Bvh,
+    patch: Vec<u32>,
+    along: Vec<Along>,
+    /// The vertex that each side leaves.
+    vertex: Vec<u32>,
+    /// The curve of each side, and of the one before it on its loop.
+    curves: Vec<[u32; 2]>,
+}
+
+impl Sides {
+    fn new(domain: &Domain) -> Sides {
+        let corner = |side: u32| domain.mesh.triangles[side as usize / 3][side as usize % 3];
+        let position = |v: u32| domain.mesh.positions[v as usize];
+        let (mut positions, mut patch, mut along) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut vertex, mut curves) = (Vec::new(), Vec::new());
+        for (number, sides) in (0..).zip(domain.boundary_loops()) {
+            let first = along.len();
+            let (mut arc, mut corners) = (0.0, 0);
+            let mut before = sides.last().map_or(0, |&side| domain.curves.of_side(side));
+            for side in sides {
+                let (from, to) = (corner(side), corner(next(side)));
+                corners += u32::from(domain.curves.is_corner(from));
+                along.push(Along { number, total: 0.0, arc, corners, all_corners: 0 });
+                patch.push(domain.patch_of(side / 3));
+                vertex.push(from);
+                let curve = domain.curves.of_side(side);
+                curves.push([curve, std::mem::replace(&mut before, curve)]);
+                positions.extend([position(from), position(to)]);
+                arc += position(from).distance(position(to));
+            }
+            along[first..].iter_mut().for_each(|a| (a.total, a.all_corners) = (arc, corners));
+        }
+        let triangles = (0..along.len() as u32).map(|i| [2 * i, 2 * i + 1, 2 * i + 1]).collect();
+        let segments = Mesh { positions, triangles };
+        Sides { bvh: Bvh::new(&segments), segments, patch, along, vertex, curves }
+    }
+
+    /// The length that is wanted at the begin of side `i`: infinite if nothing is within `reach`.
+    fn length_at(&self, domain: &Domain, i: usize, reach: f64) -> f64 {
+        let [here, ..] = self.segments.corners(i);
+        let mut nearest = f64::INFINITY;
+        for rim in [true, false] {
+            let turned_back = |j: u32| {
+                self.patch[j as usize] == self.patch[i]
+                    && self.turned_back(domain, here, i, j as usize).is_some_and(|at_rim| at_rim == rim)
+            };
+            let limit = if rim { reach } else { reach * ACROSS / ACROSS_RIM };
+            let hit = self.bvh.closest_where(&self.segments, here, limit * limit, turned_back);
+            let across = if rim { ACROSS_RIM } else { ACROSS };
+            nearest = hit.map_or(nearest, |hit| nearest.min(hit.distance_squared.sqrt() / across));
+        }
+        nearest
+    }
+
+    /// Whether side `j` faces `here`, the begin of side `i` of the same patch, and then whether as the far side of a rim.
+    fn turned_back(&self, domain: &Domain, here: DVec3, i: usize, j: usize) -> Option<bool> {
+        let (a, b) = (self.along[i], self.along[j]);
+        if a.number != b.number {
+            return Some(false);
+        }
+        let [p, q, _] = self.segments.corners(j);
+        let there = closest_point_of_segment(here, p, q);
+        let forwards = (b.arc + p.distance(there) - a.arc).rem_euclid(a.total);
+        let between = if b.arc >= a.arc { b.corners - a.corners } else { a.all_corners - a.corners + b.corners };
+        let own = u32::from(domain.curves.is_corner(self.vertex[i]));
+        // The corner that `here` is one of itself counts on neither way.
+        let ways = [(forwards, between), (a.total - forwards, a.all_corners - own - between.min(a.all_corners - own))];
+        let (way, corners) = if ways[0].0 <= ways[1].0 { ways[0] } else { ways[1] };
+        // Both sides of a crease that ends within its patch are on one loop, and at one place.
+        if corners > 0 && self.curves[i].contains(&self.curves[j][0]) {
+            return None;
+        }
+        let least = TURNED_BACK[(corners as usize).min(2)];
+        (way > least * here.distance(there) + ROUNDING * a.total).then_some(corners == 0)
+    }
+}
+
+/// The wanted length at each vertex of the domain: f / κ on curves, infinite elsewhere and where f exceeds `reach`.
+fn lengths(domain: &Domain, reach: f64) -> Vec<f64> {
+    let sides = Sides::new(domain);
+    let at: Vec<f64> = (0..sides.along.len()).into_par_iter().map(|i| sides.length_at(domain, i, reach)).collect();
+    let mut lengths = vec![f64::INFINITY; domain.mesh.positions.len()];
+    for (&v, length) in sides.vertex.iter().zip(at) {
+        lengths[v as usize] = lengths[v as usize].min(length);
+    }
+    lengths
+}
