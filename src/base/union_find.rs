@@ -1,6 +1,7 @@
 //! Disjoint sets.
 
 /// Disjoint sets of numbers below `n`; the representative of a set is its smallest member.
+#[derive(Clone)]
 pub(crate) struct UnionFind {
     parent: Vec<u32>,
 }

@@ -17,7 +17,7 @@ use crate::pipeline::optimization::optimize;
 use crate::pipeline::options::{Grading, Options};
 use crate::pipeline::origins::origins;
 use crate::pipeline::prepared::PreparedInput;
-use crate::pipeline::result::{Deviation, Remeshed, has_kind, notes};
+use crate::pipeline::result::{Deviation, Remeshed, has_kind, note_on_left_out, notes};
 use crate::pipeline::scale::CANDIDATES_PER_POINT;
 use crate::pipeline::sized::SizedSurface;
 use crate::pipeline::within::Sewn;
@@ -272,7 +272,7 @@ fn remeshed(
     monitor: &dyn Monitor,
 ) -> Result<Remeshed> {
     let deviation = deviation(prepared, surface, &finished.of_part, monitor);
-    let SizedSurface { domain, scale, sigma, blunted, within, .. } = surface;
+    let SizedSurface { domain, scale, sigma, blunted, left_out, within, .. } = surface;
     let unit = &prepared.unit;
     let kept = within.as_ref().zip(finished.sewn.as_ref()).map(|(within, sewn)| within.kept(sewn));
     let origins = origins(prepared, surface, &finished.manifold, &finished.of_part, finished.sewn.as_ref());
@@ -297,6 +297,9 @@ fn remeshed(
         notes: Vec::new(),
     };
     result.notes = notes(&result, prepared.cracks, *blunted);
+    if left_out.patches > 0 && !blunted {
+        result.notes.push(note_on_left_out(left_out, unit.size));
+    }
     if let (Some(within), Some(kept)) = (within, &result.kept) {
         result.notes.extend(within.notes(&result.mesh, kept));
     }

@@ -5,6 +5,7 @@ use crate::mesh::submesh::Kept;
 use crate::mesh::topology::Topology;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::prepare::repair::Repairs;
+use crate::surface::narrow_patches::LeftOut;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -93,6 +94,16 @@ impl Remeshed {
 pub(super) fn has_kind(found: &Topology, wanted: &Topology) -> bool {
     let kind = |t: &Topology| (t.euler, t.components, t.boundary_loops);
     found.is_manifold() && found.is_oriented() && kind(found) == kind(wanted)
+}
+
+/// Says what was left out of the sharp edges, with lengths in units of `unit`.
+pub(super) fn note_on_left_out(left_out: &LeftOut, unit: f64) -> String {
+    let LeftOut { patches, deviation } = left_out;
+    format!(
+        "{patches} strips and patches are too narrow for so few vertices: each is joined with a neighbour, without the sharp \
+         edges between them, which moves the surface by about {:.2e} at most; more points keep more of them",
+        deviation * unit
+    )
 }
 
 /// What a user should know about a result.

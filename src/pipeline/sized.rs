@@ -16,6 +16,7 @@ use crate::pipeline::within::{Within, sampled_part};
 use crate::prepare::bend::Split;
 use crate::surface::domain::Domain;
 use crate::surface::features::{sharp_length, sharp_sides};
+use crate::surface::narrow_patches::{LeftOut, leave_out_narrow};
 use crate::surface::sizing::{adapted_sizes, sizes_between_curves};
 use std::collections::HashSet;
 use std::sync::OnceLock;
@@ -29,6 +30,8 @@ pub(super) struct SizedSurface {
     pub sigma: f64,
     /// Whether there were sharp edges that could not be kept.
     pub blunted: bool,
+    /// What was left out of the sharp edges.
+    pub left_out: LeftOut,
     /// What stays of the input, if only a part of it is sampled.
     pub within: Option<Within>,
     /// The topology of what is sampled.
@@ -52,10 +55,11 @@ impl SizedSurface {
             Some(_) => topology(clean.positions.len(), &clean.triangles),
             None => prepared.of_repaired,
         };
-        let (domain, blunted) = domain_over(clean, within.as_ref(), options, &scale);
+        let (domain, blunted, left_out) = domain_over(clean, within.as_ref(), options, &scale);
         let self_intersections = OnceLock::new();
         let sigma = scale.sigma();
-        let mut surface = SizedSurface { domain, scale, sigma, blunted, within, topology, self_intersections };
+        let mut surface =
+            SizedSurface { domain, scale, sigma, blunted, left_out, within, topology, self_intersections };
         surface.grade(prepared, density, monitor)?;
         Ok(surface)
     }
@@ -100,7 +104,7 @@ impl SizedSurface {
 
     /// The same surface with its sharp edges smoothed over.
     pub(super) fn smooth(self) -> SizedSurface {
-        SizedSurface { domain: self.domain.smooth(), blunted: true, ..self }
+        SizedSurface { domain: self.domain.smooth(), blunted: true, left_out: LeftOut::default(), ..self }
     }
 
     /// Its triangles that intersect others, in increasing order; they are searched once.
@@ -109,20 +113,22 @@ impl SizedSurface {
     }
 }
 
-/// The domain over `clean`, refined for that scale; and whether it had more sharp edges than can be kept.
+/// The domain over `clean`, refined for that scale; whether it had more sharp edges than can be kept, and what was left out of
+/// them.
 fn domain_over(
     mut clean: OrientedManifold,
     within: Option<&Within>,
     options: &Options,
     scale: &Scale,
-) -> (Domain, bool) {
+) -> (Domain, bool, LeftOut) {
     let (twin, mut sharp) = refined(&mut clean, options, scale);
+    let left_out = leave_out_narrow(&clean, &twin, &mut sharp, scale.spacing, scale.wanted);
     let blunted = !scale.has_room_on(sharp_length(&clean, &sharp));
     if blunted {
         sharp.fill(false);
     }
     let interface = within.map_or_else(Vec::new, |within| within.part.interface.clone());
-    (Domain::with_sharp(clean, twin, &sharp, scale.spacing, interface), blunted)
+    (Domain::with_sharp(clean, twin, &sharp, scale.spacing, interface), blunted, left_out)
 }
 
 /// Splits the edges on curves that are longer than `longest`, so that lengths that differ along them can be told. The side

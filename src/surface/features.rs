@@ -52,7 +52,7 @@ const SHORTEST: f64 = 3.0;
 /// For each side `3 t + k` of the triangles whether it is on a sharp edge. `twin` is as
 /// [`twins`](crate::mesh::topology::twins) says, `spacing` that of the samples, in the units of the mesh.
 pub fn sharp_sides(mesh: &Mesh, twin: &[u32], features: Features, spacing: f64) -> Vec<bool> {
-    let turns = turns(twin, &trusted_normals(mesh, twin, spacing));
+    let turns = turns(mesh, twin, spacing);
     let threshold = match features {
         Features::Smooth => None,
         Features::Degrees(degrees) => Some(degrees),
@@ -102,7 +102,8 @@ fn trusted_normals(mesh: &Mesh, twin: &[u32], spacing: f64) -> Vec<DVec3> {
 }
 
 /// The turn of the surface across each side, in degrees; zero at the boundary and next to triangles without area.
-fn turns(twin: &[u32], normals: &[DVec3]) -> Vec<f64> {
+pub(super) fn turns(mesh: &Mesh, twin: &[u32], spacing: f64) -> Vec<f64> {
+    let normals = trusted_normals(mesh, twin, spacing);
     let turn = |side: usize| {
         let across = twin[side];
         if across == NONE {

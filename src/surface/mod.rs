@@ -6,5 +6,6 @@ pub mod feature_curves;
 pub mod features;
 pub mod implicit;
 pub mod lift;
+pub mod narrow_patches;
 pub mod sizing;
 pub mod submanifold;
