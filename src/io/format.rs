@@ -2,7 +2,7 @@
 
 use super::{e57, las, medit, off, pcd, threemf, xyz};
 use crate::base::error::{Error, Result, Setting};
-use crate::mesh::attributes::{Attribute, Attributes, Lost, MATERIALS, TEXTURE};
+use crate::mesh::attributes::{Attribute, Attributes, Lost, MATERIALS, PARTS, TEXTURE};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
@@ -227,9 +227,11 @@ impl Format {
         let vertex = attributes.vertex.iter().filter(|a| !self.holds(a)).map(|a| lost(&a.name));
         let has_texture = matches!(self, Format::Obj | Format::Ply | Format::Gltf | Format::Glb);
         let texture = !attributes.texture.is_empty() && !has_texture;
-        let materials = attributes.materials.is_some() && self != Format::Obj;
+        let has_materials = matches!(self, Format::Obj | Format::Gltf | Format::Glb);
+        let materials = attributes.materials.is_some() && !has_materials;
+        let parts = attributes.parts.is_some() && !has_materials;
         let opacity = self == Format::Obj && attributes.color().is_some_and(|color| color.components == 4);
-        let others = [(texture, TEXTURE), (materials, MATERIALS), (opacity, "opacity")];
+        let others = [(texture, TEXTURE), (materials, MATERIALS), (parts, PARTS), (opacity, "opacity")];
         vertex.chain(others.into_iter().filter(|(is_lost, _)| *is_lost).map(|(_, name)| lost(name))).collect()
     }
 
