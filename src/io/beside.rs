@@ -33,7 +33,7 @@ fn library(path: &Path, name: &str) -> std::result::Result<mtl::Library, String>
 
 /// Gives the materials that `library` defines, and that are not defined yet, their looks.
 fn define(path: &Path, materials: &mut Materials, library: mtl::Library, notes: &mut Vec<String>) {
-    let mtl::Library { looks, images } = library;
+    let mtl::Library { looks, images, .. } = library;
     let mut looks: HashMap<String, _> = looks.into_iter().collect();
     let mut numbers: Vec<Option<u32>> = vec![None; images.len()];
     let Materials { list, images: all, .. } = materials;

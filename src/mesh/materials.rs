@@ -110,7 +110,7 @@ pub struct Texture {
 }
 
 /// How an image is sampled, in the numbers of OpenGL that glTF has.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Sampler {
     /// The filter where it is enlarged.
     pub mag_filter: Option<u32>,

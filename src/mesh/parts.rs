@@ -1,5 +1,8 @@
 //! The named parts of a mesh, as plain data.
 
+/// How many characters of a name are kept: many parts may share one.
+pub const LONGEST_NAME: usize = 256;
+
 /// Which part each triangle is of.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Parts {
@@ -16,4 +19,9 @@ pub struct Part {
     pub object: String,
     /// The name of the group; empty if it has none.
     pub group: String,
+}
+
+/// A name as parts have it.
+pub fn part_name(name: &str) -> String {
+    name.chars().take(LONGEST_NAME).collect()
 }

@@ -5,20 +5,23 @@
 //! TEXCOORD_0 and images that are neither PNG nor JPEG. Images are taken as they are and not decoded.
 
 use super::store::{Store, wrong};
-use crate::base::error::Result;
+use crate::base::error::{Place, Result};
 use crate::io::bytes::malformed;
 use crate::mesh::materials::{
     Alpha, Image, Look, Material, Materials, REPEAT, Sampler, Texture, Transform, Use, image_type,
 };
 use crate::mesh::topology::NONE;
 use serde_json::Value;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 pub(super) const UNLIT: &str = "KHR_materials_unlit";
 pub(super) const TRANSFORM: &str = "KHR_texture_transform";
 
-/// How many bytes images may have that are more than those of the file's buffers: a view may be used many times.
+/// How many bytes the images of views may have that are more than those of the file's buffers: a view may be used many
+/// times.
 const REPEATED: usize = 1 << 26;
+/// How many bytes all images may have, which is what a GLB file can hold.
+const MOST: usize = u32::MAX as usize;
 
 /// The numbers of OpenGL that a sampler may have.
 const MAG_FILTERS: [u64; 2] = [9728, 9729];
@@ -50,7 +53,15 @@ pub(super) fn read(lists: &Lists, store: &Store, of_triangle: &[u32]) -> Result<
     if used.is_empty() {
         return Ok((None, Vec::new()));
     }
-    let mut reader = Reader { lists, store, images: Vec::new(), known: BTreeMap::new(), notes: BTreeSet::new() };
+    let mut reader = Reader {
+        lists,
+        store,
+        images: Vec::new(),
+        known: BTreeMap::new(),
+        of_address: HashMap::new(),
+        bytes: 0,
+        notes: BTreeSet::new(),
+    };
     let list = used.iter().map(|&m| reader.material(m as usize)).collect::<Result<Vec<Material>>>()?;
     let number: BTreeMap<u32, u32> = used.into_iter().zip(0..).collect();
     let of_triangle = of_triangle.iter().map(|m| number.get(m).copied().unwrap_or(NONE)).collect();
@@ -64,6 +75,10 @@ struct Reader<'a, 's> {
     images: Vec<Image>,
     /// What the images of the file have become; `None` for those that are left out.
     known: BTreeMap<usize, Option<u32>>,
+    /// Those of files by their address.
+    of_address: HashMap<&'a str, Option<u32>>,
+    /// Bytes of all images so far.
+    bytes: usize,
     notes: BTreeSet<String>,
 }
 
@@ -77,15 +92,15 @@ impl Reader<'_, '_> {
         let pbr = &value["pbrMetallicRoughness"];
         let alpha = match value["alphaMode"].as_str() {
             None | Some("OPAQUE") => Alpha::Opaque,
-            Some("MASK") => Alpha::Mask(number(&value["alphaCutoff"], 0.5).map_err(fail)?),
+            Some("MASK") => Alpha::Mask(number(&value["alphaCutoff"], 0.5).map_err(fail)?.max(0.0)),
             Some("BLEND") => Alpha::Blend,
             Some(other) => return Err(fail(format!("has the unknown alpha mode '{}'", other.escape_debug()))),
         };
         let mut look = Look {
-            base_color: numbers(&pbr["baseColorFactor"], [1.0; 4]).map_err(fail)?,
-            metallic: number(&pbr["metallicFactor"], 1.0).map_err(fail)?,
-            roughness: number(&pbr["roughnessFactor"], 1.0).map_err(fail)?,
-            emissive: numbers(&value["emissiveFactor"], [0.0; 3]).map_err(fail)?,
+            base_color: numbers(&pbr["baseColorFactor"], [1.0; 4]).map_err(fail)?.map(share),
+            metallic: share(number(&pbr["metallicFactor"], 1.0).map_err(fail)?),
+            roughness: share(number(&pbr["roughnessFactor"], 1.0).map_err(fail)?),
+            emissive: numbers(&value["emissiveFactor"], [0.0; 3]).map_err(fail)?.map(share),
             alpha,
             double_sided: value["doubleSided"].as_bool().unwrap_or(false),
             unlit: value["extensions"][UNLIT].is_object(),
@@ -136,7 +151,9 @@ impl Reader<'_, '_> {
     }
 
     fn image(&mut self, index: usize) -> Result<Option<u32>> {
-        if let Some(known) = self.known.get(&index) {
+        let address = self.lists.images[index]["uri"].as_str();
+        let known = self.known.get(&index).or_else(|| self.of_address.get(address?));
+        if let Some(known) = known {
             return Ok(*known);
         }
         let bytes = self.image_bytes(index)?.filter(|bytes| {
@@ -151,6 +168,7 @@ impl Reader<'_, '_> {
             self.images.len() as u32 - 1
         });
         self.known.insert(index, number);
+        self.of_address.extend(address.map(|address| (address, number)));
         Ok(number)
     }
 
@@ -160,7 +178,7 @@ impl Reader<'_, '_> {
         let fail = |cause: &str| wrong("image", index, cause);
         match (image["uri"].as_str(), &image["bufferView"]) {
             (Some(uri), _) => match self.store.file(uri) {
-                Ok(bytes) => Ok(Some(bytes.into_owned())),
+                Ok(bytes) => self.within(MOST, index, &bytes).map(Some),
                 Err(cause) => {
                     self.notes.insert(format!("image {index} is left out: {cause}"));
                     Ok(None)
@@ -170,28 +188,25 @@ impl Reader<'_, '_> {
             (None, view) => {
                 let view = view.as_u64().and_then(|view| usize::try_from(view).ok());
                 let (bytes, _) = self.store.view(view.ok_or_else(|| fail("its buffer view is no number"))?)?;
-                let so_far: usize = self.images.iter().map(size).sum();
-                if so_far.saturating_add(bytes.len()) > REPEATED.max(self.store.loaded()) {
-                    let place = crate::base::error::Place::Part(format!("image {index}"));
-                    let cause = "the images share their data, and together are too large";
-                    return Err(malformed(place, cause, "export every image once"));
-                }
-                Ok(Some(bytes.to_vec()))
+                self.within(REPEATED.max(self.store.loaded()), index, bytes).map(Some)
             }
         }
+    }
+
+    /// The `bytes` of image `index`, if all images so far are not more than `most` with it.
+    fn within(&mut self, most: usize, index: usize, bytes: &[u8]) -> Result<Vec<u8>> {
+        self.bytes = self.bytes.saturating_add(bytes.len());
+        if self.bytes > most {
+            let cause = "the images share their data, or are too many: together they are too large";
+            return Err(malformed(Place::Part(format!("image {index}")), cause, "export every image once"));
+        }
+        Ok(bytes.to_vec())
     }
 
     /// Notes all `extensions` of materials or textures but the one that is read.
     fn note_extensions(&mut self, extensions: &Value, read: &str, of: &str) {
         let others = extensions.as_object().into_iter().flat_map(|e| e.keys()).filter(|name| *name != read);
         self.notes.extend(others.map(|name| format!("the extension {name} of {of} is left out")));
-    }
-}
-
-fn size(image: &Image) -> usize {
-    match image {
-        Image::Bytes(bytes) => bytes.len(),
-        Image::File(_) => 0,
     }
 }
 
@@ -212,6 +227,11 @@ fn numbers<const N: usize>(value: &Value, default: [f64; N]) -> std::result::Res
     }
     let numbers: Option<Vec<f64>> = value.as_array().and_then(|list| list.iter().map(Value::as_f64).collect());
     numbers.and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| format!("has a factor that is not {N} numbers"))
+}
+
+/// A factor in the range that all but the strengths of textures have.
+fn share(factor: f64) -> f64 {
+    factor.clamp(0.0, 1.0)
 }
 
 fn transform(value: &Value) -> std::result::Result<Transform, String> {

@@ -6,7 +6,7 @@ use super::vertices::{Columns, accessors};
 use crate::base::error::{Place, Result};
 use crate::io::bytes::{NO_LINES, malformed};
 use crate::io::content::Read;
-use crate::mesh::parts::{Part, Parts};
+use crate::mesh::parts::{Part, Parts, part_name};
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use ::gltf::json::mesh::{Mode, Primitive, Semantic};
@@ -215,7 +215,7 @@ struct Instance<'a> {
 
 /// The parts that triangles of these instances are, if one of them has a name: that of the node, else that of the mesh.
 fn parts(root: &Root, instances: &[Instance], of_triangle: Vec<u32>) -> Option<Parts> {
-    let name = |i: &Instance| i.name.or(root.meshes[i.mesh].name.as_deref()).unwrap_or_default().to_owned();
+    let name = |i: &Instance| part_name(i.name.or(root.meshes[i.mesh].name.as_deref()).unwrap_or_default());
     let list: Vec<Part> = instances.iter().map(|i| Part { object: name(i), group: String::new() }).collect();
     let is_named = list.iter().any(|part| !part.object.is_empty());
     (is_named && !of_triangle.is_empty()).then_some(Parts { list, of_triangle })

@@ -688,3 +688,31 @@ fn numbers_in_materials_are_checked() {
         assert_eq!((place(result.clone()).as_str(), cause(result).as_str()), expected);
     }
 }
+
+#[test]
+fn many_names_of_one_image_are_one_image() {
+    let mut root = dressed();
+    root["images"] = json!([{ "uri": address(PNG) }, { "uri": address(PNG) }]);
+    let read = super::parse(root.to_string().as_bytes(), &no_files).unwrap();
+    assert_eq!(read.attributes.materials.unwrap().images.len(), 1);
+    let mut root = dressed();
+    root["nodes"] = json!([{ "mesh": 0, "name": "a".repeat(1000) }]);
+    root["scenes"] = json!([{ "nodes": [0] }]);
+    let parts = super::parse(root.to_string().as_bytes(), &no_files).unwrap().attributes.parts.unwrap();
+    assert_eq!(parts.list[0].object.len(), crate::mesh::parts::LONGEST_NAME);
+}
+
+#[test]
+fn images_that_share_a_view_are_bounded() {
+    let mut root = dressed();
+    let image = [PNG, &vec![0; 1 << 20]].concat();
+    root["buffers"][0] = json!({ "byteLength": 100 + image.len(), "uri": address(&[&[0; 100][..], &image].concat()) });
+    root["bufferViews"][3] = json!({ "buffer": 0, "byteOffset": 100, "byteLength": image.len() });
+    root["meshes"][0]["primitives"][0]["material"] = 0.into();
+    root["meshes"][0]["primitives"] =
+        (0..70).map(|m| json!({ "attributes": { "POSITION": 0 }, "material": m })).collect();
+    root["images"] = (0..70).map(|_| json!({ "bufferView": 3 })).collect();
+    root["textures"] = (0..70).map(|image| json!({ "source": image })).collect();
+    root["materials"] = (0..70).map(|texture| json!({ "normalTexture": { "index": texture } })).collect();
+    assert_eq!(place(load(&root)), ", image 63");
+}

@@ -3,6 +3,7 @@
 use super::materials::{TRANSFORM, UNLIT};
 use crate::mesh::materials::{Alpha, Image, Look, Material, Materials, Sampler, Texture, Use, image_type};
 use serde_json::{Map, Value, json};
+use std::collections::{HashMap, HashSet};
 
 /// The lists of a file that say what its materials look like.
 #[derive(Default)]
@@ -12,9 +13,9 @@ pub(super) struct Written {
     samplers: Vec<Value>,
     images: Vec<Value>,
     extensions: Vec<&'static str>,
-    /// Which image, by which sampler, each texture is, and what each sampler is.
-    texture_keys: Vec<(u32, usize)>,
-    sampler_keys: Vec<Sampler>,
+    /// The texture of an image by a sampler, and the samplers so far.
+    texture_numbers: HashMap<(usize, usize), usize>,
+    sampler_numbers: HashMap<Sampler, usize>,
     /// What the images of the mesh have become.
     image_numbers: Vec<Option<usize>>,
 }
@@ -52,7 +53,7 @@ impl Written {
 
     fn add_images(&mut self, of: &Materials, store: &mut dyn FnMut(&[u8]) -> usize) {
         let looks = of.list.iter().filter_map(|m| m.look.as_ref());
-        let used: Vec<u32> = looks.flat_map(|look| &look.textures).map(|texture| texture.image).collect();
+        let used: HashSet<u32> = looks.flat_map(|look| &look.textures).map(|texture| texture.image).collect();
         for (i, image) in of.images.iter().enumerate().filter(|(i, _)| used.contains(&(*i as u32))) {
             let Image::Bytes(bytes) = image else { continue };
             let Some((kind, _)) = image_type(bytes) else { continue };
@@ -62,7 +63,8 @@ impl Written {
     }
 
     fn material(&mut self, material: &Material) -> Value {
-        let usual = Look::default();
+        // Of a material that only its name is known of.
+        let usual = Look { metallic: 0.0, ..Look::default() };
         let look = material.look.as_ref().unwrap_or(&usual);
         let mut pbr = json!({
             "baseColorFactor": look.base_color, "metallicFactor": look.metallic, "roughnessFactor": look.roughness,
@@ -123,23 +125,22 @@ impl Written {
     /// The number of the texture that is this image, sampled like this.
     fn texture(&mut self, image: usize, texture: &Texture) -> usize {
         let sampler = self.sampler(texture.sampler);
-        let key = (texture.image, sampler);
-        self.texture_keys.iter().position(|known| *known == key).unwrap_or_else(|| {
-            self.texture_keys.push(key);
-            self.textures.push(json!({ "source": image, "sampler": sampler }));
-            self.textures.len() - 1
+        let textures = &mut self.textures;
+        *self.texture_numbers.entry((image, sampler)).or_insert_with(|| {
+            textures.push(json!({ "source": image, "sampler": sampler }));
+            textures.len() - 1
         })
     }
 
     fn sampler(&mut self, sampler: Sampler) -> usize {
-        self.sampler_keys.iter().position(|known| *known == sampler).unwrap_or_else(|| {
-            self.sampler_keys.push(sampler);
+        let samplers = &mut self.samplers;
+        *self.sampler_numbers.entry(sampler).or_insert_with(|| {
             let [across, up] = sampler.wrap;
             let mut value = Map::from_iter([("wrapS".into(), across.into()), ("wrapT".into(), up.into())]);
             value.extend(sampler.mag_filter.map(|filter| ("magFilter".into(), filter.into())));
             value.extend(sampler.min_filter.map(|filter| ("minFilter".into(), filter.into())));
-            self.samplers.push(value.into());
-            self.samplers.len() - 1
+            samplers.push(value.into());
+            samplers.len() - 1
         })
     }
 

@@ -21,7 +21,7 @@ use crate::io::faces::Faces;
 use crate::io::text::{Words, left_out, number, quote, small_faces, whole};
 use crate::mesh::attributes::{Attribute, Attributes};
 use crate::mesh::materials::{Material, Materials};
-use crate::mesh::parts::{Part, Parts};
+use crate::mesh::parts::{Part, Parts, part_name};
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use glam::{DVec2, DVec3};
@@ -132,11 +132,12 @@ impl<'a> Reader<'a> {
             }
             b"usemtl" => self.use_material(),
             b"o" => {
-                let part = Part { object: self.rest_of_line(), group: String::new() };
+                let part = Part { object: part_name(&self.rest_of_line()), group: String::new() };
                 self.begin_part(part);
             }
             b"g" => {
-                let part = Part { group: self.rest_of_line(), object: std::mem::take(&mut self.part.0.object) };
+                let part =
+                    Part { group: part_name(&self.rest_of_line()), object: std::mem::take(&mut self.part.0.object) };
                 self.begin_part(part);
             }
             b"mtllib" => {

@@ -6,7 +6,7 @@
 use super::write::plain;
 use crate::io::text::number;
 use crate::mesh::materials::{Alpha, Image, Look, Material, Materials, Sampler, Statement, Texture, Use};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::io::{self, Write};
 
 /// Statements that end with the name of an image, beside those that begin with `map_`.
@@ -22,6 +22,8 @@ pub(crate) struct Library {
     pub looks: Vec<(String, Look)>,
     /// The names of images, as the library has them.
     pub images: Vec<String>,
+    /// Their numbers.
+    numbers: HashMap<String, u32>,
 }
 
 /// Reads a library. What is before the first material, and comments, are left out.
@@ -51,10 +53,11 @@ impl Library {
             look.statements.push(Statement { words: line.into(), image: None });
             return;
         }
-        let image = self.images.iter().position(|known| known == name).unwrap_or_else(|| {
-            self.images.push(name.into());
-            self.images.len() - 1
-        }) as u32;
+        let images = &mut self.images;
+        let image = *self.numbers.entry(name.into()).or_insert_with(|| {
+            images.push(name.into());
+            images.len() as u32 - 1
+        });
         let words = if options.is_empty() { keyword.into() } else { format!("{keyword} {options}") };
         look.statements.push(Statement { words, image: Some(image) });
         let of = match lower.as_str() {
@@ -185,7 +188,7 @@ mod tests {
 
     #[test]
     fn libraries_are_understood_as_far_as_other_formats_need() {
-        let Library { looks, images } = parse(LIBRARY.as_bytes());
+        let Library { looks, images, .. } = parse(LIBRARY.as_bytes());
         assert_eq!(images, ["my wood.png", "bump.png"]);
         let [(red_name, red), (wood_name, wood)] = &looks[..] else { panic!("{looks:?}") };
         assert_eq!((red_name.as_str(), wood_name.as_str()), ("a red", "wood"));
@@ -196,7 +199,7 @@ mod tests {
 
     #[test]
     fn statements_come_back_as_they_were() {
-        let Library { looks, images } = parse(LIBRARY.as_bytes());
+        let Library { looks, images, .. } = parse(LIBRARY.as_bytes());
         let list = looks.into_iter().map(|(name, look)| Material { name, look: Some(look) }).collect();
         let images = images.into_iter().map(|name| Image::File(format!("../{name}"))).collect();
         let mut text = Vec::new();
