@@ -141,7 +141,9 @@ pub mod stages {
 pub use base::error::{Error, Fault, Place, Result, Setting};
 pub use base::monitor::{Monitor, Stopwatch};
 pub use job::{Carry, Input, Origin, Outcome, RemeshOptions, quality, reconstruct, remesh, sample};
-pub use mesh::attributes::{Attribute, Attributes, Lost, Materials, Scalar};
+pub use mesh::attributes::{Attribute, Attributes, Lost, Scalar};
+pub use mesh::materials::{Image, Look, Material, Materials};
+pub use mesh::parts::{Part, Parts};
 pub use mesh::points::Points;
 pub use mesh::triangle_mesh::Mesh;
 pub use pipeline::{

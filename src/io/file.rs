@@ -1,7 +1,10 @@
-//! Mesh files by name: which format they have, and writing that never leaves half a file.
+//! Mesh files by name: which format they have, what they are read as, and writing them.
 
 use crate::base::error::{Error, Place, Result};
+use crate::io::address::read_buffer;
+use crate::io::beside::{prepared, read_libraries};
 use crate::io::content::Resolve;
+use crate::io::disk::{file_error, read_error};
 use crate::io::foreign::{self, Foreign};
 use crate::io::format::Format;
 use crate::io::gzip;
@@ -10,20 +13,15 @@ use crate::io::write::{write_points, write_with_attributes};
 use crate::mesh::attributes::Attributes;
 use crate::mesh::points::Points;
 use crate::mesh::triangle_mesh::Mesh;
-use std::borrow::Cow;
 use std::ffi::OsStr;
-use std::fs::{self, File, Metadata, OpenOptions};
-use std::io::{self, BufWriter, ErrorKind, Write};
-use std::path::{Component, Path, PathBuf};
+use std::fs::{self, Metadata};
+use std::io::{self, Write};
+use std::path::Path;
 
-/// Bytes gathered before each write to a file.
-const BUFFER: usize = 1 << 18;
-
-/// The start of the name of files that are not complete yet.
-const UNFINISHED: &str = ".remesh-";
+pub use crate::io::disk::{check_target, replace_file};
 
 /// Reads the mesh file at `path`. Its format is `format`, else what the ending says, else what the content looks like.
-/// External buffers of a glTF file are read from its folder and the folders in it. What gzip packed is unpacked.
+/// External buffers and images of a glTF file, and libraries of an OBJ, are read from its folder and the folders in it. What gzip packed is unpacked.
 ///
 /// # Errors
 /// [`Error::File`] if there is no such file, it cannot be read, or its format cannot be told or is another one than the
@@ -39,7 +37,11 @@ pub fn read_file(path: &Path, format: Option<Format>) -> Result<Loaded> {
     }
     let format = input_format(path, &bytes, format)?;
     let resolve: Resolve = &|address| read_buffer(path, address);
-    parse(&bytes, format, resolve).map_err(in_file)
+    let mut loaded = parse(&bytes, format, resolve).map_err(in_file)?;
+    if let Some(materials) = &mut loaded.attributes.materials {
+        read_libraries(path, materials, &mut loaded.notes);
+    }
+    Ok(loaded)
 }
 
 /// Reads a list of numbers from the JSON file at `path`.
@@ -56,12 +58,15 @@ pub fn read_numbers(path: &Path) -> Result<Vec<f64>> {
 }
 
 /// Writes `mesh`, and those of its `attributes` that the format can hold, to `path` by [`replace_file`], in the format
-/// that [`output_format`] says.
+/// that [`output_format`] says. An OBJ with materials gets their library beside it, `NAME.mtl`, with the images that are
+/// no files yet.
 ///
 /// # Errors
 /// [`Error::File`] if the format is not known or the file cannot be written.
 pub fn write_file(path: &Path, mesh: &Mesh, attributes: &Attributes, format: Option<Format>) -> Result<()> {
     let format = output_format(path, format)?;
+    check_target(path)?;
+    let attributes = &*prepared(path, format, attributes)?;
     replace_packed(path, &mut |out| write_with_attributes(mesh, attributes, format, out))
 }
 
@@ -107,101 +112,6 @@ fn format_among(known: &[Format], content: &str, path: &Path, format: Option<For
         (None, None) => "the name has no ending that says the format".into(),
     };
     Err(file_error(path, cause, format!("use one of {}, or --format", Format::list(known, "."))))
-}
-
-/// Whether [`replace_file`] could write to `path` as far as can be told without trying: before a long computation.
-///
-/// # Errors
-/// [`Error::File`] if `path` is a folder or a file that must not be written, or its folder does not exist.
-pub fn check_target(path: &Path) -> Result<()> {
-    match fs::metadata(path) {
-        Ok(found) if found.is_dir() => Err(file_error(path, "it is a folder, not a file", "add a file name")),
-        Ok(found) if found.permissions().readonly() => {
-            Err(file_error(path, "the file is write-protected", "change its permissions or choose another name"))
-        }
-        Ok(_) => Ok(()),
-        Err(_) => check_folder(path),
-    }
-}
-
-fn check_folder(path: &Path) -> Result<()> {
-    let folder = folder_of(path);
-    if path.file_name().is_none() || path.as_os_str().as_encoded_bytes().ends_with(b"/") {
-        return Err(file_error(path, "it names a folder, not a file", "add a file name"));
-    }
-    match fs::metadata(folder) {
-        Ok(found) if found.is_dir() => Ok(()),
-        Ok(_) => Err(file_error(path, format!("'{}' is not a folder", folder.display()), "choose another folder")),
-        Err(error) if error.kind() == ErrorKind::NotFound => {
-            let cause = format!("the folder '{}' does not exist", folder.display());
-            Err(file_error(path, cause, "create it or choose another one"))
-        }
-        Err(error) => Err(write_error(path, &error)),
-    }
-}
-
-/// Writes what `fill` writes to a new file beside `path`, and gives it that name once it is complete and on the disk.
-/// A failure leaves what was there before. A link is followed; permissions are those of the replaced file, or of any
-/// new file. What is not a file (`/dev/stdout`, a pipe, a device) is written to directly.
-///
-/// # Errors
-/// [`Error::File`] with the cause, also for an error of `fill`.
-pub fn replace_file(path: &Path, fill: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> Result<()> {
-    check_target(path)?;
-    let result = match direct(path) {
-        Some(target) => target.and_then(|mut target| fill_buffered(&mut target, fill)),
-        None => replace(path, fill),
-    };
-    result.map_err(|error| write_error(path, &error))
-}
-
-/// The target that is written as it is, not replaced, if `path` is one.
-fn direct(path: &Path) -> Option<io::Result<Box<dyn Write>>> {
-    // Where standard output is a file, opening it anew would start at its beginning and not where it is.
-    if path == Path::new("/dev/stdout") {
-        return Some(Ok(Box::new(io::stdout())));
-    }
-    if path == Path::new("/dev/stderr") {
-        return Some(Ok(Box::new(io::stderr())));
-    }
-    let is_replaceable = fs::metadata(path).map_or(true, |found| found.is_file()) && !path.starts_with("/dev/fd");
-    let open = || OpenOptions::new().write(true).open(path);
-    (!is_replaceable).then(|| open().map(|file| Box::new(file) as Box<dyn Write>))
-}
-
-fn replace(path: &Path, fill: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-    let mut temporary = temporary_in(folder_of(&target))?;
-    fill_buffered(temporary.as_file_mut(), fill)?;
-    if let Ok(replaced) = fs::metadata(&target) {
-        temporary.as_file().set_permissions(replaced.permissions())?;
-    }
-    temporary.as_file().sync_all()?;
-    temporary.persist(&target).map(drop).map_err(|failed| failed.error)
-}
-
-fn fill_buffered(out: &mut dyn Write, fill: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let mut buffered = BufWriter::with_capacity(BUFFER, out);
-    fill(&mut buffered)?;
-    buffered.flush()
-}
-
-/// A file that vanishes unless it is kept, with the permissions that any new file gets.
-fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(UNFINISHED);
-    #[cfg(unix)]
-    let all: fs::Permissions = std::os::unix::fs::PermissionsExt::from_mode(0o666);
-    #[cfg(unix)]
-    builder.permissions(all);
-    builder.tempfile_in(folder)
-}
-
-fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    }
 }
 
 fn by_ending(path: &Path) -> Option<Format> {
@@ -274,105 +184,13 @@ fn is_device(_: &Metadata) -> bool {
     false
 }
 
-/// The bytes of a buffer that the glTF file at `path` names by a relative address.
-fn read_buffer(path: &Path, address: &str) -> std::result::Result<Vec<u8>, String> {
-    let Some(relative) = inside(address) else {
-        return Err(format!("the buffer '{address}' is not in the folder of the file"));
-    };
-    let cannot = |error: io::Error| format!("the buffer '{address}' cannot be read: {}", read_cause(&error));
-    let buffer = folder_of(path).join(relative);
-    let file = File::open(&buffer).map_err(cannot)?;
-    if !file.metadata().map_err(cannot)?.is_file() {
-        return Err(format!("the buffer '{address}' is not a file"));
-    }
-    fs::read(buffer).map_err(cannot)
-}
-
-/// The path that a relative address means, if it stays in its folder: no scheme, no root, not out by `..`.
-fn inside(address: &str) -> Option<PathBuf> {
-    let decoded = percent_decoded(address)?;
-    if decoded.contains(':') || decoded.contains('\0') {
-        return None;
-    }
-    let path = PathBuf::from(&*decoded);
-    let mut depth = 0;
-    for component in path.components() {
-        depth += match component {
-            Component::Normal(_) => 1,
-            Component::CurDir => 0,
-            Component::ParentDir => -1,
-            Component::RootDir | Component::Prefix(_) => return None,
-        };
-        if depth < 0 {
-            return None;
-        }
-    }
-    (depth > 0).then_some(path)
-}
-
-/// `%20` and the like as the characters that they stand for; `None` if these are not UTF-8.
-fn percent_decoded(address: &str) -> Option<Cow<'_, str>> {
-    if !address.contains('%') {
-        return Some(address.into());
-    }
-    let bytes = address.as_bytes();
-    let mut decoded = Vec::with_capacity(bytes.len());
-    let mut at = 0;
-    while at < bytes.len() {
-        let code = bytes.get(at + 1..at + 3).filter(|d| bytes[at] == b'%' && d.iter().all(u8::is_ascii_hexdigit));
-        let code = code.and_then(|d| u8::from_str_radix(std::str::from_utf8(d).ok()?, 16).ok());
-        decoded.push(code.unwrap_or(bytes[at]));
-        at += if code.is_some() { 3 } else { 1 };
-    }
-    String::from_utf8(decoded).ok().map(Cow::from)
-}
-
-fn file_error(path: &Path, cause: impl Into<String>, remedy: impl Into<String>) -> Error {
-    Error::File { file: path.display().to_string(), cause: cause.into(), remedy: remedy.into() }
-}
-
-fn read_error(path: &Path, error: &io::Error) -> Error {
-    let remedy = match error.kind() {
-        ErrorKind::NotFound => "check the name and the folder",
-        ErrorKind::PermissionDenied => "change its permissions",
-        ErrorKind::OutOfMemory => "reduce the mesh before",
-        _ => "check the file and the disk that it is on",
-    };
-    file_error(path, read_cause(error), remedy)
-}
-
-fn read_cause(error: &io::Error) -> String {
-    match error.kind() {
-        ErrorKind::NotFound => "there is no such file".into(),
-        ErrorKind::PermissionDenied => "there is no permission to read it".into(),
-        ErrorKind::OutOfMemory => "the file is larger than the memory".into(),
-        _ => one_line(error),
-    }
-}
-
-fn write_error(path: &Path, error: &io::Error) -> Error {
-    let (cause, remedy) = match error.kind() {
-        ErrorKind::NotFound => ("its folder does not exist".into(), "create it or choose another one"),
-        ErrorKind::PermissionDenied => ("there is no permission to write it".into(), "choose another folder"),
-        ErrorKind::ReadOnlyFilesystem => ("the disk is read-only".into(), "choose another folder"),
-        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
-            ("no space is left for it".into(), "free some space or choose another folder")
-        }
-        ErrorKind::BrokenPipe => ("the reader of the pipe has closed it".into(), "check the command that reads it"),
-        ErrorKind::InvalidData => (one_line(error), "choose another format or repair the mesh"),
-        _ => (one_line(error), "check the folder and the disk that it is on"),
-    };
-    file_error(path, cause, remedy)
-}
-
-fn one_line(error: &io::Error) -> String {
-    error.to_string().replace(['\n', '\r'], " ")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::io::disk::BUFFER;
     use glam::DVec3;
+    use std::io::ErrorKind;
+    use std::path::PathBuf;
 
     fn triangle() -> Mesh {
         Mesh { positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y], triangles: vec![[0, 1, 2]] }
@@ -559,40 +377,5 @@ mod tests {
         fails(write(full, Some(Format::Obj)), full, "no space is left");
         write(Path::new("/dev/null"), Some(Format::Obj)).unwrap();
         assert!(is_device(&fs::metadata("/dev/null").unwrap()));
-    }
-
-    #[test]
-    fn addresses_stay_in_their_folder() {
-        for (address, expected) in [
-            ("a.bin", Some("a.bin")),
-            ("b/../a.bin", Some("b/../a.bin")),
-            ("./b/my%20a.bin", Some("./b/my a.bin")),
-            ("100%.bin", Some("100%.bin")),
-            ("%zz", Some("%zz")),
-            ("../a.bin", None),
-            ("b/../../a.bin", None),
-            ("%2e%2e/a.bin", None),
-            ("/etc/passwd", None),
-            ("%2Fetc/passwd", None),
-            ("http://example.org/a.bin", None),
-            ("file:a.bin", None),
-            ("a%00", None),
-            ("%FF", None),
-            ("", None),
-            (".", None),
-        ] {
-            assert_eq!(inside(address), expected.map(PathBuf::from), "{address}");
-        }
-    }
-
-    #[test]
-    fn buffers_are_read_beside_the_file() {
-        let (folder, path) = file("a.gltf", b"{}");
-        fs::write(folder.path().join("my a.bin"), b"123").unwrap();
-        assert_eq!(read_buffer(&path, "my%20a.bin"), Ok(b"123".to_vec()));
-        assert!(read_buffer(&path, "b.bin").unwrap_err().contains("'b.bin' cannot be read: there is no such file"));
-        assert!(read_buffer(&path, "../b.bin").unwrap_err().contains("not in the folder"));
-        fs::create_dir(folder.path().join("c")).unwrap();
-        assert!(read_buffer(&path, "c").unwrap_err().contains("not a file"));
     }
 }

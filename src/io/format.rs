@@ -2,7 +2,8 @@
 
 use super::{e57, las, medit, off, pcd, threemf, xyz};
 use crate::base::error::{Error, Result, Setting};
-use crate::mesh::attributes::{Attribute, Attributes, Lost, MATERIALS, TEXTURE};
+use crate::mesh::attributes::{Attribute, Attributes, Lost, MATERIALS, PARTS, TEXTURE};
+use crate::mesh::materials::{Image, Look, Materials, Texture, Use};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
@@ -227,10 +228,35 @@ impl Format {
         let vertex = attributes.vertex.iter().filter(|a| !self.holds(a)).map(|a| lost(&a.name));
         let has_texture = matches!(self, Format::Obj | Format::Ply | Format::Gltf | Format::Glb);
         let texture = !attributes.texture.is_empty() && !has_texture;
-        let materials = attributes.materials.is_some() && self != Format::Obj;
+        let has_materials = matches!(self, Format::Obj | Format::Gltf | Format::Glb);
+        let materials = attributes.materials.is_some() && !has_materials;
+        let parts = attributes.parts.is_some() && !has_materials;
         let opacity = self == Format::Obj && attributes.color().is_some_and(|color| color.components == 4);
-        let others = [(texture, TEXTURE), (materials, MATERIALS), (opacity, "opacity")];
-        vertex.chain(others.into_iter().filter(|(is_lost, _)| *is_lost).map(|(_, name)| lost(name))).collect()
+        let others = [(texture, TEXTURE), (materials, MATERIALS), (parts, PARTS), (opacity, "opacity")];
+        let looks = attributes.materials.iter().flat_map(|materials| self.cannot_show(materials));
+        vertex
+            .chain(others.into_iter().filter(|(is_lost, _)| *is_lost).map(|(_, name)| lost(name)))
+            .chain(looks)
+            .collect()
+    }
+
+    /// What of the looks of `materials` files of this format have no place for, if they have one for materials.
+    fn cannot_show(self, materials: &Materials) -> Option<Lost> {
+        let looks = || materials.list.iter().filter_map(|material| material.look.as_ref());
+        let is_left_out = |texture: &Texture| matches!(texture.of, Use::MetallicRoughness | Use::Occlusion);
+        let no_obj = |look: &Look| look.statements.is_empty() && look.textures.iter().any(is_left_out);
+        let is_known = |name: &str| [".png", ".jpg", ".jpeg"].iter().any(|e| name.to_ascii_lowercase().ends_with(e));
+        let no_gltf = |image: &Image| matches!(image, Image::File(name) if !is_known(name));
+        let (name, cause) = match self {
+            Format::Obj if looks().any(no_obj) => {
+                ("textures of roughness, metal and occlusion", "OBJ has no place for them")
+            }
+            Format::Gltf | Format::Glb if materials.images.iter().any(no_gltf) => {
+                ("images that are neither PNG nor JPEG", "glTF has no place for them")
+            }
+            _ => return None,
+        };
+        Some(Lost { name: name.into(), cause: cause.into() })
     }
 
     /// Whether files have a place for an attribute of vertices.

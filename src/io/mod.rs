@@ -13,10 +13,16 @@
 //! # Ok::<(), spectral_remesh::Error>(())
 //! ```
 
+#[cfg(feature = "fs")]
+mod address;
 mod base64;
+#[cfg(feature = "fs")]
+mod beside;
 mod bytes;
 mod columns;
 mod content;
+#[cfg(feature = "fs")]
+mod disk;
 mod e57;
 mod faces;
 #[cfg(feature = "fs")]

@@ -6,6 +6,7 @@ use crate::io::format::Format;
 use crate::io::{e57, gltf, gmsh, las, medit, obj, off, pcd, ply, stl, text, threemf, vtk, xyz};
 use crate::mesh::attributes::{Attribute, Attributes};
 use crate::mesh::points::Points;
+use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 
 /// A mesh or a cloud as it was read.
@@ -110,9 +111,17 @@ fn check_attributes(mesh: &Mesh, attributes: &Attributes) -> Result<()> {
             "its values are not those of all vertices",
         ));
     }
-    let of_triangles = attributes.materials.as_ref().map_or(triangles, |m| m.of_triangle.len());
-    if of_triangles != triangles || !attributes.texture.is_empty() && attributes.texture.len() != triangles {
-        return Err(whole("texture coordinates or materials are not those of all triangles", "export the file again"));
+    let materials = attributes.materials.iter().map(|m| (&m.of_triangle, m.list.len()));
+    let parts = attributes.parts.iter().map(|p| (&p.of_triangle, p.list.len()));
+    let is_known = |(numbers, count): (&Vec<u32>, usize)| {
+        numbers.len() == triangles && numbers.iter().all(|&n| n == NONE || (n as usize) < count)
+    };
+    if !materials.chain(parts).all(is_known) || !attributes.texture.is_empty() && attributes.texture.len() != triangles
+    {
+        return Err(whole(
+            "texture coordinates, materials or objects are not those of all triangles",
+            "export the file again",
+        ));
     }
     Ok(())
 }

@@ -4,6 +4,8 @@
 //! Two names mean something: [`COLOR`] and [`NORMAL`]. Everything else goes by the name that its file gives it.
 
 use crate::base::error::{Error, Fault, Result};
+use crate::mesh::materials::Materials;
+use crate::mesh::parts::Parts;
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -19,6 +21,9 @@ pub const TEXTURE: &str = "texture coordinates";
 
 /// What materials are called in messages.
 pub const MATERIALS: &str = "materials";
+
+/// What the names of parts are called in messages.
+pub const PARTS: &str = "names of objects";
 
 /// The type of a number in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -134,17 +139,6 @@ impl Attribute {
     }
 }
 
-/// Which material each triangle has, by name.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Materials {
-    /// The files that define them, as the file that was read names them.
-    pub libraries: Vec<String>,
-    /// Their names.
-    pub names: Vec<String>,
-    /// The number of each triangle's name; [`NONE`](super::topology::NONE) for a triangle without a material.
-    pub of_triangle: Vec<u32>,
-}
-
 /// All attributes of a mesh or a cloud.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Attributes {
@@ -155,6 +149,8 @@ pub struct Attributes {
     pub texture: Vec<[DVec2; 3]>,
     /// The materials, if it has some.
     pub materials: Option<Materials>,
+    /// The named parts, if it has some.
+    pub parts: Option<Parts>,
 }
 
 /// An attribute that did not get through, and why.
@@ -169,7 +165,7 @@ pub struct Lost {
 impl Attributes {
     /// Whether there is nothing.
     pub fn is_empty(&self) -> bool {
-        self.vertex.is_empty() && self.texture.is_empty() && self.materials.is_none()
+        self.vertex.is_empty() && self.texture.is_empty() && self.materials.is_none() && self.parts.is_none()
     }
 
     /// The attribute of this name of the vertices.
@@ -181,7 +177,8 @@ impl Attributes {
     pub fn names(&self) -> Vec<String> {
         let texture = (!self.texture.is_empty()).then(|| TEXTURE.into());
         let materials = self.materials.is_some().then(|| MATERIALS.into());
-        self.vertex.iter().map(|a| a.name.clone()).chain(texture).chain(materials).collect()
+        let parts = self.parts.is_some().then(|| PARTS.into());
+        self.vertex.iter().map(|a| a.name.clone()).chain(texture).chain(materials).chain(parts).collect()
     }
 
     /// Takes away what [`Self::names`] calls by this name.
@@ -192,6 +189,9 @@ impl Attributes {
         }
         if name == MATERIALS {
             self.materials = None;
+        }
+        if name == PARTS {
+            self.parts = None;
         }
     }
 

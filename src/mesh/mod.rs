@@ -3,8 +3,10 @@
 pub mod attributes;
 pub mod cut;
 pub mod half_edge;
+pub mod materials;
 pub mod normals;
 pub mod oriented_manifold;
+pub mod parts;
 pub mod points;
 pub mod provenance;
 pub mod refine;

@@ -7,8 +7,10 @@
 //!
 //! Cost: linear in the output; in parallel, with the same result for any number of threads.
 
-use crate::mesh::attributes::{Attribute, Attributes, Lost, Materials};
+use crate::mesh::attributes::{Attribute, Attributes, Lost};
+use crate::mesh::materials::Materials;
 use crate::mesh::normals::vertex_normals;
+use crate::mesh::parts::Parts;
 use crate::mesh::provenance::{Origins, PointOnTriangle};
 use crate::mesh::submesh::Kept;
 use crate::mesh::topology::NONE;
@@ -47,7 +49,8 @@ pub fn carry(input: &Mesh, attributes: &Attributes, output: &Mesh, origins: &Ori
             Err(cause) => carried.lost.push(Lost { name: attribute.name.clone(), cause }),
         }
     }
-    carried.attributes.materials = attributes.materials.as_ref().map(|m| of_triangles(m, &origins.triangles));
+    carried.attributes.materials = attributes.materials.as_ref().map(|m| materials(m, &origins.triangles));
+    carried.attributes.parts = attributes.parts.as_ref().map(|p| parts(p, &origins.triangles));
     carried.add_texture(input, attributes, output, origins);
     carried
 }
@@ -68,6 +71,9 @@ impl Carried {
         }
         if let (Some(materials), Some(own)) = (&mut self.attributes.materials, &attributes.materials) {
             triangles().for_each(|(new, old): (usize, _)| materials.of_triangle[new] = own.of_triangle[old]);
+        }
+        if let (Some(parts), Some(own)) = (&mut self.attributes.parts, &attributes.parts) {
+            triangles().for_each(|(new, old): (usize, _)| parts.of_triangle[new] = own.of_triangle[old]);
         }
         if self.attributes.texture.is_empty() {
             return;
@@ -126,10 +132,18 @@ fn of_vertices(
 }
 
 /// The materials of triangles whose centres are these points of the input.
-fn of_triangles(materials: &Materials, centres: &[PointOnTriangle]) -> Materials {
-    let of_triangle =
-        |centre: &PointOnTriangle| materials.of_triangle.get(centre.triangle as usize).copied().unwrap_or(NONE);
-    let Materials { libraries, names, .. } = materials;
-    let of_triangle = centres.iter().map(of_triangle).collect();
-    Materials { libraries: libraries.clone(), names: names.clone(), of_triangle }
+fn materials(of: &Materials, centres: &[PointOnTriangle]) -> Materials {
+    let Materials { libraries, list, images, of_triangle } = of;
+    let of_triangle = below(of_triangle, centres);
+    Materials { libraries: libraries.clone(), list: list.clone(), images: images.clone(), of_triangle }
+}
+
+/// The parts of triangles whose centres are these points of the input.
+fn parts(of: &Parts, centres: &[PointOnTriangle]) -> Parts {
+    Parts { list: of.list.clone(), of_triangle: below(&of.of_triangle, centres) }
+}
+
+/// The numbers of the triangles that these points are on.
+fn below(of_triangle: &[u32], centres: &[PointOnTriangle]) -> Vec<u32> {
+    centres.iter().map(|centre| of_triangle.get(centre.triangle as usize).copied().unwrap_or(NONE)).collect()
 }

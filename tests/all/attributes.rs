@@ -3,7 +3,8 @@
 use crate::common::{Ends, cells, grid, inside_out, moved, plate, random, sphere, together};
 use glam::{DVec2, DVec3, dvec2, dvec3};
 use spectral_remesh::stages::base::rng::unit;
-use spectral_remesh::stages::mesh::attributes::{Attribute, Attributes, Materials, Scalar};
+use spectral_remesh::stages::mesh::attributes::{Attribute, Attributes, Scalar};
+use spectral_remesh::stages::mesh::materials::{Material, Materials};
 use spectral_remesh::stages::mesh::provenance::{Origins, PointOnTriangle};
 use spectral_remesh::stages::pipeline::Remeshed;
 use spectral_remesh::stages::pipeline::remesh;
@@ -149,8 +150,8 @@ fn a_cube_keeps_its_seams_and_its_materials() {
     let all = 0..input.triangles.len();
     let texture = all.clone().map(|t| input.corners(t).map(|p| on_side(side(&input, t), p))).collect();
     let of_triangle = all.map(|t| side(&input, t)).collect();
-    let names = (0..6).map(|s| s.to_string()).collect();
-    let materials = Some(Materials { names, of_triangle, ..Materials::default() });
+    let list = (0..6).map(|s| Material::named(&s.to_string())).collect();
+    let materials = Some(Materials { list, of_triangle, ..Materials::default() });
     let output = remeshed(&input, 900);
     let carried = whole(carry(&input, &Attributes { texture, materials, ..Attributes::default() }, &output));
     for t in 0..output.mesh.triangles.len() {

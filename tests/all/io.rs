@@ -3,7 +3,8 @@
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use spectral_remesh::io::{self, Format, NO_BUFFERS};
-use spectral_remesh::stages::mesh::attributes::{Attribute, Attributes, Materials, Scalar};
+use spectral_remesh::stages::mesh::attributes::{Attribute, Attributes, Scalar};
+use spectral_remesh::stages::mesh::materials::{Material, Materials};
 use spectral_remesh::{Error, Mesh, Points};
 
 /// An octahedron, in coordinates that f32 holds exactly.
@@ -250,8 +251,8 @@ fn dressed() -> (Mesh, Attributes) {
     attributes.vertex.insert(0, Attribute { name: "normal".into(), components: 3, values, scalar: Scalar::F64 });
     attributes.texture = (0..8).map(|t| [0.0, 0.25, 0.5].map(|x| DVec2::new(x, f64::from(t / 4) / 2.0))).collect();
     let of_triangle = (0..8).map(|t| t / 4).collect();
-    let names = vec!["red".into(), "a blue one".into()];
-    attributes.materials = Some(Materials { libraries: vec!["a.mtl".into()], names, of_triangle });
+    let list = ["red", "a blue one"].map(Material::named).to_vec();
+    attributes.materials = Some(Materials { list, of_triangle, ..Materials::default() });
     (octahedron(), attributes)
 }
 
@@ -269,7 +270,11 @@ fn attributes_come_back_from_every_format_that_has_them() {
         names.iter_mut().for_each(|names| names.sort());
         assert_eq!(names[0], names[1], "{format}");
         assert_eq!(loaded.attributes.texture, expected.texture, "{format}");
-        assert_eq!(loaded.attributes.materials, expected.materials, "{format}");
+        let materials = |attributes: &Attributes| {
+            let names = |m: Materials| (m.list.into_iter().map(|m| m.name).collect::<Vec<_>>(), m.of_triangle);
+            attributes.materials.clone().map(names)
+        };
+        assert_eq!(materials(&loaded.attributes), materials(&expected), "{format}");
         if format == Format::Ply {
             assert_eq!(loaded.attributes, expected);
         }

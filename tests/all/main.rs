@@ -14,6 +14,8 @@ mod features;
 mod io;
 #[cfg(feature = "fs")]
 mod library;
+#[cfg(feature = "fs")]
+mod materials;
 mod pipeline;
 mod reconstruct;
 #[cfg(feature = "cli")]

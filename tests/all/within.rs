@@ -3,7 +3,8 @@
 use crate::common::*;
 use glam::{DVec2, DVec3, dvec2, dvec3};
 use spectral_remesh::stages::geom::triangle::smallest_angle;
-use spectral_remesh::stages::mesh::attributes::{Attribute, Attributes, Materials, Scalar};
+use spectral_remesh::stages::mesh::attributes::{Attribute, Attributes, Scalar};
+use spectral_remesh::stages::mesh::materials::{Material, Materials};
 use spectral_remesh::stages::mesh::submesh::Kept;
 use spectral_remesh::stages::pipeline::{Remeshed, remesh};
 use spectral_remesh::stages::transfer::vertex::carry;
@@ -179,8 +180,9 @@ fn what_stays_has_the_attributes_that_it_had() {
     let texture: Vec<[DVec2; 3]> =
         input.triangles.iter().map(|_| [0, 1, 2].map(|_| dvec2(number(), number()))).collect();
     let of_triangle: Vec<u32> = (0..input.triangles.len() as u32).map(|t| t % 2).collect();
-    let materials = Materials { libraries: vec![], names: vec!["a".into(), "b".into()], of_triangle };
-    let attributes = Attributes { vertex: vec![heat, normal], texture, materials: Some(materials) };
+    let list = ["a", "b"].map(Material::named).to_vec();
+    let materials = Materials { list, of_triangle, ..Materials::default() };
+    let attributes = Attributes { vertex: vec![heat, normal], texture, materials: Some(materials), parts: None };
     let (made, kept) = check(&input, above(0.2), 200);
     let mut carried = carry(&input, &attributes, &made.mesh, &made.origins);
     carried.keep(&input, &attributes, &made.mesh, &kept);

@@ -1,35 +1,38 @@
 //! glTF 2.0 and GLB.
 //!
 //! The JSON is read with the types of the gltf crate; buffers, views and accessors are read here, because every range in
-//! a file has to be checked (`store`). `scene` walks the nodes. What has no part in geometry (materials, textures,
-//! animations, cameras) is dropped before the JSON gets its types, so that nothing in it can be in the way.
+//! a file has to be checked (`store`). `scene` walks the nodes, `materials` reads what triangles look like. What
+//! has no part in either (animations, cameras) is dropped before the JSON gets its types, so that nothing in it can be in
+//! the way.
 //!
 //! Read are points, triangles, strips and fans, indexed or not, positions in floats or quantized (KHR_mesh_quantization),
 //! sparse accessors, data in GLB chunks, in base64 addresses and in files beside. Of the attributes of vertices NORMAL,
 //! COLOR_0, TEXCOORD_0 and those whose names begin with an underscore are read, if all primitives have them. Colours
 //! keep their numbers: between files that have them linear, as glTF, and others nothing is converted.
 //!
-//! Limits: no compressed meshes (Draco, meshopt); lines, materials and images are left out; skins and morph targets are
+//! Limits: no compressed meshes (Draco, meshopt); lines are left out; skins and morph targets are
 //! not applied. A node's mirroring transform turns its triangles, so that outside stays outside.
 
 mod glb;
+mod materials;
 mod scene;
 mod store;
 mod vertices;
 mod write;
+mod write_materials;
 
 pub(crate) use write::{write_glb, write_gltf};
 
 use crate::base::error::{Place, Result};
 use crate::io::bytes::{EXPORT_AGAIN, malformed, without_mark};
-use crate::io::content::{Parsed, Read, Resolve};
+use crate::io::content::{Parsed, Resolve};
 use ::gltf::json::Root;
+use materials::Lists;
 use serde_json::Value;
 use store::{COMPRESSIONS, DECOMPRESS, Store};
 
-/// What geometry does not depend on.
-const UNUSED: [&str; 9] =
-    ["animations", "cameras", "extensions", "extras", "images", "materials", "samplers", "skins", "textures"];
+/// What is not read.
+const UNUSED: [&str; 5] = ["animations", "cameras", "extensions", "extras", "skins"];
 /// Required extensions that can be ignored, because they say nothing about geometry, or that are read.
 const HARMLESS: [&str; 9] = [
     "EXT_lights_",
@@ -61,7 +64,7 @@ pub(crate) fn parse(bytes: &[u8], resolve: Resolve) -> Parsed {
 }
 
 fn read(json: &[u8], bin: Option<&[u8]>, resolve: Resolve, place: impl Fn(usize) -> Place) -> Parsed {
-    let (root, has_materials) = document(json, place)?;
+    let (root, looks) = document(json, place)?;
     let harmless = |name: &String| HARMLESS.iter().any(|prefix| name.starts_with(prefix));
     if let Some(name) = root.extensions_required.iter().find(|name| !harmless(name)) {
         let cause = format!("requires the extension {name}, which is not supported");
@@ -69,15 +72,11 @@ fn read(json: &[u8], bin: Option<&[u8]>, resolve: Resolve, place: impl Fn(usize)
             if COMPRESSIONS.contains(&name.as_str()) { DECOMPRESS } else { "export it without that extension" };
         return Err(malformed(Place::Part("extensionsRequired".into()), cause, remedy));
     }
-    let mut all: Read = scene::collect(&root, &Store::new(&root, bin, resolve))?;
-    if has_materials {
-        all.notes.push("materials and images are left out".into());
-    }
-    Ok(all)
+    scene::collect(&root, &Store::new(&root, bin, resolve), &looks)
 }
 
-/// The JSON as the gltf crate's types, and whether it had materials or images. Indices in it may be anything.
-fn document(json: &[u8], place: impl Fn(usize) -> Place) -> Result<(Root, bool)> {
+/// The JSON as the gltf crate's types, and what materials look like as it is. Indices in both may be anything.
+fn document(json: &[u8], place: impl Fn(usize) -> Place) -> Result<(Root, Lists)> {
     let mut value: Value = serde_json::from_slice(without_mark(json)).map_err(|e| {
         let cause = format!("neither GLB nor JSON: {e}");
         malformed(place(e.line()), cause, "check that this is a glTF file and complete")
@@ -87,8 +86,9 @@ fn document(json: &[u8], place: impl Fn(usize) -> Place) -> Result<(Root, bool)>
         let cause = format!("glTF version {version}, only 2.0 is read");
         return Err(malformed(Place::Part("asset".into()), cause, "export it as glTF 2.0"));
     }
-    let has = |key: &str| value[key].as_array().is_some_and(|list| !list.is_empty());
-    let has_materials = has("materials") || has("images");
+    let mut take = |key: &str| value.as_object_mut().and_then(|object| object.remove(key)).unwrap_or_default();
+    let (materials, textures) = (take("materials"), take("textures"));
+    let looks = Lists { materials, textures, samplers: take("samplers"), images: take("images") };
     if let Some(object) = value.as_object_mut() {
         UNUSED.iter().for_each(|key| drop(object.remove(*key)));
     }
@@ -100,7 +100,7 @@ fn document(json: &[u8], place: impl Fn(usize) -> Place) -> Result<(Root, bool)>
     }
     let root = serde_json::from_value(value);
     let root = root.map_err(|e| malformed(Place::Whole, format!("not glTF: {e}"), EXPORT_AGAIN))?;
-    Ok((root, has_materials))
+    Ok((root, looks))
 }
 
 #[cfg(test)]

@@ -1,10 +1,13 @@
 //! From the nodes of a scene to triangles.
 
+use super::materials::{self, Lists};
 use super::store::{Store, wrong};
 use super::vertices::{Columns, accessors};
 use crate::base::error::{Place, Result};
 use crate::io::bytes::{NO_LINES, malformed};
 use crate::io::content::Read;
+use crate::mesh::parts::{Part, Parts, part_name};
+use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use ::gltf::json::mesh::{Mode, Primitive, Semantic};
 use ::gltf::json::validation::Checked;
@@ -15,15 +18,17 @@ use std::collections::BTreeMap;
 /// How many vertices and indices a scene may have that is larger than its data: meshes may be used many times.
 const REPEATED: usize = 1 << 26;
 
-/// What is in the scene: all its triangles and the points of its clouds.
-pub(super) fn collect(root: &Root, store: &Store) -> Result<Read> {
+/// What is in the scene: all its triangles, what they look like, and the points of its clouds.
+pub(super) fn collect(root: &Root, store: &Store, looks: &Lists) -> Result<Read> {
     let (mesh, columns, left_out) = (Mesh::default(), Columns::default(), LeftOut::default());
-    let mut scene = Collector { root, store, mesh, columns, read: 0, left_out };
+    let (materials, materials_of, parts_of) = (looks.count(), Vec::new(), Vec::new());
+    let mut scene = Collector { root, store, materials, mesh, columns, materials_of, parts_of, read: 0, left_out };
     let scenes = root.scenes.len();
     let instances = match root.scene.map(|s| s.value()).or((scenes > 0).then_some(0)) {
         Some(index) => scene_instances(root, index)?,
         None => {
-            (0..root.meshes.len()).map(|mesh| Instance { mesh, transform: DMat4::IDENTITY, skinned: false }).collect()
+            let instance = |mesh| Instance { mesh, transform: DMat4::IDENTITY, skinned: false, name: None };
+            (0..root.meshes.len()).map(instance).collect()
         }
     };
     scene.instances(&instances)?;
@@ -34,16 +39,25 @@ pub(super) fn collect(root: &Root, store: &Store) -> Result<Read> {
     if scenes > 1 {
         notes.push(format!("only one of {scenes} scenes is read"));
     }
-    let (attributes, left_out) = scene.columns.finish(scene.mesh.positions.len(), &scene.mesh.triangles);
+    let (mut attributes, left_out) = scene.columns.finish(scene.mesh.positions.len(), &scene.mesh.triangles);
     notes.extend(left_out);
+    let (materials, left_out) = materials::read(looks, store, &scene.materials_of)?;
+    notes.extend(left_out);
+    attributes.materials = materials;
+    attributes.parts = parts(root, &instances, scene.parts_of);
     Ok(Read { mesh: scene.mesh, attributes, notes })
 }
 
 struct Collector<'a, 's> {
     root: &'a Root,
     store: &'a Store<'s>,
+    /// How many materials there are.
+    materials: usize,
     mesh: Mesh,
     columns: Columns,
+    /// The numbers, in the file, of each triangle's material and, among those of the scene, of its instance.
+    materials_of: Vec<u32>,
+    parts_of: Vec<u32>,
     /// Vertices and indices read or asked for so far.
     read: usize,
     left_out: LeftOut,
@@ -79,9 +93,10 @@ impl Collector<'_, '_> {
         for instance in instances {
             *uses.get_mut(instance.mesh).ok_or_else(|| wrong("mesh", instance.mesh, "does not exist"))? += 1;
         }
-        for instance in instances {
+        for (number, instance) in (0..).zip(instances) {
             let before = self.read;
             self.mesh(instance.mesh, instance.transform)?;
+            self.parts_of.resize(self.mesh.triangles.len(), number);
             self.left_out.skinned += usize::from(instance.skinned);
             match std::mem::take(&mut uses[instance.mesh]).checked_sub(1) {
                 Some(others) => self.budget((self.read - before).saturating_mul(others))?,
@@ -103,13 +118,27 @@ impl Collector<'_, '_> {
                 self.left_out.lines += 1;
                 continue;
             }
+            let material = self.material(index, primitive)?;
             self.left_out.morphed += usize::from(primitive.targets.as_ref().is_some_and(|t| !t.is_empty()));
             match primitive.attributes.get(&Checked::Valid(Semantic::Positions)) {
                 Some(positions) => self.primitive(primitive, mode, positions.value(), transform, &mut bases)?,
                 None => self.left_out.without_positions += 1,
             }
+            self.materials_of.resize(self.mesh.triangles.len(), material);
         }
         Ok(())
+    }
+
+    /// The number of a primitive's material, [`NONE`] if it has none.
+    fn material(&self, mesh: usize, primitive: &Primitive) -> Result<u32> {
+        match primitive.material.map(|m| m.value()) {
+            None => Ok(NONE),
+            Some(number) if number < self.materials => Ok(number as u32),
+            Some(number) => {
+                let cause = format!("a primitive has material {number}, of only {}", self.materials);
+                Err(wrong("mesh", mesh, cause))
+            }
+        }
     }
 
     /// Adds a primitive. `bases` has the first vertex and the number of vertices for the accessors added before.
@@ -176,15 +205,25 @@ fn too_large() -> crate::base::error::Error {
 }
 
 /// A use of a mesh by a node.
-struct Instance {
+struct Instance<'a> {
     mesh: usize,
     transform: DMat4,
     skinned: bool,
+    /// That of the node.
+    name: Option<&'a str>,
+}
+
+/// The parts that triangles of these instances are, if one of them has a name: that of the node, else that of the mesh.
+fn parts(root: &Root, instances: &[Instance], of_triangle: Vec<u32>) -> Option<Parts> {
+    let name = |i: &Instance| part_name(i.name.or(root.meshes[i.mesh].name.as_deref()).unwrap_or_default());
+    let list: Vec<Part> = instances.iter().map(|i| Part { object: name(i), group: String::new() }).collect();
+    let is_named = list.iter().any(|part| !part.object.is_empty());
+    (is_named && !of_triangle.is_empty()).then_some(Parts { list, of_triangle })
 }
 
 /// The meshes of the nodes of scene `index`, parents before their children. The specification wants trees, so a node
 /// that is met twice is an error, which takes care of cycles too.
-fn scene_instances(root: &Root, index: usize) -> Result<Vec<Instance>> {
+fn scene_instances(root: &Root, index: usize) -> Result<Vec<Instance<'_>>> {
     let scene = root.scenes.get(index).ok_or_else(|| wrong("scene", index, "does not exist"))?;
     let mut met = vec![false; root.nodes.len()];
     let mut open: Vec<(usize, DMat4)> = scene.nodes.iter().rev().map(|n| (n.value(), DMat4::IDENTITY)).collect();
@@ -199,7 +238,12 @@ fn scene_instances(root: &Root, index: usize) -> Result<Vec<Instance>> {
             return Err(wrong("node", index, "the transform is not finite"));
         }
         let mesh = node.mesh.map(|m| m.value());
-        instances.extend(mesh.map(|mesh| Instance { mesh, transform, skinned: node.skin.is_some() }));
+        instances.extend(mesh.map(|mesh| Instance {
+            mesh,
+            transform,
+            skinned: node.skin.is_some(),
+            name: node.name.as_deref(),
+        }));
         open.extend(node.children.iter().flatten().rev().map(|child| (child.value(), transform)));
     }
     Ok(instances)

@@ -201,7 +201,7 @@ impl<'a> Store<'a> {
     }
 
     /// The bytes of a view and its stride.
-    fn view(&self, index: usize) -> Result<(&[u8], Option<usize>)> {
+    pub fn view(&self, index: usize) -> Result<(&[u8], Option<usize>)> {
         let fail = |cause: &str| wrong("buffer view", index, cause);
         let view: &View = self.root.buffer_views.get(index).ok_or_else(|| fail("does not exist"))?;
         let buffer = self.buffer(view.buffer.value())?;
@@ -237,17 +237,20 @@ impl<'a> Store<'a> {
             let bin = self.bin.filter(|_| index == 0);
             return bin.map(Cow::Borrowed).ok_or_else(|| wrong("buffer", index, "has no data"));
         };
-        if let Some(data) = uri.strip_prefix("data:") {
-            let text = data.split_once(',').filter(|(kind, _)| kind.ends_with(";base64")).map(|(_, text)| text);
-            let bytes = text.and_then(base64::decode);
-            return bytes
-                .map(Cow::Owned)
-                .ok_or_else(|| wrong("buffer", index, "the data in its address is not base64"));
-        }
-        (self.resolve)(uri).map(Cow::Owned).map_err(|cause| {
+        self.file(uri).map_err(|cause| {
             let remedy = "keep the buffers of a glTF file beside it, or export it as GLB";
             malformed(Place::Part(format!("buffer {index}")), cause, remedy)
         })
+    }
+
+    /// The bytes at an address: in it, or in another file. A sentence says what went wrong.
+    pub fn file(&self, uri: &str) -> std::result::Result<Cow<'a, [u8]>, String> {
+        if let Some(data) = uri.strip_prefix("data:") {
+            let text = data.split_once(',').filter(|(kind, _)| kind.ends_with(";base64")).map(|(_, text)| text);
+            let bytes = text.and_then(base64::decode).ok_or("the data in its address is not base64")?;
+            return Ok(Cow::Owned(bytes));
+        }
+        (self.resolve)(uri).map(Cow::Owned)
     }
 }
 

@@ -93,6 +93,12 @@ impl Columns {
             self.columns.len() - 1
         });
         let column = &mut self.columns[known];
+        if column.name == TEXTURE && components == column.components {
+            // Vertices of primitives without them, such as those of a plain material, have none.
+            column.values.resize(base * components, f64::NAN);
+            column.values.append(&mut values);
+            return;
+        }
         // One that is not complete so far will not be.
         if (column.components, column.scalar) == (components, scalar) && column.values.len() == base * components {
             column.values.append(&mut values);
@@ -102,8 +108,11 @@ impl Columns {
     /// Those that all of `count` vertices have, and notes on the others.
     pub fn finish(mut self, count: usize, triangles: &[[u32; 3]]) -> (Attributes, Vec<String>) {
         let mut attributes = Attributes::default();
-        for column in std::mem::take(&mut self.columns) {
+        for mut column in std::mem::take(&mut self.columns) {
             let is_texture = column.name == TEXTURE;
+            if is_texture {
+                column.values.resize(count * column.components, f64::NAN);
+            }
             if column.values.len() != count * column.components {
                 self.leave_out(&column.name, "not all primitives have it in the same type");
             } else if is_texture && (column.components != 2 || triangles.is_empty()) {

@@ -1,15 +1,19 @@
-//! Writing glTF and GLB: one node, one mesh, one primitive, one buffer of vertices and then indices.
+//! Writing glTF and GLB: a node and a mesh for each part, a primitive for each of its materials; one buffer of vertices,
+//! which all primitives share, then indices, then images.
 //!
 //! Vertices on seams of the texture are written once for each pair of texture coordinates, as the format wants it.
 
 use super::glb;
+use super::write_materials::Written;
 use crate::io::base64;
 use crate::io::bytes::narrow;
 use crate::io::content::Content;
-use crate::mesh::attributes::{Attribute, Scalar, Wedges};
+use crate::mesh::attributes::{Attribute, Attributes, Scalar, Wedges};
+use crate::mesh::topology::NONE;
 use glam::DVec3;
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 const FLOAT: u32 = 5126;
@@ -65,19 +69,62 @@ fn document(content: &Content) -> io::Result<Document> {
     let wedges = wedges(content);
     let mut lists = Lists::default();
     let attributes = vertices(content, wedges.as_ref(), &mut lists)?;
-    let mut primitive = json!({ "attributes": attributes, "mode": POINTS });
-    if !content.triangles.is_empty() {
-        primitive["indices"] = lists.accessors.len().into();
-        primitive["mode"] = TRIANGLES.into();
-        lists.indices(wedges.as_ref().map_or(content.triangles, |w| &w.corners));
-    }
+    let corners = wedges.as_ref().map_or(content.triangles, |w| &w.corners);
+    let meshes = meshes(content, corners, &attributes, &mut lists);
+    let materials = content.attributes.materials.as_ref();
+    let looks = materials.map(|m| Written::new(m, wedges.is_some(), |image| lists.image(image)));
     let Lists { views, accessors, bin } = lists;
-    let root = json!({
-        "asset": asset, "scene": 0, "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }],
-        "meshes": [{ "primitives": [primitive] }], "accessors": accessors, "bufferViews": views,
-        "buffers": [{ "byteLength": bin.len() }],
+    let nodes: Vec<Value> = (0..).zip(&meshes).map(|(mesh, (name, _))| named(json!({ "mesh": mesh }), name)).collect();
+    let meshes: Vec<Value> =
+        meshes.into_iter().map(|(name, list)| named(json!({ "primitives": list }), &name)).collect();
+    let mut root = json!({
+        "asset": asset, "scene": 0, "scenes": [{ "nodes": (0..nodes.len()).collect::<Vec<_>>() }], "nodes": nodes,
+        "meshes": meshes, "accessors": accessors, "bufferViews": views, "buffers": [{ "byteLength": bin.len() }],
     });
+    looks.into_iter().for_each(|looks| looks.put(&mut root));
     Ok(Document { root, bin })
+}
+
+/// A part of the JSON with its name, unless that is empty.
+fn named(mut value: Value, name: &str) -> Value {
+    if !name.is_empty() {
+        value["name"] = name.into();
+    }
+    value
+}
+
+/// The primitives of each part, and its name: one for each of its materials, all over the same vertices. `corners` are
+/// those of the triangles.
+fn meshes(
+    content: &Content,
+    corners: &[[u32; 3]],
+    attributes: &Map<String, Value>,
+    lists: &mut Lists,
+) -> Vec<(String, Vec<Value>)> {
+    if corners.is_empty() {
+        return vec![(String::new(), vec![json!({ "attributes": attributes, "mode": POINTS })])];
+    }
+    let Attributes { materials, parts, .. } = content.attributes;
+    let mut groups: BTreeMap<(u32, u32), Vec<[u32; 3]>> = BTreeMap::new();
+    for (t, corners) in corners.iter().enumerate() {
+        let part = parts.as_ref().map_or(NONE, |p| p.of_triangle[t]);
+        let material = materials.as_ref().map_or(NONE, |m| m.of_triangle[t]);
+        groups.entry((part, material)).or_default().push(*corners);
+    }
+    let mut meshes: BTreeMap<u32, Vec<Value>> = BTreeMap::new();
+    for ((part, material), triangles) in groups {
+        let mut primitive = json!({ "attributes": attributes, "mode": TRIANGLES, "indices": lists.accessors.len() });
+        if material != NONE {
+            primitive["material"] = material.into();
+        }
+        lists.indices(&triangles);
+        meshes.entry(part).or_default().push(primitive);
+    }
+    let name = |part: u32| {
+        let part = parts.as_ref().and_then(|parts| parts.list.get(part as usize));
+        part.map_or("", |part| if part.object.is_empty() { &part.group } else { &part.object }).to_owned()
+    };
+    meshes.into_iter().map(|(part, primitives)| (name(part), primitives)).collect()
 }
 
 /// The vertices to write where texture coordinates make more of them. Corners without any get some.
@@ -174,6 +221,15 @@ impl Lists {
         }
         let accessor = json!({ "componentType": UNSIGNED_INT, "count": 3 * triangles.len(), "type": "SCALAR" });
         self.end(start, json!({ "target": ELEMENT_ARRAY_BUFFER }), accessor);
+    }
+
+    /// Adds the content of an image, up to a multiple of four bytes; the number of its view.
+    fn image(&mut self, bytes: &[u8]) -> usize {
+        let start = self.bin.len();
+        self.bin.extend_from_slice(bytes);
+        self.bin.resize(self.bin.len().next_multiple_of(4), 0);
+        self.views.push(json!({ "buffer": 0, "byteOffset": start, "byteLength": bytes.len() }));
+        self.views.len() - 1
     }
 
     /// Ends the list of the bytes from `start` on.

@@ -2,11 +2,13 @@
 //!
 //! Texture and normal seams split nothing: texture coordinates are kept corner by corner, and the normals of the corners
 //! at a vertex are added up. Three or four numbers behind the coordinates of every vertex are its colour. Materials are
-//! kept by name. Weights, smoothing groups and the names of groups are skipped; points and lines beside polygons, and
+//! kept by name, and so are objects and groups. Weights and smoothing groups are skipped; points and lines beside polygons, and
 //! free-form curves and surfaces are left out with a note. A face may use vertices that come later in the file.
 //!
 //! Cost: one pass; memory for the polygons beside that of the mesh.
 
+#[cfg(feature = "fs")]
+pub(super) mod mtl;
 mod write;
 
 pub(crate) use write::write;
@@ -17,28 +19,17 @@ use crate::io::columns::{Columns, color, normal};
 use crate::io::content::{Parsed, Read};
 use crate::io::faces::Faces;
 use crate::io::text::{Words, left_out, number, quote, small_faces, whole};
-use crate::mesh::attributes::{Attribute, Attributes, Materials};
+use crate::mesh::attributes::{Attribute, Attributes};
+use crate::mesh::materials::{Material, Materials};
+use crate::mesh::parts::{Part, Parts, part_name};
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use glam::{DVec2, DVec3};
+use std::collections::HashMap;
 
 /// Statements that say nothing about the shape of polygons.
-const SKIPPED: &[&str] = &[
-    "g",
-    "o",
-    "s",
-    "mg",
-    "usemap",
-    "maplib",
-    "bevel",
-    "c_interp",
-    "d_interp",
-    "lod",
-    "shadow_obj",
-    "trace_obj",
-    "call",
-    "csh",
-];
+const SKIPPED: &[&str] =
+    &["s", "mg", "usemap", "maplib", "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "call", "csh"];
 
 /// Numbers of a colour, the last of which is the opacity.
 const COLOR_COLUMNS: usize = 4;
@@ -75,10 +66,18 @@ struct Reader<'a> {
     corner_texture: Vec<u32>,
     corner_normal: Vec<u32>,
     materials: Materials,
+    material_numbers: HashMap<String, u32>,
     /// The material that faces have from here on.
     material: u32,
     /// The material of each face; ends with the last face before the first material.
     face_material: Vec<u32>,
+    parts: Parts,
+    /// The numbers of the parts so far.
+    part_numbers: HashMap<Part, u32>,
+    /// The part that faces are of from here on, and its number.
+    part: (Part, u32),
+    /// The part of each face; ends with the last face before the first part.
+    face_part: Vec<u32>,
     /// The largest vertex number that a face uses, and the line that it is first used on.
     largest: (usize, usize),
     points: usize,
@@ -100,8 +99,13 @@ impl<'a> Reader<'a> {
             corner_texture: Vec::new(),
             corner_normal: Vec::new(),
             materials: Materials::default(),
+            material_numbers: HashMap::new(),
             material: NONE,
             face_material: Vec::new(),
+            parts: Parts::default(),
+            part_numbers: HashMap::new(),
+            part: (Part::default(), NONE),
+            face_part: Vec::new(),
             largest: (0, 0),
             points: 0,
             lines: 0,
@@ -127,6 +131,15 @@ impl<'a> Reader<'a> {
                 self.normals.push(normal.into());
             }
             b"usemtl" => self.use_material(),
+            b"o" => {
+                let part = Part { object: part_name(&self.rest_of_line()), group: String::new() };
+                self.begin_part(part);
+            }
+            b"g" => {
+                let part =
+                    Part { group: part_name(&self.rest_of_line()), object: std::mem::take(&mut self.part.0.object) };
+                self.begin_part(part);
+            }
             b"mtllib" => {
                 let library = self.rest_of_line();
                 self.materials.libraries.push(library);
@@ -158,13 +171,28 @@ impl<'a> Reader<'a> {
 
     fn use_material(&mut self) {
         let name = self.rest_of_line();
-        let names = &mut self.materials.names;
-        let known = names.iter().position(|known| *known == name).unwrap_or_else(|| {
-            names.push(name);
-            names.len() - 1
-        });
         self.face_material.resize(self.faces.count(), self.material);
-        self.material = known as u32;
+        let list = &mut self.materials.list;
+        self.material = match name.as_str() {
+            "" => NONE,
+            name => *self.material_numbers.entry(name.into()).or_insert_with(|| {
+                list.push(Material::named(name));
+                list.len() as u32 - 1
+            }),
+        };
+    }
+
+    fn begin_part(&mut self, part: Part) {
+        self.face_part.resize(self.faces.count(), self.part.1);
+        let list = &mut self.parts.list;
+        let number = match part == Part::default() {
+            true => NONE,
+            false => *self.part_numbers.entry(part.clone()).or_insert_with(|| {
+                list.push(part.clone());
+                list.len() as u32 - 1
+            }),
+        };
+        self.part = (part, number);
     }
 
     fn face(&mut self) -> Result<()> {
@@ -261,6 +289,7 @@ impl<'a> Reader<'a> {
             vertex: self.colors(&mut notes).into_iter().chain(self.vertex_normals(&triangles, &mut notes)).collect(),
             texture: self.texture_of_triangles(&mut notes),
             materials: self.materials_of_triangles(),
+            parts: self.parts_of_triangles(),
         };
         Read { mesh: Mesh { positions: self.positions, triangles }, attributes, notes }
     }
@@ -325,12 +354,19 @@ impl<'a> Reader<'a> {
 
     fn materials_of_triangles(&mut self) -> Option<Materials> {
         let mut materials = std::mem::take(&mut self.materials);
-        if materials.names.is_empty() {
+        if materials.list.is_empty() {
             return None;
         }
         self.face_material.resize(self.faces.count(), self.material);
         self.faces.each(&self.positions, |face, _| materials.of_triangle.push(self.face_material[face]));
         Some(materials)
+    }
+
+    fn parts_of_triangles(&mut self) -> Option<Parts> {
+        let mut parts = std::mem::take(&mut self.parts);
+        self.face_part.resize(self.faces.count(), self.part.1);
+        self.faces.each(&self.positions, |face, _| parts.of_triangle.push(self.face_part[face]));
+        parts.of_triangle.iter().any(|&part| part != NONE).then_some(parts)
     }
 
     fn notes(&self) -> Vec<String> {

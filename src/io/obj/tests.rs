@@ -159,8 +159,31 @@ fn triangles_have_the_material_of_their_face() {
     let text =
         format!("{SQUARE}f 1 2 3\nusemtl a b\nf 1 2\nf 1 2 3 4\nusemtl c\nusemtl d\nf 1 2 3\nusemtl a b\nf 1 2 3\n");
     let materials = attributes(&text).materials.unwrap();
-    assert_eq!(materials.names, ["a b", "c", "d"]);
+    assert_eq!(materials.list, ["a b", "c", "d"].map(Material::named));
     assert_eq!(materials.of_triangle, [NONE, 0, 0, 2, 0]);
+}
+
+#[test]
+fn objects_and_groups_keep_their_names() {
+    let text = format!(
+        "{SQUARE}f 1 2 3\no one\nf 1 2 3 4\ng  a b\nusemtl red\nf 2 3 4\no two\nf 1 2 4\no one\ng\nusemtl\nf 1 3 4\n"
+    );
+    let first = parse(text.as_bytes()).unwrap();
+    let parts = first.attributes.parts.clone().unwrap();
+    let part = |object: &str, group: &str| Part { object: object.into(), group: group.into() };
+    assert_eq!(parts.list, [part("one", ""), part("one", "a b"), part("two", "")]);
+    assert_eq!(parts.of_triangle, [NONE, 0, 0, 1, 2, 0]);
+    assert_eq!(first.attributes.materials.as_ref().unwrap().of_triangle, [NONE, NONE, NONE, 0, 0, NONE]);
+    let mut written = Vec::new();
+    crate::io::write_with_attributes(&first.mesh, &first.attributes, crate::io::Format::Obj, &mut written).unwrap();
+    let written = String::from_utf8(written).unwrap();
+    assert!(
+        written.ends_with("f 1 2 3\no one\nf 1 2 3\nf 1 3 4\nf 1 3 4\ng a b\nusemtl red\nf 2 3 4\no two\nf 1 2 4\n"),
+        "{written}"
+    );
+    assert_eq!(attributes(&written).parts.unwrap().of_triangle, [NONE, 0, 0, 0, 1, 2]);
+    // One part is no reason to name it where it has no name.
+    assert_eq!(attributes(&format!("{SQUARE}o\nf 1 2 3\n")).parts, None);
 }
 
 /// The corner places of all faces, as tobj reads them.

@@ -1,8 +1,10 @@
-//! Writing OBJ.
+//! Writing OBJ. Triangles of a part are together, and in it those of a material.
 
 use crate::io::content::Content;
 use crate::io::text::write_line;
-use crate::mesh::attributes::{Materials, Wedges};
+use crate::mesh::attributes::{Attributes, Wedges};
+use crate::mesh::parts::Part;
+use crate::mesh::topology::NONE;
 use std::io::{self, Write};
 
 pub(crate) fn write(content: &Content, out: &mut dyn Write) -> io::Result<()> {
@@ -22,21 +24,61 @@ pub(crate) fn write(content: &Content, out: &mut dyn Write) -> io::Result<()> {
         // Corners without coordinates are not written with them.
         write_line(out, "vt", if at.is_finite() { at.to_array() } else { [0.0; 2] })?;
     }
-    for (t, triangle) in triangles.iter().enumerate() {
-        write_material(materials, t, out)?;
+    let mut before = (NONE, NONE);
+    for t in order(triangles.len(), attributes) {
+        let here = labels(attributes, t);
+        write_labels(attributes, before, here, out)?;
+        before = here;
+        let triangle = &triangles[t];
         let wedge = wedges.corners.get(t).filter(|_| attributes.texture[t].iter().all(|at| at.is_finite()));
         write_face(triangle, wedge, normal.is_some(), out)?;
     }
     Ok(())
 }
 
-/// The material of triangle `t`, where it is not that of the one before.
-fn write_material(materials: Option<&Materials>, t: usize, out: &mut dyn Write) -> io::Result<()> {
-    let Some(Materials { names, of_triangle, .. }) = materials else { return Ok(()) };
-    match names.get(of_triangle[t] as usize) {
-        Some(name) if t == 0 || of_triangle[t - 1] != of_triangle[t] => writeln!(out, "usemtl {name}"),
-        _ => Ok(()),
+/// The triangles by part and by material, those of none first.
+fn order(triangles: usize, attributes: &Attributes) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..triangles).collect();
+    if attributes.parts.is_some() || attributes.materials.is_some() {
+        // `NONE` is the largest number.
+        order.sort_by_key(|&t| {
+            let (part, material) = labels(attributes, t);
+            (part.wrapping_add(1), material.wrapping_add(1))
+        });
     }
+    order
+}
+
+/// The numbers of the part and of the material of triangle `t`.
+fn labels(Attributes { parts, materials, .. }: &Attributes, t: usize) -> (u32, u32) {
+    (parts.as_ref().map_or(NONE, |p| p.of_triangle[t]), materials.as_ref().map_or(NONE, |m| m.of_triangle[t]))
+}
+
+/// The names of the part and the material `here`, where they are not those of the triangle `before`.
+fn write_labels(attributes: &Attributes, before: (u32, u32), here: (u32, u32), out: &mut dyn Write) -> io::Result<()> {
+    let part = |number: u32| attributes.parts.as_ref().and_then(|parts| parts.list.get(number as usize));
+    if before.0 != here.0 {
+        let nothing = Part::default();
+        let (old, new) = (part(before.0).unwrap_or(&nothing), part(here.0).unwrap_or(&nothing));
+        let is_other = old.object != new.object;
+        if is_other {
+            writeln!(out, "o {}", plain(&new.object))?;
+        }
+        // An object begins without a group.
+        if new.group != if is_other { "" } else { &old.group } {
+            writeln!(out, "g {}", plain(&new.group))?;
+        }
+    }
+    if before.1 != here.1 {
+        let material = attributes.materials.as_ref().and_then(|materials| materials.list.get(here.1 as usize));
+        writeln!(out, "usemtl {}", plain(material.map_or("", |material| &material.name)))?;
+    }
+    Ok(())
+}
+
+/// A name as a line can have it: one space between words, and nothing that would continue the line.
+pub(super) fn plain(name: &str) -> String {
+    name.split_whitespace().collect::<Vec<_>>().join(" ").trim_end_matches('\\').replace(char::is_control, "_")
 }
 
 /// A triangle with its texture coordinates, if it has some, and the normals of its vertices.

@@ -97,7 +97,7 @@ fn joined(vertices: Vertices, faces: Faces, notes: Vec<String>) -> Read {
     } else if !of_vertices.is_empty() {
         texture = triangles.iter().map(|t| t.map(|v| of_vertices[v as usize])).collect();
     }
-    let attributes = Attributes { vertex: attributes, texture, materials: None };
+    let attributes = Attributes { vertex: attributes, texture, ..Attributes::default() };
     Read { mesh: Mesh { positions, triangles }, attributes, notes }
 }
 

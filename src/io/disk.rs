@@ -1,0 +1,154 @@
+//! Files on a disk: replaced only by complete ones, and errors that say what to do.
+
+use crate::base::error::{Error, Result};
+use std::fs::{self, OpenOptions};
+use std::io::{self, BufWriter, ErrorKind, Write};
+use std::path::Path;
+
+/// Bytes gathered before each write to a file.
+pub(super) const BUFFER: usize = 1 << 18;
+
+/// The start of the name of files that are not complete yet.
+const UNFINISHED: &str = ".remesh-";
+
+/// Whether [`replace_file`] could write to `path` as far as can be told without trying: before a long computation.
+///
+/// # Errors
+/// [`Error::File`] if `path` is a folder or a file that must not be written, or its folder does not exist.
+pub fn check_target(path: &Path) -> Result<()> {
+    match fs::metadata(path) {
+        Ok(found) if found.is_dir() => Err(file_error(path, "it is a folder, not a file", "add a file name")),
+        Ok(found) if found.permissions().readonly() => {
+            Err(file_error(path, "the file is write-protected", "change its permissions or choose another name"))
+        }
+        Ok(_) => Ok(()),
+        Err(_) => check_folder(path),
+    }
+}
+
+fn check_folder(path: &Path) -> Result<()> {
+    let folder = folder_of(path);
+    if path.file_name().is_none() || path.as_os_str().as_encoded_bytes().ends_with(b"/") {
+        return Err(file_error(path, "it names a folder, not a file", "add a file name"));
+    }
+    match fs::metadata(folder) {
+        Ok(found) if found.is_dir() => Ok(()),
+        Ok(_) => Err(file_error(path, format!("'{}' is not a folder", folder.display()), "choose another folder")),
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            let cause = format!("the folder '{}' does not exist", folder.display());
+            Err(file_error(path, cause, "create it or choose another one"))
+        }
+        Err(error) => Err(write_error(path, &error)),
+    }
+}
+
+/// Writes what `fill` writes to a new file beside `path`, and gives it that name once it is complete and on the disk.
+/// A failure leaves what was there before. A link is followed; permissions are those of the replaced file, or of any
+/// new file. What is not a file (`/dev/stdout`, a pipe, a device) is written to directly.
+///
+/// # Errors
+/// [`Error::File`] with the cause, also for an error of `fill`.
+pub fn replace_file(path: &Path, fill: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> Result<()> {
+    check_target(path)?;
+    let result = match direct(path) {
+        Some(target) => target.and_then(|mut target| fill_buffered(&mut target, fill)),
+        None => replace(path, fill),
+    };
+    result.map_err(|error| write_error(path, &error))
+}
+
+/// The target that is written as it is, not replaced, if `path` is one.
+pub(super) fn direct(path: &Path) -> Option<io::Result<Box<dyn Write>>> {
+    // Where standard output is a file, opening it anew would start at its beginning and not where it is.
+    if path == Path::new("/dev/stdout") {
+        return Some(Ok(Box::new(io::stdout())));
+    }
+    if path == Path::new("/dev/stderr") {
+        return Some(Ok(Box::new(io::stderr())));
+    }
+    let open = || OpenOptions::new().write(true).open(path);
+    (!is_replaced(path)).then(|| open().map(|file| Box::new(file) as Box<dyn Write>))
+}
+
+/// Whether a file at `path` is, or becomes, one of a folder that is replaced as a whole.
+pub(super) fn is_replaced(path: &Path) -> bool {
+    let is_stream = ["/dev/stdout", "/dev/stderr"].iter().any(|stream| path == Path::new(stream));
+    !is_stream && fs::metadata(path).map_or(true, |found| found.is_file()) && !path.starts_with("/dev/fd")
+}
+
+fn replace(path: &Path, fill: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let mut temporary = temporary_in(folder_of(&target))?;
+    fill_buffered(temporary.as_file_mut(), fill)?;
+    if let Ok(replaced) = fs::metadata(&target) {
+        temporary.as_file().set_permissions(replaced.permissions())?;
+    }
+    temporary.as_file().sync_all()?;
+    temporary.persist(&target).map(drop).map_err(|failed| failed.error)
+}
+
+fn fill_buffered(out: &mut dyn Write, fill: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let mut buffered = BufWriter::with_capacity(BUFFER, out);
+    fill(&mut buffered)?;
+    buffered.flush()
+}
+
+/// A file that vanishes unless it is kept, with the permissions that any new file gets.
+fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(UNFINISHED);
+    #[cfg(unix)]
+    let all: fs::Permissions = std::os::unix::fs::PermissionsExt::from_mode(0o666);
+    #[cfg(unix)]
+    builder.permissions(all);
+    builder.tempfile_in(folder)
+}
+
+pub(super) fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+pub(super) fn file_error(path: &Path, cause: impl Into<String>, remedy: impl Into<String>) -> Error {
+    Error::File { file: path.display().to_string(), cause: cause.into(), remedy: remedy.into() }
+}
+
+pub(super) fn read_error(path: &Path, error: &io::Error) -> Error {
+    let remedy = match error.kind() {
+        ErrorKind::NotFound => "check the name and the folder",
+        ErrorKind::PermissionDenied => "change its permissions",
+        ErrorKind::OutOfMemory => "reduce the mesh before",
+        _ => "check the file and the disk that it is on",
+    };
+    file_error(path, read_cause(error), remedy)
+}
+
+pub(super) fn read_cause(error: &io::Error) -> String {
+    match error.kind() {
+        ErrorKind::NotFound => "there is no such file".into(),
+        ErrorKind::PermissionDenied => "there is no permission to read it".into(),
+        ErrorKind::OutOfMemory => "the file is larger than the memory".into(),
+        _ => one_line(error),
+    }
+}
+
+pub(super) fn write_error(path: &Path, error: &io::Error) -> Error {
+    let (cause, remedy) = match error.kind() {
+        ErrorKind::NotFound => ("its folder does not exist".into(), "create it or choose another one"),
+        ErrorKind::PermissionDenied => ("there is no permission to write it".into(), "choose another folder"),
+        ErrorKind::ReadOnlyFilesystem => ("the disk is read-only".into(), "choose another folder"),
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
+            ("no space is left for it".into(), "free some space or choose another folder")
+        }
+        ErrorKind::BrokenPipe => ("the reader of the pipe has closed it".into(), "check the command that reads it"),
+        ErrorKind::InvalidData => (one_line(error), "choose another format or repair the mesh"),
+        _ => (one_line(error), "check the folder and the disk that it is on"),
+    };
+    file_error(path, cause, remedy)
+}
+
+fn one_line(error: &io::Error) -> String {
+    error.to_string().replace(['\n', '\r'], " ")
+}
