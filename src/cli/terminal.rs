@@ -4,6 +4,7 @@
 use crate::base::error::{Error, Result};
 use crate::base::monitor::Monitor;
 use crate::cli::args::Voice;
+use crate::cli::flags::worded;
 use crate::cli::status::Status;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -34,7 +35,7 @@ pub fn listen_for_interrupts() {
             std::thread::sleep(PATIENCE);
             // A file that is being written is renamed or removed soon.
             if !WRITING.load(Ordering::Relaxed) {
-                complain(&Error::Cancelled.to_string());
+                complain(&worded(&Error::Cancelled));
                 end();
             }
         });

@@ -1,15 +1,14 @@
 //! Leaves out sharp edges beside smooth patches that are too narrow for the samples: chamfers, engraved text, threads.
 //!
-//! The width of a patch is twice its area for the length of its rim, which is the width of a long strip. The narrowest patch
-//! is joined with the neighbour that it turns least towards, along all the edges between both, as long as it is narrower
-//! than a share of the spacing. A chamfer's two curves become one, and what stays is whole. Where the vertices do not
-//! suffice for the curves that are left, that share grows.
-//!
-//! A curve between patches that turn by θ bounds a strip of width w: without it the surface moves by about w sin(θ/2) / 2.
+//! The width of a patch is twice its area for the length of its rim, which is the width of a long strip. A curve between patches that turn by θ bounds a strip of width w: without it the surface moves by about w sin(θ/2) / 2.
+//! The patch where that is least is joined with the neighbour that it turns least towards, along all the edges between both,
+//! as long as it is less than a share of the spacing. A chamfer's two curves become one, and what stays is whole. Where the
+//! vertices do not suffice for the curves that are left, that share grows.
 //!
 //! Cost: n log n in the patches, linear in the sides; a few times over where the share grows.
 
 use crate::base::heap::Ranked;
+use crate::base::math;
 use crate::base::union_find::UnionFind;
 use crate::mesh::half_edge::next;
 use crate::mesh::topology::NONE;
@@ -17,9 +16,10 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::surface::features::turns;
 use std::collections::{BTreeMap, BinaryHeap};
 
-/// Widths below which patches are joined with a neighbour, in spacings. The first of these that leaves no more samples on
+/// Deviations below which patches are joined with a neighbour, in spacings: the least is that of a chamfer whose width is a
+/// tenth, or of a wall whose width is an eighteenth. The first of these that leaves no more samples on
 /// sharp edges than [`MOST_ON_EDGES`] of all is taken, or the last.
-const NARROW: [f64; 5] = [0.15, 0.25, 0.4, 0.6, 0.9];
+const LEAST: [f64; 5] = [0.02, 0.05, 0.08, 0.12, 0.18];
 
 /// Largest share of the vertices that may lie on sharp edges.
 const MOST_ON_EDGES: f64 = 0.6;
@@ -39,14 +39,16 @@ pub fn leave_out_narrow(mesh: &Mesh, twin: &[u32], sharp: &mut [bool], spacing: 
     if !sharp.contains(&true) {
         return LeftOut::default();
     }
-    let before = Patches::new(mesh, twin, sharp, spacing);
+    let mut before = Patches::new(mesh, twin, sharp, spacing);
+    // A crease that fades within a patch parts nothing, and stays.
+    let parts: Vec<bool> = (0..sharp.len()).map(|s| sharp[s] && before.differ(s as u32, twin)).collect();
     let mut left_out = LeftOut::default();
-    for share in NARROW {
+    for share in LEAST {
         let mut patches = before.clone();
-        left_out = patches.join_narrower_than(share * spacing);
-        let kept: Vec<bool> = sharp.iter().enumerate().map(|(s, &is)| is && patches.differ(s as u32, twin)).collect();
-        if samples_on(mesh, twin, &kept, spacing) <= MOST_ON_EDGES * wanted as f64 || share == NARROW[NARROW.len() - 1]
-        {
+        left_out = patches.join_below(share * spacing);
+        let mut stays = |s: usize| sharp[s] && (!parts[s] || patches.differ(s as u32, twin));
+        let kept: Vec<bool> = (0..sharp.len()).map(&mut stays).collect();
+        if samples_on(mesh, twin, &kept, spacing) <= MOST_ON_EDGES * wanted as f64 || share == LEAST[LEAST.len() - 1] {
             sharp.copy_from_slice(&kept);
             break;
         }
@@ -82,8 +84,14 @@ struct Patch {
 }
 
 impl Patch {
-    fn width(&self) -> f64 {
-        2.0 * self.area / self.rim
+    /// The neighbour that it turns least towards, itself being `own`, and by how much the surface moves without the edges
+    /// between them.
+    fn gentlest(&self, own: u32) -> Option<(u32, f64)> {
+        let others = self.beside.iter().filter(|(q, _)| **q != own);
+        let turns = others.map(|(&q, sums)| (q, sums[1] / sums[0].max(f64::MIN_POSITIVE)));
+        let (q, turn) = turns.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))?;
+        let width = 2.0 * self.area / self.rim;
+        Some((q, 0.5 * width * math::sin_cos(0.5 * turn.to_radians()).0))
     }
 }
 
@@ -125,24 +133,18 @@ impl Patches {
         self.of_triangle.find(side / 3) != self.of_triangle.find(twin[side as usize] / 3)
     }
 
-    /// Joins patches narrower than `width` with a neighbour, the narrowest first.
-    fn join_narrower_than(&mut self, width: f64) -> LeftOut {
+    /// Joins patches with a neighbour where that moves the surface by less than `deviation`, the least first.
+    fn join_below(&mut self, deviation: f64) -> LeftOut {
         let mut left_out = LeftOut::default();
-        let mut heap: BinaryHeap<Ranked> = self.list.iter().map(|(&p, patch)| Ranked::new(-patch.width(), p)).collect();
-        while let Some(Ranked { rank, index: p, .. }) = heap.pop() {
-            if -rank >= width {
-                break;
-            }
-            let Some(patch) = self.list.get(&p).filter(|patch| patch.width() == -rank) else { continue };
-            let turn = |sums: &[f64; 2]| sums[1] / sums[0].max(f64::MIN_POSITIVE);
-            let others = patch.beside.iter().filter(|(q, _)| **q != p);
-            let gentlest = others.min_by(|a, b| turn(a.1).total_cmp(&turn(b.1)).then(a.0.cmp(b.0)));
-            let Some((&q, sums)) = gentlest else { continue };
-            left_out.patches += 1;
-            let height = 0.5 * -rank * (0.5 * turn(sums)).to_radians().min(1.0);
-            left_out.deviation = left_out.deviation.max(height);
+        let ranked = |p: u32, patch: &Patch| Some(Ranked::new(-patch.gentlest(p)?.1, p));
+        let mut heap: BinaryHeap<Ranked> = self.list.iter().filter_map(|(&p, patch)| ranked(p, patch)).collect();
+        while let Some(Ranked { rank, index: p, .. }) = heap.pop().filter(|least| -least.rank < deviation) {
+            // What was joined since has another rank.
+            let gentlest = self.list.get(&p).and_then(|patch| patch.gentlest(p));
+            let Some((q, _)) = gentlest.filter(|found| found.1 == -rank) else { continue };
+            left_out = LeftOut { patches: left_out.patches + 1, deviation: left_out.deviation.max(-rank) };
             let joined = self.join(p, q);
-            heap.push(Ranked::new(-self.list[&joined].width(), joined));
+            heap.extend(ranked(joined, &self.list[&joined]));
         }
         left_out
     }
@@ -202,10 +204,23 @@ mod tests {
 
     #[test]
     fn of_a_narrow_chamfer_one_edge_stays() {
-        let (edges, left_out) = kept(&[5.0, 0.1, 5.0], 1000);
+        let (edges, left_out) = kept(&[5.0, 0.05, 5.0], 1000);
         assert_eq!((edges, left_out.patches), (1, 1));
-        assert!((0.01..0.05).contains(&left_out.deviation));
+        assert!((0.005..0.05).contains(&left_out.deviation));
         assert_eq!(kept(&[5.0, 2.0, 5.0], 1000), (2, LeftOut::default()));
+    }
+
+    #[test]
+    fn a_crease_that_parts_nothing_stays() {
+        let positions = [[0.0, 0.0], [0.1, 0.0], [0.0, 0.1], [-0.1, 0.0], [0.0, -0.1]];
+        let positions = positions.map(|[x, y]| dvec3(x, y, 0.0)).to_vec();
+        let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]] };
+        let twin = twins(&mesh.triangles);
+        let mut sharp = vec![false; twin.len()];
+        (sharp[0], sharp[twin[0] as usize]) = (true, true);
+        let before = sharp.clone();
+        assert_eq!(leave_out_narrow(&mesh, &twin, &mut sharp, 1.0, 1000), LeftOut::default());
+        assert_eq!(sharp, before);
     }
 
     #[test]
