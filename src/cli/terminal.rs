@@ -24,7 +24,7 @@ static WRITING: AtomicBool = AtomicBool::new(false);
 const PATIENCE: Duration = Duration::from_millis(800);
 
 /// From now on Ctrl-C, and on Unix the signals to terminate and to hang up, ask the run to end. What has not ended then
-/// after [`PATIENCE`], or at a second signal, is ended. Without a handler, where the system has none, they end it as they
+/// after `PATIENCE`, or at a second signal, is ended. Without a handler, where the system has none, they end it as they
 /// always do.
 pub fn listen_for_interrupts() {
     let handler = || {

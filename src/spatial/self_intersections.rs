@@ -3,7 +3,7 @@
 //! Two faces intersect where they pass through each other, or where they share a side and are folded over; see
 //! [`crate::geom::intersection`]. Corners at the same place are one corner here, whatever their numbers are, so UV seams do
 //! not intersect. Nor do surfaces that only touch, at corners, along edges or with whole faces: what is no deeper than
-//! [`CONTACT`] is contact.
+//! `CONTACT` is contact.
 //!
 //! Cost: n log n to build the hierarchy, then near-linear for surfaces, whose boxes meet few others; in parallel.
 //!

@@ -18,7 +18,7 @@ use std::collections::{BTreeMap, BinaryHeap};
 
 /// Deviations below which patches are joined with a neighbour, in spacings: the least is that of a chamfer whose width is a
 /// tenth, or of a wall whose width is an eighteenth. The first of these that leaves no more samples on
-/// sharp edges than [`MOST_ON_EDGES`] of all is taken, or the last.
+/// sharp edges than `MOST_ON_EDGES` of all is taken, or the last.
 const LEAST: [f64; 5] = [0.02, 0.05, 0.08, 0.12, 0.18];
 
 /// Largest share of the vertices that may lie on sharp edges.

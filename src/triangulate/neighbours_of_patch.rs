@@ -1,7 +1,7 @@
 //! The neighbours of a sample within its own smooth patch: a k-d tree for each patch of many samples, and all samples of a
 //! patch of few. A surface in a great many small pieces has most samples around a place on other patches.
 //!
-//! Cost: n log n to build; a query is linear in what it finds, or in [`FEW`].
+//! Cost: n log n to build; a query is linear in what it finds, or in `FEW`.
 
 use crate::base::csr::Csr;
 use crate::spatial::kdtree::{Neighbor, Neighbors};

@@ -14,7 +14,7 @@
 //!
 //! Cost: a search among the sides of curves for each vertex on them, and some passes of Dijkstra's algorithm.
 //!
-//! Limits: strips narrower than [`SHORTEST`] of the length elsewhere keep triangles that are longer than they are wide.
+//! Limits: strips narrower than `SHORTEST` of the length elsewhere keep triangles that are longer than they are wide.
 
 use crate::geom::triangle::closest_point_of_segment;
 use crate::mesh::half_edge::next;
@@ -41,7 +41,7 @@ const ROUNDING: f64 = 1e-9;
 const GRADIENT: f64 = 0.12;
 
 /// Shortest length, as a share of that elsewhere. The first of these with which what is narrow takes no more vertices than
-/// [`MOST_DENSE`] allows is taken.
+/// `MOST_DENSE` allows is taken.
 const SHORTEST: [f64; 4] = [0.125, 0.25, 0.4, 0.6];
 
 /// Largest mean of 1 / h², relative to the length elsewhere: a third of the vertices may go to what is narrow.
