@@ -12,8 +12,15 @@ impl Manifold {
         self.make_delaunay_around(into);
     }
 
+    /// [`Self::collapse`] where the ends may be on different feature curves, which meet in the target then.
+    pub fn merge(&mut self, h: u32) {
+        let into = self.connectivity.target(h);
+        self.connectivity.merge(h);
+        self.make_delaunay_around(into);
+    }
+
     /// The triangles that are left around the origin of `h` if it merges into its target, which is their first corner.
-    fn left_by_collapse(&self, h: u32) -> impl Iterator<Item = [u32; 3]> {
+    pub fn left_by_collapse(&self, h: u32) -> impl Iterator<Item = [u32; 3]> {
         let c = &self.connectivity;
         let target = c.target(h);
         let around = c.outgoing(c.origin(h)).map(|out| c.triangle(out));

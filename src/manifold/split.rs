@@ -8,19 +8,23 @@ use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// How far, in lengths of an edge, the point that splits it may be from either end.
+/// How far, in lengths of an edge, the point that splits it may be from either end, and how near to the corners across.
 const MIDDLE_REACH: f64 = 0.75;
+const CLEARANCE: f64 = 0.25;
 
 impl Manifold {
     /// Splits the edge of `h` at its middle, projected onto the domain; the new vertex. Returns `None`, and does nothing, if
-    /// the projection is not between the ends or would turn a triangle against the surface, as where the edge cuts through
-    /// a thin part.
+    /// the projection is not between the ends, all but at a corner across, or would turn a triangle against the surface, as
+    /// where the edge cuts through a thin part.
     pub fn split_at_middle(&mut self, domain: &Domain, h: u32) -> Option<u32> {
         let middle = self.middle(domain, h);
         let ends = [self.connectivity.origin(h), self.connectivity.target(h)].map(|v| self.position(v));
         let longest = MIDDLE_REACH * MIDDLE_REACH * self.length_squared(h);
         let between = ends.iter().all(|end| end.distance_squared(middle.position) <= longest);
-        if !between || !self.connectivity.both_sides(h).all(|h| self.halves_face_surface(h, &middle)) {
+        let apexes = self.connectivity.both_sides(h).map(|h| self.position(self.connectivity.apex(h)));
+        let clearance = CLEARANCE * CLEARANCE * self.length_squared(h);
+        let is_clear = apexes.map(|p| p.distance_squared(middle.position)).all(|square| square >= clearance);
+        if !between || !is_clear || !self.connectivity.both_sides(h).all(|h| self.halves_face_surface(h, &middle)) {
             return None;
         }
         Some(self.split_at(middle, h))

@@ -9,4 +9,5 @@ mod newton;
 mod quadrature;
 pub mod relax;
 pub mod self_intersections;
+pub mod slivers;
 pub mod valence;

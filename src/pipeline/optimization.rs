@@ -13,6 +13,7 @@ use crate::optimize::counts::meet_count;
 use crate::optimize::fit::fit;
 use crate::optimize::max_error::reduce_max_error;
 use crate::optimize::relax::{Flips, relax};
+use crate::optimize::slivers::remove_slivers;
 use crate::optimize::valence::{remove_defects, remove_near_defects};
 use crate::pipeline::scale::Scale;
 use crate::spectral::ascent::{AscentParameters, LONG_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA, ascend};
@@ -45,6 +46,7 @@ fn arrange_coarse(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: 
     let spacing = scale.spacing;
     monitor.stage("ascend");
     remove_encroaching_vertices(mesh);
+    remove_slivers(mesh, spacing);
     let narrow = narrow(domain, mesh, spacing);
     if !narrow.is_empty() {
         let ascent = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS };
@@ -107,6 +109,7 @@ fn refine_to_count(
     remove_near_defects(mesh, &locked, spacing);
     relax(domain, mesh, &locked, spacing, Flips::Delaunay, ROUNDS, monitor)?;
     remove_encroaching_vertices(mesh);
+    remove_slivers(mesh, spacing);
     meet_count(domain, mesh, wanted);
     let wide = !&narrow(domain, mesh, spacing);
     for _ in 0..2 {

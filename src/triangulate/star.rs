@@ -28,6 +28,10 @@ const FIRST_RADIUS: f64 = 2.0;
 const GROWTH: f64 = 1.5;
 const MOST_ATTEMPTS: usize = 3;
 
+/// Samples within that radius, of which some fifteen are expected, above which there is no star: samples on curves are so
+/// much denser than the spacing there that only a tessellation of the patch has room for all of them.
+const MOST_NEIGHBOURS: usize = 150;
+
 /// Samples that one task makes the stars of: enough to outweigh the memory that a walk needs.
 const CHUNK: usize = 512;
 
@@ -111,6 +115,9 @@ impl<'a> StarMaker<'a> {
         for _ in 0..MOST_ATTEMPTS {
             triangles.truncate(begin);
             let doubtful = self.find_in_ball(centre, radius);
+            if self.around.found.len() > MOST_NEIGHBOURS {
+                return;
+            }
             let mut reach = self.star_of_found(centre, radius, triangles);
             if doubtful <= 2.0 * reach {
                 triangles.truncate(begin);

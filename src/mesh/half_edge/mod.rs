@@ -5,11 +5,14 @@
 //! counter-clockwise from that meets all others.
 //!
 //! Edges can be laid on feature curves: creases and boundaries of the surface. Such an edge is never flipped, a vertex on
-//! a curve merges along it only, and a corner, where curves meet or end, not at all. So curves keep their course. An
+//! a curve collapses along it only, and a corner, where curves meet or end, not at all. So curves keep their course, unless
+//! vertices merge across them on purpose. An
 //! interface is a boundary along which the mesh will be joined to another one. Its vertices are corners, and neither its
 //! edges nor those of the triangles at it are split, so it stays the same edge by edge.
 //!
 //! Removed triangles and vertices leave gaps until [`Connectivity::compact`].
+
+mod collapse;
 
 use crate::mesh::topology::{NONE, twins};
 use std::collections::{BTreeMap, BTreeSet};
@@ -309,70 +312,6 @@ impl Connectivity {
                 self.curve_at[v as usize] = OnCurve::No;
             }
         }
-    }
-
-    /// The link condition: whether merging the origin of `h` into its target leaves a manifold of the same topology.
-    ///
-    /// A boundary vertex merges along the boundary only, one on a curve along that. H. Edelsbrunner, Geometry and
-    /// topology for mesh generation, 2001, section 4.2.
-    pub fn can_collapse(&self, h: u32) -> bool {
-        let (a, b) = (self.origin(h), self.target(h));
-        if self.is_boundary(a) && self.has_twin(h) || !self.keeps_curves(h) {
-            return false;
-        }
-        let shared = self.ring(a).filter(|&v| v != b && self.are_adjacent(v, b)).count();
-        let apex_stays = |h: u32| {
-            let c = self.apex(h);
-            self.valence(c) > if self.is_boundary(c) { 2 } else { 3 }
-        };
-        shared == self.both_sides(h).count() && self.both_sides(h).all(apex_stays)
-    }
-
-    /// Whether merging the origin of `h` into its target leaves every curve what it is.
-    fn keeps_curves(&self, h: u32) -> bool {
-        let alone = || !self.is_curve_edge(prev(h)) && (!self.has_twin(h) || !self.is_curve_edge(next(self.twin(h))));
-        match self.curve_at(self.origin(h)) {
-            OnCurve::No => true,
-            OnCurve::Corner => false,
-            curve => self.curve(h) == curve && alone(),
-        }
-    }
-
-    /// Merges the origin of `h` into its target. Only if [`Self::can_collapse`].
-    pub fn collapse(&mut self, h: u32) {
-        let (a, b) = (self.origin(h), self.target(h));
-        let moved: Vec<u32> = self.outgoing(a).collect();
-        for out in moved {
-            self.origin[out as usize] = b;
-        }
-        self.out[a as usize] = NONE;
-        self.live_vertices -= 1;
-        self.both_sides(h).for_each(|side| self.close(side));
-    }
-
-    /// Removes the triangle of `h`, whose ends are one vertex by now, and glues its other two sides.
-    fn close(&mut self, h: u32) {
-        let (end, apex) = (self.origin(next(h)), self.apex(h));
-        let (one, other) = (self.twin(next(h)), self.twin(prev(h)));
-        // At most one of the two edges that become one is on a curve.
-        let curve = if self.is_curve_edge(next(h)) { self.curve(next(h)) } else { self.curve(prev(h)) };
-        for side in [one, other].into_iter().filter(|&side| side != NONE) {
-            self.curve[side as usize] = curve;
-        }
-        if one != NONE {
-            self.glue(one, other);
-        } else if other != NONE {
-            self.glue(other, NONE);
-        }
-        for side in [h, next(h), prev(h)] {
-            self.origin[side as usize] = NONE;
-            self.twin[side as usize] = NONE;
-        }
-        self.live_triangles -= 1;
-        // `one` runs from the apex to the merged vertex, `other` back.
-        let (from_apex, from_end) = if one != NONE { (one, next(one)) } else { (next(other), other) };
-        self.set_out(apex, from_apex);
-        self.set_out(end, from_end);
     }
 
     /// Makes the boundary half-edge of the fan of `out` the one that `v` keeps, or `out` itself inside.

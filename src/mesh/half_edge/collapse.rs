@@ -1,0 +1,117 @@
+//! Collapses of edges.
+
+use super::{Connectivity, OnCurve, next, prev};
+use crate::mesh::topology::NONE;
+
+impl Connectivity {
+    /// The link condition: whether merging the origin of `h` into its target leaves a manifold of the same topology.
+    ///
+    /// A boundary vertex merges along the boundary only, one on a curve along that. H. Edelsbrunner, Geometry and
+    /// topology for mesh generation, 2001, section 4.2.
+    pub fn can_collapse(&self, h: u32) -> bool {
+        self.keeps_curves(h) && self.keeps_topology(h)
+    }
+
+    /// Whether merging the origin of `h` into its target leaves a manifold of the same topology, with feature curves that
+    /// have moved at most: they meet in the target then, if those of both ends differ.
+    pub fn can_merge(&self, h: u32) -> bool {
+        // Two edges that become one are of two curves only if these meet across, too.
+        let fold =
+            |h: u32| !self.is_curve_edge(next(h)) || !self.is_curve_edge(prev(h)) || self.is_corner(self.apex(h));
+        self.both_sides(h).all(fold) && !self.is_on_interface(self.origin(h)) && self.keeps_topology(h)
+    }
+
+    fn keeps_topology(&self, h: u32) -> bool {
+        let (a, b) = (self.origin(h), self.target(h));
+        if self.is_boundary(a) && self.has_twin(h) {
+            return false;
+        }
+        let shared = self.ring(a).filter(|&v| v != b && self.are_adjacent(v, b)).count();
+        let apex_stays = |h: u32| {
+            let c = self.apex(h);
+            self.valence(c) > if self.is_boundary(c) { 2 } else { 3 }
+        };
+        shared == self.both_sides(h).count() && self.both_sides(h).all(apex_stays)
+    }
+
+    /// Whether merging the origin of `h` into its target leaves every curve what it is.
+    fn keeps_curves(&self, h: u32) -> bool {
+        let alone = || !self.is_curve_edge(prev(h)) && (!self.has_twin(h) || !self.is_curve_edge(next(self.twin(h))));
+        match self.curve_at(self.origin(h)) {
+            OnCurve::No => true,
+            OnCurve::Corner => false,
+            curve => self.curve(h) == curve && alone(),
+        }
+    }
+
+    /// Merges the origin of `h` into its target. Only if [`Self::can_collapse`].
+    pub fn collapse(&mut self, h: u32) {
+        let (a, b) = (self.origin(h), self.target(h));
+        let moved: Vec<u32> = self.outgoing(a).collect();
+        for out in moved {
+            self.origin[out as usize] = b;
+        }
+        self.out[a as usize] = NONE;
+        self.live_vertices -= 1;
+        self.both_sides(h).for_each(|side| self.close(side));
+    }
+
+    /// [`Self::collapse`] where the ends may be on different curves, which makes the target a corner. Only if
+    /// [`Self::can_merge`].
+    pub fn merge(&mut self, h: u32) {
+        let (a, b) = (self.origin(h), self.target(h));
+        if self.is_on_curve(a) && (self.curve_at(a) != self.curve_at(b) || self.curve(h) != self.curve_at(a)) {
+            self.put_on_curve(b, OnCurve::Corner);
+        }
+        self.collapse(h);
+    }
+
+    /// Whether the curve along the edge of `h` can run through the corner across, which lies on a curve, too: the edge is
+    /// flipped then.
+    pub fn can_bend(&self, h: u32) -> bool {
+        let is_free = |side: u32| !self.is_curve_edge(side);
+        matches!(self.curve(h), OnCurve::Curve(_))
+            && self.has_twin(h)
+            && is_free(next(h))
+            && is_free(prev(h))
+            && self.apex(h) != self.apex(self.twin(h))
+            && !self.are_adjacent(self.apex(h), self.apex(self.twin(h)))
+    }
+
+    /// Leads the curve along the edge of `h` through the corner across, which becomes a corner of curves, and flips the edge.
+    /// Only if [`Self::can_bend`].
+    pub fn bend(&mut self, h: u32) {
+        let [a, b, top] = self.triangle(h);
+        let curve = self.curve(h);
+        self.both_sides(h).for_each(|side| self.curve[side as usize] = OnCurve::No);
+        self.mark_on_curve(a, top, curve);
+        self.mark_on_curve(top, b, curve);
+        self.put_on_curve(top, OnCurve::Corner);
+        self.flip(h);
+    }
+
+    /// Removes the triangle of `h`, whose ends are one vertex by now, and glues its other two sides.
+    fn close(&mut self, h: u32) {
+        let (end, apex) = (self.origin(next(h)), self.apex(h));
+        let (one, other) = (self.twin(next(h)), self.twin(prev(h)));
+        // At most one of the two edges that become one is on a curve.
+        let curve = if self.is_curve_edge(next(h)) { self.curve(next(h)) } else { self.curve(prev(h)) };
+        for side in [one, other].into_iter().filter(|&side| side != NONE) {
+            self.curve[side as usize] = curve;
+        }
+        if one != NONE {
+            self.glue(one, other);
+        } else if other != NONE {
+            self.glue(other, NONE);
+        }
+        for side in [h, next(h), prev(h)] {
+            self.origin[side as usize] = NONE;
+            self.twin[side as usize] = NONE;
+        }
+        self.live_triangles -= 1;
+        // `one` runs from the apex to the merged vertex, `other` back.
+        let (from_apex, from_end) = if one != NONE { (one, next(one)) } else { (next(other), other) };
+        self.set_out(apex, from_apex);
+        self.set_out(end, from_end);
+    }
+}
