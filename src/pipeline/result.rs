@@ -115,6 +115,7 @@ pub(super) fn notes(result: &Remeshed, open_cracks: usize, blunted: bool) -> Vec
             notes.push(format!("{n} {text}"));
         }
     };
+    note(r.faces_between_cells, "faces between the cells of a volume were dropped: its outside is left");
     note(r.cut_edges, "edges with more than two faces were taken apart into sheets");
     note(r.split_vertices, "vertices were doubled where sheets met only at a point or an edge");
     note(r.unorientable_edges, "edges were cut open because the surface has no two sides (like a Möbius strip)");

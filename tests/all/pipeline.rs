@@ -305,6 +305,12 @@ fn broken_inputs_are_mended_and_the_repairs_reported() {
     let made = check("copies", &copies, 200);
     assert_eq!((made.repairs.duplicate_triangles, made.output.euler), (50, 0));
 
+    let places = (0..64).map(|i| [i % 4, i / 4 % 4, i / 16]);
+    let listed = together(&places.map(|place| cells(&[place])).collect::<Vec<Mesh>>());
+    let made = check("volume", &listed, 500);
+    assert_eq!((made.repairs.faces_between_cells, made.output.euler, made.sharp_curves), (64 * 12 - 192, 2, 12));
+    assert!((volume(&made.mesh) - 64.0).abs() < 1e-9 && made.notes[0].contains("between the cells"));
+
     let mut flipped = torus(20, 10, 3.0, 1.0);
     flipped.triangles.iter_mut().step_by(3).for_each(|t| t.swap(0, 1));
     let made = check("flipped", &flipped, 500);
