@@ -32,8 +32,11 @@ use serde::{Deserialize, Serialize};
 /// What was done to an input so that it became an oriented manifold. All zero: nothing had to be done.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Repairs {
-    /// Vertices merged with another one at exactly the same place (texture and normal seams).
+    /// Vertices merged with another one (texture and normal seams).
     pub welded_vertices: usize,
+    /// Vertices merged with one at another place: seams that rounding opened, or cracks within a tolerance.
+    #[serde(default)]
+    pub seam_vertices: usize,
     /// Vertices that no triangle uses.
     pub unused_vertices: usize,
     /// Triangles with two corners at one place, or in a component that has no area.
@@ -59,7 +62,7 @@ pub fn repair(mesh: &Mesh) -> (OrientedManifold, Repairs) {
 }
 
 /// [`repair`] of a mesh some of whose vertices are one. `representatives` has for each vertex the first of those that it is
-/// one with, as [`crate::mesh::weld`] and [`close_cracks`](crate::prepare::stitch::close_cracks) give it.
+/// one with, as [`crate::mesh::weld`] and [`stitch`](crate::prepare::stitch) give it.
 pub fn repair_welded(mesh: &Mesh, representatives: Vec<u32>) -> (OrientedManifold, Repairs) {
     let mut repairs = Repairs::default();
     let mut soup = weld(mesh, &representatives, &mut repairs);
@@ -94,6 +97,8 @@ fn weld(mesh: &Mesh, representatives: &[u32], repairs: &mut Repairs) -> Soup {
     representatives.iter().zip(&used).filter(|v| *v.1).for_each(|(&first, _)| stands[first as usize] = true);
     let places = stands.iter().filter(|stands| **stands).count();
     repairs.welded_vertices = used.len() - repairs.unused_vertices - places;
+    let is_moved = |(v, &to): (usize, &u32)| used[v] && mesh.positions[v] != mesh.positions[to as usize];
+    repairs.seam_vertices = representatives.iter().enumerate().filter(|&v| is_moved(v)).count();
     let welded = mesh.triangles.iter().map(|t| t.map(|v| representatives[v as usize]));
     let kept = welded.zip(0..).filter(|([a, b, c], _)| a != b && b != c && c != a);
     let (triangles, sources): (Vec<_>, Vec<_>) = kept.unzip();

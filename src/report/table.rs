@@ -190,6 +190,7 @@ fn list(out: &mut String, name: &str, phrases: &[String]) {
 fn repairs_made(repairs: &Repairs) -> Vec<String> {
     let &Repairs {
         welded_vertices,
+        seam_vertices,
         unused_vertices,
         degenerate_triangles,
         faces_between_cells,
@@ -201,6 +202,7 @@ fn repairs_made(repairs: &Repairs) -> Vec<String> {
     } = repairs;
     let made = [
         (welded_vertices, "vertices welded"),
+        (seam_vertices, "of them across seams"),
         (unused_vertices, "unused vertices dropped"),
         (degenerate_triangles, "degenerate triangles dropped"),
         (faces_between_cells, "faces between cells dropped"),
