@@ -3,7 +3,8 @@
 use crate::cli::args::shared::{FormatArgs, MeshFile, NormalArgs, Run, RunArgs, density};
 use crate::cli::args::stop::Stop;
 use crate::cli::args::words::{
-    PropertyWidth, Sizing, features, mark, max_error, no_density, points, positive, property_width, within,
+    PropertyWidth, Sizing, features, mark, max_error, no_density, points, positive, positive_or_zero, property_width,
+    within,
 };
 use crate::job::{Carry, RemeshOptions};
 use crate::pipeline::{Density, Grading, MaxError, Options, SMOOTHING_SUPPORT, Selection, Signal};
