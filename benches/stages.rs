@@ -25,7 +25,7 @@ use spectral_remesh::stages::optimize::self_intersections::resolve_self_intersec
 use spectral_remesh::stages::optimize::valence::remove_defects;
 use spectral_remesh::stages::pipeline::{mesh_of_points, remesh};
 use spectral_remesh::stages::prepare::repair::repair;
-use spectral_remesh::stages::prepare::stitch::open_cracks;
+use spectral_remesh::stages::prepare::stitch::stitch;
 use spectral_remesh::stages::quality::distance::{REPORT_SAMPLES, distance};
 use spectral_remesh::stages::quality::shape::shape;
 use spectral_remesh::stages::spatial::bvh::Bvh;
@@ -138,7 +138,7 @@ fn s01_repair(bencher: Bencher) {
 
 #[divan::bench]
 fn s02_open_seams(bencher: Bencher) {
-    bencher.bench(|| open_cracks(black_box(&INPUTS.mesh)));
+    bencher.bench(|| stitch(black_box(&INPUTS.mesh)));
 }
 
 #[divan::bench]

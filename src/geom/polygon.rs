@@ -6,12 +6,16 @@
 //! triangle has no corner that is reflex or flat inside or on it. A corner that is found blocked is looked at again when
 //! the one that blocks it becomes convex.
 //!
+//! A polygon is first listed from its smallest corner on towards the smaller neighbour, by coordinates. So the same polygon
+//! gets the same triangles wherever its list starts and whichever way it goes, as a face between two cells does.
+//!
 //! Based on: G. H. Meisters, Polygons have ears, 1975, DOI 10.2307/2319703. Departures: the order; corners at the same
 //! place as a corner of the ear do not block it (slits that join a hole to the outline); where no ear is left, as in
 //! polygons that cross themselves or have no area, the shortest cut is made all the same.
 //!
 //! Cost: n log n for n corners of which none is reflex, n r with r reflex ones, at most `BUDGET` tests. Limits: a
-//! polygon that spends the budget has overlapping triangles; every polygon of n corners has n - 2 triangles whose
+//! polygon that spends the budget has overlapping triangles, and one that meets its smallest side twice may depend on
+//! where its list starts; every polygon of n corners has n - 2 triangles whose
 //! boundary is the polygon's outline.
 
 use glam::DVec3;
@@ -28,13 +32,51 @@ const BUDGET: usize = 100_000_000;
 const CLEARLY_BETTER: f64 = 1e-9;
 
 /// Triangles as indices into `corners`, in the direction of the polygon: `corners.len() - 2` of them, none for fewer
-/// than three corners. Every side of the polygon is a side of exactly one triangle.
+/// than three corners, in increasing order. Every side of the polygon is a side of exactly one triangle.
 pub fn triangulate(corners: &[DVec3]) -> Vec<[usize; 3]> {
-    match *corners {
-        [] | [_] | [_, _] => Vec::new(),
-        [_, _, _] => vec![[0, 1, 2]],
+    if corners.len() <= 3 {
+        return if corners.len() == 3 { vec![[0, 1, 2]] } else { Vec::new() };
+    }
+    let Listing { first, reversed } = Listing::of(corners);
+    let n = corners.len();
+    let place = |i: usize| if reversed { (first + n - i) % n } else { (first + i) % n };
+    let listed: Vec<DVec3> = (0..n).map(|i| corners[place(i)]).collect();
+    let triangles = match listed[..] {
         [a, b, c, d] => split_quad([a, b, c, d]).to_vec(),
-        _ => Clipper::new(corners).run(),
+        _ => Clipper::new(&listed).run(),
+    };
+    let placed = |t: [usize; 3]| from_least(if reversed { [t[0], t[2], t[1]] } else { t }.map(place));
+    let mut triangles: Vec<[usize; 3]> = triangles.into_iter().map(placed).collect();
+    triangles.sort_unstable();
+    triangles
+}
+
+/// How to list the corners of a polygon so that its own list does not matter.
+struct Listing {
+    first: usize,
+    reversed: bool,
+}
+
+impl Listing {
+    /// From the smallest corner on towards the smaller of its neighbours.
+    fn of(corners: &[DVec3]) -> Listing {
+        let n = corners.len();
+        let coordinates = |side: (usize, usize)| [corners[side.0].to_array(), corners[side.1].to_array()];
+        let sides = (0..n).flat_map(|i| [(i, (i + 1) % n), (i, (i + n - 1) % n)]);
+        let smaller = |a, b| if coordinates(b) < coordinates(a) { b } else { a };
+        let (first, second) = sides.reduce(smaller).unwrap_or_default();
+        Listing { first, reversed: second != (first + 1) % n }
+    }
+}
+
+/// The same triangle, its smallest corner first.
+fn from_least([a, b, c]: [usize; 3]) -> [usize; 3] {
+    if a < b && a < c {
+        [a, b, c]
+    } else if b < c {
+        [b, c, a]
+    } else {
+        [c, a, b]
     }
 }
 
@@ -224,7 +266,7 @@ fn blocks(p: Coord<f64>, [a, b, c]: [Coord<f64>; 3]) -> bool {
 mod tests {
     use super::*;
     use proptest::prelude::*;
-    use std::collections::BTreeMap;
+    use std::collections::{BTreeMap, BTreeSet};
 
     fn flat(points: &[(f64, f64)]) -> Vec<DVec3> {
         points.iter().map(|&(x, y)| DVec3::new(x, y, 0.0)).collect()
@@ -267,12 +309,44 @@ mod tests {
         assert_eq!(triangulate(&[DVec3::ZERO; 3]), [[0, 1, 2]]);
     }
 
+    /// The triangles over the places of their corners, in the direction of `corners` or against it.
+    fn places(corners: &[DVec3], against: bool) -> BTreeSet<[[u64; 3]; 3]> {
+        let oriented = |[a, b, c]: [usize; 3]| if against { [a, c, b] } else { [a, b, c] };
+        let bits = |t: [usize; 3]| t.map(|i| corners[i].to_array().map(f64::to_bits));
+        let from_least_place = |mut t: [[u64; 3]; 3]| {
+            let least = (0..3).min_by_key(|&k| t[k]).unwrap();
+            t.rotate_left(least);
+            t
+        };
+        triangulate(corners).into_iter().map(oriented).map(bits).map(from_least_place).collect()
+    }
+
     #[test]
-    fn rectangles_are_split_at_their_first_corner_wherever_they_lie() {
+    fn triangles_do_not_depend_on_how_the_corners_are_listed() {
+        let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+        let dart = [(0.0, 0.0), (2.0, 1.0), (0.0, 2.0), (0.5, 1.0)];
+        let hexagon = [(0.0, 0.0), (1.0, 0.0), (2.0, 1.0), (2.0, 2.0), (1.0, 2.0), (0.0, 1.0)];
+        let turn = glam::DQuat::from_axis_angle(DVec3::new(1.0, 2.0, -0.5).normalize(), 2.1);
+        for shape in [&square[..], &dart, &hexagon] {
+            for corners in [flat(shape), flat(shape).iter().map(|&p| turn * p).collect()] {
+                let wanted = places(&corners, false);
+                for start in 0..corners.len() {
+                    let mut listed = corners.clone();
+                    listed.rotate_left(start);
+                    assert_eq!(places(&listed, false), wanted);
+                    listed.reverse();
+                    assert_eq!(places(&listed, true), wanted);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn rectangles_are_split_at_their_smallest_corner_wherever_they_lie() {
         for shift in [DVec3::ZERO, DVec3::new(0.1, 1e3, -7.0)] {
             let corners: Vec<_> =
-                flat(&[(0.0, 0.0), (3.0, 0.0), (3.0, 1.0), (0.0, 1.0)]).iter().map(|p| p + shift).collect();
-            assert_eq!(triangulate(&corners), [[0, 1, 2], [0, 2, 3]]);
+                flat(&[(3.0, 0.0), (3.0, 1.0), (0.0, 1.0), (0.0, 0.0)]).iter().map(|p| p + shift).collect();
+            assert_eq!(triangulate(&corners), [[0, 1, 3], [1, 2, 3]]);
         }
     }
 

@@ -55,8 +55,9 @@ pub struct Options {
     pub density: Density,
     /// Seed of all random numbers: same seed, same input, same result. Default: 0.
     pub seed: u64,
-    /// Boundary vertices as near as this to each other, in the units of the input, become one: closes seams that
-    /// rounding left open. Default: `None`, only vertices at exactly the same place.
+    /// Boundary vertices as near as this to each other, in the units of the input, become one, which closes cracks; with
+    /// zero only vertices at exactly the same place. Default: `None`, those too that rounding parted along a seam, by a
+    /// millionth of the diagonal of the bounding box at most.
     pub weld: Option<f64>,
     /// Which edges of the input are kept sharp. Default: decided from the input.
     pub features: Features,
@@ -112,7 +113,8 @@ impl Options {
     /// # Errors
     /// [`Error::Option`] for a number of points out of range or a length that is not positive and finite.
     pub fn validate(&self) -> Result<()> {
-        self.weld.map_or(Ok(()), |tolerance| check_length(Setting::Weld, tolerance))?;
+        let distance = self.weld.filter(|&distance| distance != 0.0);
+        distance.map_or(Ok(()), |distance| check_length(Setting::Weld, distance))?;
         if let Features::Degrees(degrees) = self.features
             && !(degrees > 0.0 && degrees < 180.0)
         {

@@ -9,8 +9,8 @@ use crate::pipeline::options::Options;
 use crate::pipeline::scale::Field;
 use crate::pipeline::unit::Unit;
 use crate::prepare::bend::smooth;
-use crate::prepare::repair::{Repairs, repair, repair_welded};
-use crate::prepare::stitch::{close_cracks, open_cracks};
+use crate::prepare::repair::{Repairs, repair_welded};
+use crate::prepare::stitch::{Cracks, Stitched, close_cracks, stitch};
 use glam::DVec3;
 
 /// What a run goes by, whatever the number of vertices.
@@ -23,8 +23,8 @@ pub(super) struct PreparedInput<'a> {
     /// How far the result may be from the input, in the units of that.
     pub allowed: Option<f64>,
     pub repairs: Repairs,
-    /// Boundary vertices of the repaired input that all but touch another one.
-    pub cracks: usize,
+    /// What may be cracks in the repaired input, in the units of the input.
+    pub cracks: Option<Cracks>,
     /// The topology of the input.
     pub of_input: Topology,
     /// The topology after repairs.
@@ -49,7 +49,7 @@ impl<'a> PreparedInput<'a> {
         let unit = Unit::of(input);
         let field = options.grading.field().map(|lengths| Field::new(lengths, input, &unit));
         let topology_of = |mesh: &Mesh| topology(mesh.positions.len(), &mesh.triangles);
-        let (of_input, (mut repaired, repairs)) = rayon::join(
+        let (of_input, (mut repaired, repairs, cracks)) = rayon::join(
             || topology_of(input),
             || match options.part {
                 Some(_) => repaired(input, options.weld),
@@ -57,10 +57,10 @@ impl<'a> PreparedInput<'a> {
             },
         );
         check(monitor)?;
-        let cracks = if options.weld.is_none() { open_cracks(&repaired) } else { 0 };
         let untouched = repairs == Repairs::default();
         let of_repaired = if untouched { of_input } else { topology_of(&repaired) };
         let scale = if options.part.is_some() { 1.0 } else { unit.size };
+        let cracks = cracks.map(|cracks| Cracks { width: scale * cracks.width, ..cracks });
         let allowed = options.max_error.map(|e| e.length(scale * repaired.diagonal()));
         if let Some(support) = options.smooth {
             monitor.stage("smooth");
@@ -72,11 +72,15 @@ impl<'a> PreparedInput<'a> {
     }
 }
 
-fn repaired(mesh: &Mesh, weld: Option<f64>) -> (OrientedManifold, Repairs) {
-    match weld {
-        Some(tolerance) => repair_welded(mesh, close_cracks(mesh, tolerance)),
-        None => repair(mesh),
-    }
+/// The mesh made a manifold, what that took, and what may be cracks in it. Without a distance to weld within only what
+/// rounding opened is closed.
+fn repaired(mesh: &Mesh, weld: Option<f64>) -> (OrientedManifold, Repairs, Option<Cracks>) {
+    let Stitched { representatives, cracks } = match weld {
+        Some(tolerance) => Stitched { representatives: close_cracks(mesh, tolerance), cracks: None },
+        None => stitch(mesh),
+    };
+    let (repaired, repairs) = repair_welded(mesh, representatives);
+    (repaired, repairs, cracks)
 }
 
 /// Largest coordinate that can be worked with: squares of differences must stay finite.

@@ -5,6 +5,7 @@ use crate::mesh::submesh::Kept;
 use crate::mesh::topology::Topology;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::prepare::repair::Repairs;
+use crate::prepare::stitch::Cracks;
 use crate::surface::narrow_patches::LeftOut;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -107,7 +108,7 @@ pub(super) fn note_on_left_out(left_out: &LeftOut, unit: f64) -> String {
 }
 
 /// What a user should know about a result.
-pub(super) fn notes(result: &Remeshed, open_cracks: usize, blunted: bool) -> Vec<String> {
+pub(super) fn notes(result: &Remeshed, cracks: Option<Cracks>, blunted: bool) -> Vec<String> {
     let mut notes = Vec::new();
     let r = &result.repairs;
     let mut note = |n: usize, text: &str| {
@@ -115,15 +116,17 @@ pub(super) fn notes(result: &Remeshed, open_cracks: usize, blunted: bool) -> Vec
             notes.push(format!("{n} {text}"));
         }
     };
+    note(r.faces_between_cells, "faces between the cells of a volume were dropped: its outside is left");
     note(r.cut_edges, "edges with more than two faces were taken apart into sheets");
     note(r.split_vertices, "vertices were doubled where sheets met only at a point or an edge");
     note(r.unorientable_edges, "edges were cut open because the surface has no two sides (like a Möbius strip)");
     note(r.flipped_triangles, "faces were turned over to agree with their neighbours");
     note(r.degenerate_triangles + r.duplicate_triangles, "degenerate or repeated faces were dropped");
     note(
-        open_cracks,
-        "boundary vertices all but touch another one: seams that rounding left open? Welding within a tolerance closes them",
+        r.seam_vertices,
+        "boundary vertices were welded to others that are not exactly at their place, which closes seams",
     );
+    notes.extend(cracks.map(note_on_cracks));
     if blunted {
         notes.push("the sharp edges are too close together for so few vertices: none is kept sharp".into());
     }
@@ -139,6 +142,15 @@ pub(super) fn notes(result: &Remeshed, open_cracks: usize, blunted: bool) -> Vec
         notes.push("the result does not have the topology of the input".into());
     }
     notes
+}
+
+/// Which boundaries may be cracks, and what closes them.
+fn note_on_cracks(Cracks { vertices, width }: Cracks) -> String {
+    // The rounded number must not be smaller.
+    let width = format!("{:.2e}", 1.01 * width);
+    format!(
+        "{vertices} boundary vertices lie within {width} of another one across a gap: if it is a crack, --weld {width} closes it"
+    )
 }
 
 /// How many faces intersect others, where the first one is, and whether the input is to blame.

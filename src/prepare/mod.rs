@@ -1,6 +1,7 @@
 //! What is done to an input before it is sampled: repairs, refinement, smoothing; and for clouds normals and their sides.
 
 pub mod bend;
+pub mod cells;
 pub mod clean;
 pub mod cloud_normals;
 pub mod flatten;

@@ -2,8 +2,9 @@
 //!
 //! The treatment, in order:
 //!
-//! 1. Vertices at exactly the same place become one; triangles that lose a corner by it, and copies of a triangle, are
-//!    dropped. Triangles without area but with three distinct corners stay: they carry connectivity.
+//! 1. Vertices at exactly the same place become one; triangles that lose a corner by it, faces between the cells of a
+//!    volume, and copies of a triangle are dropped. Triangles without area but with three distinct corners stay: they carry
+//!    connectivity.
 //! 2. Faces are glued in pairs along edges. Where an edge has more than two faces, the pairs that bound a solid wedge
 //!    are glued if the faces alternate in direction around the edge, else the flattest pairs, those of closed patches
 //!    first; a face left over gets a boundary there.
@@ -24,18 +25,25 @@ use crate::mesh::provenance::Provenance;
 use crate::mesh::topology::{NONE, Side, components, sorted_sides};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::mesh::weld::representatives;
+use crate::prepare::cells::{coincident, faces_between_cells};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 /// What was done to an input so that it became an oriented manifold. All zero: nothing had to be done.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Repairs {
-    /// Vertices merged with another one at exactly the same place (texture and normal seams).
+    /// Vertices merged with another one (texture and normal seams).
     pub welded_vertices: usize,
+    /// Vertices merged with one at another place: seams that rounding opened, or cracks within a tolerance.
+    #[serde(default)]
+    pub seam_vertices: usize,
     /// Vertices that no triangle uses.
     pub unused_vertices: usize,
     /// Triangles with two corners at one place, or in a component that has no area.
     pub degenerate_triangles: usize,
+    /// Triangles between two cells of a volume, each of which has them: the outside is left.
+    #[serde(default)]
+    pub faces_between_cells: usize,
     /// Triangles with the same three corners as another one.
     pub duplicate_triangles: usize,
     /// Triangles turned over so that neighbours agree on the outside.
@@ -54,11 +62,12 @@ pub fn repair(mesh: &Mesh) -> (OrientedManifold, Repairs) {
 }
 
 /// [`repair`] of a mesh some of whose vertices are one. `representatives` has for each vertex the first of those that it is
-/// one with, as [`crate::mesh::weld`] and [`close_cracks`](crate::prepare::stitch::close_cracks) give it.
+/// one with, as [`crate::mesh::weld`] and [`stitch`](crate::prepare::stitch) give it.
 pub fn repair_welded(mesh: &Mesh, representatives: Vec<u32>) -> (OrientedManifold, Repairs) {
     let mut repairs = Repairs::default();
     let mut soup = weld(mesh, &representatives, &mut repairs);
     let mut sides = sorted_sides(&soup.triangles);
+    drop_faces_between_cells(&mut soup, &mut sides, &mut repairs);
     drop_duplicates(&mut soup, &mut sides, &mut repairs);
     let Soup { mut triangles, sources } = soup;
     let mut glued = glue(&mesh.positions, &triangles, &sides, &mut repairs);
@@ -88,6 +97,8 @@ fn weld(mesh: &Mesh, representatives: &[u32], repairs: &mut Repairs) -> Soup {
     representatives.iter().zip(&used).filter(|v| *v.1).for_each(|(&first, _)| stands[first as usize] = true);
     let places = stands.iter().filter(|stands| **stands).count();
     repairs.welded_vertices = used.len() - repairs.unused_vertices - places;
+    let is_moved = |(v, &to): (usize, &u32)| used[v] && mesh.positions[v] != mesh.positions[to as usize];
+    repairs.seam_vertices = representatives.iter().enumerate().filter(|&v| is_moved(v)).count();
     let welded = mesh.triangles.iter().map(|t| t.map(|v| representatives[v as usize]));
     let kept = welded.zip(0..).filter(|([a, b, c], _)| a != b && b != c && c != a);
     let (triangles, sources): (Vec<_>, Vec<_>) = kept.unzip();
@@ -95,22 +106,29 @@ fn weld(mesh: &Mesh, representatives: &[u32], repairs: &mut Repairs) -> Soup {
     Soup { triangles, sources }
 }
 
-/// Keeps the first of the triangles that have the same three corners. Copies are found at one of their edges.
+/// Keeps the outside of a volume that is listed cell by cell.
+fn drop_faces_between_cells(soup: &mut Soup, sides: &mut Vec<Side>, repairs: &mut Repairs) {
+    if let Some(between) = faces_between_cells(&soup.triangles, sides) {
+        repairs.faces_between_cells = drop_marked(soup, sides, &between);
+    }
+}
+
+/// Keeps the first of the triangles that have the same three corners.
 fn drop_duplicates(soup: &mut Soup, sides: &mut Vec<Side>, repairs: &mut Repairs) {
-    let Soup { triangles, sources } = soup;
-    let mut copy = vec![false; triangles.len()];
-    for edge in sides.chunk_by(|a, b| a.ends == b.ends).filter(|e| e.len() > 1) {
-        let apex = |s: &Side| triangles[s.side as usize / 3][(s.side as usize + 2) % 3];
-        let mut faces: Vec<(u32, u32)> = edge.iter().map(|s| (apex(s), s.side / 3)).collect();
-        faces.sort_unstable();
-        faces.windows(2).filter(|w| w[0].0 == w[1].0).for_each(|w| copy[w[1].1 as usize] = true);
+    let mut copy = vec![false; soup.triangles.len()];
+    coincident(&soup.triangles, sides).for_each(|group| group[1..].iter().for_each(|&t| copy[t as usize] = true));
+    repairs.duplicate_triangles = drop_marked(soup, sides, &copy);
+}
+
+/// Drops the marked triangles, if there are any; how many.
+fn drop_marked(soup: &mut Soup, sides: &mut Vec<Side>, marked: &[bool]) -> usize {
+    let count = marked.iter().filter(|is| **is).count();
+    if count > 0 {
+        retain(&mut soup.triangles, |t| !marked[t]);
+        retain(&mut soup.sources, |t| !marked[t]);
+        *sides = sorted_sides(&soup.triangles);
     }
-    repairs.duplicate_triangles = copy.iter().filter(|c| **c).count();
-    if repairs.duplicate_triangles > 0 {
-        retain(triangles, |t| !copy[t]);
-        retain(sources, |t| !copy[t]);
-        *sides = sorted_sides(triangles);
-    }
+    count
 }
 
 /// Keeps the entries whose numbers `keeps` holds for.
@@ -458,6 +476,19 @@ mod tests {
         let (mended, repairs) = repair(&mesh);
         assert_eq!((repairs.duplicate_triangles, repairs.degenerate_triangles), (1, 2));
         assert_eq!((audit(&mended).euler, mended.triangles.len()), (2, 12));
+    }
+
+    #[test]
+    fn of_a_volume_the_outside_is_left() {
+        let places = (0..27).map(|i| dvec3((i % 3).into(), (i / 3 % 3).into(), (i / 9).into()));
+        let cells = soup(&places.map(cube).collect::<Vec<Mesh>>());
+        let (mesh, repairs) = repair(&cells);
+        assert_eq!((repairs.faces_between_cells, repairs.duplicate_triangles, repairs.cut_edges), (216, 0, 0));
+        assert_eq!((audit(&mesh).euler, mesh.triangles.len()), (2, 108));
+        for t in 0..108 {
+            let source = mesh.provenance().triangle(t as u32) as usize;
+            assert_eq!(mesh.area_vector(t), cells.area_vector(source));
+        }
     }
 
     /// Edges whose copies begin and end in the same two fans are told apart by what is glued to what.

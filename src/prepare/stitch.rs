@@ -1,13 +1,19 @@
 //! Open seams: boundaries that lie along each other because vertices that should be one differ by rounding.
 //!
 //! Exports of separate triangles or patches have them. Welding of exactly equal places leaves them open, and the result
-//! gets boundaries along them. [`open_cracks`] tells how likely that is, [`close_cracks`] welds them.
+//! gets boundaries along them. [`stitch`] closes what rounding opened and tells of wider cracks; [`close_cracks`] closes
+//! those within a tolerance.
 //!
-//! Two boundary vertices belong together if they are within a tolerance of each other and within half of the shortest
+//! Two boundary vertices may belong together if they are within a tolerance of each other and within a share of the shortest
 //! boundary edge at either. The second condition keeps a tolerance that is too large from eating a finely divided
-//! boundary: vertices that follow each other on it are a whole edge apart.
+//! boundary: vertices that follow each other on it are a whole edge apart. A seam is where two boundary edges become one by
+//! that, and no other edge does; where more would meet, or where two sheets lie on each other, nothing is a seam.
 //!
-//! Cost: one sort of the edges, and a k-d tree over the boundary vertices with one query for each.
+//! Based on: A. Guéziec, G. Taubin, F. Lazarus, W. Horn, Cutting and stitching: converting sets of polygons to manifold
+//! surfaces, 2001, DOI 10.1109/2945.928166. Departure: edges are matched by the places of their ends.
+//!
+//! Cost: one sort of the edges, twice where a seam is closed, and a k-d tree over the boundary vertices with one query for
+//! each.
 //!
 //! Limits: vertices are welded to vertices. A vertex that lies on the middle of an edge across the seam stays.
 
@@ -19,21 +25,68 @@ use crate::mesh::weld::representatives;
 use crate::spatial::kdtree::Neighbors;
 use glam::DVec3;
 
-/// How near boundary vertices are suspicious, in diagonals of the bounding box: a hundred times the rounding of single
-/// precision, and far below any edge that is meant.
-pub const SUSPICIOUS: f64 = 1e-5;
+/// How near two boundary vertices have to be to belong together: within `distance`, in units of the mesh, and within
+/// `of_edge` times the shortest boundary edge at either.
+#[derive(Clone, Copy)]
+struct Reach {
+    distance: f64,
+    of_edge: f64,
+}
 
-/// The number of boundary vertices that another one, not joined to it by an edge, comes suspiciously near to.
+/// What rounding opens, in diagonals of the bounding box: some units in the last place of single precision.
+const ROUNDING: Reach = Reach { distance: 1e-6, of_edge: 0.1 };
+
+/// How near boundary vertices are suspicious: far below any edge that is meant. Along a seam they are so at a larger
+/// distance, too.
+const SUSPICIOUS: Reach = Reach { distance: 1e-5, of_edge: 0.5 };
+const SUSPICIOUS_SEAM: Reach = Reach { distance: 2e-3, of_edge: 0.25 };
+
+/// Cosine of the angle between two faces at an edge, above which they lie on each other: one degree.
+const FOLDED: f64 = 0.9998;
+
+impl Reach {
+    /// The same in units of a mesh with this diagonal.
+    fn of(self, diagonal: f64) -> Reach {
+        Reach { distance: diagonal * self.distance, ..self }
+    }
+}
+
+/// Which vertices of a mesh are one.
+pub struct Stitched {
+    /// For each vertex the first of those that it is one with.
+    pub representatives: Vec<u32>,
+    /// What may be cracks, and wider than rounding opens.
+    pub cracks: Option<Cracks>,
+}
+
+/// Boundary vertices across a gap from others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cracks {
+    /// How many there are.
+    pub vertices: usize,
+    /// The widest gap between two of them, in units of the mesh: a tolerance that closes all.
+    pub width: f64,
+}
+
+/// Welds the vertices of `mesh` at exactly one place, and those along seams that rounding opened: boundary vertices within a
+/// millionth of the mesh's diagonal and a tenth of the edges there.
 ///
-/// `mesh` is one whose vertices at exactly one place have been welded, or kept apart for a reason (as
-/// [`repair`](crate::prepare::repair::repair) does): such pairs do not count.
-pub fn open_cracks(mesh: &Mesh) -> usize {
-    let boundary = OpenBoundary::new(&mesh.positions, &mesh.triangles);
-    let pairs = boundary.pairs(SUSPICIOUS * mesh.diagonal());
-    let mut near: Vec<u32> = pairs.iter().filter(|p| p.distance_squared > 0.0).flat_map(|p| p.ends).collect();
-    near.sort_unstable();
-    near.dedup();
-    near.len()
+/// A seam is closed only where each of its boundary edges finds a partner: no edge gets a third face by it, and no face is
+/// folded onto another. [`repair_welded`](crate::prepare::repair::repair_welded) is meant to follow.
+pub fn stitch(mesh: &Mesh) -> Stitched {
+    let mut first = representatives(&mesh.positions);
+    let mut boundary = OpenBoundary::new(mesh, &first);
+    let diagonal = mesh.diagonal();
+    let seams = boundary.seams(ROUNDING.of(diagonal));
+    if !seams.is_empty() {
+        let mut joined = UnionFind::new(boundary.vertices.len());
+        seams.iter().for_each(|&[a, b]| {
+            joined.join(a, b);
+        });
+        first = boundary.welded(first, &mut joined);
+        boundary = OpenBoundary::new(mesh, &first);
+    }
+    Stitched { representatives: first, cracks: boundary.cracks(diagonal) }
 }
 
 /// For each vertex of `mesh` the one that it is welded to: boundary vertices within `tolerance` of each other, in units of
@@ -45,17 +98,9 @@ pub fn open_cracks(mesh: &Mesh) -> usize {
 /// two faces may meet there now: [`repair_welded`](crate::prepare::repair::repair_welded) is meant to follow.
 pub fn close_cracks(mesh: &Mesh, tolerance: f64) -> Vec<u32> {
     let exact = representatives(&mesh.positions);
-    let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|t| t.map(|v| exact[v as usize])).collect();
-    let boundary = OpenBoundary::new(&mesh.positions, &triangles);
-    let mut groups = Groups::new(boundary.vertices.len());
-    for pair in boundary.pairs(tolerance.max(0.0)) {
-        groups.join_unless(pair.ends, |a, b| boundary.are_joined(a, b));
-    }
-    let mut number: Vec<u32> = (0..exact.len() as u32).collect();
-    for (i, &v) in boundary.vertices.iter().enumerate() {
-        number[v as usize] = boundary.vertices[groups.sets.find(i as u32) as usize];
-    }
-    exact.into_iter().map(|v| number[v as usize]).collect()
+    let boundary = OpenBoundary::new(mesh, &exact);
+    let mut groups = boundary.groups(Reach { distance: tolerance.max(0.0), of_edge: 0.5 });
+    boundary.welded(exact, &mut groups)
 }
 
 /// The vertices at edges with one face.
@@ -63,10 +108,18 @@ struct OpenBoundary {
     /// In increasing order; everything else here counts by their place in it.
     vertices: Vec<u32>,
     positions: Vec<DVec3>,
-    /// Half of the shortest boundary edge at each.
-    reach: Vec<f64>,
-    /// Edges of the mesh between two of them, the smaller end first, in increasing order.
-    edges: Vec<[u32; 2]>,
+    /// The shortest boundary edge at each.
+    shortest: Vec<f64>,
+    /// Edges of the mesh between two of them, in increasing order.
+    edges: Vec<Edge>,
+}
+
+/// An edge between two boundary vertices.
+struct Edge {
+    /// The smaller first.
+    ends: [u32; 2],
+    /// Where the third corner of its face is, if it has but one.
+    apex: Option<DVec3>,
 }
 
 /// Two boundary vertices that are near each other, the smaller one first.
@@ -76,46 +129,118 @@ struct Pair {
 }
 
 impl OpenBoundary {
-    fn new(positions: &[DVec3], triangles: &[[u32; 3]]) -> Self {
-        let sides = sorted_sides(triangles);
+    /// That of `mesh` once its vertices are one with their `representatives`.
+    fn new(mesh: &Mesh, representatives: &[u32]) -> Self {
+        let welded = mesh.triangles.iter().map(|t| t.map(|v| representatives[v as usize]));
+        let triangles: Vec<[u32; 3]> = welded.filter(|[a, b, c]| a != b && b != c && c != a).collect();
+        let sides = sorted_sides(&triangles);
         let edges = || sides.chunk_by(|a, b| a.ends == b.ends);
         let open = || edges().filter(|e| e.len() == 1).map(|e| e[0].ends);
         let mut vertices: Vec<u32> = open().flatten().collect();
         vertices.sort_unstable();
         vertices.dedup();
         let place = |v: u32| vertices.binary_search(&v).ok();
-        let mut reach = vec![f64::INFINITY; vertices.len()];
+        let mut shortest = vec![f64::INFINITY; vertices.len()];
         for ends in open() {
-            let [a, b] = ends.map(|v| positions[v as usize]);
+            let [a, b] = ends.map(|v| mesh.positions[v as usize]);
             for i in ends.into_iter().filter_map(place) {
-                reach[i] = reach[i].min(0.5 * a.distance(b));
+                shortest[i] = shortest[i].min(a.distance(b));
             }
         }
-        let between = edges().filter_map(|e| Some([place(e[0].ends[0])? as u32, place(e[0].ends[1])? as u32]));
+        let apex = |side: u32| mesh.positions[triangles[side as usize / 3][(side as usize + 2) % 3] as usize];
+        let between = edges().filter_map(|e| {
+            let ends = [place(e[0].ends[0])? as u32, place(e[0].ends[1])? as u32];
+            Some(Edge { ends, apex: (e.len() == 1).then(|| apex(e[0].side)) })
+        });
         let edges = between.collect();
-        let positions = vertices.iter().map(|&v| positions[v as usize]).collect();
-        OpenBoundary { vertices, positions, reach, edges }
+        let positions = vertices.iter().map(|&v| mesh.positions[v as usize]).collect();
+        OpenBoundary { vertices, positions, shortest, edges }
     }
 
     fn are_joined(&self, a: u32, b: u32) -> bool {
-        self.edges.binary_search(&[a.min(b), a.max(b)]).is_ok()
+        self.edges.binary_search_by_key(&[a.min(b), a.max(b)], |edge| edge.ends).is_ok()
     }
 
-    /// All pairs that belong together, the nearest first, those that an edge joins left out.
-    fn pairs(&self, tolerance: f64) -> Vec<Pair> {
+    /// All pairs that may belong together, the nearest first, those that an edge joins left out.
+    fn pairs(&self, reach: Reach) -> Vec<Pair> {
         let set = Neighbors::new(&self.positions);
-        let reach = |i: u32| self.reach[i as usize].min(tolerance);
+        let radius = |i: u32| (reach.of_edge * self.shortest[i as usize]).min(reach.distance);
         let mut pairs: Vec<Pair> = Vec::new();
         for (a, &p) in (0u32..).zip(&self.positions) {
-            for found in set.within(p, reach(a)) {
+            for found in set.within(p, radius(a)) {
                 let (b, distance_squared) = (found.point, found.distance_squared);
-                if a < b && distance_squared <= math::square(reach(b)) && !self.are_joined(a, b) {
+                if a < b && distance_squared <= math::square(radius(b)) && !self.are_joined(a, b) {
                     pairs.push(Pair { ends: [a, b], distance_squared });
                 }
             }
         }
         pairs.sort_unstable_by(|p, q| p.distance_squared.total_cmp(&q.distance_squared).then(p.ends.cmp(&q.ends)));
         pairs
+    }
+
+    /// The vertices that pairs join, but for those that an edge joins.
+    fn groups(&self, reach: Reach) -> UnionFind {
+        let mut groups = Groups::new(self.vertices.len());
+        for pair in self.pairs(reach) {
+            groups.join_unless(pair.ends, |a, b| self.are_joined(a, b));
+        }
+        groups.sets
+    }
+
+    /// The vertices across a seam from each other: the ends of two boundary edges, and of no other, that become one edge.
+    fn seams(&self, reach: Reach) -> Vec<[u32; 2]> {
+        let mut groups = self.groups(reach);
+        let mut edges: Vec<([u32; 2], &Edge)> = Vec::with_capacity(self.edges.len());
+        for edge in &self.edges {
+            let [a, b] = edge.ends.map(|v| groups.find(v));
+            edges.push(([a.min(b), a.max(b)], edge));
+        }
+        edges.sort_by_key(|(ends, _)| *ends);
+        let mut is_crowded = vec![false; self.vertices.len()];
+        let mut seams: Vec<([u32; 2], [u32; 2])> = Vec::new();
+        for same in edges.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() > 1) {
+            let ends = same[0].0;
+            match same {
+                [(_, one), (_, other)] if self.are_halves(one, other) => {
+                    let is_along = groups.find(one.ends[0]) == groups.find(other.ends[0]);
+                    let [c, d] = if is_along { other.ends } else { [other.ends[1], other.ends[0]] };
+                    seams.extend([[one.ends[0], c], [one.ends[1], d]].map(|pair| (ends, pair)));
+                }
+                _ => ends.into_iter().for_each(|end| is_crowded[end as usize] = true),
+            }
+        }
+        seams.retain(|(ends, [a, b])| a != b && !ends.iter().any(|&end| is_crowded[end as usize]));
+        seams.into_iter().map(|(_, pair)| pair).collect()
+    }
+
+    /// Whether two edges at one place have one face each, and these do not lie on each other.
+    fn are_halves(&self, one: &Edge, other: &Edge) -> bool {
+        let [Some(p), Some(q)] = [one.apex, other.apex] else { return false };
+        let [a, b] = one.ends.map(|v| self.positions[v as usize]);
+        let along = (b - a).normalize_or_zero();
+        let [p, q] = [p, q].map(|apex| (apex - a).reject_from_normalized(along).normalize_or_zero());
+        p.dot(q) < FOLDED
+    }
+
+    /// For each vertex the one that it is one with: its representative so far, or the first vertex of the set of that.
+    fn welded(&self, representatives: Vec<u32>, sets: &mut UnionFind) -> Vec<u32> {
+        let mut number: Vec<u32> = (0..representatives.len() as u32).collect();
+        for (i, &v) in (0..).zip(&self.vertices) {
+            number[v as usize] = self.vertices[sets.find(i) as usize];
+        }
+        representatives.into_iter().map(|v| number[v as usize]).collect()
+    }
+
+    /// The vertices that are suspiciously near to others.
+    fn cracks(&self, diagonal: f64) -> Option<Cracks> {
+        let near = self.pairs(SUSPICIOUS.of(diagonal)).into_iter().map(|pair| pair.ends);
+        let pairs: Vec<[u32; 2]> = near.chain(self.seams(SUSPICIOUS_SEAM.of(diagonal))).collect();
+        let gap = |[a, b]: &[u32; 2]| self.positions[*a as usize].distance(self.positions[*b as usize]);
+        let width = pairs.iter().map(gap).reduce(f64::max)?;
+        let mut vertices: Vec<u32> = pairs.into_iter().flatten().collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        Some(Cracks { vertices: vertices.len(), width })
     }
 }
 
@@ -150,10 +275,94 @@ mod tests {
     use crate::mesh::topology::topology;
     use crate::prepare::repair::{repair, repair_welded};
     use glam::dvec3;
+    use std::f64::consts::{PI, TAU};
 
     /// The mesh once its cracks are closed.
     fn closed(mesh: &Mesh, tolerance: f64) -> Mesh {
         repair_welded(mesh, close_cracks(mesh, tolerance)).0.into_mesh()
+    }
+
+    /// The mesh once what rounding opened is closed.
+    fn stitched(mesh: &Mesh) -> Mesh {
+        repair_welded(mesh, stitch(mesh).representatives).0.into_mesh()
+    }
+
+    fn boundary_loops(mesh: &Mesh) -> usize {
+        topology(mesh.positions.len(), &mesh.triangles).boundary_loops
+    }
+
+    fn together(parts: &[&Mesh]) -> Mesh {
+        let mut all = Mesh::default();
+        for part in parts {
+            let base = all.positions.len() as u32;
+            all.positions.extend(&part.positions);
+            all.triangles.extend(part.triangles.iter().map(|t| t.map(|v| v + base)));
+        }
+        all
+    }
+
+    /// A sphere of radius 1 between poles that all meridians share, with a cut along one whose vertices on one side lie off
+    /// by `gap`.
+    fn cut_sphere(gap: f64) -> Mesh {
+        let (rows, columns) = (24u32, 48u32);
+        let place = |i: u32, j: u32| {
+            let (polar, round) = (PI * f64::from(i) / f64::from(rows), TAU * f64::from(j) / f64::from(columns));
+            dvec3(polar.sin() * round.cos(), polar.sin() * round.sin(), polar.cos())
+        };
+        let off = |j: u32| if j == columns { dvec3(0.0, gap, 0.0) } else { DVec3::ZERO };
+        let rings = (1..rows).flat_map(|i| (0..=columns).map(move |j| (i, j)));
+        let poles = [DVec3::Z, DVec3::NEG_Z];
+        let positions: Vec<DVec3> = rings.map(|(i, j)| place(i, j % columns) + off(j)).chain(poles).collect();
+        let [top, bottom] = [2, 1].map(|k| positions.len() as u32 - k);
+        let at = |i: u32, j: u32| match i {
+            0 => top,
+            i if i == rows => bottom,
+            i => (i - 1) * (columns + 1) + j,
+        };
+        let squares =
+            (0..rows).flat_map(|i| (0..columns).map(move |j| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]));
+        let halves = squares.flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+        let triangles = halves.filter(|[a, b, c]| a != b && b != c && c != a).collect();
+        Mesh { positions, triangles }
+    }
+
+    #[test]
+    fn what_rounding_opened_is_closed_and_wider_cracks_are_told() {
+        for gap in [3e-16, 1e-12, 1e-7, 1e-6] {
+            let cut = cut_sphere(gap);
+            assert_eq!(boundary_loops(&repair(&cut).0), 1);
+            let (whole, repairs) = repair_welded(&cut, stitch(&cut).representatives);
+            assert_eq!((boundary_loops(&whole), repairs.cut_edges), (0, 0), "{gap}");
+            assert_eq!((repairs.seam_vertices, repairs.welded_vertices), (23, 23), "{gap}");
+            assert_eq!(stitch(&cut).cracks, None);
+        }
+        for gap in [1e-5, 2e-3] {
+            let cut = cut_sphere(gap);
+            assert_eq!(boundary_loops(&stitched(&cut)), 1);
+            let cracks = stitch(&cut).cracks.unwrap();
+            assert_eq!(cracks.vertices, 46);
+            assert!((cracks.width - gap).abs() < 1e-9);
+            assert_eq!(boundary_loops(&closed(&cut, 1.01 * cracks.width)), 0);
+        }
+    }
+
+    #[test]
+    fn slits_and_sheets_that_are_meant_stay() {
+        let slit = cut_sphere(0.03);
+        assert!(stitch(&slit).cracks.is_none() && boundary_loops(&stitched(&slit)) == 1);
+        // Sheets on each other, in either direction, and three along a line.
+        let sheet_at = |z: f64, y: DVec3| sheet(4, dvec3(0.0, 0.0, z), DVec3::X, y);
+        let mut behind = sheet_at(1e-8, DVec3::Y);
+        for _ in 0..2 {
+            assert_eq!(boundary_loops(&stitched(&together(&[&sheet_at(0.0, DVec3::Y), &behind]))), 2);
+            behind.triangles.iter_mut().for_each(|t| t.swap(0, 1));
+        }
+        let fan = [sheet_at(0.0, DVec3::Y), sheet_at(1e-8, DVec3::NEG_Y), sheet_at(2e-8, DVec3::Z)];
+        let three = together(&[&fan[0], &fan[1], &fan[2]]);
+        assert_eq!(boundary_loops(&stitched(&three)), 3);
+        assert!(stitch(&three).cracks.is_some());
+        let two = together(&[&fan[0], &fan[1]]);
+        assert_eq!(boundary_loops(&stitched(&two)), 1);
     }
 
     /// A sheet of n by n squares over the parallelogram of `x` and `y` at `origin`.
@@ -190,19 +399,21 @@ mod tests {
         for n in [1, 4] {
             let apart = repair(&cube_of_sheets(n, 1e-7)).0;
             assert_eq!(topology(apart.positions.len(), &apart.triangles).boundary_loops, 6);
-            assert_eq!(open_cracks(&apart), 6 * 4 * n as usize);
+            assert_eq!(stitched(&apart), stitched(&cube_of_sheets(n, 1e-7)));
             let closed = closed(&apart, 1e-6);
+            assert_eq!(boundary_loops(&stitched(&apart)), 0);
             let t = topology(closed.positions.len(), &closed.triangles);
             assert_eq!((t.euler, t.components, t.boundary_loops), (2, 1, 0));
             assert!(t.is_manifold() && t.is_oriented() && t.vertices == closed.positions.len());
-            assert_eq!((closed.triangles.len(), open_cracks(&closed)), (apart.triangles.len(), 0));
+            assert_eq!((closed.triangles.len(), stitch(&closed).cracks), (apart.triangles.len(), None));
         }
     }
 
     #[test]
     fn an_open_sheet_has_none_however_fine_it_is() {
         let open = sheet(20, DVec3::ZERO, DVec3::X, DVec3::Y);
-        assert_eq!(open_cracks(&open), 0);
+        assert_eq!(stitch(&open).cracks, None);
+        assert!(stitch(&open).representatives.into_iter().eq(0..21 * 21));
         assert!(close_cracks(&open, 100.0).into_iter().eq(0..21 * 21));
         // A second one far off: the edges of the first are shorter than what is suspicious.
         let mut far = sheet(2, dvec3(1e7, 0.0, 0.0), DVec3::X, DVec3::Y);
@@ -210,7 +421,7 @@ mod tests {
         let mut both = open;
         both.positions.extend(far.positions);
         both.triangles.extend(far.triangles);
-        assert_eq!(open_cracks(&both), 0);
+        assert_eq!(stitch(&both).cracks, None);
     }
 
     #[test]
@@ -225,21 +436,21 @@ mod tests {
             positions: [DVec3::ZERO].into_iter().chain(ring).collect(),
             triangles: (1..=12).map(|k| [0, k, k + 1]).collect(),
         };
-        assert_eq!(open_cracks(&slit), 2);
-        let closed = closed(&slit, 1e-6);
-        assert_eq!((closed.positions.len(), closed.triangles.len()), (13, 12));
-        assert_eq!(open_cracks(&closed), 0);
+        for closed in [closed(&slit, 1e-6), stitched(&slit)] {
+            assert_eq!((closed.positions.len(), closed.triangles.len()), (13, 12));
+            assert_eq!(stitch(&closed).cracks, None);
+        }
     }
 
     #[test]
-    fn sheets_that_were_cut_apart_at_one_place_are_no_seam() {
+    fn a_fin_at_one_place_is_no_seam() {
         let fin = Mesh {
             positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::NEG_Y, DVec3::Z],
             triangles: vec![[0, 1, 2], [1, 0, 3], [0, 1, 4]],
         };
         let (apart, repairs) = repair(&fin);
         assert_eq!(repairs.cut_edges, 1);
-        assert_eq!(open_cracks(&apart), 0);
+        assert_eq!(stitch(&apart).cracks, None);
     }
 
     #[test]
@@ -248,7 +459,7 @@ mod tests {
         for tolerance in [0.0, -1.0, f64::NAN] {
             assert!(close_cracks(&apart, tolerance).into_iter().eq(0..24));
         }
-        assert_eq!(open_cracks(&Mesh::default()), 0);
+        assert_eq!(stitch(&Mesh::default()).cracks, None);
         assert!(close_cracks(&Mesh::default(), 1.0).is_empty());
     }
 }

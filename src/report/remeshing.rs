@@ -9,6 +9,7 @@ use crate::mesh::attributes::Lost;
 use crate::mesh::topology::{Topology, topology};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::{CloudSummary, Coverage, Deviation, Remeshed};
+use crate::prepare::cells::without_faces_between_cells;
 use crate::prepare::repair::Repairs;
 use crate::quality::distance::{Distance, REPORT_SAMPLES, distance};
 use crate::quality::shape::{Shape, shape};
@@ -16,6 +17,7 @@ use crate::report::run::{RunSummary, to_json};
 use crate::spatial::self_intersections::self_intersections;
 use crate::transfer::vertex::Carried;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Name and version of the JSON schema.
 pub const SCHEMA: &str = "spectral-remesh/report/2";
@@ -139,7 +141,7 @@ impl Report {
             repairs: Some(remeshed.repairs),
             repaired: Some(remeshed.repaired),
             crossings: Crossings::of(remeshed),
-            distance: distance(&remeshed.mesh, input, REPORT_SAMPLES, seed),
+            distance: distance(&remeshed.mesh, &outside(input, &remeshed.repairs), REPORT_SAMPLES, seed),
             deviation: remeshed.deviation,
             sampling: Some(Sampling {
                 wanted,
@@ -216,6 +218,14 @@ impl Report {
     /// The report as indented JSON that ends with a line break.
     pub fn to_json(&self) -> String {
         to_json(self)
+    }
+}
+
+/// The surface that a result is to be near to: the input without the faces that repairs took from between its cells.
+fn outside<'a>(input: &'a Mesh, repairs: &Repairs) -> Cow<'a, Mesh> {
+    match repairs.faces_between_cells {
+        0 => Cow::Borrowed(input),
+        _ => Cow::Owned(without_faces_between_cells(input)),
     }
 }
 

@@ -190,8 +190,10 @@ fn list(out: &mut String, name: &str, phrases: &[String]) {
 fn repairs_made(repairs: &Repairs) -> Vec<String> {
     let &Repairs {
         welded_vertices,
+        seam_vertices,
         unused_vertices,
         degenerate_triangles,
+        faces_between_cells,
         duplicate_triangles,
         flipped_triangles,
         cut_edges,
@@ -200,8 +202,10 @@ fn repairs_made(repairs: &Repairs) -> Vec<String> {
     } = repairs;
     let made = [
         (welded_vertices, "vertices welded"),
+        (seam_vertices, "of them across seams"),
         (unused_vertices, "unused vertices dropped"),
         (degenerate_triangles, "degenerate triangles dropped"),
+        (faces_between_cells, "faces between cells dropped"),
         (duplicate_triangles, "duplicate triangles dropped"),
         (flipped_triangles, "triangles turned over"),
         (cut_edges, "edges of more than two faces taken apart"),

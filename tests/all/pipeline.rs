@@ -279,6 +279,29 @@ fn a_length_means_a_number_of_vertices() {
     }
 }
 
+/// Separate triangles whose corners rounding parted are one surface; cracks are told with what closes them.
+#[test]
+fn seams_that_rounding_opened_are_closed() {
+    let apart = |gap: f64| noisy(soup(&torus(30, 15, 3.0, 1.0)), gap, &mut random(3));
+    let made = check("rounded", &apart(1e-6), 500);
+    assert_eq!((made.output.euler, made.output.components, made.output.boundary_loops), (0, 1, 0));
+    assert!(made.repairs.seam_vertices > 2000 && made.verified());
+
+    let halves = |gap: f64| {
+        let [left, right] = [-1.0, 0.0].map(|x| moved(sheet(10, 10), |p| dvec3(p.x + x, p.y, 0.0)));
+        together(&[moved(left, |p| p - dvec3(gap, 0.0, 0.0)), right])
+    };
+    for (weld, components) in [(None, 1), (Some(0.0), 2)] {
+        let made = check_with("seam", &halves(1e-7), &Options { weld, ..points(300) });
+        assert_eq!(made.output.components, components);
+    }
+    let made = check("crack", &halves(1e-3), 300);
+    let note = made.notes.iter().find(|note| note.contains("--weld 1.01e-3 closes it"));
+    assert!(note.is_some() && made.output.components == 2, "{:?}", made.notes);
+    let closed = check_with("closed", &halves(1e-3), &Options { weld: Some(1.01e-3), ..points(300) });
+    assert_eq!((closed.output.components, closed.notes.len()), (1, 1));
+}
+
 /// Inputs that are no manifold, and what has to be done to them.
 #[test]
 fn broken_inputs_are_mended_and_the_repairs_reported() {
@@ -304,6 +327,12 @@ fn broken_inputs_are_mended_and_the_repairs_reported() {
     copies.triangles.extend(copies.triangles.clone().iter().take(50).map(|&[a, b, c]| [b, c, a]));
     let made = check("copies", &copies, 200);
     assert_eq!((made.repairs.duplicate_triangles, made.output.euler), (50, 0));
+
+    let places = (0..64).map(|i| [i % 4, i / 4 % 4, i / 16]);
+    let listed = together(&places.map(|place| cells(&[place])).collect::<Vec<Mesh>>());
+    let made = check("volume", &listed, 500);
+    assert_eq!((made.repairs.faces_between_cells, made.output.euler, made.sharp_curves), (64 * 12 - 192, 2, 12));
+    assert!((volume(&made.mesh) - 64.0).abs() < 1e-9 && made.notes[0].contains("between the cells"));
 
     let mut flipped = torus(20, 10, 3.0, 1.0);
     flipped.triangles.iter_mut().step_by(3).for_each(|t| t.swap(0, 1));

@@ -3,7 +3,8 @@
 use crate::cli::args::shared::{FormatArgs, MeshFile, NormalArgs, Run, RunArgs, density};
 use crate::cli::args::stop::Stop;
 use crate::cli::args::words::{
-    PropertyWidth, Sizing, features, mark, max_error, no_density, points, positive, property_width, within,
+    PropertyWidth, Sizing, features, mark, max_error, no_density, points, positive, positive_or_zero, property_width,
+    within,
 };
 use crate::job::{Carry, RemeshOptions};
 use crate::pipeline::{Density, Grading, MaxError, Options, SMOOTHING_SUPPORT, Selection, Signal};
@@ -36,8 +37,9 @@ pub(super) struct RemeshArgs {
     /// Seed of the random numbers: same seed, same input, same output
     #[arg(long, value_name = "SEED", default_value_t = 0)]
     seed: u64,
-    /// Weld boundary vertices within this distance, in the units of the input, to close seams left open by rounding
-    #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true, value_parser = positive)]
+    /// Weld boundary vertices within this distance, in the units of the input, to close cracks; 0 welds only those at
+    /// exactly one place [default: seams that rounding opened are closed]
+    #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true, value_parser = positive_or_zero)]
     weld: Option<f64>,
     /// Sharp edges to keep: those across which the input turns by so many degrees, or none [default: decided from the
     /// input]

@@ -134,6 +134,12 @@ pub(super) fn property_width(word: &str) -> Result<PropertyWidth, String> {
     Ok(PropertyWidth { name: name.into(), sigma: positive(sigma)? })
 }
 
+/// A length that makes sense, or zero for none.
+pub(super) fn positive_or_zero(word: &str) -> Result<f64, String> {
+    let is_zero = word.parse::<f64>() == Ok(0.0);
+    if is_zero { Ok(0.0) } else { positive(word).map_err(|_| "it must be a positive number, or 0".into()) }
+}
+
 /// A length that makes sense.
 pub(super) fn positive(word: &str) -> Result<f64, String> {
     let positive = word.parse().ok().filter(|&x: &f64| x > 0.0 && x.is_finite());

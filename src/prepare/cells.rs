@@ -1,0 +1,123 @@
+//! Volumes that are listed cell by cell: their faces inside are there twice, once for the cell on either side.
+//!
+//! A face and one with the same corners in the opposite direction are a pair. If pairs are at least half of all faces, and
+//! what is left without them is closed, they are the faces between the cells of a volume, and what is left is its outside.
+//! A sheet that was modelled from both sides leaves nothing, and a body with a few such sheets in it has other faces mostly.
+//!
+//! Cost: linear in the sides, once these are sorted.
+//!
+//! Limits: cells with a face too few or turned over leave an outside that is open, and nothing is dropped. So it is with
+//! volumes of so few cells that most of the faces are outside.
+
+use crate::mesh::topology::{Side, sorted_sides};
+use crate::mesh::triangle_mesh::Mesh;
+use crate::mesh::weld::representatives;
+
+/// For each triangle whether it lies between two cells of a volume; `None` if the triangles are no such volume. `sides` are
+/// the [`sorted_sides`] of all triangles, none of which may have a corner twice.
+pub(super) fn faces_between_cells(triangles: &[[u32; 3]], sides: &[Side]) -> Option<Vec<bool>> {
+    let mut between = vec![false; triangles.len()];
+    for group in coincident(triangles, sides) {
+        let is_even = |t: &u32| is_even(triangles[*t as usize]);
+        let (one, other): (Vec<u32>, Vec<u32>) = group.into_iter().partition(is_even);
+        one.into_iter().zip(other).for_each(|(a, b)| [a, b].into_iter().for_each(|t| between[t as usize] = true));
+    }
+    let count = between.iter().filter(|&&is| is).count();
+    let is_volume = count > 0 && 2 * count >= triangles.len() && count < triangles.len();
+    (is_volume && is_closed(sides.iter().filter(|s| !between[s.side as usize / 3]).copied())).then_some(between)
+}
+
+/// `mesh` without the triangles between the cells of a volume, if it is one; its vertices stay.
+pub fn without_faces_between_cells(mesh: &Mesh) -> Mesh {
+    let first = representatives(&mesh.positions);
+    let welded = mesh.triangles.iter().map(|t| t.map(|v| first[v as usize]));
+    let (numbers, welded): (Vec<usize>, Vec<[u32; 3]>) =
+        welded.enumerate().filter(|(_, [a, b, c])| a != b && b != c && c != a).unzip();
+    let between = faces_between_cells(&welded, &sorted_sides(&welded)).unwrap_or_else(|| vec![false; welded.len()]);
+    let outside = numbers.into_iter().zip(between).filter(|(_, is_between)| !is_between);
+    Mesh { positions: mesh.positions.clone(), triangles: outside.map(|(t, _)| mesh.triangles[t]).collect() }
+}
+
+/// The triangles that have all three corners in common with others, those of each place together, in increasing order.
+pub(super) fn coincident<'a>(triangles: &'a [[u32; 3]], sides: &'a [Side]) -> impl Iterator<Item = Vec<u32>> + 'a {
+    let edges = sides.chunk_by(|a, b| a.ends == b.ends).filter(|e| e.len() > 1);
+    edges.flat_map(|edge| {
+        let apex = |s: &Side| triangles[s.side as usize / 3][(s.side as usize + 2) % 3];
+        // Each triangle is looked at once: at the edge across from its last corner.
+        let across = edge.iter().filter(|s| apex(s) > s.ends[1]);
+        let mut faces: Vec<(u32, u32)> = across.map(|s| (apex(s), s.side / 3)).collect();
+        faces.sort_unstable();
+        let groups = faces.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() > 1);
+        groups.map(|group| group.iter().map(|face| face.1).collect()).collect::<Vec<Vec<u32>>>()
+    })
+}
+
+/// Whether the corners increase but for where the list starts: of two triangles with the same corners one direction does.
+fn is_even([a, b, c]: [u32; 3]) -> bool {
+    usize::from(a < b) + usize::from(b < c) + usize::from(c < a) == 2
+}
+
+/// Whether each edge has as many sides in one direction as in the other.
+fn is_closed(sides: impl Iterator<Item = Side>) -> bool {
+    let sides: Vec<Side> = sides.collect();
+    let balance = |edge: &[Side]| 2 * edge.iter().filter(|s| s.forward).count() == edge.len();
+    sides.chunk_by(|a, b| a.ends == b.ends).all(balance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{cube, sheet};
+    use glam::{DVec3, dvec3};
+
+    /// `n` cubes a side, each listed with all its faces and vertices of its own.
+    fn volume(n: u32) -> Mesh {
+        let cells = (0..n * n * n).map(|i| dvec3((i % n).into(), (i / n % n).into(), (i / n / n).into()));
+        together(cells.map(|at| moved(&cube(), at)))
+    }
+
+    fn moved(mesh: &Mesh, by: DVec3) -> Mesh {
+        Mesh { positions: mesh.positions.iter().map(|&p| p + by).collect(), triangles: mesh.triangles.clone() }
+    }
+
+    fn together(parts: impl IntoIterator<Item = Mesh>) -> Mesh {
+        let mut all = Mesh::default();
+        for part in parts {
+            let base = all.positions.len() as u32;
+            all.positions.extend(part.positions);
+            all.triangles.extend(part.triangles.iter().map(|t| t.map(|v| v + base)));
+        }
+        all
+    }
+
+    fn dropped(mesh: &Mesh) -> usize {
+        mesh.triangles.len() - without_faces_between_cells(mesh).triangles.len()
+    }
+
+    #[test]
+    fn the_outside_of_a_volume_is_left() {
+        for n in [2, 3] {
+            let outside = without_faces_between_cells(&volume(n));
+            assert_eq!(outside.triangles.len() as u32, 12 * n * n);
+            assert_eq!(outside.area(), 6.0 * f64::from(n * n));
+            assert_eq!(without_faces_between_cells(&outside), outside);
+        }
+    }
+
+    #[test]
+    fn what_is_no_volume_loses_nothing() {
+        let turned = |mesh: &Mesh| Mesh {
+            positions: mesh.positions.clone(),
+            triangles: mesh.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(),
+        };
+        let sheet = sheet(4, |_, _| 2.0);
+        assert_eq!(dropped(&together([sheet.clone(), turned(&sheet)])), 0);
+        let fin = Mesh { triangles: sheet.triangles[..2].to_vec(), ..sheet };
+        assert_eq!(dropped(&together([cube(), fin.clone(), turned(&fin)])), 0);
+        let mut open = volume(3);
+        open.triangles.remove(0);
+        assert_eq!(dropped(&open), 0);
+        assert_eq!(dropped(&cube()), 0);
+        assert_eq!(dropped(&Mesh::default()), 0);
+    }
+}
