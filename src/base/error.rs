@@ -87,7 +87,7 @@ pub enum Fault {
     NotManifold,
     /// The wanted vertices would be too near to each other.
     TooNarrow,
-    /// No surface goes through the points.
+    /// No surface goes through the points, or the faces are none: cells of a volume, say.
     NoSurface,
     /// It does not have an attribute that was asked for.
     NoAttribute,

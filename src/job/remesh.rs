@@ -214,6 +214,7 @@ fn outcome(surface: &Surface, remeshed: Remeshed, attributes: Attributes, report
             &remeshed.output,
             &remeshed.repaired,
             &Crossings::of(&remeshed),
+            &remeshed.slivers,
             remeshed.deviation.as_ref(),
         ),
         attributes,

@@ -11,12 +11,19 @@ use crate::geom::triangle::{area, smallest_angle};
 use crate::manifold::Manifold;
 use crate::manifold::facing::FacingGuard;
 use crate::mesh::half_edge::OnCurve;
+use glam::DVec3;
 
 /// Angle in degrees below which a triangle is a sliver.
 const SMALLEST: f64 = 20.0;
 
 /// How far a vertex may merge or a curve bend, in wanted lengths.
 const FARTHEST: f64 = 0.3;
+
+/// The same across the rim of a wall: its two sides would meet in an edge, here and there if some of it is thicker.
+const FARTHEST_OF_WALL: f64 = 0.1;
+
+/// Cosine between the sides of a wall: 120 degrees.
+const OPPOSITE: f64 = -0.5;
 
 /// Degrees by which the angles below the smallest have to grow, all in all.
 const LEAST_GAIN: f64 = 1.0;
@@ -53,11 +60,31 @@ fn merge_ends(mesh: &mut Manifold, t: u32, spacing: f64) -> bool {
     if length(h) > FARTHEST * FARTHEST * spacing * spacing {
         return false;
     }
+    let is_long = length(h) > FARTHEST_OF_WALL * FARTHEST_OF_WALL * spacing * spacing;
+    if is_long && is_across_wall(mesh, h) {
+        return false;
+    }
     let ways = mesh.connectivity.both_sides(h).filter_map(|h| Some((gain_of_merging(mesh, h)?, h)));
     let best = ways.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
     let Some((_, h)) = best.filter(|way| way.0 >= LEAST_GAIN) else { return false };
     mesh.merge(h);
     true
+}
+
+/// Whether the edge of `h` leads from one side of a wall to the other: what lies around one end faces against what lies
+/// around the other.
+fn is_across_wall(mesh: &Manifold, h: u32) -> bool {
+    let c = &mesh.connectivity;
+    let normal = |v: u32, other: u32| {
+        let own = c.outgoing(v).map(|out| c.triangle(out)).filter(|corners| !corners.contains(&other));
+        let areas = own.map(|corners| {
+            let [p, q, r] = corners.map(|v| mesh.position(v));
+            (q - p).cross(r - p)
+        });
+        areas.sum::<DVec3>().normalize_or_zero()
+    };
+    let [a, b] = [c.origin(h), c.target(h)];
+    normal(a, b).dot(normal(b, a)) < OPPOSITE
 }
 
 /// By how many degrees the small angles around grow if the origin of `h` merges into its target; `None` if it must not.
@@ -109,7 +136,7 @@ mod tests {
     use crate::mesh::topology::topology;
     use crate::surface::domain::Sample;
     use crate::testing::grid;
-    use glam::{DVec3, dvec3};
+    use glam::dvec3;
 
     fn flat(positions: &[DVec3], triangles: &[[u32; 3]]) -> Manifold {
         let sample = |&position| Sample { position, normal: DVec3::Z, triangle: 0, size: 1.0 };

@@ -18,6 +18,7 @@ mod sample;
 mod scale;
 mod selection;
 mod sized;
+mod slivers;
 mod unit;
 mod values;
 mod within;

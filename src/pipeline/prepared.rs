@@ -57,6 +57,7 @@ impl<'a> PreparedInput<'a> {
             },
         );
         check(monitor)?;
+        refuse_no_surface(&repairs, repaired.triangles.len())?;
         let untouched = repairs == Repairs::default();
         let of_repaired = if untouched { of_input } else { topology_of(&repaired) };
         let scale = if options.part.is_some() { 1.0 } else { unit.size };
@@ -103,6 +104,24 @@ pub(super) fn refuse_bad_numbers(mesh: &Mesh) -> Result<()> {
         );
     }
     Ok(())
+}
+
+/// Edges with more than two faces, in all and for each face, above which a mesh is no surface: one of sheets that meet has a
+/// twentieth for each face at most, the cells of a volume or all triangles between near points have half of one. It would
+/// fall apart into as many patches as it has faces.
+const MANY_CUT_EDGES: usize = 1000;
+const MOST_CUT_EDGES: f64 = 0.25;
+
+fn refuse_no_surface(repairs: &Repairs, faces: usize) -> Result<()> {
+    let cut = repairs.cut_edges;
+    if cut < MANY_CUT_EDGES || (cut as f64) < MOST_CUT_EDGES * faces as f64 {
+        return Ok(());
+    }
+    let cause = format!(
+        "{cut} edges have more than two faces, of {faces}: cells of a volume, or triangles between all near points, are no surface"
+    );
+    let remedy = "give only its outside, or only its points".into();
+    Err(Error::Mesh { fault: Fault::NoSurface, cause, remedy })
 }
 
 pub(super) fn refuse_bad_positions(positions: &[DVec3]) -> Result<()> {

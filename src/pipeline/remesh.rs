@@ -20,6 +20,7 @@ use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::result::{Deviation, Remeshed, has_kind, note_on_left_out, notes};
 use crate::pipeline::scale::CANDIDATES_PER_POINT;
 use crate::pipeline::sized::SizedSurface;
+use crate::pipeline::slivers::slivers;
 use crate::pipeline::within::Sewn;
 use crate::quality::bound::{Bounds, hausdorff_bounds};
 use crate::spatial::self_intersections::self_intersections;
@@ -276,6 +277,8 @@ fn remeshed(
     let unit = &prepared.unit;
     let kept = within.as_ref().zip(finished.sewn.as_ref()).map(|(within, sewn)| within.kept(sewn));
     let origins = origins(prepared, surface, &finished.manifold, &finished.of_part, finished.sewn.as_ref());
+    let kept_faces = (finished.mesh.triangles.len() - finished.of_part.triangles.len()) as u32;
+    let slivers = slivers(&finished.manifold).into_iter().map(|t| kept_faces + t).collect();
     let intersects = !finished.self_intersections.is_empty();
     let mut result = Remeshed {
         input: prepared.of_input,
@@ -292,6 +295,7 @@ fn remeshed(
         tessellated_patches: finished.tessellated_patches,
         self_intersections_of_input: intersects.then(|| self_intersections_of(surface)),
         self_intersections: finished.self_intersections,
+        slivers,
         deviation,
         kept,
         notes: Vec::new(),

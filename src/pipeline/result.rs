@@ -4,6 +4,7 @@ use crate::mesh::provenance::Origins;
 use crate::mesh::submesh::Kept;
 use crate::mesh::topology::Topology;
 use crate::mesh::triangle_mesh::Mesh;
+use crate::pipeline::slivers::SLIVER;
 use crate::prepare::repair::Repairs;
 use crate::prepare::stitch::Cracks;
 use crate::surface::narrow_patches::LeftOut;
@@ -42,6 +43,9 @@ pub struct Remeshed {
     pub self_intersections: Vec<u32>,
     /// How many faces of the repaired input do; `None` where the result has none, since then nobody needs to know.
     pub self_intersections_of_input: Option<usize>,
+    /// Triangles that were made, with an angle below 1 degree that the sharp edges and boundaries of the input do not force,
+    /// in increasing order.
+    pub slivers: Vec<u32>,
     /// How far the result is from the repaired input; `None` if no bound was asked for.
     pub deviation: Option<Deviation>,
     /// What of the input came through untouched, if only a part of it was remeshed: its vertices and triangles are the
@@ -73,9 +77,9 @@ impl Deviation {
 
 impl Remeshed {
     /// Whether the result is what it should be: of the topology of the repaired input, without faces that cross each
-    /// other, unless the input has some, too, and as near to the input as was asked for.
+    /// other, unless the input has some, too, without slivers, and as near to the input as was asked for.
     pub fn verified(&self) -> bool {
-        self.is_sound() && self.deviation.is_none_or(|d| d.is_allowed())
+        self.is_sound() && self.slivers.is_empty() && self.deviation.is_none_or(|d| d.is_allowed())
     }
 
     /// Whether the result is of the topology of the repaired input, without faces that cross each other, unless the
@@ -137,6 +141,7 @@ pub(super) fn notes(result: &Remeshed, cracks: Option<Cracks>, blunted: bool) ->
         ));
     }
     notes.extend(note_on_self_intersections(result));
+    notes.extend(note_on_slivers(result));
     notes.extend(result.deviation.as_ref().filter(|d| !d.is_allowed()).map(note_on_deviation));
     if !result.has_topology() {
         notes.push("the result does not have the topology of the input".into());
@@ -151,6 +156,15 @@ fn note_on_cracks(Cracks { vertices, width }: Cracks) -> String {
     format!(
         "{vertices} boundary vertices lie within {width} of another one across a gap: if it is a crack, --weld {width} closes it"
     )
+}
+
+/// How many slivers there are, and where the first one is.
+fn note_on_slivers(result: &Remeshed) -> Option<String> {
+    let (first, count) = (*result.slivers.first()?, result.slivers.len());
+    let place = near(result.mesh.corners(first as usize).into_iter().sum::<DVec3>() / 3.0);
+    Some(format!(
+        "{count} faces have an angle below {SLIVER} degree, the first {place}: more points there would part them"
+    ))
 }
 
 /// How many faces intersect others, where the first one is, and whether the input is to blame.

@@ -30,7 +30,7 @@ pub struct Report {
     /// Version of the tool that made the report.
     pub version: String,
     /// Whether the output is an oriented manifold of the repaired input's Euler characteristic, components and boundary
-    /// loops, without self-intersections unless the input has some, and within the error asked for; `None` for
+    /// loops, without self-intersections unless the input has some, without slivers, and within the error asked for; `None` for
     /// a mesh that was measured only.
     pub verified: Option<bool>,
     /// The input as it was read; for a mesh that was measured only, what it was measured against.
@@ -48,6 +48,10 @@ pub struct Report {
     pub output: Measured,
     /// Self-intersecting faces.
     pub crossings: Crossings,
+    /// Faces of the output with an angle below 1 degree that the sharp edges and boundaries of the input do not force, in
+    /// increasing order, numbered from 0; empty for a mesh that was measured only.
+    #[serde(default)]
+    pub slivers: Vec<u32>,
     /// Distances between output and input, in percent of the diagonal of the input's bounding box.
     pub distance: Option<Distance>,
     /// How far the output is from the repaired input, and may be; `None` if no bound was asked for.
@@ -141,6 +145,7 @@ impl Report {
             repairs: Some(remeshed.repairs),
             repaired: Some(remeshed.repaired),
             crossings: Crossings::of(remeshed),
+            slivers: remeshed.slivers.clone(),
             distance: distance(&remeshed.mesh, &outside(input, &remeshed.repairs), REPORT_SAMPLES, seed),
             deviation: remeshed.deviation,
             sampling: Some(Sampling {
@@ -193,6 +198,7 @@ impl Report {
             repaired: None,
             output,
             crossings: Crossings::default(),
+            slivers: Vec::new(),
             distance: None,
             deviation: None,
             sampling: None,
@@ -210,7 +216,10 @@ impl Report {
     /// Why the output is not what the input asked for, a phrase each; empty for a verified result and for a mesh that
     /// was measured only.
     pub fn shortcomings(&self) -> Vec<String> {
-        let against = |wanted| shortcomings(&self.output.topology, wanted, &self.crossings, self.deviation.as_ref());
+        let against = |wanted| {
+            let Report { output, crossings, slivers, deviation, .. } = self;
+            shortcomings(&output.topology, wanted, crossings, slivers, deviation.as_ref())
+        };
         let of_mesh = self.repaired.as_ref().map_or_else(Vec::new, against);
         of_mesh.into_iter().chain(self.coverage.as_ref().and_then(too_few_covered)).collect()
     }
@@ -230,12 +239,13 @@ fn outside<'a>(input: &'a Mesh, repairs: &Repairs) -> Cow<'a, Mesh> {
 }
 
 /// What keeps a result from being an oriented manifold of the wanted Euler characteristic, components and boundary
-/// loops, without crossing faces that the input does not have and within the error asked for, a phrase each; empty if it
+/// loops, without crossing faces that the input does not have, without slivers and within the error asked for, a phrase each; empty if it
 /// is one.
 pub fn shortcomings(
     found: &Topology,
     wanted: &Topology,
     crossings: &Crossings,
+    slivers: &[u32],
     deviation: Option<&Deviation>,
 ) -> Vec<String> {
     let new_crossings = if crossings.repaired == Some(0) { crossings.faces.len() } else { 0 };
@@ -244,6 +254,7 @@ pub fn shortcomings(
         (found.nonmanifold_vertices, "vertices with more than one fan"),
         (found.misoriented_edges, "edges between faces of opposite orientation"),
         (new_crossings, "self-intersecting faces"),
+        (slivers.len(), "faces with an angle below 1 degree"),
     ];
     let differences = [
         ("Euler characteristic", found.euler, wanted.euler),
@@ -318,6 +329,7 @@ pub(super) mod tests {
             tessellated_patches: 0,
             self_intersections: vec![],
             self_intersections_of_input: None,
+            slivers: vec![],
             kept: None,
             notes: vec!["One face is missing.".into()],
         };
@@ -405,7 +417,7 @@ pub(super) mod tests {
     #[test]
     fn self_intersections_that_the_input_does_not_have_are_a_shortcoming() {
         let wanted = topology(4, &tetrahedron().triangles);
-        let with = |repaired| shortcomings(&wanted, &wanted, &Crossings { faces: vec![3, 5], repaired }, None);
+        let with = |repaired| shortcomings(&wanted, &wanted, &Crossings { faces: vec![3, 5], repaired }, &[], None);
         assert_eq!(with(Some(0)), ["2 self-intersecting faces"]);
         assert_eq!((with(Some(7)), with(None)), (vec![], vec![]));
     }

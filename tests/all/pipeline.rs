@@ -9,7 +9,7 @@ use spectral_remesh::stages::quality::distance::distance;
 use spectral_remesh::stages::quality::shape::shape;
 use spectral_remesh::stages::spatial::bvh::Bvh;
 use spectral_remesh::stages::surface::features::Features;
-use spectral_remesh::{Density, Error, Grading, MaxError, Mesh, Monitor, Options, Values};
+use spectral_remesh::{Density, Error, Fault, Grading, MaxError, Mesh, Monitor, Options, Values};
 
 fn points(n: usize) -> Options {
     Options { density: Density::Points(n), ..Options::default() }
@@ -529,6 +529,31 @@ fn the_error_is_bounded() {
     assert!(made.verified() && made.notes.is_empty(), "{:?}", made.notes);
     let fewer = within(Density::Points(made.wanted * 3 / 4), 0.001);
     assert!(!fewer.verified(), "{} of {}", fewer.wanted, made.wanted);
+}
+
+/// Cubes of six tetrahedra each, every tetrahedron written as if it were a skew square.
+fn tetrahedra_as_squares(n: u32) -> Mesh {
+    let at = |x: u32, y: u32, z: u32| (x * (n + 1) + y) * (n + 1) + z;
+    let lattice = |m: u32| (0..m).flat_map(move |x| (0..m).flat_map(move |y| (0..m).map(move |z| [x, y, z])));
+    let positions = lattice(n + 1).map(|[x, y, z]| dvec3(x.into(), y.into(), z.into())).collect();
+    let mut triangles = Vec::new();
+    for [x, y, z] in lattice(n) {
+        let corner = |bits: u32| at(x + (bits & 1), y + (bits >> 1 & 1), z + (bits >> 2));
+        for [i, j] in [[1, 3], [1, 5], [2, 3], [2, 6], [4, 5], [4, 6]] {
+            let [a, b, c, d] = [0, i, j, 7].map(corner);
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    Mesh { positions, triangles }
+}
+
+#[test]
+fn the_inside_of_a_volume_is_refused() {
+    let made = remesh(&tetrahedra_as_squares(10), &points(500), &());
+    let Err(Error::Mesh { fault: Fault::NoSurface, cause, remedy }) = made else {
+        panic!("{:?}", made.map(|m| m.output))
+    };
+    assert!(cause.contains("more than two faces") && remedy.contains("outside"), "{cause}; {remedy}");
 }
 
 /// A monitor that stops at the stage of a name.
