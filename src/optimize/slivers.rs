@@ -71,10 +71,11 @@ fn merge_ends(mesh: &mut Manifold, t: u32, spacing: f64) -> bool {
     true
 }
 
-/// Whether the edge of `h` leads from one side of a wall to the other: what lies around one end faces against what lies
-/// around the other.
+/// Whether the edge of `h` leads from one curve along the rim of a wall to the other: what lies around one end faces against
+/// what lies around the other.
 fn is_across_wall(mesh: &Manifold, h: u32) -> bool {
     let c = &mesh.connectivity;
+    let [a, b] = [c.origin(h), c.target(h)];
     let normal = |v: u32, other: u32| {
         let own = c.outgoing(v).map(|out| c.triangle(out)).filter(|corners| !corners.contains(&other));
         let areas = own.map(|corners| {
@@ -83,8 +84,7 @@ fn is_across_wall(mesh: &Manifold, h: u32) -> bool {
         });
         areas.sum::<DVec3>().normalize_or_zero()
     };
-    let [a, b] = [c.origin(h), c.target(h)];
-    normal(a, b).dot(normal(b, a)) < OPPOSITE
+    c.is_on_curve(a) && c.is_on_curve(b) && normal(a, b).dot(normal(b, a)) < OPPOSITE
 }
 
 /// By how many degrees the small angles around grow if the origin of `h` merges into its target; `None` if it must not.
