@@ -120,7 +120,7 @@ fn length(mesh: &Mesh, side: u32) -> f64 {
     a.distance(b)
 }
 
-fn ends(mesh: &Mesh, side: u32) -> [u32; 2] {
+pub(super) fn ends(mesh: &Mesh, side: u32) -> [u32; 2] {
     let corner = |s: u32| mesh.triangles[s as usize / 3][s as usize % 3];
     [corner(side), corner(next(side))]
 }

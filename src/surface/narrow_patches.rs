@@ -1,24 +1,24 @@
 //! Leaves out sharp edges beside smooth patches that are too narrow for the samples: chamfers, engraved text, threads.
 //!
-//! The width of a patch is twice its area for the length of its rim, which is the width of a long strip. A curve between patches that turn by θ bounds a strip of width w: without it the surface moves by about w sin(θ/2) / 2.
-//! The patch where that is least is joined with the neighbour that it turns least towards, along all the edges between both,
-//! as long as it is less than a share of the spacing. A chamfer's two curves become one, and what stays is whole. Where the
-//! vertices do not suffice for the curves that are left, that share grows.
+//! The width of a patch is twice its area for the length of its rim, which is the width of a long strip. Without a curve
+//! that bounds a strip of width w, and across which the surface turns by θ, it moves by about w sin(θ/2) / 2. The patch
+//! where that is least is joined with the neighbour that it turns least towards, along all the edges between both, as long
+//! as it is less than a share of the spacing. A chamfer's two curves become one, and what stays is whole. Where the vertices
+//! do not suffice for the curves that are left, that share grows.
 //!
 //! Cost: n log n in the patches, linear in the sides; a few times over where the share grows.
 
 use crate::base::heap::Ranked;
 use crate::base::math;
 use crate::base::union_find::UnionFind;
-use crate::mesh::half_edge::next;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::surface::features::turns;
+use crate::surface::features::{ends, turns};
 use std::collections::{BTreeMap, BinaryHeap};
 
 /// Deviations below which patches are joined with a neighbour, in spacings: the least is that of a chamfer whose width is a
-/// tenth, or of a wall whose width is an eighteenth. The first of these that leaves no more samples on
-/// sharp edges than `MOST_ON_EDGES` of all is taken, or the last.
+/// tenth, or of a wall whose width is an eighteenth. The first of these that leaves no more samples on sharp edges than
+/// `MOST_ON_EDGES` of all is taken, or the last.
 const LEAST: [f64; 5] = [0.02, 0.05, 0.08, 0.12, 0.18];
 
 /// Largest share of the vertices that may lie on sharp edges.
@@ -68,10 +68,6 @@ fn samples_on(mesh: &Mesh, twin: &[u32], sharp: &[bool], spacing: f64) -> f64 {
     }
     let corners = edges_at.into_iter().filter(|&n| n != 0 && n != 2).count();
     corners as f64 + length / spacing
-}
-
-fn ends(mesh: &Mesh, side: u32) -> [u32; 2] {
-    [side, next(side)].map(|s| mesh.triangles[s as usize / 3][s as usize % 3])
 }
 
 /// A smooth patch, or several that were joined.
