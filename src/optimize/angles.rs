@@ -1,12 +1,14 @@
 //! Raises the smallest angles and the quality of the worst triangles only.
 //!
 //! The margin of a triangle is the distance of its smallest angle and quality from the goal, negative if it misses the
-//! goal. Vertices of triangles with a negative margin search for a place where the least margin of their triangles is
-//! larger, and edges flip if that makes it larger. Nothing else moves, so the rest stays even.
+//! goal; what it misses it by is its shortfall. Vertices of triangles with a shortfall search for a place where the sum of
+//! the squares around them is less and the worst is no worse, and edges flip if that makes the worst better. Nothing else
+//! moves, so the rest stays even. Where a triangle cannot reach the goal, between near curves, those around it are not spoilt
+//! for its sake, as they would be if only the worst counted.
 //!
 //! Based on: L. A. Freitag, C. Ollivier-Gooch, Tetrahedral mesh improvement using swapping and smoothing, 1997,
-//! DOI 10.1002/(SICI)1097-0207(19971115)40:21<3979::AID-NME251>3.0.CO;2-9. Departure: a pattern search in the tangent
-//! plane takes the place of the search along active gradients.
+//! DOI 10.1002/(SICI)1097-0207(19971115)40:21<3979::AID-NME251>3.0.CO;2-9. Departures: a pattern search in the tangent
+//! plane takes the place of the search along active gradients, and squares that of the worst.
 //!
 //! Cost: linear in the triangles for each pass, and some hundred triangles looked at for each vertex that is moved.
 
@@ -42,7 +44,7 @@ const MOST_PASSES: usize = 30;
 const FIRST_STEP: f64 = 0.2;
 const LAST_STEP: f64 = 0.01;
 
-/// Degrees that a step of the search has to gain, and rings of places that it looks at, so that it ends.
+/// Degrees of the root of the sum that a step of the search has to gain, and rings of places that it looks at, so that it ends.
 const LEAST_GAIN: f64 = 0.05;
 const MOST_TRIES: usize = 24;
 
@@ -100,13 +102,12 @@ pub(super) fn improve_angles_for(
 
 /// How far inside of the goal a triangle of these corners is, in degrees of its smallest angle; negative outside.
 fn margin_of(corners: [DVec3; 3]) -> f64 {
-    margin_above(corners, f64::NEG_INFINITY).unwrap_or(f64::NEG_INFINITY)
+    (DEGREES_OF_QUALITY * (quality(corners) - LEAST_QUALITY)).min(smallest_angle(corners) - SMALLEST)
 }
 
-/// [`margin_of`] if it is above `floor`.
-fn margin_above(corners: [DVec3; 3], floor: f64) -> Option<f64> {
-    let of_quality = DEGREES_OF_QUALITY * (quality(corners) - LEAST_QUALITY);
-    (of_quality > floor).then(|| of_quality.min(smallest_angle(corners) - SMALLEST)).filter(|&margin| margin > floor)
+/// What a triangle of these corners misses the goal by, in degrees.
+fn shortfall(corners: [DVec3; 3]) -> f64 {
+    if is_good(corners) { 0.0 } else { -margin_of(corners) }
 }
 
 /// The least margin of all triangles, in degrees; negative outside of the goal.
@@ -132,23 +133,38 @@ fn is_good(corners: [DVec3; 3]) -> bool {
 
 /// Whether all triangles around `v` would be within the goal if it were at `p`.
 pub fn is_good_around(mesh: &Manifold, v: u32, p: DVec3) -> bool {
-    mesh.connectivity.outgoing(v).all(|h| {
-        let [_, a, b] = mesh.connectivity.triangle(h);
-        is_good([p, mesh.position(a), mesh.position(b)])
-    })
+    corners_around(mesh, v, p).all(is_good)
 }
 
 /// The least margin of the triangles around `v` if it were at `p`, in degrees; negative outside of the goal.
 pub fn least_margin(mesh: &Manifold, v: u32, p: DVec3) -> f64 {
-    least_margin_above(mesh, v, p, f64::NEG_INFINITY).unwrap_or(f64::NEG_INFINITY)
+    corners_around(mesh, v, p).map(margin_of).fold(f64::INFINITY, f64::min)
 }
 
-/// [`least_margin`] if it is above `floor`; cheaper if it is not.
-fn least_margin_above(mesh: &Manifold, v: u32, p: DVec3, floor: f64) -> Option<f64> {
-    mesh.connectivity.outgoing(v).try_fold(f64::INFINITY, |least, h| {
+/// What the triangles around a vertex miss the goal by, in degrees.
+#[derive(Clone, Copy, Default)]
+struct Shortfall {
+    /// The sum of the squares.
+    squares: f64,
+    largest: f64,
+}
+
+impl Shortfall {
+    /// That around `v` if it were at `p`, if it is less than `bound` and its largest no larger.
+    fn below(bound: Shortfall, mesh: &Manifold, v: u32, p: DVec3) -> Option<Shortfall> {
+        corners_around(mesh, v, p).try_fold(Shortfall::default(), |sum, corners| {
+            let own = shortfall(corners);
+            let sum = Shortfall { squares: sum.squares + math::square(own), largest: sum.largest.max(own) };
+            (sum.squares < bound.squares && sum.largest <= bound.largest).then_some(sum)
+        })
+    }
+}
+
+/// The corners of the triangles around `v` if it were at `p`.
+fn corners_around(mesh: &Manifold, v: u32, p: DVec3) -> impl Iterator<Item = [DVec3; 3]> {
+    mesh.connectivity.outgoing(v).map(move |h| {
         let [_, a, b] = mesh.connectivity.triangle(h);
-        let margin = margin_above([p, mesh.position(a), mesh.position(b)], floor)?;
-        Some(least.min(margin))
+        [p, mesh.position(a), mesh.position(b)]
     })
 }
 
@@ -181,31 +197,31 @@ fn can_spare_an_edge(mesh: &Manifold, v: u32) -> bool {
     room <= LARGEST * (count - 1.0)
 }
 
-/// Moves `v` to a place where the worst triangle around it is better; whether there was one.
+/// Moves `v` to a place where the triangles around it miss the goal by less; whether there was one.
 fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, spacing: f64) -> bool {
     let here = mesh.samples[v as usize];
     let spacing = spacing * here.size;
-    let before = least_margin(mesh, v, here.position);
+    let unbounded = Shortfall { squares: f64::INFINITY, largest: f64::INFINITY };
+    let Some(before) = Shortfall::below(unbounded, mesh, v, here.position) else { return false };
     let mut best = (before, here);
     let mut step = FIRST_STEP * spacing;
     for _ in 0..MOST_TRIES {
-        if step <= LAST_STEP * spacing || best.0 >= 0.0 {
+        if step <= LAST_STEP * spacing || best.0.largest <= 0.0 {
             break;
         }
         let found = places(domain, mesh, v, &best.1, step).into_iter().fold(best, |best, there| {
-            let margin = least_margin_above(mesh, v, there.position, best.0);
-            margin
+            Shortfall::below(best.0, mesh, v, there.position)
                 .filter(|_| mesh.move_keeps_facing(v, &there, FacingGuard::SOUND))
-                .map_or(best, |margin| (margin, there))
+                .map_or(best, |shortfall| (shortfall, there))
         });
-        if found.0 > best.0 + LEAST_GAIN {
+        if found.0.squares.sqrt() < best.0.squares.sqrt() - LEAST_GAIN {
             best = found;
         } else {
             step *= 0.5;
         }
     }
     mesh.samples[v as usize] = best.1;
-    best.0 > before
+    best.0.squares < before.squares
 }
 
 /// Places around `at`, where `v` is or could be, at distance `step` on the surface, or along the curve of a vertex

@@ -5,6 +5,7 @@ mod bandwidth;
 mod cloud;
 mod coverage;
 mod density;
+mod expected;
 mod follow;
 mod kernel;
 mod optimization;

@@ -27,6 +27,8 @@ use crate::spatial::self_intersections::self_intersections;
 use crate::spectral::candidates::candidates;
 use crate::spectral::curve_samples::sample_curves;
 use crate::spectral::scan::linear_scan;
+use crate::triangulate::chords::part_chords;
+use crate::triangulate::rims::straighten_rims;
 use crate::triangulate::stitch::{Gluing, glue};
 use crate::triangulate::{Boundary, triangulate};
 
@@ -168,9 +170,12 @@ impl Triangulation {
         drop(candidates);
         monitor.stage("triangulate");
         let boundary = Boundary { sites: &curves.sites, successor: &curves.successor };
-        let patches = triangulate(domain, &samples, boundary, scale.spacing, monitor)?;
+        let mut patches = triangulate(domain, &samples, boundary, scale.spacing, monitor)?;
         let tessellated_patches = patches.tessellated_patches;
-        let glued = glue(&patches, Gluing { point: &curves.point, edges: &curves.edges, corners: &curves.corners });
+        let seams = Gluing { point: &curves.point, edges: &curves.edges, corners: &curves.corners };
+        straighten_rims(&mut patches, boundary);
+        part_chords(domain, &mut patches, seams);
+        let glued = glue(&patches, seams);
         let fits = glued.is_some();
         let mesh = glued.unwrap_or_else(|| {
             let mut mesh = patches.mesh;

@@ -119,11 +119,6 @@ impl Scale {
         self.spacing.max(domain.curves.length() / (MOST_ON_CURVES * self.wanted as f64))
     }
 
-    /// Whether sharp edges of that length are no more than samples can lie on.
-    pub(super) fn has_room_on(&self, length: f64) -> bool {
-        length <= MOST_ON_CURVES * self.wanted as f64 * self.spacing
-    }
-
     pub(super) fn sigma(&self) -> f64 {
         Scale::sigma_of_spacing(self.spacing)
     }

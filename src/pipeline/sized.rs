@@ -7,6 +7,7 @@ use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::refine::{refine, refine_edges};
 use crate::mesh::topology::{NONE, Topology, topology, twins};
 use crate::pipeline::density::Density;
+use crate::pipeline::expected::with_curves;
 use crate::pipeline::follow::follow;
 use crate::pipeline::kernel::KernelFeatures;
 use crate::pipeline::options::{Grading, Options};
@@ -15,8 +16,8 @@ use crate::pipeline::scale::{LONGEST_EDGE, LONGEST_ON_CURVES, Scale};
 use crate::pipeline::within::{Within, sampled_part};
 use crate::prepare::bend::Split;
 use crate::surface::domain::Domain;
-use crate::surface::features::{sharp_length, sharp_sides};
-use crate::surface::narrow_patches::{LeftOut, leave_out_narrow};
+use crate::surface::features::sharp_sides;
+use crate::surface::narrow_patches::{LeftOut, leave_out_narrow, samples_on};
 use crate::surface::sizing::{adapted_sizes, sizes_between_curves};
 use std::collections::HashSet;
 use std::sync::OnceLock;
@@ -95,6 +96,8 @@ impl SizedSurface {
         }
         if let Some(within) = &self.within {
             self.scale = within.grade(&mut self.domain, density, &self.scale);
+        } else if !matches!(options.grading, Grading::Kernel { .. }) {
+            self.scale = with_curves(domain, self.scale, density);
         }
         if !matches!(options.grading, Grading::Kernel { .. }) {
             self.sigma = self.scale.sigma();
@@ -123,7 +126,7 @@ fn domain_over(
 ) -> (Domain, bool, LeftOut) {
     let (twin, mut sharp) = refined(&mut clean, options, scale);
     let left_out = leave_out_narrow(&clean, &twin, &mut sharp, scale.spacing, scale.wanted);
-    let blunted = !scale.has_room_on(sharp_length(&clean, &sharp));
+    let blunted = samples_on(&clean, &twin, &sharp, scale.spacing) > scale.wanted as f64;
     if blunted {
         sharp.fill(false);
     }

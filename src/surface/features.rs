@@ -9,7 +9,6 @@
 //! is taken from the triangle across its longest side. Strips as narrow as that become one edge.
 //!
 //! Short scraps, shorter than a few spacings of the samples in all, are left out: at that spacing they are noise.
-//! [`sharp_length`] tells whether there are more than samples could lie on, as on a crumpled surface.
 //!
 //! Cost: linear in the triangles.
 
@@ -62,12 +61,6 @@ pub fn sharp_sides(mesh: &Mesh, twin: &[u32], features: Features, spacing: f64) 
     let mut sharp: Vec<bool> = turns.iter().map(|&turn| turn >= threshold).collect();
     drop_scraps(mesh, &mut sharp, SHORTEST * spacing);
     sharp
-}
-
-/// The length of all sharp edges, as [`sharp_sides`] gives them, in the units of the mesh.
-pub fn sharp_length(mesh: &Mesh, sharp: &[bool]) -> f64 {
-    // Both sides of an edge are sharp.
-    (0u32..).zip(sharp).filter(|s| *s.1).map(|s| length(mesh, s.0) / 2.0).sum()
 }
 
 /// For each triangle a vector along its normal, or along that of the one across its longest side, and so on, if it is so
@@ -216,13 +209,6 @@ mod tests {
         let positions = vec![p(0., 0., 0.), p(2., 0., 0.), p(1., 1e-4, 1e-4), p(1., -1., 0.), p(1., 1., 0.)];
         let sheet = Mesh { positions, triangles: vec![[0, 1, 2], [1, 0, 3], [2, 1, 4], [0, 2, 4]] };
         assert_eq!(sharp_edges(&sheet, Features::Degrees(10.0), 0.1), 0);
-    }
-
-    #[test]
-    fn each_sharp_edge_counts_once_in_their_length() {
-        let mesh = prism(4, 1.0);
-        let sharp = sharp_sides(&mesh, &twins(&mesh.triangles), Features::Automatic, 0.1);
-        assert!((sharp_length(&mesh, &sharp) - (8.0 * 2f64.sqrt() + 4.0)).abs() < 1e-12);
     }
 
     #[test]

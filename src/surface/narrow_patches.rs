@@ -56,8 +56,9 @@ pub fn leave_out_narrow(mesh: &Mesh, twin: &[u32], sharp: &mut [bool], spacing: 
     left_out
 }
 
-/// About how many samples sharp edges take: one for each corner and each spacing.
-fn samples_on(mesh: &Mesh, twin: &[u32], sharp: &[bool], spacing: f64) -> f64 {
+/// About how many samples the edges of `mesh` that are `sharp` take at distance `spacing`: one for each corner and each
+/// spacing.
+pub fn samples_on(mesh: &Mesh, twin: &[u32], sharp: &[bool], spacing: f64) -> f64 {
     let mut edges_at = vec![0u32; mesh.positions.len()];
     let mut length = 0.0;
     for side in (0..sharp.len() as u32).filter(|&s| sharp[s as usize] && s < twin[s as usize]) {
@@ -174,6 +175,7 @@ impl Patches {
 mod tests {
     use super::*;
     use crate::mesh::topology::twins;
+    use crate::testing::cube;
     use glam::{DVec3, dvec3};
 
     /// A roof of long strips that each turn by 45 degrees, of these widths.
@@ -204,6 +206,14 @@ mod tests {
         assert_eq!((edges, left_out.patches), (1, 1));
         assert!((0.005..0.05).contains(&left_out.deviation));
         assert_eq!(kept(&[5.0, 2.0, 5.0], 1000), (2, LeftOut::default()));
+    }
+
+    #[test]
+    fn each_edge_and_each_corner_takes_samples_once() {
+        let mesh = cube();
+        let twin = twins(&mesh.triangles);
+        let sharp: Vec<bool> = turns(&mesh, &twin, 0.1).into_iter().map(|turn| turn > 30.0).collect();
+        assert!((samples_on(&mesh, &twin, &sharp, 0.1) - (8.0 + 12.0 / 0.1)).abs() < 1e-9);
     }
 
     #[test]

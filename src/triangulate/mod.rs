@@ -3,6 +3,7 @@
 pub mod agreement;
 pub mod boundary_loops;
 pub mod cell;
+pub mod chords;
 pub mod hole_filling;
 pub mod inconsistent_stars;
 pub mod mutual_tessellation;
@@ -10,6 +11,7 @@ mod neighbourhood;
 mod neighbours_of_patch;
 mod patch_topology;
 pub mod points;
+pub mod rims;
 pub mod star;
 mod stars_to_manifold;
 pub mod stitch;

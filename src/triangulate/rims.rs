@@ -1,0 +1,122 @@
+//! Straightens the rims of patches where vertices of the domain stayed on them.
+//!
+//! A mutual tessellation cannot always take a vertex of the domain away. One that stays on the rim parts two samples that
+//! are next to each other on a curve, and the patch on the other side knows nothing of it. Where these two have an edge
+//! behind it, the triangles before that go. Else a triangle between the three, all but flat, makes it an inner vertex, which
+//! merges into the neighbour that leaves the best triangles if there is one that it may merge into.
+//!
+//! Cost: linear in the triangles if there is such a place, else in the rims.
+
+use crate::manifold::Manifold;
+use crate::manifold::facing::FacingGuard;
+use crate::mesh::topology::NONE;
+use crate::triangulate::triangulation::{Boundary, Triangulated};
+
+/// Vertices that may have stayed between two samples.
+const MOST_BETWEEN: usize = 8;
+
+/// Joins samples next to each other on `boundary` by an edge where vertices of the domain are between them on the rim of
+/// `patches`.
+pub fn straighten_rims(patches: &mut Triangulated, boundary: Boundary<'_>) {
+    let bays = bays(patches, boundary);
+    if bays.is_empty() {
+        return;
+    }
+    let Triangulated { mesh, source, .. } = patches;
+    let (mut triangles, _) = mesh.connectivity.compact();
+    for Bay { ends: [v, w], between } in &bays {
+        if mesh.connectivity.are_adjacent(*v, *w) {
+            triangles.retain(|t| !t.iter().all(|c| c == v || c == w || between.contains(c)));
+        } else {
+            triangles.extend(between.windows(2).map(|pair| [*v, pair[1], pair[0]]));
+            triangles.extend(between.last().map(|&last| [*v, *w, last]));
+        }
+    }
+    *mesh = Manifold::new(std::mem::take(&mut mesh.samples), &triangles);
+    for v in
+        bays.into_iter().flat_map(|bay| bay.between).filter(|&v| mesh.connectivity.has_vertex(v)).collect::<Vec<_>>()
+    {
+        merge(mesh, v);
+    }
+    let (compact, old) = mesh.without_gaps();
+    *mesh = compact;
+    *source = old.into_iter().map(|v| source[v as usize]).collect();
+}
+
+/// Two vertices that are samples next to each other on a curve, and the vertices of the domain on the rim between them.
+struct Bay {
+    ends: [u32; 2],
+    between: Vec<u32>,
+}
+
+fn bays(patches: &Triangulated, boundary: Boundary<'_>) -> Vec<Bay> {
+    let Triangulated { mesh, source, .. } = patches;
+    let c = &mesh.connectivity;
+    let samples = boundary.successor.len() as u32;
+    let mut vertex = vec![NONE; boundary.successor.len()];
+    for (v, &s) in (0u32..).zip(source).filter(|(_, s)| **s < samples) {
+        vertex[s as usize] = v;
+    }
+    let along_rim = |v: u32| c.outgoing(v).find(|&h| !c.has_twin(h)).map(|h| c.target(h));
+    let bay = |(&v, &successor): (&u32, &u32)| {
+        let end = vertex[successor as usize];
+        if v == NONE || end == NONE {
+            return None;
+        }
+        let way = std::iter::successors(along_rim(v), |&w| along_rim(w)).take(MOST_BETWEEN + 1);
+        let between: Vec<u32> = way.take_while(|&w| source[w as usize] >= samples).collect();
+        let ends_there = along_rim(*between.last()?) == Some(end);
+        ends_there.then_some(Bay { ends: [v, end], between })
+    };
+    vertex.iter().zip(boundary.successor).filter_map(bay).collect()
+}
+
+/// Merges `v` into the neighbour that leaves the best triangles, if there is one that leaves none turned against the surface.
+fn merge(mesh: &mut Manifold, v: u32) {
+    let c = &mesh.connectivity;
+    let after = |h: u32| (h, mesh.after_collapse(h));
+    let may =
+        c.outgoing(v).filter(|&h| c.can_collapse(h)).map(after).filter(|(_, after)| FacingGuard::SOUND.passes(after.0));
+    if let Some((h, _)) = may.max_by(|a, b| a.1.1.total_cmp(&b.1.1).then(b.0.cmp(&a.0))) {
+        mesh.collapse(h);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::domain::Sample;
+    use glam::{DVec3, dvec3};
+
+    fn at(x: f64, y: f64) -> Sample {
+        Sample { position: dvec3(x, y, 0.0), normal: DVec3::Z, triangle: 0, size: 1.0 }
+    }
+
+    #[test]
+    fn vertices_between_two_samples_of_the_rim_go() {
+        let samples = vec![at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0), at(0.4, 0.0), at(0.6, 0.0)];
+        let mesh = Manifold::new(samples, &[[0, 3, 2], [3, 4, 2], [4, 1, 2]]);
+        let mut patches = Triangulated { mesh, source: vec![0, 1, 2, 7, 8], tessellated_patches: 0 };
+        straighten_rims(&mut patches, Boundary { sites: &[(0, 0.0); 3], successor: &[1, 2, 0] });
+        assert_eq!(patches.source, [0, 1, 2]);
+        assert_eq!(patches.mesh.connectivity.compact().0.len(), 1);
+    }
+
+    #[test]
+    fn an_edge_behind_a_vertex_of_the_rim_comes_to_the_rim() {
+        let samples = vec![at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0), at(0.5, 0.0)];
+        let mesh = Manifold::new(samples, &[[0, 3, 1], [0, 1, 2]]);
+        let mut patches = Triangulated { mesh, source: vec![0, 1, 2, 7], tessellated_patches: 0 };
+        straighten_rims(&mut patches, Boundary { sites: &[(0, 0.0); 3], successor: &[1, 2, 0] });
+        assert_eq!(patches.source, [0, 1, 2]);
+        assert_eq!(patches.mesh.connectivity.compact().0, [[0, 1, 2]]);
+    }
+
+    #[test]
+    fn rims_without_other_vertices_stay() {
+        let mesh = Manifold::new(vec![at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0)], &[[0, 1, 2]]);
+        let mut patches = Triangulated { mesh, source: vec![0, 1, 2], tessellated_patches: 0 };
+        straighten_rims(&mut patches, Boundary { sites: &[(0, 0.0); 3], successor: &[1, 2, 0] });
+        assert_eq!(patches.mesh.connectivity.compact().0, [[0, 1, 2]]);
+    }
+}
