@@ -13,8 +13,8 @@ from ._errors import ArgumentError
 
 Array = NDArray[Any]
 
-_FLOATS = (np.float32, np.float64)
-_INTEGERS = (np.int8, np.uint8, np.int16, np.uint16, np.int32, np.uint32, np.int64, np.uint64)
+#: Types that the compiled half reads as they are.
+_PLAIN = [np.dtype(name) for name in ("?", "f4", "f8", "i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8")]
 
 
 def as_vertices(values: ArrayLike) -> Array:
@@ -119,9 +119,7 @@ def _numbers(argument: str, values: ArrayLike, kinds: str, wanted: str) -> Array
 
 def _plain(array: Array) -> Array:
     """The same numbers, in a type and in an order of bytes that compiled code has."""
-    is_plain = array.dtype.kind == "b" or array.dtype.newbyteorder("=").type in (*_FLOATS, *_INTEGERS)
-    if not is_plain:
-        return array.astype(np.float64)
-    if not array.dtype.isnative:
-        return array.astype(array.dtype.newbyteorder("="))
+    if array.dtype not in _PLAIN:
+        native = array.dtype.newbyteorder("=")
+        return array.astype(native if native in _PLAIN else np.float64)
     return array if array.flags.aligned else array.copy()

@@ -4,7 +4,7 @@ package of their class."""
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,6 +12,10 @@ from numpy.typing import ArrayLike
 from ._arrays import Array, split
 from ._errors import ArgumentError
 from ._mesh import Mesh
+
+if TYPE_CHECKING:
+    import pyvista
+    import trimesh
 
 
 def as_mesh(vertices: Any, faces: ArrayLike | None = None, attributes: Mapping[str, ArrayLike] | bool = True) -> Mesh:
@@ -73,7 +77,7 @@ def _of_trimesh(mesh: Any) -> Mesh:
 
 
 def _of_pyvista(mesh: Any) -> Mesh:
-    if not hasattr(mesh, "n_faces_strict") and not hasattr(mesh, "regular_faces"):
+    if not hasattr(mesh, "faces"):
         raise _refuse(mesh, "give extract_surface() of it")
     attributes = {str(name): np.asarray(mesh.point_data[name]) for name in mesh.point_data}
     normals = mesh.point_data.active_normals_name
@@ -136,15 +140,17 @@ def _colors(colors: ArrayLike | None) -> dict[str, Array]:
     return {} if colors is None or np.size(colors) == 0 else {"color": np.asarray(colors)}
 
 
-def to_trimesh(mesh: Mesh) -> Any:
+def to_trimesh(mesh: Mesh) -> trimesh.Trimesh:
     """See :meth:`Mesh.to_trimesh`."""
     import trimesh
 
     color = mesh.attributes.get("color")
     colors = None if color is None else _as_bytes(color)
     if not len(mesh.faces):
-        return trimesh.PointCloud(mesh.vertices, colors=colors)
-    others = {name: array for name, array in mesh.attributes.items() if name not in ("color", "normal")}
+        points: Any = trimesh.PointCloud
+        cloud: trimesh.Trimesh = points(mesh.vertices, colors=colors)
+        return cloud
+    others: dict[str, Any] = {name: array for name, array in mesh.attributes.items() if name not in ("color", "normal")}
     return trimesh.Trimesh(
         mesh.vertices,
         mesh.faces,
@@ -161,7 +167,7 @@ def _as_bytes(colors: Array) -> Array:
     return np.round(255 * np.clip(colors / full, 0, 1)).astype(np.uint8)
 
 
-def to_pyvista(mesh: Mesh) -> Any:
+def to_pyvista(mesh: Mesh) -> pyvista.PolyData:
     """See :meth:`Mesh.to_pyvista`."""
     import pyvista
 
