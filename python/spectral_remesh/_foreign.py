@@ -126,7 +126,7 @@ def _of_open3d(mesh: Any) -> Mesh:
     if hasattr(mesh, "triangles"):
         arrays = {"normal": mesh.vertex_normals, "color": mesh.vertex_colors}
         return Mesh(mesh.vertices, mesh.triangles, attributes=_filled(arrays))
-    if not hasattr(mesh, "points"):
+    if not hasattr(mesh, "points") or not hasattr(mesh, "normals"):
         raise _refuse(mesh, "give a TriangleMesh or a PointCloud")
     return Mesh(mesh.points, attributes=_filled({"normal": mesh.normals, "color": mesh.colors}))
 

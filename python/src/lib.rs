@@ -12,11 +12,13 @@ mod picture;
 mod program;
 mod run;
 
-// The renderer of the pictures in a notebook is that of the example `render`.
+// The renderer of the pictures in a notebook is that of the example `render`; bits of a picture may differ between machines.
+#[allow(clippy::disallowed_methods)]
 #[path = "../../examples/render/camera.rs"]
 mod camera;
 #[path = "../../examples/render/raster.rs"]
 mod raster;
+#[allow(clippy::disallowed_methods)]
 #[path = "../../examples/render/shade.rs"]
 mod shade;
 

@@ -15,7 +15,7 @@ from conftest import torus
 import spectral_remesh as sr
 
 # A job that takes many seconds: it is ended long before.
-LONG = {"points": 1_000_000}
+LONG = {"points": 200_000}
 
 
 def test_progress_is_told_from_the_calling_thread_and_never_falls():
