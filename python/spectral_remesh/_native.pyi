@@ -5,6 +5,24 @@ from typing import Any, final
 from numpy import float64, int64
 from numpy.typing import NDArray
 
+__all__ = [
+    "Attributes",
+    "Mesh",
+    "Reconstructed",
+    "Remeshed",
+    "Sampled",
+    "__version__",
+    "main",
+    "picture",
+    "quality",
+    "read",
+    "reconstruct",
+    "remesh",
+    "sample",
+    "split",
+    "write",
+]
+
 __version__: str
 
 _Array = NDArray[Any]

@@ -2,6 +2,7 @@
 
 use crate::arrays::{Number, matrix_of};
 use crate::errors::argument;
+use glam::DVec2;
 use numpy::{Element, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -34,23 +35,28 @@ impl Attributes {
     }
 }
 
-/// The attributes in `arrays`. Those that are the same as in `base`, from which they may be, keep all digits that they have
-/// there; other things that `base` has are taken over.
+/// The attributes in `arrays`, and texture coordinates. Those that are the same as in `base`, from which they may be, keep all
+/// digits that they have there; materials and parts are those of `base`.
 pub fn merged(
-    base: Option<&spectral_remesh::Attributes>,
     arrays: &Bound<PyDict>,
+    texture: Vec<[DVec2; 3]>,
+    base: Option<&spectral_remesh::Attributes>,
 ) -> PyResult<spectral_remesh::Attributes> {
-    let base = base.cloned().unwrap_or_default();
     let attribute = |(name, array): (Bound<PyAny>, Bound<PyAny>)| {
         let given = attribute(name.extract()?, &array)?;
-        let old = base.get(&given.name);
+        let old = base.and_then(|base| base.get(&given.name));
         let is_old = |old: &&Attribute| {
             (old.components, old.scalar) == (given.components, given.scalar) && stored(old) == stored(&given)
         };
         Ok(old.filter(is_old).cloned().unwrap_or(given))
     };
     let vertex: PyResult<Vec<Attribute>> = arrays.iter().map(attribute).collect();
-    Ok(spectral_remesh::Attributes { vertex: vertex?, ..base })
+    Ok(spectral_remesh::Attributes {
+        vertex: vertex?,
+        texture,
+        materials: base.and_then(|base| base.materials.clone()),
+        parts: base.and_then(|base| base.parts.clone()),
+    })
 }
 
 /// The bytes of an attribute as a file has them.

@@ -43,10 +43,8 @@ impl Mesh {
             positions: positions(vertices)?,
             triangles: faces.map(triangles).transpose()?.unwrap_or_default(),
         };
-        let mut attributes = merged(base.map(|base| &*base.0), arrays)?;
-        if let Some(coordinates) = texture_coordinates {
-            attributes.texture = texture(&coordinates);
-        }
+        let texture = texture_coordinates.as_ref().map(texture).unwrap_or_default();
+        let attributes = merged(arrays, texture, base.map(|base| &*base.0))?;
         Ok(Mesh(Arc::new(Parts { mesh, attributes })))
     }
 }
