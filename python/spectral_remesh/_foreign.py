@@ -69,11 +69,13 @@ def _of_trimesh(mesh: Any) -> Mesh:
         raise _refuse(mesh, "give its meshes one by one, or to_mesh() of it")
     if not hasattr(mesh, "faces"):
         return Mesh(mesh.vertices, attributes=_colors(getattr(mesh, "colors", None)))
-    attributes = {**_colors(mesh.visual.vertex_colors if mesh.visual.kind == "vertex" else None)}
-    attributes.update(mesh.vertex_attributes)
+    colors = mesh.visual.vertex_colors if mesh.visual.kind == "vertex" else None
+    attributes = {**_colors(colors), **mesh.vertex_attributes}
     coordinates = getattr(mesh.visual, "uv", None)
     texture = None if coordinates is None else np.asarray(coordinates)[mesh.faces]
-    return Mesh(mesh.vertices, mesh.faces, attributes=attributes, texture=texture)
+    result = Mesh(mesh.vertices, mesh.faces, attributes=attributes, texture=texture)
+    result.notes = ["colours of faces are left out"] if mesh.visual.kind == "face" else []
+    return result
 
 
 def _of_pyvista(mesh: Any) -> Mesh:
@@ -86,6 +88,7 @@ def _of_pyvista(mesh: Any) -> Mesh:
     faces = _of_vtk(mesh.points, np.asarray(mesh.faces))
     result = Mesh(mesh.points, faces, attributes=numeric)
     result.notes = [f"{name} are no numbers, and left out" for name in attributes if name not in numeric]
+    result.notes += [f"{name} of faces is left out" for name in mesh.cell_data]
     return result
 
 

@@ -4,7 +4,7 @@ use crate::arrays::{of_corners, of_positions};
 use crate::attributes::Attributes;
 use crate::errors::{exception, in_python};
 use crate::mesh::{Mesh, Parts};
-use crate::run::run;
+use crate::run::{detached, run};
 use pyo3::prelude::*;
 use spectral_remesh::io::{Format, Loaded, file};
 use spectral_remesh::{Points, Result};
@@ -31,8 +31,8 @@ pub fn read(py: Python, path: PathBuf, format: Option<&str>) -> PyResult<Read> {
 pub fn write(py: Python, path: PathBuf, mesh: &Mesh, format: Option<&str>) -> PyResult<()> {
     let format = known(format)?;
     let parts = Arc::clone(&mesh.0);
-    // Not beside Python: what has begun to be written comes to its end.
-    py.detach(|| write_parts(&path, &parts, format)).map_err(|error| exception(&error))
+    // What has begun to be written comes to its end.
+    detached(py, || write_parts(&path, &parts, format))?.map_err(|error| exception(&error))
 }
 
 fn write_parts(path: &std::path::Path, Parts { mesh, attributes }: &Parts, format: Option<Format>) -> Result<()> {

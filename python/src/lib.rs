@@ -40,4 +40,10 @@ mod _native {
     use crate::picture::picture;
     #[pymodule_export]
     use crate::program::main;
+
+    #[pymodule_init]
+    fn init(_module: &pyo3::Bound<pyo3::types::PyModule>) -> pyo3::PyResult<()> {
+        crate::run::remember_process();
+        Ok(())
+    }
 }

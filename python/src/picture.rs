@@ -3,6 +3,7 @@
 use crate::camera::{Camera, Panel};
 use crate::errors::SpectralRemeshError;
 use crate::mesh::Mesh;
+use crate::run::detached;
 use crate::{raster, shade};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -17,13 +18,13 @@ const VIEW: (f64, f64) = (30.0, 20.0);
 #[pyfunction]
 pub fn picture<'py>(py: Python<'py>, mesh: &Mesh, size: usize) -> PyResult<Bound<'py, PyBytes>> {
     let mesh = &mesh.0.mesh;
-    let drawn = py.detach(|| {
+    let drawn = detached(py, || {
         let camera = Camera::new(mesh, VIEW);
         let panel = Panel::new(&camera, mesh, size, 1.0);
         let view = camera.project(mesh, &panel, SAMPLES);
         let hits = raster::draw(&view, panel.width * SAMPLES, panel.height * SAMPLES);
         encoded(&shade::resolve(&view, &hits, &panel, SAMPLES, 1.0), &panel)
-    });
+    })?;
     Ok(PyBytes::new(py, &drawn.map_err(|error| SpectralRemeshError::new_err(error.to_string()))?))
 }
 

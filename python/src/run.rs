@@ -114,10 +114,24 @@ pub fn run<T: Send + 'static>(
     }
 }
 
-/// The threads of a job in a process that was forked off one with jobs: rayon's are not in it, so it gets new ones, as many as
-/// by default.
+/// Calls `work`, which nobody needs to wait for or to interrupt, without the lock of the interpreter.
+///
+/// # Errors
+/// If the system gives no threads.
+pub fn detached<T: Send>(py: Python, work: impl FnOnce() -> T + Send) -> PyResult<T> {
+    py.detach(|| with_threads(threads_after_fork(), work)).map_err(|error| exception(&error))
+}
+
+/// The process that the package was loaded in.
+static FIRST: OnceLock<u32> = OnceLock::new();
+
+/// Remembers the process.
+pub fn remember_process() {
+    FIRST.get_or_init(std::process::id);
+}
+
+/// The threads of a job in a process that was forked off another one: rayon's may have been started there, and are not in this
+/// one, so it gets new ones, as many as by default.
 fn threads_after_fork() -> Option<usize> {
-    static FIRST: OnceLock<u32> = OnceLock::new();
-    let here = std::process::id();
-    (*FIRST.get_or_init(|| here) != here).then_some(0)
+    FIRST.get().is_some_and(|&first| first != std::process::id()).then_some(0)
 }

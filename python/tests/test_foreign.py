@@ -46,6 +46,8 @@ def test_trimesh():
     cloud = sr.sample(mesh, points=300).to_trimesh()
     assert isinstance(cloud, trimesh.PointCloud) and len(cloud.vertices) == 300
     assert len(sr.sample(trimesh.PointCloud(VERTICES, COLORS), points=100).vertices) == 100
+    painted = trimesh.Trimesh(VERTICES, FACES, process=False, face_colors=COLORS[:1])
+    assert sr.remesh(painted, points=100).notes == ["colours of faces are left out"]
     with pytest.raises(sr.ArgumentError, match="vertices: trimesh.*Scene is no mesh.*one by one"):
         sr.remesh(trimesh.Scene([mesh]), points=100)
 
@@ -69,7 +71,9 @@ def test_pyvista():
     mesh.point_data["RGB"] = COLORS.astype(np.uint8)
     names = {"h": VERTICES[:, 2], "normal": NORMALS, "RGB": COLORS.astype(np.uint8)}
     assert_like_arrays(mesh, attributes={name: names[name] for name in ("h", "normal", "RGB")})
+    mesh.cell_data["zone"] = np.arange(len(FACES))
     remeshed = sr.remesh(mesh, points=300)
+    assert remeshed.notes == ["zone of faces is left out"]
     made = remeshed.to_pyvista()
     assert isinstance(made, pyvista.PolyData) and made.n_points == 300 and made.is_manifold
     assert np.array_equal(made.regular_faces, remeshed.faces)

@@ -97,12 +97,15 @@ def test_several_jobs_run_beside_each_other():
 
 
 def count(seed: int) -> int:
-    return len(sr.remesh(*torus(), points=200, seed=seed).vertices)
+    remeshed = sr.remesh(*torus(), points=200, seed=seed)
+    assert remeshed._repr_html_()
+    return len(remeshed.vertices)
 
 
 @pytest.mark.skipif("fork" not in multiprocessing.get_all_start_methods(), reason="there is no fork")
 @pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
 def test_processes_that_are_forked_off_have_jobs_too():
-    assert count(0) == 200
+    # A picture is drawn by threads, too.
+    assert count(0) == 200 and sr.remesh(*torus(), points=200, threads=1)._repr_html_()
     with multiprocessing.get_context("fork").Pool(2) as pool:
         assert pool.map_async(count, range(4)).get(timeout=60) == [200] * 4
