@@ -12,6 +12,11 @@ test:
 test-all:
     cargo test -- --include-ignored
 
+# The Python package, into the current environment, and its tests.
+python:
+    python -m pip install './python[test]'
+    pytest python/tests
+
 # Everything that must hold before a change is merged.
 ci:
     .ci/run

@@ -140,7 +140,9 @@ pub mod stages {
 
 pub use base::error::{Error, Fault, Place, Result, Setting};
 pub use base::monitor::{Monitor, Stopwatch};
-pub use job::{Carry, Input, Origin, Outcome, RemeshOptions, quality, reconstruct, remesh, sample};
+pub use job::{
+    Carry, Input, Origin, Outcome, RemeshOptions, quality, reconstruct, remesh, sample, settings, with_threads, words,
+};
 pub use mesh::attributes::{Attribute, Attributes, Lost, Scalar};
 pub use mesh::materials::{Image, Look, Material, Materials};
 pub use mesh::parts::{Part, Parts};

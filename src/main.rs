@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    spectral_remesh::cli::main()
+    spectral_remesh::cli::main(std::env::args_os()).into()
 }

@@ -137,6 +137,57 @@ pub enum Setting {
     Threads,
 }
 
+impl Setting {
+    /// All of them.
+    pub const ALL: [Setting; 19] = [
+        Setting::Points,
+        Setting::EdgeLength,
+        Setting::SigmaP,
+        Setting::SigmaN,
+        Setting::Signals,
+        Setting::Adaptivity,
+        Setting::Field,
+        Setting::Weld,
+        Setting::Features,
+        Setting::Smoothing,
+        Setting::PartBox,
+        Setting::PartMarks,
+        Setting::MaxError,
+        Setting::NormalNeighbors,
+        Setting::NormalRadius,
+        Setting::FillHoles,
+        Setting::Resolution,
+        Setting::Format,
+        Setting::Threads,
+    ];
+
+    /// The name of the option that sets it, in words joined by hyphens: on the command line `--` stands before it, in
+    /// Python underscores join the words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Setting::Points => "points",
+            Setting::EdgeLength => "edge-length",
+            Setting::SigmaP => "sigma-p",
+            Setting::SigmaN => "sigma-n",
+            Setting::Signals => "sigma",
+            Setting::Adaptivity => "adapt",
+            Setting::Field => "sizing",
+            Setting::Weld => "weld",
+            Setting::Features => "features",
+            Setting::Smoothing => "smooth",
+            Setting::PartBox => "within",
+            Setting::PartMarks => "select",
+            Setting::MaxError => "max-error",
+            Setting::NormalNeighbors => "normal-neighbors",
+            Setting::NormalRadius => "normal-radius",
+            Setting::FillHoles => "fill-holes",
+            Setting::Resolution => "resolution",
+            Setting::Format => "format",
+            Setting::Threads => "threads",
+        }
+    }
+}
+
 impl fmt::Display for Setting {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {

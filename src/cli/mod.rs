@@ -14,11 +14,11 @@ pub mod terminal;
 
 pub use status::Status;
 
-use std::process::ExitCode;
+use std::ffi::OsString;
 
-/// The whole program, from its arguments to its exit status.
-pub fn main() -> ExitCode {
-    let outcome = match args::parse(std::env::args_os()) {
+/// The whole program, from its arguments, of which the first is its name, to its exit status.
+pub fn main(words: impl IntoIterator<Item = OsString>) -> Status {
+    let outcome = match args::parse(words) {
         Ok(job) => run::run(&job),
         Err(args::Stop::Shown(text)) => terminal::print(&text).map(|()| Status::Done),
         Err(args::Stop::Wrong(cause)) => {
@@ -26,12 +26,10 @@ pub fn main() -> ExitCode {
             Ok(Status::Usage)
         }
     };
-    outcome
-        .unwrap_or_else(|error| {
-            terminal::complain(&flags::worded(&error));
-            Status::of(&error)
-        })
-        .into()
+    outcome.unwrap_or_else(|error| {
+        terminal::complain(&flags::worded(&error));
+        Status::of(&error)
+    })
 }
 
 #[cfg(test)]

@@ -6,8 +6,6 @@ use crate::cli::args::Sampling;
 use crate::cli::files::{add_run, check_targets, hand_out, load, name, now_writing, watched};
 use crate::io::file;
 use crate::job::{Input, sample};
-use crate::mesh::attributes::{Attribute, Attributes, Scalar};
-use crate::pipeline::Sampled;
 use crate::report::samples::SamplesReport;
 
 pub(super) fn sample_file(job: &Sampling) -> Result<()> {
@@ -19,22 +17,11 @@ pub(super) fn sample_file(job: &Sampling) -> Result<()> {
         let sampled = sample(&Input::from(&loaded), &job.options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
         check(monitor)?;
         now_writing(monitor);
-        file::write_points_file(&job.output, &sampled.points, &numbers(&sampled), None)?;
+        file::write_points_file(&job.output, &sampled.points, &sampled.attributes(), None)?;
         let mut report = SamplesReport::new(&sampled, &job.options, name(&job.input), job.output.display().to_string());
         report.run.notes.splice(0..0, loaded.notes);
         add_run(&mut report.run, monitor);
         Ok(report)
     })?;
     hand_out(&report.to_json(), &report.to_text(), &job.run)
-}
-
-/// The numbers of samples in the input, if they are points of it, as the property `index`.
-fn numbers(sampled: &Sampled) -> Attributes {
-    let attribute = |indices: &Vec<u32>| Attribute {
-        name: "index".into(),
-        components: 1,
-        values: indices.iter().map(|&i| f64::from(i)).collect(),
-        scalar: Scalar::U32,
-    };
-    Attributes { vertex: sampled.indices.iter().map(attribute).collect(), ..Attributes::default() }
 }

@@ -2,9 +2,10 @@
 
 use crate::base::error::{Error, Fault, Result};
 use crate::io::Loaded;
-use crate::mesh::attributes::Attributes;
+use crate::mesh::attributes::{Attribute, Attributes, MATERIALS, PARTS, TEXTURE};
 use crate::mesh::points::Points;
 use crate::mesh::triangle_mesh::Mesh;
+use crate::pipeline::{refuse_bad_numbers, refuse_bad_positions};
 use glam::DVec3;
 use std::borrow::Cow;
 
@@ -52,6 +53,44 @@ impl<'a> Input<'a> {
         Err(Error::Mesh { fault: Fault::Empty, cause, remedy: "make a mesh of them first, by remeshing them".into() })
     }
 
+    /// Refuses coordinates that are not finite, corners that are not there, and attributes of another mesh. What was read
+    /// from a file has none of these.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] with the first of them.
+    pub(super) fn check(&self) -> Result<()> {
+        if self.is_cloud() {
+            refuse_bad_positions(&self.mesh.positions)?;
+        } else {
+            refuse_bad_numbers(&self.mesh)?;
+        }
+        self.check_attributes()
+    }
+
+    fn check_attributes(&self) -> Result<()> {
+        let (vertices, triangles) = (self.mesh.positions.len(), self.mesh.triangles.len());
+        let Attributes { vertex, texture, materials, parts } = &*self.attributes;
+        for Attribute { name, components, values, .. } in vertex {
+            if *components == 0 || values.len() != components * vertices {
+                return refuse_lengths(
+                    format!("{name} has {} numbers, {components} for a vertex", values.len()),
+                    vertices,
+                );
+            }
+        }
+        let of_triangles = [
+            (TEXTURE, (!texture.is_empty()).then_some(texture.len())),
+            (MATERIALS, materials.as_ref().map(|m| m.of_triangle.len())),
+            (PARTS, parts.as_ref().map(|p| p.of_triangle.len())),
+        ];
+        for (name, count) in of_triangles {
+            if let Some(count) = count.filter(|&count| count != triangles) {
+                return refuse_lengths(format!("{name} for {count} triangles"), triangles);
+            }
+        }
+        Ok(())
+    }
+
     pub(super) fn as_mesh(&self) -> &Mesh {
         &self.mesh
     }
@@ -76,4 +115,9 @@ impl<'a> From<&'a Mesh> for Input<'a> {
     fn from(mesh: &'a Mesh) -> Input<'a> {
         Input { mesh: Cow::Borrowed(mesh), ..Input::default() }
     }
+}
+
+fn refuse_lengths(cause: String, wanted: usize) -> Result<()> {
+    let cause = format!("{cause}, but there are {wanted}");
+    Err(Error::Mesh { fault: Fault::Lengths, cause, remedy: "give attributes of this mesh, or leave them out".into() })
 }

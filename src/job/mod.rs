@@ -5,8 +5,12 @@ mod input;
 mod outcome;
 mod points;
 mod remesh;
+pub mod settings;
+mod threads;
+pub mod words;
 
 pub use input::Input;
 pub use outcome::{Origin, Outcome};
 pub use points::{reconstruct, sample};
 pub use remesh::{Carry, RemeshOptions, quality, remesh};
+pub use threads::with_threads;

@@ -16,6 +16,7 @@ const RECONSTRUCTION: [(&str, f64); 3] = [("clean", 0.1), ("normals", 0.1), ("ex
 /// # Errors
 /// Those of [`remesh`](crate::remesh()).
 pub fn sample(input: &Input, options: &SampleOptions, monitor: &dyn Monitor) -> Result<Sampled> {
+    input.check()?;
     let monitor = &Overall::new(monitor, &SAMPLING);
     let signals: Result<Vec<Signal>> =
         options.signals.iter().map(|signal| signal.resolved(input.attributes())).collect();
@@ -32,6 +33,7 @@ pub fn sample(input: &Input, options: &SampleOptions, monitor: &dyn Monitor) -> 
 /// Those of [`remesh`](crate::remesh()), and [`Error::Option`](crate::Error::Option) for a resolution that takes more
 /// memory than can be meant.
 pub fn reconstruct(input: &Input, options: &ReconstructOptions, monitor: &dyn Monitor) -> Result<Reconstructed> {
+    input.check()?;
     let monitor = &Overall::new(monitor, &RECONSTRUCTION);
     let points = if input.is_cloud() { input.as_points()? } else { points_of_mesh(input.as_mesh()) };
     pipeline::reconstruct(&points, options, monitor)

@@ -69,6 +69,7 @@ const OF_MESH: [(&str, f64); 12] = [
 /// monitor asks for it.
 pub fn remesh(input: &Input, options: &RemeshOptions, monitor: &dyn Monitor) -> Result<Outcome> {
     options.surface.validate()?;
+    input.check()?;
     let plan = if input.is_cloud() { [&OF_POINTS[..], &OF_MESH].concat() } else { OF_MESH.to_vec() };
     let monitor = &Overall::new(monitor, &plan);
     let surface = Surface::new(input, options, monitor)?;
@@ -102,10 +103,12 @@ pub fn remesh(input: &Input, options: &RemeshOptions, monitor: &dyn Monitor) -> 
 /// Measures a mesh, and its distance to another one.
 ///
 /// # Errors
-/// [`Error::Mesh`] for points without triangles.
+/// [`Error::Mesh`] for points without triangles, and for bad numbers.
 pub fn quality(mesh: &Input, against: Option<&Input>) -> Result<Report> {
-    mesh.refuse_points()?;
-    against.map_or(Ok(()), Input::refuse_points)?;
+    for input in [Some(mesh), against].into_iter().flatten() {
+        input.refuse_points()?;
+        input.check()?;
+    }
     Ok(Report::of_mesh(mesh.as_mesh(), against.map(Input::as_mesh)))
 }
 

@@ -92,6 +92,19 @@ pub enum NormalFit {
     Sphere,
 }
 
+impl NormalFit {
+    /// All of them.
+    pub const ALL: [NormalFit; 2] = [NormalFit::Plane, NormalFit::Sphere];
+
+    /// Its name as an option.
+    pub fn name(self) -> &'static str {
+        match self {
+            NormalFit::Plane => "plane",
+            NormalFit::Sphere => "sphere",
+        }
+    }
+}
+
 /// Which points are neighbours of another one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Reach {

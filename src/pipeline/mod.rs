@@ -32,6 +32,7 @@ pub use coverage::Coverage;
 pub use density::{Density, FEWEST_POINTS, MOST_POINTS, SampleDensity};
 pub use kernel::Signal;
 pub use options::{Grading, MaxError, Options};
+pub use prepared::{refuse_bad_numbers, refuse_bad_positions};
 pub use reconstruct::{ReconstructOptions, Reconstructed, points_of_mesh, reconstruct};
 pub use remesh::remesh;
 pub use result::{Deviation, Remeshed};

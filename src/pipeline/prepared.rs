@@ -87,7 +87,11 @@ fn repaired(mesh: &Mesh, weld: Option<f64>) -> (OrientedManifold, Repairs, Optio
 /// Largest coordinate that can be worked with: squares of differences must stay finite.
 const LARGEST_COORDINATE: f64 = 1e150;
 
-pub(super) fn refuse_bad_numbers(mesh: &Mesh) -> Result<()> {
+/// Refuses a mesh without faces, coordinates that are not finite or too large, and corners that are not there.
+///
+/// # Errors
+/// [`Error::Mesh`] with the first of them.
+pub fn refuse_bad_numbers(mesh: &Mesh) -> Result<()> {
     let refuse = |fault, cause: String, remedy: &str| Err(Error::Mesh { fault, cause, remedy: remedy.into() });
     if mesh.triangles.is_empty() {
         let n = mesh.positions.len();
@@ -124,7 +128,11 @@ fn refuse_no_surface(repairs: &Repairs, faces: usize) -> Result<()> {
     Err(Error::Mesh { fault: Fault::NoSurface, cause, remedy })
 }
 
-pub(super) fn refuse_bad_positions(positions: &[DVec3]) -> Result<()> {
+/// Refuses coordinates that are not finite or too large.
+///
+/// # Errors
+/// [`Error::Mesh`] with the first of them.
+pub fn refuse_bad_positions(positions: &[DVec3]) -> Result<()> {
     let bad = positions.iter().position(|p| !p.abs().cmplt(DVec3::splat(LARGEST_COORDINATE)).all());
     bad.map_or(Ok(()), |v| {
         let remedy = "remove it or mend its coordinates".into();

@@ -19,6 +19,7 @@ use crate::pipeline::scale::{
 use crate::pipeline::unit::Unit;
 use crate::surface::implicit::Rimls;
 
+use crate::mesh::attributes::{Attribute, Attributes, Scalar};
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::points::Points;
 use crate::mesh::refine::refine;
@@ -106,6 +107,19 @@ pub struct Sampled {
     pub cloud: Option<CloudSummary>,
     /// Things a user should know, a sentence each.
     pub notes: Vec<String>,
+}
+
+impl Sampled {
+    /// What the samples have beside positions and normals: their numbers in the input, if they are points of it, as `index`.
+    pub fn attributes(&self) -> Attributes {
+        let attribute = |indices: &Vec<u32>| Attribute {
+            name: "index".into(),
+            components: 1,
+            values: indices.iter().map(|&i| f64::from(i)).collect(),
+            scalar: Scalar::U32,
+        };
+        Attributes { vertex: self.indices.iter().map(attribute).collect(), ..Attributes::default() }
+    }
 }
 
 /// Kernel width of the ascent for that of the scan.

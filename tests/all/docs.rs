@@ -7,11 +7,13 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// README.md and all pages of docs/, relative to the root, in order.
+/// README.md, that of python/, and all pages of docs/, relative to the root, in order.
 fn pages() -> Vec<String> {
     let names = root().join("docs").read_dir().unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
     let mut pages: Vec<String> = names.map(|name| format!("docs/{name}")).collect();
-    pages.extend(["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"].map(String::from));
+    pages.extend(
+        ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "python/README.md"].map(String::from),
+    );
     pages.sort();
     pages
 }

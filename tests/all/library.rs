@@ -20,9 +20,12 @@ pub fn graded(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> spectral_remesh
 }
 
 use crate::common::{cuboid, cylinder, plate, soup, sphere, together};
-use glam::{DVec3, dvec3};
+use glam::{DVec2, DVec3, dvec3};
 use spectral_remesh::stages::geom::triangle::closest_point;
-use spectral_remesh::{Attribute, Attributes, Density, MaxError, Mesh, Monitor, Origin, Scalar};
+use spectral_remesh::{
+    Attribute, Attributes, Density, Error, Fault, MaxError, Mesh, Monitor, Origin, ReconstructOptions, SampleOptions,
+    Scalar, quality, reconstruct, sample,
+};
 use std::sync::Mutex;
 
 #[test]
@@ -97,6 +100,34 @@ fn vertices_of_a_cloud_lie_between_its_points() {
         assert!(distance(position, place(origin, &positions)) < 0.05);
         assert!((0..3).all(|k| (color[k] - 0.5 - 0.5 * position[k]).abs() < 0.03));
     }
+}
+
+#[test]
+fn arrays_that_make_no_mesh_are_refused_by_every_job() {
+    let mesh = sphere(1, DVec3::ZERO, 1.0);
+    let faults = |mesh: &Mesh, attributes: &Attributes| {
+        let input = &Input::from(mesh).with_attributes(attributes);
+        let errors = [
+            remesh(input, &Options::points(50).into(), &()).err(),
+            sample(input, &SampleOptions::default(), &()).err(),
+            reconstruct(input, &ReconstructOptions::default(), &()).err(),
+            quality(input, None).err(),
+            quality(&Input::from(&sphere(1, DVec3::ZERO, 1.0)), Some(input)).err(),
+        ];
+        errors.map(|error| match error {
+            Some(Error::Mesh { fault, .. }) => fault,
+            other => panic!("{other:?}"),
+        })
+    };
+    let none = Attributes::default();
+    let short = Attribute { name: "h".into(), components: 1, values: vec![0.0; 7], scalar: Scalar::F64 };
+    assert_eq!(faults(&mesh, &Attributes { vertex: vec![short], ..none.clone() }), [Fault::Lengths; 5]);
+    assert_eq!(faults(&mesh, &Attributes { texture: vec![[DVec2::ZERO; 3]; 7], ..none.clone() }), [Fault::Lengths; 5]);
+    let missing = Mesh { triangles: vec![[0, 1, 18]], ..mesh.clone() };
+    assert_eq!(faults(&missing, &none), [Fault::Indices; 5]);
+    let mut unknown = mesh;
+    unknown.positions[3].y = f64::NAN;
+    assert_eq!(faults(&unknown, &none), [Fault::Coordinates; 5]);
 }
 
 /// Keeps all shares of the work that it is told.

@@ -109,7 +109,7 @@ pub fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Job, Stop> {
     let Args { command, files, remesh } = Args::try_parse_from(words).map_err(|e| stop(&e))?;
     match (command, files) {
         (Some(Command::Sample(args)), _) => args.resolve().map(Job::Sample),
-        (Some(Command::Reconstruct(args)), _) => Ok(Job::Reconstruct(args.resolve())),
+        (Some(Command::Reconstruct(args)), _) => args.resolve().map(Job::Reconstruct),
         (Some(Command::Quality(args)), _) => Ok(Job::Measure(args.resolve())),
         (Some(Command::Completions { shell }), _) => Ok(Job::Complete(completions(shell))),
         (None, Some(files)) => remesh.resolve(files).map(|job| Job::Remesh(Box::new(job))),
@@ -126,6 +126,8 @@ fn completions(shell: Shell) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::error::Setting;
+    use crate::cli::flags::flag;
     use crate::io::Format;
     use crate::job::{Carry, RemeshOptions};
     use crate::pipeline::{
@@ -206,6 +208,18 @@ mod tests {
         assert_eq!((options.density, options.max_error), (Density::Auto, Some(MaxError::OfDiagonal(0.005))));
         let options = remeshing("remesh a b --points 9 --max-error 0.5").options.surface;
         assert_eq!(options.max_error, Some(MaxError::Length(0.5)));
+    }
+
+    #[test]
+    fn errors_name_flags_that_there_are() {
+        let help = |line: &str| match parsed(line) {
+            Err(Stop::Shown(text)) => text,
+            other => panic!("{other:?}"),
+        };
+        let texts = [help("remesh --help"), help("remesh reconstruct --help")].concat();
+        for flag in Setting::ALL.map(flag) {
+            assert!(texts.contains(&format!("{flag} <")) || texts.contains(&format!("{flag} [")), "{flag}");
+        }
     }
 
     #[test]

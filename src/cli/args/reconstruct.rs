@@ -1,7 +1,9 @@
 //! The arguments of `remesh reconstruct`.
 
 use crate::cli::args::shared::{FormatArgs, MeshFile, NormalArgs, Run, RunArgs};
-use crate::cli::args::words::positive;
+use crate::cli::args::stop::{Stop, refused};
+use crate::job::settings::ReconstructSettings;
+use crate::job::words::positive;
 use crate::pipeline::ReconstructOptions;
 use std::path::PathBuf;
 
@@ -48,14 +50,11 @@ pub struct Reconstructing {
 }
 
 impl ReconstructArgs {
-    pub(super) fn resolve(self) -> Reconstructing {
+    pub(super) fn resolve(self) -> Result<Reconstructing, Stop> {
         let ReconstructArgs { input, output, resolution, smooth, normals, formats, run } = self;
         let (input, output) = formats.resolve(input, output);
-        Reconstructing {
-            input,
-            output,
-            options: ReconstructOptions { resolution, cloud: normals.resolve(smooth, 0.0) },
-            run: run.into(),
-        }
+        let settings = ReconstructSettings { resolution, smooth, normals: normals.into() };
+        let options = settings.resolve().map_err(|e| refused(&e))?;
+        Ok(Reconstructing { input, output, options, run: run.into() })
     }
 }

@@ -1,13 +1,12 @@
 //! The arguments of the main command.
 
-use crate::cli::args::shared::{FormatArgs, MeshFile, NormalArgs, Run, RunArgs, density};
-use crate::cli::args::stop::Stop;
-use crate::cli::args::words::{
-    PropertyWidth, Sizing, features, mark, max_error, no_density, points, positive, positive_or_zero, property_width,
-    within,
-};
-use crate::job::{Carry, RemeshOptions};
-use crate::pipeline::{Density, Grading, MaxError, Options, SMOOTHING_SUPPORT, Selection, Signal};
+use crate::cli::args::shared::{FormatArgs, MeshFile, NormalArgs, Run, RunArgs};
+use crate::cli::args::stop::{Stop, refused};
+use crate::cli::args::words::{PropertyWidth, Sizing, no_density, positive_or_zero, property_width, within};
+use crate::job::RemeshOptions;
+use crate::job::settings::RemeshSettings;
+use crate::job::words::{features, mark, max_error, points, positive};
+use crate::pipeline::{Density, MaxError, SMOOTHING_SUPPORT, Selection, Signal};
 use crate::surface::features::Features;
 use std::path::PathBuf;
 
@@ -132,36 +131,31 @@ impl RemeshArgs {
         } = self;
         let (input, output) = formats.resolve(files.input, files.output);
         let sizing = sizing.map(Sizing::from);
-        let of_sizing = sizing.as_ref().map(|_| Density::OfField);
-        let given = points.or(density(None, edge_length, sigma_p).map(Density::from));
-        let density = given.or(of_sizing).ok_or_else(no_density)?;
-        let signals: Vec<Signal> = properties.into_iter().map(Signal::from).collect();
-        let grading = match (&sizing, adapt) {
-            (Some(sizing), _) => Grading::Field(sizing.values()),
-            (None, Some(adapt)) => Grading::Curvature(adapt),
-            (None, None) if sigma_n.is_some() || !signals.is_empty() => {
-                Grading::Kernel { sigma_n: sigma_n.unwrap_or(f64::INFINITY), signals }
-            }
-            (None, None) => Grading::Even,
-        };
+        if points.is_none() && edge_length.is_none() && sigma_p.is_none() && sizing.is_none() {
+            return Err(no_density());
+        }
         let smooth = smooth.map(|support| support.unwrap_or(SMOOTHING_SUPPORT));
-        let surface = Options {
-            density,
+        let settings = RemeshSettings {
+            points,
+            edge_length,
+            sigma_p,
             seed,
             weld,
-            features: features.unwrap_or_default(),
-            grading,
+            features,
+            adapt,
+            sigma_n,
+            signals: properties.into_iter().map(Signal::from).collect(),
+            sizing: sizing.as_ref().map(Sizing::values),
             smooth,
-            of_points: false,
-            part: within.or(select),
+            within,
+            select,
+            fill_holes,
+            normals: normals.into(),
             max_error,
+            attributes: !no_attributes,
             optimize: optimize != 0,
-            // Without a flag.
-            sweeps: Options::default().sweeps,
         };
-        let cloud = normals.resolve(smooth, fill_holes);
-        let carry = if no_attributes { Carry::Nothing } else { Carry::All };
-        let options = RemeshOptions { surface, cloud, carry, without_report: false };
+        let options = settings.resolve().map_err(|e| refused(&e))?;
         Ok(Remeshing { input, output, options, sizing, run: run.into() })
     }
 }

@@ -1,9 +1,11 @@
 //! The arguments of `remesh sample`.
 
-use crate::cli::args::shared::{MeshFile, NormalArgs, Run, RunArgs, density};
-use crate::cli::args::stop::Stop;
-use crate::cli::args::words::{PropertyWidth, no_density, positive, property_width, samples};
+use crate::cli::args::shared::{MeshFile, NormalArgs, Run, RunArgs};
+use crate::cli::args::stop::{Stop, refused};
+use crate::cli::args::words::{PropertyWidth, no_density, property_width, samples};
 use crate::io::Format;
+use crate::job::settings::SampleSettings;
+use crate::job::words::positive;
 use crate::pipeline::{SampleDensity, SampleOptions, Signal};
 use std::path::PathBuf;
 
@@ -92,20 +94,22 @@ impl SampleArgs {
             format,
             run,
         } = self;
-        let density = density(points, edge_length, sigma_p).ok_or_else(no_density)?;
-        Ok(Sampling {
-            input: MeshFile { path: input, format },
-            output,
-            options: SampleOptions {
-                density,
-                sigma_n,
-                signals: properties.into_iter().map(Signal::from).collect(),
-                scan_only,
-                seed,
-                sweeps,
-                cloud: normals.resolve(smooth, 0.0),
-            },
-            run: run.into(),
-        })
+        if points.is_none() && edge_length.is_none() && sigma_p.is_none() {
+            return Err(no_density());
+        }
+        let settings = SampleSettings {
+            points,
+            edge_length,
+            sigma_p,
+            sigma_n,
+            signals: properties.into_iter().map(Signal::from).collect(),
+            smooth,
+            normals: normals.into(),
+            scan_only,
+            seed,
+            sweeps,
+        };
+        let options = settings.resolve().map_err(|e| refused(&e))?;
+        Ok(Sampling { input: MeshFile { path: input, format }, output, options, run: run.into() })
     }
 }

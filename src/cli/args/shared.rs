@@ -1,8 +1,9 @@
 //! Arguments that several commands have, and what they resolve to.
 
-use crate::cli::args::words::positive;
 use crate::io::Format;
-use crate::pipeline::{CloudOptions, NormalFit, Reach, SampleDensity};
+use crate::job::settings::NormalSettings;
+use crate::job::words::{normal_fit, positive};
+use crate::pipeline::NormalFit;
 use clap::ArgAction;
 use std::path::PathBuf;
 
@@ -61,7 +62,7 @@ pub enum Voice {
 #[derive(Debug, clap::Args)]
 pub(super) struct NormalArgs {
     /// What normals of a cloud without them are fitted to [default: plane, or sphere with --smooth]
-    #[arg(long, value_name = "FIT")]
+    #[arg(long, value_name = "plane|sphere", value_parser = normal_fit)]
     normal_fit: Option<NormalFit>,
     /// How many neighbours they are fitted to [default: 8, or 16 with --smooth]
     #[arg(long, value_name = "K", conflicts_with = "normal_radius")]
@@ -71,12 +72,10 @@ pub(super) struct NormalArgs {
     normal_radius: Option<f64>,
 }
 
-impl NormalArgs {
-    /// What to make of a cloud, with as much smoothing and as large holes closed as are given.
-    pub(super) fn resolve(self, smooth: Option<f64>, fill_holes: f64) -> CloudOptions {
-        let NormalArgs { normal_fit, normal_neighbors, normal_radius } = self;
-        let neighborhood = normal_neighbors.map(Reach::Count).or(normal_radius.map(Reach::Radius));
-        CloudOptions { fit: normal_fit, neighborhood, smooth, fill_holes }
+impl From<NormalArgs> for NormalSettings {
+    fn from(args: NormalArgs) -> NormalSettings {
+        let NormalArgs { normal_fit, normal_neighbors, normal_radius } = args;
+        NormalSettings { fit: normal_fit, neighbors: normal_neighbors, radius: normal_radius }
     }
 }
 
@@ -106,13 +105,4 @@ pub struct MeshFile {
     pub path: PathBuf,
     /// The format, where its ending or content are not to decide.
     pub format: Option<Format>,
-}
-
-/// The one that is given of the ways to say how dense samples shall be.
-pub(super) fn density(
-    points: Option<SampleDensity>,
-    edge_length: Option<f64>,
-    sigma_p: Option<f64>,
-) -> Option<SampleDensity> {
-    points.or(edge_length.map(SampleDensity::EdgeLength)).or(sigma_p.map(SampleDensity::SigmaP))
 }

@@ -1,5 +1,8 @@
 //! Why a command line leaves nothing to do.
 
+use crate::base::error::Error;
+use crate::cli::flags::worded;
+
 /// Why there is nothing to do.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Stop {
@@ -12,6 +15,11 @@ pub enum Stop {
 /// What a person is told who typed what makes no sense.
 pub(super) fn wrong(cause: &str) -> Stop {
     Stop::Wrong(format!("{cause}; see remesh --help"))
+}
+
+/// What a person is told whose options the library refuses.
+pub(super) fn refused(error: &Error) -> Stop {
+    wrong(&worded(error))
 }
 
 /// Clap's answer: what it shows as it is, what is wrong as one line without the usage.

@@ -2,8 +2,8 @@
 
 use crate::cli::args::stop::{Stop, wrong};
 use crate::io::Format;
-use crate::pipeline::{Density, MaxError, NormalFit, SampleDensity, Selection, Signal, Values};
-use crate::surface::features::Features;
+use crate::job::words::positive;
+use crate::pipeline::{SampleDensity, Selection, Signal, Values};
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 use std::path::PathBuf;
@@ -52,19 +52,6 @@ impl ValueEnum for Format {
     }
 }
 
-impl ValueEnum for NormalFit {
-    fn value_variants<'a>() -> &'a [NormalFit] {
-        &[NormalFit::Plane, NormalFit::Sphere]
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(PossibleValue::new(match self {
-            NormalFit::Plane => "plane",
-            NormalFit::Sphere => "sphere",
-        }))
-    }
-}
-
 impl From<String> for Sizing {
     fn from(word: String) -> Sizing {
         let path = PathBuf::from(&word);
@@ -84,46 +71,12 @@ pub(super) fn samples(word: &str) -> Result<SampleDensity, String> {
     count.ok_or_else(|| "it must be a whole number of at least 1".into())
 }
 
-/// A number of vertices; what is too few or too many for a surface is for the library to say.
-pub(super) fn points(word: &str) -> Result<Density, String> {
-    let count = || word.parse().ok().filter(|&n| n > 0).map(Density::Points);
-    let density = if word == "auto" { Some(Density::Auto) } else { count() };
-    density.ok_or_else(|| "it must be a whole number of at least 1, or auto".into())
-}
-
-/// A length, or a share of the diagonal in per cent.
-pub(super) fn max_error(word: &str) -> Result<MaxError, String> {
-    let share = |number: &str| positive(number).map(|percent| MaxError::OfDiagonal(percent / 100.0));
-    let error = word.strip_suffix('%').map_or_else(|| positive(word).map(MaxError::Length), share);
-    error.map_err(|_| "it must be a positive length, or a positive number with a %".into())
-}
-
-/// Which edges are sharp; what angles make sense is for the library to say.
-pub(super) fn features(word: &str) -> Result<Features, String> {
-    match word {
-        "auto" => Ok(Features::Automatic),
-        "none" => Ok(Features::Smooth),
-        _ => positive(word).map(Features::Degrees).map_err(|_| "it must be an angle in degrees, auto or none".into()),
-    }
-}
-
 /// A box by its lowest and its highest corner; what boxes make sense is for the library to say.
 pub(super) fn within(word: &str) -> Result<Selection, String> {
     let numbers: Option<Vec<f64>> = word.split(',').map(|number| number.trim().parse().ok()).collect();
     match numbers.as_deref() {
         Some(&[x0, y0, z0, x1, y1, z1]) => Ok(Selection::Box([x0, y0, z0], [x1, y1, z1])),
         _ => Err("it must be six numbers: the lowest x, y and z of a box, then the highest".into()),
-    }
-}
-
-/// The vertices with a value of a property, or with any but zero; the name of the property may have an = of its own.
-pub(super) fn mark(word: &str) -> Result<Selection, String> {
-    let parts = word.rsplit_once('=').and_then(|(property, value)| Some((property, value.parse().ok()?)));
-    let (attribute, value) = parts.map_or((word, None), |(property, value)| (property, Some(value)));
-    if attribute.is_empty() {
-        Err("it must be the name of a property".into())
-    } else {
-        Ok(Selection::Marked { attribute: attribute.into(), value })
     }
 }
 
@@ -138,10 +91,4 @@ pub(super) fn property_width(word: &str) -> Result<PropertyWidth, String> {
 pub(super) fn positive_or_zero(word: &str) -> Result<f64, String> {
     let is_zero = word.parse::<f64>() == Ok(0.0);
     if is_zero { Ok(0.0) } else { positive(word).map_err(|_| "it must be a positive number, or 0".into()) }
-}
-
-/// A length that makes sense.
-pub(super) fn positive(word: &str) -> Result<f64, String> {
-    let positive = word.parse().ok().filter(|&x: &f64| x > 0.0 && x.is_finite());
-    positive.ok_or_else(|| "it must be a positive number".into())
 }

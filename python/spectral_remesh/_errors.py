@@ -1,0 +1,57 @@
+"""What can go wrong. Every message names the place, the cause and the remedy."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ._mesh import Remeshed
+
+
+class SpectralRemeshError(Exception):
+    """Any error of this package."""
+
+
+class ArgumentError(SpectralRemeshError, ValueError):
+    """An argument makes no sense: a wrong shape, NaN, an index that no vertex has, a number out of range.
+
+    Attributes:
+        argument: The name of the argument.
+        cause: What is wrong, and what to do about it.
+    """
+
+    def __init__(self, argument: str, cause: str) -> None:
+        super().__init__(argument, cause)
+        self.argument = argument
+        self.cause = cause
+
+    def __str__(self) -> str:
+        return f"{self.argument}: {self.cause}"
+
+
+class FileError(SpectralRemeshError, OSError):
+    """A file cannot be opened, read, created, written or renamed, or its format cannot be told."""
+
+
+class FormatError(SpectralRemeshError):
+    """The content of a file is not what its format says."""
+
+
+class MeshError(SpectralRemeshError):
+    """A mesh or a cloud that nothing can be made of: it has no area, say, or no surface goes through its points."""
+
+
+class NotVerifiedError(SpectralRemeshError):
+    """With ``strict=True``: the result fails a check, such as one of its topology.
+
+    Attributes:
+        remeshed: The result all the same.
+    """
+
+    def __init__(self, remeshed: Remeshed) -> None:
+        super().__init__(remeshed)
+        self.remeshed = remeshed
+
+    def __str__(self) -> str:
+        why = ", ".join(self.remeshed.shortcomings)
+        return f"the result is not verified: {why}; try another seed or more points"

@@ -1,0 +1,66 @@
+"""What a notebook shows of a mesh: a picture, and a table of its report."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Callable
+from html import escape
+from typing import Any
+
+from . import _native
+from ._mesh import Mesh, Remeshed
+
+_PICTURE_SIZE = 360
+
+# A name, and the figure of it in what a report says of a mesh.
+_ROWS: list[tuple[str, Callable[[dict[str, Any]], str]]] = [
+    ("vertices", lambda mesh: f"{mesh['topology']['vertices']:,}"),
+    ("faces", lambda mesh: f"{mesh['topology']['faces']:,}"),
+    ("components", lambda mesh: str(mesh["topology"]["components"])),
+    ("boundary loops", lambda mesh: str(mesh["topology"]["boundary_loops"])),
+    ("smallest angle", lambda mesh: f"{mesh['shape']['theta_min']:.1f}°"),
+    ("mean smallest angle", lambda mesh: f"{mesh['shape']['theta_min_mean']:.1f}°"),
+    ("mean edge length", lambda mesh: f"{mesh['shape']['edge_mean']:.4g}"),
+]
+
+
+def of_mesh(mesh: Mesh) -> str:
+    """A picture, unless there are points only, and a table."""
+    return f'<div style="display:flex;gap:1em;align-items:center">{_picture(mesh)}{_table(mesh)}</div>'
+
+
+def _picture(mesh: Mesh) -> str:
+    if not len(mesh.faces):
+        return ""
+    png = base64.b64encode(_native.picture(mesh._to_native(), _PICTURE_SIZE)).decode()
+    return f'<img alt="{escape(repr(mesh))}" src="data:image/png;base64,{png}">'
+
+
+def _table(mesh: Mesh) -> str:
+    report = mesh.report if isinstance(mesh, Remeshed) else None
+    lines = [_line([name, figure]) for name, figure in _counts(mesh)] if report is None else _figures(report)
+    if isinstance(mesh, Remeshed):
+        lines.append(_line(["verified", "yes" if mesh.verified else f"no: {', '.join(mesh.shortcomings)}"]))
+    lines += [_line(["note", note]) for note in mesh.notes]
+    return f"<table>{''.join(lines)}</table>"
+
+
+def _counts(mesh: Mesh) -> list[tuple[str, str]]:
+    return [("vertices", f"{len(mesh.vertices):,}"), ("faces", f"{len(mesh.faces):,}")]
+
+
+def _figures(report: dict[str, Any]) -> list[str]:
+    """The input beside the output."""
+    columns = [mesh for mesh in (report["input"], report["output"]) if mesh is not None and mesh["shape"]]
+    lines = [_line(["", *["input", "result"][-len(columns) :]])]
+    lines += [_line([name, *(figure(mesh) for mesh in columns)]) for name, figure in _ROWS]
+    if report["distance"] is not None:
+        lines.append(_line(["Hausdorff distance", f"{report['distance']['hausdorff']:.3g} % of the diagonal"]))
+    return lines
+
+
+def _line(cells: list[str]) -> str:
+    name, *figures = cells
+    if len(figures) == 1:
+        return f'<tr><th>{escape(name)}</th><td colspan="2">{escape(figures[0])}</td></tr>'
+    return f"<tr><th>{escape(name)}</th>{''.join(f'<td>{escape(figure)}</td>' for figure in figures)}</tr>"

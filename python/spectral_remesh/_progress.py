@@ -1,0 +1,55 @@
+"""How far a job is: told to a function, or shown as a bar."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+from collections.abc import Callable, Iterator
+
+from ._errors import ArgumentError
+
+#: A function that is called with the name of the stage and the share of the job that is done, from 0 to 1, never falling.
+Progress = Callable[[str, float], object]
+
+#: What the argument ``progress`` may be.
+Wanted = bool | Progress | None
+
+_WIDTH = 40
+
+
+@contextlib.contextmanager
+def told(progress: Wanted) -> Iterator[Progress | None]:
+    """The function to call meanwhile, if one is wanted; a bar is wiped at the end."""
+    if progress is None or progress is False:
+        yield None
+    elif progress is True:
+        with _bar() as tell:
+            yield tell
+    elif callable(progress):
+        yield progress
+    else:
+        raise ArgumentError("progress", "True, or a function of a stage and a share is wanted")
+
+
+@contextlib.contextmanager
+def _bar() -> Iterator[Progress]:
+    try:
+        from tqdm.auto import tqdm
+    except ImportError:
+        yield _print_bar
+        print("\r" + " " * (_WIDTH + 40) + "\r", end="", file=sys.stderr, flush=True)
+        return
+    with tqdm(total=100, leave=False, bar_format="{desc} |{bar}| {percentage:3.0f} % {elapsed}") as bar:
+
+        def tell(stage: str, done: float) -> None:
+            bar.set_description_str(f"{stage:26}", refresh=False)
+            bar.n = 100 * done
+            bar.refresh()
+
+        yield tell
+
+
+def _print_bar(stage: str, done: float) -> None:
+    full = round(_WIDTH * done)
+    bar = "#" * full + " " * (_WIDTH - full)
+    print(f"\r{stage:26} |{bar}| {100 * done:3.0f} %", end="", file=sys.stderr, flush=True)

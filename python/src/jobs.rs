@@ -1,0 +1,183 @@
+//! The jobs: each takes a mesh and a dictionary of arguments, and gives arrays and a report.
+
+use crate::arrays::{matrix_of, of_corners, of_positions};
+use crate::attributes::Attributes;
+use crate::errors::in_python;
+use crate::mesh::Mesh;
+use crate::options::{reconstructing, remeshing, sampling};
+use crate::run::run;
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use spectral_remesh::report::samples::SamplesReport;
+use spectral_remesh::report::surface::SurfaceReport;
+use spectral_remesh::report::{Report, RunSummary};
+use spectral_remesh::{Attribute, Input, Monitor, Origin, Outcome, Scalar, Stopwatch};
+use std::sync::Arc;
+
+/// A report as JSON, and as a table for people.
+type Told = (String, String);
+
+/// A remeshed surface.
+#[pyclass(frozen, get_all)]
+pub struct Remeshed {
+    /// Of shape (vertices, 3).
+    vertices: Py<PyAny>,
+    /// Of shape (faces, 3).
+    faces: Py<PyAny>,
+    attributes: Py<Attributes>,
+    /// For each vertex the face of the input that it lies on, -1 on points; the three vertices of the input that it lies
+    /// between, and their weights.
+    origin: (Py<PyAny>, Py<PyAny>, Py<PyAny>),
+    /// For each face that of the input below it; empty for points.
+    face_origin: Py<PyAny>,
+    report: Option<Told>,
+    shortcomings: Vec<String>,
+    notes: Vec<String>,
+}
+
+/// Points on a surface.
+#[pyclass(frozen, get_all)]
+pub struct Sampled {
+    /// Of shape (points, 3).
+    vertices: Py<PyAny>,
+    /// Normals, and the numbers of a subset.
+    attributes: Py<Attributes>,
+    report: Told,
+    notes: Vec<String>,
+}
+
+/// The surface of a cloud.
+#[pyclass(frozen, get_all)]
+pub struct Reconstructed {
+    /// Of shape (vertices, 3).
+    vertices: Py<PyAny>,
+    /// Of shape (faces, 3).
+    faces: Py<PyAny>,
+    report: Told,
+}
+
+#[pyfunction]
+#[pyo3(signature = (mesh, arguments, threads, progress))]
+pub fn remesh(
+    py: Python,
+    mesh: &Mesh,
+    arguments: &Bound<PyDict>,
+    threads: Option<usize>,
+    progress: Option<&Bound<PyAny>>,
+) -> PyResult<Remeshed> {
+    let (options, parts) = (remeshing(arguments)?, Arc::clone(&mesh.0));
+    let outcome = run(py, threads, progress, move |monitor| {
+        let monitor = &Stopwatch::new(monitor);
+        let mut outcome = spectral_remesh::remesh(&parts.input(), &options, monitor)?;
+        outcome.report.iter_mut().for_each(|report| measure(&mut report.run, monitor));
+        Ok(outcome)
+    })?;
+    let Outcome { mesh, attributes, origins, triangle_origins, shortcomings, notes, left_out: _, report } = outcome;
+    let face_origin = triangle_origins.into_iter().map(i64::from).collect();
+    Ok(Remeshed {
+        vertices: of_positions(py, &mesh.positions)?,
+        faces: of_corners(py, mesh.triangles.iter())?,
+        attributes: Py::new(py, Attributes(Arc::new(attributes)))?,
+        origin: arrays_of(py, &origins)?,
+        face_origin: PyArray1::<i64>::from_vec(py, face_origin).into_any().unbind(),
+        report: report.map(|report| told(&report.to_json(), &report.to_text())),
+        shortcomings: worded(&shortcomings),
+        notes: worded(&notes),
+    })
+}
+
+#[pyfunction]
+#[pyo3(signature = (mesh, arguments, threads, progress))]
+pub fn sample(
+    py: Python,
+    mesh: &Mesh,
+    arguments: &Bound<PyDict>,
+    threads: Option<usize>,
+    progress: Option<&Bound<PyAny>>,
+) -> PyResult<Sampled> {
+    let (options, parts) = (sampling(arguments)?, Arc::clone(&mesh.0));
+    let (sampled, report) = run(py, threads, progress, move |monitor| {
+        let monitor = &Stopwatch::new(monitor);
+        let sampled = spectral_remesh::sample(&parts.input(), &options, monitor)?;
+        let mut report = SamplesReport::new(&sampled, &options, String::new(), String::new());
+        measure(&mut report.run, monitor);
+        Ok((sampled, report))
+    })?;
+    let mut attributes = sampled.attributes();
+    let (positions, normals) = sampled.points.into_parts();
+    if !normals.is_empty() {
+        let values = normals.iter().flat_map(|normal| normal.to_array()).collect();
+        attributes.vertex.insert(0, Attribute { name: "normal".into(), components: 3, values, scalar: Scalar::F64 });
+    }
+    Ok(Sampled {
+        vertices: of_positions(py, &positions)?,
+        attributes: Py::new(py, Attributes(Arc::new(attributes)))?,
+        report: told(&report.to_json(), &report.to_text()),
+        notes: worded(&sampled.notes),
+    })
+}
+
+#[pyfunction]
+#[pyo3(signature = (mesh, arguments, threads, progress))]
+pub fn reconstruct(
+    py: Python,
+    mesh: &Mesh,
+    arguments: &Bound<PyDict>,
+    threads: Option<usize>,
+    progress: Option<&Bound<PyAny>>,
+) -> PyResult<Reconstructed> {
+    let (options, parts) = (reconstructing(arguments)?, Arc::clone(&mesh.0));
+    let (made, report) = run(py, threads, progress, move |monitor| {
+        let monitor = &Stopwatch::new(monitor);
+        let made = spectral_remesh::reconstruct(&parts.input(), &options, monitor)?;
+        let mut report = SurfaceReport::new(&made, Vec::new(), String::new(), String::new());
+        measure(&mut report.run, monitor);
+        Ok((made, report))
+    })?;
+    Ok(Reconstructed {
+        faces: of_corners(py, made.mesh.triangles.iter())?,
+        vertices: of_positions(py, &made.mesh.positions)?,
+        report: told(&report.to_json(), &report.to_text()),
+    })
+}
+
+#[pyfunction]
+#[pyo3(signature = (mesh, against, threads))]
+pub fn quality(py: Python, mesh: &Mesh, against: Option<&Mesh>, threads: Option<usize>) -> PyResult<Told> {
+    let (parts, against) = (Arc::clone(&mesh.0), against.map(|mesh| Arc::clone(&mesh.0)));
+    let report: Report = run(py, threads, None, move |monitor| {
+        let monitor = &Stopwatch::new(monitor);
+        monitor.stage("measure");
+        let against: Option<Input> = against.as_ref().map(|parts| parts.input());
+        let mut report = spectral_remesh::quality(&parts.input(), against.as_ref())?;
+        measure(&mut report.run, monitor);
+        Ok(report)
+    })?;
+    Ok(told(&report.to_json(), &report.to_text()))
+}
+
+/// Adds what a job took. The memory is left out: that of the process is the user's.
+fn measure(run: &mut RunSummary, monitor: &Stopwatch) {
+    run.measure(&monitor.laps(), None, rayon::current_num_threads());
+}
+
+/// A report in the words of Python. The table begins with the names of files, of which there are none.
+fn told(json: &str, table: &str) -> Told {
+    let table = table.strip_prefix(" -> ").unwrap_or(table).trim_start_matches('\n');
+    (in_python(json), in_python(table))
+}
+
+fn worded(texts: &[String]) -> Vec<String> {
+    texts.iter().map(|text| in_python(text)).collect()
+}
+
+fn arrays_of(py: Python, origins: &[Origin]) -> PyResult<(Py<PyAny>, Py<PyAny>, Py<PyAny>)> {
+    let faces = origins.iter().map(|origin| origin.triangle.map_or(-1, i64::from)).collect();
+    let weights = origins.iter().flat_map(|origin| origin.weights).collect();
+    Ok((
+        PyArray1::<i64>::from_vec(py, faces).into_any().unbind(),
+        of_corners(py, origins.iter().map(|origin| &origin.vertices))?,
+        matrix_of::<f64>(py, weights, 3)?,
+    ))
+}

@@ -1,0 +1,49 @@
+//! The module `spectral_remesh._native`: arrays and options of Python go to the library's calls, results come back as
+//! arrays. What Python users see is in `spectral_remesh/`, which converts whatever they give to what is wanted here.
+
+mod arrays;
+mod attributes;
+mod errors;
+mod files;
+mod jobs;
+mod mesh;
+mod options;
+mod picture;
+mod program;
+mod run;
+
+// The renderer of the pictures in a notebook is that of the example `render`; bits of a picture may differ between machines.
+#[allow(clippy::disallowed_methods)]
+#[path = "../../examples/render/camera.rs"]
+mod camera;
+#[path = "../../examples/render/raster.rs"]
+mod raster;
+#[allow(clippy::disallowed_methods)]
+#[path = "../../examples/render/shade.rs"]
+mod shade;
+
+/// The compiled half of the package.
+#[pyo3::pymodule]
+mod _native {
+    #[pymodule_export]
+    #[allow(non_upper_case_globals)]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+    #[pymodule_export]
+    use crate::attributes::Attributes;
+    #[pymodule_export]
+    use crate::files::{read, write};
+    #[pymodule_export]
+    use crate::jobs::{Reconstructed, Remeshed, Sampled, quality, reconstruct, remesh, sample};
+    #[pymodule_export]
+    use crate::mesh::{Mesh, split};
+    #[pymodule_export]
+    use crate::picture::picture;
+    #[pymodule_export]
+    use crate::program::main;
+
+    #[pymodule_init]
+    fn init(_module: &pyo3::Bound<pyo3::types::PyModule>) -> pyo3::PyResult<()> {
+        crate::run::remember_process();
+        Ok(())
+    }
+}

@@ -1,0 +1,262 @@
+//! Arguments of Python as the library's settings. Each job has a list of its arguments; from there on every member is named,
+//! as on the command line, so an argument that is forgotten does not compile.
+
+use crate::errors::{argument, exception};
+use numpy::PyReadonlyArray1;
+use pyo3::conversion::FromPyObjectOwned;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict, PyString};
+use spectral_remesh::settings::{NormalSettings, ReconstructSettings, RemeshSettings, SampleSettings};
+use spectral_remesh::stages::pipeline::SMOOTHING_SUPPORT;
+use spectral_remesh::{
+    Density, Features, MaxError, NormalFit, ReconstructOptions, RemeshOptions, SampleDensity, SampleOptions, Selection,
+    Signal, Values, words,
+};
+
+/// A struct that is read from a dictionary with these arguments, all of them and no other.
+macro_rules! arguments {
+    ($name:ident { $($member:ident: $type:ty,)* }) => {
+        struct $name { $($member: $type,)* }
+
+        impl $name {
+            fn read(given: &Bound<PyDict>) -> PyResult<$name> {
+                refuse_others(given, &[$(stringify!($member)),*])?;
+                Ok($name { $($member: member(given, stringify!($member))?,)* })
+            }
+        }
+    };
+}
+
+arguments!(RemeshArguments {
+    points: Option<Points>,
+    edge_length: Option<f64>,
+    sigma_p: Option<f64>,
+    seed: u64,
+    weld: Option<f64>,
+    features: Option<SharpEdges>,
+    adapt: Option<f64>,
+    sigma_n: Option<f64>,
+    sigma: Widths,
+    sizing: Option<Lengths>,
+    smooth: Option<Smoothing>,
+    within: Option<[[f64; 3]; 2]>,
+    select: Option<Marks>,
+    fill_holes: f64,
+    normal_fit: Option<Fit>,
+    normal_neighbors: Option<usize>,
+    normal_radius: Option<f64>,
+    max_error: Option<Bounded>,
+    attributes: bool,
+    optimize: bool,
+    report: bool,
+});
+
+arguments!(SampleArguments {
+    points: Option<usize>,
+    edge_length: Option<f64>,
+    sigma_p: Option<f64>,
+    sigma_n: f64,
+    sigma: Widths,
+    smooth: Option<f64>,
+    normal_fit: Option<Fit>,
+    normal_neighbors: Option<usize>,
+    normal_radius: Option<f64>,
+    scan_only: bool,
+    seed: u64,
+    sweeps: usize,
+});
+
+arguments!(ReconstructArguments {
+    resolution: Option<f64>,
+    smooth: Option<f64>,
+    normal_fit: Option<Fit>,
+    normal_neighbors: Option<usize>,
+    normal_radius: Option<f64>,
+});
+
+/// How to remesh.
+pub fn remeshing(given: &Bound<PyDict>) -> PyResult<RemeshOptions> {
+    let RemeshArguments {
+        points,
+        edge_length,
+        sigma_p,
+        seed,
+        weld,
+        features,
+        adapt,
+        sigma_n,
+        sigma,
+        sizing,
+        smooth,
+        within,
+        select,
+        fill_holes,
+        normal_fit,
+        normal_neighbors,
+        normal_radius,
+        max_error,
+        attributes,
+        optimize,
+        report,
+    } = RemeshArguments::read(given)?;
+    let settings = RemeshSettings {
+        points: points.map(|Points(points)| points),
+        edge_length,
+        sigma_p,
+        seed,
+        weld,
+        features: features.map(|SharpEdges(features)| features),
+        adapt,
+        sigma_n,
+        signals: sigma.0,
+        sizing: sizing.map(|Lengths(lengths)| lengths),
+        smooth: smooth.and_then(|Smoothing(support)| support),
+        within: within.map(|[lowest, highest]| Selection::Box(lowest, highest)),
+        select: select.map(|Marks(marks)| marks),
+        fill_holes,
+        normals: normals(normal_fit, normal_neighbors, normal_radius),
+        max_error: max_error.map(|Bounded(bound)| bound),
+        attributes,
+        optimize,
+    };
+    let options = settings.resolve().map_err(|error| exception(&error))?;
+    Ok(RemeshOptions { without_report: !report, ..options })
+}
+
+/// How to sample.
+pub fn sampling(given: &Bound<PyDict>) -> PyResult<SampleOptions> {
+    let SampleArguments {
+        points,
+        edge_length,
+        sigma_p,
+        sigma_n,
+        sigma,
+        smooth,
+        normal_fit,
+        normal_neighbors,
+        normal_radius,
+        scan_only,
+        seed,
+        sweeps,
+    } = SampleArguments::read(given)?;
+    let settings = SampleSettings {
+        points: points.map(SampleDensity::Points),
+        edge_length,
+        sigma_p,
+        sigma_n,
+        signals: sigma.0,
+        smooth,
+        normals: normals(normal_fit, normal_neighbors, normal_radius),
+        scan_only,
+        seed,
+        sweeps,
+    };
+    settings.resolve().map_err(|error| exception(&error))
+}
+
+/// How to reconstruct.
+pub fn reconstructing(given: &Bound<PyDict>) -> PyResult<ReconstructOptions> {
+    let ReconstructArguments { resolution, smooth, normal_fit, normal_neighbors, normal_radius } =
+        ReconstructArguments::read(given)?;
+    let normals = normals(normal_fit, normal_neighbors, normal_radius);
+    ReconstructSettings { resolution, smooth, normals }.resolve().map_err(|error| exception(&error))
+}
+
+fn normals(fit: Option<Fit>, neighbors: Option<usize>, radius: Option<f64>) -> NormalSettings {
+    NormalSettings { fit: fit.map(|Fit(fit)| fit), neighbors, radius }
+}
+
+/// One of the arguments.
+fn member<'py, T: FromPyObjectOwned<'py>>(given: &Bound<'py, PyDict>, name: &str) -> PyResult<T> {
+    let value = given.get_item(name)?.ok_or_else(|| argument(name, "it is missing"))?;
+    value.extract().map_err(|error| argument(name, Into::<PyErr>::into(error).value(given.py()).to_string()))
+}
+
+/// Refuses arguments that are not among `known`.
+fn refuse_others(given: &Bound<PyDict>, known: &[&str]) -> PyResult<()> {
+    let names: Vec<String> = given.keys().extract()?;
+    let other = names.iter().find(|name| !known.contains(&name.as_str()));
+    other.map_or(Ok(()), |name| Err(argument(name, "there is no such argument")))
+}
+
+/// Types of arguments that are words of the command line, too, and are read as there.
+macro_rules! words {
+    ($($name:ident($type:ty) = $read:expr;)*) => {
+        $(struct $name($type);
+
+        impl<'a, 'py> FromPyObject<'a, 'py> for $name {
+            type Error = PyErr;
+
+            fn extract(value: Borrowed<'a, 'py, PyAny>) -> PyResult<$name> {
+                let read = $read;
+                read(&*value.str()?.to_cow()?).map($name).map_err(PyValueError::new_err)
+            }
+        })*
+    };
+}
+
+words! {
+    Points(Density) = words::points;
+    SharpEdges(Features) = words::features;
+    Bounded(MaxError) = words::max_error;
+    Fit(NormalFit) = words::normal_fit;
+}
+
+/// Lengths at vertices: an array, or the name of an attribute.
+struct Lengths(Values);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Lengths {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'a, 'py, PyAny>) -> PyResult<Lengths> {
+        if value.is_instance_of::<PyString>() {
+            return Ok(Lengths(Values::Attribute(value.extract()?)));
+        }
+        let lengths: PyReadonlyArray1<f64> = value.extract()?;
+        Ok(Lengths(Values::Given(lengths.as_array().to_vec())))
+    }
+}
+
+/// Vertices that are selected: an array, or the name of an attribute that marks them.
+struct Marks(Selection);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Marks {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'a, 'py, PyAny>) -> PyResult<Marks> {
+        if value.is_instance_of::<PyString>() {
+            return words::mark(&value.extract::<String>()?).map(Marks).map_err(PyValueError::new_err);
+        }
+        let marks: PyReadonlyArray1<bool> = value.extract()?;
+        Ok(Marks(Selection::Vertices(marks.as_array().to_vec())))
+    }
+}
+
+/// A support radius; `True` is the usual one, `False` is none.
+struct Smoothing(Option<f64>);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Smoothing {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'a, 'py, PyAny>) -> PyResult<Smoothing> {
+        match value.cast::<PyBool>() {
+            Ok(is_wanted) => Ok(Smoothing(is_wanted.is_true().then_some(SMOOTHING_SUPPORT))),
+            Err(_) => value.extract().map(Some).map(Smoothing),
+        }
+    }
+}
+
+/// Names of attributes, each with the width of the kernel along it.
+struct Widths(Vec<Signal>);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Widths {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'a, 'py, PyAny>) -> PyResult<Widths> {
+        let signal = |(name, sigma): (Bound<PyAny>, Bound<PyAny>)| {
+            Ok(Signal { values: Values::Attribute(name.extract()?), sigma: sigma.extract()? })
+        };
+        value.cast::<PyDict>()?.iter().map(signal).collect::<PyResult<_>>().map(Widths)
+    }
+}

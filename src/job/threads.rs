@@ -1,0 +1,27 @@
+//! How many threads a job has.
+
+use crate::base::error::{Error, Result, Setting};
+
+/// Calls `work` where rayon has as many threads as are wanted; without a number as many as it has by itself.
+///
+/// # Errors
+/// [`Error::Option`] if the system does not give that many.
+pub fn with_threads<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Send) -> Result<T> {
+    let Some(threads) = threads else { return Ok(work()) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| Error::Option {
+        option: Setting::Threads,
+        cause: e.to_string(),
+        remedy: "use fewer".into(),
+    })?;
+    Ok(pool.install(work))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn threads_are_as_many_as_wanted() {
+        assert_eq!(with_threads(Some(3), rayon::current_num_threads), Ok(3));
+    }
+}
