@@ -5,6 +5,7 @@ mod bandwidth;
 mod cloud;
 mod coverage;
 mod density;
+mod edges;
 mod follow;
 mod kernel;
 mod optimization;
@@ -29,6 +30,7 @@ pub use cloud::{
 };
 pub use coverage::Coverage;
 pub use density::{Density, FEWEST_POINTS, MOST_POINTS, SampleDensity};
+pub use edges::Edges;
 pub use kernel::Signal;
 pub use options::{Grading, MaxError, Options};
 pub use reconstruct::{ReconstructOptions, Reconstructed, points_of_mesh, reconstruct};

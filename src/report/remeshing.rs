@@ -302,6 +302,7 @@ pub fn left_out(cloud: &CloudSummary, coverage: &Coverage) -> Option<String> {
 pub(super) mod tests {
     use super::*;
     use crate::mesh::provenance::Origins;
+    use crate::pipeline::Edges;
     use crate::testing::tetrahedron;
     use glam::DVec3;
     use std::time::Duration;
@@ -330,6 +331,7 @@ pub(super) mod tests {
             self_intersections: vec![],
             self_intersections_of_input: None,
             slivers: vec![],
+            edges: Edges::default(),
             kept: None,
             notes: vec!["One face is missing.".into()],
         };
