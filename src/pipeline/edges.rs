@@ -41,7 +41,11 @@ impl Edges {
         let c = &made.connectivity;
         let is_sharp = |h: &u32| c.has_twin(*h) && matches!(c.curve(*h), OnCurve::Curve(_));
         Edges {
-            sharp: made.edges().filter(is_sharp).map(|h| [c.origin(h), c.target(h)].map(|v| number[v as usize])).collect(),
+            sharp: made
+                .edges()
+                .filter(is_sharp)
+                .map(|h| [c.origin(h), c.target(h)].map(|v| number[v as usize]))
+                .collect(),
             left_out: surface.left_out_edges.iter().map(|ends| ends.map(|p| unit.outwards_point(p))).collect(),
             wanted: wanted.into_iter().map(|w| w.1).collect(),
         }

@@ -230,8 +230,16 @@ impl Report {
     }
 }
 
+/// One report as JSON, or a list of several.
+pub fn all_to_json(reports: &[Report]) -> String {
+    match reports {
+        [report] => report.to_json(),
+        all => to_json(&all),
+    }
+}
+
 /// The surface that a result is to be near to: the input without the faces that repairs took from between its cells.
-fn outside<'a>(input: &'a Mesh, repairs: &Repairs) -> Cow<'a, Mesh> {
+pub(super) fn outside<'a>(input: &'a Mesh, repairs: &Repairs) -> Cow<'a, Mesh> {
     match repairs.faces_between_cells {
         0 => Cow::Borrowed(input),
         _ => Cow::Owned(without_faces_between_cells(input)),

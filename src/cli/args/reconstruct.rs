@@ -1,6 +1,7 @@
 //! The arguments of `remesh reconstruct`.
 
 use crate::cli::args::shared::{FormatArgs, MeshFile, NormalArgs, Run, RunArgs};
+use crate::cli::args::stop::Stop;
 use crate::cli::args::words::positive;
 use crate::pipeline::ReconstructOptions;
 use std::path::PathBuf;
@@ -48,14 +49,14 @@ pub struct Reconstructing {
 }
 
 impl ReconstructArgs {
-    pub(super) fn resolve(self) -> Reconstructing {
+    pub(super) fn resolve(self) -> Result<Reconstructing, Stop> {
         let ReconstructArgs { input, output, resolution, smooth, normals, formats, run } = self;
         let (input, output) = formats.resolve(input, output);
-        Reconstructing {
+        Ok(Reconstructing {
             input,
             output,
             options: ReconstructOptions { resolution, cloud: normals.resolve(smooth, 0.0) },
-            run: run.into(),
-        }
+            run: Run::from(run).without_page("reconstructions")?,
+        })
     }
 }

@@ -105,7 +105,7 @@ impl SampleArgs {
                 sweeps,
                 cloud: normals.resolve(smooth, 0.0),
             },
-            run: run.into(),
+            run: Run::from(run).without_page("samples")?,
         })
     }
 }

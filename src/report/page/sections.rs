@@ -1,0 +1,192 @@
+//! The parts of a page that are text: the verdict, the four figures, the notes and the table.
+
+use crate::quality::shape::Shape;
+use crate::report::page::histogram::class;
+use crate::report::page::html::escape;
+use crate::report::page::places::Place;
+use crate::report::page::shown::Shown;
+use crate::report::remeshing::Report;
+use crate::report::rows::{
+    CROSSINGS, Figures, crossings, degrees, distance_rows, facts, percent, shape_rows, topology_rows,
+};
+use std::fmt::Write;
+
+/// What became of what.
+pub(super) fn title(shown: &[Shown]) -> String {
+    match shown {
+        [input, output] if output.role == "output" => format!("{} → {}", input.measured.file, output.measured.file),
+        _ => {
+            let subjects = shown.iter().filter(|s| s.report.is_some());
+            subjects.map(|s| s.measured.file.as_str()).collect::<Vec<_>>().join(", ")
+        }
+    }
+}
+
+/// Whether the results are verified, and if not, why; of meshes that were only measured, whether they are sound.
+pub(super) fn verdicts(shown: &[Shown], places: &[Place]) -> String {
+    (0..).zip(shown).filter_map(|(mesh, s)| Some(verdict(mesh, s.report?, places))).collect()
+}
+
+fn verdict(mesh: usize, report: &Report, places: &[Place]) -> String {
+    let (class, head, lines) = match report.verified {
+        Some(true) => {
+            ("good", "Verified", vec!["An oriented manifold of the input’s topology, without new faults.".into()])
+        }
+        Some(false) => ("bad", "Not verified", report.shortcomings()),
+        None if faults(report).is_empty() => {
+            ("good", "Sound", vec!["An oriented manifold without self-intersections.".into()])
+        }
+        None => ("bad", "With faults", faults(report)),
+    };
+    let head = if report.verified.is_some() { head.into() } else { format!("{}: {head}", escape(&report.output.file)) };
+    let items: String = lines.iter().map(|line| format!("<li>{}</li>", escape(line))).collect();
+    let faults = places.iter().enumerate().filter(|(_, place)| place.mesh == mesh && place.is_fault);
+    let links: String = faults
+        .map(|(number, place)| format!(" <a href=\"#view\" data-place=\"{number}\">{}</a>", place.name))
+        .collect();
+    let links = if links.is_empty() { links } else { format!("<p class=\"at\">Look at{links}</p>") };
+    format!("<div class=\"verdict {class}\" role=\"status\"><h2>{head}</h2><ul>{items}</ul>{links}</div>\n")
+}
+
+/// What is wrong with a mesh that was only measured.
+fn faults(report: &Report) -> Vec<String> {
+    let t = &report.output.topology;
+    let counts = [
+        (t.nonmanifold_edges, "edges with more than two faces"),
+        (t.nonmanifold_vertices, "vertices with more than one fan"),
+        (t.misoriented_edges, "edges between faces of opposite orientation"),
+        (report.crossings.faces.len(), "self-intersecting faces"),
+    ];
+    counts.iter().filter(|c| c.0 > 0).map(|(count, what)| format!("{count} {what}")).collect()
+}
+
+/// The four figures that tell most, large.
+pub(super) fn figures(shown: &[Shown]) -> String {
+    type Figure = (&'static str, fn(&Shape) -> String);
+    let figures: [Figure; 4] = [
+        ("smallest angle θ<sub>min</sub>", |s| degrees(s.theta_min)),
+        ("lowest quality Q<sub>min</sub>", |s| format!("{:.3}", s.q_min)),
+        ("mean quality Q<sub>ave</sub>", |s| format!("{:.3}", s.q_mean)),
+        ("triangles with an angle &lt; 30°", |s| percent(s.percent_below_30)),
+    ];
+    let card = |(name, figure): Figure| {
+        let told = |s: &Shown| s.measured.shape.as_ref().map_or("–".into(), figure);
+        let inside: String = match shown {
+            [input, output] if input.report.is_none() => {
+                format!("<b>{}</b><small>{} {}</small>", told(output), input.role, told(input))
+            }
+            [one] => format!("<b>{}</b>", told(one)),
+            all => all
+                .iter()
+                .enumerate()
+                .map(|(n, s)| format!("<span class=\"one\"><i class=\"key {}\"></i>{}</span>", class(all, n), told(s)))
+                .collect(),
+        };
+        format!("<div class=\"figure\"><h3>{name}</h3>{inside}</div>\n")
+    };
+    figures.map(card).concat()
+}
+
+/// The names of the meshes with the colours that they have in the charts.
+pub(super) fn key(shown: &[Shown]) -> String {
+    let item = |(n, s): (usize, &Shown)| {
+        format!("<span><i class=\"key {}\"></i>{}</span> ", class(shown, n), escape(&s.title()))
+    };
+    shown.iter().enumerate().map(item).collect()
+}
+
+/// Things a user should know, each once.
+pub(super) fn notes(shown: &[Shown]) -> String {
+    let mut notes: Vec<&String> = Vec::new();
+    for note in shown.iter().filter_map(|s| s.report).flat_map(|report| &report.run.notes) {
+        if !notes.contains(&note) {
+            notes.push(note);
+        }
+    }
+    if notes.is_empty() {
+        return String::new();
+    }
+    let items: String = notes.iter().map(|note| format!("<li>{}</li>", escape(note))).collect();
+    format!("<section class=\"notes\"><h2>Notes</h2><ul>{items}</ul></section>\n")
+}
+
+/// All figures, a column for each mesh.
+pub(super) fn table(shown: &[Shown]) -> String {
+    let columns: Vec<_> = shown.iter().map(|s| s.measured).collect();
+    let mut out = String::from("<table><thead><tr><td></td>");
+    for s in shown {
+        let role = if s.role.is_empty() { String::new() } else { format!("<small>{}</small> ", s.role) };
+        let _ = write!(out, "<th scope=\"col\">{role}{}</th>", escape(&s.measured.file));
+    }
+    out.push_str("</tr></thead>\n");
+    let (topology, mut shape) = (topology_rows(&columns), shape_rows(&columns));
+    let edges = shape.split_off(7);
+    let mut edges = edges.into_iter();
+    let lengths: Vec<Figures> = edges.by_ref().take(4).collect();
+    body(&mut out, "Topology", topology.into_iter().chain([(CROSSINGS, crossing_figures(shown))]));
+    body(&mut out, "Triangles", shape);
+    body(&mut out, "Edges", lengths);
+    body(&mut out, "Interior vertices", edges);
+    body(&mut out, "Distance, % of the diagonal", distances(shown));
+    out.push_str("</table>\n");
+    out
+}
+
+fn body(out: &mut String, head: &str, rows: impl IntoIterator<Item = Figures>) {
+    let mut rows = rows.into_iter().peekable();
+    let Some((_, figures)) = rows.peek() else { return };
+    let _ = writeln!(out, "<tbody><tr><th scope=\"rowgroup\" colspan=\"{}\">{head}</th></tr>", figures.len() + 1);
+    for (name, figures) in rows {
+        let cells: String = figures.iter().map(|figure| format!("<td>{figure}</td>")).collect();
+        let _ = writeln!(out, "<tr><th scope=\"row\">{}</th>{cells}</tr>", escape(name));
+    }
+    out.push_str("</tbody>\n");
+}
+
+/// How many faces of each mesh intersect others, as the reports say.
+fn crossing_figures(shown: &[Shown]) -> Vec<String> {
+    let of_input = |s: &Shown| s.report.and_then(|report| crossings(report).into_iter().next());
+    let figure = |s: &Shown| match s.report {
+        Some(report) => crossings(report).pop().unwrap_or_default(),
+        None if shown.len() == 2 => shown.iter().find_map(of_input).unwrap_or_default(),
+        None => "-".into(),
+    };
+    shown.iter().map(figure).collect()
+}
+
+/// Distances both ways, from each mesh to the input.
+fn distances(shown: &[Shown]) -> Vec<Figures> {
+    let of = |s: &Shown| s.report.and_then(|report| report.distance.as_ref()).map(distance_rows);
+    let of_each: Vec<Option<[Figures; 2]>> = shown.iter().map(of).collect();
+    if of_each.iter().all(Option::is_none) {
+        return Vec::new();
+    }
+    let names = [
+        ["RMS, to the input", "RMS, from the input", "RMS, both ways"],
+        ["Hausdorff, to the input", "Hausdorff, from the input", "Hausdorff, both ways"],
+    ];
+    let cell =
+        |rows: &Option<[Figures; 2]>, i: usize, k: usize| rows.as_ref().map_or("-".into(), |r| r[i].1[k].clone());
+    let row = |(i, k): (usize, usize)| (names[i][k], of_each.iter().map(|rows| cell(rows, i, k)).collect());
+    [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2)].map(row).into()
+}
+
+/// What is no figure of a mesh: the sampling, the repairs and so on, of each report that knows of them.
+pub(super) fn details(shown: &[Shown]) -> String {
+    let mut out = String::new();
+    for report in shown.iter().filter_map(|s| s.report) {
+        let facts = facts(report);
+        if facts.is_empty() {
+            continue;
+        }
+        out.push_str("<dl>");
+        if report.verified.is_none() {
+            let _ = write!(out, "<dt class=\"file\">{}</dt><dd></dd>", escape(&report.output.file));
+        }
+        for (name, phrases) in facts {
+            let _ = write!(out, "<dt>{name}</dt><dd>{}</dd>", escape(&phrases.join(", ")));
+        }
+        out.push_str("</dl>\n");
+    }
+    out
+}
