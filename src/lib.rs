@@ -109,6 +109,8 @@ pub mod mesh;
 #[doc(hidden)]
 pub mod optimize;
 #[doc(hidden)]
+pub mod picture;
+#[doc(hidden)]
 pub mod pipeline;
 #[doc(hidden)]
 pub mod prepare;
@@ -133,7 +135,7 @@ pub mod triangulate;
 pub mod stages {
     #[doc(inline)]
     pub use crate::{
-        base, contour, geom, manifold, mesh, optimize, pipeline, prepare, quality, spatial, spectral, surface,
+        base, contour, geom, manifold, mesh, optimize, picture, pipeline, prepare, quality, spatial, spectral, surface,
         transfer, triangulate,
     };
 }

@@ -8,9 +8,9 @@
  * bounded by that of WebGL's contexts, and copied to their own.
  */
 function createViewer(scene, canvases) {
-  const EYE = 5; // Distance of the eye from what it looks at, in half diagonals of the box of all meshes.
+  const EYE = 5; // Distance of the eye from what it looks at, in half diagonals of the box of all meshes; the library’s is the same.
   const ZOOMS = [0.3, 400];
-  const START = { zoom: 1, target: [0, 0, 0], rotation: scene.rotation };
+  const START = { zoom: scene.zoom, target: scene.target, rotation: scene.rotation };
   const COLOURINGS = ["angle", "quality", "valence", "distance"];
 
   const surface = document.createElement("canvas");
@@ -18,7 +18,7 @@ function createViewer(scene, canvases) {
   if (!gl) return null;
 
   const meshes = scene.meshes.map((mesh) => upload(gl, mesh));
-  const faces = program(gl, FACES_VERTEX, FACES_FRAGMENT);
+  const faces = program(gl, FACES_VERTEX, facesFragment(scene));
   const lines = program(gl, LINES_VERTEX, LINES_FRAGMENT);
   const ramp = new Float32Array(scene.ramp.flatMap(rgb));
   const valences = new Float32Array(scene.valences.flatMap(rgb));
@@ -51,8 +51,8 @@ function createViewer(scene, canvases) {
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     drawFaces(meshes[number], width, height, pixel);
     if (shown.edges) {
-      drawLines(meshes[number].sharp, [0.02, 0.2, 0.42], width, height, pixel);
-      drawLines(meshes[number].leftOut, [0.75, 0.0, 0.5], width, height, pixel);
+      drawLines(meshes[number].sharp, rgb(scene.kept), width, height, pixel);
+      drawLines(meshes[number].leftOut, rgb(scene.leftOut), width, height, pixel);
     }
     const context = canvas.getContext("2d");
     context.clearRect(0, 0, width, height);
@@ -64,9 +64,11 @@ function createViewer(scene, canvases) {
     const at = useProgram(faces, width, height);
     gl.uniform3fv(at("ramp"), ramp);
     gl.uniform3fv(at("valences"), valences);
+    gl.uniform3fv(at("marked"), rgb(scene.marked));
+    gl.uniform3fv(at("unknown"), rgb(scene.unknown));
     const known = shown.colouring !== "distance" || mesh.hasDistance;
     gl.uniform1i(at("colouring"), known ? COLOURINGS.indexOf(shown.colouring) : -1);
-    gl.uniform1f(at("wire"), shown.wire ? 0.5 * pixel : 0);
+    gl.uniform1f(at("wire"), shown.wire ? 0.35 * pixel : 0);
     gl.bindVertexArray(mesh.faces);
     gl.drawArrays(gl.TRIANGLES, 0, mesh.count);
   }
@@ -92,11 +94,9 @@ function createViewer(scene, canvases) {
     return at;
   }
 
-  /** Half of a panel's shorter side shows a little more than half a diagonal. */
   function scale(width, height) {
-    const shorter = Math.min(width, height);
-    const lens = 1.02 * EYE * camera.zoom;
-    return { x: (lens * shorter) / width, y: (lens * shorter) / height };
+    const lens = EYE * camera.zoom;
+    return { x: (lens * height) / width, y: lens };
   }
 
   /** Where a point is on a canvas, in its pixels. */
@@ -126,9 +126,9 @@ function createViewer(scene, canvases) {
     requestDraw();
   }
 
-  /** Moves what is seen, by shares of the shorter side of a panel. */
+  /** Moves what is seen, by shares of the height of a panel. */
   function move(right, up) {
-    const share = 2 / (1.02 * camera.zoom);
+    const share = 2 / camera.zoom;
     const [x, y] = camera.rotation;
     camera.target = camera.target.map((t, i) => t - share * (right * x[i] + up * y[i]));
     requestDraw();
@@ -188,7 +188,7 @@ function listen(canvas, { turn, move, zoomBy, reset }) {
     if (!before) return;
     const now = [event.clientX, event.clientY];
     const [right, down] = [now[0] - before[0], now[1] - before[1]];
-    const size = Math.min(canvas.clientWidth, canvas.clientHeight);
+    const size = canvas.clientHeight;
     const other = [...pointers].find(([id]) => id !== event.pointerId);
     pointers.set(event.pointerId, now);
     if (other) {
@@ -391,11 +391,12 @@ void main() {
   ofCorners = cornerValences;
 }`;
 
-const FACES_FRAGMENT = `#version 300 es
+const facesFragment = ({ ramp, valences }) => `#version 300 es
 precision highp float;
 precision highp int;
-uniform vec3 ramp[11];
-uniform vec3 valences[6];
+uniform vec3 ramp[${ramp.length}];
+uniform vec3 valences[${valences.length}];
+uniform vec3 marked, unknown;
 uniform int colouring;
 uniform float wire;
 in vec3 p;
@@ -405,8 +406,8 @@ flat in vec3 ofFace;
 flat in uvec3 ofCorners;
 out vec4 pixel;
 vec3 onRamp(float bad) {
-  float at = clamp(bad, 0.0, 1.0) * 10.0;
-  int k = min(int(at), 9);
+  float at = clamp(bad, 0.0, 1.0) * ${ramp.length - 1}.0;
+  int k = min(int(at), ${ramp.length - 2});
   return mix(ramp[k], ramp[k + 1], at - float(k));
 }
 vec3 valenceColour() {
@@ -419,23 +420,23 @@ void main() {
     : colouring == 1 ? onRamp(ofFace.z)
     : colouring == 2 ? valenceColour()
     : colouring == 3 ? onRamp(distance_)
-    : vec3(0.8, 0.82, 0.84);
-  if (ofFace.x > 0.5) colour = vec3(0.86, 0.0, 0.55);
+    : unknown;
+  if (ofFace.x > 0.5) colour = marked;
   vec3 normal = normalize(cross(dFdx(p), dFdy(p)));
   vec3 eye = normalize(vec3(0.0, 0.0, 5.0) - p);
   if (dot(normal, eye) < 0.0) normal = -normal;
   // The inside of a surface is dull and dark.
   if (!gl_FrontFacing) colour = mix(colour, vec3(0.32, 0.3, 0.36), 0.7);
-  float light = 0.62 + 0.34 * max(dot(normal, normalize(vec3(-0.4, 0.6, 0.7))), 0.0)
+  float light = 0.70 + 0.32 * max(dot(normal, normalize(vec3(-0.4, 0.6, 0.7))), 0.0)
     + 0.12 * max(dot(normal, normalize(vec3(0.8, -0.2, 0.5))), 0.0);
   colour *= light;
   if (wire > 0.0) {
     vec3 width = fwidth(corner);
     vec3 away = corner / max(width, vec3(1e-6));
-    float line = 1.0 - smoothstep(wire, wire + 1.0, min(away.x, min(away.y, away.z)));
+    float line = 1.0 - smoothstep(wire, wire + 0.9, min(away.x, min(away.y, away.z)));
     // Triangles of a few pixels would be all line.
-    float room = clamp(0.5 / max(width.x, max(width.y, width.z)) - 0.6, 0.0, 1.0);
-    colour = mix(colour, vec3(0.05, 0.09, 0.16), 0.62 * line * mix(0.25, 1.0, room));
+    float room = smoothstep(0.02, 0.25, 0.25 - max(width.x, max(width.y, width.z)));
+    colour = mix(colour, vec3(0.05, 0.09, 0.16), line * mix(0.12, 0.6, room));
   }
   pixel = vec4(colour, 1.0);
 }`;

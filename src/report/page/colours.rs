@@ -21,6 +21,12 @@ pub(super) const VALENCES: [(&str, &str); 6] = [
     ("8 or more", "#92361f"),
 ];
 
+/// Sharp edges that were kept, those that were left out, faces at fault, and what has no figure.
+pub(super) const KEPT: &str = "#053370";
+pub(super) const LEFT_OUT: &str = "#bf0080";
+pub(super) const MARKED: &str = "#db008c";
+pub(super) const UNKNOWN: &str = "#cdd1d6";
+
 /// The place in [`VALENCES`] of a valence; `None` on the boundary.
 pub(super) fn valence_class(valence: Option<u32>) -> u8 {
     match valence {

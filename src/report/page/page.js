@@ -20,7 +20,14 @@
   byId("reset")?.addEventListener("click", () => viewer?.reset());
 
   for (const link of document.querySelectorAll("a[data-place]")) {
-    link.addEventListener("click", () => viewer?.lookAt(Number(link.dataset.place)));
+    link.addEventListener("click", () => {
+      const choice = document.querySelector(`input[name=colouring][value=${link.dataset.by}]`);
+      if (choice) {
+        choice.checked = true;
+        colourBy(choice.value);
+      }
+      viewer?.lookAt(Number(link.dataset.place));
+    });
   }
 
   const save = document.createElement("a");

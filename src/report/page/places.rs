@@ -2,6 +2,7 @@
 
 use crate::mesh::topology::sorted_sides;
 use crate::mesh::triangle_mesh::Mesh;
+use crate::report::page::colours::Colouring;
 use crate::report::page::html::escape;
 use crate::report::page::shown::Shown;
 use crate::report::remeshing::Report;
@@ -9,14 +10,29 @@ use crate::report::rows::{degrees, hundredths, significant};
 use glam::DVec3;
 use std::fmt::Write;
 
+/// Why a place is named.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) struct Kind {
+    name: &'static str,
+    /// What shows that it is worse there than elsewhere; `None` where something is wrong.
+    shown_by: Option<Colouring>,
+}
+
+const CROSSING: Kind = Kind { name: "intersects another face", shown_by: None };
+const SLIVER: Kind = Kind { name: "angle below 1°", shown_by: None };
+const NON_MANIFOLD: Kind = Kind { name: "at an edge with more than two faces", shown_by: None };
+const MISORIENTED: Kind = Kind { name: "turned against its neighbour", shown_by: None };
+const TOO_FAR: Kind = Kind { name: "farther than asked for", shown_by: None };
+const ANGLE: Kind = Kind { name: "smallest angle", shown_by: Some(Colouring::Angle) };
+const QUALITY: Kind = Kind { name: "lowest quality", shown_by: Some(Colouring::Quality) };
+const DISTANCE: Kind = Kind { name: "largest distance", shown_by: Some(Colouring::Distance) };
+
 /// A place of one of the meshes of a page.
 pub(super) struct Place {
     /// The number of the mesh on the page.
     pub mesh: usize,
-    /// Whether something is wrong there, and not only worse than elsewhere.
-    pub is_fault: bool,
     /// Why it is named.
-    pub kind: &'static str,
+    pub kind: Kind,
     /// How bad it is there, and what is there.
     pub value: String,
     pub name: String,
@@ -25,6 +41,19 @@ pub(super) struct Place {
     pub normal: DVec3,
     /// The length of edges there.
     pub size: f64,
+}
+
+impl Place {
+    /// Whether something is wrong there, and not only worse than elsewhere.
+    pub(super) fn is_fault(&self) -> bool {
+        self.kind.shown_by.is_none()
+    }
+
+    /// What the links to it say to the page's script: its number, and what shows it.
+    pub(super) fn link(&self, number: usize) -> String {
+        let by = self.kind.shown_by.map_or(String::new(), |c| format!(" data-by=\"{}\"", c.key()));
+        format!("href=\"#view\" data-place=\"{number}\"{by}")
+    }
 }
 
 /// Most places of one kind.
@@ -45,24 +74,22 @@ fn of_mesh(number: usize, shown: &Shown, report: &Report) -> Vec<Place> {
     let angle = |&t: &u32| degrees(shown.angles[t as usize]);
     let (non_manifold, misoriented) = edges_with_faults(shown.mesh);
     let mut places = Vec::new();
-    places.extend(search.faces("intersects another face", &report.crossings.faces, |_| String::new()));
-    places.extend(search.faces("angle below 1°", &report.slivers, angle));
-    places.extend(search.faces("at an edge with more than two faces", &non_manifold, |_| String::new()));
-    places.extend(search.faces("turned against its neighbour", &misoriented, |_| String::new()));
+    places.extend(search.faces(CROSSING, &report.crossings.faces, |_| String::new()));
+    places.extend(search.faces(SLIVER, &report.slivers, angle));
+    places.extend(search.faces(NON_MANIFOLD, &non_manifold, |_| String::new()));
+    places.extend(search.faces(MISORIENTED, &misoriented, |_| String::new()));
     if let Some(deviation) = report.deviation.filter(|d| !d.is_allowed()) {
-        places.push(search.at("farther than asked for", DVec3::from(deviation.place), significant(deviation.reached)));
+        places.push(search.at(TOO_FAR, DVec3::from(deviation.place), significant(deviation.reached)));
     }
-    let faults = places.len();
-    places.extend(search.faces("smallest angle", &search.worst_faces(&shown.angles), angle));
+    places.extend(search.faces(ANGLE, &search.worst_faces(&shown.angles), angle));
     let quality = |&t: &u32| format!("Q {:.4}", shown.qualities[t as usize]);
-    places.extend(search.faces("lowest quality", &search.worst_faces(&shown.qualities), quality));
+    places.extend(search.faces(QUALITY, &search.worst_faces(&shown.qualities), quality));
     if let Some(distances) = &shown.distances {
         let of_face = |corners: &[u32; 3]| -corners.map(|v| distances[v as usize]).into_iter().fold(0.0, f64::max);
         let of_faces: Vec<f64> = shown.mesh.triangles.iter().map(of_face).collect();
         let farthest = search.worst_faces(&of_faces);
-        places.extend(search.faces("largest distance", &farthest, |&t| hundredths(-of_faces[t as usize]) + " %"));
+        places.extend(search.faces(DISTANCE, &farthest, |&t| hundredths(-of_faces[t as usize]) + " %"));
     }
-    places[faults..].iter_mut().for_each(|place| place.is_fault = false);
     places
 }
 
@@ -90,10 +117,9 @@ struct Search<'a> {
 
 impl Search<'_> {
     /// The first of these faces, with what is to be said of each.
-    fn faces(&self, kind: &'static str, faces: &[u32], value: impl Fn(&u32) -> String) -> Vec<Place> {
+    fn faces(&self, kind: Kind, faces: &[u32], value: impl Fn(&u32) -> String) -> Vec<Place> {
         let place = |t: &u32| Place {
             mesh: self.number,
-            is_fault: true,
             kind,
             value: value(t),
             name: format!("face {t}"),
@@ -105,7 +131,7 @@ impl Search<'_> {
     }
 
     /// A point, facing as the vertex nearest to it.
-    fn at(&self, kind: &'static str, point: DVec3, value: String) -> Place {
+    fn at(&self, kind: Kind, point: DVec3, value: String) -> Place {
         let [x, y, z] = point.to_array().map(significant);
         let nearest = (0..self.mesh.triangles.len()).min_by(|&s, &t| {
             let distance = |t: usize| self.centre(t as u32).distance_squared(point);
@@ -113,7 +139,7 @@ impl Search<'_> {
         });
         let normal = nearest.map_or(DVec3::ZERO, |t| self.mesh.area_vector(t).normalize_or_zero());
         let name = format!("({x}, {y}, {z})");
-        Place { mesh: self.number, is_fault: true, kind, value, name, point, normal, size: self.size }
+        Place { mesh: self.number, kind, value, name, point, normal, size: self.size }
     }
 
     fn centre(&self, t: u32) -> DVec3 {
@@ -149,11 +175,12 @@ pub(super) fn list(places: &[Place], shown: &[Shown], are_links: bool) -> String
         }
         out.push_str("<div class=\"places\">\n");
         for group in of_mesh.chunk_by(|a, b| a.1.kind == b.1.kind) {
-            let _ = write!(out, "<div><h4>{}</h4><ul>", group[0].1.kind);
-            for (number, Place { value, name, .. }) in group {
+            let _ = write!(out, "<div><h4>{}</h4><ul>", group[0].1.kind.name);
+            for (number, place) in group {
+                let Place { value, name, .. } = place;
                 let text = format!("<b>{value}</b> {name}");
                 let _ = match are_links {
-                    true => write!(out, "<li><a href=\"#view\" data-place=\"{number}\">{text}</a></li>"),
+                    true => write!(out, "<li><a {}>{text}</a></li>", place.link(*number)),
                     false => write!(out, "<li>{text}</li>"),
                 };
             }
@@ -175,7 +202,7 @@ mod tests {
     fn found(mesh: &Mesh) -> Vec<(&'static str, String)> {
         let report = Report::of_mesh(mesh, None);
         let places = places(&all(None, &[Subject { report: &report, mesh, edges: None }]));
-        places.into_iter().map(|place| (place.kind, place.name)).collect()
+        places.into_iter().map(|place| (place.kind.name, place.name)).collect()
     }
 
     #[test]

@@ -5,11 +5,10 @@
 //!
 //! Limits: a position is off by at most 1/131,070 of the box.
 
-use crate::geom::aabb::Aabb;
 use crate::io::base64;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::report::page::camera::first_rotation;
-use crate::report::page::colours::{RAMP, VALENCES, valence_class};
+use crate::report::page::camera::FirstView;
+use crate::report::page::colours::{KEPT, LEFT_OUT, MARKED, RAMP, UNKNOWN, VALENCES, valence_class};
 use crate::report::page::places::Place;
 use crate::report::page::shown::Shown;
 use glam::DVec3;
@@ -17,13 +16,21 @@ use serde::Serialize;
 
 /// All that the viewer needs.
 #[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
 pub(super) struct Scene {
     /// The extent of the box in units of half its diagonal, along each axis.
     extent: [f64; 3],
-    /// The rotation to begin with, by rows: right, up, towards the eye.
+    /// The first view: how large, on what, and by a rotation whose rows are right, up and towards the eye.
+    zoom: f64,
+    target: [f64; 3],
     rotation: [[f64; 3]; 3],
+    /// Colours: of figures, and of what is drawn besides.
     ramp: Vec<&'static str>,
     valences: Vec<&'static str>,
+    kept: &'static str,
+    left_out: &'static str,
+    marked: &'static str,
+    unknown: &'static str,
     meshes: Vec<Part>,
     places: Vec<View>,
 }
@@ -64,21 +71,26 @@ struct View {
 
 impl Scene {
     /// The scene of `shown`; distances from `farthest` on, in percent, are worst.
-    pub(super) fn new(shown: &[Shown], places: &[Place], farthest: f64) -> Scene {
-        let frame = Frame::of(shown.iter().map(|s| s.mesh));
-        let view = |place: &Place| View {
+    pub(super) fn new(shown: &[Shown], places: &[Place], view: &FirstView, farthest: f64) -> Scene {
+        let place = |place: &Place| View {
             mesh: place.mesh,
-            point: rounded(frame.seen(place.point)),
+            point: rounded(view.from_middle(place.point)),
             normal: rounded(place.normal),
-            size: place.size / frame.half_diagonal,
+            size: place.size / view.half_diagonal,
         };
         Scene {
-            extent: (frame.size / frame.half_diagonal).to_array(),
-            rotation: first_rotation(frame.size),
+            extent: (view.size / view.half_diagonal).to_array(),
+            zoom: view.zoom,
+            target: view.target.to_array(),
+            rotation: view.rotation.map(|row| row.to_array()),
             ramp: RAMP.to_vec(),
             valences: VALENCES.iter().map(|v| v.1).collect(),
-            meshes: shown.iter().map(|s| Part::new(s, &frame, farthest)).collect(),
-            places: places.iter().map(view).collect(),
+            kept: KEPT,
+            left_out: LEFT_OUT,
+            marked: MARKED,
+            unknown: UNKNOWN,
+            meshes: shown.iter().map(|s| Part::new(s, view, farthest)).collect(),
+            places: places.iter().map(place).collect(),
         }
     }
 }
@@ -88,20 +100,20 @@ fn rounded(v: DVec3) -> [f64; 3] {
 }
 
 impl Part {
-    fn new(shown: &Shown, frame: &Frame, farthest: f64) -> Part {
+    fn new(shown: &Shown, view: &FirstView, farthest: f64) -> Part {
         let Shown { mesh, angles, qualities, valences, distances, sharp, left_out, marked, .. } = shown;
         let valence: Vec<u8> = valences.iter().map(|&v| valence_class(v)).collect();
         Part {
             vertices: mesh.positions.len(),
             triangles: mesh.triangles.len(),
-            positions: frame.encoded(&mesh.positions),
+            positions: encoded(&mesh.positions, view),
             corners: corners(mesh),
             angle: bytes(angles.iter().map(|angle| 1.0 - angle / 60.0)),
             quality: bytes(qualities.iter().map(|q| 1.0 - q)),
             valence: base64::encode(&valence),
             distance: distances.as_ref().map(|d| bytes(d.iter().map(|d| d / farthest))),
-            sharp: frame.encoded(sharp.as_flattened()),
-            left_out: frame.encoded(left_out.as_flattened()),
+            sharp: encoded(sharp.as_flattened(), view),
+            left_out: encoded(left_out.as_flattened(), view),
             marked: marked.clone(),
         }
     }
@@ -122,35 +134,15 @@ fn corners(mesh: &Mesh) -> String {
     base64::encode(&bytes)
 }
 
-/// The box that positions are told in.
-struct Frame {
-    lo: DVec3,
-    size: DVec3,
-    half_diagonal: f64,
-}
-
-impl Frame {
-    fn of<'a>(meshes: impl Iterator<Item = &'a Mesh>) -> Frame {
-        let bounds = Aabb::of(meshes.flat_map(|m| m.positions.iter().copied())).unwrap_or_default();
-        let half_diagonal = 0.5 * bounds.diagonal();
-        let half_diagonal = if half_diagonal > 0.0 { half_diagonal } else { 1.0 };
-        Frame { lo: bounds.lo, size: bounds.size(), half_diagonal }
-    }
-
-    /// A point in units of half the diagonal, from the middle.
-    fn seen(&self, p: DVec3) -> DVec3 {
-        (p - self.lo - 0.5 * self.size) / self.half_diagonal
-    }
-
-    fn encoded(&self, points: &[DVec3]) -> String {
-        let share = |x: f64, size: f64| if size > 0.0 { x / size } else { 0.5 };
-        let number = |x: f64, size: f64| (65535.0 * share(x, size).clamp(0.0, 1.0)).round() as u16;
-        let coordinates = points.iter().flat_map(|&p| {
-            let p = p - self.lo;
-            [number(p.x, self.size.x), number(p.y, self.size.y), number(p.z, self.size.z)]
-        });
-        base64::encode(&coordinates.flat_map(u16::to_le_bytes).collect::<Vec<u8>>())
-    }
+/// Shares of the box of all meshes.
+fn encoded(points: &[DVec3], view: &FirstView) -> String {
+    let share = |x: f64, size: f64| if size > 0.0 { x / size } else { 0.5 };
+    let number = |x: f64, size: f64| (65535.0 * share(x, size).clamp(0.0, 1.0)).round() as u16;
+    let coordinates = points.iter().flat_map(|&p| {
+        let p = p - view.lo;
+        [number(p.x, view.size.x), number(p.y, view.size.y), number(p.z, view.size.z)]
+    });
+    base64::encode(&coordinates.flat_map(u16::to_le_bytes).collect::<Vec<u8>>())
 }
 
 #[cfg(test)]
@@ -161,11 +153,11 @@ mod tests {
     fn positions_are_shares_of_the_box_of_all_meshes() {
         let mesh = |points: &[DVec3]| Mesh { positions: points.to_vec(), triangles: vec![] };
         let meshes = [mesh(&[DVec3::ZERO, DVec3::ONE]), mesh(&[DVec3::new(2.0, 1.0, 0.5)])];
-        let frame = Frame::of(meshes.iter());
+        let view = FirstView::of(meshes.iter());
         let numbers = [32768u16, 65535, 32768];
         let bytes: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
-        assert_eq!(frame.encoded(&[DVec3::new(1.0, 1.0, 0.5)]), base64::encode(&bytes));
-        assert_eq!(frame.seen(DVec3::new(1.0, 0.5, 0.5)), DVec3::ZERO);
+        assert_eq!(encoded(&[DVec3::new(1.0, 1.0, 0.5)], &view), base64::encode(&bytes));
+        assert_eq!(view.from_middle(DVec3::new(1.0, 0.5, 0.5)), DVec3::ZERO);
     }
 
     #[test]

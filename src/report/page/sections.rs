@@ -14,20 +14,21 @@ use std::fmt::Write;
 /// What became of what.
 pub(super) fn title(shown: &[Shown]) -> String {
     match shown {
-        [input, output] if output.role == "output" => format!("{} → {}", input.measured.file, output.measured.file),
+        [input, output] if output.role == "output" => format!("{} → {}", input.name, output.name),
         _ => {
             let subjects = shown.iter().filter(|s| s.report.is_some());
-            subjects.map(|s| s.measured.file.as_str()).collect::<Vec<_>>().join(", ")
+            subjects.map(|s| s.name.as_str()).collect::<Vec<_>>().join(", ")
         }
     }
 }
 
 /// Whether the results are verified, and if not, why; of meshes that were only measured, whether they are sound.
-pub(super) fn verdicts(shown: &[Shown], places: &[Place]) -> String {
-    (0..).zip(shown).filter_map(|(mesh, s)| Some(verdict(mesh, s.report?, places))).collect()
+pub(super) fn verdicts(shown: &[Shown], places: &[Place], are_links: bool) -> String {
+    let places = if are_links { places } else { &[] };
+    (0..).zip(shown).filter_map(|(mesh, s)| Some(verdict(mesh, &s.name, s.report?, places))).collect()
 }
 
-fn verdict(mesh: usize, report: &Report, places: &[Place]) -> String {
+fn verdict(mesh: usize, name: &str, report: &Report, places: &[Place]) -> String {
     let (class, head, lines) = match report.verified {
         Some(true) => {
             ("good", "Verified", vec!["An oriented manifold of the input’s topology, without new faults.".into()])
@@ -38,12 +39,11 @@ fn verdict(mesh: usize, report: &Report, places: &[Place]) -> String {
         }
         None => ("bad", "With faults", faults(report)),
     };
-    let head = if report.verified.is_some() { head.into() } else { format!("{}: {head}", escape(&report.output.file)) };
+    let head = if report.verified.is_some() { head.into() } else { format!("{}: {head}", escape(name)) };
     let items: String = lines.iter().map(|line| format!("<li>{}</li>", escape(line))).collect();
-    let faults = places.iter().enumerate().filter(|(_, place)| place.mesh == mesh && place.is_fault);
-    let links: String = faults
-        .map(|(number, place)| format!(" <a href=\"#view\" data-place=\"{number}\">{}</a>", place.name))
-        .collect();
+    let faults = places.iter().enumerate().filter(|(_, place)| place.mesh == mesh && place.is_fault());
+    let links: String =
+        faults.map(|(number, place)| format!(" <a {}>{}</a>", place.link(number), place.name)).collect();
     let links = if links.is_empty() { links } else { format!("<p class=\"at\">Look at{links}</p>") };
     format!("<div class=\"verdict {class}\" role=\"status\"><h2>{head}</h2><ul>{items}</ul>{links}</div>\n")
 }
@@ -110,37 +110,37 @@ pub(super) fn notes(shown: &[Shown]) -> String {
     format!("<section class=\"notes\"><h2>Notes</h2><ul>{items}</ul></section>\n")
 }
 
-/// All figures, a column for each mesh.
-pub(super) fn table(shown: &[Shown]) -> String {
+/// All figures, in tables with a column for each mesh.
+pub(super) fn tables(shown: &[Shown]) -> String {
     let columns: Vec<_> = shown.iter().map(|s| s.measured).collect();
-    let mut out = String::from("<table><thead><tr><td></td>");
-    for s in shown {
-        let role = if s.role.is_empty() { String::new() } else { format!("<small>{}</small> ", s.role) };
-        let _ = write!(out, "<th scope=\"col\">{role}{}</th>", escape(&s.measured.file));
-    }
-    out.push_str("</tr></thead>\n");
-    let (topology, mut shape) = (topology_rows(&columns), shape_rows(&columns));
-    let edges = shape.split_off(7);
-    let mut edges = edges.into_iter();
-    let lengths: Vec<Figures> = edges.by_ref().take(4).collect();
-    body(&mut out, "Topology", topology.into_iter().chain([(CROSSINGS, crossing_figures(shown))]));
-    body(&mut out, "Triangles", shape);
-    body(&mut out, "Edges", lengths);
-    body(&mut out, "Interior vertices", edges);
-    body(&mut out, "Distance, % of the diagonal", distances(shown));
-    out.push_str("</table>\n");
-    out
+    let crossings = (CROSSINGS, crossing_figures(shown));
+    let topology = topology_rows(&columns).into_iter().chain([crossings]).collect();
+    let mut triangles = shape_rows(&columns);
+    let mut edges = triangles.split_off(triangles.iter().position(|row| row.0.starts_with("edge")).unwrap_or(0));
+    let valences = edges.split_off(edges.iter().position(|row| row.0.starts_with("valence")).unwrap_or(0));
+    let tables = [
+        ("Triangles", triangles),
+        ("Topology", topology),
+        ("Edges", edges),
+        ("Interior vertices", valences),
+        ("Distance, % of the diagonal", distances(shown)),
+    ];
+    tables.into_iter().filter(|t| !t.1.is_empty()).map(|(caption, rows)| table(caption, shown, &rows)).collect()
 }
 
-fn body(out: &mut String, head: &str, rows: impl IntoIterator<Item = Figures>) {
-    let mut rows = rows.into_iter().peekable();
-    let Some((_, figures)) = rows.peek() else { return };
-    let _ = writeln!(out, "<tbody><tr><th scope=\"rowgroup\" colspan=\"{}\">{head}</th></tr>", figures.len() + 1);
+fn table(caption: &str, shown: &[Shown], rows: &[Figures]) -> String {
+    let head =
+        |s: &Shown| format!("<th scope=\"col\">{}</th>", escape(if s.role.is_empty() { &s.name } else { s.role }));
+    let heads: String = shown.iter().map(head).collect();
+    let mut out = format!(
+        "<div class=\"wide\"><table><caption>{caption}</caption><thead><tr><td></td>{heads}</tr></thead>\n<tbody>"
+    );
     for (name, figures) in rows {
         let cells: String = figures.iter().map(|figure| format!("<td>{figure}</td>")).collect();
         let _ = writeln!(out, "<tr><th scope=\"row\">{}</th>{cells}</tr>", escape(name));
     }
-    out.push_str("</tbody>\n");
+    out.push_str("</tbody></table></div>\n");
+    out
 }
 
 /// How many faces of each mesh intersect others, as the reports say.
@@ -174,14 +174,14 @@ fn distances(shown: &[Shown]) -> Vec<Figures> {
 /// What is no figure of a mesh: the sampling, the repairs and so on, of each report that knows of them.
 pub(super) fn details(shown: &[Shown]) -> String {
     let mut out = String::new();
-    for report in shown.iter().filter_map(|s| s.report) {
+    for (name, report) in shown.iter().filter_map(|s| Some((&s.name, s.report?))) {
         let facts = facts(report);
         if facts.is_empty() {
             continue;
         }
         out.push_str("<dl>");
         if report.verified.is_none() {
-            let _ = write!(out, "<dt class=\"file\">{}</dt><dd></dd>", escape(&report.output.file));
+            let _ = write!(out, "<dt class=\"file\">{}</dt><dd></dd>", escape(name));
         }
         for (name, phrases) in facts {
             let _ = write!(out, "<dt>{name}</dt><dd>{}</dd>", escape(&phrases.join(", ")));

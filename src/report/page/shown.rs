@@ -24,6 +24,8 @@ pub struct Subject<'a> {
 pub(super) struct Shown<'a> {
     /// What it is of the run: input or output; nothing for a mesh that was measured only.
     pub role: &'static str,
+    /// The name of its file, without folders where no other mesh has the same.
+    pub name: String,
     pub measured: &'a Measured,
     /// The report that it is the output of.
     pub report: Option<&'a Report>,
@@ -50,8 +52,8 @@ impl Shown<'_> {
     /// Its role and its file.
     pub(super) fn title(&self) -> String {
         match self.role {
-            "" => self.measured.file.clone(),
-            role => format!("{role}: {}", self.measured.file),
+            "" => self.name.clone(),
+            role => format!("{role}: {}", self.name),
         }
     }
 }
@@ -72,7 +74,18 @@ pub(super) fn all<'a>(reference: Option<&'a Mesh>, subjects: &[Subject<'a>]) -> 
         }
     });
     let subjects = subjects.iter().map(|subject| of_subject(subject, reference));
-    input.into_iter().chain(subjects).collect()
+    let mut shown: Vec<Shown> = input.into_iter().chain(subjects).collect();
+    let files: Vec<&str> = shown.iter().map(|s| s.measured.file.as_str()).collect();
+    let is_single = |name: &str| files.iter().filter(|file| without_folders(file) == name).count() == 1;
+    for shown in &mut shown {
+        let name = without_folders(&shown.measured.file);
+        shown.name = if is_single(name) { name } else { &shown.measured.file }.into();
+    }
+    shown
+}
+
+fn without_folders(file: &str) -> &str {
+    file.rsplit(['/', '\\']).next().unwrap_or(file)
 }
 
 fn of_subject<'a>(subject: &Subject<'a>, reference: Option<&Mesh>) -> Shown<'a> {
@@ -100,6 +113,7 @@ fn plain<'a>(mesh: &'a Mesh, measured: &'a Measured) -> Shown<'a> {
     let mean = measured.shape.as_ref().map(|shape| shape.edge_mean).filter(|mean| *mean > 0.0);
     Shown {
         role: "",
+        name: String::new(),
         measured,
         report: None,
         mesh,
