@@ -12,6 +12,12 @@ test:
 test-all:
     cargo test -- --include-ignored
 
+# What a browser makes of the pages of reports.
+test-pages:
+    cargo build --release
+    npm ci --prefix viewer/test
+    npm test --prefix viewer/test
+
 # Everything that must hold before a change is merged.
 ci:
     .ci/run

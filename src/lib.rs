@@ -149,7 +149,7 @@ pub use mesh::parts::{Part, Parts};
 pub use mesh::points::Points;
 pub use mesh::triangle_mesh::Mesh;
 pub use pipeline::{
-    CloudOptions, Density, Grading, MaxError, NormalFit, Options, Reach, ReconstructOptions, Reconstructed,
+    CloudOptions, Density, Edges, Grading, MaxError, NormalFit, Options, Reach, ReconstructOptions, Reconstructed,
     SampleDensity, SampleOptions, Sampled, Selection, Signal, Values,
 };
 pub use surface::features::Features;
