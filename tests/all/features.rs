@@ -240,9 +240,8 @@ fn the_sharp_edges_that_were_kept_are_known() {
 #[test]
 fn the_sharp_edges_that_were_left_out_are_known() {
     // A step that is a hundredth high on a slab.
-    let step = moved(cells(&[[0; 3], [1, 0, 0], [0, 0, 1]]), |p| {
-        dvec3(5.0 + p.x, p.y, if p.z == 2.0 { 1.01 } else { p.z })
-    });
+    let step =
+        moved(cells(&[[0; 3], [1, 0, 0], [0, 0, 1]]), |p| dvec3(5.0 + p.x, p.y, if p.z == 2.0 { 1.01 } else { p.z }));
     let made = check(&step, 500);
     let left_out = &made.edges.left_out;
     let is_on_step = |p: &DVec3| (p.x - 6.0).abs() < 1e-9 && (p.z - 1.0).abs() < 0.011;

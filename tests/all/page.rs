@@ -194,8 +194,7 @@ fn decoded(base64: &str) -> Vec<u8> {
     };
     let digits: Vec<u32> = base64.bytes().filter(|&c| c != b'=').map(|c| digit(c).into()).collect();
     let bits = |four: &[u32]| four.iter().enumerate().fold(0, |bits, (k, digit)| bits | digit << (18 - 6 * k));
-    let file: Vec<u8> =
-        digits.chunks(4).flat_map(|four| bits(four).to_be_bytes()[1..four.len()].to_vec()).collect();
+    let file: Vec<u8> = digits.chunks(4).flat_map(|four| bits(four).to_be_bytes()[1..four.len()].to_vec()).collect();
     let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
     reader.next_frame(&mut pixels).unwrap();

@@ -145,7 +145,8 @@ test("a place that is not verified turns the camera", async () => {
 });
 
 test("a phone, the dark and paper", async () => {
-  const address = report("quality", `quality ${data("blob.obj")} ${data("bracket.stl")} ${data("terrain.ply")}`);
+  report("first", `${data("terrain.ply")} first.ply --points 1000`);
+  const address = report("quality", `quality first.ply ${data("terrain.ply")} --against ${data("terrain.ply")}`);
   const phone = { viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, colorScheme: "dark", hasTouch: true };
   await open(address, phone, async (page) => {
     assert.equal((await pixels(page)).length, 3);

@@ -53,14 +53,14 @@ impl FirstView {
     }
 
     /// A point from the middle of the box, in its unit.
-    pub(super) fn from_middle(&self, p: DVec3) -> DVec3 {
+    pub(super) fn off_middle(&self, p: DVec3) -> DVec3 {
         (p - self.lo - 0.5 * self.size) / self.half_diagonal
     }
 
     /// How far right, up and near a point is seen of the target.
     pub(super) fn seen(&self, p: DVec3) -> DVec3 {
         DMat3::from_cols_array_2d(&self.rotation.map(|row| row.to_array())).transpose()
-            * (self.from_middle(p) - self.target)
+            * (self.off_middle(p) - self.target)
     }
 }
 

@@ -8,10 +8,10 @@ use std::fmt::Write;
 /// Size of the plot, and of the margins that its labels stand in.
 const WIDTH: f64 = 460.0;
 const HEIGHT: f64 = 120.0;
-const LEFT: f64 = 36.0;
+const LEFT: f64 = 44.0;
 const BOTTOM: f64 = 24.0;
 const TOP: f64 = 8.0;
-const RIGHT: f64 = 16.0;
+const RIGHT: f64 = 18.0;
 
 /// What is counted.
 struct Axis {

@@ -52,14 +52,17 @@ pub fn page(reference: Option<&Mesh>, subjects: &[Subject]) -> String {
     let view = FirstView::of(shown.iter().map(|s| s.mesh));
     let scene = has_viewer.then(|| Scene::new(&shown, &places, &view, farthest.unwrap_or(1.0)));
     let scene = serde_json::to_string(&scene).expect("a scene is plain data");
+    let key = sections::key(&shown);
     fill(
         TEMPLATE,
         &[
             ("style", &STYLE.concat()),
             ("title", &escape(&sections::title(&shown))),
+            ("lede", &sections::lede(&shown)),
             ("verdicts", &sections::verdicts(&shown, &places, has_viewer)),
             ("figures", &sections::figures(&shown)),
-            ("key", &sections::key(&shown)),
+            ("key", &key),
+            ("keys", &if shown.len() > 2 { format!("<p class=\"keys\">{key}</p>\n") } else { String::new() }),
             ("notes", &sections::notes(&shown)),
             ("tools", &tools(&shown, farthest, has_viewer)),
             ("panels", &if has_viewer { canvases(&shown) } else { pictures(&shown, &view, farthest) }),

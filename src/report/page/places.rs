@@ -60,6 +60,9 @@ impl Place {
 const FAULTS: usize = 6;
 const WORST: usize = 4;
 
+/// Distance in percent of the diagonal that is worth a look.
+const LEAST_DISTANCE: f64 = 5e-4;
+
 /// How far places of one kind have to be apart, in mean edge lengths: neighbours are one place to look at.
 const APART: f64 = 3.0;
 
@@ -87,7 +90,8 @@ fn of_mesh(number: usize, shown: &Shown, report: &Report) -> Vec<Place> {
     if let Some(distances) = &shown.distances {
         let of_face = |corners: &[u32; 3]| -corners.map(|v| distances[v as usize]).into_iter().fold(0.0, f64::max);
         let of_faces: Vec<f64> = shown.mesh.triangles.iter().map(of_face).collect();
-        let farthest = search.worst_faces(&of_faces);
+        let mut farthest = search.worst_faces(&of_faces);
+        farthest.retain(|&t| -of_faces[t as usize] >= LEAST_DISTANCE);
         places.extend(search.faces(DISTANCE, &farthest, |&t| hundredths(-of_faces[t as usize]) + " %"));
     }
     places

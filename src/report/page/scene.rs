@@ -74,7 +74,7 @@ impl Scene {
     pub(super) fn new(shown: &[Shown], places: &[Place], view: &FirstView, farthest: f64) -> Scene {
         let place = |place: &Place| View {
             mesh: place.mesh,
-            point: rounded(view.from_middle(place.point)),
+            point: rounded(view.off_middle(place.point)),
             normal: rounded(place.normal),
             size: place.size / view.half_diagonal,
         };
@@ -157,7 +157,7 @@ mod tests {
         let numbers = [32768u16, 65535, 32768];
         let bytes: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
         assert_eq!(encoded(&[DVec3::new(1.0, 1.0, 0.5)], &view), base64::encode(&bytes));
-        assert_eq!(view.from_middle(DVec3::new(1.0, 0.5, 0.5)), DVec3::ZERO);
+        assert_eq!(view.off_middle(DVec3::new(1.0, 0.5, 0.5)), DVec3::ZERO);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::report::page::places::Place;
 use crate::report::page::shown::Shown;
 use crate::report::remeshing::Report;
 use crate::report::rows::{
-    CROSSINGS, Figures, crossings, degrees, distance_rows, facts, percent, shape_rows, topology_rows,
+    CROSSINGS, Figures, crossings, degrees, distance_rows, facts, hundredths, percent, shape_rows, topology_rows,
 };
 use std::fmt::Write;
 
@@ -17,9 +17,22 @@ pub(super) fn title(shown: &[Shown]) -> String {
         [input, output] if output.role == "output" => format!("{} → {}", input.name, output.name),
         _ => {
             let subjects = shown.iter().filter(|s| s.report.is_some());
-            subjects.map(|s| s.name.as_str()).collect::<Vec<_>>().join(", ")
+            let against = shown.iter().find(|s| s.report.is_none()).map(|s| format!(" against {}", s.name));
+            subjects.map(|s| s.name.as_str()).collect::<Vec<_>>().join(", ") + &against.unwrap_or_default()
         }
     }
+}
+
+/// What a remeshing made, in a line.
+pub(super) fn lede(shown: &[Shown]) -> String {
+    let [input, output] = shown else { return String::new() };
+    let Some(report) = output.report else { return String::new() };
+    let [before, after] = [input, output].map(|s| s.measured.topology.vertices);
+    let wanted = report.sampling.map_or(String::new(), |s| format!(", {} wanted", s.wanted));
+    let far = report
+        .distance
+        .map_or(String::new(), |d| format!(" · Hausdorff distance {} % of the diagonal", hundredths(d.hausdorff)));
+    format!("<p class=\"lede\">{before} → {after} vertices{wanted}{far}</p>\n")
 }
 
 /// Whether the results are verified, and if not, why; of meshes that were only measured, whether they are sound.
@@ -30,9 +43,14 @@ pub(super) fn verdicts(shown: &[Shown], places: &[Place], are_links: bool) -> St
 
 fn verdict(mesh: usize, name: &str, report: &Report, places: &[Place]) -> String {
     let (class, head, lines) = match report.verified {
-        Some(true) => {
-            ("good", "Verified", vec!["An oriented manifold of the input’s topology, without new faults.".into()])
-        }
+        Some(true) => (
+            "good",
+            "Verified",
+            vec![
+                "An oriented manifold of the input’s topology, without self-intersections or slivers of its own."
+                    .into(),
+            ],
+        ),
         Some(false) => ("bad", "Not verified", report.shortcomings()),
         None if faults(report).is_empty() => {
             ("good", "Sound", vec!["An oriented manifold without self-intersections.".into()])
