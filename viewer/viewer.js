@@ -149,7 +149,7 @@ function createViewer(scene, canvases) {
   function lookAt(number) {
     const { mesh, point, normal, size } = scene.places[number];
     const rotation = norm(normal) > 0.5 ? facing(normal, scene.rotation[1]) : camera.rotation;
-    const zoom = Math.min(Math.max(0.09 / size, 1.5), ZOOMS[1]);
+    const zoom = Math.min(Math.max(0.13 / size, 1.5), ZOOMS[1]);
     Object.assign(camera, { target: point, rotation, zoom });
     shown.place = { mesh, number };
     requestDraw();

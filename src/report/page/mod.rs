@@ -66,7 +66,7 @@ pub fn page(reference: Option<&Mesh>, subjects: &[Subject]) -> String {
             ("notes", &sections::notes(&shown)),
             ("tools", &tools(&shown, farthest, has_viewer)),
             ("panels", &if has_viewer { canvases(&shown) } else { pictures(&shown, &view, farthest) }),
-            ("hint", if has_viewer { HINT } else { "" }),
+            ("hint", if has_viewer { HINT } else { HINT_ON_PICTURES }),
             ("places", &places::list(&places, &shown, has_viewer)),
             ("histograms", &histogram::histograms(&shown)),
             ("tables", &sections::tables(&shown)),
@@ -93,6 +93,10 @@ const HINT: &str = "\
 <p class=\"hint\">Drag to turn, drag with Shift to move; wheel or pinch to zoom once a mesh is chosen. Arrow keys, + and −,
 double-click for the first view. All meshes move together.</p>
 ";
+
+/// Why there is no viewer.
+const HINT_ON_PICTURES: &str =
+    "<p class=\"hint\">Pictures, since these are more triangles than a page can well be turned with.</p>\n";
 
 fn known_colourings(farthest: Option<f64>) -> impl Iterator<Item = Colouring> + Clone {
     Colouring::ALL.into_iter().filter(move |c| *c != Colouring::Distance || farthest.is_some())
@@ -122,6 +126,7 @@ fn tools(shown: &[Shown], farthest: Option<f64>, has_viewer: bool) -> String {
         format!("<span class=\"swatch\"><i class=\"{class}\" style=\"{style}\"></i>{what}</span>")
     };
     let swatches: String = drawn.iter().filter(|d| d.0).map(swatch).collect();
+    let lines = if swatches.is_empty() { swatches } else { format!("<p class=\"legend\">{swatches}</p>") };
     let switches = [
         (has_viewer, "<label><input type=\"checkbox\" id=\"wire\" checked> Wire frame</label>\n"),
         (
@@ -133,7 +138,7 @@ fn tools(shown: &[Shown], farthest: Option<f64>, has_viewer: bool) -> String {
     let switches: String = switches.iter().filter(|s| s.0).map(|s| s.1).collect();
     format!(
         "<div class=\"tools\"><fieldset><legend>Colour by</legend>{choices}</fieldset>\n{switches}</div>\n\
-         <div class=\"legends\">{legends}<p class=\"legend\">{swatches}</p></div>\n"
+         <div class=\"legends\">{legends}{lines}</div>\n"
     )
 }
 
