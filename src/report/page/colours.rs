@@ -74,7 +74,7 @@ impl Colouring {
     /// What the user chooses.
     pub(super) fn title(self) -> &'static str {
         match self {
-            Colouring::Angle => "Smallest angle",
+            Colouring::Angle => "Angle",
             Colouring::Quality => "Quality",
             Colouring::Valence => "Valence",
             Colouring::Distance => "Distance",
