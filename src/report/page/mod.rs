@@ -32,7 +32,15 @@ use crate::report::run::RunSummary;
 
 const TEMPLATE: &str = include_str!("page.html");
 const STYLE: [&str; 2] = [include_str!("../../../viewer/viewer.css"), include_str!("page.css")];
-const SCRIPT: [&str; 2] = [include_str!("../../../viewer/viewer.js"), include_str!("page.js")];
+const SCRIPT: [&str; 7] = [
+    include_str!("../../../viewer/vectors.js"),
+    include_str!("../../../viewer/camera.js"),
+    include_str!("../../../viewer/gestures.js"),
+    include_str!("../../../viewer/meshes.js"),
+    include_str!("../../../viewer/shaders.js"),
+    include_str!("../../../viewer/viewer.js"),
+    include_str!("page.js"),
+];
 
 /// Share of the vertices that may be farther than the end of the ramp for distances: a few far ones would leave no colours for
 /// all others.
