@@ -42,29 +42,26 @@ pub(super) fn verdicts(shown: &[Shown], places: &[Place], are_links: bool) -> St
 }
 
 fn verdict(mesh: usize, name: &str, report: &Report, places: &[Place]) -> String {
-    let (class, head, lines) = match report.verified {
-        Some(true) => (
-            "good",
-            "Verified",
-            vec![
-                "An oriented manifold of the input’s topology, without self-intersections or slivers of its own."
-                    .into(),
-            ],
-        ),
-        Some(false) => ("bad", "Not verified", report.shortcomings()),
-        None if faults(report).is_empty() => {
-            ("good", "Sound", vec!["An oriented manifold without self-intersections.".into()])
-        }
-        None => ("bad", "With faults", faults(report)),
+    let wrong = if report.verified.is_some() { report.shortcomings() } else { faults(report) };
+    let is_good = report.verified.unwrap_or(wrong.is_empty());
+    let (head, good) = match (report.verified, is_good) {
+        (Some(true), _) => ("Verified".into(), VERIFIED),
+        (Some(false), _) => ("Not verified".into(), ""),
+        (None, true) => (format!("{}: Sound", escape(name)), SOUND),
+        (None, false) => (format!("{}: With faults", escape(name)), ""),
     };
-    let head = if report.verified.is_some() { head.into() } else { format!("{}: {head}", escape(name)) };
+    let lines = if is_good { vec![good.into()] } else { wrong };
     let items: String = lines.iter().map(|line| format!("<li>{}</li>", escape(line))).collect();
-    let faults = places.iter().enumerate().filter(|(_, place)| place.mesh == mesh && place.is_fault());
-    let links: String =
-        faults.map(|(number, place)| format!(" <a {}>{}</a>", place.link(number), place.name)).collect();
+    let faults = places.iter().enumerate().filter(|(_, p)| !is_good && p.mesh == mesh && p.is_fault());
+    let links: String = faults.map(|(number, p)| format!(" <a {}>{}</a>", p.link(number), p.name)).collect();
     let links = if links.is_empty() { links } else { format!("<p class=\"at\">Look at{links}</p>") };
+    let class = if is_good { "good" } else { "bad" };
     format!("<div class=\"verdict {class}\" role=\"status\"><h2>{head}</h2><ul>{items}</ul>{links}</div>\n")
 }
+
+const VERIFIED: &str =
+    "An oriented manifold of the input’s topology, without self-intersections or slivers of its own.";
+const SOUND: &str = "An oriented manifold without self-intersections.";
 
 /// What is wrong with a mesh that was only measured.
 fn faults(report: &Report) -> Vec<String> {
