@@ -18,6 +18,7 @@ mod result;
 mod sample;
 mod scale;
 mod selection;
+mod sharp_edges;
 mod sized;
 mod slivers;
 mod unit;
