@@ -17,6 +17,12 @@ python:
     python -m pip install './python[test]'
     pytest python/tests
 
+# What a browser makes of the pages of reports.
+test-pages:
+    cargo build --release
+    npm ci --prefix viewer/test
+    npm test --prefix viewer/test
+
 # Everything that must hold before a change is merged.
 ci:
     .ci/run

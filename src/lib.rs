@@ -109,6 +109,8 @@ pub mod mesh;
 #[doc(hidden)]
 pub mod optimize;
 #[doc(hidden)]
+pub mod picture;
+#[doc(hidden)]
 pub mod pipeline;
 #[doc(hidden)]
 pub mod prepare;
@@ -133,7 +135,7 @@ pub mod triangulate;
 pub mod stages {
     #[doc(inline)]
     pub use crate::{
-        base, contour, geom, manifold, mesh, optimize, pipeline, prepare, quality, spatial, spectral, surface,
+        base, contour, geom, manifold, mesh, optimize, picture, pipeline, prepare, quality, spatial, spectral, surface,
         transfer, triangulate,
     };
 }
@@ -149,7 +151,7 @@ pub use mesh::parts::{Part, Parts};
 pub use mesh::points::Points;
 pub use mesh::triangle_mesh::Mesh;
 pub use pipeline::{
-    CloudOptions, Density, Grading, MaxError, NormalFit, Options, Reach, ReconstructOptions, Reconstructed,
+    CloudOptions, Density, Edges, Grading, MaxError, NormalFit, Options, Reach, ReconstructOptions, Reconstructed,
     SampleDensity, SampleOptions, Sampled, Selection, Signal, Values,
 };
 pub use surface::features::Features;

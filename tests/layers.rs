@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// Each top-level module and its layer. A module may import from its own folder and from lower layers, never from a
 /// higher one and never from another module of its own layer: stages do not know each other.
-const LAYERS: [(&str, u32); 19] = [
+const LAYERS: [(&str, u32); 20] = [
     ("base", 0),
     ("geom", 1),
     ("mesh", 2),
@@ -24,6 +24,7 @@ const LAYERS: [(&str, u32); 19] = [
     ("contour", 6),
     ("transfer", 6),
     ("quality", 6),
+    ("picture", 6),
     ("pipeline", 7),
     ("report", 8),
     ("job", 9),

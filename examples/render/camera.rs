@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3};
 use spectral_remesh::Mesh;
 use spectral_remesh::geom::aabb::Aabb;
+use spectral_remesh::stages::picture::raster::Projected;
 
 /// How far the camera stands from the middle of the mesh, in half diagonals of its bounding box.
 const DISTANCE: f64 = 4.5;
@@ -74,6 +75,13 @@ impl Camera {
         };
         let normals = (0..mesh.triangles.len()).map(normal).collect();
         View { triangles: mesh.triangles.clone(), places, nearness, normals, pixel: 1.0 / panel.scale }
+    }
+}
+
+impl View {
+    /// What is drawn of it.
+    pub fn projected(&self) -> Projected<'_> {
+        Projected { triangles: &self.triangles, places: &self.places, nearness: &self.nearness }
     }
 }
 

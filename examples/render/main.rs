@@ -5,13 +5,13 @@
 #![allow(clippy::disallowed_methods)]
 
 mod camera;
-mod raster;
 mod shade;
 
 use camera::{Camera, Panel};
 use clap::Parser;
 use spectral_remesh::Error;
 use spectral_remesh::io::file::read_file;
+use spectral_remesh::stages::picture::raster::draw;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -61,7 +61,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .iter()
         .map(|mesh| {
             let view = camera.project(mesh, &panel, SAMPLES);
-            let hits = raster::draw(&view, panel.width * SAMPLES, panel.height * SAMPLES);
+            let hits = draw(view.projected(), panel.width * SAMPLES, panel.height * SAMPLES);
             shade::resolve(&view, &hits, &panel, SAMPLES, arguments.line)
         })
         .collect();

@@ -2,9 +2,9 @@
 //! only the finished pixel becomes sRGB.
 
 use crate::camera::{Panel, View};
-use crate::raster::{Hits, NOTHING};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
+use spectral_remesh::stages::picture::raster::{Hits, NOTHING};
 use std::f64::consts::TAU;
 
 const PAPER: DVec3 = DVec3::new(0.955, 0.96, 0.97);

@@ -73,7 +73,18 @@ pub fn remesh(
         outcome.report.iter_mut().for_each(|report| measure(&mut report.run, monitor));
         Ok(outcome)
     })?;
-    let Outcome { mesh, attributes, origins, triangle_origins, shortcomings, notes, left_out: _, report } = outcome;
+    let Outcome {
+        mesh,
+        attributes,
+        origins,
+        triangle_origins,
+        shortcomings,
+        notes,
+        left_out: _,
+        report,
+        edges: _,
+        of_points: _,
+    } = outcome;
     let face_origin = triangle_origins.into_iter().map(i64::from).collect();
     Ok(Remeshed {
         vertices: of_positions(py, &mesh.positions)?,

@@ -16,8 +16,6 @@ mod run;
 #[allow(clippy::disallowed_methods)]
 #[path = "../../examples/render/camera.rs"]
 mod camera;
-#[path = "../../examples/render/raster.rs"]
-mod raster;
 #[allow(clippy::disallowed_methods)]
 #[path = "../../examples/render/shade.rs"]
 mod shade;

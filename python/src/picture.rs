@@ -4,9 +4,10 @@ use crate::camera::{Camera, Panel};
 use crate::errors::SpectralRemeshError;
 use crate::mesh::Mesh;
 use crate::run::detached;
-use crate::{raster, shade};
+use crate::shade;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use spectral_remesh::stages::picture::raster::draw;
 
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 3;
@@ -22,7 +23,7 @@ pub fn picture<'py>(py: Python<'py>, mesh: &Mesh, size: usize) -> PyResult<Bound
         let camera = Camera::new(mesh, VIEW);
         let panel = Panel::new(&camera, mesh, size, 1.0);
         let view = camera.project(mesh, &panel, SAMPLES);
-        let hits = raster::draw(&view, panel.width * SAMPLES, panel.height * SAMPLES);
+        let hits = draw(view.projected(), panel.width * SAMPLES, panel.height * SAMPLES);
         encoded(&shade::resolve(&view, &hits, &panel, SAMPLES, 1.0), &panel)
     })?;
     Ok(PyBytes::new(py, &drawn.map_err(|error| SpectralRemeshError::new_err(error.to_string()))?))

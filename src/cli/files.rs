@@ -39,10 +39,15 @@ pub(super) fn now_writing(monitor: &dyn Monitor) {
     terminal::now_writing();
 }
 
-/// A report to its file and to standard output.
-pub(super) fn hand_out(json: &str, text: &str, run: &Run) -> Result<()> {
+/// A report to its file.
+pub(super) fn write_report(path: &Path, report: &str) -> Result<()> {
+    file::replace_file(path, &mut |out| out.write_all(report.as_bytes()))
+}
+
+/// A report to its file, as `written`, and to standard output.
+pub(super) fn hand_out(written: &str, text: &str, run: &Run) -> Result<()> {
     if let Some(path) = &run.report {
-        file::replace_file(path, &mut |out| out.write_all(json.as_bytes()))?;
+        write_report(path, written)?;
     }
     if run.voice == Voice::Quiet { Ok(()) } else { terminal::print(text) }
 }

@@ -1,29 +1,62 @@
 //! `remesh quality`: reads, measures, reports.
 
 use crate::base::error::Result;
-use crate::base::monitor::{Monitor, check};
-use crate::cli::args::{Measuring, MeshFile, Voice};
-use crate::cli::files::{add_run, load, name, watched};
+use crate::base::monitor::{Monitor, Stopwatch, check};
+use crate::cli::args::{Measuring, MeshFile, Voice, is_page};
+use crate::cli::files::{add_run, load, name, watched, write_report};
 use crate::cli::terminal;
+use crate::io::{Loaded, file};
 use crate::job::{Input, quality};
+use crate::report::page::{Subject, page};
+use crate::report::{Report, all_to_json};
 
-pub(super) fn measure_file(job: &Measuring) -> Result<()> {
-    let report = watched(Voice::Normal, |monitor| {
-        let load = |file: &MeshFile| {
-            let loaded = load(file, monitor)?;
-            Input::from(&loaded).refuse_points().map_err(|e| e.in_file(&name(file)))?;
-            Ok(loaded)
-        };
-        let mesh = load(&job.mesh)?;
-        let against = job.against.as_ref().map(load).transpose()?;
-        monitor.stage("measure");
-        let measured = quality(&Input::from(&mesh), against.as_ref().map(Input::from).as_ref());
-        let mut report = measured.map_err(|e| e.in_file(&name(&job.mesh)))?;
-        check(monitor)?;
-        report.add_files(&job.against.as_ref().map(name).unwrap_or_default(), &name(&job.mesh));
-        report.run.notes = against.into_iter().chain([mesh]).flat_map(|loaded| loaded.notes).collect();
-        add_run(&mut report.run, monitor);
-        Ok(report)
+pub(super) fn measure_files(job: &Measuring) -> Result<()> {
+    job.report.iter().try_for_each(|path| file::check_target(path))?;
+    let (reports, written) = watched(Voice::Normal, |monitor| {
+        let meshes: Vec<Loaded> = job.meshes.iter().map(|file| load_mesh(file, monitor)).collect::<Result<_>>()?;
+        let against = job.against.as_ref().map(|file| load_mesh(file, monitor)).transpose()?;
+        let reports = measured(job, &meshes, against.as_ref(), monitor)?;
+        let written = job.report.as_ref().map(|path| match is_page(path) {
+            true => page_of(&reports, &meshes, against.as_ref()),
+            false => all_to_json(&reports),
+        });
+        Ok((reports, written))
     })?;
-    terminal::print(&if job.json { report.to_json() } else { report.to_text() })
+    if let Some((path, written)) = job.report.as_ref().zip(written) {
+        write_report(path, &written)?;
+    }
+    terminal::print(&if job.json { all_to_json(&reports) } else { tables(&reports) })
+}
+
+fn load_mesh(file: &MeshFile, monitor: &dyn Monitor) -> Result<Loaded> {
+    let loaded = load(file, monitor)?;
+    Input::from(&loaded).refuse_points().map_err(|e| e.in_file(&name(file)))?;
+    Ok(loaded)
+}
+
+/// The report on each mesh.
+fn measured(job: &Measuring, meshes: &[Loaded], against: Option<&Loaded>, monitor: &Stopwatch) -> Result<Vec<Report>> {
+    monitor.stage("measure");
+    let mut reports = Vec::new();
+    for (file, mesh) in job.meshes.iter().zip(meshes) {
+        let measured = quality(&Input::from(mesh), against.map(Input::from).as_ref());
+        let mut report = measured.map_err(|e| e.in_file(&name(file)))?;
+        check(monitor)?;
+        report.add_files(&job.against.as_ref().map(name).unwrap_or_default(), &name(file));
+        report.run.notes = against.into_iter().chain([mesh]).flat_map(|loaded| loaded.notes.clone()).collect();
+        reports.push(report);
+    }
+    reports.iter_mut().for_each(|report| add_run(&mut report.run, monitor));
+    Ok(reports)
+}
+
+fn page_of(reports: &[Report], meshes: &[Loaded], against: Option<&Loaded>) -> String {
+    let meshes = meshes.iter().map(|loaded| &loaded.mesh);
+    let subjects = reports.iter().zip(meshes).map(|(report, mesh)| Subject { report, mesh, edges: None });
+    page(against.map(|loaded| &loaded.mesh), &subjects.collect::<Vec<_>>())
+}
+
+/// The table of each report, with a line between.
+fn tables(reports: &[Report]) -> String {
+    reports.iter().map(Report::to_text).collect::<Vec<_>>().join("\n")
 }

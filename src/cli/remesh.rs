@@ -1,19 +1,21 @@
 //! `remesh IN OUT`: reads, remeshes, writes, reports.
 
 use crate::base::error::Result;
-use crate::cli::args::{Remeshing, Sizing, Voice};
+use crate::cli::args::{Remeshing, Run, Sizing, Voice, is_page};
 use crate::cli::files::{add_run, check_targets, hand_out, load, name, now_writing, watched};
 use crate::cli::status::Status;
 use crate::cli::terminal;
 use crate::io::{Loaded, file};
 use crate::job::{Carry, Input, Outcome, RemeshOptions, remesh};
+use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::{Grading, Values};
+use crate::report::page::{Subject, page};
 
 pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
     job.options.surface.validate()?;
     file::output_format(&job.output.path, job.output.format)?;
     check_targets(&job.output.path, &job.run)?;
-    let outcome = watched(job.run.voice, |monitor| {
+    let (outcome, page) = watched(job.run.voice, |monitor| {
         let loaded = load(&job.input, monitor)?;
         let options = options(job, &loaded)?;
         let mut outcome = remesh(&Input::from(&loaded), &options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
@@ -24,16 +26,24 @@ pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
             report.add_files(&name(&job.input), &name(&job.output));
             add_run(&mut report.run, monitor);
         }
-        Ok(outcome)
+        let page = page_of(&outcome, &loaded.mesh, &job.run);
+        Ok((outcome, page))
     })?;
     if let Some(report) = &outcome.report {
-        hand_out(&report.to_json(), &report.to_text(), &job.run)?;
+        hand_out(&page.unwrap_or_else(|| report.to_json()), &report.to_text(), &job.run)?;
     }
     // Without the report nothing else would tell.
     if let Some(left_out) = outcome.left_out.as_ref().filter(|_| job.run.voice == Voice::Quiet) {
         terminal::complain(&format!("{}: {left_out}", name(&job.input)));
     }
     Ok(verdict(&outcome, job))
+}
+
+/// The report as a page, if that is wanted.
+fn page_of(outcome: &Outcome, input: &Mesh, run: &Run) -> Option<String> {
+    let report = outcome.report.as_ref().filter(|_| run.report.as_deref().is_some_and(is_page))?;
+    let subject = Subject { report, mesh: &outcome.mesh, edges: Some(&outcome.edges) };
+    Some(page(Some(outcome.of_points.as_ref().unwrap_or(input)), &[subject]))
 }
 
 /// The options, with what other files say of them.

@@ -2,7 +2,7 @@
 
 use crate::base::error::Result;
 use crate::cli::args::Job;
-use crate::cli::quality::measure_file;
+use crate::cli::quality::measure_files;
 use crate::cli::reconstruct::reconstruct_file;
 use crate::cli::remesh::remesh_file;
 use crate::cli::sample::sample_file;
@@ -20,7 +20,7 @@ pub(super) fn run(job: &Job) -> Result<Status> {
         Job::Remesh(job) => with_threads(job.run.threads, || remesh_file(job))?,
         Job::Sample(job) => with_threads(job.run.threads, || sample_file(job))?.map(|()| Status::Done),
         Job::Reconstruct(job) => with_threads(job.run.threads, || reconstruct_file(job))?.map(|()| Status::Done),
-        Job::Measure(job) => with_threads(job.threads, || measure_file(job))?.map(|()| Status::Done),
+        Job::Measure(job) => with_threads(job.threads, || measure_files(job))?.map(|()| Status::Done),
         Job::Complete(script) => terminal::print(script).map(|()| Status::Done),
     }
 }

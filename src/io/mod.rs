@@ -15,7 +15,7 @@
 
 #[cfg(feature = "fs")]
 mod address;
-mod base64;
+pub(crate) mod base64;
 #[cfg(feature = "fs")]
 mod beside;
 mod bytes;

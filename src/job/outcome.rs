@@ -3,6 +3,7 @@
 use crate::mesh::attributes::Attributes;
 use crate::mesh::provenance::PointOnTriangle;
 use crate::mesh::triangle_mesh::Mesh;
+use crate::pipeline::Edges;
 use crate::report::Report;
 
 /// Where on the input a vertex of the result lies: the point of the input that is closest to it, of those that face its
@@ -41,6 +42,10 @@ pub struct Outcome {
     pub origins: Vec<Origin>,
     /// For each triangle the triangle of the input below its centre; empty for points without triangles.
     pub triangle_origins: Vec<u32>,
+    /// Its sharp edges, those of the input that were left out, and the edge lengths wanted.
+    pub edges: Edges,
+    /// The mesh through the points of a cloud, which was remeshed; `None` for an input with triangles.
+    pub of_points: Option<Mesh>,
     /// Why the result is not what was asked for, a phrase each; empty for a verified one.
     pub shortcomings: Vec<String>,
     /// Things a user should know, a sentence each; the report has them, too.

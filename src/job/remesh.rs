@@ -95,7 +95,7 @@ pub fn remesh(input: &Input, options: &RemeshOptions, monitor: &dyn Monitor) -> 
     });
     check(monitor)?;
     monitor.progress(1.0);
-    let outcome = outcome(&surface, remeshed, carried.attributes, report);
+    let outcome = outcome(surface, remeshed, carried.attributes, report);
     let short = coverage.and_then(|coverage| too_few_covered(&coverage));
     Ok(Outcome { shortcomings: outcome.shortcomings.into_iter().chain(short).collect(), left_out, ..outcome })
 }
@@ -203,7 +203,7 @@ fn carried(surface: &Surface, remeshed: &mut Remeshed, wanted: &Carry, monitor: 
     Ok(carried)
 }
 
-fn outcome(surface: &Surface, remeshed: Remeshed, attributes: Attributes, report: Option<Report>) -> Outcome {
+fn outcome(surface: Surface, remeshed: Remeshed, attributes: Attributes, report: Option<Report>) -> Outcome {
     let on_mesh = |point| Origin::on_mesh(point, &surface.mesh.triangles);
     let on_input = |origin: Origin| match &surface.points {
         Some(points) => origin.between_points(points),
@@ -220,9 +220,11 @@ fn outcome(surface: &Surface, remeshed: Remeshed, attributes: Attributes, report
             &remeshed.slivers,
             remeshed.deviation.as_ref(),
         ),
+        of_points: surface.points.is_some().then(|| surface.mesh.into_owned()),
         attributes,
         notes: remeshed.notes,
         mesh: remeshed.mesh,
+        edges: remeshed.edges,
         report,
         left_out: None,
     }

@@ -11,6 +11,7 @@ use crate::optimize::counts::meet_count;
 use crate::optimize::self_intersections::resolve_self_intersections;
 use crate::pipeline::attempts::{Attempt, Attempts, MOST_RUNS, Score, Step};
 use crate::pipeline::density::{Density, FEWEST_POINTS, FIRST_POINTS, MOST_POINTS};
+use crate::pipeline::edges::Edges;
 use crate::pipeline::follow::ascend_as_asked;
 use crate::pipeline::kernel::KernelFeatures;
 use crate::pipeline::optimization::optimize;
@@ -284,6 +285,8 @@ fn remeshed(
     let origins = origins(prepared, surface, &finished.manifold, &finished.of_part, finished.sewn.as_ref());
     let kept_faces = (finished.mesh.triangles.len() - finished.of_part.triangles.len()) as u32;
     let slivers = slivers(&finished.manifold).into_iter().map(|t| kept_faces + t).collect();
+    let first = kept.as_ref().map_or(0, |kept| kept.vertices.len());
+    let edges = Edges::of(&finished.mesh, &finished.manifold, surface, unit, first);
     let intersects = !finished.self_intersections.is_empty();
     let mut result = Remeshed {
         input: prepared.of_input,
@@ -302,6 +305,7 @@ fn remeshed(
         self_intersections: finished.self_intersections,
         slivers,
         deviation,
+        edges,
         kept,
         notes: Vec::new(),
     };

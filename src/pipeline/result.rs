@@ -4,6 +4,7 @@ use crate::mesh::provenance::Origins;
 use crate::mesh::submesh::Kept;
 use crate::mesh::topology::Topology;
 use crate::mesh::triangle_mesh::Mesh;
+use crate::pipeline::edges::Edges;
 use crate::pipeline::slivers::SLIVER;
 use crate::prepare::repair::Repairs;
 use crate::prepare::stitch::Cracks;
@@ -48,6 +49,8 @@ pub struct Remeshed {
     pub slivers: Vec<u32>,
     /// How far the result is from the repaired input; `None` if no bound was asked for.
     pub deviation: Option<Deviation>,
+    /// Its sharp edges, those that were left out, and the lengths wanted.
+    pub edges: Edges,
     /// What of the input came through untouched, if only a part of it was remeshed: its vertices and triangles are the
     /// first ones of the result.
     pub kept: Option<Kept>,

@@ -13,12 +13,14 @@ use crate::pipeline::kernel::KernelFeatures;
 use crate::pipeline::options::{Grading, Options};
 use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::scale::{LONGEST_EDGE, LONGEST_ON_CURVES, Scale};
+use crate::pipeline::sharp_edges::{left_out as edges_left_out, sharp_edges};
 use crate::pipeline::within::{Within, sampled_part};
 use crate::prepare::bend::Split;
 use crate::surface::domain::Domain;
 use crate::surface::features::sharp_sides;
 use crate::surface::narrow_patches::{LeftOut, leave_out_narrow, samples_on};
 use crate::surface::sizing::{adapted_sizes, sizes_between_curves};
+use glam::DVec3;
 use std::collections::HashSet;
 use std::sync::OnceLock;
 
@@ -33,6 +35,8 @@ pub(super) struct SizedSurface {
     pub blunted: bool,
     /// What was left out of the sharp edges.
     pub left_out: LeftOut,
+    /// The ends of each sharp edge that was left out, in the pipeline's unit.
+    pub left_out_edges: Vec<[DVec3; 2]>,
     /// What stays of the input, if only a part of it is sampled.
     pub within: Option<Within>,
     /// The topology of what is sampled.
@@ -56,11 +60,20 @@ impl SizedSurface {
             Some(_) => topology(clean.positions.len(), &clean.triangles),
             None => prepared.of_repaired,
         };
-        let (domain, blunted, left_out) = domain_over(clean, within.as_ref(), options, &scale);
+        let (domain, blunted, left_out, left_out_edges) = domain_over(clean, within.as_ref(), options, &scale);
         let self_intersections = OnceLock::new();
         let sigma = scale.sigma();
-        let mut surface =
-            SizedSurface { domain, scale, sigma, blunted, left_out, within, topology, self_intersections };
+        let mut surface = SizedSurface {
+            domain,
+            scale,
+            sigma,
+            blunted,
+            left_out,
+            left_out_edges,
+            within,
+            topology,
+            self_intersections,
+        };
         surface.grade(prepared, density, monitor)?;
         Ok(surface)
     }
@@ -107,7 +120,9 @@ impl SizedSurface {
 
     /// The same surface with its sharp edges smoothed over.
     pub(super) fn smooth(self) -> SizedSurface {
-        SizedSurface { domain: self.domain.smooth(), blunted: true, left_out: LeftOut::default(), ..self }
+        let left_out_edges = self.left_out_edges.into_iter().chain(sharp_edges(&self.domain)).collect();
+        let domain = self.domain.smooth();
+        SizedSurface { domain, blunted: true, left_out: LeftOut::default(), left_out_edges, ..self }
     }
 
     /// Its triangles that intersect others, in increasing order; they are searched once.
@@ -123,15 +138,17 @@ fn domain_over(
     within: Option<&Within>,
     options: &Options,
     scale: &Scale,
-) -> (Domain, bool, LeftOut) {
+) -> (Domain, bool, LeftOut, Vec<[DVec3; 2]>) {
     let (twin, mut sharp) = refined(&mut clean, options, scale);
+    let found = sharp.clone();
     let left_out = leave_out_narrow(&clean, &twin, &mut sharp, scale.spacing, scale.wanted);
     let blunted = samples_on(&clean, &twin, &sharp, scale.spacing) > scale.wanted as f64;
     if blunted {
         sharp.fill(false);
     }
+    let edges = edges_left_out(&clean, &twin, &found, &sharp);
     let interface = within.map_or_else(Vec::new, |within| within.part.interface.clone());
-    (Domain::with_sharp(clean, twin, &sharp, scale.spacing, interface), blunted, left_out)
+    (Domain::with_sharp(clean, twin, &sharp, scale.spacing, interface), blunted, left_out, edges)
 }
 
 /// Splits the edges on curves that are longer than `longest`, so that lengths that differ along them can be told. The side

@@ -108,6 +108,14 @@ impl OneWay {
     }
 }
 
+/// The distance of each vertex of `mesh` to the closest point of `reference`, in the units of the meshes; `None` if that has
+/// no triangles.
+pub fn vertex_distances(mesh: &Mesh, reference: &Mesh) -> Option<Vec<f64>> {
+    let bvh = (!reference.triangles.is_empty()).then(|| Bvh::new(reference))?;
+    let distance = |&p: &DVec3| bvh.closest(reference, p).map_or(0.0, |hit| hit.distance_squared.sqrt());
+    Some(mesh.positions.par_iter().with_min_len(CHUNK).map(distance).collect())
+}
+
 /// Points that one task looks at.
 const CHUNK: usize = 256;
 
@@ -167,6 +175,15 @@ mod tests {
         assert_relative_eq!(found.hausdorff_out_to_in, 0.1 / 2f64.sqrt(), epsilon = 1e-9);
         assert_eq!(distance(&spike, &Mesh::default(), 10, 3), None);
         assert_eq!(distance(&Mesh::default(), &spike, 10, 3), None);
+    }
+
+    #[test]
+    fn each_vertex_has_its_distance() {
+        let mut spike = square(2, 0.25);
+        spike.positions[4].z = 1.0;
+        let found = vertex_distances(&spike, &square(3, 0.0)).unwrap();
+        assert_eq!((found[4], found[0], found.len()), (1.0, 0.25, 9));
+        assert_eq!(vertex_distances(&spike, &Mesh::default()), None);
     }
 
     #[test]

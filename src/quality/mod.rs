@@ -2,5 +2,6 @@
 
 pub mod bound;
 pub mod distance;
+pub mod fields;
 pub mod sampling;
 pub mod shape;

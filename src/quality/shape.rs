@@ -161,7 +161,7 @@ impl std::iter::Sum for Sums {
 }
 
 /// The smallest and the largest angle, in degrees; 0 and 180 without area.
-fn extreme_angles(corners: [glam::DVec3; 3]) -> (f64, f64) {
+pub fn extreme_angles(corners: [glam::DVec3; 3]) -> (f64, f64) {
     if triangle::area(corners) <= 0.0 {
         return (0.0, 180.0);
     }
@@ -179,8 +179,8 @@ fn squared_deviations(mesh: &Mesh, mean: f64) -> f64 {
     parts.iter().sum()
 }
 
-/// How many interior vertices have each number of distinct edges.
-fn valence_histogram(mesh: &Mesh) -> BTreeMap<u32, usize> {
+/// The number of distinct edges at each vertex that is interior; `None` at the others, and at those that no triangle uses.
+pub fn valences(mesh: &Mesh) -> Vec<Option<u32>> {
     let mut valence = vec![0u32; mesh.positions.len()];
     let mut interior = vec![true; mesh.positions.len()];
     for edge in sorted_sides(&mesh.triangles).chunk_by(|a, b| a.ends == b.ends) {
@@ -189,8 +189,13 @@ fn valence_histogram(mesh: &Mesh) -> BTreeMap<u32, usize> {
             interior[v as usize] &= edge.len() == 2;
         }
     }
+    valence.into_iter().zip(interior).map(|(valence, interior)| (interior && valence > 0).then_some(valence)).collect()
+}
+
+/// How many interior vertices have each number of distinct edges.
+fn valence_histogram(mesh: &Mesh) -> BTreeMap<u32, usize> {
     let mut histogram = BTreeMap::new();
-    for (&valence, _) in valence.iter().zip(interior).filter(|&(&valence, interior)| interior && valence > 0) {
+    for valence in valences(mesh).into_iter().flatten() {
         *histogram.entry(valence).or_default() += 1;
     }
     histogram

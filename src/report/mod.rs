@@ -3,13 +3,16 @@
 //! `docs/report.md` describes every member. Within a version of a schema members are only ever added, so a reader that
 //! ignores what it does not know keeps working.
 
+pub mod page;
 mod remeshing;
+mod rows;
 mod run;
 pub mod samples;
 pub mod surface;
 mod table;
 
 pub use remeshing::{
-    AttributesKept, Crossings, Measured, Report, SCHEMA, Sampling, left_out, noise, shortcomings, too_few_covered,
+    AttributesKept, Crossings, Measured, Report, SCHEMA, Sampling, all_to_json, left_out, noise, shortcomings,
+    too_few_covered,
 };
 pub use run::{Lap, RunSummary};

@@ -230,8 +230,16 @@ impl Report {
     }
 }
 
+/// One report as JSON, or a list of several.
+pub fn all_to_json(reports: &[Report]) -> String {
+    match reports {
+        [report] => report.to_json(),
+        all => to_json(&all),
+    }
+}
+
 /// The surface that a result is to be near to: the input without the faces that repairs took from between its cells.
-fn outside<'a>(input: &'a Mesh, repairs: &Repairs) -> Cow<'a, Mesh> {
+pub(super) fn outside<'a>(input: &'a Mesh, repairs: &Repairs) -> Cow<'a, Mesh> {
     match repairs.faces_between_cells {
         0 => Cow::Borrowed(input),
         _ => Cow::Owned(without_faces_between_cells(input)),
@@ -302,6 +310,7 @@ pub fn left_out(cloud: &CloudSummary, coverage: &Coverage) -> Option<String> {
 pub(super) mod tests {
     use super::*;
     use crate::mesh::provenance::Origins;
+    use crate::pipeline::Edges;
     use crate::testing::tetrahedron;
     use glam::DVec3;
     use std::time::Duration;
@@ -330,6 +339,7 @@ pub(super) mod tests {
             self_intersections: vec![],
             self_intersections_of_input: None,
             slivers: vec![],
+            edges: Edges::default(),
             kept: None,
             notes: vec!["One face is missing.".into()],
         };

@@ -1,8 +1,8 @@
 //! What a run that only samples did: as JSON of a fixed schema, and as a few lines for a terminal.
 
 use crate::pipeline::{CloudSummary, SampleOptions, Sampled};
+use crate::report::rows::significant;
 use crate::report::run::{RunSummary, to_json};
-use crate::report::table::significant;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 

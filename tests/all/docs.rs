@@ -62,8 +62,15 @@ mod commands {
     use std::path::Path;
     use std::process::{Command, Stdio};
 
-    const PAGES: [&str; 6] =
-        ["README.md", "docs/clouds.md", "docs/exit-status.md", "docs/formats.md", "docs/grading.md", "docs/options.md"];
+    const PAGES: [&str; 7] = [
+        "README.md",
+        "docs/clouds.md",
+        "docs/exit-status.md",
+        "docs/formats.md",
+        "docs/grading.md",
+        "docs/options.md",
+        "docs/report.md",
+    ];
 
     /// Runs the commands of a page in their order, as they stand there, in a folder that has `data/`, too.
     #[track_caller]
@@ -115,5 +122,10 @@ mod commands {
     #[test]
     fn on_options() {
         run("docs/options.md");
+    }
+
+    #[test]
+    fn on_reports() {
+        run("docs/report.md");
     }
 }

@@ -5,7 +5,7 @@ use glam::{DVec3, dvec3};
 use spectral_remesh::stages::pipeline::{Remeshed, remesh};
 use spectral_remesh::stages::quality::shape::shape;
 use spectral_remesh::stages::surface::features::Features;
-use spectral_remesh::{Density, Mesh, Options};
+use spectral_remesh::{Density, Grading, Mesh, Options, Values};
 use std::f64::consts::TAU;
 
 #[track_caller]
@@ -215,6 +215,52 @@ fn scans_do_not_break_up_in_false_edges() {
     let noisy = noisy(sphere(5, DVec3::ZERO, 1.0), 0.004, &mut random(3));
     assert_eq!(check(&noisy, 1500).sharp_curves, 0);
     assert_eq!(check(&torus(60, 30, 3.0, 1.0), 1500).sharp_curves, 0);
+}
+
+/// The ends of edges of a mesh.
+fn ends(mesh: &Mesh, edges: &[[u32; 2]]) -> Vec<[DVec3; 2]> {
+    edges.iter().map(|edge| edge.map(|v| mesh.positions[v as usize])).collect()
+}
+
+fn length(edges: &[[DVec3; 2]]) -> f64 {
+    edges.iter().map(|[a, b]| a.distance(*b)).sum()
+}
+
+#[test]
+fn the_sharp_edges_that_were_kept_are_known() {
+    let made = check(&cuboid(DVec3::splat(2.0)), 600);
+    let kept = ends(&made.mesh, &made.edges.sharp);
+    assert!((length(&kept) - 24.0).abs() < 1e-9, "{}", length(&kept));
+    let on_an_edge = |p: &DVec3| p.to_array().iter().filter(|x| **x == 0.0 || **x == 2.0).count() >= 2;
+    assert!(kept.iter().flatten().all(on_an_edge) && made.edges.left_out.is_empty());
+    let smooth = check_with(&cuboid(DVec3::splat(2.0)), 600, Features::Smooth);
+    assert_eq!((smooth.edges.sharp.len(), smooth.edges.left_out.len()), (0, 0));
+}
+
+#[test]
+fn the_sharp_edges_that_were_left_out_are_known() {
+    // A step that is five thousandths high on a slab.
+    let step =
+        moved(cells(&[[0; 3], [1, 0, 0], [0, 0, 1]]), |p| dvec3(5.0 + p.x, p.y, if p.z == 2.0 { 1.005 } else { p.z }));
+    let made = check(&step, 500);
+    let left_out = &made.edges.left_out;
+    let is_on_step = |p: &DVec3| (p.x - 6.0).abs() < 1e-9 && (p.z - 1.0).abs() < 0.011;
+    assert!(left_out.iter().flatten().any(is_on_step), "{left_out:?}");
+    assert!(left_out.iter().flatten().all(|p| p.z > 0.99), "{left_out:?}");
+}
+
+#[test]
+fn the_lengths_that_were_wanted_are_known() {
+    let sphere = sphere(4, DVec3::ZERO, 1.0);
+    let even = check(&sphere, 500);
+    assert_eq!(even.edges.wanted.len(), 500);
+    assert!(even.edges.wanted.iter().all(|wanted| (wanted / even.spacing - 1.0).abs() < 1e-9));
+    let lengths = sphere.positions.iter().map(|p| 0.1 * (2.0 + p.z)).collect();
+    let grading = Grading::Field(Values::Given(lengths));
+    let graded = remesh(&sphere, &Options { density: Density::OfField, grading, ..Options::default() }, &()).unwrap();
+    for (p, wanted) in graded.mesh.positions.iter().zip(&graded.edges.wanted) {
+        assert!((wanted - 0.1 * (2.0 + p.z)).abs() < 0.02, "{wanted} at {p}");
+    }
 }
 
 /// A million vertices, far away and large or tiny: the same figures as for those at the origin.

@@ -16,6 +16,8 @@ mod io;
 mod library;
 #[cfg(feature = "fs")]
 mod materials;
+#[cfg(feature = "cli")]
+mod page;
 mod pipeline;
 mod reconstruct;
 #[cfg(feature = "cli")]

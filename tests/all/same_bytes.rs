@@ -61,3 +61,17 @@ fn neither_processors_nor_threads_change_a_byte() {
         }
     }
 }
+
+#[test]
+fn nor_a_byte_of_a_page() {
+    let folder = folder();
+    let page = |threads: usize, tunables| {
+        let words = format!("bracket.stl out.obj --points 800 --quiet --report out.html --threads {threads}");
+        written(folder.path(), &words, "out.html", tunables)
+    };
+    let bytes = page(1, "");
+    assert!(bytes == page(2, ""), "it differs between numbers of threads");
+    if cfg!(all(target_os = "linux", target_env = "gnu")) {
+        assert!(bytes == page(2, WITHOUT_FMA), "it differs between processors");
+    }
+}

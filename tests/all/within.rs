@@ -50,6 +50,7 @@ fn check_with(input: &Mesh, options: &Options) -> (Remeshed, Kept) {
 fn check(input: &Mesh, selection: Selection, n: usize) -> (Remeshed, Kept) {
     let (made, kept) = check_with(input, &part(selection, n));
     assert_eq!(made.mesh.positions.len(), kept.vertices.len() + n);
+    assert_eq!(made.edges.wanted.len(), n);
     (made, kept)
 }
 

@@ -24,7 +24,7 @@ pub use quality::Measuring;
 pub use reconstruct::Reconstructing;
 pub use remesh::Remeshing;
 pub use sample::Sampling;
-pub use shared::{MeshFile, Run, Voice};
+pub use shared::{MeshFile, Run, Voice, is_page};
 pub use stop::Stop;
 pub use words::Sizing;
 
@@ -41,6 +41,8 @@ Examples:
       blue noise without triangles: points with normals
   remesh reconstruct scan.ply dense.ply --resolution 0.2
       the smooth surface of a cloud, all of it as dense triangles
+  remesh scan.ply clean.ply --points 20000 --report clean.html
+      and a page with before and after to turn around, for a browser
   remesh quality clean.ply --against scan.ply
       measure any mesh, and how far it is from another one
 
@@ -63,7 +65,7 @@ Exit status:
 #[command(override_usage = "remesh <IN> <OUT> <--points N|auto | --edge-length L | --sigma-p S> [OPTIONS]\n       \
                             remesh sample <IN> <OUT> <--points N | --edge-length L | --sigma-p S> [OPTIONS]\n       \
                             remesh reconstruct <IN> <OUT> [--resolution R] [--smooth W] [OPTIONS]\n       \
-                            remesh quality <MESH> [--against <INPUT>] [--json]\n       \
+                            remesh quality <MESH>... [--against <INPUT>] [--json] [--report F]\n       \
                             remesh completions <SHELL>")]
 struct Args {
     #[command(subcommand)]
@@ -223,6 +225,15 @@ mod tests {
     }
 
     #[test]
+    fn there_are_pages_of_meshes_only() {
+        assert!(
+            complaint("remesh sample a b --points 9 --report r.html").contains("r.html: there is no page of samples")
+        );
+        assert!(complaint("remesh reconstruct a b --report r.HTML").contains("end in .json"));
+        assert_eq!(remeshing("remesh a b --points 9 --report r.html").run.report, Some("r.html".into()));
+    }
+
+    #[test]
     fn exactly_one_density() {
         assert!(complaint("remesh a b").contains("one of --points N, --edge-length L and --sigma-p S"));
         assert!(complaint("remesh a b --points 9 --sigma-p 1").contains("cannot be used with"));
@@ -260,7 +271,6 @@ mod tests {
             "remesh a b --points 9 --within 0,0,0,1,1,1 --select red",
             "remesh a b --points 9 --select =1",
             "remesh quality",
-            "remesh quality a b",
             "remesh completions klingon",
         ] {
             let said = complaint(line);
@@ -272,8 +282,12 @@ mod tests {
     #[test]
     fn subcommands() {
         let file = |path: &str| MeshFile { path: path.into(), format: None };
-        let job = Measuring { mesh: file("m.stl"), against: Some(file("i.obj")), json: true, threads: None };
+        let against = Some(file("i.obj"));
+        let job = Measuring { meshes: vec![file("m.stl")], against, json: true, report: None, threads: None };
         assert_eq!(parsed("remesh quality m.stl --against i.obj --json"), Ok(Job::Measure(job)));
+        let meshes = vec![file("a"), file("b")];
+        let job = Measuring { meshes, against: None, json: false, report: Some("r.html".into()), threads: None };
+        assert_eq!(parsed("remesh quality a b --report r.html"), Ok(Job::Measure(job)));
         assert!(
             matches!(parsed("remesh completions bash"), Ok(Job::Complete(script)) if script.contains("edge-length"))
         );

@@ -6,22 +6,26 @@ use std::path::PathBuf;
 
 pub(super) const HELP: &str = "\
 Measures the triangles of a mesh as they are: angles, quality Q = 6S/(√3 p h), edge lengths, valences and topology;
-and with --against the distance to another mesh, in percent of the diagonal of that one's bounding box.
+and with --against the distance to another mesh, in percent of the diagonal of that one's bounding box. Several meshes
+are measured one after the other; --report F.html shows them side by side.
 
 Exit status: 0 measured, 1 a file cannot be read, 2 wrong usage, 130 interrupted.";
 
 #[derive(Debug, clap::Args)]
 pub(super) struct QualityArgs {
-    /// The mesh to measure
-    #[arg(value_name = "MESH")]
-    mesh: PathBuf,
+    /// The mesh to measure, or several to compare
+    #[arg(value_name = "MESH", required = true)]
+    meshes: Vec<PathBuf>,
     /// Measure the distance to this mesh, too
     #[arg(long, value_name = "INPUT")]
     against: Option<PathBuf>,
     /// Print the report as JSON
     #[arg(long)]
     json: bool,
-    /// Format of the mesh [default: by its ending, else by its content]
+    /// Write the report to a file: F.html as a page with pictures, any other as JSON
+    #[arg(long, value_name = "F")]
+    report: Option<PathBuf>,
+    /// Format of the meshes [default: by its ending, else by its content]
     #[arg(long, value_name = "FORMAT")]
     format: Option<Format>,
     /// Threads to use; the figures do not depend on it [default: one a core]
@@ -29,26 +33,29 @@ pub(super) struct QualityArgs {
     threads: Option<u16>,
 }
 
-/// Measure a file.
+/// Measure files.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measuring {
-    /// What to measure.
-    pub mesh: MeshFile,
+    /// What to measure, at least one.
+    pub meshes: Vec<MeshFile>,
     /// What to measure the distance to, if to anything.
     pub against: Option<MeshFile>,
     /// Whether to print JSON and not a table.
     pub json: bool,
+    /// Where the report goes, if it is wanted in a file.
+    pub report: Option<PathBuf>,
     /// As many as there are cores without.
     pub threads: Option<usize>,
 }
 
 impl QualityArgs {
     pub(super) fn resolve(self) -> Measuring {
-        let QualityArgs { mesh, against, json, format, threads } = self;
+        let QualityArgs { meshes, against, json, report, format, threads } = self;
         Measuring {
-            mesh: MeshFile { path: mesh, format },
+            meshes: meshes.into_iter().map(|path| MeshFile { path, format }).collect(),
             against: against.map(|path| MeshFile { path, format: None }),
             json,
+            report,
             threads: threads.map(usize::from),
         }
     }

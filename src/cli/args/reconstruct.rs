@@ -55,6 +55,6 @@ impl ReconstructArgs {
         let (input, output) = formats.resolve(input, output);
         let settings = ReconstructSettings { resolution, smooth, normals: normals.into() };
         let options = settings.resolve().map_err(|e| refused(&e))?;
-        Ok(Reconstructing { input, output, options, run: run.into() })
+        Ok(Reconstructing { input, output, options, run: Run::from(run).without_page("reconstructions")? })
     }
 }

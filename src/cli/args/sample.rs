@@ -110,6 +110,11 @@ impl SampleArgs {
             sweeps,
         };
         let options = settings.resolve().map_err(|e| refused(&e))?;
-        Ok(Sampling { input: MeshFile { path: input, format }, output, options, run: run.into() })
+        Ok(Sampling {
+            input: MeshFile { path: input, format },
+            output,
+            options,
+            run: Run::from(run).without_page("samples")?,
+        })
     }
 }

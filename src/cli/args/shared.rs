@@ -1,11 +1,12 @@
 //! Arguments that several commands have, and what they resolve to.
 
+use crate::cli::args::stop::{Stop, wrong};
 use crate::io::Format;
 use crate::job::settings::NormalSettings;
 use crate::job::words::{normal_fit, positive};
 use crate::pipeline::NormalFit;
 use clap::ArgAction;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// How a command goes on, whatever it does.
 #[derive(Debug, clap::Args)]
@@ -13,8 +14,8 @@ pub(super) struct RunArgs {
     /// Threads to use; the output does not depend on it [default: one a core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Write the report to a file, as JSON
-    #[arg(long, value_name = "F.json")]
+    /// Write the report to a file: F.html as a page with pictures, any other as JSON
+    #[arg(long, value_name = "F")]
     report: Option<PathBuf>,
     /// Print nothing but errors
     #[arg(short, long, conflicts_with = "verbose")]
@@ -29,7 +30,7 @@ pub(super) struct RunArgs {
 pub struct Run {
     /// As many as there are cores without.
     pub threads: Option<usize>,
-    /// Where the report goes as JSON, if it is wanted.
+    /// Where the report goes, if it is wanted in a file.
     pub report: Option<PathBuf>,
     /// How much to say meanwhile.
     pub voice: Voice,
@@ -45,6 +46,24 @@ impl From<RunArgs> for Run {
         };
         Run { threads: threads.map(usize::from), report, voice }
     }
+}
+
+impl Run {
+    /// Refuses a page as the report of a command that has none.
+    pub(super) fn without_page(self, of: &str) -> Result<Run, Stop> {
+        match self.report.as_deref().filter(|path| is_page(path)) {
+            None => Ok(self),
+            Some(path) => {
+                let name = path.display();
+                Err(wrong(&format!("{name}: there is no page of {of}; let the name of the report end in .json")))
+            }
+        }
+    }
+}
+
+/// Whether a report with this name is a page, and not JSON.
+pub fn is_page(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("html"))
 }
 
 /// How much is said.

@@ -1,0 +1,24 @@
+//! Sharp edges of the surface that is sampled, as segments.
+
+use crate::mesh::half_edge::next;
+use crate::mesh::topology::NONE;
+use crate::mesh::triangle_mesh::Mesh;
+use crate::surface::domain::Domain;
+use glam::DVec3;
+
+/// The ends of the edges of `mesh` whose sides were sharp `before` and are no longer `now`.
+pub(super) fn left_out(mesh: &Mesh, twin: &[u32], before: &[bool], now: &[bool]) -> Vec<[DVec3; 2]> {
+    let is_left_out = |&s: &u32| before[s as usize] && !now[s as usize] && s < twin[s as usize];
+    (0..twin.len() as u32).filter(is_left_out).map(|s| ends(mesh, s)).collect()
+}
+
+/// The ends of the sides along the sharp edges of `domain`, one of each edge.
+pub(super) fn sharp_edges(domain: &Domain) -> impl Iterator<Item = [DVec3; 2]> {
+    let sides = domain.curves.list.iter().flat_map(|curve| &curve.sides).copied();
+    sides.filter(|&s| domain.across[s as usize] != NONE).map(|s| ends(&domain.mesh, s))
+}
+
+fn ends(mesh: &Mesh, side: u32) -> [DVec3; 2] {
+    let corner = |s: u32| mesh.positions[mesh.triangles[s as usize / 3][s as usize % 3] as usize];
+    [corner(side), corner(next(side))]
+}

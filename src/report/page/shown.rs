@@ -1,0 +1,149 @@
+//! The meshes that a page shows, with the figures of their triangles and vertices.
+
+use crate::mesh::triangle_mesh::Mesh;
+use crate::pipeline::Edges;
+use crate::quality::distance::vertex_distances;
+use crate::quality::fields::{lengths_over, qualities, smallest_angles};
+use crate::quality::shape::valences;
+use crate::report::remeshing::{Measured, Report, outside};
+use glam::DVec3;
+use std::borrow::Cow;
+
+/// A mesh that a page is about, and the report on it.
+#[derive(Clone, Copy)]
+pub struct Subject<'a> {
+    /// The report, with the names of its files.
+    pub report: &'a Report,
+    /// Its output, or the mesh that was measured.
+    pub mesh: &'a Mesh,
+    /// The edges of a result; `None` for a mesh that was measured only.
+    pub edges: Option<&'a Edges>,
+}
+
+/// A mesh as a page shows it.
+pub(super) struct Shown<'a> {
+    /// What it is of the run: input or output; nothing for a mesh that was measured only.
+    pub role: &'static str,
+    /// The name of its file, without folders where no other mesh has the same.
+    pub name: String,
+    pub measured: &'a Measured,
+    /// The report that it is the output of.
+    pub report: Option<&'a Report>,
+    pub mesh: &'a Mesh,
+    /// The smallest angle of each triangle, in degrees.
+    pub angles: Vec<f64>,
+    /// Q of each triangle.
+    pub qualities: Vec<f64>,
+    /// The valence of each vertex, where it is interior.
+    pub valences: Vec<Option<u32>>,
+    /// How far each vertex is from the other mesh, in percent of the diagonal of the input.
+    pub distances: Option<Vec<f64>>,
+    /// The length of each side over the one wanted there, or over the mean one.
+    pub lengths: Vec<f64>,
+    /// Sharp edges of the input that it has.
+    pub sharp: Vec<[DVec3; 2]>,
+    /// Sharp edges of it that the output has not.
+    pub left_out: Vec<[DVec3; 2]>,
+    /// Faces that keep it from being verified, or intersect others.
+    pub marked: Vec<u32>,
+}
+
+impl Shown<'_> {
+    /// Its role and its file.
+    pub(super) fn title(&self) -> String {
+        match self.role {
+            "" => self.name.clone(),
+            role => format!("{role}: {}", self.name),
+        }
+    }
+}
+
+/// The reference, if there is one, and all subjects. The distances of the reference are those to the subject, where that is
+/// one.
+pub(super) fn all<'a>(reference: Option<&'a Mesh>, subjects: &[Subject<'a>]) -> Vec<Shown<'a>> {
+    let before = reference.zip(subjects.first().and_then(|s| s.report.input.as_ref()));
+    let input = before.map(|(mesh, measured)| {
+        let other = if let [subject] = subjects { Some(subject.mesh) } else { None };
+        let is_run = subjects.iter().any(|s| s.report.verified.is_some());
+        let left_out = subjects.iter().filter_map(|s| s.edges).flat_map(|edges| edges.left_out.clone()).collect();
+        Shown {
+            role: if is_run { "input" } else { "against" },
+            distances: other.and_then(|other| distances(mesh, other, mesh)),
+            left_out,
+            ..plain(mesh, measured)
+        }
+    });
+    let subjects = subjects.iter().map(|subject| of_subject(subject, reference));
+    let mut shown: Vec<Shown> = input.into_iter().chain(subjects).collect();
+    let files: Vec<&str> = shown.iter().map(|s| s.measured.file.as_str()).collect();
+    let is_single = |name: &str| files.iter().filter(|file| without_folders(file) == name).count() == 1;
+    for shown in &mut shown {
+        let name = without_folders(&shown.measured.file);
+        shown.name = if is_single(name) { name } else { &shown.measured.file }.into();
+    }
+    shown
+}
+
+fn without_folders(file: &str) -> &str {
+    file.rsplit(['/', '\\']).next().unwrap_or(file)
+}
+
+fn of_subject<'a>(subject: &Subject<'a>, reference: Option<&Mesh>) -> Shown<'a> {
+    let &Subject { report, mesh, edges } = subject;
+    let surface = reference.map(|input| match &report.repairs {
+        Some(repairs) => outside(input, repairs),
+        None => Cow::Borrowed(input),
+    });
+    let at = |v: u32| mesh.positions[v as usize];
+    let shown = plain(mesh, &report.output);
+    let wanted = edges.map(|edges| &edges.wanted[..]).filter(|wanted| !wanted.is_empty());
+    Shown {
+        role: if report.verified.is_some() { "output" } else { "" },
+        report: Some(report),
+        distances: surface.zip(reference).and_then(|(surface, input)| distances(mesh, &surface, input)),
+        lengths: wanted.map_or(shown.lengths, |wanted| lengths_over_wanted(mesh, wanted)),
+        sharp: edges.iter().flat_map(|edges| &edges.sharp).map(|ends| ends.map(at)).collect(),
+        marked: marked(report),
+        ..shown
+    }
+}
+
+/// A mesh by itself.
+fn plain<'a>(mesh: &'a Mesh, measured: &'a Measured) -> Shown<'a> {
+    let mean = measured.shape.as_ref().map(|shape| shape.edge_mean).filter(|mean| *mean > 0.0);
+    Shown {
+        role: "",
+        name: String::new(),
+        measured,
+        report: None,
+        mesh,
+        angles: smallest_angles(mesh),
+        qualities: qualities(mesh),
+        valences: valences(mesh),
+        distances: None,
+        lengths: lengths_over(mesh, |_| mean),
+        sharp: Vec::new(),
+        left_out: Vec::new(),
+        marked: Vec::new(),
+    }
+}
+
+/// Over the lengths `wanted` at the last vertices.
+fn lengths_over_wanted(mesh: &Mesh, wanted: &[f64]) -> Vec<f64> {
+    let first = mesh.positions.len() - wanted.len();
+    lengths_over(mesh, |v| (v as usize).checked_sub(first).map(|v| wanted[v]))
+}
+
+/// The distances of the vertices of `mesh` to `other`, in percent of the diagonal of `input`.
+fn distances(mesh: &Mesh, other: &Mesh, input: &Mesh) -> Option<Vec<f64>> {
+    let unit = 100.0 / input.diagonal();
+    let found = vertex_distances(mesh, other).filter(|_| unit.is_finite())?;
+    Some(found.into_iter().map(|d| unit * d).collect())
+}
+
+fn marked(report: &Report) -> Vec<u32> {
+    let mut faces = [&report.crossings.faces[..], &report.slivers].concat();
+    faces.sort_unstable();
+    faces.dedup();
+    faces
+}

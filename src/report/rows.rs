@@ -1,0 +1,226 @@
+//! What a report says, as names and texts: the same words for the table of the terminal and for the page.
+
+use crate::base::math;
+use crate::mesh::topology::Topology;
+use crate::pipeline::{CloudSummary, Coverage};
+use crate::prepare::repair::Repairs;
+use crate::quality::distance::Distance;
+use crate::quality::shape::Shape;
+use crate::report::remeshing::{Measured, Report};
+
+/// The name of a row and how its figure is told.
+type Row<T> = (&'static str, fn(&T) -> String);
+
+/// The name of a row and its figure for each mesh.
+pub(super) type Figures = (&'static str, Vec<String>);
+
+/// What there is to say of one subject: its name, and phrases.
+pub(super) type Fact = (&'static str, Vec<String>);
+
+/// Where there is no figure.
+const NOTHING: &str = "-";
+
+/// Counts of each mesh.
+pub(super) fn topology_rows(columns: &[&Measured]) -> Vec<Figures> {
+    let rows: [Row<Topology>; 7] = [
+        ("vertices", |t| t.vertices.to_string()),
+        ("faces", |t| t.faces.to_string()),
+        ("Euler characteristic", |t| t.euler.to_string()),
+        ("components", |t| t.components.to_string()),
+        ("boundary loops", |t| t.boundary_loops.to_string()),
+        ("manifold", |t| yes_or_no(t.is_manifold())),
+        ("oriented", |t| yes_or_no(t.is_oriented())),
+    ];
+    rows.map(|(name, figure)| (name, columns.iter().map(|m| figure(&m.topology)).collect())).into()
+}
+
+/// How many faces cross; those of the input are counted after its repairs, and only where the output has some.
+pub(super) fn crossings(report: &Report) -> Vec<String> {
+    let output = report.crossings.faces.len().to_string();
+    let repaired = |_| report.crossings.repaired.map_or(NOTHING.into(), |n| n.to_string());
+    report.input.iter().map(repaired).chain([output]).collect()
+}
+
+/// The name of the row of [`crossings`].
+pub(super) const CROSSINGS: &str = "self-intersecting faces";
+
+/// Figures of the triangles of each mesh.
+pub(super) fn shape_rows(columns: &[&Measured]) -> Vec<Figures> {
+    let rows: [Row<Shape>; 16] = [
+        ("θ min", |s| degrees(s.theta_min)),
+        ("θ min, mean", |s| degrees(s.theta_min_mean)),
+        ("θ max", |s| degrees(s.theta_max)),
+        ("Q min", |s| format!("{:.4}", s.q_min)),
+        ("Q mean", |s| format!("{:.4}", s.q_mean)),
+        ("with an angle < 30°", |s| percent(s.percent_below_30)),
+        ("with an angle > 90°", |s| percent(s.percent_above_90)),
+        ("edge length, mean", |s| significant(s.edge_mean)),
+        ("edge length, min", |s| significant(s.edge_min)),
+        ("edge length, max", |s| significant(s.edge_max)),
+        ("edge length, variation", |s| percent(100.0 * s.edge_cv)),
+        ("valence 4 or less", |s| valence_share(s, 0..=4)),
+        ("valence 5", |s| valence_share(s, 5..=5)),
+        ("valence 6", |s| valence_share(s, 6..=6)),
+        ("valence 7", |s| valence_share(s, 7..=7)),
+        ("valence 8 or more", |s| valence_share(s, 8..=u32::MAX)),
+    ];
+    let told = |m: &&Measured, figure: fn(&Shape) -> String| m.shape.as_ref().map_or(NOTHING.into(), figure);
+    rows.map(|(name, figure)| (name, columns.iter().map(|m| told(m, figure)).collect())).into()
+}
+
+/// Distances from the output, from the input, and both.
+pub(super) fn distance_rows(d: &Distance) -> [Figures; 2] {
+    [
+        ("RMS", [d.rms_out_to_in, d.rms_in_to_out, d.rms].map(hundredths).into()),
+        ("Hausdorff", [d.hausdorff_out_to_in, d.hausdorff_in_to_out, d.hausdorff].map(hundredths).into()),
+    ]
+}
+
+/// What is no figure of a mesh: the sampling, the points, the repairs, the attributes. Facts without phrases are left out.
+pub(super) fn facts(report: &Report) -> Vec<Fact> {
+    let attributes = report.attributes.as_ref();
+    let lost = attributes.map(|kept| kept.lost.iter().map(|l| format!("{}: {}", l.name, l.cause)).collect());
+    let facts = [
+        ("distance, any point", bounded_error(report)),
+        ("sampling", sampling(report)),
+        ("points", report.cloud.as_ref().map(points_used).unwrap_or_default()),
+        ("on the output", report.coverage.as_ref().map(covered).unwrap_or_default()),
+        ("repairs", report.repairs.as_ref().map(repairs_made).unwrap_or_default()),
+        ("self-intersections", self_intersections(&report.crossings.faces)),
+        ("attributes", attributes.map(|kept| kept.carried.clone()).unwrap_or_default()),
+        ("attributes, lost", lost.unwrap_or_default()),
+    ];
+    facts.into_iter().filter(|(_, phrases)| !phrases.is_empty()).collect()
+}
+
+fn bounded_error(report: &Report) -> Vec<String> {
+    let Some(d) = &report.deviation else { return Vec::new() };
+    vec![format!("{} at most", significant(d.reached)), format!("{} asked for", significant(d.allowed))]
+}
+
+fn sampling(report: &Report) -> Vec<String> {
+    let Some(s) = &report.sampling else { return Vec::new() };
+    let (sigma, spacing) = (significant(s.sigma_p), significant(s.spacing));
+    let [smallest, largest] = s.spacing_range;
+    let is_even = smallest == largest;
+    let range =
+        if is_even { String::new() } else { format!(" ({} to {})", significant(smallest), significant(largest)) };
+    vec![
+        format!("{} vertices wanted", s.wanted),
+        format!("σp {sigma}"),
+        format!("spacing {spacing}{range}"),
+        format!("seed {}", s.seed),
+    ]
+}
+
+/// What became of the points of a cloud.
+fn points_used(cloud: &CloudSummary) -> Vec<String> {
+    let &CloudSummary { points, duplicates, outliers, unused, estimated_normals, turned_normals, .. } = cloud;
+    let others = [
+        (duplicates, "at the place of another one"),
+        (outliers, "outliers"),
+        (unused, "others that no triangle uses"),
+        (estimated_normals, "normals estimated"),
+        (turned_normals, "normals turned over"),
+    ];
+    let others = others.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}"));
+    [format!("{points} points")].into_iter().chain(others).collect()
+}
+
+/// How many points of a cloud are near to the output.
+fn covered(Coverage { points, missed, within, .. }: &Coverage) -> Vec<String> {
+    vec![format!("{} of {points} points within {}", points - missed, significant(*within))]
+}
+
+fn repairs_made(repairs: &Repairs) -> Vec<String> {
+    let &Repairs {
+        welded_vertices,
+        seam_vertices,
+        unused_vertices,
+        degenerate_triangles,
+        faces_between_cells,
+        duplicate_triangles,
+        flipped_triangles,
+        cut_edges,
+        unorientable_edges,
+        split_vertices,
+    } = repairs;
+    let made = [
+        (welded_vertices, "vertices welded"),
+        (seam_vertices, "of them across seams"),
+        (unused_vertices, "unused vertices dropped"),
+        (degenerate_triangles, "degenerate triangles dropped"),
+        (faces_between_cells, "faces between cells dropped"),
+        (duplicate_triangles, "duplicate triangles dropped"),
+        (flipped_triangles, "triangles turned over"),
+        (cut_edges, "edges of more than two faces taken apart"),
+        (unorientable_edges, "edges cut where no orientation is possible"),
+        (split_vertices, "vertices split"),
+    ];
+    made.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")).collect()
+}
+
+/// Faces that cross and that are named; the others are in the JSON report.
+const FACES_NAMED: usize = 20;
+
+/// The numbers of the first faces, and how many more there are.
+fn self_intersections(faces: &[u32]) -> Vec<String> {
+    let more = faces.len().saturating_sub(FACES_NAMED);
+    let named = faces.iter().take(FACES_NAMED).map(u32::to_string);
+    named.chain((more > 0).then(|| format!("and {more} more"))).collect()
+}
+
+fn yes_or_no(yes: bool) -> String {
+    if yes { "yes" } else { "no" }.into()
+}
+
+pub(super) fn degrees(angle: f64) -> String {
+    format!("{angle:.2}°")
+}
+
+pub(super) fn percent(share: f64) -> String {
+    format!("{share:.2} %")
+}
+
+/// A share in percent, whose hundredths matter.
+pub(super) fn hundredths(share: f64) -> String {
+    format!("{share:.4}")
+}
+
+/// Four significant digits.
+pub(super) fn significant(x: f64) -> String {
+    if x == 0.0 || !x.is_finite() {
+        return x.to_string();
+    }
+    let magnitude = math::log10(x.abs()).floor() as i32;
+    if (-5..6).contains(&magnitude) { format!("{x:.*}", (3 - magnitude).max(0) as usize) } else { format!("{x:.3e}") }
+}
+
+/// The share of interior vertices whose valence is in a range.
+fn valence_share(shape: &Shape, range: std::ops::RangeInclusive<u32>) -> String {
+    let all: usize = shape.valence.values().sum();
+    let within: usize = shape.valence.range(range).map(|(_, count)| count).sum();
+    if all > 0 { percent(100.0 * within as f64 / all as f64) } else { NOTHING.into() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_many_self_intersecting_faces_the_first_are_named() {
+        let faces: Vec<u32> = (0..123).collect();
+        let named = self_intersections(&faces);
+        assert_eq!((named.len(), named[19].as_str(), named[20].as_str()), (21, "19", "and 103 more"));
+        assert_eq!(self_intersections(&faces[..20]).len(), 20);
+    }
+
+    #[test]
+    fn four_digits_at_any_magnitude() {
+        let cases = [(0.0, "0"), (1.0, "1.000"), (123.456, "123.5"), (0.001_234_56, "0.001235"), (1.5e-9, "1.500e-9")];
+        for (x, expected) in cases {
+            assert_eq!(significant(x), expected);
+        }
+        assert_eq!(significant(54_321.0), "54321");
+    }
+}
