@@ -12,6 +12,9 @@ use crate::mesh::half_edge::next;
 use crate::surface::domain::Domain;
 use std::collections::BinaryHeap;
 
+/// Farthest that a vertex which leaves a curve may be from it, in lengths of the edge that it leaves along.
+const STRAIGHT: f64 = 0.05;
+
 /// Brings `mesh` to `wanted` vertices, as far as its topology allows.
 pub fn meet_count(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
     // First under the guard, then without.
@@ -19,7 +22,9 @@ pub fn meet_count(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
     split_longest_with(mesh, wanted, |mesh, h| Some(mesh.split_anyhow(domain, h)));
     collapse_shortest(mesh, wanted, |mesh, h| {
         let c = &mesh.connectivity;
-        !c.is_on_curve(c.origin(h)) && FacingGuard::CAREFUL.passes(mesh.after_collapse(h).0)
+        let keeps_curve =
+            !c.is_on_curve(c.origin(h)) || mesh.distance_after_collapse(h) <= STRAIGHT * mesh.length_squared(h).sqrt();
+        keeps_curve && FacingGuard::CAREFUL.passes(mesh.after_collapse(h).0)
     });
     collapse_shortest(mesh, wanted, |_, _| true);
     if mesh.connectivity.vertex_count() > wanted {
