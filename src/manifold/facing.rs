@@ -1,9 +1,13 @@
 //! How triangles face the surface, and the guard that keeps moves from turning them against it.
 
+use crate::geom::triangle::mean_ratio;
 use crate::manifold::Manifold;
 use crate::manifold::vertex_set::VertexSet;
 use crate::surface::domain::Sample;
 use glam::DVec3;
+
+/// Least mean ratio of a triangle that other changes can still mend: a row sheared twice has 0.27.
+pub const LEAST_MENDABLE: f64 = 0.25;
 
 /// Whether triangles may be as a move would make them: by the cosine between their normal and that of the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,6 +69,16 @@ impl Manifold {
         let d = self.connectivity.apex(g);
         let after = self.agreement([c, a, d]).min(self.agreement([d, b, c]));
         guard.allows(after, || self.agreement([a, b, c]).min(self.agreement([b, a, d])))
+    }
+
+    /// Whether the edge of `h`, which has two faces, can be flipped and leaves triangles that pass `guard` and can be mended.
+    pub fn flip_leaves_mendable(&self, h: u32, guard: FacingGuard) -> bool {
+        let c = &self.connectivity;
+        let [a, b, top] = c.triangle(h);
+        let bottom = c.apex(c.twin(h));
+        let good =
+            |t: [u32; 3]| guard.passes(self.agreement(t)) && mean_ratio(t.map(|v| self.position(v))) >= LEAST_MENDABLE;
+        c.can_flip(h) && good([top, a, bottom]) && good([bottom, b, top])
     }
 
     /// Whether `guard` allows the triangles around `v` if it moves to `there`.

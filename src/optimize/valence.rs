@@ -24,9 +24,9 @@
 //!
 //! Limits: defects that curvature asks for stay, and so do those next to locked vertices.
 
-use crate::geom::triangle::{angles, mean_ratio};
+use crate::geom::triangle::angles;
 use crate::manifold::Manifold;
-use crate::manifold::facing::FacingGuard;
+use crate::manifold::facing::{FacingGuard, LEAST_MENDABLE};
 use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{Connectivity, next, prev};
 use glam::DVec3;
@@ -40,9 +40,6 @@ const MOST_TRIES: usize = 40;
 
 /// Flips for each edge after which flipping ends at the latest.
 const FLIPS_PER_EDGE: usize = 20;
-
-/// Least mean ratio of a triangle that a move may leave: a row sheared twice has 0.27.
-const LEAST_SHAPE: f64 = 0.25;
 
 /// Least cosine between the normals at the ends of an edge that a pair glides over or a vertex is removed from: 60
 /// degrees. Glides around the end of a spike would shorten it.
@@ -116,7 +113,11 @@ impl Defects {
     fn flip_down(&mut self, mut queue: Vec<u32>, mesh: &mut Manifold) {
         while let Some(h) = queue.pop().filter(|_| self.flips_left > 0) {
             let c = &mesh.connectivity;
-            if c.has_half_edge(h) && c.has_twin(h) && self.rise(mesh, h) < 0 && may_flip(mesh, h) {
+            if c.has_half_edge(h)
+                && c.has_twin(h)
+                && self.rise(mesh, h) < 0
+                && mesh.flip_leaves_mendable(h, FacingGuard::CAREFUL)
+            {
                 self.flips_left -= 1;
                 self.flip(&mut mesh.connectivity, h);
                 queue.extend(touched(&mesh.connectivity, h));
@@ -130,7 +131,12 @@ impl Defects {
         let mut left = FLIPS_PER_EDGE * queue.len();
         while let Some(h) = queue.pop() {
             let c = &mesh.connectivity;
-            if left > 0 && c.has_twin(h) && mesh.breaks_delaunay(h) && self.rise(mesh, h) <= 0 && may_flip(mesh, h) {
+            if left > 0
+                && c.has_twin(h)
+                && mesh.breaks_delaunay(h)
+                && self.rise(mesh, h) <= 0
+                && mesh.flip_leaves_mendable(h, FacingGuard::CAREFUL)
+            {
                 let g = c.twin(h);
                 self.flip(&mut mesh.connectivity, h);
                 queue.extend([next(h), prev(h), next(g), prev(g)]);
@@ -288,17 +294,6 @@ fn normal_cosine(mesh: &Manifold, v: u32, w: u32) -> f64 {
     if n == DVec3::ZERO || m == DVec3::ZERO { 1.0 } else { n.dot(m) }
 }
 
-/// Whether the edge of `h`, which has two faces, can be flipped and leaves triangles that can be mended.
-fn may_flip(mesh: &Manifold, h: u32) -> bool {
-    let c = &mesh.connectivity;
-    let [a, b, top] = c.triangle(h);
-    let bottom = c.apex(c.twin(h));
-    let good = |t: [u32; 3]| {
-        FacingGuard::CAREFUL.passes(mesh.agreement(t)) && mean_ratio(t.map(|v| mesh.position(v))) >= LEAST_SHAPE
-    };
-    c.can_flip(h) && good([top, a, bottom]) && good([bottom, b, top])
-}
-
 /// Whether a pair may glide over the edge of `h`: the surface is flat enough, and the vertices are free to move
 /// afterwards.
 fn may_glide(mesh: &Manifold, locked: &VertexSet, h: u32) -> bool {
@@ -306,7 +301,8 @@ fn may_glide(mesh: &Manifold, locked: &VertexSet, h: u32) -> bool {
     let [a, b, top] = c.triangle(h);
     let bottom = c.apex(c.twin(h));
     let free = [a, b, top, bottom].into_iter().all(|v| !locked.contains(v));
-    free && normal_cosine(mesh, a, b).min(normal_cosine(mesh, top, bottom)) >= FLAT && may_flip(mesh, h)
+    free && normal_cosine(mesh, a, b).min(normal_cosine(mesh, top, bottom)) >= FLAT
+        && mesh.flip_leaves_mendable(h, FacingGuard::CAREFUL)
 }
 
 /// Whether the origin of `h` is free and not missed if it merges into the target.
@@ -322,7 +318,7 @@ fn may_collapse(mesh: &Manifold, locked: &VertexSet, h: u32, spacing: f64) -> bo
     }
     let (facing, shape) = mesh.after_collapse(h);
     FacingGuard::CAREFUL.passes(facing)
-        && shape >= LEAST_SHAPE
+        && shape >= LEAST_MENDABLE
         && mesh.distance_after_collapse(h) <= TOLERANCE * spacing * mesh.samples[a as usize].size
 }
 

@@ -6,17 +6,12 @@
 //!
 //! Cost: linear in the edges.
 
-use crate::geom::triangle::mean_ratio;
-use crate::manifold::Manifold;
 use crate::manifold::facing::FacingGuard;
 use crate::mesh::topology::NONE;
 use crate::surface::domain::Domain;
 use crate::triangulate::stitch::Gluing;
 use crate::triangulate::triangulation::Triangulated;
 use std::collections::HashSet;
-
-/// Least mean ratio of a triangle that a flip may leave.
-const LEAST_SHAPE: f64 = 0.25;
 
 /// Flips or splits chords of `patches`, which lie on `domain`, such that no two are one edge once they are glued.
 pub fn part_chords(domain: &Domain, patches: &mut Triangulated, seams: Gluing<'_>) {
@@ -35,7 +30,7 @@ pub fn part_chords(domain: &Domain, patches: &mut Triangulated, seams: Gluing<'_
         }
         let Some(h) = c.outgoing(v).find(|&h| c.target(h) == w) else { continue };
         let across = between(c.apex(h), c.apex(c.twin(h)));
-        if may_flip(mesh, h) && across.is_none_or(|ends| joined.insert(ends)) {
+        if mesh.flip_leaves_mendable(h, FacingGuard::SOUND) && across.is_none_or(|ends| joined.insert(ends)) {
             mesh.connectivity.flip(h);
         } else {
             mesh.split_anyhow(domain, h);
@@ -44,18 +39,10 @@ pub fn part_chords(domain: &Domain, patches: &mut Triangulated, seams: Gluing<'_
     source.resize(mesh.samples.len(), NONE);
 }
 
-/// Whether the edge of `h` can be flipped and leaves triangles that can be mended.
-fn may_flip(mesh: &Manifold, h: u32) -> bool {
-    let c = &mesh.connectivity;
-    let [a, b, top] = c.triangle(h);
-    let bottom = c.apex(c.twin(h));
-    let good = |t: [u32; 3]| mean_ratio(t.map(|v| mesh.position(v))) >= LEAST_SHAPE;
-    c.can_flip(h) && mesh.flip_keeps_facing(h, FacingGuard::SOUND) && good([top, a, bottom]) && good([bottom, b, top])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::manifold::Manifold;
     use crate::mesh::half_edge::OnCurve;
     use crate::surface::domain::{Domain, Sample};
     use crate::testing::grid;
@@ -63,10 +50,10 @@ mod tests {
     use glam::{DVec3, dvec3};
 
     /// Both sides of a square plate without thickness, whose rim is a curve through its corners. `across` are the ends of
-    /// the diagonal of its lower side.
-    fn plate(across: [u32; 2]) -> (Domain, Triangulated) {
+    /// the diagonal of its lower side, `last` its fourth corner.
+    fn plate(across: [u32; 2], last: (f64, f64)) -> (Domain, Triangulated) {
         let domain = Domain::new(grid(4, 4, |u, v| dvec3(u, v, 0.0)).try_into().unwrap());
-        let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+        let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), last];
         let side =
             |normal: DVec3| corners.map(|(x, y)| Sample { position: dvec3(x, y, 0.0), normal, triangle: 0, size: 1.0 });
         let samples = [side(DVec3::Z), side(-DVec3::Z)].concat();
@@ -75,8 +62,8 @@ mod tests {
         (domain, Triangulated { mesh, source: (0..8).collect(), tessellated_patches: 0 })
     }
 
-    fn glued(across: [u32; 2]) -> (usize, bool) {
-        let (domain, mut patches) = plate(across);
+    fn glued(across: [u32; 2], last: (f64, f64)) -> (usize, bool) {
+        let (domain, mut patches) = plate(across, last);
         let edges: Vec<([u32; 2], OnCurve)> =
             [[0, 1], [1, 2], [2, 3], [3, 0]].into_iter().map(|ends| (ends, OnCurve::Curve(0))).collect();
         let seams = Gluing { point: &[0, 1, 2, 3, 0, 1, 2, 3], edges: &edges, corners: &[0, 1, 2, 3] };
@@ -86,7 +73,12 @@ mod tests {
 
     #[test]
     fn of_two_chords_between_the_same_points_one_is_flipped() {
-        assert_eq!(glued([0, 2]), (4, true));
-        assert_eq!(glued([1, 3]), (4, true));
+        assert_eq!(glued([0, 2], (0.0, 1.0)), (4, true));
+        assert_eq!(glued([1, 3], (0.0, 1.0)), (4, true));
+    }
+
+    #[test]
+    fn where_a_flip_would_leave_a_needle_the_chord_is_split() {
+        assert_eq!(glued([0, 2], (0.02, 0.05)), (6, true));
     }
 }

@@ -53,7 +53,7 @@ pub fn mutual_tessellation(domain: &Domain, part: &[u32], insertions: &[Insertio
     for least_facing in ROUNDS {
         for v in inserted..mesh.connectivity.vertex_bound() {
             if mesh.connectivity.has_vertex(v) && !border.contains(v) {
-                remove(&mut mesh, v, least_facing);
+                merge_away(&mut mesh, v, least_facing);
             }
         }
     }
@@ -69,8 +69,9 @@ pub fn mutual_tessellation(domain: &Domain, part: &[u32], insertions: &[Insertio
     Tessellation { mesh: left, border: border.renumbered(&old), insertion }
 }
 
-/// Merges `v` into the neighbour that leaves the best triangles, if there is one that may be.
-fn remove(mesh: &mut Manifold, v: u32, least_facing: f64) {
+/// Merges `v` into the neighbour that leaves the best triangles, if there is one that leaves none with a smaller cosine to
+/// the surface than `least_facing`.
+pub(super) fn merge_away(mesh: &mut Manifold, v: u32, least_facing: f64) {
     let c = &mesh.connectivity;
     let mut best = None;
     let mut best_shape = f64::NEG_INFINITY;

@@ -8,12 +8,15 @@
 //! Cost: linear in the triangles if there is such a place, else in the rims.
 
 use crate::manifold::Manifold;
-use crate::manifold::facing::FacingGuard;
 use crate::mesh::topology::NONE;
+use crate::triangulate::mutual_tessellation::merge_away;
 use crate::triangulate::triangulation::{Boundary, Triangulated};
 
 /// Vertices that may have stayed between two samples.
 const MOST_BETWEEN: usize = 8;
+
+/// Least cosine between the surface and the triangles that such a vertex leaves.
+const LEAST_FACING: f64 = 0.3;
 
 /// Joins samples next to each other on `boundary` by an edge where vertices of the domain are between them on the rim of
 /// `patches`.
@@ -33,10 +36,10 @@ pub fn straighten_rims(patches: &mut Triangulated, boundary: Boundary<'_>) {
         }
     }
     *mesh = Manifold::new(std::mem::take(&mut mesh.samples), &triangles);
-    for v in
-        bays.into_iter().flat_map(|bay| bay.between).filter(|&v| mesh.connectivity.has_vertex(v)).collect::<Vec<_>>()
-    {
-        merge(mesh, v);
+    for v in bays.into_iter().flat_map(|bay| bay.between) {
+        if mesh.connectivity.has_vertex(v) {
+            merge_away(mesh, v, LEAST_FACING);
+        }
     }
     let (compact, old) = mesh.without_gaps();
     *mesh = compact;
@@ -69,17 +72,6 @@ fn bays(patches: &Triangulated, boundary: Boundary<'_>) -> Vec<Bay> {
         ends_there.then_some(Bay { ends: [v, end], between })
     };
     vertex.iter().zip(boundary.successor).filter_map(bay).collect()
-}
-
-/// Merges `v` into the neighbour that leaves the best triangles, if there is one that leaves none turned against the surface.
-fn merge(mesh: &mut Manifold, v: u32) {
-    let c = &mesh.connectivity;
-    let after = |h: u32| (h, mesh.after_collapse(h));
-    let may =
-        c.outgoing(v).filter(|&h| c.can_collapse(h)).map(after).filter(|(_, after)| FacingGuard::SOUND.passes(after.0));
-    if let Some((h, _)) = may.max_by(|a, b| a.1.1.total_cmp(&b.1.1).then(b.0.cmp(&a.0))) {
-        mesh.collapse(h);
-    }
 }
 
 #[cfg(test)]
