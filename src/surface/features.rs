@@ -5,20 +5,16 @@
 //! are either almost flat or clearly sharp. On a scan there are ever fewer edges of ever larger turns and no gap
 //! between; there, none is sharp.
 //!
-//! The normal of a needle or a cap that is narrower than the samples can tell is not to be trusted: rounding turns it. It
-//! is taken from the triangle across its longest side. Strips as narrow as that become one edge.
+//! Edges between the facets of what is meant round do not count ([`facets`](crate::surface::facets)).
 //!
 //! Short scraps, shorter than a few spacings of the samples in all, are left out: at that spacing they are noise.
 //!
 //! Cost: linear in the triangles.
 
-use crate::base::math;
 use crate::base::union_find::UnionFind;
-use crate::mesh::half_edge::next;
-use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
-use glam::DVec3;
-use rayon::prelude::*;
+use crate::surface::facets::between_facets;
+use crate::surface::turns::{ends, length, turns};
 
 /// Which edges of the input are kept sharp.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -39,83 +35,26 @@ const THRESHOLDS: std::ops::RangeInclusive<usize> = 15..=60;
 /// those above it. Fifteen scans and sculpts have between 1.5 and 40 at every threshold, CAD parts 0.1 and less.
 const GAP: f64 = 0.2;
 
-/// Height of a triangle, in lengths of its longest side and in spacings, below which its normal is not trusted.
-const NARROW: f64 = 0.05;
-
-/// Longest chain of narrow triangles that is followed to one that is not.
-const LONGEST_CHAIN: usize = 16;
-
 /// Least length of a connected net of sharp edges, in spacings.
 const SHORTEST: f64 = 3.0;
 
 /// For each side `3 t + k` of the triangles whether it is on a sharp edge. `twin` is as
 /// [`twins`](crate::mesh::topology::twins) says, `spacing` that of the samples, in the units of the mesh.
 pub fn sharp_sides(mesh: &Mesh, twin: &[u32], features: Features, spacing: f64) -> Vec<bool> {
-    let turns = turns(mesh, twin, spacing);
+    let mut turns = turns(mesh, twin, spacing);
     let threshold = match features {
         Features::Smooth => None,
         Features::Degrees(degrees) => Some(degrees),
-        Features::Automatic => gap(mesh, &turns),
+        Features::Automatic => {
+            let facets = between_facets(mesh, twin, &turns, spacing);
+            turns.iter_mut().zip(facets).filter(|(_, is_between)| *is_between).for_each(|(turn, _)| *turn = 0.0);
+            gap(mesh, &turns)
+        }
     };
     let Some(threshold) = threshold else { return vec![false; twin.len()] };
-    let mut sharp: Vec<bool> = turns.iter().map(|&turn| turn >= threshold).collect();
+    let mut sharp: Vec<bool> = turns.iter().map(|&turn| turn.abs() >= threshold).collect();
     drop_scraps(mesh, &mut sharp, SHORTEST * spacing);
     sharp
-}
-
-/// For each triangle a vector along its normal, or along that of the one across its longest side, and so on, if it is so
-/// narrow that its own cannot be trusted. Of two narrow ones whose longest side is the same it is that of both.
-fn trusted_normals(mesh: &Mesh, twin: &[u32], spacing: f64) -> Vec<DVec3> {
-    let longest_side = |t: u32| {
-        let length = |k: &u32| length(mesh, 3 * t + k);
-        let k = (0..3).max_by(|j, k| length(j).total_cmp(&length(k)).then(k.cmp(j))).unwrap_or(0);
-        (3 * t + k, length(&k))
-    };
-    let is_narrow = |t: u32| {
-        let (_, longest) = longest_side(t);
-        mesh.area_vector(t as usize).length() < NARROW * longest * longest.min(spacing)
-    };
-    let normal = |first: u32| {
-        let mut t = first;
-        for _ in 0..LONGEST_CHAIN {
-            let own = mesh.area_vector(t as usize);
-            let across = twin[longest_side(t).0 as usize];
-            if across == NONE || !is_narrow(t) {
-                return own;
-            }
-            let next = across / 3;
-            if longest_side(next).0 == across && is_narrow(next) {
-                return own + mesh.area_vector(next as usize);
-            }
-            t = next;
-        }
-        mesh.area_vector(first as usize)
-    };
-    (0..mesh.triangles.len() as u32).into_par_iter().map(normal).collect()
-}
-
-/// The turn of the surface across each side, in degrees; zero at the boundary and next to triangles without area.
-pub(super) fn turns(mesh: &Mesh, twin: &[u32], spacing: f64) -> Vec<f64> {
-    let normals = trusted_normals(mesh, twin, spacing);
-    let turn = |side: usize| {
-        let across = twin[side];
-        if across == NONE {
-            return 0.0;
-        }
-        let [a, b] = [side, across as usize].map(|s| normals[s / 3]);
-        if a == DVec3::ZERO || b == DVec3::ZERO { 0.0 } else { math::atan2(a.cross(b).length(), a.dot(b)).to_degrees() }
-    };
-    (0..twin.len()).into_par_iter().map(turn).collect()
-}
-
-fn length(mesh: &Mesh, side: u32) -> f64 {
-    let [a, b] = ends(mesh, side).map(|v| mesh.positions[v as usize]);
-    a.distance(b)
-}
-
-pub(super) fn ends(mesh: &Mesh, side: u32) -> [u32; 2] {
-    let corner = |s: u32| mesh.triangles[s as usize / 3][s as usize % 3];
-    [corner(side), corner(next(side))]
 }
 
 /// The smallest threshold that parts the turns in two groups, if there is one.
@@ -123,7 +62,7 @@ fn gap(mesh: &Mesh, turns: &[f64]) -> Option<f64> {
     // The length of the edges by their turn in whole degrees.
     let mut lengths = [0.0; 181];
     for (side, &turn) in (0u32..).zip(turns) {
-        lengths[turn as usize] += length(mesh, side);
+        lengths[turn.abs() as usize] += length(mesh, side);
     }
     let parts = |&threshold: &usize| {
         let above: f64 = lengths[threshold..].iter().sum();
@@ -155,6 +94,7 @@ fn drop_scraps(mesh: &Mesh, sharp: &mut [bool], shortest: f64) {
 mod tests {
     use super::*;
     use crate::mesh::topology::twins;
+    use glam::DVec3;
 
     /// A prism over a regular polygon of `n` corners, radius 1, with its caps fanned from their middles.
     fn prism(n: u32, height: f64) -> Mesh {
@@ -184,6 +124,12 @@ mod tests {
         assert_eq!(sharp_edges(&cylinder, Features::Automatic, 0.1), 64);
         assert_eq!(sharp_edges(&cylinder, Features::Smooth, 0.1), 0);
         assert_eq!(sharp_edges(&cylinder, Features::Degrees(10.0), 0.1), 96);
+    }
+
+    #[test]
+    fn of_a_pillar_of_twenty_sides_the_rims_are_found() {
+        assert_eq!(sharp_edges(&prism(20, 2.0), Features::Automatic, 0.15), 40);
+        assert_eq!(sharp_edges(&prism(20, 2.0), Features::Automatic, 0.03), 60, "facets of many samples are flat");
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //! points; and the edge lengths that are wanted on them.
 
 pub mod domain;
+pub mod facets;
 pub mod feature_curves;
 pub mod features;
 pub mod implicit;
@@ -9,3 +10,4 @@ pub mod lift;
 pub mod narrow_patches;
 pub mod sizing;
 pub mod submanifold;
+pub mod turns;

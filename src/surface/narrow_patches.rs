@@ -13,7 +13,7 @@ use crate::base::math;
 use crate::base::union_find::UnionFind;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::surface::features::{ends, turns};
+use crate::surface::turns::{ends, turns};
 use std::collections::{BTreeMap, BinaryHeap};
 
 /// Deviations below which patches are joined with a neighbour, in spacings: the least is that of a chamfer whose width is a
@@ -118,7 +118,7 @@ impl Patches {
                     let other = of_triangle.find(twin[side as usize] / 3);
                     let [sum, weighted] = patch.beside.entry(other).or_default();
                     *sum += length;
-                    *weighted += length * turns[side as usize];
+                    *weighted += length * turns[side as usize].abs();
                 }
             }
         }
@@ -195,7 +195,7 @@ mod tests {
     fn kept(widths: &[f64], wanted: usize) -> (usize, LeftOut) {
         let mesh = strips(widths);
         let twin = twins(&mesh.triangles);
-        let mut sharp: Vec<bool> = turns(&mesh, &twin, 1.0).into_iter().map(|turn| turn > 30.0).collect();
+        let mut sharp: Vec<bool> = turns(&mesh, &twin, 1.0).into_iter().map(|turn| turn.abs() > 30.0).collect();
         let left_out = leave_out_narrow(&mesh, &twin, &mut sharp, 1.0, wanted);
         (sharp.iter().filter(|s| **s).count() / 2, left_out)
     }
@@ -212,7 +212,7 @@ mod tests {
     fn each_edge_and_each_corner_takes_samples_once() {
         let mesh = cube();
         let twin = twins(&mesh.triangles);
-        let sharp: Vec<bool> = turns(&mesh, &twin, 0.1).into_iter().map(|turn| turn > 30.0).collect();
+        let sharp: Vec<bool> = turns(&mesh, &twin, 0.1).into_iter().map(|turn| turn.abs() > 30.0).collect();
         assert!((samples_on(&mesh, &twin, &sharp, 0.1) - (8.0 + 12.0 / 0.1)).abs() < 1e-9);
     }
 

@@ -1,0 +1,80 @@
+//! By how much a mesh turns across its edges.
+//!
+//! The normal of a needle or a cap that is narrower than the samples can tell is not to be trusted: rounding turns it. It
+//! is taken from the triangle across its longest side. Strips as narrow as that become one edge.
+//!
+//! Cost: linear in the triangles.
+
+use crate::base::math;
+use crate::mesh::half_edge::next;
+use crate::mesh::topology::NONE;
+use crate::mesh::triangle_mesh::Mesh;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Height of a triangle, in lengths of its longest side and in spacings, below which its normal is not trusted.
+const NARROW: f64 = 0.05;
+
+/// Longest chain of narrow triangles that is followed to one that is not.
+const LONGEST_CHAIN: usize = 16;
+
+/// For each triangle a vector along its normal, or along that of the one across its longest side, and so on, if it is so
+/// narrow that its own cannot be trusted. Of two narrow ones whose longest side is the same it is that of both.
+fn trusted_normals(mesh: &Mesh, twin: &[u32], spacing: f64) -> Vec<DVec3> {
+    let longest_side = |t: u32| {
+        let length = |k: &u32| length(mesh, 3 * t + k);
+        let k = (0..3).max_by(|j, k| length(j).total_cmp(&length(k)).then(k.cmp(j))).unwrap_or(0);
+        (3 * t + k, length(&k))
+    };
+    let is_narrow = |t: u32| {
+        let (_, longest) = longest_side(t);
+        mesh.area_vector(t as usize).length() < NARROW * longest * longest.min(spacing)
+    };
+    let normal = |first: u32| {
+        let mut t = first;
+        for _ in 0..LONGEST_CHAIN {
+            let own = mesh.area_vector(t as usize);
+            let across = twin[longest_side(t).0 as usize];
+            if across == NONE || !is_narrow(t) {
+                return own;
+            }
+            let next = across / 3;
+            if longest_side(next).0 == across && is_narrow(next) {
+                return own + mesh.area_vector(next as usize);
+            }
+            t = next;
+        }
+        mesh.area_vector(first as usize)
+    };
+    (0..mesh.triangles.len() as u32).into_par_iter().map(normal).collect()
+}
+
+/// The turn of the surface across each side, in degrees, negative where it is concave; zero at the boundary and next to
+/// triangles without area.
+pub(super) fn turns(mesh: &Mesh, twin: &[u32], spacing: f64) -> Vec<f64> {
+    let normals = trusted_normals(mesh, twin, spacing);
+    let turn = |side: usize| {
+        let across = twin[side];
+        if across == NONE {
+            return 0.0;
+        }
+        let [a, b] = [side, across as usize].map(|s| normals[s / 3]);
+        if a == DVec3::ZERO || b == DVec3::ZERO {
+            return 0.0;
+        }
+        let [from, to] = ends(mesh, side as u32).map(|v| mesh.positions[v as usize]);
+        let axis = a.cross(b);
+        math::atan2(axis.length(), a.dot(b)).to_degrees().copysign(axis.dot(to - from))
+    };
+    (0..twin.len()).into_par_iter().map(turn).collect()
+}
+
+pub(super) fn length(mesh: &Mesh, side: u32) -> f64 {
+    let [a, b] = ends(mesh, side).map(|v| mesh.positions[v as usize]);
+    a.distance(b)
+}
+
+pub(super) fn ends(mesh: &Mesh, side: u32) -> [u32; 2] {
+    let corner = |s: u32| mesh.triangles[s as usize / 3][s as usize % 3];
+    [corner(side), corner(next(side))]
+}
