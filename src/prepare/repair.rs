@@ -6,8 +6,8 @@
 //!    volume, and copies of a triangle are dropped. Triangles without area but with three distinct corners stay: they carry
 //!    connectivity.
 //! 2. Faces are glued in pairs along edges. Where an edge has more than two faces, the pairs that bound a solid wedge
-//!    are glued if the faces alternate in direction around the edge, else the flattest pairs, those of closed patches
-//!    first; a face left over gets a boundary there.
+//!    are glued if as many faces run along the edge as against it, else the flattest pairs, those of closed patches first;
+//!    a face left over gets a boundary there.
 //! 3. Orientation spreads over the glued pairs; each component keeps the orientation that most of its area had. Where the
 //!    surface cannot be oriented (a Möbius strip) it is cut open.
 //! 4. Every fan of glued faces around a vertex becomes a vertex of its own, which takes bow ties apart.
@@ -186,14 +186,32 @@ fn pair_sheets(positions: &[DVec3], triangles: &[[u32; 3]], sheets: &[Side], loo
     let angles: Vec<f64> = sheets.iter().map(angle).collect();
     let mut order: Vec<usize> = (0..sheets.len()).collect();
     order.sort_by(|&a, &b| angles[a].total_cmp(&angles[b]).then(a.cmp(&b)));
-    let n = order.len();
-    let alternating =
-        n.is_multiple_of(2) && (0..n).all(|i| sheets[order[i]].forward != sheets[order[(i + 1) % n]].forward);
-    if alternating {
-        // A face that runs along the axis has its inside at smaller angles: the one before it closes the wedge.
-        return (0..n).filter(|&i| sheets[order[i]].forward).map(|i| (order[i], order[(i + n - 1) % n])).collect();
+    let forward = sheets.iter().filter(|s| s.forward).count();
+    let alternate = (1..order.len()).all(|i| sheets[order[i]].forward != sheets[order[i - 1]].forward);
+    let is_loose = |s: &Side| loose[s.side as usize / 3];
+    let alike = sheets.iter().all(|s| is_loose(s) == is_loose(&sheets[0]));
+    if 2 * forward == sheets.len() && (alternate || alike) {
+        return nested_pairs(&order, sheets);
     }
     flattest_pairs(&angles, sheets, loose)
+}
+
+/// The pairs that bound wedges, one within the other, as brackets do: so no two sheets cross at the edge. A face that runs
+/// along the axis has its inside at smaller angles, so it closes the wedge of one before it. `order` is by angle.
+fn nested_pairs(order: &[usize], sheets: &[Side]) -> Vec<(usize, usize)> {
+    let (mut open, mut closed, mut pairs) = (Vec::new(), vec![false; sheets.len()], Vec::new());
+    for &i in order.iter().chain(order) {
+        if !sheets[i].forward && !closed[i] && !open.contains(&i) {
+            open.push(i);
+        } else if sheets[i].forward
+            && !closed[i]
+            && let Some(first) = open.pop()
+        {
+            (closed[i], closed[first]) = (true, true);
+            pairs.push((i, first));
+        }
+    }
+    pairs
 }
 
 fn flattest_pairs(angles: &[f64], sheets: &[Side], loose: &[bool]) -> Vec<(usize, usize)> {
@@ -453,6 +471,19 @@ mod tests {
         let (mesh, repairs) = repair(&Mesh { positions, triangles });
         assert_eq!(repairs.unorientable_edges, 1);
         assert_eq!(audit(&mesh).components, 1);
+    }
+
+    #[test]
+    fn sheets_at_an_edge_do_not_cross_there() {
+        // Like a plus sign, two of its arms along the edge and two against it.
+        let arms = [DVec3::Y, DVec3::Z, -DVec3::Y, -DVec3::Z];
+        let positions = [DVec3::ZERO, DVec3::X].into_iter().chain(arms).collect();
+        let (mesh, repairs) = repair(&Mesh { positions, triangles: vec![[0, 1, 2], [1, 0, 3], [1, 0, 4], [0, 1, 5]] });
+        assert_eq!((repairs.cut_edges, audit(&mesh).components), (1, 2));
+        for sheet in mesh.triangles.chunks(2) {
+            let [a, b] = [0, 1].map(|t| mesh.positions[*sheet[t].iter().max().unwrap() as usize]);
+            assert_eq!(a.dot(b), 0.0, "neighbouring arms, {:?}", mesh.triangles);
+        }
     }
 
     #[test]
