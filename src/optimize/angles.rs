@@ -48,6 +48,10 @@ const LAST_STEP: f64 = 0.01;
 const LEAST_GAIN: f64 = 0.05;
 const MOST_TRIES: usize = 24;
 
+/// How far a vertex may come from where it was at first, in mean spacings: without that the ends of what is thin draw back,
+/// as rings of few vertices around them have better angles.
+const FARTHEST: f64 = 0.3;
+
 /// Directions that the search tries.
 const DIRECTIONS: usize = 8;
 
@@ -67,6 +71,7 @@ pub(super) fn improve_angles_for(
 ) -> Result<()> {
     // Vertices around which something has changed since their last search.
     let mut hopeful = vec![true; mesh.samples.len()];
+    let first: Vec<DVec3> = mesh.samples.iter().map(|s| s.position).collect();
     for _ in 0..passes {
         check(monitor)?;
         let bad: Vec<u32> = mesh.triangles().filter(|&t| is_bad(mesh, t)).collect();
@@ -86,7 +91,7 @@ pub(super) fn improve_angles_for(
             for v in mesh.connectivity.triangle(h) {
                 if std::mem::take(&mut hopeful[v as usize])
                     && mesh.can_move(v, locked)
-                    && move_if_better(domain, mesh, v, spacing)
+                    && move_if_better(domain, mesh, v, first[v as usize], spacing)
                 {
                     changed = true;
                     mesh.connectivity.ring(v).chain([v]).for_each(|w| hopeful[w as usize] = true);
@@ -197,10 +202,14 @@ fn can_spare_an_edge(mesh: &Manifold, v: u32) -> bool {
     room <= LARGEST * (count - 1.0)
 }
 
-/// Moves `v` to a place where the triangles around it miss the goal by less; whether there was one.
-fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, spacing: f64) -> bool {
+/// Moves `v`, which was at `first` once, to a place where the triangles around it miss the goal by less; whether there was
+/// one.
+fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, first: DVec3, spacing: f64) -> bool {
     let here = mesh.samples[v as usize];
     let spacing = spacing * here.size;
+    let may = |mesh: &Manifold, there: &Sample| {
+        there.position.distance(first) <= FARTHEST * spacing && mesh.move_keeps_facing(v, there, FacingGuard::SOUND)
+    };
     let unbounded = Shortfall { squares: f64::INFINITY, largest: f64::INFINITY };
     let Some(before) = Shortfall::below(unbounded, mesh, v, here.position) else { return false };
     let mut best = (before, here);
@@ -211,7 +220,7 @@ fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, spacing: f64) ->
         }
         let found = places(domain, mesh, v, &best.1, step).into_iter().fold(best, |best, there| {
             Shortfall::below(best.0, mesh, v, there.position)
-                .filter(|_| mesh.move_keeps_facing(v, &there, FacingGuard::SOUND))
+                .filter(|_| may(mesh, &there))
                 .map_or(best, |shortfall| (shortfall, there))
         });
         if found.0.squares.sqrt() < best.0.squares.sqrt() - LEAST_GAIN {
