@@ -2,6 +2,7 @@
 
 pub mod angles;
 pub mod coarse_to_fine;
+pub mod contacts;
 pub mod counts;
 pub mod fit;
 pub mod max_error;

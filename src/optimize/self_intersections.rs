@@ -22,15 +22,13 @@ use crate::base::error::Result;
 use crate::base::math;
 use crate::base::monitor::{Monitor, check};
 use crate::geom::intersection::cross_deeper_than;
-use crate::geom::triangle::{longest_side, mean_ratio};
+use crate::geom::triangle::mean_ratio;
 use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
 use crate::manifold::facing::FacingGuard;
 use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{next, prev};
-use crate::mesh::triangle_mesh::Mesh;
-use crate::spatial::bvh::Bvh;
-use crate::spatial::self_intersections::faces_of;
+use crate::spatial::self_intersections::{Inherited, faces_of};
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -72,7 +70,8 @@ pub fn resolve_self_intersections<'a>(
     if Crossings::new(mesh).pairs.is_empty() {
         return Ok(());
     }
-    take_turns(domain, &Inherited::new(domain, of_domain()), mesh, monitor)
+    let inherited = Inherited::new(of_domain().iter().map(|&t| domain.mesh.corners(t as usize)));
+    take_turns(domain, &inherited, mesh, monitor)
 }
 
 /// A snapshot of the faces of a mesh, and the pairs of them that intersect.
@@ -96,31 +95,6 @@ impl Crossings {
         crossings.pairs.retain(|(t, u)| need_not[t] || need_not[u]);
         crossings
     }
-}
-
-/// The triangles of the input that intersect each other.
-struct Inherited {
-    mesh: Mesh,
-    bvh: Bvh,
-}
-
-impl Inherited {
-    /// Those `triangles` of the domain.
-    fn new(domain: &Domain, triangles: &[u32]) -> Inherited {
-        let mesh = Mesh::soup(triangles.iter().map(|&t| domain.mesh.corners(t as usize)));
-        Inherited { bvh: Bvh::new(&mesh), mesh }
-    }
-
-    /// Whether some of them are within a triangle's length of it.
-    fn is_near(&self, triangle: Corners) -> bool {
-        let length = longest_side(triangle);
-        !self.mesh.triangles.is_empty()
-            && self.bvh.closest_where(&self.mesh, middle(triangle), length * length, |_| true).is_some()
-    }
-}
-
-fn middle(triangle: Corners) -> DVec3 {
-    triangle.iter().sum::<DVec3>() / 3.0
 }
 
 /// Parts sheets and treats single faces in turns, as long as the number of intersecting pairs falls.

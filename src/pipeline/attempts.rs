@@ -21,8 +21,13 @@ const MOST_BY_CHANCE: usize = 60;
 pub(super) struct Score {
     /// Whether it is not of the topology that it should have.
     pub other_topology: bool,
-    /// Triangles that intersect others.
+    /// Triangles that intersect others; of a whole result only where the surface does not.
     pub self_intersections: usize,
+}
+
+impl Score {
+    /// That of what is as it should be.
+    pub(super) const SOUND: Score = Score { other_topology: false, self_intersections: 0 };
 }
 
 /// What an attempt goes by.
@@ -105,7 +110,7 @@ impl Attempts {
 mod tests {
     use super::*;
 
-    const SOUND: Score = Score { other_topology: false, self_intersections: 0 };
+    const SOUND: Score = Score::SOUND;
     const TORN: Score = Score { other_topology: true, self_intersections: 0 };
     const CROSSED: Score = Score { other_topology: false, self_intersections: 8 };
 

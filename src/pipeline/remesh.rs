@@ -7,6 +7,7 @@ use crate::manifold::Manifold;
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::topology::{Topology, topology};
 use crate::mesh::triangle_mesh::Mesh;
+use crate::optimize::contacts::part_contacts;
 use crate::optimize::counts::meet_count;
 use crate::optimize::self_intersections::resolve_self_intersections;
 use crate::pipeline::attempts::{Attempt, Attempts, MOST_RUNS, Score, Step};
@@ -24,7 +25,7 @@ use crate::pipeline::sized::SizedSurface;
 use crate::pipeline::slivers::slivers;
 use crate::pipeline::within::Sewn;
 use crate::quality::bound::{Bounds, hausdorff_bounds};
-use crate::spatial::self_intersections::self_intersections;
+use crate::spatial::self_intersections::{Inherited, self_intersections};
 use crate::spectral::candidates::candidates;
 use crate::spectral::curve_samples::sample_curves;
 use crate::spectral::scan::linear_scan;
@@ -113,7 +114,7 @@ fn remesh_to(
         let triangulation;
         (surface, triangulation) = triangulated(surface, &mut attempts, monitor)?;
         let finished = Finished::new(prepared, &surface, triangulation, attempts.run(), monitor)?;
-        let is_sound = finished.is_sound(&surface);
+        let is_sound = finished.score == Score::SOUND;
         if best.as_ref().is_none_or(|best| finished.score < best.score) {
             best = Some(finished);
         }
@@ -200,6 +201,8 @@ struct Finished {
     mesh: Mesh,
     topology: Topology,
     self_intersections: Vec<u32>,
+    /// Those of them where the surface does not intersect itself.
+    new_self_intersections: Vec<u32>,
     tessellated_patches: usize,
     score: Score,
     run: u64,
@@ -217,6 +220,8 @@ impl Finished {
         arrange(prepared, surface, &mut manifold, monitor)?;
         monitor.stage("resolve self-intersections");
         resolve_self_intersections(&surface.domain, || surface.self_intersections(), &mut manifold, monitor)?;
+        // Files have positions in single precision.
+        part_contacts(&mut manifold, |p| prepared.unit.outwards_point(p).as_vec3().as_dvec3());
         let of_part = manifold.to_mesh();
         let outwards = prepared.unit.outwards(of_part.clone());
         let sewn = surface.within.as_ref().map(|within| within.sew(&outwards, &manifold, &surface.domain));
@@ -224,14 +229,37 @@ impl Finished {
         let topology = topology(mesh.positions.len(), &mesh.triangles);
         let self_intersections = self_intersections(&mesh);
         let other_topology = !has_kind(&topology, &prepared.of_repaired);
-        let score = Score { other_topology, self_intersections: self_intersections.len() };
-        Ok(Finished { manifold, of_part, sewn, mesh, topology, self_intersections, tessellated_patches, score, run })
+        let new_self_intersections = new_among(&self_intersections, &mesh, prepared, surface);
+        let score = Score { other_topology, self_intersections: new_self_intersections.len() };
+        Ok(Finished {
+            manifold,
+            of_part,
+            sewn,
+            mesh,
+            topology,
+            self_intersections,
+            new_self_intersections,
+            tessellated_patches,
+            score,
+            run,
+        })
     }
+}
 
-    /// Whether it is of the wanted topology and intersects itself only if the surface does.
-    fn is_sound(&self, surface: &SizedSurface) -> bool {
-        !self.score.other_topology && (self.self_intersections.is_empty() || self_intersections_of(surface) > 0)
+/// Those `faces` of `mesh`, which intersect others, that are not where the repaired input does.
+fn new_among(faces: &[u32], mesh: &Mesh, prepared: &PreparedInput, surface: &SizedSurface) -> Vec<u32> {
+    if faces.is_empty() {
+        return Vec::new();
     }
+    let SizedSurface { domain, within, .. } = surface;
+    let corners = |&t: &u32| domain.mesh.corners(t as usize).map(|p| prepared.unit.outwards_point(p));
+    let of_domain = surface.self_intersections().iter().map(corners);
+    let of_whole = within.iter().flat_map(|within| {
+        let whole = &within.whole;
+        self_intersections(whole).into_iter().map(|t| whole.corners(t as usize))
+    });
+    let inherited = Inherited::new(of_domain.chain(of_whole));
+    faces.iter().copied().filter(|&t| !inherited.is_near(mesh.corners(t as usize))).collect()
 }
 
 /// How many triangles of the repaired input intersect others.
@@ -303,6 +331,7 @@ fn remeshed(
         tessellated_patches: finished.tessellated_patches,
         self_intersections_of_input: intersects.then(|| self_intersections_of(surface)),
         self_intersections: finished.self_intersections,
+        new_self_intersections: finished.new_self_intersections,
         slivers,
         deviation,
         edges,

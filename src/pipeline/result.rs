@@ -42,6 +42,8 @@ pub struct Remeshed {
     pub tessellated_patches: usize,
     /// Faces of the result that cross or touch another one where they are not joined, in increasing order.
     pub self_intersections: Vec<u32>,
+    /// Those of them that have no intersecting faces of the repaired input within their length, in increasing order.
+    pub new_self_intersections: Vec<u32>,
     /// How many faces of the repaired input do; `None` where the result has none, since then nobody needs to know.
     pub self_intersections_of_input: Option<usize>,
     /// Triangles that were made, with an angle below 1 degree that the sharp edges and boundaries of the input do not force,
@@ -80,15 +82,15 @@ impl Deviation {
 
 impl Remeshed {
     /// Whether the result is what it should be: of the topology of the repaired input, without faces that cross each
-    /// other, unless the input has some, too, without slivers, and as near to the input as was asked for.
+    /// other where those of the input do not, without slivers, and as near to the input as was asked for.
     pub fn verified(&self) -> bool {
         self.is_sound() && self.slivers.is_empty() && self.deviation.is_none_or(|d| d.is_allowed())
     }
 
-    /// Whether the result is of the topology of the repaired input, without faces that cross each other, unless the
-    /// input has some, too.
+    /// Whether the result is of the topology of the repaired input, without faces that cross each other where those of the
+    /// input do not.
     pub fn is_sound(&self) -> bool {
-        self.has_topology() && (self.self_intersections.is_empty() || self.self_intersections_of_input != Some(0))
+        self.has_topology() && self.new_self_intersections.is_empty()
     }
 
     /// Whether the result is an oriented manifold of the repaired input's Euler characteristic, components and
@@ -143,7 +145,7 @@ pub(super) fn notes(result: &Remeshed, cracks: Option<Cracks>, blunted: bool) ->
             result.output.vertices, result.wanted
         ));
     }
-    notes.extend(note_on_self_intersections(result));
+    notes.extend(notes_on_self_intersections(result));
     notes.extend(note_on_slivers(result));
     notes.extend(result.deviation.as_ref().filter(|d| !d.is_allowed()).map(note_on_deviation));
     if !result.has_topology() {
@@ -171,14 +173,22 @@ fn note_on_slivers(result: &Remeshed) -> Option<String> {
 }
 
 /// How many faces intersect others, where the first one is, and whether the input is to blame.
-fn note_on_self_intersections(result: &Remeshed) -> Option<String> {
-    let (first, count) = (*result.self_intersections.first()?, result.self_intersections.len());
-    let place = near(result.mesh.corners(first as usize).into_iter().sum::<DVec3>() / 3.0);
-    let input = match result.self_intersections_of_input {
-        Some(0) | None => "none of the input do; more points there would part them".into(),
-        Some(n) => format!("so do {n} of the input"),
-    };
-    Some(format!("{count} faces intersect others, the first {place}: {input}"))
+fn notes_on_self_intersections(result: &Remeshed) -> Vec<String> {
+    let place = |t: u32| near(result.mesh.corners(t as usize).into_iter().sum::<DVec3>() / 3.0);
+    let (new, all) = (&result.new_self_intersections, &result.self_intersections);
+    let of_input = result.self_intersections_of_input.unwrap_or(0);
+    let of_new = new.first().map(|&t| {
+        let count = new.len();
+        format!(
+            "{count} faces intersect others, the first {}: none of the input do there; more points would part them",
+            place(t)
+        )
+    });
+    let inherited = all.iter().find(|t| new.binary_search(t).is_err()).map(|&t| {
+        let count = all.len() - new.len();
+        format!("{count} faces intersect others, the first {}: so do {of_input} of the input", place(t))
+    });
+    of_new.into_iter().chain(inherited).collect()
 }
 
 /// By how much the error that was asked for is exceeded, and where.

@@ -30,7 +30,7 @@ pub struct Report {
     /// Version of the tool that made the report.
     pub version: String,
     /// Whether the output is an oriented manifold of the repaired input's Euler characteristic, components and boundary
-    /// loops, without self-intersections unless the input has some, without slivers, and within the error asked for; `None` for
+    /// loops, without self-intersections where the input has none, without slivers, and within the error asked for; `None` for
     /// a mesh that was measured only.
     pub verified: Option<bool>,
     /// The input as it was read; for a mesh that was measured only, what it was measured against.
@@ -81,6 +81,9 @@ pub struct Measured {
 pub struct Crossings {
     /// Those of the output, in increasing order, numbered from 0.
     pub faces: Vec<u32>,
+    /// Those of them that have none of the repaired input's within their length: the output's own.
+    #[serde(default)]
+    pub new: Vec<u32>,
     /// How many the repaired input has; `None` where the output has none, and for a mesh that was measured only.
     pub repaired: Option<usize>,
 }
@@ -130,7 +133,11 @@ impl Measured {
 impl Crossings {
     /// Those of a result and of what it was made of.
     pub fn of(remeshed: &Remeshed) -> Crossings {
-        Crossings { faces: remeshed.self_intersections.clone(), repaired: remeshed.self_intersections_of_input }
+        Crossings {
+            faces: remeshed.self_intersections.clone(),
+            new: remeshed.new_self_intersections.clone(),
+            repaired: remeshed.self_intersections_of_input,
+        }
     }
 }
 
@@ -170,7 +177,7 @@ impl Report {
     pub fn of_mesh(mesh: &Mesh, against: Option<&Mesh>) -> Report {
         Report {
             input: against.map(Measured::of),
-            crossings: Crossings { faces: self_intersections(mesh), repaired: None },
+            crossings: Crossings { faces: self_intersections(mesh), ..Crossings::default() },
             distance: against.and_then(|input| distance(mesh, input, REPORT_SAMPLES, 0)),
             ..Report::of_output(Measured::of(mesh))
         }
@@ -247,8 +254,8 @@ pub(super) fn outside<'a>(input: &'a Mesh, repairs: &Repairs) -> Cow<'a, Mesh> {
 }
 
 /// What keeps a result from being an oriented manifold of the wanted Euler characteristic, components and boundary
-/// loops, without crossing faces that the input does not have, without slivers and within the error asked for, a phrase each; empty if it
-/// is one.
+/// loops, without crossing faces where the input has none, without slivers and within the error asked for, a phrase each;
+/// empty if it is one.
 pub fn shortcomings(
     found: &Topology,
     wanted: &Topology,
@@ -256,12 +263,11 @@ pub fn shortcomings(
     slivers: &[u32],
     deviation: Option<&Deviation>,
 ) -> Vec<String> {
-    let new_crossings = if crossings.repaired == Some(0) { crossings.faces.len() } else { 0 };
     let faults = [
         (found.nonmanifold_edges, "edges with more than two faces"),
         (found.nonmanifold_vertices, "vertices with more than one fan"),
         (found.misoriented_edges, "edges between faces of opposite orientation"),
-        (new_crossings, "self-intersecting faces"),
+        (crossings.new.len(), "self-intersecting faces"),
         (slivers.len(), "faces with an angle below 1 degree"),
     ];
     let differences = [
@@ -337,6 +343,7 @@ pub(super) mod tests {
             sharp_curves: 0,
             tessellated_patches: 0,
             self_intersections: vec![],
+            new_self_intersections: vec![],
             self_intersections_of_input: None,
             slivers: vec![],
             edges: Edges::default(),
@@ -420,16 +427,20 @@ pub(super) mod tests {
     fn self_intersections_are_listed() {
         let mesh = crossing();
         let report = Report::of_mesh(&mesh, None);
-        assert_eq!(report.crossings, Crossings { faces: vec![2, 4, 5, 7], repaired: None });
+        assert_eq!(report.crossings, Crossings { faces: vec![2, 4, 5, 7], ..Crossings::default() });
         assert_eq!(report.shortcomings(), [""; 0]);
     }
 
     #[test]
     fn self_intersections_that_the_input_does_not_have_are_a_shortcoming() {
         let wanted = topology(4, &tetrahedron().triangles);
-        let with = |repaired| shortcomings(&wanted, &wanted, &Crossings { faces: vec![3, 5], repaired }, &[], None);
-        assert_eq!(with(Some(0)), ["2 self-intersecting faces"]);
-        assert_eq!((with(Some(7)), with(None)), (vec![], vec![]));
+        let of_new = |new: &[u32]| {
+            let crossings = Crossings { faces: vec![3, 5], new: new.to_vec(), repaired: Some(7) };
+            shortcomings(&wanted, &wanted, &crossings, &[], None)
+        };
+        assert_eq!(of_new(&[3, 5]), ["2 self-intersecting faces"]);
+        assert_eq!(of_new(&[5]), ["1 self-intersecting faces"]);
+        assert_eq!(of_new(&[]), [""; 0]);
     }
 
     #[test]

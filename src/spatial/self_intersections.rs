@@ -10,8 +10,10 @@
 //! Limits: faces that are all in one place (a soup of n copies) are n² pairs; only who asks for pairs keeps them.
 
 use crate::geom::intersection::cross_deeper_than;
+use crate::geom::triangle::longest_side;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
+use glam::DVec3;
 
 /// Depth up to which faces touch, as a share of the diagonal of their mesh: coordinates in single precision are off by up
 /// to a tenth of it.
@@ -39,6 +41,27 @@ pub fn self_intersecting_faces(mesh: &Mesh, bvh: &Bvh) -> Vec<u32> {
     bvh.triangles_that_meet(mesh, |t, u| cross_deeper_than(depth, mesh.corners(t as usize), mesh.corners(u as usize)))
 }
 
+/// The triangles of a surface that intersect others: where they are, a mesh of the surface cannot but intersect itself.
+pub struct Inherited {
+    mesh: Mesh,
+    bvh: Bvh,
+}
+
+impl Inherited {
+    /// Those with these corners.
+    pub fn new(triangles: impl IntoIterator<Item = [DVec3; 3]>) -> Inherited {
+        let mesh = Mesh::soup(triangles.into_iter());
+        Inherited { bvh: Bvh::new(&mesh), mesh }
+    }
+
+    /// Whether some of them are within a triangle's length of it.
+    pub fn is_near(&self, triangle: [DVec3; 3]) -> bool {
+        let (middle, length) = (triangle.iter().sum::<DVec3>() / 3.0, longest_side(triangle));
+        !self.mesh.triangles.is_empty()
+            && self.bvh.closest_where(&self.mesh, middle, length * length, |_| true).is_some()
+    }
+}
+
 /// The faces of some pairs, each once, in increasing order.
 pub fn faces_of(pairs: Vec<(u32, u32)>) -> Vec<u32> {
     let mut faces: Vec<u32> = pairs.into_iter().flat_map(|(t, u)| [t, u]).collect();
@@ -51,7 +74,6 @@ pub fn faces_of(pairs: Vec<(u32, u32)>) -> Vec<u32> {
 mod tests {
     use super::*;
     use crate::base::rng::{Stage, stream, unit};
-    use glam::DVec3;
 
     /// A band of `n` squares around the z axis, of radius 1 at the bottom and `top` at height 1.
     fn band(n: u32, top: f64) -> Mesh {
