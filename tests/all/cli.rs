@@ -142,7 +142,7 @@ fn every_command_has_a_manual_page() {
     let folder = folder();
     let page = run(folder.path(), "man");
     let page = page.went_well();
-    for part in [".TH remesh 1", ".SH SYNOPSIS", "edge\\-length", "reconstruct dense.ply", "Exit status:\n"] {
+    for part in [".TH remesh 1", ".SH SYNOPSIS", "edge\\-length", "scan.ply dense.ply", "Exit status:\n"] {
         assert!(page.contains(part), "no {part} in\n{page}");
     }
     for command in ["sample", "reconstruct", "quality", "completions", "man"] {
