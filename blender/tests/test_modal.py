@@ -94,10 +94,10 @@ def test_esc_ends_a_job_and_leaves_nothing(begun):
     assert begun.operator.modal(begun.context, TICK) == {"RUNNING_MODAL"}
     start = time.monotonic()
     assert begun.operator.modal(begun.context, ESC) == {"CANCELLED"}
-    assert time.monotonic() - start < 0.1
+    assert time.monotonic() - start < 1
     assert begun.kind.running is None and begun.interface.texts[-1] is None and begun.interface.timers == 0
     while not job.is_done:
-        assert time.monotonic() - start < 10
+        assert time.monotonic() - start < 60
         time.sleep(0.05)
     with pytest.raises(Exception, match="^$"):
         job.result()
