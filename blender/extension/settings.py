@@ -75,7 +75,7 @@ class RemeshSettings(bpy.types.PropertyGroup):
 
 
 def options(settings, weights):
-    """The arguments of `spectral_remesh.remesh`. `weights` gives those of a vertex group by its name, or raises a `ValueError`."""
+    """The arguments of `spectral_remesh.remesh`. `weights` gives those of a group by its name, or raises a `ValueError`."""
     chosen = {"seed": settings.seed}
     if settings.density == "POINTS":
         chosen["points"] = settings.points

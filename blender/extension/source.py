@@ -104,7 +104,7 @@ def _read_groups(source, obj):
     for v, vertex in enumerate(obj.data.vertices):
         for entry in vertex.groups:
             weights[entry.group, v] = entry.weight
-    source.of_vertices.update((GROUP + name, row) for name, row in zip(source.groups, weights))
+    source.of_vertices.update((GROUP + name, row) for name, row in zip(source.groups, weights, strict=True))
 
 
 def _read_attributes(source, mesh):

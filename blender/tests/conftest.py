@@ -30,7 +30,7 @@ def scene():
     for kind in (bpy.data.objects, bpy.data.meshes, bpy.data.materials):
         bpy.data.batch_remove(list(kind))
     settings = bpy.context.scene.spectral_remesh
-    for name in settings.bl_rna.properties.keys():
-        if name not in ("rna_type", "name"):
-            settings.property_unset(name)
+    for given in settings.bl_rna.properties:
+        if given.identifier not in ("rna_type", "name"):
+            settings.property_unset(given.identifier)
     return bpy.context.scene
