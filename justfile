@@ -23,6 +23,18 @@ test-pages:
     npm ci --prefix viewer/test
     npm test --prefix viewer/test
 
+# The extension for Blender, and its tests there.
+test-blender:
+    blender/test
+
+# The package for Debian.
+deb:
+    packaging/deb
+
+# The pages as a site.
+site:
+    docs/build
+
 # Everything that must hold before a change is merged.
 ci:
     .ci/run

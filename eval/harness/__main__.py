@@ -4,9 +4,10 @@ import argparse
 import os
 import signal
 import sys
+import tempfile
 import unittest
 
-from . import compare, readme, results
+from . import compare, gallery, readme, results
 from .context import EVAL
 from .experiments import NAMES
 
@@ -35,6 +36,7 @@ def _arguments():
     two.add_argument('after')
     table = commands.add_parser('readme', help='write the tables of README.md and docs/figures.md')
     table.add_argument('file', nargs='?', default=results.LATEST)
+    commands.add_parser('gallery', help='draw the pictures of docs/gallery.md again')
     commands.add_parser('test', help='test the measures and the experiments, against `remesh quality` and MeshLab, too')
     return arguments
 
@@ -76,13 +78,20 @@ def _readme(options):
     return 0
 
 
+def _gallery(_options):
+    with tempfile.TemporaryDirectory() as scratch:
+        for path in gallery.draw(scratch):
+            print('wrote %s' % _short(path))
+    return 0
+
+
 def _test(_options):
     suite = unittest.defaultTestLoader.discover(os.path.join(EVAL, 'tests'), top_level_dir=EVAL)
     return 0 if unittest.TextTestRunner(verbosity=2).run(suite).wasSuccessful() else 1
 
 
 COMMANDS = {'run': _run, 'report': lambda options: _report(options.file), 'compare': _compare, 'readme': _readme,
-            'test': _test}
+            'gallery': _gallery, 'test': _test}
 
 if __name__ == '__main__':
     main()

@@ -141,6 +141,8 @@ class Remeshed(Mesh):
     origin: Origin
     #: For each face that of the input below its centre, of shape (m,); empty for points without faces.
     face_origin: Array
+    #: The two vertices of each edge that lies on a sharp edge of the input, of shape (k, 2).
+    sharp_edges: Array
     #: What was done, and how good the result is; ``None`` with ``report=False``.
     report: Report | None
     #: Why the result is not verified, a phrase each.
@@ -151,6 +153,7 @@ class Remeshed(Mesh):
         self._with(made.attributes, notes + made.notes)
         self.origin = Origin(*made.origin)
         self.face_origin = made.face_origin
+        self.sharp_edges = made.sharp_edges
         self.report = None if made.report is None else Report(*made.report)
         self.shortcomings = made.shortcomings
         if self.report is not None:

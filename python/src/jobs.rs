@@ -31,6 +31,8 @@ pub struct Remeshed {
     origin: (Py<PyAny>, Py<PyAny>, Py<PyAny>),
     /// For each face that of the input below it; empty for points.
     face_origin: Py<PyAny>,
+    /// The ends of each edge on a sharp edge of the input, of shape (edges, 2).
+    sharp_edges: Py<PyAny>,
     report: Option<Told>,
     shortcomings: Vec<String>,
     notes: Vec<String>,
@@ -82,9 +84,10 @@ pub fn remesh(
         notes,
         left_out: _,
         report,
-        edges: _,
+        edges,
         of_points: _,
     } = outcome;
+    let sharp_edges = edges.sharp.iter().flatten().map(|&v| i64::from(v)).collect();
     let face_origin = triangle_origins.into_iter().map(i64::from).collect();
     Ok(Remeshed {
         vertices: of_positions(py, &mesh.positions)?,
@@ -92,6 +95,7 @@ pub fn remesh(
         attributes: Py::new(py, Attributes(Arc::new(attributes)))?,
         origin: arrays_of(py, &origins)?,
         face_origin: PyArray1::<i64>::from_vec(py, face_origin).into_any().unbind(),
+        sharp_edges: matrix_of(py, sharp_edges, 2)?,
         report: report.map(|report| told(&report.to_json(), &report.to_text())),
         shortcomings: worded(&shortcomings),
         notes: worded(&notes),

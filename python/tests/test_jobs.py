@@ -27,9 +27,9 @@ def test_a_torus_stays_one_with_the_vertices_asked_for():
 def test_results_are_the_arrays_of_the_user():
     remeshed = sr.remesh(*torus(), points=300, report=False)
     assert remeshed.report is None
-    for array in (*remeshed, *remeshed.origin, remeshed.face_origin):
+    for array in (*remeshed, *remeshed.origin, remeshed.face_origin, remeshed.sharp_edges):
         assert array.flags.writeable
-        array[0] = 0
+        array[:1] = 0
 
 
 def layouts(array: np.ndarray) -> dict[str, np.ndarray]:
@@ -86,6 +86,17 @@ def test_origins_say_where_vertices_lie_on_the_input():
     centres = remeshed.vertices[remeshed.faces].mean(axis=1)
     below = vertices[faces[remeshed.face_origin]].mean(axis=1)
     assert np.linalg.norm(centres - below, axis=1).max() < 0.3
+
+
+def test_sharp_edges_are_told():
+    cube = [[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+    squares = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
+    remeshed = sr.remesh(cube, squares, points=400)
+    ends = remeshed.vertices[remeshed.sharp_edges]
+    assert np.isclose(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).sum(), 12)
+    # Two coordinates of each end are those of an edge of the cube.
+    assert (np.isin(ends.round(12), (0, 1)).sum(axis=2) >= 2).all()
+    assert sr.remesh(*torus(), points=300).sharp_edges.shape == (0, 2)
 
 
 def test_attributes_keep_their_types():

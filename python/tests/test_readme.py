@@ -1,4 +1,4 @@
-"""The Python of the package's page runs."""
+"""The Python of the pages runs."""
 
 from __future__ import annotations
 
@@ -8,20 +8,19 @@ from pathlib import Path
 
 import pytest
 
-PAGE = Path(__file__).resolve().parents[1] / "README.md"
-BLOCKS = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = {"python/README.md": "remeshed.is_watertight", "docs/python.md": "even.is_watertight"}
 
 
-def test_there_are_examples():
-    assert len(BLOCKS) >= 2
-
-
-def test_the_examples_run_in_their_order(tmp_path, data, monkeypatch):
+@pytest.mark.parametrize(("page", "holds"), PAGES.items())
+def test_the_examples_run_in_their_order(page, holds, tmp_path, data, monkeypatch):
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.DOTALL)
+    assert len(blocks) >= 2
     for package in ("trimesh", "pyvista"):
         pytest.importorskip(package)
     monkeypatch.chdir(tmp_path)
     os.symlink(data, tmp_path / "data")
     names: dict[str, object] = {}
-    for block in BLOCKS:
-        exec(compile(block, str(PAGE), "exec"), names)
-    assert names["remeshed"].is_watertight
+    for block in blocks:
+        exec(compile(block, page, "exec"), names)
+    assert eval(holds, names)

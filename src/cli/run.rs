@@ -21,6 +21,6 @@ pub(super) fn run(job: &Job) -> Result<Status> {
         Job::Sample(job) => with_threads(job.run.threads, || sample_file(job))?.map(|()| Status::Done),
         Job::Reconstruct(job) => with_threads(job.run.threads, || reconstruct_file(job))?.map(|()| Status::Done),
         Job::Measure(job) => with_threads(job.threads, || measure_files(job))?.map(|()| Status::Done),
-        Job::Complete(script) => terminal::print(script).map(|()| Status::Done),
+        Job::Print(text) => terminal::print(text).map(|()| Status::Done),
     }
 }

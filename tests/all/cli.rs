@@ -138,6 +138,21 @@ fn completions_are_printed_for_each_shell() {
 }
 
 #[test]
+fn every_command_has_a_manual_page() {
+    let folder = folder();
+    let page = run(folder.path(), "man");
+    let page = page.went_well();
+    for part in [".TH remesh 1", ".SH SYNOPSIS", "edge\\-length", "scan.ply dense.ply", "Exit status:\n"] {
+        assert!(page.contains(part), "no {part} in\n{page}");
+    }
+    for command in ["sample", "reconstruct", "quality", "completions", "man"] {
+        assert!(page.contains(&format!("remesh\\-{command}(1)")), "{command}");
+        let ran = run(folder.path(), &format!("man {command}"));
+        assert!(ran.went_well().contains(&format!(".TH remesh-{command} 1")), "{command}");
+    }
+}
+
+#[test]
 fn quality_prints_a_table() {
     let ran = run(folder().path(), "quality octahedron.off");
     let text = ran.went_well();

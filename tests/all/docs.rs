@@ -7,13 +7,14 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// README.md, that of python/, and all pages of docs/, relative to the root, in order.
+/// README.md, those of python/ and blender/, and all pages of docs/, relative to the root, in order.
 fn pages() -> Vec<String> {
     let names = root().join("docs").read_dir().unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
-    let mut pages: Vec<String> = names.map(|name| format!("docs/{name}")).collect();
-    pages.extend(
-        ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "python/README.md"].map(String::from),
-    );
+    let mut pages: Vec<String> =
+        names.filter(|name| name.ends_with(".md")).map(|name| format!("docs/{name}")).collect();
+    let others =
+        ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "python/README.md", "blender/README.md"];
+    pages.extend(others.map(String::from));
     pages.sort();
     pages
 }
@@ -62,14 +63,18 @@ mod commands {
     use std::path::Path;
     use std::process::{Command, Stdio};
 
-    const PAGES: [&str; 7] = [
+    const PAGES: [&str; 11] = [
         "README.md",
+        "docs/choosing.md",
         "docs/clouds.md",
+        "docs/comparison.md",
         "docs/exit-status.md",
         "docs/formats.md",
+        "docs/gallery.md",
         "docs/grading.md",
         "docs/options.md",
         "docs/report.md",
+        "docs/scan.md",
     ];
 
     /// Runs the commands of a page in their order, as they stand there, in a folder that has `data/`, too.
@@ -97,6 +102,26 @@ mod commands {
     #[test]
     fn of_the_readme() {
         run("README.md");
+    }
+
+    #[test]
+    fn on_choosing_options() {
+        run("docs/choosing.md");
+    }
+
+    #[test]
+    fn on_other_remeshers() {
+        run("docs/comparison.md");
+    }
+
+    #[test]
+    fn on_the_gallery() {
+        run("docs/gallery.md");
+    }
+
+    #[test]
+    fn on_scans() {
+        run("docs/scan.md");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 //! `Args` and what is flattened into it have the words of the command line, [`Job`] what there is to do. Between them
 //! every field is named, so a flag or an option that is added to one and forgotten in the other does not compile.
 
+mod manual;
 mod quality;
 mod reconstruct;
 mod remesh;
@@ -66,7 +67,8 @@ Exit status:
                             remesh sample <IN> <OUT> <--points N | --edge-length L | --sigma-p S> [OPTIONS]\n       \
                             remesh reconstruct <IN> <OUT> [--resolution R] [--smooth W] [OPTIONS]\n       \
                             remesh quality <MESH>... [--against <INPUT>] [--json] [--report F]\n       \
-                            remesh completions <SHELL>")]
+                            remesh completions <SHELL>\n       \
+                            remesh man [COMMAND]")]
 struct Args {
     #[command(subcommand)]
     command: Option<Command>,
@@ -89,6 +91,11 @@ enum Command {
     Quality(QualityArgs),
     /// Print the completions of a shell, to be sourced by it
     Completions { shell: Shell },
+    /// Print the manual page, or that of a command, in the format of man
+    Man {
+        #[arg(value_parser = manual::COMMANDS)]
+        command: Option<String>,
+    },
 }
 
 /// What there is to do.
@@ -102,8 +109,8 @@ pub enum Job {
     Reconstruct(Reconstructing),
     /// Measure this.
     Measure(Measuring),
-    /// Print these completions.
-    Complete(String),
+    /// Print this.
+    Print(String),
 }
 
 /// What the words of a command line, the program's name first, ask for.
@@ -113,7 +120,8 @@ pub fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Job, Stop> {
         (Some(Command::Sample(args)), _) => args.resolve().map(Job::Sample),
         (Some(Command::Reconstruct(args)), _) => args.resolve().map(Job::Reconstruct),
         (Some(Command::Quality(args)), _) => Ok(Job::Measure(args.resolve())),
-        (Some(Command::Completions { shell }), _) => Ok(Job::Complete(completions(shell))),
+        (Some(Command::Completions { shell }), _) => Ok(Job::Print(completions(shell))),
+        (Some(Command::Man { command }), _) => Ok(Job::Print(manual::page(Args::command(), command.as_deref()))),
         (None, Some(files)) => remesh.resolve(files).map(|job| Job::Remesh(Box::new(job))),
         (None, None) => Err(wrong("the input and the output file are missing")),
     }
@@ -272,6 +280,7 @@ mod tests {
             "remesh a b --points 9 --select =1",
             "remesh quality",
             "remesh completions klingon",
+            "remesh man help",
         ] {
             let said = complaint(line);
             assert!(!said.contains('\n') && said.ends_with("; see remesh --help"), "{line}: {said}");
@@ -288,9 +297,8 @@ mod tests {
         let meshes = vec![file("a"), file("b")];
         let job = Measuring { meshes, against: None, json: false, report: Some("r.html".into()), threads: None };
         assert_eq!(parsed("remesh quality a b --report r.html"), Ok(Job::Measure(job)));
-        assert!(
-            matches!(parsed("remesh completions bash"), Ok(Job::Complete(script)) if script.contains("edge-length"))
-        );
+        assert!(matches!(parsed("remesh completions bash"), Ok(Job::Print(script)) if script.contains("edge-length")));
+        assert!(matches!(parsed("remesh man quality"), Ok(Job::Print(page)) if page.contains("against")));
         assert!(
             matches!(parsed("remesh --version"), Err(Stop::Shown(text)) if text.contains(env!("CARGO_PKG_VERSION")))
         );

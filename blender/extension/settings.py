@@ -1,0 +1,95 @@
+"""What a user can set, and what the library is asked for then."""
+
+import bpy
+import numpy as np
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+
+# A vertex is in the mask from this weight on.
+IN_MASK = 0.5
+
+
+class RemeshSettings(bpy.types.PropertyGroup):
+    density: EnumProperty(
+        name="Density",
+        items=[
+            ("POINTS", "Vertices", "Exactly so many vertices"),
+            ("LENGTH", "Edge Length", "Edges of this mean length"),
+        ],
+    )
+    points: IntProperty(
+        name="Vertices",
+        description="Number of vertices of the result; with a mask, of those strictly inside of it",
+        default=5000,
+        min=4,
+        soft_max=1_000_000,
+    )
+    edge_length: FloatProperty(
+        name="Edge Length",
+        description="Mean edge length of the result, in the units of the scene",
+        default=0.1,
+        min=1e-6,
+        unit="LENGTH",
+    )
+    grading: EnumProperty(
+        name="Lengths",
+        items=[
+            ("EVEN", "Even", "The same length everywhere"),
+            ("SHAPE", "By Shape", "Shorter where the surface bends or is thin"),
+            ("GROUP", "By Vertex Group", "Shorter where vertices have weight"),
+        ],
+    )
+    adapt: FloatProperty(
+        name="Adapt",
+        description="How much lengths follow the shape: 0 is even",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+    )
+    sizing_group: StringProperty(name="Group", description="Vertices with weight in it get shorter edges")
+    finer: FloatProperty(
+        name="Times Finer",
+        description="How many times shorter edges are at weight 1 than at weight 0",
+        default=3.0,
+        min=1.0,
+        soft_max=10.0,
+        max=100.0,
+    )
+    features: EnumProperty(
+        name="Sharp Edges",
+        items=[
+            ("AUTO", "Automatic", "The surface decides: edges of parts stay sharp, scans get no false ones"),
+            ("ANGLE", "By Angle", "Edges across which the surface turns by at least this angle"),
+            ("NONE", "None", "No edge stays sharp"),
+        ],
+    )
+    angle: FloatProperty(name="Angle", default=np.radians(30), min=np.radians(1), max=np.pi, subtype="ANGLE")
+    mask_group: StringProperty(
+        name="Mask",
+        description=f"Remesh only triangles all of whose vertices have a weight of at least {IN_MASK} in this vertex group",
+    )
+    seed: IntProperty(name="Seed", description="Seed of the random numbers", min=0)
+    hide_original: BoolProperty(
+        name="Hide Original", description="Hide the remeshed object from view, and show the result", default=True
+    )
+
+
+def options(settings, weights):
+    """The arguments of `spectral_remesh.remesh`. `weights` gives those of a group by its name, or raises a `ValueError`."""
+    chosen = {"seed": settings.seed}
+    if settings.density == "POINTS":
+        chosen["points"] = settings.points
+    else:
+        chosen["edge_length"] = settings.edge_length
+    if settings.grading == "SHAPE":
+        chosen["adapt"] = settings.adapt
+    elif settings.grading == "GROUP":
+        # One factor scales them to the density.
+        chosen["sizing"] = settings.finer ** -weights(settings.sizing_group, "Lengths by vertex group")
+    if settings.features == "ANGLE":
+        chosen["features"] = float(np.degrees(settings.angle))
+    elif settings.features == "NONE":
+        chosen["features"] = "none"
+    if settings.mask_group:
+        chosen["select"] = weights(settings.mask_group, "Mask") >= IN_MASK
+    return chosen

@@ -1,0 +1,142 @@
+"""An object of Blender as arrays."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import spectral_remesh
+
+# For each type of attributes that is carried: the member with the numbers, how many there are, and their type. Of floats the
+# mean is taken, of whole numbers the nearest.
+KINDS = {
+    "FLOAT": ("value", 1, np.float32),
+    "INT": ("value", 1, np.int32),
+    "INT8": ("value", 1, np.int32),
+    "BOOLEAN": ("value", 1, bool),
+    "FLOAT2": ("vector", 2, np.float32),
+    "FLOAT_VECTOR": ("vector", 3, np.float32),
+    "FLOAT_COLOR": ("color", 4, np.float32),
+    "BYTE_COLOR": ("color", 4, np.float32),
+    "QUATERNION": ("value", 4, np.float32),
+}
+
+# Before the names of arrays, since groups and attributes may have the same ones, and some names mean something to the library.
+GROUP, ATTRIBUTE = "group:", "attribute:"
+
+
+@dataclass
+class Source:
+    """What is remeshed, apart from Blender, which may go on changing it."""
+
+    #: Positions of vertices, in the units of the scene, axis by axis `scale` times those of the mesh.
+    vertices: np.ndarray
+    scale: np.ndarray
+    triangles: np.ndarray
+    polygon_of_triangle: np.ndarray
+    #: Coordinates of the corners of triangles in the UV map that is rendered, and its name.
+    uv: np.ndarray | None = None
+    uv_name: str = ""
+    #: Numbers of vertices, with the prefixes above.
+    of_vertices: dict = field(default_factory=dict)
+    #: Numbers of polygons by the names of attributes, with their types: materials, flat shading.
+    of_polygons: dict = field(default_factory=dict)
+    #: The types of attributes of vertices by their names.
+    kinds: dict = field(default_factory=dict)
+    #: The names of vertex groups, in their order.
+    groups: list = field(default_factory=list)
+    #: What does not get through.
+    left_out: list = field(default_factory=list)
+
+    def weights(self, group, setting):
+        """The weights of a group that a setting names."""
+        if group not in self.groups:
+            raise ValueError(f"{setting}: the object has no vertex group '{group}'; choose one")
+        return self.of_vertices[GROUP + group].astype(np.float64)
+
+    def as_mesh(self):
+        """The same as the library has it."""
+        return spectral_remesh.Mesh(self.vertices, self.triangles, attributes=self.of_vertices, texture=self.uv)
+
+
+def read(obj):
+    """The mesh of an object before its modifiers, or a `ValueError` that says what is wrong with it."""
+    mesh = obj.data
+    if not mesh.polygons:
+        raise ValueError(f"{obj.name} has no faces; a surface is needed")
+    scale = np.abs(obj.matrix_world.to_scale())
+    if not (np.isfinite(scale) & (scale > 0)).all():
+        raise ValueError(f"{obj.name} is scaled to nothing along an axis; scale it so that it has a surface")
+    mesh.calc_loop_triangles()
+    triangles = mesh.loop_triangles
+    loops = numbers(triangles, "loops", 3, np.int32)
+    source = Source(
+        vertices=numbers(mesh.vertices, "co", 3, np.float32).astype(np.float64) * scale,
+        scale=scale,
+        triangles=numbers(triangles, "vertices", 3, np.int32),
+        polygon_of_triangle=numbers(triangles, "polygon_index", 1, np.int32),
+    )
+    _read_uv(source, mesh, loops)
+    _read_groups(source, obj)
+    _read_attributes(source, mesh)
+    if mesh.shape_keys:
+        source.left_out.append("shape keys")
+    return source
+
+
+def numbers(collection, member, components, kind):
+    """A member of all items, a row each where it has several components."""
+    values = np.empty(len(collection) * components, dtype=kind)
+    collection.foreach_get(member, values)
+    return values if components == 1 else values.reshape(-1, components)
+
+
+def _read_uv(source, mesh, loops):
+    for layer in mesh.uv_layers:
+        if layer.active_render:
+            source.uv = numbers(layer.uv, "vector", 2, np.float32).astype(np.float64)[loops]
+            source.uv_name = layer.name
+        else:
+            source.left_out.append(f"the UV map {layer.name}, which is not the one rendered")
+
+
+def _read_groups(source, obj):
+    source.groups = [group.name for group in obj.vertex_groups]
+    weights = np.zeros((len(source.groups), len(source.vertices)), dtype=np.float32)
+    for v, vertex in enumerate(obj.data.vertices):
+        for entry in vertex.groups:
+            weights[entry.group, v] = entry.weight
+    source.of_vertices.update((GROUP + name, row) for name, row in zip(source.groups, weights, strict=True))
+
+
+def _read_attributes(source, mesh):
+    maps = {layer.name for layer in mesh.uv_layers}
+    for attribute in mesh.attributes:
+        name = attribute.name
+        # Sharp edges are found anew on the result.
+        if name.startswith(".") or name in maps or name in ("position", "sharp_edge"):
+            continue
+        if attribute.domain == "EDGE" or attribute.data_type not in KINDS:
+            source.left_out.append(f"the attribute {name} ({attribute.domain.lower()}, {attribute.data_type.lower()})")
+            continue
+        values = numbers(attribute.data, *KINDS[attribute.data_type])
+        if attribute.domain == "FACE":
+            source.of_polygons[name] = (attribute.data_type, values)
+            continue
+        if attribute.domain == "CORNER":
+            if values.dtype != np.float32:
+                source.left_out.append(f"the attribute {name} of corners, of which there is no mean")
+                continue
+            values = _means_of_corners(mesh, values)
+        if values.dtype == bool:
+            values = values.astype(np.uint8)
+        source.kinds[name] = attribute.data_type
+        source.of_vertices[ATTRIBUTE + name] = values
+
+
+def _means_of_corners(mesh, values):
+    """For each vertex the mean of the corners there."""
+    vertex = numbers(mesh.loops, "vertex_index", 1, np.int32)
+    rows = values.reshape(len(vertex), -1)
+    columns = [np.bincount(vertex, column, len(mesh.vertices)) for column in rows.T]
+    counts = np.maximum(np.bincount(vertex, minlength=len(mesh.vertices)), 1)
+    means = (np.stack(columns, axis=1) / counts[:, None]).astype(np.float32)
+    return means if values.ndim == 2 else means[:, 0]

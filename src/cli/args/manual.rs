@@ -1,0 +1,44 @@
+//! Manual pages, as man reads them: one of the program and one of each command.
+
+use clap::Command;
+use clap_mangen::Man;
+use clap_mangen::roff::{Roff, roman};
+
+/// The commands, each of which has a page of its own.
+pub(super) const COMMANDS: [&str; 5] = ["completions", "man", "quality", "reconstruct", "sample"];
+
+/// The page of `program`, or of one of its [`COMMANDS`].
+pub(super) fn page(program: Command, command: Option<&str>) -> String {
+    let mut program = program.disable_help_subcommand(true);
+    program.build();
+    let of_command = command.and_then(|name| program.find_subcommand(name)).cloned();
+    let mut described = of_command.unwrap_or(program);
+    let usage = described.render_usage().to_string();
+    // It is set as it stands: lines of examples and of tables are not to be joined.
+    let below = described.get_after_help().map(ToString::to_string);
+    let version = described.get_version().unwrap_or(env!("CARGO_PKG_VERSION")).to_string();
+    let page = Man::new(described).manual("remesh").source(format!("remesh {version}"));
+    let mut roff = Vec::new();
+    // Writing into memory does not fail.
+    let _ = page.render_title(&mut roff);
+    let _ = page.render_name_section(&mut roff);
+    roff.extend(verbatim("SYNOPSIS", usage.trim_start_matches("Usage:").trim()));
+    let _ = page.render_description_section(&mut roff);
+    let _ = page.render_options_section(&mut roff);
+    if command.is_none() {
+        let _ = page.render_subcommands_section(&mut roff);
+    }
+    roff.extend(below.into_iter().flat_map(|text| verbatim("NOTES", &text)));
+    String::from_utf8_lossy(&roff).into_owned()
+}
+
+/// A section whose lines stay lines.
+fn verbatim(heading: &str, text: &str) -> Vec<u8> {
+    let mut section = Roff::default();
+    section.control("SH", [heading]).control("nf", []);
+    for line in text.lines() {
+        section.text([roman(line.trim_start_matches("       "))]);
+    }
+    section.control("fi", []);
+    section.to_roff().into_bytes()
+}
