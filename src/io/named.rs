@@ -32,11 +32,8 @@ pub trait Folder {
 /// with the line, byte or part.
 pub fn read_named(name: &str, bytes: &[u8], format: Option<Format>, folder: &dyn Folder) -> Result<Loaded> {
     let in_file = |error: Error| error.in_file(name);
-    let bytes = if gzip::is_packed(bytes) {
-        Cow::Owned(gzip::unpack(bytes).map_err(in_file)?)
-    } else {
-        Cow::Borrowed(bytes)
-    };
+    let bytes =
+        if gzip::is_packed(bytes) { Cow::Owned(gzip::unpack(bytes).map_err(in_file)?) } else { Cow::Borrowed(bytes) };
     if bytes.is_empty() {
         return Err(refused(name, "the file is empty", "export it again"));
     }

@@ -1,7 +1,7 @@
 //! Files that were dropped on the page together: a mesh, and what it names.
 
-use spectral_remesh::io::{Folder, Format};
 use spectral_remesh::Image;
+use spectral_remesh::io::{Folder, Format};
 use std::path::Path;
 
 /// Files with their names, which have no folders.

@@ -16,8 +16,10 @@ use spectral_remesh::{Error, Setting};
 enum Request {
     /// What there is to choose from.
     Describe,
-    /// Reads and measures the files that follow, of which these are the names.
+    /// Reads the files that follow, of which these are the names.
     Load { names: Vec<String>, form: Form },
+    /// How good what was read is.
+    Measure,
     /// Remeshes what was read.
     Remesh { form: Form },
     /// The result as a file, and those that belong to it.
@@ -43,14 +45,15 @@ enum Answer {
         name: String,
         vertices: usize,
         triangles: usize,
-        /// `None` for points without triangles.
-        content: Option<Shown>,
     },
+    Measured(Shown),
     Remeshed {
         verified: bool,
         vertices: usize,
+        /// What it is proposed to be saved as.
         format: Format,
-        content: Shown,
+        #[serde(flatten)]
+        shown: Shown,
     },
     /// The files that follow, and what of the mesh they have no place for.
     Files {
@@ -104,14 +107,15 @@ fn done(session: &mut Session, request: Request, files: Vec<&[u8]>) -> Result<(A
             let dropped = Dropped(names.iter().map(String::as_str).zip(files).collect());
             session.load(&dropped, form.format)?;
             let (name, mesh) = session.input()?;
-            let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
-            Answer::Loaded { name: name.into(), vertices, triangles, content: session.measured()?.map(Shown::from) }
+            Answer::Loaded { name: name.into(), vertices: mesh.positions.len(), triangles: mesh.triangles.len() }
         }
+        Request::Measure => Answer::Measured(session.measured()?.into()),
         Request::Remesh { form } => {
             session.remesh(&form.resolve()?)?;
             let outcome = session.outcome()?;
             let (verified, vertices) = (outcome.verified(), outcome.mesh.positions.len());
-            Answer::Remeshed { verified, vertices, format: session.proposed_format()?, content: session.content()?.into() }
+            let (format, shown) = (session.proposed_format()?, session.content()?.into());
+            Answer::Remeshed { verified, vertices, format, shown }
         }
         Request::Save { format } => {
             let saved = session.save(format)?;

@@ -44,19 +44,15 @@ impl Session {
         self.input.as_ref().map(|(name, loaded)| (name.as_str(), loaded)).ok_or_else(|| missing("no mesh yet"))
     }
 
-    /// How good the input is; `None` for points.
-    pub fn measured(&self) -> Result<Option<Content>, Error> {
+    /// How good the input is.
+    pub fn measured(&self) -> Result<Content, Error> {
         let (name, loaded) = self.read()?;
-        let input = Input::from(loaded);
-        if input.is_cloud() {
-            return Ok(None);
-        }
         Page.stage("measure");
-        let mut report = quality(&input, None).map_err(|e| e.in_file(name))?;
+        let mut report = quality(&Input::from(loaded), None).map_err(|e| e.in_file(name))?;
         report.add_files("", name);
         report.run.notes.splice(0..0, loaded.notes.clone());
         in_words(&mut report);
-        Ok(Some(content(None, &[Subject { report: &report, mesh: &loaded.mesh, edges: None }])))
+        Ok(content(None, &[Subject { report: &report, mesh: &loaded.mesh, edges: None }]))
     }
 
     /// Remeshes what was read.
