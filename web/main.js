@@ -117,7 +117,8 @@ function finish(job, { verified, vertices, format, ...shown }, seconds) {
   byId("save-format").value = format;
   byId("lost").textContent = "";
   byId("save").hidden = false;
-  end(`${verified ? "Verified" : "Not verified"}: ${vertices} vertices in ${seconds.toFixed(1)} s.`);
+  const advice = verified ? "" : " Try another seed, or more vertices.";
+  end(`${verified ? "Verified" : "Not verified"}: ${vertices} vertices in ${seconds.toFixed(1)} s.${advice}`);
   document.documentElement.dataset.page = "done";
 }
 

@@ -25,6 +25,7 @@ thread_local! {
 /// Where a request of so many bytes shall be written.
 #[unsafe(no_mangle)]
 pub extern "C" fn make_room(length: usize) -> *mut u8 {
+    page::tell_panics();
     REQUEST.with_borrow_mut(|request| {
         *request = vec![0; length];
         request.as_mut_ptr()
@@ -34,7 +35,6 @@ pub extern "C" fn make_room(length: usize) -> *mut u8 {
 /// Does what the request says; where the answer begins.
 #[unsafe(no_mangle)]
 pub extern "C" fn answer() -> *const u8 {
-    page::tell_panics();
     let answer = SESSION.with_borrow_mut(|session| request::answer(session, &REQUEST.take()));
     ANSWER.with_borrow_mut(|last| {
         *last = answer;
