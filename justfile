@@ -23,6 +23,13 @@ test-pages:
     npm ci --prefix viewer/test
     npm test --prefix viewer/test
 
+# The page that remeshes, into target/web, and its tests.
+page:
+    cargo build --release
+    web/build
+    npm ci --prefix viewer/test
+    npm run test-web --prefix viewer/test
+
 # Everything that must hold before a change is merged.
 ci:
     .ci/run

@@ -63,9 +63,10 @@ async function run({ isNew }) {
   if (isNew) forget();
   begin();
   try {
-    const { name, vertices, triangles } = await job.ask({ load: { names: files.map((file) => file.name), form } }, files);
+    const load = { names: files.map((file) => file.name), form };
+    const { name, vertices, triangles, is_shown } = await job.ask({ load }, files);
     named(name, `${vertices} vertices, ${triangles ? `${triangles} triangles` : "no triangles"}`);
-    if (isNew && triangles) show(await job.ask("measure"));
+    if (isNew && is_shown) show(await job.ask("measure"));
     const from = performance.now();
     const result = await job.ask({ remesh: { form } });
     finish(job, result, (performance.now() - from) / 1000);

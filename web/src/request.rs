@@ -7,7 +7,7 @@ use crate::session::Session;
 use crate::words::{label, worded};
 use serde::{Deserialize, Serialize};
 use spectral_remesh::io::Format;
-use spectral_remesh::report::page::Content;
+use spectral_remesh::report::page::{Content, MOST_IN_VIEWER};
 use spectral_remesh::stages::pipeline::SMOOTHING_SUPPORT;
 use spectral_remesh::{Error, Setting};
 
@@ -45,6 +45,8 @@ enum Answer {
         name: String,
         vertices: usize,
         triangles: usize,
+        /// Whether it is worth to be looked at before it is remeshed: drawing pictures of a large one takes as long as that.
+        is_shown: bool,
     },
     Measured(Shown),
     Remeshed {
@@ -107,7 +109,9 @@ fn done(session: &mut Session, request: Request, files: Vec<&[u8]>) -> Result<(A
             let dropped = Dropped(names.iter().map(String::as_str).zip(files).collect());
             session.load(&dropped, form.format)?;
             let (name, mesh) = session.input()?;
-            Answer::Loaded { name: name.into(), vertices: mesh.positions.len(), triangles: mesh.triangles.len() }
+            let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
+            let is_shown = (1..=MOST_IN_VIEWER).contains(&triangles);
+            Answer::Loaded { name: name.into(), vertices, triangles, is_shown }
         }
         Request::Measure => Answer::Measured(session.measured()?.into()),
         Request::Remesh { form } => {

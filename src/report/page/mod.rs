@@ -49,7 +49,7 @@ const SCRIPT: [&str; 8] = [
 const BEYOND: f64 = 0.005;
 
 /// Triangles of all meshes together above which a page has pictures and no viewer.
-const MOST_IN_VIEWER: usize = 200_000;
+pub const MOST_IN_VIEWER: usize = 200_000;
 
 /// What a page shows, for documents that have the styles and scripts of `viewer/` already.
 pub struct Content {
