@@ -4,12 +4,15 @@ use spectral_remesh::Image;
 use spectral_remesh::io::{Folder, Format};
 use std::path::Path;
 
-/// Files with their names, which have no folders.
-pub struct Dropped<'a>(pub Vec<(&'a str, &'a [u8])>);
+/// The name and the content of a file.
+pub type File<'a> = (&'a str, &'a [u8]);
+
+/// Files, whose names have no folders.
+pub struct Dropped<'a>(pub Vec<File<'a>>);
 
 impl<'a> Dropped<'a> {
     /// The one that is the mesh: the first with an ending that is read, else the first. The others of that kind.
-    pub fn mesh(&self) -> Option<((&'a str, &'a [u8]), Vec<&'a str>)> {
+    pub fn mesh(&self) -> Option<(File<'a>, Vec<&'a str>)> {
         let mut meshes = self.0.iter().filter(|(name, _)| is_mesh(name));
         let first = meshes.next().or(self.0.first())?;
         Some((*first, meshes.map(|(name, _)| *name).collect()))
