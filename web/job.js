@@ -5,7 +5,8 @@ export class Cancelled extends Error {}
 
 export class Job {
   #worker = new Worker(new URL("worker.js", import.meta.url), { type: "module" });
-  #waiting = null;
+  /** Who waits for the answers, which come in the order of the requests. */
+  #waiting = [];
 
   /** `told` has the functions `stage` and `progress`. */
   constructor(module, told) {
@@ -19,22 +20,20 @@ export class Job {
     this.#worker.postMessage({ module });
   }
 
-  /** Asks the library; one request at a time. */
+  /** Asks the library. */
   ask(request, files = []) {
     return new Promise((resolve, reject) => {
-      this.#waiting = { resolve, reject };
+      this.#waiting.push({ resolve, reject });
       this.#worker.postMessage({ request, files });
     });
   }
 
   end() {
     this.#worker.terminate();
-    this.#settle("reject", new Cancelled());
+    while (this.#waiting.length) this.#settle("reject", new Cancelled());
   }
 
   #settle(how, value) {
-    const waiting = this.#waiting;
-    this.#waiting = null;
-    waiting?.[how](value);
+    this.#waiting.shift()?.[how](value);
   }
 }

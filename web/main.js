@@ -10,8 +10,10 @@ const byId = (id) => document.getElementById(id);
 /** The library, compiled once for all workers. */
 const library = compiled();
 
-/** The files that are worked on, the job that is under way, and the last one that has a result. */
+/** The files that are worked on, and whether nothing was made of them yet; the job that is under way, and the last one that has
+ * a result. */
 let files = [];
+let areNew = false;
 let running = null;
 let finished = null;
 
@@ -39,12 +41,13 @@ async function start() {
   byId("formats").textContent = `Reads ${described.read.map(({ name }) => name).join(", ")}, also packed by gzip.`;
   byId("save-format").append(...described.written.map(({ name, ending }) => new Option(name, ending)));
   listenForFiles((given) => {
-    files = given;
-    run({ isNew: true });
+    [files, areNew] = [given, true];
+    byId("remesh").disabled = false;
+    run();
   });
   byId("form").addEventListener("submit", (event) => {
     event.preventDefault();
-    run({ isNew: false });
+    run();
   });
   byId("cancel").addEventListener("click", () => running?.end());
   byId("save-mesh").addEventListener("click", () => hand({ save: { format: byId("save-format").value } }));
@@ -54,19 +57,21 @@ async function start() {
 }
 
 /** Remeshes the files; new ones are measured and shown first. */
-async function run({ isNew }) {
+async function run() {
   if (!byId("form").reportValidity()) return;
   running?.end();
   const form = readForm();
   const job = new Job(await library, told);
   running = job;
-  if (isNew) forget();
+  const isFirst = areNew;
+  if (isFirst) forget();
+  areNew = false;
   begin();
   try {
     const load = { names: files.map((file) => file.name), form };
     const { name, vertices, triangles, is_shown } = await job.ask({ load }, files);
     named(name, `${vertices} vertices, ${triangles ? `${triangles} triangles` : "no triangles"}`);
-    if (isNew && is_shown) show(await job.ask("measure"));
+    if (isFirst && is_shown) show(await job.ask("measure"));
     const from = performance.now();
     const result = await job.ask({ remesh: { form } });
     finish(job, result, (performance.now() - from) / 1000);
@@ -126,11 +131,13 @@ function finish(job, { verified, vertices, format, ...shown }, seconds) {
 function fail(error) {
   const isCancelled = error instanceof Cancelled;
   end(isCancelled ? "Cancelled." : "");
-  if (!isCancelled) {
-    byId("cause").textContent = cause(error);
-    byId("error").hidden = false;
-  }
+  if (!isCancelled) tell(error);
   document.documentElement.dataset.page = isCancelled ? "cancelled" : "failed";
+}
+
+function tell(error) {
+  byId("cause").textContent = cause(error);
+  byId("error").hidden = false;
 }
 
 /** An error as people are told it. */
@@ -147,13 +154,14 @@ async function hand(request) {
     save(made);
     byId("lost").textContent = made.lost.length ? `Not in the file: ${made.lost.join("; ")}.` : "";
   } catch (error) {
-    if (!(error instanceof Cancelled)) fail(error);
+    if (!(error instanceof Cancelled)) tell(error);
   }
 }
 
 byId("unable").hidden = true;
+// A model that cannot be fetched, say.
+addEventListener("unhandledrejection", ({ reason }) => tell(reason));
 start().catch((error) => {
-  byId("cause").textContent = error.message;
-  byId("error").hidden = false;
+  tell(error);
   document.documentElement.dataset.page = "failed";
 });

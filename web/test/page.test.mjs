@@ -90,6 +90,12 @@ test("a dropped STL is remeshed, shown and saved with the bytes of the program",
     const second = await saved(page, () => page.click("#save-mesh"));
     assert.equal(second.name, "bracket-remeshed.ply");
     assert.ok(ply.equals(second.content));
+    // Two at once come in their order.
+    const both = [];
+    page.on("download", (download) => both.push(download.suggestedFilename()));
+    await page.evaluate(() => ["save-mesh", "save-json"].forEach((id) => document.getElementById(id).click()));
+    while (both.length < 2) await page.waitForTimeout(50);
+    assert.deepEqual(both, ["bracket-remeshed.ply", "bracket-remeshed.json"]);
     const report = await saved(page, () => page.click("#save-page"));
     assert.equal(report.name, "bracket-remeshed.html");
     assert.match(report.content.toString(), /^<!doctype html>/);
@@ -225,6 +231,14 @@ test("a cloud becomes a mesh, and fields tell what they need", async () => {
     await state(page, "done");
     assert.equal(await page.textContent("#counts"), "1600 vertices, no triangles");
     assert.equal(await page.inputValue("#save-format"), "ply");
+    await page.fill("#density", "");
+    await drop(page, [["grid.xyz", [...Array(n * n).keys()].map(point).join("\n")]]);
+    assert.equal(await page.$eval("#density", (field) => field.matches(":focus:invalid")), true);
+    await page.fill("#density", "150");
+    await page.click("#remesh");
+    await state(page, "busy");
+    await state(page, "done");
+    assert.match(await page.textContent("#report h1"), /^grid\.xyz/);
     await page.selectOption("#by", "edge_length");
     await page.click("#remesh");
     assert.equal(await page.$eval("#density", (field) => field.validity.valueMissing), true);
