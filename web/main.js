@@ -71,10 +71,10 @@ async function run() {
     const load = { names: files.map((file) => file.name), form };
     const { name, vertices, triangles, is_shown } = await job.ask({ load }, files);
     named(name, `${vertices} vertices, ${triangles ? `${triangles} triangles` : "no triangles"}`);
-    if (isFirst && is_shown) show(await job.ask("measure"));
-    const from = performance.now();
-    const result = await job.ask({ remesh: { form } });
-    finish(job, result, (performance.now() - from) / 1000);
+    // The worker goes on while the input is drawn.
+    const shown = isFirst && is_shown ? job.ask("measure").then(show) : null;
+    const [result] = await Promise.all([job.ask({ remesh: { form } }), shown]);
+    finish(job, result);
   } catch (error) {
     job.end();
     if (running === job) fail(error);
@@ -116,7 +116,7 @@ function end(said) {
   running = null;
 }
 
-function finish(job, { verified, vertices, format, ...shown }, seconds) {
+function finish(job, { verified, vertices, format, seconds, ...shown }) {
   finished?.end();
   finished = job;
   show(shown);

@@ -27,8 +27,10 @@ onmessage = async ({ data: { module, request, files } }) => {
   try {
     const ask = await library;
     const contents = await Promise.all(files.map(async (file) => new Uint8Array(await file.arrayBuffer())));
+    const from = performance.now();
     const answer = ask(request, contents);
-    postMessage({ answer }, answer.files.map((file) => file.buffer));
+    const seconds = (performance.now() - from) / 1000;
+    postMessage({ answer: { ...answer, seconds } }, answer.files.map((file) => file.buffer));
   } catch (error) {
     postMessage({ error: { name: error.name, message: error.message } });
   }
