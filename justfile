@@ -35,6 +35,13 @@ deb:
 site:
     docs/build
 
+# The page that remeshes, into target/web, and its tests.
+page:
+    cargo build --release
+    web/build
+    npm ci --prefix viewer/test
+    npm run test-web --prefix viewer/test
+
 # Everything that must hold before a change is merged.
 ci:
     .ci/run

@@ -109,7 +109,8 @@ function createViewer(scene, canvases) {
   }
 
   canvases.forEach((canvas) => listen(canvas, { ...camera, reset }));
-  new ResizeObserver(requestDraw).observe(canvases[0]);
+  const observer = new ResizeObserver(requestDraw);
+  observer.observe(canvases[0]);
   draw();
 
   return {
@@ -121,6 +122,12 @@ function createViewer(scene, canvases) {
     lookAt(number) {
       shown.place = scene.places[number];
       camera.lookAt(shown.place);
+    },
+    /** Gives what the graphics card holds back; nothing is drawn any more. */
+    dispose() {
+      observer.disconnect();
+      cancelAnimationFrame(waiting);
+      gl.getExtension("WEBGL_lose_context")?.loseContext();
     },
   };
 }

@@ -1,38 +1,14 @@
-//! Files that other files name: read only from the folder of the file that names them, and the folders in it.
+//! Names of files in files: only of those in the folder of the file that names them, and in the folders there.
 
-use crate::io::disk::{folder_of, read_cause};
 use std::borrow::Cow;
-use std::fs::{self, File};
-use std::io;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Component, PathBuf};
 
-/// The bytes of a buffer that the glTF file at `path` names by a relative address.
-pub(super) fn read_buffer(path: &Path, address: &str) -> std::result::Result<Vec<u8>, String> {
-    match percent_decoded(address) {
-        Some(name) => read_inside(path, &name),
-        None => Err(not_inside(address)),
-    }
-}
-
-/// The bytes of the file `name`, which has to be in the folder of the one at `path` or in a folder there.
-pub(super) fn read_inside(path: &Path, name: &str) -> std::result::Result<Vec<u8>, String> {
-    let relative = inside(name).ok_or_else(|| not_inside(name))?;
-    let name = name.escape_debug();
-    let cannot = |error: io::Error| format!("the file '{name}' cannot be read: {}", read_cause(&error));
-    let found = folder_of(path).join(relative);
-    let file = File::open(&found).map_err(cannot)?;
-    if !file.metadata().map_err(cannot)?.is_file() {
-        return Err(format!("the file '{name}' is not a file"));
-    }
-    fs::read(found).map_err(cannot)
-}
-
-fn not_inside(name: &str) -> String {
+pub(super) fn not_inside(name: &str) -> String {
     format!("the file '{}' is not in the folder of the file that names it", name.escape_debug())
 }
 
 /// The path that a relative name means, if it stays in its folder: no scheme, no root, not out by `..`.
-fn inside(name: &str) -> Option<PathBuf> {
+pub(super) fn inside(name: &str) -> Option<PathBuf> {
     if name.contains(':') || name.contains('\0') {
         return None;
     }
@@ -53,7 +29,7 @@ fn inside(name: &str) -> Option<PathBuf> {
 }
 
 /// `%20` and the like as the characters that they stand for; `None` if these are not UTF-8.
-fn percent_decoded(address: &str) -> Option<Cow<'_, str>> {
+pub(super) fn percent_decoded(address: &str) -> Option<Cow<'_, str>> {
     if !address.contains('%') {
         return Some(address.into());
     }
@@ -96,17 +72,5 @@ mod tests {
             let found = percent_decoded(address).and_then(|name| inside(&name));
             assert_eq!(found, expected.map(PathBuf::from), "{address}");
         }
-    }
-
-    #[test]
-    fn buffers_are_read_beside_the_file() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.gltf");
-        fs::write(folder.path().join("my a.bin"), b"123").unwrap();
-        assert_eq!(read_buffer(&path, "my%20a.bin"), Ok(b"123".to_vec()));
-        assert!(read_buffer(&path, "b.bin").unwrap_err().contains("'b.bin' cannot be read: there is no such file"));
-        assert!(read_buffer(&path, "../b.bin").unwrap_err().contains("not in the folder"));
-        fs::create_dir(folder.path().join("c")).unwrap();
-        assert!(read_buffer(&path, "c").unwrap_err().contains("not a file"));
     }
 }

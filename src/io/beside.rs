@@ -1,63 +1,35 @@
-//! Files beside the file of a mesh: the libraries and images of its materials.
+//! Files beside the file of a mesh on a disk: those that it names, and the library and images that are written with it.
 
 use crate::base::error::Result;
-use crate::io::address::read_inside;
-use crate::io::disk::{folder_of, is_replaced, replace_file};
+use crate::io::companions::{Companions, companions};
+use crate::io::disk::{folder_of, is_replaced, read_cause, replace_file};
 use crate::io::format::Format;
-use crate::io::obj::mtl;
+use crate::io::named::{Folder, with_slashes};
 use crate::mesh::attributes::Attributes;
 use crate::mesh::materials::{Image, Materials, image_type};
 use std::borrow::Cow;
-use std::collections::HashMap;
-use std::fs;
+use std::fs::{self, File};
+use std::io;
 use std::path::{Component, Path, PathBuf};
 
-/// Reads the libraries that the file at `path` names, from its folder and those in it, and finds the images that they
-/// name. Notes say which ones there are not; libraries that cannot be read stay named.
-pub(super) fn read_libraries(path: &Path, materials: &mut Materials, notes: &mut Vec<String>) {
-    for name in std::mem::take(&mut materials.libraries) {
-        match library(path, &name) {
-            Ok(library) => define(path, materials, library, notes),
-            Err(cause) => {
-                notes.push(format!("the library of materials is not read: {cause}"));
-                materials.libraries.push(name);
-            }
+/// What is in the folder of the file at a path, and in the folders there.
+pub(super) struct Beside<'a>(pub &'a Path);
+
+impl Folder for Beside<'_> {
+    fn read(&self, name: &Path) -> std::result::Result<Vec<u8>, String> {
+        let cannot = |error: io::Error| format!("cannot be read: {}", read_cause(&error));
+        let found = folder_of(self.0).join(name);
+        let file = File::open(&found).map_err(cannot)?;
+        if !file.metadata().map_err(cannot)?.is_file() {
+            return Err("is not a file".into());
         }
+        fs::read(found).map_err(cannot)
     }
-}
 
-/// The library `name`, or all those whose names it is.
-fn library(path: &Path, name: &str) -> std::result::Result<mtl::Library, String> {
-    read_inside(path, &with_slashes(name)).map(|bytes| mtl::parse(&bytes))
-}
-
-/// Gives the materials that `library` defines, and that are not defined yet, their looks.
-fn define(path: &Path, materials: &mut Materials, library: mtl::Library, notes: &mut Vec<String>) {
-    let mtl::Library { looks, images, .. } = library;
-    let mut looks: HashMap<String, _> = looks.into_iter().collect();
-    let mut numbers: Vec<Option<u32>> = vec![None; images.len()];
-    let Materials { list, images: all, .. } = materials;
-    for material in list.iter_mut().filter(|material| material.look.is_none()) {
-        let Some(mut look) = looks.remove(&material.name) else { continue };
-        let used = look.statements.iter_mut().filter_map(|s| s.image.as_mut());
-        for image in used.chain(look.textures.iter_mut().map(|t| &mut t.image)) {
-            let name = &images[*image as usize];
-            *image = *numbers[*image as usize].get_or_insert_with(|| {
-                let file = folder_of(path).join(with_slashes(name));
-                if !file.is_file() {
-                    notes.push(format!("the image '{}' does not exist", name.escape_debug()));
-                }
-                all.push(Image::File(file.to_string_lossy().into_owned()));
-                all.len() as u32 - 1
-            });
-        }
-        material.look = Some(look);
+    fn image(&self, name: &str) -> (Image, bool) {
+        let file = folder_of(self.0).join(name);
+        (Image::File(file.to_string_lossy().into_owned()), file.is_file())
     }
-}
-
-/// Some programs write names with the backslashes of their system.
-fn with_slashes(name: &str) -> String {
-    name.replace('\\', "/")
 }
 
 /// The attributes as a file of `format` at `path` has to have them: for OBJ with a library and images beside it, which
@@ -90,16 +62,17 @@ fn embedded(images: &[Image]) -> Vec<Image> {
 /// Writes the library `NAME.mtl` beside `NAME.obj`, and the images that are no files yet; the materials with that library.
 /// What is not a file in a folder, such as standard output, has none.
 fn with_library(path: &Path, materials: &Materials) -> Result<Materials> {
-    let mut materials = materials.clone();
-    let defines = materials.list.iter().any(|material| material.look.is_some());
-    let Some(stem) = stem(path).filter(|_| defines && is_replaced(path)) else { return Ok(materials) };
-    for (i, image) in materials.images.iter_mut().enumerate() {
-        *image = Image::File(beside(path, &format!("{stem}-{i}"), image)?);
+    let Some(stem) = stem(path).filter(|_| is_replaced(path)) else { return Ok(materials.clone()) };
+    let folder = folder_of(path);
+    let seen_from_there = |image: &Image| match image {
+        Image::File(file) => Image::File(relative(folder, Path::new(file))),
+        Image::Bytes(_) => image.clone(),
+    };
+    let images = materials.images.iter().map(seen_from_there).collect();
+    let Companions { materials, files } = companions(&stem, &Materials { images, ..materials.clone() });
+    for (name, bytes) in files {
+        replace_file(&folder.join(name), &mut |out| out.write_all(&bytes))?;
     }
-    mtl::name_apart(&mut materials.list);
-    let library = format!("{stem}.mtl");
-    replace_file(&folder_of(path).join(&library), &mut |out| mtl::write(&materials, out))?;
-    materials.libraries.push(library);
     Ok(materials)
 }
 
@@ -108,18 +81,6 @@ fn stem(path: &Path) -> Option<String> {
     let is_gz = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gz"));
     let name = if is_gz { Path::new(path.file_stem()?) } else { path };
     Some(name.file_stem()?.to_string_lossy().into_owned())
-}
-
-/// The path to an image from the folder of `path`. One that is no file is written there as `name`.
-fn beside(path: &Path, name: &str, image: &Image) -> Result<String> {
-    match image {
-        Image::File(file) => Ok(relative(folder_of(path), Path::new(file))),
-        Image::Bytes(bytes) => {
-            let name = format!("{name}.{}", image_type(bytes).map_or("bin", |(_, ending)| ending));
-            replace_file(&folder_of(path).join(&name), &mut |out| out.write_all(bytes))?;
-            Ok(name)
-        }
-    }
 }
 
 /// The path to `file` from `folder`, with slashes; `file` as it is where there is none, or it does not exist.
@@ -138,4 +99,20 @@ fn relative(folder: &Path, file: &Path) -> String {
 /// The path of a file from the root, through no link but its own.
 fn folder_and_name(file: &Path) -> Option<PathBuf> {
     Some(fs::canonicalize(folder_of(file)).ok()?.join(file.file_name()?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_read_beside_the_one_that_names_them() {
+        let folder = tempfile::tempdir().unwrap();
+        let beside = Beside(&folder.path().join("a.gltf"));
+        fs::write(folder.path().join("a.bin"), b"123").unwrap();
+        fs::create_dir(folder.path().join("c")).unwrap();
+        assert_eq!(beside.read(Path::new("a.bin")), Ok(b"123".to_vec()));
+        assert!(beside.read(Path::new("b.bin")).unwrap_err().contains("cannot be read: there is no such file"));
+        assert!(beside.read(Path::new("c")).unwrap_err().contains("not a file"));
+    }
 }

@@ -1,47 +1,28 @@
-//! Mesh files by name: which format they have, what they are read as, and writing them.
+//! Mesh files on a disk, by their path: reading and writing them.
 
 use crate::base::error::{Error, Place, Result};
-use crate::io::address::read_buffer;
-use crate::io::beside::{prepared, read_libraries};
-use crate::io::content::Resolve;
+use crate::io::beside::{Beside, prepared};
 use crate::io::disk::{file_error, read_error};
-use crate::io::foreign::{self, Foreign};
 use crate::io::format::Format;
 use crate::io::gzip;
-use crate::io::read::{Loaded, parse};
+use crate::io::named::{by_ending, is_gz, read_named};
+use crate::io::read::Loaded;
 use crate::io::write::{write_points, write_with_attributes};
 use crate::mesh::attributes::Attributes;
 use crate::mesh::points::Points;
 use crate::mesh::triangle_mesh::Mesh;
-use std::ffi::OsStr;
 use std::fs::{self, Metadata};
 use std::io::{self, Write};
 use std::path::Path;
 
 pub use crate::io::disk::{check_target, replace_file};
 
-/// Reads the mesh file at `path`. Its format is `format`, else what the ending says, else what the content looks like.
-/// External buffers and images of a glTF file, and libraries of an OBJ, are read from its folder and the folders in it. What gzip packed is unpacked.
+/// Reads the mesh file at `path` by [`read_named`]; files that it names are read from its folder and the folders in it.
 ///
 /// # Errors
-/// [`Error::File`] if there is no such file, it cannot be read, or its format cannot be told or is another one than the
-/// ending says; [`Error::Format`] for wrong content, with the line, byte or part.
+/// [`Error::File`] if there is no such file or it cannot be read; those of [`read_named`].
 pub fn read_file(path: &Path, format: Option<Format>) -> Result<Loaded> {
-    let in_file = |error: Error| error.in_file(&path.display().to_string());
-    let mut bytes = read_bytes(path)?;
-    if gzip::is_packed(&bytes) {
-        bytes = gzip::unpack(&bytes).map_err(in_file)?;
-    }
-    if bytes.is_empty() {
-        return Err(file_error(path, "the file is empty", "export it again"));
-    }
-    let format = input_format(path, &bytes, format)?;
-    let resolve: Resolve = &|address| read_buffer(path, address);
-    let mut loaded = parse(&bytes, format, resolve).map_err(in_file)?;
-    if let Some(materials) = &mut loaded.attributes.materials {
-        read_libraries(path, materials, &mut loaded.notes);
-    }
-    Ok(loaded)
+    read_named(&path.display().to_string(), &read_bytes(path)?, format, &Beside(path))
 }
 
 /// Reads a list of numbers from the JSON file at `path`.
@@ -112,53 +93,6 @@ fn format_among(known: &[Format], content: &str, path: &Path, format: Option<For
         (None, None) => "the name has no ending that says the format".into(),
     };
     Err(file_error(path, cause, format!("use one of {}, or --format", Format::list(known, "."))))
-}
-
-fn by_ending(path: &Path) -> Option<Format> {
-    Format::from_extension(ending(path)?)
-}
-
-/// The ending of a name, before `.gz` if it has that.
-fn ending(path: &Path) -> Option<&str> {
-    match path.extension()? {
-        gz if is_gz(gz) => Path::new(path.file_stem()?).extension()?.to_str(),
-        ending => ending.to_str(),
-    }
-}
-
-fn is_gz(ending: &OsStr) -> bool {
-    ending.eq_ignore_ascii_case(gzip::ENDING)
-}
-
-fn input_format(path: &Path, bytes: &[u8], format: Option<Format>) -> Result<Format> {
-    if let Some(format) = format {
-        return Ok(format);
-    }
-    let by_content = Format::by_signature(bytes);
-    if let (None, Some(foreign)) = (by_content, foreign_kind(path, bytes)) {
-        let Foreign { name, remedy, .. } = foreign;
-        return Err(file_error(path, format!("it is {name}, which is not read"), *remedy));
-    }
-    match (by_ending(path), by_content) {
-        // The two forms of one format are read by one reader.
-        (Some(Format::Gltf | Format::Glb), Some(content @ (Format::Gltf | Format::Glb))) => Ok(content),
-        // What has columns of numbers as a rule may have anything.
-        (Some(Format::Xyz), _) => Ok(Format::sniff(bytes).unwrap_or(Format::Xyz)),
-        (Some(ending), Some(content)) if ending != content => {
-            let cause = format!("the ending says {ending}, but the content is {content}");
-            Err(file_error(path, cause, format!("rename the file or use --format {}", content.extension())))
-        }
-        (Some(ending), _) => Ok(ending),
-        (None, _) => Format::sniff(bytes).ok_or_else(|| {
-            let cause = "neither the ending nor the content says what format it has";
-            file_error(path, cause, format!("use --format with one of {}", Format::list(&Format::ALL, "")))
-        }),
-    }
-}
-
-/// The kind of a file that is not read, by its ending, else by its content: some are archives to look at.
-fn foreign_kind(path: &Path, bytes: &[u8]) -> Option<&'static Foreign> {
-    ending(path).and_then(foreign::by_ending).or_else(|| foreign::by_content(bytes))
 }
 
 fn read_bytes(path: &Path) -> Result<Vec<u8>> {

@@ -4,10 +4,10 @@
 
 use super::bytes::{CUT_SHORT, malformed, most_unpacked, unpacks_to_too_much};
 use crate::base::error::{Place, Result};
-use flate2::Compression;
 use flate2::read::MultiGzDecoder;
-use flate2::write::GzEncoder;
-use std::io::{self, Read, Write};
+use std::io::Read;
+#[cfg(feature = "fs")]
+use std::io::{self, Write};
 
 /// The ending of packed files, behind that of their format.
 pub(super) const ENDING: &str = "gz";
@@ -40,13 +40,14 @@ pub(super) fn unpack(bytes: &[u8]) -> Result<Vec<u8>> {
 ///
 /// # Errors
 /// Those of `fill` and of `out`.
+#[cfg(feature = "fs")]
 pub(super) fn pack(out: &mut dyn Write, fill: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let mut packer = GzEncoder::new(out, Compression::default());
+    let mut packer = flate2::write::GzEncoder::new(out, flate2::Compression::default());
     fill(&mut packer)?;
     packer.finish().map(drop)
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "fs"))]
 mod tests {
     use super::*;
     use crate::io::bytes::samples::fault;

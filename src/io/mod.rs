@@ -1,4 +1,4 @@
-//! Mesh files as bytes: readers and writers of the common formats, one a file. Names of files are in `io::file` only.
+//! Mesh files as bytes: readers and writers of the common formats, one a file. Files of a disk are in `io::file` only.
 //!
 //! ```
 //! use spectral_remesh::io::{self, Format};
@@ -13,13 +13,13 @@
 //! # Ok::<(), spectral_remesh::Error>(())
 //! ```
 
-#[cfg(feature = "fs")]
 mod address;
 pub(crate) mod base64;
 #[cfg(feature = "fs")]
 mod beside;
 mod bytes;
 mod columns;
+mod companions;
 mod content;
 #[cfg(feature = "fs")]
 mod disk;
@@ -27,17 +27,16 @@ mod e57;
 mod faces;
 #[cfg(feature = "fs")]
 pub mod file;
-#[cfg(feature = "fs")]
 mod foreign;
 mod format;
 mod gltf;
 mod gmsh;
 mod grid;
-#[cfg(feature = "fs")]
 mod gzip;
 mod las;
 mod medit;
 mod mixed;
+mod named;
 mod numbers;
 mod obj;
 mod off;
@@ -52,7 +51,9 @@ mod write;
 mod xml;
 mod xyz;
 
+pub use companions::{Companions, companions};
 pub use content::{NO_BUFFERS, Resolve};
 pub use format::Format;
+pub use named::{Folder, read_named};
 pub use read::{Loaded, parse};
 pub use write::{write, write_points, write_with_attributes};

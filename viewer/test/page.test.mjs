@@ -1,30 +1,20 @@
 // Opens pages of reports in a browser and looks at what people would see: numbers and pixels, never whole pictures.
-//
-// Needs a browser of the Chromium family, named by CHROMIUM or found in the PATH, and the program: REMESH, or
-// target/release/remesh.
 
 import assert from "node:assert/strict";
-import { execFileSync, spawnSync } from "node:child_process";
+import { spawnSync } from "node:child_process";
 import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
-import { join, resolve } from "node:path";
+import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
-import { chromium } from "playwright-core";
-
-const ROOT = resolve(import.meta.dirname, "../..");
-const REMESH = process.env.REMESH ?? join(ROOT, "target/release/remesh");
-const BROWSER = process.env.CHROMIUM ?? ["chromium", "chromium-browser", "google-chrome"].find(isInstalled);
-const FLAGS = ["no-sandbox", "disable-quic", "no-first-run", "disable-background-networking", "disable-component-update",
-  "disable-sync"];
-const DESKTOP = { viewport: { width: 1280, height: 900 } };
+import { DESKTOP, PHONE, REMESH, apart, brightness, data, launch, pixels, width } from "./browser.mjs";
 
 let folder;
 let browser;
 
 before(async () => {
   folder = mkdtempSync(join(tmpdir(), "remesh-page-"));
-  browser = await chromium.launch({ executablePath: which(BROWSER), args: FLAGS.map((flag) => `--${flag}`) });
+  browser = await launch();
 });
 
 after(async () => {
@@ -32,22 +22,12 @@ after(async () => {
   rmSync(folder, { recursive: true });
 });
 
-function isInstalled(name) {
-  return spawnSync("which", [name]).status === 0;
-}
-
-function which(name) {
-  return name.includes("/") ? name : execFileSync("which", [name], { encoding: "utf8" }).trim();
-}
-
 /** Runs the program on the models of data/, and gives the address of the page. */
 function report(name, words, status = 0) {
   const ran = spawnSync(REMESH, [...words.split(" "), "--report", `${name}.html`], { cwd: folder });
   assert.equal(ran.status, status, String(ran.stderr));
   return pathToFileURL(join(folder, `${name}.html`)).href;
 }
-
-const data = (name) => join(ROOT, "data", name);
 
 /** Opens a page and calls `look` with it. It must neither fail nor ask for anything but itself. */
 async function open(address, options, look) {
@@ -63,24 +43,6 @@ async function open(address, options, look) {
   await page.close();
   assert.deepEqual(faults, []);
 }
-
-/** For each canvas the share of its pixels that are drawn on, and the mean of their red, green and blue. */
-async function pixels(page) {
-  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
-  return page.$$eval(".panel canvas", (canvases) => canvases.map((canvas) => {
-    const all = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
-    const sum = [0, 0, 0];
-    let drawn = 0;
-    for (let i = 0; i < all.length; i += 4) {
-      if (all[i + 3] < 128) continue;
-      drawn += 1;
-      for (let k = 0; k < 3; k++) sum[k] += all[i + k];
-    }
-    return { share: (4 * drawn) / all.length, colour: sum.map((x) => x / drawn) };
-  }));
-}
-
-const apart = (a, b) => Math.hypot(...a.colour.map((x, i) => x - b.colour[i]));
 
 test("before and after are drawn, coloured and turned together", async () => {
   const address = report("bracket", `${data("bracket.stl")} out.obj --points 1500`);
@@ -147,16 +109,12 @@ test("a place that is not verified turns the camera", async () => {
 test("a phone, the dark and paper", async () => {
   report("first", `${data("terrain.ply")} first.ply --points 1000`);
   const address = report("quality", `quality first.ply ${data("terrain.ply")} --against ${data("terrain.ply")}`);
-  const phone = { viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, colorScheme: "dark", hasTouch: true };
-  await open(address, phone, async (page) => {
+  await open(address, PHONE, async (page) => {
     assert.equal((await pixels(page)).length, 3);
     assert.ok((await pixels(page)).every(({ share }) => share > 0.05));
-    const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+    const wide = await width(page);
     assert.ok(wide <= 390, `${wide} pixels wide`);
-    const [paper, ink] = await page.evaluate(() => {
-      const { backgroundColor, color } = getComputedStyle(document.body);
-      return [backgroundColor, color].map((text) => text.match(/\d+/g).slice(0, 3).reduce((a, b) => a + Number(b), 0));
-    });
+    const [paper, ink] = await brightness(page);
     assert.ok(paper < 150 && ink > 600, "light on dark");
     const pdf = await page.pdf({ format: "A4" });
     const pages = pdf.toString("latin1").match(/\/Type\s*\/Page\b/g).length;

@@ -7,7 +7,6 @@
 //!
 //! Cost: one pass; memory for the polygons beside that of the mesh.
 
-#[cfg(feature = "fs")]
 pub(super) mod mtl;
 mod write;
 

@@ -30,15 +30,17 @@ use crate::report::remeshing::{Report, all_to_json};
 use crate::report::rows::significant;
 use crate::report::run::RunSummary;
 
-const TEMPLATE: &str = include_str!("page.html");
+const DOCUMENT: &str = include_str!("page.html");
+const MAIN: &str = include_str!("main.html");
 const STYLE: [&str; 2] = [include_str!("../../../viewer/viewer.css"), include_str!("page.css")];
-const SCRIPT: [&str; 7] = [
+const SCRIPT: [&str; 8] = [
     include_str!("../../../viewer/vectors.js"),
     include_str!("../../../viewer/camera.js"),
     include_str!("../../../viewer/gestures.js"),
     include_str!("../../../viewer/meshes.js"),
     include_str!("../../../viewer/shaders.js"),
     include_str!("../../../viewer/viewer.js"),
+    include_str!("../../../viewer/report.js"),
     include_str!("page.js"),
 ];
 
@@ -47,11 +49,38 @@ const SCRIPT: [&str; 7] = [
 const BEYOND: f64 = 0.005;
 
 /// Triangles of all meshes together above which a page has pictures and no viewer.
-const MOST_IN_VIEWER: usize = 200_000;
+pub const MOST_IN_VIEWER: usize = 200_000;
+
+/// What a page shows, for documents that have the styles and scripts of `viewer/` already.
+pub struct Content {
+    /// What it is about, as HTML.
+    pub title: String,
+    /// The inside of its `main` element.
+    pub main: String,
+    /// What its viewer draws, as JSON; `null` if it has pictures and no viewer.
+    pub scene: String,
+}
 
 /// The page about one remeshing, one mesh or several ones that were measured. `reference` is the input of a remeshing, or what
 /// all meshes were measured against.
 pub fn page(reference: Option<&Mesh>, subjects: &[Subject]) -> String {
+    let Content { title, main, scene } = content(reference, subjects);
+    fill(
+        DOCUMENT,
+        &[
+            ("style", &STYLE.concat()),
+            ("title", &title),
+            ("main", &main),
+            ("version", env!("CARGO_PKG_VERSION")),
+            ("report", &json_in_script(&json(subjects))),
+            ("scene", &json_in_script(&scene)),
+            ("script", &SCRIPT.concat()),
+        ],
+    )
+}
+
+/// What the [`page`] shows.
+pub fn content(reference: Option<&Mesh>, subjects: &[Subject]) -> Content {
     let shown = all(reference, subjects);
     let places = places(&shown);
     let farthest = farthest(&shown);
@@ -59,13 +88,12 @@ pub fn page(reference: Option<&Mesh>, subjects: &[Subject]) -> String {
     let has_viewer = triangles <= MOST_IN_VIEWER;
     let view = FirstView::of(shown.iter().map(|s| s.mesh));
     let scene = has_viewer.then(|| Scene::new(&shown, &places, &view, farthest.unwrap_or(1.0)));
-    let scene = serde_json::to_string(&scene).expect("a scene is plain data");
     let key = sections::key(&shown);
-    fill(
-        TEMPLATE,
+    let title = escape(&sections::title(&shown));
+    let main = fill(
+        MAIN,
         &[
-            ("style", &STYLE.concat()),
-            ("title", &escape(&sections::title(&shown))),
+            ("title", &title),
             ("lede", &sections::lede(&shown)),
             ("verdicts", &sections::verdicts(&shown, &places, has_viewer)),
             ("figures", &sections::figures(&shown)),
@@ -79,12 +107,9 @@ pub fn page(reference: Option<&Mesh>, subjects: &[Subject]) -> String {
             ("histograms", &histogram::histograms(&shown)),
             ("tables", &sections::tables(&shown)),
             ("details", &sections::details(&shown)),
-            ("version", env!("CARGO_PKG_VERSION")),
-            ("report", &json_in_script(&json(subjects))),
-            ("scene", &json_in_script(&scene)),
-            ("script", &SCRIPT.concat()),
         ],
-    )
+    );
+    Content { title, main, scene: serde_json::to_string(&scene).expect("a scene is plain data") }
 }
 
 /// The distance at the end of the ramp, in percent; `None` if no distances are known.

@@ -1,0 +1,44 @@
+//! What the page is told while it waits.
+
+use spectral_remesh::Monitor;
+use std::panic;
+
+#[cfg(target_family = "wasm")]
+#[link(wasm_import_module = "page")]
+// SAFETY: `library.js` has functions of these names and types, which only read the memory that they are shown.
+unsafe extern "C" {
+    safe fn stage(name: *const u8, length: usize);
+    safe fn progress(done: f64);
+    safe fn panicked(message: *const u8, length: usize);
+}
+
+/// Without a page nobody listens.
+#[cfg(not(target_family = "wasm"))]
+mod nobody {
+    pub fn stage(_name: *const u8, _length: usize) {}
+    pub fn progress(_done: f64) {}
+    pub fn panicked(_message: *const u8, _length: usize) {}
+}
+#[cfg(not(target_family = "wasm"))]
+use nobody::{panicked, progress, stage};
+
+/// The page as a monitor. It never asks to stop: it ends the worker.
+pub struct Page;
+
+impl Monitor for Page {
+    fn stage(&self, name: &'static str) {
+        stage(name.as_ptr(), name.len());
+    }
+
+    fn progress(&self, done: f64) {
+        progress(done);
+    }
+}
+
+/// Has the page told what a panic says, before the module is unusable.
+pub fn tell_panics() {
+    panic::set_hook(Box::new(|panic| {
+        let message = panic.to_string();
+        panicked(message.as_ptr(), message.len());
+    }));
+}

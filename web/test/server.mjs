@@ -1,0 +1,26 @@
+// A static web server, as any folder of files gets one.
+
+import { createServer } from "node:http";
+import { readFileSync } from "node:fs";
+import { extname, join } from "node:path";
+
+const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml" };
+
+/** Serves a folder, its files as `change` makes them by name and content; gives its address and a function that ends it. */
+export async function serve(folder, change = (_, content) => content) {
+  const server = createServer((request, response) => {
+    const { pathname } = new URL(request.url, "http://localhost");
+    const path = pathname.endsWith("/") ? `${pathname}index.html` : pathname;
+    try {
+      const content = change(path, readFileSync(join(folder, path)));
+      response.setHeader("content-type", TYPES[extname(path)] ?? "application/octet-stream");
+      response.end(content);
+    } catch {
+      response.writeHead(404).end();
+    }
+  });
+  await new Promise((listening) => server.listen(0, "127.0.0.1", listening));
+  // A test that fails leaves nothing that is waited for.
+  server.unref();
+  return { address: `http://127.0.0.1:${server.address().port}/`, end: () => server.close() };
+}
