@@ -78,7 +78,7 @@ class OBJECT_OT_spectral_remesh(bpy.types.Operator):
         obj = context.object
         try:
             self._source = source.read(obj)
-            chosen = options(context.scene.spectral_remesh, self._source.weights)
+            chosen = options(context.scene.spectral_remesh, self._source)
         except ValueError as error:
             self.report({"ERROR"}, str(error))
             return None

@@ -60,6 +60,7 @@ class RemeshSettings(bpy.types.PropertyGroup):
         items=[
             ("AUTO", "Automatic", "The surface decides: edges of parts stay sharp, scans get no false ones"),
             ("ANGLE", "By Angle", "Edges across which the surface turns by at least this angle"),
+            ("MARKED", "Marked", "Edges that are marked sharp"),
             ("NONE", "None", "No edge stays sharp"),
         ],
     )
@@ -74,8 +75,8 @@ class RemeshSettings(bpy.types.PropertyGroup):
     )
 
 
-def options(settings, weights):
-    """The arguments of `spectral_remesh.remesh`. `weights` gives those of a group by its name, or raises a `ValueError`."""
+def options(settings, source):
+    """The arguments of `spectral_remesh.remesh`, or a `ValueError` for a group that `source` does not have."""
     chosen = {"seed": settings.seed}
     if settings.density == "POINTS":
         chosen["points"] = settings.points
@@ -85,11 +86,13 @@ def options(settings, weights):
         chosen["adapt"] = settings.adapt
     elif settings.grading == "GROUP":
         # One factor scales them to the density.
-        chosen["sizing"] = settings.finer ** -weights(settings.sizing_group, "Lengths by vertex group")
+        chosen["sizing"] = settings.finer ** -source.weights(settings.sizing_group, "Lengths by vertex group")
     if settings.features == "ANGLE":
         chosen["features"] = float(np.degrees(settings.angle))
+    elif settings.features == "MARKED":
+        chosen["features"] = source.sharp_edges
     elif settings.features == "NONE":
         chosen["features"] = "none"
     if settings.mask_group:
-        chosen["select"] = weights(settings.mask_group, "Mask") >= IN_MASK
+        chosen["select"] = source.weights(settings.mask_group, "Mask") >= IN_MASK
     return chosen

@@ -32,6 +32,8 @@ class Source:
     scale: np.ndarray
     triangles: np.ndarray
     polygon_of_triangle: np.ndarray
+    #: The two vertices of each edge that is marked sharp.
+    sharp_edges: np.ndarray
     #: Coordinates of the corners of triangles in the UV map that is rendered, and its name.
     uv: np.ndarray | None = None
     uv_name: str = ""
@@ -73,6 +75,7 @@ def read(obj):
         scale=scale,
         triangles=numbers(triangles, "vertices", 3, np.int32),
         polygon_of_triangle=numbers(triangles, "polygon_index", 1, np.int32),
+        sharp_edges=numbers(mesh.edges, "vertices", 2, np.int32)[numbers(mesh.edges, "use_edge_sharp", 1, bool)],
     )
     _read_uv(source, mesh, loops)
     _read_groups(source, obj)

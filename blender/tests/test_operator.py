@@ -99,6 +99,18 @@ def test_sharp_edges_of_a_part_stay_and_are_marked(data):
     assert numbers(by_angle.data.edges, "use_edge_sharp", 1, bool).sum() > 100
 
 
+def test_edges_marked_sharp_are_kept_and_no_others():
+    bpy.ops.mesh.primitive_cube_add(size=1)
+    cube = bpy.context.object
+    at = places(cube.data)
+    ends = numbers(cube.data.edges, "vertices", 2, np.int32)
+    cube.data.edges.foreach_set("use_edge_sharp", (at[ends][:, :, 2] > 0).all(axis=1))
+    made = remesh(cube, points=600, features="MARKED")
+    sharp = numbers(made.data.edges, "use_edge_sharp", 1, bool)
+    kept = places(made.data)[numbers(made.data.edges, "vertices", 2, np.int32)[sharp]]
+    assert lengths(made)[sharp].sum() == pytest.approx(4, abs=1e-4) and np.allclose(kept[:, :, 2], 0.5)
+
+
 def test_outside_of_a_mask_nothing_changes(data):
     original = imported(data / "blob.obj")
     at = places(original.data)

@@ -89,6 +89,18 @@ def as_marks(values: str | ArrayLike | None) -> str | Array | None:
     return _vector("select", values, "b", "truth values")
 
 
+def as_sharp_edges(values: str | float | ArrayLike | None) -> str | float | Array | None:
+    """The argument ``features``."""
+    if values is None or isinstance(values, str) or np.ndim(values) == 0:
+        return values  # type: ignore[return-value]
+    array = _numbers("features", values, "iu", "numbers of vertices")
+    if array.ndim != 2 or array.shape[1] != 2:
+        raise ArgumentError("features", f"the two vertices of each edge are wanted, of shape (edges, 2), not {array.shape}")
+    if array.size and (array.min() < 0 or array.max() > np.iinfo(np.uint32).max):
+        raise ArgumentError("features", "no vertex has a number below 0 or above 4,294,967,295")
+    return array.astype(np.uint32)
+
+
 def as_box(values: ArrayLike | None) -> list[list[float]] | None:
     """The argument ``within``."""
     if values is None:

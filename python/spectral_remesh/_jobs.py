@@ -9,7 +9,7 @@ from typing import Any, Literal
 from numpy.typing import ArrayLike
 
 from . import _native
-from ._arrays import as_box, as_lengths, as_marks
+from ._arrays import as_box, as_lengths, as_marks, as_sharp_edges
 from ._errors import ArgumentError, NotVerifiedError
 from ._foreign import as_mesh
 from ._mesh import Reconstructed, Remeshed, Report, Sampled
@@ -24,7 +24,7 @@ def remesh(
     edge_length: float | None = None,
     sigma_p: float | None = None,
     sizing: str | ArrayLike | None = None,
-    features: float | Literal["auto", "none"] | None = None,
+    features: float | Literal["auto", "none"] | ArrayLike | None = None,
     adapt: float | None = None,
     sigma_n: float | None = None,
     sigma: Mapping[str, float] | None = None,
@@ -62,8 +62,8 @@ def remesh(
         sigma_p: Kernel width σp of the sampler, in the units of the input.
         sizing: Edge length wanted at each vertex of the input, of shape (n,), in its units, or the name of an attribute.
             Also says how dense, if nothing else does.
-        features: Which edges stay sharp: those across which the input turns by at least so many degrees, or ``"none"``. By
-            default the input decides.
+        features: Which edges stay sharp: those across which the input turns by at least so many degrees, or ``"none"``; or the
+            two vertices of each edge, of shape (edges, 2). By default the input decides.
         adapt: How much edge lengths follow the shape, from 0, even, to 1, short where it bends or is thin.
         sigma_n: Kernel width σn along unit normals: with 0.5 to 1 vertices gather where the surface bends.
         sigma: Kernel widths along attributes of the input, by their names: vertices gather where these change.
@@ -103,7 +103,7 @@ def remesh(
         "edge_length": edge_length,
         "sigma_p": sigma_p,
         "sizing": as_lengths(sizing),
-        "features": features,
+        "features": as_sharp_edges(features),
         "adapt": adapt,
         "sigma_n": sigma_n,
         "sigma": dict(sigma or {}),

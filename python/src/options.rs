@@ -2,7 +2,7 @@
 //! as on the command line, so an argument that is forgotten does not compile.
 
 use crate::errors::{argument, exception};
-use numpy::PyReadonlyArray1;
+use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::conversion::FromPyObjectOwned;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -198,9 +198,23 @@ macro_rules! words {
 
 words! {
     Points(Density) = words::points;
-    SharpEdges(Features) = words::features;
     Bounded(MaxError) = words::max_error;
     Fit(NormalFit) = words::normal_fit;
+}
+
+/// Sharp edges: an array of their ends, or what decides.
+struct SharpEdges(Features);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for SharpEdges {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'a, 'py, PyAny>) -> PyResult<SharpEdges> {
+        let Ok(edges) = value.extract::<PyReadonlyArray2<u32>>() else {
+            return words::features(&value.str()?.to_cow()?).map(SharpEdges).map_err(PyValueError::new_err);
+        };
+        let edges = edges.as_array();
+        Ok(SharpEdges(Features::Edges(edges.rows().into_iter().map(|ends| [ends[0], ends[1]]).collect())))
+    }
 }
 
 /// Lengths at vertices: an array, or the name of an attribute.

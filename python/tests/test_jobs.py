@@ -99,6 +99,19 @@ def test_sharp_edges_are_told():
     assert sr.remesh(*torus(), points=300).sharp_edges.shape == (0, 2)
 
 
+def test_sharp_edges_may_be_given():
+    cube = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)])
+    squares = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
+    top = np.array([[4, 5], [7, 5], [6, 7], [4, 6]])
+    remeshed = sr.remesh(cube, squares, points=600, features=top)
+    ends = remeshed.vertices[remeshed.sharp_edges]
+    assert remeshed.verified and (ends[:, :, 2] == 1).all()
+    assert np.isclose(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).sum(), 4)
+    for wrong in (top + 4, top - 5, top[:, 0], top + 0.5):
+        with pytest.raises(sr.ArgumentError, match="features"):
+            sr.remesh(cube, squares, points=600, features=wrong)
+
+
 def test_attributes_keep_their_types():
     vertices, faces = torus()
     near = vertices[:, 0] > 0

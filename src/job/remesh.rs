@@ -70,6 +70,8 @@ const OF_MESH: [(&str, f64); 12] = [
 pub fn remesh(input: &Input, options: &RemeshOptions, monitor: &dyn Monitor) -> Result<Outcome> {
     options.surface.validate()?;
     input.check()?;
+    let of_triangles = if input.is_cloud() { 0 } else { input.as_mesh().positions.len() };
+    options.surface.features.check(of_triangles)?;
     let plan = if input.is_cloud() { [&OF_POINTS[..], &OF_MESH].concat() } else { OF_MESH.to_vec() };
     let monitor = &Overall::new(monitor, &plan);
     let surface = Surface::new(input, options, monitor)?;

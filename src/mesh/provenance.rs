@@ -7,6 +7,7 @@
 //! Cost: four bytes a vertex and a triangle, forty for each vertex that was inserted.
 
 use crate::mesh::topology::NONE;
+use std::collections::HashSet;
 
 /// A point of the source: the mean of at most three of its vertices, those of a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,6 +20,11 @@ pub struct Blend {
 impl Blend {
     fn of(vertex: u32) -> Blend {
         Blend { vertices: [vertex, NONE, NONE], weights: [1.0, 0.0, 0.0] }
+    }
+
+    /// The vertices of the source that count.
+    fn corners(self) -> impl Iterator<Item = u32> {
+        self.vertices.into_iter().zip(self.weights).filter(|(v, weight)| *v != NONE && *weight > 0.0).map(|(v, _)| v)
     }
 
     /// How much a vertex of the source counts.
@@ -47,6 +53,10 @@ impl Blend {
         let known = self.vertices.iter().zip(self.weights).filter(|(v, _)| **v != NONE);
         known.map(|(&v, weight)| weight * values[v as usize]).sum()
     }
+}
+
+fn in_order([a, b]: [u32; 2]) -> [u32; 2] {
+    [a.min(b), a.max(b)]
 }
 
 /// A point of a triangle.
@@ -144,6 +154,20 @@ impl Provenance {
         (0..self.vertices.len() as u32).map(|v| self.vertex(v).is_some_and(|s| at_place[s as usize])).collect()
     }
 
+    /// For each side of `triangles`, those of the mesh, whether it lies along one of these edges of the source.
+    pub fn sides_along(&self, triangles: &[[u32; 3]], edges: &[[u32; 2]]) -> Vec<bool> {
+        let place = |v: u32| self.representatives[v as usize];
+        let edges: HashSet<[u32; 2]> = edges.iter().map(|ends| in_order(ends.map(place))).collect();
+        // Two points of a triangle lie on an edge of it if they are between no more than two of its corners.
+        let is_along = |ends: [u32; 2]| {
+            let mut corners: Vec<u32> = ends.iter().flat_map(|&v| self.blend(v).corners()).collect();
+            corners.sort_unstable();
+            corners.dedup();
+            <[u32; 2]>::try_from(corners).is_ok_and(|corners| edges.contains(&corners))
+        };
+        triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(is_along).collect()
+    }
+
     /// The point of the source that a point of triangle `t` of the mesh is. `corners` are the vertices of `t`, `weights`
     /// the barycentric coordinates there; `source` are the triangles of the source.
     pub fn origin(&self, t: u32, corners: [u32; 3], weights: [f64; 3], source: &[[u32; 3]]) -> PointOnTriangle {
@@ -181,6 +205,17 @@ mod tests {
     fn a_mark_is_that_of_a_place() {
         let provenance = Provenance::new(vec![0, 1, 1], vec![1, 0], vec![0]);
         assert_eq!(provenance.marks(&[false, false, true]), [true, false]);
+    }
+
+    #[test]
+    fn sides_along_an_edge_are_those_of_its_parts() {
+        // Vertex 3 of the source is at the place of vertex 1; the edge from 0 to 1 is split.
+        let mut provenance = Provenance::new(vec![0, 1, 2, 1], vec![0, 1, 2], vec![0]);
+        provenance.insert_middle([0, 1]);
+        provenance.insert_part(0);
+        let sides = provenance.sides_along(&[[0, 3, 2], [3, 1, 2]], &[[3, 0]]);
+        assert_eq!(sides, [true, false, false, true, false, false]);
+        assert_eq!(provenance.sides_along(&[[0, 3, 2]], &[[2, 1]]), [false; 3]);
     }
 
     #[test]

@@ -183,7 +183,7 @@ fn refined(clean: &mut OrientedManifold, options: &Options, scale: &Scale) -> (V
     let most = 4 * clean.triangles.len() + 16 * scale.wanted;
     let creases = |mesh: &OrientedManifold| {
         let twin = twins(&mesh.triangles);
-        let sharp = sharp_sides(mesh, &twin, options.features, scale.spacing);
+        let sharp = sharp_sides(mesh, &twin, &options.features, scale.spacing);
         (twin, sharp)
     };
     let Some(support) = options.support() else {

@@ -3,7 +3,7 @@
 //! An edge is sharp where the surface turns across it by a threshold or more. Asked for none, the threshold comes from
 //! the mesh: the smallest at which the turns fall apart into two groups. On a part from a CAD system nearly all edges
 //! are either almost flat or clearly sharp. On a scan there are ever fewer edges of ever larger turns and no gap
-//! between; there, none is sharp.
+//! between; there, none is sharp. Or edges are given one by one; those that were split are sharp in all their parts.
 //!
 //! Edges between the facets of what is meant round do not count ([`facets`](crate::surface::facets)).
 //!
@@ -11,21 +11,41 @@
 //!
 //! Cost: linear in the triangles.
 
+use crate::base::error::{Error, Result, Setting};
 use crate::base::union_find::UnionFind;
+use crate::mesh::oriented_manifold::OrientedManifold;
+use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::surface::facets::between_facets;
 use crate::surface::turns::{ends, length, turns};
 
 /// Which edges of the input are kept sharp.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub enum Features {
     /// Decided from the turns of the input's edges.
     #[default]
     Automatic,
     /// Those across which the surface turns by at least so many degrees.
     Degrees(f64),
+    /// These, by their ends.
+    Edges(Vec<[u32; 2]>),
     /// None.
     Smooth,
+}
+
+impl Features {
+    /// Refuses ends that are none of so many vertices.
+    ///
+    /// # Errors
+    /// [`Error::Option`] with the first of them.
+    pub fn check(&self, vertices: usize) -> Result<()> {
+        let Features::Edges(edges) = self else { return Ok(()) };
+        let wrong = edges.iter().find(|ends| ends.iter().any(|&v| v as usize >= vertices));
+        wrong.map_or(Ok(()), |[a, b]| {
+            let cause = format!("no edge joins vertices {a} and {b}: triangles have {vertices}");
+            Err(Error::Option { option: Setting::Features, cause, remedy: "give edges of this mesh".into() })
+        })
+    }
 }
 
 /// Thresholds that are tried, in degrees, the smallest first.
@@ -40,21 +60,37 @@ const SHORTEST: f64 = 3.0;
 
 /// For each side `3 t + k` of the triangles whether it is on a sharp edge. `twin` is as
 /// [`twins`](crate::mesh::topology::twins) says, `spacing` that of the samples, in the units of the mesh.
-pub fn sharp_sides(mesh: &Mesh, twin: &[u32], features: Features, spacing: f64) -> Vec<bool> {
-    let mut turns = turns(mesh, twin, spacing);
-    let threshold = match features {
-        Features::Smooth => None,
-        Features::Degrees(degrees) => Some(degrees),
+pub fn sharp_sides(mesh: &OrientedManifold, twin: &[u32], features: &Features, spacing: f64) -> Vec<bool> {
+    let mut sharp = match features {
+        Features::Smooth => return vec![false; twin.len()],
+        Features::Edges(edges) => along(mesh, twin, edges),
+        Features::Degrees(degrees) => turned(&turns(mesh, twin, spacing), *degrees),
         Features::Automatic => {
-            let facets = between_facets(mesh, twin, &turns, spacing);
-            turns.iter_mut().zip(facets).filter(|(_, is_between)| *is_between).for_each(|(turn, _)| *turn = 0.0);
-            gap(mesh, &turns)
+            let turns = without_facets(mesh, twin, spacing);
+            let Some(threshold) = gap(mesh, &turns) else { return vec![false; twin.len()] };
+            turned(&turns, threshold)
         }
     };
-    let Some(threshold) = threshold else { return vec![false; twin.len()] };
-    let mut sharp: Vec<bool> = turns.iter().map(|&turn| turn.abs() >= threshold).collect();
     drop_scraps(mesh, &mut sharp, SHORTEST * spacing);
     sharp
+}
+
+/// The turn across each side, none across edges between the facets of what is meant round.
+fn without_facets(mesh: &Mesh, twin: &[u32], spacing: f64) -> Vec<f64> {
+    let mut turns = turns(mesh, twin, spacing);
+    let facets = between_facets(mesh, twin, &turns, spacing);
+    turns.iter_mut().zip(facets).filter(|(_, is_between)| *is_between).for_each(|(turn, _)| *turn = 0.0);
+    turns
+}
+
+fn turned(turns: &[f64], threshold: f64) -> Vec<bool> {
+    turns.iter().map(|&turn| turn.abs() >= threshold).collect()
+}
+
+/// The sides along these edges of what the mesh came from. A boundary is a curve without that.
+fn along(mesh: &OrientedManifold, twin: &[u32], edges: &[[u32; 2]]) -> Vec<bool> {
+    let sides = mesh.provenance().sides_along(&mesh.triangles, edges);
+    sides.into_iter().zip(twin).map(|(is_along, &across)| is_along && across != NONE).collect()
 }
 
 /// The smallest threshold that parts the turns in two groups, if there is one.
@@ -114,7 +150,8 @@ mod tests {
     }
 
     fn sharp_edges(mesh: &Mesh, features: Features, spacing: f64) -> usize {
-        let sharp = sharp_sides(mesh, &twins(&mesh.triangles), features, spacing);
+        let manifold = mesh.clone().try_into().unwrap();
+        let sharp = sharp_sides(&manifold, &twins(&mesh.triangles), &features, spacing);
         sharp.iter().filter(|s| **s).count() / 2
     }
 
@@ -135,6 +172,16 @@ mod tests {
     #[test]
     fn all_edges_of_a_prism_are_found_but_not_the_diagonals() {
         assert_eq!(sharp_edges(&prism(6, 1.0), Features::Automatic, 0.1), 18);
+    }
+
+    #[test]
+    fn given_edges_are_sharp_and_no_others() {
+        let rim = (0..8).map(|i| [(i + 1) % 8, i]);
+        // From the middle of a cap to its rim, and two vertices that no edge joins.
+        let others = [[16, 0], [0, 4]];
+        assert_eq!(sharp_edges(&prism(8, 1.0), Features::Edges(rim.chain(others).collect()), 0.1), 9);
+        assert!(Features::Edges(others.to_vec()).check(17).is_ok());
+        assert!(Features::Edges(others.to_vec()).check(16).is_err());
     }
 
     #[test]
