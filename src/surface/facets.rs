@@ -1,17 +1,22 @@
 //! Edges between the facets of a curved surface: a pillar of twenty sides is meant round.
 //!
 //! An edge is one between facets if the surface goes on turning, the same way and about as much, at the next edges on both
-//! sides, straight across from its middle; or if such an edge is on one side, and the curved part ends here. Facets that are
-//! many samples wide are flat at their scale, and a surface that turns by much from one sample to the next is sharp at their
-//! scale: the edges there are none between facets. Nor is one that turns by more than a pillar of nine sides.
+//! sides, straight across from its middle; or if such an edge is on one side, and the curved part ends here. None turns by
+//! more than a pillar of nine sides.
+//!
+//! Facets that are many samples wide are flat at their scale, and a surface that turns by much from one sample to the next is
+//! sharp at their scale. Both is decided for edges that go on straight as a whole, so that none is sharp in parts.
 //!
 //! Cost: a walk over some triangles for each edge that turns.
 
+use crate::base::union_find::UnionFind;
 use crate::mesh::half_edge::{next, prev};
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::surface::turns::ends;
+use crate::surface::turns::{ends, length};
+use glam::DVec3;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// Turns in degrees between which an edge may be one between facets.
 const LEAST: f64 = 5.0;
@@ -20,11 +25,15 @@ const MOST: f64 = 41.0;
 /// Between which multiples of the turn at an edge those at the next ones are.
 const ALIKE: [f64; 2] = [0.45, 2.2];
 
-/// Widest facet, in spacings of the samples.
-const WIDEST: f64 = 4.0;
+/// Largest mean width of the facets along a curve, and widest of all, in spacings of the samples.
+const WIDE: f64 = 4.0;
+const WIDEST: f64 = 8.0;
 
-/// Most that the surface turns by from one sample to the next, in degrees.
-const MOST_PER_SPACING: f64 = 25.0;
+/// Most degrees that the surface turns by from one sample to the next, in the mean along a curve.
+const MOST_PER_SPACING: f64 = 20.0;
+
+/// Cosine between two edges, as seen from their common vertex, below which the one goes on straight from the other.
+const STRAIGHT: f64 = -0.8;
 
 /// The share of an edge's turn up to which others are not noticed on the way across a facet.
 const FLAT: f64 = 0.2;
@@ -36,22 +45,83 @@ const LONGEST_WALK: usize = 64;
 /// where the surface is concave; `twin` is as [`twins`](crate::mesh::topology::twins) says, `spacing` that of the samples.
 pub fn between_facets(mesh: &Mesh, twin: &[u32], turns: &[f64], spacing: f64) -> Vec<bool> {
     let facets = Facets { mesh, twin, turns, spacing };
-    let edges: Vec<(u32, [Option<u32>; 2])> = (0..twin.len() as u32)
-        .into_par_iter()
-        .filter(|&s| s < twin[s as usize] && twin[s as usize] != NONE)
-        .filter(|&s| (LEAST..=MOST).contains(&turns[s as usize].abs()))
-        .map(|s| (s, [s, twin[s as usize]].map(|s| facets.next_alike(s))))
-        .collect();
-    let mark = |marks: &mut [bool], s: u32| {
-        marks[s as usize] = true;
-        marks[twin[s as usize] as usize] = true;
-    };
-    let mut inner = vec![false; twin.len()];
-    edges.iter().filter(|(_, next)| next.iter().all(Option::is_some)).for_each(|&(s, _)| mark(&mut inner, s));
-    let mut result = inner.clone();
-    let ends_there = |next: &[Option<u32>; 2]| next.iter().flatten().any(|&s| inner[s as usize]);
-    edges.iter().filter(|(_, next)| ends_there(next)).for_each(|&(s, _)| mark(&mut result, s));
+    let edges = facets.edges();
+    let mut curves = straight_curves(mesh, &edges);
+    let mut sums: BTreeMap<u32, Sums> = BTreeMap::new();
+    for (i, edge) in (0..).zip(&edges) {
+        let sum = sums.entry(curves.find(i)).or_default();
+        sum.add(length(mesh, edge.side), turns[edge.side as usize].abs(), edge.width());
+    }
+    let mut result = vec![false; twin.len()];
+    for (_, edge) in (0..).zip(&edges).filter(|(i, _)| sums[&curves.find(*i)].is_round(spacing)) {
+        result[edge.side as usize] = true;
+        result[twin[edge.side as usize] as usize] = true;
+    }
     result
+}
+
+/// The edges, by their number, that go on straight from one to the other.
+fn straight_curves(mesh: &Mesh, edges: &[Edge]) -> UnionFind {
+    let mut at: BTreeMap<u32, Vec<(u32, DVec3)>> = BTreeMap::new();
+    for (i, edge) in (0..).zip(edges) {
+        let [a, b] = ends(mesh, edge.side);
+        let way = (mesh.positions[b as usize] - mesh.positions[a as usize]).normalize_or_zero();
+        at.entry(a).or_default().push((i, way));
+        at.entry(b).or_default().push((i, -way));
+    }
+    let mut curves = UnionFind::new(edges.len());
+    for fan in at.values() {
+        for (k, &(i, way)) in fan.iter().enumerate() {
+            for &(j, other) in &fan[..k] {
+                if way.dot(other) < STRAIGHT {
+                    curves.join(i, j);
+                }
+            }
+        }
+    }
+    curves
+}
+
+/// Sums over the edges of a curve, each weighted with its length.
+#[derive(Default)]
+struct Sums {
+    length: f64,
+    turn: f64,
+    width: f64,
+}
+
+impl Sums {
+    fn add(&mut self, length: f64, turn: f64, width: f64) {
+        self.length += length;
+        self.turn += length * turn;
+        self.width += length * width;
+    }
+
+    /// Whether the surface is round there at the scale of samples at this distance.
+    fn is_round(&self, spacing: f64) -> bool {
+        self.width <= WIDE * spacing * self.length && self.turn * spacing <= MOST_PER_SPACING * self.width
+    }
+}
+
+/// A facet beside an edge that turns: the edge across it, which turns alike, and how wide it is.
+#[derive(Clone, Copy)]
+struct Facet {
+    other: u32,
+    width: f64,
+}
+
+/// An edge between facets, by one of its sides, and those on both sides of it that go on turning.
+struct Edge {
+    side: u32,
+    beside: [Option<Facet>; 2],
+}
+
+impl Edge {
+    /// The mean width of its facets.
+    fn width(&self) -> f64 {
+        let widths = || self.beside.iter().flatten().map(|facet| facet.width);
+        widths().sum::<f64>() / widths().count() as f64
+    }
 }
 
 struct Facets<'a> {
@@ -62,17 +132,36 @@ struct Facets<'a> {
 }
 
 impl Facets<'_> {
-    /// The next edge across the facet that `side` bounds, if the surface turns there as at `side`, and not too fast for the
-    /// samples.
-    fn next_alike(&self, side: u32) -> Option<u32> {
-        let (other, width) = self.across(side)?;
-        let [here, there] = [side, other].map(|s| self.turns[s as usize]);
-        let is_alike = (ALIKE[0]..=ALIKE[1]).contains(&(there / here)) && there.abs() <= MOST;
-        (is_alike && here.abs() * self.spacing <= MOST_PER_SPACING * width).then_some(other)
+    /// The edges between facets: those with one that turns alike on both sides, or such an edge on one side.
+    fn edges(&self) -> Vec<Edge> {
+        let Facets { twin, turns, .. } = self;
+        let mut edges: Vec<Edge> = (0..twin.len() as u32)
+            .into_par_iter()
+            .filter(|&side| side < twin[side as usize] && twin[side as usize] != NONE)
+            .filter(|&side| (LEAST..=MOST).contains(&turns[side as usize].abs()))
+            .map(|side| Edge { side, beside: [side, twin[side as usize]].map(|s| self.beside(s)) })
+            .collect();
+        let mut inner = vec![false; twin.len()];
+        for edge in edges.iter().filter(|edge| edge.beside.iter().all(Option::is_some)) {
+            inner[edge.side as usize] = true;
+            inner[twin[edge.side as usize] as usize] = true;
+        }
+        edges.retain(|edge| {
+            inner[edge.side as usize] || edge.beside.iter().flatten().any(|facet| inner[facet.other as usize])
+        });
+        edges
     }
 
-    /// The next side that the surface turns at, straight across the facet that `side` bounds, and how wide that is.
-    fn across(&self, side: u32) -> Option<(u32, f64)> {
+    /// The facet that `side` bounds, if the surface turns at its other end as at `side`.
+    fn beside(&self, side: u32) -> Option<Facet> {
+        let facet = self.across(side)?;
+        let [here, there] = [side, facet.other].map(|s| self.turns[s as usize]);
+        let is_alike = (ALIKE[0]..=ALIKE[1]).contains(&(there / here)) && there.abs() <= MOST;
+        is_alike.then_some(facet)
+    }
+
+    /// The facet that `side` bounds, up to the next side that the surface turns at straight across.
+    fn across(&self, side: u32) -> Option<Facet> {
         let flat = FLAT * self.turns[side as usize].abs();
         let place = |s: u32| self.mesh.positions[ends(self.mesh, s)[0] as usize];
         let normal = |s: u32| self.mesh.area_vector(s as usize / 3).try_normalize();
@@ -91,7 +180,7 @@ impl Facets<'_> {
                 return None;
             }
             if self.turns[exit as usize].abs() > flat {
-                return Some((exit, width));
+                return Some(Facet { other: exit, width });
             }
             at += step;
             entry = self.twin[exit as usize];
