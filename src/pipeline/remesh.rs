@@ -19,16 +19,17 @@ use crate::pipeline::optimization::optimize;
 use crate::pipeline::options::{Grading, Options};
 use crate::pipeline::origins::origins;
 use crate::pipeline::prepared::PreparedInput;
-use crate::pipeline::result::{Deviation, Remeshed, has_kind, note_on_left_out, notes};
+use crate::pipeline::result::{Deviation, Remeshed, has_kind, notes};
 use crate::pipeline::scale::CANDIDATES_PER_POINT;
 use crate::pipeline::sized::SizedSurface;
-use crate::pipeline::slivers::slivers;
+use crate::pipeline::slivers::{slivers, smallest_unforced_angle};
 use crate::pipeline::within::Sewn;
 use crate::quality::bound::{Bounds, hausdorff_bounds};
 use crate::spatial::self_intersections::{Inherited, self_intersections};
 use crate::spectral::candidates::candidates;
 use crate::spectral::curve_samples::sample_curves;
 use crate::spectral::scan::linear_scan;
+use crate::surface::narrow_patches::LeftOut;
 use crate::triangulate::chords::part_chords;
 use crate::triangulate::rims::straighten_rims;
 use crate::triangulate::stitch::{Gluing, glue};
@@ -333,15 +334,15 @@ fn remeshed(
         self_intersections: finished.self_intersections,
         new_self_intersections: finished.new_self_intersections,
         slivers,
+        unforced_theta_min: smallest_unforced_angle(&finished.manifold),
+        left_out: if *blunted { LeftOut::default() } else { left_out.times(unit.size) },
+        blunted: *blunted,
         deviation,
         edges,
         kept,
         notes: Vec::new(),
     };
-    result.notes = notes(&result, prepared.cracks, *blunted);
-    if left_out.patches > 0 && !blunted {
-        result.notes.push(note_on_left_out(left_out, unit.size));
-    }
+    result.notes = notes(&result, prepared.cracks);
     if let (Some(within), Some(kept)) = (within, &result.kept) {
         result.notes.extend(within.notes(&result.mesh, kept));
     }

@@ -49,6 +49,13 @@ pub struct Remeshed {
     /// Triangles that were made, with an angle below 1 degree that the sharp edges and boundaries of the input do not force,
     /// in increasing order.
     pub slivers: Vec<u32>,
+    /// The smallest angle of the triangles that were made, in degrees, but for those that the sharp edges and boundaries of the
+    /// input force by meeting there; `None` if all are such.
+    pub unforced_theta_min: Option<f64>,
+    /// What was left out of the sharp edges, in the units of the input.
+    pub left_out: LeftOut,
+    /// Whether there were more sharp edges than could be kept, so that none was.
+    pub blunted: bool,
     /// How far the result is from the repaired input; `None` if no bound was asked for.
     pub deviation: Option<Deviation>,
     /// Its sharp edges, those that were left out, and the lengths wanted.
@@ -106,18 +113,17 @@ pub(super) fn has_kind(found: &Topology, wanted: &Topology) -> bool {
     found.is_manifold() && found.is_oriented() && kind(found) == kind(wanted)
 }
 
-/// Says what was left out of the sharp edges, with lengths in units of `unit`.
-pub(super) fn note_on_left_out(left_out: &LeftOut, unit: f64) -> String {
-    let LeftOut { patches, deviation } = left_out;
+/// Says what was left out of the sharp edges.
+fn note_on_left_out(LeftOut { patches, deviation }: &LeftOut) -> String {
     format!(
         "{patches} strips and patches are too narrow for so few vertices: each is joined with a neighbour, without the sharp \
          edges between them, which moves the surface by about {:.2e} at most; more points keep more of them",
-        deviation * unit
+        deviation
     )
 }
 
 /// What a user should know about a result.
-pub(super) fn notes(result: &Remeshed, cracks: Option<Cracks>, blunted: bool) -> Vec<String> {
+pub(super) fn notes(result: &Remeshed, cracks: Option<Cracks>) -> Vec<String> {
     let mut notes = Vec::new();
     let r = &result.repairs;
     let mut note = |n: usize, text: &str| {
@@ -136,7 +142,7 @@ pub(super) fn notes(result: &Remeshed, cracks: Option<Cracks>, blunted: bool) ->
         "boundary vertices were welded to others that are not exactly at their place, which closes seams",
     );
     notes.extend(cracks.map(note_on_cracks));
-    if blunted {
+    if result.blunted {
         notes.push("the sharp edges are too close together for so few vertices: none is kept sharp".into());
     }
     if result.output.vertices != result.wanted {
@@ -150,6 +156,9 @@ pub(super) fn notes(result: &Remeshed, cracks: Option<Cracks>, blunted: bool) ->
     notes.extend(result.deviation.as_ref().filter(|d| !d.is_allowed()).map(note_on_deviation));
     if !result.has_topology() {
         notes.push("the result does not have the topology of the input".into());
+    }
+    if result.left_out.patches > 0 {
+        notes.push(note_on_left_out(&result.left_out));
     }
     notes
 }

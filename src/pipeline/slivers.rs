@@ -1,4 +1,5 @@
-//! Slivers of a result: triangles with an angle so small that whoever computes with them fails.
+//! The small angles of a result, but for those that two feature curves force by meeting there; and its slivers, triangles with
+//! an angle so small that whoever computes with them fails.
 
 use crate::geom::triangle::angles;
 use crate::manifold::Manifold;
@@ -10,9 +11,19 @@ pub(super) const SLIVER: f64 = 1.0;
 /// The triangles of `mesh`, by their place among its triangles, with an angle below [`SLIVER`] that no two feature curves
 /// force by meeting there.
 pub(super) fn slivers(mesh: &Manifold) -> Vec<u32> {
-    let is_sliver = |t: u32| {
-        let is_forced = |h: u32| mesh.connectivity.is_curve_edge(h) && mesh.connectivity.is_curve_edge(prev(h));
-        (3 * t..).zip(angles(mesh.corners(t))).any(|(h, angle)| angle < SLIVER && !is_forced(h))
-    };
+    let is_sliver = |t: u32| smallest_unforced_angle_of(mesh, t) < SLIVER;
     (0..).zip(mesh.triangles()).filter(|(_, t)| is_sliver(*t)).map(|(place, _)| place).collect()
+}
+
+/// The smallest angle in degrees that is not forced; `None` if all are.
+pub(super) fn smallest_unforced_angle(mesh: &Manifold) -> Option<f64> {
+    let smallest = mesh.triangles().map(|t| smallest_unforced_angle_of(mesh, t)).fold(f64::INFINITY, f64::min);
+    smallest.is_finite().then_some(smallest)
+}
+
+/// That of triangle `t`; infinite if all of its angles are forced.
+fn smallest_unforced_angle_of(mesh: &Manifold, t: u32) -> f64 {
+    let is_forced = |h: u32| mesh.connectivity.is_curve_edge(h) && mesh.connectivity.is_curve_edge(prev(h));
+    let unforced = (3 * t..).zip(angles(mesh.corners(t))).filter(|(h, _)| !is_forced(*h));
+    unforced.map(|(_, angle)| angle).fold(f64::INFINITY, f64::min)
 }

@@ -52,6 +52,10 @@ pub struct Report {
     /// increasing order, numbered from 0; empty for a mesh that was measured only.
     #[serde(default)]
     pub slivers: Vec<u32>,
+    /// The smallest angle of the output in degrees, but for those that the sharp edges and boundaries of the input force by
+    /// meeting there; `None` for a mesh that was measured only, or if all are such.
+    #[serde(default)]
+    pub unforced_theta_min: Option<f64>,
     /// Distances between output and input, in percent of the diagonal of the input's bounding box.
     pub distance: Option<Distance>,
     /// How far the output is from the repaired input, and may be; `None` if no bound was asked for.
@@ -101,6 +105,15 @@ pub struct Sampling {
     pub spacing_range: [f64; 2],
     /// Sharp edges that were kept, as curves between corners.
     pub sharp_curves: usize,
+    /// Smooth patches that were too narrow and joined with a neighbour, without the sharp edges between them.
+    #[serde(default)]
+    pub left_out_patches: usize,
+    /// About how far the surface moves by that at most, in the units of the input.
+    #[serde(default)]
+    pub left_out_deviation: f64,
+    /// Whether there were more sharp edges than could be kept, so that none was.
+    #[serde(default)]
+    pub blunted: bool,
     /// Smooth patches whose stars contradicted each other and that were tessellated from the input.
     pub tessellated_patches: usize,
     /// Seed of all random numbers.
@@ -153,6 +166,7 @@ impl Report {
             repaired: Some(remeshed.repaired),
             crossings: Crossings::of(remeshed),
             slivers: remeshed.slivers.clone(),
+            unforced_theta_min: remeshed.unforced_theta_min,
             distance: distance(&remeshed.mesh, &outside(input, &remeshed.repairs), REPORT_SAMPLES, seed),
             deviation: remeshed.deviation,
             sampling: Some(Sampling {
@@ -161,6 +175,9 @@ impl Report {
                 spacing,
                 spacing_range,
                 sharp_curves,
+                left_out_patches: remeshed.left_out.patches,
+                left_out_deviation: remeshed.left_out.deviation,
+                blunted: remeshed.blunted,
                 tessellated_patches,
                 seed,
             }),
@@ -206,6 +223,7 @@ impl Report {
             output,
             crossings: Crossings::default(),
             slivers: Vec::new(),
+            unforced_theta_min: None,
             distance: None,
             deviation: None,
             sampling: None,
@@ -317,6 +335,7 @@ pub(super) mod tests {
     use super::*;
     use crate::mesh::provenance::Origins;
     use crate::pipeline::Edges;
+    use crate::surface::narrow_patches::LeftOut;
     use crate::testing::tetrahedron;
     use glam::DVec3;
     use std::time::Duration;
@@ -346,6 +365,9 @@ pub(super) mod tests {
             new_self_intersections: vec![],
             self_intersections_of_input: None,
             slivers: vec![],
+            unforced_theta_min: None,
+            left_out: LeftOut::default(),
+            blunted: false,
             edges: Edges::default(),
             kept: None,
             notes: vec!["One face is missing.".into()],

@@ -82,7 +82,9 @@ pub(super) fn facts(report: &Report) -> Vec<Fact> {
     let lost = attributes.map(|kept| kept.lost.iter().map(|l| format!("{}: {}", l.name, l.cause)).collect());
     let facts = [
         ("distance, any point", bounded_error(report)),
+        ("θ min, not forced", unforced_angle(report)),
         ("sampling", sampling(report)),
+        ("sharp edges", sharp_edges(report)),
         ("points", report.cloud.as_ref().map(points_used).unwrap_or_default()),
         ("on the output", report.coverage.as_ref().map(covered).unwrap_or_default()),
         ("repairs", report.repairs.as_ref().map(repairs_made).unwrap_or_default()),
@@ -111,6 +113,24 @@ fn sampling(report: &Report) -> Vec<String> {
         format!("spacing {spacing}{range}"),
         format!("seed {}", s.seed),
     ]
+}
+
+/// The smallest angle away from corners that the input forces, if that is another one.
+fn unforced_angle(report: &Report) -> Vec<String> {
+    let all = report.output.shape.as_ref().map(|shape| degrees(shape.theta_min));
+    report.unforced_theta_min.map(degrees).filter(|angle| Some(angle) != all.as_ref()).into_iter().collect()
+}
+
+/// How many sharp edges were kept and left out, if there are any.
+fn sharp_edges(report: &Report) -> Vec<String> {
+    let Some(s) = &report.sampling else { return Vec::new() };
+    let left_out = format!("{} narrow patches joined with others", s.left_out_patches);
+    let parts = [
+        (s.sharp_curves > 0, format!("{} curves kept", s.sharp_curves)),
+        (s.left_out_patches > 0, left_out),
+        (s.blunted, "none kept: too close together".into()),
+    ];
+    parts.into_iter().filter(|(is_so, _)| *is_so).map(|(_, phrase)| phrase).collect()
 }
 
 /// What became of the points of a cloud.

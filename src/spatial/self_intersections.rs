@@ -50,7 +50,7 @@ pub struct Inherited {
 impl Inherited {
     /// Those with these corners.
     pub fn new(triangles: impl IntoIterator<Item = [DVec3; 3]>) -> Inherited {
-        let mesh = Mesh::soup(triangles.into_iter());
+        let mesh = Mesh::soup(triangles);
         Inherited { bvh: Bvh::new(&mesh), mesh }
     }
 

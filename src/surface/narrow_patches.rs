@@ -33,6 +33,13 @@ pub struct LeftOut {
     pub deviation: f64,
 }
 
+impl LeftOut {
+    /// The same of a mesh that is `size` times as large.
+    pub fn times(self, size: f64) -> LeftOut {
+        LeftOut { deviation: size * self.deviation, ..self }
+    }
+}
+
 /// Takes from `sharp`, which says of each side of `mesh` whether it is on a sharp edge, those beside patches that are too
 /// narrow for `wanted` vertices at distance `spacing`. `twin` is as [`twins`](crate::mesh::topology::twins) says.
 pub fn leave_out_narrow(mesh: &Mesh, twin: &[u32], sharp: &mut [bool], spacing: f64, wanted: usize) -> LeftOut {
