@@ -237,6 +237,19 @@ fn the_sharp_edges_that_were_kept_are_known() {
     assert_eq!((smooth.edges.sharp.len(), smooth.edges.left_out.len()), (0, 0));
 }
 
+/// A wedge of cheese whose tip is sharper than any triangle should be.
+#[test]
+fn the_angle_at_a_sharp_tip_is_told_apart() {
+    let (sin, cos) = 8f64.to_radians().sin_cos();
+    let base = [dvec3(0.0, 0.0, 0.0), dvec3(1.0, 0.0, 0.0), dvec3(cos, sin, 0.0)];
+    let positions = base.into_iter().chain(base.map(|p| p + 0.3 * DVec3::Z)).collect();
+    let sides = (0..3).flat_map(|i| [[i, (i + 1) % 3, 3 + (i + 1) % 3], [i, 3 + (i + 1) % 3, 3 + i]]);
+    let made = check(&Mesh { positions, triangles: sides.chain([[0, 2, 1], [3, 4, 5]]).collect() }, 3000);
+    let smallest = shape(&made.mesh).unwrap().theta_min;
+    assert!(smallest < 8.01, "{smallest}");
+    assert!(made.unforced_theta_min.unwrap() > 20.0, "{:?}", made.unforced_theta_min);
+}
+
 #[test]
 fn the_sharp_edges_that_were_left_out_are_known() {
     // A step that is five thousandths high on a slab.
@@ -247,6 +260,13 @@ fn the_sharp_edges_that_were_left_out_are_known() {
     let is_on_step = |p: &DVec3| (p.x - 6.0).abs() < 1e-9 && (p.z - 1.0).abs() < 0.011;
     assert!(left_out.iter().flatten().any(is_on_step), "{left_out:?}");
     assert!(left_out.iter().flatten().all(|p| p.z > 0.99), "{left_out:?}");
+    // Half the height of the step times the sine of half its turn.
+    let deviation = made.left_out.deviation;
+    assert!(
+        made.left_out.patches == 1 && (deviation - 0.005 * 0.5f64.sqrt() / 2.0).abs() < 2e-4,
+        "{:?}",
+        made.left_out
+    );
 }
 
 #[test]
