@@ -96,6 +96,15 @@ mod tests {
     }
 
     #[test]
+    fn what_crosses_excuses_what_is_within_a_length_of_it() {
+        let crossing = Inherited::new([[DVec3::ZERO, DVec3::X, DVec3::Y]]);
+        let at = |z: f64| [[0.1, 0.1], [0.3, 0.1], [0.1, 0.3]].map(|[x, y]| DVec3::new(x, y, z));
+        assert!(crossing.is_near(at(0.2)));
+        assert!(!crossing.is_near(at(0.4)));
+        assert!(!Inherited::new([]).is_near(at(0.0)));
+    }
+
+    #[test]
     fn corners_at_the_same_place_are_one() {
         let whole = band(20, 0.7);
         let positions: Vec<DVec3> = (0..whole.triangles.len()).flat_map(|t| whole.corners(t)).collect();

@@ -5,7 +5,7 @@
 //! more than a pillar of nine sides.
 //!
 //! Facets that are many samples wide are flat at their scale, and a surface that turns by much from one sample to the next is
-//! sharp at their scale. Both is decided for edges that go on straight as a whole, so that none is sharp in parts.
+//! sharp at their scale. Edges that go on straight are held to that as a whole, so that none is sharp in parts.
 //!
 //! Cost: a walk over some triangles for each edge that turns.
 

@@ -191,6 +191,17 @@ fn boxes_that_stand_on_each_other_touch_and_do_not_intersect() {
 }
 
 #[test]
+fn bodies_that_touch_along_an_edge_share_no_place() {
+    let beside = moved(cuboid(DVec3::ONE), |p| p + dvec3(1.0, 1.0, 0.0));
+    let made = check(&together(&[cuboid(DVec3::ONE), beside]), 1500);
+    let mut places: Vec<[u32; 3]> =
+        made.mesh.positions.iter().map(|p| p.as_vec3().to_array().map(f32::to_bits)).collect();
+    places.sort_unstable();
+    places.dedup();
+    assert_eq!((places.len(), made.output.components), (1500, 2));
+}
+
+#[test]
 fn a_plate_a_tenth_of_the_spacing_thick_stays_two_sheets() {
     let n = 1500;
     // The spacing of so many vertices on two unit squares.
