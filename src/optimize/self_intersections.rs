@@ -187,14 +187,15 @@ fn on_patch(corners: [&Sample; 3]) -> &Sample {
     corners.into_iter().find(|s| s.normal != DVec3::ZERO).unwrap_or(corners[0])
 }
 
-/// Moves `v`, without putting it back on the surface, unless it would be too far away or turn a triangle over.
+/// Moves `v`, without putting it back on the surface, unless it would be too far away, or turn a triangle over or
+/// spoil it.
 fn step_off(domain: &Domain, mesh: &mut Manifold, v: u32, way: DVec3) -> bool {
     let here = mesh.samples[v as usize];
     let there = Sample { position: here.position + way, ..here };
     let may = way != DVec3::ZERO
         && !mesh.connectivity.is_on_interface(v)
         && is_near_surface(domain, mesh, v, &there)
-        && mesh.move_keeps_facing(v, &there, FacingGuard::SOUND);
+        && acceptable(mesh, v, &there);
     if may {
         mesh.samples[v as usize] = there;
     }

@@ -3,18 +3,20 @@
 //! Three things go wrong, and each has its remedy. Samples on sharp edges that are too few leave patches that do not fit
 //! together: there are more of them in the next attempt, and at last the sharp edges are smoothed over. Samples of the two
 //! sides of a thin wall come together such that triangles intersect: others are drawn. A result that is not sound even so
-//! is made again from other samples: whether all triangles of a thin wall can be parted is a matter of chance.
+//! is made again, finer where it went wrong.
 
 /// Runs up to a whole result, and times that the surface is sampled in each for a mesh that does not intersect itself.
-pub(super) const MOST_RUNS: u64 = 3;
+pub(super) const MOST_RUNS: u64 = 4;
 const MOST_SAMPLINGS: u64 = 4;
 
 /// Samples on feature curves for each spacing of their length, in one attempt after the other: patches narrower than the
 /// spacing need more of them.
 const CURVE_DENSITIES: [f64; 3] = [1.0, 1.4, 2.0];
 
-/// More triangles than this do not intersect by chance: the samples are too few for how near to each other the walls are.
-const MOST_BY_CHANCE: usize = 60;
+/// Where more triangles intersect than a share of all, and than this many, it is no matter of single places: the vertices
+/// are too few for how near to each other the walls are.
+const MOST_OF_TRIANGLES: f64 = 0.05;
+const MOST_IN_PLACES: usize = 60;
 
 /// How good what an attempt led to is: the less the better, topology first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -23,11 +25,8 @@ pub(super) struct Score {
     pub other_topology: bool,
     /// Triangles that intersect others; of a whole result only where the surface does not.
     pub self_intersections: usize,
-}
-
-impl Score {
-    /// That of what is as it should be.
-    pub(super) const SOUND: Score = Score { other_topology: false, self_intersections: 0 };
+    /// Slivers of a whole result.
+    pub slivers: usize,
 }
 
 /// What an attempt goes by.
@@ -91,9 +90,13 @@ impl Attempts {
         Step::Resample
     }
 
-    /// Whether to make another run after a result that is not sound; `best` is the best score of all.
-    pub(super) fn after_unsound(&mut self, best: Score) -> bool {
-        if best.self_intersections > MOST_BY_CHANCE || self.run + 1 == MOST_RUNS {
+    /// Whether to make another run after a result of so many `triangles`; `best` is the best score of all. Slivers are no
+    /// reason: they come again.
+    pub(super) fn after_run(&mut self, best: Score, triangles: usize) -> bool {
+        let found = best.self_intersections;
+        let is_whole = found == 0 && !best.other_topology;
+        let is_everywhere = found > MOST_IN_PLACES.max((MOST_OF_TRIANGLES * triangles as f64) as usize);
+        if is_whole || is_everywhere || self.run + 1 == MOST_RUNS {
             return false;
         }
         (self.run, self.sampling) = (self.run + 1, 0);
@@ -110,9 +113,9 @@ impl Attempts {
 mod tests {
     use super::*;
 
-    const SOUND: Score = Score::SOUND;
-    const TORN: Score = Score { other_topology: true, self_intersections: 0 };
-    const CROSSED: Score = Score { other_topology: false, self_intersections: 8 };
+    const SOUND: Score = Score { other_topology: false, self_intersections: 0, slivers: 0 };
+    const TORN: Score = Score { other_topology: true, self_intersections: 0, slivers: 0 };
+    const CROSSED: Score = Score { other_topology: false, self_intersections: 8, slivers: 0 };
 
     #[test]
     fn what_is_sound_at_once_takes_one_attempt() {
@@ -148,7 +151,7 @@ mod tests {
         let mut seeds = vec![attempts.current().seed];
         loop {
             let resample = attempts.after_triangulation(CROSSED, || 0) == Step::Resample;
-            if !resample && !attempts.after_unsound(CROSSED) {
+            if !resample && !attempts.after_run(CROSSED, 1000) {
                 break;
             }
             seeds.push(attempts.current().seed);
@@ -157,6 +160,14 @@ mod tests {
         seeds.sort_unstable();
         seeds.dedup();
         assert_eq!(seeds.len() as u64, MOST_RUNS * MOST_SAMPLINGS);
-        assert!(!Attempts::new(3, true).after_unsound(Score { self_intersections: 61, ..CROSSED }));
+    }
+
+    #[test]
+    fn what_is_whole_or_intersects_everywhere_is_not_made_again() {
+        let again = |score: Score, triangles: usize| Attempts::new(3, true).after_run(score, triangles);
+        let crossed = |n: usize| Score { self_intersections: n, ..SOUND };
+        assert!(!again(Score { slivers: 3, ..SOUND }, 1000) && again(TORN, 1000));
+        assert!(again(crossed(60), 1000) && !again(crossed(61), 1000));
+        assert!(again(crossed(500), 10_000) && !again(crossed(501), 10_000));
     }
 }

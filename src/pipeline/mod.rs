@@ -7,6 +7,7 @@ mod coverage;
 mod density;
 mod edges;
 mod expected;
+mod finer;
 mod follow;
 mod kernel;
 mod optimization;

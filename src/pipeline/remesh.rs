@@ -13,6 +13,7 @@ use crate::optimize::self_intersections::resolve_self_intersections;
 use crate::pipeline::attempts::{Attempt, Attempts, MOST_RUNS, Score, Step};
 use crate::pipeline::density::{Density, FEWEST_POINTS, FIRST_POINTS, MOST_POINTS};
 use crate::pipeline::edges::Edges;
+use crate::pipeline::finer::Finer;
 use crate::pipeline::follow::ascend_as_asked;
 use crate::pipeline::kernel::KernelFeatures;
 use crate::pipeline::optimization::optimize;
@@ -34,6 +35,7 @@ use crate::triangulate::chords::part_chords;
 use crate::triangulate::rims::straighten_rims;
 use crate::triangulate::stitch::{Gluing, glue};
 use crate::triangulate::{Boundary, triangulate};
+use glam::DVec3;
 
 /// Errors below this fraction of the bound are not resolved further.
 const OF_INTEREST: f64 = 0.25;
@@ -58,7 +60,7 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
     let (prepared, repaired) = PreparedInput::new(input, options, monitor)?;
     match options.density {
         Density::Auto => with_fewest_points(&prepared, &repaired, monitor),
-        density => remesh_to(&prepared, repaired, density, monitor),
+        density => remesh_to(&prepared, &repaired, density, monitor),
     }
 }
 
@@ -81,7 +83,7 @@ fn with_fewest_points(
     let mut n = FIRST_POINTS as f64;
     for _ in 0..MOST_TRIES {
         let density = Density::Points(n.round() as usize);
-        let made = remesh_to(prepared, repaired.clone(), density, monitor)?;
+        let made = remesh_to(prepared, repaired, density, monitor)?;
         let ratio = made.deviation.map_or(1.0, |d| d.reached / d.allowed);
         if ratio <= 1.0 {
             enough = n;
@@ -104,28 +106,30 @@ fn with_fewest_points(
 /// The result for one density: the first that is sound, or, if none is, the one with the best score.
 fn remesh_to(
     prepared: &PreparedInput,
-    repaired: OrientedManifold,
+    repaired: &OrientedManifold,
     density: Density,
     monitor: &dyn Monitor,
 ) -> Result<Remeshed> {
-    let mut surface = SizedSurface::new(prepared, repaired, density, monitor)?;
+    let mut finer = Finer::default();
+    let sized = |finer: &Finer| SizedSurface::new(prepared, repaired.clone(), density, finer, monitor);
+    let mut surface = sized(&finer)?;
     let mut attempts = Attempts::new(prepared.options.seed, surface.domain.sharp_curves() > 0);
-    let mut best: Option<Finished> = None;
+    let mut best: Option<(SizedSurface, Finished)> = None;
     loop {
-        let triangulation;
-        (surface, triangulation) = triangulated(surface, &mut attempts, monitor)?;
-        let finished = Finished::new(prepared, &surface, triangulation, attempts.run(), monitor)?;
-        let is_sound = finished.score == Score::SOUND;
-        if best.as_ref().is_none_or(|best| finished.score < best.score) {
-            best = Some(finished);
+        let (made_of, triangulation) = triangulated(surface, &mut attempts, monitor)?;
+        let finished = Finished::new(prepared, &made_of, triangulation, attempts.run(), monitor)?;
+        finer.add(&finished.unsound_places());
+        if best.as_ref().is_none_or(|(_, best)| finished.score < best.score) {
+            best = Some((made_of, finished));
         }
-        let score = best.as_ref().expect("a result was made").score;
-        if is_sound || !attempts.after_unsound(score) {
+        let best = &best.as_ref().expect("a result was made").1;
+        if !attempts.after_run(best.score, best.mesh.triangles.len()) {
             break;
         }
-        monitor.stage("sample");
+        surface = sized(&finer)?;
     }
-    remeshed(prepared, &surface, best.expect("a result was made"), monitor)
+    let (surface, finished) = best.expect("a result was made");
+    remeshed(prepared, &surface, finished, monitor)
 }
 
 /// The best triangulation of samples of a surface, and the surface, which comes back without its sharp edges if they could
@@ -137,6 +141,9 @@ fn triangulated(
 ) -> Result<(SizedSurface, Triangulation)> {
     let mut best: Option<Triangulation> = None;
     loop {
+        if attempts.current().curve_density.is_none() && surface.domain.sharp_curves() > 0 {
+            surface = surface.smooth();
+        }
         let triangulation = Triangulation::new(&surface, attempts.current(), monitor)?;
         if best.as_ref().is_none_or(|best| triangulation.score < best.score) {
             best = Some(triangulation);
@@ -146,9 +153,6 @@ fn triangulated(
             Step::Continue => return Ok((surface, best.expect("samples were triangulated"))),
             Step::Resample => {}
             Step::Restart => best = None,
-        }
-        if attempts.current().curve_density.is_none() && surface.domain.sharp_curves() > 0 {
-            surface = surface.smooth();
         }
         monitor.stage("sample");
     }
@@ -188,7 +192,7 @@ impl Triangulation {
         let made = mesh.to_mesh();
         let kind = topology(made.positions.len(), &made.triangles);
         let other_topology = !fits || !has_kind(&kind, &surface.topology);
-        let score = Score { other_topology, self_intersections: self_intersections(&made).len() };
+        let score = Score { other_topology, self_intersections: self_intersections(&made).len(), slivers: 0 };
         Ok(Triangulation { mesh, tessellated_patches, score })
     }
 }
@@ -204,6 +208,7 @@ struct Finished {
     self_intersections: Vec<u32>,
     /// Those of them where the surface does not intersect itself.
     new_self_intersections: Vec<u32>,
+    slivers: Vec<u32>,
     tessellated_patches: usize,
     score: Score,
     run: u64,
@@ -231,7 +236,8 @@ impl Finished {
         let self_intersections = self_intersections(&mesh);
         let other_topology = !has_kind(&topology, &prepared.of_repaired);
         let new_self_intersections = new_among(&self_intersections, &mesh, prepared, surface);
-        let score = Score { other_topology, self_intersections: new_self_intersections.len() };
+        let slivers = slivers(&manifold);
+        let score = Score { other_topology, self_intersections: new_self_intersections.len(), slivers: slivers.len() };
         Ok(Finished {
             manifold,
             of_part,
@@ -240,10 +246,22 @@ impl Finished {
             topology,
             self_intersections,
             new_self_intersections,
+            slivers,
             tessellated_patches,
             score,
             run,
         })
+    }
+
+    /// Triangles of the mesh that was there before it was joined to what stays; they come first.
+    fn kept_triangles(&self) -> u32 {
+        (self.mesh.triangles.len() - self.of_part.triangles.len()) as u32
+    }
+
+    /// The corners of the triangles that make it unsound, in the pipeline's unit.
+    fn unsound_places(&self) -> Vec<DVec3> {
+        let crossing = self.new_self_intersections.iter().filter_map(|t| t.checked_sub(self.kept_triangles()));
+        crossing.chain(self.slivers.iter().copied()).flat_map(|t| self.of_part.corners(t as usize)).collect()
     }
 }
 
@@ -312,8 +330,7 @@ fn remeshed(
     let unit = &prepared.unit;
     let kept = within.as_ref().zip(finished.sewn.as_ref()).map(|(within, sewn)| within.kept(sewn));
     let origins = origins(prepared, surface, &finished.manifold, &finished.of_part, finished.sewn.as_ref());
-    let kept_faces = (finished.mesh.triangles.len() - finished.of_part.triangles.len()) as u32;
-    let slivers = slivers(&finished.manifold).into_iter().map(|t| kept_faces + t).collect();
+    let slivers = finished.slivers.iter().map(|t| finished.kept_triangles() + t).collect();
     let first = kept.as_ref().map_or(0, |kept| kept.vertices.len());
     let edges = Edges::of(&finished.mesh, &finished.manifold, surface, unit, first);
     let intersects = !finished.self_intersections.is_empty();
@@ -348,7 +365,7 @@ fn remeshed(
     }
     if finished.run > 1 && result.is_sound() {
         result.notes.push(format!(
-            "attempt {} of {MOST_RUNS}: before it, samples that could not be made a sound mesh",
+            "attempt {} of {MOST_RUNS}: it is finer where triangles of those before it intersected",
             finished.run
         ));
     }

@@ -8,6 +8,7 @@ use crate::mesh::refine::{refine, refine_edges};
 use crate::mesh::topology::{NONE, Topology, topology, twins};
 use crate::pipeline::density::Density;
 use crate::pipeline::expected::with_curves;
+use crate::pipeline::finer::Finer;
 use crate::pipeline::follow::follow;
 use crate::pipeline::kernel::KernelFeatures;
 use crate::pipeline::options::{Grading, Options};
@@ -45,11 +46,12 @@ pub(super) struct SizedSurface {
 }
 
 impl SizedSurface {
-    /// The surface of `repaired`, the repaired input, for that density.
+    /// The surface of `repaired`, the repaired input, for that density, and `finer` where attempts before it went wrong.
     pub(super) fn new(
         prepared: &PreparedInput,
         repaired: OrientedManifold,
         density: Density,
+        finer: &Finer,
         monitor: &dyn Monitor,
     ) -> Result<SizedSurface> {
         let options = prepared.options;
@@ -60,7 +62,7 @@ impl SizedSurface {
             Some(_) => topology(clean.positions.len(), &clean.triangles),
             None => prepared.of_repaired,
         };
-        let (domain, blunted, left_out, left_out_edges) = domain_over(clean, within.as_ref(), options, &scale);
+        let (domain, blunted, left_out, left_out_edges) = domain_over(clean, within.as_ref(), options, &scale, finer);
         let self_intersections = OnceLock::new();
         let sigma = scale.sigma();
         let mut surface = SizedSurface {
@@ -74,12 +76,18 @@ impl SizedSurface {
             topology,
             self_intersections,
         };
-        surface.grade(prepared, density, monitor)?;
+        surface.grade(prepared, density, finer, monitor)?;
         Ok(surface)
     }
 
-    /// Gives the domain the lengths that the options and the interface want.
-    fn grade(&mut self, prepared: &PreparedInput, density: Density, monitor: &dyn Monitor) -> Result<()> {
+    /// Gives the domain the lengths that the options, the curves, places that went wrong, and the interface want.
+    fn grade(
+        &mut self,
+        prepared: &PreparedInput,
+        density: Density,
+        finer: &Finer,
+        monitor: &dyn Monitor,
+    ) -> Result<()> {
         let options = prepared.options;
         let domain = &mut self.domain;
         let follows_curves = matches!(options.grading, Grading::Even | Grading::Curvature(_));
@@ -105,6 +113,9 @@ impl SizedSurface {
             && domain.sharp_curves() > 0
             && let Some(sizes) = sizes_between_curves(domain, &domain.sizes(), self.scale.spacing)
         {
+            domain.grade(sizes);
+        }
+        if let Some(sizes) = finer.sizes(domain, self.scale.spacing) {
             domain.grade(sizes);
         }
         if let Some(within) = &self.within {
@@ -138,10 +149,12 @@ fn domain_over(
     within: Option<&Within>,
     options: &Options,
     scale: &Scale,
+    finer: &Finer,
 ) -> (Domain, bool, LeftOut, Vec<[DVec3; 2]>) {
     let (twin, mut sharp) = refined(&mut clean, options, scale);
     let found = sharp.clone();
-    let left_out = leave_out_narrow(&clean, &twin, &mut sharp, scale.spacing, scale.wanted);
+    let went_wrong = |t: u32| clean.corners(t as usize).into_iter().any(|p| finer.is_near(p, scale.spacing));
+    let left_out = leave_out_narrow(&clean, &twin, &mut sharp, scale.spacing, scale.wanted, went_wrong);
     let blunted = samples_on(&clean, &twin, &sharp, scale.spacing) > scale.wanted as f64;
     if blunted {
         sharp.fill(false);

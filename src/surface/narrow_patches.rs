@@ -41,12 +41,21 @@ impl LeftOut {
 }
 
 /// Takes from `sharp`, which says of each side of `mesh` whether it is on a sharp edge, those beside patches that are too
-/// narrow for `wanted` vertices at distance `spacing`. `twin` is as [`twins`](crate::mesh::topology::twins) says.
-pub fn leave_out_narrow(mesh: &Mesh, twin: &[u32], sharp: &mut [bool], spacing: f64, wanted: usize) -> LeftOut {
+/// narrow for `wanted` vertices at distance `spacing`, but for patches with a triangle that `is_needed`. `twin` is as
+/// [`twins`](crate::mesh::topology::twins) says.
+pub fn leave_out_narrow(
+    mesh: &Mesh,
+    twin: &[u32],
+    sharp: &mut [bool],
+    spacing: f64,
+    wanted: usize,
+    is_needed: impl Fn(u32) -> bool,
+) -> LeftOut {
     if !sharp.contains(&true) {
         return LeftOut::default();
     }
     let mut before = Patches::new(mesh, twin, sharp, spacing);
+    before.need((0..mesh.triangles.len() as u32).filter(|&t| is_needed(t)));
     // A crease that fades within a patch parts nothing, and stays.
     let parts: Vec<bool> = (0..sharp.len()).map(|s| sharp[s] && before.differ(s as u32, twin)).collect();
     let mut left_out = LeftOut::default();
@@ -85,15 +94,17 @@ struct Patch {
     rim: f64,
     /// For each neighbour the length of the edges between both, and the same times the turn there.
     beside: BTreeMap<u32, [f64; 2]>,
+    /// Whether it must not be joined with a neighbour for its own narrowness.
+    needed: bool,
 }
 
 impl Patch {
     /// The neighbour that it turns least towards, itself being `own`, and by how much the surface moves without the edges
-    /// between them.
+    /// between them; none for a patch that is needed.
     fn gentlest(&self, own: u32) -> Option<(u32, f64)> {
         let others = self.beside.iter().filter(|(q, _)| **q != own);
         let turns = others.map(|(&q, sums)| (q, sums[1] / sums[0].max(f64::MIN_POSITIVE)));
-        let (q, turn) = turns.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))?;
+        let (q, turn) = turns.filter(|_| !self.needed).min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))?;
         let width = 2.0 * self.area / self.rim;
         Some((q, 0.5 * width * math::sin_cos(0.5 * turn.to_radians()).0))
     }
@@ -130,6 +141,14 @@ impl Patches {
             }
         }
         Patches { of_triangle, list }
+    }
+
+    /// Marks the patches of `triangles` as needed.
+    fn need(&mut self, triangles: impl Iterator<Item = u32>) {
+        for t in triangles {
+            let patch = self.of_triangle.find(t);
+            self.list.get_mut(&patch).expect("a triangle is of a patch").needed = true;
+        }
     }
 
     /// Whether the triangles on both sides of an edge are of different patches.
@@ -173,7 +192,7 @@ impl Patches {
             beside.insert(name, [sums[0][0] + sums[1][0], sums[0][1] + sums[1][1]]);
         }
         let rim = (a.rim + b.rim - between).max(f64::MIN_POSITIVE);
-        self.list.insert(name, Patch { area: a.area + b.area, rim, beside: a.beside });
+        self.list.insert(name, Patch { area: a.area + b.area, rim, beside: a.beside, needed: a.needed || b.needed });
         name
     }
 }
@@ -203,7 +222,7 @@ mod tests {
         let mesh = strips(widths);
         let twin = twins(&mesh.triangles);
         let mut sharp: Vec<bool> = turns(&mesh, &twin, 1.0).into_iter().map(|turn| turn.abs() > 30.0).collect();
-        let left_out = leave_out_narrow(&mesh, &twin, &mut sharp, 1.0, wanted);
+        let left_out = leave_out_narrow(&mesh, &twin, &mut sharp, 1.0, wanted, |_| false);
         (sharp.iter().filter(|s| **s).count() / 2, left_out)
     }
 
@@ -213,6 +232,16 @@ mod tests {
         assert_eq!((edges, left_out.patches), (1, 1));
         assert!((0.005..0.05).contains(&left_out.deviation));
         assert_eq!(kept(&[5.0, 2.0, 5.0], 1000), (2, LeftOut::default()));
+    }
+
+    #[test]
+    fn a_patch_that_is_needed_stays() {
+        let mesh = strips(&[5.0, 0.05, 5.0]);
+        let twin = twins(&mesh.triangles);
+        let found: Vec<bool> = turns(&mesh, &twin, 1.0).into_iter().map(|turn| turn.abs() > 30.0).collect();
+        let mut sharp = found.clone();
+        assert_eq!(leave_out_narrow(&mesh, &twin, &mut sharp, 1.0, 1000, |t| t == 2), LeftOut::default());
+        assert_eq!(sharp, found);
     }
 
     #[test]
@@ -232,7 +261,7 @@ mod tests {
         let mut sharp = vec![false; twin.len()];
         (sharp[0], sharp[twin[0] as usize]) = (true, true);
         let before = sharp.clone();
-        assert_eq!(leave_out_narrow(&mesh, &twin, &mut sharp, 1.0, 1000), LeftOut::default());
+        assert_eq!(leave_out_narrow(&mesh, &twin, &mut sharp, 1.0, 1000, |_| false), LeftOut::default());
         assert_eq!(sharp, before);
     }
 

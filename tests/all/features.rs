@@ -305,3 +305,21 @@ fn a_million_vertices_at_any_place_and_scale() {
         is_good(&made.mesh, 40.0, 90.0, 0.97);
     }
 }
+
+/// A prism over a convex `outline`, from `bottom` to `top`.
+fn prism(outline: &[[f64; 2]], bottom: f64, top: f64) -> Mesh {
+    let n = outline.len() as u32;
+    let positions = outline.iter().flat_map(|&[x, y]| [dvec3(x, y, bottom), dvec3(x, y, top)]).collect();
+    let sides = (0..n).map(|i| (2 * i, 2 * ((i + 1) % n))).flat_map(|(a, b)| [[a, b, b + 1], [a, b + 1, a + 1]]);
+    let ends = (1..n - 1).flat_map(|i| [[0, 2 * i + 2, 2 * i], [1, 2 * i + 1, 2 * i + 3]]);
+    Mesh { positions, triangles: sides.chain(ends).collect() }
+}
+
+#[test]
+fn a_chamfer_that_parts_a_wall_stays_however_narrow() {
+    // A hollow block: without its chamfer, a twentieth of the spacing wide, the outer face would cut off an edge of the cavity.
+    let block = prism(&[[0., 0.], [10., 0.], [10., 10.], [0.05, 10.], [0., 9.95]], 0.0, 10.0);
+    let cavity = prism(&[[0.03, 5.], [5., 5.], [5., 9.9], [0.03, 9.9]], 1.0, 9.0);
+    let made = check(&together(&[block, inside_out(cavity)]), 800);
+    assert_eq!(made.left_out.patches, 0);
+}

@@ -21,9 +21,7 @@ use crate::mesh::half_edge::next;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
 use crate::surface::domain::Domain;
-use crate::surface::sizing::field::mean_density;
-use crate::surface::sizing::gradation::limited;
-use crate::surface::sizing::graph::Graph;
+use crate::surface::sizing::room::sizes_with_room;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -37,47 +35,11 @@ const TURNED_BACK: [f64; 3] = [1.5, 6.0, 1.5];
 /// Ways along a loop shorter than this share of it are none.
 const ROUNDING: f64 = 1e-9;
 
-/// Largest gradient of the length. Nine CAD parts have worse triangles with 0.2, and need too many vertices with 0.1.
-const GRADIENT: f64 = 0.12;
-
-/// Shortest length, as a share of that elsewhere. The first of these with which what is narrow takes no more vertices than
-/// `MOST_DENSE` allows is taken.
-const SHORTEST: [f64; 4] = [0.125, 0.25, 0.4, 0.6];
-
-/// Largest mean of 1 / h², relative to the length elsewhere: a third of the vertices may go to what is narrow.
-const MOST_DENSE: f64 = 1.5;
-
-/// Alternations of limiting and scaling, and the error of the mean length at which they end.
-const MOST_TURNS: usize = 20;
-const MEAN_TOLERANCE: f64 = 1e-3;
-
 /// `sizes`, relative to `spacing`, made smaller where curves are near each other, and as much larger elsewhere as keeps the
 /// number of vertices. `None` if there is no such place, or no room for one.
 pub fn sizes_between_curves(domain: &Domain, sizes: &[f64], spacing: f64) -> Option<Vec<f64>> {
     let wanted: Vec<f64> = lengths(domain, ACROSS_RIM * spacing).into_iter().map(|l| l / spacing).collect();
-    if wanted.iter().zip(sizes).all(|(wanted, size)| wanted >= size) {
-        return None;
-    }
-    let graph = Graph::whole(domain);
-    let graded = |shortest: f64, factor: f64| {
-        let at = |(&size, &wanted): (&f64, &f64)| (factor * size).min(wanted.max(shortest * factor * size));
-        let lengths = sizes.iter().zip(&wanted).map(at).collect();
-        limited(domain, &graph, lengths, GRADIENT / spacing)
-    };
-    let before = mean_density(&domain.mesh, sizes);
-    let density = |graded: &[f64]| mean_density(&domain.mesh, graded) / before;
-    let shortest = SHORTEST.into_iter().find(|&shortest| density(&graded(shortest, 1.0)) <= MOST_DENSE)?;
-    let mut factor = 1.0;
-    let mut made = graded(shortest, factor);
-    for _ in 0..MOST_TURNS {
-        let excess = density(&made).sqrt();
-        if (excess - 1.0).abs() <= MEAN_TOLERANCE {
-            break;
-        }
-        factor *= excess;
-        made = graded(shortest, factor);
-    }
-    Some(made)
+    sizes_with_room(domain, sizes, &wanted, spacing)
 }
 
 /// Where a side of the domain lies along the boundary of its patch.

@@ -6,7 +6,9 @@ mod gradation;
 mod graph;
 mod interface;
 mod radii;
+mod room;
 
 pub use feature_size::sizes_between_curves;
 pub use field::{adapted_sizes, field_lengths, field_sizes, mean_density};
 pub use interface::{lengths_from_interface, vertices};
+pub use room::sizes_with_room;

@@ -1,0 +1,72 @@
+//! Where the next attempt at a sound result is finer: around the places where those before it went wrong.
+//!
+//! Sheets that are nearer to each other than the edges are long, and narrow patches that were joined with others, are what
+//! triangles intersect at. With edges half as long they mostly do not; the rest of the surface has as much longer edges as
+//! keeps the number of vertices.
+
+use crate::spatial::kdtree::Neighbors;
+use crate::surface::domain::Domain;
+use crate::surface::sizing::sizes_with_room;
+use glam::DVec3;
+
+/// How far around a place the surface is finer, in spacings, and the share of the length that is left there after each
+/// attempt.
+const REACH: f64 = 2.0;
+const FINER: f64 = 0.5;
+
+/// Places where attempts went wrong, in the pipeline's unit.
+#[derive(Default)]
+pub(super) struct Finer {
+    /// Those of each attempt.
+    of_attempts: Vec<Neighbors>,
+}
+
+impl Finer {
+    /// Adds the places of an attempt.
+    pub(super) fn add(&mut self, places: &[DVec3]) {
+        self.of_attempts.push(Neighbors::new(places));
+    }
+
+    /// Whether something went wrong near `p`.
+    pub(super) fn is_near(&self, p: DVec3, spacing: f64) -> bool {
+        self.times(p, spacing) > 0
+    }
+
+    /// The lengths of `domain`, relative to `spacing`, that are shorter where something went wrong; `None` if nothing did.
+    pub(super) fn sizes(&self, domain: &Domain, spacing: f64) -> Option<Vec<f64>> {
+        if self.of_attempts.is_empty() {
+            return None;
+        }
+        let sizes = domain.sizes();
+        let places = sizes.iter().zip(&domain.mesh.positions);
+        let wanted: Vec<f64> = places.map(|(size, &p)| size * self.share(p, spacing)).collect();
+        sizes_with_room(domain, &sizes, &wanted, spacing)
+    }
+
+    /// The share of the wanted length that is left at `p`.
+    fn share(&self, p: DVec3, spacing: f64) -> f64 {
+        (0..self.times(p, spacing)).fold(1.0, |share, _| FINER * share)
+    }
+
+    /// In how many attempts something went wrong near `p`.
+    fn times(&self, p: DVec3, spacing: f64) -> usize {
+        let is_near = |places: &&Neighbors| !places.within(p, REACH * spacing).is_empty();
+        self.of_attempts.iter().filter(is_near).count()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edges_are_half_as_long_for_each_attempt_that_went_wrong_there() {
+        let mut finer = Finer::default();
+        assert!(!finer.is_near(DVec3::ZERO, 1.0));
+        finer.add(&[DVec3::ZERO, 10.0 * DVec3::X]);
+        finer.add(&[DVec3::ZERO]);
+        let share = |x: f64| finer.share(x * DVec3::X, 1.0);
+        assert_eq!([1.9, 2.1, 9.0].map(share), [0.25, 1.0, 0.5]);
+        assert!(finer.is_near(DVec3::Y, 1.0));
+    }
+}
