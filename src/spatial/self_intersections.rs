@@ -11,9 +11,12 @@
 
 use crate::geom::intersection::cross_deeper_than;
 use crate::geom::triangle::longest_side;
+use crate::mesh::half_edge::{next, prev};
+use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Depth up to which faces touch, as a share of the diagonal of their mesh: coordinates in single precision are off by up
 /// to a tenth of it.
@@ -39,6 +42,58 @@ pub fn self_intersections(mesh: &Mesh) -> Vec<u32> {
 pub fn self_intersecting_faces(mesh: &Mesh, bvh: &Bvh) -> Vec<u32> {
     let depth = depth_of_contact(mesh);
     bvh.triangles_that_meet(mesh, |t, u| cross_deeper_than(depth, mesh.corners(t as usize), mesh.corners(u as usize)))
+}
+
+/// The faces of `mesh` that pass through others along a whole edge, in increasing order: an edge lies in a face, and the
+/// faces at it are on both sides of that one. Pair by pair they only touch. `across` gives the side across each side, or
+/// [`NONE`]; `bvh` is the hierarchy over the mesh.
+pub fn faces_passing_along_edges(mesh: &Mesh, across: impl Fn(u32) -> u32 + Sync, bvh: &Bvh) -> Vec<u32> {
+    let depth = depth_of_contact(mesh);
+    let corner = |side: u32| mesh.positions[mesh.triangles[side as usize / 3][side as usize % 3] as usize];
+    let sides = (0..3 * mesh.triangles.len() as u32).into_par_iter().filter(|&s| across(s) != NONE && s < across(s));
+    let mut faces: Vec<u32> = sides
+        .flat_map_iter(|side| {
+            let other = across(side);
+            let edge = [corner(side), corner(next(side))];
+            let tops = [corner(prev(side)), corner(prev(other))];
+            let mut found = Vec::new();
+            bvh.in_box(mesh, edge[0].min(edge[1]) - depth, edge[0].max(edge[1]) + depth, |t| {
+                if lies_in(mesh.corners(t as usize), edge, tops, depth) {
+                    found.extend([t, side / 3, other / 3]);
+                }
+            });
+            found
+        })
+        .collect();
+    faces.par_sort_unstable();
+    faces.dedup();
+    faces
+}
+
+/// Whether some of an edge lies in a face, and what is across from it on both sides of that, each deeper than `depth`.
+fn lies_in(face: [DVec3; 3], edge: [DVec3; 2], tops: [DVec3; 2], depth: f64) -> bool {
+    let normal = (face[1] - face[0]).cross(face[2] - face[0]).normalize_or_zero();
+    let height = |p: DVec3| (p - face[0]).dot(normal);
+    let [above, below] = tops.map(height);
+    if above.abs() <= depth || above * below > -depth * depth || edge.into_iter().any(|p| height(p).abs() > depth) {
+        return false;
+    }
+    // The share of the edge that is on the inner side of all sides of the face.
+    let (mut from, mut to) = (0.0f64, 1.0f64);
+    for k in 0..3 {
+        let inwards = normal.cross(face[(k + 1) % 3] - face[k]).normalize_or_zero();
+        let [a, b] = edge.map(|p| (p - face[k]).dot(inwards) - depth);
+        if a < 0.0 && b < 0.0 {
+            return false;
+        }
+        let crossing = a / (a - b);
+        if a < 0.0 {
+            from = from.max(crossing);
+        } else if b < 0.0 {
+            to = to.min(crossing);
+        }
+    }
+    (to - from) * edge[0].distance(edge[1]) > depth
 }
 
 /// The triangles of a surface that intersect others: where they are, a mesh of the surface cannot but intersect itself.
@@ -74,6 +129,7 @@ pub fn faces_of(pairs: Vec<(u32, u32)>) -> Vec<u32> {
 mod tests {
     use super::*;
     use crate::base::rng::{Stage, stream, unit};
+    use crate::mesh::topology::twins;
 
     /// A band of `n` squares around the z axis, of radius 1 at the bottom and `top` at height 1.
     fn band(n: u32, top: f64) -> Mesh {
@@ -93,6 +149,29 @@ mod tests {
         assert!(self_intersections(&band(100, 0.1)).is_empty());
         // Turned through its axis: each of the triangles crosses those on the other side.
         assert_eq!(self_intersections(&band(9, -1.0)).len(), 18);
+    }
+
+    #[test]
+    fn a_fold_in_a_face_passes_through_it() {
+        // A roof whose ridge lies in a large triangle, and a valley that only stands on it.
+        let large = [[-9., -9., 0.], [9., -9., 0.], [0., 9., 0.]];
+        let folded = |z: [f64; 2]| {
+            let [a, b] = [[-1., 0., 0.], [1., 0., 0.]];
+            let corners = [large[0], large[1], large[2], a, b, [0., 1., z[0]], [0., -1., z[1]]];
+            let triangles = vec![[0, 1, 2], [3, 4, 5], [4, 3, 6]];
+            Mesh { positions: corners.map(DVec3::from).to_vec(), triangles }
+        };
+        let passing = |mesh: &Mesh| {
+            let twin = twins(&mesh.triangles);
+            faces_passing_along_edges(mesh, |side| twin[side as usize], &Bvh::new(mesh))
+        };
+        assert!(self_intersections(&folded([1.0, -1.0])).is_empty());
+        assert_eq!(passing(&folded([1.0, -1.0])), [0, 1, 2]);
+        assert!(passing(&folded([1.0, 1.0])).is_empty());
+        assert!(passing(&folded([1.0, 1e-9])).is_empty());
+        let mut beside = folded([1.0, -1.0]);
+        beside.positions[3..].iter_mut().for_each(|p| *p += 20.0 * DVec3::X);
+        assert!(passing(&beside).is_empty());
     }
 
     #[test]

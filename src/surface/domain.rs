@@ -13,7 +13,7 @@ use crate::mesh::topology::{NONE, components, twins};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::{Bvh, Hit};
 use crate::spatial::foot::Foot;
-use crate::spatial::self_intersections::self_intersecting_faces;
+use crate::spatial::self_intersections::{faces_passing_along_edges, self_intersecting_faces};
 use crate::surface::feature_curves::Curves;
 use crate::surface::features::{Features, sharp_sides};
 use glam::DVec3;
@@ -371,9 +371,17 @@ impl Domain {
         self.sample(side / 3, weights)
     }
 
-    /// The triangles that cross or touch another one where they are not joined.
+    /// The triangles that pass through others, pair by pair or with an edge that lies in one, in increasing order.
     pub fn self_intersections(&self) -> Vec<u32> {
-        self_intersecting_faces(&self.mesh, &self.bvh)
+        let across = |side: u32| match self.twin[side as usize] {
+            NONE => self.across[side as usize],
+            twin => twin,
+        };
+        let mut faces = self_intersecting_faces(&self.mesh, &self.bvh);
+        faces.extend(faces_passing_along_edges(&self.mesh, across, &self.bvh));
+        faces.sort_unstable();
+        faces.dedup();
+        faces
     }
 
     /// The loops of the boundary, and of sharp edges, each as the sides `3 t + k` along it with the surface on their
