@@ -84,7 +84,7 @@ fn is_across_wall(mesh: &Manifold, h: u32) -> bool {
         });
         areas.sum::<DVec3>().normalize_or_zero()
     };
-    c.is_on_curve(a) && c.is_on_curve(b) && normal(a, b).dot(normal(b, a)) < OPPOSITE
+    c.is_on_curve(a) && c.is_on_curve(b) && !c.is_curve_edge(h) && normal(a, b).dot(normal(b, a)) < OPPOSITE
 }
 
 /// By how many degrees the small angles around grow if the origin of `h` merges into its target; `None` if it must not.
@@ -121,8 +121,10 @@ fn bend_curve(mesh: &mut Manifold, t: u32, spacing: f64) -> bool {
         return false;
     }
     let bottom = c.apex(c.twin(h));
-    let sum = |pair: [[u32; 3]; 2]| pair.map(|corners| deficit(mesh, corners)).iter().sum::<f64>();
-    let gain = sum([[a, b, top], [b, a, bottom]]) - sum([[top, a, bottom], [bottom, b, top]]);
+    let smallest = |pair: [[u32; 3]; 2]| {
+        pair.map(|corners| smallest_angle(corners.map(|v| mesh.position(v)))).into_iter().fold(180.0, f64::min)
+    };
+    let gain = smallest([[top, a, bottom], [bottom, b, top]]) - smallest([[a, b, top], [b, a, bottom]]);
     if gain < LEAST_GAIN || !mesh.flip_keeps_facing(h, FacingGuard::SOUND) {
         return false;
     }
@@ -177,6 +179,20 @@ mod tests {
         let on_curves: f64 =
             mesh.edges().filter(|&h| mesh.connectivity.is_curve_edge(h)).map(|h| mesh.length_squared(h).sqrt()).sum();
         assert!((8.0..16.0).contains(&on_curves), "{on_curves}");
+    }
+
+    #[test]
+    fn curves_that_run_together_become_one() {
+        let corners = [[0.0, 0.0], [1.0, 0.0], [0.5, 1e-9], [0.5, -0.9]].map(|[x, y]| dvec3(x, y, 0.0));
+        let mut mesh = flat(&corners, &[[0, 1, 2], [1, 0, 3]]);
+        mesh.mark_curves(
+            &[([0, 1], OnCurve::Curve(0)), ([0, 2], OnCurve::Curve(1)), ([2, 1], OnCurve::Curve(1))],
+            [0, 1],
+        );
+        remove_slivers(&mut mesh, 1.0);
+        assert!(smallest(&mesh) > SMALLEST && mesh.triangles().count() == 2);
+        let on_curves = |v: u32| mesh.connectivity.outgoing(v).filter(|&h| mesh.connectivity.is_curve_edge(h)).count();
+        assert!(mesh.connectivity.is_corner(2) && on_curves(3) == 0);
     }
 
     #[test]

@@ -69,11 +69,8 @@ impl Connectivity {
     /// Whether the curve along the edge of `h` can run through the corner across, which lies on a curve, too: the edge is
     /// flipped then.
     pub fn can_bend(&self, h: u32) -> bool {
-        let is_free = |side: u32| !self.is_curve_edge(side);
         matches!(self.curve(h), OnCurve::Curve(_))
             && self.has_twin(h)
-            && is_free(next(h))
-            && is_free(prev(h))
             && self.apex(h) != self.apex(self.twin(h))
             && !self.are_adjacent(self.apex(h), self.apex(self.twin(h)))
     }
@@ -84,8 +81,11 @@ impl Connectivity {
         let [a, b, top] = self.triangle(h);
         let curve = self.curve(h);
         self.both_sides(h).for_each(|side| self.curve[side as usize] = OnCurve::No);
-        self.mark_on_curve(a, top, curve);
-        self.mark_on_curve(top, b, curve);
+        for (from, to, side) in [(a, top, prev(h)), (top, b, next(h))] {
+            if !self.is_curve_edge(side) {
+                self.mark_on_curve(from, to, curve);
+            }
+        }
         self.put_on_curve(top, OnCurve::Corner);
         self.flip(h);
     }
