@@ -35,7 +35,7 @@ use crate::optimize::relax::{Flips, relax};
 use crate::spatial::self_intersections::self_intersections;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
-use probes::{Probe, Probes, distance};
+use probes::{Probe, Probes, distance, is_nearer};
 use rayon::prelude::*;
 
 /// Rounds over the places of large error: reducing one may leave another beside it the largest.
@@ -182,10 +182,24 @@ impl Task<'_> {
     fn places(&self, faces: &Faces, fitted: &Fitted) -> Vec<Place> {
         let triangles = (0..self.domain.mesh.triangles.len() as u32).into_par_iter().with_min_len(CHUNK);
         let at_vertices = fitted.vertices.par_iter().with_min_len(CHUNK).map(|&v| Probe::at_vertex(self.domain, v));
-        let inside = triangles.flat_map_iter(|t| Probe::inside(self.domain, t, self.spacing));
-        let of_surface = at_vertices.chain(inside).filter_map(|probe| self.place_of_probe(faces, probe));
+        let at_vertices = at_vertices.filter_map(|probe| self.place_of_probe(faces, probe));
+        let inside = triangles.flat_map_iter(|t| self.places_inside(faces, t));
         let of_mesh = fitted.triangles.par_iter().filter_map(|&t| self.place_of_triangle(faces, t));
-        of_surface.chain(of_mesh).collect()
+        at_vertices.chain(inside).chain(of_mesh).collect()
+    }
+
+    /// The places of large error inside of triangle `t` of the surface. What is near to one probe mostly is to the next, and no
+    /// search is needed then.
+    fn places_inside(&self, faces: &Faces, t: u32) -> impl Iterator<Item = Place> {
+        let mut last = None;
+        Probe::inside(self.domain, t, self.spacing).filter_map(move |probe| {
+            if last.is_some_and(|face| is_nearer(faces, face, &probe, self.least)) {
+                return None;
+            }
+            let found = self.closest_to(faces, &probe)?;
+            last = Some(found.1);
+            self.place_at(faces, probe, found)
+        })
     }
 
     /// The place where the point of triangle `t` of the mesh farthest from the surface is closest to it.
@@ -213,7 +227,15 @@ impl Task<'_> {
     }
 
     fn place_of_probe(&self, faces: &Faces, probe: Probe) -> Option<Place> {
-        let (distance, triangle) = distance(faces, &probe, self.least, BEYOND * self.spacing)?;
+        self.place_at(faces, probe, self.closest_to(faces, &probe)?)
+    }
+
+    /// The distance to the closest face that looks the way of `probe`, or any that is not large, and the number of that face.
+    fn closest_to(&self, faces: &Faces, probe: &Probe) -> Option<(f64, u32)> {
+        distance(faces, probe, self.least, BEYOND * self.spacing)
+    }
+
+    fn place_at(&self, faces: &Faces, probe: Probe, (distance, triangle): (f64, u32)) -> Option<Place> {
         let is_large = distance >= self.least && !faces.any_within(probe.position, HIDDEN * self.least);
         is_large.then_some(Place { probe, distance, triangle })
     }

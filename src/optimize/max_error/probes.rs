@@ -1,6 +1,7 @@
 //! Points of the surface at which its distance to the mesh is measured: its vertices, and points inside of large
 //! triangles.
 
+use crate::geom::triangle::closest_point;
 use crate::manifold::faces::Faces;
 use crate::optimize::quadrature::{POINTS, point};
 use crate::surface::domain::Domain;
@@ -66,4 +67,13 @@ impl Probes {
 pub(super) fn distance(faces: &Faces, probe: &Probe, near: f64, most: f64) -> Option<(f64, u32)> {
     let hit = faces.closest_facing(probe.position, probe.normal, near * near..most * most)?;
     Some((hit.distance_squared.sqrt(), hit.triangle))
+}
+
+/// Whether face `t` looks the way of `probe` and is nearer to it than `distance`.
+pub(super) fn is_nearer(faces: &Faces, t: u32, probe: &Probe, distance: f64) -> bool {
+    faces.corners(t).is_some_and(|corners| {
+        let [a, b, c] = corners;
+        let looks_its_way = (b - a).cross(c - a).dot(probe.normal) > 0.0;
+        looks_its_way && closest_point(probe.position, corners).distance(probe.position) < distance
+    })
 }
