@@ -56,20 +56,24 @@ pub fn indispensable(mesh: &Manifold, kept: &VertexSet) -> VertexSet {
 }
 
 /// Adds the vertices of `mesh` around self-intersections of `coarse` to `kept`: the surface is a wall there that is too
-/// thin for such large faces. Returns whether there are any.
+/// thin for such large faces. Returns whether any were not in it: with the same ones the coarse mesh would be the same.
 pub fn keep_at_self_intersections(kept: &mut VertexSet, mesh: &Manifold, coarse: &Manifold, spacing: f64) -> bool {
     let coarse = coarse.to_mesh();
     let crossing = self_intersections(&coarse);
     if crossing.is_empty() {
         return false;
     }
+    let mut any_new = false;
     let positions: Vec<DVec3> = mesh.samples.iter().map(|s| s.position).collect();
     let neighbors = Neighbors::new(&positions);
     for p in crossing.into_iter().flat_map(|t| coarse.corners(t as usize)) {
         let near = neighbors.within(p, CLEARANCE * spacing).into_iter().map(|n| n.point);
-        near.filter(|&v| mesh.connectivity.has_vertex(v)).for_each(|v| kept.insert(v));
+        for v in near.filter(|&v| mesh.connectivity.has_vertex(v)) {
+            any_new |= !kept.contains(v);
+            kept.insert(v);
+        }
     }
-    true
+    any_new
 }
 
 /// Collapses vertices so near to an edge of the interface that they see it at an obtuse angle. Nothing there can flip or
