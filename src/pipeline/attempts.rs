@@ -2,10 +2,10 @@
 //!
 //! Three things go wrong, and each has its remedy. Samples on sharp edges that are too few leave patches that do not fit
 //! together: there are more of them in the next attempt, and at last the sharp edges are smoothed over. Samples of the two
-//! sides of a thin wall come together such that triangles intersect: others are drawn. A result that is not sound even so
-//! is made again, finer where it went wrong.
+//! sides of a thin wall come together such that triangles intersect: others are drawn there. A result that is not sound even
+//! so is made again, finer where it went wrong.
 
-/// Runs up to a whole result, and times that the surface is sampled in each for a mesh that does not intersect itself.
+/// Runs up to a whole result, and times that samples are drawn in each for a mesh that does not intersect itself.
 pub(super) const MOST_RUNS: u64 = 4;
 const MOST_SAMPLINGS: u64 = 4;
 
@@ -43,7 +43,7 @@ pub(super) struct Attempt {
 pub(super) enum Step {
     /// Go on with the best so far.
     Continue,
-    /// Draw others for the same sharp edges: the best of them counts.
+    /// Draw others for the same sharp edges where triangles intersect: the best triangulation counts.
     Resample,
     /// Draw others, sharp edges being treated in another way: what was before does not count.
     Restart,

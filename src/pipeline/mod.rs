@@ -15,6 +15,7 @@ mod options;
 mod origins;
 mod prepared;
 mod reconstruct;
+mod redraw;
 mod remesh;
 mod result;
 mod sample;

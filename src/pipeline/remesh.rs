@@ -20,6 +20,7 @@ use crate::pipeline::optimization::optimize;
 use crate::pipeline::options::{Grading, Options};
 use crate::pipeline::origins::origins;
 use crate::pipeline::prepared::PreparedInput;
+use crate::pipeline::redraw::drawn_anew_around;
 use crate::pipeline::result::{Deviation, Remeshed, has_kind, notes};
 use crate::pipeline::scale::CANDIDATES_PER_POINT;
 use crate::pipeline::sized::SizedSurface;
@@ -30,6 +31,7 @@ use crate::spatial::self_intersections::{Inherited, self_intersections};
 use crate::spectral::candidates::candidates;
 use crate::spectral::curve_samples::sample_curves;
 use crate::spectral::scan::linear_scan;
+use crate::surface::domain::Sample;
 use crate::surface::narrow_patches::LeftOut;
 use crate::triangulate::chords::part_chords;
 use crate::triangulate::rims::straighten_rims;
@@ -144,7 +146,7 @@ fn triangulated(
         if attempts.current().curve_density.is_none() && surface.domain.sharp_curves() > 0 {
             surface = surface.smooth();
         }
-        let triangulation = Triangulation::new(&surface, attempts.current(), monitor)?;
+        let triangulation = Triangulation::new(&surface, attempts.current(), best.as_ref(), monitor)?;
         if best.as_ref().is_none_or(|best| triangulation.score < best.score) {
             best = Some(triangulation);
         }
@@ -160,21 +162,38 @@ fn triangulated(
 
 /// Samples of a surface, triangulated.
 struct Triangulation {
+    /// The samples, those on curves first.
+    samples: Vec<Sample>,
     mesh: Manifold,
     /// Smooth patches that were tessellated from the input as a whole.
     tessellated_patches: usize,
+    /// The corners of the triangles that intersect others.
+    crossing: Vec<[DVec3; 3]>,
     score: Score,
 }
 
 impl Triangulation {
-    /// That of an attempt at `surface`.
-    fn new(surface: &SizedSurface, attempt: Attempt, monitor: &dyn Monitor) -> Result<Triangulation> {
+    /// That of an attempt at `surface`: of the samples of `best`, the best before for the same sharp edges, where its triangles
+    /// do not intersect.
+    fn new(
+        surface: &SizedSurface,
+        attempt: Attempt,
+        best: Option<&Triangulation>,
+        monitor: &dyn Monitor,
+    ) -> Result<Triangulation> {
         let SizedSurface { domain, scale, .. } = surface;
         let seed = attempt.seed;
         let curves = sample_curves(domain, scale.curve_spacing(domain) / attempt.curve_density.unwrap_or(1.0));
-        let candidates = candidates(domain, CANDIDATES_PER_POINT * scale.wanted, seed);
-        let samples = linear_scan(domain, &candidates, &curves.samples, scale.sigma(), seed, monitor)?;
-        drop(candidates);
+        let on_curves = &curves.samples;
+        let samples = match best.filter(|best| !best.score.other_topology) {
+            Some(Triangulation { samples, crossing, .. }) => {
+                drawn_anew_around(crossing, samples, on_curves.len(), surface, seed, monitor)?
+            }
+            None => {
+                let candidates = candidates(domain, CANDIDATES_PER_POINT * scale.wanted, seed);
+                linear_scan(domain, &candidates, on_curves, scale.sigma(), seed, monitor)?
+            }
+        };
         monitor.stage("triangulate");
         let boundary = Boundary { sites: &curves.sites, successor: &curves.successor };
         let mut patches = triangulate(domain, &samples, boundary, scale.spacing, monitor)?;
@@ -192,8 +211,9 @@ impl Triangulation {
         let made = mesh.to_mesh();
         let kind = topology(made.positions.len(), &made.triangles);
         let other_topology = !fits || !has_kind(&kind, &surface.topology);
-        let score = Score { other_topology, self_intersections: self_intersections(&made).len(), slivers: 0 };
-        Ok(Triangulation { mesh, tessellated_patches, score })
+        let crossing: Vec<_> = self_intersections(&made).into_iter().map(|t| made.corners(t as usize)).collect();
+        let score = Score { other_topology, self_intersections: crossing.len(), slivers: 0 };
+        Ok(Triangulation { samples, mesh, tessellated_patches, crossing, score })
     }
 }
 

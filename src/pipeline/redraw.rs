@@ -1,0 +1,44 @@
+//! Other samples where a triangulation of the first ones intersects itself, and the same ones elsewhere.
+//!
+//! Whether the samples of the two sides of a thin wall come together is a matter of chance, at each place by itself. Were all
+//! samples drawn anew, what was good at one place would be lost for what is good at another.
+//!
+//! Cost: that of the candidates, and of a scan of those around the places.
+
+use crate::base::error::Result;
+use crate::base::monitor::Monitor;
+use crate::geom::triangle::longest_side;
+use crate::pipeline::scale::CANDIDATES_PER_POINT;
+use crate::pipeline::sized::SizedSurface;
+use crate::spectral::candidates::candidates;
+use crate::spectral::scan::linear_scan;
+use crate::surface::domain::Sample;
+use glam::DVec3;
+
+/// How far around a triangle that intersects another one samples are drawn anew, in lengths of its longest side.
+const AROUND: f64 = 3.0;
+
+/// `samples` with others around the triangles `crossing`, given by their corners; the first ones are those `on_curves`, which
+/// stay.
+pub(super) fn drawn_anew_around(
+    crossing: &[[DVec3; 3]],
+    samples: &[Sample],
+    on_curves: usize,
+    surface: &SizedSurface,
+    seed: u64,
+    monitor: &dyn Monitor,
+) -> Result<Vec<Sample>> {
+    let SizedSurface { domain, scale, .. } = surface;
+    let mut anew = vec![false; domain.mesh.triangles.len()];
+    for corners in crossing {
+        let middle = corners.iter().sum::<DVec3>() / 3.0;
+        let near = domain.triangles_near(middle, AROUND * longest_side(*corners));
+        near.into_iter().for_each(|t| anew[t as usize] = true);
+    }
+    let mut candidates = candidates(domain, CANDIDATES_PER_POINT * scale.wanted, seed);
+    candidates.retain(|candidate| anew[candidate.triangle as usize]);
+    let (of_curves, others) = samples.split_at(on_curves);
+    let stay = others.iter().filter(|sample| !anew[sample.triangle as usize]);
+    let fixed: Vec<Sample> = of_curves.iter().chain(stay).copied().collect();
+    linear_scan(domain, &candidates, &fixed, scale.sigma(), seed, monitor)
+}
