@@ -1,6 +1,7 @@
 //! Small geometry: what can be said about a few points without a mesh.
 
 pub mod aabb;
+pub mod crossing_segment;
 pub mod eigen;
 pub mod intersection;
 pub mod polygon;

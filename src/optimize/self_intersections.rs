@@ -1,13 +1,15 @@
 //! Resolves self-intersections of the mesh.
 //!
 //! They have two causes: sheets of the surface that are nearer to each other than the faces are to the surface, and folds
-//! at narrow rims, where one or two faces lie wrong. So there are two remedies, in turns.
+//! at narrow rims, where one or two faces lie wrong. So there are three remedies, in turns.
 //!
 //! - Sheets part: the corners of faces that intersect those of another sheet step away from that sheet along the normal,
 //!   outwards where there is a wall between the sheets and inwards where there is a gap, by shares of the distance
 //!   between face and surface. All step at once, since at a thin shell every face intersects many.
 //! - Single edges flip and single vertices move to where fewer faces intersect, of several such places to the one with the
 //!   best triangles.
+//! - Where neither helps, the corners move such that the segments which faces have in common become shorter, see
+//!   [`crate::optimize::shorten`].
 //!
 //! A turn that does not reduce the number of intersecting pairs is taken back, and is the last. Self-intersections of the
 //! input are left alone: the sheets belong there. The report counts those that are left.
@@ -21,14 +23,16 @@
 use crate::base::error::Result;
 use crate::base::math;
 use crate::base::monitor::{Monitor, check};
-use crate::geom::intersection::cross_deeper_than;
 use crate::geom::triangle::mean_ratio;
 use crate::manifold::Manifold;
-use crate::manifold::faces::Faces;
 use crate::manifold::facing::FacingGuard;
 use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{next, prev};
-use crate::spatial::self_intersections::{Inherited, faces_of};
+use crate::optimize::crossings::{
+    Corners, Crossings, LEAST_SHAPE, Surroundings, acceptable, fan, is_near_surface, longest_edge,
+};
+use crate::optimize::shorten::shorten_crossings;
+use crate::spatial::self_intersections::Inherited;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -41,17 +45,11 @@ const TURNS: usize = 6;
 const STEPS: usize = 6;
 const STEP: f64 = 0.35;
 
-/// How far a vertex may step away from its place on the surface, in lengths of its longest edge.
-const FARTHEST: f64 = 0.14;
-
 /// Distances, in lengths of the longest edge there, at which a vertex looks for a better place.
 const REACHES: [f64; 4] = [0.06, 0.12, 0.25, 0.5];
 
 /// Directions in which it looks.
 const DIRECTIONS: usize = 8;
-
-/// Least mean ratio of a triangle after a change, unless it was worse before.
-const LEAST_SHAPE: f64 = 0.25;
 
 /// Most faces treated one by one in a turn: where more intersect, only parting the sheets helps, if anything.
 const MOST_TREATED: usize = 150;
@@ -74,29 +72,6 @@ pub fn resolve_self_intersections<'a>(
     take_turns(domain, &inherited, mesh, monitor)
 }
 
-/// A snapshot of the faces of a mesh, and the pairs of them that intersect.
-struct Crossings {
-    faces: Faces,
-    pairs: Vec<(u32, u32)>,
-}
-
-impl Crossings {
-    /// All pairs.
-    fn new(mesh: &Manifold) -> Crossings {
-        let faces = Faces::new(mesh);
-        Crossings { pairs: faces.self_intersecting_pairs(), faces }
-    }
-
-    /// The pairs at places where the input has no self-intersection.
-    fn avoidable(inherited: &Inherited, mesh: &Manifold) -> Crossings {
-        let mut crossings = Crossings::new(mesh);
-        let crossing = faces_of(crossings.pairs.clone()).into_iter();
-        let need_not: BTreeMap<u32, bool> = crossing.map(|t| (t, !inherited.is_near(mesh.corners(t)))).collect();
-        crossings.pairs.retain(|(t, u)| need_not[t] || need_not[u]);
-        crossings
-    }
-}
-
 /// Parts sheets and treats single faces in turns, as long as the number of intersecting pairs falls.
 fn take_turns(domain: &Domain, inherited: &Inherited, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<()> {
     let mut crossings = Crossings::avoidable(inherited, mesh);
@@ -109,6 +84,10 @@ fn take_turns(domain: &Domain, inherited: &Inherited, mesh: &mut Manifold, monit
         crossings = part_sheets(domain, inherited, mesh, crossings);
         treat_faces(domain, mesh, crossings);
         crossings = Crossings::avoidable(inherited, mesh);
+        if crossings.pairs.len() <= MOST_TREATED {
+            shorten_crossings(domain, inherited, mesh, crossings);
+            crossings = Crossings::avoidable(inherited, mesh);
+        }
         if crossings.pairs.len() >= left {
             *mesh = before;
             break;
@@ -202,21 +181,10 @@ fn step_off(domain: &Domain, mesh: &mut Manifold, v: u32, way: DVec3) -> bool {
     may
 }
 
-/// Whether `there` is a place for `v` that is not too far from the surface.
-fn is_near_surface(domain: &Domain, mesh: &Manifold, v: u32, there: &Sample) -> bool {
-    let own = domain.project(there.position, there.normal, there.triangle).position;
-    own.distance(there.position) <= FARTHEST * longest_edge(mesh, v)
-}
-
-fn longest_edge(mesh: &Manifold, v: u32) -> f64 {
-    let here = mesh.position(v);
-    mesh.connectivity.ring(v).map(|w| mesh.position(w).distance(here)).fold(0.0, f64::max)
-}
-
 /// Flips edges and moves vertices of faces that cross, one by one, where that leaves fewer crossings.
 fn treat_faces(domain: &Domain, mesh: &mut Manifold, Crossings { faces, pairs }: Crossings) {
     let crossing: BTreeSet<u32> = pairs.iter().flat_map(|&(t, u)| [t, u]).collect();
-    let mut around = Surroundings { depth: faces.depth_of_contact(), faces, changed: BTreeSet::new() };
+    let mut around = Surroundings::new(faces);
     for face in crossing.into_iter().take(MOST_TREATED) {
         let h = 3 * face;
         for side in [h, next(h), prev(h)] {
@@ -228,39 +196,7 @@ fn treat_faces(domain: &Domain, mesh: &mut Manifold, Crossings { faces, pairs }:
     }
 }
 
-/// The faces of a mesh that changes: a snapshot, and those that have changed since.
-struct Surroundings {
-    faces: Faces,
-    changed: BTreeSet<u32>,
-    /// Up to which faces touch.
-    depth: f64,
-}
-
-type Corners = [DVec3; 3];
-
 impl Surroundings {
-    /// How many pairs of faces would cross, of those that `new` is in, if it were there in place of the faces `old`.
-    fn count(&self, mesh: &Manifold, new: &[Corners], old: &[u32]) -> usize {
-        let among: usize = (1..new.len()).map(|i| new[..i].iter().filter(|&&t| self.cross(t, new[i])).count()).sum();
-        among + new.iter().map(|&t| self.count_of(mesh, t, old)).sum::<usize>()
-    }
-
-    fn cross(&self, a: Corners, b: Corners) -> bool {
-        cross_deeper_than(self.depth, a, b)
-    }
-
-    /// How many faces, those of `old` left out, cross a triangle.
-    fn count_of(&self, mesh: &Manifold, triangle: Corners, old: &[u32]) -> usize {
-        let [a, b, c] = triangle;
-        let mut count = 0;
-        self.faces.in_box(a.min(b).min(c), a.max(b).max(c), |t, corners| {
-            let stays = !old.contains(&t) && !self.changed.contains(&t);
-            count += usize::from(stays && self.cross(triangle, corners));
-        });
-        let changed = self.changed.iter().filter(|t| !old.contains(t));
-        count + changed.filter(|&&t| self.cross(triangle, mesh.corners(t))).count()
-    }
-
     fn flip_if_fewer(&mut self, mesh: &mut Manifold, h: u32) {
         if !mesh.connectivity.can_flip(h) || !mesh.flip_keeps_facing(h, FacingGuard::SOUND) {
             return;
@@ -307,22 +243,6 @@ impl Surroundings {
             }
         }
     }
-}
-
-/// The triangles around `v` if it were at `there`.
-fn fan(mesh: &Manifold, v: u32, there: DVec3) -> Vec<Corners> {
-    let triangle = |h: u32| {
-        let [_, p, q] = mesh.connectivity.triangle(h);
-        [there, mesh.position(p), mesh.position(q)]
-    };
-    mesh.connectivity.outgoing(v).map(triangle).collect()
-}
-
-/// Whether the triangles around `v` are no worse, or good enough, with `v` at `there`.
-fn acceptable(mesh: &Manifold, v: u32, there: &Sample) -> bool {
-    let shape = |p: DVec3| fan(mesh, v, p).into_iter().map(mean_ratio).fold(1.0, f64::min);
-    mesh.move_keeps_facing(v, there, FacingGuard::SOUND)
-        && shape(there.position) >= shape(mesh.position(v)).min(LEAST_SHAPE)
 }
 
 /// Places around `v` at a distance: on the surface, and a little above and below it; along the curve of a vertex on one.

@@ -385,7 +385,7 @@ fn remeshed(
     }
     if finished.run > 1 && result.is_sound() {
         result.notes.push(format!(
-            "attempt {} of {MOST_RUNS}: it is finer where triangles of those before it intersected",
+            "attempt {} of {MOST_RUNS}: it is finer where triangles of those before it intersected or were slivers",
             finished.run
         ));
     }

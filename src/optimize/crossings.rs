@@ -1,0 +1,115 @@
+//! The faces of a mesh that cross, while the mesh changes: which do, which would, and how far vertices may go for it.
+
+use crate::geom::intersection::cross_deeper_than;
+use crate::geom::triangle::mean_ratio;
+use crate::manifold::Manifold;
+use crate::manifold::faces::Faces;
+use crate::manifold::facing::FacingGuard;
+use crate::spatial::self_intersections::{Inherited, faces_of};
+use crate::surface::domain::{Domain, Sample};
+use glam::DVec3;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// How far a vertex may step away from its place on the surface, in lengths of its longest edge.
+pub(super) const FARTHEST: f64 = 0.14;
+
+/// Least mean ratio of a triangle after a change, unless it was worse before.
+pub(super) const LEAST_SHAPE: f64 = 0.25;
+
+/// The corners of a face.
+pub(super) type Corners = [DVec3; 3];
+
+/// A snapshot of the faces of a mesh, and the pairs of them that intersect.
+pub(super) struct Crossings {
+    pub faces: Faces,
+    pub pairs: Vec<(u32, u32)>,
+}
+
+impl Crossings {
+    /// All pairs.
+    pub fn new(mesh: &Manifold) -> Crossings {
+        let faces = Faces::new(mesh);
+        Crossings { pairs: faces.self_intersecting_pairs(), faces }
+    }
+
+    /// The pairs at places where the input has no self-intersection.
+    pub fn avoidable(inherited: &Inherited, mesh: &Manifold) -> Crossings {
+        let mut crossings = Crossings::new(mesh);
+        let crossing = faces_of(crossings.pairs.clone()).into_iter();
+        let need_not: BTreeMap<u32, bool> = crossing.map(|t| (t, !inherited.is_near(mesh.corners(t)))).collect();
+        crossings.pairs.retain(|(t, u)| need_not[t] || need_not[u]);
+        crossings
+    }
+}
+
+/// The faces of a mesh that changes: a snapshot, and those that have changed since.
+pub(super) struct Surroundings {
+    faces: Faces,
+    pub changed: BTreeSet<u32>,
+    /// Up to which faces touch.
+    depth: f64,
+}
+
+impl Surroundings {
+    /// Those of a mesh that has not changed.
+    pub fn new(faces: Faces) -> Surroundings {
+        Surroundings { depth: faces.depth_of_contact(), faces, changed: BTreeSet::new() }
+    }
+
+    /// How many pairs of faces would cross, of those that `new` is in, if it were there in place of the faces `old`.
+    pub fn count(&self, mesh: &Manifold, new: &[Corners], old: &[u32]) -> usize {
+        let among: usize = (1..new.len()).map(|i| new[..i].iter().filter(|&&t| self.cross(t, new[i])).count()).sum();
+        let mut count = among;
+        for &corners in new {
+            self.each_across(mesh, corners, |t, _| count += usize::from(!old.contains(&t)));
+        }
+        count
+    }
+
+    /// Calls `visit` with each face that crosses a triangle, and its corners.
+    pub fn each_across(&self, mesh: &Manifold, triangle: Corners, mut visit: impl FnMut(u32, Corners)) {
+        let [a, b, c] = triangle;
+        self.faces.in_box(a.min(b).min(c), a.max(b).max(c), |t, corners| {
+            if !self.changed.contains(&t) && self.cross(triangle, corners) {
+                visit(t, corners);
+            }
+        });
+        for (&t, corners) in self.changed.iter().map(|t| (t, mesh.corners(*t))) {
+            if self.cross(triangle, corners) {
+                visit(t, corners);
+            }
+        }
+    }
+
+    fn cross(&self, a: Corners, b: Corners) -> bool {
+        cross_deeper_than(self.depth, a, b)
+    }
+}
+
+/// The triangles around `v` if it were at `there`.
+pub(super) fn fan(mesh: &Manifold, v: u32, there: DVec3) -> Vec<Corners> {
+    let triangle = |h: u32| {
+        let [_, p, q] = mesh.connectivity.triangle(h);
+        [there, mesh.position(p), mesh.position(q)]
+    };
+    mesh.connectivity.outgoing(v).map(triangle).collect()
+}
+
+/// Whether the triangles around `v` are no worse, or good enough, with `v` at `there`.
+pub(super) fn acceptable(mesh: &Manifold, v: u32, there: &Sample) -> bool {
+    let shapes = |p: DVec3| fan(mesh, v, p).into_iter().map(mean_ratio);
+    mesh.move_keeps_facing(v, there, FacingGuard::SOUND)
+        && shapes(there.position).zip(shapes(mesh.position(v))).all(|(after, before)| after >= before.min(LEAST_SHAPE))
+}
+
+/// Whether `there` is a place for `v` that is not too far from the surface.
+pub(super) fn is_near_surface(domain: &Domain, mesh: &Manifold, v: u32, there: &Sample) -> bool {
+    let own = domain.project(there.position, there.normal, there.triangle).position;
+    own.distance(there.position) <= FARTHEST * longest_edge(mesh, v)
+}
+
+/// The length of the longest edge at `v`.
+pub(super) fn longest_edge(mesh: &Manifold, v: u32) -> f64 {
+    let here = mesh.position(v);
+    mesh.connectivity.ring(v).map(|w| mesh.position(w).distance(here)).fold(0.0, f64::max)
+}
