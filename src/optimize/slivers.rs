@@ -7,6 +7,7 @@
 //!
 //! Cost: linear in the triangles for each pass, and a look at those around each sliver.
 
+use crate::base::math;
 use crate::geom::triangle::{area, smallest_angle};
 use crate::manifold::Manifold;
 use crate::manifold::facing::FacingGuard;
@@ -25,7 +26,8 @@ const FARTHEST_OF_WALL: f64 = 0.1;
 /// Cosine between the sides of a wall: 120 degrees.
 const OPPOSITE: f64 = -0.5;
 
-/// Degrees by which the angles below the smallest have to grow, all in all.
+/// Degrees by which the angles below the smallest have to grow, all in all; where a curve bends, the squares of what they
+/// lack count, so that two small angles are better than none and one that is good.
 const LEAST_GAIN: f64 = 1.0;
 
 /// Passes at most: a sliver may come free once another one is gone.
@@ -121,11 +123,9 @@ fn bend_curve(mesh: &mut Manifold, t: u32, spacing: f64) -> bool {
         return false;
     }
     let bottom = c.apex(c.twin(h));
-    let smallest = |pair: [[u32; 3]; 2]| {
-        pair.map(|corners| smallest_angle(corners.map(|v| mesh.position(v)))).into_iter().fold(180.0, f64::min)
-    };
-    let gain = smallest([[top, a, bottom], [bottom, b, top]]) - smallest([[a, b, top], [b, a, bottom]]);
-    if gain < LEAST_GAIN || !mesh.flip_keeps_facing(h, FacingGuard::SOUND) {
+    let sum = |pair: [[u32; 3]; 2]| pair.map(|corners| math::square(deficit(mesh, corners))).iter().sum::<f64>();
+    let gain = sum([[a, b, top], [b, a, bottom]]) - sum([[top, a, bottom], [bottom, b, top]]);
+    if gain < SMALLEST * LEAST_GAIN || !mesh.flip_keeps_facing(h, FacingGuard::SOUND) {
         return false;
     }
     mesh.connectivity.bend(h);

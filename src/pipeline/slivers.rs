@@ -1,17 +1,20 @@
 //! The small angles of a result, but for those that two feature curves force by meeting there; and its slivers, triangles with
 //! an angle so small that whoever computes with them fails.
 
-use crate::geom::triangle::angles;
+use crate::geom::triangle::{angles, smallest_angle};
 use crate::manifold::Manifold;
 use crate::mesh::half_edge::prev;
 
 /// Angle in degrees below which a triangle is a sliver.
 pub(super) const SLIVER: f64 = 1.0;
 
-/// The triangles of `mesh`, by their place among its triangles, with an angle below [`SLIVER`] that no two feature curves
-/// force by meeting there.
+/// Angle in degrees below which a triangle has no area, whatever forces it.
+const NO_AREA: f64 = 0.01;
+
+/// The triangles of `mesh`, by their place among its triangles, without area or with an angle below [`SLIVER`] that no two
+/// feature curves force by meeting there.
 pub(super) fn slivers(mesh: &Manifold) -> Vec<u32> {
-    let is_sliver = |t: u32| smallest_unforced_angle_of(mesh, t) < SLIVER;
+    let is_sliver = |t: u32| smallest_unforced_angle_of(mesh, t) < SLIVER || smallest_angle(mesh.corners(t)) < NO_AREA;
     (0..).zip(mesh.triangles()).filter(|(_, t)| is_sliver(*t)).map(|(place, _)| place).collect()
 }
 

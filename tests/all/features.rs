@@ -317,9 +317,9 @@ fn prism(outline: &[[f64; 2]], bottom: f64, top: f64) -> Mesh {
 
 #[test]
 fn a_chamfer_that_parts_a_wall_stays_however_narrow() {
-    // A hollow block: without its chamfer, a twentieth of the spacing wide, the outer face would cut off an edge of the cavity.
+    // A hollow block: without its chamfer, a twelfth of the spacing wide, the outer face would cut off an edge of the cavity.
     let block = prism(&[[0., 0.], [10., 0.], [10., 10.], [0.05, 10.], [0., 9.95]], 0.0, 10.0);
-    let cavity = prism(&[[0.03, 5.], [5., 5.], [5., 9.9], [0.03, 9.9]], 1.0, 9.0);
-    let made = check(&together(&[block, inside_out(cavity)]), 800);
+    let cavity = prism(&[[0.02, 5.], [5., 5.], [5., 9.93], [0.02, 9.93]], 1.0, 9.0);
+    let made = check(&together(&[block, inside_out(cavity)]), 1500);
     assert_eq!(made.left_out.patches, 0);
 }
