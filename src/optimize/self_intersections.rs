@@ -9,7 +9,7 @@
 //! - Single edges flip and single vertices move to where fewer faces intersect, of several such places to the one with the
 //!   best triangles.
 //! - Where neither helps, the corners move such that the segments which faces have in common become shorter, see
-//!   [`crate::optimize::shorten`].
+//!   `optimize/shorten.rs`.
 //!
 //! A turn that does not reduce the number of intersecting pairs is taken back, and is the last. Self-intersections of the
 //! input are left alone: the sheets belong there. The report counts those that are left.
