@@ -110,21 +110,20 @@ fn shorten(
     mut cluster: BTreeSet<u32>,
 ) {
     for _ in 0..STEPS {
-        let stars = stars(mesh, cluster.iter().flat_map(|&t| mesh.connectivity.triangle(3 * t)));
-        let now = Common::of(&stars, inherited, mesh, around);
+        let corners: BTreeSet<u32> = cluster.iter().flat_map(|&t| mesh.connectivity.triangle(3 * t)).collect();
+        let stars: BTreeSet<u32> = corners.iter().flat_map(|&v| mesh.connectivity.outgoing(v)).map(|h| h / 3).collect();
+        let mut now = Common::of(&stars, inherited, mesh, around);
+        now.gradient.retain(|v, _| corners.contains(v));
         if now.gradient.is_empty() {
             break;
         }
-        let moving = self::stars(mesh, now.gradient.keys().copied());
-        let all = &stars | &moving;
-        let before = Common::of(&all, inherited, mesh, around).length;
         let here: Vec<(u32, Sample)> = now.gradient.keys().map(|&v| (v, mesh.samples[v as usize])).collect();
-        let unchanged: Vec<u32> = moving.difference(&around.changed).copied().collect();
+        let unchanged: Vec<u32> = stars.difference(&around.changed).copied().collect();
         around.changed.extend(&unchanged);
         let shorter = SHARES.into_iter().find_map(|share| {
             step(domain, mesh, &now, share);
-            let after = Common::of(&all, inherited, mesh, around);
-            if after.length < LEAST_PROGRESS * before {
+            let after = Common::of(&stars, inherited, mesh, around);
+            if after.length < LEAST_PROGRESS * now.length {
                 return Some(after);
             }
             here.iter().for_each(|&(v, sample)| mesh.samples[v as usize] = sample);
@@ -138,12 +137,6 @@ fn shorten(
             }
         }
     }
-}
-
-/// The faces around vertices.
-fn stars(mesh: &Manifold, vertices: impl Iterator<Item = u32>) -> BTreeSet<u32> {
-    let vertices: BTreeSet<u32> = vertices.collect();
-    vertices.into_iter().flat_map(|v| mesh.connectivity.outgoing(v)).map(|h| h / 3).collect()
 }
 
 /// Moves the vertices by a share of the step at whose end the length would be zero, were it linear; each as far as it may.
