@@ -20,10 +20,13 @@ use crate::prepare::bend::Split;
 use crate::surface::domain::Domain;
 use crate::surface::features::sharp_sides;
 use crate::surface::narrow_patches::{LeftOut, leave_out_narrow, samples_on};
-use crate::surface::sizing::{adapted_sizes, sizes_between_curves};
+use crate::surface::sizing::{adapted_sizes, sizes_between_curves, sizes_with_whole_rows};
 use glam::DVec3;
 use std::collections::HashSet;
 use std::sync::OnceLock;
+
+/// How often lengths that fit whole rows and the spacing are made to agree.
+const FITS_OF_ROWS: usize = 3;
 
 /// The domain of sampling, its scale, and the width of the kernel.
 pub(super) struct SizedSurface {
@@ -122,11 +125,24 @@ impl SizedSurface {
             self.scale = within.grade(&mut self.domain, density, &self.scale);
         } else if !matches!(options.grading, Grading::Kernel { .. }) {
             self.scale = with_curves(domain, self.scale, density);
+            if follows_curves && domain.sharp_curves() > 0 {
+                self.fit_rows(density);
+            }
         }
         if !matches!(options.grading, Grading::Kernel { .. }) {
             self.sigma = self.scale.sigma();
         }
         Ok(())
+    }
+
+    /// Changes the lengths between curves so that whole rows of triangles fit. That changes the spacing for the number of
+    /// vertices, and the other way round.
+    fn fit_rows(&mut self, density: Density) {
+        let before = self.domain.sizes();
+        for _ in 0..FITS_OF_ROWS {
+            self.domain.grade(sizes_with_whole_rows(&self.domain, &before, self.scale.spacing));
+            self.scale = with_curves(&self.domain, self.scale, density);
+        }
     }
 
     /// The same surface with its sharp edges smoothed over.

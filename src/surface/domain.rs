@@ -16,6 +16,7 @@ use crate::spatial::foot::Foot;
 use crate::spatial::self_intersections::{faces_passing_along_edges, self_intersecting_faces};
 use crate::surface::feature_curves::Curves;
 use crate::surface::features::{Features, sharp_sides};
+use crate::surface::turns::trusted_normal;
 use glam::DVec3;
 
 /// A point on a surface.
@@ -53,6 +54,8 @@ pub struct Domain {
     sizes: Vec<f64>,
     /// See [`Curves::new`].
     interface: Vec<[u32; 2]>,
+    /// That of the samples, in the units of the mesh; infinite if it was not given.
+    spacing: f64,
     pub(super) bvh: Bvh,
 }
 
@@ -106,7 +109,20 @@ impl Domain {
         let Cut { mesh, twin, across, original } = cut;
         let patch = components(mesh.positions.len(), &mesh.triangles);
         let sizes = Vec::new();
-        Domain { mesh, twin, across, original, provenance, patch, curves, vertex_normals, sizes, interface, bvh }
+        Domain {
+            mesh,
+            twin,
+            across,
+            original,
+            provenance,
+            patch,
+            curves,
+            vertex_normals,
+            sizes,
+            interface,
+            spacing,
+            bvh,
+        }
     }
 
     /// The values at its vertices of a function that is linear on each triangle, given at the vertices of what it came
@@ -218,14 +234,19 @@ impl Domain {
     }
 
     /// The normal at a point of triangle `t`: that of the vertices, interpolated, where it stays within 60 degrees of
-    /// the triangle's own; else the triangle's own (next to a sharp edge, or a spike).
+    /// the triangle's own; else the triangle's own (next to a sharp edge, or a spike), if that can be trusted.
     #[inline]
     fn normal(&self, t: u32, weights: [f64; 3]) -> DVec3 {
         let corners = self.mesh.triangles[t as usize];
         let smooth: DVec3 = (0..3).map(|k| weights[k] * self.vertex_normals[corners[k] as usize]).sum();
         let smooth = smooth.normalize_or_zero();
         let own = self.mesh.area_vector(t as usize);
-        if smooth.dot(own) >= 0.5 * own.length() { smooth } else { own.normalize_or_zero() }
+        let is_near = |own: DVec3| smooth.dot(own) >= 0.5 * own.length();
+        if is_near(own) {
+            return smooth;
+        }
+        let trusted = trusted_normal(&self.mesh, &self.twin, self.spacing, t);
+        if is_near(trusted) { smooth } else { trusted.normalize_or_zero() }
     }
 
     /// The unit normal at vertex `v`; zero where all its triangles are flat.

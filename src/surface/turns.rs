@@ -18,9 +18,10 @@ const NARROW: f64 = 0.05;
 /// Longest chain of narrow triangles that is followed to one that is not.
 const LONGEST_CHAIN: usize = 16;
 
-/// For each triangle a vector along its normal, or along that of the one across its longest side, and so on, if it is so
-/// narrow that its own cannot be trusted. Of two narrow ones whose longest side is the same it is that of both.
-fn trusted_normals(mesh: &Mesh, twin: &[u32], spacing: f64) -> Vec<DVec3> {
+/// A vector along the normal of triangle `first`, or along that of the one across its longest side, and so on, if it is so
+/// narrow, for samples at distance `spacing`, that its own cannot be trusted. Of two narrow ones whose longest side is the
+/// same it is that of both.
+pub(super) fn trusted_normal(mesh: &Mesh, twin: &[u32], spacing: f64, first: u32) -> DVec3 {
     let longest_side = |t: u32| {
         let length = |k: &u32| length(mesh, 3 * t + k);
         let k = (0..3).max_by(|j, k| length(j).total_cmp(&length(k)).then(k.cmp(j))).unwrap_or(0);
@@ -30,29 +31,27 @@ fn trusted_normals(mesh: &Mesh, twin: &[u32], spacing: f64) -> Vec<DVec3> {
         let (_, longest) = longest_side(t);
         mesh.area_vector(t as usize).length() < NARROW * longest * longest.min(spacing)
     };
-    let normal = |first: u32| {
-        let mut t = first;
-        for _ in 0..LONGEST_CHAIN {
-            let own = mesh.area_vector(t as usize);
-            let across = twin[longest_side(t).0 as usize];
-            if across == NONE || !is_narrow(t) {
-                return own;
-            }
-            let next = across / 3;
-            if longest_side(next).0 == across && is_narrow(next) {
-                return own + mesh.area_vector(next as usize);
-            }
-            t = next;
+    let mut t = first;
+    for _ in 0..LONGEST_CHAIN {
+        let own = mesh.area_vector(t as usize);
+        let across = twin[longest_side(t).0 as usize];
+        if across == NONE || !is_narrow(t) {
+            return own;
         }
-        mesh.area_vector(first as usize)
-    };
-    (0..mesh.triangles.len() as u32).into_par_iter().map(normal).collect()
+        let next = across / 3;
+        if longest_side(next).0 == across && is_narrow(next) {
+            return own + mesh.area_vector(next as usize);
+        }
+        t = next;
+    }
+    mesh.area_vector(first as usize)
 }
 
 /// The turn of the surface across each side, in degrees, negative where it is concave; zero at the boundary and next to
 /// triangles without area.
 pub(super) fn turns(mesh: &Mesh, twin: &[u32], spacing: f64) -> Vec<f64> {
-    let normals = trusted_normals(mesh, twin, spacing);
+    let trusted = |t: u32| trusted_normal(mesh, twin, spacing, t);
+    let normals: Vec<DVec3> = (0..mesh.triangles.len() as u32).into_par_iter().map(trusted).collect();
     let turn = |side: usize| {
         let across = twin[side];
         if across == NONE {

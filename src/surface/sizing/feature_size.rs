@@ -55,7 +55,7 @@ struct Along {
 }
 
 /// The sides of all curves as segments, each with its place on its loop.
-struct Sides {
+pub(super) struct Sides {
     segments: Mesh,
     bvh: Bvh,
     patch: Vec<u32>,
@@ -67,7 +67,7 @@ struct Sides {
 }
 
 impl Sides {
-    fn new(domain: &Domain) -> Sides {
+    pub fn new(domain: &Domain) -> Sides {
         let corner = |side: u32| domain.mesh.triangles[side as usize / 3][side as usize % 3];
         let position = |v: u32| domain.mesh.positions[v as usize];
         let (mut positions, mut patch, mut along) = (Vec::new(), Vec::new(), Vec::new());
@@ -94,21 +94,29 @@ impl Sides {
         Sides { bvh: Bvh::new(&segments), segments, patch, along, vertex, curves }
     }
 
+    pub fn count(&self) -> usize {
+        self.along.len()
+    }
+
+    /// The vertex of the domain that side `i` leaves.
+    pub fn vertex(&self, i: usize) -> u32 {
+        self.vertex[i]
+    }
+
+    /// How far what faces the begin of side `i` is, as the far side of a rim or not: infinite if it is not within `reach`.
+    pub fn distance_at(&self, domain: &Domain, i: usize, reach: f64, rim: bool) -> f64 {
+        let [here, ..] = self.segments.corners(i);
+        let faces = |j: u32| {
+            self.patch[j as usize] == self.patch[i] && self.turned_back(domain, here, i, j as usize) == Some(rim)
+        };
+        let hit = self.bvh.closest_where(&self.segments, here, reach * reach, faces);
+        hit.map_or(f64::INFINITY, |hit| hit.distance_squared.sqrt())
+    }
+
     /// The length that is wanted at the begin of side `i`: infinite if nothing is within `reach`.
     fn length_at(&self, domain: &Domain, i: usize, reach: f64) -> f64 {
-        let [here, ..] = self.segments.corners(i);
-        let mut nearest = f64::INFINITY;
-        for rim in [true, false] {
-            let turned_back = |j: u32| {
-                self.patch[j as usize] == self.patch[i]
-                    && self.turned_back(domain, here, i, j as usize).is_some_and(|at_rim| at_rim == rim)
-            };
-            let limit = if rim { reach } else { reach * ACROSS / ACROSS_RIM };
-            let hit = self.bvh.closest_where(&self.segments, here, limit * limit, turned_back);
-            let across = if rim { ACROSS_RIM } else { ACROSS };
-            nearest = hit.map_or(nearest, |hit| nearest.min(hit.distance_squared.sqrt() / across));
-        }
-        nearest
+        let across = self.distance_at(domain, i, reach * ACROSS / ACROSS_RIM, false) / ACROSS;
+        across.min(self.distance_at(domain, i, reach, true) / ACROSS_RIM)
     }
 
     /// Whether side `j` faces `here`, the begin of side `i` of the same patch, and then whether as the far side of a rim.

@@ -9,7 +9,7 @@ use crate::surface::sizing::gradation::limited;
 use crate::surface::sizing::graph::Graph;
 
 /// Largest gradient of the length. Nine CAD parts have worse triangles with 0.2, and need too many vertices with 0.1.
-const GRADIENT: f64 = 0.12;
+pub(super) const GRADIENT: f64 = 0.12;
 
 /// Shortest length, as a share of that elsewhere. The first of these with which the places take no more vertices than
 /// `MOST_DENSE` allows is taken.

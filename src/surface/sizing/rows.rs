@@ -1,0 +1,114 @@
+//! Edge lengths that fit a whole number of rows of triangles between feature curves.
+//!
+//! A strip of width w between two curves has room for equilateral triangles of side h if w = n √3/2 h with a whole number n of
+//! rows. For other lengths its triangles are squashed or drawn out, the more so the fewer rows there are. So the length on
+//! both curves becomes w / (n √3/2), with the n that changes it least, where few rows fit, and goes back to what it was with
+//! the gradient that lengths have between curves. Where one curve bounds two strips, the narrower one decides. A strip that
+//! widens has no number of rows.
+//!
+//! Cost: a search among the sides of curves for each vertex on them, and two passes of Dijkstra's algorithm.
+
+use crate::surface::domain::Domain;
+use crate::surface::sizing::feature_size::Sides;
+use crate::surface::sizing::gradation::limited;
+use crate::surface::sizing::graph::Graph;
+use crate::surface::sizing::room::GRADIENT;
+use rayon::prelude::*;
+
+/// Height of an equilateral triangle, in lengths of its sides.
+const HEIGHT: f64 = 0.866_025_403_784_438_6;
+
+/// Most rows that are made whole: with more of them a part of one changes little.
+const MOST_ROWS: f64 = 4.0;
+
+/// Most that the length changes by, as a factor: less than from one row to two, so that strips halfway stay as they are.
+const MOST_CHANGE: f64 = 1.25;
+
+/// Most that the width of a strip may differ from one vertex to the next, as a share of it.
+const UNEVEN: f64 = 0.02;
+
+/// `sizes`, relative to `spacing`, changed such that whole rows fit between curves.
+pub fn sizes_with_whole_rows(domain: &Domain, sizes: &[f64], spacing: f64) -> Vec<f64> {
+    let graph = Graph::whole(domain);
+    let widths = even_widths(domain, &graph, (MOST_ROWS + 1.0) * HEIGHT * spacing);
+    let in_lengths = widths.iter().zip(sizes).map(|(width, size)| width / spacing / size);
+    let wanted: Vec<f64> = in_lengths.zip(sizes).map(|(width, size)| size * change(width)).collect();
+    let slope = GRADIENT / spacing;
+    let raised = sizes.iter().zip(&wanted).map(|(size, wanted)| -size.max(*wanted)).collect();
+    let raised = limited(domain, &graph, raised, slope);
+    let lowered = raised.iter().zip(sizes.iter().zip(&wanted));
+    let lowered = lowered.map(|(raised, (size, wanted))| if wanted < size { *wanted } else { -raised }).collect();
+    limited(domain, &graph, lowered, slope)
+}
+
+/// The width of what lies beside each vertex of a domain that is on a curve, where it is as wide beside the next ones.
+/// Infinite elsewhere, and where no other curve is within `reach`.
+fn even_widths(domain: &Domain, graph: &Graph, reach: f64) -> Vec<f64> {
+    let sides = Sides::new(domain);
+    let at: Vec<f64> = (0..sides.count()).into_par_iter().map(|i| sides.distance_at(domain, i, reach, false)).collect();
+    let mut widths = vec![f64::INFINITY; domain.mesh.positions.len()];
+    for (i, width) in at.into_iter().enumerate() {
+        // Copies of a vertex have one length.
+        let v = domain.original[sides.vertex(i) as usize] as usize;
+        widths[v] = widths[v].min(width);
+    }
+    let is_even = |&v: &u32| {
+        let width = widths[v as usize];
+        let beside = graph.of(v).iter().map(|&w| widths[w as usize]).filter(|w| w.is_finite());
+        beside.clone().count() >= 2 && beside.into_iter().all(|w| (w - width).abs() <= UNEVEN * width)
+    };
+    domain.original.iter().map(|v| if is_even(v) { widths[*v as usize] } else { f64::INFINITY }).collect()
+}
+
+/// The factor by which the length changes in a strip of `width` lengths.
+fn change(width: f64) -> f64 {
+    let rows = width / HEIGHT;
+    if rows > MOST_ROWS + 0.5 {
+        return 1.0;
+    }
+    let fewer = rows.floor().max(1.0);
+    // √(n (n + 1)) rows are as far from n as from n + 1.
+    let whole = if rows > (fewer * (fewer + 1.0)).sqrt() { fewer + 1.0 } else { fewer };
+    let factor = rows / whole;
+    if (1.0 / MOST_CHANGE..=MOST_CHANGE).contains(&factor) { factor } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::grid;
+    use approx::assert_relative_eq;
+    use glam::dvec3;
+
+    #[test]
+    fn lengths_fit_the_next_whole_row() {
+        // Rows of the length before, and by what that becomes.
+        for (rows, whole) in [(0.9, 1.0), (1.2, 1.0), (1.9, 2.0), (2.1, 2.0), (3.8, 4.0)] {
+            assert_relative_eq!(change(rows * HEIGHT), rows / whole, epsilon = 1e-12);
+        }
+        // As far from one row as from two, less than one, and so many that they do not matter.
+        for rows in [1.4, 0.7, 5.3, f64::INFINITY] {
+            assert_eq!(change(rows * HEIGHT), 1.0, "{rows}");
+        }
+    }
+
+    #[test]
+    fn a_band_gets_whole_rows_and_one_that_widens_stays() {
+        let band = |slope: f64| {
+            let width = |u: f64| 1.0 + slope * u;
+            Domain::new(grid(200, 4, |u, v| dvec3(20.0 * u, width(u) * v, 0.0)).try_into().unwrap())
+        };
+        let rows = |domain: &Domain, spacing: f64| {
+            let sizes = sizes_with_whole_rows(domain, &domain.sizes(), spacing);
+            let at = |v: usize| domain.mesh.positions[v];
+            let middle =
+                (0..sizes.len()).filter(|&v| (at(v).x - 10.0).abs() < 1.0 && (at(v).y == 0.0 || at(v).y == 1.0));
+            middle.map(|v| 1.0 / (HEIGHT * spacing * sizes[v])).collect::<Vec<_>>()
+        };
+        let even = band(0.0);
+        for (spacing, whole) in [(0.52, 2.0), (0.62, 2.0), (0.36, 3.0)] {
+            assert!(rows(&even, spacing).iter().all(|n| (n - whole).abs() < 0.05), "{:?}", rows(&even, spacing));
+        }
+        assert_eq!(sizes_with_whole_rows(&band(1.0), &band(1.0).sizes(), 0.62), band(1.0).sizes());
+    }
+}
