@@ -96,19 +96,20 @@ mod tests {
     fn a_band_gets_whole_rows_and_one_that_widens_stays() {
         let band = |slope: f64| {
             let width = |u: f64| 1.0 + slope * u;
-            Domain::new(grid(200, 4, |u, v| dvec3(20.0 * u, width(u) * v, 0.0)).try_into().unwrap())
+            Domain::new(grid(20, 4, |u, v| dvec3(20.0 * u, width(u) * v, 0.0)).try_into().unwrap())
         };
         let rows = |domain: &Domain, spacing: f64| {
             let sizes = sizes_with_whole_rows(domain, &domain.sizes(), spacing);
             let at = |v: usize| domain.mesh.positions[v];
             let middle =
-                (0..sizes.len()).filter(|&v| (at(v).x - 10.0).abs() < 1.0 && (at(v).y == 0.0 || at(v).y == 1.0));
+                (0..sizes.len()).filter(|&v| (at(v).x - 10.0).abs() < 2.5 && (at(v).y == 0.0 || at(v).y == 1.0));
             middle.map(|v| 1.0 / (HEIGHT * spacing * sizes[v])).collect::<Vec<_>>()
         };
         let even = band(0.0);
         for (spacing, whole) in [(0.52, 2.0), (0.62, 2.0), (0.36, 3.0)] {
             assert!(rows(&even, spacing).iter().all(|n| (n - whole).abs() < 0.05), "{:?}", rows(&even, spacing));
         }
-        assert_eq!(sizes_with_whole_rows(&band(1.0), &band(1.0).sizes(), 0.62), band(1.0).sizes());
+        let widening = band(1.0);
+        assert!(sizes_with_whole_rows(&widening, &widening.sizes(), 0.62).iter().all(|&size| size == 1.0));
     }
 }
