@@ -1,6 +1,6 @@
 //! Moves the vertices of a manifold over its domain, all of them once, by steps that a rule gives. A step is tangential and
 //! projected back onto the surface; vertices on a feature curve stay on it. A step that would turn a triangle against the
-//! surface is halved until it does not.
+//! surface, or leave a gap on the curve, is halved until it does not.
 //!
 //! Vertices of one colour, no two of them adjacent, move at the same time, so the result does not depend on the number of
 //! threads.
@@ -14,6 +14,10 @@ use rayon::prelude::*;
 
 /// How often a step that would fold the mesh is halved before the vertex stays.
 const HALVINGS: usize = 4;
+
+/// How many times as far from the next vertex on its curve as from the one before it a vertex may move. One beside the curve
+/// can push those on it apart; without a bound they left gaps of seven spacings.
+const MOST_UNEVEN: f64 = 3.0;
 
 /// Vertices that one task moves.
 const CHUNK: usize = 64;
@@ -44,10 +48,52 @@ fn step(domain: &Domain, mesh: &Manifold, v: u32, way: DVec3) -> Sample {
     }
     for _ in 0..HALVINGS {
         let there = mesh.place_after(domain, v, way, &here);
-        if mesh.move_keeps_facing(v, &there, FacingGuard::SOUND) {
+        if mesh.may_move(v, &there) {
             return there;
         }
         way *= 0.5;
     }
     here
+}
+
+impl Manifold {
+    /// Whether vertex `v` may move to `there`: triangles keep facing the surface, and no gap is left on a curve, or neither
+    /// gets worse.
+    pub fn may_move(&self, v: u32, there: &Sample) -> bool {
+        self.move_keeps_facing(v, there, FacingGuard::SOUND) && self.leaves_no_gap(v, there.position)
+    }
+
+    /// Whether vertex `v`, if it is on a curve, is about as far from the one before it at `there` as from the one after it.
+    fn leaves_no_gap(&self, v: u32, there: DVec3) -> bool {
+        let Some(ends) = self.connectivity.along_curve(v) else { return true };
+        let unevenness = |p: DVec3| {
+            let [a, b] = ends.map(|w| self.position(w).distance_squared(p));
+            a.max(b) / a.min(b)
+        };
+        let after = unevenness(there);
+        after <= MOST_UNEVEN * MOST_UNEVEN || after <= unevenness(self.position(v))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::half_edge::OnCurve;
+    use crate::testing::grid;
+    use glam::dvec3;
+
+    #[test]
+    fn a_vertex_on_a_curve_leaves_no_gap() {
+        let made = grid(8, 8, |u, v| dvec3(8.0 * u, 8.0 * v, 0.0));
+        let sample = |position| Sample { position, normal: DVec3::Z, triangle: 0, size: 1.0 };
+        let mut mesh = Manifold::new(made.positions.iter().map(|&p| sample(p)).collect(), &made.triangles);
+        let number = |x: f64| made.positions.iter().position(|&p| p == dvec3(x, 4.0, 0.0)).unwrap() as u32;
+        let [before, v, after] = [3.0, 4.0, 5.0].map(number);
+        let to = |x: f64| sample(dvec3(x, 4.0, 0.0));
+        assert!(mesh.may_move(v, &to(4.6)), "a vertex inside may go there");
+        mesh.mark_curves(&[([before, v], OnCurve::Curve(0)), ([v, after], OnCurve::Curve(0))], []);
+        assert_eq!([4.4, 4.6].map(|x| mesh.may_move(v, &to(x))), [true, false]);
+        mesh.samples[v as usize] = to(4.7);
+        assert_eq!([4.6, 4.8].map(|x| mesh.may_move(v, &to(x))), [true, false], "what closes a gap is better");
+    }
 }

@@ -208,7 +208,7 @@ fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, first: DVec3, sp
     let here = mesh.samples[v as usize];
     let spacing = spacing * here.size;
     let may = |mesh: &Manifold, there: &Sample| {
-        there.position.distance(first) <= FARTHEST * spacing && mesh.move_keeps_facing(v, there, FacingGuard::SOUND)
+        there.position.distance(first) <= FARTHEST * spacing && mesh.may_move(v, there)
     };
     let unbounded = Shortfall { squares: f64::INFINITY, largest: f64::INFINITY };
     let Some(before) = Shortfall::below(unbounded, mesh, v, here.position) else { return false };

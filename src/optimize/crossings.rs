@@ -4,7 +4,6 @@ use crate::geom::intersection::cross_deeper_than;
 use crate::geom::triangle::mean_ratio;
 use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
-use crate::manifold::facing::FacingGuard;
 use crate::spatial::self_intersections::{Inherited, faces_of};
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
@@ -98,7 +97,7 @@ pub(super) fn fan(mesh: &Manifold, v: u32, there: DVec3) -> Vec<Corners> {
 /// Whether the triangles around `v` are no worse, or good enough, with `v` at `there`.
 pub(super) fn acceptable(mesh: &Manifold, v: u32, there: &Sample) -> bool {
     let shapes = |p: DVec3| fan(mesh, v, p).into_iter().map(mean_ratio);
-    mesh.move_keeps_facing(v, there, FacingGuard::SOUND)
+    mesh.may_move(v, there)
         && shapes(there.position).zip(shapes(mesh.position(v))).all(|(after, before)| after >= before.min(LEAST_SHAPE))
 }
 
