@@ -234,19 +234,26 @@ impl Domain {
     }
 
     /// The normal at a point of triangle `t`: that of the vertices, interpolated, where it stays within 60 degrees of
-    /// the triangle's own; else the triangle's own (next to a sharp edge, or a spike), if that can be trusted.
+    /// the triangle's own, or that is a needle folded over; else the triangle's own (next to a sharp edge, or a spike).
     #[inline]
     fn normal(&self, t: u32, weights: [f64; 3]) -> DVec3 {
         let corners = self.mesh.triangles[t as usize];
         let smooth: DVec3 = (0..3).map(|k| weights[k] * self.vertex_normals[corners[k] as usize]).sum();
         let smooth = smooth.normalize_or_zero();
         let own = self.mesh.area_vector(t as usize);
-        let is_near = |own: DVec3| smooth.dot(own) >= 0.5 * own.length();
-        if is_near(own) {
-            return smooth;
+        let agreement = smooth.dot(own);
+        if agreement >= 0.5 * own.length() || agreement < 0.0 && self.is_folded_over(t, smooth) {
+            smooth
+        } else {
+            own.normalize_or_zero()
         }
+    }
+
+    /// Whether triangle `t`, whose own normal is against `smooth`, is a needle that lies on a triangle beside it which agrees.
+    #[cold]
+    fn is_folded_over(&self, t: u32, smooth: DVec3) -> bool {
         let trusted = trusted_normal(&self.mesh, &self.twin, self.spacing, t);
-        if is_near(trusted) { smooth } else { trusted.normalize_or_zero() }
+        smooth.dot(trusted) >= 0.5 * trusted.length()
     }
 
     /// The unit normal at vertex `v`; zero where all its triangles are flat.
