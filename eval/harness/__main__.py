@@ -29,8 +29,8 @@ def _arguments():
     run.add_argument('--quick', action='store_true', help="a minute's part of everything, on data/ alone")
     run.add_argument('--out', metavar='F.json', help='where the figures go (default: %s for a whole run, else %s); '
                      'RESULTS.md and its pictures go beside it' % (_short(results.LATEST), _short(results.PARTIAL)))
-    run.add_argument('--into', metavar='F.json', help='put the figures of --only into those of an earlier run, such as %s, '
-                     'in place of its own, and write its RESULTS.md again' % _short(results.LATEST))
+    run.add_argument('--into', metavar='F.json', help='put the figures of --only into those of an earlier run, such '
+                     'as %s, in place of its own, and write its RESULTS.md again' % _short(results.LATEST))
     report = commands.add_parser('report', help='write RESULTS.md and its plots again from figures')
     report.add_argument('file', nargs='?', default=results.LATEST)
     two = commands.add_parser('compare', help='what got better and worse between two files; exit status 1 if worse')

@@ -209,11 +209,14 @@ class Crossings(unittest.TestCase):
         for foot, crossed in ((0, 0), (-1e-7, 0), (-1e-3, 2)):
             self.assertEqual(self.faces(floor, [[2, 2, foot], [3, 2, 4], [2, 3, 4]]), crossed, foot)
 
-    def test_a_flat_fan_does_not_cross_itself(self):
-        """Turned by some angle and so flat to rounding only; MeshLab alone selects faces of it."""
-        angles = np.arange(7) * 2 * np.pi / 7
-        rim = np.stack([np.cos(angles), np.sin(angles), 0.3 * np.cos(angles) + 0.7 * np.sin(angles)], axis=1)
-        self.assertEqual(self.faces(*[[np.zeros(3), rim[k - 1], rim[k]] for k in range(7)]), 0)
+    def test_faces_beside_each_other_on_a_plane_do_not_cross(self):
+        """Two of a flat side of the bracket, on a plane but for rounding, which MeshLab alone selects."""
+        off = 6.000000000000011
+        self.assertEqual(self.faces(
+            [[6, 37.6329634874261, 70.9047726800772], [off, 36.54973154598351, 69.22048670252103],
+             [6, 38.45054062863814, 69.30018740557034]],
+            [[off, 34.78907304012136, 72.26638484772796], [off, 35.70922117187931, 70.76938233437825],
+             [6, 36.809729611014355, 72.5204599210478]]), 0)
 
 
 class SharpEdges(unittest.TestCase):
