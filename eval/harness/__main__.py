@@ -29,6 +29,8 @@ def _arguments():
     run.add_argument('--quick', action='store_true', help="a minute's part of everything, on data/ alone")
     run.add_argument('--out', metavar='F.json', help='where the figures go (default: %s for a whole run, else %s); '
                      'RESULTS.md and its pictures go beside it' % (_short(results.LATEST), _short(results.PARTIAL)))
+    run.add_argument('--into', metavar='F.json', help='put the figures of --only into those of an earlier run, such '
+                     'as %s, in place of its own, and write its RESULTS.md again' % _short(results.LATEST))
     report = commands.add_parser('report', help='write RESULTS.md and its plots again from figures')
     report.add_argument('file', nargs='?', default=results.LATEST)
     two = commands.add_parser('compare', help='what got better and worse between two files; exit status 1 if worse')
@@ -50,11 +52,14 @@ def _run(options):
     unknown = sorted(set(names) - set(NAMES))
     if unknown:
         sys.exit('eval/run: no experiment is called %s' % ', '.join(unknown))
+    if options.into and (options.out or options.quick or not options.only):
+        sys.exit('eval/run: --into goes with --only, and neither with --quick nor with --out')
+    whole = results.load(options.into) if options.into else None
     # Ended by another program, too, a run ends what it started.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit('eval/run: ended; `eval/run report` shows what was done'))
-    whole = not options.only and not options.quick
-    out = options.out or (results.LATEST if whole else results.PARTIAL)
-    found = results.run(names, options.models, options.quick, out, results.command_line(options))
+    all_of_it = not options.only and not options.quick
+    out = options.into or options.out or (results.LATEST if all_of_it else results.PARTIAL)
+    found = results.run(names, options.models, options.quick, out, results.command_line(options), whole)
     _report(out)
     committed = results.committed()
     if committed:

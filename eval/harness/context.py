@@ -11,11 +11,13 @@ ROOT = os.path.dirname(EVAL)
 
 @dataclass(frozen=True)
 class Case:
-    """A model, the number of vertices wanted of it, and whether it is a CAD part whose sharp edges are to stay."""
+    """A model, the number of vertices wanted of it, whether it is a CAD part whose sharp edges are to stay, and the one
+    experiment that takes it; None if all do."""
     name: str
     path: str
     points: int
     sharp: bool = False
+    only: str | None = None
 
 
 @dataclass
@@ -50,7 +52,7 @@ def cases_at_hand(models):
         own = case['file'].startswith('data/')
         path = os.path.join(ROOT if own else models or '', case['file'])
         if (own or models) and os.path.isfile(path):
-            found.append(Case(case['name'], path, case['points'], case.get('sharp', False)))
+            found.append(Case(case['name'], path, case['points'], case.get('sharp', False), case.get('only')))
         else:
             missing.append(case['name'])
     return found, missing

@@ -77,7 +77,7 @@ class _Lane:
         self.failed, self.runs = None, []
         try:
             self.asked, found, self.runs = _tuned(own, program, name, entry)
-            self.vertices, self.measures = len(found.vertices), _measures(found, reference)
+            self.vertices, self.measures = len(found.vertices), _measures(found, reference, entry.sharp)
         except process.Failed as failure:
             self.failed = str(failure)
 
@@ -105,10 +105,10 @@ class _Lane:
         }
 
 
-def _measures(found, reference):
+def _measures(found, reference, sharp):
     """The measures, or `Failed`: a broken mesh costs its own row alone."""
     try:
-        return measure(found, reference)
+        return measure(found, reference, sharp=sharp)
     except Exception as problem:  # whatever the libraries make of a broken mesh
         raise process.Failed('its result cannot be measured: %s' % problem) from problem
 

@@ -1,6 +1,7 @@
 """The figures of a run as JSON: what was measured, when, with which versions, on what machine, by which command.
 
-`experiments` has what each experiment's `run` gave; one that failed has {'failed': why}. RESULTS.md is written from
+`experiments` has what each experiment's `run` gave; one that failed has {'failed': why}. Those that were measured apart
+from the rest and put into its file have their date, versions, machine and command in `apart`. RESULTS.md is written from
 this alone. Each experiment runs in a process of its own, and the file is written after each, so that what fails, hangs
 or is cut off costs nothing but itself.
 """
@@ -21,10 +22,13 @@ import time
 import traceback
 
 from .context import EVAL, ROOT, Context, cases_at_hand
+from .experiments import NAMES
 
 SCHEMA = 'spectral-remesh/eval/1'
 LATEST = os.path.join(EVAL, 'results', 'latest.json')
 PARTIAL = os.path.join(EVAL, 'partial', 'results.json')
+# What is kept of a run of which only some experiments were put into another.
+MADE_WITH = ('date', 'command', 'quick', 'seed', 'versions', 'machine', 'missing_models')
 # Seconds after which an experiment is ended.
 LIMIT = 1800
 
@@ -33,8 +37,9 @@ def experiment(name):
     return importlib.import_module('.experiments.' + name, __package__)
 
 
-def run(names, models, quick, out, command):
-    """Runs the experiments, writes what they give to `out` after each, and returns it."""
+def run(names, models, quick, out, command, whole=None):
+    """Runs the experiments, writes what they give to `out` after each, and returns it; with `whole`, the figures of an
+    earlier run, in place of what these have of the same experiments."""
     cases, missing = cases_at_hand(None if quick else models)
     for name in [] if quick else missing:
         sys.stderr.write('%s is left out: its model is not there (--models FOLDER)\n' % name)
@@ -46,12 +51,28 @@ def run(names, models, quick, out, command):
         start = time.perf_counter()
         _tell(start - began, name)
         with tempfile.TemporaryDirectory() as scratch:
-            context = Context(cases, scratch, os.path.join(folder_of(out), 'figures'), quick)
+            context = Context(cases_for(name, cases), scratch, os.path.join(folder_of(out), 'figures'), quick)
             raw = found['experiments'][name] = alone(experiment(name).run, context)
         found['seconds'][name] = time.perf_counter() - start
         _tell(time.perf_counter() - began, '%s: %s' % (name, raw.get('failed', 'done')))
-        _save(found, out)
-    return found
+        _save(joined(whole, found) if whole else found, out)
+    return joined(whole, found) if whole else found
+
+
+def cases_for(name, cases):
+    """Those of the cases that the experiment of that name takes."""
+    return [case for case in cases if case.only in (None, name)]
+
+
+def joined(whole, part):
+    """The figures of a run with those of a later one in place of its own, and what these were measured with."""
+    experiments = whole['experiments'] | part['experiments']
+    return whole | {
+        'seconds': whole['seconds'] | part['seconds'],
+        'experiments': {name: experiments[name] for name in sorted(experiments, key=NAMES.index)},
+        'apart': whole.get('apart', {}) | {
+            name: {key: part[key] for key in MADE_WITH} for name in part['experiments']},
+    }
 
 
 def _tell(seconds, words):
@@ -166,8 +187,10 @@ def report(found, folder):
     parts = [_heading(found)]
     for name, raw in found['experiments'].items():
         module = experiment(name)
-        text = 'Failed: %s' % raw['failed'] if 'failed' in raw else module.report(raw, figures)
-        parts.append('## %s\n\n%s' % (module.TITLE, text))
+        parts.append('## ' + module.TITLE)
+        if name in found.get('apart', {}):
+            parts.append('Not of the same run as the rest. ' + ' '.join(_measured_with(found['apart'][name])))
+        parts.append('Failed: %s' % raw['failed'] if 'failed' in raw else module.report(raw, figures))
     path = os.path.join(folder, 'RESULTS.md')
     with open(path, 'w', encoding='utf-8') as f:
         f.write('\n\n'.join(parts) + '\n')
@@ -178,14 +201,20 @@ def _heading(found):
     tools = ', '.join('%s %s' % (name, version) for name, version in found['versions'].items()
                       if name not in ('remesh', 'commit'))
     facts = [
-        'Measured on %s by `%s`%s.' % (found['date'], found['command'], _models(found)),
-        'remesh %s (%s), seed %d.' % (found['versions']['remesh'], found['versions']['commit'], found['seed']),
-        'Machine: %s.' % machine_words(found),
+        *_measured_with(found),
         'Took %.0f min.' % (sum(found['seconds'].values()) / 60),
         'The harness used %s.' % tools,
         'Written from the figures in JSON. `eval/README.md` says what the measures mean and how we are biased.',
     ]
     return '# Results\n\n' + '\n'.join('- ' + fact for fact in facts)
+
+
+def _measured_with(found):
+    return [
+        'Measured on %s by `%s`%s.' % (found['date'], found['command'], _models(found)),
+        'remesh %s (%s), seed %d.' % (found['versions']['remesh'], found['versions']['commit'], found['seed']),
+        'Machine: %s.' % machine_words(found),
+    ]
 
 
 def _models(found):

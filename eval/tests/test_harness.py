@@ -10,9 +10,9 @@ import unittest
 
 import numpy as np
 
-from harness import compare, mesh, process, race, readme, results, tables
-from harness.context import Context
-from harness.experiments import remeshers
+from harness import compare, mesh, process, race, readme, results, tables, verdicts
+from harness.context import ROOT, Case, Context, cases_at_hand
+from harness.experiments import cad, remeshers
 from harness.verdicts import faults_of
 
 
@@ -158,6 +158,41 @@ class Words(unittest.TestCase):
                       'Its faults: more than 3 % off the count (ball).', text)
         self.assertIn('**cgal** (0 of 1 models): nothing to compare. Its faults: signal 11: no message (ball).', text)
 
+    def cad_raw(self):
+        """Three parts: one program is worse in angles and better in edges on two, and as good on the third."""
+        raw = self.raw()
+        edges = {'sharp_edges': {'rms': 0.1, 'largest': 0.4}}
+        own = self.result()
+        own['measures'] |= edges
+        other = self.result(theta_min=10.0)
+        other['measures'] |= {'sharp_edges': {'rms': 0.0, 'largest': 0.0}}
+        results = {'remesh': own, 'meshlab': other, 'cgal': {'failed': 'signal 11: no message'}}
+        sound = {'vertices': 90, 'manifold': True, 'crossing_faces': 0}
+        models = {'plate': {'results': results, 'input': sound},
+                  'bolt': {'results': results, 'input': sound | {'manifold': False, 'crossing_faces': 7}},
+                  'nut': {'results': results | {'meshlab': own}, 'input': sound}}
+        return raw | {'models': {n: m | {'points': 400, 'sharp': True} for n, m in models.items()}, 'points': 400}
+
+    def test_cad_report(self):
+        text = cad.report(self.cad_raw(), None)
+        self.assertIn('so that another topology is no fault of a program: bolt.', text)
+        self.assertIn('Faces that cross in the input: bolt (7).', text)
+        self.assertIn('| meshlab | 0.000 / 0.00 | 0.000 / 0.00 | 0.100 / 0.40 |', text)
+        self.assertIn('Failed: cgal on plate (signal 11: no message)', text)
+        head, row = (next(line.split(' | ') for line in text.splitlines() if line.startswith(start))
+                     for start in ('| parts on which', '| meshlab, of 3'))
+        self.assertEqual(row[head.index('θmin')], '2 : 0')
+        self.assertEqual(row[head.index('RMS distance of sharp edges')], '0 : 2')
+        self.assertEqual(row[head.index('Qave')], '0 : 0')
+        self.assertIn('- **meshlab** (3 of 3 models): on most ours is better in θmin, and worse in RMS distance of sharp '
+                      'edges. Neither on most in mean θmin,', text)
+        self.assertIn('- **cgal** (0 of 3 models): nothing to compare.', text)
+
+    def test_half_of_the_models_are_not_most(self):
+        models = self.cad_raw()['models']
+        both = {name: models[name]['results'] for name in ('plate', 'nut')}
+        self.assertIn('ours is better in nothing, and worse in nothing.', verdicts.mostly('any', both, 'meshlab'))
+
     def found(self):
         machine = {'cores': 2, 'architecture': 'any', 'system': 'any'}
         return {'versions': {'remesh': '1'}, 'date': 'today', 'command': 'eval/run', 'machine': machine,
@@ -230,6 +265,58 @@ class Alone(unittest.TestCase):
             self.fail('the program goes on')
 
         self.assertEqual(self.result(hangs, 3, look), {'failed': 'not done after 3 s'})
+
+
+class Cases(unittest.TestCase):
+    def test_some_are_for_one_experiment(self):
+        """The listed CAD parts are those of `cad` alone, and `cad` has them with the sharp ones of all."""
+        with tempfile.TemporaryDirectory() as folder:
+            os.mkdir(os.path.join(folder, 'real'))
+            part, scan = os.path.join(folder, 'real', 'cgal__anchor.off'), os.path.join(folder, 'horse.ply')
+            for path in (part, scan):
+                with open(path, 'w', encoding='utf-8'):
+                    pass
+            cases, missing = cases_at_hand(folder)
+        named = {case.name: case for case in cases}
+        self.assertEqual(named['anchor'], Case('anchor', part, 5000, True, 'cad'))
+        self.assertEqual(named['horse'], Case('horse', scan, 8600))
+        self.assertIn('block', missing)
+        self.assertNotIn('anchor', [case.name for case in results.cases_for('cases', cases)])
+        self.assertIn('horse', [case.name for case in results.cases_for('cases', cases)])
+        sharp = {case.name for case in results.cases_for('cad', cases) if case.sharp}
+        self.assertEqual(sharp, {'anchor', 'bracket'})
+
+
+class Into(unittest.TestCase):
+    """Figures of some experiments in the place of those of an earlier run."""
+
+    def run_of(self, date, **experiments):
+        return {'schema': results.SCHEMA, 'date': date, 'command': 'eval/run', 'quick': False, 'seed': 0,
+                'versions': {'remesh': date, 'commit': 'c' + date}, 'machine': {'cores': 2, 'architecture': 'a',
+                'system': 's'}, 'missing_models': [], 'seconds': dict.fromkeys(experiments, 60.0),
+                'experiments': experiments}
+
+    def test_only_those_change_and_say_when(self):
+        whole = self.run_of('monday', table1={'failed': 'old'}, cases={'failed': 'old'})
+        later = self.run_of('friday', table1={'failed': 'new'}, cad={'failed': 'new'})
+        found = results.joined(whole, later)
+        self.assertEqual(found['date'], 'monday')
+        self.assertEqual([(name, raw['failed']) for name, raw in found['experiments'].items()],
+                         [('cases', 'old'), ('cad', 'new'), ('table1', 'new')])
+        with tempfile.TemporaryDirectory() as folder:
+            results.report(found, folder)
+            with open(os.path.join(folder, 'RESULTS.md'), encoding='utf-8') as f:
+                text = f.read()
+        self.assertIn('## All models\n\nFailed: old', text)
+        self.assertIn('## CAD parts\n\nNot of the same run as the rest. Measured on friday by `eval/run`. remesh friday '
+                      '(cfriday), seed 0. Machine: 2 cores, a, s.\n\nFailed: new', text)
+
+    def test_the_last_one_counts(self):
+        whole = self.run_of('monday', cases={'failed': 'old'})
+        for date in ('friday', 'sunday'):
+            whole = results.joined(whole, self.run_of(date, cad={'figure': date}))
+        self.assertEqual(whole['experiments']['cad'], {'figure': 'sunday'})
+        self.assertEqual({name: made['date'] for name, made in whole['apart'].items()}, {'cad': 'sunday'})
 
 
 class Compare(unittest.TestCase):

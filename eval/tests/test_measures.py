@@ -11,7 +11,7 @@ import pymeshlab
 
 from harness import mesh
 from harness.context import ROOT, Context
-from harness.measures import crossings, distance, shape, topology
+from harness.measures import crossings, distance, shape, sharp_edges, topology
 
 DATA = os.path.join(ROOT, 'data')
 MODELS = ['blob.obj', 'bracket.stl', 'noisy.ply', 'shell.off', 'terrain.ply']
@@ -195,6 +195,53 @@ class MeshLab(unittest.TestCase):
             found = distance.to_surface(pair[0].vertices, pair[1])
             np.testing.assert_allclose(np.sqrt(np.mean(found ** 2)), said['RMS'], rtol=SIX_DIGITS, err_msg=name)
             np.testing.assert_allclose(found.max(), said['max'], rtol=SIX_DIGITS, err_msg=name)
+
+
+class Crossings(unittest.TestCase):
+    def faces(self, *corners):
+        """How many of such triangles cross, where corners at one place are one."""
+        apart = mesh.Mesh(np.array(corners, float).reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
+        return crossings.crossing_faces(apart.welded())
+
+    def test_contact_is_not_crossing(self):
+        """A triangle that stands on another, goes through it by less than a millionth, and by more."""
+        floor = [[0, 0, 0], [9, 0, 0], [0, 9, 0]]
+        for foot, crossed in ((0, 0), (-1e-7, 0), (-1e-3, 2)):
+            self.assertEqual(self.faces(floor, [[2, 2, foot], [3, 2, 4], [2, 3, 4]]), crossed, foot)
+
+    def test_faces_beside_each_other_on_a_plane_do_not_cross(self):
+        """Two of a flat side of the bracket, on a plane but for rounding, which MeshLab alone selects."""
+        off = 6.000000000000011
+        self.assertEqual(self.faces(
+            [[6, 37.6329634874261, 70.9047726800772], [off, 36.54973154598351, 69.22048670252103],
+             [6, 38.45054062863814, 69.30018740557034]],
+            [[off, 34.78907304012136, 72.26638484772796], [off, 35.70922117187931, 70.76938233437825],
+             [6, 36.809729611014355, 72.5204599210478]]), 0)
+
+
+class SharpEdges(unittest.TestCase):
+    def test_those_of_a_cube(self):
+        """Its twelve edges and none of the diagonals of its sides."""
+        corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
+        sides = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+        cube = mesh.Mesh(corners, np.array([t for a, b, c, d in sides for t in ([a, b, c], [a, c, d])]))
+        ends = corners[sharp_edges.sharp_edges(cube)]
+        self.assertEqual(len(ends), 12)
+        np.testing.assert_array_equal(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1), 1)
+        self.assertIsNone(sharp_edges.distances(cube, mesh.read(data('blob.obj')), 10))
+
+    def test_an_edge_that_is_cut_off_is_as_far_as_the_cut(self):
+        """Two squares at a right angle, and the same with a flat strip from 0.1 before their edge to 0.1 behind it."""
+        def strip(profile):
+            places = np.array([[x, y, z] for x, z in profile for y in (0, 1)], float)
+            return mesh.Mesh(places, np.array([t for k in range(0, len(places) - 2, 2)
+                                               for t in ([k, k + 2, k + 1], [k + 1, k + 2, k + 3])]))
+
+        whole, cut = strip([(1, 0), (0, 0), (0, 1)]), strip([(1, 0), (0.1, 0), (0, 0.1), (0, 1)])
+        for result, far in ((whole, 0), (cut, 0.1 / 2 ** 0.5)):
+            found = sharp_edges.distances(result, whole, 100)
+            for key in ('rms', 'largest'):
+                self.assertAlmostEqual(found[key], 100 * far / 3 ** 0.5, places=12)
 
 
 class Meshes(unittest.TestCase):

@@ -1,5 +1,6 @@
 """This program and its peers on the same models, at the same counts, in the same run."""
 
+import math
 import sys
 import time
 
@@ -22,29 +23,33 @@ BUDGET = 1300
 def run(context):
     names = QUICK_MODELS if context.quick else [n for n in MODELS if context.case(n)] or OWN_MODELS
     cases = [case for case in map(context.case, names) if case]
-    programs, listing = _programs(context.quick)
+    programs, listing = programs_at_hand(NAMES, context.quick)
     rounds = 1 if context.quick else ROUNDS
     models, until = {}, time.perf_counter() + BUDGET
     for number_left, case in zip(range(len(cases), 0, -1), cases):
-        reference = mesh.read(case.path)
-        source = context.file(case.name + '.ply')
-        mesh.write(source, reference)
         share = (until - time.perf_counter()) / max(1, number_left / 2)
-        results = race(programs, source, reference, case.points, case.sharp, rounds, context.scratch, share)
-        models[case.name] = {'points': case.points, 'sharp': case.sharp, 'results': results}
-        sys.stderr.write('  %s: %s\n' % (case.name, ', '.join(_brief(n, r) for n, r in results.items())))
+        models[case.name] = race_on(case, mesh.read(case.path), programs, rounds, context, share)
     return {'programs': listing, 'models': models, 'not_at_hand': [] if context.quick else _absent(context),
             'rounds': rounds}
+
+
+def race_on(case, reference, programs, rounds, context, budget=math.inf):
+    """The results of all programs on one model, and what it is."""
+    source = context.file(case.name + '.ply')
+    mesh.write(source, reference)
+    results = race(programs, source, reference, case.points, case.sharp, rounds, context.scratch, budget)
+    sys.stderr.write('  %s: %s\n' % (case.name, ', '.join(_brief(n, r) for n, r in results.items())))
+    return {'points': case.points, 'sharp': case.sharp, 'results': results}
 
 
 def _absent(context):
     return [name for name in MODELS if not context.case(name)]
 
 
-def _programs(quick):
-    """The programs at hand by name, and what is to be said of each, of the missing ones too."""
+def programs_at_hand(names, quick):
+    """Those of the programs that are at hand, by name, and what is to be said of each, of the missing ones too."""
     found, listing = {}, {}
-    for name in NAMES:
+    for name in names:
         program = peer(name)
         why = program.missing()
         if quick and not program.BY_PIP and name not in OURS:
@@ -64,12 +69,13 @@ def _brief(name, result):
 
 # Heading, and the cell of a result.
 TABLES = [
-    ('θmin / mean θmin (degrees)', lambda r: '%.1f / %.1f' % (_shape(r)['theta_min'], _shape(r)['theta_min_mean'])),
+    ('θmin / mean θmin (degrees)', lambda r: '%.1f / %.1f' % (
+        shape_of(r)['theta_min'], shape_of(r)['theta_min_mean'])),
     ('θmax (degrees) / % < 30° / % > 90°', lambda r: '%.0f / %.2f / %.2f' % (
-        _shape(r)['theta_max'], _shape(r)['percent_below_30'], _shape(r)['percent_above_90'])),
-    ('Qmin / Qave', lambda r: '%.2f / %.3f' % (_shape(r)['q_min'], _shape(r)['q_mean'])),
+        shape_of(r)['theta_max'], shape_of(r)['percent_below_30'], shape_of(r)['percent_above_90'])),
+    ('Qmin / Qave', lambda r: '%.2f / %.3f' % (shape_of(r)['q_min'], shape_of(r)['q_mean'])),
     ('% of valence 6 / variation of edge lengths', lambda r: '%s / %.3f' % (
-        number('%.1f', r['measures']['topology']['percent_valence_6']), _shape(r)['edge_cv'])),
+        number('%.1f', r['measures']['topology']['percent_valence_6']), shape_of(r)['edge_cv'])),
     ('RMS / Hausdorff distance (% of the diagonal)', lambda r: '%.3f / %.2f' % (
         r['measures']['distance']['rms'], r['measures']['distance']['hausdorff'])),
     ('seconds of remeshing alone', lambda r: spread(r['seconds'])),
@@ -80,20 +86,24 @@ TABLES = [
 ]
 
 
-def _shape(result):
+def shape_of(result):
     return result['measures']['shape']
 
 
 def report(raw, _figures):
-    parts = [_introduction(raw), _who(raw['programs'])]
-    parts += [_table(heading, cell, raw) for heading, cell in TABLES]
-    return '\n\n'.join(parts + ['### Better and worse', _rule(raw), _verdicts(raw)])
+    return '\n\n'.join([_introduction(raw), *tables(TABLES, raw), '### Better and worse', rule(raw), verdicts(raw)])
 
 
-def _verdicts(raw):
+def tables(cells, raw):
+    """What programs there are, and a table for each heading with its cell."""
+    return [_who(raw['programs'])] + [_table(heading, cell, raw) for heading, cell in cells]
+
+
+def verdicts(raw, times=True):
+    """What is better and worse than each of the others, a line each."""
     results = {name: model['results'] for name, model in raw['models'].items()}
     others = {name: p for name, p in raw['programs'].items() if name != 'remesh' and 'version' in p}
-    return '\n'.join('- ' + against(p['label'], results, name) for name, p in others.items())
+    return '\n'.join('- ' + against(p['label'], results, name, times) for name, p in others.items())
 
 
 def _introduction(raw):
@@ -134,7 +144,8 @@ def _cell(cell, result):
     return 'failed' if 'failed' in result else cell(result)
 
 
-def _rule(raw):
+def rule(raw):
+    """What the verdicts count, and what failed."""
     noises = ', '.join('%s %g' % (m.label, m.noise) for m in MEASURES if m.noise)
     text = 'Computed from the figures above. Differences up to these do not count: %s.' % noises
     results = [(model, name, result) for model, found in raw['models'].items()

@@ -1,16 +1,17 @@
 """Measures of meshes, written for this harness alone: none of it is the code of a program that is measured."""
 
-from . import crossings, distance, shape, topology
+from . import crossings, distance, shape, sharp_edges, topology
 
 SAMPLES = 100_000
 
 
-def measure(mesh, reference, seed=0):
-    """All measures of a mesh that is to be `reference` with other triangles, as what JSON can hold."""
+def measure(mesh, reference, seed=0, sharp=False):
+    """All measures of a mesh that is to be `reference` with other triangles, as what JSON can hold; with `sharp` those of
+    the sharp edges, too."""
     found, wanted = topology.topology(mesh), topology.topology(reference)
     closed = found['boundary_loops'] == wanted['boundary_loops'] == 0
     kind = ('euler', 'components', 'boundary_loops')
-    return {
+    measures = {
         'topology': found,
         'reference': {key: wanted[key] for key in kind} | {'manifold': topology.is_manifold(wanted)},
         'same_topology': all(found[key] == wanted[key] for key in kind),
@@ -19,3 +20,6 @@ def measure(mesh, reference, seed=0):
         'crossing_faces': crossings.crossing_faces(mesh),
         'distance': distance.distances(mesh, reference, SAMPLES, seed),
     }
+    if sharp:
+        measures['sharp_edges'] = sharp_edges.distances(mesh, reference, SAMPLES, seed)
+    return measures

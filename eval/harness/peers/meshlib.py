@@ -1,12 +1,14 @@
 """MeshLib's remeshing with its final relaxation."""
 
+import math
+
 from .. import mesh
 from . import edge_length
 
 LABEL = 'MeshLib'
 PACKAGE = 'meshlib'
 SETTINGS = '`remesh` with `finalRelaxIters=10`, `finalRelaxNoShrinkage` and `projectOnOriginalMesh`, edge length ' \
-    'tuned to the count'
+    'tuned to the count; CAD parts with creases of 45 degrees (`findCreaseEdges`) as `notFlippable`'
 COUNTS = False
 
 
@@ -17,7 +19,7 @@ def load(path):
     return found, arrays.meshFromFacesVerts(found.triangles, found.vertices)
 
 
-def remesh(model, wanted, _sharp):
+def remesh(model, wanted, sharp):
     import meshlib.mrmeshpy as mr
     given, own = model
     settings = mr.RemeshSettings()
@@ -28,6 +30,8 @@ def remesh(model, wanted, _sharp):
     settings.finalRelaxNoShrinkage = True
     settings.projectOnOriginalMesh = True
     settings.packMesh = True
+    if sharp:
+        settings.notFlippable = own.findCreaseEdges(math.radians(45))
     mr.remesh(own, settings)
     return own
 
