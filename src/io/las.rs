@@ -11,7 +11,7 @@
 //! which may hold any number of equal points in few bytes, at most [`MOST_PER_BYTE`] a byte are read.
 //!
 //! Limits: what is damaged inside of compressed points is found by the crate, which may panic at it; that is caught, but
-//! a panic hook still hears of it. In layouts from 6 on the crate believes the sizes of layers that a chunk names.
+//! a panic hook still hears of it.
 
 use super::bytes::{CUT_SHORT, EXPORT_AGAIN, array, malformed, u32_at};
 use crate::base::error::{Place, Result};
@@ -186,9 +186,22 @@ fn decompress_record(
     if sizes != header.length {
         return Err(format!("points of {sizes} bytes instead of {}", header.length));
     }
+    let layers = record.items().iter().map(layers_of).sum();
+    let end = table_of_chunks(bytes, header.start).filter(|end| (header.start..bytes.len()).contains(end));
+    let chunks = &bytes[..end.unwrap_or(bytes.len())];
+    if layers > 0 && !has_sound_layers(chunks, header, layers) {
+        return Err("a chunk of them is longer than the file".into());
+    }
     let mut source = std::io::Cursor::new(bytes);
     source.set_position(header.start as u64);
     let mut points = laz::LasZipDecompressor::new(source, record).map_err(|e| e.to_string())?;
+    if layers > 0 {
+        // Nothing behind what was looked at is taken for a chunk.
+        let source = points.get_mut();
+        let at = source.position();
+        *source = std::io::Cursor::new(chunks);
+        source.set_position(at);
+    }
     let mut row = vec![0; header.length];
     for _ in 0..header.count {
         points.decompress_one(&mut row).map_err(|e| e.to_string())?;
@@ -197,15 +210,54 @@ fn decompress_record(
     Ok(())
 }
 
-/// Whether the table of chunks, for which the crate reserves memory at once, has fewer of them than the file bytes.
+/// The layers that a part of a point is kept in, in each chunk; none in the layouts below 6.
 #[cfg(feature = "laz")]
-fn has_sound_chunks(bytes: &[u8], start: usize) -> bool {
+fn layers_of(item: &laz::LazItem) -> usize {
+    use laz::LazItemType::{Byte14, Point14, RGB14, RGBNIR14, WavePacket14};
+    match item.item_type() {
+        Point14 => 9,
+        RGB14 | WavePacket14 => 1,
+        RGBNIR14 => 2,
+        Byte14(count) => count.into(),
+        _ => 0,
+    }
+}
+
+/// Whether all layers, for which the crate reserves memory at once, are in the file, of which these are the bytes up to the
+/// end of the last chunk. A chunk is a point, the number of points, the sizes of the layers in 32 bits, and the layers.
+#[cfg(feature = "laz")]
+fn has_sound_layers(bytes: &[u8], header: &Header, layers: usize) -> bool {
+    const TABLE: usize = 8;
+    const COUNT: usize = 4;
+    let mut at = header.start + TABLE;
+    // What ends before its layers is found by the crate.
+    while let Some(sizes) = bytes.get(at + header.length + COUNT..).and_then(|rest| rest.get(..4 * layers)) {
+        let sizes = sizes.chunks_exact(4).filter_map(|size| u32_at(size, 0));
+        let size = sizes.fold(0usize, |sum, size| sum.saturating_add(size as usize));
+        at += header.length + COUNT + 4 * layers;
+        if size > bytes.len() - at {
+            return false;
+        }
+        at += size;
+    }
+    true
+}
+
+/// Where the table of chunks begins, at which the points end.
+#[cfg(feature = "laz")]
+fn table_of_chunks(bytes: &[u8], start: usize) -> Option<usize> {
     let place = |at: usize| array(bytes, at).map(i64::from_le_bytes);
     let table = match place(start) {
         Some(-1) => bytes.len().checked_sub(8).and_then(place),
         table => table,
     };
-    let chunks = table.and_then(|at| u32_at(bytes, usize::try_from(at).ok()?.checked_add(4)?));
+    table.and_then(|at| usize::try_from(at).ok())
+}
+
+/// Whether the table of chunks, for which the crate reserves memory at once, has fewer of them than the file bytes.
+#[cfg(feature = "laz")]
+fn has_sound_chunks(bytes: &[u8], start: usize) -> bool {
+    let chunks = table_of_chunks(bytes, start).and_then(|at| u32_at(bytes, at.checked_add(4)?));
     chunks.is_none_or(|chunks| chunks as usize <= bytes.len())
 }
 
@@ -323,9 +375,19 @@ mod tests {
 
     #[cfg(feature = "laz")]
     fn laz() -> Vec<u8> {
-        use laz::{LasZipCompressor, LazItemRecordBuilder, LazVlr};
-        let items = LazItemRecordBuilder::default_for_point_format_id(2, 0).unwrap();
-        let record = LazVlr::from_laz_items(items);
+        compressed(2, &rows(), 50_000)
+    }
+
+    /// What says that chunks are of different sizes.
+    #[cfg(feature = "laz")]
+    const VARIABLE: u32 = u32::MAX;
+
+    /// Compressed points of a layout, so many in a chunk.
+    #[cfg(feature = "laz")]
+    fn compressed<const N: usize>(layout: u8, rows: &[[u8; N]], chunk: u32) -> Vec<u8> {
+        use laz::{LasZipCompressor, LazItemRecordBuilder, LazVlr, LazVlrBuilder};
+        let items = LazItemRecordBuilder::default_for_point_format_id(layout, 0).unwrap();
+        let record = LazVlrBuilder::new(items).with_fixed_chunk_size(chunk).build();
         let mut data = Vec::new();
         record.write_to(&mut data).unwrap();
         let mut head = vec![0; 54];
@@ -333,11 +395,17 @@ mod tests {
         head[18..20].copy_from_slice(&LazVlr::RECORD_ID.to_le_bytes());
         head[20..22].copy_from_slice(&(data.len() as u16).to_le_bytes());
         head.extend(data);
-        let before = with_header(2 | COMPRESSED, &head, &[]);
+        let mut before = with_header(layout | COMPRESSED, &head, &[]);
+        before[105] = N as u8;
         let mut out = std::io::Cursor::new(before.clone());
         out.set_position(before.len() as u64);
         let mut compressor = LasZipCompressor::new(out, record).unwrap();
-        rows().iter().for_each(|row| compressor.compress_one(row).unwrap());
+        for (i, row) in rows.iter().enumerate() {
+            if chunk == VARIABLE && i % 70 == 69 {
+                compressor.finish_current_chunk().unwrap();
+            }
+            compressor.compress_one(row).unwrap();
+        }
         compressor.done().unwrap();
         compressor.into_inner().into_inner()
     }
@@ -367,5 +435,32 @@ mod tests {
         let mut bytes = good.clone();
         bytes[107..111].copy_from_slice(&[255; 4]);
         assert!(parse(&bytes).unwrap_err().to_string().contains("more than so few bytes can hold"));
+    }
+
+    #[cfg(feature = "laz")]
+    #[test]
+    fn layers_that_are_not_in_the_file_take_no_memory() {
+        let rows: Vec<[u8; 30]> = rows()
+            .iter()
+            .map(|row| {
+                let mut layered = [0; 30];
+                layered[..14].copy_from_slice(&row[..14]);
+                layered
+            })
+            .collect();
+        for chunk in [100, VARIABLE] {
+            let good = compressed(6, &rows, chunk);
+            let read = parse(&good).unwrap();
+            assert_eq!((read.mesh.positions.len(), read.mesh.positions[21]), (COUNT, DVec3::new(-2.0, 998.0, 2001.0)));
+            let start = u32_at(&good, 96).unwrap() as usize;
+            let first_layer = start + 8 + 30 + 4;
+            let mut bytes = good.clone();
+            bytes[first_layer..first_layer + 4].fill(0xFF);
+            assert!(parse(&bytes).unwrap_err().to_string().contains("a chunk of them is longer than the file"));
+            // More points than the chunks have: what follows them is none.
+            let mut bytes = good;
+            bytes[107..111].copy_from_slice(&(COUNT as u32 + 200).to_le_bytes());
+            assert!(parse(&bytes).is_err());
+        }
     }
 }

@@ -312,6 +312,15 @@ fn an_interrupt_ends_the_run_and_leaves_nothing() {
     assert_eq!(files(folder.path()), before);
 }
 
+#[test]
+#[cfg(unix)]
+fn the_stack_that_a_shell_allows_does_not_matter() {
+    let folder = folder();
+    let script = format!("ulimit -s 128; exec '{}' sphere.off out.obj --points 400 -q", env!("CARGO_BIN_EXE_remesh"));
+    let ran = Command::new("sh").args(["-c", &script]).current_dir(folder.path()).output().unwrap();
+    assert_eq!((ran.status.code(), String::from_utf8_lossy(&ran.stderr).as_ref()), (Some(0), ""));
+}
+
 /// `graded.ply`: the mesh of `octahedron.off` with a property `h`, one of whose values is given.
 fn with_property(folder: &Path, h: &str) {
     let text = sphere(1, 0.0);

@@ -4,6 +4,7 @@
 #![allow(clippy::disallowed_methods)]
 
 mod attributes;
+mod cases;
 #[cfg(feature = "cli")]
 mod cli;
 mod clouds;
@@ -11,6 +12,7 @@ mod common;
 mod data;
 mod docs;
 mod features;
+mod files;
 mod io;
 #[cfg(feature = "fs")]
 mod library;
@@ -19,9 +21,11 @@ mod materials;
 #[cfg(feature = "cli")]
 mod page;
 mod pipeline;
+mod properties;
 mod reconstruct;
 #[cfg(feature = "cli")]
 mod same_bytes;
 mod sampling;
+mod sound;
 mod table2;
 mod within;

@@ -1,0 +1,11 @@
+//! What the targets of the fuzzer share with each other, and with the tests of the project.
+
+#[path = "../../tests/all/cases.rs"]
+pub mod cases;
+#[path = "../../tests/all/common.rs"]
+pub mod common;
+#[path = "../../tests/all/files.rs"]
+pub mod files;
+pub mod reading;
+#[path = "../../tests/all/sound.rs"]
+pub mod sound;

@@ -1,0 +1,121 @@
+//! Whether a mesh is sound, counted and tested here, not by the library.
+
+use glam::DVec3;
+use spectral_remesh::Mesh;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What stays the same of a surface that is remeshed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Kind {
+    pub euler: i64,
+    pub components: usize,
+    pub boundary_loops: usize,
+}
+
+/// That of an oriented manifold; of anything else what is wrong with it.
+pub fn kind(mesh: &Mesh) -> Result<Kind, String> {
+    let Mesh { positions, triangles } = mesh;
+    if let Some(v) = positions.iter().position(|p| !p.is_finite()) {
+        return Err(format!("vertex {v} is not finite"));
+    }
+    // The next vertex around each, from the side of a face: a fan is a chain of these.
+    let mut around: Vec<BTreeMap<u32, u32>> = vec![BTreeMap::new(); positions.len()];
+    for &[a, b, c] in triangles {
+        if [a, b, c].iter().any(|&v| v as usize >= positions.len()) || a == b || b == c || c == a {
+            return Err(format!("a triangle has the corners {a}, {b}, {c}"));
+        }
+        for [v, from, to] in [[a, b, c], [b, c, a], [c, a, b]] {
+            if around[v as usize].insert(from, to).is_some() {
+                return Err(format!("two triangles have the edge from {v} to {from}"));
+            }
+        }
+    }
+    let mut ends = BTreeMap::new();
+    for (v, links) in around.iter().enumerate() {
+        let targets: BTreeSet<u32> = links.values().copied().collect();
+        let begin = links.keys().find(|from| !targets.contains(from)).or(links.keys().next());
+        let Some(&begin) = begin else { return Err(format!("no triangle has vertex {v}")) };
+        let (mut at, mut length) = (begin, 0);
+        while let Some(&next) = links.get(&at) {
+            (at, length) = (next, length + 1);
+            if at == begin {
+                break;
+            }
+        }
+        if length < links.len() || targets.len() < links.len() {
+            return Err(format!("the triangles around vertex {v} are no single fan"));
+        }
+        if at != begin {
+            ends.insert(v as u32, at);
+        }
+    }
+    let edges = (3 * triangles.len() + ends.len()) / 2;
+    let inner = positions.len() - ends.len();
+    Ok(Kind {
+        euler: positions.len() as i64 - edges as i64 + triangles.len() as i64,
+        components: sets(positions.len(), triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c]])),
+        boundary_loops: sets(positions.len(), ends.iter().map(|(&v, &w)| [v, w])) - inner,
+    })
+}
+
+/// The sets that `count` things fall into by what is joined.
+fn sets(count: usize, joined: impl Iterator<Item = [u32; 2]>) -> usize {
+    let mut parent: Vec<u32> = (0..count as u32).collect();
+    fn root(parent: &mut [u32], mut v: u32) -> u32 {
+        while parent[v as usize] != v {
+            parent[v as usize] = parent[parent[v as usize] as usize];
+            v = parent[v as usize];
+        }
+        v
+    }
+    let mut sets = count;
+    for [v, w] in joined {
+        let [v, w] = [v, w].map(|v| root(&mut parent, v));
+        if v != w {
+            parent[v as usize] = w;
+            sets -= 1;
+        }
+    }
+    sets
+}
+
+/// Two faces of which an edge of one goes through the inside of the other, if there are such.
+pub fn crossing(mesh: &Mesh) -> Option<[u32; 2]> {
+    let faces: Vec<[DVec3; 3]> = (0..mesh.triangles.len()).map(|t| mesh.corners(t)).collect();
+    let low = |t: u32| faces[t as usize].iter().fold(DVec3::INFINITY, |low, p| low.min(*p));
+    let high = |t: u32| faces[t as usize].iter().fold(DVec3::NEG_INFINITY, |high, p| high.max(*p));
+    let mut order: Vec<u32> = (0..faces.len() as u32).collect();
+    order.sort_by(|&s, &t| low(s).x.total_cmp(&low(t).x));
+    for (i, &s) in order.iter().enumerate() {
+        let [s_low, s_high] = [low(s), high(s)];
+        for &t in order[i + 1..].iter().take_while(|&&t| low(t).x <= s_high.x) {
+            let apart = low(t).cmpgt(s_high).any() || high(t).cmplt(s_low).any();
+            if !apart && (goes_through(mesh, s, t) || goes_through(mesh, t, s)) {
+                return Some([s, t]);
+            }
+        }
+    }
+    None
+}
+
+/// Whether an edge of face `s` that has no corner of face `t` goes through the inside of that, decided exactly.
+fn goes_through(mesh: &Mesh, s: u32, t: u32) -> bool {
+    let face = mesh.triangles[t as usize];
+    let corners = mesh.triangles[s as usize];
+    let edges = [0, 1, 2].map(|k| [corners[k], corners[(k + 1) % 3]]);
+    let side = |corners: [u32; 4]| {
+        let [a, b, c, d] = corners.map(|v| {
+            let [x, y, z] = mesh.positions[v as usize].to_array();
+            robust::Coord3D { x, y, z }
+        });
+        let side = robust::orient3d(a, b, c, d);
+        if side == 0.0 { 0 } else { side.signum() as i32 }
+    };
+    edges.iter().any(|&[p, q]| {
+        let [a, b, c] = face;
+        let is_apart = !face.contains(&p) && !face.contains(&q);
+        let ends = || side([a, b, c, p]) * side([a, b, c, q]);
+        let turns = || [[a, b], [b, c], [c, a]].map(|[v, w]| side([p, q, v, w]));
+        is_apart && ends() == -1 && [[1; 3], [-1; 3]].contains(&turns())
+    })
+}
