@@ -79,8 +79,14 @@ fn sets(count: usize, joined: impl Iterator<Item = [u32; 2]>) -> usize {
     sets
 }
 
-/// Two faces of which an edge of one goes through the inside of the other, if there are such.
+/// Depth up to which faces touch, as a share of the diagonal of their mesh: what the program says that it takes for contact.
+const CONTACT: f64 = 1e-6;
+
+/// Two faces of which an edge of one goes through the inside of the other, and which do not only touch, if there are such.
 pub fn crossing(mesh: &Mesh) -> Option<[u32; 2]> {
+    let bounds =
+        mesh.positions.iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], &p| [low.min(p), high.max(p)]);
+    let contact = CONTACT * bounds[0].distance(bounds[1]);
     let faces: Vec<[DVec3; 3]> = (0..mesh.triangles.len()).map(|t| mesh.corners(t)).collect();
     let low = |t: u32| faces[t as usize].iter().fold(DVec3::INFINITY, |low, p| low.min(*p));
     let high = |t: u32| faces[t as usize].iter().fold(DVec3::NEG_INFINITY, |high, p| high.max(*p));
@@ -90,12 +96,21 @@ pub fn crossing(mesh: &Mesh) -> Option<[u32; 2]> {
         let [s_low, s_high] = [low(s), high(s)];
         for &t in order[i + 1..].iter().take_while(|&&t| low(t).x <= s_high.x) {
             let apart = low(t).cmpgt(s_high).any() || high(t).cmplt(s_low).any();
-            if !apart && (goes_through(mesh, s, t) || goes_through(mesh, t, s)) {
+            let crosses = || goes_through(mesh, s, t) || goes_through(mesh, t, s);
+            let [one, other] = [s, t].map(|face| faces[face as usize]);
+            if !apart && crosses() && is_on_both_sides(one, other, contact) && is_on_both_sides(other, one, contact) {
                 return Some([s, t]);
             }
         }
     }
     None
+}
+
+/// Whether `face` has corners farther than `depth` from the plane of `other` on both sides of that.
+fn is_on_both_sides(face: [DVec3; 3], other: [DVec3; 3], depth: f64) -> bool {
+    let normal = (other[1] - other[0]).cross(other[2] - other[0]).normalize_or_zero();
+    let heights = face.map(|p| (p - other[0]).dot(normal));
+    heights.iter().any(|&height| height > depth) && heights.iter().any(|&height| height < -depth)
 }
 
 /// Whether an edge of face `s` that has no corner of face `t` goes through the inside of that, decided exactly.
