@@ -16,7 +16,7 @@ use crate::spatial::foot::Foot;
 use crate::spatial::self_intersections::{faces_passing_along_edges, self_intersecting_faces};
 use crate::surface::feature_curves::Curves;
 use crate::surface::features::{Features, sharp_sides};
-use crate::surface::turns::trusted_normal;
+use crate::surface::turns::{folded_over, trusted_normal};
 use glam::DVec3;
 
 /// A point on a surface.
@@ -104,7 +104,7 @@ impl Domain {
         let cut = cut(mesh, twin, sharp);
         let (curves, (vertex_normals, bvh)) = rayon::join(
             || Curves::new(&cut, spacing, &interface),
-            || rayon::join(|| vertex_normals(&cut.mesh), || Bvh::new(&cut.mesh)),
+            || rayon::join(|| normals_of(&cut.mesh, &cut.twin, spacing), || Bvh::new(&cut.mesh)),
         );
         let Cut { mesh, twin, across, original } = cut;
         let patch = components(mesh.positions.len(), &mesh.triangles);
@@ -443,6 +443,19 @@ impl Domain {
     }
 }
 
+/// Unit normals at the vertices of a surface, where needles are folded over those of what is beside them.
+fn normals_of(mesh: &Mesh, twin: &[u32], spacing: f64) -> Vec<DVec3> {
+    let mut normals = vertex_normals(mesh);
+    for (t, trusted) in folded_over(mesh, twin, spacing) {
+        for v in mesh.triangles[t as usize] {
+            if normals[v as usize].dot(trusted) < 0.0 {
+                normals[v as usize] = trusted.normalize_or_zero();
+            }
+        }
+    }
+    normals
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -453,6 +466,19 @@ mod tests {
     /// A sheet of `n` by `n` squares over the unit square at the height that `f` says.
     fn sheet(n: u32, f: impl Fn(f64, f64) -> f64) -> Domain {
         Domain::new(testing::sheet(n, f).try_into().unwrap())
+    }
+
+    #[test]
+    fn a_needle_that_is_folded_over_faces_as_what_is_beside_it() {
+        let at = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 1e-4]].map(|[x, y]| dvec3(x, y, 0.0));
+        // The ear of the last corner should lie below the square, and lies on it.
+        let mesh = |ear: DVec3| Mesh {
+            positions: at[..4].iter().copied().chain([ear]).collect(),
+            triangles: vec![[0, 1, 2], [0, 2, 3], [1, 0, 4]],
+        };
+        let normal = |ear: DVec3| Domain::new(mesh(ear).try_into().unwrap()).sample(2, [0.2, 0.2, 0.6]).normal;
+        assert_eq!(normal(at[4]), DVec3::Z);
+        assert_eq!(normal(dvec3(0.5, 0.5, 0.0)), -DVec3::Z, "a fold that is wide is one");
     }
 
     #[test]

@@ -47,6 +47,15 @@ pub(super) fn trusted_normal(mesh: &Mesh, twin: &[u32], spacing: f64, first: u32
     mesh.area_vector(first as usize)
 }
 
+/// The triangles that are narrow and folded over, each with a vector along the normal that is trusted instead of its own.
+pub(super) fn folded_over(mesh: &Mesh, twin: &[u32], spacing: f64) -> Vec<(u32, DVec3)> {
+    let folded = |t: u32| {
+        let trusted = trusted_normal(mesh, twin, spacing, t);
+        (trusted.dot(mesh.area_vector(t as usize)) < 0.0).then_some((t, trusted))
+    };
+    (0..mesh.triangles.len() as u32).into_par_iter().filter_map(folded).collect()
+}
+
 /// The turn of the surface across each side, in degrees, negative where it is concave; zero at the boundary and next to
 /// triangles without area.
 pub(super) fn turns(mesh: &Mesh, twin: &[u32], spacing: f64) -> Vec<f64> {
