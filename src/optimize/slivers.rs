@@ -78,15 +78,21 @@ fn merge_ends(mesh: &mut Manifold, t: u32, spacing: f64) -> bool {
 fn is_across_wall(mesh: &Manifold, h: u32) -> bool {
     let c = &mesh.connectivity;
     let [a, b] = [c.origin(h), c.target(h)];
-    let normal = |v: u32, other: u32| {
-        let own = c.outgoing(v).map(|out| c.triangle(out)).filter(|corners| !corners.contains(&other));
-        let areas = own.map(|corners| {
-            let [p, q, r] = corners.map(|v| mesh.position(v));
-            (q - p).cross(r - p)
-        });
-        areas.sum::<DVec3>().normalize_or_zero()
-    };
-    c.is_on_curve(a) && c.is_on_curve(b) && !c.is_curve_edge(h) && normal(a, b).dot(normal(b, a)) < OPPOSITE
+    c.is_on_curve(a)
+        && c.is_on_curve(b)
+        && !c.is_curve_edge(h)
+        && normal_without(mesh, a, &[b]).dot(normal_without(mesh, b, &[a])) < OPPOSITE
+}
+
+/// The normal of the faces around `v` that have none of the vertices `others`.
+fn normal_without(mesh: &Manifold, v: u32, others: &[u32]) -> DVec3 {
+    let c = &mesh.connectivity;
+    let own = c.outgoing(v).map(|out| c.triangle(out)).filter(|corners| !corners.iter().any(|v| others.contains(v)));
+    let areas = own.map(|corners| {
+        let [p, q, r] = corners.map(|v| mesh.position(v));
+        (q - p).cross(r - p)
+    });
+    areas.sum::<DVec3>().normalize_or_zero()
 }
 
 /// By how many degrees the small angles around grow if the origin of `h` merges into its target; `None` if it must not.
@@ -123,6 +129,12 @@ fn bend_curve(mesh: &mut Manifold, t: u32, spacing: f64) -> bool {
         return false;
     }
     let bottom = c.apex(c.twin(h));
+    let [p, q, r] = [b, a, bottom].map(|v| mesh.position(v));
+    let beyond = (q - p).cross(r - p).normalize_or_zero();
+    let is_tall = twice_area > FARTHEST_OF_WALL / FARTHEST * farthest * length(h).sqrt();
+    if is_tall && normal_without(mesh, top, &[a, b]).dot(beyond) < OPPOSITE {
+        return false;
+    }
     let sum = |pair: [[u32; 3]; 2]| pair.map(|corners| math::square(deficit(mesh, corners))).iter().sum::<f64>();
     let gain = sum([[a, b, top], [b, a, bottom]]) - sum([[top, a, bottom], [bottom, b, top]]);
     if gain < SMALLEST * LEAST_GAIN || !mesh.flip_keeps_facing(h, FacingGuard::SOUND) {
