@@ -13,6 +13,7 @@ use crate::manifold::Manifold;
 use crate::manifold::facing::FacingGuard;
 use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{OnCurve, next, prev};
+use crate::mesh::topology::NONE;
 use crate::optimize::counts::{collapse_shortest, split_longest};
 use crate::spatial::kdtree::Neighbors;
 use crate::spatial::self_intersections::self_intersections;
@@ -134,15 +135,16 @@ pub fn tips(mesh: &Manifold) -> VertexSet {
 }
 
 /// Leaves the [`indispensable`] vertices and those in narrow patches dense, and collapses the others until splitting the
-/// edges again would give about as many vertices. `spacing` is that of the fine mesh. The dense vertices.
-pub fn coarsen(domain: &Domain, mesh: &mut Manifold, spacing: f64, kept: &VertexSet) -> VertexSet {
+/// edges again would give about as many vertices. `spacing` is that of the fine mesh. The dense vertices, and the old number of
+/// each vertex.
+pub fn coarsen(domain: &Domain, mesh: &mut Manifold, spacing: f64, kept: &VertexSet) -> (VertexSet, Vec<u32>) {
     let dense = &narrow(domain, mesh, spacing) | &indispensable(mesh, kept);
     let coarse = dense.len() + mesh.connectivity.vertex_count().saturating_sub(dense.len()) / 4;
     coarsen_curves(mesh, &dense, spacing);
     collapse(mesh, &dense, coarse, spacing);
     let (ordered, old) = mesh.in_spatial_order();
     *mesh = ordered;
-    dense.renumbered(&old)
+    (dense.renumbered(&old), old)
 }
 
 /// Collapses or splits edges such that splitting all long ones will give about `wanted` vertices, now that the vertices
@@ -158,14 +160,13 @@ pub fn match_target_count(domain: &Domain, mesh: &mut Manifold, dense: &VertexSe
     }
 }
 
-/// The mesh with its longest edges split, as many as it takes to have `wanted` vertices, and the numbers of the `dense`
-/// vertices in it.
-pub fn split_to(domain: &Domain, mesh: &Manifold, dense: &VertexSet, wanted: usize) -> (Manifold, VertexSet) {
+/// Splits the longest edges, as many as it takes to have `wanted` vertices. The old number of each vertex; new ones have none.
+pub fn split_to(domain: &Domain, mesh: &mut Manifold, wanted: usize) -> Vec<u32> {
     let (_, old) = mesh.connectivity.compact();
     let finer = mesh.with_longest_split(domain, wanted.saturating_sub(old.len()));
-    let dense = dense.renumbered(&old);
-    let (finer, old) = finer.in_spatial_order();
-    (finer, dense.renumbered(&old))
+    let (ordered, split) = finer.in_spatial_order();
+    *mesh = ordered;
+    split.into_iter().map(|v| old.get(v as usize).copied().unwrap_or(NONE)).collect()
 }
 
 /// The vertices that are to be ordered anew once the edges around the `dense` vertices have been split: these and a few

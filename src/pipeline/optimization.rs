@@ -1,9 +1,10 @@
-//! Optimisation of a triangulation: a coarse level first, then all the vertices, good angles, and the fit to the surface.
+//! Optimisation of a triangulation: coarse levels first, then all the vertices, good angles, and the fit to the surface.
 
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
 use crate::manifold::Manifold;
 use crate::manifold::vertex_set::VertexSet;
+use crate::mesh::topology::NONE;
 use crate::optimize::angles::improve_angles;
 use crate::optimize::coarse_to_fine::{
     coarsen, indispensable, keep_at_self_intersections, match_target_count, narrow, remove_encroaching_vertices,
@@ -52,41 +53,116 @@ fn arrange_coarse(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: 
         let ascent = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS };
         ascend(domain, mesh, &!&narrow, ascent, monitor)?;
     }
-    let fine = mesh.clone();
-    let (mut kept, mut dense) = (VertexSet::EMPTY, VertexSet::EMPTY);
-    for _ in 0..MOST_COARSE_MESHES {
-        *mesh = fine.clone();
-        dense = build_coarse_level(domain, mesh, scale, &kept, monitor)?;
-        if !keep_at_self_intersections(&mut kept, &fine, mesh, spacing) {
-            break;
-        }
-    }
+    let (dense, _) = arrange_coarser(domain, mesh, scale, &VertexSet::EMPTY, monitor)?;
     monitor.stage("relax");
-    remove_near_defects(mesh, &dense, 2.0 * spacing);
-    relax(domain, mesh, &dense, 2.0 * spacing, Flips::KeepValence, SETTLING_ROUNDS, monitor)?;
-    relax(domain, mesh, &dense, 2.0 * spacing, Flips::Delaunay, ROUNDS, monitor)?;
+    settle(domain, mesh, &dense, 2.0 * spacing, monitor)?;
     Ok(dense)
 }
 
-/// Reduces the mesh to a quarter of the vertices, ordered by ascent, and leaves those in `kept` and others that a coarser
-/// mesh needs; the dense vertices.
-fn build_coarse_level(
+/// Reduces a mesh of that scale to a quarter of the vertices, in good order, and leaves those that are `settled`, which stay
+/// where they are, and others that a coarser mesh needs. These dense vertices, and the old number of each vertex.
+fn arrange_coarser(
     domain: &Domain,
     mesh: &mut Manifold,
     scale: &Scale,
+    settled: &VertexSet,
+    monitor: &dyn Monitor,
+) -> Result<(VertexSet, Vec<u32>)> {
+    let fine = mesh.clone();
+    let mut kept = settled.clone();
+    let mut coarse = (VertexSet::EMPTY, Vec::new());
+    for _ in 0..MOST_COARSE_MESHES {
+        *mesh = fine.clone();
+        coarse = build_coarser(domain, mesh, scale, settled, &kept, monitor)?;
+        if !keep_at_self_intersections(&mut kept, &fine, mesh, scale.spacing) {
+            break;
+        }
+    }
+    Ok(coarse)
+}
+
+/// Reduces the mesh to a quarter of the vertices, ordered by ascent, and leaves those in `kept` and others that a coarser
+/// mesh needs; these dense vertices, and the old number of each vertex.
+fn build_coarser(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    scale: &Scale,
+    settled: &VertexSet,
     kept: &VertexSet,
     monitor: &dyn Monitor,
-) -> Result<VertexSet> {
+) -> Result<(VertexSet, Vec<u32>)> {
     let Scale { wanted, spacing } = *scale;
     let fine = AscentParameters { sigma: ASCENT_SIGMA * spacing, step: LONG_STEP, sweeps: FINE_SWEEPS };
-    ascend(domain, mesh, &!&indispensable(mesh, kept), fine, monitor)?;
-    let dense = coarsen(domain, mesh, spacing, kept);
-    let coarse = AscentParameters { sigma: COARSE_SIGMA * 2.0 * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS / 2 };
+    ascend(domain, mesh, &(&!&indispensable(mesh, kept) | settled), fine, monitor)?;
+    let (mut dense, mut old) = coarsen(domain, mesh, spacing, kept);
+    let mut sweeps = COARSE_SWEEPS;
+    if mesh.connectivity.vertex_count() - dense.len() >= FEWEST_TO_COARSEN {
+        let of_coarse = order_by_coarser(domain, mesh, &dense, 2.0 * spacing, monitor)?;
+        dense = dense.renumbered(&of_coarse);
+        old = renumbered(&old, &of_coarse);
+        sweeps = ORDERED_SWEEPS;
+    }
+    let coarse = AscentParameters { sigma: COARSE_SIGMA * 2.0 * spacing, step: LONG_STEP, sweeps: sweeps / 2 };
     for _ in 0..2 {
         ascend(domain, mesh, &dense, coarse, monitor)?;
         match_target_count(domain, mesh, &dense, wanted, spacing);
     }
-    Ok(dense)
+    Ok((dense, old))
+}
+
+/// Orders a mesh of that spacing, all but the `settled` vertices, by one that is coarser still. The old number of each vertex.
+fn order_by_coarser(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    settled: &VertexSet,
+    spacing: f64,
+    monitor: &dyn Monitor,
+) -> Result<Vec<u32>> {
+    let scale = Scale { wanted: mesh.connectivity.vertex_count(), spacing };
+    let (dense, old) = arrange_coarser(domain, mesh, &scale, settled, monitor)?;
+    settle(domain, mesh, &dense, 2.0 * spacing, monitor)?;
+    let split = refine(domain, mesh, &dense, &settled.renumbered(&old), &scale, monitor)?;
+    Ok(renumbered(&old, &split))
+}
+
+/// Removes defects that are beside each other from a coarse mesh of that spacing, and relaxes it, all but the `dense` vertices.
+fn settle(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    dense: &VertexSet,
+    spacing: f64,
+    monitor: &dyn Monitor,
+) -> Result<()> {
+    remove_near_defects(mesh, dense, spacing);
+    relax(domain, mesh, dense, spacing, Flips::KeepValence, SETTLING_ROUNDS, monitor)?;
+    relax(domain, mesh, dense, spacing, Flips::Delaunay, ROUNDS, monitor)
+}
+
+/// Splits the longest edges of a coarse mesh, up to the wanted number of vertices, and orders those around the `dense` vertices
+/// anew, without the ones that are `settled`. The old number of each vertex.
+fn refine(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    dense: &VertexSet,
+    settled: &VertexSet,
+    scale: &Scale,
+    monitor: &dyn Monitor,
+) -> Result<Vec<u32>> {
+    let Scale { wanted, spacing } = *scale;
+    let old = split_to(domain, mesh, wanted);
+    let [dense, settled] = [dense, settled].map(|set| set.renumbered(&old));
+    let anew = VertexSet::new(mesh, |v| dense.contains(v) && !settled.contains(v));
+    let transition = transition(domain, mesh, anew, spacing);
+    if !transition.is_empty() {
+        let ascent = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: TRANSITION_SWEEPS };
+        ascend(domain, mesh, &(&!&transition | &settled), ascent, monitor)?;
+    }
+    Ok(old)
+}
+
+/// The old number of each vertex after it was numbered anew twice.
+fn renumbered(first: &[u32], second: &[u32]) -> Vec<u32> {
+    second.iter().map(|&v| first.get(v as usize).copied().unwrap_or(NONE)).collect()
 }
 
 /// Splits edges up to the wanted number of vertices, and relaxes them with as few irregular ones as possible.
@@ -98,13 +174,7 @@ fn refine_to_count(
     monitor: &dyn Monitor,
 ) -> Result<()> {
     let Scale { wanted, spacing } = *scale;
-    let (finer, dense) = split_to(domain, mesh, dense, wanted);
-    *mesh = finer;
-    let transition = transition(domain, mesh, dense, spacing);
-    if !transition.is_empty() {
-        let ascent = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: TRANSITION_SWEEPS };
-        ascend(domain, mesh, &!&transition, ascent, monitor)?;
-    }
+    refine(domain, mesh, dense, &VertexSet::EMPTY, scale, monitor)?;
     let locked = tips(mesh);
     remove_near_defects(mesh, &locked, spacing);
     relax(domain, mesh, &locked, spacing, Flips::Delaunay, ROUNDS, monitor)?;
@@ -122,10 +192,16 @@ fn refine_to_count(
 /// Most coarse meshes that are made, each with more vertices kept dense, until one has no self-intersections.
 const MOST_COARSE_MESHES: usize = 3;
 
-/// Sweeps of ascent in the places that no coarser mesh can follow, those over the coarse mesh, in two halves, and those
-/// where dense and coarse vertices meet: with more there are fewer irregular vertices, though less and less so.
+/// Vertices, without the dense ones, that make it worth to order a mesh by a coarser one first. With 500 or 2,000 there are a
+/// few more irregular ones.
+const FEWEST_TO_COARSEN: usize = 1000;
+
+/// Sweeps of ascent in the places that no coarser mesh can follow, those over the coarsest mesh, in two halves, those over one
+/// that was ordered by a coarser one, which only makes its edges even, and those where dense and coarse vertices meet: with
+/// more there are fewer irregular vertices, though less and less so.
 const FINE_SWEEPS: usize = 11;
 const COARSE_SWEEPS: usize = 120;
+const ORDERED_SWEEPS: usize = 40;
 const TRANSITION_SWEEPS: usize = 30;
 
 /// Kernel width of the ascent over the coarse mesh, in its spacings: a little narrower than elsewhere ([`ASCENT_SIGMA`]).
