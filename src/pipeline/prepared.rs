@@ -49,10 +49,8 @@ impl<'a> PreparedInput<'a> {
         let unit = Unit::of(input);
         let field = options.grading.field().map(|lengths| Field::new(lengths, input, &unit));
         let topology_of = |mesh: &Mesh| topology(mesh.positions.len(), &mesh.triangles);
-        let (of_input, (mut repaired, repairs, cracks)) = rayon::join(
-            || topology_of(input),
-            || repaired(input, options, &unit),
-        );
+        let (of_input, (mut repaired, repairs, cracks)) =
+            rayon::join(|| topology_of(input), || repaired(input, options, &unit));
         check(monitor)?;
         refuse_no_surface(&repairs, repaired.triangles.len())?;
         let untouched = repairs == Repairs::default();

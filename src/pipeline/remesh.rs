@@ -234,6 +234,7 @@ struct Finished {
     self_intersections: Vec<u32>,
     /// Those of them where the surface does not intersect itself.
     new_self_intersections: Vec<u32>,
+    /// Triangles of `of_part` that are slivers.
     slivers: Vec<u32>,
     tessellated_patches: usize,
     score: Score,
