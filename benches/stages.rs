@@ -1,10 +1,12 @@
-//! Every stage by itself, on a sphere with bumps of 100,000 triangles that becomes 10,000 points.
+//! Every stage by itself, on a sphere with bumps of ten times as many triangles as the points that it becomes: 10,000 if
+//! nothing else is said.
 //!
 //!     cargo bench                      # all
+//!     BENCH_POINTS=1000 cargo bench    # with so many points
 //!     cargo bench -- write             # those with that word in their name
 //!     cargo bench -- --sample-count 50
 //!
-//! Times are of the threads that `RAYON_NUM_THREADS` says, by default one a core.
+//! Times are of the threads that `RAYON_NUM_THREADS` says, by default one a core. `benches/compare` times two commits.
 
 #![allow(clippy::disallowed_methods)]
 
@@ -40,7 +42,10 @@ use spectral_remesh::{CloudOptions, Density, Mesh, Options, Points, Result};
 use std::f64::consts::{PI, TAU};
 use std::sync::LazyLock;
 
-const POINTS: usize = 10_000;
+static POINTS: LazyLock<usize> = LazyLock::new(|| match std::env::var("BENCH_POINTS") {
+    Ok(points) => points.parse().expect("BENCH_POINTS is a number"),
+    Err(_) => 10_000,
+});
 const SEED: u64 = 0;
 const SWEEPS: usize = 10;
 const NO_BOUNDARY: Boundary = Boundary { sites: &[], successor: &[] };
@@ -79,8 +84,9 @@ static INPUTS: LazyLock<Inputs> = LazyLock::new(Inputs::new);
 
 impl Inputs {
     fn new() -> Inputs {
-        let mesh = bumpy_sphere(160, 315);
-        let spacing = (2.0 * mesh.area() / (3f64.sqrt() * POINTS as f64)).sqrt();
+        let rows = (2.56 * *POINTS as f64).sqrt() as u32;
+        let mesh = bumpy_sphere(rows, 63 * rows / 32);
+        let spacing = (2.0 * mesh.area() / (3f64.sqrt() * *POINTS as f64)).sqrt();
         let domain = Domain::new(repair(&mesh).0);
         let candidates = cover(&domain);
         let samples = scan(&domain, &candidates, spacing);
@@ -120,7 +126,7 @@ fn bumpy_sphere(rows: u32, columns: u32) -> Mesh {
 }
 
 fn cover(domain: &Domain) -> Vec<Candidate> {
-    candidates(domain, 20 * POINTS, SEED)
+    candidates(domain, 20 * *POINTS, SEED)
 }
 
 fn scan(domain: &Domain, candidates: &[Candidate], spacing: f64) -> Vec<Sample> {
@@ -192,7 +198,7 @@ fn s07_mutual_tessellation(bencher: Bencher) {
 fn s08_meet_count(bencher: Bencher) {
     let given = &*INPUTS;
     bencher.with_inputs(|| given.manifold.clone()).bench_values(|mut mesh| {
-        meet_count(&given.domain, &mut mesh, POINTS);
+        meet_count(&given.domain, &mut mesh, *POINTS);
         mesh
     });
 }
@@ -264,7 +270,7 @@ fn s11_report_distance(bencher: Bencher) {
     bencher.bench(|| distance(&INPUTS.result, black_box(&INPUTS.mesh), REPORT_SAMPLES, SEED));
 }
 
-/// The mesh through 100,000 candidates, without their normals; smoothed or not.
+/// The mesh through half of the candidates, ten a point, without their normals; smoothed or not.
 #[divan::bench(args = [false, true])]
 fn s11_mesh_of_points(bencher: Bencher, smooth: bool) {
     let all = INPUTS.candidates.iter().step_by(2).map(|c| c.sample(&INPUTS.domain).position);
@@ -275,7 +281,7 @@ fn s11_mesh_of_points(bencher: Bencher, smooth: bool) {
 
 #[divan::bench]
 fn s12_remesh_all(bencher: Bencher) {
-    let options = Options { density: Density::Points(POINTS), ..Options::default() };
+    let options = Options { density: Density::Points(*POINTS), ..Options::default() };
     bencher.bench(|| remesh(black_box(&INPUTS.mesh), &options, &()).expect("the sphere can be remeshed"));
 }
 

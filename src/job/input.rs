@@ -18,7 +18,7 @@ pub struct Input<'a> {
 
 impl<'a> Input<'a> {
     /// A mesh: x, y and z of each vertex, and for each triangle the numbers of its corners from 0, counter-clockwise seen
-    /// from outside.
+    /// from outside. They are copied once; a [`Mesh`] is borrowed by `Input::from`.
     pub fn mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Input<'a> {
         let positions: &[DVec3] = bytemuck::cast_slice(positions);
         let mesh = Mesh { positions: positions.to_vec(), triangles: triangles.to_vec() };

@@ -49,13 +49,8 @@ impl<'a> PreparedInput<'a> {
         let unit = Unit::of(input);
         let field = options.grading.field().map(|lengths| Field::new(lengths, input, &unit));
         let topology_of = |mesh: &Mesh| topology(mesh.positions.len(), &mesh.triangles);
-        let (of_input, (mut repaired, repairs, cracks)) = rayon::join(
-            || topology_of(input),
-            || match options.part {
-                Some(_) => repaired(input, options.weld),
-                None => repaired(&unit.inwards(input), options.weld.map(|tolerance| tolerance / unit.size)),
-            },
-        );
+        let (of_input, (mut repaired, repairs, cracks)) =
+            rayon::join(|| topology_of(input), || repaired(input, options, &unit));
         check(monitor)?;
         refuse_no_surface(&repairs, repaired.triangles.len())?;
         let untouched = repairs == Repairs::default();
@@ -71,11 +66,28 @@ impl<'a> PreparedInput<'a> {
         let prepared = PreparedInput { input, options, unit, field, allowed, repairs, cracks, of_input, of_repaired };
         Ok((prepared, repaired))
     }
+
+    /// The input, repaired and smoothed as [`PreparedInput::new`] does it.
+    pub(super) fn repaired_again(&self) -> OrientedManifold {
+        let (mut repaired, ..) = repaired(self.input, self.options, &self.unit);
+        if let Some(support) = self.options.smooth {
+            smooth(&mut repaired, support);
+        }
+        repaired
+    }
+}
+
+/// The input made a manifold, in the unit that [`PreparedInput::new`] says; what that took, and what may be cracks in it.
+fn repaired(input: &Mesh, options: &Options, unit: &Unit) -> (OrientedManifold, Repairs, Option<Cracks>) {
+    match options.part {
+        Some(_) => made_manifold(input, options.weld),
+        None => made_manifold(&unit.inwards(input), options.weld.map(|tolerance| tolerance / unit.size)),
+    }
 }
 
 /// The mesh made a manifold, what that took, and what may be cracks in it. Without a distance to weld within only what
 /// rounding opened is closed.
-fn repaired(mesh: &Mesh, weld: Option<f64>) -> (OrientedManifold, Repairs, Option<Cracks>) {
+fn made_manifold(mesh: &Mesh, weld: Option<f64>) -> (OrientedManifold, Repairs, Option<Cracks>) {
     let Stitched { representatives, cracks } = match weld {
         Some(tolerance) => Stitched { representatives: close_cracks(mesh, tolerance), cracks: None },
         None => stitch(mesh),
@@ -138,4 +150,24 @@ pub fn refuse_bad_positions(positions: &[DVec3]) -> Result<()> {
         let remedy = "remove it or mend its coordinates".into();
         Err(Error::Mesh { fault: Fault::Coordinates, cause: format!("vertex {v} is at {}", positions[v]), remedy })
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing;
+
+    #[test]
+    fn what_is_repaired_again_is_the_same() {
+        // Every triangle by itself, and one of them twice.
+        let sphere = testing::sphere();
+        let corners = |t: usize| sphere.corners(t);
+        let positions: Vec<DVec3> = (0..sphere.triangles.len()).chain([0]).flat_map(corners).collect();
+        let triangles = (0..positions.len() as u32 / 3).map(|t| [0, 1, 2].map(|k| 3 * t + k)).collect();
+        let input = Mesh { positions, triangles };
+        let options = Options { smooth: Some(2.3), ..Options::default() };
+        let (prepared, first) = PreparedInput::new(&input, &options, &()).unwrap();
+        assert_eq!(first.positions.len(), sphere.positions.len());
+        assert!(prepared.repaired_again() == first);
+    }
 }

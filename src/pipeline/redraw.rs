@@ -42,3 +42,36 @@ pub(super) fn drawn_anew_around(
     let fixed: Vec<Sample> = of_curves.iter().chain(stay).copied().collect();
     linear_scan(domain, &candidates, &fixed, scale.sigma(), seed, monitor)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::density::Density;
+    use crate::pipeline::finer::Finer;
+    use crate::pipeline::options::Options;
+    use crate::pipeline::prepared::PreparedInput;
+    use crate::testing;
+
+    #[test]
+    fn samples_are_others_around_the_place_and_the_same_elsewhere() {
+        let input = testing::sphere();
+        let options = Options::default();
+        let (prepared, repaired) = PreparedInput::new(&input, &options, &()).unwrap();
+        let surface = SizedSurface::new(&prepared, repaired, Density::Points(500), &Finer::default(), &()).unwrap();
+        let SizedSurface { domain, scale, .. } = &surface;
+        let first = linear_scan(domain, &candidates(domain, 20 * 500, 1), &[], scale.sigma(), 1, &()).unwrap();
+
+        let place = first[7].position;
+        let crossing = [[DVec3::ZERO, DVec3::X, DVec3::Y].map(|offset| place + scale.spacing * offset)];
+        let second = drawn_anew_around(&crossing, &first, 10, &surface, 2, &()).unwrap();
+        assert!(first[..10] == second[..10], "those on curves stay");
+        let is_near = |sample: &&Sample| sample.position.distance(place) < 2.0 * scale.spacing;
+        let is_far = |sample: &&Sample| sample.position.distance(place) > 8.0 * scale.spacing;
+        let far = |samples: &[Sample]| samples[10..].iter().filter(is_far).count();
+        assert!(far(&first) > 100 && far(&first) == far(&second));
+        assert!(first.iter().filter(is_far).all(|sample| second.contains(sample)));
+        let near = |samples: &[Sample]| samples[10..].iter().filter(is_near).count();
+        assert!(near(&first) > 5 && near(&first).abs_diff(near(&second)) < 4);
+        assert!(!first[10..].iter().filter(is_near).any(|sample| second.contains(sample)));
+    }
+}

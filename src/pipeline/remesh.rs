@@ -62,7 +62,12 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
     let (prepared, repaired) = PreparedInput::new(input, options, monitor)?;
     match options.density {
         Density::Auto => with_fewest_points(&prepared, &repaired, monitor),
-        density => remesh_to(&prepared, &repaired, density, monitor),
+        density => {
+            // Mostly one run does: another one repairs the input again, so that no copy takes memory beside the first.
+            let mut first = Some(repaired);
+            let repaired = || first.take().unwrap_or_else(|| prepared.repaired_again());
+            remesh_to(&prepared, repaired, density, monitor)
+        }
     }
 }
 
@@ -85,7 +90,7 @@ fn with_fewest_points(
     let mut n = FIRST_POINTS as f64;
     for _ in 0..MOST_TRIES {
         let density = Density::Points(n.round() as usize);
-        let made = remesh_to(prepared, repaired, density, monitor)?;
+        let made = remesh_to(prepared, || repaired.clone(), density, monitor)?;
         let ratio = made.deviation.map_or(1.0, |d| d.reached / d.allowed);
         if ratio <= 1.0 {
             enough = n;
@@ -105,15 +110,16 @@ fn with_fewest_points(
     Ok(best.or(last).expect("at least one try was made"))
 }
 
-/// The result for one density: the first that is sound, or, if none is, the one with the best score.
+/// The result for one density: the first that is sound, or, if none is, the one with the best score. `repaired` gives the
+/// repaired input for each run.
 fn remesh_to(
     prepared: &PreparedInput,
-    repaired: &OrientedManifold,
+    mut repaired: impl FnMut() -> OrientedManifold,
     density: Density,
     monitor: &dyn Monitor,
 ) -> Result<Remeshed> {
     let mut finer = Finer::default();
-    let sized = |finer: &Finer| SizedSurface::new(prepared, repaired.clone(), density, finer, monitor);
+    let mut sized = |finer: &Finer| SizedSurface::new(prepared, repaired(), density, finer, monitor);
     let mut surface = sized(&finer)?;
     let mut attempts = Attempts::new(prepared.options.seed, surface.domain.sharp_curves() > 0);
     let mut best: Option<(SizedSurface, Finished)> = None;
@@ -228,6 +234,7 @@ struct Finished {
     self_intersections: Vec<u32>,
     /// Those of them where the surface does not intersect itself.
     new_self_intersections: Vec<u32>,
+    /// Triangles of `of_part` that are slivers.
     slivers: Vec<u32>,
     tessellated_patches: usize,
     score: Score,

@@ -37,13 +37,6 @@ pub(super) struct Atlas<'a> {
     twin: Vec<u32>,
 }
 
-/// A point of the mesh.
-struct SurfacePoint {
-    triangle: u32,
-    weights: [f64; 3],
-    point: DVec3,
-}
-
 /// The triangles around a place that can be reached without crossing a seam.
 struct Patch {
     triangles: Vec<u32>,
@@ -61,39 +54,36 @@ impl<'a> Atlas<'a> {
     /// has none. And the number of triangles that are distorted.
     pub fn carry(&self, output: &Mesh, origins: &Origins) -> (Vec<[DVec2; 3]>, usize) {
         let of_triangle = |t: usize| {
-            let feet = output.triangles[t].map(|v| self.foot(origins.vertices[v as usize]));
-            self.triangle(output.corners(t), &feet, &self.foot(origins.triangles[t]))
+            let feet = output.triangles[t].map(|v| origins.vertices[v as usize]);
+            self.triangle(output.corners(t), feet, origins.triangles[t])
         };
         let all: Vec<([DVec2; 3], bool)> = (0..output.triangles.len()).into_par_iter().map(of_triangle).collect();
         let distorted = all.iter().filter(|(_, distorted)| *distorted).count();
         (all.into_iter().map(|(coordinates, _)| coordinates).collect(), distorted)
     }
 
-    fn foot(&self, PointOnTriangle { triangle, weights }: PointOnTriangle) -> SurfacePoint {
+    fn position(&self, PointOnTriangle { triangle, weights }: PointOnTriangle) -> DVec3 {
         let [a, b, c] = self.mesh.corners(triangle as usize);
-        SurfacePoint { triangle, weights, point: a * weights[0] + b * weights[1] + c * weights[2] }
+        a * weights[0] + b * weights[1] + c * weights[2]
     }
 
-    /// The coordinates at three corners, and whether they are distorted.
-    fn triangle(&self, corners: [DVec3; 3], feet: &[SurfacePoint; 3], centre: &SurfacePoint) -> ([DVec2; 3], bool) {
+    /// The coordinates at three corners, whose feet on the mesh and that of their centre are given, and whether they are
+    /// distorted.
+    fn triangle(&self, corners: [DVec3; 3], feet: [PointOnTriangle; 3], centre: PointOnTriangle) -> ([DVec2; 3], bool) {
         if !self.texture[centre.triangle as usize].iter().all(|at| at.is_finite()) {
             return ([DVec2::NAN; 3], false);
         }
-        let middle = centre.point;
-        let reach = |k: usize| middle.distance(corners[k]).max(middle.distance(feet[k].point));
-        let patch = self.patch(centre, reach(0).max(reach(1)).max(reach(2)), feet.each_ref().map(|foot| foot.triangle));
-        let met = feet.each_ref().map(|foot| patch.triangles.contains(&foot.triangle));
+        let middle = self.position(centre);
+        let reach = |k: usize| middle.distance(corners[k]).max(middle.distance(self.position(feet[k])));
+        let patch = self.patch(centre, reach(0).max(reach(1)).max(reach(2)), feet.map(|foot| foot.triangle));
+        let met = feet.map(|foot| patch.triangles.contains(&foot.triangle));
         if met == [true; 3] && !patch.at_seam {
-            return (feet.each_ref().map(|foot| self.at(foot.triangle, foot.weights)), false);
+            return (feet.map(|foot| self.at(foot)), false);
         }
         let frame = Frame::of(corners);
         let map = self.affine_map(&patch, &frame);
         let at = |k: usize| {
-            if met[k] {
-                (self.at(feet[k].triangle, feet[k].weights), 0.0)
-            } else {
-                self.beyond(corners[k], &patch, &frame, map)
-            }
+            if met[k] { (self.at(feet[k]), 0.0) } else { self.beyond(corners[k], &patch, &frame, map) }
         };
         let found = [0, 1, 2].map(at);
         let coordinates = found.map(|(at, _)| at);
@@ -103,7 +93,8 @@ impl<'a> Atlas<'a> {
 
     /// The triangles that a walk from that of `centre` meets within `radius`; it ends early once it has met all that are
     /// `wanted`.
-    fn patch(&self, centre: &SurfacePoint, radius: f64, wanted: [u32; 3]) -> Patch {
+    fn patch(&self, centre: PointOnTriangle, radius: f64, wanted: [u32; 3]) -> Patch {
+        let middle = self.position(centre);
         let mut patch = Patch { triangles: vec![centre.triangle], at_seam: false };
         let mut met = HashSet::from([centre.triangle]);
         let mut next = 0;
@@ -114,7 +105,7 @@ impl<'a> Atlas<'a> {
                 let other = self.twin[side as usize];
                 if other == NONE {
                     patch.at_seam = true;
-                } else if self.is_within(other / 3, centre.point, radius) && met.insert(other / 3) {
+                } else if self.is_within(other / 3, middle, radius) && met.insert(other / 3) {
                     patch.triangles.push(other / 3);
                 }
             }
@@ -126,9 +117,9 @@ impl<'a> Atlas<'a> {
         centre.distance_squared(closest_point(centre, self.mesh.corners(t as usize))) <= radius * radius
     }
 
-    /// The coordinates at a point of triangle `t`.
-    fn at(&self, t: u32, weights: [f64; 3]) -> DVec2 {
-        let [a, b, c] = self.texture[t as usize];
+    /// The coordinates at a point.
+    fn at(&self, PointOnTriangle { triangle, weights }: PointOnTriangle) -> DVec2 {
+        let [a, b, c] = self.texture[triangle as usize];
         a * weights[0] + b * weights[1] + c * weights[2]
     }
 
@@ -140,7 +131,8 @@ impl<'a> Atlas<'a> {
         };
         let (distance, t, point) =
             patch.triangles.iter().map(foot).min_by(|a, b| a.0.total_cmp(&b.0)).expect("a patch is not empty");
-        let at = self.at(t, barycentric(point, self.mesh.corners(t as usize)));
+        let weights = barycentric(point, self.mesh.corners(t as usize));
+        let at = self.at(PointOnTriangle { triangle: t, weights });
         (at + map * (frame.flat(p) - frame.flat(point)), distance)
     }
 

@@ -1,0 +1,108 @@
+//! Inputs that are no oriented manifold.
+
+use super::*;
+use glam::{DVec3, dvec3};
+
+#[test]
+fn surfaces_without_two_sides_are_cut_and_stay_manifold() {
+    for (name, input) in
+        [("moebius", moebius(40, 4)), ("narrow moebius", moebius(12, 1)), ("klein bottle", klein_bottle(40, 20))]
+    {
+        at_all_counts(name, &input);
+        assert!(check(name, &input, 300).repairs.unorientable_edges > 0);
+    }
+}
+
+/// Separate triangles whose corners rounding parted are one surface; cracks are told with what closes them.
+#[test]
+fn seams_that_rounding_opened_are_closed() {
+    let apart = |gap: f64| noisy(soup(&torus(30, 15, 3.0, 1.0)), gap, &mut random(3));
+    let made = check("rounded", &apart(1e-6), 500);
+    assert_eq!((made.output.euler, made.output.components, made.output.boundary_loops), (0, 1, 0));
+    assert!(made.repairs.seam_vertices > 2000 && made.verified());
+
+    let halves = |gap: f64| {
+        let [left, right] = [-1.0, 0.0].map(|x| moved(sheet(10, 10), |p| dvec3(p.x + x, p.y, 0.0)));
+        together(&[moved(left, |p| p - dvec3(gap, 0.0, 0.0)), right])
+    };
+    for (weld, components) in [(None, 1), (Some(0.0), 2)] {
+        let made = check_with("seam", &halves(1e-7), &Options { weld, ..points(300) });
+        assert_eq!(made.output.components, components);
+    }
+    let made = check("crack", &halves(1e-3), 300);
+    let note = made.notes.iter().find(|note| note.contains("--weld 1.01e-3 closes it"));
+    assert!(note.is_some() && made.output.components == 2, "{:?}", made.notes);
+    let closed = check_with("closed", &halves(1e-3), &Options { weld: Some(1.01e-3), ..points(300) });
+    assert_eq!((closed.output.components, closed.notes.len()), (1, 1));
+}
+
+/// Inputs that are no manifold, and what has to be done to them.
+#[test]
+fn broken_inputs_are_mended_and_the_repairs_reported() {
+    let cube = || cells(&[[0; 3]]);
+    let mut fin = cube();
+    fin.positions.push(dvec3(0.5, -1.0, -1.0));
+    fin.triangles.push([0, 1, 8]);
+    let made = check("fin", &fin, 200);
+    assert_eq!((made.repairs.cut_edges, made.output.components), (1, 2));
+
+    for (name, other) in [("edge", [1, 1, 0]), ("corner", [1, 1, 1])] {
+        let made = check(name, &cells(&[[0; 3], other]), 200);
+        assert_eq!((made.output.components, made.output.euler), (2, 4), "{name}");
+        assert!(made.repairs.split_vertices > 0, "{name}");
+    }
+
+    let corners = [dvec3(0., 0., 0.), dvec3(1., 0., 0.), dvec3(0., 1., 0.), dvec3(-1., 0., 0.), dvec3(0., -1., 0.)];
+    let bow_tie = Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2], [0, 3, 4]] };
+    let made = check("bow tie", &bow_tie, 200);
+    assert_eq!((made.repairs.split_vertices, made.output.components), (1, 2));
+
+    let mut copies = torus(20, 10, 3.0, 1.0);
+    copies.triangles.extend(copies.triangles.clone().iter().take(50).map(|&[a, b, c]| [b, c, a]));
+    let made = check("copies", &copies, 200);
+    assert_eq!((made.repairs.duplicate_triangles, made.output.euler), (50, 0));
+
+    let places = (0..64).map(|i| [i % 4, i / 4 % 4, i / 16]);
+    let listed = together(&places.map(|place| cells(&[place])).collect::<Vec<Mesh>>());
+    let made = check("volume", &listed, 500);
+    assert_eq!((made.repairs.faces_between_cells, made.output.euler, made.sharp_curves), (64 * 12 - 192, 2, 12));
+    assert!((volume(&made.mesh) - 64.0).abs() < 1e-9 && made.notes[0].contains("between the cells"));
+
+    let mut flipped = torus(20, 10, 3.0, 1.0);
+    flipped.triangles.iter_mut().step_by(3).for_each(|t| t.swap(0, 1));
+    let made = check("flipped", &flipped, 500);
+    assert!(made.repairs.flipped_triangles > 100 && volume(&made.mesh) > 0.0 && made.output.euler == 0);
+
+    let mut flat = soup(&frame(2));
+    let base = flat.positions.len() as u32;
+    flat.positions.extend([DVec3::ZERO, DVec3::ZERO, 2.0 * DVec3::X, 9.0 * DVec3::Y]);
+    flat.triangles.extend([[base, base + 1, base + 2], [0, 0, 1], [base, base, base]]);
+    let made = check("soup", &flat, 300);
+    assert_eq!((made.repairs.degenerate_triangles, made.repairs.unused_vertices), (3, 1));
+    assert_eq!((made.output.euler, made.output.components), (-2, 1));
+}
+
+/// A solid that touches itself along an edge and at a corner, and one whose insides do.
+#[test]
+fn surfaces_that_touch_themselves() {
+    let ring = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [2, 1, 0], [1, 2, 0], [0, 2, 0], [0, 1, 0]];
+    at_all_counts("ring closed by an edge", &cells(&ring));
+    let block = (0..27).map(|i| [i % 3, i / 3 % 3, i / 9]);
+    let holes = |touching: [i32; 3]| block.clone().filter(move |&c| c != [1, 1, 1] && c != touching);
+    at_all_counts("caves that meet at an edge", &cells(&holes([2, 2, 1]).collect::<Vec<_>>()));
+    at_all_counts("caves that meet at a corner", &cells(&holes([2, 2, 2]).collect::<Vec<_>>()));
+}
+
+/// Triangles between a few points at random: nothing about such a mesh is in order.
+#[test]
+fn heaps_of_random_triangles() {
+    for seed in 0..40 {
+        let mut rng = random(seed);
+        let vertices = 5 + (seed as usize % 6);
+        let mut pick = |n: usize| (spectral_remesh::stages::base::rng::unit(&mut rng) * n as f64) as u32;
+        let triangles: Vec<[u32; 3]> = (0..6 + seed % 20).map(|_| [0; 3].map(|_| pick(vertices))).collect();
+        let positions = noisy(Mesh { positions: vec![DVec3::ZERO; vertices], triangles: vec![] }, 1.0, &mut rng);
+        let input = Mesh { positions: positions.positions, triangles };
+        check(&format!("heap {seed}"), &input, 60 + 10 * (seed as usize % 5));
+    }
+}
