@@ -6,7 +6,8 @@ use crate::job::input::Input;
 use crate::job::outcome::{Origin, Outcome};
 use crate::mesh::attributes::{Attributes, Lost};
 use crate::mesh::triangle_mesh::Mesh;
-use crate::pipeline::{self, CloudOptions, CloudSummary, Coverage, Grading, Options, Remeshed, Signal, mesh_of_points};
+use crate::pipeline::{self, CloudOptions, CloudSummary, Coverage, Grading, LostComponents, Options, Remeshed, Signal,
+    mesh_of_points};
 use crate::report::{Crossings, Report, left_out, noise, shortcomings, too_few_covered};
 use crate::transfer::vertex::{Carried, carry};
 use glam::DVec3;
@@ -79,9 +80,11 @@ pub fn remesh(input: &Input, options: &RemeshOptions, monitor: &dyn Monitor) -> 
     let mut carried = carried(&surface, &mut remeshed, &options.carry, monitor)?;
     remeshed.notes.append(&mut carried.notes);
     let coverage = surface.cloud.as_ref().map(|cloud| cloud.coverage(&remeshed));
-    let left_out =
+    coverage.iter().for_each(|coverage| remeshed.hold_against_points(coverage));
+    let points_left_out =
         surface.cloud.as_ref().zip(coverage).and_then(|(cloud, coverage)| left_out(&cloud.summary, &coverage));
-    remeshed.notes.extend(left_out.clone());
+    let left_out = remeshed.lost.as_ref().map(LostComponents::note).into_iter().chain(points_left_out.clone()).collect();
+    remeshed.notes.extend(points_left_out);
     let is_smoothed = options.cloud.smooth.or(options.surface.smooth).is_some();
     remeshed.notes.extend(surface.cloud.as_ref().filter(|_| !is_smoothed).and_then(|cloud| noise(&cloud.summary)));
     let report = (!options.without_report).then(|| {
@@ -228,6 +231,6 @@ fn outcome(surface: Surface, remeshed: Remeshed, attributes: Attributes, report:
         mesh: remeshed.mesh,
         edges: remeshed.edges,
         report,
-        left_out: None,
+        left_out: Vec::new(),
     }
 }

@@ -16,6 +16,7 @@ use crate::pipeline::edges::Edges;
 use crate::pipeline::finer::Finer;
 use crate::pipeline::follow::ascend_as_asked;
 use crate::pipeline::kernel::KernelFeatures;
+use crate::pipeline::lost::LostComponents;
 use crate::pipeline::optimization::optimize;
 use crate::pipeline::options::{Grading, Options};
 use crate::pipeline::origins::origins;
@@ -131,7 +132,7 @@ fn remesh_to(
         surface = sized(&finer)?;
     }
     let (surface, finished) = best.expect("a result was made");
-    remeshed(prepared, &surface, finished, monitor)
+    remeshed(prepared, repaired, &surface, finished, monitor)
 }
 
 /// The best triangulation of samples of a surface, and the surface, which comes back without its sharp edges if they could
@@ -341,6 +342,7 @@ fn deviation(
 /// The result and what there is to say about it.
 fn remeshed(
     prepared: &PreparedInput,
+    repaired: &OrientedManifold,
     surface: &SizedSurface,
     finished: Finished,
     monitor: &dyn Monitor,
@@ -353,6 +355,7 @@ fn remeshed(
     let slivers = finished.slivers.iter().map(|t| finished.kept_triangles() + t).collect();
     let first = kept.as_ref().map_or(0, |kept| kept.vertices.len());
     let edges = Edges::of(&finished.mesh, &finished.manifold, surface, unit, first);
+    let lost = LostComponents::of(prepared.input, repaired, &finished.mesh, &origins);
     let intersects = !finished.self_intersections.is_empty();
     let mut result = Remeshed {
         input: prepared.of_input,
@@ -374,6 +377,7 @@ fn remeshed(
         unforced_theta_min: smallest_unforced_angle(&finished.manifold),
         left_out: if *blunted { LeftOut::default() } else { left_out.times(unit.size) },
         blunted: *blunted,
+        lost,
         deviation,
         edges,
         kept,

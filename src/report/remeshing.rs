@@ -368,6 +368,7 @@ pub(super) mod tests {
             unforced_theta_min: None,
             left_out: LeftOut::default(),
             blunted: false,
+            lost: None,
             edges: Edges::default(),
             kept: None,
             notes: vec!["One face is missing.".into()],
