@@ -359,7 +359,7 @@ fn normals(
     };
     let mut normals = given.clone();
     if missing > 0 {
-        let planes = plane_normals(positions, &neighborhood);
+        let planes = plane_normals(positions, near, &neighborhood);
         normals.iter_mut().zip(planes).filter(|(n, _)| **n == DVec3::ZERO).for_each(|(n, plane)| *n = plane);
     }
     let part = orient(positions, &mut normals, graph);

@@ -162,8 +162,9 @@ mod tests {
     use crate::spatial::kdtree::Neighbors;
 
     fn oriented(points: &[DVec3]) -> Vec<DVec3> {
-        let graph = NeighborGraph::new(points, &Neighbors::new(points), 12);
-        let mut normals = plane_normals(points, &Neighborhood::Nearest(&graph, 12));
+        let near = Neighbors::new(points);
+        let graph = NeighborGraph::new(points, &near, 12);
+        let mut normals = plane_normals(points, &near, &Neighborhood::Nearest(&graph, 12));
         orient(points, &mut normals, &graph);
         assert!(disagreement(points, &normals, &graph) < 0.01);
         normals
