@@ -186,7 +186,10 @@ impl LostComponents {
         let &LostComponents { gone, shrunk, triangles, share, place } = self;
         let parts = [
             (gone, "components of the input are not in the result"),
-            (shrunk, "components are smaller than edges are long, and only a few triangles without their shape are left of them"),
+            (
+                shrunk,
+                "components are smaller than edges are long, and only a few triangles without their shape are left of them",
+            ),
         ];
         let parts: Vec<String> = parts.iter().filter(|p| p.0 > 0).map(|(n, what)| format!("{n} {what}")).collect();
         let place = near(DVec3::from_array(place));

@@ -77,7 +77,7 @@ fn is_line(points: &[DVec3], p: u32, neighbors: &[u32]) -> bool {
 }
 
 /// The principal values and directions of a point and its neighbours.
-fn spread(points: &[DVec3], p: u32, neighbors: &[u32]) -> ([f64; 3], [DVec3; 3]) {
+pub(super) fn spread(points: &[DVec3], p: u32, neighbors: &[u32]) -> ([f64; 3], [DVec3; 3]) {
     let here = points[p as usize];
     let offsets = neighbors.iter().map(|&n| points[n as usize] - here);
     eigen(scatter(std::iter::once(DVec3::ZERO).chain(offsets)).1)
