@@ -140,8 +140,8 @@ pub fn coarsen(domain: &Domain, mesh: &mut Manifold, spacing: f64, kept: &Vertex
     let coarse = dense.len() + mesh.connectivity.vertex_count().saturating_sub(dense.len()) / 4;
     coarsen_curves(mesh, &dense, spacing);
     collapse(mesh, &dense, coarse, spacing);
-    let (compact, old) = mesh.without_gaps();
-    *mesh = compact;
+    let (ordered, old) = mesh.in_spatial_order();
+    *mesh = ordered;
     dense.renumbered(&old)
 }
 
@@ -163,6 +163,8 @@ pub fn match_target_count(domain: &Domain, mesh: &mut Manifold, dense: &VertexSe
 pub fn split_to(domain: &Domain, mesh: &Manifold, dense: &VertexSet, wanted: usize) -> (Manifold, VertexSet) {
     let (_, old) = mesh.connectivity.compact();
     let finer = mesh.with_longest_split(domain, wanted.saturating_sub(old.len()));
+    let dense = dense.renumbered(&old);
+    let (finer, old) = finer.in_spatial_order();
     (finer, dense.renumbered(&old))
 }
 

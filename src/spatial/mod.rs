@@ -4,4 +4,5 @@ pub mod bvh;
 pub mod foot;
 pub mod kdtree;
 pub mod knn_graph;
+pub mod order;
 pub mod self_intersections;
