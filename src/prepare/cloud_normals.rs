@@ -176,16 +176,16 @@ mod tests {
 
     #[test]
     fn rows_far_apart_have_the_normals_of_their_surface() {
-        // Rows around a cylinder of radius 2, eight times as far apart as the points in them.
+        // Rows along a cylinder of radius 20, eight times as far apart as the points in them.
         let point = |i: u32| {
-            let turn = f64::from(i % 40) * std::f64::consts::TAU / 40.0;
-            DVec3::new(2.0 * turn.cos(), 2.0 * turn.sin(), 2.5 * f64::from(i / 40))
+            let turn = f64::from(i % 60) * std::f64::consts::TAU / 400.0;
+            DVec3::new(20.0 * turn.cos(), 20.0 * turn.sin(), 2.5 * f64::from(i / 60))
         };
-        let points: Vec<DVec3> = (0..400).map(point).collect();
+        let points: Vec<DVec3> = (0..600).map(point).collect();
         let near = Neighbors::new(&points);
         let graph = NeighborGraph::new(&points, &near, 16);
         for (n, p) in plane_normals(&points, &near, &Neighborhood::Nearest(&graph, 8)).iter().zip(&points) {
-            assert!(n.dot(p.with_z(0.0) / 2.0).abs() > 0.95, "{n} at {p}");
+            assert!(n.dot(p.with_z(0.0) / 20.0).abs() > 0.95, "{n} at {p}");
         }
     }
 
