@@ -82,7 +82,7 @@ pub fn remesh(
         triangle_origins,
         shortcomings,
         notes,
-        left_out: _,
+        warnings: _,
         report,
         edges,
         of_points: _,

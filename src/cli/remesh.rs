@@ -33,8 +33,8 @@ pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
         hand_out(&page.unwrap_or_else(|| report.to_json()), &report.to_text(), &job.run)?;
     }
     // Without the report nothing else would tell.
-    if let Some(left_out) = outcome.left_out.as_ref().filter(|_| job.run.voice == Voice::Quiet) {
-        terminal::complain(&format!("{}: {left_out}", name(&job.input)));
+    for warning in outcome.warnings.iter().filter(|_| job.run.voice == Voice::Quiet) {
+        terminal::complain(&format!("{}: {warning}", name(&job.input)));
     }
     Ok(verdict(&outcome, job))
 }

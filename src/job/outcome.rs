@@ -50,8 +50,8 @@ pub struct Outcome {
     pub shortcomings: Vec<String>,
     /// Things a user should know, a sentence each; the report has them, too.
     pub notes: Vec<String>,
-    /// Which points of a cloud are not on the result, and why: one of the notes; `None` if all are.
-    pub left_out: Option<String>,
+    /// Those of the notes that say what of the input is not in the result, or not as it was, and why: components, points, noise.
+    pub warnings: Vec<String>,
     /// What was done, and how good the result is; `None` if it was not wanted.
     pub report: Option<Report>,
 }

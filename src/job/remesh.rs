@@ -6,7 +6,9 @@ use crate::job::input::Input;
 use crate::job::outcome::{Origin, Outcome};
 use crate::mesh::attributes::{Attributes, Lost};
 use crate::mesh::triangle_mesh::Mesh;
-use crate::pipeline::{self, CloudOptions, CloudSummary, Coverage, Grading, Options, Remeshed, Signal, mesh_of_points};
+use crate::pipeline::{
+    self, CloudOptions, CloudSummary, Coverage, Grading, LostComponents, Options, Remeshed, Signal, mesh_of_points,
+};
 use crate::report::{Crossings, Report, left_out, noise, shortcomings, too_few_covered};
 use crate::transfer::vertex::{Carried, carry};
 use glam::DVec3;
@@ -79,11 +81,13 @@ pub fn remesh(input: &Input, options: &RemeshOptions, monitor: &dyn Monitor) -> 
     let mut carried = carried(&surface, &mut remeshed, &options.carry, monitor)?;
     remeshed.notes.append(&mut carried.notes);
     let coverage = surface.cloud.as_ref().map(|cloud| cloud.coverage(&remeshed));
-    let left_out =
-        surface.cloud.as_ref().zip(coverage).and_then(|(cloud, coverage)| left_out(&cloud.summary, &coverage));
-    remeshed.notes.extend(left_out.clone());
-    let is_smoothed = options.cloud.smooth.or(options.surface.smooth).is_some();
-    remeshed.notes.extend(surface.cloud.as_ref().filter(|_| !is_smoothed).and_then(|cloud| noise(&cloud.summary)));
+    coverage.iter().for_each(|coverage| remeshed.hold_against_points(coverage));
+    let of_points = surface.cloud.as_ref().zip(coverage).map(|(Cloud { summary, .. }, coverage)| {
+        left_out(summary, &coverage).into_iter().chain(noise(summary)).collect::<Vec<String>>()
+    });
+    let of_points = of_points.unwrap_or_default();
+    remeshed.notes.extend(of_points.clone());
+    let warnings = remeshed.lost.as_ref().map(LostComponents::note).into_iter().chain(of_points).collect();
     let report = (!options.without_report).then(|| {
         monitor.stage("measure");
         let report = Report::of_remesh(&remeshed, &surface.mesh, options.surface.seed);
@@ -99,7 +103,7 @@ pub fn remesh(input: &Input, options: &RemeshOptions, monitor: &dyn Monitor) -> 
     monitor.progress(1.0);
     let outcome = outcome(surface, remeshed, carried.attributes, report);
     let short = coverage.and_then(|coverage| too_few_covered(&coverage));
-    Ok(Outcome { shortcomings: outcome.shortcomings.into_iter().chain(short).collect(), left_out, ..outcome })
+    Ok(Outcome { shortcomings: outcome.shortcomings.into_iter().chain(short).collect(), warnings, ..outcome })
 }
 
 /// Measures a mesh, and its distance to another one.
@@ -228,6 +232,6 @@ fn outcome(surface: Surface, remeshed: Remeshed, attributes: Attributes, report:
         mesh: remeshed.mesh,
         edges: remeshed.edges,
         report,
-        left_out: None,
+        warnings: Vec::new(),
     }
 }

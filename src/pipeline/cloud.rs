@@ -13,6 +13,7 @@ use crate::prepare::orient::{disagreement, orient, side_with};
 use crate::spatial::kdtree::Neighbors;
 use crate::spatial::knn_graph::{DEGREE, NeighborGraph};
 use crate::surface::implicit::Rimls;
+use crate::triangulate::boundary_loops::Filled;
 use crate::triangulate::points::triangulate_points;
 use crate::triangulate::surroundings::Surroundings;
 use glam::DVec3;
@@ -26,7 +27,8 @@ pub struct CloudOptions {
     /// The neighbours that they are fitted to. Default: the nearest eight, or the nearest sixteen if noise is smoothed.
     pub neighborhood: Option<Reach>,
     /// How far points reach on the implicit surface that they are projected on, in mean distances of neighbouring
-    /// points: the larger, the smoother. Default: `None`, points stay where they are.
+    /// points: the larger, the smoother. Default: `None`, [`SMOOTHING_SUPPORT`] where there is noise, else points stay where
+    /// they are.
     pub smooth: Option<f64>,
     /// Holes in a box with no longer a diagonal than this, in the units of the input, are closed. Default: 0, those stay
     /// that are larger than gaps between points.
@@ -125,9 +127,19 @@ pub struct CloudSummary {
     pub outliers: usize,
     /// Other points that no triangle of the mesh has as a corner.
     pub unused: usize,
+    /// Points of small shreds that nothing joins with a surface.
+    #[serde(default)]
+    pub in_shreds: usize,
+    /// How many shreds these are.
+    #[serde(default)]
+    pub shreds: usize,
     /// Whether there is noise that smoothing would take away.
     #[serde(default)]
     pub noisy: bool,
+    /// How far points reached on the implicit surface that they were moved onto, since there is noise and nothing else was
+    /// asked for; 0 if they were not.
+    #[serde(default)]
+    pub smoothed_by_itself: f64,
     /// Neighbours of each point whose planes the points were moved onto, since fewer are not flat for noise; 0 without.
     #[serde(default)]
     pub flattened_neighbors: usize,
@@ -189,6 +201,8 @@ pub(super) struct Prepared {
     pub spacings: Vec<f64>,
     /// How far apart the points of the input are, on the mean.
     pub spacing: f64,
+    /// How far points reach where noise is to be smoothed away.
+    pub smooth: Option<f64>,
     pub summary: CloudSummary,
 }
 
@@ -231,9 +245,14 @@ pub(super) fn prepared(points: &Points, options: &CloudOptions, monitor: &dyn Mo
     let spacing = mean(&graph.spacings(points.positions()));
     let flatness = flatness(points.positions(), &near);
     summary.noisy = matches!(flatness, Flatness::NotQuite | Flatness::At(_));
+    let mut smooth = options.smooth;
     match flatness {
         Flatness::Never => return Err(volume(points.positions().len())),
-        Flatness::At(count) if options.smooth.is_none() => {
+        Flatness::NotQuite if smooth.is_none() => {
+            smooth = Some(SMOOTHING_SUPPORT);
+            summary.smoothed_by_itself = SMOOTHING_SUPPORT;
+        }
+        Flatness::At(count) if smooth.is_none() => {
             summary.flattened_neighbors = count;
             let flat = flattened(points.positions(), count);
             near = Neighbors::new(&flat);
@@ -245,11 +264,12 @@ pub(super) fn prepared(points: &Points, options: &CloudOptions, monitor: &dyn Mo
     check(monitor)?;
 
     monitor.stage("normals");
-    let normals = normals(&points, &near, &graph, options, &mut summary);
+    let options = CloudOptions { smooth, ..options.clone() };
+    let normals = normals(&points, &near, &graph, &options, &mut summary);
     let points = points.with_normals(normals);
     let spacings = graph.spacings(points.positions());
     check(monitor)?;
-    Ok(Prepared { points, source, near, graph, spacings, spacing, summary })
+    Ok(Prepared { points, source, near, graph, spacings, spacing, smooth, summary })
 }
 
 /// The mesh through the points of a cloud.
@@ -260,9 +280,9 @@ pub(super) fn prepared(points: &Points, options: &CloudOptions, monitor: &dyn Mo
 pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Monitor) -> Result<MeshOfPoints> {
     let prepared = prepared(points, options, monitor)?;
     let has_no_outside = prepared.has_no_outside();
-    let Prepared { points, mut source, mut near, graph, spacings, spacing, mut summary } = prepared;
+    let Prepared { points, mut source, mut near, graph, spacings, spacing, smooth, mut summary } = prepared;
     let (mut positions, mut normals) = points.into_parts();
-    if let Some(reach) = options.smooth {
+    if let Some(reach) = smooth {
         monitor.stage("smooth");
         (positions, normals) = Rimls::new(&positions, &normals, &near, &spacings, reach).smoothed();
         near = Neighbors::new(&positions);
@@ -271,7 +291,7 @@ pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Mon
     monitor.stage("connect");
     let surroundings =
         Surroundings { positions: &positions, normals: &normals, near: &near, graph: &graph, spacings: &spacings };
-    let triangles = triangulate_points(surroundings, options.fill_holes, monitor)?;
+    let Filled { triangles, shreds, in_shreds, .. } = triangulate_points(surroundings, options.fill_holes, monitor)?;
     let mut mesh = Mesh { positions, triangles };
     let all = mesh.positions.len();
     let surface_points = source.clone();
@@ -279,7 +299,8 @@ pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Mon
     mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
     source = (0..all).filter(|&p| used[p]).map(|p| source[p]).collect();
     mesh.drop_unused();
-    summary.unused = all - mesh.positions.len();
+    summary.unused = all - mesh.positions.len() - in_shreds;
+    (summary.shreds, summary.in_shreds) = (shreds, in_shreds);
     if has_no_outside {
         face_outwards(&mut mesh);
     }
@@ -359,7 +380,7 @@ fn normals(
     };
     let mut normals = given.clone();
     if missing > 0 {
-        let planes = plane_normals(positions, &neighborhood);
+        let planes = plane_normals(positions, near, &neighborhood);
         normals.iter_mut().zip(planes).filter(|(n, _)| **n == DVec3::ZERO).for_each(|(n, plane)| *n = plane);
     }
     let part = orient(positions, &mut normals, graph);

@@ -24,6 +24,9 @@ pub struct Coverage {
     pub rms: f64,
     /// The largest of the distances.
     pub largest: f64,
+    /// The point that is so far: x, y and z.
+    #[serde(default)]
+    pub place: [f64; 3],
 }
 
 /// Points as many spacings as this away from a surface are none of its points.
@@ -39,12 +42,14 @@ impl Coverage {
         let squared = |p: &DVec3| hierarchy.closest(mesh, *p).map_or(f64::INFINITY, |hit| hit.distance_squared);
         let squared: Vec<f64> = points.par_iter().map(squared).collect();
         let within = FAR * spacing;
+        let farthest = (0..points.len()).max_by(|&a, &b| squared[a].total_cmp(&squared[b]).then(b.cmp(&a)));
         Coverage {
             points: points.len(),
             missed: squared.iter().filter(|d| **d > within * within).count(),
             within,
             rms: (squared.iter().sum::<f64>() / points.len().max(1) as f64).sqrt(),
-            largest: squared.iter().fold(0.0, |a: f64, b| a.max(*b)).sqrt(),
+            largest: farthest.map_or(0.0, |p| squared[p].sqrt()),
+            place: farthest.map_or([0.0; 3], |p| points[p].to_array()),
         }
     }
 
@@ -64,6 +69,7 @@ mod tests {
         let points = [DVec3::ZERO, DVec3::new(0.5, 0.5, 1.1), DVec3::new(0.5, 0.5, 3.0), DVec3::X];
         let found = Coverage::of(&points, &cube(), 0.1);
         assert_eq!((found.points, found.missed), (4, 1));
+        assert_eq!(found.place, [0.5, 0.5, 3.0]);
         assert!((found.largest - 2.0).abs() < 1e-12 && (found.rms - (4.01f64 / 4.0).sqrt()).abs() < 1e-12);
         assert!(!found.is_enough() && Coverage { missed: 0, ..found }.is_enough());
     }

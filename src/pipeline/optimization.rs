@@ -192,9 +192,9 @@ fn refine_to_count(
 /// Most coarse meshes that are made, each with more vertices kept dense, until one has no self-intersections.
 const MOST_COARSE_MESHES: usize = 3;
 
-/// Vertices, without the dense ones, that make it worth to order a mesh by a coarser one first. With 500 or 2,000 there are a
-/// few more irregular ones.
-const FEWEST_TO_COARSEN: usize = 1000;
+/// Vertices, without the dense ones, that make it worth to order a mesh by a coarser one first. Smooth models gain from 1,000
+/// on, but curves that lie near to each other are crossed by triangles of four spacings.
+const FEWEST_TO_COARSEN: usize = 2000;
 
 /// Sweeps of ascent in the places that no coarser mesh can follow, those over the coarsest mesh, in two halves, those over one
 /// that was ordered by a coarser one, which only makes its edges even, and those where dense and coarse vertices meet: with

@@ -5,6 +5,7 @@ use crate::base::monitor::{Monitor, check};
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::topology::{Topology, topology};
 use crate::mesh::triangle_mesh::Mesh;
+use crate::pipeline::lost::Components;
 use crate::pipeline::options::Options;
 use crate::pipeline::scale::Field;
 use crate::pipeline::unit::Unit;
@@ -29,6 +30,8 @@ pub(super) struct PreparedInput<'a> {
     pub of_input: Topology,
     /// The topology after repairs.
     pub of_repaired: Topology,
+    /// The components after repairs.
+    pub components: Components,
 }
 
 impl<'a> PreparedInput<'a> {
@@ -55,6 +58,7 @@ impl<'a> PreparedInput<'a> {
         refuse_no_surface(&repairs, repaired.triangles.len())?;
         let untouched = repairs == Repairs::default();
         let of_repaired = if untouched { of_input } else { topology_of(&repaired) };
+        let components = Components::new(input, &repaired);
         let scale = if options.part.is_some() { 1.0 } else { unit.size };
         let cracks = cracks.map(|cracks| Cracks { width: scale * cracks.width, ..cracks });
         let allowed = options.max_error.map(|e| e.length(scale * repaired.diagonal()));
@@ -63,7 +67,8 @@ impl<'a> PreparedInput<'a> {
             smooth(&mut repaired, support);
             check(monitor)?;
         }
-        let prepared = PreparedInput { input, options, unit, field, allowed, repairs, cracks, of_input, of_repaired };
+        let prepared =
+            PreparedInput { input, options, unit, field, allowed, repairs, cracks, of_input, of_repaired, components };
         Ok((prepared, repaired))
     }
 

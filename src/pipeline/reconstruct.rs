@@ -19,7 +19,7 @@ use crate::surface::implicit::Rimls;
 pub struct ReconstructOptions {
     /// The length of the edges of cells, in the units of the input. Default: half the mean spacing of the points.
     pub resolution: Option<f64>,
-    /// What to make of the points; [`CloudOptions::smooth`] is [`INTERPOLATING_SUPPORT`] if it is not given, and
+    /// What to make of the points; [`CloudOptions::smooth`] is [`INTERPOLATING_SUPPORT`] if it is not given and there is no noise, and
     /// [`CloudOptions::fill_holes`] does not matter.
     pub cloud: CloudOptions,
 }
@@ -79,8 +79,8 @@ pub fn points_of_mesh(mesh: &Mesh) -> Points {
 /// [`Error::Cancelled`] if the monitor asks for it.
 pub fn reconstruct(points: &Points, options: &ReconstructOptions, monitor: &dyn Monitor) -> Result<Reconstructed> {
     options.validate()?;
-    let reach = options.cloud.smooth.unwrap_or(INTERPOLATING_SUPPORT);
     let prepared = prepared(points, &options.cloud, monitor)?;
+    let reach = prepared.smooth.unwrap_or(INTERPOLATING_SUPPORT);
     let has_no_outside = prepared.has_no_outside();
     let area = prepared.area();
     let Prepared { points, near, mut spacings, summary, .. } = prepared;

@@ -360,6 +360,7 @@ fn remeshed(
     let slivers = finished.slivers.iter().map(|t| finished.kept_triangles() + t).collect();
     let first = kept.as_ref().map_or(0, |kept| kept.vertices.len());
     let edges = Edges::of(&finished.mesh, &finished.manifold, surface, unit, first);
+    let lost = prepared.components.lost(&finished.mesh, &origins);
     let intersects = !finished.self_intersections.is_empty();
     let mut result = Remeshed {
         input: prepared.of_input,
@@ -381,6 +382,7 @@ fn remeshed(
         unforced_theta_min: smallest_unforced_angle(&finished.manifold),
         left_out: if *blunted { LeftOut::default() } else { left_out.times(unit.size) },
         blunted: *blunted,
+        lost,
         deviation,
         edges,
         kept,

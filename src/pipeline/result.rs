@@ -4,7 +4,9 @@ use crate::mesh::provenance::Origins;
 use crate::mesh::submesh::Kept;
 use crate::mesh::topology::Topology;
 use crate::mesh::triangle_mesh::Mesh;
+use crate::pipeline::coverage::Coverage;
 use crate::pipeline::edges::Edges;
+use crate::pipeline::lost::LostComponents;
 use crate::pipeline::slivers::SLIVER;
 use crate::prepare::repair::Repairs;
 use crate::prepare::stitch::Cracks;
@@ -56,6 +58,8 @@ pub struct Remeshed {
     pub left_out: LeftOut,
     /// Whether there were more sharp edges than could be kept, so that none was.
     pub blunted: bool,
+    /// The components of the input of which the result has next to nothing; `None` if there are none.
+    pub lost: Option<LostComponents>,
     /// How far the result is from the repaired input; `None` if no bound was asked for.
     pub deviation: Option<Deviation>,
     /// Its sharp edges, those that were left out, and the lengths wanted.
@@ -72,9 +76,9 @@ pub struct Remeshed {
 pub struct Deviation {
     /// How far it may be, in the units of the input.
     pub allowed: f64,
-    /// No point of the result is farther from the repaired input, and none of that from the result, but for rounding: an
-    /// upper bound, mostly within a tenth of the Hausdorff distance or a quarter of `allowed`, in the units of the
-    /// input.
+    /// No point of the result is farther from the repaired input, and none of that or of a cloud from the result, but for
+    /// rounding: an upper bound, mostly within a tenth of the Hausdorff distance or a quarter of `allowed`, in the units of
+    /// the input.
     pub reached: f64,
     /// A point that is about as far: x, y and z.
     pub place: [f64; 3],
@@ -92,6 +96,18 @@ impl Remeshed {
     /// other where those of the input do not, without slivers, and as near to the input as was asked for.
     pub fn verified(&self) -> bool {
         self.is_sound() && self.slivers.is_empty() && self.deviation.is_none_or(|d| d.is_allowed())
+    }
+
+    /// Holds an error that was asked for against the points of a cloud, too, through which the input was laid: it may have left
+    /// some out.
+    pub fn hold_against_points(&mut self, coverage: &Coverage) {
+        let Some(before) = self.deviation.filter(|d| d.reached < coverage.largest) else { return };
+        let deviation = Deviation { reached: coverage.largest, place: coverage.place, ..before };
+        self.deviation = Some(deviation);
+        if !deviation.is_allowed() {
+            self.notes.retain(|note| *note != note_on_deviation(&before));
+            self.notes.push(note_on_deviation(&deviation));
+        }
     }
 
     /// Whether the result is of the topology of the repaired input, without faces that cross each other where those of the
@@ -157,10 +173,32 @@ pub(super) fn notes(result: &Remeshed, cracks: Option<Cracks>) -> Vec<String> {
     if !result.has_topology() {
         notes.push("the result does not have the topology of the input".into());
     }
+    notes.extend(result.lost.as_ref().map(LostComponents::note));
     if result.left_out.patches > 0 {
         notes.push(note_on_left_out(&result.left_out));
     }
     notes
+}
+
+impl LostComponents {
+    /// How many they are, and what and where the largest is.
+    pub fn note(&self) -> String {
+        let &LostComponents { gone, shrunk, triangles, share, place } = self;
+        let parts = [
+            (gone, "components of the input are not in the result"),
+            (
+                shrunk,
+                "components are smaller than edges are long, and only a few triangles without their shape are left of them",
+            ),
+        ];
+        let parts: Vec<String> = parts.iter().filter(|p| p.0 > 0).map(|(n, what)| format!("{n} {what}")).collect();
+        let place = near(DVec3::from_array(place));
+        format!(
+            "{}: the largest, {place}, has {triangles} triangles, {:.2} % of the area; more points keep more of them",
+            parts.join("; "),
+            100.0 * share
+        )
+    }
 }
 
 /// Which boundaries may be cracks, and what closes them.

@@ -409,7 +409,7 @@ impl Task<'_> {
 
     /// Samples of the surface of a cloud after ascent.
     fn on_cloud(&self, cloud: &Prepared, unit: &Unit) -> Result<Sampled> {
-        let reach = self.options.cloud.smooth.unwrap_or(INTERPOLATING_SUPPORT);
+        let reach = cloud.smooth.unwrap_or(INTERPOLATING_SUPPORT);
         let surface = Rimls::new(cloud.points.positions(), cloud.points.normals(), &cloud.near, &cloud.spacings, reach);
         let expected = self.wanted.unwrap_or_else(|| Scale::count_of_sigma(self.first_sigma, cloud.area()));
         check_count(Setting::SigmaP, expected, format!("this width means {expected} samples"))?;

@@ -1,6 +1,7 @@
 //! Normals of the points of a cloud, from fits to their neighbours.
 //!
-//! - A plane: the direction in which the neighbours of a point spread least. It has no outside yet.
+//! - A plane: the direction in which the neighbours of a point spread least. It has no outside yet. Neighbours on a line say
+//!   nothing, so more of them are asked.
 //! - An algebraic sphere, u₀ + u·x + u₄ x·x = 0, whose gradient follows the normals of the neighbours best: with weights w
 //!   that sum to one, u₄ = ½ (Σ w x·n - Σ w x · Σ w n) / (Σ w x·x - Σ w x · Σ w x), u = Σ w n - 2 u₄ Σ w x. With the point
 //!   at the origin its normal is u. Only neighbours that face its way count, so the other side of a thin sheet does not.
@@ -13,13 +14,21 @@
 
 use crate::base::math;
 use crate::geom::eigen::{eigen, scatter};
-use crate::spatial::kdtree::Neighbors;
+use crate::spatial::kdtree::{Neighbor, Neighbors};
 use crate::spatial::knn_graph::NeighborGraph;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// Neighbours that steady a fit where there is noise, or few points.
 pub const MANY_NEIGHBORS: usize = 16;
+
+/// Neighbours are on a line if they spread across it by less than this share of how they spread along it: half a disc, as at a
+/// boundary, spreads by half.
+const LINE: f64 = 0.3;
+
+/// As many times more neighbours than wanted are looked at before a line is taken for one.
+const MOST_ON_LINE: usize = 8;
 
 /// The neighbours of each point that its normal follows from.
 pub enum Neighborhood<'a> {
@@ -37,26 +46,47 @@ impl Neighborhood<'_> {
             Neighborhood::Nearest(graph, count) => {
                 all.map(|p| fit(p, &graph.of(p)[..count.min(graph.degree())])).collect()
             }
-            Neighborhood::Within(near, radius) => all
-                .map(|p| {
-                    let found = near.within(points[p as usize], radius);
-                    let others: Vec<u32> = found.iter().map(|n| n.point).filter(|&n| n != p).collect();
-                    fit(p, &others)
-                })
-                .collect(),
+            Neighborhood::Within(near, radius) => {
+                all.map(|p| fit(p, &others(near.within(points[p as usize], radius), p))).collect()
+            }
         }
     }
 }
 
-/// Unit normals without a common side, from planes through each point's neighbours.
-pub fn plane_normals(points: &[DVec3], neighborhood: &Neighborhood) -> Vec<DVec3> {
-    neighborhood.map(points, |p, neighbors| plane_normal(points, p, neighbors))
+/// The `nearest` neighbours of point `p`, or as many times more as it takes for them not to be on a line, through which there
+/// are many planes: the points of a scanner's rows, and the vertices of many a mesh, are nearer to each other one way than
+/// the other.
+fn off_line<'a>(points: &[DVec3], near: &Neighbors, p: u32, nearest: &'a [u32]) -> Cow<'a, [u32]> {
+    let mut taken = Cow::Borrowed(nearest);
+    let mut found = Vec::new();
+    let most = (MOST_ON_LINE * nearest.len()).min(points.len().saturating_sub(1));
+    while is_line(points, p, &taken) && taken.len() < most {
+        near.collect_nearest(points[p as usize], (2 * taken.len()).min(most) + 1, &mut found);
+        taken = Cow::Owned(others(std::mem::take(&mut found), p));
+    }
+    taken
 }
 
-fn plane_normal(points: &[DVec3], p: u32, neighbors: &[u32]) -> DVec3 {
+fn others(found: Vec<Neighbor>, p: u32) -> Vec<u32> {
+    found.into_iter().map(|n| n.point).filter(|&n| n != p).collect()
+}
+
+fn is_line(points: &[DVec3], p: u32, neighbors: &[u32]) -> bool {
+    let ([_, across, along], _) = spread(points, p, neighbors);
+    across <= math::square(LINE) * along
+}
+
+/// The principal values and directions of a point and its neighbours.
+pub(super) fn spread(points: &[DVec3], p: u32, neighbors: &[u32]) -> ([f64; 3], [DVec3; 3]) {
     let here = points[p as usize];
     let offsets = neighbors.iter().map(|&n| points[n as usize] - here);
-    eigen(scatter(std::iter::once(DVec3::ZERO).chain(offsets)).1).1[0]
+    eigen(scatter(std::iter::once(DVec3::ZERO).chain(offsets)).1)
+}
+
+/// Unit normals without a common side, from planes through each point's neighbours; through more of them, which `near` knows,
+/// where these are on a line.
+pub fn plane_normals(points: &[DVec3], near: &Neighbors, neighborhood: &Neighborhood) -> Vec<DVec3> {
+    neighborhood.map(points, |p, neighbors| spread(points, p, &off_line(points, near, p, neighbors)).1[0])
 }
 
 /// Unit normals from spheres that fit to the neighbours and their normals, on the side of `normals`.
@@ -129,9 +159,10 @@ mod tests {
     #[test]
     fn planes_find_normals_but_for_their_side_and_spheres_find_them_better() {
         let points = sphere(2000);
-        let graph = NeighborGraph::new(&points, &Neighbors::new(&points), 12);
+        let near = Neighbors::new(&points);
+        let graph = NeighborGraph::new(&points, &near, 12);
         let nearest = Neighborhood::Nearest(&graph, 12);
-        let mut normals = plane_normals(&points, &nearest);
+        let mut normals = plane_normals(&points, &near, &nearest);
         let off = |normals: &[DVec3]| {
             let angles = normals.iter().zip(&points).map(|(n, p)| n.dot(*p).abs().min(1.0).acos().to_degrees());
             angles.sum::<f64>() / points.len() as f64
@@ -144,10 +175,25 @@ mod tests {
     }
 
     #[test]
+    fn rows_far_apart_have_the_normals_of_their_surface() {
+        // Rows along a cylinder of radius 20, eight times as far apart as the points in them.
+        let point = |i: u32| {
+            let turn = f64::from(i % 60) * std::f64::consts::TAU / 400.0;
+            DVec3::new(20.0 * turn.cos(), 20.0 * turn.sin(), 2.5 * f64::from(i / 60))
+        };
+        let points: Vec<DVec3> = (0..600).map(point).collect();
+        let near = Neighbors::new(&points);
+        let graph = NeighborGraph::new(&points, &near, 16);
+        for (n, p) in plane_normals(&points, &near, &Neighborhood::Nearest(&graph, 8)).iter().zip(&points) {
+            assert!(n.dot(p.with_z(0.0) / 20.0).abs() > 0.95, "{n} at {p}");
+        }
+    }
+
+    #[test]
     fn a_radius_says_as_much_as_a_count() {
         let points = sphere(2000);
         let near = Neighbors::new(&points);
-        let normals = plane_normals(&points, &Neighborhood::Within(&near, 0.15));
+        let normals = plane_normals(&points, &near, &Neighborhood::Within(&near, 0.15));
         assert!(normals.iter().zip(&points).all(|(n, p)| n.dot(*p).abs() > 0.97));
     }
 

@@ -5,6 +5,9 @@
 //! narrow rim and between the two sides of a thin sheet, where normals themselves point apart. Two neighbours vote with
 //! the cube of the cosine, so that the clear ones decide.
 //!
+//! A normal is trusted the less the thicker its neighbours are: where they are of both sides of a thin wall, or none of a
+//! surface, it may be anything, and half a wall would turn over with it.
+//!
 //! At first every point is a part. In each round every part joins the one that it has the clearest votes with, as they
 //! say, until nothing is left to join. At last points turn over that all of their neighbours together outvote.
 //!
@@ -21,6 +24,7 @@
 
 use crate::base::math;
 use crate::base::union_find::UnionFind;
+use crate::prepare::cloud_normals::spread;
 use crate::spatial::knn_graph::NeighborGraph;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -40,9 +44,10 @@ const ROUNDS: usize = 5;
 /// Turns over some of `normals` so that all of a connected part of the graph agree. For each point the number of its
 /// part: the lowest point in it.
 pub fn orient(points: &[DVec3], normals: &mut [DVec3], graph: &NeighborGraph) -> Vec<u32> {
-    let sides = sides(votes_of_neighbors(points, normals, graph), points.len());
+    let trust = trust(points, graph);
+    let sides = sides(votes_of_neighbors(points, normals, graph, &trust), points.len());
     normals.iter_mut().zip(&sides).filter(|(_, side)| **side % 2 == 1).for_each(|(n, _)| *n = -*n);
-    turn_outvoted(points, normals, graph);
+    turn_outvoted(points, normals, graph, &trust);
     sides.into_iter().map(|side| side / 2).collect()
 }
 
@@ -64,12 +69,13 @@ fn sides(mut votes: Vec<Vote>, points: usize) -> Vec<u32> {
 }
 
 /// The votes of all pairs of neighbours.
-fn votes_of_neighbors(points: &[DVec3], normals: &[DVec3], graph: &NeighborGraph) -> Vec<Vote> {
+fn votes_of_neighbors(points: &[DVec3], normals: &[DVec3], graph: &NeighborGraph, trust: &[f64]) -> Vec<Vote> {
+    let vote = |a: u32, b: u32| trust[a as usize] * trust[b as usize] * vote(points, normals, a, b);
     (0..points.len() as u32)
         .into_par_iter()
         .flat_map_iter(|a| graph.of(a).iter().map(move |&b| [a, b]))
         .filter(|&[a, b]| a < b || !graph.of(b).contains(&a))
-        .map(|[a, b]| Vote { ends: [a.min(b), a.max(b)], sum: vote(points, normals, a, b) as f32 })
+        .map(|[a, b]| Vote { ends: [a.min(b), a.max(b)], sum: vote(a, b) as f32 })
         .collect()
 }
 
@@ -101,9 +107,10 @@ fn between_parts(votes: &[Vote], sides: &[u32]) -> Vec<Vote> {
 }
 
 /// Turns over the points that their neighbours outvote.
-fn turn_outvoted(points: &[DVec3], normals: &mut [DVec3], graph: &NeighborGraph) {
-    let is_outvoted =
-        |normals: &[DVec3], p: u32| graph.of(p).iter().map(|&n| vote(points, normals, p, n)).sum::<f64>() < 0.0;
+fn turn_outvoted(points: &[DVec3], normals: &mut [DVec3], graph: &NeighborGraph, trust: &[f64]) {
+    let is_outvoted = |normals: &[DVec3], p: u32| {
+        graph.of(p).iter().map(|&n| trust[n as usize] * vote(points, normals, p, n)).sum::<f64>() < 0.0
+    };
     for _ in 0..ROUNDS {
         let outvoted: Vec<u32> =
             (0..points.len() as u32).into_par_iter().filter(|&p| is_outvoted(normals, p)).collect();
@@ -114,6 +121,23 @@ fn turn_outvoted(points: &[DVec3], normals: &mut [DVec3], graph: &NeighborGraph)
             }
         }
     }
+}
+
+/// The nearest neighbours of a point that say how far to trust its normal.
+const NEAREST: usize = 8;
+
+/// Neighbours that spread across their plane by this share of how they spread in it halve the trust: those of noise of an eighth
+/// of the spacing do.
+const DOUBTFUL: f64 = 0.2;
+
+/// How far the normal of each point is to be trusted, from 0 to 1.
+fn trust(points: &[DVec3], graph: &NeighborGraph) -> Vec<f64> {
+    let of_point = |p: u32| {
+        let ([least, middle, _], _) = spread(points, p, &graph.of(p)[..NEAREST.min(graph.degree())]);
+        let thickness = least.max(0.0) / middle.max(f64::MIN_POSITIVE);
+        1.0 / (1.0 + thickness / math::square(DOUBTFUL))
+    };
+    (0..points.len() as u32).into_par_iter().map(of_point).collect()
 }
 
 /// How clearly the normals of `a` and `b` are on the same side: from -1, if they are not, to 1.
@@ -162,8 +186,9 @@ mod tests {
     use crate::spatial::kdtree::Neighbors;
 
     fn oriented(points: &[DVec3]) -> Vec<DVec3> {
-        let graph = NeighborGraph::new(points, &Neighbors::new(points), 12);
-        let mut normals = plane_normals(points, &Neighborhood::Nearest(&graph, 12));
+        let near = Neighbors::new(points);
+        let graph = NeighborGraph::new(points, &near, 12);
+        let mut normals = plane_normals(points, &near, &Neighborhood::Nearest(&graph, 12));
         orient(points, &mut normals, &graph);
         assert!(disagreement(points, &normals, &graph) < 0.01);
         normals

@@ -308,21 +308,23 @@ pub fn too_few_covered(coverage: &Coverage) -> Option<String> {
     is_short.then(|| format!("{missed} of {points} points are farther than {within:.4e} from it"))
 }
 
-/// What to do about the noise of a cloud, and what was done, if it has some.
+/// What was done about the noise of a cloud by itself, and what else can be, if it has some.
 pub fn noise(cloud: &CloudSummary) -> Option<String> {
     let done = match cloud.flattened_neighbors {
-        _ if !cloud.noisy => return None,
-        0 => "the points are noisy".into(),
-        n => format!("the points are noisy, and were moved onto planes through the nearest {n}"),
+        0 if cloud.smoothed_by_itself > 0.0 => format!("smoothed as by --smooth {}", cloud.smoothed_by_itself),
+        0 => return None,
+        n => format!("moved onto planes through the nearest {n}"),
     };
-    Some(format!("{done}; smoothing (--smooth) takes noise away"))
+    Some(format!("the points are noisy, and were {done}; --smooth W smooths less (1.5) or more (4)"))
 }
 
 /// Which points of a cloud are not on the result, and why; `None` if all are.
 pub fn left_out(cloud: &CloudSummary, coverage: &Coverage) -> Option<String> {
+    let shreds = format!("are on {} shreds too small for a surface, which nothing joins with the rest", cloud.shreds);
     let far = format!("are farther than {:.4e} from the result", coverage.within);
     let parts = [
         (cloud.outliers, "are outliers, no other point's neighbours"),
+        (cloud.in_shreds, &shreds),
         (cloud.unused, "are no corner of the first mesh, since neighbours do not agree on a surface there"),
         (coverage.missed, &far),
     ];
@@ -368,6 +370,7 @@ pub(super) mod tests {
             unforced_theta_min: None,
             left_out: LeftOut::default(),
             blunted: false,
+            lost: None,
             edges: Edges::default(),
             kept: None,
             notes: vec!["One face is missing.".into()],
@@ -467,7 +470,7 @@ pub(super) mod tests {
 
     #[test]
     fn a_cloud_that_is_missed_is_not_verified() {
-        let coverage = |missed| Coverage { points: 100, missed, within: 0.5, rms: 1.0, largest: 2.0 };
+        let coverage = |missed| Coverage { points: 100, missed, within: 0.5, rms: 1.0, largest: 2.0, place: [0.0; 3] };
         let mesh = tetrahedron();
         let report = Report::of_mesh(&mesh, Some(&mesh));
         let report = Report { verified: Some(true), repaired: Some(report.output.topology), ..report };
@@ -481,13 +484,17 @@ pub(super) mod tests {
 
     #[test]
     fn what_is_left_out_of_a_cloud_is_told_with_the_reason() {
-        let cloud = CloudSummary { points: 100, outliers: 2, unused: 3, ..CloudSummary::default() };
-        let coverage = Coverage { points: 98, missed: 0, within: 0.5, rms: 0.1, largest: 0.2 };
+        let cloud =
+            CloudSummary { points: 100, outliers: 2, in_shreds: 7, shreds: 2, unused: 3, ..CloudSummary::default() };
+        let coverage = Coverage { points: 98, missed: 0, within: 0.5, rms: 0.1, largest: 0.2, place: [0.0; 3] };
         let told = left_out(&cloud, &coverage).unwrap();
         assert!(told.starts_with("of 100 points 2 are outliers") && told.contains("; 3 are no corner"), "{told}");
+        assert!(told.contains("; 7 are on 2 shreds"), "{told}");
         assert_eq!(left_out(&CloudSummary::default(), &coverage), None);
         let noisy = CloudSummary { noisy: true, flattened_neighbors: 64, ..cloud };
-        assert!(noise(&noisy).unwrap().contains("nearest 64; smoothing (--smooth)"));
+        assert!(noise(&noisy).unwrap().contains("nearest 64; --smooth W"));
+        let smoothed = CloudSummary { flattened_neighbors: 0, smoothed_by_itself: 2.7, ..noisy };
+        assert!(noise(&smoothed).unwrap().contains("smoothed as by --smooth 2.7"));
         assert_eq!(noise(&CloudSummary::default()), None);
     }
 

@@ -135,10 +135,12 @@ fn sharp_edges(report: &Report) -> Vec<String> {
 
 /// What became of the points of a cloud.
 fn points_used(cloud: &CloudSummary) -> Vec<String> {
-    let &CloudSummary { points, duplicates, outliers, unused, estimated_normals, turned_normals, .. } = cloud;
+    let &CloudSummary { points, duplicates, outliers, in_shreds, unused, estimated_normals, turned_normals, .. } =
+        cloud;
     let others = [
         (duplicates, "at the place of another one"),
         (outliers, "outliers"),
+        (in_shreds, "on shreds too small for a surface"),
         (unused, "others that no triangle uses"),
         (estimated_normals, "normals estimated"),
         (turned_normals, "normals turned over"),

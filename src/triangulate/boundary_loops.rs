@@ -39,6 +39,10 @@ pub struct Filled {
     pub triangles: Vec<[u32; 3]>,
     /// The number of holes that were left open.
     pub holes: usize,
+    /// Components that were dropped because they have too few points for a surface.
+    pub shreds: usize,
+    /// The points that had triangles in them.
+    pub in_shreds: usize,
 }
 
 /// A triangle in the stars of only two of its corners is taken if its circumradius is at most so many spacings: larger ones
@@ -83,6 +87,7 @@ pub fn fill_boundary_loops(points: Surroundings<'_>, stars: &[[u32; 3]], criteri
     let successor = vec![INTERIOR; points.positions.len()];
     let mut triangles = agreed_by_most(&stars, DOUBTFUL, |t| points.relative_circumradius(t));
     drop(stars);
+    let pieces = Pieces::of(&triangles, points.positions.len());
     let is_hole = |polygon: &[u32]| is_hole(points, &ends, criteria, polygon);
     let mut is_filled = vec![false; points.positions.len()];
     for _ in 0..ROUNDS {
@@ -107,7 +112,40 @@ pub fn fill_boundary_loops(points: Surroundings<'_>, stars: &[[u32; 3]], criteri
     drop_islands(&mut triangles, &holes, points.positions.len());
     let left = boundary_loops(points.positions, points.normals, &successor, &triangles);
     let holes = left.iter().filter(|polygon| is_hole(polygon)).count();
-    Filled { triangles, holes }
+    let (shreds, in_shreds) = pieces.dropped(&triangles);
+    Filled { triangles, holes, shreds, in_shreds }
+}
+
+/// The components of the triangles that stars agree on.
+struct Pieces {
+    /// For each point its component.
+    number: Vec<u32>,
+    has_triangle: Vec<bool>,
+}
+
+impl Pieces {
+    fn of(triangles: &[[u32; 3]], points: usize) -> Pieces {
+        Pieces { number: components(points, triangles), has_triangle: used(triangles, points) }
+    }
+
+    /// How many of them none of `triangles` has a point of, and how many points they have.
+    fn dropped(&self, triangles: &[[u32; 3]]) -> (usize, usize) {
+        let points = self.number.len();
+        let (mut stays, mut sizes) = (vec![false; points], vec![0; points]);
+        for (piece, is_used) in self.number.iter().zip(used(triangles, points)) {
+            stays[*piece as usize] |= is_used;
+        }
+        let lost = |p: &usize| self.has_triangle[*p] && !stays[self.number[*p] as usize];
+        (0..points).filter(lost).for_each(|p| sizes[self.number[p] as usize] += 1);
+        (sizes.iter().filter(|size| **size > 0).count(), sizes.iter().sum())
+    }
+}
+
+/// For each of so many points whether it is a corner of a triangle.
+fn used(triangles: &[[u32; 3]], points: usize) -> Vec<bool> {
+    let mut used = vec![false; points];
+    triangles.iter().flatten().for_each(|&p| used[p as usize] = true);
+    used
 }
 
 /// The self-intersecting triangles around points where a loop was filled.

@@ -11,7 +11,7 @@ use crate::base::monitor::{Monitor, check};
 use crate::base::rng::{Stage, units_at};
 use crate::geom::aabb::Aabb;
 use crate::spatial::kdtree::Neighbor;
-use crate::triangulate::boundary_loops::{HoleCriteria, fill_boundary_loops};
+use crate::triangulate::boundary_loops::{Filled, HoleCriteria, fill_boundary_loops};
 use crate::triangulate::neighbourhood::Neighbourhood;
 use crate::triangulate::surroundings::Surroundings;
 use crate::triangulate::unfold::Neighbour;
@@ -32,7 +32,7 @@ const GROWTH: f64 = 1.5;
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
-pub fn triangulate_points(points: Surroundings<'_>, close_up_to: f64, monitor: &dyn Monitor) -> Result<Vec<[u32; 3]>> {
+pub fn triangulate_points(points: Surroundings<'_>, close_up_to: f64, monitor: &dyn Monitor) -> Result<Filled> {
     check(monitor)?;
     let jittered = jittered(points);
     let moved = Surroundings { positions: &jittered, ..points };
@@ -47,9 +47,9 @@ pub fn triangulate_points(points: Surroundings<'_>, close_up_to: f64, monitor: &
     let closed = fill_boundary_loops(points, &stars, HoleCriteria { smallest_diagonal, ..LENIENT });
     check(monitor)?;
     if closed.holes == 0 {
-        return Ok(closed.triangles);
+        return Ok(closed);
     }
-    Ok(fill_boundary_loops(points, &stars, HoleCriteria { smallest_diagonal: close_up_to, ..STRICT }).triangles)
+    Ok(fill_boundary_loops(points, &stars, HoleCriteria { smallest_diagonal: close_up_to, ..STRICT }))
 }
 
 /// Hole criteria for a closed scan, whose loops may lie where it is only sparse.

@@ -262,6 +262,15 @@ fn quiet_says_nothing_and_verbose_names_the_stages() {
     let folder = folder();
     assert_eq!(run(folder.path(), "sphere.off quiet.ply --points 200 -q").went_well(), "");
     assert!(folder.path().join("quiet.ply").exists());
+    // What of the input is lost is said even so.
+    let shred: String =
+        (0..25).map(|i| format!("{} {} 9\n", 0.05 * f64::from(i % 5), 0.05 * f64::from(i / 5))).collect();
+    let cloud: String =
+        (0..40 * 40).map(|i| format!("{} {} 0\n", 0.1 * f64::from(i % 40), 0.1 * f64::from(i / 40))).collect();
+    std::fs::write(folder.path().join("cloud.xyz"), cloud + &shred).unwrap();
+    let told = run(folder.path(), "cloud.xyz cloud.ply --points 200 -q");
+    assert_eq!((told.status, told.err.lines().count()), (0, 1), "{}", told.err);
+    assert!(told.err.contains("of 1625 points 25 are on 1 shreds"), "{}", told.err);
     let verbose = run(folder.path(), "sphere.off verbose.ply --points 200 -v");
     assert_eq!(verbose.status, 0);
     assert!(verbose.err.lines().all(|line| line.starts_with("remesh: ")), "{}", verbose.err);

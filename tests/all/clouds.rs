@@ -7,7 +7,7 @@ use spectral_remesh::stages::mesh::refine::refine;
 use spectral_remesh::stages::mesh::topology::{Topology, topology};
 use spectral_remesh::stages::pipeline::{CloudSummary, MeshOfPoints};
 use spectral_remesh::stages::pipeline::{Remeshed, mesh_of_points, remesh};
-use spectral_remesh::{CloudOptions, Density, Input, Mesh, Options, Points, RemeshOptions};
+use spectral_remesh::{CloudOptions, Density, Input, MaxError, Mesh, Options, Points, RemeshOptions};
 use std::f64::consts::TAU;
 
 fn random() -> Random {
@@ -324,4 +324,47 @@ fn noise_stronger_than_the_spacing_is_taken_out() {
     assert!(report.cloud.is_some_and(|cloud| cloud.noisy && cloud.flattened_neighbors > 8));
     let coverage = report.coverage.unwrap();
     assert!(coverage.missed == 0 && coverage.points > 5_900 && coverage.largest > 0.04, "{coverage:?}");
+}
+
+#[test]
+fn some_noise_is_smoothed_away_by_itself_and_told() {
+    let mut rng = random();
+    let noisy: Vec<DVec3> =
+        sphere(6_000).into_iter().map(|p| p * (1.0 + 0.02 * (2.0 * unit(&mut rng) - 1.0))).collect();
+    let positions: Vec<[f64; 3]> = noisy.iter().map(|p| p.to_array()).collect();
+    let made = spectral_remesh::remesh(&Input::points(&positions), &Options::points(1_000).into(), &()).unwrap();
+    assert!(made.verified(), "{:?}", made.shortcomings);
+    assert_eq!(audit(&made.mesh), (2, 1, 0));
+    assert!(made.warnings.iter().any(|note| note.contains("--smooth 2.7")), "{:?}", made.warnings);
+    // Without noise points stay where they are.
+    assert_eq!(connect(&cloud(sphere(6_000))).summary.smoothed_by_itself, 0.0);
+}
+
+/// A sphere, and a sheet of 25 points beside it.
+fn sphere_and_shred() -> Vec<DVec3> {
+    let shred = (0..25).map(|i| dvec3(2.0, 0.05 * f64::from(i % 5), 0.05 * f64::from(i / 5)));
+    sphere(3_000).into_iter().chain(shred).collect()
+}
+
+#[test]
+fn points_on_shreds_are_counted_as_such() {
+    let made = connect(&cloud(sphere_and_shred()));
+    assert_eq!(audit(&made.mesh), (2, 1, 0));
+    let CloudSummary { outliers, unused, in_shreds, shreds, .. } = made.summary;
+    assert_eq!((outliers, unused, in_shreds, shreds), (0, 0, 25, 1));
+}
+
+#[test]
+fn an_error_that_was_asked_for_is_to_all_points() {
+    let positions: Vec<[f64; 3]> = sphere_and_shred().iter().map(|p| p.to_array()).collect();
+    let error_of = |positions: &[[f64; 3]]| {
+        let options = Options { max_error: Some(MaxError::Length(0.1)), ..Options::points(1_000) };
+        let made = spectral_remesh::remesh(&Input::points(positions), &options.into(), &()).unwrap();
+        let reached = made.report.as_ref().unwrap().deviation.unwrap().reached;
+        assert_eq!(made.verified(), reached <= 0.1, "{:?}", made.shortcomings);
+        assert_eq!(made.notes.iter().any(|note| note.contains("and not within")), reached > 0.1, "{:?}", made.notes);
+        reached
+    };
+    assert!(error_of(&positions[..3_000]) < 0.1);
+    assert!((1.0..1.1).contains(&error_of(&positions)));
 }

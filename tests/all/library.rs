@@ -19,7 +19,7 @@ pub fn graded(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> spectral_remesh
     Ok(remesh(&Input::mesh(positions, triangles), &options, &())?.positions().to_vec())
 }
 
-use crate::common::{cuboid, cylinder, plate, soup, sphere, together};
+use crate::common::{cuboid, cylinder, plate, sheet, soup, sphere, together};
 use glam::{DVec2, DVec3, dvec3};
 use spectral_remesh::stages::geom::triangle::closest_point;
 use spectral_remesh::{
@@ -83,6 +83,20 @@ fn every_vertex_and_triangle_knows_where_it_came_from() {
         let centre = outcome.mesh.corners(t).into_iter().sum::<DVec3>() / 3.0;
         assert!(facing > 0.0 && centre.distance(closest_point(centre, [a, b, c])) < 0.03);
     }
+}
+
+#[test]
+fn components_without_room_for_their_shape_are_told() {
+    let small = |x: f64| sphere(2, x * DVec3::X, 0.02);
+    let all: Vec<Mesh> = std::iter::once(sphere(4, DVec3::ZERO, 1.0)).chain((2..32).map(|x| small(x.into()))).collect();
+    let warnings =
+        |mesh: &Mesh, points: usize| remesh(&Input::from(mesh), &Options::points(points).into(), &()).unwrap().warnings;
+    let told = warnings(&together(&all), 500);
+    assert!(told.len() == 1 && told[0].starts_with("30 components are smaller"), "{told:?}");
+    assert!(told[0].contains("0.04 % of the area") && told[0].contains("has 128 triangles"), "{told:?}");
+    // Two of the same size have room, and a flat square of two triangles is as it was.
+    assert!(warnings(&together(&[all[0].clone(), sphere(3, 3.0 * DVec3::X, 1.0)]), 500).is_empty());
+    assert!(warnings(&together(&[all[0].clone(), sheet(1, 1)]), 100).is_empty());
 }
 
 #[test]
