@@ -79,8 +79,8 @@ const FARTHEST: f64 = 0.9;
 /// Vertices that are put at places in a neighborhood, one after the other.
 const MOST_PLACED: usize = 2;
 
-/// Rounds of relaxation with these locked.
-const RELAX_ROUNDS: usize = 2;
+/// Rounds of relaxation with these locked: after two, triangles were often still so bad that a place had to be given up.
+const RELAX_ROUNDS: usize = 8;
 
 /// Triangles outside of the goal that relaxation may leave: more are rarely all improved.
 const MOST_BAD: usize = 24;
