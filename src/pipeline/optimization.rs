@@ -126,13 +126,7 @@ fn order_by_coarser(
 }
 
 /// Removes defects that are beside each other from a coarse mesh of that spacing, and relaxes it, all but the `dense` vertices.
-fn settle(
-    domain: &Domain,
-    mesh: &mut Manifold,
-    dense: &VertexSet,
-    spacing: f64,
-    monitor: &dyn Monitor,
-) -> Result<()> {
+fn settle(domain: &Domain, mesh: &mut Manifold, dense: &VertexSet, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
     remove_near_defects(mesh, dense, spacing);
     relax(domain, mesh, dense, spacing, Flips::KeepValence, SETTLING_ROUNDS, monitor)?;
     relax(domain, mesh, dense, spacing, Flips::Delaunay, ROUNDS, monitor)

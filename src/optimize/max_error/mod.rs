@@ -65,22 +65,22 @@ struct Effort {
     rings: usize,
     /// Vertices that are tried, the nearest first.
     tried: usize,
+    /// Rounds of relaxation with the vertices locked that were put at places: with more of them triangles are good enough more
+    /// often, but what is thin draws back.
+    rounds: usize,
     /// Passes over the worst triangles: what needs more is mostly beyond them.
     passes: usize,
 }
 
 /// For all places, and in the end for the largest errors that are left: they are the maximum error.
-const FIRST: Effort = Effort { rings: 5, tried: 3, passes: 8 };
-const LAST: Effort = Effort { rings: 7, tried: 9, passes: 30 };
+const FIRST: Effort = Effort { rings: 5, tried: 3, rounds: 2, passes: 8 };
+const LAST: Effort = Effort { rings: 7, tried: 9, rounds: 8, passes: 30 };
 
 /// Share of the largest error from which on places are given the last effort.
 const FARTHEST: f64 = 0.9;
 
 /// Vertices that are put at places in a neighborhood, one after the other.
 const MOST_PLACED: usize = 2;
-
-/// Rounds of relaxation with these locked: after two, triangles were often still so bad that a place had to be given up.
-const RELAX_ROUNDS: usize = 8;
 
 /// Triangles outside of the goal that relaxation may leave: more are rarely all improved.
 const MOST_BAD: usize = 24;
@@ -317,7 +317,7 @@ impl Task<'_> {
             Ok(worst_margin(mesh) >= margin)
         };
         let locked = placed.iter().copied().collect();
-        relax(self.domain, mesh, &locked, self.spacing, Flips::Delaunay, RELAX_ROUNDS, &())?;
+        relax(self.domain, mesh, &locked, self.spacing, Flips::Delaunay, self.effort.rounds, &())?;
         if bad_triangles(mesh) > MOST_BAD || !improve(mesh, &locked)? {
             return Ok(false);
         }
