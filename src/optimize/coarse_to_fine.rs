@@ -5,7 +5,7 @@
 //! triangles in four adds none. A coarser mesh would lose the surface where it bends within the longer edges, at the ends
 //! of spikes and in thin parts: the vertices there are locked and stay dense, and their edges are not split. So are those
 //! beside an interface, which stays as dense as it is. Once the edges around are split, a few rings of vertices are
-//! ordered anew by ascent where dense and once coarse ones meet.
+//! ordered anew by ascent where dense and once coarse ones meet. Where the coarse mesh is large, the same is done to it first.
 //!
 //! Cost: a heap operation for each edge that is collapsed, and a sort of the edges that may be split.
 
