@@ -3,6 +3,7 @@
 mod attempts;
 mod bandwidth;
 mod cloud;
+mod coarse;
 mod coverage;
 mod density;
 mod edges;

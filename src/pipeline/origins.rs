@@ -10,6 +10,7 @@ use crate::mesh::half_edge::OnCurve;
 use crate::mesh::provenance::{Origins, PointOnTriangle};
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
+use crate::pipeline::coarse::origins_through;
 use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::sized::SizedSurface;
 use crate::pipeline::within::{Sewn, Within};
@@ -25,6 +26,9 @@ pub(super) fn origins(
     of_part: &Mesh,
     sewn: Option<&Sewn>,
 ) -> Origins {
+    if let Some(fine) = &prepared.fine {
+        return origins_through(&fine.mesh, of_part, prepared.input);
+    }
     let (domain, input) = (&surface.domain, &prepared.input.triangles);
     let (_, old) = made.connectivity.compact();
     let reach = |size: f64| surface.scale.spacing * size;

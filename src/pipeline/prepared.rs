@@ -12,6 +12,7 @@ use crate::pipeline::unit::Unit;
 use crate::prepare::bend::smooth;
 use crate::prepare::repair::{Repairs, repair_welded};
 use crate::prepare::stitch::{Cracks, Stitched, close_cracks, stitch};
+use crate::surface::features::Features;
 use glam::DVec3;
 
 /// What a run goes by, whatever the number of vertices.
@@ -32,6 +33,16 @@ pub(super) struct PreparedInput<'a> {
     pub of_repaired: Topology,
     /// The components after repairs.
     pub components: Components,
+    /// The surface that the one which is sampled was made of, if that is coarser.
+    pub fine: Option<Fine>,
+}
+
+/// A surface that is finer than the one which is sampled.
+pub(super) struct Fine {
+    /// The input, repaired and smoothed.
+    pub mesh: OrientedManifold,
+    /// Its sharp edges, as far as the coarser surface has them.
+    pub features: Features,
 }
 
 impl<'a> PreparedInput<'a> {
@@ -67,9 +78,26 @@ impl<'a> PreparedInput<'a> {
             smooth(&mut repaired, support);
             check(monitor)?;
         }
-        let prepared =
-            PreparedInput { input, options, unit, field, allowed, repairs, cracks, of_input, of_repaired, components };
+        let fine = None;
+        let prepared = PreparedInput {
+            input,
+            options,
+            unit,
+            field,
+            allowed,
+            repairs,
+            cracks,
+            of_input,
+            of_repaired,
+            components,
+            fine,
+        };
         Ok((prepared, repaired))
+    }
+
+    /// Which edges of the surface that is sampled are kept sharp.
+    pub(super) fn features(&self) -> &Features {
+        self.fine.as_ref().map_or(&self.options.features, |fine| &fine.features)
     }
 
     /// The input, repaired and smoothed as [`PreparedInput::new`] does it.

@@ -11,6 +11,7 @@ use crate::optimize::contacts::part_contacts;
 use crate::optimize::counts::meet_count;
 use crate::optimize::self_intersections::resolve_self_intersections;
 use crate::pipeline::attempts::{Attempt, Attempts, MOST_RUNS, Score, Step};
+use crate::pipeline::coarse::coarse;
 use crate::pipeline::density::{Density, FEWEST_POINTS, FIRST_POINTS, MOST_POINTS};
 use crate::pipeline::edges::Edges;
 use crate::pipeline::finer::Finer;
@@ -19,7 +20,7 @@ use crate::pipeline::kernel::KernelFeatures;
 use crate::pipeline::optimization::optimize;
 use crate::pipeline::options::{Grading, Options};
 use crate::pipeline::origins::origins;
-use crate::pipeline::prepared::PreparedInput;
+use crate::pipeline::prepared::{Fine, PreparedInput};
 use crate::pipeline::redraw::drawn_anew_around;
 use crate::pipeline::result::{Deviation, Remeshed, has_kind, notes};
 use crate::pipeline::scale::CANDIDATES_PER_POINT;
@@ -59,16 +60,18 @@ const OF_INTEREST: f64 = 0.25;
 /// [`Error::Cancelled`]: crate::base::error::Error::Cancelled
 pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<Remeshed> {
     options.validate()?;
-    let (prepared, repaired) = PreparedInput::new(input, options, monitor)?;
-    match options.density {
-        Density::Auto => with_fewest_points(&prepared, &repaired, monitor),
-        density => {
-            // Mostly one run does: another one repairs the input again, so that no copy takes memory beside the first.
-            let mut first = Some(repaired);
-            let repaired = || first.take().unwrap_or_else(|| prepared.repaired_again());
-            remesh_to(&prepared, repaired, density, monitor)
-        }
+    let (mut prepared, repaired) = PreparedInput::new(input, options, monitor)?;
+    if options.density == Density::Auto {
+        return with_fewest_points(&prepared, &repaired, monitor);
     }
+    if let Some((coarse, features)) = coarse(&prepared, &repaired, options.density, monitor)? {
+        prepared.fine = Some(Fine { mesh: repaired, features });
+        return remesh_to(&prepared, || coarse.clone(), options.density, monitor);
+    }
+    // Mostly one run does: another one repairs the input again, so that no copy takes memory beside the first.
+    let mut first = Some(repaired);
+    let repaired = || first.take().unwrap_or_else(|| prepared.repaired_again());
+    remesh_to(&prepared, repaired, options.density, monitor)
 }
 
 /// The tries that the search for as few vertices as needed takes at most, and the factor between two numbers at which it

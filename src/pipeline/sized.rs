@@ -11,14 +11,14 @@ use crate::pipeline::expected::with_curves;
 use crate::pipeline::finer::Finer;
 use crate::pipeline::follow::follow;
 use crate::pipeline::kernel::KernelFeatures;
-use crate::pipeline::options::{Grading, Options};
+use crate::pipeline::options::Grading;
 use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::scale::{LONGEST_EDGE, LONGEST_ON_CURVES, Scale};
 use crate::pipeline::sharp_edges::{left_out as edges_left_out, sharp_edges};
 use crate::pipeline::within::{Within, sampled_part};
 use crate::prepare::bend::Split;
 use crate::surface::domain::Domain;
-use crate::surface::features::sharp_sides;
+use crate::surface::features::{Features, sharp_sides};
 use crate::surface::narrow_patches::{LeftOut, leave_out_narrow, samples_on};
 use crate::surface::sizing::{adapted_sizes, sizes_between_curves, sizes_with_whole_rows};
 use glam::DVec3;
@@ -57,7 +57,6 @@ impl SizedSurface {
         finer: &Finer,
         monitor: &dyn Monitor,
     ) -> Result<SizedSurface> {
-        let options = prepared.options;
         let (clean, within) = sampled_part(prepared, repaired, density)?;
         let scale = Scale::new(density, prepared.field.as_ref(), &clean, &prepared.unit)?;
         monitor.stage("sample");
@@ -65,7 +64,7 @@ impl SizedSurface {
             Some(_) => topology(clean.positions.len(), &clean.triangles),
             None => prepared.of_repaired,
         };
-        let (domain, blunted, left_out, left_out_edges) = domain_over(clean, within.as_ref(), options, &scale, finer);
+        let (domain, blunted, left_out, left_out_edges) = domain_over(clean, within.as_ref(), prepared, &scale, finer);
         let self_intersections = OnceLock::new();
         let sigma = scale.sigma();
         let mut surface = SizedSurface {
@@ -163,11 +162,11 @@ impl SizedSurface {
 fn domain_over(
     mut clean: OrientedManifold,
     within: Option<&Within>,
-    options: &Options,
+    prepared: &PreparedInput,
     scale: &Scale,
     finer: &Finer,
 ) -> (Domain, bool, LeftOut, Vec<[DVec3; 2]>) {
-    let (twin, mut sharp) = refined(&mut clean, options, scale);
+    let (twin, mut sharp) = refined(&mut clean, prepared.features(), prepared.options.support(), scale);
     let found = sharp.clone();
     let went_wrong = |t: u32| clean.corners(t as usize).into_iter().any(|p| finer.is_near(p, scale.spacing));
     let left_out = leave_out_narrow(&clean, &twin, &mut sharp, scale.spacing, scale.wanted, went_wrong);
@@ -207,15 +206,20 @@ fn refined_curves(
 
 /// Splits the long edges of `clean`, and bends it where its vertices are points of a smooth surface. The side across each of
 /// its sides then, and whether it is sharp.
-fn refined(clean: &mut OrientedManifold, options: &Options, scale: &Scale) -> (Vec<u32>, Vec<bool>) {
+fn refined(
+    clean: &mut OrientedManifold,
+    features: &Features,
+    support: Option<f64>,
+    scale: &Scale,
+) -> (Vec<u32>, Vec<bool>) {
     let longest = LONGEST_EDGE * scale.spacing;
     let most = 4 * clean.triangles.len() + 16 * scale.wanted;
     let creases = |mesh: &OrientedManifold| {
         let twin = twins(&mesh.triangles);
-        let sharp = sharp_sides(mesh, &twin, &options.features, scale.spacing);
+        let sharp = sharp_sides(mesh, &twin, features, scale.spacing);
         (twin, sharp)
     };
-    let Some(support) = options.support() else {
+    let Some(support) = support else {
         refine(clean, longest, most);
         let (twin, sharp) = creases(clean);
         if !sharp.contains(&true) {

@@ -4,6 +4,7 @@ pub mod bend;
 pub mod cells;
 pub mod clean;
 pub mod cloud_normals;
+pub mod coarsen;
 pub mod flatten;
 pub mod orient;
 pub mod repair;

@@ -10,13 +10,19 @@ use rayon::prelude::*;
 /// Based on: G. M. Morton, A computer oriented geodetic data base and a new technique in file sequencing, 1966.
 pub fn spatial_order(positions: &[DVec3]) -> Vec<u32> {
     let Some(bounds) = Aabb::of(positions.iter().copied()) else { return Vec::new() };
+    spatial_order_in(bounds, positions.len(), |i| positions[i])
+}
+
+/// [`spatial_order`] of `count` positions, which lie within `bounds`: these decide which ones are far apart in the order though
+/// they are near in space.
+pub fn spatial_order_in(bounds: Aabb, count: usize, position: impl Fn(usize) -> DVec3 + Sync) -> Vec<u32> {
     let scale = f64::from(1 << BITS) / bounds.size().max_element().max(f64::MIN_POSITIVE);
     let key = |p: DVec3| {
         let cell = ((p - bounds.lo) * scale).to_array().map(|c| spread((c as u64).min((1 << BITS) - 1)));
         cell[0] | cell[1] << 1 | cell[2] << 2
     };
     let mut keyed: Vec<(u64, u32)> =
-        positions.par_iter().zip(0..positions.len() as u32).map(|(p, i)| (key(*p), i)).collect();
+        (0..count as u32).into_par_iter().map(|i| (key(position(i as usize)), i)).collect();
     keyed.par_sort_unstable();
     keyed.into_iter().map(|k| k.1).collect()
 }

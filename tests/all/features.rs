@@ -294,6 +294,16 @@ fn the_lengths_that_were_wanted_are_known() {
     }
 }
 
+/// Of 43,200 triangles, far smaller than those wanted.
+#[test]
+fn a_dense_cube_keeps_its_edges() {
+    let n = 60;
+    let all: Vec<[i32; 3]> = (0..n * n * n).map(|i| [i % n, i / n % n, i / (n * n)]).collect();
+    let made = check(&moved(cells(&all), |p| p / f64::from(n)), 300);
+    let faces = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|n| [(n, 1.0), (-n, 0.0)]);
+    lies_in_planes(&made.mesh, &faces.collect::<Vec<_>>());
+}
+
 /// A million vertices, far away and large or tiny: the same figures as for those at the origin.
 #[test]
 #[ignore = "slow"]

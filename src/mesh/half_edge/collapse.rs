@@ -26,7 +26,7 @@ impl Connectivity {
         if self.is_boundary(a) && self.has_twin(h) {
             return false;
         }
-        let shared = self.ring(a).filter(|&v| v != b && self.are_adjacent(v, b)).count();
+        let shared = self.ring(a).filter(|&v| v != b && self.are_adjacent(b, v)).count();
         let apex_stays = |h: u32| {
             let c = self.apex(h);
             self.valence(c) > if self.is_boundary(c) { 2 } else { 3 }

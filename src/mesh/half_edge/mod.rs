@@ -98,6 +98,11 @@ impl Connectivity {
         found
     }
 
+    /// Puts half-edge `h` alone on a curve. Its twin has to be put there, too.
+    pub fn put_half_edge_on_curve(&mut self, h: u32, curve: OnCurve) {
+        self.curve[h as usize] = curve;
+    }
+
     /// The curve that the edge of `h` lies on.
     #[inline]
     pub fn curve(&self, h: u32) -> OnCurve {
