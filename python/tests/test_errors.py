@@ -99,7 +99,7 @@ def test_bad_options_are_named(argument, options, words):
 def test_texts_name_arguments_and_no_flags():
     with pytest.raises(sr.FileError) as caught:
         sr.read(__file__)
-    assert "use format with one of obj" in str(caught.value) and "--" not in str(caught.value)
+    assert "give its format, one of obj" in str(caught.value) and "--" not in str(caught.value)
 
 
 def test_errors_have_kinds(tmp_path):

@@ -206,7 +206,8 @@ fn note_on_cracks(Cracks { vertices, width }: Cracks) -> String {
     // The rounded number must not be smaller.
     let width = format!("{:.2e}", 1.01 * width);
     format!(
-        "{vertices} boundary vertices lie within {width} of another one across a gap: if it is a crack, --weld {width} closes it"
+        "{vertices} boundary vertices lie within {width} of another one across a gap: if it is a crack, a weld \
+         distance of {width} closes it"
     )
 }
 

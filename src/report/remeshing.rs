@@ -311,11 +311,13 @@ pub fn too_few_covered(coverage: &Coverage) -> Option<String> {
 /// What was done about the noise of a cloud by itself, and what else can be, if it has some.
 pub fn noise(cloud: &CloudSummary) -> Option<String> {
     let done = match cloud.flattened_neighbors {
-        0 if cloud.smoothed_by_itself > 0.0 => format!("smoothed as by --smooth {}", cloud.smoothed_by_itself),
+        0 if cloud.smoothed_by_itself > 0.0 => {
+            format!("smoothed with a support radius of {} spacings", cloud.smoothed_by_itself)
+        }
         0 => return None,
         n => format!("moved onto planes through the nearest {n}"),
     };
-    Some(format!("the points are noisy, and were {done}; --smooth W smooths less (1.5) or more (4)"))
+    Some(format!("the points are noisy, and were {done}; smoothing with a radius of 1.5 moves them less, with 4 more"))
 }
 
 /// Which points of a cloud are not on the result, and why; `None` if all are.
@@ -492,9 +494,9 @@ pub(super) mod tests {
         assert!(told.contains("; 7 are on 2 shreds"), "{told}");
         assert_eq!(left_out(&CloudSummary::default(), &coverage), None);
         let noisy = CloudSummary { noisy: true, flattened_neighbors: 64, ..cloud };
-        assert!(noise(&noisy).unwrap().contains("nearest 64; --smooth W"));
+        assert!(noise(&noisy).unwrap().contains("through the nearest 64; smoothing with"));
         let smoothed = CloudSummary { flattened_neighbors: 0, smoothed_by_itself: 2.7, ..noisy };
-        assert!(noise(&smoothed).unwrap().contains("smoothed as by --smooth 2.7"));
+        assert!(noise(&smoothed).unwrap().contains("smoothed with a support radius of 2.7 spacings"));
         assert_eq!(noise(&CloudSummary::default()), None);
     }
 

@@ -335,7 +335,7 @@ fn some_noise_is_smoothed_away_by_itself_and_told() {
     let made = spectral_remesh::remesh(&Input::points(&positions), &Options::points(1_000).into(), &()).unwrap();
     assert!(made.verified(), "{:?}", made.shortcomings);
     assert_eq!(audit(&made.mesh), (2, 1, 0));
-    assert!(made.warnings.iter().any(|note| note.contains("--smooth 2.7")), "{:?}", made.warnings);
+    assert!(made.warnings.iter().any(|note| note.contains("a support radius of 2.7 spacings")), "{:?}", made.warnings);
     // Without noise points stay where they are.
     assert_eq!(connect(&cloud(sphere(6_000))).summary.smoothed_by_itself, 0.0);
 }
