@@ -195,6 +195,5 @@ class Reconstructed(Mesh):
 
     def __init__(self, made: _native.Reconstructed, notes: list[str]) -> None:
         super().__init__(made.vertices, made.faces)
-        self.notes = notes
         self.report = Report(*made.report)
-        self.report["notes"] = notes + self.report["notes"]
+        self.notes = self.report["notes"] = notes + self.report["notes"]

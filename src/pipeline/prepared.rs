@@ -62,7 +62,7 @@ impl<'a> PreparedInput<'a> {
         let scale = if options.part.is_some() { 1.0 } else { unit.size };
         let cracks = cracks.map(|cracks| Cracks { width: scale * cracks.width, ..cracks });
         let allowed = options.max_error.map(|e| e.length(scale * repaired.diagonal()));
-        if let Some(support) = options.smooth {
+        if let Some(support) = options.smoothing() {
             monitor.stage("smooth");
             smooth(&mut repaired, support);
             check(monitor)?;
@@ -75,7 +75,7 @@ impl<'a> PreparedInput<'a> {
     /// The input, repaired and smoothed as [`PreparedInput::new`] does it.
     pub(super) fn repaired_again(&self) -> OrientedManifold {
         let (mut repaired, ..) = repaired(self.input, self.options, &self.unit);
-        if let Some(support) = self.options.smooth {
+        if let Some(support) = self.options.smoothing() {
             smooth(&mut repaired, support);
         }
         repaired

@@ -55,8 +55,8 @@ pub struct SampleOptions {
     pub seed: u64,
     /// Sweeps of gradient ascent. Default: 10, as in the paper (section 6.3).
     pub sweeps: usize,
-    /// What to make of a cloud: its normals, and how far its points reach on the implicit surface that samples move on,
-    /// [`INTERPOLATING_SUPPORT`] if that is not given. Holes do not matter.
+    /// What to make of a cloud: its normals, and how far its points reach on the implicit surface that samples move on:
+    /// [`INTERPOLATING_SUPPORT`] where nothing is smoothed. Holes do not matter.
     pub cloud: CloudOptions,
 }
 

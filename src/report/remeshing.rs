@@ -317,7 +317,9 @@ pub fn noise(cloud: &CloudSummary) -> Option<String> {
         0 => return None,
         n => format!("moved onto planes through the nearest {n}"),
     };
-    Some(format!("the points are noisy, and were {done}; smoothing with a radius of 1.5 moves them less, with 4 more"))
+    Some(format!(
+        "the points are noisy, and were {done}; smoothing with a radius of 1.5 does less, of 4 more, of 0 nothing"
+    ))
 }
 
 /// Which points of a cloud are not on the result, and why; `None` if all are.

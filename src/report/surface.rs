@@ -2,6 +2,7 @@
 
 use crate::mesh::topology::Topology;
 use crate::pipeline::{CloudSummary, Reconstructed};
+use crate::report::noise;
 use crate::report::run::{RunSummary, to_json};
 use serde::{Deserialize, Serialize};
 
@@ -35,8 +36,10 @@ pub struct SurfaceReport {
 }
 
 impl SurfaceReport {
-    /// The report on what was made of the points in the file `input` and went to the file `output`.
-    pub fn new(made: &Reconstructed, notes: Vec<String>, input: String, output: String) -> SurfaceReport {
+    /// The report on what was made of the points in the file `input`, of which there were `notes`, and went to the file
+    /// `output`.
+    pub fn new(made: &Reconstructed, mut notes: Vec<String>, input: String, output: String) -> SurfaceReport {
+        notes.extend(noise(&made.cloud));
         SurfaceReport {
             schema: SURFACE_SCHEMA.into(),
             version: env!("CARGO_PKG_VERSION").into(),

@@ -58,7 +58,8 @@ pub(super) struct RemeshArgs {
     /// _SIZE in glTF, or a .json file with a list; also says how dense, if nothing else does
     #[arg(long, value_name = "PROPERTY|F.json", group = "grading")]
     sizing: Option<String>,
-    /// Smooth noise away first, of clouds and of meshes: points reach as far as W mean distances of neighbouring ones
+    /// Smooth noise away first, of clouds and of meshes: points reach as far as W mean distances of neighbouring ones, 2.7
+    /// without W; 0 smooths nothing [default: 2.7 for clouds with noise, else 0]
     #[arg(long, value_name = "W", num_args = 0..=1, allow_negative_numbers = true)]
     smooth: Option<Option<f64>>,
     /// Close holes of a cloud that fit in a box with this diagonal, in the units of the input
