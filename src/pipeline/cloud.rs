@@ -76,10 +76,10 @@ impl CloudOptions {
     }
 }
 
-/// Refuses a reach of points that makes no surface.
+/// Refuses a reach of points that is out of range.
 pub(super) fn check_smooth(reach: Option<f64>) -> Result<()> {
     let refuse = |reach: f64| {
-        let cause = format!("points that reach {reach} spacings make no surface");
+        let cause = format!("{reach} spacings are out of range");
         Err(Error::Option {
             option: Setting::Smoothing,
             cause,

@@ -71,7 +71,7 @@ pub struct Options {
     /// too. Default: false.
     pub of_points: bool,
     /// The part that is remeshed; everything else stays as it is, and the density is that of the part: [`Density::Points`]
-    /// counts the vertices strictly inside of it, those on its seam with the rest not included. Default: `None`, all.
+    /// counts the vertices strictly inside of it, those on its interface with the rest not included. Default: `None`, all.
     pub part: Option<Selection>,
     /// How far any point of the result may be from the repaired input, and any point of that from the result. Default:
     /// `None`, as near as the vertices allow on average.

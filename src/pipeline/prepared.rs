@@ -1,4 +1,4 @@
-//! What a run goes by: the input, repaired once for all attempts, and what is asked of the result.
+//! What a run goes by: the input, repaired the same way for every attempt, and what is asked of the result.
 
 use crate::base::error::{Error, Fault, Result};
 use crate::base::monitor::{Monitor, check};

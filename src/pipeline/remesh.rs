@@ -394,7 +394,7 @@ fn remeshed(
     }
     if finished.run > 1 && result.is_sound() {
         result.notes.push(format!(
-            "attempt {} of {MOST_RUNS}: it is finer where triangles of those before it intersected or were slivers",
+            "this is attempt {} of at most {MOST_RUNS}, with shorter edges where earlier ones had self-intersections or slivers",
             finished.run
         ));
     }

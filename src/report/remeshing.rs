@@ -5,6 +5,7 @@
 //!
 //! Cost: the shapes of both meshes, and their distance from [`REPORT_SAMPLES`] points each way.
 
+use crate::base::count::{counted, counts};
 use crate::mesh::attributes::Lost;
 use crate::mesh::topology::{Topology, topology};
 use crate::mesh::triangle_mesh::Mesh;
@@ -281,31 +282,39 @@ pub fn shortcomings(
     slivers: &[u32],
     deviation: Option<&Deviation>,
 ) -> Vec<String> {
-    let faults = [
-        (found.nonmanifold_edges, "edges with more than two faces"),
-        (found.nonmanifold_vertices, "vertices with more than one fan"),
-        (found.misoriented_edges, "edges between faces of opposite orientation"),
-        (crossings.new.len(), "self-intersecting faces"),
-        (slivers.len(), "faces with an angle below 1 degree"),
-    ];
+    let faults = topology_faults(found, crossings.new.len());
+    let slivers = counts(&[(slivers.len(), "face with an angle below 1 degree", "faces with an angle below 1 degree")]);
     let differences = [
         ("Euler characteristic", found.euler, wanted.euler),
-        ("components", found.components as i64, wanted.components as i64),
-        ("boundary loops", found.boundary_loops as i64, wanted.boundary_loops as i64),
+        ("number of components", found.components as i64, wanted.components as i64),
+        ("number of boundary loops", found.boundary_loops as i64, wanted.boundary_loops as i64),
     ];
-    let faults = faults.iter().filter(|f| f.0 > 0).map(|(count, what)| format!("{count} {what}"));
     let differences = differences.iter().filter(|(_, found, wanted)| found != wanted);
-    let differences = differences.map(|(what, found, wanted)| format!("{what} {found} and not {wanted}"));
+    let differences = differences.map(|(what, found, wanted)| format!("the {what} is {found} instead of {wanted}"));
     let far = deviation.filter(|d| !d.is_allowed());
-    let far = far.map(|d| format!("up to {:.4e} from the input and not {:.4e}", d.reached, d.allowed));
-    faults.chain(differences).chain(far).collect()
+    let far = far.map(|d| format!("the distance to the input is up to {:.4e} instead of {:.4e}", d.reached, d.allowed));
+    faults.into_iter().chain(slivers).chain(differences).chain(far).collect()
+}
+
+/// What keeps a mesh, `crossing` of whose faces intersect others, from being a sound oriented manifold, a phrase each.
+pub(super) fn topology_faults(found: &Topology, crossing: usize) -> Vec<String> {
+    counts(&[
+        (found.nonmanifold_edges, "edge with more than two faces", "edges with more than two faces"),
+        (found.nonmanifold_vertices, "vertex with more than one fan", "vertices with more than one fan"),
+        (
+            found.misoriented_edges,
+            "edge between faces of opposite orientation",
+            "edges between faces of opposite orientation",
+        ),
+        (crossing, "self-intersecting face", "self-intersecting faces"),
+    ])
 }
 
 /// That too many points of a cloud are far from the result, if they are.
 pub fn too_few_covered(coverage: &Coverage) -> Option<String> {
     let Coverage { points, missed, within, .. } = *coverage;
     let is_short = !coverage.is_enough();
-    is_short.then(|| format!("{missed} of {points} points are farther than {within:.4e} from it"))
+    is_short.then(|| format!("{missed} of {points} points are farther than {within:.4e} from the result"))
 }
 
 /// What was done about the noise of a cloud by itself, and what else can be, if it has some.
@@ -324,15 +333,17 @@ pub fn noise(cloud: &CloudSummary) -> Option<String> {
 
 /// Which points of a cloud are not on the result, and why; `None` if all are.
 pub fn left_out(cloud: &CloudSummary, coverage: &Coverage) -> Option<String> {
-    let shreds = format!("are on {} shreds too small for a surface, which nothing joins with the rest", cloud.shreds);
-    let far = format!("are farther than {:.4e} from the result", coverage.within);
+    let shreds = counted(cloud.shreds, "shred", "shreds");
+    let shreds = format!("on {shreds} too small for a surface, which nothing joins with the rest");
+    let far = format!("farther than {:.4e} from the result", coverage.within);
     let parts = [
-        (cloud.outliers, "are outliers, no other point's neighbours"),
+        (cloud.outliers, "no other point's neighbours (outliers)"),
         (cloud.in_shreds, &shreds),
-        (cloud.unused, "are no corner of the first mesh, since neighbours do not agree on a surface there"),
+        (cloud.unused, "no corner of the first mesh, since neighbours do not agree on a surface there"),
         (coverage.missed, &far),
     ];
-    let parts: Vec<String> = parts.iter().filter(|p| p.0 > 0).map(|(n, what)| format!("{n} {what}")).collect();
+    let parts = parts.iter().filter(|p| p.0 > 0).map(|&(n, what)| format!("{} {what}", counted(n, "is", "are")));
+    let parts: Vec<String> = parts.collect();
     (!parts.is_empty()).then(|| format!("of {} points {}", cloud.points, parts.join("; ")))
 }
 
@@ -438,8 +449,8 @@ pub(super) mod tests {
             said,
             [
                 "2 edges between faces of opposite orientation",
-                "Euler characteristic 1 and not 2",
-                "boundary loops 1 and not 0"
+                "the Euler characteristic is 1 instead of 2",
+                "the number of boundary loops is 1 instead of 0"
             ]
         );
     }
@@ -468,7 +479,7 @@ pub(super) mod tests {
             shortcomings(&wanted, &wanted, &crossings, &[], None)
         };
         assert_eq!(of_new(&[3, 5]), ["2 self-intersecting faces"]);
-        assert_eq!(of_new(&[5]), ["1 self-intersecting faces"]);
+        assert_eq!(of_new(&[5]), ["1 self-intersecting face"]);
         assert_eq!(of_new(&[]), [""; 0]);
     }
 
@@ -483,7 +494,7 @@ pub(super) mod tests {
         assert!((good.distance.unwrap().hausdorff - 200.0 / 3f64.sqrt()).abs() < 1e-9);
         let bad = report.of_points(coverage(6), &mesh);
         assert_eq!(bad.verified, Some(false));
-        assert_eq!(bad.shortcomings(), ["6 of 100 points are farther than 5.0000e-1 from it"]);
+        assert_eq!(bad.shortcomings(), ["6 of 100 points are farther than 5.0000e-1 from the result"]);
     }
 
     #[test]
@@ -492,7 +503,10 @@ pub(super) mod tests {
             CloudSummary { points: 100, outliers: 2, in_shreds: 7, shreds: 2, unused: 3, ..CloudSummary::default() };
         let coverage = Coverage { points: 98, missed: 0, within: 0.5, rms: 0.1, largest: 0.2, place: [0.0; 3] };
         let told = left_out(&cloud, &coverage).unwrap();
-        assert!(told.starts_with("of 100 points 2 are outliers") && told.contains("; 3 are no corner"), "{told}");
+        assert!(
+            told.starts_with("of 100 points 2 are no other point's neighbours") && told.contains("; 3 are no corner"),
+            "{told}"
+        );
         assert!(told.contains("; 7 are on 2 shreds"), "{told}");
         assert_eq!(left_out(&CloudSummary::default(), &coverage), None);
         let noisy = CloudSummary { noisy: true, flattened_neighbors: 64, ..cloud };

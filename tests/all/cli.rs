@@ -390,9 +390,10 @@ fn lengths_come_from_a_property_or_a_list() {
     run(path, "octahedron.off c.off --points 99 --adapt 1.5").failed(2, &["adapt: 1.5", "from 0 to 1"]);
     with_property(path, "-1");
     run(path, "graded.ply c.off --sizing h").failed(2, &["sizing: vertex 0 has -1"]);
-    for (text, words) in
-        [("[0.1, 0.4]", "2 values for the 6 vertices"), ("[1, 1, 1, 0, 1, 1]", "vertex 3 has 0, which is not a length")]
-    {
+    for (text, words) in [
+        ("[0.1, 0.4]", "2 values are given for the 6 vertices"),
+        ("[1, 1, 1, 0, 1, 1]", "vertex 3 has 0, which is not a length"),
+    ] {
         lengths(text);
         run(path, "octahedron.off c.off --sizing h.json").failed(2, &["sizing: ", words]);
     }

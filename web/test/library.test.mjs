@@ -101,7 +101,7 @@ test("what cannot be done is said in the words of the page", async () => {
   loadModel(library, "bracket.stl");
   const remeshed = (options) => () => library.ask({ remesh: { form: { ...library.form, ...options } } });
   assert.throws(remeshed({ points: "1.5" }), /^Error: Vertices: it must be a whole number/);
-  assert.throws(remeshed({ edge_length: 1 }), /^Error: Edge length: it excludes the number of points/);
+  assert.throws(remeshed({ edge_length: 1 }), /^Error: Edge length: it cannot be given together with the number of points/);
   assert.throws(remeshed({ adapt: 2 }), /^Error: Grading: /);
   assert.throws(() => library.ask({ save: { format: "obj" } }), /no result yet/);
 });

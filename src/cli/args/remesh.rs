@@ -40,9 +40,9 @@ pub(super) struct RemeshArgs {
     /// exactly one place [default: seams that rounding opened are closed]
     #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true, value_parser = positive_or_zero)]
     weld: Option<f64>,
-    /// Sharp edges to keep: those across which the input turns by so many degrees, or none [default: decided from the
-    /// input]
-    #[arg(long, value_name = "DEGREES|none", allow_negative_numbers = true, value_parser = features)]
+    /// Edges with at least this dihedral angle, in degrees, are kept sharp; none keeps none, auto lets the input decide
+    /// [default: auto]
+    #[arg(long, value_name = "DEGREES|none|auto", allow_negative_numbers = true, value_parser = features)]
     features: Option<Features>,
     /// How much edge lengths follow the shape: from 0, even, to 1, short where it bends or is thin
     #[arg(long, value_name = "A", group = "grading", allow_negative_numbers = true)]
@@ -68,7 +68,7 @@ pub(super) struct RemeshArgs {
     #[command(flatten)]
     normals: NormalArgs,
     /// Remesh only what is inside this box, in the units of the input; the rest stays as it is to the last bit. --points
-    /// then counts the vertices strictly inside of the part, and not those on its seam with the rest
+    /// then counts the vertices strictly inside of the part, and not those on its interface with the rest
     #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", allow_hyphen_values = true, value_parser = within)]
     within: Option<Selection>,
     /// Remesh only the triangles at whose corners this property of the input's vertices is not zero, or has a value;

@@ -5,7 +5,7 @@ use crate::report::page::histogram::class;
 use crate::report::page::html::escape;
 use crate::report::page::places::Place;
 use crate::report::page::shown::Shown;
-use crate::report::remeshing::Report;
+use crate::report::remeshing::{Report, topology_faults};
 use crate::report::rows::{
     CROSSINGS, Figures, crossings, degrees, distance_rows, facts, hundredths, percent, shape_rows, topology_rows,
 };
@@ -65,14 +65,7 @@ const SOUND: &str = "An oriented manifold without self-intersections.";
 
 /// What is wrong with a mesh that was only measured.
 fn faults(report: &Report) -> Vec<String> {
-    let t = &report.output.topology;
-    let counts = [
-        (t.nonmanifold_edges, "edges with more than two faces"),
-        (t.nonmanifold_vertices, "vertices with more than one fan"),
-        (t.misoriented_edges, "edges between faces of opposite orientation"),
-        (report.crossings.faces.len(), "self-intersecting faces"),
-    ];
-    counts.iter().filter(|c| c.0 > 0).map(|(count, what)| format!("{count} {what}")).collect()
+    topology_faults(&report.output.topology, report.crossings.faces.len())
 }
 
 /// The four figures that tell most, large.
