@@ -93,12 +93,6 @@ impl Deviation {
 }
 
 impl Remeshed {
-    /// Whether the result is what it should be: of the topology of the repaired input, without faces that cross each
-    /// other where those of the input do not, without slivers, and as near to the input as was asked for.
-    pub fn verified(&self) -> bool {
-        self.is_sound() && self.slivers.is_empty() && self.deviation.is_none_or(|d| d.is_allowed())
-    }
-
     /// Holds an error that was asked for against the points of a cloud, too, through which the input was laid: it may have left
     /// some out.
     pub fn hold_against_points(&mut self, coverage: &Coverage) {

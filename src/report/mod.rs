@@ -11,8 +11,5 @@ pub mod samples;
 pub mod surface;
 mod table;
 
-pub use remeshing::{
-    AttributesKept, Crossings, Measured, Report, SCHEMA, Sampling, all_to_json, left_out, noise, shortcomings,
-    too_few_covered,
-};
+pub use remeshing::{AttributesKept, Crossings, Measured, Report, SCHEMA, Sampling, all_to_json, left_out, noise};
 pub use run::{Lap, RunSummary};

@@ -5,11 +5,11 @@
 //!
 //! Cost: the shapes of both meshes, and their distance from [`REPORT_SAMPLES`] points each way.
 
-use crate::base::count::{counted, counts};
+use crate::base::count::counted;
 use crate::mesh::attributes::Lost;
 use crate::mesh::topology::{Topology, topology};
 use crate::mesh::triangle_mesh::Mesh;
-use crate::pipeline::{CloudSummary, Coverage, Deviation, Remeshed};
+use crate::pipeline::{CloudSummary, Coverage, Deviation, Remeshed, shortcomings};
 use crate::prepare::cells::without_faces_between_cells;
 use crate::prepare::repair::Repairs;
 use crate::quality::distance::{Distance, REPORT_SAMPLES, distance};
@@ -207,8 +207,8 @@ impl Report {
     pub fn of_points(self, coverage: Coverage, input: &Mesh) -> Report {
         let unit = 100.0 / input.diagonal();
         let distance = self.distance.map(|d| d.with_way_back(unit * coverage.rms, unit * coverage.largest));
-        let verified = self.verified.map(|verified| verified && coverage.is_enough());
-        Report { verified, coverage: Some(coverage), distance, ..self }
+        let report = Report { coverage: Some(coverage), distance, ..self };
+        Report { verified: report.verified.map(|_| report.shortcomings().is_empty()), ..report }
     }
 
     fn of_output(output: Measured) -> Report {
@@ -242,12 +242,12 @@ impl Report {
     /// Why the output is not what the input asked for, a phrase each; empty for a verified result and for a mesh that
     /// was measured only.
     pub fn shortcomings(&self) -> Vec<String> {
+        let Report { output, repaired, crossings, slivers, deviation, coverage, .. } = self;
         let against = |wanted| {
-            let Report { output, crossings, slivers, deviation, .. } = self;
-            shortcomings(&output.topology, wanted, crossings, slivers, deviation.as_ref())
+            let (crossing, slivers) = (crossings.new.len(), slivers.len());
+            shortcomings(&output.topology, wanted, crossing, slivers, deviation.as_ref(), coverage.as_ref())
         };
-        let of_mesh = self.repaired.as_ref().map_or_else(Vec::new, against);
-        of_mesh.into_iter().chain(self.coverage.as_ref().and_then(too_few_covered)).collect()
+        repaired.as_ref().map_or_else(Vec::new, against)
     }
 
     /// The report as indented JSON that ends with a line break.
@@ -270,51 +270,6 @@ pub(super) fn outside<'a>(input: &'a Mesh, repairs: &Repairs) -> Cow<'a, Mesh> {
         0 => Cow::Borrowed(input),
         _ => Cow::Owned(without_faces_between_cells(input)),
     }
-}
-
-/// What keeps a result from being an oriented manifold of the wanted Euler characteristic, components and boundary
-/// loops, without crossing faces where the input has none, without slivers and within the error asked for, a phrase each;
-/// empty if it is one.
-pub fn shortcomings(
-    found: &Topology,
-    wanted: &Topology,
-    crossings: &Crossings,
-    slivers: &[u32],
-    deviation: Option<&Deviation>,
-) -> Vec<String> {
-    let faults = topology_faults(found, crossings.new.len());
-    let slivers = counts(&[(slivers.len(), "face with an angle below 1 degree", "faces with an angle below 1 degree")]);
-    let differences = [
-        ("Euler characteristic", found.euler, wanted.euler),
-        ("number of components", found.components as i64, wanted.components as i64),
-        ("number of boundary loops", found.boundary_loops as i64, wanted.boundary_loops as i64),
-    ];
-    let differences = differences.iter().filter(|(_, found, wanted)| found != wanted);
-    let differences = differences.map(|(what, found, wanted)| format!("the {what} is {found} instead of {wanted}"));
-    let far = deviation.filter(|d| !d.is_allowed());
-    let far = far.map(|d| format!("the distance to the input is up to {:.4e} instead of {:.4e}", d.reached, d.allowed));
-    faults.into_iter().chain(slivers).chain(differences).chain(far).collect()
-}
-
-/// What keeps a mesh, `crossing` of whose faces intersect others, from being a sound oriented manifold, a phrase each.
-pub(super) fn topology_faults(found: &Topology, crossing: usize) -> Vec<String> {
-    counts(&[
-        (found.nonmanifold_edges, "edge with more than two faces", "edges with more than two faces"),
-        (found.nonmanifold_vertices, "vertex with more than one fan", "vertices with more than one fan"),
-        (
-            found.misoriented_edges,
-            "edge between faces of opposite orientation",
-            "edges between faces of opposite orientation",
-        ),
-        (crossing, "self-intersecting face", "self-intersecting faces"),
-    ])
-}
-
-/// That too many points of a cloud are far from the result, if they are.
-pub fn too_few_covered(coverage: &Coverage) -> Option<String> {
-    let Coverage { points, missed, within, .. } = *coverage;
-    let is_short = !coverage.is_enough();
-    is_short.then(|| format!("{missed} of {points} points are farther than {within:.4e} from the result"))
 }
 
 /// What was done about the noise of a cloud by itself, and what else can be, if it has some.
@@ -469,18 +424,6 @@ pub(super) mod tests {
         let report = Report::of_mesh(&mesh, None);
         assert_eq!(report.crossings, Crossings { faces: vec![2, 4, 5, 7], ..Crossings::default() });
         assert_eq!(report.shortcomings(), [""; 0]);
-    }
-
-    #[test]
-    fn self_intersections_that_the_input_does_not_have_are_a_shortcoming() {
-        let wanted = topology(4, &tetrahedron().triangles);
-        let of_new = |new: &[u32]| {
-            let crossings = Crossings { faces: vec![3, 5], new: new.to_vec(), repaired: Some(7) };
-            shortcomings(&wanted, &wanted, &crossings, &[], None)
-        };
-        assert_eq!(of_new(&[3, 5]), ["2 self-intersecting faces"]);
-        assert_eq!(of_new(&[5]), ["1 self-intersecting face"]);
-        assert_eq!(of_new(&[]), [""; 0]);
     }
 
     #[test]

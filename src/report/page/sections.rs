@@ -1,11 +1,12 @@
 //! The parts of a page that are text: the verdict, the four figures, the notes and the table.
 
+use crate::pipeline::topology_faults;
 use crate::quality::shape::Shape;
 use crate::report::page::histogram::class;
 use crate::report::page::html::escape;
 use crate::report::page::places::Place;
 use crate::report::page::shown::Shown;
-use crate::report::remeshing::{Report, topology_faults};
+use crate::report::remeshing::Report;
 use crate::report::rows::{
     CROSSINGS, Figures, crossings, degrees, distance_rows, facts, hundredths, percent, shape_rows, topology_rows,
 };
