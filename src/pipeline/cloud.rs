@@ -174,7 +174,7 @@ pub struct MeshOfPoints {
 }
 
 /// Neighbours that planes are fitted to where there is no noise: as few as possible keep to what is sharp.
-const FEW_NEIGHBORS: usize = 8;
+pub const FEW_NEIGHBORS: usize = 8;
 
 /// Times that spheres are fitted, each time to the normals of the time before.
 const SPHERES: usize = 2;

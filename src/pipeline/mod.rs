@@ -31,8 +31,8 @@ mod values;
 mod within;
 
 pub use cloud::{
-    CloudOptions, CloudSummary, INTERPOLATING_SUPPORT, MeshOfPoints, NormalFit, Reach, SMOOTHING_SUPPORT,
-    mesh_of_points,
+    CloudOptions, CloudSummary, FEW_NEIGHBORS, INTERPOLATING_SUPPORT, MeshOfPoints, NormalFit, Reach,
+    SMOOTHING_SUPPORT, mesh_of_points,
 };
 pub use coverage::Coverage;
 pub use density::{Density, FEWEST_POINTS, MOST_POINTS, SampleDensity};
