@@ -140,13 +140,16 @@ pub mod stages {
     };
 }
 
+/// The crate of vectors in which meshes and options have their coordinates.
+pub use glam;
+
 pub use base::error::{Error, Fault, Place, Result, Setting};
 pub use base::monitor::{Monitor, Stopwatch};
 pub use job::{
     Carry, Input, Origin, Outcome, RemeshOptions, quality, reconstruct, remesh, sample, settings, with_threads, words,
 };
 pub use mesh::attributes::{Attribute, Attributes, Lost, Scalar};
-pub use mesh::materials::{Image, Look, Material, Materials};
+pub use mesh::materials::{Alpha, Image, Look, Material, Materials, Sampler, Statement, Texture, Transform, Use};
 pub use mesh::parts::{Part, Parts};
 pub use mesh::points::Points;
 pub use mesh::triangle_mesh::Mesh;

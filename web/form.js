@@ -14,7 +14,7 @@ export function fillForm({ form, smoothing, read }) {
   WAYS.points.value = form.points;
   byId("features").value = form.features;
   byId("adapt").value = form.adapt;
-  byId("smooth").append(new Option("no", ""), new Option("usual", smoothing), new Option("more", Math.ceil(1.5 * smoothing)));
+  byId("smooth").append(new Option("if points need it", ""), new Option("no", 0), new Option("usual", smoothing), new Option("more", Math.ceil(1.5 * smoothing)));
   byId("smooth").value = form.smooth ?? "";
   byId("weld").value = form.weld ?? "";
   byId("fill_holes").value = form.fill_holes;

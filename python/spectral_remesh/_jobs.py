@@ -71,7 +71,8 @@ def remesh(
             share of the diagonal of its bounding box, such as ``"0.1%"``.
         weld: Boundary vertices within this distance, in the units of the input, become one; 0 welds only those at exactly one
             place. By default seams that rounding opened are closed.
-        smooth: Smooth noise away first: points reach as far as so many mean distances of neighbouring ones, 2.7 with ``True``.
+        smooth: Smooth noise away first: points reach as far as so many mean distances of neighbouring ones, 2.7 with ``True``;
+            ``False``, or 0, smooths nothing. By default only clouds with noise are smoothed, as with ``True``.
         fill_holes: Close holes of a cloud whose bounding box has no longer a diagonal, in the units of the input.
         normal_fit: What normals of a cloud are fitted to. By default planes, or spheres with ``smooth``.
         normal_neighbors: How many neighbours they are fitted to. By default 8, or 16 with ``smooth``.
@@ -159,7 +160,8 @@ def sample(
         sigma_p: Kernel width σp of the sampler, in the units of the input.
         sigma_n: Kernel width σn along unit normals: with 0.5 to 1 samples gather where the surface bends.
         sigma: Kernel widths along attributes of the input, by their names: samples gather where these change.
-        smooth: How far the points of a cloud reach, in mean distances of neighbouring ones, by default 2.3.
+        smooth: How far the points of a cloud reach, in mean distances of neighbouring ones; 0 takes 2.3, as little as
+            leaves no holes. By default 2.7 where there is noise, else as 0.
         normal_fit: As for :func:`remesh`.
         normal_neighbors: As for :func:`remesh`.
         normal_radius: As for :func:`remesh`, in the units of the input.
@@ -216,7 +218,8 @@ def reconstruct(
         vertices: As for :func:`remesh`.
         faces: As for :func:`remesh`.
         resolution: Edge length of the cells, in the units of the input, by default half the mean spacing of the points.
-        smooth: How far points reach, in mean distances of neighbouring ones, by default 2.3: the larger, the smoother.
+        smooth: How far points reach, in mean distances of neighbouring ones: the larger, the smoother; 0 takes 2.3,
+            as little as leaves no holes. By default 2.7 where there is noise, else as 0.
         normal_fit: As for :func:`remesh`.
         normal_neighbors: As for :func:`remesh`.
         normal_radius: As for :func:`remesh`, in the units of the input.

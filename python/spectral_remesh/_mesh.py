@@ -162,7 +162,7 @@ class Remeshed(Mesh):
     @property
     def verified(self) -> bool:
         """Whether the result is an oriented manifold of the topology of the repaired input, without self-intersections
-        unless that has some, without slivers that it does not force, and as near to it as was asked for."""
+        where that has none, without slivers that it does not force, and as near to it as was asked for."""
         return not self.shortcomings
 
 
@@ -195,6 +195,5 @@ class Reconstructed(Mesh):
 
     def __init__(self, made: _native.Reconstructed, notes: list[str]) -> None:
         super().__init__(made.vertices, made.faces)
-        self.notes = notes
         self.report = Report(*made.report)
-        self.report["notes"] = notes + self.report["notes"]
+        self.notes = self.report["notes"] = notes + self.report["notes"]

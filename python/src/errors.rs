@@ -11,7 +11,7 @@ pyo3::import_exception!(spectral_remesh._errors, MeshError);
 
 /// The exception for an error. Options are named as arguments of Python; so are arrays that make no mesh.
 pub fn exception(error: &Error) -> PyErr {
-    let text = in_python(&error.to_string());
+    let text = error.to_string();
     match error {
         Error::File { .. } => FileError::new_err(text),
         Error::Format { .. } => FormatError::new_err(text),
@@ -19,9 +19,7 @@ pub fn exception(error: &Error) -> PyErr {
         Error::Mesh { fault: Fault::Indices, .. } => argument("faces", text),
         Error::Mesh { fault: Fault::Lengths, .. } => argument("attributes", text),
         Error::Mesh { .. } => MeshError::new_err(text),
-        Error::Option { option, cause, remedy } => {
-            argument(&keyword(*option), in_python(&format!("{cause}; {remedy}")))
-        }
+        Error::Option { option, cause, remedy } => argument(&keyword(*option), format!("{cause}; {remedy}")),
         _ => SpectralRemeshError::new_err(text),
     }
 }
@@ -34,14 +32,4 @@ pub fn argument(name: &str, cause: impl Into<String>) -> PyErr {
 /// The argument that a setting is.
 fn keyword(setting: Setting) -> String {
     setting.name().replace('-', "_")
-}
-
-/// A text of the library in which options are named as arguments and not as on the command line.
-pub fn in_python(text: &str) -> String {
-    let mut settings = Setting::ALL;
-    // Longer names first: some begin with others.
-    settings.sort_by_key(|setting| std::cmp::Reverse(setting.name().len()));
-    settings
-        .iter()
-        .fold(text.to_owned(), |text, &setting| text.replace(&format!("--{}", setting.name()), &keyword(setting)))
 }

@@ -2,7 +2,7 @@
 
 use crate::arrays::{of_corners, of_positions};
 use crate::attributes::Attributes;
-use crate::errors::{exception, in_python};
+use crate::errors::exception;
 use crate::mesh::{Mesh, Parts};
 use crate::run::{detached, run};
 use pyo3::prelude::*;
@@ -21,7 +21,6 @@ pub fn read(py: Python, path: PathBuf, format: Option<&str>) -> PyResult<Read> {
     let format = known(format)?;
     let Loaded { mesh, attributes, notes, .. } = run(py, None, None, move |_| file::read_file(&path, format))?;
     let faces = of_corners(py, mesh.triangles.iter())?;
-    let notes = notes.iter().map(|note| in_python(note)).collect();
     Ok((of_positions(py, &mesh.positions)?, faces, Attributes(Arc::new(attributes)), notes))
 }
 

@@ -2,7 +2,6 @@
 
 use crate::arrays::{matrix_of, of_corners, of_positions};
 use crate::attributes::Attributes;
-use crate::errors::in_python;
 use crate::mesh::Mesh;
 use crate::options::{reconstructing, remeshing, sampling};
 use crate::run::run;
@@ -96,9 +95,9 @@ pub fn remesh(
         origin: arrays_of(py, &origins)?,
         face_origin: PyArray1::<i64>::from_vec(py, face_origin).into_any().unbind(),
         sharp_edges: matrix_of(py, sharp_edges, 2)?,
-        report: report.map(|report| told(&report.to_json(), &report.to_text())),
-        shortcomings: worded(&shortcomings),
-        notes: worded(&notes),
+        report: report.map(|report| told(report.to_json(), &report.to_text())),
+        shortcomings,
+        notes,
     })
 }
 
@@ -128,8 +127,8 @@ pub fn sample(
     Ok(Sampled {
         vertices: of_positions(py, &positions)?,
         attributes: Py::new(py, Attributes(Arc::new(attributes)))?,
-        report: told(&report.to_json(), &report.to_text()),
-        notes: worded(&sampled.notes),
+        report: told(report.to_json(), &report.to_text()),
+        notes: sampled.notes,
     })
 }
 
@@ -153,7 +152,7 @@ pub fn reconstruct(
     Ok(Reconstructed {
         faces: of_corners(py, made.mesh.triangles.iter())?,
         vertices: of_positions(py, &made.mesh.positions)?,
-        report: told(&report.to_json(), &report.to_text()),
+        report: told(report.to_json(), &report.to_text()),
     })
 }
 
@@ -169,7 +168,7 @@ pub fn quality(py: Python, mesh: &Mesh, against: Option<&Mesh>, threads: Option<
         measure(&mut report.run, monitor);
         Ok(report)
     })?;
-    Ok(told(&report.to_json(), &report.to_text()))
+    Ok(told(report.to_json(), &report.to_text()))
 }
 
 /// Adds what a job took. The memory is left out: that of the process is the user's.
@@ -177,14 +176,10 @@ fn measure(run: &mut RunSummary, monitor: &Stopwatch) {
     run.measure(&monitor.laps(), None, rayon::current_num_threads());
 }
 
-/// A report in the words of Python. The table begins with the names of files, of which there are none.
-fn told(json: &str, table: &str) -> Told {
+/// A report as JSON and as a table. The table begins with the names of files, of which there are none.
+fn told(json: String, table: &str) -> Told {
     let table = table.strip_prefix(" -> ").unwrap_or(table).trim_start_matches('\n');
-    (in_python(json), in_python(table))
-}
-
-fn worded(texts: &[String]) -> Vec<String> {
-    texts.iter().map(|text| in_python(text)).collect()
+    (json, table.into())
 }
 
 fn arrays_of(py: Python, origins: &[Origin]) -> PyResult<(Py<PyAny>, Py<PyAny>, Py<PyAny>)> {

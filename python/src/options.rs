@@ -111,7 +111,7 @@ pub fn remeshing(given: &Bound<PyDict>) -> PyResult<RemeshOptions> {
         sigma_n,
         signals: sigma.0,
         sizing: sizing.map(|Lengths(lengths)| lengths),
-        smooth: smooth.and_then(|Smoothing(support)| support),
+        smooth: smooth.map(|Smoothing(support)| support),
         within: within.map(|[lowest, highest]| Selection::Box(lowest, highest)),
         select: select.map(|Marks(marks)| marks),
         fill_holes,
@@ -248,15 +248,15 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Marks {
 }
 
 /// A support radius; `True` is the usual one, `False` is none.
-struct Smoothing(Option<f64>);
+struct Smoothing(f64);
 
 impl<'a, 'py> FromPyObject<'a, 'py> for Smoothing {
     type Error = PyErr;
 
     fn extract(value: Borrowed<'a, 'py, PyAny>) -> PyResult<Smoothing> {
         match value.cast::<PyBool>() {
-            Ok(is_wanted) => Ok(Smoothing(is_wanted.is_true().then_some(SMOOTHING_SUPPORT))),
-            Err(_) => value.extract().map(Some).map(Smoothing),
+            Ok(is_wanted) => Ok(Smoothing(if is_wanted.is_true() { SMOOTHING_SUPPORT } else { 0.0 })),
+            Err(_) => value.extract().map(Smoothing),
         }
     }
 }

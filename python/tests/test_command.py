@@ -71,7 +71,7 @@ SAME = {
     "reconstruct": [
         ("bare.xyz --resolution 0.2 --smooth 3 --threads 1", {"resolution": 0.2, "smooth": 3, "threads": 1}),
         ("bare.xyz --normal-fit sphere --normal-neighbors 9", {"normal_fit": "sphere", "normal_neighbors": 9}),
-        ("bare.xyz --normal-radius 0.5", {"normal_radius": 0.5}),
+        ("bare.xyz --normal-radius 0.5 --smooth 0", {"normal_radius": 0.5, "smooth": 0}),
     ],
 }
 

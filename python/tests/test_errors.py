@@ -59,13 +59,13 @@ OPTIONS = [
     ("points", {"points": 10.5}, "whole number"),
     ("points", {"points": "many"}, "whole number of at least 1, or auto"),
     ("points", {"points": "auto"}, "bound the error"),
-    ("edge_length", {"points": 9, "edge_length": 1.0}, "excludes"),
+    ("edge_length", {"points": 9, "edge_length": 1.0}, "together with"),
     ("edge_length", {"edge_length": float("nan")}, "not a length"),
     ("sigma_p", {"sigma_p": "wide"}, "number"),
     ("sigma_n", {"points": 9, "sigma_n": -1}, "above zero"),
-    ("sigma_n", {"points": 9, "adapt": 1, "sigma_n": 1}, "excludes"),
+    ("sigma_n", {"points": 9, "adapt": 1, "sigma_n": 1}, "together with"),
     ("sigma", {"points": 9, "sigma": {"h": -1.0}, "attributes": {"h": VERTICES[:, 0]}}, "above zero"),
-    ("sizing", {"sizing": np.ones(7)}, "7 values for the 1800 vertices"),
+    ("sizing", {"sizing": np.ones(7)}, "7 values are given for the 1800 vertices"),
     ("sizing", {"sizing": changed(np.ones(1800), 4, np.nan)}, "vertex 4 has NaN"),
     ("sizing", {"sizing": np.ones((1800, 1))}, "shape"),
     ("features", {"points": 9, "features": 200}, "between 0 and 180"),
@@ -75,10 +75,10 @@ OPTIONS = [
     ("weld", {"points": 9, "weld": -1.0}, "not a length"),
     ("smooth", {"points": 9, "smooth": 99}, "from 1.5 to 20"),
     ("normal_fit", {"points": 9, "normal_fit": "line"}, "plane or sphere"),
-    ("normal_radius", {"points": 9, "normal_neighbors": 9, "normal_radius": 1.0}, "excludes"),
+    ("normal_radius", {"points": 9, "normal_neighbors": 9, "normal_radius": 1.0}, "together with"),
     ("within", {"points": 9, "within": [0, 0, 0, 1, 1, 1]}, "lowest x, y and z"),
-    ("within", {"points": 9, "within": [[1, 1, 1], [0, 0, 0]]}, "no x is from 1 to 0"),
-    ("select", {"points": 9, "select": [True]}, "1 marks for the 1800"),
+    ("within", {"points": 9, "within": [[1, 1, 1], [0, 0, 0]]}, "from 1 to 0 along x"),
+    ("select", {"points": 9, "select": [True]}, "1 mark is given for the 1800"),
     ("select", {"points": 9, "select": [0, 1]}, "truth values"),
     ("attributes", {"points": 9, "attributes": {"h": np.ones(7)}}, "'h'.*(1800,)"),
     ("attributes", {"points": 9, "attributes": {"h": ["a"] * 1800}}, "'h': numbers"),
@@ -99,7 +99,7 @@ def test_bad_options_are_named(argument, options, words):
 def test_texts_name_arguments_and_no_flags():
     with pytest.raises(sr.FileError) as caught:
         sr.read(__file__)
-    assert "use format with one of obj" in str(caught.value) and "--" not in str(caught.value)
+    assert "give its format, one of obj" in str(caught.value) and "--" not in str(caught.value)
 
 
 def test_errors_have_kinds(tmp_path):
@@ -123,5 +123,5 @@ def test_errors_have_kinds(tmp_path):
 
 def test_textures_of_another_mesh_are_refused():
     mesh = sr.Mesh(VERTICES, FACES, texture=np.zeros((7, 3, 2)))
-    with pytest.raises(sr.ArgumentError, match="attributes: texture coordinates for 7 triangles"):
+    with pytest.raises(sr.ArgumentError, match="attributes: texture coordinates are given for 7 triangles"):
         sr.remesh(mesh, points=100)

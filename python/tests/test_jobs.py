@@ -197,7 +197,7 @@ def test_strict_raises_with_the_result():
     few = {"points": 200, "max_error": 1e-4}
     remeshed = sr.remesh(*torus(), **few)
     assert not remeshed.verified and remeshed.shortcomings
-    with pytest.raises(sr.NotVerifiedError, match="from the input") as caught:
+    with pytest.raises(sr.NotVerifiedError, match="to the input") as caught:
         sr.remesh(*torus(), **few, strict=True)
     assert np.array_equal(caught.value.remeshed.vertices, remeshed.vertices)
 

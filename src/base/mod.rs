@@ -1,6 +1,7 @@
 //! What every layer needs: errors, progress and cancelling, elementary functions, random numbers, order in heaps, disjoint
-//! sets, compressed rows.
+//! sets, compressed rows, counts in words.
 
+pub(crate) mod count;
 pub(crate) mod csr;
 pub mod error;
 pub mod heap;

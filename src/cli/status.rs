@@ -12,7 +12,7 @@ pub enum Status {
     File = 1,
     /// The command line makes no sense.
     Usage = 2,
-    /// The result is written, but is not an oriented manifold of the input's topology.
+    /// The result is written, but fails one of the checks.
     Unverified = 3,
     /// Interrupted, by Ctrl-C or a signal to end.
     Interrupted = 130,

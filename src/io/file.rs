@@ -92,7 +92,7 @@ fn format_among(known: &[Format], content: &str, path: &Path, format: Option<For
         (None, Some(ending)) => format!("'.{}' is the ending of no format that can be written", ending.display()),
         (None, None) => "the name has no ending that says the format".into(),
     };
-    Err(file_error(path, cause, format!("use one of {}, or --format", Format::list(known, "."))))
+    Err(file_error(path, cause, format!("use one of {}, or say the format", Format::list(known, "."))))
 }
 
 fn read_bytes(path: &Path) -> Result<Vec<u8>> {
@@ -179,7 +179,7 @@ mod tests {
         fails(
             read_file(&path, None),
             &path,
-            "ending says OBJ, but the content is OFF; rename the file or use --format off",
+            "ending says OBJ, but the content is OFF; rename the file or give off as its format",
         );
         fails(read_file(folder.path(), None), folder.path(), "folder");
         let missing = folder.path().join("b.obj");
@@ -188,7 +188,7 @@ mod tests {
         fails(read_file(&below, None), &below, "");
         for (name, content, words) in [
             ("a.obj", &b""[..], "empty"),
-            ("a.doc", b"\x89PNG", "--format with one of obj,"),
+            ("a.doc", b"\x89PNG", "give its format, one of obj,"),
             ("a.xyz", b"\x89PNG", "no numbers"),
             ("a.dae", b"<COLLADA>", "it is a COLLADA file, which is not read; convert it, with Blender"),
             ("a.pts", b"ISO-10303-21;\n1 2 3\n", "it is a STEP file"),
@@ -197,7 +197,7 @@ mod tests {
             ("a.fbx", b"1 2 3\n1 2 3\n", "it is an FBX file"),
             ("a.drc", b"DRACO\x02", "draco_decoder -i IN.drc -o OUT.ply"),
             ("a.pts", b"\0\0\x80\x3f\0\0\x80\x3f", "binary, not columns of numbers in text; export"),
-            ("a.dat", b"a text\n1 2 3\n4 5 6\n", "--format with one of"),
+            ("a.dat", b"a text\n1 2 3\n4 5 6\n", "give its format, one of"),
             ("a.ply.gz", b"\x1f\x8b\x08\0\0", "cannot be unpacked"),
             ("a.obj", b"v 0 0 nan", ":1: the coordinate 'nan' is not finite"),
             ("a.obj", b"\x89PNG", "no vertices"),

@@ -137,12 +137,12 @@ fn input_format(name: &str, bytes: &[u8], format: Option<Format>) -> Result<Form
         (Some(Format::Xyz), _) => Ok(Format::sniff(bytes).unwrap_or(Format::Xyz)),
         (Some(ending), Some(content)) if ending != content => {
             let cause = format!("the ending says {ending}, but the content is {content}");
-            Err(refused(name, cause, format!("rename the file or use --format {}", content.extension())))
+            Err(refused(name, cause, format!("rename the file or give {} as its format", content.extension())))
         }
         (Some(ending), _) => Ok(ending),
         (None, _) => Format::sniff(bytes).ok_or_else(|| {
             let cause = "neither the ending nor the content says what format it has";
-            refused(name, cause, format!("use --format with one of {}", Format::list(&Format::ALL, "")))
+            refused(name, cause, format!("give its format, one of {}", Format::list(&Format::ALL, "")))
         }),
     }
 }

@@ -5,7 +5,6 @@ use crate::io::content::{Read, Resolve};
 use crate::io::format::Format;
 use crate::io::{e57, gltf, gmsh, las, medit, obj, off, pcd, ply, stl, text, threemf, vtk, xyz};
 use crate::mesh::attributes::{Attribute, Attributes};
-use crate::mesh::points::Points;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 
@@ -20,16 +19,6 @@ pub struct Loaded {
     pub format: Format,
     /// What a user should know of what was left out, a sentence each.
     pub notes: Vec<String>,
-}
-
-impl Loaded {
-    /// The vertices as points, with their normals if the file has them.
-    ///
-    /// # Errors
-    /// [`Error::Mesh`](crate::Error::Mesh) for attributes that are not those of all vertices.
-    pub fn into_points(self) -> Result<Points> {
-        Points::new(self.mesh.positions, self.attributes.normals())
-    }
 }
 
 /// Reads a mesh from the bytes of a file. Indices of the result are in range and coordinates finite; vertices and

@@ -1,6 +1,7 @@
 //! Words, lines and numbers of text files that need not be UTF-8.
 
 use super::bytes::{CORRECT_LINE, malformed, without_mark};
+use crate::base::count::counted;
 use crate::base::error::{Error, Place, Result};
 use std::io::{self, Write};
 
@@ -217,10 +218,8 @@ pub(super) fn write_number(out: &mut dyn Write, number: f64) -> io::Result<()> {
 
 /// A note of `count` things that are left out, if there are any: `one` in words, or `many`.
 pub(super) fn left_out(notes: &mut Vec<String>, count: usize, one: &str, many: &str) {
-    match count {
-        0 => {}
-        1 => notes.push(format!("1 {one} is left out")),
-        _ => notes.push(format!("{count} {many} are left out")),
+    if count > 0 {
+        notes.push(counted(count, &format!("{one} is left out"), &format!("{many} are left out")));
     }
 }
 

@@ -1,5 +1,6 @@
 //! What a job works on.
 
+use crate::base::count::counted;
 use crate::base::error::{Error, Fault, Result};
 use crate::io::Loaded;
 use crate::mesh::attributes::{Attribute, Attributes, MATERIALS, PARTS, TEXTURE};
@@ -72,10 +73,11 @@ impl<'a> Input<'a> {
         let Attributes { vertex, texture, materials, parts } = &*self.attributes;
         for Attribute { name, components, values, .. } in vertex {
             if *components == 0 || values.len() != components * vertices {
-                return refuse_lengths(
-                    format!("{name} has {} numbers, {components} for a vertex", values.len()),
-                    vertices,
-                );
+                let values = counted(values.len(), "value", "values");
+                return refuse_lengths(format!(
+                    "{name} has {values}, {components} per vertex, but the input has {}",
+                    counted(vertices, "vertex", "vertices")
+                ));
             }
         }
         let of_triangles = [
@@ -85,7 +87,8 @@ impl<'a> Input<'a> {
         ];
         for (name, count) in of_triangles {
             if let Some(count) = count.filter(|&count| count != triangles) {
-                return refuse_lengths(format!("{name} for {count} triangles"), triangles);
+                let count = counted(count, "triangle", "triangles");
+                return refuse_lengths(format!("{name} are given for {count}, but the input has {triangles}"));
             }
         }
         Ok(())
@@ -117,7 +120,6 @@ impl<'a> From<&'a Mesh> for Input<'a> {
     }
 }
 
-fn refuse_lengths(cause: String, wanted: usize) -> Result<()> {
-    let cause = format!("{cause}, but there are {wanted}");
+fn refuse_lengths(cause: String) -> Result<()> {
     Err(Error::Mesh { fault: Fault::Lengths, cause, remedy: "give attributes of this mesh, or leave them out".into() })
 }

@@ -4,6 +4,7 @@ use crate::base::error::Result;
 use crate::base::monitor::{Monitor, Overall};
 use crate::job::input::Input;
 use crate::pipeline::{self, ReconstructOptions, Reconstructed, SampleOptions, Sampled, Signal, points_of_mesh};
+use crate::report::noise;
 
 /// The stages and about how much of the time each takes.
 const SAMPLING: [(&str, f64); 5] =
@@ -21,10 +22,14 @@ pub fn sample(input: &Input, options: &SampleOptions, monitor: &dyn Monitor) -> 
     let signals: Result<Vec<Signal>> =
         options.signals.iter().map(|signal| signal.resolved(input.attributes())).collect();
     let options = SampleOptions { signals: signals?, ..options.clone() };
-    if input.is_cloud() {
-        return pipeline::sample_points(&input.as_points()?, &options, monitor);
+    if !input.is_cloud() {
+        return pipeline::sample(input.as_mesh(), &options, monitor);
     }
-    pipeline::sample(input.as_mesh(), &options, monitor)
+    let mut sampled = pipeline::sample_points(&input.as_points()?, &options, monitor)?;
+    // Those that are points of the input stay where they are.
+    let moved = sampled.cloud.as_ref().filter(|_| !options.scan_only);
+    sampled.notes.extend(moved.and_then(noise));
+    Ok(sampled)
 }
 
 /// The robust implicit surface of points, or of the vertices of a mesh, as dense triangles.

@@ -5,11 +5,12 @@ use crate::base::monitor::{Monitor, Overall, check};
 use crate::job::input::Input;
 use crate::job::outcome::{Origin, Outcome};
 use crate::mesh::attributes::{Attributes, Lost};
+use crate::mesh::provenance::Origins;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::{
     self, CloudOptions, CloudSummary, Coverage, Grading, LostComponents, Options, Remeshed, Signal, mesh_of_points,
 };
-use crate::report::{Crossings, Report, left_out, noise, shortcomings, too_few_covered};
+use crate::report::{Report, left_out, noise};
 use crate::transfer::vertex::{Carried, carry};
 use glam::DVec3;
 use std::borrow::Cow;
@@ -101,9 +102,19 @@ pub fn remesh(input: &Input, options: &RemeshOptions, monitor: &dyn Monitor) -> 
     });
     check(monitor)?;
     monitor.progress(1.0);
-    let outcome = outcome(surface, remeshed, carried.attributes, report);
-    let short = coverage.and_then(|coverage| too_few_covered(&coverage));
-    Ok(Outcome { shortcomings: outcome.shortcomings.into_iter().chain(short).collect(), warnings, ..outcome })
+    let (origins, triangle_origins) = surface.origins(&remeshed.origins);
+    Ok(Outcome {
+        shortcomings: remeshed.shortcomings(coverage.as_ref()),
+        origins,
+        triangle_origins,
+        of_points: surface.points.is_some().then(|| surface.mesh.into_owned()),
+        attributes: carried.attributes,
+        notes: remeshed.notes,
+        mesh: remeshed.mesh,
+        edges: remeshed.edges,
+        warnings,
+        report,
+    })
 }
 
 /// Measures a mesh, and its distance to another one.
@@ -165,6 +176,20 @@ impl<'a> Surface<'a> {
     }
 }
 
+impl Surface<'_> {
+    /// Where on the input the vertices of a result lie, and the triangle of the input below each of its triangles.
+    fn origins(&self, of_result: &Origins) -> (Vec<Origin>, Vec<u32>) {
+        let on_mesh = |point| Origin::on_mesh(point, &self.mesh.triangles);
+        let on_input = |origin: Origin| match &self.points {
+            Some(points) => origin.between_points(points),
+            None => origin,
+        };
+        let triangles = of_result.triangles.iter().map(|point| point.triangle);
+        let triangles = if self.points.is_none() { triangles.collect() } else { Vec::new() };
+        (of_result.vertices.iter().map(on_mesh).map(on_input).collect(), triangles)
+    }
+}
+
 impl Cloud {
     /// How near the result is to the points.
     fn coverage(&self, remeshed: &Remeshed) -> Coverage {
@@ -207,31 +232,4 @@ fn carried(surface: &Surface, remeshed: &mut Remeshed, wanted: &Carry, monitor: 
     carried.lost.splice(0..0, lost);
     check(monitor)?;
     Ok(carried)
-}
-
-fn outcome(surface: Surface, remeshed: Remeshed, attributes: Attributes, report: Option<Report>) -> Outcome {
-    let on_mesh = |point| Origin::on_mesh(point, &surface.mesh.triangles);
-    let on_input = |origin: Origin| match &surface.points {
-        Some(points) => origin.between_points(points),
-        None => origin,
-    };
-    let triangles = remeshed.origins.triangles.iter().map(|point| point.triangle);
-    Outcome {
-        origins: remeshed.origins.vertices.iter().map(on_mesh).map(on_input).collect(),
-        triangle_origins: if surface.points.is_none() { triangles.collect() } else { Vec::new() },
-        shortcomings: shortcomings(
-            &remeshed.output,
-            &remeshed.repaired,
-            &Crossings::of(&remeshed),
-            &remeshed.slivers,
-            remeshed.deviation.as_ref(),
-        ),
-        of_points: surface.points.is_some().then(|| surface.mesh.into_owned()),
-        attributes,
-        notes: remeshed.notes,
-        mesh: remeshed.mesh,
-        edges: remeshed.edges,
-        report,
-        warnings: Vec::new(),
-    }
 }

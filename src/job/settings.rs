@@ -128,7 +128,11 @@ impl SampleSettings {
         let given = density(points, edge_length.map(SampleDensity::EdgeLength), sigma_p.map(SampleDensity::SigmaP))?;
         if scan_only && smooth.is_some() {
             let cause = "samples that are points of the input stay where they are".into();
-            return Err(Error::Option { option: Setting::Smoothing, cause, remedy: "give it for others only".into() });
+            return Err(Error::Option {
+                option: Setting::Smoothing,
+                cause,
+                remedy: "leave it out, or let samples move".into(),
+            });
         }
         let cloud = normals.resolve(smooth, 0.0)?;
         Ok(SampleOptions { density: given.ok_or_else(not_dense)?, sigma_n, signals, scan_only, seed, sweeps, cloud })
@@ -188,8 +192,8 @@ fn at_most_one<const N: usize>(settings: [(Setting, bool); N]) -> Result<()> {
     let mut given = settings.into_iter().filter(|(_, is_given)| *is_given).map(|(setting, _)| setting);
     match (given.next(), given.next()) {
         (Some(first), Some(option)) => {
-            let cause = format!("it excludes the {first}");
-            Err(Error::Option { option, cause, remedy: "give one of both".into() })
+            let cause = format!("it cannot be given together with the {first}");
+            Err(Error::Option { option, cause, remedy: "give only one of them".into() })
         }
         _ => Ok(()),
     }
@@ -243,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn what_excludes_each_other_is_named() {
+    fn of_two_settings_that_exclude_each_other_one_is_named() {
         let (a, b) = (Some(Selection::Vertices(vec![])), Some(Selection::Vertices(vec![])));
         let normals = NormalSettings { fit: None, neighbors: Some(9), radius: Some(1.0) };
         for (settings, option) in [

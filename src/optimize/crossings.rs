@@ -4,6 +4,7 @@ use crate::geom::intersection::cross_deeper_than;
 use crate::geom::triangle::mean_ratio;
 use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
+use crate::manifold::facing::LEAST_MENDABLE;
 use crate::spatial::self_intersections::{Inherited, faces_of};
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
@@ -11,9 +12,6 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// How far a vertex may step away from its place on the surface, in lengths of its longest edge.
 pub(super) const FARTHEST: f64 = 0.14;
-
-/// Least mean ratio of a triangle after a change, unless it was worse before.
-pub(super) const LEAST_SHAPE: f64 = 0.25;
 
 /// The corners of a face.
 pub(super) type Corners = [DVec3; 3];
@@ -94,11 +92,13 @@ pub(super) fn fan(mesh: &Manifold, v: u32, there: DVec3) -> Vec<Corners> {
     mesh.connectivity.outgoing(v).map(triangle).collect()
 }
 
-/// Whether the triangles around `v` are no worse, or good enough, with `v` at `there`.
+/// Whether the triangles around `v` are no worse, or such that others can mend them, with `v` at `there`.
 pub(super) fn acceptable(mesh: &Manifold, v: u32, there: &Sample) -> bool {
     let shapes = |p: DVec3| fan(mesh, v, p).into_iter().map(mean_ratio);
     mesh.may_move(v, there)
-        && shapes(there.position).zip(shapes(mesh.position(v))).all(|(after, before)| after >= before.min(LEAST_SHAPE))
+        && shapes(there.position)
+            .zip(shapes(mesh.position(v)))
+            .all(|(after, before)| after >= before.min(LEAST_MENDABLE))
 }
 
 /// Whether `there` is a place for `v` that is not too far from the surface.

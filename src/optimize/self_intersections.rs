@@ -25,12 +25,10 @@ use crate::base::math;
 use crate::base::monitor::{Monitor, check};
 use crate::geom::triangle::mean_ratio;
 use crate::manifold::Manifold;
-use crate::manifold::facing::FacingGuard;
+use crate::manifold::facing::{FacingGuard, LEAST_MENDABLE};
 use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{next, prev};
-use crate::optimize::crossings::{
-    Corners, Crossings, LEAST_SHAPE, Surroundings, acceptable, fan, is_near_surface, longest_edge,
-};
+use crate::optimize::crossings::{Corners, Crossings, Surroundings, acceptable, fan, is_near_surface, longest_edge};
 use crate::optimize::shorten::shorten_crossings;
 use crate::spatial::self_intersections::Inherited;
 use crate::surface::domain::{Domain, Sample};
@@ -208,7 +206,7 @@ impl Surroundings {
         let before = [[a, b, top], [b, a, bottom]];
         let after = [[top, a, bottom], [bottom, b, top]];
         let least = |faces: &[Corners]| faces.iter().map(|&t| mean_ratio(t)).fold(1.0, f64::min);
-        let shaped = least(&after) >= least(&before).min(LEAST_SHAPE);
+        let shaped = least(&after) >= least(&before).min(LEAST_MENDABLE);
         if shaped && self.count(mesh, &after, &old) < self.count(mesh, &before, &old) {
             mesh.connectivity.flip(h);
             self.changed.extend(old);

@@ -27,8 +27,8 @@ pub struct CloudOptions {
     /// The neighbours that they are fitted to. Default: the nearest eight, or the nearest sixteen if noise is smoothed.
     pub neighborhood: Option<Reach>,
     /// How far points reach on the implicit surface that they are projected on, in mean distances of neighbouring
-    /// points: the larger, the smoother. Default: `None`, [`SMOOTHING_SUPPORT`] where there is noise, else points stay where
-    /// they are.
+    /// points: the larger, the smoother; with zero points stay where they are. Default: `None`, [`SMOOTHING_SUPPORT`] where
+    /// there is noise, else zero.
     pub smooth: Option<f64>,
     /// Holes in a box with no longer a diagonal than this, in the units of the input, are closed. Default: 0, those stay
     /// that are larger than gaps between points.
@@ -76,13 +76,22 @@ impl CloudOptions {
     }
 }
 
-/// Refuses a reach of points that makes no surface.
+/// Refuses a reach of points that is out of range.
 pub(super) fn check_smooth(reach: Option<f64>) -> Result<()> {
     let refuse = |reach: f64| {
-        let cause = format!("points that reach {reach} spacings make no surface");
-        Err(Error::Option { option: Setting::Smoothing, cause, remedy: "give a number from 1.5 to 20".into() })
+        let cause = format!("{reach} spacings are out of range");
+        Err(Error::Option {
+            option: Setting::Smoothing,
+            cause,
+            remedy: "give a number from 1.5 to 20, or 0 for none".into(),
+        })
     };
-    reach.filter(|r| !(1.5..=20.0).contains(r)).map_or(Ok(()), refuse)
+    smoothing(reach).filter(|r| !(1.5..=20.0).contains(r)).map_or(Ok(()), refuse)
+}
+
+/// How far points reach if anything is smoothed: zero asks for nothing.
+pub(super) fn smoothing(reach: Option<f64>) -> Option<f64> {
+    reach.filter(|&reach| reach != 0.0)
 }
 
 /// What normals are fitted to.
@@ -165,7 +174,7 @@ pub struct MeshOfPoints {
 }
 
 /// Neighbours that planes are fitted to where there is no noise: as few as possible keep to what is sharp.
-const FEW_NEIGHBORS: usize = 8;
+pub const FEW_NEIGHBORS: usize = 8;
 
 /// Times that spheres are fitted, each time to the normals of the time before.
 const SPHERES: usize = 2;
@@ -245,14 +254,14 @@ pub(super) fn prepared(points: &Points, options: &CloudOptions, monitor: &dyn Mo
     let spacing = mean(&graph.spacings(points.positions()));
     let flatness = flatness(points.positions(), &near);
     summary.noisy = matches!(flatness, Flatness::NotQuite | Flatness::At(_));
-    let mut smooth = options.smooth;
+    let mut smooth = smoothing(options.smooth);
     match flatness {
         Flatness::Never => return Err(volume(points.positions().len())),
-        Flatness::NotQuite if smooth.is_none() => {
+        Flatness::NotQuite if options.smooth.is_none() => {
             smooth = Some(SMOOTHING_SUPPORT);
             summary.smoothed_by_itself = SMOOTHING_SUPPORT;
         }
-        Flatness::At(count) if smooth.is_none() => {
+        Flatness::At(count) if options.smooth.is_none() => {
             summary.flattened_neighbors = count;
             let flat = flattened(points.positions(), count);
             near = Neighbors::new(&flat);

@@ -47,7 +47,7 @@ pub const MOST_POINTS: usize = 5_000_000;
 /// The vertices that the search for as few as needed begins with.
 pub(super) const FIRST_POINTS: usize = 2_000;
 
-/// Refuses what is no length.
+/// Refuses a length that is not positive and finite.
 pub(super) fn check_length(option: Setting, value: f64) -> Result<()> {
     if value > 0.0 && value.is_finite() {
         return Ok(());

@@ -37,7 +37,7 @@ impl Signal {
     }
 }
 
-/// Refuses widths that are none, values that are not finite, and more signals than there is room for.
+/// Refuses widths that are not positive, values that are not finite, and more signals than there is room for.
 pub(super) fn check_kernel(sigma_n: f64, signals: &[Signal]) -> Result<()> {
     let error = |option, cause, remedy: &str| Err(Error::Option { option, cause, remedy: remedy.into() });
     if sigma_n.is_nan() || sigma_n <= 0.0 {

@@ -24,6 +24,7 @@ mod sample;
 mod scale;
 mod selection;
 mod sharp_edges;
+mod shortcomings;
 mod sized;
 mod slivers;
 mod unit;
@@ -31,8 +32,8 @@ mod values;
 mod within;
 
 pub use cloud::{
-    CloudOptions, CloudSummary, INTERPOLATING_SUPPORT, MeshOfPoints, NormalFit, Reach, SMOOTHING_SUPPORT,
-    mesh_of_points,
+    CloudOptions, CloudSummary, FEW_NEIGHBORS, INTERPOLATING_SUPPORT, MeshOfPoints, NormalFit, Reach,
+    SMOOTHING_SUPPORT, mesh_of_points,
 };
 pub use coverage::Coverage;
 pub use density::{Density, FEWEST_POINTS, MOST_POINTS, SampleDensity};
@@ -46,4 +47,5 @@ pub use remesh::remesh;
 pub use result::{Deviation, Remeshed};
 pub use sample::{SampleOptions, Sampled, sample, sample_points};
 pub use selection::Selection;
+pub use shortcomings::{shortcomings, topology_faults};
 pub use values::Values;

@@ -1,7 +1,7 @@
 //! What can be asked of remeshing, and what is refused at once.
 
 use crate::base::error::{Error, Result, Setting};
-use crate::pipeline::cloud::{INTERPOLATING_SUPPORT, check_smooth};
+use crate::pipeline::cloud::{INTERPOLATING_SUPPORT, check_smooth, smoothing};
 use crate::pipeline::density::{Density, check_count, check_length};
 use crate::pipeline::kernel::{Signal, check_kernel, check_signals};
 use crate::pipeline::selection::Selection;
@@ -64,14 +64,14 @@ pub struct Options {
     /// What edge lengths follow. Default: nothing.
     pub grading: Grading,
     /// Noise is smoothed away first: vertices move to the implicit surface of all of them, on which each reaches as far as
-    /// so many mean distances of neighbouring ones. Default: `None`, they stay where they are.
+    /// so many mean distances of neighbouring ones. Default: `None`, they stay where they are, as with zero.
     pub smooth: Option<f64>,
     /// The input goes through points, as [`mesh_of_points`](crate::stages::pipeline::mesh_of_points) makes it: where its edges are longer than those of the
     /// result, what lies between its vertices is their implicit surface, and not the flat triangles. So it is with `smooth`,
     /// too. Default: false.
     pub of_points: bool,
     /// The part that is remeshed; everything else stays as it is, and the density is that of the part: [`Density::Points`]
-    /// counts the vertices strictly inside of it, those on its seam with the rest not included. Default: `None`, all.
+    /// counts the vertices strictly inside of it, those on its interface with the rest not included. Default: `None`, all.
     pub part: Option<Selection>,
     /// How far any point of the result may be from the repaired input, and any point of that from the result. Default:
     /// `None`, as near as the vertices allow on average.
@@ -128,7 +128,7 @@ impl Options {
         check_smooth(self.smooth)?;
         self.grading.validate()?;
         self.part.as_ref().map_or(Ok(()), Selection::validate)?;
-        if self.part.is_some() && self.smooth.is_some() {
+        if self.part.is_some() && self.smoothing().is_some() {
             let cause = "smoothing would move what is not in the part to remesh".into();
             return Err(Error::Option { option: Setting::Smoothing, cause, remedy: "smooth all of it first".into() });
         }
@@ -158,9 +158,14 @@ impl Options {
 }
 
 impl Options {
+    /// The support radius of the implicit surface that vertices move to, if they do.
+    pub(super) fn smoothing(&self) -> Option<f64> {
+        smoothing(self.smooth)
+    }
+
     /// The support radius of the implicit surface that lies between the vertices, if one does.
     pub(super) fn support(&self) -> Option<f64> {
-        self.smooth.or(self.of_points.then_some(INTERPOLATING_SUPPORT))
+        self.smoothing().or(self.of_points.then_some(INTERPOLATING_SUPPORT))
     }
 }
 

@@ -1,4 +1,4 @@
-//! What a run goes by: the input, repaired once for all attempts, and what is asked of the result.
+//! What a run goes by: the input, repaired the same way for every attempt, and what is asked of the result.
 
 use crate::base::error::{Error, Fault, Result};
 use crate::base::monitor::{Monitor, check};
@@ -73,7 +73,7 @@ impl<'a> PreparedInput<'a> {
         let scale = if options.part.is_some() { 1.0 } else { unit.size };
         let cracks = cracks.map(|cracks| Cracks { width: scale * cracks.width, ..cracks });
         let allowed = options.max_error.map(|e| e.length(scale * repaired.diagonal()));
-        if let Some(support) = options.smooth {
+        if let Some(support) = options.smoothing() {
             monitor.stage("smooth");
             smooth(&mut repaired, support);
             check(monitor)?;
@@ -103,7 +103,7 @@ impl<'a> PreparedInput<'a> {
     /// The input, repaired and smoothed as [`PreparedInput::new`] does it.
     pub(super) fn repaired_again(&self) -> OrientedManifold {
         let (mut repaired, ..) = repaired(self.input, self.options, &self.unit);
-        if let Some(support) = self.options.smooth {
+        if let Some(support) = self.options.smoothing() {
             smooth(&mut repaired, support);
         }
         repaired

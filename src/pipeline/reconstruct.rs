@@ -19,7 +19,7 @@ use crate::surface::implicit::Rimls;
 pub struct ReconstructOptions {
     /// The length of the edges of cells, in the units of the input. Default: half the mean spacing of the points.
     pub resolution: Option<f64>,
-    /// What to make of the points; [`CloudOptions::smooth`] is [`INTERPOLATING_SUPPORT`] if it is not given and there is no noise, and
+    /// What to make of the points. Where nothing is smoothed they reach [`INTERPOLATING_SUPPORT`];
     /// [`CloudOptions::fill_holes`] does not matter.
     pub cloud: CloudOptions,
 }

@@ -82,7 +82,8 @@ const NEAR_ENOUGH: f64 = 1.1;
 /// Most that the number of vertices changes by from one try to the next: a single far place says little about others.
 const LARGEST_CHANGE: f64 = 8.0;
 
-/// The result of the fewest vertices that keep to the error asked for, of those that were tried; if none did, the last.
+/// The verified result with the fewest vertices, of those that were tried; if none is, the last that keeps to the error
+/// asked for, or the last.
 fn with_fewest_points(
     prepared: &PreparedInput,
     repaired: &OrientedManifold,
@@ -95,12 +96,15 @@ fn with_fewest_points(
         let density = Density::Points(n.round() as usize);
         let made = remesh_to(prepared, || repaired.clone(), density, monitor)?;
         let ratio = made.deviation.map_or(1.0, |d| d.reached / d.allowed);
-        if ratio <= 1.0 {
+        if made.verified() {
             enough = n;
             best = Some(made);
         } else {
             too_few = n;
-            last = Some(made);
+            let is_near = |made: &Remeshed| made.deviation.is_none_or(|d| d.is_allowed());
+            if is_near(&made) || !last.as_ref().is_some_and(is_near) {
+                last = Some(made);
+            }
         }
         if enough <= NEAR_ENOUGH * too_few || n == enough && n <= NEAR_ENOUGH * FEWEST_POINTS as f64 {
             break;
@@ -397,7 +401,7 @@ fn remeshed(
     }
     if finished.run > 1 && result.is_sound() {
         result.notes.push(format!(
-            "attempt {} of {MOST_RUNS}: it is finer where triangles of those before it intersected or were slivers",
+            "this is attempt {} of at most {MOST_RUNS}, with shorter edges where earlier ones had self-intersections or slivers",
             finished.run
         ));
     }

@@ -1,5 +1,6 @@
 //! What the pipeline gives back: the mesh, whether it is what was asked for, and what a user should know about it.
 
+use crate::base::count::{counted, counts};
 use crate::mesh::provenance::Origins;
 use crate::mesh::submesh::Kept;
 use crate::mesh::topology::Topology;
@@ -92,12 +93,6 @@ impl Deviation {
 }
 
 impl Remeshed {
-    /// Whether the result is what it should be: of the topology of the repaired input, without faces that cross each
-    /// other where those of the input do not, without slivers, and as near to the input as was asked for.
-    pub fn verified(&self) -> bool {
-        self.is_sound() && self.slivers.is_empty() && self.deviation.is_none_or(|d| d.is_allowed())
-    }
-
     /// Holds an error that was asked for against the points of a cloud, too, through which the input was laid: it may have left
     /// some out.
     pub fn hold_against_points(&mut self, coverage: &Coverage) {
@@ -131,10 +126,14 @@ pub(super) fn has_kind(found: &Topology, wanted: &Topology) -> bool {
 
 /// Says what was left out of the sharp edges.
 fn note_on_left_out(LeftOut { patches, deviation }: &LeftOut) -> String {
+    let patches = counted(
+        *patches,
+        "strip or patch is too narrow for so few vertices",
+        "strips and patches are too narrow for so few vertices",
+    );
     format!(
-        "{patches} strips and patches are too narrow for so few vertices: each is joined with a neighbour, without the sharp \
-         edges between them, which moves the surface by about {:.2e} at most; more points keep more of them",
-        deviation
+        "{patches}: each is joined with a neighbour, without the sharp edges between them, which moves the surface by about \
+         {deviation:.2e} at most; more points keep more of them"
     )
 }
 
@@ -142,20 +141,42 @@ fn note_on_left_out(LeftOut { patches, deviation }: &LeftOut) -> String {
 pub(super) fn notes(result: &Remeshed, cracks: Option<Cracks>) -> Vec<String> {
     let mut notes = Vec::new();
     let r = &result.repairs;
-    let mut note = |n: usize, text: &str| {
-        if n > 0 {
-            notes.push(format!("{n} {text}"));
+    let mut note = |count: usize, one: &str, many: &str, done: &str| {
+        if count > 0 {
+            notes.push(format!("{} {done}", counted(count, one, many)));
         }
     };
-    note(r.faces_between_cells, "faces between the cells of a volume were dropped: its outside is left");
-    note(r.cut_edges, "edges with more than two faces were taken apart into sheets");
-    note(r.split_vertices, "vertices were doubled where sheets met only at a point or an edge");
-    note(r.unorientable_edges, "edges were cut open because the surface has no two sides (like a Möbius strip)");
-    note(r.flipped_triangles, "faces were turned over to agree with their neighbours");
-    note(r.degenerate_triangles + r.duplicate_triangles, "degenerate or repeated faces were dropped");
+    note(
+        r.faces_between_cells,
+        "face between the cells of a volume was",
+        "faces between the cells of a volume were",
+        "dropped: its outside is left",
+    );
+    note(
+        r.cut_edges,
+        "edge with more than two faces was",
+        "edges with more than two faces were",
+        "taken apart into sheets",
+    );
+    note(r.split_vertices, "vertex was", "vertices were", "doubled where sheets met only at a point or an edge");
+    note(
+        r.unorientable_edges,
+        "edge was",
+        "edges were",
+        "cut open because the surface has no two sides (like a Möbius strip)",
+    );
+    note(r.flipped_triangles, "face was", "faces were", "turned over to agree with the neighbours");
+    note(
+        r.degenerate_triangles + r.duplicate_triangles,
+        "degenerate or repeated face was",
+        "degenerate or repeated faces were",
+        "dropped",
+    );
     note(
         r.seam_vertices,
-        "boundary vertices were welded to others that are not exactly at their place, which closes seams",
+        "boundary vertex was",
+        "boundary vertices were",
+        "welded to others that are not exactly at the same place, which closes seams",
     );
     notes.extend(cracks.map(note_on_cracks));
     if result.blunted {
@@ -163,8 +184,9 @@ pub(super) fn notes(result: &Remeshed, cracks: Option<Cracks>) -> Vec<String> {
     }
     if result.output.vertices != result.wanted {
         notes.push(format!(
-            "{} vertices instead of {}: the topology of the input needs as many",
-            result.output.vertices, result.wanted
+            "{} instead of {}: the topology of the input needs as many",
+            counted(result.output.vertices, "vertex", "vertices"),
+            result.wanted
         ));
     }
     notes.extend(notes_on_self_intersections(result));
@@ -185,17 +207,18 @@ impl LostComponents {
     pub fn note(&self) -> String {
         let &LostComponents { gone, shrunk, triangles, share, place } = self;
         let parts = [
-            (gone, "components of the input are not in the result"),
+            (gone, "component of the input is not in the result", "components of the input are not in the result"),
             (
                 shrunk,
+                "component is smaller than edges are long, and only a few triangles without its shape are left of it",
                 "components are smaller than edges are long, and only a few triangles without their shape are left of them",
             ),
         ];
-        let parts: Vec<String> = parts.iter().filter(|p| p.0 > 0).map(|(n, what)| format!("{n} {what}")).collect();
         let place = near(DVec3::from_array(place));
         format!(
-            "{}: the largest, {place}, has {triangles} triangles, {:.2} % of the area; more points keep more of them",
-            parts.join("; "),
+            "{}: the largest, {place}, has {}, {:.2} % of the area; more points keep more of them",
+            counts(&parts).join("; "),
+            counted(triangles, "triangle", "triangles"),
             100.0 * share
         )
     }
@@ -205,8 +228,10 @@ impl LostComponents {
 fn note_on_cracks(Cracks { vertices, width }: Cracks) -> String {
     // The rounded number must not be smaller.
     let width = format!("{:.2e}", 1.01 * width);
+    let vertices = counted(vertices, "boundary vertex lies", "boundary vertices lie");
     format!(
-        "{vertices} boundary vertices lie within {width} of another one across a gap: if it is a crack, --weld {width} closes it"
+        "{vertices} within {width} of another one across a gap: if it is a crack, a weld \
+         distance of {width} closes it"
     )
 }
 
@@ -215,25 +240,29 @@ fn note_on_slivers(result: &Remeshed) -> Option<String> {
     let (first, count) = (*result.slivers.first()?, result.slivers.len());
     let place = near(result.mesh.corners(first as usize).into_iter().sum::<DVec3>() / 3.0);
     Some(format!(
-        "{count} faces have an angle below {SLIVER} degree, the first {place}: more points there would part them"
+        "{} an angle below {SLIVER} degree, the first {place}: more points there may avoid that",
+        counted(count, "face has", "faces have")
     ))
 }
 
 /// How many faces intersect others, where the first one is, and whether the input is to blame.
 fn notes_on_self_intersections(result: &Remeshed) -> Vec<String> {
     let place = |t: u32| near(result.mesh.corners(t as usize).into_iter().sum::<DVec3>() / 3.0);
+    let intersect = |count: usize| counted(count, "face intersects others", "faces intersect others");
     let (new, all) = (&result.new_self_intersections, &result.self_intersections);
     let of_input = result.self_intersections_of_input.unwrap_or(0);
     let of_new = new.first().map(|&t| {
         let count = new.len();
         format!(
-            "{count} faces intersect others, the first {}: none of the input do there; more points would part them",
+            "{}, the first {}, where no faces of the input do; more points may part them",
+            intersect(count),
             place(t)
         )
     });
     let inherited = all.iter().find(|t| new.binary_search(t).is_err()).map(|&t| {
         let count = all.len() - new.len();
-        format!("{count} faces intersect others, the first {}: so do {of_input} of the input", place(t))
+        let of_input = counted(of_input, "face of the input does", "faces of the input do");
+        format!("{}, the first {}; {of_input}, too", intersect(count), place(t))
     });
     of_new.into_iter().chain(inherited).collect()
 }
@@ -242,7 +271,9 @@ fn notes_on_self_intersections(result: &Remeshed) -> Vec<String> {
 fn note_on_deviation(deviation: &Deviation) -> String {
     let Deviation { allowed, reached, place } = deviation;
     let place = near(DVec3::from_array(*place));
-    format!("{reached:.4e} from the input {place}, and not within {allowed:.4e}: more points come nearer")
+    format!(
+        "the largest distance to the input, {place}, is {reached:.4e} and more than {allowed:.4e}: more points come nearer"
+    )
 }
 
 fn near(place: DVec3) -> String {

@@ -3,6 +3,7 @@
 //! The count comes of the width of the kernel, which is found by search. What is left is added where s is largest or
 //! removed where it is smallest.
 
+use crate::base::count::counted;
 use crate::base::error::{Error, Fault, Result, Setting};
 use crate::base::math;
 use crate::base::monitor::{Monitor, check};
@@ -55,8 +56,8 @@ pub struct SampleOptions {
     pub seed: u64,
     /// Sweeps of gradient ascent. Default: 10, as in the paper (section 6.3).
     pub sweeps: usize,
-    /// What to make of a cloud: its normals, and how far its points reach on the implicit surface that samples move on,
-    /// [`INTERPOLATING_SUPPORT`] if that is not given. Holes do not matter.
+    /// What to make of a cloud: its normals, and how far its points reach on the implicit surface that samples move on:
+    /// [`INTERPOLATING_SUPPORT`] where nothing is smoothed. Holes do not matter.
     pub cloud: CloudOptions,
 }
 
@@ -78,7 +79,7 @@ impl SampleOptions {
     /// Refuses what nothing can be sampled with.
     ///
     /// # Errors
-    /// [`Error::Option`] for a density that is none, or a width that is not positive.
+    /// [`Error::Option`] for a number of samples out of range, or a length or a width that is not positive.
     pub fn validate(&self) -> Result<()> {
         check_kernel(self.sigma_n, &self.signals)?;
         self.cloud.validate()?;
@@ -486,13 +487,15 @@ const HANDFUL: usize = 12;
 fn notes(kept: usize, candidates: usize, wanted: Option<usize>) -> Vec<String> {
     match wanted {
         Some(wanted) if kept < wanted => {
-            vec![format!("{kept} samples instead of {wanted}: there are no more points that differ")]
+            let samples = counted(kept, "sample", "samples");
+            vec![format!("{samples} instead of {wanted}: there are no more points that differ")]
         }
         None if kept == candidates => {
             vec![format!("all {kept} points are kept: σp is below their distances; a larger one leaves fewer")]
         }
         None if kept <= HANDFUL => {
-            vec![format!("only {kept} samples are left: σp is about as large as the whole; a smaller one leaves more")]
+            let samples = counted(kept, "sample is", "samples are");
+            vec![format!("only {samples} left: σp is about as large as the whole; a smaller one leaves more")]
         }
         _ => Vec::new(),
     }

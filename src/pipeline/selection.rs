@@ -1,5 +1,6 @@
 //! Which part of the input is remeshed.
 
+use crate::base::count::counted;
 use crate::base::error::{Error, Result, Setting};
 use crate::geom::aabb::Aabb;
 use crate::mesh::attributes::Attributes;
@@ -48,8 +49,8 @@ impl Selection {
         let Selection::Box(lowest, highest) = self else { return Ok(()) };
         let wrong = (0..3).find(|&k| !lowest[k].is_finite() || !highest[k].is_finite() || lowest[k] > highest[k]);
         wrong.map_or(Ok(()), |k| {
-            let cause = format!("no {} is from {} to {}", ["x", "y", "z"][k], lowest[k], highest[k]);
-            self.refuse(cause, "give the lowest x, y and z of a box, then the highest")
+            let cause = format!("it goes from {} to {} along {}", lowest[k], highest[k], ["x", "y", "z"][k]);
+            self.refuse(cause, "give the lowest x, y and z, then the highest")
         })
     }
 
@@ -57,12 +58,14 @@ impl Selection {
     pub(super) fn check(&self, vertices: usize) -> Result<()> {
         match self {
             Selection::Vertices(selected) if selected.len() != vertices => {
-                let cause = format!("{} marks for the {vertices} vertices of the input", selected.len());
-                self.refuse(cause, "give each vertex one")
+                let cause = counted(selected.len(), "mark is", "marks are");
+                let cause = format!("{cause} given for the {vertices} vertices of the input");
+                self.refuse(cause, "give one mark for each vertex")
             }
-            Selection::Marked { attribute, .. } => {
-                self.refuse(format!("the attribute {attribute} was not looked up"), "give each vertex a mark")
-            }
+            Selection::Marked { attribute, .. } => self.refuse(
+                format!("the attribute {attribute} was not looked up"),
+                "look it up, or give one mark for each vertex",
+            ),
             _ => Ok(()),
         }
     }
@@ -100,9 +103,10 @@ impl Selection {
                 let cause = format!("no triangle has all its corners selected; {count} of {all} vertices are");
                 self.refuse(cause, "select more of them")
             }
-            Selection::Marked { attribute, .. } => {
-                self.refuse(format!("the attribute {attribute} was not looked up"), "give each vertex a mark")
-            }
+            Selection::Marked { attribute, .. } => self.refuse(
+                format!("the attribute {attribute} was not looked up"),
+                "look it up, or give one mark for each vertex",
+            ),
         }
     }
 }

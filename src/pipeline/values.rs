@@ -1,5 +1,6 @@
 //! A number at each vertex of the input.
 
+use crate::base::count::counted;
 use crate::base::error::{Error, Result, Setting};
 use crate::mesh::attributes::Attributes;
 
@@ -42,14 +43,18 @@ impl Values {
 
     /// Refuses values that are not one for each of so many vertices.
     pub(super) fn check(&self, option: Setting, vertices: usize) -> Result<()> {
-        let refuse =
-            |cause: String| Err(Error::Option { option, cause, remedy: "give one value for each vertex".into() });
+        let refuse = |cause: String, remedy: &str| Err(Error::Option { option, cause, remedy: remedy.into() });
         match self {
             Values::Given(values) if values.len() == vertices => Ok(()),
             Values::Given(values) => {
-                refuse(format!("{} values for the {vertices} vertices of the input", values.len()))
+                let values = counted(values.len(), "value is", "values are");
+                let cause = format!("{values} given for the {vertices} vertices of the input");
+                refuse(cause, "give one value for each vertex")
             }
-            Values::Attribute(name) => refuse(format!("the attribute {name} was not looked up")),
+            Values::Attribute(name) => refuse(
+                format!("the attribute {name} was not looked up"),
+                "look it up, or give one value for each vertex",
+            ),
         }
     }
 }

@@ -11,8 +11,10 @@ pub mod samples;
 pub mod surface;
 mod table;
 
-pub use remeshing::{
-    AttributesKept, Crossings, Measured, Report, SCHEMA, Sampling, all_to_json, left_out, noise, shortcomings,
-    too_few_covered,
-};
+pub use crate::mesh::topology::Topology;
+pub use crate::pipeline::{CloudSummary, Coverage, Deviation};
+pub use crate::prepare::repair::Repairs;
+pub use crate::quality::distance::Distance;
+pub use crate::quality::shape::Shape;
+pub use remeshing::{AttributesKept, Crossings, Measured, Report, SCHEMA, Sampling, all_to_json, left_out, noise};
 pub use run::{Lap, RunSummary};

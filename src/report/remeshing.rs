@@ -5,10 +5,11 @@
 //!
 //! Cost: the shapes of both meshes, and their distance from [`REPORT_SAMPLES`] points each way.
 
+use crate::base::count::counted;
 use crate::mesh::attributes::Lost;
 use crate::mesh::topology::{Topology, topology};
 use crate::mesh::triangle_mesh::Mesh;
-use crate::pipeline::{CloudSummary, Coverage, Deviation, Remeshed};
+use crate::pipeline::{CloudSummary, Coverage, Deviation, Remeshed, shortcomings};
 use crate::prepare::cells::without_faces_between_cells;
 use crate::prepare::repair::Repairs;
 use crate::quality::distance::{Distance, REPORT_SAMPLES, distance};
@@ -206,8 +207,8 @@ impl Report {
     pub fn of_points(self, coverage: Coverage, input: &Mesh) -> Report {
         let unit = 100.0 / input.diagonal();
         let distance = self.distance.map(|d| d.with_way_back(unit * coverage.rms, unit * coverage.largest));
-        let verified = self.verified.map(|verified| verified && coverage.is_enough());
-        Report { verified, coverage: Some(coverage), distance, ..self }
+        let report = Report { coverage: Some(coverage), distance, ..self };
+        Report { verified: report.verified.map(|_| report.shortcomings().is_empty()), ..report }
     }
 
     fn of_output(output: Measured) -> Report {
@@ -241,12 +242,12 @@ impl Report {
     /// Why the output is not what the input asked for, a phrase each; empty for a verified result and for a mesh that
     /// was measured only.
     pub fn shortcomings(&self) -> Vec<String> {
+        let Report { output, repaired, crossings, slivers, deviation, coverage, .. } = self;
         let against = |wanted| {
-            let Report { output, crossings, slivers, deviation, .. } = self;
-            shortcomings(&output.topology, wanted, crossings, slivers, deviation.as_ref())
+            let (crossing, slivers) = (crossings.new.len(), slivers.len());
+            shortcomings(&output.topology, wanted, crossing, slivers, deviation.as_ref(), coverage.as_ref())
         };
-        let of_mesh = self.repaired.as_ref().map_or_else(Vec::new, against);
-        of_mesh.into_iter().chain(self.coverage.as_ref().and_then(too_few_covered)).collect()
+        repaired.as_ref().map_or_else(Vec::new, against)
     }
 
     /// The report as indented JSON that ends with a line break.
@@ -271,64 +272,33 @@ pub(super) fn outside<'a>(input: &'a Mesh, repairs: &Repairs) -> Cow<'a, Mesh> {
     }
 }
 
-/// What keeps a result from being an oriented manifold of the wanted Euler characteristic, components and boundary
-/// loops, without crossing faces where the input has none, without slivers and within the error asked for, a phrase each;
-/// empty if it is one.
-pub fn shortcomings(
-    found: &Topology,
-    wanted: &Topology,
-    crossings: &Crossings,
-    slivers: &[u32],
-    deviation: Option<&Deviation>,
-) -> Vec<String> {
-    let faults = [
-        (found.nonmanifold_edges, "edges with more than two faces"),
-        (found.nonmanifold_vertices, "vertices with more than one fan"),
-        (found.misoriented_edges, "edges between faces of opposite orientation"),
-        (crossings.new.len(), "self-intersecting faces"),
-        (slivers.len(), "faces with an angle below 1 degree"),
-    ];
-    let differences = [
-        ("Euler characteristic", found.euler, wanted.euler),
-        ("components", found.components as i64, wanted.components as i64),
-        ("boundary loops", found.boundary_loops as i64, wanted.boundary_loops as i64),
-    ];
-    let faults = faults.iter().filter(|f| f.0 > 0).map(|(count, what)| format!("{count} {what}"));
-    let differences = differences.iter().filter(|(_, found, wanted)| found != wanted);
-    let differences = differences.map(|(what, found, wanted)| format!("{what} {found} and not {wanted}"));
-    let far = deviation.filter(|d| !d.is_allowed());
-    let far = far.map(|d| format!("up to {:.4e} from the input and not {:.4e}", d.reached, d.allowed));
-    faults.chain(differences).chain(far).collect()
-}
-
-/// That too many points of a cloud are far from the result, if they are.
-pub fn too_few_covered(coverage: &Coverage) -> Option<String> {
-    let Coverage { points, missed, within, .. } = *coverage;
-    let is_short = !coverage.is_enough();
-    is_short.then(|| format!("{missed} of {points} points are farther than {within:.4e} from it"))
-}
-
 /// What was done about the noise of a cloud by itself, and what else can be, if it has some.
 pub fn noise(cloud: &CloudSummary) -> Option<String> {
     let done = match cloud.flattened_neighbors {
-        0 if cloud.smoothed_by_itself > 0.0 => format!("smoothed as by --smooth {}", cloud.smoothed_by_itself),
+        0 if cloud.smoothed_by_itself > 0.0 => {
+            format!("smoothed with a support radius of {} spacings", cloud.smoothed_by_itself)
+        }
         0 => return None,
         n => format!("moved onto planes through the nearest {n}"),
     };
-    Some(format!("the points are noisy, and were {done}; --smooth W smooths less (1.5) or more (4)"))
+    Some(format!(
+        "the points are noisy, and were {done}; smoothing with a radius of 1.5 does less, of 4 more, of 0 nothing"
+    ))
 }
 
 /// Which points of a cloud are not on the result, and why; `None` if all are.
 pub fn left_out(cloud: &CloudSummary, coverage: &Coverage) -> Option<String> {
-    let shreds = format!("are on {} shreds too small for a surface, which nothing joins with the rest", cloud.shreds);
-    let far = format!("are farther than {:.4e} from the result", coverage.within);
+    let shreds = counted(cloud.shreds, "shred", "shreds");
+    let shreds = format!("on {shreds} too small for a surface, which nothing joins with the rest");
+    let far = format!("farther than {:.4e} from the result", coverage.within);
     let parts = [
-        (cloud.outliers, "are outliers, no other point's neighbours"),
+        (cloud.outliers, "no other point's neighbours (outliers)"),
         (cloud.in_shreds, &shreds),
-        (cloud.unused, "are no corner of the first mesh, since neighbours do not agree on a surface there"),
+        (cloud.unused, "no corner of the first mesh, since neighbours do not agree on a surface there"),
         (coverage.missed, &far),
     ];
-    let parts: Vec<String> = parts.iter().filter(|p| p.0 > 0).map(|(n, what)| format!("{n} {what}")).collect();
+    let parts = parts.iter().filter(|p| p.0 > 0).map(|&(n, what)| format!("{} {what}", counted(n, "is", "are")));
+    let parts: Vec<String> = parts.collect();
     (!parts.is_empty()).then(|| format!("of {} points {}", cloud.points, parts.join("; ")))
 }
 
@@ -434,8 +404,8 @@ pub(super) mod tests {
             said,
             [
                 "2 edges between faces of opposite orientation",
-                "Euler characteristic 1 and not 2",
-                "boundary loops 1 and not 0"
+                "the Euler characteristic is 1 instead of 2",
+                "the number of boundary loops is 1 instead of 0"
             ]
         );
     }
@@ -457,18 +427,6 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn self_intersections_that_the_input_does_not_have_are_a_shortcoming() {
-        let wanted = topology(4, &tetrahedron().triangles);
-        let of_new = |new: &[u32]| {
-            let crossings = Crossings { faces: vec![3, 5], new: new.to_vec(), repaired: Some(7) };
-            shortcomings(&wanted, &wanted, &crossings, &[], None)
-        };
-        assert_eq!(of_new(&[3, 5]), ["2 self-intersecting faces"]);
-        assert_eq!(of_new(&[5]), ["1 self-intersecting faces"]);
-        assert_eq!(of_new(&[]), [""; 0]);
-    }
-
-    #[test]
     fn a_cloud_that_is_missed_is_not_verified() {
         let coverage = |missed| Coverage { points: 100, missed, within: 0.5, rms: 1.0, largest: 2.0, place: [0.0; 3] };
         let mesh = tetrahedron();
@@ -479,7 +437,7 @@ pub(super) mod tests {
         assert!((good.distance.unwrap().hausdorff - 200.0 / 3f64.sqrt()).abs() < 1e-9);
         let bad = report.of_points(coverage(6), &mesh);
         assert_eq!(bad.verified, Some(false));
-        assert_eq!(bad.shortcomings(), ["6 of 100 points are farther than 5.0000e-1 from it"]);
+        assert_eq!(bad.shortcomings(), ["6 of 100 points are farther than 5.0000e-1 from the result"]);
     }
 
     #[test]
@@ -488,13 +446,16 @@ pub(super) mod tests {
             CloudSummary { points: 100, outliers: 2, in_shreds: 7, shreds: 2, unused: 3, ..CloudSummary::default() };
         let coverage = Coverage { points: 98, missed: 0, within: 0.5, rms: 0.1, largest: 0.2, place: [0.0; 3] };
         let told = left_out(&cloud, &coverage).unwrap();
-        assert!(told.starts_with("of 100 points 2 are outliers") && told.contains("; 3 are no corner"), "{told}");
+        assert!(
+            told.starts_with("of 100 points 2 are no other point's neighbours") && told.contains("; 3 are no corner"),
+            "{told}"
+        );
         assert!(told.contains("; 7 are on 2 shreds"), "{told}");
         assert_eq!(left_out(&CloudSummary::default(), &coverage), None);
         let noisy = CloudSummary { noisy: true, flattened_neighbors: 64, ..cloud };
-        assert!(noise(&noisy).unwrap().contains("nearest 64; --smooth W"));
+        assert!(noise(&noisy).unwrap().contains("through the nearest 64; smoothing with"));
         let smoothed = CloudSummary { flattened_neighbors: 0, smoothed_by_itself: 2.7, ..noisy };
-        assert!(noise(&smoothed).unwrap().contains("smoothed as by --smooth 2.7"));
+        assert!(noise(&smoothed).unwrap().contains("smoothed with a support radius of 2.7 spacings"));
         assert_eq!(noise(&CloudSummary::default()), None);
     }
 

@@ -1,5 +1,6 @@
 //! What a report says, as names and texts: the same words for the table of the terminal and for the page.
 
+use crate::base::count::{counted, counts};
 use crate::base::math;
 use crate::mesh::topology::Topology;
 use crate::pipeline::{CloudSummary, Coverage};
@@ -108,7 +109,7 @@ fn sampling(report: &Report) -> Vec<String> {
     let range =
         if is_even { String::new() } else { format!(" ({} to {})", significant(smallest), significant(largest)) };
     vec![
-        format!("{} vertices wanted", s.wanted),
+        counted(s.wanted, "vertex wanted", "vertices wanted"),
         format!("σp {sigma}"),
         format!("spacing {spacing}{range}"),
         format!("seed {}", s.seed),
@@ -124,9 +125,10 @@ fn unforced_angle(report: &Report) -> Vec<String> {
 /// How many sharp edges were kept and left out, if there are any.
 fn sharp_edges(report: &Report) -> Vec<String> {
     let Some(s) = &report.sampling else { return Vec::new() };
-    let left_out = format!("{} narrow patches joined with others", s.left_out_patches);
+    let curves = counted(s.sharp_curves, "curve kept", "curves kept");
+    let left_out = counted(s.left_out_patches, "narrow patch joined with another", "narrow patches joined with others");
     let parts = [
-        (s.sharp_curves > 0, format!("{} curves kept", s.sharp_curves)),
+        (s.sharp_curves > 0, curves),
         (s.left_out_patches > 0, left_out),
         (s.blunted, "none kept: too close together".into()),
     ];
@@ -138,15 +140,14 @@ fn points_used(cloud: &CloudSummary) -> Vec<String> {
     let &CloudSummary { points, duplicates, outliers, in_shreds, unused, estimated_normals, turned_normals, .. } =
         cloud;
     let others = [
-        (duplicates, "at the place of another one"),
-        (outliers, "outliers"),
-        (in_shreds, "on shreds too small for a surface"),
-        (unused, "others that no triangle uses"),
-        (estimated_normals, "normals estimated"),
-        (turned_normals, "normals turned over"),
+        (duplicates, "at the place of another one", "at the place of another one"),
+        (outliers, "outlier", "outliers"),
+        (in_shreds, "on shreds too small for a surface", "on shreds too small for a surface"),
+        (unused, "other that no triangle uses", "others that no triangle uses"),
+        (estimated_normals, "normal estimated", "normals estimated"),
+        (turned_normals, "normal turned over", "normals turned over"),
     ];
-    let others = others.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}"));
-    [format!("{points} points")].into_iter().chain(others).collect()
+    [counted(points, "point", "points")].into_iter().chain(counts(&others)).collect()
 }
 
 /// How many points of a cloud are near to the output.
@@ -168,18 +169,18 @@ fn repairs_made(repairs: &Repairs) -> Vec<String> {
         split_vertices,
     } = repairs;
     let made = [
-        (welded_vertices, "vertices welded"),
-        (seam_vertices, "of them across seams"),
-        (unused_vertices, "unused vertices dropped"),
-        (degenerate_triangles, "degenerate triangles dropped"),
-        (faces_between_cells, "faces between cells dropped"),
-        (duplicate_triangles, "duplicate triangles dropped"),
-        (flipped_triangles, "triangles turned over"),
-        (cut_edges, "edges of more than two faces taken apart"),
-        (unorientable_edges, "edges cut where no orientation is possible"),
-        (split_vertices, "vertices split"),
+        (welded_vertices, "vertex welded", "vertices welded"),
+        (seam_vertices, "of them across seams", "of them across seams"),
+        (unused_vertices, "unused vertex dropped", "unused vertices dropped"),
+        (degenerate_triangles, "degenerate triangle dropped", "degenerate triangles dropped"),
+        (faces_between_cells, "face between cells dropped", "faces between cells dropped"),
+        (duplicate_triangles, "duplicate triangle dropped", "duplicate triangles dropped"),
+        (flipped_triangles, "triangle turned over", "triangles turned over"),
+        (cut_edges, "edge of more than two faces taken apart", "edges of more than two faces taken apart"),
+        (unorientable_edges, "edge cut where no orientation is possible", "edges cut where no orientation is possible"),
+        (split_vertices, "vertex split", "vertices split"),
     ];
-    made.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")).collect()
+    counts(&made)
 }
 
 /// Faces that cross and that are named; the others are in the JSON report.

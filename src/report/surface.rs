@@ -1,7 +1,9 @@
 //! What a reconstruction did: as JSON of a fixed schema, and as a few lines for a terminal.
 
+use crate::base::count::{counted, counts};
 use crate::mesh::topology::Topology;
 use crate::pipeline::{CloudSummary, Reconstructed};
+use crate::report::noise;
 use crate::report::run::{RunSummary, to_json};
 use serde::{Deserialize, Serialize};
 
@@ -35,8 +37,10 @@ pub struct SurfaceReport {
 }
 
 impl SurfaceReport {
-    /// The report on what was made of the points in the file `input` and went to the file `output`.
-    pub fn new(made: &Reconstructed, notes: Vec<String>, input: String, output: String) -> SurfaceReport {
+    /// The report on what was made of the points in the file `input`, of which there were `notes`, and went to the file
+    /// `output`.
+    pub fn new(made: &Reconstructed, mut notes: Vec<String>, input: String, output: String) -> SurfaceReport {
+        notes.extend(noise(&made.cloud));
         SurfaceReport {
             schema: SURFACE_SCHEMA.into(),
             version: env!("CARGO_PKG_VERSION").into(),
@@ -59,19 +63,25 @@ impl SurfaceReport {
     /// The report as a few lines for people.
     pub fn to_text(&self) -> String {
         let (s, cloud) = (&self.surface, &self.cloud);
-        let mut out = format!("{} -> {}\n{} points", self.input, self.output, cloud.points);
-        let counts = [
-            (cloud.duplicates, "duplicates"),
-            (cloud.outliers, "outliers"),
-            (cloud.estimated_normals, "normals estimated"),
-            (cloud.turned_normals, "normals turned over"),
+        let points = counts(&[
+            (cloud.points, "point", "points"),
+            (cloud.duplicates, "duplicate", "duplicates"),
+            (cloud.outliers, "outlier", "outliers"),
+            (cloud.estimated_normals, "normal estimated", "normals estimated"),
+            (cloud.turned_normals, "normal turned over", "normals turned over"),
+        ]);
+        let surface = [
+            counted(s.vertices, "vertex", "vertices"),
+            counted(s.faces, "face", "faces"),
+            format!("Euler characteristic {}", s.euler),
+            counted(s.components, "component", "components"),
+            counted(s.boundary_loops, "boundary loop", "boundary loops"),
         ];
-        counts.iter().filter(|c| c.0 > 0).for_each(|(n, what)| out.push_str(&format!(", {n} {what}")));
-        out.push_str(&format!(
-            "\n{} vertices, {} faces, Euler characteristic {}, {} components, {} boundary loops\n\
-             cells of {:.6}, points {:.6} apart that reach {} as far\n",
-            s.vertices, s.faces, s.euler, s.components, s.boundary_loops, self.resolution, self.spacing, self.reach
-        ));
-        out + &self.run.note_lines()
+        let (points, surface) = (points.join(", "), surface.join(", "));
+        let lengths = format!(
+            "cells of {:.6}, points {:.6} apart that reach {} as far",
+            self.resolution, self.spacing, self.reach
+        );
+        format!("{} -> {}\n{points}\n{surface}\n{lengths}\n{}", self.input, self.output, self.run.note_lines())
     }
 }

@@ -119,7 +119,7 @@ mod tests {
         has(&text, "θ max                            90.00°         90.00°");
         has(&text, "valence 4 or less              100.00 %       100.00 %");
         has(&text, "sampling                 4 vertices wanted, σp 0.1235, spacing 0.5000, seed 7");
-        has(&text, "repairs                  2 vertices welded, 1 triangles turned over");
+        has(&text, "repairs                  2 vertices welded, 1 triangle turned over");
         has(&text, "attributes               color, normal");
         has(&text, "attributes, lost         h: PLY has lost it");
         has(&text, "note                     One face is missing.");

@@ -242,7 +242,7 @@ impl<'a, C: Choices> Blocks<'a, C> {
         if block.candidates.is_empty() {
             return Vec::new();
         }
-        let mut near = Neighbourhood::<D>::new(self.places[b] * BLOCK - HALO, self.kernel, self.cell);
+        let mut near = Neighborhood::<D>::new(self.places[b] * BLOCK - HALO, self.kernel, self.cell);
         for other in self.around(b) {
             self.list[other].kept.iter().for_each(|s| near.insert(s, self.choices.patch_of(s)));
         }
@@ -269,7 +269,7 @@ impl<'a, C: Choices> Blocks<'a, C> {
 }
 
 /// The samples in and around a block, in cells.
-struct Neighbourhood<'a, const D: usize> {
+struct Neighborhood<'a, const D: usize> {
     /// The cell at the lowest corner.
     origin: IVec3,
     kernel: Kernel<'a>,
@@ -287,10 +287,10 @@ struct Member<const D: usize> {
     next: u32,
 }
 
-impl<'a, const D: usize> Neighbourhood<'a, D> {
+impl<'a, const D: usize> Neighborhood<'a, D> {
     fn new(origin: IVec3, kernel: Kernel<'a>, cell: f64) -> Self {
         let heads = vec![END; (SPAN * SPAN * SPAN) as usize];
-        Neighbourhood { origin, kernel, cell, heads, members: Vec::new(), measure: Measure::new(), found: Vec::new() }
+        Neighborhood { origin, kernel, cell, heads, members: Vec::new(), measure: Measure::new(), found: Vec::new() }
     }
 
     fn cell_of(&self, p: DVec3) -> IVec3 {

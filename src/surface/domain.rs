@@ -138,11 +138,6 @@ impl Domain {
         self.provenance.triangle(t)
     }
 
-    /// The vertex of what it came from that vertex `v` is; `None` for one that was inserted.
-    pub fn source_vertex(&self, v: u32) -> Option<u32> {
-        self.provenance.vertex(self.original[v as usize])
-    }
-
     /// The point of what it came from, whose triangles are `source`, that is closest to that of `off`, which lies at most
     /// `reach` off the surface.
     pub fn origin(&self, off: &Sample, reach: f64, source: &[[u32; 3]]) -> PointOnTriangle {

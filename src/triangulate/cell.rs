@@ -12,7 +12,7 @@
 //! Limits: floating point decides which of four neighbours on one circle are adjacent, and each of them may see it in
 //! another way.
 
-use crate::triangulate::unfold::Neighbour;
+use crate::triangulate::unfold::PlacedNeighbor;
 use glam::DVec2;
 
 /// A side of the square that the cell begins as.
@@ -38,7 +38,7 @@ pub struct Cell {
 impl Cell {
     /// Cuts the cell out of the square of half width `extent`. `found` is ordered by distance. The distance of the
     /// farthest corner, infinite if neighbours do not bound the cell.
-    pub fn cut(&mut self, found: &[Neighbour], extent: f64) -> f64 {
+    pub fn cut(&mut self, found: &[PlacedNeighbor], extent: f64) -> f64 {
         let square = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
         self.corners.clear();
         self.corners.extend(square.map(|(x, y)| Corner { place: extent * DVec2::new(x, y), across: WALL }));
@@ -102,9 +102,9 @@ mod tests {
     use crate::base::rng::{Stage, stream, unit};
     use spade::{DelaunayTriangulation, Point2, Triangulation};
 
-    fn neighbours(places: &[DVec2]) -> Vec<Neighbour> {
-        let mut found: Vec<Neighbour> =
-            places.iter().zip(0u32..).map(|(&place, sample)| Neighbour { sample, place }).collect();
+    fn neighbours(places: &[DVec2]) -> Vec<PlacedNeighbor> {
+        let mut found: Vec<PlacedNeighbor> =
+            places.iter().zip(0u32..).map(|(&place, sample)| PlacedNeighbor { sample, place }).collect();
         found.sort_by(|a, b| a.place.length_squared().total_cmp(&b.place.length_squared()));
         found
     }

@@ -53,7 +53,7 @@ pub fn mutual_tessellation(domain: &Domain, part: &[u32], insertions: &[Insertio
     for least_facing in ROUNDS {
         for v in inserted..mesh.connectivity.vertex_bound() {
             if mesh.connectivity.has_vertex(v) && !border.contains(v) {
-                merge_away(&mut mesh, v, least_facing);
+                merge_away(&mut mesh, v, |facing| facing >= least_facing);
             }
         }
     }
@@ -69,15 +69,15 @@ pub fn mutual_tessellation(domain: &Domain, part: &[u32], insertions: &[Insertio
     Tessellation { mesh: left, border: border.renumbered(&old), insertion }
 }
 
-/// Merges `v` into the neighbour that leaves the best triangles, if there is one that leaves none with a smaller cosine to
-/// the surface than `least_facing`.
-pub(super) fn merge_away(mesh: &mut Manifold, v: u32, least_facing: f64) {
+/// Merges `v` into the neighbour that leaves the best triangles, if there is one that leaves none whose cosine to the surface
+/// does not pass.
+pub(super) fn merge_away(mesh: &mut Manifold, v: u32, passes: impl Fn(f64) -> bool) {
     let c = &mesh.connectivity;
     let mut best = None;
     let mut best_shape = f64::NEG_INFINITY;
     for h in c.outgoing(v) {
         let (facing, shape) = mesh.after_collapse(h);
-        if facing >= least_facing && shape > best_shape && c.can_collapse(h) {
+        if passes(facing) && shape > best_shape && c.can_collapse(h) {
             (best, best_shape) = (Some(h), shape);
         }
     }

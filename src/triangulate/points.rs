@@ -12,9 +12,9 @@ use crate::base::rng::{Stage, units_at};
 use crate::geom::aabb::Aabb;
 use crate::spatial::kdtree::Neighbor;
 use crate::triangulate::boundary_loops::{Filled, HoleCriteria, fill_boundary_loops};
-use crate::triangulate::neighbourhood::Neighbourhood;
+use crate::triangulate::neighborhood::Neighborhood;
 use crate::triangulate::surroundings::Surroundings;
-use crate::triangulate::unfold::Neighbour;
+use crate::triangulate::unfold::PlacedNeighbor;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -80,12 +80,12 @@ fn jittered(points: Surroundings<'_>) -> Vec<DVec3> {
 /// Makes stars; keeps its memory from one to the next.
 struct StarMaker<'a> {
     points: Surroundings<'a>,
-    around: Neighbourhood,
+    around: Neighborhood,
 }
 
 impl<'a> StarMaker<'a> {
     fn new(points: Surroundings<'a>) -> Self {
-        StarMaker { points, around: Neighbourhood::default() }
+        StarMaker { points, around: Neighborhood::default() }
     }
 
     /// The triangles of the star of `centre`, which comes first in each.
@@ -97,7 +97,8 @@ impl<'a> StarMaker<'a> {
             nearest.iter().map(|&n| points.spacings[n as usize]).fold(points.spacings[centre as usize], f64::max);
         let largest = LARGEST_CIRCUMRADIUS * spacing;
         let mut radius = nearest.last().map_or(0.0, |&n| here.distance(points.positions[n as usize]));
-        let placed = nearest.iter().filter_map(|&n| Some(Neighbour { sample: n, place: points.place(centre, n)? }));
+        let placed =
+            nearest.iter().filter_map(|&n| Some(PlacedNeighbor { sample: n, place: points.place(centre, n)? }));
         self.around.found.clear();
         self.around.found.extend(placed);
         loop {

@@ -8,15 +8,13 @@
 //! Cost: linear in the triangles if there is such a place, else in the rims.
 
 use crate::manifold::Manifold;
+use crate::manifold::facing::FacingGuard;
 use crate::mesh::topology::NONE;
 use crate::triangulate::mutual_tessellation::merge_away;
 use crate::triangulate::triangulation::{Boundary, Triangulated};
 
 /// Vertices that may have stayed between two samples.
 const MOST_BETWEEN: usize = 8;
-
-/// Least cosine between the surface and the triangles that such a vertex leaves.
-const LEAST_FACING: f64 = 0.3;
 
 /// Joins samples next to each other on `boundary` by an edge where vertices of the domain are between them on the rim of
 /// `patches`.
@@ -38,7 +36,7 @@ pub fn straighten_rims(patches: &mut Triangulated, boundary: Boundary<'_>) {
     *mesh = Manifold::new(std::mem::take(&mut mesh.samples), &triangles);
     for v in bays.into_iter().flat_map(|bay| bay.between) {
         if mesh.connectivity.has_vertex(v) {
-            merge_away(mesh, v, LEAST_FACING);
+            merge_away(mesh, v, |facing| FacingGuard::SOUND.passes(facing));
         }
     }
     let (compact, old) = mesh.without_gaps();

@@ -14,8 +14,8 @@ use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 use crate::spatial::kdtree::Neighbor;
 use crate::surface::domain::{Domain, Sample};
-use crate::triangulate::neighbourhood::Neighbourhood;
-use crate::triangulate::neighbours_of_patch::NeighboursOfPatch;
+use crate::triangulate::neighborhood::Neighborhood;
+use crate::triangulate::neighbors_of_patch::NeighborsOfPatch;
 use crate::triangulate::unfold::{SamplesByTriangle, Unfolding, along_gentle_bend};
 use glam::DVec2;
 use rayon::prelude::*;
@@ -60,7 +60,7 @@ struct Cloud<'a> {
     successor: &'a [u32],
     spacing: f64,
     by_triangle: &'a SamplesByTriangle,
-    near: &'a NeighboursOfPatch<'a>,
+    near: &'a NeighborsOfPatch<'a>,
 }
 
 /// The stars of all samples, as triangles that begin with the centre of the star. `successor` has for each sample the next
@@ -77,7 +77,7 @@ pub fn stars(
 ) -> Result<Vec<[u32; 3]>> {
     check(monitor)?;
     let by_triangle = SamplesByTriangle::new(domain.mesh.triangles.len(), samples);
-    let near = NeighboursOfPatch::new(domain, samples);
+    let near = NeighborsOfPatch::new(domain, samples);
     let cloud = Cloud { domain, samples, successor, spacing, by_triangle: &by_triangle, near: &near };
     let chunks: Vec<Vec<[u32; 3]>> = (0..samples.len().div_ceil(CHUNK))
         .into_par_iter()
@@ -99,13 +99,13 @@ pub fn stars(
 struct StarMaker<'a> {
     cloud: Cloud<'a>,
     unfolding: Unfolding<'a>,
-    around: Neighbourhood,
+    around: Neighborhood,
 }
 
 impl<'a> StarMaker<'a> {
     fn new(cloud: Cloud<'a>) -> Self {
         let unfolding = Unfolding::new(cloud.domain, cloud.samples, cloud.by_triangle);
-        StarMaker { cloud, unfolding, around: Neighbourhood::default() }
+        StarMaker { cloud, unfolding, around: Neighborhood::default() }
     }
 
     /// Adds the triangles of the star of sample `centre` to `triangles`, counter-clockwise, the centre first.

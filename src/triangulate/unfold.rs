@@ -41,7 +41,7 @@ impl SamplesByTriangle {
 
 /// A sample near another one.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Neighbour {
+pub struct PlacedNeighbor {
     /// Its number.
     pub sample: u32,
     /// Its place in the plane; the sample that was asked about is at the origin, the surface seen from outside.
@@ -71,7 +71,7 @@ impl<'a> Unfolding<'a> {
     }
 
     /// Collects into `found` the samples within `radius` of sample `centre` along the surface, itself not included.
-    pub fn neighbours(&mut self, centre: u32, radius: f64, found: &mut Vec<Neighbour>) {
+    pub fn neighbours(&mut self, centre: u32, radius: f64, found: &mut Vec<PlacedNeighbor>) {
         found.clear();
         self.front.clear();
         self.walk += 1;
@@ -113,7 +113,7 @@ impl<'a> Unfolding<'a> {
         from: [Option<()>; 3],
         centre: u32,
         radius: f64,
-        found: &mut Vec<Neighbour>,
+        found: &mut Vec<PlacedNeighbor>,
     ) {
         self.walked[t as usize] = self.walk;
         let here = &self.samples[centre as usize];
@@ -126,7 +126,7 @@ impl<'a> Unfolding<'a> {
             if place.length_squared() <= radius * radius {
                 let there = &self.samples[s as usize];
                 let place = along_gentle_bend(here, there).unwrap_or(place);
-                found.push(Neighbour { sample: s, place });
+                found.push(PlacedNeighbor { sample: s, place });
             }
         }
         for k in (0..3).filter(|&k| from[k].is_none()) {

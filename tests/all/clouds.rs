@@ -2,12 +2,16 @@
 
 use crate::common::cuboid;
 use glam::{DVec3, dvec3};
+use spectral_remesh::report::surface::SurfaceReport;
 use spectral_remesh::stages::base::rng::{Random, Stage, stream, unit};
 use spectral_remesh::stages::mesh::refine::refine;
 use spectral_remesh::stages::mesh::topology::{Topology, topology};
 use spectral_remesh::stages::pipeline::{CloudSummary, MeshOfPoints};
 use spectral_remesh::stages::pipeline::{Remeshed, mesh_of_points, remesh};
-use spectral_remesh::{CloudOptions, Density, Input, MaxError, Mesh, Options, Points, RemeshOptions};
+use spectral_remesh::{
+    CloudOptions, Density, Input, MaxError, Mesh, Options, Points, ReconstructOptions, RemeshOptions, SampleDensity,
+    SampleOptions,
+};
 use std::f64::consts::TAU;
 
 fn random() -> Random {
@@ -335,9 +339,31 @@ fn some_noise_is_smoothed_away_by_itself_and_told() {
     let made = spectral_remesh::remesh(&Input::points(&positions), &Options::points(1_000).into(), &()).unwrap();
     assert!(made.verified(), "{:?}", made.shortcomings);
     assert_eq!(audit(&made.mesh), (2, 1, 0));
-    assert!(made.warnings.iter().any(|note| note.contains("--smooth 2.7")), "{:?}", made.warnings);
+    assert!(made.warnings.iter().any(|note| note.contains("a support radius of 2.7 spacings")), "{:?}", made.warnings);
     // Without noise points stay where they are.
     assert_eq!(connect(&cloud(sphere(6_000))).summary.smoothed_by_itself, 0.0);
+}
+
+#[test]
+fn noise_is_told_whatever_is_made_of_the_points_and_left_to_those_who_want_it() {
+    let mut rng = random();
+    let mut noise = || 1.0 + 0.03 * (2.0 * unit(&mut rng) - 1.0);
+    let positions: Vec<[f64; 3]> = sphere(3_000).into_iter().map(|p| (noise() * p).to_array()).collect();
+    let is_told = |notes: &[String]| notes.iter().any(|note| note.contains("a support radius of 2.7 spacings"));
+    for (smooth, is_smoothed) in [(None, true), (Some(0.0), false)] {
+        let cloud = CloudOptions { smooth, ..CloudOptions::default() };
+        let options =
+            SampleOptions { density: SampleDensity::Points(200), cloud: cloud.clone(), ..SampleOptions::default() };
+        let sampled = spectral_remesh::sample(&Input::points(&positions), &options, &()).unwrap();
+        assert_eq!(is_told(&sampled.notes), is_smoothed, "{:?}", sampled.notes);
+        let options = ReconstructOptions { cloud: cloud.clone(), ..ReconstructOptions::default() };
+        let dense = spectral_remesh::reconstruct(&Input::points(&positions), &options, &()).unwrap();
+        let report = SurfaceReport::new(&dense, Vec::new(), String::new(), String::new());
+        assert_eq!((is_told(&report.run.notes), dense.reach), (is_smoothed, if is_smoothed { 2.7 } else { 2.3 }));
+        let mesh = connected(&Points::without_normals(positions.iter().map(|&p| p.into()).collect()), &cloud).mesh;
+        let stays = mesh.positions.iter().all(|p| positions.contains(&p.to_array()));
+        assert_eq!(stays, !is_smoothed);
+    }
 }
 
 /// A sphere, and a sheet of 25 points beside it.
@@ -362,7 +388,12 @@ fn an_error_that_was_asked_for_is_to_all_points() {
         let made = spectral_remesh::remesh(&Input::points(positions), &options.into(), &()).unwrap();
         let reached = made.report.as_ref().unwrap().deviation.unwrap().reached;
         assert_eq!(made.verified(), reached <= 0.1, "{:?}", made.shortcomings);
-        assert_eq!(made.notes.iter().any(|note| note.contains("and not within")), reached > 0.1, "{:?}", made.notes);
+        assert_eq!(
+            made.notes.iter().any(|note| note.contains("the largest distance to the input")),
+            reached > 0.1,
+            "{:?}",
+            made.notes
+        );
         reached
     };
     assert!(error_of(&positions[..3_000]) < 0.1);

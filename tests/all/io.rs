@@ -3,10 +3,10 @@
 use crate::files::{cloud_files, octahedron, read_as_anything, scan, valid_files, written};
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
-use spectral_remesh::Mesh;
-use spectral_remesh::io::{self, Format, NO_BUFFERS};
+use spectral_remesh::io::{self, Format, Loaded, NO_BUFFERS};
 use spectral_remesh::stages::mesh::attributes::{Attribute, Attributes, Scalar};
 use spectral_remesh::stages::mesh::materials::{Material, Materials};
+use spectral_remesh::{Mesh, Points};
 
 #[test]
 fn every_format_comes_back() {
@@ -52,10 +52,15 @@ fn points_come_back_from_every_format_that_has_them() {
         let label = loaded.attributes.vertex.iter().find(|a| a.components == 1);
         assert_eq!(label.map(|a| a.values.clone()), holds("_LABEL").then(|| attributes.vertex[1].values.clone()));
         assert!(label.is_none_or(|a| a.name == "_LABEL"), "{format}");
-        let back = loaded.into_points().unwrap();
+        let back = points_of(loaded);
         assert_eq!(back.positions(), points.positions(), "{format}");
         assert!((0..6).all(|v| back.normals()[v].distance(points.normals()[v]) < 1e-6), "{format}");
     }
+}
+
+/// The vertices as points, with their normals if the file has them.
+fn points_of(loaded: Loaded) -> Points {
+    Points::new(loaded.mesh.positions, loaded.attributes.normals()).unwrap()
 }
 
 #[test]
@@ -70,7 +75,7 @@ fn clouds_are_read_from_all_that_holds_them() {
     ] {
         let loaded = io::parse(text.as_bytes(), format, NO_BUFFERS).unwrap();
         assert_eq!(loaded.mesh.triangles.len(), 0);
-        let points = loaded.into_points().unwrap();
+        let points = points_of(loaded);
         assert_eq!(points.positions(), [DVec3::ZERO, DVec3::X, DVec3::Y], "{format}");
         assert_eq!(points.normals(), &normals[..if with_normals { 3 } else { 0 }], "{format}");
     }

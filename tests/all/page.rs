@@ -112,7 +112,7 @@ fn of_a_cloud_the_mesh_through_its_points_is_shown() {
 fn what_is_not_verified_says_so_and_leads_to_the_place() {
     let folder = folder();
     let page = page_of(folder.path(), "ball.off out.off --points 200 --max-error 0.001%", 3);
-    assert!(page.contains(">Not verified<") && page.contains("from the input and not"));
+    assert!(page.contains(">Not verified<") && page.contains("the distance to the input is up to"));
     assert!(page.contains("Look at <a href=\"#view\" data-place=\"0\">"));
     let [x, y, z] = [0, 1, 2].map(|k| embedded(&page, "scene")["places"][0]["point"][k].as_f64().unwrap());
     // In units of half the diagonal of the box around a unit sphere.

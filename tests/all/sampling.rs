@@ -288,7 +288,7 @@ fn poor_clouds() {
     assert_eq!(subset(&cloud(line), 300).points.positions().len(), 300);
     let heap = subset(&cloud(vec![DVec3::ONE; 50]), 10);
     assert_eq!(heap.points.positions().len(), 1);
-    assert!(heap.notes[0].contains("1 samples instead of 10"), "{:?}", heap.notes);
+    assert!(heap.notes[0].contains("1 sample instead of 10"), "{:?}", heap.notes);
     assert_eq!(subset(&cloud(vec![DVec3::ONE]), 3).points.positions().len(), 1);
     let apart: Vec<DVec3> = unit_points::<3>(400, 5).into_iter().map(DVec3::from).collect();
     let both = apart.iter().copied().chain(apart.iter().map(|p| *p + 1e6)).collect();
@@ -324,7 +324,7 @@ fn what_cannot_be_sampled_is_refused() {
         let signals = vec![Signal { values: Values::Given(values), sigma }];
         SampleOptions { signals, ..subset.clone() }
     };
-    refused(&some, &signal(vec![1.0; 49], 1.0), "49 values for the 50 vertices");
+    refused(&some, &signal(vec![1.0; 49], 1.0), "49 values are given for the 50 vertices");
     refused(&some, &signal(vec![1.0; 50], -1.0), "signals: -1 is not a width");
     refused(&some, &signal(vec![f64::NAN; 50], 1.0), "vertex 0 has the value NaN");
     refused(&cloud(vec![]), &subset, "no points");

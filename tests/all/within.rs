@@ -137,8 +137,8 @@ fn a_part_that_is_nothing_is_one_line() {
     let nothing = message(Selection::Box([2.0; 3], [3.0; 3]));
     assert!(nothing.contains("inside 2,2,2,3,3,3") && nothing.contains("within -1,-1,-1,1,1,1"), "{nothing}");
     assert!(message(places(&input, |p| p.z == 1.0)).contains("1 of 66 vertices are"));
-    assert!(message(Selection::Box([0.0, 3.0, 0.0], [1.0; 3])).contains("no y is from 3 to 1"));
-    assert!(message(Selection::Vertices(vec![true; 5])).contains("5 marks for the 66 vertices"));
+    assert!(message(Selection::Box([0.0, 3.0, 0.0], [1.0; 3])).contains("it goes from 3 to 1 along y"));
+    assert!(message(Selection::Vertices(vec![true; 5])).contains("5 marks are given for the 66 vertices"));
     let smoothed = Options { smooth: Some(2.0), ..part(above(0.0), 100) };
     assert!(remesh(&input, &smoothed, &()).unwrap_err().to_string().starts_with("support radius of smoothing: "));
 }

@@ -2,9 +2,7 @@
 
 use crate::dropped::{Dropped, stem};
 use crate::page::Page;
-use crate::words::on_page;
 use spectral_remesh::io::{Companions, Format, Loaded, companions, read_named, write_with_attributes};
-use spectral_remesh::report::Report;
 use spectral_remesh::report::page::{Content, Subject, content, page};
 use spectral_remesh::{Attributes, Error, Fault, Input, Mesh, Monitor, Outcome, RemeshOptions, quality, remesh};
 
@@ -51,7 +49,6 @@ impl Session {
         let mut report = quality(&Input::from(loaded), None).map_err(|e| e.in_file(name))?;
         report.add_files("", name);
         report.run.notes.splice(0..0, loaded.notes.clone());
-        in_words(&mut report);
         Ok(content(None, &[Subject { report: &report, mesh: &loaded.mesh, edges: None }]))
     }
 
@@ -63,7 +60,6 @@ impl Session {
         if let Some(report) = &mut outcome.report {
             report.run.notes.splice(0..0, loaded.notes.clone());
             report.add_files(name, &output);
-            in_words(report);
         }
         self.outcome = Some(outcome);
         Ok(())
@@ -138,11 +134,6 @@ fn with_companions(attributes: &Attributes, format: Format, stem: &str) -> (Attr
         }
         _ => (attributes.clone(), Vec::new()),
     }
-}
-
-/// Says the notes of a report in the words of the page.
-fn in_words(report: &mut Report) {
-    report.run.notes.iter_mut().for_each(|note| *note = on_page(note));
 }
 
 fn missing(cause: &str) -> Error {

@@ -23,19 +23,8 @@ pub fn worded(error: &Error) -> String {
     match error {
         Error::Option { option, cause, remedy } => {
             let name = label(*option).map_or_else(|| option.to_string(), String::from);
-            on_page(&format!("{name}: {cause}; {remedy}"))
+            format!("{name}: {cause}; {remedy}")
         }
-        other => on_page(&other.to_string()),
+        other => other.to_string(),
     }
-}
-
-/// A text in which options are named as on the page and not as on the command line.
-pub fn on_page(text: &str) -> String {
-    let mut settings = Setting::ALL;
-    // Longer names first: some begin with others.
-    settings.sort_by_key(|setting| std::cmp::Reverse(setting.name().len()));
-    settings.iter().fold(text.to_owned(), |text, &setting| match label(setting) {
-        Some(label) => text.replace(&format!("--{}", setting.name()), &format!("“{label}”")),
-        None => text,
-    })
 }

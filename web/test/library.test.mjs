@@ -97,11 +97,11 @@ test("what cannot be done is said in the words of the page", async () => {
   const refused = (content, name = "a.obj") => () => load(library, [[name, text(content)]]);
   assert.throws(refused("v 0 0 nan"), /^Error: a\.obj:1: the coordinate 'nan' is not finite; /);
   assert.throws(refused("<COLLADA>", "a.dae"), /it is a COLLADA file, which is not read; convert it/);
-  assert.throws(refused("OFF\n1 0 0\n0 0 0\n"), /rename the file or use “File format” off/);
+  assert.throws(refused("OFF\n1 0 0\n0 0 0\n"), /rename the file or give off as its format/);
   loadModel(library, "bracket.stl");
   const remeshed = (options) => () => library.ask({ remesh: { form: { ...library.form, ...options } } });
   assert.throws(remeshed({ points: "1.5" }), /^Error: Vertices: it must be a whole number/);
-  assert.throws(remeshed({ edge_length: 1 }), /^Error: Edge length: it excludes the number of points/);
+  assert.throws(remeshed({ edge_length: 1 }), /^Error: Edge length: it cannot be given together with the number of points/);
   assert.throws(remeshed({ adapt: 2 }), /^Error: Grading: /);
   assert.throws(() => library.ask({ save: { format: "obj" } }), /no result yet/);
 });

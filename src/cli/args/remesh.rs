@@ -1,12 +1,12 @@
 //! The arguments of the main command.
 
-use crate::cli::args::shared::{FormatArgs, MeshFile, NormalArgs, Run, RunArgs};
+use crate::cli::args::shared::{FormatArgs, MeshFile, NormalArgs, Run, RunArgs, smoothing_help};
 use crate::cli::args::stop::{Stop, refused};
 use crate::cli::args::words::{PropertyWidth, Sizing, no_density, positive_or_zero, property_width, within};
 use crate::job::RemeshOptions;
 use crate::job::settings::RemeshSettings;
 use crate::job::words::{features, mark, max_error, points, positive};
-use crate::pipeline::{Density, MaxError, SMOOTHING_SUPPORT, Selection, Signal};
+use crate::pipeline::{CloudOptions, Density, MaxError, Options, SMOOTHING_SUPPORT, Selection, Signal};
 use crate::surface::features::Features;
 use std::path::PathBuf;
 
@@ -34,15 +34,15 @@ pub(super) struct RemeshArgs {
     #[arg(long, value_name = "S", group = "density", allow_negative_numbers = true, value_parser = positive)]
     sigma_p: Option<f64>,
     /// Seed of the random numbers: same seed, same input, same output
-    #[arg(long, value_name = "SEED", default_value_t = 0)]
+    #[arg(long, value_name = "SEED", default_value_t = Options::default().seed)]
     seed: u64,
     /// Weld boundary vertices within this distance, in the units of the input, to close cracks; 0 welds only those at
     /// exactly one place [default: seams that rounding opened are closed]
     #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true, value_parser = positive_or_zero)]
     weld: Option<f64>,
-    /// Sharp edges to keep: those across which the input turns by so many degrees, or none [default: decided from the
-    /// input]
-    #[arg(long, value_name = "DEGREES|none", allow_negative_numbers = true, value_parser = features)]
+    /// Edges with at least this dihedral angle, in degrees, are kept sharp; none keeps none, auto lets the input decide
+    /// [default: auto]
+    #[arg(long, value_name = "DEGREES|none|auto", allow_negative_numbers = true, value_parser = features)]
     features: Option<Features>,
     /// How much edge lengths follow the shape: from 0, even, to 1, short where it bends or is thin
     #[arg(long, value_name = "A", group = "grading", allow_negative_numbers = true)]
@@ -58,16 +58,15 @@ pub(super) struct RemeshArgs {
     /// _SIZE in glTF, or a .json file with a list; also says how dense, if nothing else does
     #[arg(long, value_name = "PROPERTY|F.json", group = "grading")]
     sizing: Option<String>,
-    /// Smooth noise away first, of clouds and of meshes: points reach as far as W mean distances of neighbouring ones
-    #[arg(long, value_name = "W", num_args = 0..=1, allow_negative_numbers = true)]
+    #[arg(long, value_name = "W", num_args = 0..=1, allow_negative_numbers = true, help = smoothing_help())]
     smooth: Option<Option<f64>>,
     /// Close holes of a cloud that fit in a box with this diagonal, in the units of the input
-    #[arg(long, value_name = "SIZE", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SIZE", default_value_t = CloudOptions::default().fill_holes, allow_negative_numbers = true)]
     fill_holes: f64,
     #[command(flatten)]
     normals: NormalArgs,
     /// Remesh only what is inside this box, in the units of the input; the rest stays as it is to the last bit. --points
-    /// then counts the vertices strictly inside of the part, and not those on its seam with the rest
+    /// then counts the vertices strictly inside of the part, and not those on its interface with the rest
     #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", allow_hyphen_values = true, value_parser = within)]
     within: Option<Selection>,
     /// Remesh only the triangles at whose corners this property of the input's vertices is not zero, or has a value;
@@ -82,7 +81,7 @@ pub(super) struct RemeshArgs {
     #[arg(long)]
     no_attributes: bool,
     /// 1 optimises the triangles after sampling, 0 leaves the samples where the paper's gradient ascent does
-    #[arg(long, value_name = "0|1", default_value_t = 1, value_parser = clap::value_parser!(u8).range(0..=1))]
+    #[arg(long, value_name = "0|1", default_value_t = u8::from(Options::default().optimize), value_parser = clap::value_parser!(u8).range(0..=1))]
     optimize: u8,
     #[command(flatten)]
     formats: FormatArgs,

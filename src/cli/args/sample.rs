@@ -1,6 +1,6 @@
 //! The arguments of `remesh sample`.
 
-use crate::cli::args::shared::{MeshFile, NormalArgs, Run, RunArgs};
+use crate::cli::args::shared::{MeshFile, NormalArgs, Run, RunArgs, reach_help};
 use crate::cli::args::stop::{Stop, refused};
 use crate::cli::args::words::{PropertyWidth, no_density, property_width, samples};
 use crate::io::Format;
@@ -36,14 +36,13 @@ pub(super) struct SampleArgs {
     #[arg(long, value_name = "S", group = "density", allow_negative_numbers = true, value_parser = positive)]
     sigma_p: Option<f64>,
     /// Kernel width σn along unit normals: with 0.5 to 1 samples gather where the surface bends; inf is even
-    #[arg(long, value_name = "S", default_value_t = f64::INFINITY, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value_t = SampleOptions::default().sigma_n, allow_negative_numbers = true)]
     sigma_n: f64,
     /// Kernel width along a property of the input's vertices (PLY, or glTF like _HEAT), in its units: samples gather
     /// where it changes; up to four times
     #[arg(long = "sigma", value_name = "NAME=VALUE", value_parser = property_width)]
     properties: Vec<PropertyWidth>,
-    /// How far the points of a cloud reach, in mean distances of neighbouring ones: the larger, the smoother [default: 2.3]
-    #[arg(long, value_name = "W", allow_negative_numbers = true, conflicts_with = "scan_only")]
+    #[arg(long, value_name = "W", allow_negative_numbers = true, conflicts_with = "scan_only", help = reach_help())]
     smooth: Option<f64>,
     #[command(flatten)]
     normals: NormalArgs,
@@ -51,10 +50,10 @@ pub(super) struct SampleArgs {
     #[arg(long)]
     scan_only: bool,
     /// Seed of the random numbers: same seed, same input, same output
-    #[arg(long, value_name = "SEED", default_value_t = 0)]
+    #[arg(long, value_name = "SEED", default_value_t = SampleOptions::default().seed)]
     seed: u64,
     /// Sweeps of gradient ascent
-    #[arg(long, value_name = "N", default_value_t = 10, conflicts_with = "scan_only")]
+    #[arg(long, value_name = "N", default_value_t = SampleOptions::default().sweeps, conflicts_with = "scan_only")]
     sweeps: usize,
     /// Format of the input [default: by its ending, else by its content]
     #[arg(long, value_name = "FORMAT")]

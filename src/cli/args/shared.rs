@@ -4,7 +4,8 @@ use crate::cli::args::stop::{Stop, wrong};
 use crate::io::Format;
 use crate::job::settings::NormalSettings;
 use crate::job::words::{normal_fit, positive};
-use crate::pipeline::NormalFit;
+use crate::pipeline::{FEW_NEIGHBORS, INTERPOLATING_SUPPORT, NormalFit, SMOOTHING_SUPPORT};
+use crate::prepare::cloud_normals::MANY_NEIGHBORS;
 use clap::ArgAction;
 use std::path::{Path, PathBuf};
 
@@ -80,15 +81,35 @@ pub enum Voice {
 /// How normals of a cloud are estimated.
 #[derive(Debug, clap::Args)]
 pub(super) struct NormalArgs {
-    /// What normals of a cloud without them are fitted to [default: plane, or sphere with --smooth]
+    /// What normals of a cloud without them are fitted to [default: plane, or sphere where noise is smoothed]
     #[arg(long, value_name = "plane|sphere", value_parser = normal_fit)]
     normal_fit: Option<NormalFit>,
-    /// How many neighbours they are fitted to [default: 8, or 16 with --smooth]
-    #[arg(long, value_name = "K", conflicts_with = "normal_radius")]
+    #[arg(long, value_name = "K", conflicts_with = "normal_radius", help = neighbors_help())]
     normal_neighbors: Option<usize>,
     /// How far away, in the units of the input, these neighbours may be instead
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = positive)]
     normal_radius: Option<f64>,
+}
+
+/// The help of options with defaults that the library has.
+fn neighbors_help() -> String {
+    format!(
+        "How many neighbours they are fitted to [default: {FEW_NEIGHBORS}, or {MANY_NEIGHBORS} where noise is smoothed]"
+    )
+}
+
+pub(super) fn smoothing_help() -> String {
+    format!(
+        "Smooth noise away first, of clouds and of meshes: points reach as far as W mean distances of neighbouring ones, \
+         {SMOOTHING_SUPPORT} without W; 0 smooths nothing [default: {SMOOTHING_SUPPORT} for clouds with noise, else 0]"
+    )
+}
+
+pub(super) fn reach_help() -> String {
+    format!(
+        "How far points of a cloud reach, in mean distances of neighbouring ones: the larger, the smoother; 0 takes \
+         {INTERPOLATING_SUPPORT}, as little as leaves no holes [default: {SMOOTHING_SUPPORT} where there is noise, else as 0]"
+    )
 }
 
 impl From<NormalArgs> for NormalSettings {

@@ -1,5 +1,6 @@
 //! The parts of a page that are text: the verdict, the four figures, the notes and the table.
 
+use crate::pipeline::topology_faults;
 use crate::quality::shape::Shape;
 use crate::report::page::histogram::class;
 use crate::report::page::html::escape;
@@ -65,14 +66,7 @@ const SOUND: &str = "An oriented manifold without self-intersections.";
 
 /// What is wrong with a mesh that was only measured.
 fn faults(report: &Report) -> Vec<String> {
-    let t = &report.output.topology;
-    let counts = [
-        (t.nonmanifold_edges, "edges with more than two faces"),
-        (t.nonmanifold_vertices, "vertices with more than one fan"),
-        (t.misoriented_edges, "edges between faces of opposite orientation"),
-        (report.crossings.faces.len(), "self-intersecting faces"),
-    ];
-    counts.iter().filter(|c| c.0 > 0).map(|(count, what)| format!("{count} {what}")).collect()
+    topology_faults(&report.output.topology, report.crossings.faces.len())
 }
 
 /// The four figures that tell most, large.

@@ -30,7 +30,7 @@ fn seams_that_rounding_opened_are_closed() {
         assert_eq!(made.output.components, components);
     }
     let made = check("crack", &halves(1e-3), 300);
-    let note = made.notes.iter().find(|note| note.contains("--weld 1.01e-3 closes it"));
+    let note = made.notes.iter().find(|note| note.contains("a weld distance of 1.01e-3 closes it"));
     assert!(note.is_some() && made.output.components == 2, "{:?}", made.notes);
     let closed = check_with("closed", &halves(1e-3), &Options { weld: Some(1.01e-3), ..points(300) });
     assert_eq!((closed.output.components, closed.notes.len()), (1, 1));

@@ -50,7 +50,7 @@ fn what_cannot_be_remeshed_is_refused_with_a_reason() {
         refused(&cube, &Options { grading: Grading::Curvature(adapt), ..points(100) }, "adaptivity");
     }
     let field = |lengths: &[f64]| Options { grading: Grading::Field(Values::Given(lengths.to_vec())), ..points(100) };
-    refused(&cube, &field(&[1.0; 7]), "field of edge lengths: 7 values for the 8 vertices");
+    refused(&cube, &field(&[1.0; 7]), "field of edge lengths: 7 values are given for the 8 vertices");
     for bad in [f64::NAN, f64::INFINITY, 0.0, -1.0] {
         refused(&cube, &field(&[1.0, 1.0, bad, 1.0, 1.0, 1.0, 1.0, 1.0]), "field of edge lengths: vertex 2");
     }

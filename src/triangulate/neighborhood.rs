@@ -2,19 +2,19 @@
 
 use crate::spatial::kdtree::Neighbor;
 use crate::triangulate::cell::Cell;
-use crate::triangulate::unfold::Neighbour;
+use crate::triangulate::unfold::PlacedNeighbor;
 use glam::DVec2;
 
 /// The neighbours of one point after the other; keeps its memory from one to the next.
 #[derive(Default)]
-pub(super) struct Neighbourhood {
+pub(super) struct Neighborhood {
     ball: Vec<Neighbor>,
     /// The neighbours found, in the tangent plane of the point.
-    pub found: Vec<Neighbour>,
+    pub found: Vec<PlacedNeighbor>,
     pub cell: Cell,
 }
 
-impl Neighbourhood {
+impl Neighborhood {
     /// Finds the points but `centre`, of those that `collect` finds, that `place` gives a place in the plane.
     pub fn find(
         &mut self,
@@ -24,7 +24,7 @@ impl Neighbourhood {
     ) {
         collect(&mut self.ball);
         let others = self.ball.iter().filter(|n| n.point != centre);
-        let placed = others.filter_map(|n| Some(Neighbour { sample: n.point, place: place(n)? }));
+        let placed = others.filter_map(|n| Some(PlacedNeighbor { sample: n.point, place: place(n)? }));
         self.found.clear();
         self.found.extend(placed);
     }

@@ -12,7 +12,7 @@ use glam::DVec3;
 const FEW: usize = 32;
 
 /// Samples by their patch.
-pub(super) struct NeighboursOfPatch<'a> {
+pub(super) struct NeighborsOfPatch<'a> {
     samples: &'a [Sample],
     /// The samples of each patch.
     of_patch: Csr<u32>,
@@ -20,7 +20,7 @@ pub(super) struct NeighboursOfPatch<'a> {
     trees: Vec<Option<Neighbors>>,
 }
 
-impl<'a> NeighboursOfPatch<'a> {
+impl<'a> NeighborsOfPatch<'a> {
     pub(super) fn new(domain: &Domain, samples: &'a [Sample]) -> Self {
         let patches = domain.patch.iter().max().map_or(0, |&last| last as usize + 1);
         let of_patch = Csr::new(patches, || samples.iter().map(|s| domain.patch_of(s.triangle)).zip(0u32..));
@@ -30,7 +30,7 @@ impl<'a> NeighboursOfPatch<'a> {
             (own.len() > FEW).then(|| Neighbors::new(&positions()))
         };
         let trees = (0..patches as u32).map(tree).collect();
-        NeighboursOfPatch { samples, of_patch, trees }
+        NeighborsOfPatch { samples, of_patch, trees }
     }
 
     /// Collects into `found` the samples of `patch` within `radius` of `p`, in no order that means anything.
