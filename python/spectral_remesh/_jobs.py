@@ -144,6 +144,7 @@ def sample(
     normal_radius: float | None = None,
     attributes: Mapping[str, ArrayLike] | bool = True,
     scan_only: bool = False,
+    levels: int | None = None,
     seed: int = 0,
     sweeps: int = 10,
     threads: int | None = None,
@@ -165,6 +166,8 @@ def sample(
         normal_radius: As for :func:`remesh`, in the units of the input.
         attributes: More arrays of shape (n,) or (n, components), by their names, for ``sigma``.
         scan_only: Take a subset of the input's vertices instead.
+        levels: Give the samples in progressive order, in which any first part of them is evenly spread, too: so many levels,
+            each with a quarter of the samples of the next one. ``report["levels"]`` says where each ends.
         seed: Seed of the random numbers.
         sweeps: Sweeps of gradient ascent.
         threads: As for :func:`remesh`.
@@ -189,6 +192,7 @@ def sample(
         "normal_neighbors": normal_neighbors,
         "normal_radius": normal_radius,
         "scan_only": scan_only,
+        "levels": levels,
         "seed": seed,
         "sweeps": sweeps,
     }

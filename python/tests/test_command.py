@@ -64,6 +64,7 @@ SAME = {
         ("data/blob.obj --edge-length 0.2 --sigma-n 0.75", {"edge_length": 0.2, "sigma_n": 0.75}),
         ("marked.ply --sigma-p 0.2 --sigma half=0.5", {"sigma_p": 0.2, "sigma": {"half": 0.5}}),
         ("data/blob.obj --points 500 --scan-only", {"points": 500, "scan_only": True}),
+        ("data/blob.obj --points 500 --levels 3", {"points": 500, "levels": 3}),
         ("bare.xyz --points 300 --smooth 3 --normal-fit plane", {"points": 300, "smooth": 3, "normal_fit": "plane"}),
         ("bare.xyz --points 300 --normal-neighbors 9", {"points": 300, "normal_neighbors": 9}),
         ("bare.xyz --points 300 --normal-radius 0.5", {"points": 300, "normal_radius": 0.5}),
