@@ -35,7 +35,7 @@ pub use cloud::{
     mesh_of_points,
 };
 pub use coverage::Coverage;
-pub use density::{Density, FEWEST_POINTS, MOST_POINTS, SampleDensity};
+pub use density::{Density, FEWEST_POINTS, MOST_POINTS, SampleDensity, check_levels};
 pub use edges::Edges;
 pub use kernel::Signal;
 pub use lost::LostComponents;
@@ -43,7 +43,7 @@ pub use options::{Grading, MaxError, Options};
 pub use prepared::{refuse_bad_numbers, refuse_bad_positions};
 pub use progressive::SampleLevel;
 pub use reconstruct::{ReconstructOptions, Reconstructed, points_of_mesh, reconstruct};
-pub use remesh::remesh;
+pub use remesh::{Remesher, remesh};
 pub use result::{Deviation, Remeshed};
 pub use sample::{SampleOptions, Sampled, sample, sample_points};
 pub use selection::Selection;

@@ -58,15 +58,40 @@ const OF_INTEREST: f64 = 0.25;
 /// [`Error::Option`]: crate::base::error::Error::Option
 /// [`Error::Cancelled`]: crate::base::error::Error::Cancelled
 pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<Remeshed> {
-    options.validate()?;
-    let (prepared, repaired) = PreparedInput::new(input, options, monitor)?;
-    match options.density {
-        Density::Auto => with_fewest_points(&prepared, &repaired, monitor),
-        density => {
-            // Mostly one run does: another one repairs the input again, so that no copy takes memory beside the first.
-            let mut first = Some(repaired);
-            let repaired = || first.take().unwrap_or_else(|| prepared.repaired_again());
-            remesh_to(&prepared, repaired, density, monitor)
+    Remesher::new(input, options, monitor)?.remesh(options.density, true, monitor)
+}
+
+/// An input that is repaired once, to be remeshed for one density after the other.
+pub struct Remesher<'a> {
+    prepared: PreparedInput<'a>,
+    /// None any more after the last density.
+    repaired: Option<OrientedManifold>,
+}
+
+impl<'a> Remesher<'a> {
+    /// Repairs `input`, and smooths it if `options` say so.
+    ///
+    /// # Errors
+    /// Those of [`remesh`].
+    pub fn new(input: &'a Mesh, options: &'a Options, monitor: &dyn Monitor) -> Result<Remesher<'a>> {
+        options.validate()?;
+        let (prepared, repaired) = PreparedInput::new(input, options, monitor)?;
+        Ok(Remesher { prepared, repaired: Some(repaired) })
+    }
+
+    /// What [`remesh`] makes of the input with this density. `is_last` says that no other follows, so that no copy of the
+    /// repaired input has to be kept for it.
+    ///
+    /// # Errors
+    /// Those of [`remesh`].
+    pub fn remesh(&mut self, density: Density, is_last: bool, monitor: &dyn Monitor) -> Result<Remeshed> {
+        let Remesher { prepared, repaired } = self;
+        let mut kept = if is_last { repaired.take() } else { repaired.clone() };
+        // Mostly one run does: another one repairs the input again, so that no copy takes memory beside the first.
+        let mut repaired = || kept.take().unwrap_or_else(|| prepared.repaired_again());
+        match density {
+            Density::Auto => with_fewest_points(prepared, &repaired(), monitor),
+            density => remesh_to(prepared, repaired, density, monitor),
         }
     }
 }

@@ -12,7 +12,7 @@ pub mod surface;
 mod table;
 
 pub use remeshing::{
-    AttributesKept, Crossings, Measured, Report, SCHEMA, Sampling, all_to_json, left_out, noise, shortcomings,
-    too_few_covered,
+    AttributesKept, Crossings, Measured, Report, SCHEMA, Sampling, all_to_json, all_to_text, left_out, noise,
+    shortcomings, too_few_covered,
 };
 pub use run::{Lap, RunSummary};

@@ -27,6 +27,10 @@ pub(super) struct RemeshArgs {
     /// Number of vertices of the output; auto, with --max-error, takes as many as that needs
     #[arg(long, value_name = "N|auto", group = "density", allow_negative_numbers = true, value_parser = points)]
     points: Option<Density>,
+    /// Levels of detail: a mesh of each of these numbers of vertices, from fine to coarse, as OUT-1, OUT-2 and so on, or all
+    /// in one file of glTF or GLB
+    #[arg(long, value_name = "N,N,...", group = "density", allow_negative_numbers = true, value_delimiter = ',')]
+    levels: Vec<usize>,
     /// Mean edge length of the output, in the units of the input
     #[arg(long, value_name = "L", group = "density", allow_negative_numbers = true, value_parser = positive)]
     edge_length: Option<f64>,
@@ -99,6 +103,8 @@ pub struct Remeshing {
     pub output: MeshFile,
     /// What to make of it; lengths that are in a file of their own are still to be read.
     pub options: RemeshOptions,
+    /// The numbers of vertices of the levels, if it is to be more than one mesh.
+    pub levels: Vec<usize>,
     /// Where the wanted lengths are, if there are any.
     pub sizing: Option<Sizing>,
     /// How it goes on meanwhile.
@@ -109,6 +115,7 @@ impl RemeshArgs {
     pub(super) fn resolve(self, files: FileArgs) -> Result<Remeshing, Stop> {
         let RemeshArgs {
             points,
+            levels,
             edge_length,
             sigma_p,
             seed,
@@ -131,6 +138,7 @@ impl RemeshArgs {
         } = self;
         let (input, output) = formats.resolve(files.input, files.output);
         let sizing = sizing.map(Sizing::from);
+        let points = points.or(levels.first().map(|&n| Density::Points(n)));
         if points.is_none() && edge_length.is_none() && sigma_p.is_none() && sizing.is_none() {
             return Err(no_density());
         }
@@ -156,6 +164,6 @@ impl RemeshArgs {
             optimize: optimize != 0,
         };
         let options = settings.resolve().map_err(|e| refused(&e))?;
-        Ok(Remeshing { input, output, options, sizing, run: run.into() })
+        Ok(Remeshing { input, output, options, levels, sizing, run: run.into() })
     }
 }
