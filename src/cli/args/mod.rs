@@ -272,6 +272,8 @@ mod tests {
             "remesh a b --points 4 --max-error 0",
             "remesh a b --points 9 --levels 9,4",
             "remesh a b --levels 9,many",
+            "remesh a b --levels 9,9",
+            "remesh a b --levels 9,2",
             "remesh a b --points 4 --max-error x%",
             "remesh a b --edge-length 0",
             "remesh a b --edge-length nan",

@@ -6,7 +6,7 @@ use crate::cli::args::words::{PropertyWidth, Sizing, no_density, positive_or_zer
 use crate::job::RemeshOptions;
 use crate::job::settings::RemeshSettings;
 use crate::job::words::{features, mark, max_error, points, positive};
-use crate::pipeline::{Density, MaxError, SMOOTHING_SUPPORT, Selection, Signal};
+use crate::pipeline::{Density, MaxError, SMOOTHING_SUPPORT, Selection, Signal, check_levels};
 use crate::surface::features::Features;
 use std::path::PathBuf;
 
@@ -138,6 +138,9 @@ impl RemeshArgs {
         } = self;
         let (input, output) = formats.resolve(files.input, files.output);
         let sizing = sizing.map(Sizing::from);
+        if !levels.is_empty() {
+            check_levels(&levels).map_err(|e| refused(&e))?;
+        }
         let points = points.or(levels.first().map(|&n| Density::Points(n)));
         if points.is_none() && edge_length.is_none() && sigma_p.is_none() && sizing.is_none() {
             return Err(no_density());
