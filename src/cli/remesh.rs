@@ -20,7 +20,8 @@ pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
     check_report(&job.run)?;
     let (outcomes, reports, page) = watched(job.run.voice, |monitor| {
         let loaded = load(&job.input, monitor)?;
-        let mut outcomes = outcomes(job, &loaded, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
+        let options = options(job, &loaded)?;
+        let mut outcomes = outcomes(job, &loaded, &options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
         now_writing(monitor);
         outputs.write(&outcomes)?;
         for (outcome, output) in outcomes.iter_mut().zip(&outputs.names) {
@@ -51,10 +52,10 @@ pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
 }
 
 /// What was made of the input: one result, or one for each level. Each report has the stages since the one before.
-fn outcomes(job: &Remeshing, loaded: &Loaded, monitor: &Stopwatch) -> Result<Vec<Outcome>> {
-    let (input, options) = (Input::from(loaded), options(job, loaded)?);
+fn outcomes(job: &Remeshing, loaded: &Loaded, options: &RemeshOptions, monitor: &Stopwatch) -> Result<Vec<Outcome>> {
+    let input = Input::from(loaded);
     if job.levels.is_empty() {
-        return Ok(vec![remesh(&input, &options, monitor)?]);
+        return Ok(vec![remesh(&input, options, monitor)?]);
     }
     let mut outcomes = Vec::new();
     let keep = &mut |mut outcome: Outcome| {
@@ -65,7 +66,7 @@ fn outcomes(job: &Remeshing, loaded: &Loaded, monitor: &Stopwatch) -> Result<Vec
         outcomes.push(outcome);
         Ok(())
     };
-    remesh_levels(&input, &options, &job.levels, keep, monitor)?;
+    remesh_levels(&input, options, &job.levels, keep, monitor)?;
     Ok(outcomes)
 }
 
