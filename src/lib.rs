@@ -25,7 +25,7 @@
 //! ```
 //!
 //! [`Input`] is a mesh or points, with [`Attributes`]; [`RemeshOptions`] say what to make of it; [`Outcome`] has the mesh, its
-//! attributes, origins and the [`report`]. [`sample()`] gives points without triangles, [`reconstruct()`] dense triangles of
+//! attributes, origins and the [`report`]. [`remesh_levels()`] gives one for each level of detail, [`sample()`] gives points without triangles, [`reconstruct()`] dense triangles of
 //! a cloud, [`quality()`] the figures of any mesh. [`io`] reads and writes files.
 //!
 //! [`stages`] has what these calls are made of: each stage takes plain data and can be used by itself. Here it is the
@@ -146,7 +146,8 @@ pub use glam;
 pub use base::error::{Error, Fault, Place, Result, Setting};
 pub use base::monitor::{Monitor, Stopwatch};
 pub use job::{
-    Carry, Input, Origin, Outcome, RemeshOptions, quality, reconstruct, remesh, sample, settings, with_threads, words,
+    Carry, Input, Origin, Outcome, RemeshOptions, quality, reconstruct, remesh, remesh_levels, sample, settings,
+    with_threads, words,
 };
 pub use mesh::attributes::{Attribute, Attributes, Lost, Scalar};
 pub use mesh::materials::{Alpha, Image, Look, Material, Materials, Sampler, Statement, Texture, Transform, Use};

@@ -12,7 +12,7 @@ Lengths are in the units of the input, angles in degrees.
 
 from ._errors import ArgumentError, FileError, FormatError, MeshError, NotVerifiedError, SpectralRemeshError
 from ._files import read, write
-from ._jobs import quality, reconstruct, remesh, sample
+from ._jobs import levels, quality, reconstruct, remesh, sample
 from ._mesh import Mesh, Origin, Reconstructed, Remeshed, Report, Sampled
 from ._native import __version__
 
@@ -30,6 +30,7 @@ __all__ = [
     "Sampled",
     "SpectralRemeshError",
     "__version__",
+    "levels",
     "quality",
     "read",
     "reconstruct",

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from inspect import signature
 from typing import Any, Literal
 
 from numpy.typing import ArrayLike
@@ -99,15 +100,15 @@ def remesh(
         NotVerifiedError: With ``strict``, for a result that fails a check; it has the result all the same.
     """
     mesh = as_mesh(vertices, faces, attributes)
-    arguments: dict[str, object] = {
+    arguments: dict[str, Any] = {
         "points": points,
         "edge_length": edge_length,
         "sigma_p": sigma_p,
-        "sizing": as_lengths(sizing),
-        "features": as_sharp_edges(features),
+        "sizing": sizing,
+        "features": features,
         "adapt": adapt,
         "sigma_n": sigma_n,
-        "sigma": dict(sigma or {}),
+        "sigma": sigma,
         "max_error": max_error,
         "weld": weld,
         "smooth": smooth,
@@ -115,16 +116,65 @@ def remesh(
         "normal_fit": normal_fit,
         "normal_neighbors": normal_neighbors,
         "normal_radius": normal_radius,
-        "within": as_box(within),
-        "select": as_marks(select),
-        "attributes": attributes is not False,
+        "within": within,
+        "select": select,
+        "attributes": attributes,
         "optimize": optimize,
         "seed": seed,
         "report": report,
     }
     with told(progress) as tell:
-        made = _native.remesh(mesh._to_native(), arguments, _count(threads), tell)
-    remeshed = Remeshed(made, mesh.notes)
+        made = _native.remesh(mesh._to_native(), _converted(arguments), _count(threads), tell)
+    return _checked(Remeshed(made, mesh.notes), strict)
+
+
+def levels(vertices: Any, faces: ArrayLike | None = None, *, points: Sequence[int], **options: Any) -> list[Remeshed]:
+    """Levels of detail: remeshes the same input for each of several numbers of vertices.
+
+    The input is repaired once, and points become a mesh once. Each level is what :func:`remesh` gives for that number, and its
+    origins are on the input.
+
+    Args:
+        vertices: As for :func:`remesh`.
+        faces: As for :func:`remesh`.
+        points: Numbers of vertices, from fine to coarse.
+        options: The other arguments of :func:`remesh`, but for those that say how dense the result shall be.
+
+    Returns:
+        A mesh for each number, in this order.
+
+    Raises:
+        ArgumentError: A ``ValueError`` for an argument that makes no sense.
+        MeshError: For an input that no surface can be made of.
+        NotVerifiedError: With ``strict``, for the first level that fails a check.
+    """
+    known = {name: one.default for name, one in signature(remesh).parameters.items() if one.kind is one.KEYWORD_ONLY}
+    others = options.keys() - (known.keys() - {"edge_length", "sigma_p"})
+    if others:
+        raise ArgumentError(min(others), "levels() has no such argument")
+    counts = [int(count) for count in points]
+    arguments = {**known, **options, "points": counts[0] if counts else None}
+    threads, progress, strict = (arguments.pop(name) for name in ("threads", "progress", "strict"))
+    mesh = as_mesh(vertices, faces, arguments["attributes"])
+    with told(progress) as tell:
+        made = _native.levels(mesh._to_native(), _converted(arguments), counts, _count(threads), tell)
+    return [_checked(Remeshed(level, mesh.notes), strict) for level in made]
+
+
+def _converted(arguments: dict[str, Any]) -> dict[str, object]:
+    """The arguments of a remeshing as the compiled half takes them."""
+    return {
+        **arguments,
+        "sizing": as_lengths(arguments["sizing"]),
+        "features": as_sharp_edges(arguments["features"]),
+        "sigma": dict(arguments["sigma"] or {}),
+        "within": as_box(arguments["within"]),
+        "select": as_marks(arguments["select"]),
+        "attributes": arguments["attributes"] is not False,
+    }
+
+
+def _checked(remeshed: Remeshed, strict: bool) -> Remeshed:
     if strict and not remeshed.verified:
         raise NotVerifiedError(remeshed)
     return remeshed
@@ -145,6 +195,7 @@ def sample(
     normal_radius: float | None = None,
     attributes: Mapping[str, ArrayLike] | bool = True,
     scan_only: bool = False,
+    levels: int | None = None,
     seed: int = 0,
     sweeps: int = 10,
     threads: int | None = None,
@@ -167,6 +218,8 @@ def sample(
         normal_radius: As for :func:`remesh`, in the units of the input.
         attributes: More arrays of shape (n,) or (n, components), by their names, for ``sigma``.
         scan_only: Take a subset of the input's vertices instead.
+        levels: Give the samples in progressive order, in which any first part of them is evenly spread, too: so many levels,
+            each with a quarter of the samples of the next one. ``report["levels"]`` says where each ends.
         seed: Seed of the random numbers.
         sweeps: Sweeps of gradient ascent.
         threads: As for :func:`remesh`.
@@ -191,6 +244,7 @@ def sample(
         "normal_neighbors": normal_neighbors,
         "normal_radius": normal_radius,
         "scan_only": scan_only,
+        "levels": levels,
         "seed": seed,
         "sweeps": sweeps,
     }

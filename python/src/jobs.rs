@@ -58,6 +58,36 @@ pub struct Reconstructed {
     report: Told,
 }
 
+impl Remeshed {
+    fn new(py: Python, outcome: Outcome) -> PyResult<Remeshed> {
+        let Outcome {
+            mesh,
+            attributes,
+            origins,
+            triangle_origins,
+            shortcomings,
+            notes,
+            warnings: _,
+            report,
+            edges,
+            of_points: _,
+        } = outcome;
+        let sharp_edges = edges.sharp.iter().flatten().map(|&v| i64::from(v)).collect();
+        let face_origin = triangle_origins.into_iter().map(i64::from).collect();
+        Ok(Remeshed {
+            vertices: of_positions(py, &mesh.positions)?,
+            faces: of_corners(py, mesh.triangles.iter())?,
+            attributes: Py::new(py, Attributes(Arc::new(attributes)))?,
+            origin: arrays_of(py, &origins)?,
+            face_origin: PyArray1::<i64>::from_vec(py, face_origin).into_any().unbind(),
+            sharp_edges: matrix_of(py, sharp_edges, 2)?,
+            report: report.map(|report| told(report.to_json(), &report.to_text())),
+            shortcomings,
+            notes,
+        })
+    }
+}
+
 #[pyfunction]
 #[pyo3(signature = (mesh, arguments, threads, progress))]
 pub fn remesh(
@@ -74,31 +104,33 @@ pub fn remesh(
         outcome.report.iter_mut().for_each(|report| measure(&mut report.run, monitor));
         Ok(outcome)
     })?;
-    let Outcome {
-        mesh,
-        attributes,
-        origins,
-        triangle_origins,
-        shortcomings,
-        notes,
-        warnings: _,
-        report,
-        edges,
-        of_points: _,
-    } = outcome;
-    let sharp_edges = edges.sharp.iter().flatten().map(|&v| i64::from(v)).collect();
-    let face_origin = triangle_origins.into_iter().map(i64::from).collect();
-    Ok(Remeshed {
-        vertices: of_positions(py, &mesh.positions)?,
-        faces: of_corners(py, mesh.triangles.iter())?,
-        attributes: Py::new(py, Attributes(Arc::new(attributes)))?,
-        origin: arrays_of(py, &origins)?,
-        face_origin: PyArray1::<i64>::from_vec(py, face_origin).into_any().unbind(),
-        sharp_edges: matrix_of(py, sharp_edges, 2)?,
-        report: report.map(|report| told(report.to_json(), &report.to_text())),
-        shortcomings,
-        notes,
-    })
+    Remeshed::new(py, outcome)
+}
+
+#[pyfunction]
+#[pyo3(signature = (mesh, arguments, counts, threads, progress))]
+pub fn levels(
+    py: Python,
+    mesh: &Mesh,
+    arguments: &Bound<PyDict>,
+    counts: Vec<usize>,
+    threads: Option<usize>,
+    progress: Option<&Bound<PyAny>>,
+) -> PyResult<Vec<Remeshed>> {
+    let (options, parts) = (remeshing(arguments)?, Arc::clone(&mesh.0));
+    let outcomes = run(py, threads, progress, move |monitor| {
+        let monitor = &Stopwatch::new(monitor);
+        let mut outcomes = Vec::new();
+        let keep = &mut |mut outcome: Outcome| {
+            outcome.report.iter_mut().for_each(|report| measure(&mut report.run, monitor));
+            monitor.restart();
+            outcomes.push(outcome);
+            Ok(())
+        };
+        spectral_remesh::remesh_levels(&parts.input(), &options, &counts, keep, monitor)?;
+        Ok(outcomes)
+    })?;
+    outcomes.into_iter().map(|outcome| Remeshed::new(py, outcome)).collect()
 }
 
 #[pyfunction]

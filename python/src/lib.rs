@@ -31,7 +31,7 @@ mod _native {
     #[pymodule_export]
     use crate::files::{read, write};
     #[pymodule_export]
-    use crate::jobs::{Reconstructed, Remeshed, Sampled, quality, reconstruct, remesh, sample};
+    use crate::jobs::{Reconstructed, Remeshed, Sampled, levels, quality, reconstruct, remesh, sample};
     #[pymodule_export]
     use crate::mesh::{Mesh, split};
     #[pymodule_export]

@@ -63,6 +63,7 @@ arguments!(SampleArguments {
     normal_neighbors: Option<usize>,
     normal_radius: Option<f64>,
     scan_only: bool,
+    levels: Option<usize>,
     seed: u64,
     sweeps: usize,
 });
@@ -137,6 +138,7 @@ pub fn sampling(given: &Bound<PyDict>) -> PyResult<SampleOptions> {
         normal_neighbors,
         normal_radius,
         scan_only,
+        levels,
         seed,
         sweeps,
     } = SampleArguments::read(given)?;
@@ -149,6 +151,7 @@ pub fn sampling(given: &Bound<PyDict>) -> PyResult<SampleOptions> {
         smooth,
         normals: normals(normal_fit, normal_neighbors, normal_radius),
         scan_only,
+        levels,
         seed,
         sweeps,
     };

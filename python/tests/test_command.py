@@ -31,6 +31,9 @@ COMMAND_ONLY = {
     "version": "__version__",
 }
 
+# Flags of one job that another function stands for.
+OTHER_FUNCTION = {"remesh": {"levels"}}
+
 # Arguments without a like-named flag.
 PYTHON_ONLY = {"vertices", "faces", "attributes", "progress", "report", "strict"}
 
@@ -64,6 +67,7 @@ SAME = {
         ("data/blob.obj --edge-length 0.2 --sigma-n 0.75", {"edge_length": 0.2, "sigma_n": 0.75}),
         ("marked.ply --sigma-p 0.2 --sigma half=0.5", {"sigma_p": 0.2, "sigma": {"half": 0.5}}),
         ("data/blob.obj --points 500 --scan-only", {"points": 500, "scan_only": True}),
+        ("data/blob.obj --points 500 --levels 3", {"points": 500, "levels": 3}),
         ("bare.xyz --points 300 --smooth 3 --normal-fit plane", {"points": 300, "smooth": 3, "normal_fit": "plane"}),
         ("bare.xyz --points 300 --normal-neighbors 9", {"points": 300, "normal_neighbors": 9}),
         ("bare.xyz --points 300 --normal-radius 0.5", {"points": 300, "normal_radius": 0.5}),
@@ -100,6 +104,17 @@ def test_python_writes_the_same_bytes_as_the_command(folder, job, line, options)
     assert {k: v for k, v in made.report.items() if k not in own} == {k: v for k, v in report.items() if k not in own}
     if job == "remesh":
         assert made.verified == (ran.returncode == 0)
+
+
+def test_levels_have_the_same_bytes(folder):
+    ran = command("data/bracket.stl", "out.ply", "--levels", "900,300", "--features", "30", "--report", "r.json", folder=folder)
+    assert ran.returncode == 0, ran.stderr
+    levels = sr.levels(sr.read(folder / "data/bracket.stl"), points=[900, 300], features=30)
+    reports = json.loads((folder / "r.json").read_text())
+    for number, (level, report) in enumerate(zip(levels, reports, strict=True), 1):
+        sr.write(folder / "python.ply", level)
+        assert (folder / "python.ply").read_bytes() == (folder / f"out-{number}.ply").read_bytes()
+        assert level.report["output"]["shape"] == report["output"]["shape"] and level.verified
 
 
 @pytest.mark.parametrize("ending", ["obj", "ply", "stl", "off", "gltf", "glb", "3mf", "vtp", "ply.gz"])
@@ -141,7 +156,7 @@ def flags(job: str, folder) -> set[str]:
 
 @pytest.mark.parametrize("job", ["remesh", "sample", "reconstruct", "quality"])
 def test_the_command_and_python_have_the_same_options(tmp_path, job):
-    of_command = {flag.replace("-", "_") for flag in flags(job, tmp_path) - COMMAND_ONLY.keys()}
+    of_command = {flag.replace("-", "_") for flag in flags(job, tmp_path) - COMMAND_ONLY.keys() - OTHER_FUNCTION.get(job, set())}
     of_python = set(inspect.signature(getattr(sr, job)).parameters)
     assert of_command == of_python - PYTHON_ONLY
     assert of_python >= {"vertices", "faces"}

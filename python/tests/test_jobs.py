@@ -202,6 +202,19 @@ def test_strict_raises_with_the_result():
     assert np.array_equal(caught.value.remeshed.vertices, remeshed.vertices)
 
 
+def test_levels_are_what_each_number_gives_alone():
+    levels = sr.levels(*torus(), points=(600, 200), seed=3, report=False)
+    for level, count in zip(levels, (600, 200), strict=True):
+        alone = sr.remesh(*torus(), points=count, seed=3, report=False)
+        assert np.array_equal(level.vertices, alone.vertices) and level.report is None
+        assert np.array_equal(level.origin.faces, alone.origin.faces)
+    for wrong in ({"points": (200, 600)}, {"points": ()}, {"points": (9, 4), "edge_length": 1}, {"points": (9, 4), "colour": 1}):
+        with pytest.raises(sr.ArgumentError):
+            sr.levels(*torus(), **wrong)
+    with pytest.raises(sr.NotVerifiedError):
+        sr.levels(*torus(), points=(800, 100), max_error=0.03, strict=True)
+
+
 def test_meshes_can_be_pickled():
     remeshed = sr.remesh(*torus(), points=100)
     again = pickle.loads(pickle.dumps(remeshed))

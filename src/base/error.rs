@@ -133,13 +133,15 @@ pub enum Setting {
     Resolution,
     /// The format of a file.
     Format,
+    /// The levels, from fine to coarse or by their number.
+    Levels,
     /// The number of threads.
     Threads,
 }
 
 impl Setting {
     /// All of them.
-    pub const ALL: [Setting; 19] = [
+    pub const ALL: [Setting; 20] = [
         Setting::Points,
         Setting::EdgeLength,
         Setting::SigmaP,
@@ -158,6 +160,7 @@ impl Setting {
         Setting::FillHoles,
         Setting::Resolution,
         Setting::Format,
+        Setting::Levels,
         Setting::Threads,
     ];
 
@@ -183,6 +186,7 @@ impl Setting {
             Setting::FillHoles => "fill-holes",
             Setting::Resolution => "resolution",
             Setting::Format => "format",
+            Setting::Levels => "levels",
             Setting::Threads => "threads",
         }
     }
@@ -209,6 +213,7 @@ impl fmt::Display for Setting {
             Setting::FillHoles => "size of holes to fill",
             Setting::Resolution => "resolution",
             Setting::Format => "format",
+            Setting::Levels => "levels",
             Setting::Threads => "number of threads",
         })
     }

@@ -101,6 +101,32 @@ impl Monitor for Overall<'_> {
     }
 }
 
+/// A monitor for a call that is a part of a larger one: its share is that from one share of the whole to another.
+pub struct Part<'a> {
+    inner: &'a dyn Monitor,
+    from: f64,
+    to: f64,
+}
+
+impl<'a> Part<'a> {
+    /// A monitor that tells `inner` of the whole.
+    pub fn new(inner: &'a dyn Monitor, from: f64, to: f64) -> Self {
+        Part { inner, from, to }
+    }
+}
+
+impl Monitor for Part<'_> {
+    fn stage(&self, name: &'static str) {
+        self.inner.stage(name);
+    }
+    fn progress(&self, done: f64) {
+        self.inner.progress(self.from + (self.to - self.from) * done);
+    }
+    fn cancelled(&self) -> bool {
+        self.inner.cancelled()
+    }
+}
+
 /// A monitor that notes how long each stage took and passes everything on to another one.
 pub struct Stopwatch<'a> {
     inner: &'a dyn Monitor,
@@ -118,6 +144,11 @@ impl<'a> Stopwatch<'a> {
         let starts = self.starts.lock().unwrap_or_else(|e| e.into_inner());
         let ends = starts.iter().skip(1).map(|s| s.1).chain([Instant::now()]);
         starts.iter().zip(ends).map(|(s, end)| (s.0, end - s.1)).collect()
+    }
+
+    /// Forgets all stages so far.
+    pub fn restart(&self) {
+        self.starts.lock().unwrap_or_else(|e| e.into_inner()).clear();
     }
 }
 
@@ -162,5 +193,15 @@ mod tests {
         }
         let shares = shares.0.into_inner().unwrap();
         assert!(shares.is_sorted() && shares.contains(&0.125) && shares.contains(&1.0), "{shares:?}");
+    }
+
+    #[test]
+    fn parts_follow_each_other() {
+        let shares = Shares::default();
+        for (from, to) in [(0.0, 0.75), (0.75, 1.0)] {
+            let overall = &Part::new(&shares, from, to);
+            [0.0, 0.5, 1.0].iter().for_each(|&done| overall.progress(done));
+        }
+        assert_eq!(shares.0.into_inner().unwrap(), [0.0, 0.375, 0.75, 0.75, 0.875, 1.0]);
     }
 }

@@ -11,6 +11,11 @@ use std::path::Path;
 /// Refuses targets that nothing can be written to, before the work for them is done and not after.
 pub(super) fn check_targets(output: &Path, run: &Run) -> Result<()> {
     file::check_target(output)?;
+    check_report(run)
+}
+
+/// Refuses a report that cannot be written, before the work for it is done.
+pub(super) fn check_report(run: &Run) -> Result<()> {
     run.report.iter().try_for_each(|path| file::check_target(path))
 }
 

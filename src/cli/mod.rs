@@ -4,6 +4,7 @@
 pub mod args;
 mod files;
 mod flags;
+mod outputs;
 mod quality;
 mod reconstruct;
 mod remesh;

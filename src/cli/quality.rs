@@ -8,7 +8,7 @@ use crate::cli::terminal;
 use crate::io::{Loaded, file};
 use crate::job::{Input, quality};
 use crate::report::page::{Subject, page};
-use crate::report::{Report, all_to_json};
+use crate::report::{Report, all_to_json, all_to_text};
 
 pub(super) fn measure_files(job: &Measuring) -> Result<()> {
     job.report.iter().try_for_each(|path| file::check_target(path))?;
@@ -25,7 +25,7 @@ pub(super) fn measure_files(job: &Measuring) -> Result<()> {
     if let Some((path, written)) = job.report.as_ref().zip(written) {
         write_report(path, &written)?;
     }
-    terminal::print(&if job.json { all_to_json(&reports) } else { tables(&reports) })
+    terminal::print(&if job.json { all_to_json(&reports) } else { all_to_text(&reports) })
 }
 
 fn load_mesh(file: &MeshFile, monitor: &dyn Monitor) -> Result<Loaded> {
@@ -54,9 +54,4 @@ fn page_of(reports: &[Report], meshes: &[Loaded], against: Option<&Loaded>) -> S
     let meshes = meshes.iter().map(|loaded| &loaded.mesh);
     let subjects = reports.iter().zip(meshes).map(|(report, mesh)| Subject { report, mesh, edges: None });
     page(against.map(|loaded| &loaded.mesh), &subjects.collect::<Vec<_>>())
-}
-
-/// The table of each report, with a line between.
-fn tables(reports: &[Report]) -> String {
-    reports.iter().map(Report::to_text).collect::<Vec<_>>().join("\n")
 }

@@ -1,49 +1,86 @@
 //! `remesh IN OUT`: reads, remeshes, writes, reports.
 
 use crate::base::error::Result;
+use crate::base::monitor::Stopwatch;
 use crate::cli::args::{Remeshing, Run, Sizing, Voice, is_page};
-use crate::cli::files::{add_run, check_targets, hand_out, load, name, now_writing, watched};
+use crate::cli::files::{add_run, check_report, hand_out, load, name, now_writing, watched};
+use crate::cli::outputs::Outputs;
 use crate::cli::status::Status;
 use crate::cli::terminal;
 use crate::io::{Loaded, file};
-use crate::job::{Carry, Input, Outcome, RemeshOptions, remesh};
+use crate::job::{Carry, Input, Outcome, RemeshOptions, remesh, remesh_levels};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::{Grading, Values};
 use crate::report::page::{Subject, page};
+use crate::report::{Report, all_to_json, all_to_text};
 
 pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
     job.options.surface.validate()?;
-    file::output_format(&job.output.path, job.output.format)?;
-    check_targets(&job.output.path, &job.run)?;
-    let (outcome, page) = watched(job.run.voice, |monitor| {
+    let outputs = Outputs::of(job)?;
+    check_report(&job.run)?;
+    let (outcomes, reports, page) = watched(job.run.voice, |monitor| {
         let loaded = load(&job.input, monitor)?;
         let options = options(job, &loaded)?;
-        let mut outcome = remesh(&Input::from(&loaded), &options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
+        let mut outcomes = outcomes(job, &loaded, &options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
         now_writing(monitor);
-        file::write_file(&job.output.path, &outcome.mesh, &outcome.attributes, job.output.format)?;
-        if let Some(report) = &mut outcome.report {
-            report.run.notes.splice(0..0, loaded.notes);
-            report.add_files(&name(&job.input), &name(&job.output));
-            add_run(&mut report.run, monitor);
+        outputs.write(&outcomes)?;
+        for (outcome, output) in outcomes.iter_mut().zip(&outputs.names) {
+            if let Some(report) = &mut outcome.report {
+                report.run.notes.splice(0..0, loaded.notes.clone());
+                report.add_files(&name(&job.input), output);
+            }
         }
-        let page = page_of(&outcome, &loaded.mesh, &job.run);
-        Ok((outcome, page))
+        outcomes
+            .last_mut()
+            .and_then(|last| last.report.as_mut())
+            .iter_mut()
+            .for_each(|report| add_run(&mut report.run, monitor));
+        let page = page_of(&outcomes, &loaded.mesh, &job.run);
+        let reports: Vec<Report> = outcomes.iter_mut().filter_map(|outcome| outcome.report.take()).collect();
+        Ok((outcomes, reports, page))
     })?;
-    if let Some(report) = &outcome.report {
-        hand_out(&page.unwrap_or_else(|| report.to_json()), &report.to_text(), &job.run)?;
+    if !reports.is_empty() {
+        hand_out(&page.unwrap_or_else(|| all_to_json(&reports)), &all_to_text(&reports), &job.run)?;
     }
     // Without the report nothing else would tell.
-    for warning in outcome.warnings.iter().filter(|_| job.run.voice == Voice::Quiet) {
+    let mut warnings: Vec<&String> = outcomes.iter().flat_map(|outcome| &outcome.warnings).collect();
+    warnings.dedup();
+    for warning in warnings.into_iter().filter(|_| job.run.voice == Voice::Quiet) {
         terminal::complain(&format!("{}: {warning}", name(&job.input)));
     }
-    Ok(verdict(&outcome, job))
+    Ok(verdict(&outcomes, &outputs.names))
 }
 
-/// The report as a page, if that is wanted.
-fn page_of(outcome: &Outcome, input: &Mesh, run: &Run) -> Option<String> {
-    let report = outcome.report.as_ref().filter(|_| run.report.as_deref().is_some_and(is_page))?;
-    let subject = Subject { report, mesh: &outcome.mesh, edges: Some(&outcome.edges) };
-    Some(page(Some(outcome.of_points.as_ref().unwrap_or(input)), &[subject]))
+/// What was made of the input: one result, or one for each level. Each report has the stages since the one before.
+fn outcomes(job: &Remeshing, loaded: &Loaded, options: &RemeshOptions, monitor: &Stopwatch) -> Result<Vec<Outcome>> {
+    let input = Input::from(loaded);
+    if job.levels.is_empty() {
+        return Ok(vec![remesh(&input, options, monitor)?]);
+    }
+    let mut outcomes = Vec::new();
+    let keep = &mut |mut outcome: Outcome| {
+        if outcomes.len() + 1 < job.levels.len() {
+            outcome.report.iter_mut().for_each(|report| add_run(&mut report.run, monitor));
+            monitor.restart();
+        }
+        outcomes.push(outcome);
+        Ok(())
+    };
+    remesh_levels(&input, options, &job.levels, keep, monitor)?;
+    Ok(outcomes)
+}
+
+/// The reports as a page, if that is wanted.
+fn page_of(outcomes: &[Outcome], input: &Mesh, run: &Run) -> Option<String> {
+    run.report.as_deref().filter(|path| is_page(path))?;
+    let reference = outcomes.first().and_then(|outcome| outcome.of_points.as_deref());
+    let subjects: Option<Vec<Subject>> = outcomes.iter().map(subject).collect();
+    Some(page(Some(reference.unwrap_or(input)), &subjects?))
+}
+
+fn subject(outcome: &Outcome) -> Option<Subject<'_>> {
+    let report = outcome.report.as_ref()?;
+    Some(Subject { report, mesh: &outcome.mesh, edges: Some(&outcome.edges) })
 }
 
 /// The options, with what other files say of them.
@@ -60,13 +97,13 @@ fn options(job: &Remeshing, loaded: &Loaded) -> Result<RemeshOptions> {
     Ok(options)
 }
 
-/// The exit status of a result that is written, and a line about one that is not verified.
-fn verdict(outcome: &Outcome, job: &Remeshing) -> Status {
-    if outcome.verified() {
-        return Status::Done;
+/// The exit status of results that are written, and a line about each that is not verified.
+fn verdict(outcomes: &[Outcome], names: &[String]) -> Status {
+    let mut status = Status::Done;
+    for (outcome, output) in outcomes.iter().zip(names).filter(|(outcome, _)| !outcome.verified()) {
+        let why = outcome.shortcomings.join(", ");
+        terminal::complain(&format!("{output}: written but not verified: {why}; try another --seed or more points"));
+        status = Status::Unverified;
     }
-    let why = outcome.shortcomings.join(", ");
-    let output = name(&job.output);
-    terminal::complain(&format!("{output}: written but not verified: {why}; try another --seed or more points"));
-    Status::Unverified
+    status
 }

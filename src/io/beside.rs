@@ -77,7 +77,7 @@ fn with_library(path: &Path, materials: &Materials) -> Result<Materials> {
 }
 
 /// The name of a file without its endings.
-fn stem(path: &Path) -> Option<String> {
+pub(super) fn stem(path: &Path) -> Option<String> {
     let is_gz = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gz"));
     let name = if is_gz { Path::new(path.file_stem()?) } else { path };
     Some(name.file_stem()?.to_string_lossy().into_owned())

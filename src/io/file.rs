@@ -1,19 +1,19 @@
 //! Mesh files on a disk, by their path: reading and writing them.
 
 use crate::base::error::{Error, Place, Result};
-use crate::io::beside::{Beside, prepared};
-use crate::io::disk::{file_error, read_error};
+use crate::io::beside::{Beside, prepared, stem};
+use crate::io::disk::{file_error, is_replaced, read_error};
 use crate::io::format::Format;
 use crate::io::gzip;
 use crate::io::named::{by_ending, is_gz, read_named};
 use crate::io::read::Loaded;
-use crate::io::write::{write_points, write_with_attributes};
+use crate::io::write::{write_levels, write_points, write_with_attributes};
 use crate::mesh::attributes::Attributes;
 use crate::mesh::points::Points;
 use crate::mesh::triangle_mesh::Mesh;
 use std::fs::{self, Metadata};
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub use crate::io::disk::{check_target, replace_file};
 
@@ -49,6 +49,32 @@ pub fn write_file(path: &Path, mesh: &Mesh, attributes: &Attributes, format: Opt
     check_target(path)?;
     let attributes = &*prepared(path, format, attributes)?;
     replace_packed(path, &mut |out| write_with_attributes(mesh, attributes, format, out))
+}
+
+/// Writes the levels of detail of a mesh to one file at `path`, as [`write_levels`] does it, by [`replace_file`].
+///
+/// # Errors
+/// Those of [`write_file`], also for a format that holds one mesh.
+pub fn write_levels_file(path: &Path, levels: &[(&Mesh, &Attributes)], format: Option<Format>) -> Result<()> {
+    let format = output_format(path, format)?;
+    check_target(path)?;
+    let attributes: Vec<_> = levels.iter().map(|level| prepared(path, format, level.1)).collect::<Result<_>>()?;
+    let levels: Vec<(&Mesh, &Attributes)> =
+        levels.iter().zip(&attributes).map(|(level, own)| (level.0, &**own)).collect();
+    replace_packed(path, &mut |out| write_levels(&levels, format, out))
+}
+
+/// The path of the file of one of several levels of detail, numbered from 1: `NAME-1.obj` for `NAME.obj`.
+///
+/// # Errors
+/// [`Error::File`] if `path` is not that of a file in a folder.
+pub fn level_path(path: &Path, number: usize) -> Result<PathBuf> {
+    let stem = stem(path).filter(|_| is_replaced(path)).ok_or_else(|| {
+        let remedy = "give the name of a file, of which each level's is made, or --output-format glb";
+        file_error(path, "it is one stream, and each level needs a file of its own", remedy)
+    })?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    Ok(path.with_file_name(format!("{stem}-{number}{}", &name[stem.len()..])))
 }
 
 /// Writes `points`, and those of their `attributes` that the format can hold, to `path` by [`replace_file`], in the
@@ -124,7 +150,6 @@ mod tests {
     use crate::io::disk::BUFFER;
     use glam::DVec3;
     use std::io::ErrorKind;
-    use std::path::PathBuf;
 
     fn triangle() -> Mesh {
         Mesh { positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y], triangles: vec![[0, 1, 2]] }
@@ -255,6 +280,15 @@ mod tests {
         }
         let orphan = folder.path().join("a.gz");
         fails(write(&orphan, None), &orphan, "use one of .obj, .ply");
+    }
+
+    #[test]
+    fn levels_have_names_of_their_own() {
+        let named = |path: &str| level_path(Path::new(path), 3).map(|path| path.display().to_string());
+        assert_eq!(named("a.obj").unwrap(), "a-3.obj");
+        assert_eq!(named("b/a.1.ply.gz").unwrap(), "b/a.1-3.ply.gz");
+        assert_eq!(named("a").unwrap(), "a-3");
+        fails(named("/dev/stdout"), Path::new("/dev/stdout"), "or --output-format glb");
     }
 
     #[test]

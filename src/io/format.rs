@@ -222,6 +222,11 @@ impl Format {
         formats.iter().map(|f| format!("{before}{}", f.extension())).collect::<Vec<_>>().join(", ")
     }
 
+    /// Whether one file of this format holds all levels of detail of a mesh.
+    pub fn holds_levels(self) -> bool {
+        matches!(self, Format::Gltf | Format::Glb)
+    }
+
     /// Those of `attributes` that files of this format have no place for.
     pub fn cannot_hold(self, attributes: &Attributes) -> Vec<Lost> {
         let lost = |name: &str| Lost { name: name.into(), cause: format!("{self} has no place for it") };

@@ -56,4 +56,4 @@ pub use content::{NO_BUFFERS, Resolve};
 pub use format::Format;
 pub use named::{Folder, read_named};
 pub use read::{Loaded, parse};
-pub use write::{write, write_points, write_with_attributes};
+pub use write::{write, write_levels, write_points, write_with_attributes};

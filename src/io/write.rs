@@ -28,7 +28,7 @@ pub fn write_with_attributes(
     format: Format,
     out: &mut dyn std::io::Write,
 ) -> std::io::Result<()> {
-    write_content(&Content { positions: &mesh.positions, triangles: &mesh.triangles, attributes }, format, out)
+    write_content(&content(mesh, attributes), format, out)
 }
 
 /// Writes points with their normals, if they have some, and those of `attributes` of theirs that the format can hold.
@@ -50,14 +50,36 @@ pub fn write_points(
     write_content(&Content { positions: points.positions(), triangles: &[], attributes: &attributes }, format, out)
 }
 
+/// Writes the levels of detail of a mesh, each with its attributes, from fine to coarse, as one file. Their materials have to
+/// be the same.
+///
+/// # Errors
+/// Those of [`write()`]; `InvalidInput` for a format that does not [hold levels](Format::holds_levels).
+pub fn write_levels(
+    levels: &[(&Mesh, &Attributes)],
+    format: Format,
+    out: &mut dyn std::io::Write,
+) -> std::io::Result<()> {
+    let levels: Vec<Content> = levels.iter().map(|(mesh, attributes)| content(mesh, attributes)).collect();
+    match format {
+        Format::Gltf => gltf::write_gltf(&levels, out),
+        Format::Glb => gltf::write_glb(&levels, out),
+        _ => Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, format!("{format} holds one mesh"))),
+    }
+}
+
+fn content<'a>(mesh: &'a Mesh, attributes: &'a Attributes) -> Content<'a> {
+    Content { positions: &mesh.positions, triangles: &mesh.triangles, attributes }
+}
+
 fn write_content(content: &Content, format: Format, out: &mut dyn std::io::Write) -> std::io::Result<()> {
     match format {
         Format::Obj => obj::write(content, out),
         Format::Ply => ply::write(content, out),
         Format::Stl => stl::write(content, out),
         Format::Off => off::write(content, out),
-        Format::Gltf => gltf::write_gltf(content, out),
-        Format::Glb => gltf::write_glb(content, out),
+        Format::Gltf => gltf::write_gltf(std::slice::from_ref(content), out),
+        Format::Glb => gltf::write_glb(std::slice::from_ref(content), out),
         Format::Xyz => xyz::write(content, out),
         Format::ThreeMf => threemf::write(content, out),
         Format::Vtp => vtk::write(content, out),

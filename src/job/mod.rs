@@ -12,5 +12,5 @@ pub mod words;
 pub use input::Input;
 pub use outcome::{Origin, Outcome};
 pub use points::{reconstruct, sample};
-pub use remesh::{Carry, RemeshOptions, quality, remesh};
+pub use remesh::{Carry, RemeshOptions, quality, remesh, remesh_levels};
 pub use threads::with_threads;

@@ -5,6 +5,7 @@ use crate::mesh::provenance::PointOnTriangle;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::Edges;
 use crate::report::Report;
+use std::sync::Arc;
 
 /// Where on the input a vertex of the result lies: the point of the input that is closest to it, of those that face its
 /// way.
@@ -45,7 +46,7 @@ pub struct Outcome {
     /// Its sharp edges, those of the input that were left out, and the edge lengths wanted.
     pub edges: Edges,
     /// The mesh through the points of a cloud, which was remeshed; `None` for an input with triangles.
-    pub of_points: Option<Mesh>,
+    pub of_points: Option<Arc<Mesh>>,
     /// Why the result is not what was asked for, a phrase each; empty for a verified one.
     pub shortcomings: Vec<String>,
     /// Things a user should know, a sentence each; the report has them, too.

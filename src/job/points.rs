@@ -7,8 +7,8 @@ use crate::pipeline::{self, ReconstructOptions, Reconstructed, SampleOptions, Sa
 use crate::report::noise;
 
 /// The stages and about how much of the time each takes.
-const SAMPLING: [(&str, f64); 5] =
-    [("clean", 0.1), ("normals", 0.1), ("repair", 0.1), ("sample", 0.4), ("ascend", 0.4)];
+const SAMPLING: [(&str, f64); 6] =
+    [("clean", 0.1), ("normals", 0.1), ("repair", 0.1), ("sample", 0.4), ("ascend", 0.4), ("order", 0.2)];
 const RECONSTRUCTION: [(&str, f64); 3] = [("clean", 0.1), ("normals", 0.1), ("extract", 0.8)];
 
 /// Samples the surface of a mesh or of points: points with normals, without triangles, as the gradient ascent of the paper

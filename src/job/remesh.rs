@@ -1,19 +1,21 @@
 //! Remeshing as one call.
 
 use crate::base::error::{Error, Result};
-use crate::base::monitor::{Monitor, Overall, check};
+use crate::base::monitor::{Monitor, Overall, Part, check};
 use crate::job::input::Input;
 use crate::job::outcome::{Origin, Outcome};
 use crate::mesh::attributes::{Attributes, Lost};
 use crate::mesh::provenance::Origins;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::{
-    self, CloudOptions, CloudSummary, Coverage, Grading, LostComponents, Options, Remeshed, Signal, mesh_of_points,
+    CloudOptions, CloudSummary, Coverage, Density, Grading, LostComponents, Options, Remeshed, Remesher, Signal,
+    check_levels, mesh_of_points,
 };
 use crate::report::{Report, left_out, noise};
 use crate::transfer::vertex::{Carried, carry};
 use glam::DVec3;
 use std::borrow::Cow;
+use std::sync::Arc;
 
 /// What to make of an input.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -71,15 +73,77 @@ const OF_MESH: [(&str, f64); 12] = [
 /// that options name and the input does not have; [`Error::Option`] for options out of range; [`Error::Cancelled`] if the
 /// monitor asks for it.
 pub fn remesh(input: &Input, options: &RemeshOptions, monitor: &dyn Monitor) -> Result<Outcome> {
+    let mut made = None;
+    let keep = &mut |outcome| {
+        made = Some(outcome);
+        Ok(())
+    };
+    remesh_each(input, options, &[options.surface.density], keep, monitor)?;
+    Ok(made.expect("each density has its outcome"))
+}
+
+/// Levels of detail: remeshes the same input for each of these numbers of vertices, from fine to coarse. Each result is what
+/// [`remesh()`] makes for that number, held against the input and not against the level before; `each` gets it once it is
+/// done. The input is repaired once, and points become a mesh once. The density of the options does not matter.
+///
+/// # Errors
+/// Those of [`remesh()`], and of `each`; [`Error::Option`] for no numbers, or ones that do not fall.
+pub fn remesh_levels(
+    input: &Input,
+    options: &RemeshOptions,
+    counts: &[usize],
+    each: &mut dyn FnMut(Outcome) -> Result<()>,
+    monitor: &dyn Monitor,
+) -> Result<()> {
+    check_levels(counts)?;
+    let densities: Vec<Density> = counts.iter().map(|&n| Density::Points(n)).collect();
+    let surface = Options { density: densities[0], ..options.surface.clone() };
+    remesh_each(input, &RemeshOptions { surface, ..options.clone() }, &densities, each, monitor)
+}
+
+/// Remeshes the input for each of the densities.
+fn remesh_each(
+    input: &Input,
+    options: &RemeshOptions,
+    densities: &[Density],
+    each: &mut dyn FnMut(Outcome) -> Result<()>,
+    monitor: &dyn Monitor,
+) -> Result<()> {
     options.surface.validate()?;
     input.check()?;
     let of_triangles = if input.is_cloud() { 0 } else { input.as_mesh().positions.len() };
     options.surface.features.check(of_triangles)?;
     let plan = if input.is_cloud() { [&OF_POINTS[..], &OF_MESH].concat() } else { OF_MESH.to_vec() };
-    let monitor = &Overall::new(monitor, &plan);
-    let surface = Surface::new(input, options, monitor)?;
-    let mut remeshed = pipeline::remesh(&surface.mesh, &surface.options, monitor)?;
-    let mut carried = carried(&surface, &mut remeshed, &options.carry, monitor)?;
+    let shares = shares(densities);
+    let first = &Part::new(monitor, 0.0, shares[0]);
+    let first = &Overall::new(first, &plan);
+    let surface = Surface::new(input, options, first)?;
+    let mut remesher = Remesher::new(surface.mesh(), &surface.options, first)?;
+    for (i, &density) in densities.iter().enumerate() {
+        let part = &Part::new(monitor, if i == 0 { 0.0 } else { shares[i - 1] }, shares[i]);
+        let later = &Overall::new(part, &OF_MESH);
+        let monitor = if i == 0 { first } else { later };
+        let remeshed = remesher.remesh(density, i + 1 == densities.len(), monitor)?;
+        each(finished(&surface, remeshed, options, monitor)?)?;
+    }
+    Ok(())
+}
+
+/// The share of the time after which each of the densities is done.
+fn shares(densities: &[Density]) -> Vec<f64> {
+    let size = |density: &Density| if let Density::Points(n) = density { *n as f64 } else { 1.0 };
+    let whole: f64 = densities.iter().map(size).sum();
+    (1..=densities.len()).map(|i| densities[..i].iter().map(size).sum::<f64>() / whole).collect()
+}
+
+/// A result with attributes, origins and report.
+fn finished(
+    surface: &Surface,
+    mut remeshed: Remeshed,
+    options: &RemeshOptions,
+    monitor: &dyn Monitor,
+) -> Result<Outcome> {
+    let mut carried = carried(surface, &mut remeshed, &options.carry, monitor)?;
     remeshed.notes.append(&mut carried.notes);
     let coverage = surface.cloud.as_ref().map(|cloud| cloud.coverage(&remeshed));
     coverage.iter().for_each(|coverage| remeshed.hold_against_points(coverage));
@@ -91,12 +155,12 @@ pub fn remesh(input: &Input, options: &RemeshOptions, monitor: &dyn Monitor) -> 
     let warnings = remeshed.lost.as_ref().map(LostComponents::note).into_iter().chain(of_points).collect();
     let report = (!options.without_report).then(|| {
         monitor.stage("measure");
-        let report = Report::of_remesh(&remeshed, &surface.mesh, options.surface.seed);
+        let report = Report::of_remesh(&remeshed, surface.mesh(), options.surface.seed);
         let attributes = (options.carry != Carry::Nothing).then(|| (&carried).into());
         let cloud = surface.cloud.as_ref().map(|cloud| cloud.summary.clone());
         let report = Report { cloud, attributes, ..report };
         match coverage {
-            Some(coverage) => report.of_points(coverage, &surface.mesh),
+            Some(coverage) => report.of_points(coverage, surface.mesh()),
             None => report,
         }
     });
@@ -107,7 +171,7 @@ pub fn remesh(input: &Input, options: &RemeshOptions, monitor: &dyn Monitor) -> 
         shortcomings: remeshed.shortcomings(coverage.as_ref()),
         origins,
         triangle_origins,
-        of_points: surface.points.is_some().then(|| surface.mesh.into_owned()),
+        of_points: surface.of_points.clone(),
         attributes: carried.attributes,
         notes: remeshed.notes,
         mesh: remeshed.mesh,
@@ -131,7 +195,9 @@ pub fn quality(mesh: &Input, against: Option<&Input>) -> Result<Report> {
 
 /// The surface that is remeshed: the input, or the mesh through its points.
 struct Surface<'a> {
-    mesh: Cow<'a, Mesh>,
+    input: &'a Mesh,
+    /// The mesh through its points, if it has no triangles.
+    of_points: Option<Arc<Mesh>>,
     attributes: Cow<'a, Attributes>,
     /// With values for what is known at the vertices of the mesh.
     options: Options,
@@ -153,8 +219,8 @@ impl<'a> Surface<'a> {
     fn new(input: &'a Input, options: &RemeshOptions, monitor: &dyn Monitor) -> Result<Surface<'a>> {
         let resolved = resolved(&options.surface, input.attributes())?;
         if !input.is_cloud() {
-            let (mesh, attributes) = (Cow::Borrowed(input.as_mesh()), Cow::Borrowed(input.attributes()));
-            return Ok(Surface { mesh, attributes, options: resolved, points: None, cloud: None });
+            let (input, attributes) = (input.as_mesh(), Cow::Borrowed(input.attributes()));
+            return Ok(Surface { input, of_points: None, attributes, options: resolved, points: None, cloud: None });
         }
         if let Some(part) = &options.surface.part {
             let cause = "the input has points and no triangles, so nothing could stay as it is".into();
@@ -168,18 +234,21 @@ impl<'a> Surface<'a> {
         let positions = made.surface_points.iter().map(|&p| input.as_mesh().positions[p as usize]).collect();
         Ok(Surface {
             attributes: Cow::Owned(input.attributes().of_vertices(&made.source)),
-            mesh: Cow::Owned(made.mesh),
+            input: input.as_mesh(),
+            of_points: Some(Arc::new(made.mesh)),
             options: Options { grading, smooth: None, of_points: true, ..resolved },
             points: Some(made.source),
             cloud: Some(Cloud { summary: made.summary, positions, spacing: made.spacing }),
         })
     }
-}
 
-impl Surface<'_> {
+    fn mesh(&self) -> &Mesh {
+        self.of_points.as_deref().unwrap_or(self.input)
+    }
+
     /// Where on the input the vertices of a result lie, and the triangle of the input below each of its triangles.
     fn origins(&self, of_result: &Origins) -> (Vec<Origin>, Vec<u32>) {
-        let on_mesh = |point| Origin::on_mesh(point, &self.mesh.triangles);
+        let on_mesh = |point| Origin::on_mesh(point, &self.mesh().triangles);
         let on_input = |origin: Origin| match &self.points {
             Some(points) => origin.between_points(points),
             None => origin,
@@ -225,9 +294,9 @@ fn carried(surface: &Surface, remeshed: &mut Remeshed, wanted: &Carry, monitor: 
         others.iter().for_each(|other| attributes.to_mut().remove(&other.name));
         lost.clone_from(others);
     }
-    let mut carried = carry(&surface.mesh, &attributes, &remeshed.mesh, &remeshed.origins);
+    let mut carried = carry(surface.mesh(), &attributes, &remeshed.mesh, &remeshed.origins);
     if let Some(kept) = &remeshed.kept {
-        carried.keep(&surface.mesh, &attributes, &remeshed.mesh, kept);
+        carried.keep(surface.mesh(), &attributes, &remeshed.mesh, kept);
     }
     carried.lost.splice(0..0, lost);
     check(monitor)?;

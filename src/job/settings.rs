@@ -47,6 +47,7 @@ pub struct SampleSettings {
     pub smooth: Option<f64>,
     pub normals: NormalSettings,
     pub scan_only: bool,
+    pub levels: Option<usize>,
     pub seed: u64,
     pub sweeps: usize,
 }
@@ -123,8 +124,19 @@ impl SampleSettings {
     /// # Errors
     /// Those of [`RemeshSettings::resolve`].
     pub fn resolve(self) -> Result<SampleOptions> {
-        let SampleSettings { points, edge_length, sigma_p, sigma_n, signals, smooth, normals, scan_only, seed, sweeps } =
-            self;
+        let SampleSettings {
+            points,
+            edge_length,
+            sigma_p,
+            sigma_n,
+            signals,
+            smooth,
+            normals,
+            scan_only,
+            levels,
+            seed,
+            sweeps,
+        } = self;
         let given = density(points, edge_length.map(SampleDensity::EdgeLength), sigma_p.map(SampleDensity::SigmaP))?;
         if scan_only && smooth.is_some() {
             let cause = "samples that are points of the input stay where they are".into();
@@ -135,7 +147,8 @@ impl SampleSettings {
             });
         }
         let cloud = normals.resolve(smooth, 0.0)?;
-        Ok(SampleOptions { density: given.ok_or_else(not_dense)?, sigma_n, signals, scan_only, seed, sweeps, cloud })
+        let density = given.ok_or_else(not_dense)?;
+        Ok(SampleOptions { density, sigma_n, signals, scan_only, levels, seed, sweeps, cloud })
     }
 }
 

@@ -56,6 +56,23 @@ pub(super) fn check_length(option: Setting, value: f64) -> Result<()> {
     Err(Error::Option { option, cause: format!("{value} is not a length"), remedy })
 }
 
+/// Refuses numbers of vertices that are no levels of detail, from fine to coarse.
+///
+/// # Errors
+/// [`Error::Option`] for no numbers, ones out of range, and ones that do not fall.
+pub fn check_levels(counts: &[usize]) -> Result<()> {
+    let refuse =
+        |cause: String, remedy: &str| Err(Error::Option { option: Setting::Levels, cause, remedy: remedy.into() });
+    if counts.is_empty() {
+        return refuse("no number of vertices is given".into(), "give one for each level");
+    }
+    counts.iter().try_for_each(|&n| check_count(Setting::Levels, n, format!("{n} vertices are asked for")))?;
+    match counts.windows(2).find(|pair| pair[1] >= pair[0]) {
+        Some(pair) => refuse(format!("{} follows {}", pair[1], pair[0]), "give them from fine to coarse, each smaller"),
+        None => Ok(()),
+    }
+}
+
 pub(super) fn check_count(option: Setting, n: usize, cause: String) -> Result<()> {
     if (FEWEST_POINTS..=MOST_POINTS).contains(&n) {
         return Ok(());

@@ -16,6 +16,7 @@ mod optimization;
 mod options;
 mod origins;
 mod prepared;
+mod progressive;
 mod reconstruct;
 mod redraw;
 mod remesh;
@@ -36,14 +37,15 @@ pub use cloud::{
     SMOOTHING_SUPPORT, mesh_of_points,
 };
 pub use coverage::Coverage;
-pub use density::{Density, FEWEST_POINTS, MOST_POINTS, SampleDensity};
+pub use density::{Density, FEWEST_POINTS, MOST_POINTS, SampleDensity, check_levels};
 pub use edges::Edges;
 pub use kernel::Signal;
 pub use lost::LostComponents;
 pub use options::{Grading, MaxError, Options};
 pub use prepared::{refuse_bad_numbers, refuse_bad_positions};
+pub use progressive::SampleLevel;
 pub use reconstruct::{ReconstructOptions, Reconstructed, points_of_mesh, reconstruct};
-pub use remesh::remesh;
+pub use remesh::{Remesher, remesh};
 pub use result::{Deviation, Remeshed};
 pub use sample::{SampleOptions, Sampled, sample, sample_points};
 pub use selection::Selection;

@@ -59,19 +59,52 @@ const OF_INTEREST: f64 = 0.25;
 /// [`Error::Option`]: crate::base::error::Error::Option
 /// [`Error::Cancelled`]: crate::base::error::Error::Cancelled
 pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<Remeshed> {
-    options.validate()?;
-    let (mut prepared, repaired) = PreparedInput::new(input, options, monitor)?;
-    if options.density == Density::Auto {
-        return with_fewest_points(&prepared, &repaired, monitor);
+    Remesher::new(input, options, monitor)?.remesh(options.density, true, monitor)
+}
+
+/// An input that is repaired once, to be remeshed for one density after the other.
+pub struct Remesher<'a> {
+    prepared: PreparedInput<'a>,
+    /// None while it is remeshed, so that no copy takes memory beside it, and after the last density.
+    repaired: Option<OrientedManifold>,
+}
+
+impl<'a> Remesher<'a> {
+    /// Repairs `input`, and smooths it if `options` say so.
+    ///
+    /// # Errors
+    /// Those of [`remesh`].
+    pub fn new(input: &'a Mesh, options: &'a Options, monitor: &dyn Monitor) -> Result<Remesher<'a>> {
+        options.validate()?;
+        let (prepared, repaired) = PreparedInput::new(input, options, monitor)?;
+        Ok(Remesher { prepared, repaired: Some(repaired) })
     }
-    if let Some((coarse, features)) = coarse(&prepared, &repaired, options.density, monitor)? {
-        prepared.fine = Some(Fine { mesh: repaired, features });
-        return remesh_to(&prepared, || coarse.clone(), options.density, monitor);
+
+    /// What [`remesh`] makes of the input with this density. `is_last` says that no other follows, for which a copy of the
+    /// repaired input would have to be kept.
+    ///
+    /// # Errors
+    /// Those of [`remesh`].
+    pub fn remesh(&mut self, density: Density, is_last: bool, monitor: &dyn Monitor) -> Result<Remeshed> {
+        let Remesher { prepared, repaired: kept } = self;
+        let repaired = kept.take().unwrap_or_else(|| prepared.repaired_again());
+        if density == Density::Auto {
+            return with_fewest_points(prepared, &repaired, monitor);
+        }
+        if let Some((coarse, features)) = coarse(prepared, &repaired, density, monitor)? {
+            prepared.fine = Some(Fine { mesh: repaired, features });
+            let made = remesh_to(prepared, || coarse.clone(), density, monitor);
+            *kept = prepared.fine.take().map(|fine| fine.mesh);
+            return made;
+        }
+        if !is_last {
+            *kept = Some(repaired.clone());
+        }
+        // Mostly one run does; another one repairs the input again.
+        let mut first = Some(repaired);
+        let repaired = || first.take().unwrap_or_else(|| prepared.repaired_again());
+        remesh_to(prepared, repaired, density, monitor)
     }
-    // Mostly one run does: another one repairs the input again, so that no copy takes memory beside the first.
-    let mut first = Some(repaired);
-    let repaired = || first.take().unwrap_or_else(|| prepared.repaired_again());
-    remesh_to(&prepared, repaired, options.density, monitor)
 }
 
 /// The tries that the search for as few vertices as needed takes at most, and the factor between two numbers at which it

@@ -14,6 +14,7 @@ use crate::pipeline::cloud::{CloudOptions, CloudSummary, INTERPOLATING_SUPPORT, 
 use crate::pipeline::density::{SampleDensity, check_count, check_length};
 use crate::pipeline::kernel::{KernelFeatures, Signal, check_kernel, check_signals};
 use crate::pipeline::prepared::{refuse_bad_numbers, refuse_bad_positions};
+use crate::pipeline::progressive::{SampleLevel, progressive_order, sample_levels};
 use crate::pipeline::scale::{
     CANDIDATES_PER_POINT, LONGEST_EDGE, SIGMA_OF_SPACING, SMALLEST_SPACING, Scale, refuse_no_area,
 };
@@ -52,6 +53,9 @@ pub struct SampleOptions {
     pub signals: Vec<Signal>,
     /// Whether the samples are a subset of the input's points, as the scan leaves them. Default: false.
     pub scan_only: bool,
+    /// In how many levels: samples then are in progressive order, such that any first part of them is a good sampling of
+    /// the whole, too, and each level has a quarter of those of the next one. Default: none, in no such order.
+    pub levels: Option<usize>,
     /// Seed of all random numbers. Default: 0.
     pub seed: u64,
     /// Sweeps of gradient ascent. Default: 10, as in the paper (section 6.3).
@@ -68,6 +72,7 @@ impl Default for SampleOptions {
             sigma_n: f64::INFINITY,
             signals: Vec::new(),
             scan_only: false,
+            levels: None,
             seed: 0,
             sweeps: 10,
             cloud: CloudOptions::default(),
@@ -83,6 +88,10 @@ impl SampleOptions {
     pub fn validate(&self) -> Result<()> {
         check_kernel(self.sigma_n, &self.signals)?;
         self.cloud.validate()?;
+        if self.levels == Some(0) {
+            let (cause, remedy) = ("there is at least one".into(), "give 1 or more".into());
+            return Err(Error::Option { option: Setting::Levels, cause, remedy });
+        }
         match self.density {
             SampleDensity::Points(n) => check_count(Setting::Points, n, format!("{n} samples are asked for")),
             SampleDensity::EdgeLength(l) => check_length(Setting::EdgeLength, l),
@@ -104,6 +113,8 @@ pub struct Sampled {
     pub sigma_p: f64,
     /// Samples wanted; `None` if the width of the kernel was to decide.
     pub wanted: Option<usize>,
+    /// The levels, from coarse to fine: each is that many of the first samples. Empty if none were wanted.
+    pub levels: Vec<SampleLevel>,
     /// What became of the points of a cloud that were looked at as a surface; `None` for a mesh.
     pub cloud: Option<CloudSummary>,
     /// Things a user should know, a sentence each.
@@ -172,16 +183,7 @@ fn sample_surface(
         _ => task.on_surface::<MOST_DIMENSIONS>(&domain, &candidates),
     }?;
     let points = Points::from_pairs(samples.iter().map(|s| (unit.outwards_point(s.position), s.normal)));
-    let notes = notes(points.positions().len(), candidates.len(), wanted);
-    Ok(Sampled {
-        points,
-        indices: None,
-        candidates: candidates.len(),
-        sigma_p: unit.size * sigma,
-        wanted,
-        cloud: None,
-        notes,
-    })
+    Ok(task.sampled(points, None, candidates.len(), unit.size * sigma))
 }
 
 /// A subset of the vertices of `input`, which are on the surface `clean`.
@@ -199,11 +201,7 @@ fn sample_vertices(
     let (vertices, numbers) = used_vertices(input, unit, &domain);
     let (first_sigma, wanted) = first_sigma(options.density, area, unit);
     let task = Task { features: &features, first_sigma, wanted, options, monitor };
-    Ok(task.subset(&domain, &Given { samples: &vertices, domain: Some(&domain) })?.of(
-        &input.positions,
-        Some(&numbers),
-        unit.size,
-    ))
+    task.subset(&domain, &Given { samples: &vertices, domain: Some(&domain) }, &input.positions, Some(&numbers), unit)
 }
 
 /// Samples the implicit surface of the points `input`; with [`SampleOptions::scan_only`] the points themselves, which have
@@ -234,11 +232,13 @@ pub fn sample_points(input: &Points, options: &SampleOptions, monitor: &dyn Moni
     let task = Task { features: &features, first_sigma, wanted, options, monitor };
     let sampled = if options.scan_only {
         let given = bare_samples(&cloud.points);
-        task.subset(&BarePoints, &Given { samples: &given, domain: None })?.of(
+        task.subset(
+            &BarePoints,
+            &Given { samples: &given, domain: None },
             input.positions(),
             Some(&cloud.source),
-            unit.size,
-        )
+            &unit,
+        )?
     } else {
         task.on_cloud(&cloud, &unit)?
     };
@@ -252,8 +252,8 @@ fn sample_bare_points(input: &Points, unit: &Unit, options: &SampleOptions, moni
     let (first_sigma, wanted) = first_sigma(options.density, area_of_box(&bare), unit);
     let features = KernelFeatures::of_points(options.sigma_n, &options.signals);
     let task = Task { features: &features, first_sigma, wanted, options, monitor };
-    let mut sampled =
-        task.subset(&BarePoints, &Given { samples: &bare, domain: None })?.of(input.positions(), None, unit.size);
+    let given = Given { samples: &bare, domain: None };
+    let mut sampled = task.subset(&BarePoints, &given, input.positions(), None, unit)?;
     if input.normals().is_empty() {
         sampled.points = sampled.points.with_normals(Vec::new());
     }
@@ -339,45 +339,66 @@ struct Task<'a> {
     monitor: &'a dyn Monitor,
 }
 
-/// Some of given samples, by their numbers.
-struct Subset<'a> {
-    given: &'a [Sample],
-    kept: Vec<u32>,
-    sigma: f64,
-    wanted: Option<usize>,
-}
-
-impl Subset<'_> {
-    /// The result for points of the input at `positions`, `numbers` of them if not all were given.
-    fn of(self, positions: &[DVec3], numbers: Option<&[u32]>, unit: f64) -> Sampled {
-        let Subset { given, kept, sigma, wanted } = self;
-        let indices: Vec<u32> = kept.iter().map(|&i| numbers.map_or(i, |numbers| numbers[i as usize])).collect();
-        let points = Points::from_pairs(
-            indices.iter().zip(&kept).map(|(&i, &k)| (positions[i as usize], given[k as usize].normal)),
-        );
-        let notes = notes(kept.len(), given.len(), wanted);
-        Sampled {
-            points,
-            indices: Some(indices),
-            candidates: given.len(),
-            sigma_p: unit * sigma,
-            wanted,
-            cloud: None,
-            notes,
-        }
-    }
-}
-
 impl Task<'_> {
-    /// Those of `given` that the scan keeps.
-    fn subset<'a, S: Surface>(&self, surface: &S, given: &Given<'a>) -> Result<Subset<'a>> {
-        let (sigma, mut kept) = match self.features.dimensions() {
-            3 => self.kept_of::<S, 3>(surface, given),
-            6 => self.kept_of::<S, 6>(surface, given),
-            _ => self.kept_of::<S, MOST_DIMENSIONS>(surface, given),
+    /// The result for points of the input at `positions` that the scan keeps of `given`; these are points of the input by
+    /// `numbers`, if not all were given.
+    fn subset<S: Surface>(
+        &self,
+        surface: &S,
+        given: &Given,
+        positions: &[DVec3],
+        numbers: Option<&[u32]>,
+        unit: &Unit,
+    ) -> Result<Sampled> {
+        let (sigma, kept) = match self.features.dimensions() {
+            3 => self.subset_of::<S, 3>(surface, given),
+            6 => self.subset_of::<S, 6>(surface, given),
+            _ => self.subset_of::<S, MOST_DIMENSIONS>(surface, given),
         }?;
+        let indices: Vec<u32> = kept.iter().map(|&i| numbers.map_or(i, |numbers| numbers[i as usize])).collect();
+        let pairs = indices.iter().zip(&kept).map(|(&i, &k)| (positions[i as usize], given.samples[k as usize].normal));
+        Ok(self.sampled(Points::from_pairs(pairs), Some(indices), given.samples.len(), unit.size * sigma))
+    }
+
+    /// Those of `given` that the scan keeps: in progressive order if levels are wanted, else in their own.
+    fn subset_of<S: Surface, const D: usize>(&self, surface: &S, given: &Given) -> Result<(f64, Vec<u32>)> {
+        let (sigma, mut kept) = self.kept_of::<S, D>(surface, given)?;
         kept.sort_unstable();
-        Ok(Subset { given: given.samples, kept, sigma, wanted: self.wanted })
+        let samples: Vec<Sample> = kept.iter().map(|&i| given.samples[i as usize]).collect();
+        let order = self.order::<S, D>(surface, &samples, sigma)?;
+        Ok((sigma, order.map_or(kept.clone(), |order| order.into_iter().map(|i| kept[i as usize]).collect())))
+    }
+
+    /// The progressive order of `samples`, if levels are wanted.
+    fn order<S: Surface, const D: usize>(
+        &self,
+        surface: &S,
+        samples: &[Sample],
+        sigma: f64,
+    ) -> Result<Option<Vec<u32>>> {
+        let order = || progressive_order::<S, D>(surface, self.features, samples, sigma, self.monitor);
+        self.options.levels.map(|_| order()).transpose()
+    }
+
+    /// The samples in progressive order if levels are wanted, else as they are.
+    fn in_order<S: Surface, const D: usize>(
+        &self,
+        surface: &S,
+        samples: Vec<Sample>,
+        sigma: f64,
+    ) -> Result<Vec<Sample>> {
+        let order = self.order::<S, D>(surface, &samples, sigma)?;
+        Ok(order.map_or(samples.clone(), |order| order.into_iter().map(|i| samples[i as usize]).collect()))
+    }
+
+    /// The result for samples of which so many candidates were looked at; `sigma_p` is in the units of the input.
+    fn sampled(&self, points: Points, indices: Option<Vec<u32>>, candidates: usize, sigma_p: f64) -> Sampled {
+        let levels = self.options.levels.map_or(Vec::new(), |wanted| sample_levels(points.positions(), wanted));
+        let mut notes = notes(points.positions().len(), candidates, self.wanted);
+        notes.extend(self.options.levels.filter(|&wanted| levels.len() < wanted).map(|wanted| {
+            format!("{} levels instead of {wanted}: a coarser one would have less than three points", levels.len())
+        }));
+        Sampled { points, indices, candidates, sigma_p, wanted: self.wanted, levels, cloud: None, notes }
     }
 
     fn kept_of<S: Surface, const D: usize>(&self, surface: &S, given: &Given) -> Result<(f64, Vec<u32>)> {
@@ -404,7 +425,7 @@ impl Task<'_> {
                 None => samples,
             };
             self.ascend::<_, D>(domain, kernel, &mut samples)?;
-            Ok((sigma, samples))
+            Ok((sigma, self.in_order::<_, D>(domain, samples, sigma)?))
         })
     }
 
@@ -422,17 +443,7 @@ impl Task<'_> {
             _ => self.ascended::<MOST_DIMENSIONS>(&surface, &choices),
         }?;
         let points = Points::from_pairs(samples.iter().map(|s| (unit.outwards_point(s.position), s.normal)));
-        let notes = notes(samples.len(), choices.len(), self.wanted);
-        let sigma_p = unit.size * sigma;
-        Ok(Sampled {
-            points,
-            indices: None,
-            candidates: choices.len(),
-            sigma_p,
-            wanted: self.wanted,
-            cloud: None,
-            notes,
-        })
+        Ok(self.sampled(points, None, choices.len(), unit.size * sigma))
     }
 
     /// Those of `choices` that the scan keeps, after ascent on `surface`.
@@ -440,7 +451,7 @@ impl Task<'_> {
         let (sigma, kept) = self.kept_of::<_, D>(surface, &Given { samples: choices, domain: None })?;
         let mut samples: Vec<Sample> = kept.into_iter().map(|i| choices[i as usize]).collect();
         self.features.with_kernel(sigma, |kernel| self.ascend::<_, D>(surface, kernel, &mut samples))?;
-        Ok((sigma, samples))
+        Ok((sigma, self.in_order::<_, D>(surface, samples, sigma)?))
     }
 
     fn ascend<S: Surface, const D: usize>(&self, surface: &S, kernel: Kernel, samples: &mut [Sample]) -> Result<()> {

@@ -16,5 +16,7 @@ pub use crate::pipeline::{CloudSummary, Coverage, Deviation};
 pub use crate::prepare::repair::Repairs;
 pub use crate::quality::distance::Distance;
 pub use crate::quality::shape::Shape;
-pub use remeshing::{AttributesKept, Crossings, Measured, Report, SCHEMA, Sampling, all_to_json, left_out, noise};
+pub use remeshing::{
+    AttributesKept, Crossings, Measured, Report, SCHEMA, Sampling, all_to_json, all_to_text, left_out, noise,
+};
 pub use run::{Lap, RunSummary};

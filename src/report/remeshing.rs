@@ -264,6 +264,11 @@ pub fn all_to_json(reports: &[Report]) -> String {
     }
 }
 
+/// The table of each report, with a line between.
+pub fn all_to_text(reports: &[Report]) -> String {
+    reports.iter().map(Report::to_text).collect::<Vec<_>>().join("\n")
+}
+
 /// The surface that a result is to be near to: the input without the faces that repairs took from between its cells.
 pub(super) fn outside<'a>(input: &'a Mesh, repairs: &Repairs) -> Cow<'a, Mesh> {
     match repairs.faces_between_cells {

@@ -1,6 +1,6 @@
 //! What a run that only samples did: as JSON of a fixed schema, and as a few lines for a terminal.
 
-use crate::pipeline::{CloudSummary, SampleOptions, Sampled};
+use crate::pipeline::{CloudSummary, SampleLevel, SampleOptions, Sampled};
 use crate::report::rows::significant;
 use crate::report::run::{RunSummary, to_json};
 use serde::{Deserialize, Serialize};
@@ -32,6 +32,9 @@ pub struct SamplesReport {
     pub sigma_p: f64,
     /// Kernel width σn along unit normals; `None` if it is infinite.
     pub sigma_n: Option<f64>,
+    /// The levels, from coarse to fine, each the first so many samples; empty if none were asked for.
+    #[serde(default)]
+    pub levels: Vec<SampleLevel>,
     /// Seed of all random numbers.
     pub seed: u64,
     /// Sweeps of ascent that were made.
@@ -57,6 +60,7 @@ impl SamplesReport {
             scan_only: sampled.indices.is_some(),
             sigma_p: sampled.sigma_p,
             sigma_n: options.sigma_n.is_finite().then_some(options.sigma_n),
+            levels: sampled.levels.clone(),
             seed: options.seed,
             sweeps: if sampled.indices.is_some() { 0 } else { options.sweeps },
             cloud: sampled.cloud.clone(),
@@ -84,6 +88,11 @@ impl SamplesReport {
             let _ = write!(out, ", σn {sigma_n}");
         }
         out.push('\n');
+        for (i, SampleLevel { points, spacing, smallest_distance }) in (1..).zip(&self.levels) {
+            let (spacing, smallest) = (significant(*spacing), significant(*smallest_distance));
+            let _ =
+                writeln!(out, "level {i}: the first {points}, nearest at {spacing} in the mean, {smallest} at least");
+        }
         out + &self.run.note_lines()
     }
 }

@@ -33,7 +33,7 @@ const POINTS_PER_MISSING: usize = 32;
 const FEWEST_POINTS: usize = 1024;
 
 /// Width of a cell in units of σ.
-const CELL: f64 = RADIUS / 2.0;
+const CELL: f64 = RADIUS;
 
 /// The samples that the scan keeps of `points`: their numbers, in the order in which they were kept. `sigma` is the
 /// width of the kernel in the units of the coordinates.
@@ -77,6 +77,21 @@ pub fn thin_or_fill<S: Submanifold<D>, const D: usize>(
     samples.thin_to(wanted);
     samples.fill_to(wanted);
     samples.numbers
+}
+
+/// Removes those of the points numbered in `chosen` that the scan would not keep among the others, the least important
+/// first: those removed, in this order.
+pub fn thin_to_scan<S: Submanifold<D>, const D: usize>(
+    manifold: &S,
+    points: &[S::Point],
+    chosen: &mut Vec<u32>,
+    sigma: f64,
+) -> Vec<u32> {
+    let mut samples = Samples::new(manifold, points, sigma);
+    chosen.iter().for_each(|&point| samples.insert(point));
+    let removed = samples.thin_while(|_, measure| measure <= EPSILON);
+    *chosen = samples.numbers;
+    removed
 }
 
 /// Some of the given points.
@@ -141,25 +156,33 @@ impl<'a, S: Submanifold<D>, const D: usize> Samples<'a, S, D> {
 
     /// Removes samples until there are no more than `wanted`.
     fn thin_to(&mut self, wanted: usize) {
-        if self.numbers.len() <= wanted {
-            return;
+        if self.numbers.len() > wanted {
+            self.thin_while(|count, _| count > wanted);
         }
+    }
+
+    /// Removes the sample with the smallest s as long as `goes` says so of the number of samples and of that s: those
+    /// removed, in this order.
+    fn thin_while(&mut self, goes: impl Fn(usize, f64) -> bool) -> Vec<u32> {
         let ranked: Vec<Ranked> = self.numbers.par_iter().map(|&i| Ranked::new(-self.measure(i, 0.0), i)).collect();
         let mut heap = BinaryHeap::from(ranked);
-        let mut removed = vec![false; self.points.len()];
-        let mut count = self.numbers.len();
-        while count > wanted {
-            let Some(top) = heap.pop() else { break };
+        let mut removed = Vec::new();
+        let mut is_removed = vec![false; self.points.len()];
+        while let Some(top) = heap.pop() {
             let now = -self.measure(top.index, 0.0);
             if now < top.rank {
                 heap.push(Ranked::new(now, top.index));
                 continue;
             }
+            if !goes(self.numbers.len() - removed.len(), -now) {
+                break;
+            }
             self.cells.remove(top.index, &self.coordinates(top.index));
-            removed[top.index as usize] = true;
-            count -= 1;
+            is_removed[top.index as usize] = true;
+            removed.push(top.index);
         }
-        self.numbers.retain(|&i| !removed[i as usize]);
+        self.numbers.retain(|&i| !is_removed[i as usize]);
+        removed
     }
 
     /// Adds samples until there are `wanted`, or no points any more that differ: of a part of the points first.

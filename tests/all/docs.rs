@@ -63,7 +63,7 @@ mod commands {
     use std::path::Path;
     use std::process::{Command, Stdio};
 
-    const PAGES: [&str; 11] = [
+    const PAGES: [&str; 12] = [
         "README.md",
         "docs/choosing.md",
         "docs/clouds.md",
@@ -72,6 +72,7 @@ mod commands {
         "docs/formats.md",
         "docs/gallery.md",
         "docs/grading.md",
+        "docs/levels.md",
         "docs/options.md",
         "docs/report.md",
         "docs/scan.md",
@@ -142,6 +143,11 @@ mod commands {
     #[test]
     fn on_grading() {
         run("docs/grading.md");
+    }
+
+    #[test]
+    fn on_levels_of_detail() {
+        run("docs/levels.md");
     }
 
     #[test]

@@ -23,8 +23,8 @@ use crate::common::{cuboid, cylinder, plate, sheet, soup, sphere, together};
 use glam::{DVec2, DVec3, dvec3};
 use spectral_remesh::stages::geom::triangle::closest_point;
 use spectral_remesh::{
-    Attribute, Attributes, Density, Error, Fault, MaxError, Mesh, Monitor, Origin, ReconstructOptions, SampleOptions,
-    Scalar, quality, reconstruct, sample,
+    Attribute, Attributes, Density, Error, Fault, MaxError, Mesh, Monitor, Origin, Outcome, ReconstructOptions,
+    SampleOptions, Scalar, Setting, quality, reconstruct, remesh_levels, sample,
 };
 use std::sync::Mutex;
 
@@ -122,6 +122,67 @@ fn vertices_of_a_cloud_lie_between_its_points() {
         assert!(distance(position, place(origin, &positions)) < 0.05);
         assert!((0..3).all(|k| (color[k] - 0.5 - 0.5 * position[k]).abs() < 0.03));
     }
+}
+
+#[test]
+fn each_level_is_what_its_number_of_vertices_gives_alone() {
+    // Triangles of their own to join, and a cloud to lay a surface through.
+    let mesh = soup(&sphere(4, DVec3::ZERO, 1.0));
+    let positions = arrays(&sphere(4, DVec3::ZERO, 1.0));
+    for input in [Input::from(&mesh), Input::points(&positions)] {
+        let mut levels = Vec::new();
+        let keep = &mut |outcome| {
+            levels.push(outcome);
+            Ok(())
+        };
+        remesh_levels(&input, &Options::points(7).into(), &[600, 200, 60], keep, &()).unwrap();
+        assert_eq!(levels.len(), 3);
+        for (level, count) in levels.iter().zip([600, 200, 60]) {
+            let alone = remesh(&input, &Options::points(count).into(), &()).unwrap();
+            assert!(level.mesh == alone.mesh && level.origins == alone.origins && level.report == alone.report);
+            assert!(level.of_points == alone.of_points && level.verified());
+        }
+    }
+}
+
+#[test]
+fn levels_fall_and_may_be_given_up() {
+    let mesh = sphere(3, DVec3::ZERO, 1.0);
+    let made = |counts: &[usize], each: &mut dyn FnMut(Outcome) -> spectral_remesh::Result<()>| {
+        remesh_levels(&Input::from(&mesh), &RemeshOptions::default(), counts, each, &())
+    };
+    for (counts, words) in
+        [(&[][..], "no number"), (&[90, 2], "2 vertices"), (&[90, 100], "100 follows 90"), (&[90, 90], "90 follows")]
+    {
+        let error = made(counts, &mut |_| Ok(())).unwrap_err();
+        assert!(matches!(error, Error::Option { option: Setting::Levels, .. }) && error.to_string().contains(words));
+    }
+    let mut count = 0;
+    let stop = &mut |_| {
+        count += 1;
+        Err(Error::Cancelled)
+    };
+    assert_eq!((made(&[90, 50], stop), count), (Err(Error::Cancelled), 1));
+}
+
+#[test]
+fn the_share_that_is_done_grows_over_all_levels() {
+    #[derive(Default)]
+    struct Shares(Mutex<Vec<f64>>);
+    impl Monitor for Shares {
+        fn progress(&self, done: f64) {
+            self.0.lock().unwrap().push(done);
+        }
+    }
+    let (mesh, monitor) = (sphere(3, DVec3::ZERO, 1.0), Shares::default());
+    let mut after = Vec::new();
+    let keep = &mut |_| {
+        after.push(*monitor.0.lock().unwrap().last().unwrap());
+        Ok(())
+    };
+    remesh_levels(&Input::from(&mesh), &RemeshOptions::default(), &[300, 100], keep, &monitor).unwrap();
+    assert_eq!(after, [0.75, 1.0]);
+    assert!(monitor.0.into_inner().unwrap().is_sorted());
 }
 
 #[test]

@@ -3,7 +3,7 @@
 #[path = "../../examples/any_dimension/ten.rs"]
 mod ten;
 
-use crate::common::{audit, cuboid, moved, noisy, random, sphere, torus};
+use crate::common::{audit, cuboid, moved, noisy, random, sphere, together, torus};
 use glam::{DVec3, dvec3};
 use spectral_remesh::stages::base::rng::unit;
 use spectral_remesh::stages::geom::vector::length_squared;
@@ -15,6 +15,7 @@ use spectral_remesh::stages::surface::submanifold::{FlatTorus, Submanifold, Unit
 use spectral_remesh::{
     CloudOptions, Density, Grading, Mesh, Options, Points, SampleDensity, SampleOptions, Sampled, Signal, Values,
 };
+use std::f64::consts::TAU;
 
 const SWEEPS: usize = 10;
 
@@ -55,7 +56,7 @@ fn blue_noise_on_the_toroidal_square_is_that_of_the_paper() {
 fn low_frequencies_are_missing() {
     let points = relaxed(&FlatTorus, unit_points::<2>(400, 3), 1.0);
     let power = |f: [f64; 2]| {
-        let phases = points.iter().map(|x| std::f64::consts::TAU * (f[0] * x[0] + f[1] * x[1]));
+        let phases = points.iter().map(|x| TAU * (f[0] * x[0] + f[1] * x[1]));
         let (sin, cos) = phases.map(f64::sin_cos).fold((0.0, 0.0), |s, p| (s.0 + p.0, s.1 + p.1));
         (sin * sin + cos * cos) / 400.0
     };
@@ -145,7 +146,7 @@ fn exactly_as_many_samples_evenly_on_the_surface() {
 #[test]
 fn the_samples_are_the_same_for_any_number_of_threads() {
     let ring = torus(90, 40, 1.0, 0.35);
-    let options = SampleOptions { sigma_n: 0.6, ..count(700) };
+    let options = SampleOptions { sigma_n: 0.6, levels: Some(3), ..count(700) };
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| sampled(&ring, &options))
@@ -165,6 +166,81 @@ fn a_subset_of_the_vertices_with_their_numbers() {
     assert!(indices.windows(2).all(|pair| pair[0] < pair[1]));
     assert!(indices.iter().zip(points.positions()).all(|(&i, p)| *p == ball.positions[i as usize]));
     assert!(poisson_disk_radius(&Space, points.positions(), ball.area()) > 0.45);
+}
+
+/// The distance of each point to the nearest other one.
+fn nearest(points: &[DVec3]) -> Vec<f64> {
+    let others = |i: usize| (0..points.len()).filter(move |&j| j != i).map(move |j| points[i].distance(points[j]));
+    (0..points.len()).map(|i| others(i).fold(f64::INFINITY, f64::min)).collect()
+}
+
+/// The standard deviation, over the mean, of how many points lie within three spacings of places on the unit sphere.
+fn unevenness(points: &[DVec3], places: &[DVec3]) -> f64 {
+    let reach = 6.0 * largest_radius(points.len(), 2.0 * TAU);
+    let counts = places.iter().map(|p| points.iter().filter(|q| p.distance(**q) < reach).count() as f64);
+    let (sum, squares) = counts.fold((0.0, 0.0), |s, n| (s.0 + n, s.1 + n * n));
+    (places.len() as f64 * squares / (sum * sum) - 1.0).sqrt()
+}
+
+#[test]
+fn any_first_part_of_progressive_samples_is_as_good_as_a_fresh_scan() {
+    let ball = sphere(5, DVec3::ZERO, 1.0);
+    let all = sampled(&ball, &SampleOptions { levels: Some(3), ..count(2000) });
+    let points = all.points.positions();
+    assert_eq!(all.levels.iter().map(|level| level.points).collect::<Vec<_>>(), [125, 500, 2000]);
+    for level in &all.levels {
+        let nearest = nearest(&points[..level.points]);
+        let mean = nearest.iter().sum::<f64>() / nearest.len() as f64;
+        let smallest = nearest.into_iter().fold(f64::INFINITY, f64::min);
+        assert!((level.spacing - mean).abs() < 1e-9 && (level.smallest_distance - smallest).abs() < 1e-9);
+    }
+    for n in [2000, 1700, 1200, 1000, 800, 500, 350, 250, 180, 125, 90, 60] {
+        let fresh = sampled(&ball, &SampleOptions { sweeps: 0, ..count(n) });
+        let [first, fresh] = [&points[..n], fresh.points.positions()];
+        let [of_first, of_fresh] = [first, fresh].map(|p| poisson_disk_radius(&Space, p, ball.area()));
+        assert!(of_first > 0.9 * of_fresh, "{n}: radius {of_first}, of a fresh scan {of_fresh}");
+        let [of_first, of_fresh] = [first, fresh].map(|p| unevenness(p, &ball.positions));
+        assert!(of_first < 1.1 * of_fresh, "{n}: unevenness {of_first}, of a fresh scan {of_fresh}");
+    }
+}
+
+#[test]
+fn levels_change_the_order_and_not_the_samples() {
+    let ring = torus(90, 40, 1.0, 0.35);
+    for options in [count(700), SampleOptions { scan_only: true, sigma_n: 0.6, ..count(700) }] {
+        let plain = sampled(&ring, &options);
+        let ordered = sampled(&ring, &SampleOptions { levels: Some(2), ..options });
+        let sorted = |made: &Sampled| {
+            let mut places: Vec<[u64; 3]> =
+                made.points.positions().iter().map(|p| p.to_array().map(f64::to_bits)).collect();
+            places.sort_unstable();
+            places
+        };
+        assert!(sorted(&plain) == sorted(&ordered) && plain.points != ordered.points);
+        for (i, &number) in ordered.indices.iter().flatten().enumerate() {
+            assert_eq!(ordered.points.positions()[i], ring.positions[number as usize]);
+        }
+    }
+}
+
+#[test]
+fn a_line_and_many_components_have_levels_too() {
+    let line: Vec<DVec3> = (0..300).map(|i| f64::from(i) * dvec3(1.0, 2.0, -1.0)).collect();
+    let options = SampleOptions { scan_only: true, levels: Some(9), ..count(64) };
+    let made = sample_points(&cloud(line), &options, &()).unwrap();
+    assert_eq!(made.levels.iter().map(|level| level.points).collect::<Vec<_>>(), [4, 16, 64]);
+    assert!(made.notes[0].contains("3 levels instead of 9"), "{:?}", made.notes);
+    for level in &made.levels {
+        assert!(level.smallest_distance > 0.5 * level.spacing, "{level:?}");
+    }
+    // Of balls far from each other nothing tells which comes first but where they are.
+    let balls: Vec<Mesh> =
+        (0..36).map(|i| sphere(2, 20.0 * dvec3(f64::from(i % 6), f64::from(i / 6), 0.0), 1.0)).collect();
+    let made = sampled(&together(&balls), &SampleOptions { levels: Some(1), ..count(720) });
+    let first = nearest(&made.points.positions()[..9]);
+    assert!(first.iter().all(|&distance| distance > 25.0), "{first:?}");
+    let none = sample(&balls[0], &SampleOptions { levels: Some(0), ..count(100) }, &());
+    assert!(none.unwrap_err().to_string().contains("give 1 or more"));
 }
 
 #[test]

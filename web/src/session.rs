@@ -90,7 +90,7 @@ impl Session {
     fn about(&self) -> Result<(&Mesh, Subject<'_>), Error> {
         let outcome = self.outcome()?;
         let report = outcome.report.as_ref().ok_or_else(|| missing("no report"))?;
-        let reference = outcome.of_points.as_ref().map_or_else(|| self.input().map(|(_, mesh)| mesh), Ok)?;
+        let reference = outcome.of_points.as_deref().map_or_else(|| self.input().map(|(_, mesh)| mesh), Ok)?;
         Ok((reference, Subject { report, mesh: &outcome.mesh, edges: Some(&outcome.edges) }))
     }
 

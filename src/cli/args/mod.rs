@@ -38,6 +38,8 @@ Examples:
       triangles of about that size, and a report as JSON
   remesh scan.ply clean.ply --points auto --max-error 0.2%
       as few vertices as stay within 0.2 % of the diagonal of the input
+  remesh scan.ply scan.glb --levels 50000,10000,2000
+      levels of detail: a finished mesh of each number of vertices
   remesh sample scan.ply points.ply --points 20000
       blue noise without triangles: points with normals
   remesh reconstruct scan.ply dense.ply --resolution 0.2
@@ -64,12 +66,14 @@ Exit status:
 #[derive(Debug, Parser)]
 #[command(name = "remesh", version, after_help = AFTER_HELP, max_term_width = 100)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
-#[command(override_usage = "remesh <IN> <OUT> <--points N|auto | --edge-length L | --sigma-p S> [OPTIONS]\n       \
+#[command(
+    override_usage = "remesh <IN> <OUT> <--points N|auto | --levels N,N,... | --edge-length L | --sigma-p S> [OPTIONS]\n       \
                             remesh sample <IN> <OUT> <--points N | --edge-length L | --sigma-p S> [OPTIONS]\n       \
                             remesh reconstruct <IN> <OUT> [--resolution R] [--smooth W] [OPTIONS]\n       \
                             remesh quality <MESH>... [--against <INPUT>] [--json] [--report F]\n       \
                             remesh completions <SHELL>\n       \
-                            remesh man [COMMAND]")]
+                            remesh man [COMMAND]"
+)]
 struct Args {
     #[command(subcommand)]
     command: Option<Command>,
@@ -173,8 +177,8 @@ mod tests {
     fn no_flags_give_the_default() {
         let file = |path: &str| MeshFile { path: path.into(), format: None };
         let job = remeshing("remesh a.obj b.ply --points 10000");
-        let Remeshing { input, output, options, sizing, run } = job;
-        assert_eq!(options, RemeshOptions::default());
+        let Remeshing { input, output, options, levels, sizing, run } = job;
+        assert_eq!((options, levels), (RemeshOptions::default(), vec![]));
         assert_eq!((input, output, sizing), (file("a.obj"), file("b.ply"), None));
         assert_eq!(run, Run { threads: None, report: None, voice: Voice::Normal });
     }
@@ -204,6 +208,7 @@ mod tests {
         assert_eq!(remeshing("remesh a b --points 5 --no-attributes").options.carry, Carry::Nothing);
         assert_eq!(remeshing("remesh a b --edge-length 2 -q").options.surface.density, Density::EdgeLength(2.0));
         assert_eq!(remeshing("remesh a b --points 5 -q").run.voice, Voice::Quiet);
+        assert_eq!(remeshing("remesh a b --levels 90,30,9").levels, [90, 30, 9]);
         let part = Some(Selection::Box([-1.0, 0.0, 0.5], [1.0, 2.0, 3e1]));
         assert_eq!(remeshing("remesh a b --points 5 --within -1,0,.5,1,2,3e1").options.surface.part, part);
         let mark = |attribute: &str, value| Some(Selection::Marked { attribute: attribute.into(), value });
@@ -266,6 +271,10 @@ mod tests {
             "remesh a b --points -4",
             "remesh a b --point 4",
             "remesh a b --points 4 --max-error 0",
+            "remesh a b --points 9 --levels 9,4",
+            "remesh a b --levels 9,many",
+            "remesh a b --levels 9,9",
+            "remesh a b --levels 9,2",
             "remesh a b --points 4 --max-error x%",
             "remesh a b --edge-length 0",
             "remesh a b --edge-length nan",

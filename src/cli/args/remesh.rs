@@ -6,7 +6,7 @@ use crate::cli::args::words::{PropertyWidth, Sizing, no_density, positive_or_zer
 use crate::job::RemeshOptions;
 use crate::job::settings::RemeshSettings;
 use crate::job::words::{features, mark, max_error, points, positive};
-use crate::pipeline::{CloudOptions, Density, MaxError, Options, SMOOTHING_SUPPORT, Selection, Signal};
+use crate::pipeline::{CloudOptions, Density, MaxError, Options, SMOOTHING_SUPPORT, Selection, Signal, check_levels};
 use crate::surface::features::Features;
 use std::path::PathBuf;
 
@@ -27,6 +27,10 @@ pub(super) struct RemeshArgs {
     /// Number of vertices of the output; auto, with --max-error, takes as many as that needs
     #[arg(long, value_name = "N|auto", group = "density", allow_negative_numbers = true, value_parser = points)]
     points: Option<Density>,
+    /// Levels of detail: a mesh of each of these numbers of vertices, from fine to coarse, as OUT-1, OUT-2 and so on, or all
+    /// in one file of glTF or GLB
+    #[arg(long, value_name = "N,N,...", group = "density", allow_negative_numbers = true, value_delimiter = ',')]
+    levels: Vec<usize>,
     /// Mean edge length of the output, in the units of the input
     #[arg(long, value_name = "L", group = "density", allow_negative_numbers = true, value_parser = positive)]
     edge_length: Option<f64>,
@@ -98,6 +102,8 @@ pub struct Remeshing {
     pub output: MeshFile,
     /// What to make of it; lengths that are in a file of their own are still to be read.
     pub options: RemeshOptions,
+    /// The numbers of vertices of the levels, if it is to be more than one mesh.
+    pub levels: Vec<usize>,
     /// Where the wanted lengths are, if there are any.
     pub sizing: Option<Sizing>,
     /// How it goes on meanwhile.
@@ -108,6 +114,7 @@ impl RemeshArgs {
     pub(super) fn resolve(self, files: FileArgs) -> Result<Remeshing, Stop> {
         let RemeshArgs {
             points,
+            levels,
             edge_length,
             sigma_p,
             seed,
@@ -130,6 +137,10 @@ impl RemeshArgs {
         } = self;
         let (input, output) = formats.resolve(files.input, files.output);
         let sizing = sizing.map(Sizing::from);
+        if !levels.is_empty() {
+            check_levels(&levels).map_err(|e| refused(&e))?;
+        }
+        let points = points.or(levels.first().map(|&n| Density::Points(n)));
         if points.is_none() && edge_length.is_none() && sigma_p.is_none() && sizing.is_none() {
             return Err(no_density());
         }
@@ -155,6 +166,6 @@ impl RemeshArgs {
             optimize: optimize != 0,
         };
         let options = settings.resolve().map_err(|e| refused(&e))?;
-        Ok(Remeshing { input, output, options, sizing, run: run.into() })
+        Ok(Remeshing { input, output, options, levels, sizing, run: run.into() })
     }
 }

@@ -49,6 +49,10 @@ pub(super) struct SampleArgs {
     /// Take a subset of the input's points by the linear scan alone
     #[arg(long)]
     scan_only: bool,
+    /// Write the points in progressive order, in which any first part of them is evenly spread, too: K levels, each with
+    /// a quarter of the points of the next one. The report says where each ends
+    #[arg(long, value_name = "K", allow_negative_numbers = true)]
+    levels: Option<usize>,
     /// Seed of the random numbers: same seed, same input, same output
     #[arg(long, value_name = "SEED", default_value_t = SampleOptions::default().seed)]
     seed: u64,
@@ -88,6 +92,7 @@ impl SampleArgs {
             smooth,
             normals,
             scan_only,
+            levels,
             seed,
             sweeps,
             format,
@@ -105,6 +110,7 @@ impl SampleArgs {
             smooth,
             normals: normals.into(),
             scan_only,
+            levels,
             seed,
             sweeps,
         };

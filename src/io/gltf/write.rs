@@ -1,5 +1,6 @@
 //! Writing glTF and GLB: a node and a mesh for each part, a primitive for each of its materials; one buffer of vertices,
-//! which all primitives share, then indices, then images.
+//! which all primitives share, then indices, then images. Of several levels of detail each has its own, and the node of
+//! the finest one names those of the others (MSFT_lod).
 //!
 //! Vertices on seams of the texture are written once for each pair of texture coordinates, as the format wants it.
 
@@ -9,12 +10,14 @@ use crate::io::base64;
 use crate::io::bytes::narrow;
 use crate::io::content::Content;
 use crate::mesh::attributes::{Attribute, Attributes, Scalar, Wedges};
+use crate::mesh::materials::Materials;
 use crate::mesh::topology::NONE;
 use glam::DVec3;
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
+use std::ops::Range;
 
 const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
@@ -23,12 +26,15 @@ const ELEMENT_ARRAY_BUFFER: u32 = 34_963;
 const POINTS: u32 = 0;
 const TRIANGLES: u32 = 4;
 
+/// The extension of nodes with levels of detail.
+const LEVELS: &str = "MSFT_lod";
+
 /// Writes glTF 2.0 with its data in the file, in single precision.
 ///
 /// # Errors
 /// `InvalidData` for coordinates beyond single precision; else what `out` fails with.
-pub(crate) fn write_gltf(content: &Content, out: &mut dyn Write) -> io::Result<()> {
-    let Document { mut root, bin } = document(content)?;
+pub(crate) fn write_gltf(levels: &[Content], out: &mut dyn Write) -> io::Result<()> {
+    let Document { mut root, bin } = document(levels)?;
     if !bin.is_empty() {
         let uri = format!("data:application/octet-stream;base64,{}", base64::encode(&bin));
         root["buffers"][0]["uri"] = uri.into();
@@ -40,8 +46,8 @@ pub(crate) fn write_gltf(content: &Content, out: &mut dyn Write) -> io::Result<(
 ///
 /// # Errors
 /// `InvalidData` for coordinates beyond single precision; else what `out` fails with, or more than 4 GB.
-pub(crate) fn write_glb(content: &Content, out: &mut dyn Write) -> io::Result<()> {
-    let Document { root, bin } = document(content)?;
+pub(crate) fn write_glb(levels: &[Content], out: &mut dyn Write) -> io::Result<()> {
+    let Document { root, bin } = document(levels)?;
     glb::join(serde_json::to_vec(&root)?, &bin, out)
 }
 
@@ -59,30 +65,74 @@ struct Lists {
     bin: Vec<u8>,
 }
 
-/// The whole file. A mesh without vertices is a file without scenes, because no list in glTF may be empty; one without
-/// triangles is a cloud of points.
-fn document(content: &Content) -> io::Result<Document> {
+/// The whole file: one mesh, or its levels of detail from fine to coarse, which have the same materials. A mesh without
+/// vertices is a file without scenes, because no list in glTF may be empty; one without triangles is a cloud of points.
+fn document(levels: &[Content]) -> io::Result<Document> {
     let asset = json!({ "version": "2.0", "generator": "spectral-remesh" });
-    if content.positions.is_empty() {
+    if levels.iter().any(|content| content.positions.is_empty()) {
         return Ok(Document { root: json!({ "asset": asset }), bin: Vec::new() });
     }
-    let wedges = wedges(content);
-    let mut lists = Lists::default();
-    let attributes = vertices(content, wedges.as_ref(), &mut lists)?;
-    let corners = wedges.as_ref().map_or(content.triangles, |w| &w.corners);
-    let meshes = meshes(content, corners, &attributes, &mut lists);
-    let materials = content.attributes.materials.as_ref();
-    let looks = materials.map(|m| Written::new(m, wedges.is_some(), |image| lists.image(image)));
+    let (mut lists, mut has_coordinates) = (Lists::default(), false);
+    let (mut nodes, mut all) = (Vec::new(), Vec::new());
+    let mut of_level = Vec::new();
+    for content in levels {
+        let wedges = wedges(content);
+        has_coordinates |= wedges.is_some();
+        let attributes = vertices(content, wedges.as_ref(), &mut lists)?;
+        let corners = wedges.as_ref().map_or(content.triangles, |w| &w.corners);
+        let first = nodes.len();
+        for (name, list) in meshes(content, corners, &attributes, &mut lists) {
+            nodes.push(named(json!({ "mesh": all.len() }), &name));
+            all.push(named(json!({ "primitives": list }), &name));
+        }
+        of_level.push(first..nodes.len());
+    }
+    let looks = looks(levels, has_coordinates, &mut lists)?;
     let Lists { views, accessors, bin } = lists;
-    let nodes: Vec<Value> = (0..).zip(&meshes).map(|(mesh, (name, _))| named(json!({ "mesh": mesh }), name)).collect();
-    let meshes: Vec<Value> =
-        meshes.into_iter().map(|(name, list)| named(json!({ "primitives": list }), &name)).collect();
+    let scene = match &of_level[..] {
+        [one] => one.clone().collect(),
+        _ => vec![join_levels(levels, &of_level, &mut nodes)],
+    };
     let mut root = json!({
-        "asset": asset, "scene": 0, "scenes": [{ "nodes": (0..nodes.len()).collect::<Vec<_>>() }], "nodes": nodes,
-        "meshes": meshes, "accessors": accessors, "bufferViews": views, "buffers": [{ "byteLength": bin.len() }],
+        "asset": asset, "scene": 0, "scenes": [{ "nodes": scene }], "nodes": nodes,
+        "meshes": all, "accessors": accessors, "bufferViews": views, "buffers": [{ "byteLength": bin.len() }],
     });
     looks.into_iter().for_each(|looks| looks.put(&mut root));
+    if levels.len() > 1 {
+        let used = root.as_object_mut().expect("an object").entry("extensionsUsed").or_insert_with(|| json!([]));
+        used.as_array_mut().expect("a list").push(LEVELS.into());
+    }
     Ok(Document { root, bin })
+}
+
+/// What the materials of all levels look like, if they have some.
+fn looks(levels: &[Content], has_coordinates: bool, lists: &mut Lists) -> io::Result<Option<Written>> {
+    let mut materials = levels.iter().map(|content| content.attributes.materials.as_ref());
+    let first = materials.next().flatten();
+    let is_same =
+        |other: Option<&Materials>| other.map(|m| (&m.list, &m.images)) == first.map(|m| (&m.list, &m.images));
+    if !materials.all(is_same) {
+        return Err(io::Error::new(io::ErrorKind::InvalidData, "the levels have different materials"));
+    }
+    Ok(first.map(|m| Written::new(m, has_coordinates, |image| lists.image(image))))
+}
+
+/// Joins the nodes of all levels to one of the finest level, and gives its number. Each level is for a screen of which the
+/// whole covers so little that its vertices are as dense there as those of the finest level on a full one.
+fn join_levels(levels: &[Content], of_level: &[Range<usize>], nodes: &mut Vec<Value>) -> usize {
+    let mut heads = Vec::new();
+    for of_level in of_level {
+        heads.push(if of_level.len() == 1 { of_level.start } else { nodes.len() });
+        if of_level.len() != 1 {
+            nodes.push(json!({ "children": of_level.clone().collect::<Vec<_>>() }));
+        }
+    }
+    let finest = levels[0].positions.len() as f64;
+    let coverage = levels[1..].iter().map(|level| level.positions.len() as f64 / finest).chain([0.0]);
+    let node = &mut nodes[heads[0]];
+    node["extensions"] = json!({ LEVELS: { "ids": heads[1..] } });
+    node["extras"] = json!({ "MSFT_screencoverage": coverage.collect::<Vec<_>>() });
+    heads[0]
 }
 
 /// A part of the JSON with its name, unless that is empty.
@@ -144,7 +194,7 @@ fn vertices(content: &Content, wedges: Option<&Wedges>, lists: &mut Lists) -> io
     let count = wedges.map_or(content.positions.len(), |w| w.vertices.len());
     let vertex = |i: usize| wedges.map_or(i, |w| w.vertices[i] as usize);
     let mut names = Map::new();
-    names.insert("POSITION".into(), 0.into());
+    names.insert("POSITION".into(), lists.accessors.len().into());
     lists.positions((0..count).map(|i| content.positions[vertex(i)]))?;
     for attribute in content.attributes.vertex.iter().filter(|a| a.components <= 4) {
         names.insert(semantic(attribute), lists.accessors.len().into());

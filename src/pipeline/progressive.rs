@@ -1,0 +1,115 @@
+//! Samples in progressive order: whatever part of them comes first is a good sampling, too (paper, section 6.4, from fine to
+//! coarse).
+//!
+//! The kernel gets wider step by step. What the scan would not keep with it goes, the sample that changes the spectrum least
+//! first; what goes last is the first in the order. So each sample stands where it is worth most.
+//!
+//! Departures from the paper: it scans what is left in random order with a kernel much wider than before, which leaves the
+//! samples between two levels without an order. Samples that know nothing of each other, such as those of two components or
+//! of two sides of a plate, would both stay for ever; in the end they are ordered by their positions alone.
+//!
+//! Cost: a few times that of measuring all samples once; the steps are a geometric series.
+
+use crate::base::error::Result;
+use crate::base::monitor::{Monitor, check};
+use crate::geom::aabb::Aabb;
+use crate::pipeline::density::FEWEST_POINTS;
+use crate::pipeline::kernel::KernelFeatures;
+use crate::spatial::kdtree::Neighbors;
+use crate::spectral::subset::thin_to_scan;
+use crate::surface::domain::Sample;
+use crate::surface::lift::{Lifted, Surface};
+use crate::surface::submanifold::Submanifold;
+use glam::DVec3;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// By how much the kernel gets wider in a step: half of the samples of a surface go.
+const WIDER: f64 = std::f64::consts::SQRT_2;
+
+/// How many times as many points the next finer level has: on a surface those of half the spacing.
+const POINTS_PER_LEVEL: usize = 4;
+
+/// The first samples of a progressive order, as a sampling of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SampleLevel {
+    /// How many they are.
+    pub points: usize,
+    /// The mean distance of each to the nearest other one, in the units of the input.
+    pub spacing: f64,
+    /// The smallest of these distances.
+    pub smallest_distance: f64,
+}
+
+/// The numbers of `samples` in progressive order. `sigma` is the width of the kernel that they are samples for.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
+pub(super) fn progressive_order<S: Surface, const D: usize>(
+    surface: &S,
+    features: &KernelFeatures,
+    samples: &[Sample],
+    sigma: f64,
+    monitor: &dyn Monitor,
+) -> Result<Vec<u32>> {
+    monitor.stage("order");
+    let mut left: Vec<u32> = (0..samples.len() as u32).collect();
+    let mut from_last = Vec::with_capacity(left.len());
+    let extent = Aabb::of(samples.iter().map(|s| s.position)).unwrap_or_default().size().length();
+    let mut width = sigma;
+    while left.len() > 1 && width < 2.0 * extent {
+        check(monitor)?;
+        from_last.extend(features.with_kernel(width, |kernel| {
+            thin_to_scan::<_, D>(&Lifted { surface, lift: kernel.lift }, samples, &mut left, width)
+        }));
+        monitor.progress(from_last.len() as f64 / samples.len() as f64);
+        width *= WIDER;
+    }
+    let mut width = sigma;
+    while left.len() > 1 {
+        check(monitor)?;
+        from_last.extend(thin_to_scan(&Places, samples, &mut left, width));
+        width *= WIDER;
+    }
+    Ok(left.into_iter().chain(from_last.into_iter().rev()).collect())
+}
+
+/// Samples of which only the position counts, whatever sheet they are on.
+struct Places;
+
+impl Submanifold<3> for Places {
+    type Point = Sample;
+
+    fn coordinates(&self, point: &Sample) -> [f64; 3] {
+        point.position.to_array()
+    }
+
+    fn step(&self, from: &Sample, _way: &[f64; 3]) -> Sample {
+        *from
+    }
+}
+
+/// The levels, `wanted` at most, of points in progressive order, from coarse to fine.
+pub(super) fn sample_levels(positions: &[DVec3], wanted: usize) -> Vec<SampleLevel> {
+    let finer =
+        |&points: &usize| (points >= POINTS_PER_LEVEL * FEWEST_POINTS).then(|| points.div_ceil(POINTS_PER_LEVEL));
+    let counts: Vec<usize> = std::iter::successors(Some(positions.len()), finer).take(wanted).collect();
+    counts.into_iter().rev().map(|points| SampleLevel::of(&positions[..points])).collect()
+}
+
+impl SampleLevel {
+    fn of(positions: &[DVec3]) -> SampleLevel {
+        let near = Neighbors::new(positions);
+        let nearest = |p: &DVec3| {
+            let mut found = Vec::new();
+            near.collect_nearest(*p, 2, &mut found);
+            found.get(1).map_or(0.0, |other| other.distance_squared.sqrt())
+        };
+        let distances: Vec<f64> = positions.par_iter().map(nearest).collect();
+        SampleLevel {
+            points: positions.len(),
+            spacing: distances.iter().sum::<f64>() / distances.len().max(1) as f64,
+            smallest_distance: distances.iter().copied().reduce(f64::min).unwrap_or(0.0),
+        }
+    }
+}
