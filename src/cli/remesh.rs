@@ -6,7 +6,7 @@ use crate::cli::files::{add_run, check_targets, hand_out, load, name, now_writin
 use crate::cli::status::Status;
 use crate::cli::terminal;
 use crate::io::{Loaded, file};
-use crate::job::{Carry, Input, Outcome, RemeshOptions, remesh};
+use crate::job::{Carry, Input, Outcome, RemeshOptions, of_use_for_remeshing, remesh};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::{Grading, Values};
 use crate::report::page::{Subject, page};
@@ -16,7 +16,7 @@ pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
     file::output_format(&job.output.path, job.output.format)?;
     check_targets(&job.output.path, &job.run)?;
     let (outcome, page) = watched(job.run.voice, |monitor| {
-        let loaded = load(&job.input, monitor)?;
+        let loaded = load(&job.input, of_use(job), monitor)?;
         let options = options(job, &loaded)?;
         let mut outcome = remesh(&Input::from(&loaded), &options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
         now_writing(monitor);
@@ -44,6 +44,12 @@ fn page_of(outcome: &Outcome, input: &Mesh, run: &Run) -> Option<String> {
     let report = outcome.report.as_ref().filter(|_| run.report.as_deref().is_some_and(is_page))?;
     let subject = Subject { report, mesh: &outcome.mesh, edges: Some(&outcome.edges) };
     Some(page(Some(outcome.of_points.as_ref().unwrap_or(input)), &[subject]))
+}
+
+/// How many points of a cloud are of use; `None` if that is not known, or if another file has a number for each.
+fn of_use(job: &Remeshing) -> Option<usize> {
+    let is_given = matches!(job.sizing, Some(Sizing::File(_)));
+    of_use_for_remeshing(&job.options.surface).filter(|_| !is_given)
 }
 
 /// The options, with what other files say of them.

@@ -14,10 +14,12 @@
 //! a panic hook still hears of it.
 
 use super::bytes::{CUT_SHORT, EXPORT_AGAIN, array, malformed, u32_at};
-use crate::base::error::{Place, Result};
+use crate::base::error::{self, Error, Result};
 use crate::io::content::{Parsed, Read};
+use crate::io::table::Table;
 use crate::mesh::attributes::{Attribute, Attributes, COLOR, Scalar};
 use crate::mesh::triangle_mesh::Mesh;
+use crate::prepare::thin::Place;
 use glam::DVec3;
 
 /// The first bytes of a file.
@@ -72,19 +74,60 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     } else {
         let points = bytes.get(header.start..).unwrap_or_default();
         if points.len() / header.length < header.count {
-            let (count, found) = (header.count, points.len() / header.length);
-            let cause = format!("the header says {count} points, but the file ends after {found}");
-            return Err(malformed(Place::Byte(bytes.len()), cause, CUT_SHORT));
+            return Err(ends_early(header.count, points.len() / header.length, bytes.len()));
         }
         points.chunks_exact(header.length).take(header.count).for_each(|row| cloud.push(&header, row));
     }
     cloud.finish()
 }
 
+/// The points of a file of this many bytes that begins with `head`, if they are not compressed.
+pub(crate) fn table(head: &[u8], length: u64) -> Option<Table<'static>> {
+    let header = header(head).ok().filter(|header| !header.compressed)?;
+    let Header { start, length: row, count: points, .. } = header;
+    let found = length.checked_sub(start as u64)? / row as u64;
+    if found < points as u64 || points >= u32::MAX as usize {
+        return None;
+    }
+    let Header { scale, offset, .. } = header;
+    Some(Table {
+        start: start as u64,
+        row,
+        points,
+        look: Box::new(move |row| Place { position: position(row) * scale + offset, normal: DVec3::ZERO }),
+        nowhere: Box::new(|point, _| nowhere(point)),
+        cut_short: Box::new(move |end| {
+            ends_early(points, end.saturating_sub(start as u64) as usize / row, end as usize)
+        }),
+        read: Box::new(move |rows| {
+            let mut cloud = Cloud::default();
+            rows.chunks_exact(row).for_each(|row| cloud.push(&header, row));
+            cloud.finish()
+        }),
+    })
+}
+
+/// The whole numbers that the position of a point is made of.
+fn position(row: &[u8]) -> DVec3 {
+    let long = |at: usize| f64::from(array(row, at).map_or(0, i32::from_le_bytes));
+    DVec3::new(long(0), long(4), long(8))
+}
+
+/// The error that the file ends before its points.
+fn ends_early(count: usize, found: usize, end: usize) -> Error {
+    let cause = format!("the header says {count} points, but the file ends after {found}");
+    malformed(error::Place::Byte(end), cause, CUT_SHORT)
+}
+
+/// The error that a point is nowhere.
+fn nowhere(point: usize) -> Error {
+    malformed(error::Place::Part(format!("point {point}")), "a coordinate is not finite", EXPORT_AGAIN)
+}
+
 fn header(bytes: &[u8]) -> Result<Header> {
-    let wrong = |at: usize, cause: String| malformed(Place::Byte(at), cause, EXPORT_AGAIN);
+    let wrong = |at: usize, cause: String| malformed(error::Place::Byte(at), cause, EXPORT_AGAIN);
     if !bytes.starts_with(MAGIC) || bytes.len() < HEADERS[0] {
-        return Err(malformed(Place::Whole, "it does not begin with the header of a LAS file", CUT_SHORT));
+        return Err(malformed(error::Place::Whole, "it does not begin with the header of a LAS file", CUT_SHORT));
     }
     let short = |at: usize| array(bytes, at).map_or(0, u16::from_le_bytes) as usize;
     let number = |at: usize| array(bytes, at).map_or(f64::NAN, f64::from_le_bytes);
@@ -122,8 +165,7 @@ impl Cloud {
     /// Adds the point in `row`, which is as long as the header says.
     fn push(&mut self, header: &Header, row: &[u8]) {
         let short = |at: usize| f64::from(array(row, at).map_or(0, u16::from_le_bytes));
-        let long = |at: usize| f64::from(array(row, at).map_or(0, i32::from_le_bytes));
-        self.positions.push(DVec3::new(long(0), long(4), long(8)) * header.scale + header.offset);
+        self.positions.push(position(row) * header.scale + header.offset);
         self.intensity.push(short(12));
         self.class.push(f64::from(if header.layout < WIDE { row[15] & 0x1F } else { row[16] }));
         if let Some(at) = LAYOUTS[header.layout].1 {
@@ -134,8 +176,7 @@ impl Cloud {
     fn finish(self) -> Parsed {
         let Cloud { positions, intensity, class, color } = self;
         if let Some(v) = positions.iter().position(|p| !p.is_finite()) {
-            let place = Place::Part(format!("point {v}"));
-            return Err(malformed(place, "a coordinate is not finite", EXPORT_AGAIN));
+            return Err(nowhere(v));
         }
         let depth = if color.iter().all(|&c| c <= Scalar::U8.full()) { Scalar::U8 } else { Scalar::U16 };
         let all = [
@@ -158,12 +199,16 @@ impl Cloud {
 /// Calls `push` with each point of a LAZ file.
 #[cfg(feature = "laz")]
 fn decompress(bytes: &[u8], header: &Header, push: &mut dyn FnMut(&[u8])) -> Result<()> {
-    let damaged = |cause: String| malformed(Place::Byte(header.start), cause, CUT_SHORT);
+    let damaged = |cause: String| malformed(error::Place::Byte(header.start), cause, CUT_SHORT);
     if header.count / MOST_PER_BYTE > bytes.len() || !has_sound_chunks(bytes, header.start) {
         return Err(damaged(format!("the header says {} points, more than so few bytes can hold", header.count)));
     }
     let Some(record) = record_of_laszip(bytes) else {
-        return Err(malformed(Place::Byte(HEADERS[0]), "nothing says how the points are compressed", EXPORT_AGAIN));
+        return Err(malformed(
+            error::Place::Byte(HEADERS[0]),
+            "nothing says how the points are compressed",
+            EXPORT_AGAIN,
+        ));
     };
     // The crate takes for granted that what it decompresses was compressed by a sound program.
     let work = std::panic::AssertUnwindSafe(|| decompress_record(bytes, header, record, push));
@@ -281,13 +326,12 @@ fn record_of_laszip(bytes: &[u8]) -> Option<&[u8]> {
 #[cfg(not(feature = "laz"))]
 fn decompress(_: &[u8], _: &Header, _: &mut dyn FnMut(&[u8])) -> Result<()> {
     let cause = "the points are compressed (LAZ), and this program was built without the feature laz";
-    Err(malformed(Place::Whole, cause, "decompress it to LAS, or build with that feature"))
+    Err(malformed(error::Place::Whole, cause, "decompress it to LAS, or build with that feature"))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::error::Error;
 
     const COUNT: usize = 300;
 

@@ -3,6 +3,7 @@
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, Overall};
 use crate::job::input::Input;
+use crate::job::thinning::{note, of_use_for_sampling};
 use crate::pipeline::{self, ReconstructOptions, Reconstructed, SampleOptions, Sampled, Signal, points_of_mesh};
 
 /// The stages and about how much of the time each takes.
@@ -17,14 +18,21 @@ const RECONSTRUCTION: [(&str, f64); 3] = [("clean", 0.1), ("normals", 0.1), ("ex
 /// Those of [`remesh`](crate::remesh()).
 pub fn sample(input: &Input, options: &SampleOptions, monitor: &dyn Monitor) -> Result<Sampled> {
     input.check()?;
+    let input = &*input.thinned_to(of_use_for_sampling(options));
     let monitor = &Overall::new(monitor, &SAMPLING);
     let signals: Result<Vec<Signal>> =
         options.signals.iter().map(|signal| signal.resolved(input.attributes())).collect();
     let options = SampleOptions { signals: signals?, ..options.clone() };
-    if input.is_cloud() {
-        return pipeline::sample_points(&input.as_points()?, &options, monitor);
+    if !input.is_cloud() {
+        return pipeline::sample(input.as_mesh(), &options, monitor);
     }
-    pipeline::sample(input.as_mesh(), &options, monitor)
+    let mut sampled = pipeline::sample_points(&input.as_points()?, &options, monitor)?;
+    if let Some(thinned) = input.thinning() {
+        sampled.cloud.iter_mut().for_each(|cloud| cloud.thin(thinned));
+        sampled.indices = sampled.indices.map(|points| input.numbers(points));
+        sampled.notes.insert(0, note(thinned));
+    }
+    Ok(sampled)
 }
 
 /// The robust implicit surface of points, or of the vertices of a mesh, as dense triangles.

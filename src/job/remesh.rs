@@ -4,6 +4,7 @@ use crate::base::error::{Error, Result};
 use crate::base::monitor::{Monitor, Overall, check};
 use crate::job::input::Input;
 use crate::job::outcome::{Origin, Outcome};
+use crate::job::thinning::{note, of_use_for_remeshing};
 use crate::mesh::attributes::{Attributes, Lost};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::{
@@ -72,6 +73,7 @@ const OF_MESH: [(&str, f64); 12] = [
 pub fn remesh(input: &Input, options: &RemeshOptions, monitor: &dyn Monitor) -> Result<Outcome> {
     options.surface.validate()?;
     input.check()?;
+    let input = &*input.thinned_to(of_use_for_remeshing(&options.surface));
     let of_triangles = if input.is_cloud() { 0 } else { input.as_mesh().positions.len() };
     options.surface.features.check(of_triangles)?;
     let plan = if input.is_cloud() { [&OF_POINTS[..], &OF_MESH].concat() } else { OF_MESH.to_vec() };
@@ -80,6 +82,7 @@ pub fn remesh(input: &Input, options: &RemeshOptions, monitor: &dyn Monitor) -> 
     let mut remeshed = pipeline::remesh(&surface.mesh, &surface.options, monitor)?;
     let mut carried = carried(&surface, &mut remeshed, &options.carry, monitor)?;
     remeshed.notes.append(&mut carried.notes);
+    remeshed.notes.extend(input.thinning().map(note));
     let coverage = surface.cloud.as_ref().map(|cloud| cloud.coverage(&remeshed));
     coverage.iter().for_each(|coverage| remeshed.hold_against_points(coverage));
     let of_points = surface.cloud.as_ref().zip(coverage).map(|(Cloud { summary, .. }, coverage)| {
@@ -152,14 +155,17 @@ impl<'a> Surface<'a> {
         }
         resolved.grading.check(input.as_mesh().positions.len())?;
         let smooth = options.cloud.smooth.or(options.surface.smooth);
-        let made = mesh_of_points(&input.as_points()?, &CloudOptions { smooth, ..options.cloud.clone() }, monitor)?;
+        let mut made = mesh_of_points(&input.as_points()?, &CloudOptions { smooth, ..options.cloud.clone() }, monitor)?;
         let grading = resolved.grading.of(&made.source);
+        if let Some(thinned) = input.thinning() {
+            made.summary.thin(thinned);
+        }
         let positions = made.surface_points.iter().map(|&p| input.as_mesh().positions[p as usize]).collect();
         Ok(Surface {
             attributes: Cow::Owned(input.attributes().of_vertices(&made.source)),
             mesh: Cow::Owned(made.mesh),
             options: Options { grading, smooth: None, of_points: true, ..resolved },
-            points: Some(made.source),
+            points: Some(input.numbers(made.source)),
             cloud: Some(Cloud { summary: made.summary, positions, spacing: made.spacing }),
         })
     }

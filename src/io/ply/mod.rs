@@ -25,6 +25,7 @@ pub(crate) use write::write;
 use crate::base::error::{Error, Place};
 use crate::io::bytes::{EXPORT_AGAIN, malformed};
 use crate::io::content::{Parsed, Read};
+use crate::io::table::Table;
 use crate::io::text::small_faces;
 use crate::mesh::attributes::Attributes;
 use crate::mesh::triangle_mesh::Mesh;
@@ -33,7 +34,7 @@ use faces::Faces;
 use glam::DVec2;
 use header::{Element, Encoding, Header};
 use source::{Binary, Source, Text};
-use vertices::Vertices;
+use vertices::{Columns, Vertices};
 
 /// The mesh in a PLY file. A file without faces gives vertices only.
 ///
@@ -46,6 +47,45 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
         Encoding::Little => read(Binary::<false>::new(bytes, header.body), &header),
         Encoding::Big => read(Binary::<true>::new(bytes, header.body), &header),
     }
+}
+
+/// The points of a binary file that has nothing else, of this many bytes, whose header is in `head`.
+pub(crate) fn table(head: &[u8], length: u64) -> Option<Table<'static>> {
+    let header = header::parse(head).ok()?;
+    match header.encoding {
+        Encoding::Text => None,
+        Encoding::Little => table_of::<false>(header, length),
+        Encoding::Big => table_of::<true>(header, length),
+    }
+}
+
+fn table_of<const BIG: bool>(header: Header, length: u64) -> Option<Table<'static>> {
+    let mut with_rows = (0..header.elements.len()).filter(|&i| header.elements[i].count > 0);
+    let (vertex, None) = (with_rows.next()?, with_rows.next()) else { return None };
+    let element = &header.elements[vertex];
+    let columns = Columns::of(element)?;
+    let (start, points) = (header.body as u64, element.count);
+    if element.name != "vertex" || u64::try_from(columns.row).ok()?.checked_mul(points)?.checked_add(start)? != length {
+        return None;
+    }
+    let row = columns.row;
+    let read = move |rows: &[u8]| {
+        let mut header = header.clone();
+        header.elements[vertex].count = (rows.len() / row) as u64;
+        read(Binary::<BIG>::new(rows, 0), &header)
+    };
+    let coordinates = columns.position;
+    Some(Table {
+        start,
+        row,
+        points: usize::try_from(points).ok().filter(|&points| points < u32::MAX as usize)?,
+        look: Box::new(move |row| columns.look::<BIG>(row)),
+        nowhere: Box::new(move |point, bytes| {
+            vertices::not_finite_in::<BIG>(bytes, &coordinates, start as usize + point * row)
+        }),
+        cut_short: Box::new(|end| source::cut_short(Place::Byte(end as usize))),
+        read: Box::new(read),
+    })
 }
 
 fn no_vertices(header: &Header) -> Error {
