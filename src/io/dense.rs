@@ -54,12 +54,11 @@ pub(super) fn read_thinned(path: &Path, format: Option<Format>, wanted: usize) -
             }
             _ => failed(error),
         })?;
-        for (i, row) in bytes.chunks_exact(table.row).enumerate() {
-            if !(table.look)(row).position.is_finite() {
-                return Err((table.nowhere)(first + i, row).in_file(&name));
-            }
-            thinner.push(row);
+        let is_nowhere = |row: &[u8]| !(table.look)(row).position.is_finite();
+        if let Some((i, row)) = bytes.chunks_exact(table.row).enumerate().find(|(_, row)| is_nowhere(row)) {
+            return Err((table.nowhere)(first + i, row).in_file(&name));
         }
+        thinner.push(bytes);
         first += rows;
     }
     let (thinned, rows) = thinner.finish();

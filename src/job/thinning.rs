@@ -71,7 +71,8 @@ fn thinned(positions: &[DVec3], normals: &[DVec3], wanted: usize) -> Thinned {
         Place { position: positions[point], normal: normals.get(point).copied().unwrap_or_default() }
     };
     let mut thinner = Thinner::new(wanted, size_of::<u32>(), look);
-    (0..positions.len() as u32).for_each(|point| thinner.push(&point.to_ne_bytes()));
+    let numbers: Vec<u32> = (0..positions.len() as u32).collect();
+    thinner.push(bytemuck::cast_slice(&numbers));
     thinner.finish().0
 }
 

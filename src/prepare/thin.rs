@@ -36,6 +36,9 @@ const SHARE: u64 = 16;
 const NARROWEST: f64 = 1.0 / (1 << 24) as f64;
 const UNKNOWN: f64 = 1.0 / (1 << 30) as f64;
 
+/// Points that are looked at together.
+const BATCH: usize = 32;
+
 /// No point in a slot.
 const EMPTY: u32 = u32::MAX;
 
@@ -105,8 +108,17 @@ impl<L: Fn(&[u8]) -> Place + Sync> Thinner<L> {
         Thinner { wanted, look, seen: 0, kept, lattice: None }
     }
 
-    /// Takes the next point. There may be fewer than 2^32.
-    pub fn push(&mut self, row: &[u8]) {
+    /// Takes the next points, whose rows follow each other. There may be fewer than 2^32.
+    pub fn push(&mut self, rows: &[u8]) {
+        for batch in rows.chunks(BATCH * self.kept.width) {
+            if let Some(lattice) = &self.lattice {
+                lattice.warm(&self.kept, batch, &self.look);
+            }
+            batch.chunks_exact(self.kept.width).for_each(|row| self.push_one(row));
+        }
+    }
+
+    fn push_one(&mut self, row: &[u8]) {
         let number = self.seen as u32;
         self.seen += 1;
         match &mut self.lattice {
@@ -220,6 +232,17 @@ impl Lattice {
     fn new(width: f64, room: usize) -> Lattice {
         let slot = Slot { tag: 0, point: EMPTY };
         Lattice { width, count: 0, slots: vec![slot; (room + room / 2 + 2).next_power_of_two()] }
+    }
+
+    /// Has what `rows` will be compared with brought from memory, all at once instead of one after the other.
+    fn warm(&self, kept: &Rows, rows: &[u8], look: &impl Fn(&[u8]) -> Place) {
+        let mut points = [0; BATCH];
+        for (point, row) in points.iter_mut().zip(rows.chunks_exact(kept.width)) {
+            let hash = hash(cell_of(look(row).position, self.width));
+            *point = self.slots[hash as usize & (self.slots.len() - 1)].point;
+        }
+        let bytes = points.iter().map(|&p| u32::from(*kept.bytes.get(kept.width * p as usize).unwrap_or(&0)));
+        std::hint::black_box(bytes.sum::<u32>());
     }
 
     /// Keeps a point if it is the first of its cell or nearer to the centre than the one there.

@@ -47,6 +47,9 @@ const SHORTER: [f64; 3] = [1.0, 0.5, 0.25];
 /// A projection has arrived when it moves by less than this share of the reach.
 const ARRIVED: f64 = 1e-4;
 
+/// The same for a sample on its way.
+const PASSING: f64 = 1e-2;
+
 /// The implicit surface of points with normals.
 pub struct Rimls<'a> {
     /// Where they are.
@@ -155,6 +158,11 @@ impl<'a> Rimls<'a> {
     /// The point of the surface near `x`, and the unit normal there; `None` if there is none within reach. `found` is
     /// working space.
     pub fn project(&self, x: DVec3, found: &mut Vec<Neighbor>) -> Option<(DVec3, DVec3)> {
+        self.project_until(ARRIVED, x, found)
+    }
+
+    /// [`Self::project`] until a step is shorter than this share of the reach.
+    fn project_until(&self, arrived: f64, x: DVec3, found: &mut Vec<Neighbor>) -> Option<(DVec3, DVec3)> {
         let mut at = x;
         let mut normal = DVec3::ZERO;
         for _ in 0..STEPS {
@@ -164,7 +172,7 @@ impl<'a> Rimls<'a> {
             let reach = found.first().map_or(0.0, |n| self.reaches[n.point as usize]);
             at -= step.clamp_length_max(reach);
             normal = value.normal;
-            if step.length() < ARRIVED * reach {
+            if step.length() < arrived * reach {
                 break;
             }
         }
@@ -174,8 +182,12 @@ impl<'a> Rimls<'a> {
     /// The sample of the surface near `x`, whose triangle is the number of the nearest point; `None` where the cloud has
     /// ended.
     pub fn sample(&self, x: DVec3) -> Option<Sample> {
+        self.sample_until(ARRIVED, x)
+    }
+
+    fn sample_until(&self, arrived: f64, x: DVec3) -> Option<Sample> {
         let mut found = Vec::new();
-        let (position, normal) = self.project(x, &mut found)?;
+        let (position, normal) = self.project_until(arrived, x, &mut found)?;
         let (nearest, _) = self.nearest(position, &mut found)?;
         let farthest = BORDER * self.spacing(nearest.point);
         let sample = Sample { position, normal, triangle: nearest.point, size: 1.0 };
@@ -213,7 +225,7 @@ impl<'a> Rimls<'a> {
         (0..self.positions.len()).into_par_iter().map_init(Vec::new, project).unzip()
     }
 
-    /// The points that may reach `x`, the nearest one first.
+    /// The points that reach `x`, and the nearest one first.
     fn collect(&self, x: DVec3, found: &mut Vec<Neighbor>) {
         self.near.collect_nearest(x, 1, found);
         let Some(nearest) = found.first().copied() else { return };
@@ -223,6 +235,8 @@ impl<'a> Rimls<'a> {
             return;
         }
         self.near.collect_within(x, radius, found);
+        let counts = |n: &Neighbor| n.distance_squared < math::square(self.reaches[n.point as usize]);
+        found.retain(|n| n.point == nearest.point || counts(n));
         found.sort_unstable_by(|a, b| a.distance_squared.total_cmp(&b.distance_squared).then(a.point.cmp(&b.point)));
     }
 
@@ -258,10 +272,11 @@ impl<'a> Rimls<'a> {
 }
 
 impl Surface for Rimls<'_> {
-    /// A step over the border of the cloud is shorter, or none.
+    /// A step over the border of the cloud is shorter, or none. It ends near the surface: [`Rimls::sample`] is for where
+    /// steps end.
     fn follow(&self, from: &Sample, way: DVec3) -> Sample {
         let way = way.reject_from_normalized(from.normal);
-        SHORTER.iter().find_map(|share| self.sample(from.position + share * way)).unwrap_or(*from)
+        SHORTER.iter().find_map(|share| self.sample_until(PASSING, from.position + share * way)).unwrap_or(*from)
     }
 }
 
