@@ -6,27 +6,27 @@
 
 use crate::geom::vector::distance_squared;
 use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
 
-/// Coordinates that cells are made of.
-const AXES: usize = 3;
-
-type Cell = [i64; AXES];
+/// Three numbers, not an array, which is hashed byte by byte.
+type Cell = (i64, i64, i64);
 
 /// Numbered points, each with its coordinates.
 pub(super) struct Cells<const D: usize> {
     width: f64,
     /// In the order in which they came, so that the order of the map does not matter.
-    lists: HashMap<Cell, Vec<(u32, [f64; D])>>,
+    lists: HashMap<Cell, Vec<(u32, [f64; D])>, BuildHasherDefault<Mixed>>,
 }
 
 impl<const D: usize> Cells<D> {
     /// No points, in cells of `width`.
     pub fn new(width: f64) -> Self {
-        Cells { width, lists: HashMap::new() }
+        Cells { width, lists: HashMap::default() }
     }
 
     fn cell(&self, x: &[f64; D], shift: f64) -> Cell {
-        std::array::from_fn(|axis| x.get(axis).map_or(0, |x| ((x + shift) / self.width).floor() as i64))
+        let along = |axis: usize| x.get(axis).map_or(0, |x| ((x + shift) / self.width).floor() as i64);
+        (along(0), along(1), along(2))
     }
 
     pub fn insert(&mut self, number: u32, x: [f64; D]) {
@@ -43,10 +43,10 @@ impl<const D: usize> Cells<D> {
     /// Shows all points within `radius` of `x` to `visit`: the squared distance, the number and the coordinates.
     pub fn near(&self, x: &[f64; D], radius: f64, mut visit: impl FnMut(f64, u32, &[f64; D])) {
         let (lowest, highest) = (self.cell(x, -radius), self.cell(x, radius));
-        for k in lowest[2]..=highest[2] {
-            for j in lowest[1]..=highest[1] {
-                for i in lowest[0]..=highest[0] {
-                    for (number, y) in self.lists.get(&[i, j, k]).into_iter().flatten() {
+        for k in lowest.2..=highest.2 {
+            for j in lowest.1..=highest.1 {
+                for i in lowest.0..=highest.0 {
+                    for (number, y) in self.lists.get(&(i, j, k)).into_iter().flatten() {
                         let d = distance_squared(x, y);
                         if d <= radius * radius {
                             visit(d, *number, y);
@@ -55,6 +55,35 @@ impl<const D: usize> Cells<D> {
                 }
             }
         }
+    }
+}
+
+/// A hash of whole numbers that is fast; nobody who could choose them means harm.
+#[derive(Default)]
+struct Mixed(u64);
+
+/// 2^64 over the golden ratio, odd.
+const FACTOR: u64 = 0x9E37_79B9_7F4A_7C15;
+
+impl Hasher for Mixed {
+    fn finish(&self) -> u64 {
+        self.0 ^ self.0 >> 32
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|&byte| self.write_u64(byte.into()));
+    }
+
+    fn write_u64(&mut self, x: u64) {
+        self.0 = (self.0.rotate_left(21) ^ x).wrapping_mul(FACTOR);
+    }
+
+    fn write_i64(&mut self, x: i64) {
+        self.write_u64(x as u64);
+    }
+
+    fn write_usize(&mut self, x: usize) {
+        self.write_u64(x as u64);
     }
 }
 
