@@ -371,6 +371,20 @@ mod tests {
         with_header(2, &[], rows().as_flattened())
     }
 
+    #[test]
+    fn points_can_be_read_as_rows() {
+        let bytes = las();
+        let table = table(&bytes[..HEADERS[0]], bytes.len() as u64).unwrap();
+        assert_eq!((table.points, table.row), (COUNT, 26));
+        let rows = &bytes[table.start as usize..];
+        assert_eq!((table.look)(&rows[26..52]).position, parse(&bytes).unwrap().mesh.positions[1]);
+        assert!((table.read)(rows).unwrap() == parse(&bytes).unwrap());
+        let short = crate::io::bytes::samples::fault(parse(&bytes[..bytes.len() - 30]));
+        let error = (table.cut_short)(bytes.len() as u64 - 30);
+        assert_eq!(crate::io::bytes::samples::fault::<()>(Err(error)), short);
+        assert!(super::table(&bytes, bytes.len() as u64 - 1).is_none());
+    }
+
     fn check(read: Read) {
         assert_eq!(read.mesh.positions[21], DVec3::new(-2.0, 998.0, 2001.0));
         assert_eq!((read.mesh.positions.len(), read.mesh.triangles.len()), (COUNT, 0));

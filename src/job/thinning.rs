@@ -17,8 +17,8 @@ fn for_points(points: usize) -> usize {
     OF_VERTEX * points + OF_RESULT
 }
 
-/// How many points of a cloud are of use for remeshing it; `None` if that is not known before, or each has a number of its
-/// own.
+/// How many points of a cloud are of use for remeshing it; `None` if that is not known before, if each has a number of its own,
+/// or if the result is held against all of them.
 pub fn of_use_for_remeshing(options: &Options) -> Option<usize> {
     let is_given = match &options.grading {
         Grading::Field(values) => is_given(values),
@@ -26,7 +26,7 @@ pub fn of_use_for_remeshing(options: &Options) -> Option<usize> {
         Grading::Even | Grading::Curvature(_) => false,
     };
     match options.density {
-        Density::Points(points) if !is_given => Some(for_points(points)),
+        Density::Points(points) if !is_given && options.max_error.is_none() => Some(for_points(points)),
         _ => None,
     }
 }

@@ -326,3 +326,83 @@ const FACTOR: u64 = 0x9E37_79B9_7F4A_7C15;
 fn power_of_two(x: f64) -> f64 {
     f64::from_bits(x.max(f64::MIN_POSITIVE).to_bits() & 0x7FF0_0000_0000_0000)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::rng::{Stage, stream, unit};
+
+    /// Three coordinates and a normal along one axis.
+    fn rows(points: &[DVec3], normal: DVec3) -> Vec<u8> {
+        points.iter().flat_map(|p| [p.to_array(), normal.to_array()]).flatten().flat_map(f64::to_ne_bytes).collect()
+    }
+
+    fn look(row: &[u8]) -> Place {
+        let x = |k: usize| f64::from_ne_bytes(row[8 * k..8 * k + 8].try_into().unwrap());
+        Place { position: DVec3::new(x(0), x(1), x(2)), normal: DVec3::new(x(3), x(4), x(5)) }
+    }
+
+    fn thinned(wanted: usize, rows: &[u8], block: usize) -> (Thinned, Vec<u8>) {
+        let mut thinner = Thinner::new(wanted, 48, look);
+        rows.chunks(48 * block).for_each(|rows| thinner.push(rows));
+        thinner.finish()
+    }
+
+    /// Random points of a unit square that is lifted to a saddle, a thousandth of them far above it.
+    fn saddle(count: usize) -> Vec<DVec3> {
+        let mut rng = stream(3, Stage::Candidates);
+        let point = |i: usize| {
+            let (x, y) = (unit(&mut rng), unit(&mut rng));
+            DVec3::new(x, y, if i % 1000 == 7 { 3.0 + x } else { x * y })
+        };
+        (0..count).map(point).collect()
+    }
+
+    #[test]
+    fn no_more_points_than_wanted_stay_all() {
+        let points = saddle(500);
+        let (kept, rows) = thinned(500, &rows(&points, DVec3::Z), 7);
+        assert!(kept == Thinned { points: 500, cell: 0.0, numbers: (0..500).collect() });
+        assert!(rows == super::tests::rows(&points, DVec3::Z));
+    }
+
+    #[test]
+    fn about_as_many_stay_as_are_wanted_and_each_other_one_is_near_one_of_them() {
+        let points = saddle(60_000);
+        let all = rows(&points, DVec3::ZERO);
+        let (kept, rows) = thinned(2000, &all, 1000);
+        assert!((1400..=2000).contains(&kept.numbers.len()) && kept.points == 60_000, "{}", kept.numbers.len());
+        assert!(kept.numbers.is_sorted());
+        assert!(kept.numbers.iter().zip(rows.chunks(48)).all(|(&p, row)| look(row).position == points[p as usize]));
+        let near = crate::spatial::kdtree::Neighbors::new(
+            &kept.numbers.iter().map(|&p| points[p as usize]).collect::<Vec<DVec3>>(),
+        );
+        let mut found = Vec::new();
+        for p in &points {
+            near.collect_nearest(*p, 1, &mut found);
+            assert!(found[0].distance_squared.sqrt() <= kept.reach());
+        }
+        // Cells are about as wide as points are apart.
+        assert!(kept.cell < 2.0 / (kept.numbers.len() as f64).sqrt(), "{}", kept.cell);
+        assert!(thinned(2000, &all, 1).0 == kept && thinned(2000, &all, 60_000).0 == kept);
+    }
+
+    #[test]
+    fn what_comes_first_does_not_decide_how_wide_cells_are() {
+        // A corner of the whole comes first, and many points at one place before it.
+        let mut points = saddle(60_000);
+        points.sort_by(|a, b| a.length().total_cmp(&b.length()));
+        let first = vec![DVec3::ZERO; 10_000];
+        let (kept, _) = thinned(2000, &rows(&[first, points].concat(), DVec3::ZERO), 512);
+        assert!((1400..=2000).contains(&kept.numbers.len()), "{}", kept.numbers.len());
+    }
+
+    #[test]
+    fn both_sides_of_a_thin_wall_stay() {
+        let side = saddle(20_000);
+        let other: Vec<DVec3> = side.iter().map(|p| *p - 1e-4 * DVec3::Z).collect();
+        let (kept, _) = thinned(2000, &[rows(&side, DVec3::Z), rows(&other, DVec3::NEG_Z)].concat(), 512);
+        let upper = kept.numbers.iter().filter(|&&p| p < 20_000).count();
+        assert!(2 * upper > kept.numbers.len() - upper && 2 * (kept.numbers.len() - upper) > upper);
+    }
+}
