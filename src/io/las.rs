@@ -14,12 +14,12 @@
 //! a panic hook still hears of it.
 
 use super::bytes::{CUT_SHORT, EXPORT_AGAIN, array, malformed, u32_at};
-use crate::base::error::{self, Error, Result};
+use crate::base::error::{Error, Place, Result};
 use crate::io::content::{Parsed, Read};
 use crate::io::table::Table;
 use crate::mesh::attributes::{Attribute, Attributes, COLOR, Scalar};
 use crate::mesh::triangle_mesh::Mesh;
-use crate::prepare::thin::Place;
+use crate::prepare::thin::Seen;
 use glam::DVec3;
 
 /// The first bytes of a file.
@@ -94,7 +94,7 @@ pub(crate) fn table(head: &[u8], length: u64) -> Option<Table<'static>> {
         start: start as u64,
         row,
         points,
-        look: Box::new(move |row| Place { position: position(row) * scale + offset, normal: DVec3::ZERO }),
+        look: Box::new(move |row| Seen { position: position(row) * scale + offset, normal: DVec3::ZERO }),
         nowhere: Box::new(|point, _| nowhere(point)),
         cut_short: Box::new(move |end| {
             ends_early(points, end.saturating_sub(start as u64) as usize / row, end as usize)
@@ -116,18 +116,18 @@ fn position(row: &[u8]) -> DVec3 {
 /// The error that the file ends before its points.
 fn ends_early(count: usize, found: usize, end: usize) -> Error {
     let cause = format!("the header says {count} points, but the file ends after {found}");
-    malformed(error::Place::Byte(end), cause, CUT_SHORT)
+    malformed(Place::Byte(end), cause, CUT_SHORT)
 }
 
 /// The error that a point is nowhere.
 fn nowhere(point: usize) -> Error {
-    malformed(error::Place::Part(format!("point {point}")), "a coordinate is not finite", EXPORT_AGAIN)
+    malformed(Place::Part(format!("point {point}")), "a coordinate is not finite", EXPORT_AGAIN)
 }
 
 fn header(bytes: &[u8]) -> Result<Header> {
-    let wrong = |at: usize, cause: String| malformed(error::Place::Byte(at), cause, EXPORT_AGAIN);
+    let wrong = |at: usize, cause: String| malformed(Place::Byte(at), cause, EXPORT_AGAIN);
     if !bytes.starts_with(MAGIC) || bytes.len() < HEADERS[0] {
-        return Err(malformed(error::Place::Whole, "it does not begin with the header of a LAS file", CUT_SHORT));
+        return Err(malformed(Place::Whole, "it does not begin with the header of a LAS file", CUT_SHORT));
     }
     let short = |at: usize| array(bytes, at).map_or(0, u16::from_le_bytes) as usize;
     let number = |at: usize| array(bytes, at).map_or(f64::NAN, f64::from_le_bytes);
@@ -199,16 +199,12 @@ impl Cloud {
 /// Calls `push` with each point of a LAZ file.
 #[cfg(feature = "laz")]
 fn decompress(bytes: &[u8], header: &Header, push: &mut dyn FnMut(&[u8])) -> Result<()> {
-    let damaged = |cause: String| malformed(error::Place::Byte(header.start), cause, CUT_SHORT);
+    let damaged = |cause: String| malformed(Place::Byte(header.start), cause, CUT_SHORT);
     if header.count / MOST_PER_BYTE > bytes.len() || !has_sound_chunks(bytes, header.start) {
         return Err(damaged(format!("the header says {} points, more than so few bytes can hold", header.count)));
     }
     let Some(record) = record_of_laszip(bytes) else {
-        return Err(malformed(
-            error::Place::Byte(HEADERS[0]),
-            "nothing says how the points are compressed",
-            EXPORT_AGAIN,
-        ));
+        return Err(malformed(Place::Byte(HEADERS[0]), "nothing says how the points are compressed", EXPORT_AGAIN));
     };
     // The crate takes for granted that what it decompresses was compressed by a sound program.
     let work = std::panic::AssertUnwindSafe(|| decompress_record(bytes, header, record, push));
@@ -326,7 +322,7 @@ fn record_of_laszip(bytes: &[u8]) -> Option<&[u8]> {
 #[cfg(not(feature = "laz"))]
 fn decompress(_: &[u8], _: &Header, _: &mut dyn FnMut(&[u8])) -> Result<()> {
     let cause = "the points are compressed (LAZ), and this program was built without the feature laz";
-    Err(malformed(error::Place::Whole, cause, "decompress it to LAS, or build with that feature"))
+    Err(malformed(Place::Whole, cause, "decompress it to LAS, or build with that feature"))
 }
 
 #[cfg(test)]

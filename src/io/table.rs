@@ -2,7 +2,7 @@
 
 use crate::base::error::Error;
 use crate::io::content::Parsed;
-use crate::prepare::thin::Place;
+use crate::prepare::thin::Seen;
 
 /// The points of a file that are rows of equally many bytes.
 pub(crate) struct Table<'a> {
@@ -13,7 +13,7 @@ pub(crate) struct Table<'a> {
     /// How many there are.
     pub points: usize,
     /// Where a point is, and its normal.
-    pub look: Box<dyn Fn(&[u8]) -> Place + Sync + 'a>,
+    pub look: Box<dyn Fn(&[u8]) -> Seen + Sync + 'a>,
     /// The error that the point of this number is nowhere.
     pub nowhere: Box<dyn Fn(usize, &[u8]) -> Error + 'a>,
     /// The error that the file ends at this byte.

@@ -3,7 +3,7 @@
 use crate::job::input::Input;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::{Density, Grading, Options, SampleDensity, SampleOptions, Signal, Values};
-use crate::prepare::thin::{Place, Thinned, Thinner};
+use crate::prepare::thin::{Seen, Thinned, Thinner};
 use glam::DVec3;
 use std::borrow::Cow;
 
@@ -68,7 +68,7 @@ impl<'a> Input<'a> {
 fn thinned(positions: &[DVec3], normals: &[DVec3], wanted: usize) -> Thinned {
     let look = |row: &[u8]| {
         let point = row.first_chunk().map_or(0, |bytes| u32::from_ne_bytes(*bytes)) as usize;
-        Place { position: positions[point], normal: normals.get(point).copied().unwrap_or_default() }
+        Seen { position: positions[point], normal: normals.get(point).copied().unwrap_or_default() }
     };
     let mut thinner = Thinner::new(wanted, size_of::<u32>(), look);
     let numbers: Vec<u32> = (0..positions.len() as u32).collect();

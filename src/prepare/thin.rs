@@ -44,7 +44,7 @@ const EMPTY: u32 = u32::MAX;
 
 /// What a row says of its point.
 #[derive(Debug, Clone, Copy)]
-pub struct Place {
+pub struct Seen {
     /// Where it is: finite.
     pub position: DVec3,
     /// Its normal, of any length; zero where none is known.
@@ -101,7 +101,7 @@ struct Slot {
     point: u32,
 }
 
-impl<L: Fn(&[u8]) -> Place + Sync> Thinner<L> {
+impl<L: Fn(&[u8]) -> Seen + Sync> Thinner<L> {
     /// About `wanted` points at most are to be kept of a cloud whose rows have `width` bytes; `look` understands them.
     pub fn new(wanted: usize, width: usize, look: L) -> Self {
         let kept = Rows { width, bytes: Vec::new(), numbers: Vec::new() };
@@ -235,7 +235,7 @@ impl Lattice {
     }
 
     /// Has what `rows` will be compared with brought from memory, all at once instead of one after the other.
-    fn warm(&self, kept: &Rows, rows: &[u8], look: &impl Fn(&[u8]) -> Place) {
+    fn warm(&self, kept: &Rows, rows: &[u8], look: &impl Fn(&[u8]) -> Seen) {
         let mut points = [0; BATCH];
         for (point, row) in points.iter_mut().zip(rows.chunks_exact(kept.width)) {
             let hash = hash(cell_of(look(row).position, self.width));
@@ -246,7 +246,7 @@ impl Lattice {
     }
 
     /// Keeps a point if it is the first of its cell or nearer to the centre than the one there.
-    fn offer(&mut self, kept: &mut Rows, row: &[u8], number: u32, look: &impl Fn(&[u8]) -> Place) {
+    fn offer(&mut self, kept: &mut Rows, row: &[u8], number: u32, look: &impl Fn(&[u8]) -> Seen) {
         let place = look(row);
         let cell = cell_of(place.position, self.width);
         let hash = hash(cell);
@@ -337,9 +337,9 @@ mod tests {
         points.iter().flat_map(|p| [p.to_array(), normal.to_array()]).flatten().flat_map(f64::to_ne_bytes).collect()
     }
 
-    fn look(row: &[u8]) -> Place {
+    fn look(row: &[u8]) -> Seen {
         let x = |k: usize| f64::from_ne_bytes(row[8 * k..8 * k + 8].try_into().unwrap());
-        Place { position: DVec3::new(x(0), x(1), x(2)), normal: DVec3::new(x(3), x(4), x(5)) }
+        Seen { position: DVec3::new(x(0), x(1), x(2)), normal: DVec3::new(x(3), x(4), x(5)) }
     }
 
     fn thinned(wanted: usize, rows: &[u8], block: usize) -> (Thinned, Vec<u8>) {

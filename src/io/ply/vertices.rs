@@ -3,10 +3,10 @@
 use super::elements::{checked_count, skip};
 use super::header::{Element, Kind, Property};
 use super::source::{Binary, Source};
-use crate::base::error::{self, Error, Result};
+use crate::base::error::{Error, Place, Result};
 use crate::io::bytes::{EXPORT_AGAIN, malformed};
 use crate::mesh::attributes::{Attribute, COLOR, NORMAL, Scalar};
-use crate::prepare::thin::Place;
+use crate::prepare::thin::Seen;
 use glam::{DVec2, DVec3};
 
 /// Properties that are components of one attribute, if the first three are there.
@@ -115,10 +115,10 @@ impl Columns {
 
     /// The place of the point in a row.
     #[inline]
-    pub fn look<const BIG: bool>(&self, row: &[u8]) -> Place {
+    pub fn look<const BIG: bool>(&self, row: &[u8]) -> Seen {
         let number = |(at, kind)| Binary::<BIG>::new(row, at).next(kind).unwrap_or(f64::NAN);
         let vector = |columns: [(usize, Scalar); 3]| DVec3::from_array(columns.map(number));
-        Place { position: vector(self.position), normal: self.normal.map_or(DVec3::ZERO, vector) }
+        Seen { position: vector(self.position), normal: self.normal.map_or(DVec3::ZERO, vector) }
     }
 }
 
@@ -127,7 +127,7 @@ pub(super) fn not_finite_in<const BIG: bool>(row: &[u8], columns: &[(usize, Scal
     let number = |at, kind| Binary::<BIG>::new(row, at).next(kind).unwrap_or(f64::NAN);
     let values = columns.iter().map(|&(at, kind)| (number(at, kind), at));
     let (value, at) = values.filter(|(value, _)| !value.is_finite()).min_by_key(|(_, at)| *at).unwrap_or((f64::NAN, 0));
-    not_finite(value, error::Place::Byte(start + at))
+    not_finite(value, Place::Byte(start + at))
 }
 
 /// What each property is, and the attributes that they make, without values.
@@ -185,6 +185,6 @@ fn coordinate<S: Source>(source: &mut S, kind: Scalar) -> Result<f64> {
 }
 
 #[cold]
-fn not_finite(value: f64, place: error::Place) -> Error {
+fn not_finite(value: f64, place: Place) -> Error {
     malformed(place, format!("the coordinate {value} is not finite"), "replace or remove this vertex")
 }
