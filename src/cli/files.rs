@@ -19,10 +19,10 @@ pub(super) fn check_report(run: &Run) -> Result<()> {
     run.report.iter().try_for_each(|path| file::check_target(path))
 }
 
-/// What is in a file.
-pub(super) fn load(from: &MeshFile, monitor: &dyn Monitor) -> Result<Loaded> {
+/// What is in a file; of a cloud no more points than about `of_use`.
+pub(super) fn load(from: &MeshFile, of_use: Option<usize>, monitor: &dyn Monitor) -> Result<Loaded> {
     monitor.stage("read");
-    let loaded = file::read_file(&from.path, from.format)?;
+    let loaded = file::read_at_most(&from.path, from.format, of_use)?;
     check(monitor)?;
     Ok(loaded)
 }

@@ -29,7 +29,7 @@ pub(super) fn measure_files(job: &Measuring) -> Result<()> {
 }
 
 fn load_mesh(file: &MeshFile, monitor: &dyn Monitor) -> Result<Loaded> {
-    let loaded = load(file, monitor)?;
+    let loaded = load(file, None, monitor)?;
     Input::from(&loaded).refuse_points().map_err(|e| e.in_file(&name(file)))?;
     Ok(loaded)
 }

@@ -14,7 +14,7 @@ pub(super) fn reconstruct_file(job: &Reconstructing) -> Result<()> {
     file::output_format(&job.output.path, job.output.format)?;
     check_targets(&job.output.path, &job.run)?;
     let report = watched(job.run.voice, |monitor| {
-        let loaded = load(&job.input, monitor)?;
+        let loaded = load(&job.input, None, monitor)?;
         let made =
             reconstruct(&Input::from(&loaded), &job.options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
         check(monitor)?;

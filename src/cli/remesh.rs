@@ -8,7 +8,7 @@ use crate::cli::outputs::Outputs;
 use crate::cli::status::Status;
 use crate::cli::terminal;
 use crate::io::{Loaded, file};
-use crate::job::{Carry, Input, Outcome, RemeshOptions, remesh, remesh_levels};
+use crate::job::{Carry, Input, Outcome, RemeshOptions, of_use_for_remeshing, remesh, remesh_levels};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::{Grading, Values};
 use crate::report::page::{Subject, page};
@@ -19,7 +19,7 @@ pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
     let outputs = Outputs::of(job)?;
     check_report(&job.run)?;
     let (outcomes, reports, page) = watched(job.run.voice, |monitor| {
-        let loaded = load(&job.input, monitor)?;
+        let loaded = load(&job.input, of_use(job), monitor)?;
         let options = options(job, &loaded)?;
         let mut outcomes = outcomes(job, &loaded, &options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
         now_writing(monitor);
@@ -81,6 +81,12 @@ fn page_of(outcomes: &[Outcome], input: &Mesh, run: &Run) -> Option<String> {
 fn subject(outcome: &Outcome) -> Option<Subject<'_>> {
     let report = outcome.report.as_ref()?;
     Some(Subject { report, mesh: &outcome.mesh, edges: Some(&outcome.edges) })
+}
+
+/// How many points of a cloud are of use; `None` if that is not known, or if another file has a number for each.
+fn of_use(job: &Remeshing) -> Option<usize> {
+    let is_given = matches!(job.sizing, Some(Sizing::File(_)));
+    of_use_for_remeshing(&job.options.surface).filter(|_| !is_given)
 }
 
 /// The options, with what other files say of them.

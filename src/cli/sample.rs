@@ -5,7 +5,7 @@ use crate::base::monitor::check;
 use crate::cli::args::Sampling;
 use crate::cli::files::{add_run, check_targets, hand_out, load, name, now_writing, watched};
 use crate::io::file;
-use crate::job::{Input, sample};
+use crate::job::{Input, of_use_for_sampling, sample};
 use crate::report::samples::SamplesReport;
 
 pub(super) fn sample_file(job: &Sampling) -> Result<()> {
@@ -13,7 +13,7 @@ pub(super) fn sample_file(job: &Sampling) -> Result<()> {
     file::points_format(&job.output, None)?;
     check_targets(&job.output, &job.run)?;
     let report = watched(job.run.voice, |monitor| {
-        let loaded = load(&job.input, monitor)?;
+        let loaded = load(&job.input, of_use_for_sampling(&job.options), monitor)?;
         let sampled = sample(&Input::from(&loaded), &job.options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
         check(monitor)?;
         now_writing(monitor);

@@ -16,8 +16,7 @@ use crate::contour::lattice::{Field, Lattice, contour};
 use crate::geom::aabb::Aabb;
 use crate::mesh::topology::{NONE, components, twins};
 use crate::mesh::triangle_mesh::Mesh;
-use crate::spatial::kdtree::Neighbor;
-use crate::surface::implicit::{Local, Rimls};
+use crate::surface::implicit::{Found, Local, Rimls};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -94,13 +93,13 @@ fn drop_doubtful_parts(mesh: &mut Mesh, surface: &Rimls) {
 /// For each vertex whether it is in doubt that the points mean it.
 fn doubtful(mesh: &Mesh, surface: &Rimls) -> Vec<bool> {
     let normals = mesh.vertex_area_vectors();
-    let is_doubtful = |found: &mut Vec<Neighbor>, (&x, normal): (&DVec3, &DVec3)| {
+    let is_doubtful = |found: &mut Found, (&x, normal): (&DVec3, &DVec3)| {
         surface.nearest(x, found).is_none_or(|(nearest, theirs)| {
             let farthest = FARTHEST * surface.spacing(nearest.point);
             nearest.distance_squared > farthest * farthest || normal.normalize_or_zero().dot(theirs) < LEAST_AGREEMENT
         })
     };
-    mesh.positions.par_iter().zip(&normals).map_init(Vec::new, is_doubtful).collect()
+    mesh.positions.par_iter().zip(&normals).map_init(Found::default, is_doubtful).collect()
 }
 
 /// The diagonals of the bounding boxes of parts numbered in the order of their first vertex.

@@ -2,6 +2,7 @@
 
 use crate::base::error::{Error, Place, Result};
 use crate::io::beside::{Beside, prepared, stem};
+use crate::io::dense::read_thinned;
 use crate::io::disk::{file_error, is_replaced, read_error};
 use crate::io::format::Format;
 use crate::io::gzip;
@@ -23,6 +24,16 @@ pub use crate::io::disk::{check_target, replace_file};
 /// [`Error::File`] if there is no such file or it cannot be read; those of [`read_named`].
 pub fn read_file(path: &Path, format: Option<Format>) -> Result<Loaded> {
     read_named(&path.display().to_string(), &read_bytes(path)?, format, &Beside(path))
+}
+
+/// The same, but of a cloud with many more points than about `wanted` only these, with numbers in [`Loaded::thinned`] that say
+/// which: PLY and LAS in binary without ever holding all. What cannot be read so is read as by [`read_file`].
+///
+/// # Errors
+/// Those of [`read_file`].
+pub fn read_at_most(path: &Path, format: Option<Format>, wanted: Option<usize>) -> Result<Loaded> {
+    let thinned = wanted.map_or(Ok(None), |wanted| read_thinned(path, format, wanted))?;
+    thinned.map_or_else(|| read_file(path, format), Ok)
 }
 
 /// Reads a list of numbers from the JSON file at `path`.

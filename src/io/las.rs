@@ -14,10 +14,12 @@
 //! a panic hook still hears of it.
 
 use super::bytes::{CUT_SHORT, EXPORT_AGAIN, array, malformed, u32_at};
-use crate::base::error::{Place, Result};
+use crate::base::error::{Error, Place, Result};
 use crate::io::content::{Parsed, Read};
+use crate::io::table::{Rows, Table};
 use crate::mesh::attributes::{Attribute, Attributes, COLOR, Scalar};
 use crate::mesh::triangle_mesh::Mesh;
+use crate::prepare::thin::Seen;
 use glam::DVec3;
 
 /// The first bytes of a file.
@@ -72,13 +74,59 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     } else {
         let points = bytes.get(header.start..).unwrap_or_default();
         if points.len() / header.length < header.count {
-            let (count, found) = (header.count, points.len() / header.length);
-            let cause = format!("the header says {count} points, but the file ends after {found}");
-            return Err(malformed(Place::Byte(bytes.len()), cause, CUT_SHORT));
+            return Err(ends_early(header.count, points.len() / header.length, bytes.len()));
         }
         points.chunks_exact(header.length).take(header.count).for_each(|row| cloud.push(&header, row));
     }
     cloud.finish()
+}
+
+/// The points of a file of this many bytes that begins with `head`, if they are not compressed.
+pub(crate) fn table(head: &[u8], length: u64) -> Option<Table> {
+    let header = header(head).ok().filter(|header| !header.compressed)?;
+    let Header { start, length: row, count: points, .. } = header;
+    let found = length.checked_sub(start as u64)? / row as u64;
+    if found < points as u64 || points >= u32::MAX as usize {
+        return None;
+    }
+    Some(Table { start: start as u64, row, points, rows: Box::new(header) })
+}
+
+impl Rows for Header {
+    fn look(&self, row: &[u8]) -> Seen {
+        Seen { position: position(row) * self.scale + self.offset, normal: DVec3::ZERO }
+    }
+
+    fn nowhere(&self, point: usize, _: &[u8]) -> Error {
+        nowhere(point)
+    }
+
+    fn cut_short(&self, end: u64) -> Error {
+        ends_early(self.count, (end as usize).saturating_sub(self.start) / self.length, end as usize)
+    }
+
+    fn read(&self, rows: &[u8]) -> Parsed {
+        let mut cloud = Cloud::default();
+        rows.chunks_exact(self.length).for_each(|row| cloud.push(self, row));
+        cloud.finish()
+    }
+}
+
+/// The whole numbers that the position of a point is made of.
+fn position(row: &[u8]) -> DVec3 {
+    let long = |at: usize| f64::from(array(row, at).map_or(0, i32::from_le_bytes));
+    DVec3::new(long(0), long(4), long(8))
+}
+
+/// The error that the file ends before its points.
+fn ends_early(count: usize, found: usize, end: usize) -> Error {
+    let cause = format!("the header says {count} points, but the file ends after {found}");
+    malformed(Place::Byte(end), cause, CUT_SHORT)
+}
+
+/// The error that a point is nowhere.
+fn nowhere(point: usize) -> Error {
+    malformed(Place::Part(format!("point {point}")), "a coordinate is not finite", EXPORT_AGAIN)
 }
 
 fn header(bytes: &[u8]) -> Result<Header> {
@@ -122,8 +170,7 @@ impl Cloud {
     /// Adds the point in `row`, which is as long as the header says.
     fn push(&mut self, header: &Header, row: &[u8]) {
         let short = |at: usize| f64::from(array(row, at).map_or(0, u16::from_le_bytes));
-        let long = |at: usize| f64::from(array(row, at).map_or(0, i32::from_le_bytes));
-        self.positions.push(DVec3::new(long(0), long(4), long(8)) * header.scale + header.offset);
+        self.positions.push(position(row) * header.scale + header.offset);
         self.intensity.push(short(12));
         self.class.push(f64::from(if header.layout < WIDE { row[15] & 0x1F } else { row[16] }));
         if let Some(at) = LAYOUTS[header.layout].1 {
@@ -134,8 +181,7 @@ impl Cloud {
     fn finish(self) -> Parsed {
         let Cloud { positions, intensity, class, color } = self;
         if let Some(v) = positions.iter().position(|p| !p.is_finite()) {
-            let place = Place::Part(format!("point {v}"));
-            return Err(malformed(place, "a coordinate is not finite", EXPORT_AGAIN));
+            return Err(nowhere(v));
         }
         let depth = if color.iter().all(|&c| c <= Scalar::U8.full()) { Scalar::U8 } else { Scalar::U16 };
         let all = [
@@ -287,7 +333,6 @@ fn decompress(_: &[u8], _: &Header, _: &mut dyn FnMut(&[u8])) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::error::Error;
 
     const COUNT: usize = 300;
 
@@ -325,6 +370,20 @@ mod tests {
 
     fn las() -> Vec<u8> {
         with_header(2, &[], rows().as_flattened())
+    }
+
+    #[test]
+    fn points_can_be_read_as_rows() {
+        let bytes = las();
+        let table = table(&bytes[..HEADERS[0]], bytes.len() as u64).unwrap();
+        assert_eq!((table.points, table.row), (COUNT, 26));
+        let rows = &bytes[table.start as usize..];
+        assert_eq!(table.rows.look(&rows[26..52]).position, parse(&bytes).unwrap().mesh.positions[1]);
+        assert!(table.rows.read(rows).unwrap() == parse(&bytes).unwrap());
+        let short = crate::io::bytes::samples::fault(parse(&bytes[..bytes.len() - 30]));
+        let error = table.rows.cut_short(bytes.len() as u64 - 30);
+        assert_eq!(crate::io::bytes::samples::fault::<()>(Err(error)), short);
+        assert!(super::table(&bytes, bytes.len() as u64 - 1).is_none());
     }
 
     fn check(read: Read) {

@@ -22,6 +22,8 @@ mod columns;
 mod companions;
 mod content;
 #[cfg(feature = "fs")]
+mod dense;
+#[cfg(feature = "fs")]
 mod disk;
 mod e57;
 mod faces;
@@ -44,6 +46,7 @@ mod pcd;
 mod ply;
 mod read;
 mod stl;
+mod table;
 mod text;
 mod threemf;
 mod vtk;

@@ -120,7 +120,7 @@ pub(super) fn is_gz(ending: &OsStr) -> bool {
     ending.eq_ignore_ascii_case(gzip::ENDING)
 }
 
-fn input_format(name: &str, bytes: &[u8], format: Option<Format>) -> Result<Format> {
+pub(super) fn input_format(name: &str, bytes: &[u8], format: Option<Format>) -> Result<Format> {
     if let Some(format) = format {
         return Ok(format);
     }

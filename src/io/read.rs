@@ -7,6 +7,7 @@ use crate::io::{e57, gltf, gmsh, las, medit, obj, off, pcd, ply, stl, text, thre
 use crate::mesh::attributes::{Attribute, Attributes};
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
+use crate::prepare::thin::Thinned;
 
 /// A mesh or a cloud as it was read.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +18,8 @@ pub struct Loaded {
     pub attributes: Attributes,
     /// The format that it was read as.
     pub format: Format,
+    /// What was kept of a cloud with more points than were wanted; `None` if all were.
+    pub thinned: Option<Thinned>,
     /// What a user should know of what was left out, a sentence each.
     pub notes: Vec<String>,
 }
@@ -31,7 +34,7 @@ pub fn parse(bytes: &[u8], format: Format, resolve: Resolve) -> Result<Loaded> {
     if bytes.is_empty() {
         return Err(whole("the file is empty", "export it again"));
     }
-    let Read { mesh, attributes, notes } = match format {
+    let read = match format {
         Format::Obj => obj::parse(bytes),
         Format::Ply => ply::parse(bytes),
         Format::Stl => stl::parse(bytes),
@@ -47,10 +50,16 @@ pub fn parse(bytes: &[u8], format: Format, resolve: Resolve) -> Result<Loaded> {
         Format::Medit => medit::parse(bytes),
         Format::E57 => e57::parse(bytes),
     }?;
+    checked(read, format)
+}
+
+/// What was read, if it is sound.
+pub(super) fn checked(read: Read, format: Format) -> Result<Loaded> {
+    let Read { mesh, attributes, notes } = read;
     check(&mesh, format)?;
     check_attributes(&mesh, &attributes)?;
     let (mesh, attributes, notes) = without_empty_faces(mesh, attributes, notes);
-    Ok(Loaded { mesh, attributes, format, notes })
+    Ok(Loaded { mesh, attributes, format, thinned: None, notes })
 }
 
 /// Points instead of a mesh whose faces all have a corner twice, and a note of that.

@@ -7,6 +7,7 @@ use crate::mesh::attributes::{Attribute, Attributes, MATERIALS, PARTS, TEXTURE};
 use crate::mesh::points::Points;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::{refuse_bad_numbers, refuse_bad_positions};
+use crate::prepare::thin::Thinned;
 use glam::DVec3;
 use std::borrow::Cow;
 
@@ -15,6 +16,7 @@ use std::borrow::Cow;
 pub struct Input<'a> {
     mesh: Cow<'a, Mesh>,
     attributes: Cow<'a, Attributes>,
+    thinned: Option<Cow<'a, Thinned>>,
 }
 
 impl<'a> Input<'a> {
@@ -35,6 +37,24 @@ impl<'a> Input<'a> {
     #[must_use]
     pub fn with_attributes(self, attributes: &'a Attributes) -> Input<'a> {
         Input { attributes: Cow::Borrowed(attributes), ..self }
+    }
+
+    /// What is left of a cloud.
+    pub(super) fn thinned(mesh: Mesh, attributes: Attributes, thinned: Thinned) -> Input<'a> {
+        Input { mesh: Cow::Owned(mesh), attributes: Cow::Owned(attributes), thinned: Some(Cow::Owned(thinned)) }
+    }
+
+    /// What was kept of a cloud of more points.
+    pub(super) fn thinning(&self) -> Option<&Thinned> {
+        self.thinned.as_deref()
+    }
+
+    /// Numbers of its points, as those of the cloud that it is left of.
+    pub(super) fn numbers(&self, points: Vec<u32>) -> Vec<u32> {
+        match self.thinning() {
+            Some(thinned) => points.into_iter().map(|p| thinned.numbers[p as usize]).collect(),
+            None => points,
+        }
     }
 
     /// Whether it has points and no triangles.
@@ -110,7 +130,8 @@ impl<'a> Input<'a> {
 
 impl<'a> From<&'a Loaded> for Input<'a> {
     fn from(loaded: &'a Loaded) -> Input<'a> {
-        Input::from(&loaded.mesh).with_attributes(&loaded.attributes)
+        let thinned = loaded.thinned.as_ref().map(Cow::Borrowed);
+        Input { thinned, ..Input::from(&loaded.mesh).with_attributes(&loaded.attributes) }
     }
 }
 

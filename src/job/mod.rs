@@ -6,6 +6,7 @@ mod outcome;
 mod points;
 mod remesh;
 pub mod settings;
+mod thinning;
 mod threads;
 pub mod words;
 
@@ -13,4 +14,5 @@ pub use input::Input;
 pub use outcome::{Origin, Outcome};
 pub use points::{reconstruct, sample};
 pub use remesh::{Carry, RemeshOptions, quality, remesh, remesh_levels};
+pub use thinning::{of_use_for_remeshing, of_use_for_sampling};
 pub use threads::with_threads;

@@ -3,6 +3,7 @@
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, Overall};
 use crate::job::input::Input;
+use crate::job::thinning::{note, of_use_for_sampling};
 use crate::pipeline::{self, ReconstructOptions, Reconstructed, SampleOptions, Sampled, Signal, points_of_mesh};
 use crate::report::noise;
 
@@ -18,6 +19,7 @@ const RECONSTRUCTION: [(&str, f64); 3] = [("clean", 0.1), ("normals", 0.1), ("ex
 /// Those of [`remesh`](crate::remesh()).
 pub fn sample(input: &Input, options: &SampleOptions, monitor: &dyn Monitor) -> Result<Sampled> {
     input.check()?;
+    let input = &*input.thinned_to(of_use_for_sampling(options));
     let monitor = &Overall::new(monitor, &SAMPLING);
     let signals: Result<Vec<Signal>> =
         options.signals.iter().map(|signal| signal.resolved(input.attributes())).collect();
@@ -29,6 +31,11 @@ pub fn sample(input: &Input, options: &SampleOptions, monitor: &dyn Monitor) -> 
     // Those that are points of the input stay where they are.
     let moved = sampled.cloud.as_ref().filter(|_| !options.scan_only);
     sampled.notes.extend(moved.and_then(noise));
+    if let Some(thinned) = input.thinning() {
+        sampled.cloud.iter_mut().for_each(|cloud| cloud.thin(thinned));
+        sampled.indices = sampled.indices.map(|points| input.numbers(points));
+        sampled.notes.insert(0, note(thinned));
+    }
     Ok(sampled)
 }
 

@@ -4,6 +4,7 @@ use crate::base::error::{Error, Result};
 use crate::base::monitor::{Monitor, Overall, Part, check};
 use crate::job::input::Input;
 use crate::job::outcome::{Origin, Outcome};
+use crate::job::thinning::{note, of_use_for_remeshing};
 use crate::mesh::attributes::{Attributes, Lost};
 use crate::mesh::provenance::Origins;
 use crate::mesh::triangle_mesh::Mesh;
@@ -111,6 +112,7 @@ fn remesh_each(
 ) -> Result<()> {
     options.surface.validate()?;
     input.check()?;
+    let input = &*input.thinned_to(of_use_for_remeshing(&options.surface));
     let of_triangles = if input.is_cloud() { 0 } else { input.as_mesh().positions.len() };
     options.surface.features.check(of_triangles)?;
     let plan = if input.is_cloud() { [&OF_POINTS[..], &OF_MESH].concat() } else { OF_MESH.to_vec() };
@@ -145,6 +147,7 @@ fn finished(
 ) -> Result<Outcome> {
     let mut carried = carried(surface, &mut remeshed, &options.carry, monitor)?;
     remeshed.notes.append(&mut carried.notes);
+    remeshed.notes.extend(surface.cloud.iter().filter_map(|cloud| cloud.thinned.clone()));
     let coverage = surface.cloud.as_ref().map(|cloud| cloud.coverage(&remeshed));
     coverage.iter().for_each(|coverage| remeshed.hold_against_points(coverage));
     let of_points = surface.cloud.as_ref().zip(coverage).map(|(Cloud { summary, .. }, coverage)| {
@@ -213,6 +216,8 @@ struct Cloud {
     positions: Vec<DVec3>,
     /// Their mean spacing.
     spacing: f64,
+    /// What to say if they are not all.
+    thinned: Option<String>,
 }
 
 impl<'a> Surface<'a> {
@@ -229,16 +234,24 @@ impl<'a> Surface<'a> {
         }
         resolved.grading.check(input.as_mesh().positions.len())?;
         let smooth = options.cloud.smooth.or(options.surface.smooth);
-        let made = mesh_of_points(&input.as_points()?, &CloudOptions { smooth, ..options.cloud.clone() }, monitor)?;
+        let mut made = mesh_of_points(&input.as_points()?, &CloudOptions { smooth, ..options.cloud.clone() }, monitor)?;
         let grading = resolved.grading.of(&made.source);
+        if let Some(thinned) = input.thinning() {
+            made.summary.thin(thinned);
+        }
         let positions = made.surface_points.iter().map(|&p| input.as_mesh().positions[p as usize]).collect();
         Ok(Surface {
             attributes: Cow::Owned(input.attributes().of_vertices(&made.source)),
             input: input.as_mesh(),
             of_points: Some(Arc::new(made.mesh)),
             options: Options { grading, smooth: None, of_points: true, ..resolved },
-            points: Some(made.source),
-            cloud: Some(Cloud { summary: made.summary, positions, spacing: made.spacing }),
+            points: Some(input.numbers(made.source)),
+            cloud: Some(Cloud {
+                summary: made.summary,
+                positions,
+                spacing: made.spacing,
+                thinned: input.thinning().map(note),
+            }),
         })
     }
 

@@ -10,6 +10,7 @@ use crate::prepare::clean::{merged, wanted_by_others};
 use crate::prepare::cloud_normals::{MANY_NEIGHBORS, Neighborhood, plane_normals, sphere_normals};
 use crate::prepare::flatten::{Flatness, flatness, flattened};
 use crate::prepare::orient::{disagreement, orient, side_with};
+use crate::prepare::thin::Thinned;
 use crate::spatial::kdtree::Neighbors;
 use crate::spatial::knn_graph::{DEGREE, NeighborGraph};
 use crate::surface::implicit::Rimls;
@@ -128,8 +129,14 @@ pub enum Reach {
 /// What a mesh through the points of a cloud was made of.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct CloudSummary {
-    /// Points of the input.
+    /// Points of the input, or those of them that were kept.
     pub points: usize,
+    /// Points of the input, if these were more than are of use; 0 if they were not.
+    #[serde(default)]
+    pub thinned_from: usize,
+    /// The width of the cells, one point of each of which was kept then.
+    #[serde(default)]
+    pub cell: f64,
     /// Points at exactly the place of another one.
     pub duplicates: usize,
     /// Points that are no other point's neighbours.
@@ -156,6 +163,13 @@ pub struct CloudSummary {
     pub estimated_normals: usize,
     /// Normals that were given and turned over.
     pub turned_normals: usize,
+}
+
+impl CloudSummary {
+    /// Adds that the points were kept of more.
+    pub fn thin(&mut self, thinned: &Thinned) {
+        (self.thinned_from, self.cell) = (thinned.points, thinned.cell);
+    }
 }
 
 /// A mesh through the points of a cloud.

@@ -265,10 +265,17 @@ fn sample_bare_points(input: &Points, unit: &Unit, options: &SampleOptions, moni
 const CHOICES_PER_POINT: usize = 4;
 const DISK: f64 = 0.6;
 
-/// The points of a cloud on its surface, as samples, and more between them if `wanted` is no small part of them.
+/// With so many points for each sample wanted there is enough to choose from.
+const FEWER_CHOICES: usize = 3;
+
+/// The points of a cloud as samples: as they are if there are many for each one `wanted`, since those that are chosen get onto
+/// the surface later; else on its surface, with more between them.
 fn choices_on(surface: &Rimls, cloud: &Prepared, wanted: usize, seed: u64) -> Vec<Sample> {
     let (positions, normals) = (cloud.points.positions(), cloud.points.normals());
     let each = (CHOICES_PER_POINT * wanted).div_ceil(positions.len()).max(1);
+    if FEWER_CHOICES * wanted <= positions.len() {
+        return bare_samples(&cloud.points);
+    }
     let place = |p: usize, k: u64| {
         let [turn, share] = units_at(seed, Stage::Candidates, (p as u32, k));
         let (sin, cos) = math::sin_cos(TAU * turn);
@@ -451,6 +458,7 @@ impl Task<'_> {
         let (sigma, kept) = self.kept_of::<_, D>(surface, &Given { samples: choices, domain: None })?;
         let mut samples: Vec<Sample> = kept.into_iter().map(|i| choices[i as usize]).collect();
         self.features.with_kernel(sigma, |kernel| self.ascend::<_, D>(surface, kernel, &mut samples))?;
+        samples.par_iter_mut().for_each(|sample| *sample = surface.sample(sample.position).unwrap_or(*sample));
         Ok((sigma, self.in_order::<_, D>(surface, samples, sigma)?))
     }
 

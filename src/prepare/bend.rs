@@ -16,10 +16,10 @@ use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::prepare::cloud_normals::{MANY_NEIGHBORS, Neighborhood, sphere_normals};
 use crate::spatial::bvh::Bvh;
-use crate::spatial::kdtree::{Neighbor, Neighbors};
+use crate::spatial::kdtree::Neighbors;
 use crate::spatial::knn_graph::{DEGREE, NeighborGraph};
 use crate::spatial::self_intersections::self_intersections;
-use crate::surface::implicit::Rimls;
+use crate::surface::implicit::{Found, Rimls};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -132,7 +132,7 @@ impl Split {
         let cloud = Cloud::new(mesh, &points);
         let surface = cloud.surface(reach);
         let (miss, highest) = self.at_ends(mesh, &surface, &at_sharp);
-        let rise = |found: &mut Vec<Neighbor>, v: usize| {
+        let rise = |found: &mut Found, v: usize| {
             if at_sharp[v] || at_boundary[v] || highest[v] == 0.0 {
                 return None;
             }
@@ -140,7 +140,7 @@ impl Split {
             let rise = projected - miss[v] - mesh.positions[v];
             Some(rise.clamp_length_max(highest[v]))
         };
-        let rises = (count..mesh.positions.len()).into_par_iter().map_init(Vec::new, rise).collect();
+        let rises = (count..mesh.positions.len()).into_par_iter().map_init(Found::default, rise).collect();
         raise(mesh, count, rises);
     }
 
@@ -150,7 +150,7 @@ impl Split {
         let count = mesh.positions.len() - self.ends.len();
         let mut is_end = vec![false; mesh.positions.len()];
         self.ends.iter().flatten().for_each(|&v| is_end[v as usize] = true);
-        let at_point = |found: &mut Vec<Neighbor>, v: usize| {
+        let at_point = |found: &mut Found, v: usize| {
             let here = mesh.positions[v];
             if !is_end[v] {
                 return (DVec3::ZERO, 0.0);
@@ -160,7 +160,7 @@ impl Split {
             (projected.map_or(DVec3::ZERO, |(there, _)| there - here), spacing)
         };
         let (mut miss, spacing): (Vec<DVec3>, Vec<f64>) =
-            (0..count).into_par_iter().map_init(Vec::new, at_point).unzip();
+            (0..count).into_par_iter().map_init(Found::default, at_point).unzip();
         let mut highest = vec![0.0f64; count];
         for &[v, w] in &self.ends {
             let [a, b] = [v, w].map(|v| v as usize);

@@ -9,3 +9,4 @@ pub mod flatten;
 pub mod orient;
 pub mod repair;
 pub mod stitch;
+pub mod thin;

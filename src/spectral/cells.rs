@@ -5,28 +5,26 @@
 //! Cost: a query looks up the cells that a box of twice its radius touches.
 
 use crate::geom::vector::distance_squared;
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
-/// Coordinates that cells are made of.
-const AXES: usize = 3;
-
-type Cell = [i64; AXES];
+type Cell = [i64; 3];
 
 /// Numbered points, each with its coordinates.
 pub(super) struct Cells<const D: usize> {
     width: f64,
     /// In the order in which they came, so that the order of the map does not matter.
-    lists: HashMap<Cell, Vec<(u32, [f64; D])>>,
+    lists: FxHashMap<Cell, Vec<(u32, [f64; D])>>,
 }
 
 impl<const D: usize> Cells<D> {
     /// No points, in cells of `width`.
     pub fn new(width: f64) -> Self {
-        Cells { width, lists: HashMap::new() }
+        Cells { width, lists: FxHashMap::default() }
     }
 
     fn cell(&self, x: &[f64; D], shift: f64) -> Cell {
-        std::array::from_fn(|axis| x.get(axis).map_or(0, |x| ((x + shift) / self.width).floor() as i64))
+        let along = |axis: usize| x.get(axis).map_or(0, |x| ((x + shift) / self.width).floor() as i64);
+        [along(0), along(1), along(2)]
     }
 
     pub fn insert(&mut self, number: u32, x: [f64; D]) {

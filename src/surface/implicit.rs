@@ -41,11 +41,17 @@ const STEPS: usize = 6;
 /// How far from the nearest point the cloud is taken to go on, in spacings there.
 const BORDER: f64 = 0.9;
 
+/// Points are looked for a little farther away than is needed, since the next place is near by as a rule.
+const SLACK: f64 = 1.1;
+
 /// Shares of a step that are tried where all of it would lead past a border.
 const SHORTER: [f64; 3] = [1.0, 0.5, 0.25];
 
 /// A projection has arrived when it moves by less than this share of the reach.
 const ARRIVED: f64 = 1e-4;
+
+/// The same for a sample on its way.
+const PASSING: f64 = 1e-2;
 
 /// The implicit surface of points with normals.
 pub struct Rimls<'a> {
@@ -59,6 +65,17 @@ pub struct Rimls<'a> {
     reach: f64,
     near: &'a Neighbors,
     longest: f64,
+}
+
+/// The points around the place that was asked about last: working space of questions to one surface.
+#[derive(Debug, Default)]
+pub struct Found {
+    /// All points within `radius` of `around`.
+    all: Vec<Neighbor>,
+    around: DVec3,
+    radius: f64,
+    /// Those that count at the place, the nearest first.
+    list: Vec<Neighbor>,
 }
 
 /// f and ∇f at some place.
@@ -103,15 +120,14 @@ impl<'a> Rimls<'a> {
     }
 
     /// The point nearest to `x` and its normal; `None` without points. `found` is working space.
-    pub fn nearest(&self, x: DVec3, found: &mut Vec<Neighbor>) -> Option<(Neighbor, DVec3)> {
-        self.near.collect_nearest(x, 1, found);
-        found.first().map(|n| (*n, self.normals[n.point as usize]))
+    pub fn nearest(&self, x: DVec3, found: &mut Found) -> Option<(Neighbor, DVec3)> {
+        self.nearest_point(x, found).map(|n| (n, self.normals[n.point as usize]))
     }
 
     /// f and its gradient at `x`; `None` where no point reaches. `found` is working space.
-    pub fn value(&self, x: DVec3, found: &mut Vec<Neighbor>) -> Option<Value> {
+    pub fn value(&self, x: DVec3, found: &mut Found) -> Option<Value> {
         self.collect(x, found);
-        self.value_of(x, found, found.first()?.point)
+        self.value_of(x, &found.list, found.list.first()?.point)
     }
 
     /// What values within `radius` of `centre` take.
@@ -154,17 +170,22 @@ impl<'a> Rimls<'a> {
 
     /// The point of the surface near `x`, and the unit normal there; `None` if there is none within reach. `found` is
     /// working space.
-    pub fn project(&self, x: DVec3, found: &mut Vec<Neighbor>) -> Option<(DVec3, DVec3)> {
+    pub fn project(&self, x: DVec3, found: &mut Found) -> Option<(DVec3, DVec3)> {
+        self.project_until(ARRIVED, x, found)
+    }
+
+    /// [`Self::project`] until a step is shorter than this share of the reach.
+    fn project_until(&self, arrived: f64, x: DVec3, found: &mut Found) -> Option<(DVec3, DVec3)> {
         let mut at = x;
         let mut normal = DVec3::ZERO;
         for _ in 0..STEPS {
             let value = self.value(at, found)?;
             let Value { f, gradient, .. } = value;
             let step = f * gradient / gradient.length_squared().max(f64::MIN_POSITIVE);
-            let reach = found.first().map_or(0.0, |n| self.reaches[n.point as usize]);
+            let reach = found.list.first().map_or(0.0, |n| self.reaches[n.point as usize]);
             at -= step.clamp_length_max(reach);
             normal = value.normal;
-            if step.length() < ARRIVED * reach {
+            if step.length() < arrived * reach {
                 break;
             }
         }
@@ -174,8 +195,12 @@ impl<'a> Rimls<'a> {
     /// The sample of the surface near `x`, whose triangle is the number of the nearest point; `None` where the cloud has
     /// ended.
     pub fn sample(&self, x: DVec3) -> Option<Sample> {
-        let mut found = Vec::new();
-        let (position, normal) = self.project(x, &mut found)?;
+        self.sample_until(ARRIVED, x)
+    }
+
+    fn sample_until(&self, arrived: f64, x: DVec3) -> Option<Sample> {
+        let mut found = Found::default();
+        let (position, normal) = self.project_until(arrived, x, &mut found)?;
         let (nearest, _) = self.nearest(position, &mut found)?;
         let farthest = BORDER * self.spacing(nearest.point);
         let sample = Sample { position, normal, triangle: nearest.point, size: 1.0 };
@@ -184,11 +209,11 @@ impl<'a> Rimls<'a> {
 
     /// For each point a place near it that is on the surface to first order.
     pub fn seeds(&self) -> Vec<DVec3> {
-        let seed = |found: &mut Vec<Neighbor>, &x: &DVec3| {
+        let seed = |found: &mut Found, &x: &DVec3| {
             let value = self.value(x, found).filter(|v| v.gradient != DVec3::ZERO);
             value.map_or(x, |Value { f, gradient, .. }| x - f * gradient / gradient.length_squared())
         };
-        self.positions.par_iter().map_init(Vec::new, seed).collect()
+        self.positions.par_iter().map_init(Found::default, seed).collect()
     }
 
     /// The points without their noise, and their unit normals: projected, and moved back by what projecting them again
@@ -207,23 +232,47 @@ impl<'a> Rimls<'a> {
 
     /// All points projected; where one has lost the surface it stays, with its normal.
     fn projected(&self) -> (Vec<DVec3>, Vec<DVec3>) {
-        let project = |found: &mut Vec<Neighbor>, p: usize| {
+        let project = |found: &mut Found, p: usize| {
             self.project(self.positions[p], found).unwrap_or((self.positions[p], self.normals[p]))
         };
-        (0..self.positions.len()).into_par_iter().map_init(Vec::new, project).unzip()
+        (0..self.positions.len()).into_par_iter().map_init(Found::default, project).unzip()
     }
 
-    /// The points that may reach `x`, the nearest one first.
-    fn collect(&self, x: DVec3, found: &mut Vec<Neighbor>) {
-        self.near.collect_nearest(x, 1, found);
-        let Some(nearest) = found.first().copied() else { return };
+    /// The points that reach `x`, and the nearest one first.
+    fn collect(&self, x: DVec3, found: &mut Found) {
+        found.list.clear();
+        let Some(nearest) = self.nearest_point(x, found) else { return };
         let radius = self.radius(nearest.point);
         if nearest.distance_squared > radius * radius {
-            found.clear();
             return;
         }
-        self.near.collect_within(x, radius, found);
-        found.sort_unstable_by(|a, b| a.distance_squared.total_cmp(&b.distance_squared).then(a.point.cmp(&b.point)));
+        if found.around.distance(x) + radius > found.radius {
+            (found.around, found.radius) = (x, SLACK * radius);
+            self.near.collect_within(x, found.radius, &mut found.all);
+        }
+        let counts = |n: &Neighbor| {
+            let reach = self.reaches[n.point as usize].min(radius);
+            n.point == nearest.point || n.distance_squared < reach * reach
+        };
+        found.list.extend(found.all.iter().map(|n| self.seen_from(x, n.point)).filter(counts));
+        let list = &mut found.list;
+        list.sort_unstable_by(|a, b| a.distance_squared.total_cmp(&b.distance_squared).then(a.point.cmp(&b.point)));
+    }
+
+    /// The point nearest to `x`: among those that were found before if it is for certain.
+    fn nearest_point(&self, x: DVec3, found: &mut Found) -> Option<Neighbor> {
+        let known = found.all.iter().map(|n| self.seen_from(x, n.point));
+        let nearest =
+            known.min_by(|a, b| a.distance_squared.total_cmp(&b.distance_squared).then(a.point.cmp(&b.point)));
+        let is_certain = |n: &Neighbor| n.distance_squared.sqrt() + found.around.distance(x) < found.radius;
+        nearest.filter(is_certain).or_else(|| {
+            self.near.collect_nearest(x, 1, &mut found.list);
+            found.list.pop()
+        })
+    }
+
+    fn seen_from(&self, x: DVec3, point: u32) -> Neighbor {
+        Neighbor { point, distance_squared: self.positions[point as usize].distance_squared(x) }
     }
 
     /// In the first round those that face away from the nearest point do not count: they are of the other side of a thin
@@ -258,10 +307,11 @@ impl<'a> Rimls<'a> {
 }
 
 impl Surface for Rimls<'_> {
-    /// A step over the border of the cloud is shorter, or none.
+    /// A step over the border of the cloud is shorter, or none. It ends near the surface: [`Rimls::sample`] is for where
+    /// steps end.
     fn follow(&self, from: &Sample, way: DVec3) -> Sample {
         let way = way.reject_from_normalized(from.normal);
-        SHORTER.iter().find_map(|share| self.sample(from.position + share * way)).unwrap_or(*from)
+        SHORTER.iter().find_map(|share| self.sample_until(PASSING, from.position + share * way)).unwrap_or(*from)
     }
 }
 
@@ -349,10 +399,10 @@ mod tests {
         let normals = vec![DVec3::Z; positions.len()];
         let near = Neighbors::new(&positions);
         let surface = Rimls::new(&positions, &normals, &near, &vec![1.0; positions.len()], 3.0);
-        let Value { f, gradient, .. } = surface.value(DVec3::new(9.3, 8.6, 2.7), &mut Vec::new()).unwrap();
+        let Value { f, gradient, .. } = surface.value(DVec3::new(9.3, 8.6, 2.7), &mut Found::default()).unwrap();
         assert_relative_eq!(f, 0.7, epsilon = 1e-12);
         assert!(gradient.distance(DVec3::Z) < 1e-9);
-        assert_eq!(surface.value(DVec3::new(9.3, 8.6, 6.0), &mut Vec::new()), None);
+        assert_eq!(surface.value(DVec3::new(9.3, 8.6, 6.0), &mut Found::default()), None);
     }
 
     #[test]
@@ -362,7 +412,7 @@ mod tests {
         let near = Neighbors::new(&positions);
         let spacings: Vec<f64> = positions.iter().map(|p| 0.12 + 0.05 * p.x).collect();
         let surface = Rimls::new(&positions, &normals, &near, &spacings, 2.2);
-        let mut found = Vec::new();
+        let mut found = Found::default();
         for centre in [DVec3::X, DVec3::new(-0.5, 0.8, 0.2), DVec3::new(0.0, 1.2, 0.0), DVec3::splat(9.0)] {
             let mut local = surface.local(centre, 0.2);
             for _ in 0..100 {
@@ -371,7 +421,7 @@ mod tests {
                 let (one, other) = (surface.value(x, &mut found), surface.value_in(&mut local, x));
                 assert_eq!(one.is_some(), other.is_some());
                 let Some((one, (other, nearest))) = one.zip(other) else { continue };
-                assert!((one.f - other.f).abs() < 1e-12 && nearest == found[0]);
+                assert!((one.f - other.f).abs() < 1e-12 && nearest == found.list[0]);
             }
         }
     }
@@ -386,7 +436,7 @@ mod tests {
         let (positions, normals): (Vec<DVec3>, Vec<DVec3>) = roof.chain([outlier]).unzip();
         let near = Neighbors::new(&positions);
         let surface = Rimls::new(&positions, &normals, &near, &vec![1.2; positions.len()], 3.0);
-        let mut found = Vec::new();
+        let mut found = Found::default();
         let (beside_edge, _) = surface.project(DVec3::new(-1.0, 15.3, 0.3), &mut found).unwrap();
         assert!(beside_edge.z.abs() < 0.05, "{beside_edge}");
         let (below_outlier, _) = surface.project(DVec3::new(-6.0, 15.0, 0.3), &mut found).unwrap();

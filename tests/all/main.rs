@@ -10,6 +10,8 @@ mod cli;
 mod clouds;
 mod common;
 mod data;
+#[cfg(feature = "fs")]
+mod dense;
 mod docs;
 mod features;
 mod files;

@@ -34,7 +34,7 @@ pub(super) trait Source: Clone {
 }
 
 #[cold]
-fn cut_short(place: Place) -> Error {
+pub(super) fn cut_short(place: Place) -> Error {
     malformed(place, "the file ends before its last value", CUT_SHORT)
 }
 

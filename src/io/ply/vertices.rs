@@ -2,10 +2,11 @@
 
 use super::elements::{checked_count, skip};
 use super::header::{Element, Kind, Property};
-use super::source::Source;
+use super::source::{Binary, Source};
 use crate::base::error::{Error, Place, Result};
 use crate::io::bytes::{EXPORT_AGAIN, malformed};
 use crate::mesh::attributes::{Attribute, COLOR, NORMAL, Scalar};
+use crate::prepare::thin::Seen;
 use glam::{DVec2, DVec3};
 
 /// Properties that are components of one attribute, if the first three are there.
@@ -86,6 +87,47 @@ impl Vertices {
         self.texture.extend(texture.map(DVec2::from));
         Ok(())
     }
+}
+
+/// Where the position and the normal of a point are in its row of bytes.
+pub(super) struct Columns {
+    /// The bytes of a row.
+    pub row: usize,
+    /// The byte and the type of each coordinate.
+    pub position: [(usize, Scalar); 3],
+    normal: Option<[(usize, Scalar); 3]>,
+}
+
+impl Columns {
+    /// Those of the vertices of a binary file, if all their properties are numbers.
+    pub fn of(element: &Element) -> Option<Columns> {
+        let kinds: Option<Vec<Scalar>> = element.properties.iter().map(scalar).collect();
+        let kinds = kinds?;
+        let find = |name: &str| {
+            let i = element.properties.iter().position(|p| p.name == name)?;
+            Some((kinds[..i].iter().map(|kind| kind.size()).sum(), kinds[i]))
+        };
+        let three = |[x, y, z]: [&str; 3]| Some([find(x)?, find(y)?, find(z)?]);
+        let [(_, [x, y, z, _]), ..] = GROUPS;
+        let row = kinds.iter().map(|kind| kind.size()).sum();
+        Some(Columns { row, position: three(["x", "y", "z"])?, normal: three([x, y, z]) })
+    }
+
+    /// The place of the point in a row.
+    #[inline]
+    pub fn look<const BIG: bool>(&self, row: &[u8]) -> Seen {
+        let number = |(at, kind)| Binary::<BIG>::new(row, at).next(kind).unwrap_or(f64::NAN);
+        let vector = |columns: [(usize, Scalar); 3]| DVec3::from_array(columns.map(number));
+        Seen { position: vector(self.position), normal: self.normal.map_or(DVec3::ZERO, vector) }
+    }
+}
+
+/// The error that one of the coordinates in a row, which begins at byte `start` of the file, is not finite.
+pub(super) fn not_finite_in<const BIG: bool>(row: &[u8], columns: &[(usize, Scalar); 3], start: usize) -> Error {
+    let number = |at, kind| Binary::<BIG>::new(row, at).next(kind).unwrap_or(f64::NAN);
+    let values = columns.iter().map(|&(at, kind)| (number(at, kind), at));
+    let (value, at) = values.filter(|(value, _)| !value.is_finite()).min_by_key(|(_, at)| *at).unwrap_or((f64::NAN, 0));
+    not_finite(value, Place::Byte(start + at))
 }
 
 /// What each property is, and the attributes that they make, without values.

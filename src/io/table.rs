@@ -1,0 +1,32 @@
+//! Points as rows of bytes, which can be read without reading all of the file.
+
+use crate::base::error::Error;
+use crate::io::content::Parsed;
+use crate::prepare::thin::Seen;
+
+/// The points of a file that are rows of equally many bytes.
+pub(crate) struct Table {
+    /// Where they begin, in bytes.
+    pub start: u64,
+    /// The bytes of each.
+    pub row: usize,
+    /// How many there are.
+    pub points: usize,
+    /// What a format knows of them.
+    pub rows: Box<dyn Rows>,
+}
+
+/// What a format knows of its points.
+pub(crate) trait Rows: Sync {
+    /// Where the point of this row is, and its normal.
+    fn look(&self, row: &[u8]) -> Seen;
+
+    /// The error that the point of this number and row is nowhere.
+    fn nowhere(&self, point: usize, row: &[u8]) -> Error;
+
+    /// The error that the file ends at this byte.
+    fn cut_short(&self, end: u64) -> Error;
+
+    /// Reads points as if they were all of the file.
+    fn read(&self, rows: &[u8]) -> Parsed;
+}
