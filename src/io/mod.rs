@@ -46,6 +46,7 @@ mod pcd;
 mod ply;
 mod read;
 mod stl;
+#[cfg(feature = "fs")]
 mod table;
 mod text;
 mod threemf;

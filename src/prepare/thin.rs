@@ -2,13 +2,13 @@
 //!
 //! A cell keeps the point that is nearest to its centre, the first of equally near ones; of points that face apart, as on
 //! the two sides of a thin wall, one for each side. Cells are anchored at the origin, and their width is a power of two,
-//! doubled when more than [`ROOM`] times the wanted points are kept; so each cell is one of eight of a cell twice as wide,
+//! doubled when more than four times the wanted points are kept; so each cell is one of eight of a cell twice as wide,
 //! and what is kept depends on the points and their order alone. At the end a lattice of any width leaves about as many as
 //! are wanted. Points are not averaged: each one kept is a point of the input, with its number, its normal and its colour.
 //!
 //! A point is a row of bytes, whatever is in it, so a file can be thinned before it is understood.
 //!
-//! Cost: a look into a table for each point. Memory: [`ROOM`] rows, twelve bytes each beside, for each point wanted.
+//! Cost: a look into a table for each point. Memory: four rows, twelve bytes each beside, for each point wanted.
 //!
 //! Limits: isolated points are alone in their cells and stay, so their share grows.
 

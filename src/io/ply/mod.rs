@@ -16,26 +16,28 @@
 mod elements;
 mod faces;
 mod header;
+#[cfg(feature = "fs")]
+mod rows;
 mod source;
 mod vertices;
 mod write;
 
+#[cfg(feature = "fs")]
+pub(crate) use rows::table;
 pub(crate) use write::write;
 
 use crate::base::error::{Error, Place};
 use crate::io::bytes::{EXPORT_AGAIN, malformed};
 use crate::io::content::{Parsed, Read};
-use crate::io::table::{Rows, Table};
 use crate::io::text::small_faces;
 use crate::mesh::attributes::Attributes;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::prepare::thin::Seen;
 use elements::skip_element;
 use faces::Faces;
 use glam::DVec2;
 use header::{Element, Encoding, Header};
 use source::{Binary, Source, Text};
-use vertices::{Columns, Vertices};
+use vertices::Vertices;
 
 /// The mesh in a PLY file. A file without faces gives vertices only.
 ///
@@ -47,58 +49,6 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
         Encoding::Text => read(Text::new(&bytes[header.body..], header.line), &header),
         Encoding::Little => read(Binary::<false>::new(bytes, header.body), &header),
         Encoding::Big => read(Binary::<true>::new(bytes, header.body), &header),
-    }
-}
-
-/// The points of a binary file that has nothing else, of this many bytes, whose header is in `head`.
-pub(crate) fn table(head: &[u8], length: u64) -> Option<Table> {
-    let header = header::parse(head).ok()?;
-    match header.encoding {
-        Encoding::Text => None,
-        Encoding::Little => table_of::<false>(header, length),
-        Encoding::Big => table_of::<true>(header, length),
-    }
-}
-
-fn table_of<const BIG: bool>(header: Header, length: u64) -> Option<Table> {
-    let mut with_rows = (0..header.elements.len()).filter(|&i| header.elements[i].count > 0);
-    let (vertex, None) = (with_rows.next()?, with_rows.next()) else { return None };
-    let element = &header.elements[vertex];
-    let columns = Columns::of(element)?;
-    let (start, points, row) = (header.body as u64, element.count, columns.row);
-    if element.name != "vertex" || u64::try_from(row).ok()?.checked_mul(points)?.checked_add(start)? != length {
-        return None;
-    }
-    let points = usize::try_from(points).ok().filter(|&points| points < u32::MAX as usize)?;
-    Some(Table { start, row, points, rows: Box::new(BinaryRows::<BIG> { header, vertex, columns }) })
-}
-
-/// The vertices of a binary file that has nothing else.
-struct BinaryRows<const BIG: bool> {
-    header: Header,
-    /// Which of the elements they are.
-    vertex: usize,
-    columns: Columns,
-}
-
-impl<const BIG: bool> Rows for BinaryRows<BIG> {
-    fn look(&self, row: &[u8]) -> Seen {
-        self.columns.look::<BIG>(row)
-    }
-
-    fn nowhere(&self, point: usize, row: &[u8]) -> Error {
-        let Columns { position, row: length, .. } = &self.columns;
-        vertices::not_finite_in::<BIG>(row, position, self.header.body + point * length)
-    }
-
-    fn cut_short(&self, end: u64) -> Error {
-        source::cut_short(Place::Byte(end as usize))
-    }
-
-    fn read(&self, rows: &[u8]) -> Parsed {
-        let mut header = self.header.clone();
-        header.elements[self.vertex].count = (rows.len() / self.columns.row) as u64;
-        read(Binary::<BIG>::new(rows, 0), &header)
     }
 }
 

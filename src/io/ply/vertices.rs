@@ -2,15 +2,14 @@
 
 use super::elements::{checked_count, skip};
 use super::header::{Element, Kind, Property};
-use super::source::{Binary, Source};
+use super::source::Source;
 use crate::base::error::{Error, Place, Result};
 use crate::io::bytes::{EXPORT_AGAIN, malformed};
 use crate::mesh::attributes::{Attribute, COLOR, NORMAL, Scalar};
-use crate::prepare::thin::Seen;
 use glam::{DVec2, DVec3};
 
 /// Properties that are components of one attribute, if the first three are there.
-const GROUPS: [(&str, [&str; 4]); 3] = [
+pub(super) const GROUPS: [(&str, [&str; 4]); 3] = [
     (NORMAL, ["nx", "ny", "nz", ""]),
     (COLOR, ["red", "green", "blue", "alpha"]),
     (COLOR, ["diffuse_red", "diffuse_green", "diffuse_blue", "diffuse_alpha"]),
@@ -89,47 +88,6 @@ impl Vertices {
     }
 }
 
-/// Where the position and the normal of a point are in its row of bytes.
-pub(super) struct Columns {
-    /// The bytes of a row.
-    pub row: usize,
-    /// The byte and the type of each coordinate.
-    pub position: [(usize, Scalar); 3],
-    normal: Option<[(usize, Scalar); 3]>,
-}
-
-impl Columns {
-    /// Those of the vertices of a binary file, if all their properties are numbers.
-    pub fn of(element: &Element) -> Option<Columns> {
-        let kinds: Option<Vec<Scalar>> = element.properties.iter().map(scalar).collect();
-        let kinds = kinds?;
-        let find = |name: &str| {
-            let i = element.properties.iter().position(|p| p.name == name)?;
-            Some((kinds[..i].iter().map(|kind| kind.size()).sum(), kinds[i]))
-        };
-        let three = |[x, y, z]: [&str; 3]| Some([find(x)?, find(y)?, find(z)?]);
-        let [(_, [x, y, z, _]), ..] = GROUPS;
-        let row = kinds.iter().map(|kind| kind.size()).sum();
-        Some(Columns { row, position: three(["x", "y", "z"])?, normal: three([x, y, z]) })
-    }
-
-    /// The place of the point in a row.
-    #[inline]
-    pub fn look<const BIG: bool>(&self, row: &[u8]) -> Seen {
-        let number = |(at, kind)| Binary::<BIG>::new(row, at).next(kind).unwrap_or(f64::NAN);
-        let vector = |columns: [(usize, Scalar); 3]| DVec3::from_array(columns.map(number));
-        Seen { position: vector(self.position), normal: self.normal.map_or(DVec3::ZERO, vector) }
-    }
-}
-
-/// The error that one of the coordinates in a row, which begins at byte `start` of the file, is not finite.
-pub(super) fn not_finite_in<const BIG: bool>(row: &[u8], columns: &[(usize, Scalar); 3], start: usize) -> Error {
-    let number = |at, kind| Binary::<BIG>::new(row, at).next(kind).unwrap_or(f64::NAN);
-    let values = columns.iter().map(|&(at, kind)| (number(at, kind), at));
-    let (value, at) = values.filter(|(value, _)| !value.is_finite()).min_by_key(|(_, at)| *at).unwrap_or((f64::NAN, 0));
-    not_finite(value, Place::Byte(start + at))
-}
-
 /// What each property is, and the attributes that they make, without values.
 fn roles(element: &Element, with_faces: bool) -> Result<(Vec<Role>, Vec<Attribute>)> {
     let mut roles = vec![Role::LeftOut; element.properties.len()];
@@ -168,7 +126,7 @@ fn attribute(name: &str, components: usize, property: &Property) -> Option<Attri
     scalar(property).map(|scalar| Attribute { name: name.into(), components, values: Vec::new(), scalar })
 }
 
-fn scalar(property: &Property) -> Option<Scalar> {
+pub(super) fn scalar(property: &Property) -> Option<Scalar> {
     match property.kind {
         Kind::Scalar(scalar) => Some(scalar),
         Kind::List { .. } => None,
@@ -185,6 +143,6 @@ fn coordinate<S: Source>(source: &mut S, kind: Scalar) -> Result<f64> {
 }
 
 #[cold]
-fn not_finite(value: f64, place: Place) -> Error {
+pub(super) fn not_finite(value: f64, place: Place) -> Error {
     malformed(place, format!("the coordinate {value} is not finite"), "replace or remove this vertex")
 }

@@ -13,13 +13,17 @@
 //! Limits: what is damaged inside of compressed points is found by the crate, which may panic at it; that is caught, but
 //! a panic hook still hears of it.
 
-use super::bytes::{CUT_SHORT, EXPORT_AGAIN, array, malformed, u32_at};
+#[cfg(feature = "fs")]
+mod rows;
+
+#[cfg(feature = "fs")]
+pub(crate) use rows::table;
+
 use crate::base::error::{Error, Place, Result};
+use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, array, malformed, u32_at};
 use crate::io::content::{Parsed, Read};
-use crate::io::table::{Rows, Table};
 use crate::mesh::attributes::{Attribute, Attributes, COLOR, Scalar};
 use crate::mesh::triangle_mesh::Mesh;
-use crate::prepare::thin::Seen;
 use glam::DVec3;
 
 /// The first bytes of a file.
@@ -79,37 +83,6 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
         points.chunks_exact(header.length).take(header.count).for_each(|row| cloud.push(&header, row));
     }
     cloud.finish()
-}
-
-/// The points of a file of this many bytes that begins with `head`, if they are not compressed.
-pub(crate) fn table(head: &[u8], length: u64) -> Option<Table> {
-    let header = header(head).ok().filter(|header| !header.compressed)?;
-    let Header { start, length: row, count: points, .. } = header;
-    let found = length.checked_sub(start as u64)? / row as u64;
-    if found < points as u64 || points >= u32::MAX as usize {
-        return None;
-    }
-    Some(Table { start: start as u64, row, points, rows: Box::new(header) })
-}
-
-impl Rows for Header {
-    fn look(&self, row: &[u8]) -> Seen {
-        Seen { position: position(row) * self.scale + self.offset, normal: DVec3::ZERO }
-    }
-
-    fn nowhere(&self, point: usize, _: &[u8]) -> Error {
-        nowhere(point)
-    }
-
-    fn cut_short(&self, end: u64) -> Error {
-        ends_early(self.count, (end as usize).saturating_sub(self.start) / self.length, end as usize)
-    }
-
-    fn read(&self, rows: &[u8]) -> Parsed {
-        let mut cloud = Cloud::default();
-        rows.chunks_exact(self.length).for_each(|row| cloud.push(self, row));
-        cloud.finish()
-    }
 }
 
 /// The whole numbers that the position of a point is made of.
@@ -334,7 +307,7 @@ fn decompress(_: &[u8], _: &Header, _: &mut dyn FnMut(&[u8])) -> Result<()> {
 mod tests {
     use super::*;
 
-    const COUNT: usize = 300;
+    pub(super) const COUNT: usize = 300;
 
     /// Points of layout 2 on a grid, without a header.
     fn rows() -> Vec<[u8; 26]> {
@@ -368,22 +341,8 @@ mod tests {
         [&bytes, record, points].concat()
     }
 
-    fn las() -> Vec<u8> {
+    pub(super) fn las() -> Vec<u8> {
         with_header(2, &[], rows().as_flattened())
-    }
-
-    #[test]
-    fn points_can_be_read_as_rows() {
-        let bytes = las();
-        let table = table(&bytes[..HEADERS[0]], bytes.len() as u64).unwrap();
-        assert_eq!((table.points, table.row), (COUNT, 26));
-        let rows = &bytes[table.start as usize..];
-        assert_eq!(table.rows.look(&rows[26..52]).position, parse(&bytes).unwrap().mesh.positions[1]);
-        assert!(table.rows.read(rows).unwrap() == parse(&bytes).unwrap());
-        let short = crate::io::bytes::samples::fault(parse(&bytes[..bytes.len() - 30]));
-        let error = table.rows.cut_short(bytes.len() as u64 - 30);
-        assert_eq!(crate::io::bytes::samples::fault::<()>(Err(error)), short);
-        assert!(super::table(&bytes, bytes.len() as u64 - 1).is_none());
     }
 
     fn check(read: Read) {
