@@ -28,7 +28,7 @@ def test_texts_are_escaped_and_shortcomings_told():
     remeshed.notes.append("<script>")
     html = remeshed._repr_html_()
     assert "&lt;script&gt;" in html and "<script>" not in html
-    assert "no: up to" in html
+    assert "no: the distance to the input is up to" in html
 
 
 def test_meshes_without_a_report_are_shown_too():
