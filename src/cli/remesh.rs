@@ -20,7 +20,7 @@ pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
     check_report(&job.run)?;
     let (outcomes, reports, page) = watched(job.run.voice, |monitor| {
         let loaded = load(&job.input, of_use(job), monitor)?;
-        let options = options(job, &loaded)?;
+        let options = options(job, &outputs, &loaded)?;
         let mut outcomes = outcomes(job, &loaded, &options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
         now_writing(monitor);
         outputs.write(&outcomes)?;
@@ -90,16 +90,16 @@ fn of_use(job: &Remeshing) -> Option<usize> {
 }
 
 /// The options, with what other files say of them.
-fn options(job: &Remeshing, loaded: &Loaded) -> Result<RemeshOptions> {
+fn options(job: &Remeshing, outputs: &Outputs, loaded: &Loaded) -> Result<RemeshOptions> {
     let mut options = job.options.clone();
     if let Some(Sizing::File(path)) = &job.sizing {
         options.surface.grading = Grading::Field(Values::Given(file::read_numbers(path)?));
     }
     if options.carry == Carry::All {
-        let format = file::output_format(&job.output.path, job.output.format)?;
-        options.carry = Carry::AllBut(format.cannot_hold(&loaded.attributes));
+        options.carry = Carry::AllBut(outputs.format.cannot_hold(&loaded.attributes));
     }
-    options.without_report = job.run.voice == Voice::Quiet && job.run.report.is_none();
+    // Tiles say how far their level is from the input, which the report knows.
+    options.without_report = job.run.voice == Voice::Quiet && job.run.report.is_none() && !outputs.are_tiles;
     Ok(options)
 }
 

@@ -45,6 +45,16 @@ pub(super) fn percent_decoded(address: &str) -> Option<Cow<'_, str>> {
     String::from_utf8(decoded).ok().map(Cow::from)
 }
 
+/// A name of a file as an address: what is no letter, digit, or one of `-._~` in ASCII as `%20` and the like.
+pub(super) fn percent_encoded(name: &str) -> String {
+    let encode = |byte: u8| match byte {
+        b'-' | b'.' | b'_' | b'~' => char::from(byte).to_string(),
+        _ if byte.is_ascii_alphanumeric() => char::from(byte).to_string(),
+        _ => format!("%{byte:02X}"),
+    };
+    name.bytes().map(encode).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,7 +3,7 @@
 use crate::base::error::{Error, Result};
 use std::fs::{self, OpenOptions};
 use std::io::{self, BufWriter, ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Bytes gathered before each write to a file.
 pub(super) const BUFFER: usize = 1 << 18;
@@ -77,14 +77,47 @@ pub(super) fn is_replaced(path: &Path) -> bool {
 }
 
 fn replace(path: &Path, fill: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-    let mut temporary = temporary_in(folder_of(&target))?;
-    fill_buffered(temporary.as_file_mut(), fill)?;
-    if let Ok(replaced) = fs::metadata(&target) {
-        temporary.as_file().set_permissions(replaced.permissions())?;
+    Complete::new(path, fill)?.take_place()
+}
+
+/// Writes several files as [`replace_file`] does it, but none gets its name before all are complete; then they do in the
+/// order of `paths`. `fill` writes the one of a number.
+///
+/// # Errors
+/// Those of [`replace_file`]; then nothing is left of any of them.
+pub(super) fn replace_files(
+    paths: &[PathBuf],
+    fill: &mut dyn FnMut(usize, &mut dyn Write) -> io::Result<()>,
+) -> Result<()> {
+    let complete = |(i, path): (usize, &PathBuf)| {
+        check_target(path)?;
+        Complete::new(path, &mut |out| fill(i, out)).map_err(|error| write_error(path, &error))
+    };
+    let files: Vec<Complete> = paths.iter().enumerate().map(complete).collect::<Result<_>>()?;
+    paths.iter().zip(files).try_for_each(|(path, file)| file.take_place().map_err(|error| write_error(path, &error)))
+}
+
+/// A file that is complete and has not got its name yet; without it, it vanishes.
+struct Complete {
+    file: tempfile::TempPath,
+    target: PathBuf,
+}
+
+impl Complete {
+    fn new(path: &Path, fill: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> io::Result<Complete> {
+        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+        let mut temporary = temporary_in(folder_of(&target))?;
+        fill_buffered(temporary.as_file_mut(), fill)?;
+        if let Ok(replaced) = fs::metadata(&target) {
+            temporary.as_file().set_permissions(replaced.permissions())?;
+        }
+        temporary.as_file().sync_all()?;
+        Ok(Complete { file: temporary.into_temp_path(), target })
     }
-    temporary.as_file().sync_all()?;
-    temporary.persist(&target).map(drop).map_err(|failed| failed.error)
+
+    fn take_place(self) -> io::Result<()> {
+        self.file.persist(&self.target).map_err(|failed| failed.error)
+    }
 }
 
 fn fill_buffered(out: &mut dyn Write, fill: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {

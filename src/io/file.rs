@@ -3,11 +3,12 @@
 use crate::base::error::{Error, Place, Result};
 use crate::io::beside::{Beside, prepared, stem};
 use crate::io::dense::read_thinned;
-use crate::io::disk::{file_error, is_replaced, read_error};
+use crate::io::disk::{file_error, is_replaced, read_error, replace_files};
 use crate::io::format::Format;
 use crate::io::gzip;
 use crate::io::named::{by_ending, is_gz, read_named};
 use crate::io::read::Loaded;
+use crate::io::tileset::Tileset;
 use crate::io::write::{write_levels, write_points, write_with_attributes};
 use crate::mesh::attributes::Attributes;
 use crate::mesh::points::Points;
@@ -17,6 +18,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 pub use crate::io::disk::{check_target, replace_file};
+pub use crate::io::tileset::Level;
 
 /// Reads the mesh file at `path` by [`read_named`]; files that it names are read from its folder and the folders in it.
 ///
@@ -73,6 +75,33 @@ pub fn write_levels_file(path: &Path, levels: &[(&Mesh, &Attributes)], format: O
     let levels: Vec<(&Mesh, &Attributes)> =
         levels.iter().zip(&attributes).map(|(level, own)| (level.0, &**own)).collect();
     replace_packed(path, &mut |out| write_levels(&levels, format, out))
+}
+
+/// Whether the name of an output says that it is a tileset of 3D Tiles: it ends with `.json`.
+pub fn is_tileset(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"))
+}
+
+/// Writes a mesh, or its levels of detail from fine to coarse, as 3D Tiles: the tileset at `path`, and beside it the files of
+/// its tiles, `NAME-1-0.glb` and so on, where the first number is that of the level. None of them replaces another file
+/// before all are complete.
+///
+/// # Errors
+/// [`Error::File`] if one of them cannot be written.
+pub fn write_tileset(path: &Path, levels: &[Level]) -> Result<()> {
+    let attributes: Vec<_> =
+        levels.iter().map(|level| prepared(path, Format::Glb, level.attributes)).collect::<Result<_>>()?;
+    let levels: Vec<Level> =
+        levels.iter().zip(&attributes).map(|(level, own)| Level { attributes: own, ..*level }).collect();
+    let tileset = Tileset::new(&levels);
+    let files = tileset.files(&stem(path).unwrap_or_default());
+    let mut paths: Vec<PathBuf> = files.iter().map(|(name, _)| path.with_file_name(name)).collect();
+    // Last, so that it names no file that is not there.
+    paths.push(path.into());
+    replace_files(&paths, &mut |i, out| match files.get(i) {
+        Some((_, tile)) => tileset.write_tile(*tile, out),
+        None => out.write_all(tileset.json(&files).to_string().as_bytes()),
+    })
 }
 
 /// The path of the file of one of several levels of detail, numbered from 1: `NAME-1.obj` for `NAME.obj`.

@@ -50,6 +50,8 @@ mod stl;
 mod table;
 mod text;
 mod threemf;
+#[cfg(feature = "fs")]
+mod tileset;
 mod vtk;
 mod write;
 mod xml;

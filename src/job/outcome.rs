@@ -68,6 +68,15 @@ impl Outcome {
         &self.mesh.triangles
     }
 
+    /// The largest distance that was measured between the result and the input, a mesh or points, in the units of the input.
+    /// `None` without a report.
+    pub fn largest_distance(&self) -> Option<f64> {
+        let report = self.report.as_ref()?;
+        let of_mesh = report.distance.map(|distance| 0.01 * distance.hausdorff * self.mesh.diagonal());
+        let of_points = report.coverage.map(|coverage| coverage.largest);
+        of_mesh.into_iter().chain(of_points).reduce(f64::max)
+    }
+
     /// Whether the result is what it should be: an oriented manifold of the topology of the repaired input, without
     /// self-intersections where that has none, without slivers that it does not force, and as near to it as was asked for.
     pub fn verified(&self) -> bool {

@@ -210,6 +210,22 @@ impl Attributes {
         Attributes { vertex: self.vertex.iter().map(pick).collect(), ..Attributes::default() }
     }
 
+    /// Those of a part of the mesh, which has these of its `vertices` and `triangles`, in that order.
+    #[must_use]
+    pub fn of_part(&self, vertices: &[u32], triangles: &[u32]) -> Attributes {
+        let numbers = |all: &[u32]| triangles.iter().map(|&t| all[t as usize]).collect();
+        Attributes {
+            texture: if self.texture.is_empty() {
+                Vec::new()
+            } else {
+                triangles.iter().map(|&t| self.texture[t as usize]).collect()
+            },
+            materials: self.materials.as_ref().map(|m| Materials { of_triangle: numbers(&m.of_triangle), ..m.clone() }),
+            parts: self.parts.as_ref().map(|p| Parts { list: p.list.clone(), of_triangle: numbers(&p.of_triangle) }),
+            ..self.of_vertices(vertices)
+        }
+    }
+
     /// The normals, if there are some.
     pub fn normal(&self) -> Option<&Attribute> {
         self.get(NORMAL).filter(|a| a.is_normal())
