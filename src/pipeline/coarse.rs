@@ -45,7 +45,7 @@ pub(super) fn coarse(
         return Ok(None);
     }
     monitor.stage("coarsen");
-    let sharp = sharp_sides(repaired, &twins(&repaired.triangles), &prepared.options.features, scale.spacing);
+    let sharp = sharp_sides(repaired, &twins(&repaired.triangles), &prepared.options.features, scale.spacing, 0.0);
     check(monitor)?;
     let Coarsened { mesh, sharp } = coarsened(repaired, &sharp, coarseness);
     check(monitor)?;
