@@ -41,11 +41,14 @@ const STRAIGHT: f64 = -0.8;
 /// The share of an edge's turn up to which others are not noticed on the way across a facet.
 const FLAT: f64 = 0.2;
 
+/// The smallest turn, in degrees, that is ever noticed.
+pub const NOTICED: f64 = FLAT * LEAST;
+
 /// Most triangles on the way across a facet.
 const LONGEST_WALK: usize = 64;
 
 /// For each side of `mesh` whether it is on an edge between facets. `turns` are those across the sides in degrees, negative
-/// where the surface is concave; `twin` is as [`twins`](crate::mesh::topology::twins) says, `spacing` that of the samples.
+/// where the surface is concave, and may be zero below [`NOTICED`]; `twin` is as [`twins`](crate::mesh::topology::twins) says, `spacing` that of the samples.
 pub fn between_facets(mesh: &Mesh, twin: &[u32], turns: &[f64], spacing: f64) -> Vec<bool> {
     let facets = Facets { mesh, twin, turns, widest: WIDEST * spacing };
     let edges = facets.edges();
@@ -223,7 +226,7 @@ mod tests {
             dvec3(p.x, 10.0 * v, p.y)
         });
         let twin = twins(&mesh.triangles);
-        let found = between_facets(&mesh, &twin, &turns(&mesh, &twin, spacing), spacing);
+        let found = between_facets(&mesh, &twin, &turns(&mesh, &twin, spacing, NOTICED), spacing);
         found.iter().filter(|f| **f).count() / 2
     }
 

@@ -17,7 +17,7 @@ use crate::base::union_find::UnionFind;
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::surface::facets::{between_facets, on_steps};
+use crate::surface::facets::{NOTICED, between_facets, on_steps};
 use crate::surface::turns::{ends, length, turns};
 
 /// Which edges of the input are kept sharp.
@@ -52,6 +52,9 @@ impl Features {
 /// Thresholds that are tried, in degrees, the smallest first.
 const THRESHOLDS: std::ops::RangeInclusive<usize> = 15..=60;
 
+/// The smallest turn that any of them asks about.
+const SMALLEST: usize = *THRESHOLDS.start() / 2;
+
 /// The threshold has to part the edges such that those from half of it up to it have at most this share of the length of
 /// those above it. Fifteen scans and sculpts have between 1.5 and 40 at every threshold, CAD parts 0.1 and less.
 const GAP: f64 = 0.2;
@@ -66,7 +69,7 @@ pub fn sharp_sides(mesh: &OrientedManifold, twin: &[u32], features: &Features, s
     let mut sharp = match features {
         Features::Smooth => return vec![false; twin.len()],
         Features::Edges(edges) => along(mesh, twin, edges),
-        Features::Degrees(degrees) => turned(&turns(mesh, twin, spacing), *degrees),
+        Features::Degrees(degrees) => turned(&turns(mesh, twin, spacing, *degrees), *degrees),
         Features::Automatic => {
             let turns = without_facets(mesh, twin, spacing, finest);
             let Some(threshold) = gap(mesh, &turns) else { return vec![false; twin.len()] };
@@ -79,7 +82,7 @@ pub fn sharp_sides(mesh: &OrientedManifold, twin: &[u32], features: &Features, s
 
 /// The turn across each side, none across edges between the facets of what is meant round, and on steps that are too fine.
 fn without_facets(mesh: &Mesh, twin: &[u32], spacing: f64, finest: f64) -> Vec<f64> {
-    let mut turns = turns(mesh, twin, spacing);
+    let mut turns = turns(mesh, twin, spacing, NOTICED);
     let steps = if finest > 0.0 { on_steps(mesh, twin, &turns, finest) } else { vec![false; turns.len()] };
     let facets = between_facets(mesh, twin, &turns, spacing);
     let none = facets.into_iter().zip(steps).map(|(is_between, is_step)| is_between || is_step);
@@ -101,7 +104,7 @@ fn along(mesh: &OrientedManifold, twin: &[u32], edges: &[[u32; 2]]) -> Vec<bool>
 fn gap(mesh: &Mesh, turns: &[f64]) -> Option<f64> {
     // The length of the edges by their turn in whole degrees.
     let mut lengths = [0.0; 181];
-    for (side, &turn) in (0u32..).zip(turns) {
+    for (side, &turn) in (0u32..).zip(turns).filter(|(_, turn)| turn.abs() as usize >= SMALLEST) {
         lengths[turn.abs() as usize] += length(mesh, side);
     }
     let parts = |&threshold: &usize| {
@@ -125,8 +128,8 @@ fn drop_scraps(mesh: &Mesh, sharp: &mut [bool], shortest: f64) {
         // Both sides of an edge are sharp.
         total[nets.find(ends(mesh, side)[0]) as usize] += length(mesh, side) / 2.0;
     }
-    for side in 0..sharp.len() {
-        sharp[side] &= total[nets.find(ends(mesh, side as u32)[0]) as usize] >= shortest;
+    for (side, is_sharp) in (0..).zip(sharp).filter(|(_, is_sharp)| **is_sharp) {
+        *is_sharp = total[nets.find(ends(mesh, side)[0]) as usize] >= shortest;
     }
 }
 
