@@ -63,6 +63,41 @@ pub fn ascend_freely<S: Submanifold<D>, const D: usize>(
     Ok(())
 }
 
+/// The same with all points moved at once in each sweep. So a point depends in the end on no other that is farther away than
+/// [`reach_of`] says, and a part of the points goes where it would among all. Two that meet both give way: the step should
+/// be shorter.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
+pub fn ascend_at_once<S: Submanifold<D>, const D: usize>(
+    manifold: &S,
+    points: &mut [S::Point],
+    ascent: AscentParameters,
+    monitor: &dyn Monitor,
+) -> Result<()> {
+    let mut lists = Vec::new();
+    for sweep in 0..ascent.sweeps {
+        check(monitor)?;
+        if sweep % SWEEPS_OF_LISTS == 0 {
+            lists = neighbours(manifold, points, ascent.sigma);
+        }
+        let moved: Vec<S::Point> = (0..points.len() as u32)
+            .into_par_iter()
+            .with_min_len(CHUNK)
+            .map(|v| step(manifold, points, &lists[v as usize], v, ascent))
+            .collect();
+        points.copy_from_slice(&moved);
+        monitor.progress((sweep + 1) as f64 / ascent.sweeps as f64);
+    }
+    Ok(())
+}
+
+/// How far away what moves a point in [`ascend_at_once`] can be, in units of σ: in each sweep a neighbour, both of which
+/// may have moved since.
+pub fn reach_of(sweeps: usize) -> f64 {
+    sweeps as f64 * (RADIUS + 2.0 * MOST_STEP)
+}
+
 /// Where point `v` comes to, up the gradient.
 fn step<S: Submanifold<D>, const D: usize>(
     manifold: &S,
