@@ -71,11 +71,12 @@ impl Place {
             let output = job.output.file_name().unwrap_or_default().to_string_lossy().into_owned();
             return Ok(Place::Kept(parent.join(format!("{output}.remesh-tiles"))));
         }
-        let made = tempfile::Builder::new().prefix(".remesh-tiles-").tempdir_in(&parent).map_err(|error| Error::File {
-            file: parent.display().to_string(),
-            cause: format!("no folder can be made in it: {error}"),
-            remedy: "choose another one by --temp".into(),
-        })?;
+        let made =
+            tempfile::Builder::new().prefix(".remesh-tiles-").tempdir_in(&parent).map_err(|error| Error::File {
+                file: parent.display().to_string(),
+                cause: format!("no folder can be made in it: {error}"),
+                remedy: "choose another one by --temp".into(),
+            })?;
         terminal::remove_at_end(made.path());
         Ok(Place::Passing(made))
     }

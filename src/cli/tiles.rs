@@ -27,8 +27,11 @@ pub(super) fn do_tiles(job: &Tiling) -> Result<()> {
                 now_writing(monitor);
                 file::write_points_file(output, &sampled.points, &sampled.attributes(), None)?;
                 let plan = folder.plan()?;
-                let options =
-                    SampleOptions { seed: plan.sampling.seed, sweeps: plan.sampling.sweeps.unwrap_or(0), ..SampleOptions::default() };
+                let options = SampleOptions {
+                    seed: plan.sampling.seed,
+                    sweeps: plan.sampling.sweeps.unwrap_or(0),
+                    ..SampleOptions::default()
+                };
                 let mut report = SamplesReport::new(&sampled, &options, plan.input, output.display().to_string());
                 add_run(&mut report.run, monitor);
                 Ok(report)
@@ -43,13 +46,17 @@ fn plan(job: &Planning) -> Result<()> {
     let folder = TileFolder::make(&job.folder)?;
     let memory = job.memory.unwrap_or_else(free_memory);
     let options = PlanOptions { sample: job.options.clone(), memory, tiles: job.tiles };
-    let plan = watched(job.run.voice, |monitor| make_plan(&job.input.path, job.input.format, &folder, &options, monitor))?;
+    let plan =
+        watched(job.run.voice, |monitor| make_plan(&job.input.path, job.input.format, &folder, &options, monitor))?;
     if job.run.voice == Voice::Quiet {
         return Ok(());
     }
     let (tiles, points, bytes) = (plan.tiles.len(), plan.points, plan.bytes());
     let (input, sigma) = (name(&job.input), plan.sampling.sigma);
-    terminal::print(&format!("{tiles} tiles of {points} points of {input}, \u{3c3}p {sigma:.4e}, {} MB\n", bytes / 1_000_000))
+    terminal::print(&format!(
+        "{tiles} tiles of {points} points of {input}, \u{3c3}p {sigma:.4e}, {} MB\n",
+        bytes / 1_000_000
+    ))
 }
 
 fn sample(folder: &Path, numbers: &[usize], voice: Voice) -> Result<()> {

@@ -73,7 +73,8 @@ impl SpillWriter {
     /// # Errors
     /// Those of [`Self::push`].
     pub fn finish(mut self) -> Result<Vec<Chunk>> {
-        let mut rest: Vec<([i32; 3], Vec<u8>)> = self.gathered.into_iter().filter(|(_, rows)| !rows.is_empty()).collect();
+        let mut rest: Vec<([i32; 3], Vec<u8>)> =
+            self.gathered.into_iter().filter(|(_, rows)| !rows.is_empty()).collect();
         rest.sort_unstable_by_key(|(place, _)| *place);
         for (place, rows) in rest {
             self.written.put(place, &rows)?;
@@ -135,7 +136,8 @@ mod tests {
         assert_eq!(places.len(), 14);
         for own in places {
             let rows = read_chunks(&path, own).unwrap();
-            let numbers: Vec<u32> = rows.chunks(12).map(|row| u32::from_le_bytes(row[..4].try_into().unwrap())).collect();
+            let numbers: Vec<u32> =
+                rows.chunks(12).map(|row| u32::from_le_bytes(row[..4].try_into().unwrap())).collect();
             let expected: Vec<u32> = (0..40_000).filter(|&i| place(i) == own[0].place).collect();
             assert_eq!(numbers, expected);
         }

@@ -39,7 +39,7 @@ const SPARSE: f64 = 2.0;
 const MARGIN: i32 = 2;
 
 /// Step of the ascent: all samples move at once, so two that meet go twice as far as one.
-const STEP: f64 = 0.35;
+const STEP: f64 = 0.45;
 
 /// How the tiles of a cloud are sampled: the same for all of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -159,8 +159,7 @@ impl<'a> Part<'a> {
             let spacing = spacing_of(found.len() - 1, farthest).min(SPARSE * options.sigma);
             Some((normal(&points[p], p, &positions, &near, found, options, outline), spacing))
         };
-        let known: Vec<Option<(DVec3, f64)>> =
-            (0..points.len()).into_par_iter().map_init(Vec::new, look).collect();
+        let known: Vec<Option<(DVec3, f64)>> = (0..points.len()).into_par_iter().map_init(Vec::new, look).collect();
         let mut part = Part { options, samples: Vec::new(), numbers: Vec::new(), spacings: Vec::new(), near };
         for (point, (normal, spacing)) in points.iter().zip(&known).filter_map(|(p, known)| Some((p, (*known)?))) {
             let triangle = part.samples.len() as u32;

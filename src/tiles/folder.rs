@@ -88,7 +88,8 @@ impl TileFolder {
             return Err(self.error("there is no plan in it", "run 'remesh tiles plan' first"));
         }
         let text = read_bytes(&self.file("plan.json"))?;
-        let unreadable = |e| self.error(format!("its plan cannot be read: {e}"), "make it again by 'remesh tiles plan'");
+        let unreadable =
+            |e| self.error(format!("its plan cannot be read: {e}"), "make it again by 'remesh tiles plan'");
         serde_json::from_slice(&text).map_err(unreadable)
     }
 
@@ -170,7 +171,9 @@ impl TileFolder {
         replace_file(&self.tile(number), &mut |out| {
             samples.iter().try_for_each(|TilePoint { number, position, normal }| {
                 out.write_all(&number.to_le_bytes())?;
-                [position, normal].iter().try_for_each(|v| out.write_all(v.to_array().map(f64::to_le_bytes).as_flattened()))
+                [position, normal]
+                    .iter()
+                    .try_for_each(|v| out.write_all(v.to_array().map(f64::to_le_bytes).as_flattened()))
             })
         })
     }

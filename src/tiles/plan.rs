@@ -8,8 +8,7 @@ use crate::io::dense::PointFile;
 use crate::io::spill::{Chunk, SpillWriter};
 use crate::mesh::points::Points;
 use crate::pipeline::{
-    INTERPOLATING_SUPPORT, SMOOTHING_SUPPORT, SampleDensity, SampleOptions, Survey, TileOptions,
-    count_in_tile, survey,
+    INTERPOLATING_SUPPORT, SMOOTHING_SUPPORT, SampleDensity, SampleOptions, Survey, TileOptions, count_in_tile, survey,
 };
 use crate::prepare::flatten::{Flatness, flatness};
 use crate::spatial::kdtree::Neighbors;
@@ -31,7 +30,7 @@ const OUTLINE: usize = 100_000;
 const ROOM: f64 = 1.1;
 
 /// As many samples are counted before all are scanned, in rounds until the count is as near as this to the wanted one.
-const COUNTED: f64 = 100_000.0;
+const COUNTED: f64 = 50_000.0;
 const ROUNDS: usize = 3;
 const NEAR_ENOUGH: f64 = 0.05;
 
@@ -39,8 +38,11 @@ const NEAR_ENOUGH: f64 = 0.05;
 const MORE: f64 = 1.004;
 
 /// Points that a cloud has about for each sample once it is thinned, and the bytes that each takes in the end.
-const POINTS_PER_SAMPLE: f64 = 4.5;
-const BYTES_PER_POINT: f64 = 330.0;
+const POINTS_PER_SAMPLE: f64 = 4.4;
+const BYTES_PER_POINT: f64 = 290.0;
+
+/// The fewest buckets of a tile along each axis for the sake of memory: of fewer, nearly all work would be for what is around them.
+const SMALLEST: i32 = 2;
 
 /// What a plan can be asked for.
 #[derive(Debug, Clone, PartialEq)]
@@ -133,7 +135,8 @@ pub fn make_plan(
         _ => None,
     };
     let points = file.table().points;
-    let mut plan = Plan { input: name, points, wanted, sampling, tiles: vec![], tile: 1, lowest: [0; 3], format, length, chunks };
+    let mut plan =
+        Plan { input: name, points, wanted, sampling, tiles: vec![], tile: 1, lowest: [0; 3], format, length, chunks };
     folder.write_context(head, &outline)?;
     monitor.stage("count");
     calibrate(&mut plan, folder, cloud.smooth.is_none(), monitor)?;
@@ -277,8 +280,8 @@ fn cut(plan: &mut Plan, outline: &Points, options: &PlanOptions) {
     let lowest = buckets.iter().copied().reduce(IVec3::min).unwrap_or_default();
     let extent = buckets.iter().map(|b| (b - lowest).max_element()).max().unwrap_or(0);
     plan.lowest = lowest.to_array();
-    plan.tile = (extent as u32 + 1).next_power_of_two() as i32;
-    loop {
+    for parts in 1.. {
+        plan.tile = extent / parts + 1;
         let tile = |b: &IVec3| ((b - lowest) / plan.tile).to_array();
         plan.tiles = buckets.iter().map(tile).collect();
         plan.tiles.sort_unstable();
@@ -292,9 +295,9 @@ fn cut(plan: &mut Plan, outline: &Points, options: &PlanOptions) {
             bytes * counts.iter().filter(|(bucket, _)| inside(bucket)).map(|(_, count)| *count as f64).sum::<f64>()
         };
         let fits = || (0..plan.tiles.len()).all(|number| needed(number) <= options.memory as f64);
-        if plan.tile == 1 || plan.tiles.len() >= options.tiles && fits() {
+        let is_enough = plan.tiles.len() >= options.tiles;
+        if plan.tile == 1 || is_enough && (plan.tile <= SMALLEST || fits()) {
             return;
         }
-        plan.tile /= 2;
     }
 }

@@ -98,7 +98,8 @@ mod tests {
 
     #[test]
     fn each_cell_of_a_bucket_has_its_place_on_the_curve() {
-        let mut places: Vec<u32> = (0..128 * 128 * 128).map(|i| morton(IVec3::new(i % 128, i / 128 % 128, i / 16384))).collect();
+        let mut places: Vec<u32> =
+            (0..128 * 128 * 128).map(|i| morton(IVec3::new(i % 128, i / 128 % 128, i / 16384))).collect();
         places.sort_unstable();
         assert!(places.into_iter().eq(0..128 * 128 * 128));
     }

@@ -105,7 +105,11 @@ pub(super) fn bytes(word: &str) -> Result<u64, String> {
         _ => f64::NAN,
     };
     let count = digits.parse::<f64>().map_or(f64::NAN, |number| number * unit);
-    if count >= 1.0 && count.is_finite() { Ok(count as u64) } else { Err("it must be a size such as 400M or 2G".into()) }
+    if count >= 1.0 && count.is_finite() {
+        Ok(count as u64)
+    } else {
+        Err("it must be a size such as 400M or 2G".into())
+    }
 }
 
 #[cfg(test)]
@@ -114,7 +118,10 @@ mod tests {
 
     #[test]
     fn sizes_have_units() {
-        assert_eq!(["7", "400M", "2G", "1.5kB", "3t"].map(bytes), [7, 400_000_000, 2_000_000_000, 1500, 3_000_000_000_000].map(Ok));
+        assert_eq!(
+            ["7", "400M", "2G", "1.5kB", "3t"].map(bytes),
+            [7, 400_000_000, 2_000_000_000, 1500, 3_000_000_000_000].map(Ok)
+        );
         assert!(["", "M", "-4G", "4X", "0", "nan"].iter().all(|word| bytes(word).is_err()));
     }
 }
