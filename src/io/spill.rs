@@ -145,4 +145,13 @@ mod tests {
         let message = read_chunks(&path, &chunks).unwrap_err().to_string();
         assert!(message.contains("shorter than it was") && message.contains("; "), "{message}");
     }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_disk_is_told() {
+        let mut writer = SpillWriter::create(Path::new("/dev/full")).unwrap();
+        let written = (0..10_000u32).try_for_each(|i| writer.push([0; 3], &i.to_le_bytes(), &[1; 8]));
+        let message = written.unwrap_err().to_string();
+        assert!(message.contains("no space is left for it; free some space or choose another folder"), "{message}");
+    }
 }
