@@ -10,13 +10,10 @@ use crate::io::table::Table;
 use crate::pipeline::TilePoint;
 use crate::spectral::lattice::{BlockBox, place_of};
 use crate::tiles::folder::TileFolder;
-use crate::tiles::plan::Plan;
+use crate::tiles::plan::{BUCKET, Plan};
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
-
-/// Blocks of a bucket along each axis: its points are together in the file.
-pub(super) const BUCKET: i32 = 8;
 
 /// Cells of a block along each axis: on a surface four to five points for each sample.
 const CELLS: i32 = 16;
