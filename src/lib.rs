@@ -125,6 +125,9 @@ pub mod spectral;
 pub mod surface;
 #[cfg(test)]
 mod testing;
+#[cfg(feature = "fs")]
+#[doc(hidden)]
+pub mod tiles;
 #[doc(hidden)]
 pub mod transfer;
 #[doc(hidden)]

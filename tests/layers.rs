@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// Each top-level module and its layer. A module may import from its own folder and from lower layers, never from a
 /// higher one and never from another module of its own layer: stages do not know each other.
-const LAYERS: [(&str, u32); 20] = [
+const LAYERS: [(&str, u32); 21] = [
     ("base", 0),
     ("geom", 1),
     ("mesh", 2),
@@ -27,6 +27,7 @@ const LAYERS: [(&str, u32); 20] = [
     ("picture", 6),
     ("pipeline", 7),
     ("report", 8),
+    ("tiles", 8),
     ("job", 9),
     ("cli", 10),
 ];

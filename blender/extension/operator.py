@@ -1,6 +1,7 @@
 """The operator: beside the interface where there is one, else straight through."""
 
 import bpy
+
 import spectral_remesh
 
 from . import source, target

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 import numpy as np
+
 import spectral_remesh
 
 # For each type of attributes that is carried: the member with the numbers, how many there are, and their type. Of floats the

@@ -3,9 +3,10 @@
 import bpy
 import numpy as np
 import pytest
-import spectral_remesh
 from mathutils.bvhtree import BVHTree
 from objects import corners, imported, lengths, numbers, places, set_weights, state, suzanne, weights
+
+import spectral_remesh
 
 
 def remesh(obj, **settings):

@@ -19,7 +19,9 @@ if TYPE_CHECKING:
 
 
 def as_mesh(vertices: Any, faces: ArrayLike | None = None, attributes: Mapping[str, ArrayLike] | bool = True) -> Mesh:
-    """A mesh of any kind, or arrays, as a mesh of this package, with these attributes added."""
+    """A mesh of any kind, or arrays, or a pair of them, as a mesh of this package, with these attributes added."""
+    if isinstance(vertices, tuple) and len(vertices) == 2 and faces is None:
+        vertices, faces = vertices
     reader = _reader(vertices)
     if reader is None:
         mesh = Mesh(vertices, faces)

@@ -60,7 +60,13 @@ def _figures(report: dict[str, Any]) -> list[str]:
 
 
 def _line(cells: list[str]) -> str:
+    """A name at the left, and its figures at the right, or its text at the left across all columns."""
     name, *figures = cells
     if len(figures) == 1:
-        return f'<tr><th>{escape(name)}</th><td colspan="2">{escape(figures[0])}</td></tr>'
-    return f"<tr><th>{escape(name)}</th>{''.join(f'<td>{escape(figure)}</td>' for figure in figures)}</tr>"
+        return f'<tr>{_name(name)}<td colspan="2" style="text-align:left">{escape(figures[0])}</td></tr>'
+    columns = "".join(f'<td style="text-align:right">{escape(figure)}</td>' for figure in figures)
+    return f"<tr>{_name(name)}{columns}</tr>"
+
+
+def _name(name: str) -> str:
+    return f'<th style="text-align:left">{escape(name)}</th>'

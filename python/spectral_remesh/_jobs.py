@@ -54,7 +54,7 @@ def remesh(
 
     Args:
         vertices: Positions, of shape (n, 3), of any float or integer type; or a mesh or cloud of trimesh, PyVista, meshio,
-            Open3D or this package, with its colours, normals and other attributes of vertices.
+            Open3D or this package, with its colours, normals and other attributes of vertices; or a tuple of both arrays.
         faces: Numbers of the corners from 0, of shape (m, 3), counter-clockwise seen from outside; or polygons, of shape
             (m, k). Without, the vertices are a cloud, through which a surface is laid.
         points: Number of vertices of the result; ``"auto"`` takes as many as ``max_error`` needs. With ``within`` or
@@ -304,7 +304,7 @@ def quality(vertices: Any, faces: ArrayLike | None = None, *, against: Any = Non
     Args:
         vertices: As for :func:`remesh`.
         faces: As for :func:`remesh`.
-        against: Another mesh of any kind, or a pair of vertices and faces, to which the distance is measured, in percent of the
+        against: Another mesh of any kind, or a tuple of vertices and faces, to which the distance is measured, in percent of the
             diagonal of its bounding box.
         threads: As for :func:`remesh`.
 
@@ -315,7 +315,7 @@ def quality(vertices: Any, faces: ArrayLike | None = None, *, against: Any = Non
     mesh = as_mesh(vertices, faces)
     other = None
     if against is not None:
-        other = as_mesh(*against) if isinstance(against, tuple) else as_mesh(against)
+        other = as_mesh(against)
     measured = _native.quality(mesh._to_native(), None if other is None else other._to_native(), _count(threads))
     report = Report(*measured)
     report["notes"] = [*(other.notes if other else []), *mesh.notes]

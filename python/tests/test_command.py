@@ -27,6 +27,10 @@ COMMAND_ONLY = {
     "json": "the result is a dictionary",
     "quiet": "nothing is printed",
     "verbose": "progress",
+    "out-of-core": "spectral_remesh.distributed",
+    "memory": "spectral_remesh.distributed",
+    "temp": "spectral_remesh.distributed",
+    "resume": "spectral_remesh.distributed",
     "help": "help()",
     "version": "__version__",
 }

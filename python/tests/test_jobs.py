@@ -73,6 +73,14 @@ def test_lists_and_polygons_are_taken_too():
     assert remeshed.verified and euler(remeshed.faces) == 2
 
 
+def test_a_pair_of_arrays_is_a_mesh(tmp_path):
+    pair = torus()
+    assert np.array_equal(sr.remesh(pair, points=200).vertices, sr.remesh(*pair, points=200).vertices)
+    sr.write(tmp_path / "pair.ply", pair)
+    assert np.array_equal(sr.read(tmp_path / "pair.ply").faces, pair[1])
+    assert sr.quality(pair, against=pair)["distance"]["hausdorff"] < 1e-6
+
+
 def test_origins_say_where_vertices_lie_on_the_input():
     vertices, faces = torus()
     remeshed = sr.remesh(vertices, faces, points=300, attributes={"x": vertices[:, 0], "all": vertices})

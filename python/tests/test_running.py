@@ -55,6 +55,8 @@ def test_what_progress_raises_ends_the_job():
 @pytest.mark.skipif(os.name == "nt", reason="signals of Unix")
 @pytest.mark.parametrize("job", [sr.remesh, sr.sample])
 def test_ctrl_c_ends_the_job(job):
+    # Where tests run in the background of a shell, interrupts are switched off.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     shares = []
 
     def interrupt(stage: str, done: float) -> None:

@@ -34,9 +34,9 @@ impl<T: Copy> Csr<T> {
         &self.values[self.start[row as usize] as usize..self.start[row as usize + 1] as usize]
     }
 
-    /// The values of all rows, row by row.
-    pub fn into_values(self) -> Vec<T> {
-        self.values
+    /// How many values all rows have.
+    pub fn len(&self) -> usize {
+        self.values.len()
     }
 }
 
@@ -49,7 +49,7 @@ mod tests {
         let entries = [(2, 'a'), (0, 'b'), (2, 'c'), (0, 'd')];
         let csr = Csr::new(4, || entries.into_iter());
         assert_eq!([0, 1, 2, 3].map(|row| csr.row(row).to_vec()), [vec!['b', 'd'], vec![], vec!['a', 'c'], vec![]]);
-        assert_eq!(csr.into_values(), ['b', 'd', 'a', 'c']);
+        assert_eq!(csr.len(), 4);
         assert!(Csr::<u32>::new(2, std::iter::empty).row(1).is_empty());
     }
 }

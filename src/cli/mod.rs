@@ -4,6 +4,7 @@
 pub mod args;
 mod files;
 mod flags;
+mod out_of_core;
 mod outputs;
 mod quality;
 mod reconstruct;
@@ -12,6 +13,7 @@ mod run;
 mod sample;
 mod status;
 pub mod terminal;
+mod tiles;
 
 pub use status::Status;
 

@@ -1,11 +1,13 @@
 //! `remesh sample`: reads, samples, writes, reports.
 
 use crate::base::error::Result;
-use crate::base::monitor::check;
+use crate::base::monitor::{Monitor, check};
 use crate::cli::args::Sampling;
 use crate::cli::files::{add_run, check_targets, hand_out, load, name, now_writing, watched};
+use crate::cli::out_of_core::{is_out_of_core, sample_out_of_core};
 use crate::io::file;
 use crate::job::{Input, of_use_for_sampling, sample};
+use crate::pipeline::Sampled;
 use crate::report::samples::SamplesReport;
 
 pub(super) fn sample_file(job: &Sampling) -> Result<()> {
@@ -13,15 +15,24 @@ pub(super) fn sample_file(job: &Sampling) -> Result<()> {
     file::points_format(&job.output, None)?;
     check_targets(&job.output, &job.run)?;
     let report = watched(job.run.voice, |monitor| {
-        let loaded = load(&job.input, of_use_for_sampling(&job.options), monitor)?;
-        let sampled = sample(&Input::from(&loaded), &job.options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
+        let (sampled, read_notes) = sampled(job, monitor)?;
         check(monitor)?;
         now_writing(monitor);
         file::write_points_file(&job.output, &sampled.points, &sampled.attributes(), None)?;
         let mut report = SamplesReport::new(&sampled, &job.options, name(&job.input), job.output.display().to_string());
-        report.run.notes.splice(0..0, loaded.notes);
+        report.run.notes.splice(0..0, read_notes);
         add_run(&mut report.run, monitor);
         Ok(report)
     })?;
     hand_out(&report.to_json(), &report.to_text(), &job.run)
+}
+
+/// The samples, and what there is to say of reading.
+fn sampled(job: &Sampling, monitor: &dyn Monitor) -> Result<(Sampled, Vec<String>)> {
+    if is_out_of_core(job) {
+        return Ok((sample_out_of_core(job, monitor)?, Vec::new()));
+    }
+    let loaded = load(&job.input, of_use_for_sampling(&job.options), monitor)?;
+    let sampled = sample(&Input::from(&loaded), &job.options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
+    Ok((sampled, loaded.notes))
 }

@@ -8,6 +8,8 @@ use crate::cli::flags::worded;
 use crate::cli::status::Status;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{ErrorKind, IsTerminal, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -43,8 +45,19 @@ pub fn listen_for_interrupts() {
     let _ = ctrlc::set_handler(handler);
 }
 
+/// A folder of temporary files, while there is one.
+static TEMPORARY: Mutex<Option<PathBuf>> = Mutex::new(None);
+
+/// Has a folder removed if the process is ended before it removes it by itself.
+pub fn remove_at_end(folder: &Path) {
+    *TEMPORARY.lock().unwrap_or_else(|e| e.into_inner()) = Some(folder.into());
+}
+
 /// Ends the process as interrupted.
 fn end() -> ! {
+    if let Some(folder) = TEMPORARY.lock().unwrap_or_else(|e| e.into_inner()).take() {
+        let _ = std::fs::remove_dir_all(folder);
+    }
     std::process::exit(i32::from(Status::Interrupted as u8))
 }
 

@@ -167,6 +167,15 @@ pub fn angles([a, b, c]: [DVec3; 3]) -> [f64; 3] {
     [at(b - a, c - a), at(c - b, a - b), at(a - c, b - c)]
 }
 
+/// The smallest and the largest of [`angles`].
+pub fn extreme_angles([a, b, c]: [DVec3; 3]) -> (f64, f64) {
+    let twice_area = (b - a).cross(c - a).length();
+    let dots = [(b - a).dot(c - a), (c - b).dot(a - b), (a - c).dot(b - c)];
+    // All angles have the same sine times the lengths of their sides, so that they fall with the dot product.
+    let angle = |dot: f64| math::atan2(twice_area, dot).to_degrees();
+    (angle(dots[0].max(dots[1]).max(dots[2])), angle(dots[0].min(dots[1]).min(dots[2])))
+}
+
 /// The smallest of [`angles`].
 pub fn smallest_angle(corners: [DVec3; 3]) -> f64 {
     let (sine, cosine) = smallest_sine_cosine(corners);

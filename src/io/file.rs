@@ -161,7 +161,8 @@ fn format_among(known: &[Format], content: &str, path: &Path, format: Option<For
     Err(file_error(path, cause, format!("use one of {}, or say the format", Format::list(known, "."))))
 }
 
-fn read_bytes(path: &Path) -> Result<Vec<u8>> {
+/// All of a file that is no folder and no device.
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     let found = fs::metadata(path).map_err(|error| read_error(path, &error))?;
     if found.is_dir() {
         return Err(file_error(path, "it is a folder, not a file", "name a mesh file in it"));

@@ -22,7 +22,7 @@ mod columns;
 mod companions;
 mod content;
 #[cfg(feature = "fs")]
-mod dense;
+pub(crate) mod dense;
 #[cfg(feature = "fs")]
 mod disk;
 mod e57;
@@ -45,9 +45,11 @@ mod off;
 mod pcd;
 mod ply;
 mod read;
+#[cfg(feature = "fs")]
+pub(crate) mod spill;
 mod stl;
 #[cfg(feature = "fs")]
-mod table;
+pub(crate) mod table;
 mod text;
 mod threemf;
 #[cfg(feature = "fs")]

@@ -10,6 +10,7 @@ pub mod parts;
 pub mod points;
 pub mod provenance;
 pub mod refine;
+pub(crate) mod sides;
 pub mod submesh;
 pub mod topology;
 pub mod triangle_mesh;

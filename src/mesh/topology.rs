@@ -3,13 +3,11 @@
 //!
 //! Cost: linear in the triangles, plus one sort of the edges.
 
-use crate::base::csr::Csr;
 use crate::base::union_find::UnionFind;
-use rayon::prelude::*;
+use crate::mesh::sides::{edges, pairs_of_sides, sorted_sides};
 use serde::{Deserialize, Serialize};
 
-/// No neighbour across an edge: a boundary.
-pub const NONE: u32 = u32::MAX;
+pub use crate::mesh::sides::NONE;
 
 /// The topology of a mesh, counted over the vertices that triangles use.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -56,8 +54,8 @@ pub fn topology(vertex_count: usize, triangles: &[[u32; 3]]) -> Topology {
     let mut boundary = UnionFind::new(vertex_count);
     let mut on_boundary = vec![false; vertex_count];
     let mut fans = UnionFind::new(3 * triangles.len());
-    for group in sides.chunk_by(|a, b| a.ends == b.ends) {
-        let [lo, hi] = group[0].ends;
+    for group in edges(&sides) {
+        let [lo, hi] = group[0].ends();
         t.edges += 1;
         components.join(lo, hi);
         match group {
@@ -66,13 +64,13 @@ pub fn topology(vertex_count: usize, triangles: &[[u32; 3]]) -> Topology {
                 on_boundary[lo as usize] = true;
                 on_boundary[hi as usize] = true;
             }
-            [a, b] if a.forward == b.forward => t.misoriented_edges += 1,
+            [a, b] if a.forward() == b.forward() => t.misoriented_edges += 1,
             [_, _] => {}
             _ => t.nonmanifold_edges += 1,
         }
         for pair in group.windows(2) {
             for v in [lo, hi] {
-                fans.join(pair[0].corner_at(v, triangles), pair[1].corner_at(v, triangles));
+                fans.join(pair[0].corner_at(v), pair[1].corner_at(v));
             }
         }
     }
@@ -101,16 +99,30 @@ pub fn topology(vertex_count: usize, triangles: &[[u32; 3]]) -> Topology {
 ///
 /// Edges with more than two faces, or with two that run the same way, are left without neighbours.
 pub fn twins(triangles: &[[u32; 3]]) -> Vec<u32> {
-    let mut twin = vec![NONE; 3 * triangles.len()];
-    for group in sorted_sides(triangles).chunk_by(|a, b| a.ends == b.ends) {
-        if let [a, b] = group
-            && a.forward != b.forward
-        {
-            twin[a.side as usize] = b.side;
-            twin[b.side as usize] = a.side;
-        }
+    pairs_of_sides(&sorted_sides(triangles), 3 * triangles.len(), |a, b| a.forward() != b.forward())
+}
+
+/// [`topology`] of an oriented manifold that uses all its vertices; `component` and `twin` are its [`components`] and [`twins`].
+pub fn topology_of_manifold(triangles: &[[u32; 3]], component: &[u32], twin: &[u32]) -> Topology {
+    let open = || (0..twin.len()).filter(|&side| twin[side] == NONE);
+    let mut boundary = UnionFind::new(component.len());
+    let mut starts = Vec::new();
+    for side in open() {
+        let [from, to] = [side, side / 3 * 3 + (side + 1) % 3].map(|corner| triangles[corner / 3][corner % 3]);
+        boundary.join(from, to);
+        starts.push(from);
     }
-    twin
+    let (vertices, edges) = (component.len(), (twin.len() + starts.len()) / 2);
+    Topology {
+        vertices,
+        edges,
+        faces: triangles.len(),
+        euler: vertices as i64 - edges as i64 + triangles.len() as i64,
+        components: component.iter().max().map_or(0, |&last| last as usize + 1),
+        // Each vertex of a manifold's boundary begins one of its edges.
+        boundary_loops: starts.iter().filter(|&&v| boundary.find(v) == v).count(),
+        ..Topology::default()
+    }
 }
 
 /// The component of each vertex, numbered in the order of the first vertex of each; unused vertices are components too.
@@ -134,44 +146,6 @@ pub fn components(vertex_count: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
         .collect()
 }
 
-/// One side of a triangle as an undirected edge.
-#[derive(Clone, Copy)]
-pub(crate) struct Side {
-    /// End vertices, the smaller first.
-    pub ends: [u32; 2],
-    /// `3 t + k`: the side from corner `k` to corner `k + 1` of triangle `t`.
-    pub side: u32,
-    /// Whether the triangle runs from the smaller end to the larger.
-    pub forward: bool,
-}
-
-impl Side {
-    /// The corner index at `v`, an end of this side.
-    fn corner_at(&self, v: u32, triangles: &[[u32; 3]]) -> u32 {
-        let (t, k) = (self.side / 3, self.side % 3);
-        if triangles[t as usize][k as usize] == v { self.side } else { 3 * t + (k + 1) % 3 }
-    }
-}
-
-/// All sides of all triangles, those of one edge together, in the order of edge and side.
-///
-/// A counting sort by the smaller end and a small sort for each: linear for meshes of bounded valence.
-pub(crate) fn sorted_sides(triangles: &[[u32; 3]]) -> Vec<Side> {
-    let sides = || {
-        triangles.iter().zip(0u32..).flat_map(|(t, f)| {
-            (0..3usize).filter_map(move |k| {
-                let (a, b) = (t[k], t[(k + 1) % 3]);
-                (a != b).then_some(Side { ends: [a.min(b), a.max(b)], side: 3 * f + k as u32, forward: a < b })
-            })
-        })
-    };
-    let vertices = triangles.iter().flatten().max().map_or(0, |&v| v as usize + 1);
-    let mut sorted = Csr::new(vertices, || sides().map(|s| (s.ends[0], s))).into_values();
-    let of_one_vertex = |a: &Side, b: &Side| a.ends[0] == b.ends[0];
-    sorted.par_chunk_by_mut(of_one_vertex).for_each(|sides| sides.sort_unstable_by_key(|s| (s.ends[1], s.side)));
-    sorted
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -183,6 +157,7 @@ mod tests {
         let t = topology(4, &TETRAHEDRON);
         assert_eq!((t.vertices, t.edges, t.faces, t.euler), (4, 6, 4, 2));
         assert_eq!((t.components, t.boundary_loops), (1, 0));
+        assert_eq!(topology_of_manifold(&TETRAHEDRON, &[0; 4], &twins(&TETRAHEDRON)), t);
         assert!(t.is_manifold() && t.is_oriented());
         assert!(twins(&TETRAHEDRON).iter().all(|&s| s != NONE));
     }
@@ -191,6 +166,7 @@ mod tests {
     fn a_face_less_is_a_disk_and_a_flipped_one_is_noticed() {
         let t = topology(4, &TETRAHEDRON[..3]);
         assert_eq!((t.euler, t.boundary_loops), (1, 1));
+        assert_eq!(topology_of_manifold(&TETRAHEDRON[..3], &[0; 4], &twins(&TETRAHEDRON[..3])), t);
         let mut flipped = TETRAHEDRON;
         flipped[0].swap(0, 1);
         assert_eq!(topology(4, &flipped).misoriented_edges, 3);

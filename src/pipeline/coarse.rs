@@ -8,9 +8,9 @@ use crate::mesh::topology::twins;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::density::Density;
 use crate::pipeline::options::{Grading, Options};
-use crate::pipeline::prepared::PreparedInput;
+use crate::pipeline::prepared::{Fine, PreparedInput};
 use crate::pipeline::scale::Scale;
-use crate::prepare::coarsen::{Coarsened, Coarseness, coarsened, share_of_edges_below};
+use crate::prepare::coarsen::{Coarsened, Coarseness, coarsened, in_spatial_order, share_of_edges_below};
 use crate::spatial::bvh::Bvh;
 use crate::spatial::foot::Foot;
 use crate::surface::features::{Features, sharp_sides};
@@ -28,28 +28,36 @@ const TOLERANCE: f64 = 0.01;
 const FAR_SHORTER: f64 = 0.5;
 const MANY: f64 = 0.5;
 
-/// `repaired` as coarse as suffices for that density, and its sharp edges; `None` if it is not much finer, or is to be held to
-/// as it is: where lengths follow something, a bound on the error is asked for, or only a part is remeshed.
-pub(super) fn coarse(
+/// The spacing of the result if `repaired` is much finer than that; `None` if it is not, or is to be held to as it is: where
+/// lengths follow something, a bound on the error is asked for, or only a part is remeshed.
+pub(super) fn far_wider_spacing(
     prepared: &PreparedInput,
     repaired: &OrientedManifold,
     density: Density,
-    monitor: &dyn Monitor,
-) -> Result<Option<(OrientedManifold, Features)>> {
+) -> Result<Option<f64>> {
     if !may_be_coarser(prepared.options) {
         return Ok(None);
     }
-    let scale = Scale::new(density, None, repaired, &prepared.unit)?;
-    let coarseness = Coarseness { shortest: SHORTEST * scale.spacing, tolerance: TOLERANCE * scale.spacing };
-    if share_of_edges_below(repaired, FAR_SHORTER * coarseness.shortest) < MANY {
-        return Ok(None);
-    }
+    let spacing = Scale::new(density, None, repaired, &prepared.unit)?.spacing;
+    let is_finer = share_of_edges_below(repaired, FAR_SHORTER * SHORTEST * spacing) >= MANY;
+    Ok(is_finer.then_some(spacing))
+}
+
+/// `repaired` in spatial order, made as coarse as suffices for results of this spacing, and the sharp edges of that.
+pub(super) fn coarse(
+    prepared: &PreparedInput,
+    repaired: OrientedManifold,
+    spacing: f64,
+    monitor: &dyn Monitor,
+) -> Result<(OrientedManifold, Fine)> {
     monitor.stage("coarsen");
-    let sharp = sharp_sides(repaired, &twins(&repaired.triangles), &prepared.options.features, scale.spacing);
+    let fine = in_spatial_order(repaired);
+    let sharp = sharp_sides(&fine, &twins(&fine.triangles), &prepared.options.features, spacing, 0.0);
     check(monitor)?;
-    let Coarsened { mesh, sharp } = coarsened(repaired, &sharp, coarseness);
+    let coarseness = Coarseness { shortest: SHORTEST * spacing, tolerance: TOLERANCE * spacing };
+    let Coarsened { mesh, sharp } = coarsened(&fine, &sharp, coarseness);
     check(monitor)?;
-    Ok(Some((mesh, Features::Edges(sharp))))
+    Ok((mesh, Fine { mesh: fine, features: Features::Edges(sharp) }))
 }
 
 fn may_be_coarser(options: &Options) -> bool {
@@ -61,7 +69,8 @@ fn may_be_coarser(options: &Options) -> bool {
 
 /// The origins of `mesh`, in the pipeline's unit, on `input`: through the closest points of `repaired` that face its way.
 pub(super) fn origins_through(repaired: &OrientedManifold, mesh: &Mesh, input: &Mesh) -> Origins {
-    let bvh = Bvh::new(repaired);
+    // In spatial order, as `coarse` has made it, and there are few questions.
+    let bvh = Bvh::in_order_of(repaired);
     let origin = |p: DVec3, normal: DVec3| {
         let faces = |t: u32| repaired.area_vector(t as usize).dot(normal) > 0.0;
         let hit = bvh.closest_where(repaired, p, f64::INFINITY, faces).or_else(|| bvh.closest(repaired, p));

@@ -7,7 +7,7 @@
 
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::provenance::Origins;
-use crate::mesh::topology::{NONE, components};
+use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 
@@ -60,9 +60,8 @@ impl Component {
 }
 
 impl Components {
-    /// Those of `input`, which was made `repaired`.
-    pub(super) fn new(input: &Mesh, repaired: &OrientedManifold) -> Components {
-        let number = components(repaired.positions.len(), &repaired.triangles);
+    /// Those of `input`, which was made `repaired`, for whose vertices `number` has the number of the component.
+    pub(super) fn new(input: &Mesh, repaired: &OrientedManifold, number: &[u32]) -> Components {
         let mut list = vec![Component::default(); number.iter().max().map_or(0, |&last| last as usize + 1)];
         let mut of_triangle = vec![NONE; input.triangles.len()];
         for (t, corners) in (0..).zip(&repaired.triangles) {

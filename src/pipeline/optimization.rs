@@ -60,7 +60,8 @@ fn arrange_coarse(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: 
 }
 
 /// Reduces a mesh of that scale to a quarter of the vertices, in good order, and leaves those that are `settled`, which stay
-/// where they are, and others that a coarser mesh needs. These dense vertices, and the old number of each vertex.
+/// where they are, and others that a coarser mesh needs. A mesh that is large enough is ordered by a coarser one first, which
+/// this function makes, too. These dense vertices, and the old number of each vertex.
 fn arrange_coarser(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -73,7 +74,19 @@ fn arrange_coarser(
     let mut coarse = (VertexSet::EMPTY, Vec::new());
     for _ in 0..MOST_COARSE_MESHES {
         *mesh = fine.clone();
-        coarse = build_coarser(domain, mesh, scale, settled, &kept, monitor)?;
+        let (mut dense, mut old) = reduce(domain, mesh, scale.spacing, settled, &kept, monitor)?;
+        let mut sweeps = COARSE_SWEEPS;
+        let count = mesh.connectivity.vertex_count();
+        if count - dense.len() >= FEWEST_TO_COARSEN {
+            let half = Scale { wanted: count, spacing: 2.0 * scale.spacing };
+            let coarser = arrange_coarser(domain, mesh, &half, &dense, monitor)?;
+            let split = refine_from(domain, mesh, coarser, &dense, &half, monitor)?;
+            dense = dense.renumbered(&split);
+            old = renumbered(&old, &split);
+            sweeps = ORDERED_SWEEPS;
+        }
+        spread(domain, mesh, &dense, scale, sweeps, monitor)?;
+        coarse = (dense, old);
         if !keep_at_self_intersections(&mut kept, &fine, mesh, scale.spacing) {
             break;
         }
@@ -81,47 +94,52 @@ fn arrange_coarser(
     Ok(coarse)
 }
 
-/// Reduces the mesh to a quarter of the vertices, ordered by ascent, and leaves those in `kept` and others that a coarser
-/// mesh needs; these dense vertices, and the old number of each vertex.
-fn build_coarser(
+/// Orders the vertices that no coarser mesh can do without, but for the `settled` ones, and collapses the mesh to a quarter of
+/// the others. These dense vertices, and the old number of each vertex.
+fn reduce(
     domain: &Domain,
     mesh: &mut Manifold,
-    scale: &Scale,
+    spacing: f64,
     settled: &VertexSet,
     kept: &VertexSet,
     monitor: &dyn Monitor,
 ) -> Result<(VertexSet, Vec<u32>)> {
-    let Scale { wanted, spacing } = *scale;
     let fine = AscentParameters { sigma: ASCENT_SIGMA * spacing, step: LONG_STEP, sweeps: FINE_SWEEPS };
     ascend(domain, mesh, &(&!&indispensable(mesh, kept) | settled), fine, monitor)?;
-    let (mut dense, mut old) = coarsen(domain, mesh, spacing, kept);
-    let mut sweeps = COARSE_SWEEPS;
-    if mesh.connectivity.vertex_count() - dense.len() >= FEWEST_TO_COARSEN {
-        let of_coarse = order_by_coarser(domain, mesh, &dense, 2.0 * spacing, monitor)?;
-        dense = dense.renumbered(&of_coarse);
-        old = renumbered(&old, &of_coarse);
-        sweeps = ORDERED_SWEEPS;
-    }
-    let coarse = AscentParameters { sigma: COARSE_SIGMA * 2.0 * spacing, step: LONG_STEP, sweeps: sweeps / 2 };
-    for _ in 0..2 {
-        ascend(domain, mesh, &dense, coarse, monitor)?;
-        match_target_count(domain, mesh, &dense, wanted, spacing);
-    }
-    Ok((dense, old))
+    Ok(coarsen(domain, mesh, spacing, kept))
 }
 
-/// Orders a mesh of that spacing, all but the `settled` vertices, by one that is coarser still. The old number of each vertex.
-fn order_by_coarser(
+/// Spreads the coarse vertices of a mesh evenly by ascent, beside the `dense` ones, as many as lead to the wanted number.
+fn spread(
     domain: &Domain,
     mesh: &mut Manifold,
+    dense: &VertexSet,
+    scale: &Scale,
+    sweeps: usize,
+    monitor: &dyn Monitor,
+) -> Result<()> {
+    let Scale { wanted, spacing } = *scale;
+    let coarse = AscentParameters { sigma: COARSE_SIGMA * 2.0 * spacing, step: LONG_STEP, sweeps: sweeps / 2 };
+    for _ in 0..2 {
+        ascend(domain, mesh, dense, coarse, monitor)?;
+        match_target_count(domain, mesh, dense, wanted, spacing);
+    }
+    Ok(())
+}
+
+/// Makes a mesh of that scale from a `coarser` one that it was reduced to, whose dense vertices and old numbers these are,
+/// without moving the `settled` vertices. The number that each vertex had before it was reduced.
+fn refine_from(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    coarser: (VertexSet, Vec<u32>),
     settled: &VertexSet,
-    spacing: f64,
+    scale: &Scale,
     monitor: &dyn Monitor,
 ) -> Result<Vec<u32>> {
-    let scale = Scale { wanted: mesh.connectivity.vertex_count(), spacing };
-    let (dense, old) = arrange_coarser(domain, mesh, &scale, settled, monitor)?;
-    settle(domain, mesh, &dense, 2.0 * spacing, monitor)?;
-    let split = refine(domain, mesh, &dense, &settled.renumbered(&old), &scale, monitor)?;
+    let (dense, old) = coarser;
+    settle(domain, mesh, &dense, 2.0 * scale.spacing, monitor)?;
+    let split = refine(domain, mesh, &dense, &settled.renumbered(&old), scale, monitor)?;
     Ok(renumbered(&old, &split))
 }
 

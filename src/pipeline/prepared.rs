@@ -3,14 +3,14 @@
 use crate::base::error::{Error, Fault, Result};
 use crate::base::monitor::{Monitor, check};
 use crate::mesh::oriented_manifold::OrientedManifold;
-use crate::mesh::topology::{Topology, topology};
+use crate::mesh::topology::{Topology, components, topology, topology_of_manifold};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::lost::Components;
 use crate::pipeline::options::Options;
 use crate::pipeline::scale::Field;
 use crate::pipeline::unit::Unit;
 use crate::prepare::bend::smooth;
-use crate::prepare::repair::{Repairs, repair_welded};
+use crate::prepare::repair::{Repaired, Repairs, repair_welded};
 use crate::prepare::stitch::{Cracks, Stitched, close_cracks, stitch};
 use crate::surface::features::Features;
 use glam::DVec3;
@@ -62,14 +62,15 @@ impl<'a> PreparedInput<'a> {
         options.part.as_ref().map_or(Ok(()), |part| part.check(input.positions.len()))?;
         let unit = Unit::of(input);
         let field = options.grading.field().map(|lengths| Field::new(lengths, input, &unit));
-        let topology_of = |mesh: &Mesh| topology(mesh.positions.len(), &mesh.triangles);
-        let (of_input, (mut repaired, repairs, cracks)) =
-            rayon::join(|| topology_of(input), || repaired(input, options, &unit));
+        let (Repaired { mesh: mut repaired, repairs, twins }, cracks) = repaired(input, options, &unit);
         check(monitor)?;
         refuse_no_surface(&repairs, repaired.triangles.len())?;
+        let component = components(repaired.positions.len(), &repaired.triangles);
+        let of_repaired = topology_of_manifold(&repaired.triangles, &component, &twins);
+        drop(twins);
         let untouched = repairs == Repairs::default();
-        let of_repaired = if untouched { of_input } else { topology_of(&repaired) };
-        let components = Components::new(input, &repaired);
+        let of_input = if untouched { of_repaired } else { topology(input.positions.len(), &input.triangles) };
+        let components = Components::new(input, &repaired, &component);
         let scale = if options.part.is_some() { 1.0 } else { unit.size };
         let cracks = cracks.map(|cracks| Cracks { width: scale * cracks.width, ..cracks });
         let allowed = options.max_error.map(|e| e.length(scale * repaired.diagonal()));
@@ -102,7 +103,7 @@ impl<'a> PreparedInput<'a> {
 
     /// The input, repaired and smoothed as [`PreparedInput::new`] does it.
     pub(super) fn repaired_again(&self) -> OrientedManifold {
-        let (mut repaired, ..) = repaired(self.input, self.options, &self.unit);
+        let (Repaired { mesh: mut repaired, .. }, _) = repaired(self.input, self.options, &self.unit);
         if let Some(support) = self.options.smoothing() {
             smooth(&mut repaired, support);
         }
@@ -111,22 +112,22 @@ impl<'a> PreparedInput<'a> {
 }
 
 /// The input made a manifold, in the unit that [`PreparedInput::new`] says; what that took, and what may be cracks in it.
-fn repaired(input: &Mesh, options: &Options, unit: &Unit) -> (OrientedManifold, Repairs, Option<Cracks>) {
+fn repaired(input: &Mesh, options: &Options, unit: &Unit) -> (Repaired, Option<Cracks>) {
     match options.part {
-        Some(_) => made_manifold(input, options.weld),
-        None => made_manifold(&unit.inwards(input), options.weld.map(|tolerance| tolerance / unit.size)),
+        Some(_) => made_manifold(input.clone(), options.weld),
+        None => made_manifold(unit.inwards(input), options.weld.map(|tolerance| tolerance / unit.size)),
     }
 }
 
 /// The mesh made a manifold, what that took, and what may be cracks in it. Without a distance to weld within only what
 /// rounding opened is closed.
-fn made_manifold(mesh: &Mesh, weld: Option<f64>) -> (OrientedManifold, Repairs, Option<Cracks>) {
-    let Stitched { representatives, cracks } = match weld {
-        Some(tolerance) => Stitched { representatives: close_cracks(mesh, tolerance), cracks: None },
-        None => stitch(mesh),
+fn made_manifold(mesh: Mesh, weld: Option<f64>) -> (Repaired, Option<Cracks>) {
+    let Stitched { welded, cracks } = match weld {
+        Some(tolerance) => Stitched { welded: close_cracks(&mesh, tolerance), cracks: None },
+        None => stitch(&mesh),
     };
-    let (repaired, repairs) = repair_welded(mesh, representatives);
-    (repaired, repairs, cracks)
+    drop(mesh.triangles);
+    (repair_welded(mesh.positions, welded), cracks)
 }
 
 /// Largest coordinate that can be worked with: squares of differences must stay finite.

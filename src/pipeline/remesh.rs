@@ -11,7 +11,7 @@ use crate::optimize::contacts::part_contacts;
 use crate::optimize::counts::meet_count;
 use crate::optimize::self_intersections::resolve_self_intersections;
 use crate::pipeline::attempts::{Attempt, Attempts, MOST_RUNS, Score, Step};
-use crate::pipeline::coarse::coarse;
+use crate::pipeline::coarse::{coarse, far_wider_spacing};
 use crate::pipeline::density::{Density, FEWEST_POINTS, FIRST_POINTS, MOST_POINTS};
 use crate::pipeline::edges::Edges;
 use crate::pipeline::finer::Finer;
@@ -20,7 +20,7 @@ use crate::pipeline::kernel::KernelFeatures;
 use crate::pipeline::optimization::optimize;
 use crate::pipeline::options::{Grading, Options};
 use crate::pipeline::origins::origins;
-use crate::pipeline::prepared::{Fine, PreparedInput};
+use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::redraw::drawn_anew_around;
 use crate::pipeline::result::{Deviation, Remeshed, has_kind, notes};
 use crate::pipeline::scale::CANDIDATES_PER_POINT;
@@ -91,8 +91,9 @@ impl<'a> Remesher<'a> {
         if density == Density::Auto {
             return with_fewest_points(prepared, &repaired, monitor);
         }
-        if let Some((coarse, features)) = coarse(prepared, &repaired, density, monitor)? {
-            prepared.fine = Some(Fine { mesh: repaired, features });
+        if let Some(spacing) = far_wider_spacing(prepared, &repaired, density)? {
+            let (coarse, fine) = coarse(prepared, repaired, spacing, monitor)?;
+            prepared.fine = Some(fine);
             let made = remesh_to(prepared, || coarse.clone(), density, monitor);
             *kept = prepared.fine.take().map(|fine| fine.mesh);
             return made;

@@ -309,7 +309,7 @@ fn used_vertices(input: &Mesh, unit: &Unit, domain: &Domain) -> (Vec<Sample>, Ve
 }
 
 /// The points as samples whose triangle is their number; without normals these are zero, which all are neighbours of.
-fn bare_samples(input: &Points) -> Vec<Sample> {
+pub(super) fn bare_samples(input: &Points) -> Vec<Sample> {
     let sample = |(i, &position): (usize, &DVec3)| Sample {
         position,
         normal: input.normals().get(i).map_or(DVec3::ZERO, |n| n.normalize_or_zero()),
@@ -401,7 +401,7 @@ impl Task<'_> {
     /// The result for samples of which so many candidates were looked at; `sigma_p` is in the units of the input.
     fn sampled(&self, points: Points, indices: Option<Vec<u32>>, candidates: usize, sigma_p: f64) -> Sampled {
         let levels = self.options.levels.map_or(Vec::new(), |wanted| sample_levels(points.positions(), wanted));
-        let mut notes = notes(points.positions().len(), candidates, self.wanted);
+        let mut notes = count_notes(points.positions().len(), candidates, self.wanted);
         notes.extend(self.options.levels.filter(|&wanted| levels.len() < wanted).map(|wanted| {
             format!("{} levels instead of {wanted}: a coarser one would have less than three points", levels.len())
         }));
@@ -503,7 +503,7 @@ fn exactly<S: Submanifold<D, Point = Sample>, const D: usize>(
 const HANDFUL: usize = 12;
 
 /// What a user should know about `kept` of `candidates`.
-fn notes(kept: usize, candidates: usize, wanted: Option<usize>) -> Vec<String> {
+pub fn count_notes(kept: usize, candidates: usize, wanted: Option<usize>) -> Vec<String> {
     match wanted {
         Some(wanted) if kept < wanted => {
             let samples = counted(kept, "sample", "samples");

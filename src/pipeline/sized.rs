@@ -18,12 +18,16 @@ use crate::pipeline::sharp_edges::{left_out as edges_left_out, sharp_edges};
 use crate::pipeline::within::{Within, sampled_part};
 use crate::prepare::bend::Split;
 use crate::surface::domain::Domain;
-use crate::surface::features::{Features, sharp_sides};
+use crate::surface::features::sharp_sides;
 use crate::surface::narrow_patches::{LeftOut, leave_out_narrow, samples_on};
 use crate::surface::sizing::{adapted_sizes, sizes_between_curves, sizes_with_whole_rows};
 use glam::DVec3;
 use std::collections::HashSet;
 use std::sync::OnceLock;
+
+/// Width of the widest step between points that is none of their surface, in mean distances of neighbouring ones: the diagonal of
+/// a cell of a lattice is half as long again as its side.
+const STEP: f64 = 1.5;
 
 /// How often lengths that fit whole rows and the spacing are made to agree.
 const FITS_OF_ROWS: usize = 3;
@@ -166,7 +170,7 @@ fn domain_over(
     scale: &Scale,
     finer: &Finer,
 ) -> (Domain, bool, LeftOut, Vec<[DVec3; 2]>) {
-    let (twin, mut sharp) = refined(&mut clean, prepared.features(), prepared.options.support(), scale);
+    let (twin, mut sharp) = refined(&mut clean, prepared, scale);
     let found = sharp.clone();
     let went_wrong = |t: u32| clean.corners(t as usize).into_iter().any(|p| finer.is_near(p, scale.spacing));
     let left_out = leave_out_narrow(&clean, &twin, &mut sharp, scale.spacing, scale.wanted, went_wrong);
@@ -204,22 +208,30 @@ fn refined_curves(
     (twins(&clean.triangles), sharp)
 }
 
+/// The mean length of the edges of `mesh`.
+fn mean_edge_length(mesh: &OrientedManifold) -> f64 {
+    let of_triangle = |t: usize| {
+        let [a, b, c] = mesh.corners(t);
+        a.distance(b) + b.distance(c) + c.distance(a)
+    };
+    let count = mesh.triangles.len();
+    (0..count).map(of_triangle).sum::<f64>() / (3 * count) as f64
+}
+
 /// Splits the long edges of `clean`, and bends it where its vertices are points of a smooth surface. The side across each of
 /// its sides then, and whether it is sharp.
-fn refined(
-    clean: &mut OrientedManifold,
-    features: &Features,
-    support: Option<f64>,
-    scale: &Scale,
-) -> (Vec<u32>, Vec<bool>) {
+fn refined(clean: &mut OrientedManifold, prepared: &PreparedInput, scale: &Scale) -> (Vec<u32>, Vec<bool>) {
+    let features = prepared.features();
+    // What lies between points is not known any better.
+    let finest = if prepared.options.of_points { STEP * mean_edge_length(clean) } else { 0.0 };
     let longest = LONGEST_EDGE * scale.spacing;
     let most = 4 * clean.triangles.len() + 16 * scale.wanted;
     let creases = |mesh: &OrientedManifold| {
         let twin = twins(&mesh.triangles);
-        let sharp = sharp_sides(mesh, &twin, features, scale.spacing);
+        let sharp = sharp_sides(mesh, &twin, features, scale.spacing, finest);
         (twin, sharp)
     };
-    let Some(support) = support else {
+    let Some(support) = prepared.options.support() else {
         refine(clean, longest, most);
         let (twin, sharp) = creases(clean);
         if !sharp.contains(&true) {

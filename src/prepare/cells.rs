@@ -9,7 +9,7 @@
 //! Limits: cells with a face too few or turned over leave an outside that is open, and nothing is dropped. So it is with
 //! volumes of so few cells that most of the faces are outside.
 
-use crate::mesh::topology::{Side, sorted_sides};
+use crate::mesh::sides::{Side, edges, sorted_sides};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::mesh::weld::representatives;
 
@@ -40,11 +40,14 @@ pub fn without_faces_between_cells(mesh: &Mesh) -> Mesh {
 
 /// The triangles that have all three corners in common with others, those of each place together, in increasing order.
 pub(super) fn coincident<'a>(triangles: &'a [[u32; 3]], sides: &'a [Side]) -> impl Iterator<Item = Vec<u32>> + 'a {
-    let edges = sides.chunk_by(|a, b| a.ends == b.ends).filter(|e| e.len() > 1);
-    edges.flat_map(|edge| {
-        let apex = |s: &Side| triangles[s.side as usize / 3][(s.side as usize + 2) % 3];
+    let apex = |s: &Side| triangles[s.side as usize / 3][(s.side as usize + 2) % 3];
+    let is_alone = move |edge: &[Side]| match edge {
+        [one, other] => apex(one) != apex(other),
+        _ => edge.len() < 2,
+    };
+    edges(sides).filter(move |edge| !is_alone(edge)).flat_map(move |edge| {
         // Each triangle is looked at once: at the edge across from its last corner.
-        let across = edge.iter().filter(|s| apex(s) > s.ends[1]);
+        let across = edge.iter().filter(|s| apex(s) > s.ends()[1]);
         let mut faces: Vec<(u32, u32)> = across.map(|s| (apex(s), s.side / 3)).collect();
         faces.sort_unstable();
         let groups = faces.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() > 1);
@@ -60,8 +63,8 @@ fn is_even([a, b, c]: [u32; 3]) -> bool {
 /// Whether each edge has as many sides in one direction as in the other.
 fn is_closed(sides: impl Iterator<Item = Side>) -> bool {
     let sides: Vec<Side> = sides.collect();
-    let balance = |edge: &[Side]| 2 * edge.iter().filter(|s| s.forward).count() == edge.len();
-    sides.chunk_by(|a, b| a.ends == b.ends).all(balance)
+    let balance = |edge: &[Side]| 2 * edge.iter().filter(|s| s.forward()).count() == edge.len();
+    edges(&sides).all(balance)
 }
 
 #[cfg(test)]

@@ -28,7 +28,7 @@ pub const MANY_NEIGHBORS: usize = 16;
 const LINE: f64 = 0.3;
 
 /// As many times more neighbours than wanted are looked at before a line is taken for one.
-const MOST_ON_LINE: usize = 8;
+pub const MOST_ON_LINE: usize = 8;
 
 /// The neighbours of each point that its normal follows from.
 pub enum Neighborhood<'a> {
@@ -71,9 +71,14 @@ fn others(found: Vec<Neighbor>, p: u32) -> Vec<u32> {
     found.into_iter().map(|n| n.point).filter(|&n| n != p).collect()
 }
 
+/// The unit normal, on no side, of the plane that fits a point and its neighbours, and whether these are on a line.
+pub fn plane_normal(points: &[DVec3], p: u32, neighbors: &[u32]) -> (DVec3, bool) {
+    let ([_, across, along], [normal, ..]) = spread(points, p, neighbors);
+    (normal, across <= math::square(LINE) * along)
+}
+
 fn is_line(points: &[DVec3], p: u32, neighbors: &[u32]) -> bool {
-    let ([_, across, along], _) = spread(points, p, neighbors);
-    across <= math::square(LINE) * along
+    plane_normal(points, p, neighbors).1
 }
 
 /// The principal values and directions of a point and its neighbours.

@@ -27,6 +27,8 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::order::spatial_order_in;
 use glam::DVec3;
 use rayon::prelude::*;
+use rustc_hash::FxHashMap;
+use std::borrow::Cow;
 
 /// How coarse a mesh may become, in its units.
 #[derive(Debug, Clone, Copy)]
@@ -41,9 +43,9 @@ pub struct Coarseness {
 /// Triangles of a block: its data fit into the caches of a core.
 const BLOCK: usize = 1 << 15;
 
-/// For each turn how far the bounds that blocks are cut from reach beyond those of the mesh, in extents: planes between
-/// blocks of one turn are none of the other.
-const TURNS: [f64; 2] = [0.0, 1.0 / 3.0];
+/// How far the bounds that blocks of the second turn are cut from reach beyond those of the mesh, in extents: planes between
+/// blocks of the first turn are none of this one.
+const MARGIN: f64 = 1.0 / 3.0;
 
 /// The shares of the shortest length that edges are held against one after the other, so that the shortest ones go first.
 const LENGTHS: [f64; 3] = [0.25, 0.5, 1.0];
@@ -65,22 +67,49 @@ pub struct Coarsened {
     pub sharp: Vec<[u32; 2]>,
 }
 
-/// `fine` with longer edges. `sharp` tells for each side of its triangles whether it is on a sharp edge.
+/// The triangles and vertices of `mesh` along a curve through space: what is near in it is mostly near in memory.
+pub fn in_spatial_order(mesh: OrientedManifold) -> OrientedManifold {
+    let order = mesh.bounds().map_or(Vec::new(), |bounds| order_of_triangles(&mesh, bounds));
+    let mut number = vec![NONE; mesh.positions.len()];
+    let mut vertices = Vec::with_capacity(mesh.positions.len());
+    let mut numbered = |v: u32| {
+        if number[v as usize] == NONE {
+            number[v as usize] = vertices.len() as u32;
+            vertices.push(v);
+        }
+        number[v as usize]
+    };
+    let triangles = order.iter().map(|&t| mesh.triangles[t as usize].map(&mut numbered)).collect();
+    let positions = vertices.iter().map(|&v| mesh.positions[v as usize]).collect();
+    let provenance = mesh.into_parts().1.select(&vertices, &order);
+    OrientedManifold::trusted(Mesh { positions, triangles }, provenance)
+}
+
+/// `fine` with longer edges. `sharp` tells for each side of its triangles whether it is on a sharp edge. Triangles that are near
+/// in memory should be near in space, as [`in_spatial_order`] has them.
 pub fn coarsened(fine: &Mesh, sharp: &[bool], coarseness: Coarseness) -> Coarsened {
     let all = |n: usize| (0..n as u32).collect::<Vec<u32>>();
     let (vertices, triangles) = (fine.positions.len(), fine.triangles.len());
     let whole = Coarse {
-        mesh: fine.clone(),
-        sharp: sharp.as_chunks().0.to_vec(),
+        mesh: Cow::Borrowed(fine),
+        sharp: Cow::Borrowed(sharp.as_chunks().0),
         of_vertex: all(vertices),
         of_triangle: all(triangles),
         strayed: vec![0.0; vertices],
     };
-    let coarse = TURNS.into_iter().fold(whole, |mesh, margin| mesh.turn(margin, coarseness));
+    let once = whole.turn(&whole.of_triangle, coarseness);
+    drop(whole);
+    let coarse = once.turn(&once.in_other_order(), coarseness);
     let sharp = coarse.sharp_edges();
     let Coarse { mesh, of_vertex, of_triangle, .. } = coarse;
     let provenance = Provenance::new(all(vertices), of_vertex, of_triangle);
-    Coarsened { mesh: OrientedManifold::trusted(mesh, provenance), sharp }
+    Coarsened { mesh: OrientedManifold::trusted(mesh.into_owned(), provenance), sharp }
+}
+
+/// The triangles of `mesh` in the order of where they are within `bounds`.
+fn order_of_triangles(mesh: &Mesh, bounds: Aabb) -> Vec<u32> {
+    let first = |t: usize| mesh.positions[mesh.triangles[t][0] as usize];
+    spatial_order_in(bounds, mesh.triangles.len(), first)
 }
 
 /// Puts the sides that are `sharp`, triangle by triangle, on curves, which end at vertices with more or less than two of them.
@@ -106,10 +135,10 @@ pub fn share_of_edges_below(mesh: &Mesh, length: f64) -> f64 {
 }
 
 /// A mesh on its way.
-struct Coarse {
-    mesh: Mesh,
+struct Coarse<'a> {
+    mesh: Cow<'a, Mesh>,
     /// For each triangle which of its sides are on sharp edges.
-    sharp: Vec<[bool; 3]>,
+    sharp: Cow<'a, [[bool; 3]]>,
     /// For each vertex and triangle that of the fine mesh.
     of_vertex: Vec<u32>,
     of_triangle: Vec<u32>,
@@ -117,31 +146,28 @@ struct Coarse {
     strayed: Vec<f64>,
 }
 
-impl Coarse {
-    /// Treats blocks of a lattice whose bounds reach beyond those of the mesh by `margin`.
-    fn turn(self, margin: f64, coarseness: Coarseness) -> Coarse {
-        let Some(mut bounds) = self.mesh.bounds() else { return self };
-        bounds.lo -= margin * bounds.size();
-        let order = self.in_order(bounds);
-        let vertices = self.mesh.positions.len();
-        let treat = |number: &mut Vec<u32>, triangles: &[u32]| {
-            let mut block = Block::new(&self, triangles, number);
+impl Coarse<'_> {
+    /// Treats blocks of the triangles, which come in this order.
+    fn turn(&self, order: &[u32], coarseness: Coarseness) -> Coarse<'static> {
+        let treat = |triangles: &[u32]| {
+            let mut block = Block::new(self, triangles);
             block.coarsen(coarseness);
             block.left(triangles)
         };
-        let blocks: Vec<Left> = order.par_chunks(BLOCK).map_init(|| vec![NONE; vertices], treat).collect();
+        let blocks: Vec<Left> = order.par_chunks(BLOCK).map(treat).collect();
         self.joined(&blocks)
     }
 
-    /// The triangles in the order of where they are.
-    fn in_order(&self, bounds: Aabb) -> Vec<u32> {
-        let first = |t: usize| self.mesh.positions[self.mesh.triangles[t][0] as usize];
-        spatial_order_in(bounds, self.mesh.triangles.len(), first)
+    /// The triangles in the order of where they are within wider bounds.
+    fn in_other_order(&self) -> Vec<u32> {
+        let Some(mut bounds) = self.mesh.bounds() else { return Vec::new() };
+        bounds.lo -= MARGIN * bounds.size();
+        order_of_triangles(&self.mesh, bounds)
     }
 
     /// The ends of each sharp edge, as vertices of the fine mesh.
     fn sharp_edges(&self) -> Vec<[u32; 2]> {
-        let sides = self.mesh.triangles.iter().zip(&self.sharp).flat_map(|(t, sharp)| {
+        let sides = self.mesh.triangles.iter().zip(&*self.sharp).flat_map(|(t, sharp)| {
             let ends = [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
             ends.into_iter().zip(*sharp).filter(|(_, sharp)| *sharp).map(|(ends, _)| ends)
         });
@@ -150,7 +176,7 @@ impl Coarse {
     }
 
     /// What is left of all blocks, without gaps.
-    fn joined(self, blocks: &[Left]) -> Coarse {
+    fn joined(&self, blocks: &[Left]) -> Coarse<'static> {
         let mut number = vec![NONE; self.mesh.positions.len()];
         let mut old = Vec::new();
         let mut triangles = Vec::with_capacity(blocks.iter().map(|block| block.triangles.len()).sum());
@@ -163,7 +189,7 @@ impl Coarse {
                 number[v as usize]
             }));
         }
-        let mut strayed = self.strayed;
+        let mut strayed = self.strayed.clone();
         blocks.iter().flat_map(|block| &block.strayed).for_each(|&(v, far)| strayed[v as usize] = far);
         let of_triangle = blocks.iter().flat_map(|block| &block.sources).map(|&t| self.of_triangle[t as usize]);
         Coarse {
@@ -171,7 +197,10 @@ impl Coarse {
             of_triangle: of_triangle.collect(),
             of_vertex: old.iter().map(|&v| self.of_vertex[v as usize]).collect(),
             strayed: old.iter().map(|&v| strayed[v as usize]).collect(),
-            mesh: Mesh { positions: old.iter().map(|&v| self.mesh.positions[v as usize]).collect(), triangles },
+            mesh: Cow::Owned(Mesh {
+                positions: old.iter().map(|&v| self.mesh.positions[v as usize]).collect(),
+                triangles,
+            }),
         }
     }
 }
@@ -194,20 +223,19 @@ struct Block {
 }
 
 impl Block {
-    /// That of `triangles` of `whole`. `number` has an entry for each vertex of the whole, all [`NONE`] before and after.
-    fn new(whole: &Coarse, triangles: &[u32], number: &mut [u32]) -> Block {
+    /// That of `triangles` of `whole`.
+    fn new(whole: &Coarse, triangles: &[u32]) -> Block {
+        let mut number: FxHashMap<u32, u32> = FxHashMap::default();
+        number.reserve(triangles.len());
         let mut vertices = Vec::new();
         let mut local = |v: u32| {
-            let slot = &mut number[v as usize];
-            if *slot == NONE {
-                *slot = vertices.len() as u32;
+            *number.entry(v).or_insert_with(|| {
                 vertices.push(v);
-            }
-            *slot
+                vertices.len() as u32 - 1
+            })
         };
         let corners: Vec<[u32; 3]> =
             triangles.iter().map(|&t| whole.mesh.triangles[t as usize].map(&mut local)).collect();
-        vertices.iter().for_each(|&v| number[v as usize] = NONE);
         let mut connectivity = Connectivity::new(vertices.len(), &corners);
         mark_sharp(&mut connectivity, triangles.iter().map(|&t| whole.sharp[t as usize]));
         Block {
@@ -263,23 +291,23 @@ impl Block {
     fn distance_after(&self, h: u32, longest: f64) -> Option<f64> {
         let c = &self.connectivity;
         let (from, to) = (self.position(c.origin(h)), self.position(c.target(h)));
-        let mut nearest = f64::INFINITY;
-        let (mut least, mut least_before) = (f64::INFINITY, f64::INFINITY);
-        for out in c.outgoing(c.origin(h)) {
-            let [a, b] = [c.target(out), c.apex(out)].map(|v| self.position(v));
-            least_before = least_before.min(mean_ratio([from, a, b]));
-            if out == h || next(c.twin(h)) == out {
-                continue;
-            }
+        let fan = || c.outgoing(c.origin(h)).map(|out| (out, [c.target(out), c.apex(out)].map(|v| self.position(v))));
+        let left = || fan().filter(|&(out, _)| out != h && next(c.twin(h)) != out).map(|(_, ends)| ends);
+        let mut least = f64::INFINITY;
+        for [a, b] in left() {
             let [before, after] = [from, to].map(|p| (a - p).cross(b - p));
-            let turns = before.dot(after) < MOST_TURN * before.length() * after.length();
-            if turns || a.distance_squared(to) > longest * longest {
+            let is_too_long = a.distance_squared(to) > longest * longest;
+            if is_too_long || before.dot(after) < MOST_TURN * before.length() * after.length() {
                 return None;
             }
             least = least.min(mean_ratio([to, a, b]));
-            nearest = nearest.min(closest_point(from, [to, a, b]).distance_squared(from));
         }
-        (least >= LEAST_SHAPE.min(least_before)).then(|| nearest.sqrt())
+        let least_before = || fan().map(|(_, [a, b])| mean_ratio([from, a, b])).fold(f64::INFINITY, f64::min);
+        if least < LEAST_SHAPE && least < least_before() {
+            return None;
+        }
+        let squares = left().map(|[a, b]| closest_point(from, [to, a, b]).distance_squared(from));
+        Some(squares.fold(f64::INFINITY, f64::min).sqrt())
     }
 
     /// What is left of `triangles`, which it was made of.
@@ -362,7 +390,7 @@ mod tests {
         cup.triangles.retain(|t| !t.contains(&1));
         cup.drop_unused();
         let sharp =
-            sharp_sides(&cup.clone().try_into().unwrap(), &twins(&cup.triangles), &Features::Degrees(60.0), 0.2);
+            sharp_sides(&cup.clone().try_into().unwrap(), &twins(&cup.triangles), &Features::Degrees(60.0), 0.2, 0.0);
         let coarseness = Coarseness { shortest: 0.1, tolerance: 0.01 };
         let Coarsened { mesh, sharp } = coarsened(&cup, &sharp, coarseness);
         assert!(is_manifold_of(&mesh, &cup));

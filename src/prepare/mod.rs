@@ -10,3 +10,4 @@ pub mod orient;
 pub mod repair;
 pub mod stitch;
 pub mod thin;
+pub mod welded;

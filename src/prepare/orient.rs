@@ -170,12 +170,22 @@ pub fn disagreement(points: &[DVec3], normals: &[DVec3], graph: &NeighborGraph) 
 /// An agreement that leaves no doubt.
 const CLEAR: f64 = 0.8;
 
-/// The cosine between the normal of `a`, mirrored in the plane half-way to `b`, and that of `b`.
 fn agreement(points: &[DVec3], normals: &[DVec3], a: u32, b: u32) -> f64 {
     let (a, b) = (a as usize, b as usize);
-    let offset = points[b] - points[a];
-    let mirrored = normals[a] - 2.0 * normals[a].project_onto(offset);
-    if mirrored.is_finite() { mirrored.dot(normals[b]) } else { normals[a].dot(normals[b]) }
+    agreement_across(points[b] - points[a], normals[a], normals[b])
+}
+
+/// The cosine between the normal of one point, mirrored in the plane half-way to another one at `offset`, and that of the
+/// other.
+fn agreement_across(offset: DVec3, normal: DVec3, other: DVec3) -> f64 {
+    let mirrored = normal - 2.0 * normal.project_onto(offset);
+    if mirrored.is_finite() { mirrored.dot(other) } else { normal.dot(other) }
+}
+
+/// The normal of a point at `position`, or its opposite: as points around it, with normals on a common side, have it.
+pub fn sided(position: DVec3, normal: DVec3, around: impl Iterator<Item = (DVec3, DVec3)>) -> DVec3 {
+    let votes = around.map(|(other, of_other)| math::cube(agreement_across(position - other, of_other, normal)));
+    if votes.sum::<f64>() < 0.0 { -normal } else { normal }
 }
 
 #[cfg(test)]

@@ -20,13 +20,16 @@
 
 use crate::base::math;
 use crate::base::union_find::UnionFind;
+use crate::mesh::half_edge::{next, prev};
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::provenance::Provenance;
-use crate::mesh::topology::{NONE, Side, components, sorted_sides};
+use crate::mesh::sides::{Side, edges, pairs_of_sides, sorted_sides};
+use crate::mesh::topology::{NONE, components, twins};
 use crate::mesh::triangle_mesh::Mesh;
-use crate::mesh::weld::representatives;
 use crate::prepare::cells::{coincident, faces_between_cells};
+use crate::prepare::welded::{Counts, Welded};
 use glam::DVec3;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// What was done to an input so that it became an oriented manifold. All zero: nothing had to be done.
@@ -58,112 +61,85 @@ pub struct Repairs {
 
 /// The oriented 2-manifold made of `mesh`, and what it took.
 pub fn repair(mesh: &Mesh) -> (OrientedManifold, Repairs) {
-    repair_welded(mesh, representatives(&mesh.positions))
+    let Repaired { mesh, repairs, .. } = repair_welded(mesh.positions.clone(), Welded::at_places(mesh));
+    (mesh, repairs)
 }
 
-/// [`repair`] of a mesh some of whose vertices are one. `representatives` has for each vertex the first of those that it is
-/// one with, as [`crate::mesh::weld`] and [`stitch`](crate::prepare::stitch) give it.
-pub fn repair_welded(mesh: &Mesh, representatives: Vec<u32>) -> (OrientedManifold, Repairs) {
-    let mut repairs = Repairs::default();
-    let mut soup = weld(mesh, &representatives, &mut repairs);
-    let mut sides = sorted_sides(&soup.triangles);
-    drop_faces_between_cells(&mut soup, &mut sides, &mut repairs);
-    drop_duplicates(&mut soup, &mut sides, &mut repairs);
-    let Soup { mut triangles, sources } = soup;
-    let mut glued = glue(&mesh.positions, &triangles, &sides, &mut repairs);
+/// A mesh made an oriented 2-manifold.
+pub struct Repaired {
+    /// The manifold.
+    pub mesh: OrientedManifold,
+    /// What it took.
+    pub repairs: Repairs,
+    /// The [`twins`] of its triangles.
+    pub twins: Vec<u32>,
+}
+
+/// [`repair`] of vertices at `positions` that were welded before.
+pub fn repair_welded(positions: Vec<DVec3>, mut welded: Welded) -> Repaired {
+    let Counts { unused_vertices, welded_vertices, seam_vertices, degenerate_triangles } = welded.counts;
+    let mut repairs =
+        Repairs { unused_vertices, welded_vertices, seam_vertices, degenerate_triangles, ..Repairs::default() };
+    drop_faces_between_cells(&mut welded, &mut repairs);
+    drop_duplicates(&mut welded, &mut repairs);
+    let Welded { representatives, mut triangles, sources, sides, .. } = welded;
+    let mut partner = glue(&positions, &triangles, &sides, &mut repairs);
     drop(sides);
-    orient(&mesh.positions, &mut triangles, &mut glued, &mut repairs);
-    let (mut result, vertices) = separate_fans(&mesh.positions, &triangles, &glued, &mut repairs);
+    orient(&positions, &mut triangles, &mut partner, &mut repairs);
+    let (mut result, vertices) = separate_fans(positions, triangles, &partner, &mut repairs);
     let mut provenance = Provenance::new(representatives, vertices, sources);
     if repairs.cut_edges + repairs.unorientable_edges > 0 {
-        split_repeated_edges(&mut result, &mut provenance, &glued);
+        split_repeated_edges(&mut result, &mut provenance, &partner);
     }
-    (drop_flat_components(result, provenance, &mut repairs), repairs)
-}
-
-/// Triangles over the vertices of a mesh, and which of its triangles each is.
-struct Soup {
-    triangles: Vec<[u32; 3]>,
-    sources: Vec<u32>,
-}
-
-/// The triangles over the vertices that stand for their places, without those that lose a corner.
-fn weld(mesh: &Mesh, representatives: &[u32], repairs: &mut Repairs) -> Soup {
-    let mut used = vec![false; mesh.positions.len()];
-    mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
-    repairs.unused_vertices = used.iter().filter(|&&u| !u).count();
-    // An unused vertex may stand for a place of used ones.
-    let mut stands = vec![false; used.len()];
-    representatives.iter().zip(&used).filter(|v| *v.1).for_each(|(&first, _)| stands[first as usize] = true);
-    let places = stands.iter().filter(|stands| **stands).count();
-    repairs.welded_vertices = used.len() - repairs.unused_vertices - places;
-    let is_moved = |(v, &to): (usize, &u32)| used[v] && mesh.positions[v] != mesh.positions[to as usize];
-    repairs.seam_vertices = representatives.iter().enumerate().filter(|&v| is_moved(v)).count();
-    let welded = mesh.triangles.iter().map(|t| t.map(|v| representatives[v as usize]));
-    let kept = welded.zip(0..).filter(|([a, b, c], _)| a != b && b != c && c != a);
-    let (triangles, sources): (Vec<_>, Vec<_>) = kept.unzip();
-    repairs.degenerate_triangles = mesh.triangles.len() - triangles.len();
-    Soup { triangles, sources }
+    let mesh = drop_flat_components(result, provenance, &mut repairs);
+    let is_same = repairs.cut_edges + repairs.unorientable_edges == 0 && partner.len() == 3 * mesh.triangles.len();
+    let twins = if is_same { partner } else { twins(&mesh.triangles) };
+    Repaired { mesh, repairs, twins }
 }
 
 /// Keeps the outside of a volume that is listed cell by cell.
-fn drop_faces_between_cells(soup: &mut Soup, sides: &mut Vec<Side>, repairs: &mut Repairs) {
-    if let Some(between) = faces_between_cells(&soup.triangles, sides) {
-        repairs.faces_between_cells = drop_marked(soup, sides, &between);
+fn drop_faces_between_cells(welded: &mut Welded, repairs: &mut Repairs) {
+    if let Some(between) = faces_between_cells(&welded.triangles, &welded.sides) {
+        repairs.faces_between_cells = welded.drop_marked(&between);
     }
 }
 
 /// Keeps the first of the triangles that have the same three corners.
-fn drop_duplicates(soup: &mut Soup, sides: &mut Vec<Side>, repairs: &mut Repairs) {
-    let mut copy = vec![false; soup.triangles.len()];
-    coincident(&soup.triangles, sides).for_each(|group| group[1..].iter().for_each(|&t| copy[t as usize] = true));
-    repairs.duplicate_triangles = drop_marked(soup, sides, &copy);
+fn drop_duplicates(welded: &mut Welded, repairs: &mut Repairs) {
+    let mut copy = vec![false; welded.triangles.len()];
+    coincident(&welded.triangles, &welded.sides)
+        .for_each(|group| group[1..].iter().for_each(|&t| copy[t as usize] = true));
+    repairs.duplicate_triangles = welded.drop_marked(&copy);
 }
 
-/// Drops the marked triangles, if there are any; how many.
-fn drop_marked(soup: &mut Soup, sides: &mut Vec<Side>, marked: &[bool]) -> usize {
-    let count = marked.iter().filter(|is| **is).count();
-    if count > 0 {
-        retain(&mut soup.triangles, |t| !marked[t]);
-        retain(&mut soup.sources, |t| !marked[t]);
-        *sides = sorted_sides(&soup.triangles);
-    }
-    count
-}
-
-/// Keeps the entries whose numbers `keeps` holds for.
-fn retain<T>(list: &mut Vec<T>, keeps: impl Fn(usize) -> bool) {
-    let mut numbers = 0..;
-    list.retain(|_| numbers.next().is_some_and(&keeps));
-}
-
-/// Two sides that are the same edge of the manifold, and whether the faces agree in orientation.
-#[derive(Clone, Copy)]
-struct Glued {
-    sides: [u32; 2],
-    agree: bool,
-}
-
-fn glue(positions: &[DVec3], triangles: &[[u32; 3]], sides: &[Side], repairs: &mut Repairs) -> Vec<Glued> {
-    let edges = || sides.chunk_by(|a, b| a.ends == b.ends);
-    let pair = |a: &Side, b: &Side| Glued { sides: [a.side, b.side], agree: a.forward != b.forward };
-    let mut glued: Vec<Glued> = edges().filter(|e| e.len() == 2).map(|e| pair(&e[0], &e[1])).collect();
-    repairs.cut_edges = edges().filter(|e| e.len() > 2).count();
+/// For each side the one that is the same edge of the manifold, or [`NONE`].
+fn glue(positions: &[DVec3], triangles: &[[u32; 3]], sides: &[Side], repairs: &mut Repairs) -> Vec<u32> {
+    let mut partner = pairs_of_sides(sides, 3 * triangles.len(), |_, _| true);
+    let crowded = || edges(sides).filter(|e| e.len() > 2);
+    repairs.cut_edges = crowded().count();
     if repairs.cut_edges > 0 {
-        let loose = reaches_boundary(triangles.len(), &glued, edges());
-        for sheets in edges().filter(|e| e.len() > 2) {
-            let pairs = pair_sheets(positions, triangles, sheets, &loose);
-            glued.extend(pairs.iter().map(|&(a, b)| pair(&sheets[a], &sheets[b])));
+        let loose = reaches_boundary(&partner, edges(sides));
+        for sheets in crowded() {
+            for (a, b) in pair_sheets(positions, triangles, sheets, &loose) {
+                let [a, b] = [a, b].map(|i| sheets[i].side);
+                (partner[a as usize], partner[b as usize]) = (b, a);
+            }
         }
     }
-    glued
+    partner
+}
+
+/// Each pair of sides that are one edge, once.
+fn glued(partner: &[u32]) -> impl Iterator<Item = [u32; 2]> {
+    (0u32..).zip(partner).filter(|(side, other)| **other != NONE && side < other).map(|(side, &other)| [side, other])
 }
 
 /// Whether each triangle lies in a patch, bounded by edges with more than two faces, that has an open boundary too.
-fn reaches_boundary<'a>(count: usize, glued: &[Glued], edges: impl Iterator<Item = &'a [Side]>) -> Vec<bool> {
+fn reaches_boundary<'a>(partner: &[u32], edges: impl Iterator<Item = &'a [Side]>) -> Vec<bool> {
+    let count = partner.len() / 3;
     let mut patches = UnionFind::new(count);
-    for g in glued {
-        patches.join(g.sides[0] / 3, g.sides[1] / 3);
+    for [a, b] in glued(partner) {
+        patches.join(a / 3, b / 3);
     }
     let mut open = vec![false; count];
     for edge in edges.filter(|e| e.len() == 1) {
@@ -175,7 +151,7 @@ fn reaches_boundary<'a>(count: usize, glued: &[Glued], edges: impl Iterator<Item
 /// Which of the three or more faces at an edge belong together, as pairs of indices into `sheets`. A solid must not be
 /// opened for the sake of a fin, so faces of patches that are open elsewhere (`loose`) come last.
 fn pair_sheets(positions: &[DVec3], triangles: &[[u32; 3]], sheets: &[Side], loose: &[bool]) -> Vec<(usize, usize)> {
-    let [lo, hi] = sheets[0].ends.map(|v| positions[v as usize]);
+    let [lo, hi] = sheets[0].ends().map(|v| positions[v as usize]);
     let axis = (hi - lo).normalize_or_zero();
     let (x, y) = axis.any_orthonormal_pair();
     let angle = |s: &Side| {
@@ -186,8 +162,8 @@ fn pair_sheets(positions: &[DVec3], triangles: &[[u32; 3]], sheets: &[Side], loo
     let angles: Vec<f64> = sheets.iter().map(angle).collect();
     let mut order: Vec<usize> = (0..sheets.len()).collect();
     order.sort_by(|&a, &b| angles[a].total_cmp(&angles[b]).then(a.cmp(&b)));
-    let forward = sheets.iter().filter(|s| s.forward).count();
-    let alternate = (1..order.len()).all(|i| sheets[order[i]].forward != sheets[order[i - 1]].forward);
+    let forward = sheets.iter().filter(|s| s.forward()).count();
+    let alternate = (1..order.len()).all(|i| sheets[order[i]].forward() != sheets[order[i - 1]].forward());
     let is_loose = |s: &Side| loose[s.side as usize / 3];
     let alike = sheets.iter().all(|s| is_loose(s) == is_loose(&sheets[0]));
     if 2 * forward == sheets.len() && (alternate || alike) {
@@ -201,9 +177,9 @@ fn pair_sheets(positions: &[DVec3], triangles: &[[u32; 3]], sheets: &[Side], loo
 fn nested_pairs(order: &[usize], sheets: &[Side]) -> Vec<(usize, usize)> {
     let (mut open, mut closed, mut pairs) = (Vec::new(), vec![false; sheets.len()], Vec::new());
     for &i in order.iter().chain(order) {
-        if !sheets[i].forward && !closed[i] && !open.contains(&i) {
+        if !sheets[i].forward() && !closed[i] && !open.contains(&i) {
             open.push(i);
-        } else if sheets[i].forward
+        } else if sheets[i].forward()
             && !closed[i]
             && let Some(first) = open.pop()
         {
@@ -219,7 +195,7 @@ fn flattest_pairs(angles: &[f64], sheets: &[Side], loose: &[bool]) -> Vec<(usize
     let mut all: Vec<(usize, usize)> =
         (0..angles.len()).flat_map(|a| (a + 1..angles.len()).map(move |b| (a, b))).collect();
     let is_loose = |a: usize| loose[sheets[a].side as usize / 3];
-    let clash = |a: usize, b: usize| (is_loose(a) || is_loose(b), sheets[a].forward == sheets[b].forward);
+    let clash = |a: usize, b: usize| (is_loose(a) || is_loose(b), sheets[a].forward() == sheets[b].forward());
     all.sort_by(|&(a, b), &(c, d)| {
         clash(a, b).cmp(&clash(c, d)).then(bend(a, b).total_cmp(&bend(c, d))).then((a, b).cmp(&(c, d)))
     });
@@ -234,22 +210,27 @@ fn flattest_pairs(angles: &[f64], sheets: &[Side], loose: &[bool]) -> Vec<(usize
 }
 
 /// Turns triangles over so that all glued pairs agree, and unglues those that cannot.
-fn orient(positions: &[DVec3], triangles: &mut [[u32; 3]], glued: &mut Vec<Glued>, repairs: &mut Repairs) {
-    if glued.iter().all(|g| g.agree) {
+fn orient(positions: &[DVec3], triangles: &mut [[u32; 3]], partner: &mut Vec<u32>, repairs: &mut Repairs) {
+    let agree = |triangles: &[[u32; 3]], side: u32, other: u32| {
+        triangles[side as usize / 3][side as usize % 3] != triangles[other as usize / 3][other as usize % 3]
+    };
+    let fits = |(side, &other): (usize, &u32)| other == NONE || agree(triangles, side as u32, other);
+    if partner.par_iter().enumerate().all(fits) {
         return;
     }
-    let flipped = spread_orientation(positions, triangles, glued);
-    glued.retain(|g| {
-        let [a, b] = g.sides.map(|s| flipped[s as usize / 3]);
-        let fits = g.agree == (a == b);
-        repairs.unorientable_edges += usize::from(!fits);
-        fits
-    });
+    let flipped = spread_orientation(positions, triangles, partner, |side, other| agree(triangles, side, other));
     // A turned triangle [a, b, c] becomes [a, c, b]: side 0 (ab) is its side 2 then, side 1 (bc) stays, side 2 is 0.
-    for g in glued.iter_mut() {
-        g.sides = g.sides.map(|s| if flipped[s as usize / 3] { s / 3 * 3 + 2 - s % 3 } else { s });
-        g.agree = true;
+    let turned = |s: u32| if flipped[s as usize / 3] { s / 3 * 3 + 2 - s % 3 } else { s };
+    let mut after = vec![NONE; partner.len()];
+    for [a, b] in glued(partner) {
+        let fits = agree(triangles, a, b) == (flipped[a as usize / 3] == flipped[b as usize / 3]);
+        repairs.unorientable_edges += usize::from(!fits);
+        if fits {
+            let [a, b] = [a, b].map(turned);
+            (after[a as usize], after[b as usize]) = (b, a);
+        }
     }
+    *partner = after;
     for (t, _) in triangles.iter_mut().zip(&flipped).filter(|(_, f)| **f) {
         t.swap(1, 2);
         repairs.flipped_triangles += 1;
@@ -257,13 +238,12 @@ fn orient(positions: &[DVec3], triangles: &mut [[u32; 3]], glued: &mut Vec<Glued
 }
 
 /// Whether each triangle has to be turned over, found breadth first over the glued pairs.
-fn spread_orientation(positions: &[DVec3], triangles: &[[u32; 3]], glued: &[Glued]) -> Vec<bool> {
-    let mut neighbours: Vec<[Option<(u32, bool)>; 3]> = vec![[None; 3]; triangles.len()];
-    for g in glued {
-        let [a, b] = g.sides.map(|s| s as usize);
-        neighbours[a / 3][a % 3] = Some((b as u32 / 3, g.agree));
-        neighbours[b / 3][b % 3] = Some((a as u32 / 3, g.agree));
-    }
+fn spread_orientation(
+    positions: &[DVec3],
+    triangles: &[[u32; 3]],
+    partner: &[u32],
+    agree: impl Fn(u32, u32) -> bool,
+) -> Vec<bool> {
     let area = |t: usize| {
         let [a, b, c] = triangles[t].map(|v| positions[v as usize]);
         (b - a).cross(c - a).length()
@@ -280,11 +260,12 @@ fn spread_orientation(positions: &[DVec3], triangles: &[[u32; 3]], glued: &[Glue
         while next < component.len() {
             let t = component[next];
             next += 1;
-            for &(u, agree) in neighbours[t].iter().flatten() {
-                let u = u as usize;
+            for side in (3 * t..3 * t + 3).filter(|&s| partner[s] != NONE) {
+                let other = partner[side];
+                let u = other as usize / 3;
                 if !seen[u] {
                     seen[u] = true;
-                    flipped[u] = flipped[t] == agree;
+                    flipped[u] = flipped[t] == agree(side as u32, other);
                     component.push(u);
                 }
             }
@@ -302,17 +283,60 @@ fn spread_orientation(positions: &[DVec3], triangles: &[[u32; 3]], glued: &[Glue
 /// One vertex for each fan of glued faces, numbered as the vertices were and then by corner, and which vertex each was;
 /// unused ones are gone.
 fn separate_fans(
-    positions: &[DVec3],
-    triangles: &[[u32; 3]],
-    glued: &[Glued],
+    mut positions: Vec<DVec3>,
+    mut triangles: Vec<[u32; 3]>,
+    partner: &[u32],
     repairs: &mut Repairs,
 ) -> (Mesh, Vec<u32>) {
+    let Some(used) = used_with_one_fan(positions.len(), &triangles, partner) else {
+        return split_fans(&positions, &triangles, partner, repairs);
+    };
+    if used.len() < positions.len() {
+        let mut number = vec![NONE; positions.len()];
+        (0..).zip(&used).for_each(|(n, &v)| number[v as usize] = n);
+        triangles.par_iter_mut().for_each(|t| *t = t.map(|v| number[v as usize]));
+        positions = used.iter().map(|&v| positions[v as usize]).collect();
+    }
+    (Mesh { positions, triangles }, used)
+}
+
+/// The vertices that triangles use, if each of them has one fan.
+fn used_with_one_fan(vertices: usize, triangles: &[[u32; 3]], partner: &[u32]) -> Option<Vec<u32>> {
+    let mut corner = vec![NONE; vertices];
+    let mut corners = vec![0u32; vertices];
+    for (c, &v) in (0..).zip(triangles.iter().flatten()) {
+        corner[v as usize] = c;
+        corners[v as usize] += 1;
+    }
+    let one_fan = |v: usize| corner[v] == NONE || corners_of_fan(partner, corner[v]) == corners[v];
+    let all = (0..vertices).into_par_iter().all(one_fan);
+    all.then(|| (0..vertices as u32).filter(|&v| corner[v as usize] != NONE).collect())
+}
+
+/// How many corners are in the fan of corner `first`.
+fn corners_of_fan(partner: &[u32], first: u32) -> u32 {
+    let onwards = |c: u32| Some(partner[c as usize]).filter(|&side| side != NONE).map(next);
+    let back = |c: u32| Some(partner[prev(c) as usize]).filter(|&side| side != NONE);
+    let (mut count, mut at) = (1, first);
+    while let Some(c) = onwards(at) {
+        if c == first {
+            return count;
+        }
+        (count, at) = (count + 1, c);
+    }
+    at = first;
+    while let Some(c) = back(at) {
+        (count, at) = (count + 1, c);
+    }
+    count
+}
+
+/// [`separate_fans`] where vertices have several.
+fn split_fans(positions: &[DVec3], triangles: &[[u32; 3]], partner: &[u32], repairs: &mut Repairs) -> (Mesh, Vec<u32>) {
     let mut fans = UnionFind::new(3 * triangles.len());
-    for g in glued {
-        let [a, b] = g.sides;
-        let end_of = |s: u32| if s % 3 == 2 { s - 2 } else { s + 1 };
-        fans.join(a, end_of(b));
-        fans.join(end_of(a), b);
+    for [a, b] in glued(partner) {
+        fans.join(a, next(b));
+        fans.join(next(a), b);
     }
     let corner_vertex = |c: u32| triangles[c as usize / 3][c as usize % 3];
     let mut roots: Vec<u32> = (0..3 * triangles.len() as u32).filter(|&c| fans.find(c) == c).collect();
@@ -330,22 +354,17 @@ fn separate_fans(
 
 /// Where a surface touches itself along an edge and both ends are in one fan, the edge is still there twice: all but
 /// one of its copies, each a glued pair of sides or a boundary, get a vertex in the middle.
-fn split_repeated_edges(mesh: &mut Mesh, provenance: &mut Provenance, glued: &[Glued]) {
+fn split_repeated_edges(mesh: &mut Mesh, provenance: &mut Provenance, partner: &[u32]) {
     let sides = sorted_sides(&mesh.triangles);
-    let mut partner = vec![NONE; 3 * mesh.triangles.len()];
-    for &Glued { sides: [a, b], .. } in glued {
-        partner[a as usize] = b;
-        partner[b as usize] = a;
-    }
     let mut middles: Vec<(u32, u32)> = Vec::new();
-    for edge in sides.chunk_by(|a, b| a.ends == b.ends) {
+    for edge in edges(&sides) {
         // Sides of an edge come in increasing order: of a pair the first one speaks for both.
         let copies = edge.iter().map(|s| s.side).filter(|&s| partner[s as usize] > s);
         for side in copies.skip(1) {
             let middle = mesh.positions.len() as u32;
-            let [lo, hi] = edge[0].ends.map(|v| mesh.positions[v as usize]);
+            let [lo, hi] = edge[0].ends().map(|v| mesh.positions[v as usize]);
             mesh.positions.push((lo + hi) / 2.0);
-            provenance.insert_middle(edge[0].ends);
+            provenance.insert_middle(edge[0].ends());
             middles.extend([side, partner[side as usize]].into_iter().filter(|&s| s != NONE).map(|s| (s, middle)));
         }
     }
@@ -370,6 +389,9 @@ fn split_repeated_edges(mesh: &mut Mesh, provenance: &mut Provenance, glued: &[G
 
 /// The manifold without its components that have no area.
 fn drop_flat_components(mut mesh: Mesh, provenance: Provenance, repairs: &mut Repairs) -> OrientedManifold {
+    if (0..mesh.triangles.len()).into_par_iter().all(|t| mesh.area_vector(t) != DVec3::ZERO) {
+        return OrientedManifold::trusted(mesh, provenance);
+    }
     let component = components(mesh.positions.len(), &mesh.triangles);
     let mut has_area = vec![false; mesh.positions.len()];
     for t in 0..mesh.triangles.len() {

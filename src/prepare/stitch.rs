@@ -19,9 +19,9 @@
 
 use crate::base::math;
 use crate::base::union_find::UnionFind;
-use crate::mesh::topology::sorted_sides;
+use crate::mesh::sides::edges;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::mesh::weld::representatives;
+use crate::prepare::welded::Welded;
 use crate::spatial::kdtree::Neighbors;
 use glam::DVec3;
 
@@ -51,10 +51,10 @@ impl Reach {
     }
 }
 
-/// Which vertices of a mesh are one.
+/// A mesh without the seams that rounding opened.
 pub struct Stitched {
-    /// For each vertex the first of those that it is one with.
-    pub representatives: Vec<u32>,
+    /// Its triangles over the vertices that are left.
+    pub welded: Welded,
     /// What may be cracks, and wider than rounding opens.
     pub cracks: Option<Cracks>,
 }
@@ -74,8 +74,8 @@ pub struct Cracks {
 /// A seam is closed only where each of its boundary edges finds a partner: no edge gets a third face by it, and no face is
 /// folded onto another. [`repair_welded`](crate::prepare::repair::repair_welded) is meant to follow.
 pub fn stitch(mesh: &Mesh) -> Stitched {
-    let mut first = representatives(&mesh.positions);
-    let mut boundary = OpenBoundary::new(mesh, &first);
+    let mut welded = Welded::at_places(mesh);
+    let mut boundary = OpenBoundary::new(&mesh.positions, &welded);
     let diagonal = mesh.diagonal();
     let seams = boundary.seams(ROUNDING.of(diagonal));
     if !seams.is_empty() {
@@ -83,24 +83,24 @@ pub fn stitch(mesh: &Mesh) -> Stitched {
         seams.iter().for_each(|&[a, b]| {
             joined.join(a, b);
         });
-        first = boundary.welded(first, &mut joined);
-        boundary = OpenBoundary::new(mesh, &first);
+        welded = Welded::new(mesh, boundary.welded(welded.representatives, &mut joined));
+        boundary = OpenBoundary::new(&mesh.positions, &welded);
     }
-    Stitched { representatives: first, cracks: boundary.cracks(diagonal) }
+    Stitched { welded, cracks: boundary.cracks(diagonal) }
 }
 
-/// For each vertex of `mesh` the one that it is welded to: boundary vertices within `tolerance` of each other, in units of
+/// `mesh` with cracks closed: boundary vertices within `tolerance` of each other, in units of
 /// the mesh, are welded, the nearest pairs first, and so are all vertices at exactly one place. The one with the smallest
 /// number stands for all.
 ///
 /// No two ends of an edge are ever welded, so no triangle is lost. With a tolerance of zero, or one that is not a
 /// number, only exact places are welded. The patches on both sides of a crack may differ in orientation, and more than
 /// two faces may meet there now: [`repair_welded`](crate::prepare::repair::repair_welded) is meant to follow.
-pub fn close_cracks(mesh: &Mesh, tolerance: f64) -> Vec<u32> {
-    let exact = representatives(&mesh.positions);
-    let boundary = OpenBoundary::new(mesh, &exact);
+pub fn close_cracks(mesh: &Mesh, tolerance: f64) -> Welded {
+    let exact = Welded::at_places(mesh);
+    let boundary = OpenBoundary::new(&mesh.positions, &exact);
     let mut groups = boundary.groups(Reach { distance: tolerance.max(0.0), of_edge: 0.5 });
-    boundary.welded(exact, &mut groups)
+    Welded::new(mesh, boundary.welded(exact.representatives, &mut groups))
 }
 
 /// The vertices at edges with one face.
@@ -129,31 +129,30 @@ struct Pair {
 }
 
 impl OpenBoundary {
-    /// That of `mesh` once its vertices are one with their `representatives`.
-    fn new(mesh: &Mesh, representatives: &[u32]) -> Self {
-        let welded = mesh.triangles.iter().map(|t| t.map(|v| representatives[v as usize]));
-        let triangles: Vec<[u32; 3]> = welded.filter(|[a, b, c]| a != b && b != c && c != a).collect();
-        let sides = sorted_sides(&triangles);
-        let edges = || sides.chunk_by(|a, b| a.ends == b.ends);
-        let open = || edges().filter(|e| e.len() == 1).map(|e| e[0].ends);
+    /// That of welded triangles over vertices at `positions`.
+    fn new(positions: &[DVec3], welded: &Welded) -> Self {
+        let Welded { triangles, sides, .. } = welded;
+        let edges = || edges(sides);
+        let open = || edges().filter(|e| e.len() == 1).map(|e| e[0].ends());
         let mut vertices: Vec<u32> = open().flatten().collect();
         vertices.sort_unstable();
         vertices.dedup();
         let place = |v: u32| vertices.binary_search(&v).ok();
         let mut shortest = vec![f64::INFINITY; vertices.len()];
         for ends in open() {
-            let [a, b] = ends.map(|v| mesh.positions[v as usize]);
+            let [a, b] = ends.map(|v| positions[v as usize]);
             for i in ends.into_iter().filter_map(place) {
                 shortest[i] = shortest[i].min(a.distance(b));
             }
         }
-        let apex = |side: u32| mesh.positions[triangles[side as usize / 3][(side as usize + 2) % 3] as usize];
-        let between = edges().filter_map(|e| {
-            let ends = [place(e[0].ends[0])? as u32, place(e[0].ends[1])? as u32];
+        let apex = |side: u32| positions[triangles[side as usize / 3][(side as usize + 2) % 3] as usize];
+        let any = if vertices.is_empty() { 0 } else { usize::MAX };
+        let between = edges().take(any).filter_map(|e| {
+            let ends = [place(e[0].ends()[0])? as u32, place(e[0].ends()[1])? as u32];
             Some(Edge { ends, apex: (e.len() == 1).then(|| apex(e[0].side)) })
         });
         let edges = between.collect();
-        let positions = vertices.iter().map(|&v| mesh.positions[v as usize]).collect();
+        let positions = vertices.iter().map(|&v| positions[v as usize]).collect();
         OpenBoundary { vertices, positions, shortest, edges }
     }
 
@@ -273,18 +272,18 @@ mod tests {
     use super::*;
     use crate::base::rng::{Stage, stream, unit};
     use crate::mesh::topology::topology;
-    use crate::prepare::repair::{repair, repair_welded};
+    use crate::prepare::repair::{Repaired, repair, repair_welded};
     use glam::dvec3;
     use std::f64::consts::{PI, TAU};
 
     /// The mesh once its cracks are closed.
     fn closed(mesh: &Mesh, tolerance: f64) -> Mesh {
-        repair_welded(mesh, close_cracks(mesh, tolerance)).0.into_mesh()
+        repair_welded(mesh.positions.clone(), close_cracks(mesh, tolerance)).mesh.into_mesh()
     }
 
     /// The mesh once what rounding opened is closed.
     fn stitched(mesh: &Mesh) -> Mesh {
-        repair_welded(mesh, stitch(mesh).representatives).0.into_mesh()
+        repair_welded(mesh.positions.clone(), stitch(mesh).welded).mesh.into_mesh()
     }
 
     fn boundary_loops(mesh: &Mesh) -> usize {
@@ -331,7 +330,7 @@ mod tests {
         for gap in [3e-16, 1e-12, 1e-7, 1e-6] {
             let cut = cut_sphere(gap);
             assert_eq!(boundary_loops(&repair(&cut).0), 1);
-            let (whole, repairs) = repair_welded(&cut, stitch(&cut).representatives);
+            let Repaired { mesh: whole, repairs, .. } = repair_welded(cut.positions.clone(), stitch(&cut).welded);
             assert_eq!((boundary_loops(&whole), repairs.cut_edges), (0, 0), "{gap}");
             assert_eq!((repairs.seam_vertices, repairs.welded_vertices), (23, 23), "{gap}");
             assert_eq!(stitch(&cut).cracks, None);
@@ -413,8 +412,8 @@ mod tests {
     fn an_open_sheet_has_none_however_fine_it_is() {
         let open = sheet(20, DVec3::ZERO, DVec3::X, DVec3::Y);
         assert_eq!(stitch(&open).cracks, None);
-        assert!(stitch(&open).representatives.into_iter().eq(0..21 * 21));
-        assert!(close_cracks(&open, 100.0).into_iter().eq(0..21 * 21));
+        assert!(stitch(&open).welded.representatives.into_iter().eq(0..21 * 21));
+        assert!(close_cracks(&open, 100.0).representatives.into_iter().eq(0..21 * 21));
         // A second one far off: the edges of the first are shorter than what is suspicious.
         let mut far = sheet(2, dvec3(1e7, 0.0, 0.0), DVec3::X, DVec3::Y);
         far.triangles.iter_mut().flatten().for_each(|v| *v += open.positions.len() as u32);
@@ -457,9 +456,9 @@ mod tests {
     fn tolerances_that_are_none_change_nothing() {
         let apart = cube_of_sheets(1, 1e-7);
         for tolerance in [0.0, -1.0, f64::NAN] {
-            assert!(close_cracks(&apart, tolerance).into_iter().eq(0..24));
+            assert!(close_cracks(&apart, tolerance).representatives.into_iter().eq(0..24));
         }
         assert_eq!(stitch(&Mesh::default()).cracks, None);
-        assert!(close_cracks(&Mesh::default(), 1.0).is_empty());
+        assert!(close_cracks(&Mesh::default(), 1.0).representatives.is_empty());
     }
 }

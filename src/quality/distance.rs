@@ -94,7 +94,8 @@ struct OneWay {
 
 impl OneWay {
     fn new(from: &Mesh, samples: &[DVec3], to: &Mesh) -> OneWay {
-        let bvh = Bvh::new(to);
+        let questions = samples.len() + from.positions.len();
+        let bvh = if MANY * questions < to.triangles.len() { Bvh::for_few_questions(to) } else { Bvh::new(to) };
         let square = |p: DVec3| bvh.closest(to, p).map_or(0.0, |hit| hit.distance_squared);
         let of_samples: Vec<f64> = samples.par_iter().with_min_len(CHUNK).map(|&p| square(p)).collect();
         let largest = of_samples.iter().copied().fold(0.0, f64::max);
@@ -115,6 +116,9 @@ pub fn vertex_distances(mesh: &Mesh, reference: &Mesh) -> Option<Vec<f64>> {
     let distance = |&p: &DVec3| bvh.closest(reference, p).map_or(0.0, |hit| hit.distance_squared.sqrt());
     Some(mesh.positions.par_iter().with_min_len(CHUNK).map(distance).collect())
 }
+
+/// So many triangles for each question are many: a hierarchy that is made faster pays then.
+const MANY: usize = 16;
 
 /// Points that one task looks at.
 const CHUNK: usize = 256;

@@ -14,7 +14,7 @@
 //! Cost: linear, in parallel over fixed chunks, so the figures have the same bits with any number of threads.
 
 use crate::geom::triangle::{self, quality};
-use crate::mesh::topology::sorted_sides;
+use crate::mesh::sides::{edges, sorted_sides};
 use crate::mesh::triangle_mesh::Mesh;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -165,8 +165,7 @@ pub fn extreme_angles(corners: [glam::DVec3; 3]) -> (f64, f64) {
     if triangle::area(corners) <= 0.0 {
         return (0.0, 180.0);
     }
-    let [a, b, c] = triangle::angles(corners);
-    (a.min(b).min(c), a.max(b).max(c))
+    triangle::extreme_angles(corners)
 }
 
 /// The sum over all sides of the squared difference to `mean`.
@@ -183,8 +182,8 @@ fn squared_deviations(mesh: &Mesh, mean: f64) -> f64 {
 pub fn valences(mesh: &Mesh) -> Vec<Option<u32>> {
     let mut valence = vec![0u32; mesh.positions.len()];
     let mut interior = vec![true; mesh.positions.len()];
-    for edge in sorted_sides(&mesh.triangles).chunk_by(|a, b| a.ends == b.ends) {
-        for v in edge[0].ends {
+    for edge in edges(&sorted_sides(&mesh.triangles)) {
+        for v in edge[0].ends() {
             valence[v as usize] += 1;
             interior[v as usize] &= edge.len() == 2;
         }

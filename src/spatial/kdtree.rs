@@ -56,6 +56,22 @@ impl Neighbors {
         sort(found);
     }
 
+    /// The `count` points nearest to `p` that are within `radius`, the nearest first, of equally near ones those with the
+    /// smaller numbers: so what else is in the set, farther away, does not matter.
+    pub fn collect_nearest_within(&self, p: DVec3, count: usize, radius: f64, found: &mut Vec<Neighbor>) {
+        self.collect_nearest(p, count + 1, found);
+        if let [.., last, next] = found[..]
+            && found.len() > count
+            && last.distance_squared == next.distance_squared
+        {
+            // The root may be rounded downwards.
+            self.collect_within(p, last.distance_squared.sqrt() * (1.0 + f64::EPSILON), found);
+            sort(found);
+        }
+        found.truncate(count);
+        found.retain(|n| n.distance_squared <= radius * radius);
+    }
+
     /// All points within `radius` of `p`, `radius` included, the nearest first; of equally near ones the one with the
     /// smaller number.
     pub fn within(&self, p: DVec3, radius: f64) -> Vec<Neighbor> {
@@ -121,6 +137,22 @@ mod tests {
         let heap = vec![DVec3::new(0.1, 0.2, 0.3); 3000];
         let found = Neighbors::new(&heap).within(heap[0], 0.0);
         assert_eq!(numbers(&found), (0..3000).collect::<Vec<u32>>());
+    }
+
+    #[test]
+    fn of_equally_near_points_the_first_are_taken_whatever_else_there_is() {
+        let grid: Vec<DVec3> = (0..2500).map(|i| DVec3::new(f64::from(i % 50), f64::from(i / 50), 3.0)).collect();
+        let (all, part) = (Neighbors::new(&grid), Neighbors::new(&grid[..400]));
+        let nearest = |set: &Neighbors, count: usize, radius: f64| {
+            let mut found = Vec::new();
+            set.collect_nearest_within(grid[151], count, radius, &mut found);
+            numbers(&found)
+        };
+        for count in 1..20 {
+            assert_eq!(nearest(&all, count, 9.0), by_hand(&grid, grid[151], 9.0)[..count]);
+            assert_eq!(nearest(&all, count, 9.0), nearest(&part, count, 9.0));
+        }
+        assert_eq!(nearest(&all, 9, 1.0), [151, 101, 150, 152, 201]);
     }
 
     #[test]

@@ -49,11 +49,16 @@ impl NeighborGraph {
     /// How far apart points are around each of `points`: the distance of the sixth neighbour, as that of the last one says
     /// it for points that are about as dense all around.
     pub fn spacings(&self, points: &[DVec3]) -> Vec<f64> {
-        let share = (RING as f64 / self.degree.max(RING) as f64).sqrt();
-        let spacing =
-            |p: usize| self.of(p as u32).last().map_or(0.0, |&n| share * points[p].distance(points[n as usize]));
+        let spacing = |p: usize| {
+            self.of(p as u32).last().map_or(0.0, |&n| spacing_of(self.degree, points[p].distance(points[n as usize])))
+        };
         (0..points.len()).into_par_iter().map(spacing).collect()
     }
+}
+
+/// How far apart points are where one has so many neighbours, the last at this distance.
+pub fn spacing_of(neighbors: usize, last: f64) -> f64 {
+    (RING as f64 / neighbors.max(RING) as f64).sqrt() * last
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ pub mod candidates;
 mod cells;
 pub mod curve_samples;
 pub mod free_ascent;
+pub mod lattice;
 pub mod measure;
 mod nearest;
 pub mod scan;

@@ -20,6 +20,7 @@ use crate::base::monitor::{Monitor, check};
 use crate::base::rng::{Address, Stage, bits_at};
 use crate::geom::vector::{difference, distance_squared};
 use crate::spectral::candidates::Candidate;
+use crate::spectral::lattice::{TURNS, place_of, turn_of};
 use crate::spectral::measure::{MOST_NEIGHBOURS, Measure, RADIUS};
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::lift::Lift;
@@ -30,7 +31,7 @@ use rayon::prelude::*;
 pub const EPSILON: f64 = 0.5;
 
 /// Cells of a block along each axis. A block of eight holds about a hundred samples, enough to outweigh its halo.
-const BLOCK: i32 = 8;
+pub const BLOCK: i32 = 8;
 
 /// Cells around a block within the kernel's reach: a cell is half of [`RADIUS`] wide, in units of the widest σ.
 const HALO: i32 = 2;
@@ -85,6 +86,10 @@ pub trait Choices: Sync {
     fn patch_of(&self, sample: &Sample) -> u32;
     /// The largest size that is wanted anywhere.
     fn largest_size(&self) -> f64;
+    /// The width of a cell for a kernel of width `sigma`: half of what it reaches, or more.
+    fn cell(&self, sigma: f64) -> f64 {
+        sigma * self.largest_size() * RADIUS / 2.0
+    }
 }
 
 /// Candidates on a domain.
@@ -199,8 +204,8 @@ struct Block {
 
 impl<'a, C: Choices> Blocks<'a, C> {
     fn new(choices: &'a C, fixed: &[Sample], kernel: Kernel<'a>, seed: u64) -> Self {
-        let cell = kernel.sigma * choices.largest_size() * RADIUS / 2.0;
-        let place = |p: DVec3| (p / (cell * f64::from(BLOCK))).floor().as_ivec3();
+        let cell = choices.cell(kernel.sigma);
+        let place = |p: DVec3| place_of(p, cell * f64::from(BLOCK));
         let turn = |i: u32| bits_at(seed, Stage::Scan, choices.address(i))[0] as u32;
         let mut keyed: Vec<([i32; 3], u32, u32)> = (0..choices.count() as u32)
             .into_par_iter()
@@ -232,8 +237,7 @@ impl<'a, C: Choices> Blocks<'a, C> {
 
     /// The blocks of each turn: those with the same parities of their places.
     fn turns(&self) -> Vec<Vec<usize>> {
-        let parity = |p: IVec3| (p.x & 1) | (p.y & 1) << 1 | (p.z & 1) << 2;
-        (0..8).map(|turn| (0..self.list.len()).filter(|&b| parity(self.places[b]) == turn).collect()).collect()
+        (0..TURNS).map(|turn| (0..self.list.len()).filter(|&b| turn_of(self.places[b]) == turn).collect()).collect()
     }
 
     /// What block `b` keeps of its candidates.

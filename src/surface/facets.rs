@@ -4,6 +4,9 @@
 //! sides, straight across from its middle; or if such an edge is on one side, and the curved part ends here. None turns by
 //! more than a pillar of nine sides.
 //!
+//! A step up or down between points on a lattice, no wider than they are apart, is none of the surface either: it turns back
+//! at once by as much as it turned.
+//!
 //! Facets that are many samples wide are flat at their scale, and a surface that turns by much from one sample to the next is
 //! sharp at their scale. Edges that go on straight are held to that as a whole, so that none is sharp in parts.
 //!
@@ -38,13 +41,16 @@ const STRAIGHT: f64 = -0.8;
 /// The share of an edge's turn up to which others are not noticed on the way across a facet.
 const FLAT: f64 = 0.2;
 
+/// The smallest turn, in degrees, that is ever noticed.
+pub const NOTICED: f64 = FLAT * LEAST;
+
 /// Most triangles on the way across a facet.
 const LONGEST_WALK: usize = 64;
 
 /// For each side of `mesh` whether it is on an edge between facets. `turns` are those across the sides in degrees, negative
-/// where the surface is concave; `twin` is as [`twins`](crate::mesh::topology::twins) says, `spacing` that of the samples.
+/// where the surface is concave, and may be zero below [`NOTICED`]; `twin` is as [`twins`](crate::mesh::topology::twins) says, `spacing` that of the samples.
 pub fn between_facets(mesh: &Mesh, twin: &[u32], turns: &[f64], spacing: f64) -> Vec<bool> {
-    let facets = Facets { mesh, twin, turns, spacing };
+    let facets = Facets { mesh, twin, turns, widest: WIDEST * spacing };
     let edges = facets.edges();
     let mut curves = straight_curves(mesh, &edges);
     let mut sums: BTreeMap<u32, Sums> = BTreeMap::new();
@@ -58,6 +64,19 @@ pub fn between_facets(mesh: &Mesh, twin: &[u32], turns: &[f64], spacing: f64) ->
         result[twin[edge.side as usize] as usize] = true;
     }
     result
+}
+
+/// For each side of `mesh` whether it is on an edge of a step no wider than `widest`. The other arguments are those of
+/// [`between_facets`].
+pub fn on_steps(mesh: &Mesh, twin: &[u32], turns: &[f64], widest: f64) -> Vec<bool> {
+    let facets = Facets { mesh, twin, turns, widest };
+    let turns_back = |side: u32| {
+        let turn = turns[side as usize];
+        let beyond = |facet: Facet| turns[facet.other as usize] / -turn;
+        turn.abs() >= LEAST && facets.across(side).is_some_and(|f| (ALIKE[0]..=ALIKE[1]).contains(&beyond(f)))
+    };
+    let back: Vec<bool> = (0..twin.len() as u32).into_par_iter().map(turns_back).collect();
+    (0..twin.len()).map(|s| back[s] || twin[s] != NONE && back[twin[s] as usize]).collect()
 }
 
 /// The edges, by their number, that go on straight from one to the other.
@@ -128,7 +147,8 @@ struct Facets<'a> {
     mesh: &'a Mesh,
     twin: &'a [u32],
     turns: &'a [f64],
-    spacing: f64,
+    /// Width of the widest facet that is walked across.
+    widest: f64,
 }
 
 impl Facets<'_> {
@@ -176,7 +196,7 @@ impl Facets<'_> {
             let [a, b] = [from, to].map(|p| p.dot(to_left));
             let step = from.lerp(to, if a == b { 0.5 } else { (a / (a - b)).clamp(0.0, 1.0) });
             width += step.length();
-            if width > WIDEST * self.spacing || self.twin[exit as usize] == NONE {
+            if width > self.widest || self.twin[exit as usize] == NONE {
                 return None;
             }
             if self.turns[exit as usize].abs() > flat {
@@ -206,7 +226,7 @@ mod tests {
             dvec3(p.x, 10.0 * v, p.y)
         });
         let twin = twins(&mesh.triangles);
-        let found = between_facets(&mesh, &twin, &turns(&mesh, &twin, spacing), spacing);
+        let found = between_facets(&mesh, &twin, &turns(&mesh, &twin, spacing, NOTICED), spacing);
         found.iter().filter(|f| **f).count() / 2
     }
 
@@ -232,6 +252,22 @@ mod tests {
         assert_eq!(facets(&bent(1.0, &[20.0, -20.0, 20.0, -20.0]), 0.5), 0, "folds");
         assert_eq!(facets(&bent(1.0, &[2.0, 20.0, 2.0]), 0.5), 0, "a ridge");
         assert_eq!(facets(&bent(1.0, &[30.0, 30.0]), 0.5), 0, "a chamfer");
+    }
+
+    #[test]
+    fn steps_turn_back_within_their_width() {
+        let steps = |widest: f64| {
+            let profile = bent(1.0, &[-45.0, 45.0, 0.0, 0.0, 45.0, -45.0, 0.0, 0.0, 45.0]);
+            let n = profile.len() as u32 - 1;
+            let mesh = grid(n, 1, |u, v| {
+                let p = profile[(f64::from(n) * u).round() as usize];
+                dvec3(p.x, 10.0 * v, p.y)
+            });
+            let twin = twins(&mesh.triangles);
+            on_steps(&mesh, &twin, &turns(&mesh, &twin, 0.5), widest).iter().filter(|f| **f).count() / 2
+        };
+        assert_eq!(steps(1.2), 4, "one up and one down, but not the ridge");
+        assert_eq!(steps(0.8), 0);
     }
 
     #[test]

@@ -5,7 +5,8 @@
 //! are either almost flat or clearly sharp. On a scan there are ever fewer edges of ever larger turns and no gap
 //! between; there, none is sharp. Or edges are given one by one; those that were split are sharp in all their parts.
 //!
-//! Edges between the facets of what is meant round do not count ([`facets`](crate::surface::facets)).
+//! Edges between the facets of what is meant round do not count, nor do the steps of points on a lattice
+//! ([`facets`](crate::surface::facets)).
 //!
 //! Short scraps, shorter than a few spacings of the samples in all, are left out: at that spacing they are noise.
 //!
@@ -16,7 +17,7 @@ use crate::base::union_find::UnionFind;
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::surface::facets::between_facets;
+use crate::surface::facets::{NOTICED, between_facets, on_steps};
 use crate::surface::turns::{ends, length, turns};
 
 /// Which edges of the input are kept sharp.
@@ -51,6 +52,9 @@ impl Features {
 /// Thresholds that are tried, in degrees, the smallest first.
 const THRESHOLDS: std::ops::RangeInclusive<usize> = 15..=60;
 
+/// The smallest turn that any of them asks about.
+const SMALLEST: usize = *THRESHOLDS.start() / 2;
+
 /// The threshold has to part the edges such that those from half of it up to it have at most this share of the length of
 /// those above it. Fifteen scans and sculpts have between 1.5 and 40 at every threshold, CAD parts 0.1 and less.
 const GAP: f64 = 0.2;
@@ -59,14 +63,15 @@ const GAP: f64 = 0.2;
 const SHORTEST: f64 = 3.0;
 
 /// For each side `3 t + k` of the triangles whether it is on a sharp edge. `twin` is as
-/// [`twins`](crate::mesh::topology::twins) says, `spacing` that of the samples, in the units of the mesh.
-pub fn sharp_sides(mesh: &OrientedManifold, twin: &[u32], features: &Features, spacing: f64) -> Vec<bool> {
+/// [`twins`](crate::mesh::topology::twins) says, `spacing` that of the samples, in the units of the mesh; steps no wider than
+/// `finest` are none of the surface.
+pub fn sharp_sides(mesh: &OrientedManifold, twin: &[u32], features: &Features, spacing: f64, finest: f64) -> Vec<bool> {
     let mut sharp = match features {
         Features::Smooth => return vec![false; twin.len()],
         Features::Edges(edges) => along(mesh, twin, edges),
-        Features::Degrees(degrees) => turned(&turns(mesh, twin, spacing), *degrees),
+        Features::Degrees(degrees) => turned(&turns(mesh, twin, spacing, *degrees), *degrees),
         Features::Automatic => {
-            let turns = without_facets(mesh, twin, spacing);
+            let turns = without_facets(mesh, twin, spacing, finest);
             let Some(threshold) = gap(mesh, &turns) else { return vec![false; twin.len()] };
             turned(&turns, threshold)
         }
@@ -75,11 +80,13 @@ pub fn sharp_sides(mesh: &OrientedManifold, twin: &[u32], features: &Features, s
     sharp
 }
 
-/// The turn across each side, none across edges between the facets of what is meant round.
-fn without_facets(mesh: &Mesh, twin: &[u32], spacing: f64) -> Vec<f64> {
-    let mut turns = turns(mesh, twin, spacing);
+/// The turn across each side, none across edges between the facets of what is meant round, and on steps that are too fine.
+fn without_facets(mesh: &Mesh, twin: &[u32], spacing: f64, finest: f64) -> Vec<f64> {
+    let mut turns = turns(mesh, twin, spacing, NOTICED);
+    let steps = if finest > 0.0 { on_steps(mesh, twin, &turns, finest) } else { vec![false; turns.len()] };
     let facets = between_facets(mesh, twin, &turns, spacing);
-    turns.iter_mut().zip(facets).filter(|(_, is_between)| *is_between).for_each(|(turn, _)| *turn = 0.0);
+    let none = facets.into_iter().zip(steps).map(|(is_between, is_step)| is_between || is_step);
+    turns.iter_mut().zip(none).filter(|(_, none)| *none).for_each(|(turn, _)| *turn = 0.0);
     turns
 }
 
@@ -97,7 +104,7 @@ fn along(mesh: &OrientedManifold, twin: &[u32], edges: &[[u32; 2]]) -> Vec<bool>
 fn gap(mesh: &Mesh, turns: &[f64]) -> Option<f64> {
     // The length of the edges by their turn in whole degrees.
     let mut lengths = [0.0; 181];
-    for (side, &turn) in (0u32..).zip(turns) {
+    for (side, &turn) in (0u32..).zip(turns).filter(|(_, turn)| turn.abs() as usize >= SMALLEST) {
         lengths[turn.abs() as usize] += length(mesh, side);
     }
     let parts = |&threshold: &usize| {
@@ -121,8 +128,8 @@ fn drop_scraps(mesh: &Mesh, sharp: &mut [bool], shortest: f64) {
         // Both sides of an edge are sharp.
         total[nets.find(ends(mesh, side)[0]) as usize] += length(mesh, side) / 2.0;
     }
-    for side in 0..sharp.len() {
-        sharp[side] &= total[nets.find(ends(mesh, side as u32)[0]) as usize] >= shortest;
+    for (side, is_sharp) in (0..).zip(sharp).filter(|(_, is_sharp)| **is_sharp) {
+        *is_sharp = total[nets.find(ends(mesh, side)[0]) as usize] >= shortest;
     }
 }
 
@@ -151,7 +158,7 @@ mod tests {
 
     fn sharp_edges(mesh: &Mesh, features: Features, spacing: f64) -> usize {
         let manifold = mesh.clone().try_into().unwrap();
-        let sharp = sharp_sides(&manifold, &twins(&mesh.triangles), &features, spacing);
+        let sharp = sharp_sides(&manifold, &twins(&mesh.triangles), &features, spacing, 0.0);
         sharp.iter().filter(|s| **s).count() / 2
     }
 

@@ -123,7 +123,7 @@ impl Patches {
         for side in (0..twin.len() as u32).filter(|&s| !sharp[s as usize] && twin[s as usize] != NONE) {
             of_triangle.join(side / 3, twin[side as usize] / 3);
         }
-        let turns = turns(mesh, twin, spacing);
+        let turns = turns(mesh, twin, spacing, 0.0);
         let mut list: BTreeMap<u32, Patch> = BTreeMap::new();
         for t in 0..mesh.triangles.len() as u32 {
             let patch = list.entry(of_triangle.find(t)).or_default();
@@ -221,7 +221,7 @@ mod tests {
     fn kept(widths: &[f64], wanted: usize) -> (usize, LeftOut) {
         let mesh = strips(widths);
         let twin = twins(&mesh.triangles);
-        let mut sharp: Vec<bool> = turns(&mesh, &twin, 1.0).into_iter().map(|turn| turn.abs() > 30.0).collect();
+        let mut sharp: Vec<bool> = turns(&mesh, &twin, 1.0, 30.0).into_iter().map(|turn| turn.abs() > 30.0).collect();
         let left_out = leave_out_narrow(&mesh, &twin, &mut sharp, 1.0, wanted, |_| false);
         (sharp.iter().filter(|s| **s).count() / 2, left_out)
     }
@@ -238,7 +238,7 @@ mod tests {
     fn a_patch_that_is_needed_stays() {
         let mesh = strips(&[5.0, 0.05, 5.0]);
         let twin = twins(&mesh.triangles);
-        let found: Vec<bool> = turns(&mesh, &twin, 1.0).into_iter().map(|turn| turn.abs() > 30.0).collect();
+        let found: Vec<bool> = turns(&mesh, &twin, 1.0, 30.0).into_iter().map(|turn| turn.abs() > 30.0).collect();
         let mut sharp = found.clone();
         assert_eq!(leave_out_narrow(&mesh, &twin, &mut sharp, 1.0, 1000, |t| t == 2), LeftOut::default());
         assert_eq!(sharp, found);
@@ -248,7 +248,7 @@ mod tests {
     fn each_edge_and_each_corner_takes_samples_once() {
         let mesh = cube();
         let twin = twins(&mesh.triangles);
-        let sharp: Vec<bool> = turns(&mesh, &twin, 0.1).into_iter().map(|turn| turn.abs() > 30.0).collect();
+        let sharp: Vec<bool> = turns(&mesh, &twin, 0.1, 30.0).into_iter().map(|turn| turn.abs() > 30.0).collect();
         assert!((samples_on(&mesh, &twin, &sharp, 0.1) - (8.0 + 12.0 / 0.1)).abs() < 1e-9);
     }
 

@@ -22,29 +22,40 @@ const LONGEST_CHAIN: usize = 16;
 /// narrow, for samples at distance `spacing`, that its own cannot be trusted. Of two narrow ones whose longest side is the
 /// same it is that of both.
 pub(super) fn trusted_normal(mesh: &Mesh, twin: &[u32], spacing: f64, first: u32) -> DVec3 {
-    let longest_side = |t: u32| {
-        let length = |k: &u32| length(mesh, 3 * t + k);
-        let k = (0..3).max_by(|j, k| length(j).total_cmp(&length(k)).then(k.cmp(j))).unwrap_or(0);
-        (3 * t + k, length(&k))
-    };
-    let is_narrow = |t: u32| {
-        let (_, longest) = longest_side(t);
-        mesh.area_vector(t as usize).length() < NARROW * longest * longest.min(spacing)
-    };
-    let mut t = first;
+    let seen = |t: u32| Seen::new(mesh, t, spacing);
+    let mut own = seen(first);
     for _ in 0..LONGEST_CHAIN {
-        let own = mesh.area_vector(t as usize);
-        let across = twin[longest_side(t).0 as usize];
-        if across == NONE || !is_narrow(t) {
-            return own;
+        let across = twin[own.longest_side as usize];
+        if across == NONE || !own.is_narrow {
+            return own.normal;
         }
-        let next = across / 3;
-        if longest_side(next).0 == across && is_narrow(next) {
-            return own + mesh.area_vector(next as usize);
+        let next = seen(across / 3);
+        if next.longest_side == across && next.is_narrow {
+            return own.normal + next.normal;
         }
-        t = next;
+        own = next;
     }
     mesh.area_vector(first as usize)
+}
+
+/// What is to be known of a triangle.
+struct Seen {
+    normal: DVec3,
+    longest_side: u32,
+    is_narrow: bool,
+}
+
+impl Seen {
+    fn new(mesh: &Mesh, t: u32, spacing: f64) -> Seen {
+        let normal = mesh.area_vector(t as usize);
+        let [a, b, c] = mesh.corners(t as usize);
+        let lengths = [a.distance(b), b.distance(c), c.distance(a)];
+        // The first of several that are as long.
+        let k = (1..3).fold(0, |k, l| if lengths[l] > lengths[k] { l } else { k });
+        let longest = lengths[k];
+        let is_narrow = normal.length() < NARROW * longest * longest.min(spacing);
+        Seen { normal, longest_side: 3 * t + k as u32, is_narrow }
+    }
 }
 
 /// The triangles that are narrow and folded over, each with a vector along the normal that is trusted instead of its own.
@@ -56,9 +67,13 @@ pub(super) fn folded_over(mesh: &Mesh, twin: &[u32], spacing: f64) -> Vec<(u32, 
     (0..mesh.triangles.len() as u32).into_par_iter().filter_map(folded).collect()
 }
 
+/// The share of the smallest turn that is told, below which turns are not looked at closer: more than rounding takes.
+const CLEARLY: f64 = 0.999;
+
 /// The turn of the surface across each side, in degrees, negative where it is concave; zero at the boundary and next to
-/// triangles without area.
-pub(super) fn turns(mesh: &Mesh, twin: &[u32], spacing: f64) -> Vec<f64> {
+/// triangles without area. Turns below `least` degrees may be told as zero.
+pub(super) fn turns(mesh: &Mesh, twin: &[u32], spacing: f64, least: f64) -> Vec<f64> {
+    let flat = math::square(math::sin_cos((CLEARLY * least).to_radians()).1);
     let trusted = |t: u32| trusted_normal(mesh, twin, spacing, t);
     let normals: Vec<DVec3> = (0..mesh.triangles.len() as u32).into_par_iter().map(trusted).collect();
     let turn = |side: usize| {
@@ -67,12 +82,16 @@ pub(super) fn turns(mesh: &Mesh, twin: &[u32], spacing: f64) -> Vec<f64> {
             return 0.0;
         }
         let [a, b] = [side, across as usize].map(|s| normals[s / 3]);
+        let cosine = a.dot(b);
         if a == DVec3::ZERO || b == DVec3::ZERO {
+            return 0.0;
+        }
+        if cosine > 0.0 && cosine * cosine > flat * a.length_squared() * b.length_squared() {
             return 0.0;
         }
         let [from, to] = ends(mesh, side as u32).map(|v| mesh.positions[v as usize]);
         let axis = a.cross(b);
-        math::atan2(axis.length(), a.dot(b)).to_degrees().copysign(axis.dot(to - from))
+        math::atan2(axis.length(), cosine).to_degrees().copysign(axis.dot(to - from))
     };
     (0..twin.len()).into_par_iter().map(turn).collect()
 }

@@ -231,6 +231,32 @@ fn few_points_are_not_joined_by_flat_triangles() {
     assert!(bent < 0.5 * flat, "{bent} {flat}");
 }
 
+/// A slope of one in six whose heights are rounded to the lattice that its points are on.
+#[test]
+fn steps_of_points_on_a_lattice_are_no_sharp_edges() {
+    let slope = |of_points| {
+        let sheet = stepped_sheet(30, |x| (x / 6.0).round());
+        let options = Options { density: Density::Points(1_000), of_points, ..Options::default() };
+        remesh(&sheet, &options, &()).unwrap()
+    };
+    let (of_points, of_mesh) = (slope(true), slope(false));
+    assert!(of_points.verified() && of_mesh.verified());
+    assert_eq!(of_points.sharp_curves, 0);
+    assert!(of_mesh.sharp_curves > 4, "a mesh means the steps that it has: {}", of_mesh.sharp_curves);
+    let quality = spectral_remesh::stages::quality::shape::shape(&of_points.mesh).unwrap();
+    assert!(quality.q_mean > 0.95, "{quality:?}");
+}
+
+/// `n` by `n` unit cells at a height that depends on x.
+fn stepped_sheet(n: u32, height: impl Fn(f64) -> f64) -> Mesh {
+    let at = |i: u32, j: u32| i * (n + 1) + j;
+    let points = (0..=n).flat_map(|i| (0..=n).map(move |j| (f64::from(i), f64::from(j))));
+    let positions = points.map(|(x, y)| dvec3(x, y, height(x))).collect();
+    let cells = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+    let halves = |(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]];
+    Mesh { positions, triangles: cells.flat_map(halves).collect() }
+}
+
 #[test]
 fn between_few_points_edges_stay_sharp_and_faces_flat() {
     let options = Options { density: Density::Points(4_000), of_points: true, ..Options::default() };

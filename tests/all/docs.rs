@@ -63,7 +63,7 @@ mod commands {
     use std::path::Path;
     use std::process::{Command, Stdio};
 
-    const PAGES: [&str; 12] = [
+    const PAGES: [&str; 13] = [
         "README.md",
         "docs/choosing.md",
         "docs/clouds.md",
@@ -72,6 +72,7 @@ mod commands {
         "docs/formats.md",
         "docs/gallery.md",
         "docs/grading.md",
+        "docs/large.md",
         "docs/levels.md",
         "docs/options.md",
         "docs/report.md",

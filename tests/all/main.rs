@@ -30,4 +30,6 @@ mod same_bytes;
 mod sampling;
 mod sound;
 mod table2;
+#[cfg(feature = "fs")]
+mod tiles;
 mod within;

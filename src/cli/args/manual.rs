@@ -5,7 +5,7 @@ use clap_mangen::Man;
 use clap_mangen::roff::{Roff, roman};
 
 /// The commands, each of which has a page of its own.
-pub(super) const COMMANDS: [&str; 5] = ["completions", "man", "quality", "reconstruct", "sample"];
+pub(super) const COMMANDS: [&str; 6] = ["completions", "man", "quality", "reconstruct", "sample", "tiles"];
 
 /// The page of `program`, or of one of its [`COMMANDS`].
 pub(super) fn page(program: Command, command: Option<&str>) -> String {

@@ -10,6 +10,7 @@ mod remesh;
 mod sample;
 mod shared;
 mod stop;
+mod tiles;
 mod words;
 
 use clap::{CommandFactory, Parser, Subcommand};
@@ -20,13 +21,15 @@ use remesh::{FileArgs, RemeshArgs};
 use sample::SampleArgs;
 use std::ffi::OsString;
 use stop::{stop, wrong};
+use tiles::TilesArgs;
 
 pub use quality::Measuring;
 pub use reconstruct::Reconstructing;
 pub use remesh::Remeshing;
-pub use sample::Sampling;
+pub use sample::{OutOfCore, Sampling};
 pub use shared::{MeshFile, Run, Voice, is_page};
 pub use stop::Stop;
+pub use tiles::{Planning, Tiling};
 pub use words::Sizing;
 
 /// Examples and exit statuses, below the help.
@@ -71,6 +74,7 @@ Exit status:
                             remesh sample <IN> <OUT> <--points N | --edge-length L | --sigma-p S> [OPTIONS]\n       \
                             remesh reconstruct <IN> <OUT> [--resolution R] [--smooth W] [OPTIONS]\n       \
                             remesh quality <MESH>... [--against <INPUT>] [--json] [--report F]\n       \
+                            remesh tiles <plan | sample | merge> ...\n       \
                             remesh completions <SHELL>\n       \
                             remesh man [COMMAND]"
 )]
@@ -91,6 +95,9 @@ enum Command {
     /// Extract all of the smooth surface of a cloud of points, or of a mesh's vertices, as dense triangles
     #[command(long_about = reconstruct::HELP)]
     Reconstruct(ReconstructArgs),
+    /// Sample a cloud of any size tile by tile, on as many machines as share a folder
+    #[command(subcommand, long_about = tiles::HELP)]
+    Tiles(TilesArgs),
     /// Measure a mesh, also one that this tool did not write
     #[command(long_about = quality::HELP)]
     Quality(QualityArgs),
@@ -110,6 +117,8 @@ pub enum Job {
     Remesh(Box<Remeshing>),
     /// Sample this.
     Sample(Sampling),
+    /// Sample tiles of this.
+    Tiles(Tiling),
     /// Reconstruct this.
     Reconstruct(Reconstructing),
     /// Measure this.
@@ -124,6 +133,7 @@ pub fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Job, Stop> {
     match (command, files) {
         (Some(Command::Sample(args)), _) => args.resolve().map(Job::Sample),
         (Some(Command::Reconstruct(args)), _) => args.resolve().map(Job::Reconstruct),
+        (Some(Command::Tiles(args)), _) => args.resolve().map(Job::Tiles),
         (Some(Command::Quality(args)), _) => Ok(Job::Measure(args.resolve())),
         (Some(Command::Completions { shell }), _) => Ok(Job::Print(completions(shell))),
         (Some(Command::Man { command }), _) => Ok(Job::Print(manual::page(Args::command(), command.as_deref()))),

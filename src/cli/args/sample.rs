@@ -2,7 +2,7 @@
 
 use crate::cli::args::shared::{MeshFile, NormalArgs, Run, RunArgs, reach_help};
 use crate::cli::args::stop::{Stop, refused};
-use crate::cli::args::words::{PropertyWidth, no_density, property_width, samples};
+use crate::cli::args::words::{PropertyWidth, bytes, no_density, property_width, samples};
 use crate::io::Format;
 use crate::job::settings::SampleSettings;
 use crate::job::words::positive;
@@ -63,7 +63,40 @@ pub(super) struct SampleArgs {
     #[arg(long, value_name = "FORMAT")]
     format: Option<Format>,
     #[command(flatten)]
+    out_of_core: OutOfCoreArgs,
+    #[command(flatten)]
     run: RunArgs,
+}
+
+/// How what is larger than memory is sampled.
+#[derive(Debug, clap::Args)]
+struct OutOfCoreArgs {
+    /// Sample tile by tile, with all points in temporary files: by itself for files larger than --memory. Points in
+    /// binary PLY and in uncompressed LAS
+    #[arg(long)]
+    out_of_core: bool,
+    /// Memory to make do with, such as 400M or 2G [default: half of what is free]
+    #[arg(long, value_name = "M", value_parser = bytes)]
+    memory: Option<u64>,
+    /// Folder for temporary files, which are removed in any case [default: that of the system]
+    #[arg(long, value_name = "DIR")]
+    temp: Option<PathBuf>,
+    /// Keep what is finished in --temp if the run is interrupted, and go on from there at the next one
+    #[arg(long, requires = "temp")]
+    resume: bool,
+}
+
+/// How what is larger than memory is sampled.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OutOfCore {
+    /// Whether it is wanted in any case.
+    pub wanted: bool,
+    /// Bytes to make do with; half of what is free without.
+    pub memory: Option<u64>,
+    /// Where temporary files go.
+    pub temp: Option<PathBuf>,
+    /// Whether a run goes on from what one before has finished.
+    pub resume: bool,
 }
 
 /// Sample a file into another one.
@@ -75,6 +108,8 @@ pub struct Sampling {
     pub output: PathBuf,
     /// How to sample.
     pub options: SampleOptions,
+    /// How it is sampled if it is larger than memory.
+    pub out_of_core: OutOfCore,
     /// How it goes on meanwhile.
     pub run: Run,
 }
@@ -96,6 +131,7 @@ impl SampleArgs {
             seed,
             sweeps,
             format,
+            out_of_core: OutOfCoreArgs { out_of_core: wanted, memory, temp, resume },
             run,
         } = self;
         if points.is_none() && edge_length.is_none() && sigma_p.is_none() {
@@ -119,6 +155,7 @@ impl SampleArgs {
             input: MeshFile { path: input, format },
             output,
             options,
+            out_of_core: OutOfCore { wanted: wanted || resume, memory, temp, resume },
             run: Run::from(run).without_page("samples")?,
         })
     }

@@ -92,3 +92,36 @@ pub(super) fn positive_or_zero(word: &str) -> Result<f64, String> {
     let is_zero = word.parse::<f64>() == Ok(0.0);
     if is_zero { Ok(0.0) } else { positive(word).map_err(|_| "it must be a positive number, or 0".into()) }
 }
+
+/// A number of bytes, as in `400M` or `2G`, each unit a thousand times the one before.
+pub(super) fn bytes(word: &str) -> Result<u64, String> {
+    let digits = word.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let unit = match word[digits.len()..].to_ascii_uppercase().trim_end_matches('B') {
+        "" => 1.0,
+        "K" => 1e3,
+        "M" => 1e6,
+        "G" => 1e9,
+        "T" => 1e12,
+        _ => f64::NAN,
+    };
+    let count = digits.parse::<f64>().map_or(f64::NAN, |number| number * unit);
+    if count >= 1.0 && count.is_finite() {
+        Ok(count as u64)
+    } else {
+        Err("it must be a size such as 400M or 2G".into())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_have_units() {
+        assert_eq!(
+            ["7", "400M", "2G", "1.5kB", "3t"].map(bytes),
+            [7, 400_000_000, 2_000_000_000, 1500, 3_000_000_000_000].map(Ok)
+        );
+        assert!(["", "M", "-4G", "4X", "0", "nan"].iter().all(|word| bytes(word).is_err()));
+    }
+}

@@ -16,8 +16,8 @@ pub(super) const EYE: f64 = 5.0;
 const AROUND: f64 = 30.0;
 const ABOVE: f64 = 25.0;
 
-/// How much of a picture is filled: what is near looks larger.
-const FILLED: f64 = 0.88;
+/// How much of a picture is filled.
+const FILLED: f64 = 0.95;
 
 /// What all meshes of a page are seen in.
 pub(super) struct FirstView {
@@ -43,12 +43,15 @@ impl FirstView {
         let rotation = first_rotation(bounds.size());
         let mut view =
             FirstView { lo: bounds.lo, size: bounds.size(), half_diagonal, rotation, target: DVec3::ZERO, zoom: 1.0 };
-        let seen = Aabb::of(points.map(|p| view.seen(p))).unwrap_or_default();
-        let middle = seen.lo + 0.5 * seen.size();
+        // The middle of what is seen shifts a little when it is looked at, so the second picture is measured anew.
+        let screen = Aabb::of(points.clone().map(|p| view.on_screen(p))).unwrap_or_default();
+        let middle = screen.lo + 0.5 * screen.size();
         view.target = rotation[0] * middle.x + rotation[1] * middle.y;
-        let reach = 0.5 * seen.size();
-        let zoom = FILLED / reach.y.max(reach.x * HEIGHT as f64 / WIDTH as f64);
-        view.zoom = if zoom.is_finite() { zoom } else { 1.0 };
+        let reach = |p: DVec3| p.y.abs().max(p.x.abs() * HEIGHT as f64 / WIDTH as f64);
+        let reach = points.map(|p| reach(view.on_screen(p))).fold(0.0, f64::max);
+        if reach > 0.0 {
+            view.zoom = FILLED / reach;
+        }
         view
     }
 
@@ -61,6 +64,12 @@ impl FirstView {
     pub(super) fn seen(&self, p: DVec3) -> DVec3 {
         DMat3::from_cols_array_2d(&self.rotation.map(|row| row.to_array())).transpose()
             * (self.off_middle(p) - self.target)
+    }
+
+    /// Where a point is in the picture: 1 up is its upper edge; what is near looks larger.
+    fn on_screen(&self, p: DVec3) -> DVec3 {
+        let seen = self.seen(p);
+        self.zoom * EYE / (EYE - seen.z) * seen
     }
 }
 
@@ -109,13 +118,12 @@ mod tests {
         for size in [[3.0, 2.0, 1.0], [1.0, 30.0, 1.0], [5.0, 5.0, 0.0]] {
             let (mesh, view) = view(size.into());
             let aspect = WIDTH as f64 / HEIGHT as f64;
-            let on_screen = |p: &DVec3| {
-                let p = view.seen(*p);
-                let scale = view.zoom * EYE / (EYE - p.z);
-                (scale * p.x / aspect).abs().max((scale * p.y).abs())
+            let reach = |p: &DVec3| {
+                let p = view.on_screen(*p);
+                (p.x / aspect).abs().max(p.y.abs())
             };
-            let largest = mesh.positions.iter().map(on_screen).fold(0.0, f64::max);
-            assert!((0.75..1.08).contains(&largest), "{size:?}: {largest}");
+            let largest = mesh.positions.iter().map(reach).fold(0.0, f64::max);
+            assert!((0.9..1.0).contains(&largest), "{size:?}: {largest}");
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The places of a mesh to look at first: what keeps it from being verified, and where its figures are worst.
 
-use crate::mesh::topology::sorted_sides;
+use crate::mesh::sides::{edges, sorted_sides};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::report::page::colours::Colouring;
 use crate::report::page::html::escape;
@@ -100,10 +100,10 @@ fn of_mesh(number: usize, shown: &Shown, report: &Report) -> Vec<Place> {
 /// A face at each edge with more than two faces, and at each whose two faces run along it in the same direction.
 fn edges_with_faults(mesh: &Mesh) -> (Vec<u32>, Vec<u32>) {
     let (mut non_manifold, mut misoriented) = (Vec::new(), Vec::new());
-    for edge in sorted_sides(&mesh.triangles).chunk_by(|a, b| a.ends == b.ends) {
+    for edge in edges(&sorted_sides(&mesh.triangles)) {
         match edge {
             [] | [_] => {}
-            [a, b] if a.forward == b.forward => misoriented.push(a.side / 3),
+            [a, b] if a.forward() == b.forward() => misoriented.push(a.side / 3),
             [_, _] => {}
             [first, ..] => non_manifold.push(first.side / 3),
         }

@@ -121,6 +121,9 @@ pub(super) fn notes(shown: &[Shown]) -> String {
 
 /// All figures, in tables with a column for each mesh.
 pub(super) fn tables(shown: &[Shown]) -> String {
+    let all: Vec<&Shown> = shown.iter().collect();
+    // Distances are to the mesh without a report.
+    let subjects: Vec<&Shown> = shown.iter().filter(|s| s.report.is_some()).collect();
     let columns: Vec<_> = shown.iter().map(|s| s.measured).collect();
     let crossings = (CROSSINGS, crossing_figures(shown));
     let topology = topology_rows(&columns).into_iter().chain([crossings]).collect();
@@ -128,19 +131,23 @@ pub(super) fn tables(shown: &[Shown]) -> String {
     let mut edges = triangles.split_off(triangles.iter().position(|row| row.0.starts_with("edge")).unwrap_or(0));
     let valences = edges.split_off(edges.iter().position(|row| row.0.starts_with("valence")).unwrap_or(0));
     let tables = [
-        ("Triangles", triangles),
-        ("Topology", topology),
-        ("Edges", edges),
-        ("Interior vertices", valences),
-        ("Distance, % of the diagonal", distances(shown)),
+        ("Triangles", &all, triangles),
+        ("Topology", &all, topology),
+        ("Edges", &all, edges),
+        ("Interior vertices", &all, valences),
+        ("Distance, % of the diagonal", &subjects, distances(&subjects)),
     ];
-    tables.into_iter().filter(|t| !t.1.is_empty()).map(|(caption, rows)| table(caption, shown, &rows)).collect()
+    tables
+        .iter()
+        .filter(|(_, _, rows)| !rows.is_empty())
+        .map(|(caption, columns, rows)| table(caption, columns, rows))
+        .collect()
 }
 
-fn table(caption: &str, shown: &[Shown], rows: &[Figures]) -> String {
+fn table(caption: &str, columns: &[&Shown], rows: &[Figures]) -> String {
     let head =
-        |s: &Shown| format!("<th scope=\"col\">{}</th>", escape(if s.role.is_empty() { &s.name } else { s.role }));
-    let heads: String = shown.iter().map(head).collect();
+        |s: &&Shown| format!("<th scope=\"col\">{}</th>", escape(if s.role.is_empty() { &s.name } else { s.role }));
+    let heads: String = columns.iter().map(head).collect();
     let mut out = format!(
         "<div class=\"wide\"><table><caption>{caption}</caption><thead><tr><td></td>{heads}</tr></thead>\n<tbody>"
     );
@@ -163,10 +170,10 @@ fn crossing_figures(shown: &[Shown]) -> Vec<String> {
     shown.iter().map(figure).collect()
 }
 
-/// Distances both ways, from each mesh to the input.
-fn distances(shown: &[Shown]) -> Vec<Figures> {
-    let of = |s: &Shown| s.report.and_then(|report| report.distance.as_ref()).map(distance_rows);
-    let of_each: Vec<Option<[Figures; 2]>> = shown.iter().map(of).collect();
+/// Distances both ways, from each of these meshes to the input.
+fn distances(subjects: &[&Shown]) -> Vec<Figures> {
+    let of = |s: &&Shown| s.report.and_then(|report| report.distance.as_ref()).map(distance_rows);
+    let of_each: Vec<Option<[Figures; 2]>> = subjects.iter().map(of).collect();
     if of_each.iter().all(Option::is_none) {
         return Vec::new();
     }

@@ -24,7 +24,7 @@ pub struct Subject<'a> {
 pub(super) struct Shown<'a> {
     /// What it is of the run: input or output; nothing for a mesh that was measured only.
     pub role: &'static str,
-    /// The name of its file, without folders where no other mesh has the same.
+    /// The name of its file, with the folders that tell it from those of other meshes.
     pub name: String,
     pub measured: &'a Measured,
     /// The report that it is the output of.
@@ -75,17 +75,25 @@ pub(super) fn all<'a>(reference: Option<&'a Mesh>, subjects: &[Subject<'a>]) -> 
     });
     let subjects = subjects.iter().map(|subject| of_subject(subject, reference));
     let mut shown: Vec<Shown> = input.into_iter().chain(subjects).collect();
+    // Input and output of a run are told apart by their roles.
+    let is_run = shown.iter().any(|s| s.role == "output");
     let files: Vec<&str> = shown.iter().map(|s| s.measured.file.as_str()).collect();
-    let is_single = |name: &str| files.iter().filter(|file| without_folders(file) == name).count() == 1;
     for shown in &mut shown {
-        let name = without_folders(&shown.measured.file);
-        shown.name = if is_single(name) { name } else { &shown.measured.file }.into();
+        let file = shown.measured.file.as_str();
+        shown.name = short_name(file, if is_run { &[] } else { &files }).into();
     }
     shown
 }
 
-fn without_folders(file: &str) -> &str {
-    file.rsplit(['/', '\\']).next().unwrap_or(file)
+/// As much of the end of a path as tells it from the other `files`: its name at least.
+fn short_name<'a>(file: &'a str, files: &[&str]) -> &'a str {
+    let mut ends = file.rmatch_indices(['/', '\\']).map(|(at, _)| &file[at + 1..]);
+    let is_single = |end: &&str| files.iter().all(|&other| other == file || !is_end(other, end));
+    ends.find(is_single).unwrap_or(file)
+}
+
+fn is_end(file: &str, end: &str) -> bool {
+    file.strip_suffix(end).is_some_and(|before| before.is_empty() || before.ends_with(['/', '\\']))
 }
 
 fn of_subject<'a>(subject: &Subject<'a>, reference: Option<&Mesh>) -> Shown<'a> {
@@ -146,4 +154,18 @@ fn marked(report: &Report) -> Vec<u32> {
     faces.sort_unstable();
     faces.dedup();
     faces
+}
+
+#[cfg(test)]
+mod tests {
+    use super::short_name;
+
+    #[test]
+    fn names_have_the_folders_that_tell_them_apart() {
+        let files = ["/a/ours/horse.ply", "/a/theirs/horse.ply", "bunny.obj", "C:\\old\\cow.stl", "cow.stl"];
+        let named: Vec<&str> = files.iter().map(|file| short_name(file, &files)).collect();
+        assert_eq!(named, ["ours/horse.ply", "theirs/horse.ply", "bunny.obj", "old\\cow.stl", "cow.stl"]);
+        assert_eq!(short_name("/a/b/horse.ply", &[]), "horse.ply");
+        assert_eq!(short_name("horse.ply", &["horse.ply", "horse.ply"]), "horse.ply");
+    }
 }

@@ -1,0 +1,86 @@
+"""Clouds of any size, sampled on many machines by Dask.
+
+Machines share a folder; its files are the interface, as for the command ``remesh tiles``. A tile that fails, or whose worker
+dies, is sampled again by another one. The result has the same bytes for any number of tiles and workers.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+__all__ = ["sample"]
+
+#: The command of this package, wherever it runs.
+COMMAND = (sys.executable, "-m", "spectral_remesh")
+
+
+def sample(
+    source: str | os.PathLike[str],
+    target: str | os.PathLike[str],
+    *,
+    folder: str | os.PathLike[str],
+    client: Client | None = None,
+    tiles: int = 16,
+    retries: int = 3,
+    progress: Callable[[float], object] | None = None,
+    command: Sequence[str] = COMMAND,
+    **options: Any,
+) -> None:
+    """Samples the cloud in the file ``source`` into the file ``target``.
+
+    ``folder`` is one that all workers have under this name; what is in it stays. ``client`` is that of a Dask cluster, a
+    local one of as many processes as there are cores without. There are at least ``tiles`` tiles, if there can be as many.
+    A tile that fails is tried ``retries`` times more. ``progress`` is called with the share that is done. ``command`` is how
+    workers call the program. ``options`` are those of ``remesh tiles plan``: ``points=300000``, ``smooth=2``,
+    ``scan_only=True``, ``memory="2G"``.
+
+    Raises ``RuntimeError`` with what the program said if a step of it fails, and ``ImportError`` without
+    ``dask[distributed]``.
+    """
+    from distributed import Client, as_completed
+
+    words = [word for name, value in options.items() for word in _flag(name, value)]
+    said = _run(command, "plan", source, folder, "--tiles", tiles, *words)
+    numbers = range(int(said.split()[0]))
+    own = Client(threads_per_worker=1) if client is None else None
+    try:
+        cluster = own or client
+        assert cluster is not None
+        futures = cluster.map(lambda number: _tile(command, folder, number), numbers, retries=retries, pure=False)
+        for done, future in enumerate(as_completed(futures), 1):
+            future.result()
+            if progress is not None:
+                progress(done / len(numbers))
+    finally:
+        if own is not None:
+            own.close()
+    _run(command, "merge", folder, target)
+
+
+def _tile(command: Sequence[str], folder: str | os.PathLike[str], number: int) -> None:
+    """Samples a tile on one thread: there is a worker for each core."""
+    _run(command, "sample", folder, number, "--threads", 1)
+
+
+def _flag(name: str, value: object) -> list[str]:
+    flag = "--" + name.replace("_", "-")
+    if isinstance(value, bool):
+        return [flag] if value else []
+    return [flag, str(value)]
+
+
+def _run(command: Sequence[str], step: str, *words: object) -> str:
+    """What the program prints in a step; it ends with what is wrong in its last line if it fails."""
+    paths = (str(Path(word)) if isinstance(word, os.PathLike) else str(word) for word in words)
+    ran = subprocess.run([*command, "tiles", step, *paths], capture_output=True, text=True, check=False)
+    if ran.returncode != 0:
+        raise RuntimeError(ran.stderr.strip() or f"remesh tiles {step} ended with status {ran.returncode}")
+    return ran.stdout

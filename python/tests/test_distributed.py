@@ -1,0 +1,60 @@
+"""Clouds that are sampled by workers of Dask, one of which dies."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import spectral_remesh as sr
+
+distributed = pytest.importorskip("distributed")
+
+
+def torus(path, count: int) -> None:
+    rng = np.random.default_rng(3)
+    u, v = 2 * np.pi * rng.random((2, count))
+    r = 3 + np.cos(v)
+    points = np.stack([r * np.cos(u), r * np.sin(u), np.sin(v)], 1).astype("<f4")
+    head = f"ply\nformat binary_little_endian 1.0\nelement vertex {count}\n" + "".join(f"property float {c}\n" for c in "xyz")
+    path.write_bytes(head.encode() + b"end_header\n" + points.tobytes())
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of Unix")
+def test_a_worker_that_dies_changes_nothing(tmp_path):
+    from spectral_remesh.distributed import COMMAND, _run, sample
+
+    cloud, shares = tmp_path / "cloud.ply", []
+    torus(cloud, 150_000)
+    options = {"points": 6000, "sweeps": 3}
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        with distributed.Client(cluster) as client:
+            victim = next(iter(client.run(os.getpid).values()))
+
+            def end() -> None:
+                while not shares:
+                    time.sleep(0.01)
+                os.kill(victim, signal.SIGKILL)
+
+            killer = threading.Thread(target=end)
+            killer.start()
+            work = tmp_path / "work"
+            sample(cloud, tmp_path / "a.ply", folder=work, client=client, tiles=8, progress=shares.append, **options)
+            killer.join()
+    assert shares == sorted(shares) and shares[-1] == 1 and len(shares) >= 8
+    one = tmp_path / "one"
+    for words in [("plan", cloud, one, "--points", 6000, "--sweeps", 3), ("sample", one), ("merge", one, tmp_path / "b.ply")]:
+        _run(COMMAND, *words)
+    assert (tmp_path / "a.ply").read_bytes() == (tmp_path / "b.ply").read_bytes()
+    assert len(sr.read(tmp_path / "a.ply").vertices) == 6000
+
+
+def test_what_goes_wrong_is_what_the_program_says(tmp_path):
+    from spectral_remesh.distributed import sample
+
+    with pytest.raises(RuntimeError, match="there is no such file"):
+        sample(tmp_path / "none.ply", tmp_path / "a.ply", folder=tmp_path / "work", points=100)

@@ -1,0 +1,194 @@
+//! The arguments of `remesh tiles`.
+
+use crate::cli::args::shared::{MeshFile, Run, RunArgs, reach_help};
+use crate::cli::args::stop::{Stop, refused};
+use crate::cli::args::words::{bytes, no_density, samples};
+use crate::io::Format;
+use crate::job::settings::{NormalSettings, SampleSettings};
+use crate::job::words::positive;
+use crate::pipeline::{SampleDensity, SampleOptions};
+use clap::Subcommand;
+use std::path::PathBuf;
+
+pub(super) const HELP: &str = "\
+Samples a cloud of points of any size on any number of machines that share a folder. Files are the interface: 'plan' reads
+the cloud once and sorts it into the folder; then each tile can be sampled by any process on any machine, in any order and
+as often as one likes; 'merge' joins what they got. The result has the same bytes for any number of tiles, machines and
+threads, and those of 'remesh sample --out-of-core'.
+
+  remesh tiles plan scan.ply work --points 300000 --tiles 16
+  remesh tiles sample work 0        (and so on, one for each tile, anywhere)
+  remesh tiles merge work points.ply
+
+Exit status: 0 done, 1 a file cannot be read or written, or cannot be sampled, 2 wrong usage, 130 interrupted.";
+
+#[derive(Debug, Subcommand)]
+pub(super) enum TilesArgs {
+    /// Read a cloud once, sort its points by place, and cut it into tiles; the first word printed is their number
+    Plan(PlanArgs),
+    /// Sample tiles
+    Sample {
+        /// The folder of the plan
+        folder: PathBuf,
+        /// Their numbers, from 0; without any, all that are not sampled yet
+        #[arg(value_name = "I")]
+        numbers: Vec<usize>,
+        #[command(flatten)]
+        run: RunArgs,
+    },
+    /// Join the samples of all tiles
+    Merge {
+        /// The folder of the plan
+        folder: PathBuf,
+        /// The points to write; an existing file is replaced when the new one is complete
+        #[arg(value_name = "OUT")]
+        output: PathBuf,
+        #[command(flatten)]
+        run: RunArgs,
+    },
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct PlanArgs {
+    /// The cloud of points to read: binary PLY or uncompressed LAS
+    #[arg(value_name = "IN")]
+    input: PathBuf,
+    /// The folder for the plan and all that follows; it is made if it is not there
+    #[arg(value_name = "FOLDER")]
+    folder: PathBuf,
+    /// Number of samples
+    #[arg(long, value_name = "N", group = "density", allow_negative_numbers = true, value_parser = samples)]
+    points: Option<SampleDensity>,
+    /// Mean distance between neighbouring samples, in the units of the input
+    #[arg(long, value_name = "L", group = "density", allow_negative_numbers = true, value_parser = positive)]
+    edge_length: Option<f64>,
+    /// Kernel width σp of the sampler, in the units of the input
+    #[arg(long, value_name = "S", group = "density", allow_negative_numbers = true, value_parser = positive)]
+    sigma_p: Option<f64>,
+    #[arg(long, value_name = "W", allow_negative_numbers = true, conflicts_with = "scan_only", help = reach_help())]
+    smooth: Option<f64>,
+    /// Take a subset of the input's points by the linear scan alone
+    #[arg(long)]
+    scan_only: bool,
+    /// Seed of the random numbers: same seed, same input, same output
+    #[arg(long, value_name = "SEED", default_value_t = SampleOptions::default().seed)]
+    seed: u64,
+    /// Sweeps of gradient ascent
+    #[arg(long, value_name = "N", default_value_t = SampleOptions::default().sweeps, conflicts_with = "scan_only")]
+    sweeps: usize,
+    /// At least so many tiles, if there can be as many
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    tiles: usize,
+    /// Memory that sampling a tile may take, such as 400M or 2G [default: half of what is free here]
+    #[arg(long, value_name = "M", value_parser = bytes)]
+    memory: Option<u64>,
+    /// Format of the input [default: by its ending, else by its content]
+    #[arg(long, value_name = "FORMAT")]
+    format: Option<Format>,
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+/// What there is to do with tiles.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Tiling {
+    /// Make a plan.
+    Plan(Planning),
+    /// Sample tiles of these numbers, or all that are not sampled yet.
+    Sample {
+        /// The folder of the plan.
+        folder: PathBuf,
+        /// The numbers of the tiles.
+        numbers: Vec<usize>,
+        /// How it goes on meanwhile.
+        run: Run,
+    },
+    /// Join the samples.
+    Merge {
+        /// The folder of the plan.
+        folder: PathBuf,
+        /// What to write.
+        output: PathBuf,
+        /// How it goes on meanwhile.
+        run: Run,
+    },
+}
+
+/// Make a plan of a cloud.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Planning {
+    /// What to read.
+    pub input: MeshFile,
+    /// The folder of the plan.
+    pub folder: PathBuf,
+    /// How to sample.
+    pub options: SampleOptions,
+    /// The fewest tiles.
+    pub tiles: usize,
+    /// Bytes for a tile; half of what is free without.
+    pub memory: Option<u64>,
+    /// How it goes on meanwhile.
+    pub run: Run,
+}
+
+impl Tiling {
+    /// How it goes on meanwhile.
+    pub fn run(&self) -> &Run {
+        match self {
+            Tiling::Plan(Planning { run, .. }) | Tiling::Sample { run, .. } | Tiling::Merge { run, .. } => run,
+        }
+    }
+}
+
+impl TilesArgs {
+    pub(super) fn resolve(self) -> Result<Tiling, Stop> {
+        Ok(match self {
+            TilesArgs::Plan(args) => Tiling::Plan(args.resolve()?),
+            TilesArgs::Sample { folder, numbers, run } => {
+                Tiling::Sample { folder, numbers, run: Run::from(run).without_page("tiles")? }
+            }
+            TilesArgs::Merge { folder, output, run } => {
+                Tiling::Merge { folder, output, run: Run::from(run).without_page("samples")? }
+            }
+        })
+    }
+}
+
+impl PlanArgs {
+    fn resolve(self) -> Result<Planning, Stop> {
+        let PlanArgs {
+            input,
+            folder,
+            points,
+            edge_length,
+            sigma_p,
+            smooth,
+            scan_only,
+            seed,
+            sweeps,
+            tiles,
+            memory,
+            format,
+            run,
+        } = self;
+        if points.is_none() && edge_length.is_none() && sigma_p.is_none() {
+            return Err(no_density());
+        }
+        let settings = SampleSettings {
+            points,
+            edge_length,
+            sigma_p,
+            sigma_n: SampleOptions::default().sigma_n,
+            signals: Vec::new(),
+            smooth,
+            normals: NormalSettings::default(),
+            scan_only,
+            levels: None,
+            seed,
+            sweeps,
+        };
+        let options = settings.resolve().map_err(|e| refused(&e))?;
+        let run = Run::from(run).without_page("plans")?;
+        Ok(Planning { input: MeshFile { path: input, format }, folder, options, tiles, memory, run })
+    }
+}

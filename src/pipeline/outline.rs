@@ -1,0 +1,87 @@
+//! The outline of a large cloud: a few of its points, which say for all of it what its parts cannot know: on which side of
+//! the surface outside is, and how wide the kernel has to be for a number of samples.
+
+use crate::base::error::Result;
+use crate::base::monitor::Monitor;
+use crate::mesh::points::Points;
+use crate::pipeline::cloud::{CloudOptions, prepared};
+use crate::pipeline::density::SampleDensity;
+use crate::pipeline::sample::bare_samples;
+use crate::pipeline::scale::Scale;
+use crate::prepare::orient::sided;
+use crate::spatial::kdtree::Neighbors;
+use crate::spectral::scan::{Given, Kernel, scan_lifted};
+use crate::surface::lift::Lift;
+use glam::DVec3;
+
+/// Points of the outline that say on which side a normal is.
+const ASKED: usize = 8;
+
+/// Points for each sample when the outline itself is sampled.
+const CHOICES: usize = 5;
+
+/// Points of a cloud with unit normals on a common side.
+pub struct Outline {
+    points: Points,
+    near: Neighbors,
+}
+
+/// What some points of a cloud say of all of it.
+pub struct Survey {
+    /// They, with unit normals on a common side.
+    pub outline: Points,
+    /// Whether the normals that all points have are on a common side as they are.
+    pub is_sided: bool,
+    /// About the width of the kernel for what is wanted.
+    pub sigma: f64,
+}
+
+/// Looks at some points of a cloud, spread all over it.
+///
+/// # Errors
+/// Those of [`mesh_of_points`](crate::pipeline::mesh_of_points).
+pub fn survey(
+    points: &Points,
+    density: SampleDensity,
+    options: &CloudOptions,
+    seed: u64,
+    monitor: &dyn Monitor,
+) -> Result<Survey> {
+    let cloud = prepared(points, options, monitor)?;
+    let is_sided = cloud.summary.estimated_normals == 0 && cloud.summary.turned_normals == 0;
+    let sigma = match density {
+        SampleDensity::SigmaP(sigma) => sigma,
+        SampleDensity::EdgeLength(length) => Scale::sigma_of_spacing(length),
+        SampleDensity::Points(wanted) => {
+            let few = (cloud.points.positions().len() / CHOICES).max(1);
+            let sigma = Scale::of_points(few, cloud.area()).sigma();
+            let choices = bare_samples(&cloud.points);
+            let given = Given { samples: &choices, domain: None };
+            let kept = scan_lifted::<3>(&given, &[], Kernel { sigma, lift: Lift::NONE }, seed, monitor)?;
+            // On a surface the number of samples goes with the inverse square of the width.
+            sigma * (kept.len() as f64 / wanted as f64).sqrt()
+        }
+    };
+    Ok(Survey { outline: cloud.points, is_sided, sigma })
+}
+
+impl Outline {
+    /// The outline that a [`Survey`] has found.
+    pub fn new(points: Points) -> Outline {
+        let near = Neighbors::new(points.positions());
+        Outline { points, near }
+    }
+
+    /// Its points.
+    pub fn positions(&self) -> &[DVec3] {
+        self.points.positions()
+    }
+
+    /// The normal of a point of the cloud, or its opposite: that on the common side.
+    pub fn sided(&self, position: DVec3, normal: DVec3) -> DVec3 {
+        let mut found = Vec::new();
+        self.near.collect_nearest_within(position, ASKED, f64::INFINITY, &mut found);
+        let at = |p: u32| (self.points.positions()[p as usize], self.points.normals()[p as usize]);
+        sided(position, normal, found.iter().map(|n| at(n.point)))
+    }
+}

@@ -1,0 +1,85 @@
+//! Triangles over vertices of which some are one, and their sides edge by edge: what repair and the search for seams start from.
+//!
+//! Cost: one sort of the sides.
+
+use crate::mesh::sides::{Side, sorted_sides};
+use crate::mesh::triangle_mesh::Mesh;
+use crate::mesh::weld::representatives;
+
+/// The triangles of a mesh some of whose vertices are one, without those that lose a corner by it.
+pub struct Welded {
+    /// For each vertex of the mesh the first of those that it is one with.
+    pub representatives: Vec<u32>,
+    /// What became of vertices and triangles.
+    pub(super) counts: Counts,
+    /// Over the vertices that stand for others.
+    pub(super) triangles: Vec<[u32; 3]>,
+    /// Which of the mesh's triangles each is.
+    pub(super) sources: Vec<u32>,
+    /// The [`sorted_sides`] of the triangles.
+    pub(super) sides: Vec<Side>,
+}
+
+impl Welded {
+    /// The triangles of `mesh` once its vertices are one with their `representatives`.
+    pub fn new(mesh: &Mesh, representatives: Vec<u32>) -> Welded {
+        let mut counts = Counts::new(mesh, &representatives);
+        let welded = mesh.triangles.iter().map(|t| t.map(|v| representatives[v as usize]));
+        let kept = welded.zip(0u32..).filter(|([a, b, c], _)| a != b && b != c && c != a);
+        let (triangles, sources): (Vec<_>, Vec<_>) = kept.unzip();
+        counts.degenerate_triangles = mesh.triangles.len() - triangles.len();
+        let sides = sorted_sides(&triangles);
+        Welded { representatives, counts, triangles, sources, sides }
+    }
+
+    /// Those of `mesh` once all vertices at exactly one place are one.
+    pub fn at_places(mesh: &Mesh) -> Welded {
+        Welded::new(mesh, representatives(&mesh.positions))
+    }
+
+    /// Drops the marked triangles, if there are any; how many.
+    pub(super) fn drop_marked(&mut self, marked: &[bool]) -> usize {
+        let count = marked.iter().filter(|is| **is).count();
+        if count > 0 {
+            retain(&mut self.triangles, |t| !marked[t]);
+            retain(&mut self.sources, |t| !marked[t]);
+            self.sides = sorted_sides(&self.triangles);
+        }
+        count
+    }
+}
+
+/// How many vertices and triangles of a mesh are gone in it, as [`Repairs`](crate::prepare::repair::Repairs) names them.
+#[derive(Clone, Copy)]
+pub(super) struct Counts {
+    pub unused_vertices: usize,
+    pub welded_vertices: usize,
+    pub seam_vertices: usize,
+    pub degenerate_triangles: usize,
+}
+
+impl Counts {
+    /// Those of vertices; no triangle counts yet.
+    fn new(mesh: &Mesh, representatives: &[u32]) -> Counts {
+        let mut used = vec![false; mesh.positions.len()];
+        mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
+        let unused_vertices = used.iter().filter(|&&u| !u).count();
+        // An unused vertex may stand for a place of used ones.
+        let mut stands = vec![false; used.len()];
+        representatives.iter().zip(&used).filter(|v| *v.1).for_each(|(&first, _)| stands[first as usize] = true);
+        let places = stands.iter().filter(|stands| **stands).count();
+        let is_moved = |(v, &to): (usize, &u32)| used[v] && mesh.positions[v] != mesh.positions[to as usize];
+        Counts {
+            unused_vertices,
+            welded_vertices: used.len() - unused_vertices - places,
+            seam_vertices: representatives.iter().enumerate().filter(|&v| is_moved(v)).count(),
+            degenerate_triangles: 0,
+        }
+    }
+}
+
+/// Keeps the entries whose numbers `keeps` holds for.
+fn retain<T>(list: &mut Vec<T>, keeps: impl Fn(usize) -> bool) {
+    let mut numbers = 0..;
+    list.retain(|_| numbers.next().is_some_and(&keeps));
+}

@@ -1,0 +1,78 @@
+//! The blocks of space that the scan goes by: a lattice anchored at the origin, so that a part of the points is in the same
+//! blocks as all of them.
+//!
+//! A block listens to the blocks that touch it and whose turn is before its own, these to others, and so on. With turns in
+//! the order of the parities of x, y and z, as a number of three bits, such a chain goes on for as many blocks along an
+//! axis as its bit changes in the turns that are left: seven along x, three along y, one along z. So a box of blocks and
+//! those that it hears are scanned as they would be within any larger scan.
+
+use glam::{DVec3, IVec3, ivec3};
+
+/// How many turns there are.
+pub const TURNS: i32 = 8;
+
+/// The block of width `width` that a place is in.
+#[inline]
+pub fn place_of(p: DVec3, width: f64) -> IVec3 {
+    (p / width).floor().as_ivec3()
+}
+
+/// The turn of a block: those of one turn do not touch each other.
+pub fn turn_of(place: IVec3) -> i32 {
+    (place.x & 1) | (place.y & 1) << 1 | (place.z & 1) << 2
+}
+
+/// A box of blocks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BlockBox {
+    /// The lowest block.
+    pub lo: IVec3,
+    /// The block beyond the highest one.
+    pub hi: IVec3,
+}
+
+impl BlockBox {
+    /// The box with so many more blocks on either side.
+    pub fn grown(self, by: IVec3) -> BlockBox {
+        BlockBox { lo: self.lo - by, hi: self.hi + by }
+    }
+
+    /// Whether a block is in it.
+    pub fn contains(&self, place: IVec3) -> bool {
+        place.cmpge(self.lo).all() && place.cmplt(self.hi).all()
+    }
+
+    /// Whether what is kept in the box can depend on what is kept in this block.
+    pub fn hears(&self, place: IVec3) -> bool {
+        let turn = turn_of(place);
+        self.grown(ivec3(TURNS - 1 - turn, 3 - turn / 2, 1 - turn / 4)).contains(place)
+    }
+
+    /// The box of all blocks that it hears.
+    pub fn heard(self) -> BlockBox {
+        self.grown(ivec3(TURNS - 1, 3, 1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn a_block_hears_what_chains_of_earlier_turns_lead_to() {
+        // From every block of a box that has one of each turn, step by step to all that are earlier and touch.
+        let seed = BlockBox { lo: IVec3::ZERO, hi: IVec3::splat(2) };
+        let mut open: Vec<IVec3> = (0..8).map(|i| ivec3(i & 1, i >> 1 & 1, i >> 2)).collect();
+        let mut found = BTreeSet::new();
+        while let Some(place) = open.pop() {
+            if found.insert(place.to_array()) {
+                let around = (0..27).map(|i| place + ivec3(i % 3, i / 3 % 3, i / 9) - 1);
+                open.extend(around.filter(|other| turn_of(*other) < turn_of(place)));
+            }
+        }
+        assert!(found.iter().all(|&place| seed.hears(place.into()) && seed.heard().contains(place.into())));
+        let farthest = |axis: usize| found.iter().map(|place| -place[axis]).max().unwrap();
+        assert_eq!([0, 1, 2].map(farthest), [6, 2, 0]);
+    }
+}

@@ -1,0 +1,205 @@
+//! The folder that tiles are sampled in: its files and what is in them.
+//!
+//! | file | content |
+//! |---|---|
+//! | `plan.json` | the [`Plan`], written last |
+//! | `head` | the beginning of the input, which says what its rows are |
+//! | `points` | number and row of each point, sorted by place |
+//! | `outline.ply` | a few points with normals on a common side |
+//! | `tile-N` | what tile N got, written when it is complete |
+
+use crate::base::error::{Error, Result};
+use crate::io::file::{read_bytes, read_file, replace_file, write_points_file};
+use crate::io::spill::Chunk;
+use crate::io::table::Table;
+use crate::io::{dense, spill};
+use crate::mesh::attributes::Attributes;
+use crate::mesh::points::Points;
+use crate::pipeline::{Outline, TilePoint};
+use crate::tiles::plan::{Plan, PlanOptions};
+use glam::DVec3;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Bytes of a sample: its number, its position, its normal.
+const SAMPLE: usize = 4 + 2 * 24;
+
+/// A folder that tiles are sampled in.
+#[derive(Debug, Clone)]
+pub struct TileFolder {
+    path: PathBuf,
+}
+
+impl TileFolder {
+    /// The folder at `path`, which has to be there.
+    ///
+    /// # Errors
+    /// [`Error::File`] if it is not.
+    pub fn at(path: &Path) -> Result<TileFolder> {
+        let folder = TileFolder { path: path.into() };
+        match fs::metadata(path) {
+            Ok(found) if found.is_dir() => Ok(folder),
+            Ok(_) => Err(folder.error("it is not a folder", "choose another one")),
+            Err(_) => Err(folder.error("there is no such folder", "create it or choose another one")),
+        }
+    }
+
+    /// The folder at `path`, which is made if it is not there.
+    ///
+    /// # Errors
+    /// [`Error::File`] if that fails.
+    pub fn make(path: &Path) -> Result<TileFolder> {
+        let failed = |error: std::io::Error| Error::File {
+            file: path.display().to_string(),
+            cause: format!("the folder cannot be made: {error}"),
+            remedy: "choose another one".into(),
+        };
+        fs::create_dir_all(path).map_err(failed)?;
+        TileFolder::at(path)
+    }
+
+    fn file(&self, name: &str) -> PathBuf {
+        self.path.join(name)
+    }
+
+    fn tile(&self, number: usize) -> PathBuf {
+        self.file(&format!("tile-{number}"))
+    }
+
+    pub(super) fn points(&self) -> PathBuf {
+        self.file("points")
+    }
+
+    pub(super) fn error(&self, cause: impl Into<String>, remedy: &str) -> Error {
+        Error::File { file: self.path.display().to_string(), cause: cause.into(), remedy: remedy.into() }
+    }
+
+    /// Whether there is a plan.
+    pub fn has_plan(&self) -> bool {
+        self.file("plan.json").is_file()
+    }
+
+    /// The plan.
+    ///
+    /// # Errors
+    /// [`Error::File`] if there is none, or none that this version understands.
+    pub fn plan(&self) -> Result<Plan> {
+        if !self.has_plan() {
+            return Err(self.error("there is no plan in it", "run 'remesh tiles plan' first"));
+        }
+        let text = read_bytes(&self.file("plan.json"))?;
+        let unreadable =
+            |e| self.error(format!("its plan cannot be read: {e}"), "make it again by 'remesh tiles plan'");
+        serde_json::from_slice(&text).map_err(unreadable)
+    }
+
+    /// Writes what each tile needs to know beside the plan.
+    pub(super) fn write_context(&self, head: &[u8], outline: &Points) -> Result<()> {
+        replace_file(&self.file("head"), &mut |out| out.write_all(head))?;
+        write_points_file(&self.file("outline.ply"), outline, &Attributes::default(), None)
+    }
+
+    /// Writes the plan, once all else is there.
+    pub(super) fn write_plan(&self, plan: &Plan) -> Result<()> {
+        let text = serde_json::to_vec(plan).map_err(|e| self.error(e.to_string(), "give finite numbers"))?;
+        replace_file(&self.file("plan.json"), &mut |out| out.write_all(&text))
+    }
+
+    /// Takes plan and samples away, so that nothing seems complete while a new plan is made.
+    pub(super) fn forget(&self) -> Result<()> {
+        self.remove(&self.file("plan.json"))?;
+        self.remove(&self.file("made-of"))?;
+        self.forget_samples()
+    }
+
+    /// Notes what the plan was made of.
+    ///
+    /// # Errors
+    /// [`Error::File`] if that cannot be written.
+    pub fn note(&self, input: &Path, options: &PlanOptions) -> Result<()> {
+        let made_of = made_of(input, options);
+        replace_file(&self.file("made-of"), &mut |out| out.write_all(made_of.as_bytes()))
+    }
+
+    /// Whether there is a plan that was made of this file, as it is now, with these options.
+    pub fn is_of(&self, input: &Path, options: &PlanOptions) -> bool {
+        let noted = fs::read_to_string(self.file("made-of")).unwrap_or_default();
+        self.has_plan() && noted == made_of(input, options)
+    }
+
+    fn forget_samples(&self) -> Result<()> {
+        let entries = fs::read_dir(&self.path).map_err(|e| self.error(e.to_string(), "check its permissions"))?;
+        let is_tile = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("tile-"));
+        entries.filter_map(|entry| Some(entry.ok()?.path())).filter(is_tile).try_for_each(|path| self.remove(&path))
+    }
+
+    fn remove(&self, path: &Path) -> Result<()> {
+        match fs::remove_file(path) {
+            Err(e) if path.exists() => Err(self.error(e.to_string(), "check its permissions")),
+            _ => Ok(()),
+        }
+    }
+
+    /// How the rows of points are read.
+    pub(super) fn table(&self, plan: &Plan) -> Result<Table> {
+        let head = read_bytes(&self.file("head"))?;
+        let broken = || self.error("its file 'head' is damaged", "make the plan again");
+        dense::table(plan.format, &head, plan.length).ok_or_else(broken)
+    }
+
+    /// The rows of some chunks.
+    pub(super) fn rows(&self, chunks: &[Chunk]) -> Result<Vec<u8>> {
+        spill::read_chunks(&self.points(), chunks)
+    }
+
+    /// The outline.
+    ///
+    /// # Errors
+    /// [`Error::File`] if it cannot be read.
+    pub fn outline(&self) -> Result<Outline> {
+        let loaded = read_file(&self.file("outline.ply"), None)?;
+        Ok(Outline::new(Points::new(loaded.mesh.positions, loaded.attributes.normals())?))
+    }
+
+    /// Whether a tile is sampled.
+    pub fn has_samples(&self, number: usize) -> bool {
+        self.tile(number).is_file()
+    }
+
+    pub(super) fn write_samples(&self, number: usize, mut samples: Vec<TilePoint>) -> Result<()> {
+        samples.sort_unstable_by_key(|sample| sample.number);
+        replace_file(&self.tile(number), &mut |out| {
+            samples.iter().try_for_each(|TilePoint { number, position, normal }| {
+                out.write_all(&number.to_le_bytes())?;
+                [position, normal]
+                    .iter()
+                    .try_for_each(|v| out.write_all(v.to_array().map(f64::to_le_bytes).as_flattened()))
+            })
+        })
+    }
+
+    pub(super) fn read_samples(&self, number: usize) -> Result<Vec<TilePoint>> {
+        if !self.has_samples(number) {
+            return Err(self.error(format!("tile {number} is not sampled yet"), "run 'remesh tiles sample' for it"));
+        }
+        let bytes = read_bytes(&self.tile(number))?;
+        if bytes.len() % SAMPLE != 0 {
+            return Err(self.error(format!("its file 'tile-{number}' is damaged"), "sample that tile again"));
+        }
+        Ok(bytes.chunks_exact(SAMPLE).map(sample_of).collect())
+    }
+}
+
+/// What tells whether a plan is that of a file with options.
+fn made_of(input: &Path, PlanOptions { sample, .. }: &PlanOptions) -> String {
+    let path = fs::canonicalize(input).unwrap_or_else(|_| input.into());
+    let found = fs::metadata(input).ok().map(|found| (found.len(), found.modified().ok()));
+    format!("{} {path:?} {found:?} {sample:?}\n", env!("CARGO_PKG_VERSION"))
+}
+
+fn sample_of(row: &[u8]) -> TilePoint {
+    let float = |at: usize| f64::from_le_bytes(row[at..at + 8].try_into().expect("eight bytes"));
+    let vector = |at: usize| DVec3::new(float(at), float(at + 8), float(at + 16));
+    let number = u32::from_le_bytes(row[..4].try_into().expect("four bytes"));
+    TilePoint { number, position: vector(4), normal: vector(28) }
+}

@@ -1,0 +1,49 @@
+//! The samples of all tiles, joined.
+
+use crate::base::error::Result;
+use crate::mesh::points::Points;
+use crate::pipeline::{Sampled, TilePoint, count_notes};
+use crate::spectral::subset::thin_or_fill;
+use crate::surface::domain::Sample;
+use crate::surface::lift::{BarePoints, Lift, Lifted};
+use crate::tiles::folder::TileFolder;
+
+/// Joins what all tiles got, in the order of the input. A few more than are wanted come together as a rule; those that
+/// matter least go.
+///
+/// # Errors
+/// [`Error::File`](crate::Error::File) if a tile is not sampled yet, or cannot be read.
+pub fn merge(folder: &TileFolder) -> Result<Sampled> {
+    let plan = folder.plan()?;
+    let mut all: Vec<TilePoint> = Vec::new();
+    for number in 0..plan.tiles.len() {
+        all.extend(folder.read_samples(number)?);
+    }
+    all.sort_unstable_by_key(|sample| sample.number);
+    if let Some(wanted) = plan.wanted.filter(|&wanted| wanted < all.len()) {
+        all = most_important(&all, plan.sampling.sigma, wanted);
+    }
+    let mut notes = count_notes(all.len(), plan.points, plan.wanted);
+    notes.push(format!("sampled by tiles, of which there were {}", plan.tiles.len()));
+    let is_subset = plan.sampling.sweeps.is_none();
+    Ok(Sampled {
+        points: Points::from_pairs(all.iter().map(|sample| (sample.position, sample.normal))),
+        indices: is_subset.then(|| all.iter().map(|sample| sample.number).collect()),
+        candidates: plan.points,
+        sigma_p: plan.sampling.sigma,
+        wanted: plan.wanted,
+        levels: Vec::new(),
+        cloud: None,
+        notes,
+    })
+}
+
+/// So many of the samples, without those that change the spectrum least.
+fn most_important(all: &[TilePoint], sigma: f64, wanted: usize) -> Vec<TilePoint> {
+    let sample = |p: &TilePoint| Sample { position: p.position, normal: p.normal, triangle: 0, size: 1.0 };
+    let samples: Vec<Sample> = all.iter().map(sample).collect();
+    let chosen: Vec<u32> = (0..all.len() as u32).collect();
+    let surface = Lifted { surface: &BarePoints, lift: Lift::NONE };
+    let kept = thin_or_fill::<_, 3>(&surface, &samples, &chosen, sigma, wanted);
+    kept.into_iter().map(|i| all[i as usize]).collect()
+}

@@ -1,0 +1,255 @@
+//! Making a plan: what is global is decided once, and the points are sorted by place.
+
+use crate::base::error::{Error, Fault, Result, Setting};
+use crate::base::monitor::{Monitor, check};
+use crate::base::rng::{Stage, bits_at};
+use crate::io::Format;
+use crate::io::dense::PointFile;
+use crate::io::spill::{Chunk, SpillWriter};
+use crate::mesh::points::Points;
+use crate::pipeline::{
+    INTERPOLATING_SUPPORT, SMOOTHING_SUPPORT, SampleDensity, SampleOptions, Survey, TileOptions, count_in_tile, survey,
+};
+use crate::prepare::flatten::{Flatness, flatness};
+use crate::spatial::kdtree::Neighbors;
+use crate::spectral::lattice::{BlockBox, place_of};
+use crate::spectral::measure::RADIUS;
+use crate::tiles::folder::TileFolder;
+use crate::tiles::plan::{Plan, PlanOptions};
+use crate::tiles::points::{blocks_of, bucket_of, points_of};
+use crate::tiles::watch::OfTile;
+use glam::{DVec3, IVec3};
+use rayon::prelude::*;
+use rustc_hash::FxHashMap;
+use std::path::Path;
+
+/// Points of the outline.
+const OUTLINE: usize = 100_000;
+
+/// As much wider than for the first guess of the kernel's width blocks are, so that it may grow.
+const ROOM: f64 = 1.1;
+
+/// As many samples are counted before all are scanned, in rounds until the count is as near as this to the wanted one.
+const COUNTED: f64 = 50_000.0;
+const ROUNDS: usize = 3;
+const NEAR_ENOUGH: f64 = 0.05;
+
+/// A few samples more than are wanted: some can go in the end, none can come.
+const MORE: f64 = 1.004;
+
+/// Points that a cloud has about for each sample once it is thinned, and the bytes that each takes in the end.
+const POINTS_PER_SAMPLE: f64 = 4.4;
+const BYTES_PER_POINT: f64 = 290.0;
+
+/// The fewest buckets of a tile along each axis for the sake of memory: of fewer, nearly all work would be for what is around them.
+const SMALLEST: i32 = 2;
+
+/// Reads the file at `input` and makes a plan for it in `folder`.
+///
+/// # Errors
+/// [`Error::File`] if a file cannot be read or written, or cannot be read in pieces; [`Error::Format`] with the place of
+/// what is wrong in it; [`Error::Mesh`] if no surface goes through its points; [`Error::Option`] for what is not possible
+/// tile by tile; [`Error::Cancelled`] if the monitor asks for it.
+pub fn make_plan(
+    input: &Path,
+    format: Option<Format>,
+    folder: &TileFolder,
+    options: &PlanOptions,
+    monitor: &dyn Monitor,
+) -> Result<Plan> {
+    let SampleOptions { density, scan_only, seed, sweeps, cloud, .. } = &options.sample;
+    refuse_impossible(&options.sample)?;
+    let file = PointFile::open(input, format)?.ok_or_else(|| not_in_pieces(input))?;
+    folder.forget()?;
+    monitor.stage("read");
+    let name = input.display().to_string();
+    let Survey { outline, is_sided, sigma } =
+        survey(&some_points(&file)?, *density, cloud, *seed, &OfTile(monitor)).map_err(|e| e.in_file(&name))?;
+    check(monitor)?;
+    let sampling = TileOptions {
+        sigma,
+        cell: ROOM * sigma * RADIUS / 2.0,
+        seed: *seed,
+        sweeps: (!scan_only).then_some(*sweeps),
+        reach: cloud.smooth.filter(|&reach| reach != 0.0).unwrap_or(INTERPOLATING_SUPPORT),
+        is_sided,
+    };
+    monitor.stage("sort");
+    let chunks = sorted(&file, folder, sampling.block(), monitor)?;
+    let (format, head, length) = file.kind();
+    let wanted = match *density {
+        SampleDensity::Points(wanted) => Some(wanted),
+        _ => None,
+    };
+    let points = file.table().points;
+    let mut plan =
+        Plan { input: name, points, wanted, sampling, tiles: vec![], tile: 1, lowest: [0; 3], format, length, chunks };
+    folder.write_context(head, &outline)?;
+    monitor.stage("count");
+    calibrate(&mut plan, folder, cloud.smooth.is_none(), monitor)?;
+    cut(&mut plan, &outline, options);
+    folder.write_plan(&plan)?;
+    Ok(plan)
+}
+
+/// Whether [`make_plan`] can be done for the file at `input`, so.
+pub fn can_plan(input: &Path, format: Option<Format>, options: &SampleOptions) -> bool {
+    refuse_impossible(options).is_ok() && matches!(PointFile::open(input, format), Ok(Some(_)))
+}
+
+fn not_in_pieces(input: &Path) -> Error {
+    Error::File {
+        file: input.display().to_string(),
+        cause: "it cannot be read in pieces: only points in binary PLY and in uncompressed LAS can".into(),
+        remedy: "convert it, or read it as a whole, without --out-of-core".into(),
+    }
+}
+
+fn refuse_impossible(options: &SampleOptions) -> Result<()> {
+    if options.sigma_n.is_finite() {
+        return Err(impossible(Setting::SigmaN, "tiles are sampled evenly"));
+    }
+    if !options.signals.is_empty() {
+        return Err(impossible(Setting::Signals, "tiles are sampled evenly"));
+    }
+    if options.levels.is_some() {
+        return Err(impossible(Setting::Levels, "tiles are in no progressive order"));
+    }
+    Ok(())
+}
+
+/// Some points of a file, spread all over.
+fn some_points(file: &PointFile) -> Result<Points> {
+    let (_, rows) = file.thinned(OUTLINE)?;
+    let table = file.table();
+    let seen = || rows.chunks_exact(table.row).map(|row| table.rows.look(row));
+    let normals: Vec<DVec3> = seen().map(|s| s.normal).collect();
+    let has_normals = normals.iter().any(|n| *n != DVec3::ZERO);
+    Points::new(seen().map(|s| s.position).collect(), if has_normals { normals } else { Vec::new() })
+}
+
+/// The points of a file, sorted by bucket.
+fn sorted(file: &PointFile, folder: &TileFolder, block: f64, monitor: &dyn Monitor) -> Result<Vec<Chunk>> {
+    let mut spill = SpillWriter::create(&folder.points())?;
+    let (row, mut number) = (file.table().row, 0u32);
+    file.read(&mut |rows| {
+        check(monitor)?;
+        for row in rows.chunks_exact(row) {
+            let place = file.table().rows.look(row).position;
+            spill.push(bucket_of(place_of(place, block)).to_array(), &number.to_le_bytes(), row)?;
+            number += 1;
+        }
+        monitor.progress(f64::from(number) / file.table().points as f64);
+        Ok(())
+    })?;
+    spill.finish()
+}
+
+/// Finds the width of the kernel by scanning a part of the buckets, and whether there is noise.
+fn calibrate(plan: &mut Plan, folder: &TileFolder, may_smooth: bool, monitor: &dyn Monitor) -> Result<()> {
+    let outline = folder.outline()?;
+    let counts = outline_counts(outline.positions(), plan.sampling.block());
+    let chosen = chosen_buckets(plan, &counts);
+    if may_smooth && let Some(most) = chosen.iter().max_by_key(|bucket| counts[&bucket.to_array()]) {
+        plan.sampling.reach = reach_for_noise(plan, folder, blocks_of(*most), monitor)?;
+    }
+    let Some(wanted) = plan.wanted else { return Ok(()) };
+    let (all, some): (usize, usize) =
+        (counts.values().sum(), chosen.iter().map(|bucket| counts[&bucket.to_array()]).sum());
+    for _ in 0..ROUNDS {
+        check(monitor)?;
+        let count = |bucket: &IVec3| {
+            let tile = blocks_of(*bucket);
+            let points = points_of(folder, plan, tile.grown(IVec3::ONE), monitor)?;
+            count_in_tile(points, tile, &plan.sampling, &outline, &OfTile(monitor))
+        };
+        let found: Vec<usize> = chosen.par_iter().map(count).collect::<Result<_>>()?;
+        let share = found.iter().sum::<usize>() as f64 * (all as f64 / some.max(1) as f64) / (MORE * wanted as f64);
+        // On a surface the number of samples goes with the inverse square of the width.
+        plan.sampling.sigma = (plan.sampling.sigma * share.sqrt()).min(plan.sampling.cell * 2.0 / RADIUS);
+        if (share - 1.0).abs() < NEAR_ENOUGH {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// How many points of the outline each bucket has.
+fn outline_counts(outline: &[DVec3], block: f64) -> FxHashMap<[i32; 3], usize> {
+    let mut counts = FxHashMap::default();
+    for &p in outline {
+        *counts.entry(bucket_of(place_of(p, block)).to_array()).or_insert(0) += 1;
+    }
+    counts
+}
+
+/// Buckets, drawn by lot, that have enough of the samples to tell how many there will be.
+fn chosen_buckets(plan: &Plan, counts: &FxHashMap<[i32; 3], usize>) -> Vec<IVec3> {
+    let mut buckets: Vec<[i32; 3]> = counts.keys().copied().collect();
+    let lot = |place: &[i32; 3]| {
+        let [x, y, z] = place.map(|x| u64::from(x as u32));
+        (bits_at(plan.sampling.seed, Stage::Counts, (z as u32, x << 32 | y)), *place)
+    };
+    buckets.sort_unstable_by_key(lot);
+    let all: usize = counts.values().sum();
+    let enough = all as f64 * COUNTED / plan.wanted.unwrap_or(0).max(1) as f64;
+    let mut sum = 0;
+    let is_missing = |bucket: &[i32; 3]| {
+        let missing = (sum as f64) < enough;
+        sum += counts[bucket];
+        missing
+    };
+    buckets.into_iter().take_while(is_missing).map(IVec3::from).collect()
+}
+
+/// How far points have to reach on the surface, by what is seen of some of them.
+fn reach_for_noise(plan: &Plan, folder: &TileFolder, blocks: BlockBox, monitor: &dyn Monitor) -> Result<f64> {
+    let positions: Vec<DVec3> = points_of(folder, plan, blocks, monitor)?.iter().map(|p| p.position).collect();
+    match flatness(&positions, &Neighbors::new(&positions)) {
+        Flatness::AtOnce => Ok(plan.sampling.reach),
+        Flatness::NotQuite | Flatness::At(_) => Ok(SMOOTHING_SUPPORT),
+        Flatness::Never => Err(Error::Mesh {
+            fault: Fault::NoSurface,
+            cause: "no surface goes through the points: they fill a volume".into(),
+            remedy: "give points of a surface, or less noisy ones".into(),
+        }
+        .in_file(&plan.input)),
+    }
+}
+
+/// Cuts the plan into tiles: as large as memory allows, and no fewer than wanted.
+fn cut(plan: &mut Plan, outline: &Points, options: &PlanOptions) {
+    let counts = outline_counts(outline.positions(), plan.sampling.block());
+    let all: usize = counts.values().sum();
+    let expected = plan.wanted.map_or(plan.points as f64, |wanted| POINTS_PER_SAMPLE * wanted as f64);
+    let bytes = BYTES_PER_POINT * expected.min(plan.points as f64) / all.max(1) as f64;
+    let buckets: Vec<IVec3> = plan.buckets().map(|chunks| chunks[0].place.into()).collect();
+    let lowest = buckets.iter().copied().reduce(IVec3::min).unwrap_or_default();
+    let extent = buckets.iter().map(|b| (b - lowest).max_element()).max().unwrap_or(0);
+    plan.lowest = lowest.to_array();
+    for parts in 1.. {
+        plan.tile = extent / parts + 1;
+        let tile = |b: &IVec3| ((b - lowest) / plan.tile).to_array();
+        plan.tiles = buckets.iter().map(tile).collect();
+        plan.tiles.sort_unstable();
+        plan.tiles.dedup();
+        let needed = |number: usize| {
+            let blocks = plan.sampling.needed(plan.tile_box(number));
+            let inside = |bucket: &[i32; 3]| {
+                let own = blocks_of((*bucket).into());
+                own.lo.cmplt(blocks.hi).all() && blocks.lo.cmplt(own.hi).all()
+            };
+            bytes * counts.iter().filter(|(bucket, _)| inside(bucket)).map(|(_, count)| *count as f64).sum::<f64>()
+        };
+        let fits = || (0..plan.tiles.len()).all(|number| needed(number) <= options.memory as f64);
+        let is_enough = plan.tiles.len() >= options.tiles;
+        if plan.tile == 1 || is_enough && (plan.tile <= SMALLEST || fits()) {
+            return;
+        }
+    }
+}
+
+/// What is not possible tile by tile, in words of the one who asked for it.
+fn impossible(option: Setting, cause: &str) -> Error {
+    Error::Option { option, cause: cause.into(), remedy: "leave it out, or sample in memory".into() }
+}

@@ -1,0 +1,103 @@
+//! The points of a part of a cloud that come into question as samples: one for each cell of a lattice.
+//!
+//! A cell keeps the point that is nearest to its centre, of equally near ones the first of the input; of points that face
+//! apart one for each side. So it does not matter what else is looked at, and in which order.
+
+use crate::base::error::Result;
+use crate::base::monitor::{Monitor, check};
+use crate::io::spill::Chunk;
+use crate::io::table::Table;
+use crate::pipeline::TilePoint;
+use crate::spectral::lattice::{BlockBox, place_of};
+use crate::tiles::folder::TileFolder;
+use crate::tiles::plan::{BUCKET, Plan};
+use glam::{DVec3, IVec3};
+use rayon::prelude::*;
+use rustc_hash::FxHashMap;
+
+/// Cells of a block along each axis: on a surface four to five points for each sample.
+const CELLS: i32 = 16;
+
+/// Bytes of the number before each row.
+pub(super) const NUMBER: usize = 4;
+
+/// On which side of this direction normals are tells two sides of a thin wall apart, however that is turned, and splits few
+/// of the other cells.
+const ACROSS: DVec3 = DVec3::new(0.48, 0.6, 0.64);
+
+/// The bucket of a block.
+pub(super) fn bucket_of(block: IVec3) -> IVec3 {
+    block.div_euclid(IVec3::splat(BUCKET))
+}
+
+/// The blocks of a bucket.
+pub(super) fn blocks_of(bucket: IVec3) -> BlockBox {
+    BlockBox { lo: BUCKET * bucket, hi: BUCKET * (bucket + 1) }
+}
+
+/// The points of some blocks, in an order that any two of them have wherever they are read.
+///
+/// # Errors
+/// [`Error::File`](crate::Error::File) if they cannot be read; [`Error::Cancelled`](crate::Error::Cancelled) if the
+/// monitor asks for it.
+pub(super) fn points_of(
+    folder: &TileFolder,
+    plan: &Plan,
+    blocks: BlockBox,
+    monitor: &dyn Monitor,
+) -> Result<Vec<TilePoint>> {
+    let table = folder.table(plan)?;
+    let (lo, hi) = (bucket_of(blocks.lo), bucket_of(blocks.hi - 1));
+    let touched = |place: [i32; 3]| IVec3::from(place).cmpge(lo).all() && IVec3::from(place).cmple(hi).all();
+    let buckets: Vec<&[Chunk]> = plan.buckets().filter(|chunks| touched(chunks[0].place)).collect();
+    let of_bucket = |chunks: &&[Chunk]| {
+        check(monitor)?;
+        Ok(thinned(&folder.rows(chunks)?, chunks[0].place.into(), blocks, plan.sampling.block(), &table))
+    };
+    let points: Vec<Vec<TilePoint>> = buckets.par_iter().map(of_bucket).collect::<Result<_>>()?;
+    Ok(points.concat())
+}
+
+/// The points of the rows of a bucket that their cells keep, those in `blocks`, along a curve through the cells.
+fn thinned(rows: &[u8], bucket: IVec3, blocks: BlockBox, block: f64, table: &Table) -> Vec<TilePoint> {
+    let cell = block / f64::from(CELLS);
+    let mut kept: FxHashMap<u32, (f64, TilePoint)> = FxHashMap::default();
+    for row in rows.chunks_exact(NUMBER + table.row) {
+        let (number, row) = row.split_at(NUMBER);
+        let seen = table.rows.look(row);
+        if !blocks.contains(place_of(seen.position, block)) {
+            continue;
+        }
+        let place = place_of(seen.position, cell);
+        let off_centre = seen.position.distance_squared(cell * (place.as_dvec3() + 0.5));
+        let number = u32::from_le_bytes(number.try_into().expect("four bytes"));
+        let point = TilePoint { number, position: seen.position, normal: seen.normal };
+        let key = 2 * morton(place - BUCKET * CELLS * bucket) + u32::from(seen.normal.dot(ACROSS) < 0.0);
+        let best = kept.entry(key).or_insert((off_centre, point));
+        if (off_centre, number) < (best.0, best.1.number) {
+            *best = (off_centre, point);
+        }
+    }
+    let mut kept: Vec<(u32, (f64, TilePoint))> = kept.into_iter().collect();
+    kept.sort_unstable_by_key(|k| k.0);
+    kept.into_iter().map(|(_, (_, point))| point).collect()
+}
+
+/// The place of a cell of a bucket along a Z-order curve.
+fn morton(cell: IVec3) -> u32 {
+    let spread = |x: i32| (0..7).fold(0, |sum, bit| sum | (x as u32 >> bit & 1) << (3 * bit));
+    spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_cell_of_a_bucket_has_its_place_on_the_curve() {
+        let mut places: Vec<u32> =
+            (0..128 * 128 * 128).map(|i| morton(IVec3::new(i % 128, i / 128 % 128, i / 16384))).collect();
+        places.sort_unstable();
+        assert!(places.into_iter().eq(0..128 * 128 * 128));
+    }
+}

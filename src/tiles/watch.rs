@@ -1,0 +1,12 @@
+//! Watching one tile of many.
+
+use crate::base::monitor::Monitor;
+
+/// A monitor of one tile of many: it only passes on that all shall end.
+pub(super) struct OfTile<'a>(pub &'a dyn Monitor);
+
+impl Monitor for OfTile<'_> {
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
+}

@@ -1,0 +1,246 @@
+//! Clouds that are sampled tile by tile: the same for any tiling, like those sampled as a whole, and nothing is left behind.
+
+use glam::{DVec3, dvec3};
+use spectral_remesh::io::file::{read_file, write_points_file};
+use spectral_remesh::stages::base::rng::{Stage, stream, unit};
+use spectral_remesh::tiles::{PlanOptions, TileFolder, make_plan, merge, sample_all, sample_one};
+use spectral_remesh::{Attributes, Input, Points, SampleDensity, SampleOptions, Sampled, sample, with_threads};
+use std::f64::consts::TAU;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A folder that vanishes, and in it a file of random points of a torus, across the origin, with normals or without.
+fn cloud(count: usize, with_normals: bool) -> (tempfile::TempDir, PathBuf) {
+    stretched(count, with_normals, 1.0)
+}
+
+/// The same of one that is so many times as long as wide.
+fn stretched(count: usize, with_normals: bool, length: f64) -> (tempfile::TempDir, PathBuf) {
+    let mut rng = stream(5, Stage::Candidates);
+    let pairs: Vec<(DVec3, DVec3)> = (0..count)
+        .map(|_| {
+            let (u, v) = (TAU * unit(&mut rng), TAU * unit(&mut rng));
+            let normal = dvec3(u.cos() * v.cos(), u.sin() * v.cos(), v.sin());
+            let longer = dvec3(length, 1.0, 1.0);
+            (longer * (3.0 * dvec3(u.cos(), u.sin(), 0.0) + normal), (normal / longer).normalize())
+        })
+        .collect();
+    let points = Points::from_pairs(pairs);
+    let points = if with_normals { points } else { Points::without_normals(points.positions().to_vec()) };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("cloud.ply");
+    write_points_file(&path, &points, &Attributes::default(), None).unwrap();
+    (folder, path)
+}
+
+fn options(points: usize, tiles: usize) -> PlanOptions {
+    let sample = SampleOptions { density: SampleDensity::Points(points), sweeps: 3, ..SampleOptions::default() };
+    PlanOptions { sample, memory: u64::MAX, tiles }
+}
+
+/// The samples of a file, but for what is said of tiles, and how many tiles there were.
+fn tiled(path: &Path, options: &PlanOptions) -> (Sampled, usize) {
+    let work = tempfile::tempdir().unwrap();
+    let folder = TileFolder::at(work.path()).unwrap();
+    let plan = make_plan(path, None, &folder, options, &()).unwrap();
+    let sampled = sample_all(&folder, &()).unwrap();
+    (Sampled { notes: Vec::new(), ..sampled }, plan.tiles.len())
+}
+
+#[test]
+fn any_tiling_gives_the_same_samples_on_any_number_of_threads() {
+    let (_folder, path) = stretched(160_000, false, 8.0);
+    let (whole, one) = tiled(&path, &options(20_000, 1));
+    assert_eq!((one, whole.points.positions().len()), (1, 20_000));
+    for (least, threads) in [(2, 1), (8, 3)] {
+        let (parts, tiles) = with_threads(Some(threads), || tiled(&path, &options(20_000, least))).unwrap();
+        assert!(tiles >= least && parts == whole, "{tiles}");
+    }
+}
+
+#[test]
+fn a_subset_is_of_the_input_in_any_tiling() {
+    let (_folder, path) = stretched(120_000, true, 8.0);
+    let scan_only = |tiles| {
+        let mut options = options(8000, tiles);
+        options.sample.scan_only = true;
+        tiled(&path, &options)
+    };
+    let ((whole, _), (parts, tiles)) = (scan_only(1), scan_only(8));
+    assert!(tiles >= 8 && parts == whole);
+    let all = read_file(&path, None).unwrap().mesh.positions;
+    let numbers = whole.indices.unwrap();
+    assert!(numbers.is_sorted() && numbers.len() == 8000);
+    assert!(numbers.iter().zip(whole.points.positions()).all(|(&i, p)| all[i as usize] == *p));
+}
+
+/// Mean and deviation of the distance of points to the nearest other one.
+fn nearest(points: &[DVec3]) -> (f64, f64) {
+    let near = spectral_remesh::stages::spatial::kdtree::Neighbors::new(points);
+    let mut found = Vec::new();
+    let distances: Vec<f64> = points
+        .iter()
+        .map(|&p| {
+            near.collect_nearest(p, 2, &mut found);
+            found[1].distance_squared.sqrt()
+        })
+        .collect();
+    let mean = distances.iter().sum::<f64>() / distances.len() as f64;
+    (mean, (distances.iter().map(|d| (d - mean) * (d - mean)).sum::<f64>() / distances.len() as f64).sqrt())
+}
+
+#[test]
+fn samples_are_like_those_of_the_whole() {
+    let (_folder, path) = cloud(150_000, false);
+    let mut by_tiles = options(10_000, 4);
+    by_tiles.sample.sweeps = SampleOptions::default().sweeps;
+    let (parts, tiles) = tiled(&path, &by_tiles);
+    let whole = sample(&Input::from(&read_file(&path, None).unwrap()), &by_tiles.sample, &()).unwrap();
+    assert_eq!((parts.points.positions().len(), tiles >= 4), (whole.points.positions().len(), true));
+    let ((mean, deviation), (expected, usual)) = (nearest(parts.points.positions()), nearest(whole.points.positions()));
+    assert!((mean / expected - 1.0).abs() < 0.01 && deviation < 1.3 * usual, "{mean} {expected} {deviation} {usual}");
+    // On the torus, and its normals point outwards.
+    for (p, n) in parts.points.positions().iter().zip(parts.points.normals()) {
+        let outwards = *p - 3.0 * p.with_z(0.0).normalize();
+        assert!((outwards.length() - 1.0).abs() < 2e-3 && outwards.normalize().dot(*n) > 0.99, "{p} {n}");
+    }
+}
+
+#[test]
+fn what_is_missing_in_a_folder_is_one_line() {
+    let (home, path) = cloud(40_000, true);
+    let folder = TileFolder::make(&home.path().join("work")).unwrap();
+    let failed = |result: spectral_remesh::Result<()>, words: &str| {
+        let message = result.unwrap_err().to_string();
+        assert!(message.contains(words) && message.contains("; ") && !message.contains('\n'), "{message}");
+    };
+    failed(TileFolder::at(&home.path().join("nowhere")).map(drop), "there is no such folder");
+    failed(sample_one(&folder, 0, &()), "there is no plan in it");
+    let plan = make_plan(&path, None, &folder, &options(3000, 4), &()).unwrap();
+    failed(sample_one(&folder, plan.tiles.len(), &()), "there is no tile");
+    failed(merge(&folder).map(drop), "tile 0 is not sampled yet");
+    let points = home.path().join("work/points");
+    let bytes = fs::read(&points).unwrap();
+    fs::write(&points, &bytes[..bytes.len() / 2]).unwrap();
+    failed((0..plan.tiles.len()).try_for_each(|tile| sample_one(&folder, tile, &())), "shorter than it was");
+    fs::write(&path, &fs::read(&path).unwrap()[..1000]).unwrap();
+    failed(make_plan(&path, None, &folder, &options(3000, 4), &()).map(drop), "cannot be read in pieces");
+    // A plan that is not finished is none.
+    let (_other, path) = cloud(10, true);
+    failed(make_plan(&path, None, &folder, &options(5, 4), &()).map(drop), "");
+    assert!(!folder.has_plan());
+}
+
+#[cfg(feature = "cli")]
+mod command {
+    use super::*;
+
+    fn remesh(folder: &Path, words: &str) -> Output {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_remesh"));
+        command.current_dir(folder).args(words.split(' ')).output().unwrap()
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<String> =
+            fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort_unstable();
+        names
+    }
+
+    #[test]
+    fn out_of_core_and_by_hand_give_the_same_bytes_and_leave_nothing() {
+        let (home, _) = cloud(60_000, false);
+        let home = home.path();
+        fs::create_dir(home.join("temp")).unwrap();
+        let common = "--points 3000 --sweeps 3";
+        let out = remesh(home, &format!("sample cloud.ply a.ply {common} --out-of-core --temp temp"));
+        let said = String::from_utf8(out.stderr).unwrap();
+        assert!(out.status.success() && said.contains("MB of temporary files in temp/"), "{said}");
+        assert!(names(&home.join("temp")).is_empty());
+        let planned = remesh(home, &format!("tiles plan cloud.ply work {common} --tiles 5"));
+        let text = String::from_utf8(planned.stdout).unwrap();
+        let tiles: usize = text.split(' ').next().unwrap().parse().expect(&text);
+        assert!(tiles >= 5);
+        for tile in (0..tiles).rev() {
+            assert!(remesh(home, &format!("tiles sample work {tile} --threads 1")).status.success());
+        }
+        assert!(remesh(home, "tiles merge work b.ply").status.success());
+        assert!(fs::read(home.join("a.ply")).unwrap() == fs::read(home.join("b.ply")).unwrap());
+    }
+
+    #[test]
+    fn a_run_goes_on_from_what_is_finished() {
+        let (home, path) = cloud(60_000, true);
+        let home = home.path();
+        let work = TileFolder::make(&home.join("a.ply.remesh-tiles")).unwrap();
+        let mut options = options(3000, 5);
+        make_plan(&path, None, &work, &options, &()).unwrap();
+        work.note(&path, &options).unwrap();
+        sample_one(&work, 1, &()).unwrap();
+        let line = "sample cloud.ply a.ply --points 3000 --sweeps 3 --temp . --resume";
+        let out = remesh(home, line);
+        let text = String::from_utf8(out.stdout).unwrap();
+        // A new plan would have one tile.
+        assert!(out.status.success() && !text.contains("of which there were 1\n"), "{text}");
+        assert_eq!(names(home), ["a.ply", "cloud.ply"]);
+        options.tiles = 1;
+        assert!(
+            read_file(&home.join("a.ply"), None).unwrap().mesh.positions == tiled(&path, &options).0.points.positions()
+        );
+    }
+
+    #[test]
+    fn what_goes_wrong_is_one_line_and_leaves_nothing() {
+        let (home, path) = cloud(60_000, true);
+        let home = home.path();
+        fs::create_dir(home.join("temp")).unwrap();
+        let fails = |words: &str, status: i32, expected: &str| {
+            let out = remesh(home, words);
+            let said = String::from_utf8(out.stderr).unwrap();
+            let lines: Vec<&str> = said.lines().filter(|line| !line.contains("MB of temporary files")).collect();
+            assert_eq!((out.status.code(), lines.len()), (Some(status), 1), "{said}");
+            assert!(lines[0].contains(expected), "{said}");
+            assert!(names(&home.join("temp")).is_empty() && !home.join("a.ply").exists());
+        };
+        let line = "sample cloud.ply a.ply --points 3000 --out-of-core --temp";
+        fails(&format!("{line} nowhere"), 1, "nowhere: there is no such folder; create it");
+        fails(&format!("{line} temp --sigma-n 0.5"), 2, "--sigma-n: tiles are sampled evenly");
+        fails(&format!("{line} temp --levels 3"), 2, "--levels: tiles are in no progressive order");
+        fails("sample cloud.ply a.ply --points 3000 --resume", 2, "--temp");
+        fails("sample cloud.ply a.ply --points 3000 --out-of-core --memory much", 2, "400M");
+        // A point that is nowhere, in the middle of the file.
+        let mut bytes = fs::read(&path).unwrap();
+        let middle = bytes.len() - 30_000 * 48;
+        bytes[middle..middle + 8].copy_from_slice(&f64::NAN.to_le_bytes());
+        fs::write(&path, &bytes).unwrap();
+        fails(&format!("{line} temp"), 1, "cloud.ply, byte ");
+        fs::write(home.join("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\n").unwrap();
+        fails("sample a.obj a.ply --points 3000 --out-of-core --temp temp", 1, "cannot be read in pieces");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn an_interrupt_leaves_no_temporary_files() {
+        use std::io::{BufRead, BufReader};
+        let (home, _) = cloud(300_000, false);
+        let home = home.path();
+        fs::create_dir(home.join("temp")).unwrap();
+        let words = "sample cloud.ply a.ply --points 60000 --sweeps 5000 --out-of-core --temp temp -v";
+        let mut running = Command::new(env!("CARGO_BIN_EXE_remesh"))
+            .current_dir(home)
+            .args(words.split(' '))
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut said = BufReader::new(running.stderr.take().unwrap()).lines();
+        assert!(said.any(|line| line.unwrap().ends_with(" s sample tiles")));
+        assert_eq!(names(&home.join("temp")).len(), 1);
+        let id = running.id().to_string();
+        assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+        let last = said.map(|line| line.unwrap()).last().unwrap();
+        assert_eq!(running.wait().unwrap().code(), Some(130));
+        assert!(last.contains("interrupted; no file was changed"), "{last}");
+        assert!(names(&home.join("temp")).is_empty() && !home.join("a.ply").exists());
+    }
+}
