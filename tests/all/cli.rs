@@ -293,6 +293,34 @@ fn levels_are_files_or_one_file() {
 }
 
 #[test]
+fn levels_are_tiles_that_name_their_files() {
+    let folder = folder();
+    let told = run(folder.path(), "sphere.off tiles.json --levels 400,100 --report r.json").went_well().to_owned();
+    assert!(told.contains("-> tiles.json, level 1\n") && told.contains("-> tiles.json, level 2\n"), "{told}");
+    let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let (tileset, reports) = (json(&text("tiles.json")), json(&text("r.json")));
+    let coarse = &tileset["root"]["children"][0];
+    let fine = &coarse["children"][0];
+    let quality = |tile: &serde_json::Value| {
+        let file = tile["content"]["uri"].as_str().unwrap();
+        json(run(folder.path(), &format!("quality {file} --json")).went_well())["output"]["topology"]["vertices"]
+            .as_u64()
+    };
+    assert_eq!((quality(coarse), quality(fine)), (Some(100), Some(400)));
+    // The error of the coarse level is the distance that its report tells, in percent of the diagonal.
+    let told = 0.01 * reports[1]["distance"]["hausdorff"].as_f64().unwrap() * 12f64.sqrt();
+    let error = coarse["geometricError"].as_f64().unwrap();
+    assert!((error / told - 1.0).abs() < 0.1 && fine["geometricError"] == 0.0, "{error} {told}");
+
+    let before = files(folder.path());
+    run(folder.path(), "sphere.off absent/tiles.json --levels 400,100").failed(1, &["absent"]);
+    std::fs::create_dir(folder.path().join("other-2-0.glb")).unwrap();
+    run(folder.path(), "sphere.off other.json --levels 400,100").failed(1, &["other-2-0.glb", "folder"]);
+    std::fs::remove_dir(folder.path().join("other-2-0.glb")).unwrap();
+    assert_eq!(files(folder.path()), before);
+}
+
+#[test]
 fn quiet_says_nothing_and_verbose_names_the_stages() {
     let folder = folder();
     assert_eq!(run(folder.path(), "sphere.off quiet.ply --points 200 -q").went_well(), "");

@@ -27,8 +27,8 @@ pub(super) struct RemeshArgs {
     /// Number of vertices of the output; auto, with --max-error, takes as many as that needs
     #[arg(long, value_name = "N|auto", group = "density", allow_negative_numbers = true, value_parser = points)]
     points: Option<Density>,
-    /// Levels of detail: a mesh of each of these numbers of vertices, from fine to coarse, as OUT-1, OUT-2 and so on, or all
-    /// in one file of glTF or GLB
+    /// Levels of detail: a mesh of each of these numbers of vertices, from fine to coarse, as OUT-1, OUT-2 and so on, all in
+    /// one file of glTF or GLB, or cut into tiles if OUT ends with .json
     #[arg(long, value_name = "N,N,...", group = "density", allow_negative_numbers = true, value_delimiter = ',')]
     levels: Vec<usize>,
     /// Mean edge length of the output, in the units of the input
