@@ -264,7 +264,7 @@ mod tests {
                 dvec3(p.x, 10.0 * v, p.y)
             });
             let twin = twins(&mesh.triangles);
-            on_steps(&mesh, &twin, &turns(&mesh, &twin, 0.5), widest).iter().filter(|f| **f).count() / 2
+            on_steps(&mesh, &twin, &turns(&mesh, &twin, 0.5, NOTICED), widest).iter().filter(|f| **f).count() / 2
         };
         assert_eq!(steps(1.2), 4, "one up and one down, but not the ridge");
         assert_eq!(steps(0.8), 0);
