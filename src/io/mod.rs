@@ -48,6 +48,7 @@ mod read;
 mod stl;
 #[cfg(feature = "fs")]
 mod table;
+mod tetrahedra;
 mod text;
 mod threemf;
 mod vtk;
