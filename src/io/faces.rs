@@ -1,6 +1,8 @@
 //! Polygons of any number of corners, gathered while a file is read and made into triangles at its end.
 
+use crate::base::count::counted;
 use crate::geom::polygon;
+use crate::io::tetrahedra::outside_of;
 use glam::DVec3;
 
 /// Polygons over the vertices of a file.
@@ -11,12 +13,14 @@ pub(crate) struct Faces {
     ends: Vec<usize>,
     /// Polygons with fewer than three corners.
     pub dropped: usize,
+    /// The triangles that are left of polygons which are tetrahedra: the polygon, and its corners as [`Self::each`] has them.
+    outside: Option<Vec<(usize, [usize; 3])>>,
 }
 
 impl Faces {
     /// Room for `faces` triangles.
     pub fn with_capacity(faces: usize) -> Self {
-        Faces { corners: Vec::with_capacity(faces * 3), ends: Vec::with_capacity(faces), dropped: 0 }
+        Faces { corners: Vec::with_capacity(faces * 3), ends: Vec::with_capacity(faces), ..Faces::default() }
     }
 
     #[inline]
@@ -52,6 +56,17 @@ impl Faces {
         self.ends.len()
     }
 
+    /// Keeps the outside if the polygons are the tetrahedra of a volume, and says so. The corners must be indices of `positions`.
+    pub fn keep_outside(&mut self, positions: &[DVec3], notes: &mut Vec<String>) {
+        if self.ends.iter().zip(1..).all(|(&end, n)| end == 4 * n) {
+            self.outside = outside_of(&self.corners, positions);
+        }
+        if self.outside.is_some() {
+            let number = counted(self.ends.len(), "polygon is", "polygons are");
+            notes.push(format!("{number} the tetrahedra of a volume: its outside is taken"));
+        }
+    }
+
     /// All triangles, polygon by polygon. The corners must be indices of `positions`.
     pub fn triangles(&self, positions: &[DVec3]) -> Vec<[u32; 3]> {
         let mut triangles = Vec::with_capacity(self.corners.len() - 2 * self.ends.len());
@@ -62,6 +77,9 @@ impl Faces {
     /// Calls `visit` for all triangles in the order of [`Self::triangles`], with the number of the polygon and those of
     /// the corners, counted over all polygons.
     pub fn each(&self, positions: &[DVec3], mut visit: impl FnMut(usize, [usize; 3])) {
+        if let Some(outside) = &self.outside {
+            return outside.iter().for_each(|&(polygon, corners)| visit(polygon, corners));
+        }
         let mut start = 0;
         for (polygon, &end) in self.ends.iter().enumerate() {
             if end - start == 3 {

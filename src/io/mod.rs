@@ -50,6 +50,7 @@ pub(crate) mod spill;
 mod stl;
 #[cfg(feature = "fs")]
 pub(crate) mod table;
+mod tetrahedra;
 mod text;
 mod threemf;
 #[cfg(feature = "fs")]

@@ -41,16 +41,39 @@ pub(super) fn split_longest(domain: &Domain, mesh: &mut Manifold, wanted: usize)
 
 /// Splits the longest inner edges by `split`, which returns the new vertex if it splits one, until there are `wanted` vertices.
 fn split_longest_with(mesh: &mut Manifold, wanted: usize, split: impl Fn(&mut Manifold, u32) -> Option<u32>) {
-    if mesh.connectivity.vertex_count() >= wanted {
-        return;
+    let is_missing = |mesh: &Manifold| mesh.connectivity.vertex_count() < wanted;
+    if is_missing(mesh) {
+        split_while(mesh, |mesh, _| is_missing(mesh), split);
     }
+}
+
+/// Splits the inner edges with an end `near` that are longer than `longest`, relative to what is wanted there: the longest first.
+pub(super) fn split_longer(domain: &Domain, mesh: &mut Manifold, longest: f64, near: impl Fn(u32) -> bool) {
+    let first = mesh.connectivity.vertex_bound();
+    let is_near = |v: u32| v >= first || near(v);
+    split_while(
+        mesh,
+        |_, square| square > longest * longest,
+        |mesh, h| {
+            let ends = [mesh.connectivity.origin(h), mesh.connectivity.target(h)];
+            ends.into_iter().any(is_near).then(|| mesh.split_at_middle(domain, h)).flatten()
+        },
+    );
+}
+
+/// Splits inner edges by `split`, which returns the new vertex if it splits one, as long as `goes_on` holds for the mesh and the
+/// square of the relative length of the longest one.
+fn split_while(
+    mesh: &mut Manifold,
+    goes_on: impl Fn(&Manifold, f64) -> bool,
+    split: impl Fn(&mut Manifold, u32) -> Option<u32>,
+) {
     let entry = |mesh: &Manifold, h: u32| {
         let c = &mesh.connectivity;
         (c.has_twin(h) && c.can_split(h)).then(|| Ranked::new(mesh.relative_length_squared(h), h.min(c.twin(h))))
     };
     let mut heap: BinaryHeap<Ranked> = mesh.half_edges().filter_map(|h| entry(mesh, h)).collect();
-    while mesh.connectivity.vertex_count() < wanted {
-        let Some(top) = heap.pop() else { return };
+    while let Some(top) = heap.pop().filter(|top| goes_on(mesh, top.rank)) {
         if mesh.relative_length_squared(top.index) != top.rank || !mesh.connectivity.can_split(top.index) {
             continue;
         }

@@ -10,6 +10,7 @@ pub mod max_error;
 mod newton;
 mod quadrature;
 pub mod relax;
+pub mod resize;
 pub mod self_intersections;
 mod shorten;
 pub mod slivers;

@@ -3,10 +3,10 @@
 //! Three things go wrong, and each has its remedy. Samples on sharp edges that are too few leave patches that do not fit
 //! together: there are more of them in the next attempt, and at last the sharp edges are smoothed over. Samples of the two
 //! sides of a thin wall come together such that triangles intersect: others are drawn there. A result that is not sound even
-//! so is made again, finer where it went wrong.
+//! so is made finer where it went wrong, see `pipeline/mend.rs`; only if that does not help all is drawn anew, finer there.
 
 /// Runs up to a whole result, and times that samples are drawn in each for a mesh that does not intersect itself.
-pub(super) const MOST_RUNS: u64 = 4;
+pub(super) const MOST_RUNS: u64 = 3;
 const MOST_SAMPLINGS: u64 = 4;
 
 /// Samples on feature curves for each spacing of their length, in one attempt after the other: patches narrower than the
@@ -27,6 +27,23 @@ pub(super) struct Score {
     pub self_intersections: usize,
     /// Slivers of a whole result.
     pub slivers: usize,
+}
+
+impl Score {
+    pub(super) const SOUND: Score = Score { other_topology: false, self_intersections: 0, slivers: 0 };
+
+    /// Whether a result of so many `triangles` is unsound at single places only.
+    pub(super) fn is_of_places(&self, triangles: usize) -> bool {
+        self.found() > 0 && !self.is_everywhere(triangles)
+    }
+
+    fn is_everywhere(&self, triangles: usize) -> bool {
+        self.found() > MOST_IN_PLACES.max((MOST_OF_TRIANGLES * triangles as f64) as usize)
+    }
+
+    fn found(&self) -> usize {
+        self.self_intersections.max(self.slivers)
+    }
 }
 
 /// What an attempt goes by.
@@ -92,10 +109,7 @@ impl Attempts {
 
     /// Whether to make another run after a result of so many `triangles`; `best` is the best score of all.
     pub(super) fn after_run(&mut self, best: Score, triangles: usize) -> bool {
-        let found = best.self_intersections.max(best.slivers);
-        let is_whole = found == 0 && !best.other_topology;
-        let is_everywhere = found > MOST_IN_PLACES.max((MOST_OF_TRIANGLES * triangles as f64) as usize);
-        if is_whole || is_everywhere || self.run + 1 == MOST_RUNS {
+        if best == Score::SOUND || best.is_everywhere(triangles) || self.run + 1 == MOST_RUNS {
             return false;
         }
         (self.run, self.sampling) = (self.run + 1, 0);
@@ -112,9 +126,9 @@ impl Attempts {
 mod tests {
     use super::*;
 
-    const SOUND: Score = Score { other_topology: false, self_intersections: 0, slivers: 0 };
-    const TORN: Score = Score { other_topology: true, self_intersections: 0, slivers: 0 };
-    const CROSSED: Score = Score { other_topology: false, self_intersections: 8, slivers: 0 };
+    const SOUND: Score = Score::SOUND;
+    const TORN: Score = Score { other_topology: true, ..SOUND };
+    const CROSSED: Score = Score { self_intersections: 8, ..SOUND };
 
     #[test]
     fn what_is_sound_at_once_takes_one_attempt() {

@@ -1,4 +1,4 @@
-//! Where the next attempt at a sound result is finer: around the places where those before it went wrong.
+//! Where a result is made finer: around the places where it went wrong.
 //!
 //! Sheets that are nearer to each other than the edges are long, and narrow patches that were joined with others, are what
 //! triangles intersect at. With edges half as long they mostly do not; the rest of the surface has as much longer edges as

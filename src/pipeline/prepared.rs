@@ -167,10 +167,11 @@ fn refuse_no_surface(repairs: &Repairs, faces: usize) -> Result<()> {
     if cut < MANY_CUT_EDGES || (cut as f64) < MOST_CUT_EDGES * faces as f64 {
         return Ok(());
     }
+    let share = 100.0 * cut as f64 / faces as f64;
     let cause = format!(
-        "{cut} edges have more than two faces, of {faces}: cells of a volume, or triangles between all near points, are no surface"
+        "{cut} edges have three faces or more, which is {share:.0} for each hundred of the {faces} faces; where sheets of a surface meet there are at most five: these are all triangles of a volume's cells, or between all near points, and no surface"
     );
-    let remedy = "give only its outside, or only its points".into();
+    let remedy = "export only its outside; or give only its points, as a cloud".into();
     Err(Error::Mesh { fault: Fault::NoSurface, cause, remedy })
 }
 

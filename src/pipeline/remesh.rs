@@ -5,9 +5,8 @@ use crate::base::math;
 use crate::base::monitor::Monitor;
 use crate::manifold::Manifold;
 use crate::mesh::oriented_manifold::OrientedManifold;
-use crate::mesh::topology::{Topology, topology};
+use crate::mesh::topology::topology;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::optimize::contacts::part_contacts;
 use crate::optimize::counts::meet_count;
 use crate::optimize::self_intersections::resolve_self_intersections;
 use crate::pipeline::attempts::{Attempt, Attempts, MOST_RUNS, Score, Step};
@@ -15,8 +14,10 @@ use crate::pipeline::coarse::{coarse, far_wider_spacing};
 use crate::pipeline::density::{Density, FEWEST_POINTS, FIRST_POINTS, MOST_POINTS};
 use crate::pipeline::edges::Edges;
 use crate::pipeline::finer::Finer;
+use crate::pipeline::finished::Finished;
 use crate::pipeline::follow::ascend_as_asked;
 use crate::pipeline::kernel::KernelFeatures;
+use crate::pipeline::mend::mended;
 use crate::pipeline::optimization::optimize;
 use crate::pipeline::options::{Grading, Options};
 use crate::pipeline::origins::origins;
@@ -25,10 +26,9 @@ use crate::pipeline::redraw::drawn_anew_around;
 use crate::pipeline::result::{Deviation, Remeshed, has_kind, notes};
 use crate::pipeline::scale::CANDIDATES_PER_POINT;
 use crate::pipeline::sized::SizedSurface;
-use crate::pipeline::slivers::{slivers, smallest_unforced_angle};
-use crate::pipeline::within::Sewn;
+use crate::pipeline::slivers::smallest_unforced_angle;
 use crate::quality::bound::{Bounds, hausdorff_bounds};
-use crate::spatial::self_intersections::{Inherited, self_intersections};
+use crate::spatial::self_intersections::self_intersections;
 use crate::spectral::candidates::candidates;
 use crate::spectral::curve_samples::sample_curves;
 use crate::spectral::scan::linear_scan;
@@ -165,9 +165,10 @@ fn remesh_to(
     let mut attempts = Attempts::new(prepared.options.seed, surface.domain.sharp_curves() > 0);
     let mut best: Option<(SizedSurface, Finished)> = None;
     loop {
-        let (made_of, triangulation) = triangulated(surface, &mut attempts, monitor)?;
-        let finished = Finished::new(prepared, &made_of, triangulation, attempts.run(), monitor)?;
+        let (mut made_of, triangulation) = triangulated(surface, &mut attempts, monitor)?;
+        let finished = arranged(prepared, &made_of, triangulation, attempts.run(), monitor)?;
         finer.add(&finished.unsound_places());
+        let finished = mended(prepared, &mut made_of, finished, monitor)?;
         if best.as_ref().is_none_or(|(_, best)| finished.score < best.score) {
             best = Some((made_of, finished));
         }
@@ -264,89 +265,19 @@ impl Triangulation {
     }
 }
 
-/// The mesh of an attempt, optimised, in the coordinates of the input and joined to what was to stay of it.
-struct Finished {
-    manifold: Manifold,
-    /// In the pipeline's unit, before it is joined.
-    of_part: Mesh,
-    sewn: Option<Sewn>,
-    mesh: Mesh,
-    topology: Topology,
-    self_intersections: Vec<u32>,
-    /// Those of them where the surface does not intersect itself.
-    new_self_intersections: Vec<u32>,
-    /// Triangles of `of_part` that are slivers.
-    slivers: Vec<u32>,
-    tessellated_patches: usize,
-    score: Score,
+/// The triangulation of an attempt, optimised, without the self-intersections that can be resolved.
+fn arranged(
+    prepared: &PreparedInput,
+    surface: &SizedSurface,
+    triangulation: Triangulation,
     run: u64,
-}
-
-impl Finished {
-    fn new(
-        prepared: &PreparedInput,
-        surface: &SizedSurface,
-        triangulation: Triangulation,
-        run: u64,
-        monitor: &dyn Monitor,
-    ) -> Result<Finished> {
-        let Triangulation { mesh: mut manifold, tessellated_patches, .. } = triangulation;
-        arrange(prepared, surface, &mut manifold, monitor)?;
-        monitor.stage("resolve self-intersections");
-        resolve_self_intersections(&surface.domain, || surface.self_intersections(), &mut manifold, monitor)?;
-        // Files have positions in single precision.
-        part_contacts(&mut manifold, |p| prepared.unit.outwards_point(p).as_vec3().as_dvec3());
-        let of_part = manifold.to_mesh();
-        let outwards = prepared.unit.outwards(of_part.clone());
-        let sewn = surface.within.as_ref().map(|within| within.sew(&outwards, &manifold, &surface.domain));
-        let mesh = sewn.as_ref().map_or(outwards, |sewn| sewn.mesh.clone());
-        let topology = topology(mesh.positions.len(), &mesh.triangles);
-        let self_intersections = self_intersections(&mesh);
-        let other_topology = !has_kind(&topology, &prepared.of_repaired);
-        let new_self_intersections = new_among(&self_intersections, &mesh, prepared, surface);
-        let slivers = slivers(&manifold);
-        let score = Score { other_topology, self_intersections: new_self_intersections.len(), slivers: slivers.len() };
-        Ok(Finished {
-            manifold,
-            of_part,
-            sewn,
-            mesh,
-            topology,
-            self_intersections,
-            new_self_intersections,
-            slivers,
-            tessellated_patches,
-            score,
-            run,
-        })
-    }
-
-    /// Triangles of the mesh that was there before it was joined to what stays; they come first.
-    fn kept_triangles(&self) -> u32 {
-        (self.mesh.triangles.len() - self.of_part.triangles.len()) as u32
-    }
-
-    /// The corners of the triangles that make it unsound, in the pipeline's unit.
-    fn unsound_places(&self) -> Vec<DVec3> {
-        let crossing = self.new_self_intersections.iter().filter_map(|t| t.checked_sub(self.kept_triangles()));
-        crossing.chain(self.slivers.iter().copied()).flat_map(|t| self.of_part.corners(t as usize)).collect()
-    }
-}
-
-/// Those `faces` of `mesh`, which intersect others, that are not where the repaired input does.
-fn new_among(faces: &[u32], mesh: &Mesh, prepared: &PreparedInput, surface: &SizedSurface) -> Vec<u32> {
-    if faces.is_empty() {
-        return Vec::new();
-    }
-    let SizedSurface { domain, within, .. } = surface;
-    let corners = |&t: &u32| domain.mesh.corners(t as usize).map(|p| prepared.unit.outwards_point(p));
-    let of_domain = surface.self_intersections().iter().map(corners);
-    let of_whole = within.iter().flat_map(|within| {
-        let whole = &within.whole;
-        self_intersections(whole).into_iter().map(|t| whole.corners(t as usize))
-    });
-    let inherited = Inherited::new(of_domain.chain(of_whole));
-    faces.iter().copied().filter(|&t| !inherited.is_near(mesh.corners(t as usize))).collect()
+    monitor: &dyn Monitor,
+) -> Result<Finished> {
+    let Triangulation { mesh: mut manifold, tessellated_patches, .. } = triangulation;
+    arrange(prepared, surface, &mut manifold, monitor)?;
+    monitor.stage("resolve self-intersections");
+    resolve_self_intersections(&surface.domain, || surface.self_intersections(), &mut manifold, monitor)?;
+    Ok(Finished::new(prepared, surface, manifold, tessellated_patches, run))
 }
 
 /// How many triangles of the repaired input intersect others.
@@ -432,6 +363,10 @@ fn remeshed(
     result.notes = notes(&result, prepared.cracks);
     if let (Some(within), Some(kept)) = (within, &result.kept) {
         result.notes.extend(within.notes(&result.mesh, kept));
+    }
+    if finished.is_mended {
+        let why = "edges are shorter at places where there were self-intersections or slivers with longer ones";
+        result.notes.push(why.to_string());
     }
     if finished.run > 1 && result.is_sound() {
         result.notes.push(format!(

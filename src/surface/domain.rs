@@ -222,6 +222,12 @@ impl Domain {
         (0..3).map(|k| weights[k] * self.sizes[corners[k] as usize]).sum()
     }
 
+    /// The wanted edge length at the point of triangle `t` closest to `p`, relative to the mean spacing.
+    pub fn size_near(&self, p: DVec3, t: u32) -> f64 {
+        let corners = self.mesh.corners(t as usize);
+        self.size(t, barycentric(closest_point(p, corners), corners))
+    }
+
     /// The wanted edge length at vertex `v`, relative to the mean spacing.
     #[inline]
     pub fn size_at(&self, v: u32) -> f64 {

@@ -9,7 +9,7 @@
 
 use crate::manifold::Manifold;
 use crate::manifold::facing::FacingGuard;
-use crate::mesh::topology::NONE;
+use crate::mesh::topology::{NONE, topology};
 use crate::triangulate::mutual_tessellation::merge_away;
 use crate::triangulate::triangulation::{Boundary, Triangulated};
 
@@ -20,11 +20,11 @@ const MOST_BETWEEN: usize = 8;
 /// `patches`.
 pub fn straighten_rims(patches: &mut Triangulated, boundary: Boundary<'_>) {
     let bays = bays(patches, boundary);
-    if bays.is_empty() {
+    if bays.is_empty() || are_on_one_edge(&bays) {
         return;
     }
     let Triangulated { mesh, source, .. } = patches;
-    let (mut triangles, _) = mesh.connectivity.compact();
+    let mut triangles: Vec<[u32; 3]> = mesh.triangles().map(|t| mesh.connectivity.triangle(3 * t)).collect();
     for Bay { ends: [v, w], between } in &bays {
         if mesh.connectivity.are_adjacent(*v, *w) {
             triangles.retain(|t| !t.iter().all(|c| c == v || c == w || between.contains(c)));
@@ -32,6 +32,9 @@ pub fn straighten_rims(patches: &mut Triangulated, boundary: Boundary<'_>) {
             triangles.extend(between.windows(2).map(|pair| [*v, pair[1], pair[0]]));
             triangles.extend(between.last().map(|&last| [*v, *w, last]));
         }
+    }
+    if !topology(mesh.samples.len(), &triangles).is_manifold() {
+        return;
     }
     *mesh = Manifold::new(std::mem::take(&mut mesh.samples), &triangles);
     for v in bays.into_iter().flat_map(|bay| bay.between) {
@@ -48,6 +51,13 @@ pub fn straighten_rims(patches: &mut Triangulated, boundary: Boundary<'_>) {
 struct Bay {
     ends: [u32; 2],
     between: Vec<u32>,
+}
+
+/// Whether two bays would become one edge: the patch between them is as narrow as that, and would have no rim any more.
+fn are_on_one_edge(bays: &[Bay]) -> bool {
+    let mut ends: Vec<[u32; 2]> = bays.iter().map(|bay| bay.ends).map(|[v, w]| [v.min(w), v.max(w)]).collect();
+    ends.sort_unstable();
+    ends.windows(2).any(|pair| pair[0] == pair[1])
 }
 
 fn bays(patches: &Triangulated, boundary: Boundary<'_>) -> Vec<Bay> {
@@ -100,6 +110,17 @@ mod tests {
         straighten_rims(&mut patches, Boundary { sites: &[(0, 0.0); 3], successor: &[1, 2, 0] });
         assert_eq!(patches.source, [0, 1, 2]);
         assert_eq!(patches.mesh.connectivity.compact().0, [[0, 1, 2]]);
+    }
+
+    #[test]
+    fn a_patch_whose_rims_would_be_one_edge_stays() {
+        // Two curves between the same two samples, and a vertex of the domain on each.
+        let samples = vec![at(0.0, 0.0), at(1.0, 0.0), at(0.5, -0.1), at(0.5, 0.1)];
+        let triangles = [[0, 2, 3], [2, 1, 3]];
+        let mesh = Manifold::new(samples, &triangles);
+        let mut patches = Triangulated { mesh, source: vec![0, 1, 7, 8], tessellated_patches: 0 };
+        straighten_rims(&mut patches, Boundary { sites: &[(0, 0.0); 2], successor: &[1, 0] });
+        assert_eq!(patches.mesh.connectivity.compact().0, triangles);
     }
 
     #[test]

@@ -283,6 +283,7 @@ impl<'a> Reader<'a> {
     /// What was read, once all of it has been.
     fn finish(mut self) -> Read {
         let mut notes = self.notes();
+        self.faces.keep_outside(&self.positions, &mut notes);
         let triangles = self.faces.triangles(&self.positions);
         let attributes = Attributes {
             vertex: self.colors(&mut notes).into_iter().chain(self.vertex_normals(&triangles, &mut notes)).collect(),

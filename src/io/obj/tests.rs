@@ -236,3 +236,22 @@ proptest! {
         prop_assert_eq!(places, by_tobj(&text));
     }
 }
+
+#[test]
+fn tetrahedra_as_polygons_are_read_as_their_outside() {
+    // An octahedron around its middle, a tetrahedron for each side.
+    let corners = "v 0 0 0\nv 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n";
+    let sides = [[2, 4, 6], [4, 3, 6], [3, 5, 6], [5, 2, 6], [4, 2, 7], [3, 4, 7], [5, 3, 7], [2, 5, 7]];
+    // A second shell around it, so that most of the triangles are between two of them.
+    let outer = "v 3 0 0\nv -3 0 0\nv 0 3 0\nv 0 -3 0\nv 0 0 3\nv 0 0 -3\n";
+    let mut text = [corners, outer].concat();
+    for [a, b, c] in sides {
+        let [d, e, f] = [a, b, c].map(|v| v + 6);
+        for [p, q, r, s] in [[1, a, b, c], [a, b, c, d], [b, c, d, e], [c, d, e, f]] {
+            text += &format!("f {p} {q} {r} {s}\n");
+        }
+    }
+    let read = parse(text.as_bytes()).unwrap();
+    assert!(read.mesh.triangles.iter().flatten().all(|&v| v > 0), "no triangle has the middle");
+    assert_eq!(read.notes, ["32 polygons are the tetrahedra of a volume: its outside is taken"]);
+}

@@ -46,9 +46,10 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
         return binary::parse(bytes, bytes.len() - words.remaining(), further);
     };
     let (positions, columns) = read_vertices(&mut words, vertices, further)?;
-    let faces = read_faces(&mut words, faces, vertices)?;
-    let triangles = faces.triangles(&positions);
+    let mut faces = read_faces(&mut words, faces, vertices)?;
     let mut notes = Vec::new();
+    faces.keep_outside(&positions, &mut notes);
+    let triangles = faces.triangles(&positions);
     small_faces(&mut notes, faces.dropped);
     if words.anywhere().is_some() {
         notes.push(format!("what follows the last face, from line {} on, is left out", words.line()));

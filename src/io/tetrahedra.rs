@@ -1,0 +1,93 @@
+//! Tetrahedra that are written as polygons of four corners, as some programs save a volume: the surface is their outside.
+//!
+//! Four corners of a surface are a quadrilateral, and no three of them are corners of another one. The corners of
+//! tetrahedra that fill a volume are, three by three, mostly those of two of them.
+//!
+//! Cost: a sort of the triangles, where there are half again as many polygons as vertices. A surface of quadrilaterals has
+//! as many as it has vertices.
+
+use glam::DVec3;
+
+/// The triangles of a tetrahedron, seen from its outside if the first three corners turn left as seen from the fourth.
+const SIDES: [[usize; 3]; 4] = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 2, 3]];
+
+/// The outer triangles of tetrahedra, each as the number of its tetrahedron and the places of its corners in `corners`, which
+/// has four corners of each; `None` if these are none.
+pub(super) fn outside_of(corners: &[u32], positions: &[DVec3]) -> Option<Vec<(usize, [usize; 3])>> {
+    let count = corners.len() / 4;
+    if 2 * count < 3 * positions.len() {
+        return None;
+    }
+    let sides = (0..count).flat_map(|t| SIDES.map(|side| (t, side.map(|k| 4 * t + k))));
+    let mut sides: Vec<([u32; 3], usize, [usize; 3])> = sides
+        .map(|(t, side)| {
+            let mut ends = side.map(|i| corners[i]);
+            ends.sort_unstable();
+            (ends, t, side)
+        })
+        .collect();
+    sides.sort_unstable();
+    let groups = || sides.chunk_by(|a, b| a.0 == b.0);
+    let shared = groups().filter(|group| group.len() == 2).count();
+    let alone = groups().filter(|group| group.len() == 1);
+    let mut outside: Vec<(usize, [usize; 3])> = alone.map(|group| (group[0].1, group[0].2)).collect();
+    if shared < outside.len() || 2 * shared + outside.len() < sides.len() {
+        return None;
+    }
+    for (t, side) in &mut outside {
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| positions[corners[4 * *t + k] as usize]);
+        if (b - a).cross(c - a).dot(d - a) > 0.0 {
+            side.swap(1, 2);
+        }
+    }
+    outside.sort_unstable();
+    Some(outside)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::topology::topology;
+    use crate::mesh::triangle_mesh::Mesh;
+    use glam::dvec3;
+
+    /// Six tetrahedra around a diagonal of each of `n` cubes a side; every other one is turned inside out.
+    fn cube_of_tetrahedra(n: u32) -> (Vec<u32>, Vec<DVec3>) {
+        let m = n + 1;
+        let positions = (0..m * m * m).map(|i| dvec3((i % m).into(), (i / m % m).into(), (i / m / m).into())).collect();
+        let steps = [1, m, m * m];
+        let orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+        let cells = (0..n * n * n).map(|i| i % n + i / n % n * m + i / n / n * m * m);
+        let of_cell = |first: u32| {
+            orders.into_iter().flat_map(move |order: [usize; 3]| {
+                let [a, b, c] = order.map(|k| steps[k]);
+                [first, first + a, first + a + b, first + a + b + c]
+            })
+        };
+        (cells.flat_map(of_cell).collect(), positions)
+    }
+
+    #[test]
+    fn the_outside_of_a_cube_is_its_sides() {
+        let (corners, positions) = cube_of_tetrahedra(3);
+        let outside = outside_of(&corners, &positions).unwrap();
+        let triangles: Vec<[u32; 3]> = outside.iter().map(|(_, side)| side.map(|i| corners[i])).collect();
+        assert_eq!(triangles.len(), 6 * 9 * 2);
+        let found = topology(positions.len(), &triangles);
+        assert!(found.is_manifold() && found.is_oriented() && found.boundary_loops == 0);
+        let mesh = Mesh { positions, triangles };
+        let volume: f64 =
+            (0..mesh.triangles.len()).map(|t| mesh.corners(t)).map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum();
+        assert!((volume - 27.0).abs() < 1e-9, "{volume}");
+    }
+
+    #[test]
+    fn quadrilaterals_are_no_tetrahedra() {
+        // Each side of a cube of three by three quadrilaterals, with corners of its own and then all of them in common.
+        let quads: Vec<u32> = (0..9u32).map(|i| i / 3 * 4 + i % 3).flat_map(|v| [v, v + 1, v + 5, v + 4]).collect();
+        let positions: Vec<DVec3> = (0..16).map(|i| dvec3((i % 4).into(), (i / 4).into(), 0.0)).collect();
+        assert!(outside_of(&quads, &positions).is_none());
+        let twice = [quads.clone(), quads.clone(), quads].concat();
+        assert!(outside_of(&twice, &positions).is_none(), "copies of one quadrilateral");
+    }
+}

@@ -1,0 +1,100 @@
+//! A result as it is held against the input: what is wrong with it, and where.
+
+use crate::manifold::Manifold;
+use crate::mesh::topology::{Topology, topology};
+use crate::mesh::triangle_mesh::Mesh;
+use crate::optimize::contacts::part_contacts;
+use crate::pipeline::attempts::Score;
+use crate::pipeline::prepared::PreparedInput;
+use crate::pipeline::result::has_kind;
+use crate::pipeline::sized::SizedSurface;
+use crate::pipeline::slivers::slivers;
+use crate::pipeline::within::Sewn;
+use crate::spatial::self_intersections::{Inherited, self_intersections};
+use glam::DVec3;
+
+/// The mesh of an attempt, optimised, in the coordinates of the input and joined to what was to stay of it.
+pub(super) struct Finished {
+    pub manifold: Manifold,
+    /// In the pipeline's unit, before it is joined.
+    pub of_part: Mesh,
+    pub sewn: Option<Sewn>,
+    pub mesh: Mesh,
+    pub topology: Topology,
+    pub self_intersections: Vec<u32>,
+    /// Those of them where the surface does not intersect itself.
+    pub new_self_intersections: Vec<u32>,
+    /// Triangles of `of_part` that are slivers.
+    pub slivers: Vec<u32>,
+    pub tessellated_patches: usize,
+    pub score: Score,
+    /// The run that made it, from 1.
+    pub run: u64,
+    /// Whether it was made finer where it went wrong.
+    pub is_mended: bool,
+}
+
+impl Finished {
+    /// Holds `manifold`, made by that run over `surface`, against the input.
+    pub(super) fn new(
+        prepared: &PreparedInput,
+        surface: &SizedSurface,
+        mut manifold: Manifold,
+        tessellated_patches: usize,
+        run: u64,
+    ) -> Finished {
+        // Files have positions in single precision.
+        part_contacts(&mut manifold, |p| prepared.unit.outwards_point(p).as_vec3().as_dvec3());
+        let of_part = manifold.to_mesh();
+        let outwards = prepared.unit.outwards(of_part.clone());
+        let sewn = surface.within.as_ref().map(|within| within.sew(&outwards, &manifold, &surface.domain));
+        let mesh = sewn.as_ref().map_or(outwards, |sewn| sewn.mesh.clone());
+        let topology = topology(mesh.positions.len(), &mesh.triangles);
+        let self_intersections = self_intersections(&mesh);
+        let other_topology = !has_kind(&topology, &prepared.of_repaired);
+        let new_self_intersections = new_among(&self_intersections, &mesh, prepared, surface);
+        let slivers = slivers(&manifold);
+        let score = Score { other_topology, self_intersections: new_self_intersections.len(), slivers: slivers.len() };
+        Finished {
+            manifold,
+            of_part,
+            sewn,
+            mesh,
+            topology,
+            self_intersections,
+            new_self_intersections,
+            slivers,
+            tessellated_patches,
+            score,
+            run,
+            is_mended: false,
+        }
+    }
+
+    /// Triangles of the mesh that was there before it was joined to what stays; they come first.
+    pub(super) fn kept_triangles(&self) -> u32 {
+        (self.mesh.triangles.len() - self.of_part.triangles.len()) as u32
+    }
+
+    /// The corners of the triangles that make it unsound, in the pipeline's unit.
+    pub(super) fn unsound_places(&self) -> Vec<DVec3> {
+        let crossing = self.new_self_intersections.iter().filter_map(|t| t.checked_sub(self.kept_triangles()));
+        crossing.chain(self.slivers.iter().copied()).flat_map(|t| self.of_part.corners(t as usize)).collect()
+    }
+}
+
+/// Those `faces` of `mesh`, which intersect others, that are not where the repaired input does.
+fn new_among(faces: &[u32], mesh: &Mesh, prepared: &PreparedInput, surface: &SizedSurface) -> Vec<u32> {
+    if faces.is_empty() {
+        return Vec::new();
+    }
+    let SizedSurface { domain, within, .. } = surface;
+    let corners = |&t: &u32| domain.mesh.corners(t as usize).map(|p| prepared.unit.outwards_point(p));
+    let of_domain = surface.self_intersections().iter().map(corners);
+    let of_whole = within.iter().flat_map(|within| {
+        let whole = &within.whole;
+        self_intersections(whole).into_iter().map(|t| whole.corners(t as usize))
+    });
+    let inherited = Inherited::new(of_domain.chain(of_whole));
+    faces.iter().copied().filter(|&t| !inherited.is_near(mesh.corners(t as usize))).collect()
+}
