@@ -276,7 +276,7 @@ mod tests {
         let transform: Vec<f64> =
             json["root"]["transform"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
         let of_input = glam::DMat4::from_cols_slice(&transform);
-        let mut seen = vec![vec![0; fine.0.positions.len()], vec![0; coarse.0.positions.len()]];
+        let mut seen = [vec![0; fine.0.positions.len()], vec![0; coarse.0.positions.len()]];
         let mut triangles = [0, 0];
         for (name, tile) in &files {
             let i = usize::from(name.starts_with("a b-2"));

@@ -111,7 +111,7 @@ fn the_inside_of_a_volume_is_refused() {
     let Err(Error::Mesh { fault: Fault::NoSurface, cause, remedy }) = made else {
         panic!("{:?}", made.map(|m| m.output))
     };
-    assert!(cause.contains("more than two faces") && remedy.contains("outside"), "{cause}; {remedy}");
+    assert!(cause.contains("three faces or more") && remedy.contains("outside"), "{cause}; {remedy}");
 }
 
 /// A monitor that stops at the stage of a name.
