@@ -46,6 +46,7 @@ pub(super) fn percent_decoded(address: &str) -> Option<Cow<'_, str>> {
 }
 
 /// A name of a file as an address: what is no letter, digit, or one of `-._~` in ASCII as `%20` and the like.
+#[cfg(feature = "fs")]
 pub(super) fn percent_encoded(name: &str) -> String {
     let encode = |byte: u8| match byte {
         b'-' | b'.' | b'_' | b'~' => char::from(byte).to_string(),
