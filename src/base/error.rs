@@ -123,6 +123,8 @@ pub enum Setting {
     PartMarks,
     /// The bound of the error.
     MaxError,
+    /// What normals are fitted to.
+    NormalFit,
     /// How many neighbours normals are fitted to.
     NormalNeighbors,
     /// The radius within which normals are fitted.
@@ -141,7 +143,7 @@ pub enum Setting {
 
 impl Setting {
     /// All of them.
-    pub const ALL: [Setting; 20] = [
+    pub const ALL: [Setting; 21] = [
         Setting::Points,
         Setting::EdgeLength,
         Setting::SigmaP,
@@ -155,6 +157,7 @@ impl Setting {
         Setting::PartBox,
         Setting::PartMarks,
         Setting::MaxError,
+        Setting::NormalFit,
         Setting::NormalNeighbors,
         Setting::NormalRadius,
         Setting::FillHoles,
@@ -181,6 +184,7 @@ impl Setting {
             Setting::PartBox => "within",
             Setting::PartMarks => "select",
             Setting::MaxError => "max-error",
+            Setting::NormalFit => "normal-fit",
             Setting::NormalNeighbors => "normal-neighbors",
             Setting::NormalRadius => "normal-radius",
             Setting::FillHoles => "fill-holes",
@@ -208,6 +212,7 @@ impl fmt::Display for Setting {
             Setting::PartBox => "box of the part",
             Setting::PartMarks => "marks of the part",
             Setting::MaxError => "error bound",
+            Setting::NormalFit => "fit of normals",
             Setting::NormalNeighbors => "neighbours for normals",
             Setting::NormalRadius => "radius for normals",
             Setting::FillHoles => "size of holes to fill",

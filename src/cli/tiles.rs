@@ -2,42 +2,21 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
-use crate::cli::args::{Planning, Tiling, Voice};
+use crate::cli::args::{Planning, Run, Tiling, Voice};
 use crate::cli::files::{add_run, check_targets, hand_out, name, now_writing, watched};
 use crate::cli::out_of_core::free_memory;
 use crate::cli::terminal;
 use crate::io::file;
 use crate::pipeline::SampleOptions;
 use crate::report::samples::SamplesReport;
-use crate::tiles::{PlanOptions, TileFolder, make_plan, merge, sample_one};
+use crate::tiles::{Plan, PlanOptions, TileFolder, make_plan, merge, sample_one};
 use std::path::Path;
 
 pub(super) fn do_tiles(job: &Tiling) -> Result<()> {
     match job {
         Tiling::Plan(job) => plan(job),
         Tiling::Sample { folder, numbers, run } => sample(folder, numbers, run.voice),
-        Tiling::Merge { folder, output, run } => {
-            file::points_format(output, None)?;
-            check_targets(output, run)?;
-            let folder = TileFolder::at(folder)?;
-            let report = watched(run.voice, |monitor| {
-                monitor.stage("merge");
-                let sampled = merge(&folder)?;
-                check(monitor)?;
-                now_writing(monitor);
-                file::write_points_file(output, &sampled.points, &sampled.attributes(), None)?;
-                let plan = folder.plan()?;
-                let options = SampleOptions {
-                    seed: plan.sampling.seed,
-                    sweeps: plan.sampling.sweeps.unwrap_or(0),
-                    ..SampleOptions::default()
-                };
-                let mut report = SamplesReport::new(&sampled, &options, plan.input, output.display().to_string());
-                add_run(&mut report.run, monitor);
-                Ok(report)
-            })?;
-            hand_out(&report.to_json(), &report.to_text(), run)
-        }
+        Tiling::Merge { folder, output, run } => join(folder, output, run),
     }
 }
 
@@ -72,4 +51,24 @@ fn sample(folder: &Path, numbers: &[usize], voice: Voice) -> Result<()> {
         }
         Ok(())
     })
+}
+
+fn join(folder: &Path, output: &Path, run: &Run) -> Result<()> {
+    file::points_format(output, None)?;
+    check_targets(output, run)?;
+    let folder = TileFolder::at(folder)?;
+    let report = watched(run.voice, |monitor| {
+        monitor.stage("merge");
+        let sampled = merge(&folder)?;
+        check(monitor)?;
+        now_writing(monitor);
+        file::write_points_file(output, &sampled.points, &sampled.attributes(), None)?;
+        let Plan { input, sampling, .. } = folder.plan()?;
+        let sweeps = sampling.sweeps.unwrap_or(0);
+        let options = SampleOptions { seed: sampling.seed, sweeps, ..SampleOptions::default() };
+        let mut report = SamplesReport::new(&sampled, &options, input, output.display().to_string());
+        add_run(&mut report.run, monitor);
+        Ok(report)
+    })?;
+    hand_out(&report.to_json(), &report.to_text(), run)
 }

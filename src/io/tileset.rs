@@ -79,7 +79,7 @@ impl<'a> Tileset<'a> {
         let mut octree = Octree { depths, found: vec![BTreeMap::new(); levels.len()], tiles: Vec::new() };
         for (i, level) in levels.iter().enumerate().rev() {
             for t in 0..level.mesh.triangles.len() {
-                let cell = cell(&all, centroid(level.mesh.corners(t)), octree.depths[i]);
+                let cell = cell(&all, level.mesh.centroid(t), octree.depths[i]);
                 let tile = octree.tile(i, cell);
                 octree.tiles[tile].triangles.push(t as u32);
             }
@@ -200,10 +200,6 @@ fn cell(all: &Aabb, point: DVec3, depth: u32) -> Cell {
     let cells = f64::from(1u32 << depth);
     let scaled = if side > 0.0 { (point - 0.5 * (all.lo + all.hi)) / side + 0.5 } else { DVec3::splat(0.5) };
     scaled.to_array().map(|x| (x * cells).floor().clamp(0.0, cells - 1.0) as u32)
-}
-
-fn centroid([a, b, c]: [DVec3; 3]) -> DVec3 {
-    (a + b + c) / 3.0
 }
 
 /// A box as tiles have it, whose z is up: its middle, and half of each of its sides.

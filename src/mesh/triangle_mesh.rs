@@ -29,6 +29,11 @@ impl Mesh {
         self.triangles[t].map(|v| self.positions[v as usize])
     }
 
+    /// The centroid of triangle `t`.
+    pub fn centroid(&self, t: usize) -> DVec3 {
+        self.corners(t).into_iter().sum::<DVec3>() / 3.0
+    }
+
     /// Twice the area of triangle `t` times its unit normal.
     #[inline]
     pub fn area_vector(&self, t: usize) -> DVec3 {

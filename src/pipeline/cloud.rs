@@ -338,7 +338,7 @@ fn mean(numbers: &[f64]) -> f64 {
 }
 
 /// What to say of points that are as thick as wide wherever one looks.
-fn volume(points: usize) -> Error {
+pub fn volume(points: usize) -> Error {
     let cause = format!("no surface goes through these {points} points: they fill a volume");
     let remedy = "give points of a surface, or less noisy ones".into();
     Error::Mesh { fault: Fault::NoSurface, cause, remedy }

@@ -81,7 +81,7 @@ pub(super) fn origins_through(repaired: &OrientedManifold, mesh: &Mesh, input: &
     let normals = mesh.vertex_area_vectors();
     let vertices: Vec<PointOnTriangle> =
         mesh.positions.par_iter().zip(normals).map(|(&p, normal)| origin(p, normal)).collect();
-    let centre = |t: usize| mesh.corners(t).into_iter().sum::<DVec3>() / 3.0;
+    let centre = |t: usize| mesh.centroid(t);
     let triangles: Vec<PointOnTriangle> =
         (0..mesh.triangles.len()).into_par_iter().map(|t| origin(centre(t), mesh.area_vector(t))).collect();
     Origins { vertices, triangles }

@@ -69,7 +69,7 @@ impl Components {
             of_triangle[source] = number[corners[0] as usize];
             let component = &mut list[of_triangle[source] as usize];
             if component.triangles == 0 {
-                component.place = input.corners(source).into_iter().sum::<DVec3>() / 3.0;
+                component.place = input.centroid(source);
             }
             component.triangles += 1;
             component.area += 0.5 * input.area_vector(source).length();

@@ -38,7 +38,7 @@ mod within;
 
 pub use cloud::{
     CloudOptions, CloudSummary, FEW_NEIGHBORS, INTERPOLATING_SUPPORT, MeshOfPoints, NormalFit, Reach,
-    SMOOTHING_SUPPORT, mesh_of_points,
+    SMOOTHING_SUPPORT, mesh_of_points, volume,
 };
 pub use coverage::Coverage;
 pub use density::{Density, FEWEST_POINTS, MOST_POINTS, SampleDensity, check_levels};

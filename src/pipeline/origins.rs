@@ -15,7 +15,6 @@ use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::sized::SizedSurface;
 use crate::pipeline::within::{Sewn, Within};
 use crate::surface::domain::Sample;
-use glam::DVec3;
 use rayon::prelude::*;
 
 /// The origins of the mesh `of_part` that `made` is, in the pipeline's unit, and of what was joined to it.
@@ -37,7 +36,7 @@ pub(super) fn origins(
         domain.origin(sample, reach(sample.size), input)
     };
     let triangle = |t: usize| {
-        let centre = of_part.corners(t).into_iter().sum::<DVec3>() / 3.0;
+        let centre = of_part.centroid(t);
         let normal = of_part.area_vector(t);
         // A corner that is on no curve knows the smooth patch.
         let mut corners = of_part.triangles[t].iter().map(|&v| old[v as usize]);

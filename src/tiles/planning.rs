@@ -1,6 +1,6 @@
 //! Making a plan: what is global is decided once, and the points are sorted by place.
 
-use crate::base::error::{Error, Fault, Result, Setting};
+use crate::base::error::{Error, Result, Setting};
 use crate::base::monitor::{Monitor, check};
 use crate::base::rng::{Stage, bits_at};
 use crate::io::Format;
@@ -8,7 +8,8 @@ use crate::io::dense::PointFile;
 use crate::io::spill::{Chunk, SpillWriter};
 use crate::mesh::points::Points;
 use crate::pipeline::{
-    INTERPOLATING_SUPPORT, SMOOTHING_SUPPORT, SampleDensity, SampleOptions, Survey, TileOptions, count_in_tile, survey,
+    INTERPOLATING_SUPPORT, Reach, SMOOTHING_SUPPORT, SampleDensity, SampleOptions, Survey, TileOptions, count_in_tile,
+    survey, volume,
 };
 use crate::prepare::flatten::{Flatness, flatness};
 use crate::spatial::kdtree::Neighbors;
@@ -112,6 +113,15 @@ fn refuse_impossible(options: &SampleOptions) -> Result<()> {
     if !options.signals.is_empty() {
         return Err(impossible(Setting::Signals, "tiles are sampled evenly"));
     }
+    let setting = match (options.cloud.fit, options.cloud.neighborhood) {
+        (Some(_), _) => Some(Setting::NormalFit),
+        (_, Some(Reach::Count(_))) => Some(Setting::NormalNeighbors),
+        (_, Some(Reach::Radius(_))) => Some(Setting::NormalRadius),
+        _ => None,
+    };
+    if let Some(setting) = setting {
+        return Err(impossible(setting, "the normals of tiles are those of planes through a few neighbours"));
+    }
     if options.levels.is_some() {
         return Err(impossible(Setting::Levels, "tiles are in no progressive order"));
     }
@@ -208,12 +218,7 @@ fn reach_for_noise(plan: &Plan, folder: &TileFolder, blocks: BlockBox, monitor: 
     match flatness(&positions, &Neighbors::new(&positions)) {
         Flatness::AtOnce => Ok(plan.sampling.reach),
         Flatness::NotQuite | Flatness::At(_) => Ok(SMOOTHING_SUPPORT),
-        Flatness::Never => Err(Error::Mesh {
-            fault: Fault::NoSurface,
-            cause: "no surface goes through the points: they fill a volume".into(),
-            remedy: "give points of a surface, or less noisy ones".into(),
-        }
-        .in_file(&plan.input)),
+        Flatness::Never => Err(volume(plan.points).in_file(&plan.input)),
     }
 }
 

@@ -218,6 +218,8 @@ mod command {
         let line = "sample cloud.ply a.ply --points 3000 --out-of-core --temp";
         fails(&format!("{line} nowhere"), 1, "nowhere: there is no such folder; create it");
         fails(&format!("{line} temp --sigma-n 0.5"), 2, "--sigma-n: tiles are sampled evenly");
+        fails(&format!("{line} temp --normal-neighbors 20"), 2, "--normal-neighbors: the normals of tiles");
+        fails(&format!("{line} temp --normal-fit sphere"), 2, "--normal-fit: the normals of tiles");
         fails(&format!("{line} temp --levels 3"), 2, "--levels: tiles are in no progressive order");
         fails("sample cloud.ply a.ply --points 3000 --resume", 2, "--temp");
         fails("sample cloud.ply a.ply --points 3000 --out-of-core --memory much", 2, "400M");

@@ -4,7 +4,7 @@ use crate::cli::args::shared::{MeshFile, NormalArgs, Run, RunArgs, reach_help};
 use crate::cli::args::stop::{Stop, refused};
 use crate::cli::args::words::{PropertyWidth, bytes, no_density, property_width, samples};
 use crate::io::Format;
-use crate::job::settings::SampleSettings;
+use crate::job::settings::{NormalSettings, SampleSettings};
 use crate::job::words::positive;
 use crate::pipeline::{SampleDensity, SampleOptions, Signal};
 use std::path::PathBuf;
@@ -26,6 +26,33 @@ pub(super) struct SampleArgs {
     /// The points to write; an existing file is replaced when the new one is complete
     #[arg(value_name = "OUT")]
     output: PathBuf,
+    #[command(flatten)]
+    even: EvenArgs,
+    /// Kernel width σn along unit normals: with 0.5 to 1 samples gather where the surface bends; inf is even
+    #[arg(long, value_name = "S", default_value_t = SampleOptions::default().sigma_n, allow_negative_numbers = true)]
+    sigma_n: f64,
+    /// Kernel width along a property of the input's vertices (PLY, or glTF like _HEAT), in its units: samples gather
+    /// where it changes; up to four times
+    #[arg(long = "sigma", value_name = "NAME=VALUE", value_parser = property_width)]
+    properties: Vec<PropertyWidth>,
+    #[command(flatten)]
+    normals: NormalArgs,
+    /// Write the points in progressive order, in which any first part of them is evenly spread, too: K levels, each with
+    /// a quarter of the points of the next one. The report says where each ends
+    #[arg(long, value_name = "K", allow_negative_numbers = true)]
+    levels: Option<usize>,
+    /// Format of the input [default: by its ending, else by its content]
+    #[arg(long, value_name = "FORMAT")]
+    format: Option<Format>,
+    #[command(flatten)]
+    out_of_core: OutOfCoreArgs,
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+/// How to sample evenly, in memory or tile by tile.
+#[derive(Debug, clap::Args)]
+pub(super) struct EvenArgs {
     /// Number of samples
     #[arg(long, value_name = "N", group = "density", allow_negative_numbers = true, value_parser = samples)]
     points: Option<SampleDensity>,
@@ -35,37 +62,40 @@ pub(super) struct SampleArgs {
     /// Kernel width σp of the sampler, in the units of the input
     #[arg(long, value_name = "S", group = "density", allow_negative_numbers = true, value_parser = positive)]
     sigma_p: Option<f64>,
-    /// Kernel width σn along unit normals: with 0.5 to 1 samples gather where the surface bends; inf is even
-    #[arg(long, value_name = "S", default_value_t = SampleOptions::default().sigma_n, allow_negative_numbers = true)]
-    sigma_n: f64,
-    /// Kernel width along a property of the input's vertices (PLY, or glTF like _HEAT), in its units: samples gather
-    /// where it changes; up to four times
-    #[arg(long = "sigma", value_name = "NAME=VALUE", value_parser = property_width)]
-    properties: Vec<PropertyWidth>,
     #[arg(long, value_name = "W", allow_negative_numbers = true, conflicts_with = "scan_only", help = reach_help())]
     smooth: Option<f64>,
-    #[command(flatten)]
-    normals: NormalArgs,
     /// Take a subset of the input's points by the linear scan alone
     #[arg(long)]
     scan_only: bool,
-    /// Write the points in progressive order, in which any first part of them is evenly spread, too: K levels, each with
-    /// a quarter of the points of the next one. The report says where each ends
-    #[arg(long, value_name = "K", allow_negative_numbers = true)]
-    levels: Option<usize>,
     /// Seed of the random numbers: same seed, same input, same output
     #[arg(long, value_name = "SEED", default_value_t = SampleOptions::default().seed)]
     seed: u64,
     /// Sweeps of gradient ascent
     #[arg(long, value_name = "N", default_value_t = SampleOptions::default().sweeps, conflicts_with = "scan_only")]
     sweeps: usize,
-    /// Format of the input [default: by its ending, else by its content]
-    #[arg(long, value_name = "FORMAT")]
-    format: Option<Format>,
-    #[command(flatten)]
-    out_of_core: OutOfCoreArgs,
-    #[command(flatten)]
-    run: RunArgs,
+}
+
+impl EvenArgs {
+    /// What they set, and nothing else.
+    pub(super) fn settings(self) -> Result<SampleSettings, Stop> {
+        let EvenArgs { points, edge_length, sigma_p, smooth, scan_only, seed, sweeps } = self;
+        if points.is_none() && edge_length.is_none() && sigma_p.is_none() {
+            return Err(no_density());
+        }
+        Ok(SampleSettings {
+            points,
+            edge_length,
+            sigma_p,
+            sigma_n: SampleOptions::default().sigma_n,
+            signals: Vec::new(),
+            smooth,
+            normals: NormalSettings::default(),
+            scan_only,
+            levels: None,
+            seed,
+            sweeps,
+        })
+    }
 }
 
 /// How what is larger than memory is sampled.
@@ -116,40 +146,10 @@ pub struct Sampling {
 
 impl SampleArgs {
     pub(super) fn resolve(self) -> Result<Sampling, Stop> {
-        let SampleArgs {
-            input,
-            output,
-            points,
-            edge_length,
-            sigma_p,
-            sigma_n,
-            properties,
-            smooth,
-            normals,
-            scan_only,
-            levels,
-            seed,
-            sweeps,
-            format,
-            out_of_core: OutOfCoreArgs { out_of_core: wanted, memory, temp, resume },
-            run,
-        } = self;
-        if points.is_none() && edge_length.is_none() && sigma_p.is_none() {
-            return Err(no_density());
-        }
-        let settings = SampleSettings {
-            points,
-            edge_length,
-            sigma_p,
-            sigma_n,
-            signals: properties.into_iter().map(Signal::from).collect(),
-            smooth,
-            normals: normals.into(),
-            scan_only,
-            levels,
-            seed,
-            sweeps,
-        };
+        let SampleArgs { input, output, even, sigma_n, properties, normals, levels, format, out_of_core, run } = self;
+        let OutOfCoreArgs { out_of_core: wanted, memory, temp, resume } = out_of_core;
+        let signals = properties.into_iter().map(Signal::from).collect();
+        let settings = SampleSettings { sigma_n, signals, normals: normals.into(), levels, ..even.settings()? };
         let options = settings.resolve().map_err(|e| refused(&e))?;
         Ok(Sampling {
             input: MeshFile { path: input, format },

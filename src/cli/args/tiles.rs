@@ -1,12 +1,11 @@
 //! The arguments of `remesh tiles`.
 
-use crate::cli::args::shared::{MeshFile, Run, RunArgs, reach_help};
+use crate::cli::args::sample::EvenArgs;
+use crate::cli::args::shared::{MeshFile, Run, RunArgs};
 use crate::cli::args::stop::{Stop, refused};
-use crate::cli::args::words::{bytes, no_density, samples};
+use crate::cli::args::words::bytes;
 use crate::io::Format;
-use crate::job::settings::{NormalSettings, SampleSettings};
-use crate::job::words::positive;
-use crate::pipeline::{SampleDensity, SampleOptions};
+use crate::pipeline::SampleOptions;
 use clap::Subcommand;
 use std::path::PathBuf;
 
@@ -56,26 +55,8 @@ pub(super) struct PlanArgs {
     /// The folder for the plan and all that follows; it is made if it is not there
     #[arg(value_name = "FOLDER")]
     folder: PathBuf,
-    /// Number of samples
-    #[arg(long, value_name = "N", group = "density", allow_negative_numbers = true, value_parser = samples)]
-    points: Option<SampleDensity>,
-    /// Mean distance between neighbouring samples, in the units of the input
-    #[arg(long, value_name = "L", group = "density", allow_negative_numbers = true, value_parser = positive)]
-    edge_length: Option<f64>,
-    /// Kernel width σp of the sampler, in the units of the input
-    #[arg(long, value_name = "S", group = "density", allow_negative_numbers = true, value_parser = positive)]
-    sigma_p: Option<f64>,
-    #[arg(long, value_name = "W", allow_negative_numbers = true, conflicts_with = "scan_only", help = reach_help())]
-    smooth: Option<f64>,
-    /// Take a subset of the input's points by the linear scan alone
-    #[arg(long)]
-    scan_only: bool,
-    /// Seed of the random numbers: same seed, same input, same output
-    #[arg(long, value_name = "SEED", default_value_t = SampleOptions::default().seed)]
-    seed: u64,
-    /// Sweeps of gradient ascent
-    #[arg(long, value_name = "N", default_value_t = SampleOptions::default().sweeps, conflicts_with = "scan_only")]
-    sweeps: usize,
+    #[command(flatten)]
+    even: EvenArgs,
     /// At least so many tiles, if there can be as many
     #[arg(long, value_name = "N", default_value_t = 1)]
     tiles: usize,
@@ -156,38 +137,8 @@ impl TilesArgs {
 
 impl PlanArgs {
     fn resolve(self) -> Result<Planning, Stop> {
-        let PlanArgs {
-            input,
-            folder,
-            points,
-            edge_length,
-            sigma_p,
-            smooth,
-            scan_only,
-            seed,
-            sweeps,
-            tiles,
-            memory,
-            format,
-            run,
-        } = self;
-        if points.is_none() && edge_length.is_none() && sigma_p.is_none() {
-            return Err(no_density());
-        }
-        let settings = SampleSettings {
-            points,
-            edge_length,
-            sigma_p,
-            sigma_n: SampleOptions::default().sigma_n,
-            signals: Vec::new(),
-            smooth,
-            normals: NormalSettings::default(),
-            scan_only,
-            levels: None,
-            seed,
-            sweeps,
-        };
-        let options = settings.resolve().map_err(|e| refused(&e))?;
+        let PlanArgs { input, folder, even, tiles, memory, format, run } = self;
+        let options = even.settings()?.resolve().map_err(|e| refused(&e))?;
         let run = Run::from(run).without_page("plans")?;
         Ok(Planning { input: MeshFile { path: input, format }, folder, options, tiles, memory, run })
     }

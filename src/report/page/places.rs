@@ -147,7 +147,7 @@ impl Search<'_> {
     }
 
     fn centre(&self, t: u32) -> DVec3 {
-        self.mesh.corners(t as usize).into_iter().sum::<DVec3>() / 3.0
+        self.mesh.centroid(t as usize)
     }
 
     /// The faces with the least values, the least first, of neighbours only one.
