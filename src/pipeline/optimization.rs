@@ -31,10 +31,20 @@ pub(super) fn optimize(
 ) -> Result<()> {
     let dense = arrange_coarse(domain, mesh, scale, monitor)?;
     refine_to_count(domain, mesh, &dense, scale, monitor)?;
-    let spacing = scale.spacing;
     monitor.stage("improve angles");
-    improve_angles(domain, mesh, spacing, monitor)?;
+    improve_angles(domain, mesh, scale.spacing, monitor)?;
     monitor.stage("fit");
+    fit_to_surface(domain, mesh, scale.spacing, limit, monitor)
+}
+
+/// Fits a mesh with good angles to the surface: to within `limit`, in the pipeline's unit, if possible.
+pub(super) fn fit_to_surface(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    spacing: f64,
+    limit: Option<f64>,
+    monitor: &dyn Monitor,
+) -> Result<()> {
     let fitted = fit(domain, mesh, spacing, limit, monitor)?;
     // The fit may have spoilt triangles of vertices that it took back to the surface.
     improve_angles(domain, mesh, spacing, monitor)?;

@@ -101,6 +101,11 @@ impl<'a> PreparedInput<'a> {
         self.fine.as_ref().map_or(&self.options.features, |fine| &fine.features)
     }
 
+    /// How far the result may be from the repaired input, in the pipeline's unit, if that is bounded.
+    pub(super) fn limit(&self) -> Option<f64> {
+        self.allowed.map(|allowed| allowed / self.unit.size)
+    }
+
     /// The input, repaired and smoothed as [`PreparedInput::new`] does it.
     pub(super) fn repaired_again(&self) -> OrientedManifold {
         let (Repaired { mesh: mut repaired, .. }, _) = repaired(self.input, self.options, &self.unit);

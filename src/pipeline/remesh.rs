@@ -291,8 +291,7 @@ fn arrange(prepared: &PreparedInput, surface: &SizedSurface, mesh: &mut Manifold
     let SizedSurface { domain, scale, sigma, .. } = surface;
     let Options { grading, sweeps, .. } = prepared.options;
     if prepared.options.optimize {
-        let limit = prepared.allowed.map(|allowed| allowed / prepared.unit.size);
-        return optimize(domain, mesh, scale, limit, monitor);
+        return optimize(domain, mesh, scale, prepared.limit(), monitor);
     }
     meet_count(domain, mesh, scale.wanted);
     monitor.stage("ascend");
