@@ -132,7 +132,7 @@ fn note_on_left_out(LeftOut { patches, deviation }: &LeftOut) -> String {
         "strips and patches are too narrow for so few vertices",
     );
     format!(
-        "{patches}: each is joined with a neighbour, without the sharp edges between them, which moves the surface by about \
+        "{patches}: each is joined with a neighbour, without the sharp edges between them, which moves the surface by \
          {deviation:.2e} at most; more points keep more of them"
     )
 }

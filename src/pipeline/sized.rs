@@ -20,7 +20,7 @@ use crate::prepare::bend::Split;
 use crate::surface::domain::Domain;
 use crate::surface::features::sharp_sides;
 use crate::surface::narrow_patches::{LeftOut, leave_out_narrow, samples_on};
-use crate::surface::sizing::{adapted_sizes, sizes_between_curves, sizes_with_whole_rows};
+use crate::surface::sizing::{adapted_sizes, has_room_between_curves, sizes_between_curves, sizes_with_whole_rows};
 use glam::DVec3;
 use std::collections::HashSet;
 use std::sync::OnceLock;
@@ -28,6 +28,9 @@ use std::sync::OnceLock;
 /// Width of the widest step between points that is none of their surface, in mean distances of neighbouring ones: the diagonal of
 /// a cell of a lattice is half as long again as its side.
 const STEP: f64 = 1.5;
+
+/// Largest share of the vertices that may lie on sharp edges.
+const MOST_ON_EDGES: f64 = 0.6;
 
 /// How often lengths that fit whole rows and the spacing are made to agree.
 const FITS_OF_ROWS: usize = 3;
@@ -170,17 +173,26 @@ fn domain_over(
     scale: &Scale,
     finer: &Finer,
 ) -> (Domain, bool, LeftOut, Vec<[DVec3; 2]>) {
-    let (twin, mut sharp) = refined(&mut clean, prepared, scale);
-    let found = sharp.clone();
-    let went_wrong = |t: u32| clean.corners(t as usize).into_iter().any(|p| finer.is_near(p, scale.spacing));
-    let left_out = leave_out_narrow(&clean, &twin, &mut sharp, scale.spacing, scale.wanted, went_wrong);
-    let blunted = samples_on(&clean, &twin, &sharp, scale.spacing) > scale.wanted as f64;
+    let (twin, found) = refined(&mut clean, prepared, scale);
+    let Scale { spacing, wanted } = *scale;
+    let interface = within.map_or_else(Vec::new, |within| within.part.interface.clone());
+    let mut tried = None;
+    let suffice = |sharp: &[bool], narrowest: f64| {
+        tried = None;
+        samples_on(&clean, &twin, sharp, spacing) <= MOST_ON_EDGES * wanted as f64 && {
+            let domain = Domain::with_sharp(clean.clone(), twin.clone(), sharp, spacing, interface.clone());
+            has_room_between_curves(tried.insert(domain), narrowest, spacing)
+        }
+    };
+    let went_wrong = |t: u32| clean.corners(t as usize).into_iter().any(|p| finer.is_near(p, spacing));
+    let (mut sharp, left_out) = leave_out_narrow(&clean, &twin, &found, spacing, went_wrong, suffice);
+    let blunted = samples_on(&clean, &twin, &sharp, spacing) > wanted as f64;
     if blunted {
-        sharp.fill(false);
+        (tried, sharp) = (None, vec![false; sharp.len()]);
     }
     let edges = edges_left_out(&clean, &twin, &found, &sharp);
-    let interface = within.map_or_else(Vec::new, |within| within.part.interface.clone());
-    (Domain::with_sharp(clean, twin, &sharp, scale.spacing, interface), blunted, left_out, edges)
+    let domain = tried.unwrap_or_else(|| Domain::with_sharp(clean, twin, &sharp, spacing, interface));
+    (domain, blunted, left_out, edges)
 }
 
 /// Splits the edges on curves that are longer than `longest`, so that lengths that differ along them can be told. The side

@@ -1,10 +1,11 @@
 //! Leaves out sharp edges beside smooth patches that are too narrow for the samples: chamfers, engraved text, threads.
 //!
 //! The width of a patch is twice its area for the length of its rim, which is the width of a long strip. Without a curve
-//! that bounds a strip of width w, and across which the surface turns by θ, it moves by about w sin(θ/2) / 2. The patch
-//! where that is least is joined with the neighbour that it turns least towards, along all the edges between both, as long
-//! as it is less than a share of the spacing. A chamfer's two curves become one, and what stays is whole. Where the vertices
-//! do not suffice for the curves that are left, that share grows.
+//! that bounds a strip of width w, and across which the surface turns by θ, it moves by about w sin(θ/2) / 2, and where a
+//! triangle goes straight from the strip's other rim to a vertex far beyond the curve, by w sin θ. The patch where that is
+//! least is joined with the neighbour that it turns least towards, along all the edges between both, as long as it is less
+//! than a share of the spacing. A chamfer's two curves become one, and what stays is whole. Where the vertices do not suffice
+//! for the curves that are left, or for the short edges between them, that share grows.
 //!
 //! Cost: n log n in the patches, linear in the sides; a few times over where the share grows.
 
@@ -17,19 +18,19 @@ use crate::surface::turns::{ends, turns};
 use std::collections::{BTreeMap, BinaryHeap};
 
 /// Deviations below which patches are joined with a neighbour, in spacings: the least is that of a chamfer whose width is a
-/// tenth, or of a wall whose width is an eighteenth. The first of these that leaves no more samples on sharp edges than
-/// `MOST_ON_EDGES` of all is taken, or the last.
+/// tenth, or of a wall whose width is an eighteenth. The first of these that leaves edges for which the vertices suffice is
+/// taken, or the last.
 const LEAST: [f64; 5] = [0.02, 0.05, 0.08, 0.12, 0.18];
 
-/// Largest share of the vertices that may lie on sharp edges.
-const MOST_ON_EDGES: f64 = 0.6;
+/// The width of a wall that moves by a deviation, in deviations.
+const WIDTH_OF_WALL: f64 = 2.0 * std::f64::consts::SQRT_2;
 
 /// What was left out.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct LeftOut {
     /// Patches that were joined with a neighbour.
     pub patches: usize,
-    /// About how far the surface moves by that at most, in the units of the mesh.
+    /// How far the surface moves by that at most, in the units of the mesh.
     pub deviation: f64,
 }
 
@@ -40,36 +41,36 @@ impl LeftOut {
     }
 }
 
-/// Takes from `sharp`, which says of each side of `mesh` whether it is on a sharp edge, those beside patches that are too
-/// narrow for `wanted` vertices at distance `spacing`, but for patches with a triangle that `is_needed`. `twin` is as
+/// Which sides of `mesh` are on a sharp edge without those beside patches that are too narrow, of the ones that are `sharp`,
+/// and what was left out. Patches with a triangle that `is_needed` stay. As little is left out as leaves edges that the
+/// vertices `suffice` for, which is asked with the sides that stay and the least width of a wall, in spacings. `twin` is as
 /// [`twins`](crate::mesh::topology::twins) says.
 pub fn leave_out_narrow(
     mesh: &Mesh,
     twin: &[u32],
-    sharp: &mut [bool],
+    sharp: &[bool],
     spacing: f64,
-    wanted: usize,
     is_needed: impl Fn(u32) -> bool,
-) -> LeftOut {
+    mut suffice: impl FnMut(&[bool], f64) -> bool,
+) -> (Vec<bool>, LeftOut) {
     if !sharp.contains(&true) {
-        return LeftOut::default();
+        return (sharp.to_vec(), LeftOut::default());
     }
     let mut before = Patches::new(mesh, twin, sharp, spacing);
     before.need((0..mesh.triangles.len() as u32).filter(|&t| is_needed(t)));
     // A crease that fades within a patch parts nothing, and stays.
     let parts: Vec<bool> = (0..sharp.len()).map(|s| sharp[s] && before.differ(s as u32, twin)).collect();
-    let mut left_out = LeftOut::default();
+    let mut made = (sharp.to_vec(), LeftOut::default());
     for share in LEAST {
         let mut patches = before.clone();
-        left_out = patches.join_below(share * spacing);
+        let left_out = patches.join_below(share * spacing);
         let mut stays = |s: usize| sharp[s] && (!parts[s] || patches.differ(s as u32, twin));
-        let kept: Vec<bool> = (0..sharp.len()).map(&mut stays).collect();
-        if samples_on(mesh, twin, &kept, spacing) <= MOST_ON_EDGES * wanted as f64 || share == LEAST[LEAST.len() - 1] {
-            sharp.copy_from_slice(&kept);
+        made = ((0..sharp.len()).map(&mut stays).collect(), left_out);
+        if suffice(&made.0, WIDTH_OF_WALL * share) {
             break;
         }
     }
-    left_out
+    made
 }
 
 /// About how many samples the edges of `mesh` that are `sharp` take at distance `spacing`: one for each corner and each
@@ -87,6 +88,14 @@ pub fn samples_on(mesh: &Mesh, twin: &[u32], sharp: &[bool], spacing: f64) -> f6
     corners as f64 + length / spacing
 }
 
+/// What joining a patch with a neighbour does: which one, and by how much the surface moves, about and at most.
+#[derive(Clone, Copy, PartialEq)]
+struct Joint {
+    neighbour: u32,
+    moved: f64,
+    moved_at_most: f64,
+}
+
 /// A smooth patch, or several that were joined.
 #[derive(Debug, Clone, Default)]
 struct Patch {
@@ -99,14 +108,16 @@ struct Patch {
 }
 
 impl Patch {
-    /// The neighbour that it turns least towards, itself being `own`, and by how much the surface moves without the edges
-    /// between them; none for a patch that is needed.
-    fn gentlest(&self, own: u32) -> Option<(u32, f64)> {
+    /// With the neighbour that it turns least towards, itself being `own`; none for a patch that is needed.
+    fn gentlest(&self, own: u32) -> Option<Joint> {
         let others = self.beside.iter().filter(|(q, _)| **q != own);
         let turns = others.map(|(&q, sums)| (q, sums[1] / sums[0].max(f64::MIN_POSITIVE)));
-        let (q, turn) = turns.filter(|_| !self.needed).min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))?;
+        let (neighbour, turn) =
+            turns.filter(|_| !self.needed).min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))?;
         let width = 2.0 * self.area / self.rim;
-        Some((q, 0.5 * width * math::sin_cos(0.5 * turn.to_radians()).0))
+        let sine = |degrees: f64| math::sin_cos(degrees.to_radians()).0;
+        let moved = 0.5 * width * sine(0.5 * turn);
+        Some(Joint { neighbour, moved, moved_at_most: width * sine(turn.min(90.0)) })
     }
 }
 
@@ -159,14 +170,15 @@ impl Patches {
     /// Joins patches with a neighbour where that moves the surface by less than `deviation`, the least first.
     fn join_below(&mut self, deviation: f64) -> LeftOut {
         let mut left_out = LeftOut::default();
-        let ranked = |p: u32, patch: &Patch| Some(Ranked::new(-patch.gentlest(p)?.1, p));
+        let ranked = |p: u32, patch: &Patch| Some(Ranked::new(-patch.gentlest(p)?.moved, p));
         let mut heap: BinaryHeap<Ranked> = self.list.iter().filter_map(|(&p, patch)| ranked(p, patch)).collect();
         while let Some(Ranked { rank, index: p, .. }) = heap.pop().filter(|least| -least.rank < deviation) {
             // What was joined since has another rank.
             let gentlest = self.list.get(&p).and_then(|patch| patch.gentlest(p));
-            let Some((q, _)) = gentlest.filter(|found| found.1 == -rank) else { continue };
-            left_out = LeftOut { patches: left_out.patches + 1, deviation: left_out.deviation.max(-rank) };
-            let joined = self.join(p, q);
+            let Some(joint) = gentlest.filter(|joint| joint.moved == -rank) else { continue };
+            left_out.patches += 1;
+            left_out.deviation = left_out.deviation.max(joint.moved_at_most);
+            let joined = self.join(p, joint.neighbour);
             heap.extend(ranked(joined, &self.list[&joined]));
         }
         left_out
@@ -218,30 +230,34 @@ mod tests {
         Mesh { positions, triangles: quads.flat_map(|v| [[v, v + 2, v + 1], [v + 1, v + 2, v + 3]]).collect() }
     }
 
-    fn kept(widths: &[f64], wanted: usize) -> (usize, LeftOut) {
+    /// How many edges are left of those strips if there may be so many samples on them, and what is left out.
+    fn kept(widths: &[f64], most: f64) -> (usize, LeftOut) {
         let mesh = strips(widths);
         let twin = twins(&mesh.triangles);
-        let mut sharp: Vec<bool> = turns(&mesh, &twin, 1.0, 30.0).into_iter().map(|turn| turn.abs() > 30.0).collect();
-        let left_out = leave_out_narrow(&mesh, &twin, &mut sharp, 1.0, wanted, |_| false);
+        let suffice = |sharp: &[bool], _: f64| samples_on(&mesh, &twin, sharp, 1.0) <= most;
+        let (sharp, left_out) = leave_out_narrow(&mesh, &twin, &found(&mesh, &twin), 1.0, |_| false, suffice);
         (sharp.iter().filter(|s| **s).count() / 2, left_out)
+    }
+
+    fn found(mesh: &Mesh, twin: &[u32]) -> Vec<bool> {
+        turns(mesh, twin, 1.0, 30.0).into_iter().map(|turn| turn.abs() > 30.0).collect()
     }
 
     #[test]
     fn of_a_narrow_chamfer_one_edge_stays() {
-        let (edges, left_out) = kept(&[5.0, 0.05, 5.0], 1000);
+        let (edges, left_out) = kept(&[5.0, 0.05, 5.0], 1000.0);
         assert_eq!((edges, left_out.patches), (1, 1));
         assert!((0.005..0.05).contains(&left_out.deviation));
-        assert_eq!(kept(&[5.0, 2.0, 5.0], 1000), (2, LeftOut::default()));
+        assert_eq!(kept(&[5.0, 2.0, 5.0], 1000.0), (2, LeftOut::default()));
     }
 
     #[test]
     fn a_patch_that_is_needed_stays() {
         let mesh = strips(&[5.0, 0.05, 5.0]);
         let twin = twins(&mesh.triangles);
-        let found: Vec<bool> = turns(&mesh, &twin, 1.0, 30.0).into_iter().map(|turn| turn.abs() > 30.0).collect();
-        let mut sharp = found.clone();
-        assert_eq!(leave_out_narrow(&mesh, &twin, &mut sharp, 1.0, 1000, |t| t == 2), LeftOut::default());
-        assert_eq!(sharp, found);
+        let found = found(&mesh, &twin);
+        let made = leave_out_narrow(&mesh, &twin, &found, 1.0, |t| t == 2, |_, _| true);
+        assert_eq!(made, (found, LeftOut::default()));
     }
 
     #[test]
@@ -260,15 +276,34 @@ mod tests {
         let twin = twins(&mesh.triangles);
         let mut sharp = vec![false; twin.len()];
         (sharp[0], sharp[twin[0] as usize]) = (true, true);
-        let before = sharp.clone();
-        assert_eq!(leave_out_narrow(&mesh, &twin, &mut sharp, 1.0, 1000, |_| false), LeftOut::default());
-        assert_eq!(sharp, before);
+        let made = leave_out_narrow(&mesh, &twin, &sharp, 1.0, |_| false, |_, _| true);
+        assert_eq!(made, (sharp, LeftOut::default()));
     }
 
     #[test]
     fn more_is_left_out_where_there_are_fewer_vertices() {
         let widths = [3.0, 0.5, 3.0, 0.5, 3.0];
-        assert_eq!(kept(&widths, 1000).0, 4);
-        assert_eq!(kept(&widths, 50).0, 2);
+        assert_eq!(kept(&widths, 600.0).0, 4);
+        assert_eq!(kept(&widths, 30.0).0, 2);
+    }
+
+    #[test]
+    fn what_is_left_is_no_narrower_than_is_asked_for() {
+        let mesh = strips(&[3.0, 0.5, 3.0, 1.0, 3.0]);
+        let twin = twins(&mesh.triangles);
+        let mut asked = Vec::new();
+        leave_out_narrow(
+            &mesh,
+            &twin,
+            &found(&mesh, &twin),
+            1.0,
+            |_| false,
+            |sharp, narrowest| {
+                asked.push((narrowest, sharp.iter().filter(|s| **s).count() / 2));
+                narrowest > 0.9
+            },
+        );
+        let last = asked.last().unwrap();
+        assert!(asked[0].0 < 0.1 && asked[0].1 == 4 && last.0 < 1.0 && last.1 < 4, "{asked:?}");
     }
 }

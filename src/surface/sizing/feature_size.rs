@@ -21,7 +21,7 @@ use crate::mesh::half_edge::next;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
 use crate::surface::domain::Domain;
-use crate::surface::sizing::room::sizes_with_room;
+use crate::surface::sizing::room::{has_room, sizes_with_room};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -38,8 +38,17 @@ const ROUNDING: f64 = 1e-9;
 /// `sizes`, relative to `spacing`, made smaller where curves are near each other, and as much larger elsewhere as keeps the
 /// number of vertices. `None` if there is no such place, or no room for one.
 pub fn sizes_between_curves(domain: &Domain, sizes: &[f64], spacing: f64) -> Option<Vec<f64>> {
-    let wanted: Vec<f64> = lengths(domain, ACROSS_RIM * spacing).into_iter().map(|l| l / spacing).collect();
-    sizes_with_room(domain, sizes, &wanted, spacing)
+    sizes_with_room(domain, sizes, &wanted(domain, spacing), spacing)
+}
+
+/// Whether the vertices suffice for what is between curves, down to a width of `narrowest` spacings.
+pub fn has_room_between_curves(domain: &Domain, narrowest: f64, spacing: f64) -> bool {
+    has_room(domain, &wanted(domain, spacing), narrowest / ACROSS, spacing)
+}
+
+/// The length that is wanted at each vertex for what is between curves, relative to `spacing`.
+fn wanted(domain: &Domain, spacing: f64) -> Vec<f64> {
+    lengths(domain, ACROSS_RIM * spacing).into_iter().map(|l| l / spacing).collect()
 }
 
 /// Where a side of the domain lies along the boundary of its patch.

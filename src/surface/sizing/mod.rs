@@ -9,7 +9,7 @@ mod radii;
 mod room;
 mod rows;
 
-pub use feature_size::sizes_between_curves;
+pub use feature_size::{has_room_between_curves, sizes_between_curves};
 pub use field::{adapted_sizes, field_lengths, field_sizes, mean_density};
 pub use interface::{lengths_from_interface, vertices};
 pub use room::sizes_with_room;

@@ -22,6 +22,16 @@ const MOST_DENSE: f64 = 1.5;
 const MOST_TURNS: usize = 20;
 const MEAN_TOLERANCE: f64 = 1e-3;
 
+/// Whether there is room for lengths as small as is `wanted`, relative to `spacing`, or as `shortest` where that is more.
+pub(super) fn has_room(domain: &Domain, wanted: &[f64], shortest: f64, spacing: f64) -> bool {
+    let lengths: Vec<f64> = wanted.iter().map(|wanted| wanted.min(1.0).max(shortest.min(1.0))).collect();
+    if lengths.iter().all(|&length| length == 1.0) {
+        return true;
+    }
+    let graded = limited(domain, &Graph::whole(domain), lengths, GRADIENT / spacing);
+    mean_density(&domain.mesh, &graded) <= MOST_DENSE
+}
+
 /// `sizes`, relative to `spacing`, made as small as is `wanted` at vertices that want less, and as much larger elsewhere as
 /// keeps the number of vertices. `None` if none wants less, or there is no room for them.
 pub fn sizes_with_room(domain: &Domain, sizes: &[f64], wanted: &[f64], spacing: f64) -> Option<Vec<f64>> {
