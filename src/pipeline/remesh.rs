@@ -316,6 +316,15 @@ fn deviation(
     Some(Deviation { allowed, reached: unit.size * upper, place: unit.outwards_point(place).to_array() })
 }
 
+/// What is said of a result that was mended.
+const MENDED: &str = "edges are shorter at places where there were self-intersections or slivers with longer ones";
+
+fn note_on_run(run: u64) -> String {
+    format!(
+        "this is attempt {run} of at most {MOST_RUNS}, with shorter edges where earlier ones had self-intersections or slivers"
+    )
+}
+
 /// The result and what there is to say about it.
 fn remeshed(
     prepared: &PreparedInput,
@@ -363,15 +372,8 @@ fn remeshed(
     if let (Some(within), Some(kept)) = (within, &result.kept) {
         result.notes.extend(within.notes(&result.mesh, kept));
     }
-    if finished.is_mended {
-        let why = "edges are shorter at places where there were self-intersections or slivers with longer ones";
-        result.notes.push(why.to_string());
-    }
-    if finished.run > 1 && result.is_sound() {
-        result.notes.push(format!(
-            "this is attempt {} of at most {MOST_RUNS}, with shorter edges where earlier ones had self-intersections or slivers",
-            finished.run
-        ));
-    }
+    let is_later_run = finished.run > 1 && result.is_sound();
+    result.notes.extend(finished.is_mended.then(|| MENDED.to_string()));
+    result.notes.extend(is_later_run.then(|| note_on_run(finished.run)));
     Ok(result)
 }

@@ -137,47 +137,41 @@ fn note_on_left_out(LeftOut { patches, deviation }: &LeftOut) -> String {
     )
 }
 
+/// What repair did to the input.
+fn notes_on_repairs(r: &Repairs) -> impl Iterator<Item = String> {
+    let dropped = r.degenerate_triangles + r.duplicate_triangles;
+    let done = [
+        (
+            r.faces_between_cells,
+            ["face between the cells of a volume was", "faces between the cells of a volume were"],
+            "dropped: its outside is left",
+        ),
+        (
+            r.cut_edges,
+            ["edge with more than two faces was", "edges with more than two faces were"],
+            "taken apart into sheets",
+        ),
+        (r.split_vertices, ["vertex was", "vertices were"], "doubled where sheets met only at a point or an edge"),
+        (
+            r.unorientable_edges,
+            ["edge was", "edges were"],
+            "cut open because the surface has no two sides (like a Möbius strip)",
+        ),
+        (r.flipped_triangles, ["face was", "faces were"], "turned over to agree with the neighbours"),
+        (dropped, ["degenerate or repeated face was", "degenerate or repeated faces were"], "dropped"),
+        (
+            r.seam_vertices,
+            ["boundary vertex was", "boundary vertices were"],
+            "welded to others that are not exactly at the same place, which closes seams",
+        ),
+    ];
+    let any = done.into_iter().filter(|(count, ..)| *count > 0);
+    any.map(|(count, [one, many], done)| format!("{} {done}", counted(count, one, many)))
+}
+
 /// What a user should know about a result.
 pub(super) fn notes(result: &Remeshed, cracks: Option<Cracks>) -> Vec<String> {
-    let mut notes = Vec::new();
-    let r = &result.repairs;
-    let mut note = |count: usize, one: &str, many: &str, done: &str| {
-        if count > 0 {
-            notes.push(format!("{} {done}", counted(count, one, many)));
-        }
-    };
-    note(
-        r.faces_between_cells,
-        "face between the cells of a volume was",
-        "faces between the cells of a volume were",
-        "dropped: its outside is left",
-    );
-    note(
-        r.cut_edges,
-        "edge with more than two faces was",
-        "edges with more than two faces were",
-        "taken apart into sheets",
-    );
-    note(r.split_vertices, "vertex was", "vertices were", "doubled where sheets met only at a point or an edge");
-    note(
-        r.unorientable_edges,
-        "edge was",
-        "edges were",
-        "cut open because the surface has no two sides (like a Möbius strip)",
-    );
-    note(r.flipped_triangles, "face was", "faces were", "turned over to agree with the neighbours");
-    note(
-        r.degenerate_triangles + r.duplicate_triangles,
-        "degenerate or repeated face was",
-        "degenerate or repeated faces were",
-        "dropped",
-    );
-    note(
-        r.seam_vertices,
-        "boundary vertex was",
-        "boundary vertices were",
-        "welded to others that are not exactly at the same place, which closes seams",
-    );
+    let mut notes: Vec<String> = notes_on_repairs(&result.repairs).collect();
     notes.extend(cracks.map(note_on_cracks));
     if result.blunted {
         notes.push("the sharp edges are too close together for so few vertices: none is kept sharp".into());
