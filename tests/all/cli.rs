@@ -306,21 +306,23 @@ fn what_cannot_be_written_leaves_nothing_and_an_old_file_stays() {
 
 #[test]
 #[cfg(unix)]
-fn an_interrupt_ends_the_run_and_leaves_nothing() {
+fn an_interrupt_or_the_end_of_a_session_ends_the_run_and_leaves_nothing() {
     use std::io::{BufRead, BufReader, Read};
-    let folder = folder();
-    let before = files(folder.path());
-    let mut command = command(folder.path(), "sphere.off out.obj --points 300000 -v");
-    let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
-    let mut lines = BufReader::new(child.stderr.take().unwrap());
-    let mut first = String::new();
-    lines.read_line(&mut first).unwrap();
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let mut rest = String::new();
-    lines.read_to_string(&mut rest).unwrap();
-    assert_eq!(child.wait().unwrap().code(), Some(130));
-    assert!(rest.contains("remesh: interrupted"), "{rest}");
-    assert_eq!(files(folder.path()), before);
+    for signal in ["-INT", "-TERM"] {
+        let folder = folder();
+        let before = files(folder.path());
+        let mut command = command(folder.path(), "sphere.off out.obj --points 300000 -v");
+        let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        let mut lines = BufReader::new(child.stderr.take().unwrap());
+        let mut first = String::new();
+        lines.read_line(&mut first).unwrap();
+        assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
+        let mut rest = String::new();
+        lines.read_to_string(&mut rest).unwrap();
+        assert_eq!(child.wait().unwrap().code(), Some(130), "{signal}");
+        assert!(rest.contains("remesh: interrupted"), "{rest}");
+        assert_eq!(files(folder.path()), before);
+    }
 }
 
 #[test]
