@@ -2,12 +2,13 @@
 
 use crate::base::error::{Error, Result, Setting};
 
-/// Calls `work` where rayon has as many threads as are wanted; without a number as many as it has by itself.
+/// Calls `work` on a thread of rayon's, of which there are as many as are wanted, or without a number as many as it has by
+/// itself. From any other thread each loop in parallel would have to wake one up and wait for it.
 ///
 /// # Errors
 /// [`Error::Option`] if the system does not give that many.
 pub fn with_threads<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Send) -> Result<T> {
-    let Some(threads) = threads else { return Ok(work()) };
+    let Some(threads) = threads else { return Ok(rayon::scope(|_| work())) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| Error::Option {
         option: Setting::Threads,
         cause: e.to_string(),

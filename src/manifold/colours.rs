@@ -2,9 +2,13 @@
 
 use crate::manifold::Manifold;
 use crate::manifold::vertex_set::VertexSet;
+use rayon::prelude::*;
 
 /// The colour of a vertex without one.
 const UNCOLOURED: u8 = u8::MAX;
+
+/// Half-edges that one task looks at.
+const CHUNK: usize = 4096;
 
 impl Manifold {
     /// The vertices that can move, those in `locked` left out, in classes such that no two of a class are adjacent,
@@ -34,7 +38,9 @@ impl Manifold {
             let (v, w) = (c.origin(h), c.target(h));
             (colours[v as usize] == colours[w as usize]).then_some(v.max(w))
         };
-        let mut wrong: Vec<u32> = self.half_edges().filter_map(clash).chain(new).filter(|&v| c.has_vertex(v)).collect();
+        let sides = (0..c.half_edge_bound()).into_par_iter().with_min_len(CHUNK).filter(|&h| c.has_half_edge(h));
+        let mut wrong: Vec<u32> = sides.filter_map(clash).collect();
+        wrong.extend(new.filter(|&v| c.has_vertex(v)));
         wrong.sort_unstable();
         wrong.dedup();
         for v in wrong {

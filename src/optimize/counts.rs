@@ -3,14 +3,13 @@
 //!
 //! Every step keeps the topology. If that needs more vertices than are wanted, more are left; the caller compares.
 //!
-//! Cost: n log n in the edges once, and a heap operation for each edge changed.
+//! Cost: n log n in the edges once, and a queue operation for each edge changed.
 
-use crate::base::heap::Ranked;
+use crate::base::heap::{Ranked, RankedQueue};
 use crate::manifold::Manifold;
 use crate::manifold::facing::FacingGuard;
 use crate::mesh::half_edge::next;
 use crate::surface::domain::Domain;
-use std::collections::BinaryHeap;
 
 /// Farthest that a vertex which leaves a curve may be from it, in lengths of the edge that it leaves along.
 const STRAIGHT: f64 = 0.05;
@@ -82,25 +81,25 @@ fn split_while(
         let c = &mesh.connectivity;
         (c.has_twin(h) && c.can_split(h)).then(|| Ranked::new(mesh.relative_length_squared(h), h.min(c.twin(h))))
     };
-    let mut heap: BinaryHeap<Ranked> = mesh.half_edges().filter_map(|h| entry(mesh, h)).collect();
-    while let Some(top) = heap.pop().filter(|top| goes_on(mesh, top.rank)) {
+    let mut queue: RankedQueue = mesh.half_edges().filter_map(|h| entry(mesh, h)).collect();
+    while let Some(top) = queue.pop().filter(|top| goes_on(mesh, top.rank)) {
         if mesh.relative_length_squared(top.index) != top.rank || !mesh.connectivity.can_split(top.index) {
             continue;
         }
         let Some(v) = split(mesh, top.index) else { continue };
         mesh.make_delaunay_around(v);
-        heap.extend(mesh.connectivity.outgoing(v).flat_map(|h| [h, next(h)]).filter_map(|h| entry(mesh, h)));
+        queue.extend(mesh.connectivity.outgoing(v).flat_map(|h| [h, next(h)]).filter_map(|h| entry(mesh, h)));
     }
 }
 
 /// Collapses the shortest of the edges that `may` be until there are `wanted` vertices.
 pub(super) fn collapse_shortest(mesh: &mut Manifold, wanted: usize, may: impl Fn(&Manifold, u32) -> bool) {
-    let mut heap = BinaryHeap::new();
+    let mut queue = RankedQueue::default();
     if mesh.connectivity.vertex_count() > wanted {
-        heap.extend(mesh.half_edges().map(|h| Ranked::new(-mesh.relative_length_squared(h), h)));
+        queue.extend(mesh.half_edges().map(|h| Ranked::new(-mesh.relative_length_squared(h), h)));
     }
     while mesh.connectivity.vertex_count() > wanted {
-        let Some(Ranked { rank, index: h, .. }) = heap.pop() else { return };
+        let Some(Ranked { rank, index: h, .. }) = queue.pop() else { return };
         let c = &mesh.connectivity;
         if !c.has_half_edge(h) || -mesh.relative_length_squared(h) != rank || !c.can_collapse(h) || !may(mesh, h) {
             continue;
@@ -109,6 +108,6 @@ pub(super) fn collapse_shortest(mesh: &mut Manifold, wanted: usize, may: impl Fn
         mesh.collapse(h);
         let c = &mesh.connectivity;
         let changed = c.outgoing(into).flat_map(|h| c.both_sides(h));
-        heap.extend(changed.map(|h| Ranked::new(-mesh.relative_length_squared(h), h)));
+        queue.extend(changed.map(|h| Ranked::new(-mesh.relative_length_squared(h), h)));
     }
 }

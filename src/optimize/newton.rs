@@ -139,43 +139,77 @@ impl Equations {
 
     /// The solution, by conjugate gradients from zero.
     fn solve(&self) -> Vec<DVec2> {
-        let inverse: Vec<DMat2> = self.diagonal.iter().map(DMat2::inverse).collect();
-        let precondition = |r: &[DVec2]| r.iter().zip(&inverse).map(|(&r, &m)| m * r).collect::<Vec<_>>();
-        let dot = |a: &[DVec2], b: &[DVec2]| a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum::<f64>();
-        let add =
-            |to: &mut [DVec2], share: f64, x: &[DVec2]| to.iter_mut().zip(x).for_each(|(to, &x)| *to += share * x);
-        let mut x = vec![DVec2::ZERO; self.force.len()];
-        let mut residual = self.force.clone();
-        let mut z = precondition(&residual);
-        let mut way = z.clone();
-        let mut square = dot(&residual, &z);
+        let inverse: Vec<DMat2> = self.diagonal.par_iter().with_min_len(CHUNK).map(DMat2::inverse).collect();
+        let mut image = vec![DVec2::ZERO; self.force.len()];
+        let mut at = Iterate { x: image.clone(), residual: self.force.clone(), way: image.clone() };
+        let mut square = at.advance(0.0, &image, &inverse);
+        at.turn(0.0, &inverse);
         let goal = TOLERANCE * TOLERANCE * square;
         for _ in 0..MOST_ITERATIONS {
             if square <= goal {
                 break;
             }
-            let image = self.times(&way);
-            let step = square / dot(&way, &image);
-            add(&mut x, step, &way);
-            add(&mut residual, -step, &image);
-            z = precondition(&residual);
-            let before = std::mem::replace(&mut square, dot(&residual, &z));
-            way.iter_mut().zip(&z).for_each(|(way, &z)| *way = z + square / before * *way);
+            let step = square / self.times(&at.way, &mut image);
+            let before = std::mem::replace(&mut square, at.advance(step, &image, &inverse));
+            at.turn(square / before, &inverse);
         }
-        x
+        at.x
     }
 
-    /// The Hessian times `x`.
-    fn times(&self, x: &[DVec2]) -> Vec<DVec2> {
-        let mut image = vec![DVec2::ZERO; x.len()];
+    /// Writes the Hessian times `x` to `image`, and gives the product of that and `x`.
+    fn times(&self, x: &[DVec2], image: &mut [DVec2]) -> f64 {
         let chunks = image.par_chunks_mut(CHUNK).zip(&self.chunks).enumerate();
-        chunks.for_each(|(i, (image, rows))| {
+        sum_of(chunks.map(|(i, (image, rows))| {
+            let mut product = 0.0;
             for ((image, entries), v) in image.iter_mut().zip(rows.iter()).zip(CHUNK * i..) {
                 *image = entries.iter().fold(self.diagonal[v] * x[v], |sum, &(w, block)| sum + block * x[w as usize]);
+                product += x[v].dot(*image);
+            }
+            product
+        }))
+    }
+}
+
+/// Where the conjugate gradients are.
+struct Iterate {
+    x: Vec<DVec2>,
+    residual: Vec<DVec2>,
+    /// The direction to go in.
+    way: Vec<DVec2>,
+}
+
+impl Iterate {
+    /// Goes a step along the way, of which this is the image; the preconditioned square of the residual then.
+    fn advance(&mut self, step: f64, image: &[DVec2], inverse: &[DMat2]) -> f64 {
+        let Iterate { x, residual, way } = self;
+        let at = x.par_chunks_mut(CHUNK).zip(residual.par_chunks_mut(CHUNK)).zip(way.par_chunks(CHUNK));
+        sum_of(at.zip(image.par_chunks(CHUNK)).zip(inverse.par_chunks(CHUNK)).map(
+            |((((x, residual), way), image), inverse)| {
+                let mut square = 0.0;
+                for (k, x) in x.iter_mut().enumerate() {
+                    *x += step * way[k];
+                    residual[k] -= step * image[k];
+                    square += residual[k].dot(inverse[k] * residual[k]);
+                }
+                square
+            },
+        ))
+    }
+
+    /// Turns the way to the preconditioned residual, together with that share of what it was.
+    fn turn(&mut self, share: f64, inverse: &[DMat2]) {
+        let residual = self.residual.par_chunks(CHUNK).zip(inverse.par_chunks(CHUNK));
+        self.way.par_chunks_mut(CHUNK).zip(residual).for_each(|(way, (residual, inverse))| {
+            for ((way, residual), inverse) in way.iter_mut().zip(residual).zip(inverse) {
+                *way = *inverse * *residual + share * *way;
             }
         });
-        image
     }
+}
+
+/// The sum of the parts in their order, whichever thread has which.
+fn sum_of(parts: impl IndexedParallelIterator<Item = f64>) -> f64 {
+    parts.collect::<Vec<f64>>().into_iter().sum()
 }
 
 /// The share of half-edge `h`.
@@ -252,12 +286,13 @@ mod tests {
         let mesh = ring(DVec3::new(0.1, 0.1, 0.0));
         let axes: Vec<[DVec3; 2]> = (0..7).map(|v| super::axes(&mesh, &VertexSet::EMPTY, v)).collect();
         let equations = Equations::new(&mesh, &axes, 1.0, |t| springs(&mesh, t));
-        let unit = |i: usize| {
-            let mut x = vec![DVec2::ZERO; 7];
+        let image_of = |i: usize| {
+            let (mut x, mut image) = (vec![DVec2::ZERO; 7], vec![DVec2::ZERO; 7]);
             x[i / 2][i % 2] = 1.0;
-            x
+            assert_eq!(equations.times(&x, &mut image), image[i / 2][i % 2]);
+            image
         };
-        let image: Vec<Vec<DVec2>> = (0..14).map(|i| equations.times(&unit(i))).collect();
+        let image: Vec<Vec<DVec2>> = (0..14).map(image_of).collect();
         for (i, j) in (0..14).flat_map(|i| (0..i).map(move |j| (i, j))) {
             assert!((image[i][j / 2][j % 2] - image[j][i / 2][i % 2]).abs() < 1e-12, "{i} {j}");
         }

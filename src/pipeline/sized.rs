@@ -17,6 +17,7 @@ use crate::pipeline::scale::{LONGEST_EDGE, LONGEST_ON_CURVES, Scale};
 use crate::pipeline::sharp_edges::{left_out as edges_left_out, sharp_edges};
 use crate::pipeline::within::{Within, sampled_part};
 use crate::prepare::bend::Split;
+use crate::prepare::coarsen::in_spatial_order;
 use crate::surface::domain::Domain;
 use crate::surface::features::sharp_sides;
 use crate::surface::narrow_patches::{LeftOut, leave_out_narrow, samples_on};
@@ -64,7 +65,11 @@ impl SizedSurface {
         finer: &Finer,
         monitor: &dyn Monitor,
     ) -> Result<SizedSurface> {
-        let (clean, within) = sampled_part(prepared, repaired, density)?;
+        let (mut clean, within) = sampled_part(prepared, repaired, density)?;
+        // The interface of a part is known by the numbers of its vertices.
+        if within.is_none() {
+            clean = in_spatial_order(clean);
+        }
         let scale = Scale::new(density, prepared.field.as_ref(), &clean, &prepared.unit)?;
         monitor.stage("sample");
         let topology = match within {

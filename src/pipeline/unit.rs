@@ -36,7 +36,7 @@ impl Unit {
             a.distance(b).max(b.distance(c)).max(c.distance(a))
         };
         let rounding = f64::EPSILON * (1.0 + self.centre.abs().max_element() / self.size);
-        (0..mesh.triangles.len()).map(|t| rounding * longest(t)).sum()
+        mesh.sum_over_triangles(|t| rounding * longest(t))
     }
 
     pub(super) fn inwards(&self, mesh: &Mesh) -> Mesh {

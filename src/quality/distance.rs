@@ -15,6 +15,7 @@
 
 use crate::base::math;
 use crate::base::rng::{Stage, stream};
+use crate::geom::triangle::closest_point;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::quality::sampling;
 use crate::spatial::bvh::Bvh;
@@ -96,16 +97,55 @@ impl OneWay {
     fn new(from: &Mesh, samples: &[DVec3], to: &Mesh) -> OneWay {
         let questions = samples.len() + from.positions.len();
         let bvh = if MANY * questions < to.triangles.len() { Bvh::for_few_questions(to) } else { Bvh::new(to) };
-        let square = |p: DVec3| bvh.closest(to, p).map_or(0.0, |hit| hit.distance_squared);
-        let of_samples: Vec<f64> = samples.par_iter().with_min_len(CHUNK).map(|&p| square(p)).collect();
+        let squares = |samples: &[DVec3]| {
+            let mut search = Search { bvh: &bvh, to, last: None };
+            samples.iter().map(|&p| search.closest(p)).collect::<Vec<f64>>()
+        };
+        let of_samples: Vec<f64> = samples.par_chunks(CHUNK).flat_map_iter(squares).collect();
         let largest = of_samples.iter().copied().fold(0.0, f64::max);
         // A vertex that is nearer than a sample need not be looked at closer.
-        let bound = |p: DVec3| bvh.closest_or_near(to, p, largest, f64::INFINITY, |_| true);
-        let of_vertices = used_vertices(from).into_par_iter().with_min_len(CHUNK).filter_map(bound);
+        let used = used_vertices(from);
+        let of_vertices = from.positions.par_chunks(CHUNK).zip(used.par_chunks(CHUNK)).map(|(positions, used)| {
+            let mut search = Search { bvh: &bvh, to, last: None };
+            let used = positions.iter().zip(used).filter(|(_, used)| **used);
+            used.filter_map(|(&p, _)| search.beyond(p, largest)).fold(largest, f64::max)
+        });
         OneWay {
             mean_square: of_samples.iter().sum::<f64>() / samples.len().max(1) as f64,
-            largest_square: of_vertices.map(|hit| hit.distance_squared).reduce(|| largest, f64::max),
+            largest_square: of_vertices.reduce(|| largest, f64::max),
         }
+    }
+}
+
+/// Searches for the squared distances of one point after the other, which mostly is near to the one before.
+struct Search<'a> {
+    bvh: &'a Bvh,
+    to: &'a Mesh,
+    /// The triangle that was closest to the last point.
+    last: Option<u32>,
+}
+
+impl Search<'_> {
+    /// The squared distance of `p`; 0 where there is nothing to be near to.
+    fn closest(&mut self, p: DVec3) -> f64 {
+        let most = self.to_last(p).unwrap_or(f64::INFINITY);
+        let hit = self.bvh.closest_where(self.to, p, most, |_| true);
+        self.last = hit.map(|hit| hit.triangle).or(self.last);
+        hit.map_or(0.0, |hit| hit.distance_squared)
+    }
+
+    /// The squared distance of `p` if it is above `square`, which is found out sooner if it is not.
+    fn beyond(&mut self, p: DVec3, square: f64) -> Option<f64> {
+        if self.to_last(p).is_some_and(|to_last| to_last <= square) {
+            return None;
+        }
+        let hit = self.bvh.closest_or_near(self.to, p, square, f64::INFINITY, |_| true)?;
+        self.last = Some(hit.triangle);
+        Some(hit.distance_squared)
+    }
+
+    fn to_last(&self, p: DVec3) -> Option<f64> {
+        self.last.map(|t| p.distance_squared(closest_point(p, self.to.corners(t as usize))))
     }
 }
 
@@ -123,11 +163,11 @@ const MANY: usize = 16;
 /// Points that one task looks at.
 const CHUNK: usize = 256;
 
-/// The positions that triangles use, each once.
-fn used_vertices(mesh: &Mesh) -> Vec<DVec3> {
+/// For each vertex whether a triangle uses it.
+fn used_vertices(mesh: &Mesh) -> Vec<bool> {
     let mut used = vec![false; mesh.positions.len()];
     mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
-    mesh.positions.iter().zip(used).filter_map(|(&p, used)| used.then_some(p)).collect()
+    used
 }
 
 #[cfg(test)]

@@ -264,9 +264,11 @@ pub fn all_to_json(reports: &[Report]) -> String {
     }
 }
 
-/// The table of each report, with a line between.
+/// The table of each report, with a line between. Those that follow each other and are of one run tell its time and memory once.
 pub fn all_to_text(reports: &[Report]) -> String {
-    reports.iter().map(Report::to_text).collect::<Vec<_>>().join("\n")
+    let run = |i: usize| reports.get(i).map(|report| &report.run.stages);
+    let tables = reports.iter().enumerate().map(|(i, report)| report.text(run(i) != run(i + 1)));
+    tables.collect::<Vec<_>>().join("\n")
 }
 
 /// The surface that a result is to be near to: the input without the faces that repairs took from between its cells.

@@ -15,6 +15,11 @@ const LINE: usize = 80;
 impl Report {
     /// The report as a table for people, lines of at most 80 characters unless a name or note is longer.
     pub fn to_text(&self) -> String {
+        self.text(true)
+    }
+
+    /// [`Self::to_text`] with or without time and memory, which several reports of one run share.
+    pub(super) fn text(&self, with_resources: bool) -> String {
         let mut out = String::new();
         let columns: Vec<&Measured> = self.input.iter().chain([&self.output]).collect();
         heading(&mut out, &columns);
@@ -25,7 +30,7 @@ impl Report {
             row(&mut out, "distance, % of diagonal", ["from output", "from input", "both"].map(String::from));
             rows(&mut out, distance_rows(distance));
         }
-        remarks(&mut out, self);
+        remarks(&mut out, self, with_resources);
         out
     }
 }
@@ -54,12 +59,13 @@ fn heading(out: &mut String, columns: &[&Measured]) {
 }
 
 /// What is no figure of a mesh: facts, notes, times, and the verdict last.
-fn remarks(out: &mut String, report: &Report) {
+fn remarks(out: &mut String, report: &Report, with_resources: bool) {
     facts(report).into_iter().for_each(|(name, phrases)| list(out, name, &phrases));
     report.run.notes.iter().for_each(|note| list(out, "note", std::slice::from_ref(note)));
-    list(out, "seconds", &seconds(&report.run));
-    if let Some(bytes) = report.run.peak_memory_bytes {
-        list(out, "memory, at most", &[format!("{:.0} MB", bytes as f64 / 1e6)]);
+    if with_resources {
+        list(out, "seconds", &seconds(&report.run));
+        let memory = report.run.peak_memory_bytes.map(|bytes| format!("{:.0} MB", bytes as f64 / 1e6));
+        list(out, "memory, at most", memory.as_slice());
     }
     match report.verified {
         Some(true) => list(out, "verified", &["an oriented manifold of the input's topology".into()]),
@@ -99,6 +105,7 @@ fn seconds(run: &RunSummary) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::remeshing::all_to_text;
     use crate::report::remeshing::tests::{crossing, failed_run};
     use crate::testing::tetrahedron;
 
@@ -127,6 +134,14 @@ mod tests {
         has(&text, "memory, at most          150 MB");
         assert!(text.contains("NOT VERIFIED             2 edges between faces of opposite orientation,\n"));
         assert!(text.lines().all(|line| line.chars().count() <= LINE), "{text}");
+    }
+
+    #[test]
+    fn reports_of_one_run_tell_its_time_once_and_those_of_others_theirs() {
+        let of_run = |milliseconds| failed_run("measure", milliseconds, Some(1_000_000));
+        let text = all_to_text(&[of_run(250), of_run(250), of_run(500)]);
+        let lines = |name: &str| text.lines().filter(|line| line.starts_with(name)).count();
+        assert_eq!((lines("vertices"), lines("seconds"), lines("memory")), (3, 2, 2));
     }
 
     #[test]
