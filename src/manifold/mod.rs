@@ -9,7 +9,6 @@ pub mod faces;
 pub mod facing;
 pub mod motion;
 pub mod neighborhood;
-pub mod slivers;
 mod split;
 pub mod vertex_set;
 
@@ -49,12 +48,6 @@ impl Manifold {
     #[inline]
     pub fn corners(&self, t: u32) -> [DVec3; 3] {
         self.connectivity.triangle(3 * t).map(|v| self.position(v))
-    }
-
-    /// Those of the triangle of half-edge `h`, its origin first.
-    #[inline]
-    pub fn corners_from(&self, h: u32) -> [DVec3; 3] {
-        self.connectivity.triangle(h).map(|v| self.position(v))
     }
 
     /// The numbers of all triangles, in increasing order.

@@ -38,16 +38,6 @@ pub(super) fn split_longest(domain: &Domain, mesh: &mut Manifold, wanted: usize)
     split_longest_with(mesh, wanted, |mesh, h| mesh.split_at_middle(domain, h));
 }
 
-/// Splits the longest inner edges of those that `may` be, where the surface allows it, until there are `wanted` vertices.
-pub(super) fn split_longest_where(
-    domain: &Domain,
-    mesh: &mut Manifold,
-    wanted: usize,
-    may: impl Fn(&Manifold, u32) -> bool,
-) {
-    split_longest_with(mesh, wanted, |mesh, h| may(mesh, h).then(|| mesh.split_at_middle(domain, h)).flatten());
-}
-
 /// Splits the longest inner edges by `split`, which returns the new vertex if it splits one, until there are `wanted` vertices.
 fn split_longest_with(mesh: &mut Manifold, wanted: usize, split: impl Fn(&mut Manifold, u32) -> Option<u32>) {
     let is_missing = |mesh: &Manifold| mesh.connectivity.vertex_count() < wanted;

@@ -32,15 +32,10 @@ impl Crossings {
     /// The pairs at places where the input has no self-intersection.
     pub fn avoidable(inherited: &Inherited, mesh: &Manifold) -> Crossings {
         let mut crossings = Crossings::new(mesh);
-        crossings.keep_avoidable(inherited, mesh);
-        crossings
-    }
-
-    /// Keeps these only.
-    pub fn keep_avoidable(&mut self, inherited: &Inherited, mesh: &Manifold) {
-        let crossing = faces_of(self.pairs.clone()).into_iter();
+        let crossing = faces_of(crossings.pairs.clone()).into_iter();
         let need_not: BTreeMap<u32, bool> = crossing.map(|t| (t, !inherited.is_near(mesh.corners(t)))).collect();
-        self.pairs.retain(|(t, u)| need_not[t] || need_not[u]);
+        crossings.pairs.retain(|(t, u)| need_not[t] || need_not[u]);
+        crossings
     }
 }
 
@@ -71,24 +66,13 @@ impl Surroundings {
     /// Calls `visit` with each face that crosses a triangle, and its corners.
     pub fn each_across(&self, mesh: &Manifold, triangle: Corners, mut visit: impl FnMut(u32, Corners)) {
         let [a, b, c] = triangle;
-        self.each_in_box(mesh, a.min(b).min(c), a.max(b).max(c), |t, corners| {
+        self.faces.in_box(a.min(b).min(c), a.max(b).max(c), |t, corners| {
+            if !self.changed.contains(&t) && self.cross(triangle, corners) {
+                visit(t, corners);
+            }
+        });
+        for (&t, corners) in self.changed.iter().map(|t| (t, mesh.corners(*t))) {
             if self.cross(triangle, corners) {
-                visit(t, corners);
-            }
-        });
-    }
-
-    /// Calls `visit` with each face whose bounding box meets the box from `lo` to `hi`, and its corners.
-    pub fn each_in_box(&self, mesh: &Manifold, lo: DVec3, hi: DVec3, mut visit: impl FnMut(u32, Corners)) {
-        self.faces.in_box(lo, hi, |t, corners| {
-            if !self.changed.contains(&t) {
-                visit(t, corners);
-            }
-        });
-        let there = self.changed.iter().filter(|&&t| mesh.connectivity.has_half_edge(3 * t));
-        for (&t, corners) in there.map(|t| (t, mesh.corners(*t))) {
-            let [a, b, c] = corners;
-            if a.min(b).min(c).cmple(hi).all() && a.max(b).max(c).cmpge(lo).all() {
                 visit(t, corners);
             }
         }

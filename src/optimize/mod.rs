@@ -6,7 +6,6 @@ pub mod contacts;
 pub mod counts;
 mod crossings;
 pub mod fit;
-pub mod folds;
 pub mod max_error;
 mod newton;
 mod quadrature;

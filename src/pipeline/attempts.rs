@@ -3,11 +3,10 @@
 //! Three things go wrong, and each has its remedy. Samples on sharp edges that are too few leave patches that do not fit
 //! together: there are more of them in the next attempt, and at last the sharp edges are smoothed over. Samples of the two
 //! sides of a thin wall come together such that triangles intersect: others are drawn there. A result that is not sound even
-//! so is made finer where it went wrong, see `pipeline/mend.rs`; only if that does not help all is drawn anew, finer there. What is
-//! left even so need not follow the surface at these places.
+//! so is made finer where it went wrong, see `pipeline/mend.rs`; only if that does not help all is drawn anew, finer there.
 
 /// Runs up to a whole result, and times that samples are drawn in each for a mesh that does not intersect itself.
-pub(super) const MOST_RUNS: u64 = 2;
+pub(super) const MOST_RUNS: u64 = 3;
 const MOST_SAMPLINGS: u64 = 4;
 
 /// Samples on feature curves for each spacing of their length, in one attempt after the other: patches narrower than the

@@ -1,7 +1,6 @@
 //! A result as it is held against the input: what is wrong with it, and where.
 
 use crate::manifold::Manifold;
-use crate::manifold::slivers::slivers;
 use crate::mesh::topology::{Topology, topology};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::optimize::contacts::part_contacts;
@@ -9,6 +8,7 @@ use crate::pipeline::attempts::Score;
 use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::result::has_kind;
 use crate::pipeline::sized::SizedSurface;
+use crate::pipeline::slivers::slivers;
 use crate::pipeline::within::Sewn;
 use crate::spatial::self_intersections::{Inherited, self_intersections};
 use glam::DVec3;

@@ -8,7 +8,6 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
-use crate::optimize::folds::{FAR, NEAR, mend_folds};
 use crate::optimize::resize::follow_shorter_lengths;
 use crate::optimize::self_intersections::resolve_self_intersections;
 use crate::pipeline::finer::Finer;
@@ -32,7 +31,8 @@ pub(super) fn mended(
     let mut best = finished;
     let mut failures = 0;
     for round in 0..MOST_ROUNDS {
-        if !is_mendable(prepared, &best) || failures == MOST_FAILURES {
+        let is_mendable = !best.score.other_topology && best.score.is_of_places(best.mesh.triangles.len());
+        if !prepared.options.optimize || !is_mendable || failures == MOST_FAILURES {
             break;
         }
         if round == 0 {
@@ -46,29 +46,6 @@ pub(super) fn mended(
         }
     }
     Ok(best)
-}
-
-/// `finished`, or, where nothing else has made it sound, what it becomes if its unsound places need not be near the surface.
-pub(super) fn mended_at_any_price(
-    prepared: &PreparedInput,
-    surface: &SizedSurface,
-    finished: Finished,
-    monitor: &dyn Monitor,
-) -> Result<Finished> {
-    if !is_mendable(prepared, &finished) {
-        return Ok(finished);
-    }
-    let mut manifold = finished.manifold.clone();
-    mend_folds(&surface.domain, || surface.self_intersections(), &mut manifold, FAR, monitor)?;
-    let next = Finished::new(prepared, surface, manifold, finished.tessellated_patches, finished.run);
-    let is_mended = finished.is_mended;
-    Ok(if next.score < finished.score { Finished { is_mended, ..next } } else { finished })
-}
-
-/// Whether it is unsound at single places only.
-fn is_mendable(prepared: &PreparedInput, finished: &Finished) -> bool {
-    let Finished { score, mesh, .. } = finished;
-    prepared.options.optimize && !score.other_topology && score.is_of_places(mesh.triangles.len())
 }
 
 /// `best` with shorter edges around its unsound places; `None` if there is no room for them.
@@ -88,7 +65,6 @@ fn finer(
     // What was relaxed lies on the surface, of which its triangles are on the inner side.
     fit_to_surface(&surface.domain, &mut manifold, scale.spacing, prepared.limit(), monitor)?;
     resolve_self_intersections(&surface.domain, || surface.self_intersections(), &mut manifold, monitor)?;
-    mend_folds(&surface.domain, || surface.self_intersections(), &mut manifold, NEAR, monitor)?;
     let next = Finished::new(prepared, surface, manifold, best.tessellated_patches, best.run);
     Ok(Some(Finished { is_mended: true, ..next }))
 }

@@ -30,6 +30,7 @@ mod selection;
 mod sharp_edges;
 mod shortcomings;
 mod sized;
+mod slivers;
 mod tile;
 mod unit;
 mod values;

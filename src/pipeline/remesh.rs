@@ -4,12 +4,10 @@ use crate::base::error::Result;
 use crate::base::math;
 use crate::base::monitor::Monitor;
 use crate::manifold::Manifold;
-use crate::manifold::slivers::smallest_unforced_angle;
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::topology::topology;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::optimize::counts::meet_count;
-use crate::optimize::folds::{NEAR, mend_folds};
 use crate::optimize::self_intersections::resolve_self_intersections;
 use crate::pipeline::attempts::{Attempt, Attempts, MOST_RUNS, Score, Step};
 use crate::pipeline::coarse::{coarse, far_wider_spacing};
@@ -19,7 +17,7 @@ use crate::pipeline::finer::Finer;
 use crate::pipeline::finished::Finished;
 use crate::pipeline::follow::ascend_as_asked;
 use crate::pipeline::kernel::KernelFeatures;
-use crate::pipeline::mend::{mended, mended_at_any_price};
+use crate::pipeline::mend::mended;
 use crate::pipeline::optimization::optimize;
 use crate::pipeline::options::{Grading, Options};
 use crate::pipeline::origins::origins;
@@ -28,6 +26,7 @@ use crate::pipeline::redraw::drawn_anew_around;
 use crate::pipeline::result::{Deviation, Remeshed, has_kind, notes};
 use crate::pipeline::scale::CANDIDATES_PER_POINT;
 use crate::pipeline::sized::SizedSurface;
+use crate::pipeline::slivers::smallest_unforced_angle;
 use crate::quality::bound::{Bounds, hausdorff_bounds};
 use crate::spatial::self_intersections::self_intersections;
 use crate::spectral::candidates::candidates;
@@ -180,7 +179,6 @@ fn remesh_to(
         surface = sized(&finer)?;
     }
     let (surface, finished) = best.expect("a result was made");
-    let finished = mended_at_any_price(prepared, &surface, finished, monitor)?;
     remeshed(prepared, &surface, finished, monitor)
 }
 
@@ -279,7 +277,6 @@ fn arranged(
     arrange(prepared, surface, &mut manifold, monitor)?;
     monitor.stage("resolve self-intersections");
     resolve_self_intersections(&surface.domain, || surface.self_intersections(), &mut manifold, monitor)?;
-    mend_folds(&surface.domain, || surface.self_intersections(), &mut manifold, NEAR, monitor)?;
     Ok(Finished::new(prepared, surface, manifold, tessellated_patches, run))
 }
 

@@ -1,7 +1,6 @@
 //! What the pipeline gives back: the mesh, whether it is what was asked for, and what a user should know about it.
 
 use crate::base::count::{counted, counts};
-use crate::manifold::slivers::SLIVER;
 use crate::mesh::provenance::Origins;
 use crate::mesh::submesh::Kept;
 use crate::mesh::topology::Topology;
@@ -9,6 +8,7 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::coverage::Coverage;
 use crate::pipeline::edges::Edges;
 use crate::pipeline::lost::LostComponents;
+use crate::pipeline::slivers::SLIVER;
 use crate::prepare::repair::Repairs;
 use crate::prepare::stitch::Cracks;
 use crate::surface::narrow_patches::LeftOut;

@@ -18,13 +18,7 @@ impl Connectivity {
         // Two edges that become one are of two curves only if these meet across, too.
         let fold =
             |h: u32| !self.is_curve_edge(next(h)) || !self.is_curve_edge(prev(h)) || self.is_corner(self.apex(h));
-        self.both_sides(h).all(fold) && self.can_join(h)
-    }
-
-    /// Whether merging the origin of `h` into its target leaves a manifold of the same topology, whatever becomes of feature
-    /// curves: where two edges on curves become one the curves end, or go on as one.
-    pub fn can_join(&self, h: u32) -> bool {
-        !self.is_on_interface(self.origin(h)) && self.keeps_topology(h)
+        self.both_sides(h).all(fold) && !self.is_on_interface(self.origin(h)) && self.keeps_topology(h)
     }
 
     fn keeps_topology(&self, h: u32) -> bool {
@@ -62,13 +56,10 @@ impl Connectivity {
         self.both_sides(h).for_each(|side| self.close(side));
     }
 
-    /// [`Self::collapse`] where the ends may be on different curves, which makes the target a corner, and so is the corner across
-    /// where two edges on curves become one. Only if [`Self::can_join`].
+    /// [`Self::collapse`] where the ends may be on different curves, which makes the target a corner. Only if
+    /// [`Self::can_merge`].
     pub fn merge(&mut self, h: u32) {
         let (a, b) = (self.origin(h), self.target(h));
-        let become_one = |h: &u32| self.is_curve_edge(next(*h)) && self.is_curve_edge(prev(*h));
-        let ends: Vec<u32> = self.both_sides(h).filter(become_one).map(|h| self.apex(h)).collect();
-        ends.into_iter().for_each(|apex| self.put_on_curve(apex, OnCurve::Corner));
         if self.is_on_curve(a) && (self.curve_at(a) != self.curve_at(b) || self.curve(h) != self.curve_at(a)) {
             self.put_on_curve(b, OnCurve::Corner);
         }
