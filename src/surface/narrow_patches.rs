@@ -4,7 +4,8 @@
 //! that bounds a strip of width w, and across which the surface turns by θ, it moves by about w sin(θ/2) / 2, and where a
 //! triangle goes straight from the strip's other rim to a vertex far beyond the curve, by w sin θ. The patch where that is
 //! least is joined with the neighbour that it turns least towards, along all the edges between both, as long as it is less
-//! than a share of the spacing. A chamfer's two curves become one, and what stays is whole. Where the vertices do not suffice
+//! than a share of the spacing. A chamfer's two curves become one, and what stays is whole; the
+//! rim of a plate, which would become a blade, stays but for one that is far thinner than samples tell. Where the vertices do not suffice
 //! for the curves that are left, or for the short edges between them, that share grows.
 //!
 //! Cost: n log n in the patches, linear in the sides; a few times over where the share grows.
@@ -21,6 +22,9 @@ use std::collections::{BTreeMap, BinaryHeap};
 /// tenth, or of a wall whose width is an eighteenth. The first of these that leaves edges for which the vertices suffice is
 /// taken, or the last.
 const LEAST: [f64; 5] = [0.02, 0.05, 0.08, 0.12, 0.18];
+
+/// Degrees by which the surface may turn at the edge that is left of a strip's two.
+const SHARPEST: f64 = 135.0;
 
 /// The width of a wall that moves by a deviation, in deviations.
 const WIDTH_OF_WALL: f64 = 2.0 * std::f64::consts::SQRT_2;
@@ -63,7 +67,7 @@ pub fn leave_out_narrow(
     let mut made = (sharp.to_vec(), LeftOut::default());
     for share in LEAST {
         let mut patches = before.clone();
-        let left_out = patches.join_below(share * spacing);
+        let left_out = patches.join_below(share * spacing, spacing);
         let mut stays = |s: usize| sharp[s] && (!parts[s] || patches.differ(s as u32, twin));
         made = ((0..sharp.len()).map(&mut stays).collect(), left_out);
         if suffice(&made.0, WIDTH_OF_WALL * share) {
@@ -88,6 +92,10 @@ pub fn samples_on(mesh: &Mesh, twin: &[u32], sharp: &[bool], spacing: f64) -> f6
     corners as f64 + length / spacing
 }
 
+fn added(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|k| a[k] + b[k])
+}
+
 /// What joining a patch with a neighbour does: which one, and by how much the surface moves, about and at most.
 #[derive(Clone, Copy, PartialEq)]
 struct Joint {
@@ -101,15 +109,16 @@ struct Joint {
 struct Patch {
     area: f64,
     rim: f64,
-    /// For each neighbour the length of the edges between both, and the same times the turn there.
-    beside: BTreeMap<u32, [f64; 2]>,
+    /// For each neighbour the length of the edges between both, and the same times the turn there, without and with its sign.
+    beside: BTreeMap<u32, [f64; 3]>,
     /// Whether it must not be joined with a neighbour for its own narrowness.
     needed: bool,
 }
 
 impl Patch {
-    /// With the neighbour that it turns least towards, itself being `own`; none for a patch that is needed.
-    fn gentlest(&self, own: u32) -> Option<Joint> {
+    /// With the neighbour that it turns least towards, itself being `own`. None for a patch that is needed, nor for the rim of a
+    /// plate, which would be a blade then, if the surface moves by `least` or more.
+    fn gentlest(&self, own: u32, least: f64) -> Option<Joint> {
         let others = self.beside.iter().filter(|(q, _)| **q != own);
         let turns = others.map(|(&q, sums)| (q, sums[1] / sums[0].max(f64::MIN_POSITIVE)));
         let (neighbour, turn) =
@@ -117,7 +126,18 @@ impl Patch {
         let width = 2.0 * self.area / self.rim;
         let sine = |degrees: f64| math::sin_cos(degrees.to_radians()).0;
         let moved = 0.5 * width * sine(0.5 * turn);
+        if moved >= least && self.turn_beyond(own, neighbour) > SHARPEST {
+            return None;
+        }
         Some(Joint { neighbour, moved, moved_at_most: width * sine(turn.min(90.0)) })
+    }
+
+    /// By how much the surface turns at the edges that are left beside the patch, itself being `own`, without those to `neighbour`.
+    fn turn_beyond(&self, own: u32, neighbour: u32) -> f64 {
+        let mean = |[length, .., signed]: [f64; 3]| signed / length.max(f64::MIN_POSITIVE);
+        let others = self.beside.iter().filter(|(q, _)| ![own, neighbour].contains(q));
+        let sum = others.fold([0.0; 3], |sum, (_, sums)| added(sum, *sums));
+        (mean(sum) + mean(self.beside[&neighbour])).abs()
     }
 }
 
@@ -145,9 +165,9 @@ impl Patches {
                 patch.rim += length;
                 if twin[side as usize] != NONE {
                     let other = of_triangle.find(twin[side as usize] / 3);
-                    let [sum, weighted] = patch.beside.entry(other).or_default();
-                    *sum += length;
-                    *weighted += length * turns[side as usize].abs();
+                    let turn = turns[side as usize];
+                    let sums = patch.beside.entry(other).or_default();
+                    *sums = added(*sums, [length, length * turn.abs(), length * turn]);
                 }
             }
         }
@@ -168,13 +188,14 @@ impl Patches {
     }
 
     /// Joins patches with a neighbour where that moves the surface by less than `deviation`, the least first.
-    fn join_below(&mut self, deviation: f64) -> LeftOut {
+    fn join_below(&mut self, deviation: f64, spacing: f64) -> LeftOut {
         let mut left_out = LeftOut::default();
-        let ranked = |p: u32, patch: &Patch| Some(Ranked::new(-patch.gentlest(p)?.moved, p));
+        let least = LEAST[0] * spacing;
+        let ranked = |p: u32, patch: &Patch| Some(Ranked::new(-patch.gentlest(p, least)?.moved, p));
         let mut heap: BinaryHeap<Ranked> = self.list.iter().filter_map(|(&p, patch)| ranked(p, patch)).collect();
         while let Some(Ranked { rank, index: p, .. }) = heap.pop().filter(|least| -least.rank < deviation) {
             // What was joined since has another rank.
-            let gentlest = self.list.get(&p).and_then(|patch| patch.gentlest(p));
+            let gentlest = self.list.get(&p).and_then(|patch| patch.gentlest(p, least));
             let Some(joint) = gentlest.filter(|joint| joint.moved == -rank) else { continue };
             left_out.patches += 1;
             left_out.deviation = left_out.deviation.max(joint.moved_at_most);
@@ -193,15 +214,14 @@ impl Patches {
             std::mem::swap(&mut a, &mut b);
         }
         for (&other, sums) in &b.beside {
-            let [sum, weighted] = a.beside.entry(other).or_default();
-            *sum += sums[0];
-            *weighted += sums[1];
+            let both = a.beside.entry(other).or_default();
+            *both = added(*both, *sums);
         }
         let between: f64 = [p, q].iter().filter_map(|p| a.beside.remove(p)).map(|sums| sums[0]).sum();
         for other in a.beside.keys() {
             let beside = &mut self.list.get_mut(other).expect("a neighbour is a patch").beside;
             let sums = [p, q].map(|p| beside.remove(&p).unwrap_or_default());
-            beside.insert(name, [sums[0][0] + sums[1][0], sums[0][1] + sums[1][1]]);
+            beside.insert(name, added(sums[0], sums[1]));
         }
         let rim = (a.rim + b.rim - between).max(f64::MIN_POSITIVE);
         self.list.insert(name, Patch { area: a.area + b.area, rim, beside: a.beside, needed: a.needed || b.needed });
