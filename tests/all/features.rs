@@ -322,13 +322,13 @@ fn prism(outline: &[[f64; 2]], bottom: f64, top: f64) -> Mesh {
 }
 
 #[test]
-fn a_chamfer_that_parts_a_wall_stays_however_narrow() {
+fn a_narrow_chamfer_over_a_thin_wall_does_no_harm() {
     // Hollow blocks: without its chamfer, a twelfth of the spacing wide, the outer face may cut off an edge of the cavity.
-    let left_out = [0.015, 0.02, 0.025].map(|wall| {
+    for wall in [0.005, 0.015, 0.02, 0.025] {
         let block = prism(&[[0., 0.], [10., 0.], [10., 10.], [0.05, 10.], [0., 9.95]], 0.0, 10.0);
         let top = 9.95 - wall;
         let cavity = prism(&[[wall, 5.], [5., 5.], [5., top], [wall, top]], 1.0, 9.0);
-        check(&together(&[block, inside_out(cavity)]), 1500).left_out.patches
-    });
-    assert!(left_out.contains(&0), "none of them came out sound only with its chamfer");
+        let made = check(&together(&[block, inside_out(cavity)]), 1500);
+        assert!(made.left_out.deviation < 0.06, "{:?}", made.left_out);
+    }
 }
