@@ -128,10 +128,11 @@ struct Search<'a> {
 impl Search<'_> {
     /// The squared distance of `p`; 0 where there is nothing to be near to.
     fn closest(&mut self, p: DVec3) -> f64 {
-        let most = self.to_last(p).unwrap_or(f64::INFINITY);
-        let hit = self.bvh.closest_where(self.to, p, most, |_| true);
+        let to_last = self.to_last(p);
+        let hit = self.bvh.closest_where(self.to, p, to_last.unwrap_or(f64::INFINITY), |_| true);
         self.last = hit.map(|hit| hit.triangle).or(self.last);
-        hit.map_or(0.0, |hit| hit.distance_squared)
+        // A box may be farther than its triangle by rounding: then even the last one is not found again.
+        hit.map(|hit| hit.distance_squared).or(to_last).unwrap_or(0.0)
     }
 
     /// The squared distance of `p` if it is above `square`, which is found out sooner if it is not.

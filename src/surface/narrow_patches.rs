@@ -4,9 +4,9 @@
 //! that bounds a strip of width w, and across which the surface turns by θ, it moves by about w sin(θ/2) / 2, and where a
 //! triangle goes straight from the strip's other rim to a vertex far beyond the curve, by w sin θ. The patch where that is
 //! least is joined with the neighbour that it turns least towards, along all the edges between both, as long as it is less
-//! than a share of the spacing. A chamfer's two curves become one, and what stays is whole; the
-//! rim of a plate, which would become a blade, stays but for one that is far thinner than samples tell. Where the vertices do not suffice
-//! for the curves that are left, or for the short edges between them, that share grows.
+//! than a share of the spacing. A chamfer's two curves become one, and what stays is whole. Where the vertices do not suffice
+//! for the curves that are left, or for the short edges between them, that share grows. Then the rims of plates stay, which
+//! would become blades: a box would lose a part of its volume.
 //!
 //! Cost: n log n in the patches, linear in the sides; a few times over where the share grows.
 
@@ -23,7 +23,7 @@ use std::collections::{BTreeMap, BinaryHeap};
 /// taken, or the last.
 const LEAST: [f64; 5] = [0.02, 0.05, 0.08, 0.12, 0.18];
 
-/// Degrees by which the surface may turn at the edge that is left of a strip's two.
+/// Degrees by which the surface may turn at the edge that is left of a strip's two, from the second share on.
 const SHARPEST: f64 = 135.0;
 
 /// The width of a wall that moves by a deviation, in deviations.
@@ -67,7 +67,7 @@ pub fn leave_out_narrow(
     let mut made = (sharp.to_vec(), LeftOut::default());
     for share in LEAST {
         let mut patches = before.clone();
-        let left_out = patches.join_below(share * spacing, spacing);
+        let left_out = patches.join_below(share, spacing);
         let mut stays = |s: usize| sharp[s] && (!parts[s] || patches.differ(s as u32, twin));
         made = ((0..sharp.len()).map(&mut stays).collect(), left_out);
         if suffice(&made.0, WIDTH_OF_WALL * share) {
@@ -92,8 +92,25 @@ pub fn samples_on(mesh: &Mesh, twin: &[u32], sharp: &[bool], spacing: f64) -> f6
     corners as f64 + length / spacing
 }
 
-fn added(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|k| a[k] + b[k])
+/// The edges between two patches: their length, and the same times the turn there, without and with its sign.
+#[derive(Debug, Clone, Copy, Default)]
+struct Border {
+    length: f64,
+    turned: f64,
+    signed: f64,
+}
+
+impl Border {
+    fn add(&mut self, other: Border) {
+        self.length += other.length;
+        self.turned += other.turned;
+        self.signed += other.signed;
+    }
+
+    /// The mean of such a sum over its edges.
+    fn mean(&self, sum: f64) -> f64 {
+        sum / self.length.max(f64::MIN_POSITIVE)
+    }
 }
 
 /// What joining a patch with a neighbour does: which one, and by how much the surface moves, about and at most.
@@ -109,35 +126,31 @@ struct Joint {
 struct Patch {
     area: f64,
     rim: f64,
-    /// For each neighbour the length of the edges between both, and the same times the turn there, without and with its sign.
-    beside: BTreeMap<u32, [f64; 3]>,
+    beside: BTreeMap<u32, Border>,
     /// Whether it must not be joined with a neighbour for its own narrowness.
     needed: bool,
 }
 
 impl Patch {
     /// With the neighbour that it turns least towards, itself being `own`. None for a patch that is needed, nor for the rim of a
-    /// plate, which would be a blade then, if the surface moves by `least` or more.
+    /// plate if the surface moves by `least` or more.
     fn gentlest(&self, own: u32, least: f64) -> Option<Joint> {
-        let others = self.beside.iter().filter(|(q, _)| **q != own);
-        let turns = others.map(|(&q, sums)| (q, sums[1] / sums[0].max(f64::MIN_POSITIVE)));
-        let (neighbour, turn) =
-            turns.filter(|_| !self.needed).min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))?;
+        let others = self.beside.iter().filter(|(q, _)| **q != own && !self.needed);
+        let turns = others.map(|(&q, border)| (q, border.mean(border.turned)));
+        let (neighbour, turn) = turns.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))?;
         let width = 2.0 * self.area / self.rim;
         let sine = |degrees: f64| math::sin_cos(degrees.to_radians()).0;
         let moved = 0.5 * width * sine(0.5 * turn);
-        if moved >= least && self.turn_beyond(own, neighbour) > SHARPEST {
-            return None;
-        }
-        Some(Joint { neighbour, moved, moved_at_most: width * sine(turn.min(90.0)) })
+        let joint = Joint { neighbour, moved, moved_at_most: width * sine(turn.min(90.0)) };
+        (moved < least || self.turn_without(own, neighbour) <= SHARPEST).then_some(joint)
     }
 
-    /// By how much the surface turns at the edges that are left beside the patch, itself being `own`, without those to `neighbour`.
-    fn turn_beyond(&self, own: u32, neighbour: u32) -> f64 {
-        let mean = |[length, .., signed]: [f64; 3]| signed / length.max(f64::MIN_POSITIVE);
-        let others = self.beside.iter().filter(|(q, _)| ![own, neighbour].contains(q));
-        let sum = others.fold([0.0; 3], |sum, (_, sums)| added(sum, *sums));
-        (mean(sum) + mean(self.beside[&neighbour])).abs()
+    /// By how much the surface turns at the other edges of the patch, itself being `own`, without those to `neighbour`.
+    fn turn_without(&self, own: u32, neighbour: u32) -> f64 {
+        let mut others = Border::default();
+        self.beside.iter().filter(|(q, _)| ![own, neighbour].contains(q)).for_each(|(_, border)| others.add(*border));
+        let border = self.beside[&neighbour];
+        (others.mean(others.signed) + border.mean(border.signed)).abs()
     }
 }
 
@@ -166,8 +179,8 @@ impl Patches {
                 if twin[side as usize] != NONE {
                     let other = of_triangle.find(twin[side as usize] / 3);
                     let turn = turns[side as usize];
-                    let sums = patch.beside.entry(other).or_default();
-                    *sums = added(*sums, [length, length * turn.abs(), length * turn]);
+                    let border = Border { length, turned: length * turn.abs(), signed: length * turn };
+                    patch.beside.entry(other).or_default().add(border);
                 }
             }
         }
@@ -187,13 +200,13 @@ impl Patches {
         self.of_triangle.find(side / 3) != self.of_triangle.find(twin[side as usize] / 3)
     }
 
-    /// Joins patches with a neighbour where that moves the surface by less than `deviation`, the least first.
-    fn join_below(&mut self, deviation: f64, spacing: f64) -> LeftOut {
+    /// Joins patches with a neighbour where that moves the surface by less than `share` of the spacing, the least first.
+    fn join_below(&mut self, share: f64, spacing: f64) -> LeftOut {
         let mut left_out = LeftOut::default();
         let least = LEAST[0] * spacing;
         let ranked = |p: u32, patch: &Patch| Some(Ranked::new(-patch.gentlest(p, least)?.moved, p));
         let mut heap: BinaryHeap<Ranked> = self.list.iter().filter_map(|(&p, patch)| ranked(p, patch)).collect();
-        while let Some(Ranked { rank, index: p, .. }) = heap.pop().filter(|least| -least.rank < deviation) {
+        while let Some(Ranked { rank, index: p, .. }) = heap.pop().filter(|top| -top.rank < share * spacing) {
             // What was joined since has another rank.
             let gentlest = self.list.get(&p).and_then(|patch| patch.gentlest(p, least));
             let Some(joint) = gentlest.filter(|joint| joint.moved == -rank) else { continue };
@@ -213,15 +226,15 @@ impl Patches {
         if a.beside.len() < b.beside.len() {
             std::mem::swap(&mut a, &mut b);
         }
-        for (&other, sums) in &b.beside {
-            let both = a.beside.entry(other).or_default();
-            *both = added(*both, *sums);
+        for (&other, &border) in &b.beside {
+            a.beside.entry(other).or_default().add(border);
         }
-        let between: f64 = [p, q].iter().filter_map(|p| a.beside.remove(p)).map(|sums| sums[0]).sum();
+        let between: f64 = [p, q].iter().filter_map(|p| a.beside.remove(p)).map(|border| border.length).sum();
         for other in a.beside.keys() {
             let beside = &mut self.list.get_mut(other).expect("a neighbour is a patch").beside;
-            let sums = [p, q].map(|p| beside.remove(&p).unwrap_or_default());
-            beside.insert(name, added(sums[0], sums[1]));
+            let [mut border, to_q] = [p, q].map(|p| beside.remove(&p).unwrap_or_default());
+            border.add(to_q);
+            beside.insert(name, border);
         }
         let rim = (a.rim + b.rim - between).max(f64::MIN_POSITIVE);
         self.list.insert(name, Patch { area: a.area + b.area, rim, beside: a.beside, needed: a.needed || b.needed });
@@ -305,6 +318,20 @@ mod tests {
         let widths = [3.0, 0.5, 3.0, 0.5, 3.0];
         assert_eq!(kept(&widths, 600.0).0, 4);
         assert_eq!(kept(&widths, 30.0).0, 2);
+    }
+
+    #[test]
+    fn the_rim_of_a_plate_stays_unless_it_is_far_thinner_than_the_spacing() {
+        let edges = |thickness: f64| {
+            let mut mesh = cube();
+            mesh.positions.iter_mut().for_each(|p| *p *= dvec3(20.0, 20.0, thickness));
+            let twin = twins(&mesh.triangles);
+            // No edges suffice.
+            let (sharp, _) = leave_out_narrow(&mesh, &twin, &found(&mesh, &twin), 1.0, |_| false, |_, _| false);
+            sharp.iter().filter(|s| **s).count() / 2
+        };
+        assert_eq!(edges(0.3), 12);
+        assert!(edges(0.03) < 12);
     }
 
     #[test]

@@ -306,7 +306,7 @@ fn what_cannot_be_written_leaves_nothing_and_an_old_file_stays() {
 
 #[test]
 #[cfg(unix)]
-fn an_interrupt_or_the_end_of_a_session_ends_the_run_and_leaves_nothing() {
+fn an_interrupt_or_a_termination_ends_the_run_and_leaves_nothing() {
     use std::io::{BufRead, BufReader, Read};
     for signal in ["-INT", "-TERM"] {
         let folder = folder();

@@ -24,12 +24,12 @@ const MEAN_TOLERANCE: f64 = 1e-3;
 
 /// Whether there is room for lengths as small as is `wanted`, relative to `spacing`, or as `shortest` where that is more.
 pub(super) fn has_room(domain: &Domain, wanted: &[f64], shortest: f64, spacing: f64) -> bool {
-    let lengths: Vec<f64> = wanted.iter().map(|wanted| wanted.min(1.0).max(shortest.min(1.0))).collect();
-    if lengths.iter().all(|&length| length == 1.0) {
+    let even = vec![1.0; wanted.len()];
+    if wanted.iter().all(|&wanted| wanted >= 1.0) {
         return true;
     }
-    let graded = limited(domain, &Graph::whole(domain), lengths, GRADIENT / spacing);
-    mean_density(&domain.mesh, &graded) <= MOST_DENSE
+    let lengths = Lengths::new(domain, &even, wanted, spacing);
+    lengths.density(&lengths.graded(shortest, 1.0)) <= MOST_DENSE
 }
 
 /// `sizes`, relative to `spacing`, made as small as is `wanted` at vertices that want less, and as much larger elsewhere as
@@ -38,24 +38,48 @@ pub fn sizes_with_room(domain: &Domain, sizes: &[f64], wanted: &[f64], spacing: 
     if wanted.iter().zip(sizes).all(|(wanted, size)| wanted >= size) {
         return None;
     }
-    let graph = Graph::whole(domain);
-    let graded = |shortest: f64, factor: f64| {
-        let at = |(&size, &wanted): (&f64, &f64)| (factor * size).min(wanted.max(shortest * factor * size));
-        let lengths = sizes.iter().zip(wanted).map(at).collect();
-        limited(domain, &graph, lengths, GRADIENT / spacing)
-    };
-    let before = mean_density(&domain.mesh, sizes);
-    let density = |graded: &[f64]| mean_density(&domain.mesh, graded) / before;
-    let shortest = SHORTEST.into_iter().find(|&shortest| density(&graded(shortest, 1.0)) <= MOST_DENSE)?;
+    let lengths = Lengths::new(domain, sizes, wanted, spacing);
+    let has_room = |&shortest: &f64| lengths.density(&lengths.graded(shortest, 1.0)) <= MOST_DENSE;
+    let shortest = SHORTEST.into_iter().find(has_room)?;
     let mut factor = 1.0;
-    let mut made = graded(shortest, factor);
+    let mut made = lengths.graded(shortest, factor);
     for _ in 0..MOST_TURNS {
-        let excess = density(&made).sqrt();
+        let excess = lengths.density(&made).sqrt();
         if (excess - 1.0).abs() <= MEAN_TOLERANCE {
             break;
         }
         factor *= excess;
-        made = graded(shortest, factor);
+        made = lengths.graded(shortest, factor);
     }
     Some(made)
+}
+
+/// The lengths that there are on a domain, and those that are wanted there.
+struct Lengths<'a> {
+    domain: &'a Domain,
+    graph: Graph,
+    sizes: &'a [f64],
+    wanted: &'a [f64],
+    /// Mean of 1 / h² over the domain.
+    density: f64,
+    spacing: f64,
+}
+
+impl<'a> Lengths<'a> {
+    fn new(domain: &'a Domain, sizes: &'a [f64], wanted: &'a [f64], spacing: f64) -> Self {
+        let density = mean_density(&domain.mesh, sizes);
+        Lengths { domain, graph: Graph::whole(domain), sizes, wanted, density, spacing }
+    }
+
+    /// Those that there are, `factor` times as large, or those that are wanted, but no shorter than that share of them.
+    fn graded(&self, shortest: f64, factor: f64) -> Vec<f64> {
+        let at = |(&size, &wanted): (&f64, &f64)| (factor * size).min(wanted.max(shortest * factor * size));
+        let lengths = self.sizes.iter().zip(self.wanted).map(at).collect();
+        limited(self.domain, &self.graph, lengths, GRADIENT / self.spacing)
+    }
+
+    /// Mean of 1 / h² of such lengths, relative to that of those that there are.
+    fn density(&self, graded: &[f64]) -> f64 {
+        mean_density(&self.domain.mesh, graded) / self.density
+    }
 }
