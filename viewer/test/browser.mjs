@@ -31,19 +31,28 @@ function which(name) {
   return name.includes("/") ? name : execFileSync("which", [name], { encoding: "utf8" }).trim();
 }
 
-/** For each canvas the share of its pixels that are drawn on, and the mean of their red, green and blue. */
+/**
+ * For each canvas the share of its pixels that are drawn on, and the mean of their red, green and blue; how many of those at its
+ * rim are drawn on; and where the middle of what has the blue of a ring is, in shares of its width and height.
+ */
 export async function pixels(page) {
   await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
   return page.$$eval(".panel canvas", (canvases) => canvases.map((canvas) => {
     const all = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+    const { width, height } = canvas;
     const sum = [0, 0, 0];
-    let drawn = 0;
+    let [drawn, rim] = [0, 0];
+    const blue = [0, 0, 0];
     for (let i = 0; i < all.length; i += 4) {
       if (all[i + 3] < 128) continue;
+      const [x, y] = [(i / 4) % width, Math.floor(i / 4 / width)];
       drawn += 1;
+      if (x === 0 || y === 0 || x === width - 1 || y === height - 1) rim += 1;
+      if (all[i] < 60 && all[i + 2] > 180) [1, x / width, y / height].forEach((add, k) => { blue[k] += add; });
       for (let k = 0; k < 3; k++) sum[k] += all[i + k];
     }
-    return { share: (4 * drawn) / all.length, colour: sum.map((x) => x / drawn) };
+    const ring = blue[0] === 0 ? null : [blue[1] / blue[0], blue[2] / blue[0]];
+    return { share: drawn / (width * height), colour: sum.map((x) => x / drawn), rim, ring };
   }));
 }
 

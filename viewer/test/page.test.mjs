@@ -98,7 +98,8 @@ test("a place that is not verified turns the camera", async () => {
     const first = await pixels(page);
     await page.click(".verdict a");
     const there = await pixels(page);
-    assert.ok(there[1].share > first[1].share, "it is seen from nearer");
+    assert.ok(first[1].rim === 0 && there[1].rim > 0, "it is seen from nearer: the mesh leaves the picture");
+    assert.ok(first[1].ring === null && there[1].ring.every((x) => Math.abs(x - 0.5) < 0.01), "a ring around it is in the middle");
     await page.click("a[data-by=distance]");
     assert.equal(await page.isChecked("input[value=distance]"), true);
     const json = await page.getAttribute("#save a", "href");
