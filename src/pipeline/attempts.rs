@@ -1,17 +1,20 @@
 //! Which attempts are made at a sound result, one after the other.
 //!
 //! Three things go wrong, and each has its remedy. Samples on sharp edges that are too few leave patches that do not fit
-//! together: there are more of them in the next attempt, and at last the sharp edges are smoothed over. Samples of the two
-//! sides of a thin wall come together such that triangles intersect: others are drawn there. A result that is not sound even
-//! so is made finer where it went wrong, see `pipeline/mend.rs`; only if that does not help all is drawn anew, finer there.
+//! together: edges become shorter there, or, where there is no room for that, samples on all sharp edges closer; at last
+//! the sharp edges are smoothed over. Samples of the two sides of a thin wall come together such that triangles intersect:
+//! others are drawn there. A result that is not sound even so is made finer where it went wrong, see `pipeline/mend.rs`; only
+//! if that does not help all is drawn anew, finer there.
 
 /// Runs up to a whole result, and times that samples are drawn in each for a mesh that does not intersect itself.
 pub(super) const MOST_RUNS: u64 = 3;
 const MOST_SAMPLINGS: u64 = 4;
 
-/// Samples on feature curves for each spacing of their length, in one attempt after the other: patches narrower than the
-/// spacing need more of them.
-const CURVE_DENSITIES: [f64; 3] = [1.0, 1.4, 2.0];
+/// Attempts in a run at patches that fit together, before sharp edges are smoothed over.
+const MOST_WITH_CURVES: usize = 5;
+
+/// How many times as many samples there are on curves where edges cannot become shorter.
+const CLOSER: f64 = 1.4;
 
 /// Where more triangles than a share of all, and than this many, intersect or are slivers, it is no matter of single places:
 /// the vertices are too few for how near to each other the walls are.
@@ -72,30 +75,31 @@ pub(super) struct Attempts {
     seed: u64,
     run: u64,
     sampling: u64,
-    /// The place in the densities on curves; beyond them curves are smoothed over.
-    curves: usize,
-    has_curves: bool,
+    /// Attempts of this run at patches that fit together, and the samples on curves for each spacing.
+    with_curves: usize,
+    curve_density: f64,
+    keeps_curves: bool,
 }
 
 impl Attempts {
     /// Those with the random numbers of `seed`, of a surface that has sharp edges or not.
     pub(super) fn new(seed: u64, has_curves: bool) -> Attempts {
-        Attempts { seed, run: 0, sampling: 0, curves: 0, has_curves }
+        Attempts { seed, run: 0, sampling: 0, with_curves: 1, curve_density: 1.0, keeps_curves: has_curves }
     }
 
     /// The one to make now.
     pub(super) fn current(&self) -> Attempt {
         // Far from the seeds that people give.
         let seed = self.seed.wrapping_add(self.run << 48).wrapping_add(self.sampling << 40);
-        Attempt { seed, curve_density: CURVE_DENSITIES.get(self.curves).copied() }
+        Attempt { seed, curve_density: self.keeps_curves.then_some(self.curve_density) }
     }
 
     /// What to do after samples were triangulated with `best` as the best score for these sharp edges; `of_surface` counts
     /// the triangles of the surface that intersect others.
     pub(super) fn after_triangulation(&mut self, best: Score, of_surface: impl FnOnce() -> usize) -> Step {
-        if best.other_topology && self.has_curves {
-            self.curves += 1;
-            self.has_curves = self.curves < CURVE_DENSITIES.len();
+        if best.other_topology && self.keeps_curves {
+            self.keeps_curves = self.with_curves < MOST_WITH_CURVES;
+            self.with_curves += 1;
             self.sampling = 0;
             return Step::Restart;
         }
@@ -107,12 +111,17 @@ impl Attempts {
         Step::Resample
     }
 
+    /// Samples curves more closely from now on.
+    pub(super) fn sample_curves_closer(&mut self) {
+        self.curve_density *= CLOSER;
+    }
+
     /// Whether to make another run after a result of so many `triangles`; `best` is the best score of all.
     pub(super) fn after_run(&mut self, best: Score, triangles: usize) -> bool {
         if best == Score::SOUND || best.is_everywhere(triangles) || self.run + 1 == MOST_RUNS {
             return false;
         }
-        (self.run, self.sampling) = (self.run + 1, 0);
+        (self.run, self.sampling, self.with_curves) = (self.run + 1, 0, 1);
         true
     }
 
@@ -138,13 +147,16 @@ mod tests {
     }
 
     #[test]
-    fn curves_get_more_samples_and_are_smoothed_over_at_last() {
+    fn curves_are_kept_for_some_attempts_and_smoothed_over_at_last() {
         let mut attempts = Attempts::new(0, true);
         let mut densities = Vec::new();
         while attempts.after_triangulation(TORN, || 0) == Step::Restart {
             densities.push(attempts.current().curve_density);
+            if densities.len() == 2 {
+                attempts.sample_curves_closer();
+            }
         }
-        assert_eq!(densities, [Some(1.4), Some(2.0), None]);
+        assert_eq!(densities, [Some(1.0), Some(1.0), Some(1.4), Some(1.4), None]);
     }
 
     #[test]

@@ -28,6 +28,10 @@ const TOLERANCE: f64 = 0.01;
 const FAR_SHORTER: f64 = 0.5;
 const MANY: f64 = 0.5;
 
+/// Vertices for each wanted one from which on it pays. Of a part with fewer, the short edges are those of fillets and text beside
+/// wide faces.
+const MANY_TIMES: usize = 8;
+
 /// The spacing of the result if `repaired` is much finer than that; `None` if it is not, or is to be held to as it is: where
 /// lengths follow something, a bound on the error is asked for, or only a part is remeshed.
 pub(super) fn far_wider_spacing(
@@ -38,8 +42,9 @@ pub(super) fn far_wider_spacing(
     if !may_be_coarser(prepared.options) {
         return Ok(None);
     }
-    let spacing = Scale::new(density, None, repaired, &prepared.unit)?.spacing;
-    let is_finer = share_of_edges_below(repaired, FAR_SHORTER * SHORTEST * spacing) >= MANY;
+    let Scale { wanted, spacing } = Scale::new(density, None, repaired, &prepared.unit)?;
+    let is_finer = repaired.positions.len() >= MANY_TIMES * wanted
+        && share_of_edges_below(repaired, FAR_SHORTER * SHORTEST * spacing) >= MANY;
     Ok(is_finer.then_some(spacing))
 }
 

@@ -9,9 +9,9 @@ use crate::surface::domain::Domain;
 use crate::surface::sizing::sizes_with_room;
 use glam::DVec3;
 
-/// How far around a place the surface is finer, in spacings, and the share of the length that is left there after each
-/// attempt.
-const REACH: f64 = 2.0;
+/// How far around a place the surface is finer, in lengths of the edges there, and the share of the length that is left there
+/// after each attempt.
+const REACH: f64 = 1.0;
 const FINER: f64 = 0.5;
 
 /// Places where attempts went wrong, in the pipeline's unit.
@@ -39,18 +39,21 @@ impl Finer {
         }
         let sizes = domain.sizes();
         let places = sizes.iter().zip(&domain.mesh.positions);
-        let wanted: Vec<f64> = places.map(|(size, &p)| size * self.share(p, spacing)).collect();
+        let wanted: Vec<f64> = places.map(|(size, &p)| size * self.share(p, size * spacing)).collect();
         sizes_with_room(domain, &sizes, &wanted, spacing)
     }
 
-    /// The share of the wanted length that is left at `p`.
-    fn share(&self, p: DVec3, spacing: f64) -> f64 {
-        (0..self.times(p, spacing)).fold(1.0, |share, _| FINER * share)
+    /// The share of that length, the one wanted at `p`, which is left there; elsewhere lengths may be anything.
+    fn share(&self, p: DVec3, length: f64) -> f64 {
+        match self.times(p, length) {
+            0 => f64::INFINITY,
+            times => (0..times).fold(1.0, |share, _| FINER * share),
+        }
     }
 
-    /// In how many attempts something went wrong near `p`.
-    fn times(&self, p: DVec3, spacing: f64) -> usize {
-        let is_near = |places: &&Neighbors| !places.within(p, REACH * spacing).is_empty();
+    /// In how many attempts something went wrong near `p`, where edges are to have that length.
+    fn times(&self, p: DVec3, length: f64) -> usize {
+        let is_near = |places: &&Neighbors| !places.within(p, REACH * length).is_empty();
         self.of_attempts.iter().filter(is_near).count()
     }
 }
@@ -66,7 +69,7 @@ mod tests {
         finer.add(&[DVec3::ZERO, 10.0 * DVec3::X]);
         finer.add(&[DVec3::ZERO]);
         let share = |x: f64| finer.share(x * DVec3::X, 1.0);
-        assert_eq!([1.9, 2.1, 9.0].map(share), [0.25, 1.0, 0.5]);
-        assert!(finer.is_near(DVec3::Y, 1.0));
+        assert_eq!([0.9, 1.1, 9.1].map(share), [0.25, f64::INFINITY, 0.5]);
+        assert!(finer.is_near(0.9 * DVec3::Y, 1.0));
     }
 }

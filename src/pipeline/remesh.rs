@@ -202,7 +202,12 @@ fn triangulated(
         match attempts.after_triangulation(score, || surface.self_intersections().len()) {
             Step::Continue => return Ok((surface, best.expect("samples were triangulated"))),
             Step::Resample => {}
-            Step::Restart => best = None,
+            Step::Restart => {
+                let torn = best.take().map_or(Vec::new(), |best| best.torn);
+                if attempts.current().curve_density.is_some() && !surface.refine_at(&torn) {
+                    attempts.sample_curves_closer();
+                }
+            }
         }
         monitor.stage("sample");
     }
@@ -215,6 +220,8 @@ struct Triangulation {
     mesh: Manifold,
     /// Smooth patches that were tessellated from the input as a whole.
     tessellated_patches: usize,
+    /// Places where patches do not fit together.
+    torn: Vec<DVec3>,
     /// The corners of the triangles that intersect others.
     crossing: Vec<[DVec3; 3]>,
     score: Score,
@@ -250,18 +257,17 @@ impl Triangulation {
         straighten_rims(&mut patches, boundary);
         part_chords(domain, &mut patches, seams);
         let glued = glue(&patches, seams);
-        let fits = glued.is_some();
-        let mesh = glued.unwrap_or_else(|| {
+        let (mesh, torn) = glued.map(|mesh| (mesh, Vec::new())).unwrap_or_else(|torn| {
             let mut mesh = patches.mesh;
             mesh.lock_boundary();
-            mesh
+            (mesh, torn)
         });
         let made = mesh.to_mesh();
         let kind = topology(made.positions.len(), &made.triangles);
-        let other_topology = !fits || !has_kind(&kind, &surface.topology);
+        let other_topology = !torn.is_empty() || !has_kind(&kind, &surface.topology);
         let crossing: Vec<_> = self_intersections(&made).into_iter().map(|t| made.corners(t as usize)).collect();
         let score = Score { other_topology, self_intersections: crossing.len(), slivers: 0 };
-        Ok(Triangulation { samples, mesh, tessellated_patches, crossing, score })
+        Ok(Triangulation { samples, mesh, tessellated_patches, torn, crossing, score })
     }
 }
 

@@ -156,6 +156,16 @@ impl SizedSurface {
         }
     }
 
+    /// Makes edges shorter around `places`; whether there is room for that.
+    pub(super) fn refine_at(&mut self, places: &[DVec3]) -> bool {
+        let mut finer = Finer::default();
+        finer.add(places);
+        let sizes = finer.sizes(&self.domain, self.scale.spacing);
+        let has_room = sizes.is_some();
+        sizes.into_iter().for_each(|sizes| self.domain.grade(sizes));
+        has_room
+    }
+
     /// The same surface with its sharp edges smoothed over.
     pub(super) fn smooth(self) -> SizedSurface {
         let left_out_edges = self.left_out_edges.into_iter().chain(sharp_edges(&self.domain)).collect();

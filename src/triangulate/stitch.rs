@@ -1,11 +1,14 @@
 //! Glues the smooth patches of a surface along its curves: the samples of one point become one vertex.
 
+use crate::base::union_find::UnionFind;
 use crate::manifold::Manifold;
 use crate::mesh::half_edge::OnCurve;
-use crate::mesh::topology::{NONE, topology};
+use crate::mesh::sides::{edges, sorted_sides};
+use crate::mesh::topology::NONE;
 use crate::surface::domain::Sample;
 use crate::triangulate::triangulation::Triangulated;
 use glam::DVec3;
+use std::collections::BTreeSet;
 
 /// How the samples on curves belong together.
 #[derive(Debug, Clone, Copy)]
@@ -20,8 +23,9 @@ pub struct Gluing<'a> {
 
 /// The manifold of `patches` with the curves laid on it.
 ///
-/// `None` if that is no oriented 2-manifold, or an edge of a curve is not there: the points on the curves are too few.
-pub fn glue(patches: &Triangulated, seams: Gluing<'_>) -> Option<Manifold> {
+/// # Errors
+/// The places where it is torn: the points on the curves there are too few.
+pub fn glue(patches: &Triangulated, seams: Gluing<'_>) -> Result<Manifold, Vec<DVec3>> {
     let points = seams.point.iter().max().map_or(0, |&p| p + 1);
     let on_curves = patches.source.partition_point(|&s| (s as usize) < seams.point.len());
     let inner = &patches.mesh.samples[on_curves..];
@@ -40,12 +44,51 @@ pub fn glue(patches: &Triangulated, seams: Gluing<'_>) -> Option<Manifold> {
     };
     let (triangles, _) = patches.mesh.connectivity.compact();
     let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(number)).collect();
-    let made = topology(samples.len(), &triangles);
-    if !made.is_manifold() || !made.is_oriented() || made.vertices < samples.len() {
-        return None;
+    let torn = torn(samples.len(), &triangles, seams.edges);
+    if !torn.is_empty() {
+        return Err(torn.into_iter().map(|v| samples[v as usize].position).collect());
     }
     let mut mesh = Manifold::new(samples, &triangles);
-    mesh.mark_curves(seams.edges, seams.corners.iter().copied()).then_some(mesh)
+    mesh.mark_curves(seams.edges, seams.corners.iter().copied());
+    Ok(mesh)
+}
+
+/// The vertices, in order, around which `triangles` are no fan, or where an edge of the `curves` is not there. Only these may be
+/// on a boundary.
+fn torn(vertices: usize, triangles: &[[u32; 3]], curves: &[([u32; 2], OnCurve)]) -> BTreeSet<u32> {
+    let curves: BTreeSet<[u32; 2]> = curves.iter().map(|&(ends, _)| ordered(ends)).collect();
+    let sides = sorted_sides(triangles);
+    let mut absent = curves.clone();
+    let mut torn = BTreeSet::new();
+    let mut fans = UnionFind::new(3 * triangles.len());
+    for group in edges(&sides) {
+        let ends = group[0].ends();
+        let is_whole = match group {
+            [_] => curves.contains(&ends),
+            [a, b] => a.forward() != b.forward(),
+            _ => false,
+        };
+        if !is_whole {
+            torn.extend(ends);
+        }
+        for pair in group.windows(2) {
+            for v in ends {
+                fans.join(pair[0].corner_at(v), pair[1].corner_at(v));
+            }
+        }
+        absent.remove(&ends);
+    }
+    torn.extend(absent.into_iter().flatten());
+    let mut fans_at = vec![0; vertices];
+    for (corner, &v) in (0u32..).zip(triangles.iter().flatten()) {
+        fans_at[v as usize] += usize::from(fans.find(corner) == corner);
+    }
+    torn.extend((0u32..).zip(fans_at).filter(|&(_, fans)| fans != 1).map(|(v, _)| v));
+    torn
+}
+
+fn ordered([a, b]: [u32; 2]) -> [u32; 2] {
+    [a.min(b), a.max(b)]
 }
 
 #[cfg(test)]
@@ -83,6 +126,7 @@ mod tests {
     #[test]
     fn an_edge_that_is_not_there_is_a_failure() {
         let seams = Gluing { point: &[0, 1, 2, 1, 3, 2], edges: &[([0, 3], OnCurve::Curve(0))], corners: &[] };
-        assert!(glue(&two_patches(), seams).is_none());
+        let torn = glue(&two_patches(), seams).unwrap_err();
+        assert!(torn.contains(&DVec3::ZERO) && torn.contains(&DVec3::new(1.0, 1.0, 0.0)), "{torn:?}");
     }
 }
