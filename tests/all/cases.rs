@@ -101,6 +101,16 @@ impl Case {
         {
             assert!(!outcome.notes.is_empty(), "{} vertices instead of {wanted}", outcome.mesh.positions.len());
         }
+        if let Some(report) = &outcome.report {
+            // An input that nothing was repaired of is what its result has to be, whatever it was made of.
+            if report.repairs == Some(Default::default())
+                && let Ok(own) = kind(&self.mesh)
+            {
+                assert_eq!(found, own, "verified, and nothing was repaired");
+            }
+            let crossing = crossing(&outcome.mesh).filter(|_| report.crossings.faces.is_empty());
+            assert!(crossing.is_none(), "{crossing:?} cross, and the report says that none do");
+        }
         if let Some(wanted) = self.kind {
             assert_eq!(found, wanted, "verified");
             let stays = self.options.surface.smooth.is_none() && crossing(&self.mesh).is_none();

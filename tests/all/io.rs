@@ -1,12 +1,13 @@
 //! Whatever the bytes, a reader gives a mesh or an error; what a writer writes is read as the same mesh.
 
+use crate::common::{annulus, moved, together, torus};
 use crate::files::{cloud_files, octahedron, read_as_anything, scan, valid_files, written};
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use spectral_remesh::io::{self, Format, Loaded, NO_BUFFERS};
 use spectral_remesh::stages::mesh::attributes::{Attribute, Attributes, Scalar};
 use spectral_remesh::stages::mesh::materials::{Material, Materials};
-use spectral_remesh::{Mesh, Points};
+use spectral_remesh::{Input, Mesh, Options, Points, remesh};
 
 #[test]
 fn every_format_comes_back() {
@@ -23,6 +24,23 @@ fn every_format_comes_back() {
         // STL alone has no vertices of its own.
         assert_eq!(loaded.mesh == mesh, format != Format::Stl);
     }
+}
+
+#[test]
+fn a_mesh_is_remeshed_alike_from_every_format() {
+    // A body and a sheet, with coordinates that single precision holds; STL has each corner by itself.
+    let bodies = together(&[torus(20, 12, 1.0, 0.3), moved(annulus(12, 3, 0.5), |p| p + 2.0 * DVec3::Z)]);
+    let mesh = moved(bodies, |p| p.as_vec3().as_dvec3());
+    let of_format = |format| {
+        let mesh = io::parse(&written(&mesh, format), format, NO_BUFFERS).unwrap().mesh;
+        let positions: Vec<_> = mesh.positions.iter().map(|p| p.to_array()).collect();
+        let outcome = remesh(&Input::mesh(&positions, &mesh.triangles), &Options::points(300).into(), &()).unwrap();
+        assert!(outcome.verified(), "{format}");
+        outcome.mesh
+    };
+    let [first, others @ ..] = &Format::OF_MESHES[..] else { panic!("there are formats") };
+    let expected = of_format(*first);
+    others.iter().for_each(|&format| assert_eq!(of_format(format), expected, "{format}"));
 }
 
 #[test]
