@@ -61,6 +61,8 @@ impl Finer {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surface::sizing::mean_density;
+    use crate::testing;
 
     #[test]
     fn edges_are_half_as_long_for_each_attempt_that_went_wrong_there() {
@@ -71,5 +73,18 @@ mod tests {
         let share = |x: f64| finer.share(x * DVec3::X, 1.0);
         assert_eq!([0.9, 1.1, 9.1].map(share), [0.25, f64::INFINITY, 0.5]);
         assert!(finer.is_near(0.9 * DVec3::Y, 1.0));
+    }
+
+    #[test]
+    fn lengths_are_half_as_long_around_a_place_and_longer_elsewhere_by_as_much_as_keeps_the_number() {
+        let domain = Domain::new(testing::sphere().try_into().unwrap());
+        let spacing = 0.1;
+        let mut finer = Finer::default();
+        finer.add(&[domain.mesh.positions[0]]);
+        let sizes = finer.sizes(&domain, spacing).unwrap();
+        assert!((sizes[0] - 0.5).abs() < 1e-9, "{}", sizes[0]);
+        let longest = sizes.iter().copied().fold(0.0, f64::max);
+        assert!((1.001..1.1).contains(&longest), "{longest}");
+        assert!((mean_density(&domain.mesh, &sizes) - 1.0).abs() < 0.01);
     }
 }

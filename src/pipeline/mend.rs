@@ -101,7 +101,8 @@ mod tests {
         let input = spheres();
         let options = Options::default();
         let (prepared, repaired) = PreparedInput::new(&input, &options, &()).unwrap();
-        let mut surface = SizedSurface::new(&prepared, repaired, Density::Points(10_000), &Finer::default(), &()).unwrap();
+        let mut surface =
+            SizedSurface::new(&prepared, repaired, Density::Points(10_000), &Finer::default(), &()).unwrap();
         let SizedSurface { domain, scale, .. } = &surface;
         let samples = linear_scan(domain, &candidates(domain, 20 * 10_000, 1), &[], scale.sigma(), 1, &()).unwrap();
         let curves = sample_curves(domain, scale.spacing);
