@@ -3,7 +3,8 @@
 //! An edge is sharp where the surface turns across it by a threshold or more. Asked for none, the threshold comes from
 //! the mesh: the smallest at which the turns fall apart into two groups. On a part from a CAD system nearly all edges
 //! are either almost flat or clearly sharp. On a scan there are ever fewer edges of ever larger turns and no gap
-//! between; there, none is sharp. Or edges are given one by one; those that were split are sharp in all their parts.
+//! between; there, none is sharp but on bodies that are mostly bounded by planes ([`planes`](crate::surface::planes)). Or
+//! edges are given one by one; those that were split are sharp in all their parts.
 //!
 //! Edges between the facets of what is meant round do not count, nor do the steps of points on a lattice
 //! ([`facets`](crate::surface::facets)).
@@ -18,6 +19,7 @@ use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::surface::facets::{NOTICED, between_facets, on_steps};
+use crate::surface::planes::{in_planes, planar_bodies};
 use crate::surface::turns::{ends, length, turns};
 
 /// Which edges of the input are kept sharp.
@@ -59,6 +61,9 @@ const SMALLEST: usize = *THRESHOLDS.start() / 2;
 /// those above it. Fifteen scans and sculpts have between 1.5 and 40 at every threshold, CAD parts 0.1 and less.
 const GAP: f64 = 0.2;
 
+/// Turn in degrees from which an edge between two planes is sharp whatever the other edges are.
+const BETWEEN_PLANES: f64 = 30.0;
+
 /// Least length of a connected net of sharp edges, in spacings.
 const SHORTEST: f64 = 3.0;
 
@@ -72,8 +77,10 @@ pub fn sharp_sides(mesh: &OrientedManifold, twin: &[u32], features: &Features, s
         Features::Degrees(degrees) => turned(&turns(mesh, twin, spacing, *degrees), *degrees),
         Features::Automatic => {
             let turns = without_facets(mesh, twin, spacing, finest);
-            let Some(threshold) = gap(mesh, &turns) else { return vec![false; twin.len()] };
-            turned(&turns, threshold)
+            match gap(mesh, &turns, 0..twin.len() as u32) {
+                Some(threshold) => turned(&turns, threshold),
+                None => turned_on_planar_bodies(mesh, twin, &turns, spacing),
+            }
         }
     };
     drop_scraps(mesh, &mut sharp, SHORTEST * spacing);
@@ -94,18 +101,37 @@ fn turned(turns: &[f64], threshold: f64) -> Vec<bool> {
     turns.iter().map(|&turn| turn.abs() >= threshold).collect()
 }
 
+/// The same on each body that is mostly bounded by planes, by a threshold of its own, or where it has none only between two
+/// planes: bodies of an assembly may be round, and small ones fill the gap.
+fn turned_on_planar_bodies(mesh: &OrientedManifold, twin: &[u32], turns: &[f64], spacing: f64) -> Vec<bool> {
+    let in_plane = in_planes(mesh, twin, spacing);
+    let is_between = |side: u32| {
+        let across = twin[side as usize];
+        across != NONE && [side, across].iter().all(|s| in_plane[*s as usize / 3])
+    };
+    let mut sharp = vec![false; turns.len()];
+    for body in planar_bodies(mesh, twin, &in_plane) {
+        let gap = gap(mesh, turns, body.iter().copied());
+        for side in body {
+            let turn = turns[side as usize].abs();
+            sharp[side as usize] = gap.map_or(turn >= BETWEEN_PLANES && is_between(side), |gap| turn >= gap);
+        }
+    }
+    sharp
+}
+
 /// The sides along these edges of what the mesh came from. A boundary is a curve without that.
 fn along(mesh: &OrientedManifold, twin: &[u32], edges: &[[u32; 2]]) -> Vec<bool> {
     let sides = mesh.provenance().sides_along(&mesh.triangles, edges);
     sides.into_iter().zip(twin).map(|(is_along, &across)| is_along && across != NONE).collect()
 }
 
-/// The smallest threshold that parts the turns in two groups, if there is one.
-fn gap(mesh: &Mesh, turns: &[f64]) -> Option<f64> {
+/// The smallest threshold that parts the turns across these sides in two groups, if there is one.
+fn gap(mesh: &Mesh, turns: &[f64], sides: impl Iterator<Item = u32>) -> Option<f64> {
     // The length of the edges by their turn in whole degrees.
     let mut lengths = [0.0; 181];
-    for (side, &turn) in (0u32..).zip(turns).filter(|(_, turn)| turn.abs() as usize >= SMALLEST) {
-        lengths[turn.abs() as usize] += length(mesh, side);
+    for side in sides.filter(|&side| turns[side as usize].abs() as usize >= SMALLEST) {
+        lengths[turns[side as usize].abs() as usize] += length(mesh, side);
     }
     let parts = |&threshold: &usize| {
         let above: f64 = lengths[threshold..].iter().sum();
@@ -137,6 +163,7 @@ fn drop_scraps(mesh: &Mesh, sharp: &mut [bool], shortest: f64) {
 mod tests {
     use super::*;
     use crate::mesh::topology::twins;
+    use crate::testing::grid;
     use glam::DVec3;
 
     /// A prism over a regular polygon of `n` corners, radius 1, with its caps fanned from their middles.
@@ -211,14 +238,45 @@ mod tests {
         assert_eq!(sharp_edges(&sheet, Features::Degrees(10.0), 0.1), 0);
     }
 
-    #[test]
-    fn a_bumpy_sheet_has_none() {
+    /// A sheet with bumps of all kinds.
+    fn bumpy_sheet() -> Mesh {
         let n = 20u32;
         let height = |i: u32, j: u32| 0.35 * f64::from((i * 7 + j * 13 + i * j * 3) % 11) / 11.0;
         let positions: Vec<DVec3> =
             (0..n * n).map(|v| DVec3::new(f64::from(v % n), f64::from(v / n), height(v % n, v / n))).collect();
         let squares = (0..n - 1).flat_map(|i| (0..n - 1).map(move |j| j * n + i));
         let triangles = squares.flat_map(|v| [[v, v + 1, v + n + 1], [v, v + n + 1, v + n]]).collect();
-        assert_eq!(sharp_edges(&Mesh { positions, triangles }, Features::Automatic, 0.1), 0);
+        Mesh { positions, triangles }
+    }
+
+    #[test]
+    fn a_bumpy_sheet_has_none() {
+        assert_eq!(sharp_edges(&bumpy_sheet(), Features::Automatic, 0.1), 0);
+    }
+
+    #[test]
+    fn beside_a_bumpy_sheet_those_of_a_prism_are_found() {
+        let Mesh { mut positions, mut triangles } = bumpy_sheet();
+        let prism = prism(6, 0.5);
+        let first = positions.len() as u32;
+        positions.extend(prism.positions);
+        triangles.extend(prism.triangles.iter().map(|t| t.map(|v| first + v)));
+        assert_eq!(sharp_edges(&Mesh { positions, triangles }, Features::Automatic, 0.1), 18);
+    }
+
+    #[test]
+    fn between_the_planes_of_a_body_all_of_whose_turns_occur_edges_are_found() {
+        let planes = (0..6).map(|i| (1.0, if i == 3 { 45.0 } else { 0.0 }));
+        let waves = [7.0, -9.0, 12.0, -15.0, 20.0, -26.0, 34.0, -44.0, 58.0].map(|turn| (0.3, turn));
+        let (mut at, mut angle, mut profile) = (DVec3::ZERO, 0f64, vec![DVec3::ZERO]);
+        for (width, turn) in planes.chain(waves) {
+            angle += turn;
+            let (sin, cos) = angle.to_radians().sin_cos();
+            at += width * DVec3::new(cos, 0.0, -sin);
+            profile.push(at);
+        }
+        let n = profile.len() as u32 - 1;
+        let roof = grid(n, 1, |u, v| profile[(f64::from(n) * u).round() as usize] + 5.0 * v * DVec3::Y);
+        assert_eq!(sharp_edges(&roof, Features::Automatic, 0.1), 1);
     }
 }
