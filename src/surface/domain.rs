@@ -16,8 +16,10 @@ use crate::spatial::foot::Foot;
 use crate::spatial::self_intersections::{faces_passing_along_edges, self_intersecting_faces};
 use crate::surface::feature_curves::Curves;
 use crate::surface::features::{Features, sharp_sides};
+use crate::surface::planes::Planes;
 use crate::surface::turns::{folded_over, trusted_normal};
 use glam::DVec3;
+use std::sync::OnceLock;
 
 /// A point on a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,6 +59,8 @@ pub struct Domain {
     /// That of the samples, in the units of the mesh; infinite if it was not given.
     spacing: f64,
     pub(super) bvh: Bvh,
+    /// For each triangle whether it lies in a plane that touches another, once that was asked for.
+    in_contact: OnceLock<Vec<bool>>,
 }
 
 /// Triangles that a step may lead over before searching from the root is cheaper.
@@ -122,6 +126,7 @@ impl Domain {
             interface,
             spacing,
             bvh,
+            in_contact: OnceLock::new(),
         }
     }
 
@@ -168,19 +173,28 @@ impl Domain {
 
     /// This domain with its sharp edges smoothed over.
     pub fn smooth(self) -> Domain {
-        let Domain { mut mesh, original, provenance, mut sizes, interface, .. } = self;
+        let Domain { mut mesh, original, provenance, mut sizes, interface, spacing, .. } = self;
         mesh.triangles.iter_mut().flatten().for_each(|v| *v = original[*v as usize]);
         // The first copy of a vertex has its number, further ones come after all others.
         let count = original.iter().zip(0..).take_while(|&(&v, i)| v == i).count();
         mesh.positions.truncate(count);
         sizes.truncate(count);
         let mesh = OrientedManifold::trusted(mesh, provenance);
-        Domain { sizes, ..Domain::with_interface(mesh, Features::Smooth, f64::INFINITY, interface) }
+        Domain { sizes, ..Domain::with_interface(mesh, Features::Smooth, spacing, interface) }
     }
 
     /// The number of curves along sharp edges.
     pub fn sharp_curves(&self) -> usize {
         self.curves.list.iter().filter(|c| self.across[c.sides[0] as usize] != NONE).count()
+    }
+
+    /// Whether triangle `t` lies in a plane that touches another one.
+    pub fn is_in_contact(&self, t: u32) -> bool {
+        let find = || {
+            let planes = Planes::new(&self.mesh, &self.twin, self.spacing, |t| self.source_triangle(t));
+            planes.in_contact(&self.mesh, &self.bvh)
+        };
+        self.in_contact.get_or_init(find)[t as usize]
     }
 
     /// The patch that triangle `t` belongs to.

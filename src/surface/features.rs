@@ -19,7 +19,7 @@ use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::surface::facets::{NOTICED, between_facets, on_steps};
-use crate::surface::planes::{in_planes, planar_bodies};
+use crate::surface::planes::{Planes, planar_bodies};
 use crate::surface::turns::{ends, length, turns};
 
 /// Which edges of the input are kept sharp.
@@ -104,13 +104,13 @@ fn turned(turns: &[f64], threshold: f64) -> Vec<bool> {
 /// The same on each body that is mostly bounded by planes, by a threshold of its own, or where it has none only between two
 /// planes: bodies of an assembly may be round, and small ones fill the gap.
 fn turned_on_planar_bodies(mesh: &OrientedManifold, twin: &[u32], turns: &[f64], spacing: f64) -> Vec<bool> {
-    let in_plane = in_planes(mesh, twin, spacing);
+    let planes = Planes::new(mesh, twin, spacing, |t| mesh.provenance().triangle(t));
     let is_between = |side: u32| {
         let across = twin[side as usize];
-        across != NONE && [side, across].iter().all(|s| in_plane[*s as usize / 3])
+        across != NONE && [side, across].iter().all(|s| planes.contain(s / 3))
     };
     let mut sharp = vec![false; turns.len()];
-    for body in planar_bodies(mesh, twin, &in_plane) {
+    for body in planar_bodies(mesh, twin, &planes) {
         let gap = gap(mesh, turns, body.iter().copied());
         for side in body {
             let turn = turns[side as usize].abs();

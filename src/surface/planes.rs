@@ -1,22 +1,28 @@
-//! Bodies that are mostly bounded by planes, as parts from CAD systems are, and scans and sculpts are not.
+//! The planes of a mesh; which of them touch, and which bodies are mostly bounded by planes, as parts from CAD systems are, and
+//! scans and sculpts are not.
 //!
 //! A plane is a connected region of triangles across whose edges the surface does not turn. Two triangles may be a
 //! square of a sculpt, so a plane has at least three.
 //!
-//! Cost: linear in the triangles.
+//! Cost: linear in the triangles; a search for each that lies in a plane to tell which touch.
 
 use crate::base::union_find::UnionFind;
-use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::topology::NONE;
+use crate::mesh::triangle_mesh::Mesh;
+use crate::spatial::bvh::Bvh;
+use crate::spatial::self_intersections::depth_of_contact;
 use crate::surface::turns::turns;
 use glam::DVec3;
-use std::collections::BTreeMap;
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Largest turn in degrees across an edge within a plane: rounding to single precision turns small triangles by less.
 const FLAT: f64 = 0.1;
 
-/// Fewest triangles of the input in a plane.
+/// Fewest triangles of the input in a plane, and its least area in squares of the spacing: in a scan a few triangles may lie in
+/// one by chance.
 const FEWEST: usize = 3;
+const LEAST_AREA: f64 = 4.0;
 
 /// Least share of the area of a plane's triangles that its area vectors sum up to: one that bends is none.
 const STRAIGHT: f64 = 0.99;
@@ -24,23 +30,54 @@ const STRAIGHT: f64 = 0.99;
 /// Least share of the area of a body that lies in planes.
 const MOSTLY: f64 = 0.5;
 
-/// For each triangle whether it lies in a plane. `twin` is as [`twins`](crate::mesh::topology::twins) says, `spacing` that of
-/// the samples.
-pub(super) fn in_planes(mesh: &OrientedManifold, twin: &[u32], spacing: f64) -> Vec<bool> {
-    let turns = turns(mesh, twin, spacing, FLAT);
-    let mut region = UnionFind::new(mesh.triangles.len());
-    for side in (0..twin.len()).filter(|&s| twin[s] != NONE && turns[s].abs() < FLAT) {
-        region.join(side as u32 / 3, twin[side] / 3);
-    }
-    let mut regions = vec![Region::default(); mesh.triangles.len()];
-    for t in 0..mesh.triangles.len() as u32 {
-        regions[region.find(t) as usize].add(mesh.area_vector(t as usize), mesh.provenance().triangle(t));
-    }
-    (0..mesh.triangles.len() as u32).map(|t| regions[region.find(t) as usize].is_plane()).collect()
+/// The planes of a mesh.
+pub(super) struct Planes {
+    /// For each triangle the plane that it lies in, known by its first triangle.
+    of_triangle: Vec<Option<u32>>,
 }
 
-/// The sides of each body of which most lies in planes; `in_plane` tells for each triangle whether it does.
-pub(super) fn planar_bodies(mesh: &OrientedManifold, twin: &[u32], in_plane: &[bool]) -> Vec<Vec<u32>> {
+impl Planes {
+    /// Those of `mesh`. `twin` is as [`twins`](crate::mesh::topology::twins) says, `spacing` that of the samples; `source` gives
+    /// the triangle of the input that a triangle is a part of.
+    pub fn new(mesh: &Mesh, twin: &[u32], spacing: f64, source: impl Fn(u32) -> u32) -> Planes {
+        let turns = turns(mesh, twin, spacing, FLAT);
+        let mut region = UnionFind::new(mesh.triangles.len());
+        for side in (0..twin.len()).filter(|&s| twin[s] != NONE && turns[s].abs() < FLAT) {
+            region.join(side as u32 / 3, twin[side] / 3);
+        }
+        let mut regions = vec![Region::default(); mesh.triangles.len()];
+        for t in 0..mesh.triangles.len() as u32 {
+            regions[region.find(t) as usize].add(0.5 * mesh.area_vector(t as usize), source(t));
+        }
+        let plane = |t: u32| Some(region.find(t)).filter(|&r| regions[r as usize].is_plane(spacing));
+        Planes { of_triangle: (0..mesh.triangles.len() as u32).map(plane).collect() }
+    }
+
+    /// Whether triangle `t` lies in a plane.
+    pub fn contain(&self, t: u32) -> bool {
+        self.of_triangle[t as usize].is_some()
+    }
+
+    /// For each triangle whether it lies in a plane that touches another: parts that stand on each other.
+    pub fn in_contact(&self, mesh: &Mesh, bvh: &Bvh) -> Vec<bool> {
+        let depth = depth_of_contact(mesh);
+        let normal = |t: u32| mesh.area_vector(t as usize).normalize_or_zero();
+        let touched = |t: u32| {
+            let plane = self.of_triangle[t as usize]?;
+            let other = |u: u32| self.of_triangle[u as usize].filter(|&other| other != plane);
+            let lies_on = |u: u32| other(u).is_some() && normal(t).dot(normal(u)).abs() >= STRAIGHT;
+            let middle = mesh.corners(t as usize).into_iter().sum::<DVec3>() / 3.0;
+            let hit = bvh.closest_where(mesh, middle, depth * depth, lies_on)?;
+            Some([plane, other(hit.triangle)?])
+        };
+        let touching: Vec<[u32; 2]> = (0..self.of_triangle.len() as u32).into_par_iter().filter_map(touched).collect();
+        let touching: BTreeSet<u32> = touching.into_iter().flatten().collect();
+        self.of_triangle.iter().map(|plane| plane.is_some_and(|plane| touching.contains(&plane))).collect()
+    }
+}
+
+/// The sides of each body of which most lies in `planes`.
+pub(super) fn planar_bodies(mesh: &Mesh, twin: &[u32], planes: &Planes) -> Vec<Vec<u32>> {
     let mut body = UnionFind::new(mesh.triangles.len());
     for side in (0..twin.len() as u32).filter(|&s| twin[s as usize] != NONE) {
         body.join(side / 3, twin[side as usize] / 3);
@@ -51,7 +88,7 @@ pub(super) fn planar_bodies(mesh: &OrientedManifold, twin: &[u32], in_plane: &[b
     }
     let area = |t: u32| mesh.area_vector(t as usize).length();
     let is_planar = |body: &Vec<u32>| {
-        let in_planes: f64 = body.iter().filter(|&&t| in_plane[t as usize]).map(|&t| area(t)).sum();
+        let in_planes: f64 = body.iter().filter(|&&t| planes.contain(t)).map(|&t| area(t)).sum();
         in_planes >= MOSTLY * body.iter().map(|&t| area(t)).sum::<f64>()
     };
     let sides = |body: Vec<u32>| body.into_iter().flat_map(|t| 3 * t..3 * t + 3).collect();
@@ -61,6 +98,7 @@ pub(super) fn planar_bodies(mesh: &OrientedManifold, twin: &[u32], in_plane: &[b
 /// What the triangles of a connected region are together.
 #[derive(Clone, Default)]
 struct Region {
+    /// The sum of the lengths of their area vectors, and that of these.
     area: f64,
     vector: DVec3,
     /// The triangles of the input that they are parts of, up to the fewest of a plane.
@@ -76,8 +114,10 @@ impl Region {
         }
     }
 
-    fn is_plane(&self) -> bool {
-        self.sources.len() == FEWEST && self.vector.length() >= STRAIGHT * self.area
+    fn is_plane(&self, spacing: f64) -> bool {
+        self.sources.len() == FEWEST
+            && self.area >= LEAST_AREA * spacing * spacing
+            && self.vector.length() >= STRAIGHT * self.area
     }
 }
 
@@ -85,14 +125,13 @@ impl Region {
 mod tests {
     use super::*;
     use crate::mesh::topology::twins;
-    use crate::mesh::triangle_mesh::Mesh;
     use crate::testing;
 
     fn planar(mesh: Mesh) -> (usize, usize) {
-        let mesh: OrientedManifold = mesh.try_into().unwrap();
         let twin = twins(&mesh.triangles);
-        let in_plane = in_planes(&mesh, &twin, 0.1);
-        (in_plane.iter().filter(|p| **p).count(), planar_bodies(&mesh, &twin, &in_plane).len())
+        let planes = Planes::new(&mesh, &twin, 0.1, |t| t);
+        let count = (0..mesh.triangles.len() as u32).filter(|&t| planes.contain(t)).count();
+        (count, planar_bodies(&mesh, &twin, &planes).len())
     }
 
     #[test]
@@ -103,5 +142,22 @@ mod tests {
         assert_eq!(planar(sheet), (8, 1));
         let bent = testing::grid(1000, 1, |u, v| DVec3::new(u.sin(), v, u.cos()));
         assert_eq!(planar(bent), (0, 0), "it turns by less than a tenth of a degree at each edge, but by 57 in all");
+    }
+
+    #[test]
+    fn planes_that_lie_on_each_other_touch() {
+        let sheet = |z: f64, x: f64, size: f64| testing::grid(4, 4, move |u, v| DVec3::new(x + size * u, size * v, z));
+        let touching = |upper: Mesh| {
+            let lower = sheet(0.0, 0.0, 1.0);
+            let first = lower.positions.len() as u32;
+            let positions = lower.positions.into_iter().chain(upper.positions).collect();
+            let upper = upper.triangles.into_iter().map(|[a, b, c]| [first + c, first + b, first + a]);
+            let mesh = Mesh { positions, triangles: lower.triangles.into_iter().chain(upper).collect() };
+            let planes = Planes::new(&mesh, &twins(&mesh.triangles), 0.1, |t| t);
+            planes.in_contact(&mesh, &Bvh::new(&mesh)).into_iter().filter(|c| *c).count()
+        };
+        assert_eq!(touching(sheet(0.0, 0.3, 0.5)), 64);
+        assert_eq!(touching(sheet(1e-3, 0.3, 0.5)), 0, "a gap");
+        assert_eq!(touching(sheet(0.0, 1.5, 0.5)), 0, "beside each other");
     }
 }
