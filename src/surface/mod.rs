@@ -8,7 +8,7 @@ pub mod features;
 pub mod implicit;
 pub mod lift;
 pub mod narrow_patches;
-mod planes;
+pub mod planes;
 pub mod sizing;
 pub mod submanifold;
 pub mod turns;

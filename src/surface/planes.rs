@@ -31,7 +31,7 @@ const STRAIGHT: f64 = 0.99;
 const MOSTLY: f64 = 0.5;
 
 /// The planes of a mesh.
-pub(super) struct Planes {
+pub struct Planes {
     /// For each triangle the plane that it lies in, known by its first triangle.
     of_triangle: Vec<Option<u32>>,
 }
@@ -77,7 +77,7 @@ impl Planes {
 }
 
 /// The sides of each body of which most lies in `planes`.
-pub(super) fn planar_bodies(mesh: &Mesh, twin: &[u32], planes: &Planes) -> Vec<Vec<u32>> {
+pub fn planar_bodies(mesh: &Mesh, twin: &[u32], planes: &Planes) -> Vec<Vec<u32>> {
     let mut body = UnionFind::new(mesh.triangles.len());
     for side in (0..twin.len() as u32).filter(|&s| twin[s as usize] != NONE) {
         body.join(side / 3, twin[side as usize] / 3);
