@@ -147,11 +147,14 @@ fn every_command_has_a_manual_page() {
     for part in [".TH remesh 1", ".SH SYNOPSIS", "edge\\-length", "scan.ply dense.ply", "Exit status:\n"] {
         assert!(page.contains(part), "no {part} in\n{page}");
     }
-    for command in ["sample", "reconstruct", "quality", "completions", "man"] {
+    for command in ["sample", "reconstruct", "quality", "completions", "man", "tiles"] {
         assert!(page.contains(&format!("remesh\\-{command}(1)")), "{command}");
         let ran = run(folder.path(), &format!("man {command}"));
-        assert!(ran.went_well().contains(&format!(".TH remesh-{command} 1")), "{command}");
+        let own = ran.went_well();
+        assert!(own.contains(&format!(".TH remesh-{command} 1")), "{command}");
+        assert!(own.is_ascii(), "{command} has letters that not every reader of manual pages knows");
     }
+    assert!(page.contains("\\[u03C3]p") && page.is_ascii());
 }
 
 #[test]

@@ -29,7 +29,13 @@ pub(super) fn page(program: Command, command: Option<&str>) -> String {
         let _ = page.render_subcommands_section(&mut roff);
     }
     roff.extend(below.into_iter().flat_map(|text| verbatim("NOTES", &text)));
-    String::from_utf8_lossy(&roff).into_owned()
+    in_ascii(&String::from_utf8_lossy(&roff))
+}
+
+/// The same page for readers of manual pages that know no UTF-8: other letters by their numbers.
+fn in_ascii(roff: &str) -> String {
+    let letter = |c: char| if c.is_ascii() { c.to_string() } else { format!("\\[u{:04X}]", u32::from(c)) };
+    roff.chars().map(letter).collect()
 }
 
 /// A section whose lines stay lines.
