@@ -91,6 +91,7 @@ impl SizedSurface {
             self_intersections,
         };
         surface.grade(prepared, density, finer, monitor)?;
+        surface.domain.find_contacts();
         Ok(surface)
     }
 
@@ -169,7 +170,8 @@ impl SizedSurface {
     /// The same surface with its sharp edges smoothed over.
     pub(super) fn smooth(self) -> SizedSurface {
         let left_out_edges = self.left_out_edges.into_iter().chain(sharp_edges(&self.domain)).collect();
-        let domain = self.domain.smooth();
+        let mut domain = self.domain.smooth();
+        domain.find_contacts();
         SizedSurface { domain, blunted: true, left_out: LeftOut::default(), left_out_edges, ..self }
     }
 

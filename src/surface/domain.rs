@@ -19,7 +19,6 @@ use crate::surface::features::{Features, sharp_sides};
 use crate::surface::planes::Planes;
 use crate::surface::turns::{folded_over, trusted_normal};
 use glam::DVec3;
-use std::sync::OnceLock;
 
 /// A point on a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,8 +58,8 @@ pub struct Domain {
     /// That of the samples, in the units of the mesh; infinite if it was not given.
     spacing: f64,
     pub(super) bvh: Bvh,
-    /// For each triangle whether it lies in a plane that touches another, once that was asked for.
-    in_contact: OnceLock<Vec<bool>>,
+    /// For each triangle whether it lies in a plane that touches another; empty before these were found.
+    in_contact: Vec<bool>,
 }
 
 /// Triangles that a step may lead over before searching from the root is cheaper.
@@ -126,7 +125,7 @@ impl Domain {
             interface,
             spacing,
             bvh,
-            in_contact: OnceLock::new(),
+            in_contact: Vec::new(),
         }
     }
 
@@ -188,13 +187,15 @@ impl Domain {
         self.curves.list.iter().filter(|c| self.across[c.sides[0] as usize] != NONE).count()
     }
 
-    /// Whether triangle `t` lies in a plane that touches another one.
+    /// Finds the planes that touch each other, which nobody knows of before.
+    pub fn find_contacts(&mut self) {
+        let planes = Planes::new(&self.mesh, &self.twin, self.spacing, |t| self.source_triangle(t));
+        self.in_contact = planes.in_contact(&self.mesh, &self.bvh);
+    }
+
+    /// Whether triangle `t` lies in a plane that touches another one, if these were found.
     pub fn is_in_contact(&self, t: u32) -> bool {
-        let find = || {
-            let planes = Planes::new(&self.mesh, &self.twin, self.spacing, |t| self.source_triangle(t));
-            planes.in_contact(&self.mesh, &self.bvh)
-        };
-        self.in_contact.get_or_init(find)[t as usize]
+        self.in_contact.get(t as usize).is_some_and(|in_contact| *in_contact)
     }
 
     /// The patch that triangle `t` belongs to.
