@@ -15,9 +15,10 @@ use crate::pipeline::optimization::fit_to_surface;
 use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::sized::SizedSurface;
 
-/// Rounds at most, each with edges half as long as the one before at places that are still unsound. One that fails is the last:
-/// of 31 that were followed by another one, that led to a better result three times, and to a sound one never.
+/// Rounds at most, each with edges half as long as the one before at places that are still unsound, and how many of them in a row
+/// may fail.
 const MOST_ROUNDS: usize = 4;
+const MOST_FAILURES: usize = 2;
 
 /// The best of `finished` and what it becomes by mending, if it is unsound at single places. `surface` keeps the shorter lengths.
 pub(super) fn mended(
@@ -27,19 +28,21 @@ pub(super) fn mended(
     monitor: &dyn Monitor,
 ) -> Result<Finished> {
     let mut best = finished;
+    let mut failures = 0;
     for round in 0..MOST_ROUNDS {
         let is_mendable = !best.score.other_topology && best.score.is_of_places(best.mesh.triangles.len());
-        if !prepared.options.optimize || !is_mendable {
+        if !prepared.options.optimize || !is_mendable || failures == MOST_FAILURES {
             break;
         }
         if round == 0 {
             monitor.stage("mend");
         }
         let Some(next) = finer(prepared, surface, &best, monitor)? else { break };
-        if next.score >= best.score {
-            break;
+        if next.score < best.score {
+            (best, failures) = (next, 0);
+        } else {
+            failures += 1;
         }
-        best = next;
     }
     Ok(best)
 }
