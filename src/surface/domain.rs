@@ -187,7 +187,7 @@ impl Domain {
         self.curves.list.iter().filter(|c| self.across[c.sides[0] as usize] != NONE).count()
     }
 
-    /// Finds the planes that touch each other, which nobody knows of before.
+    /// Finds the planes that touch each other; before, none is known to.
     pub fn find_contacts(&mut self) {
         let planes = Planes::new(&self.mesh, &self.twin, self.spacing, |t| self.source_triangle(t));
         self.in_contact = planes.in_contact(&self.mesh, &self.bvh);

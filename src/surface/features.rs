@@ -110,7 +110,7 @@ fn turned_on_planar_bodies(mesh: &OrientedManifold, twin: &[u32], turns: &[f64],
         across != NONE && [side, across].iter().all(|s| planes.contain(s / 3))
     };
     let mut sharp = vec![false; turns.len()];
-    for body in planar_bodies(mesh, twin, &planes) {
+    for body in planar_bodies(mesh, &planes) {
         let gap = gap(mesh, turns, body.iter().copied());
         for side in body {
             let turn = turns[side as usize].abs();

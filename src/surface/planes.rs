@@ -7,7 +7,7 @@
 //! Cost: linear in the triangles; a search for each that lies in a plane to tell which touch.
 
 use crate::base::union_find::UnionFind;
-use crate::mesh::topology::NONE;
+use crate::mesh::topology::{NONE, components};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
 use crate::spatial::self_intersections::depth_of_contact;
@@ -26,6 +26,9 @@ const LEAST_AREA: f64 = 4.0;
 
 /// Least share of the area of a plane's triangles that its area vectors sum up to: one that bends is none.
 const STRAIGHT: f64 = 0.99;
+
+/// Least cosine between the normals of planes that touch.
+const PARALLEL: f64 = 0.99;
 
 /// Least share of the area of a body that lies in planes.
 const MOSTLY: f64 = 0.5;
@@ -65,7 +68,7 @@ impl Planes {
         let touched = |t: u32| {
             let plane = self.of_triangle[t as usize]?;
             let other = |u: u32| self.of_triangle[u as usize].filter(|&other| other != plane);
-            let lies_on = |u: u32| other(u).is_some() && normal(t).dot(normal(u)).abs() >= STRAIGHT;
+            let lies_on = |u: u32| other(u).is_some() && normal(t).dot(normal(u)).abs() >= PARALLEL;
             let middle = mesh.corners(t as usize).into_iter().sum::<DVec3>() / 3.0;
             let hit = bvh.closest_where(mesh, middle, depth * depth, lies_on)?;
             Some([plane, other(hit.triangle)?])
@@ -77,14 +80,11 @@ impl Planes {
 }
 
 /// The sides of each body of which most lies in `planes`.
-pub fn planar_bodies(mesh: &Mesh, twin: &[u32], planes: &Planes) -> Vec<Vec<u32>> {
-    let mut body = UnionFind::new(mesh.triangles.len());
-    for side in (0..twin.len() as u32).filter(|&s| twin[s as usize] != NONE) {
-        body.join(side / 3, twin[side as usize] / 3);
-    }
+pub fn planar_bodies(mesh: &Mesh, planes: &Planes) -> Vec<Vec<u32>> {
+    let component = components(mesh.positions.len(), &mesh.triangles);
     let mut bodies: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-    for t in 0..mesh.triangles.len() as u32 {
-        bodies.entry(body.find(t)).or_default().push(t);
+    for (t, corners) in (0..).zip(&mesh.triangles) {
+        bodies.entry(component[corners[0] as usize]).or_default().push(t);
     }
     let area = |t: u32| mesh.area_vector(t as usize).length();
     let is_planar = |body: &Vec<u32>| {
@@ -131,7 +131,7 @@ mod tests {
         let twin = twins(&mesh.triangles);
         let planes = Planes::new(&mesh, &twin, 0.1, |t| t);
         let count = (0..mesh.triangles.len() as u32).filter(|&t| planes.contain(t)).count();
-        (count, planar_bodies(&mesh, &twin, &planes).len())
+        (count, planar_bodies(&mesh, &planes).len())
     }
 
     #[test]

@@ -167,15 +167,12 @@ fn take_back_all(domain: &Domain, mesh: &mut Manifold, spacing: f64) {
     let closest = settle_vertices(domain, mesh, spacing);
     let back = |(v, foot): (u32, DVec3)| {
         let here = &mesh.samples[v as usize];
-        let (p, size) = (here.position, here.size);
+        let p = here.position;
         let far = |q: DVec3, most: f64| p.distance_squared(q) > most * most;
         if !far(foot, 0.0) {
             return p;
         }
-        if domain.is_in_contact(here.triangle) {
-            return foot;
-        }
-        let farthest = FARTHEST * shortest_edge(mesh, v).min(spacing * size);
+        let farthest = farthest(domain, mesh, v, spacing);
         // At the end of a fin the surface may be near and only face another way.
         let away = far(foot, farthest) && far(domain.project_anywhere(p).position, farthest);
         if away { foot + (p - foot).clamp_length_max(farthest) } else { p }
@@ -183,6 +180,13 @@ fn take_back_all(domain: &Domain, mesh: &mut Manifold, spacing: f64) {
     let places: Vec<DVec3> =
         (0..).zip(closest).collect::<Vec<_>>().into_par_iter().with_min_len(CHUNK).map(back).collect();
     mesh.samples.iter_mut().zip(places).for_each(|(sample, p)| sample.position = p);
+}
+
+/// How far `v` may be from the surface: not at all in a plane that touches another.
+fn farthest(domain: &Domain, mesh: &Manifold, v: u32, spacing: f64) -> f64 {
+    let here = &mesh.samples[v as usize];
+    let is_free = !domain.is_in_contact(here.triangle);
+    if is_free { FARTHEST * shortest_edge(mesh, v).min(spacing * here.size) } else { 0.0 }
 }
 
 /// The length of the shortest edge at `v`; infinite where it has none.
@@ -217,15 +221,13 @@ fn step(domain: &Domain, mesh: &Manifold, targets: &Targets, v: u32, closest: DV
         return here;
     }
     let way = newton_step(mesh, targets, v, spacing);
+    let farthest = farthest(domain, mesh, v, spacing);
     let spacing = spacing * here.size;
     let mut way = way.clamp_length_max(LONGEST_STEP * spacing);
-    if domain.is_in_contact(here.triangle) {
-        way = closest - here.position + way.reject_from(domain.mesh.area_vector(here.triangle as usize));
-    } else {
-        let height = here.normal.dot(here.position + way - closest);
-        let farthest = FARTHEST * shortest_edge(mesh, v).min(spacing);
-        way += (height.clamp(-farthest, farthest) - height) * here.normal;
-    }
+    // Near the rim of a plane the normal of the sample is not that of the plane.
+    let normal = if farthest > 0.0 { here.normal } else { domain.mesh.area_vector(here.triangle as usize).normalize() };
+    let height = normal.dot(here.position + way - closest);
+    way += (height.clamp(-farthest, farthest) - height) * normal;
     if way.length() <= SHORTEST_STEP * spacing || !way.is_finite() {
         return here;
     }
@@ -272,6 +274,8 @@ mod tests {
     use super::*;
     use crate::mesh::triangle_mesh::Mesh;
     use crate::optimize::quadrature::{POINTS, point};
+    use crate::surface::features::Features;
+    use crate::testing::grid;
     use std::collections::BTreeMap;
 
     /// An icosahedron whose faces are split in four `levels` times, blown up to a unit ball.
@@ -373,6 +377,37 @@ mod tests {
         let (locked, free): (Vec<u32>, Vec<u32>) = (0..c.vertex_bound()).partition(|&v| c.is_boundary(v));
         assert!(locked.iter().all(|&v| mesh.position(v) == start.position(v)));
         assert!(free.iter().filter(|&&v| mesh.position(v) != start.position(v)).count() > free.len() / 2);
+    }
+
+    /// A sheet that is flat up to where it bows, and one that its flat part lies on.
+    #[test]
+    fn vertices_in_a_plane_that_touches_another_stay_in_it() {
+        let bent = |n: u32| {
+            // Sheared such that triangles are close to equilateral.
+            let across = |u: f64, v: f64| 2.31 * (v - 0.5 * u);
+            let at = |u: f64, v: f64| match 2.0 * u - 1.0 {
+                bow if bow > 0.0 => DVec3::new(1.0 + bow.sin(), across(u, v), 1.0 - bow.cos()),
+                flat => DVec3::new(1.0 + flat, across(u, v), 0.0),
+            };
+            grid(n, n, at)
+        };
+        let Mesh { mut positions, mut triangles } = bent(40);
+        let below = grid(10, 10, |u, v| DVec3::new(0.2 + 0.5 * u, 0.5 + v, 0.0));
+        let first = positions.len() as u32;
+        positions.extend(below.positions);
+        triangles.extend(below.triangles.iter().map(|&[a, b, c]| [first + c, first + b, first + a]));
+        let spacing = 0.25;
+        let ground = Mesh { positions, triangles };
+        let mut domain = Domain::with_features(ground.try_into().unwrap(), Features::Smooth, spacing);
+        let highest = |domain: &Domain| {
+            let mut mesh = on(domain, &bent(9));
+            let flat: Vec<u32> = (0..mesh.connectivity.vertex_bound()).filter(|&v| mesh.position(v).x < 1.0).collect();
+            fit(domain, &mut mesh, spacing, None, &()).unwrap();
+            flat.into_iter().map(|v| mesh.position(v).z.abs()).fold(0.0, f64::max)
+        };
+        assert!(highest(&domain) > 1e-4 * spacing, "{}", highest(&domain));
+        domain.find_contacts();
+        assert!(highest(&domain) < 1e-12, "{}", highest(&domain));
     }
 
     #[test]
