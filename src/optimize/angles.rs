@@ -1,14 +1,20 @@
 //! Raises the smallest angles and the quality of the worst triangles only.
 //!
 //! The margin of a triangle is the distance of its smallest angle and quality from the goal, negative if it misses the
-//! goal; what it misses it by is its shortfall. Vertices of triangles with a shortfall search for a place where the sum of
-//! the squares around them is less and the worst is no worse, and edges flip if that makes the worst better. Nothing else
-//! moves, so the rest stays even. Where a triangle cannot reach the goal, between near curves, those around it are not spoilt
-//! for its sake, as they would be if only the worst counted.
+//! goal; what it misses it by is its shortfall s. Vertices of triangles with a shortfall search for a place where the worst
+//! around them is no worse and the sum of this cost is less, and edges flip if that makes the worst better:
+//!
+//! ```text
+//! 4 s  +  s²  +  10 max(s - 5.5, 0)²  +  160 (1 - Q)
+//! ```
+//!
+//! Nothing else moves, so the rest stays even. The part that is linear in s lets triangles reach the goal that can. Where one
+//! cannot, between near curves, those around it are spoilt for its sake by no more than it gains, which is worth most below
+//! 35 degrees.
 //!
 //! Based on: L. A. Freitag, C. Ollivier-Gooch, Tetrahedral mesh improvement using swapping and smoothing, 1997,
 //! DOI 10.1002/(SICI)1097-0207(19971115)40:21<3979::AID-NME251>3.0.CO;2-9. Departures: a pattern search in the tangent
-//! plane takes the place of the search along active gradients, and squares that of the worst.
+//! plane takes the place of the search along active gradients, and the sum of costs that of the worst.
 //!
 //! Cost: linear in the triangles for each pass, and some hundred triangles looked at for each vertex that is moved.
 
@@ -37,6 +43,17 @@ const LARGEST: f64 = 86.0;
 /// Degrees of the smallest angle that one unit of quality counts as: 0.01 of it, or 0.8 degrees.
 const DEGREES_OF_QUALITY: f64 = 80.0;
 
+/// What a degree of shortfall, the square of one, the square of one beyond [`FAR`], and all of a triangle's quality cost. With
+/// squares alone the mean Q of 64 CAD parts is 0.923 instead of 0.926; without the squares beyond, angles at holes of scans stay at 34
+/// degrees instead of 37.
+const OF_DEGREES: f64 = 4.0;
+const OF_SQUARES: f64 = 1.0;
+const OF_SQUARES_BEYOND: f64 = 10.0;
+const OF_QUALITY: f64 = 160.0;
+
+/// Degrees of shortfall from which on it counts more.
+const FAR: f64 = 5.5;
+
 /// Passes over the worst triangles; most models need fewer.
 const MOST_PASSES: usize = 30;
 
@@ -44,8 +61,8 @@ const MOST_PASSES: usize = 30;
 const FIRST_STEP: f64 = 0.2;
 const LAST_STEP: f64 = 0.01;
 
-/// Degrees of the root of the sum that a step of the search has to gain, and rings of places that it looks at, so that it ends.
-const LEAST_GAIN: f64 = 0.05;
+/// What a step of the search has to gain, and rings of places that it looks at, so that it ends.
+const LEAST_GAIN: f64 = 0.5;
 const MOST_TRIES: usize = 24;
 
 /// How far a vertex may come from where it was at first, in mean spacings: without that the ends of what is thin draw back,
@@ -146,23 +163,36 @@ pub fn least_margin(mesh: &Manifold, v: u32, p: DVec3) -> f64 {
     corners_around(mesh, v, p).map(margin_of).fold(f64::INFINITY, f64::min)
 }
 
-/// What the triangles around a vertex miss the goal by, in degrees.
+/// What the triangles around a vertex cost, and by how many degrees the worst of them misses the goal.
 #[derive(Clone, Copy, Default)]
-struct Shortfall {
-    /// The sum of the squares.
-    squares: f64,
-    largest: f64,
+struct Cost {
+    sum: f64,
+    largest_shortfall: f64,
 }
 
-impl Shortfall {
-    /// That around `v` if it were at `p`, if it is less than `bound` and its largest no larger.
-    fn below(bound: Shortfall, mesh: &Manifold, v: u32, p: DVec3) -> Option<Shortfall> {
-        corners_around(mesh, v, p).try_fold(Shortfall::default(), |sum, corners| {
-            let own = shortfall(corners);
-            let sum = Shortfall { squares: sum.squares + math::square(own), largest: sum.largest.max(own) };
-            (sum.squares < bound.squares && sum.largest <= bound.largest).then_some(sum)
+impl Cost {
+    const INFINITE: Cost = Cost { sum: f64::INFINITY, largest_shortfall: f64::INFINITY };
+
+    /// That around `v` if it were at `p`, if it is less than `bound` and the worst no worse.
+    fn below(bound: Cost, mesh: &Manifold, v: u32, p: DVec3) -> Option<Cost> {
+        corners_around(mesh, v, p).try_fold(Cost::default(), |cost, corners| {
+            let shortfall = shortfall(corners);
+            let cost = Cost {
+                sum: cost.sum + cost_of(shortfall, quality(corners)),
+                largest_shortfall: cost.largest_shortfall.max(shortfall),
+            };
+            (cost.sum < bound.sum && cost.largest_shortfall <= bound.largest_shortfall).then_some(cost)
         })
     }
+}
+
+/// What a triangle of that shortfall, in degrees, and quality costs.
+fn cost_of(shortfall: f64, quality: f64) -> f64 {
+    let beyond = (shortfall - FAR).max(0.0);
+    OF_DEGREES * shortfall
+        + OF_SQUARES * math::square(shortfall)
+        + OF_SQUARES_BEYOND * math::square(beyond)
+        + OF_QUALITY * (1.0 - quality)
 }
 
 /// The corners of the triangles around `v` if it were at `p`.
@@ -202,35 +232,33 @@ fn can_spare_an_edge(mesh: &Manifold, v: u32) -> bool {
     room <= LARGEST * (count - 1.0)
 }
 
-/// Moves `v`, which was at `first` once, to a place where the triangles around it miss the goal by less; whether there was
-/// one.
+/// Moves `v`, which was at `first` once, to a place where the triangles around it cost less; whether there was one.
 fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, first: DVec3, spacing: f64) -> bool {
     let here = mesh.samples[v as usize];
     let spacing = spacing * here.size;
     let may = |mesh: &Manifold, there: &Sample| {
         there.position.distance(first) <= FARTHEST * spacing && mesh.may_move(v, there)
     };
-    let unbounded = Shortfall { squares: f64::INFINITY, largest: f64::INFINITY };
-    let Some(before) = Shortfall::below(unbounded, mesh, v, here.position) else { return false };
+    let Some(before) = Cost::below(Cost::INFINITE, mesh, v, here.position) else { return false };
     let mut best = (before, here);
     let mut step = FIRST_STEP * spacing;
     for _ in 0..MOST_TRIES {
-        if step <= LAST_STEP * spacing || best.0.largest <= 0.0 {
+        if step <= LAST_STEP * spacing || best.0.largest_shortfall <= 0.0 {
             break;
         }
         let found = places(domain, mesh, v, &best.1, step).into_iter().fold(best, |best, there| {
-            Shortfall::below(best.0, mesh, v, there.position)
+            Cost::below(best.0, mesh, v, there.position)
                 .filter(|_| may(mesh, &there))
-                .map_or(best, |shortfall| (shortfall, there))
+                .map_or(best, |cost| (cost, there))
         });
-        if found.0.squares.sqrt() < best.0.squares.sqrt() - LEAST_GAIN {
+        if found.0.sum < best.0.sum - LEAST_GAIN {
             best = found;
         } else {
             step *= 0.5;
         }
     }
     mesh.samples[v as usize] = best.1;
-    best.0.squares < before.squares
+    best.0.sum < before.sum
 }
 
 /// Places around `at`, where `v` is or could be, at distance `step` on the surface, or along the curve of a vertex

@@ -3,7 +3,7 @@
 //! The energy of a triangle of area A and sides a, b, c is
 //!
 //! ```text
-//! 2 √(ε (E + ε))  +  E² / 2  +  λ/2 (A / A₀ + A₀ / A)        E = (a² + b² + c²) / (4 √3 A) - 1
+//! 2 √(ε (E + ε))  +  κ/2 E²  +  λ/2 (A / A₀ + A₀ / A)        E = (a² + b² + c²) / (4 √3 A) - 1
 //! ```
 //!
 //! E is 0 for an equilateral triangle of any size and grows with the square of its strain. The root makes that linear,
@@ -49,6 +49,10 @@ pub enum Flips {
 /// λ: less makes triangles better and edge lengths less even. Mean Q and edge CV of the horse with 8,600 vertices: 0.967
 /// and 0.091 with 0.2, 0.969 and 0.095 with 0.1, 0.971 and 0.099 with 0.05.
 const SIZE_WEIGHT: f64 = 0.05;
+
+/// κ: more makes the worst triangles better and the mean worse. Mean Q of 64 CAD parts and of 17 other models: 0.921 and 0.9788
+/// with 1, 0.923 and 0.9796 with 0.1, 0.924 and 0.9797 with 0, where single triangles are left to themselves.
+const SQUARE_WEIGHT: f64 = 0.1;
 
 /// ε: strains of less count with their square, larger ones linearly. More leaves lengths less even, less takes longer.
 const SMALL_STRAIN: f64 = 0.003;
@@ -121,7 +125,7 @@ fn strain([p, q, r]: [DVec3; 3], spacing: f64) -> Strain {
     let beta = [real, imaginary].map(|form| form[1].dot(q - p) + form[2].dot(r - p));
 
     let shape = (beta[0] * beta[0] + beta[1] * beta[1]) / (2.0 * 3f64.sqrt() * area);
-    let weight = (SMALL_STRAIN / (shape + SMALL_STRAIN)).sqrt() + shape;
+    let weight = (SMALL_STRAIN / (shape + SMALL_STRAIN)).sqrt() + SQUARE_WEIGHT * shape;
     let relative = area / ideal;
     let per_beta = weight / (3f64.sqrt() * area);
     let per_area = 0.5 * SIZE_WEIGHT * (1.0 - 1.0 / math::square(relative)) / ideal - weight * shape / area;
@@ -141,7 +145,7 @@ mod tests {
         let shape = squares / (4.0 * 3f64.sqrt() * area) - 1.0;
         let relative = area / (0.25 * 3f64.sqrt() * spacing * spacing);
         let root = 2.0 * (SMALL_STRAIN * (shape + SMALL_STRAIN)).sqrt();
-        root + 0.5 * shape * shape + 0.5 * SIZE_WEIGHT * (relative + 1.0 / relative)
+        root + 0.5 * SQUARE_WEIGHT * shape * shape + 0.5 * SIZE_WEIGHT * (relative + 1.0 / relative)
     }
 
     #[test]
