@@ -74,15 +74,17 @@ const DIRECTIONS: usize = 8;
 
 /// Improves the worst triangles until none is outside of the goal or nothing helps. `spacing` is the mean edge length.
 pub fn improve_angles(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
-    improve_angles_for(domain, mesh, &VertexSet::EMPTY, spacing, MOST_PASSES, monitor)
+    improve_angles_for(domain, mesh, &VertexSet::EMPTY, spacing, OF_QUALITY, MOST_PASSES, monitor)
 }
 
-/// [`improve_angles`] with at most that many passes, and without moving the vertices in `locked`.
+/// [`improve_angles`] with at most that many passes, without moving the vertices in `locked`. `of_quality` is what all of a
+/// triangle's quality costs: with 0 only the goal counts.
 pub(super) fn improve_angles_for(
     domain: &Domain,
     mesh: &mut Manifold,
     locked: &VertexSet,
     spacing: f64,
+    of_quality: f64,
     passes: usize,
     monitor: &dyn Monitor,
 ) -> Result<()> {
@@ -108,7 +110,7 @@ pub(super) fn improve_angles_for(
             for v in mesh.connectivity.triangle(h) {
                 if std::mem::take(&mut hopeful[v as usize])
                     && mesh.can_move(v, locked)
-                    && move_if_better(domain, mesh, v, first[v as usize], spacing)
+                    && move_if_better(domain, mesh, v, first[v as usize], spacing, of_quality)
                 {
                     changed = true;
                     mesh.connectivity.ring(v).chain([v]).for_each(|w| hopeful[w as usize] = true);
@@ -174,11 +176,11 @@ impl Cost {
     const INFINITE: Cost = Cost { sum: f64::INFINITY, largest_shortfall: f64::INFINITY };
 
     /// That around `v` if it were at `p`, if it is less than `bound` and the worst no worse.
-    fn below(bound: Cost, mesh: &Manifold, v: u32, p: DVec3) -> Option<Cost> {
+    fn below(bound: Cost, mesh: &Manifold, v: u32, p: DVec3, of_quality: f64) -> Option<Cost> {
         corners_around(mesh, v, p).try_fold(Cost::default(), |cost, corners| {
             let shortfall = shortfall(corners);
             let cost = Cost {
-                sum: cost.sum + cost_of(shortfall, quality(corners)),
+                sum: cost.sum + cost_of(shortfall) + of_quality * (1.0 - quality(corners)),
                 largest_shortfall: cost.largest_shortfall.max(shortfall),
             };
             (cost.sum < bound.sum && cost.largest_shortfall <= bound.largest_shortfall).then_some(cost)
@@ -186,13 +188,10 @@ impl Cost {
     }
 }
 
-/// What a triangle of that shortfall, in degrees, and quality costs.
-fn cost_of(shortfall: f64, quality: f64) -> f64 {
+/// What that shortfall, in degrees, costs.
+fn cost_of(shortfall: f64) -> f64 {
     let beyond = (shortfall - FAR).max(0.0);
-    OF_DEGREES * shortfall
-        + OF_SQUARES * math::square(shortfall)
-        + OF_SQUARES_BEYOND * math::square(beyond)
-        + OF_QUALITY * (1.0 - quality)
+    OF_DEGREES * shortfall + OF_SQUARES * math::square(shortfall) + OF_SQUARES_BEYOND * math::square(beyond)
 }
 
 /// The corners of the triangles around `v` if it were at `p`.
@@ -233,13 +232,13 @@ fn can_spare_an_edge(mesh: &Manifold, v: u32) -> bool {
 }
 
 /// Moves `v`, which was at `first` once, to a place where the triangles around it cost less; whether there was one.
-fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, first: DVec3, spacing: f64) -> bool {
+fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, first: DVec3, spacing: f64, of_quality: f64) -> bool {
     let here = mesh.samples[v as usize];
     let spacing = spacing * here.size;
     let may = |mesh: &Manifold, there: &Sample| {
         there.position.distance(first) <= FARTHEST * spacing && mesh.may_move(v, there)
     };
-    let Some(before) = Cost::below(Cost::INFINITE, mesh, v, here.position) else { return false };
+    let Some(before) = Cost::below(Cost::INFINITE, mesh, v, here.position, of_quality) else { return false };
     let mut best = (before, here);
     let mut step = FIRST_STEP * spacing;
     for _ in 0..MOST_TRIES {
@@ -247,7 +246,7 @@ fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, first: DVec3, sp
             break;
         }
         let found = places(domain, mesh, v, &best.1, step).into_iter().fold(best, |best, there| {
-            Cost::below(best.0, mesh, v, there.position)
+            Cost::below(best.0, mesh, v, there.position, of_quality)
                 .filter(|_| may(mesh, &there))
                 .map_or(best, |cost| (cost, there))
         });

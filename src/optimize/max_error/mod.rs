@@ -313,7 +313,8 @@ impl Task<'_> {
     /// then.
     fn arrange(&self, mesh: &mut Manifold, placed: &[u32], measured: &Measured, margin: f64) -> Result<bool> {
         let improve = |mesh: &mut Manifold, locked: &VertexSet| {
-            improve_angles_for(self.domain, mesh, locked, self.spacing, self.effort.passes, &())?;
+            // What is outside of the goal is not taken, so quality does not count here.
+            improve_angles_for(self.domain, mesh, locked, self.spacing, 0.0, self.effort.passes, &())?;
             Ok(worst_margin(mesh) >= margin)
         };
         let locked = placed.iter().copied().collect();
