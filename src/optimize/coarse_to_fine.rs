@@ -24,8 +24,12 @@ use glam::DVec3;
 /// vertices of a detailed model were kept and stayed irregular; above 120 ends of spikes are lost for good.
 const BENT: f64 = -0.5;
 
-/// Distance, in spacings of the fine mesh, from self-intersections of the coarse one within which vertices are kept.
+/// Distance, in spacings of the fine mesh, from places where the coarse one went wrong within which vertices are kept.
 const CLEARANCE: f64 = 6.0;
+
+/// Longest edge, relative to what is wanted, of a refined mesh in which all that had to be could be split: most have none above
+/// 1.9.
+const LONGEST_REFINED: f64 = 2.2;
 
 /// Cosine of the angle between the normals of adjacent vertices above which they are tips, at the end of a spike or a
 /// slit: 120 degrees. From 102 on too few around them can move.
@@ -60,14 +64,28 @@ pub fn indispensable(mesh: &Manifold, kept: &VertexSet) -> VertexSet {
 /// thin for such large faces. Returns whether any were not in it: with the same ones the coarse mesh would be the same.
 pub fn keep_at_self_intersections(kept: &mut VertexSet, mesh: &Manifold, coarse: &Manifold, spacing: f64) -> bool {
     let coarse = coarse.to_mesh();
-    let crossing = self_intersections(&coarse);
-    if crossing.is_empty() {
+    let places = self_intersections(&coarse).into_iter().flat_map(|t| coarse.corners(t as usize));
+    keep_around(kept, mesh, &places.collect::<Vec<DVec3>>(), spacing)
+}
+
+/// Adds the vertices of `mesh` around edges of `refined` that are still as long as those of a coarse mesh to `kept`: such edges
+/// go past a part of the surface, an ear or a fin, and cannot be split. Returns whether any were not in it.
+pub fn keep_at_long_edges(kept: &mut VertexSet, mesh: &Manifold, refined: &Manifold, spacing: f64) -> bool {
+    let longest = LONGEST_REFINED * LONGEST_REFINED * spacing * spacing;
+    let is_long = |h: &u32| refined.connectivity.can_split(*h) && refined.relative_length_squared(*h) > longest;
+    let ends = |h: u32| [refined.connectivity.origin(h), refined.connectivity.target(h)].map(|v| refined.position(v));
+    keep_around(kept, mesh, &refined.edges().filter(is_long).flat_map(ends).collect::<Vec<DVec3>>(), spacing)
+}
+
+/// Adds the vertices of `mesh` around `places` to `kept`; whether any were not in it.
+fn keep_around(kept: &mut VertexSet, mesh: &Manifold, places: &[DVec3], spacing: f64) -> bool {
+    if places.is_empty() {
         return false;
     }
     let mut any_new = false;
     let positions: Vec<DVec3> = mesh.samples.iter().map(|s| s.position).collect();
     let neighbors = Neighbors::new(&positions);
-    for p in crossing.into_iter().flat_map(|t| coarse.corners(t as usize)) {
+    for &p in places {
         let near = neighbors.within(p, CLEARANCE * spacing).into_iter().map(|n| n.point);
         for v in near.filter(|&v| mesh.connectivity.has_vertex(v)) {
             any_new |= !kept.contains(v);
@@ -208,4 +226,33 @@ fn collapse(mesh: &mut Manifold, dense: &VertexSet, wanted: usize, spacing: f64)
     collapse_shortest(mesh, wanted, |mesh, h| {
         !mesh.connectivity.is_on_curve(mesh.connectivity.origin(h)) && keeps_shape(mesh, dense, h, spacing)
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::domain::Sample;
+    use crate::testing::grid;
+    use glam::dvec3;
+
+    #[test]
+    fn vertices_are_kept_around_an_edge_that_could_not_be_split() {
+        let (across, spacing) = (40, 0.1);
+        let sheet = grid(across, across, |u, v| spacing * f64::from(across) * dvec3(u, v, 0.0));
+        let sample = |&position: &DVec3| Sample { position, normal: DVec3::Z, triangle: 0, size: 1.0 };
+        let mesh = Manifold::new(sheet.positions.iter().map(sample).collect(), &sheet.triangles);
+        let mut kept = VertexSet::EMPTY;
+        assert!(!keep_at_long_edges(&mut kept, &mesh, &mesh, spacing) && kept.is_empty());
+        let mut refined = mesh.clone();
+        let nearest_to =
+            |p: DVec3| (0..).zip(&sheet.positions).min_by(|a, b| p.distance(*a.1).total_cmp(&p.distance(*b.1)));
+        let (v, &there) = nearest_to(dvec3(1.0, 1.0, 0.0)).unwrap();
+        refined.samples[v as usize].position += 2.5 * spacing * DVec3::Z;
+        assert!(keep_at_long_edges(&mut kept, &mesh, &refined, spacing));
+        for (w, p) in (0..).zip(&sheet.positions) {
+            let away = p.distance(there);
+            assert!(kept.contains(w) == (away < 0.55) || (0.5..0.8).contains(&away), "{away}");
+        }
+        assert!(!keep_at_long_edges(&mut kept, &mesh, &refined, spacing), "with the same ones it would be the same");
+    }
 }

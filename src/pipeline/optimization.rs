@@ -7,8 +7,8 @@ use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::topology::NONE;
 use crate::optimize::angles::improve_angles;
 use crate::optimize::coarse_to_fine::{
-    coarsen, indispensable, keep_at_self_intersections, match_target_count, narrow, remove_encroaching_vertices,
-    split_to, tips, transition,
+    coarsen, indispensable, keep_at_long_edges, keep_at_self_intersections, match_target_count, narrow,
+    remove_encroaching_vertices, split_to, tips, transition,
 };
 use crate::optimize::counts::meet_count;
 use crate::optimize::fit::fit;
@@ -29,8 +29,7 @@ pub(super) fn optimize(
     limit: Option<f64>,
     monitor: &dyn Monitor,
 ) -> Result<()> {
-    let dense = arrange_coarse(domain, mesh, scale, monitor)?;
-    refine_to_count(domain, mesh, &dense, scale, monitor)?;
+    order(domain, mesh, scale, monitor)?;
     monitor.stage("improve angles");
     improve_angles(domain, mesh, scale.spacing, monitor)?;
     monitor.stage("fit");
@@ -51,9 +50,31 @@ pub(super) fn fit_to_surface(
     reduce_max_error(domain, mesh, spacing, &fitted, monitor)
 }
 
+/// Brings the mesh to the wanted number of vertices with as few irregular ones as possible, coarse to fine. Where edges of the
+/// coarse mesh could not be split it is made again with all vertices there.
+fn order(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
+    let fine = mesh.clone();
+    let mut kept = VertexSet::EMPTY;
+    for _ in 0..MOST_ORDERS {
+        *mesh = fine.clone();
+        let dense = arrange_coarse(domain, mesh, &kept, scale, monitor)?;
+        refine_to_count(domain, mesh, &dense, scale, monitor)?;
+        if !keep_at_long_edges(&mut kept, &fine, mesh, scale.spacing) {
+            break;
+        }
+    }
+    Ok(())
+}
+
 /// Reduces the mesh to a quarter of the vertices, in good order, and leaves all of them where a coarser mesh could not
-/// follow the surface; these dense vertices.
-fn arrange_coarse(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<VertexSet> {
+/// follow the surface, the `kept` ones among them; these dense vertices.
+fn arrange_coarse(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    kept: &VertexSet,
+    scale: &Scale,
+    monitor: &dyn Monitor,
+) -> Result<VertexSet> {
     let spacing = scale.spacing;
     monitor.stage("ascend");
     remove_encroaching_vertices(mesh);
@@ -63,7 +84,7 @@ fn arrange_coarse(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: 
         let ascent = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS };
         ascend(domain, mesh, &!&narrow, ascent, monitor)?;
     }
-    let (dense, _) = arrange_coarser(domain, mesh, scale, &VertexSet::EMPTY, monitor)?;
+    let (dense, _) = arrange_coarser(domain, mesh, scale, &VertexSet::EMPTY, kept.clone(), monitor)?;
     monitor.stage("relax");
     settle(domain, mesh, &dense, 2.0 * spacing, monitor)?;
     Ok(dense)
@@ -71,16 +92,17 @@ fn arrange_coarse(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: 
 
 /// Reduces a mesh of that scale to a quarter of the vertices, in good order, and leaves those that are `settled`, which stay
 /// where they are, and others that a coarser mesh needs. A mesh that is large enough is ordered by a coarser one first, which
-/// this function makes, too. These dense vertices, and the old number of each vertex.
+/// this function makes, too. The `kept` vertices are some of those it needs. These dense vertices, and the old number of each
+/// vertex.
 fn arrange_coarser(
     domain: &Domain,
     mesh: &mut Manifold,
     scale: &Scale,
     settled: &VertexSet,
+    mut kept: VertexSet,
     monitor: &dyn Monitor,
 ) -> Result<(VertexSet, Vec<u32>)> {
     let fine = mesh.clone();
-    let mut kept = settled.clone();
     let mut coarse = (VertexSet::EMPTY, Vec::new());
     for _ in 0..MOST_COARSE_MESHES {
         *mesh = fine.clone();
@@ -89,7 +111,7 @@ fn arrange_coarser(
         let count = mesh.connectivity.vertex_count();
         if count - dense.len() >= FEWEST_TO_COARSEN {
             let half = Scale { wanted: count, spacing: 2.0 * scale.spacing };
-            let coarser = arrange_coarser(domain, mesh, &half, &dense, monitor)?;
+            let coarser = arrange_coarser(domain, mesh, &half, &dense, dense.clone(), monitor)?;
             let split = refine_from(domain, mesh, coarser, &dense, &half, monitor)?;
             dense = dense.renumbered(&split);
             old = renumbered(&old, &split);
@@ -210,6 +232,9 @@ fn refine_to_count(
     }
     relax(domain, mesh, &locked, spacing, Flips::KeepValence, 2 * ROUNDS, monitor)
 }
+
+/// How often a mesh is ordered, each time with more vertices kept dense, until no edge is left that could not be split.
+const MOST_ORDERS: usize = 3;
 
 /// Most coarse meshes that are made, each with more vertices kept dense, until one has no self-intersections.
 const MOST_COARSE_MESHES: usize = 3;
