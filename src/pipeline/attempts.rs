@@ -4,7 +4,8 @@
 //! together: edges become shorter there, or, where there is no room for that, samples on all sharp edges closer; at last
 //! the sharp edges are smoothed over. Samples of the two sides of a thin wall come together such that triangles intersect:
 //! others are drawn there. A result that is not sound even so is made finer where it went wrong, see `pipeline/mend.rs`; only
-//! if that does not help all is drawn anew, finer there.
+//! if that does not help all is drawn anew, finer there. Where a sound one intersects itself as its input does, but with more
+//! faces, all is drawn anew once, with longer edges there.
 
 /// Runs up to a whole result, and times that samples are drawn in each for a mesh that does not intersect itself.
 pub(super) const MOST_RUNS: u64 = 3;
@@ -30,10 +31,18 @@ pub(super) struct Score {
     pub self_intersections: usize,
     /// Slivers of a whole result.
     pub slivers: usize,
+    /// By how many triangles of a whole result that intersect others are more than those of the input, if longer edges can
+    /// make up for it.
+    pub excess: usize,
 }
 
 impl Score {
-    pub(super) const SOUND: Score = Score { other_topology: false, self_intersections: 0, slivers: 0 };
+    pub(super) const SOUND: Score = Score { other_topology: false, self_intersections: 0, slivers: 0, excess: 0 };
+
+    /// Whether nothing is wrong that a user would call so.
+    fn is_sound(&self) -> bool {
+        Score { excess: 0, ..*self } == Score::SOUND
+    }
 
     /// Whether a result of so many `triangles` is unsound at single places only.
     pub(super) fn is_of_places(&self, triangles: usize) -> bool {
@@ -79,12 +88,22 @@ pub(super) struct Attempts {
     with_curves: usize,
     curve_density: f64,
     keeps_curves: bool,
+    /// Whether a run was made with longer edges where the surface intersects itself.
+    has_lengthened: bool,
 }
 
 impl Attempts {
     /// Those with the random numbers of `seed`, of a surface that has sharp edges or not.
     pub(super) fn new(seed: u64, has_curves: bool) -> Attempts {
-        Attempts { seed, run: 0, sampling: 0, with_curves: 1, curve_density: 1.0, keeps_curves: has_curves }
+        Attempts {
+            seed,
+            run: 0,
+            sampling: 0,
+            with_curves: 1,
+            curve_density: 1.0,
+            keeps_curves: has_curves,
+            has_lengthened: false,
+        }
     }
 
     /// The one to make now.
@@ -118,9 +137,12 @@ impl Attempts {
 
     /// Whether to make another run after a result of so many `triangles`; `best` is the best score of all.
     pub(super) fn after_run(&mut self, best: Score, triangles: usize) -> bool {
-        if best == Score::SOUND || best.is_everywhere(triangles) || self.run + 1 == MOST_RUNS {
+        let is_only_in_excess = best.is_sound() && best != Score::SOUND;
+        let is_done = best == Score::SOUND || best.is_everywhere(triangles) || is_only_in_excess && self.has_lengthened;
+        if is_done || self.run + 1 == MOST_RUNS {
             return false;
         }
+        self.has_lengthened |= is_only_in_excess;
         (self.run, self.sampling, self.with_curves) = (self.run + 1, 0, 1);
         true
     }
@@ -185,6 +207,16 @@ mod tests {
         seeds.sort_unstable();
         seeds.dedup();
         assert_eq!(seeds.len() as u64, MOST_RUNS * MOST_SAMPLINGS);
+    }
+
+    #[test]
+    fn what_only_intersects_itself_more_often_than_its_input_is_made_again_once() {
+        let more = Score { excess: 5, ..SOUND };
+        assert!(SOUND < more && more < Score { slivers: 1, ..SOUND });
+        let mut attempts = Attempts::new(3, true);
+        assert_eq!([0, 1].map(|_| attempts.after_run(more, 1000)), [true, false]);
+        let mut attempts = Attempts::new(3, true);
+        assert_eq!([CROSSED, more, more].map(|best| attempts.after_run(best, 1000)), [true, true, false]);
     }
 
     #[test]

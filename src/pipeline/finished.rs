@@ -6,6 +6,7 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::optimize::contacts::part_contacts;
 use crate::pipeline::attempts::Score;
 use crate::pipeline::prepared::PreparedInput;
+use crate::pipeline::resizing::LONGEST;
 use crate::pipeline::result::has_kind;
 use crate::pipeline::sized::SizedSurface;
 use crate::pipeline::slivers::slivers;
@@ -22,6 +23,8 @@ pub(super) struct Finished {
     pub mesh: Mesh,
     pub topology: Topology,
     pub self_intersections: Vec<u32>,
+    /// Triangles of the repaired input that intersect others, if any of the mesh do.
+    pub self_intersections_of_input: usize,
     /// Those of them where the surface does not intersect itself.
     pub new_self_intersections: Vec<u32>,
     /// Triangles of `of_part` that are slivers.
@@ -54,7 +57,13 @@ impl Finished {
         let other_topology = !has_kind(&topology, &prepared.of_repaired);
         let new_self_intersections = new_among(&self_intersections, &mesh, prepared, surface);
         let slivers = slivers(&manifold);
-        let score = Score { other_topology, self_intersections: new_self_intersections.len(), slivers: slivers.len() };
+        let of_input = if self_intersections.is_empty() { 0 } else { surface.self_intersections_of_input() };
+        let score = Score {
+            other_topology,
+            self_intersections: new_self_intersections.len(),
+            slivers: slivers.len(),
+            excess: excess(self_intersections.len(), of_input),
+        };
         Finished {
             manifold,
             of_part,
@@ -62,6 +71,7 @@ impl Finished {
             mesh,
             topology,
             self_intersections,
+            self_intersections_of_input: of_input,
             new_self_intersections,
             slivers,
             tessellated_patches,
@@ -78,9 +88,32 @@ impl Finished {
 
     /// The corners of the triangles that make it unsound, in the pipeline's unit.
     pub(super) fn unsound_places(&self) -> Vec<DVec3> {
-        let crossing = self.new_self_intersections.iter().filter_map(|t| t.checked_sub(self.kept_triangles()));
-        crossing.chain(self.slivers.iter().copied()).flat_map(|t| self.of_part.corners(t as usize)).collect()
+        self.corners_of(&self.new_self_intersections)
+            .chain(self.slivers.iter().flat_map(|&t| self.of_part.corners(t as usize)))
+            .collect()
     }
+
+    /// The corners of the triangles that intersect others, in the pipeline's unit.
+    pub(super) fn crossing_places(&self) -> Vec<DVec3> {
+        self.corners_of(&self.self_intersections).collect()
+    }
+
+    /// How many times as many triangles intersect others as of the input.
+    pub(super) fn too_many(&self) -> f64 {
+        self.self_intersections.len() as f64 / self.self_intersections_of_input as f64
+    }
+
+    /// The corners of those `triangles` of the mesh that were made, in the pipeline's unit.
+    fn corners_of(&self, triangles: &[u32]) -> impl Iterator<Item = DVec3> {
+        let made = triangles.iter().filter_map(|t| t.checked_sub(self.kept_triangles()));
+        made.flat_map(|t| self.of_part.corners(t as usize))
+    }
+}
+
+/// By how many of the triangles that intersect others are more than those `of_input`, if longer edges can make up for it.
+fn excess(found: usize, of_input: usize) -> usize {
+    let most = (LONGEST * of_input as f64) as usize;
+    if found <= most { found.saturating_sub(of_input) } else { 0 }
 }
 
 /// Those `faces` of `mesh`, which intersect others, that are not where the repaired input does.

@@ -73,9 +73,9 @@ mod tests {
     use crate::mesh::triangle_mesh::Mesh;
     use crate::pipeline::attempts::Score;
     use crate::pipeline::density::Density;
-    use crate::pipeline::finer::Finer;
     use crate::pipeline::optimization::optimize;
     use crate::pipeline::options::Options;
+    use crate::pipeline::resizing::Resizing;
     use crate::spectral::candidates::candidates;
     use crate::spectral::curve_samples::sample_curves;
     use crate::spectral::scan::linear_scan;
@@ -102,7 +102,7 @@ mod tests {
         let options = Options::default();
         let (prepared, repaired) = PreparedInput::new(&input, &options, &()).unwrap();
         let mut surface =
-            SizedSurface::new(&prepared, repaired, Density::Points(10_000), &Finer::default(), &()).unwrap();
+            SizedSurface::new(&prepared, repaired, Density::Points(10_000), &Resizing::default(), &()).unwrap();
         let SizedSurface { domain, scale, .. } = &surface;
         let samples = linear_scan(domain, &candidates(domain, 20 * 10_000, 1), &[], scale.sigma(), 1, &()).unwrap();
         let curves = sample_curves(domain, scale.spacing);

@@ -47,9 +47,9 @@ pub(super) fn drawn_anew_around(
 mod tests {
     use super::*;
     use crate::pipeline::density::Density;
-    use crate::pipeline::finer::Finer;
     use crate::pipeline::options::Options;
     use crate::pipeline::prepared::PreparedInput;
+    use crate::pipeline::resizing::Resizing;
     use crate::testing;
 
     #[test]
@@ -57,7 +57,7 @@ mod tests {
         let input = testing::sphere();
         let options = Options::default();
         let (prepared, repaired) = PreparedInput::new(&input, &options, &()).unwrap();
-        let surface = SizedSurface::new(&prepared, repaired, Density::Points(500), &Finer::default(), &()).unwrap();
+        let surface = SizedSurface::new(&prepared, repaired, Density::Points(500), &Resizing::default(), &()).unwrap();
         let SizedSurface { domain, scale, .. } = &surface;
         let first = linear_scan(domain, &candidates(domain, 20 * 500, 1), &[], scale.sigma(), 1, &()).unwrap();
 

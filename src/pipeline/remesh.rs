@@ -13,7 +13,6 @@ use crate::pipeline::attempts::{Attempt, Attempts, MOST_RUNS, Score, Step};
 use crate::pipeline::coarse::{coarse, far_wider_spacing};
 use crate::pipeline::density::{Density, FEWEST_POINTS, FIRST_POINTS, MOST_POINTS};
 use crate::pipeline::edges::Edges;
-use crate::pipeline::finer::Finer;
 use crate::pipeline::finished::Finished;
 use crate::pipeline::follow::ascend_as_asked;
 use crate::pipeline::kernel::KernelFeatures;
@@ -23,6 +22,7 @@ use crate::pipeline::options::{Grading, Options};
 use crate::pipeline::origins::origins;
 use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::redraw::drawn_anew_around;
+use crate::pipeline::resizing::Resizing;
 use crate::pipeline::result::{Deviation, Remeshed, has_kind, notes};
 use crate::pipeline::scale::CANDIDATES_PER_POINT;
 use crate::pipeline::sized::SizedSurface;
@@ -159,15 +159,15 @@ fn remesh_to(
     density: Density,
     monitor: &dyn Monitor,
 ) -> Result<Remeshed> {
-    let mut finer = Finer::default();
-    let mut sized = |finer: &Finer| SizedSurface::new(prepared, repaired(), density, finer, monitor);
-    let mut surface = sized(&finer)?;
+    let mut resizing = Resizing::default();
+    let mut sized = |resizing: &Resizing| SizedSurface::new(prepared, repaired(), density, resizing, monitor);
+    let mut surface = sized(&resizing)?;
     let mut attempts = Attempts::new(prepared.options.seed, surface.domain.sharp_curves() > 0);
     let mut best: Option<(SizedSurface, Finished)> = None;
     loop {
         let (mut made_of, triangulation) = triangulated(surface, &mut attempts, monitor)?;
         let finished = arranged(prepared, &made_of, triangulation, attempts.run(), monitor)?;
-        finer.add(&finished.unsound_places());
+        resizing.shorten_at(&finished.unsound_places());
         let finished = mended(prepared, &mut made_of, finished, monitor)?;
         if best.as_ref().is_none_or(|(_, best)| finished.score < best.score) {
             best = Some((made_of, finished));
@@ -176,7 +176,10 @@ fn remesh_to(
         if !attempts.after_run(best.score, best.mesh.triangles.len()) {
             break;
         }
-        surface = sized(&finer)?;
+        if best.score.excess > 0 {
+            resizing.lengthen_at(&best.crossing_places(), best.too_many());
+        }
+        surface = sized(&resizing)?;
     }
     let (surface, finished) = best.expect("a result was made");
     remeshed(prepared, &surface, finished, monitor)
@@ -266,7 +269,7 @@ impl Triangulation {
         let kind = topology(made.positions.len(), &made.triangles);
         let other_topology = !torn.is_empty() || !has_kind(&kind, &surface.topology);
         let crossing: Vec<_> = self_intersections(&made).into_iter().map(|t| made.corners(t as usize)).collect();
-        let score = Score { other_topology, self_intersections: crossing.len(), slivers: 0 };
+        let score = Score { other_topology, self_intersections: crossing.len(), ..Score::SOUND };
         Ok(Triangulation { samples, mesh, tessellated_patches, torn, crossing, score })
     }
 }
@@ -284,12 +287,6 @@ fn arranged(
     monitor.stage("resolve self-intersections");
     resolve_self_intersections(&surface.domain, || surface.self_intersections(), &mut manifold, monitor)?;
     Ok(Finished::new(prepared, surface, manifold, tessellated_patches, run))
-}
-
-/// How many triangles of the repaired input intersect others.
-fn self_intersections_of(surface: &SizedSurface) -> usize {
-    let of_whole = surface.within.as_ref().map(|within| self_intersections(&within.whole).len());
-    of_whole.unwrap_or_else(|| surface.self_intersections().len())
 }
 
 /// Optimises the mesh, or, if that is not wanted, gives it the wanted count and leaves it where the paper's ascent does.
@@ -361,7 +358,7 @@ fn remeshed(
         wanted: within.as_ref().map_or(scale.wanted, |within| within.wanted(scale.wanted)),
         sharp_curves: domain.sharp_curves(),
         tessellated_patches: finished.tessellated_patches,
-        self_intersections_of_input: intersects.then(|| self_intersections_of(surface)),
+        self_intersections_of_input: intersects.then(|| surface.self_intersections_of_input()),
         self_intersections: finished.self_intersections,
         new_self_intersections: finished.new_self_intersections,
         slivers,

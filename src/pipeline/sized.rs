@@ -8,16 +8,17 @@ use crate::mesh::refine::{refine, refine_edges};
 use crate::mesh::topology::{NONE, Topology, topology, twins};
 use crate::pipeline::density::Density;
 use crate::pipeline::expected::with_curves;
-use crate::pipeline::finer::Finer;
 use crate::pipeline::follow::follow;
 use crate::pipeline::kernel::KernelFeatures;
 use crate::pipeline::options::Grading;
 use crate::pipeline::prepared::PreparedInput;
+use crate::pipeline::resizing::Resizing;
 use crate::pipeline::scale::{LONGEST_EDGE, LONGEST_ON_CURVES, Scale};
 use crate::pipeline::sharp_edges::{left_out as edges_left_out, sharp_edges};
 use crate::pipeline::within::{Within, sampled_part};
 use crate::prepare::bend::Split;
 use crate::prepare::coarsen::in_spatial_order;
+use crate::spatial::self_intersections::self_intersections;
 use crate::surface::domain::Domain;
 use crate::surface::features::sharp_sides;
 use crate::surface::narrow_patches::{LeftOut, leave_out_narrow, samples_on};
@@ -57,12 +58,12 @@ pub(super) struct SizedSurface {
 }
 
 impl SizedSurface {
-    /// The surface of `repaired`, the repaired input, for that density, and `finer` where attempts before it went wrong.
+    /// The surface of `repaired`, the repaired input, for that density, with edges of other lengths where those of the results before say so.
     pub(super) fn new(
         prepared: &PreparedInput,
         repaired: OrientedManifold,
         density: Density,
-        finer: &Finer,
+        resizing: &Resizing,
         monitor: &dyn Monitor,
     ) -> Result<SizedSurface> {
         let (mut clean, within) = sampled_part(prepared, repaired, density)?;
@@ -76,7 +77,8 @@ impl SizedSurface {
             Some(_) => topology(clean.positions.len(), &clean.triangles),
             None => prepared.of_repaired,
         };
-        let (domain, blunted, left_out, left_out_edges) = domain_over(clean, within.as_ref(), prepared, &scale, finer);
+        let (domain, blunted, left_out, left_out_edges) =
+            domain_over(clean, within.as_ref(), prepared, &scale, resizing);
         let self_intersections = OnceLock::new();
         let sigma = scale.sigma();
         let mut surface = SizedSurface {
@@ -90,7 +92,7 @@ impl SizedSurface {
             topology,
             self_intersections,
         };
-        surface.grade(prepared, density, finer, monitor)?;
+        surface.grade(prepared, density, resizing, monitor)?;
         surface.domain.find_contacts();
         Ok(surface)
     }
@@ -100,7 +102,7 @@ impl SizedSurface {
         &mut self,
         prepared: &PreparedInput,
         density: Density,
-        finer: &Finer,
+        resizing: &Resizing,
         monitor: &dyn Monitor,
     ) -> Result<()> {
         let options = prepared.options;
@@ -130,7 +132,10 @@ impl SizedSurface {
         {
             domain.grade(sizes);
         }
-        if let Some(sizes) = finer.sizes(domain, self.scale.spacing) {
+        if let Some(sizes) = resizing.longer(domain, self.scale.spacing) {
+            domain.grade(sizes);
+        }
+        if let Some(sizes) = resizing.shorter(domain, self.scale.spacing) {
             domain.grade(sizes);
         }
         if let Some(within) = &self.within {
@@ -159,9 +164,9 @@ impl SizedSurface {
 
     /// Makes edges shorter around `places`; whether there is room for that.
     pub(super) fn refine_at(&mut self, places: &[DVec3]) -> bool {
-        let mut finer = Finer::default();
-        finer.add(places);
-        let sizes = finer.sizes(&self.domain, self.scale.spacing);
+        let mut resizing = Resizing::default();
+        resizing.shorten_at(places);
+        let sizes = resizing.shorter(&self.domain, self.scale.spacing);
         let has_room = sizes.is_some();
         sizes.into_iter().for_each(|sizes| self.domain.grade(sizes));
         has_room
@@ -173,6 +178,12 @@ impl SizedSurface {
         let mut domain = self.domain.smooth();
         domain.find_contacts();
         SizedSurface { domain, blunted: true, left_out: LeftOut::default(), left_out_edges, ..self }
+    }
+
+    /// How many triangles of the repaired input intersect others.
+    pub(super) fn self_intersections_of_input(&self) -> usize {
+        let of_whole = self.within.as_ref().map(|within| self_intersections(&within.whole).len());
+        of_whole.unwrap_or_else(|| self.self_intersections().len())
     }
 
     /// Its triangles that intersect others, in increasing order; they are searched once.
@@ -188,7 +199,7 @@ fn domain_over(
     within: Option<&Within>,
     prepared: &PreparedInput,
     scale: &Scale,
-    finer: &Finer,
+    resizing: &Resizing,
 ) -> (Domain, bool, LeftOut, Vec<[DVec3; 2]>) {
     let (twin, found) = refined(&mut clean, prepared, scale);
     let Scale { spacing, wanted } = *scale;
@@ -201,7 +212,7 @@ fn domain_over(
             has_room_between_curves(tried.insert(domain), narrowest, spacing)
         }
     };
-    let went_wrong = |t: u32| clean.corners(t as usize).into_iter().any(|p| finer.is_near(p, spacing));
+    let went_wrong = |t: u32| clean.corners(t as usize).into_iter().any(|p| resizing.is_near(p, spacing));
     let (mut sharp, left_out) = leave_out_narrow(&clean, &twin, &found, spacing, went_wrong, suffice);
     let blunted = samples_on(&clean, &twin, &sharp, spacing) > wanted as f64;
     if blunted {

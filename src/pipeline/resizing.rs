@@ -1,0 +1,132 @@
+//! Where a result gets edges of other lengths than the one before.
+//!
+//! Sheets that are nearer to each other than the edges are long, and narrow patches that were joined with others, are what
+//! triangles intersect at. With edges half as long they mostly do not; the rest of the surface has as much longer edges as
+//! keeps the number of vertices. Where the surface intersects itself, on the other hand, triangles always do, and the fewer the
+//! longer their edges are.
+
+use crate::spatial::kdtree::Neighbors;
+use crate::surface::domain::Domain;
+use crate::surface::sizing::sizes_with_room;
+use glam::DVec3;
+
+/// How far around a place the surface is finer, in lengths of the edges there, and the share of the length that is left there
+/// after each attempt.
+const REACH: f64 = 1.0;
+const FINER: f64 = 0.5;
+
+/// How many times as long edges may become where the surface intersects itself, and by how much longer they are made than in
+/// proportion to the faces that intersect others.
+pub(super) const LONGEST: f64 = 1.5;
+const MARGIN: f64 = 1.05;
+
+/// Places where the lengths of edges change, in the pipeline's unit.
+#[derive(Default)]
+pub(super) struct Resizing {
+    /// Where attempts went wrong, those of each: edges become shorter.
+    unsound: Vec<Neighbors>,
+    /// Where a result intersects itself as the surface does, and how many times as long edges become.
+    crossing: Option<(Neighbors, f64)>,
+}
+
+impl Resizing {
+    /// Makes edges shorter at the places where an attempt went wrong.
+    pub(super) fn shorten_at(&mut self, places: &[DVec3]) {
+        self.unsound.push(Neighbors::new(places));
+    }
+
+    /// Makes edges longer at places of faces that intersect others, so that they are fewer by that factor.
+    pub(super) fn lengthen_at(&mut self, places: &[DVec3], factor: f64) {
+        self.crossing = Some((Neighbors::new(places), (MARGIN * factor).min(LONGEST)));
+    }
+
+    /// Whether something went wrong near `p`.
+    pub(super) fn is_near(&self, p: DVec3, spacing: f64) -> bool {
+        self.times(p, spacing) > 0
+    }
+
+    /// The lengths of `domain`, relative to `spacing`, that are longer where it intersects itself; `None` if none are.
+    pub(super) fn longer(&self, domain: &Domain, spacing: f64) -> Option<Vec<f64>> {
+        let (places, factor) = self.crossing.as_ref()?;
+        let longer = |size: f64, p: DVec3| {
+            let length = size * spacing;
+            let mut nearest = Vec::new();
+            places.collect_nearest_within(p, 1, 2.0 * length, &mut nearest);
+            // All of it within a length, less and less up to two.
+            let share = nearest.first().map_or(0.0, |n| (2.0 - n.distance_squared.sqrt() / length).min(1.0));
+            size * (1.0 + (factor - 1.0) * share)
+        };
+        Some(domain.sizes().into_iter().zip(&domain.mesh.positions).map(|(size, &p)| longer(size, p)).collect())
+    }
+
+    /// The lengths of `domain`, relative to `spacing`, that are shorter where something went wrong; `None` if nothing did.
+    pub(super) fn shorter(&self, domain: &Domain, spacing: f64) -> Option<Vec<f64>> {
+        if self.unsound.is_empty() {
+            return None;
+        }
+        let sizes = domain.sizes();
+        let places = sizes.iter().zip(&domain.mesh.positions);
+        let wanted: Vec<f64> = places.map(|(size, &p)| size * self.share(p, size * spacing)).collect();
+        sizes_with_room(domain, &sizes, &wanted, spacing)
+    }
+
+    /// The share of that length, the one wanted at `p`, which is left there; elsewhere lengths may be anything.
+    fn share(&self, p: DVec3, length: f64) -> f64 {
+        match self.times(p, length) {
+            0 => f64::INFINITY,
+            times => (0..times).fold(1.0, |share, _| FINER * share),
+        }
+    }
+
+    /// In how many attempts something went wrong near `p`, where edges are to have that length.
+    fn times(&self, p: DVec3, length: f64) -> usize {
+        let is_near = |places: &&Neighbors| !places.within(p, REACH * length).is_empty();
+        self.unsound.iter().filter(is_near).count()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::sizing::mean_density;
+    use crate::testing;
+
+    #[test]
+    fn edges_are_half_as_long_for_each_attempt_that_went_wrong_there() {
+        let mut resizing = Resizing::default();
+        assert!(!resizing.is_near(DVec3::ZERO, 1.0));
+        resizing.shorten_at(&[DVec3::ZERO, 10.0 * DVec3::X]);
+        resizing.shorten_at(&[DVec3::ZERO]);
+        let share = |x: f64| resizing.share(x * DVec3::X, 1.0);
+        assert_eq!([0.9, 1.1, 9.1].map(share), [0.25, f64::INFINITY, 0.5]);
+        assert!(resizing.is_near(0.9 * DVec3::Y, 1.0));
+    }
+
+    #[test]
+    fn lengths_are_half_as_long_around_a_place_and_longer_elsewhere_by_as_much_as_keeps_the_number() {
+        let domain = Domain::new(testing::sphere().try_into().unwrap());
+        let spacing = 0.1;
+        let mut resizing = Resizing::default();
+        resizing.shorten_at(&[domain.mesh.positions[0]]);
+        let sizes = resizing.shorter(&domain, spacing).unwrap();
+        assert!((sizes[0] - 0.5).abs() < 1e-9, "{}", sizes[0]);
+        let longest = sizes.iter().copied().fold(0.0, f64::max);
+        assert!((1.001..1.1).contains(&longest), "{longest}");
+        assert!((mean_density(&domain.mesh, &sizes) - 1.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn lengths_are_longer_where_the_surface_intersects_itself_and_the_same_elsewhere() {
+        let domain = Domain::new(testing::sphere().try_into().unwrap());
+        let (spacing, place) = (0.1, domain.mesh.positions[0]);
+        let mut resizing = Resizing::default();
+        assert_eq!(resizing.longer(&domain, spacing), None);
+        resizing.lengthen_at(&[place], 1.2);
+        let sizes = resizing.longer(&domain, spacing).unwrap();
+        assert!((sizes[0] - 1.26).abs() < 1e-12, "{}", sizes[0]);
+        let is_far = |p: &DVec3| p.distance(place) > 2.0 * spacing;
+        assert!(domain.mesh.positions.iter().zip(&sizes).all(|(p, &size)| !is_far(p) || size == 1.0));
+        resizing.lengthen_at(&[place], 9.0);
+        assert_eq!(resizing.longer(&domain, spacing).unwrap()[0], LONGEST);
+    }
+}
