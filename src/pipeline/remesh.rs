@@ -324,7 +324,7 @@ const MENDED: &str = "edges are shorter at places where there were self-intersec
 
 fn note_on_run(run: u64) -> String {
     format!(
-        "this is attempt {run} of at most {MOST_RUNS}, with shorter edges where earlier ones had self-intersections or slivers"
+        "this is attempt {run} of at most {MOST_RUNS}, with edges of other lengths where earlier ones had self-intersections or slivers"
     )
 }
 
