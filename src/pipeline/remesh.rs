@@ -358,7 +358,7 @@ fn remeshed(
         wanted: within.as_ref().map_or(scale.wanted, |within| within.wanted(scale.wanted)),
         sharp_curves: domain.sharp_curves(),
         tessellated_patches: finished.tessellated_patches,
-        self_intersections_of_input: intersects.then(|| surface.self_intersections_of_input()),
+        self_intersections_of_input: intersects.then_some(finished.self_intersections_of_input),
         self_intersections: finished.self_intersections,
         new_self_intersections: finished.new_self_intersections,
         slivers,
