@@ -92,7 +92,7 @@ test("before and after are drawn, coloured and turned together", async () => {
 });
 
 test("a place that is not verified turns the camera", async () => {
-  const address = report("far", `${data("blob.obj")} far.obj --points 500 --max-error 0.01%`, 3);
+  const address = report("far", `${data("blob.obj")} far.obj --points 2000 --max-error 0.01%`, 3);
   await open(address, DESKTOP, async (page) => {
     assert.equal(await page.textContent(".verdict h2"), "Not verified");
     const first = await pixels(page);
