@@ -31,6 +31,9 @@ const CLEARANCE: f64 = 6.0;
 /// 1.9.
 const LONGEST_REFINED: f64 = 2.2;
 
+/// Ends of longer edges, as a share of the vertices, above which they are everywhere.
+const MOST_LONG: f64 = 0.05;
+
 /// Cosine of the angle between the normals of adjacent vertices above which they are tips, at the end of a spike or a
 /// slit: 120 degrees. From 102 on too few around them can move.
 const TIP: f64 = -0.5;
@@ -69,12 +72,15 @@ pub fn keep_at_self_intersections(kept: &mut VertexSet, mesh: &Manifold, coarse:
 }
 
 /// Adds the vertices of `mesh` around edges of `refined` that are still as long as those of a coarse mesh to `kept`: such edges
-/// go past a part of the surface, an ear or a fin, and cannot be split. Returns whether any were not in it.
+/// go past a part of the surface, an ear or a fin, and cannot be split. Returns whether any were not in it. Does nothing where
+/// such edges are everywhere, as in a part of narrow strips.
 pub fn keep_at_long_edges(kept: &mut VertexSet, mesh: &Manifold, refined: &Manifold, spacing: f64) -> bool {
     let longest = LONGEST_REFINED * LONGEST_REFINED * spacing * spacing;
     let is_long = |h: &u32| refined.connectivity.can_split(*h) && refined.relative_length_squared(*h) > longest;
     let ends = |h: u32| [refined.connectivity.origin(h), refined.connectivity.target(h)].map(|v| refined.position(v));
-    keep_around(kept, mesh, &refined.edges().filter(is_long).flat_map(ends).collect::<Vec<DVec3>>(), spacing)
+    let places: Vec<DVec3> = refined.edges().filter(is_long).flat_map(ends).collect();
+    let are_everywhere = places.len() as f64 > MOST_LONG * refined.connectivity.vertex_count() as f64;
+    !are_everywhere && keep_around(kept, mesh, &places, spacing)
 }
 
 /// Adds the vertices of `mesh` around `places` to `kept`; whether any were not in it.
