@@ -6,6 +6,8 @@
 //! of spikes and in thin parts: the vertices there are locked and stay dense, and their edges are not split. So are those
 //! beside an interface, which stays as dense as it is. Once the edges around are split, a few rings of vertices are
 //! ordered anew by ascent where dense and once coarse ones meet. Where the coarse mesh is large, the same is done to it first.
+//! If it went past a part of the surface even so, such that edges there could not be split, all is done again with the vertices
+//! there kept.
 //!
 //! Cost: a heap operation for each edge that is collapsed, and a sort of the edges that may be split.
 

@@ -31,17 +31,17 @@ pub(super) struct Score {
     pub self_intersections: usize,
     /// Slivers of a whole result.
     pub slivers: usize,
-    /// By how many triangles of a whole result that intersect others are more than those of the input, if longer edges can
-    /// make up for it.
+    /// How many more triangles of a whole result intersect others than of the input; 0 if they are more than longer edges could
+    /// make up for.
     pub excess: usize,
 }
 
 impl Score {
     pub(super) const SOUND: Score = Score { other_topology: false, self_intersections: 0, slivers: 0, excess: 0 };
 
-    /// Whether nothing is wrong that a user would call so.
-    fn is_sound(&self) -> bool {
-        Score { excess: 0, ..*self } == Score::SOUND
+    /// Whether nothing is wrong but that there are more self-intersections where the input has some.
+    fn is_only_in_excess(&self) -> bool {
+        self.excess > 0 && Score { excess: 0, ..*self } == Score::SOUND
     }
 
     /// Whether a result of so many `triangles` is unsound at single places only.
@@ -137,7 +137,7 @@ impl Attempts {
 
     /// Whether to make another run after a result of so many `triangles`; `best` is the best score of all.
     pub(super) fn after_run(&mut self, best: Score, triangles: usize) -> bool {
-        let is_only_in_excess = best.is_sound() && best != Score::SOUND;
+        let is_only_in_excess = best.is_only_in_excess();
         let is_done = best == Score::SOUND || best.is_everywhere(triangles) || is_only_in_excess && self.has_lengthened;
         if is_done || self.run + 1 == MOST_RUNS {
             return false;

@@ -99,7 +99,7 @@ impl Finished {
     }
 
     /// How many times as many triangles intersect others as of the input.
-    pub(super) fn too_many(&self) -> f64 {
+    pub(super) fn crossing_ratio(&self) -> f64 {
         self.self_intersections.len() as f64 / self.self_intersections_of_input as f64
     }
 
@@ -110,7 +110,7 @@ impl Finished {
     }
 }
 
-/// By how many of the triangles that intersect others are more than those `of_input`, if longer edges can make up for it.
+/// How many more triangles intersect others than `of_input`; 0 if they are more than longer edges could make up for.
 fn excess(found: usize, of_input: usize) -> usize {
     let most = (LONGEST * of_input as f64) as usize;
     if found <= most { found.saturating_sub(of_input) } else { 0 }

@@ -55,13 +55,13 @@ pub(super) fn fit_to_surface(
 fn order(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
     let fine = mesh.clone();
     let mut kept = VertexSet::EMPTY;
-    for _ in 0..MOST_ORDERS {
-        *mesh = fine.clone();
+    for round in 1.. {
         let dense = arrange_coarse(domain, mesh, &kept, scale, monitor)?;
         refine_to_count(domain, mesh, &dense, scale, monitor)?;
-        if !keep_at_long_edges(&mut kept, &fine, mesh, scale.spacing) {
+        if round == MOST_ORDERS || !keep_at_long_edges(&mut kept, &fine, mesh, scale.spacing) {
             break;
         }
+        mesh.clone_from(&fine);
     }
     Ok(())
 }

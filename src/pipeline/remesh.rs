@@ -177,7 +177,7 @@ fn remesh_to(
             break;
         }
         if best.score.excess > 0 {
-            resizing.lengthen_at(&best.crossing_places(), best.too_many());
+            resizing.lengthen_at(&best.crossing_places(), best.crossing_ratio());
         }
         surface = sized(&resizing)?;
     }

@@ -58,7 +58,8 @@ pub(super) struct SizedSurface {
 }
 
 impl SizedSurface {
-    /// The surface of `repaired`, the repaired input, for that density, with edges of other lengths where those of the results before say so.
+    /// The surface of `repaired`, the repaired input, for that density. `resizing` has the places where a result before is to
+    /// have edges of other lengths.
     pub(super) fn new(
         prepared: &PreparedInput,
         repaired: OrientedManifold,
