@@ -52,6 +52,7 @@ fn measured(job: &Measuring, meshes: &[Loaded], against: Option<&Loaded>, monito
 
 fn page_of(reports: &[Report], meshes: &[Loaded], against: Option<&Loaded>) -> String {
     let meshes = meshes.iter().map(|loaded| &loaded.mesh);
+    let reports: Vec<Report> = reports.iter().map(Report::without_run).collect();
     let subjects = reports.iter().zip(meshes).map(|(report, mesh)| Subject { report, mesh, edges: None });
     page(against.map(|loaded| &loaded.mesh), &subjects.collect::<Vec<_>>())
 }

@@ -74,13 +74,16 @@ fn outcomes(job: &Remeshing, loaded: &Loaded, options: &RemeshOptions, monitor: 
 fn page_of(outcomes: &[Outcome], input: &Mesh, run: &Run) -> Option<String> {
     run.report.as_deref().filter(|path| is_page(path))?;
     let reference = outcomes.first().and_then(|outcome| outcome.of_points.as_deref());
-    let subjects: Option<Vec<Subject>> = outcomes.iter().map(subject).collect();
-    Some(page(Some(reference.unwrap_or(input)), &subjects?))
+    let shown = |report: &Report| if run.voice == Voice::Verbose { report.clone() } else { report.without_run() };
+    let reports: Option<Vec<Report>> = outcomes.iter().map(|outcome| outcome.report.as_ref().map(shown)).collect();
+    let reports = reports?;
+    let subject = |(outcome, report)| subject(outcome, report);
+    let subjects: Vec<Subject> = outcomes.iter().zip(&reports).map(subject).collect();
+    Some(page(Some(reference.unwrap_or(input)), &subjects))
 }
 
-fn subject(outcome: &Outcome) -> Option<Subject<'_>> {
-    let report = outcome.report.as_ref()?;
-    Some(Subject { report, mesh: &outcome.mesh, edges: Some(&outcome.edges) })
+fn subject<'a>(outcome: &'a Outcome, report: &'a Report) -> Subject<'a> {
+    Subject { report, mesh: &outcome.mesh, edges: Some(&outcome.edges) }
 }
 
 /// How many points of a cloud are of use; `None` if that is not known, or if another file has a number for each.

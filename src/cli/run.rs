@@ -1,7 +1,9 @@
 //! Does what the command line asks for.
 
 use crate::base::error::Result;
-use crate::cli::args::Job;
+use crate::cli::args::{Job, is_page};
+use crate::cli::files::write_report;
+use crate::cli::flags::worded;
 use crate::cli::quality::measure_files;
 use crate::cli::reconstruct::reconstruct_file;
 use crate::cli::remesh::remesh_file;
@@ -10,13 +12,26 @@ use crate::cli::status::Status;
 use crate::cli::terminal;
 use crate::cli::tiles::do_tiles;
 use crate::job::with_threads;
+use crate::report::Failure;
+use crate::report::page::page_of_failure;
 
-/// Does a job, and says how it went.
+/// Does a job, and says how it went. Where a file is at fault, the report that was asked for says so.
 ///
 /// # Errors
 /// Those of reading, remeshing and writing; a result that is not verified is not among them.
 pub(super) fn run(job: &Job) -> Result<Status> {
     terminal::listen_for_interrupts();
+    done(job).inspect_err(|error| {
+        if let Some(path) = job.report().filter(|_| Status::of(error) == Status::File) {
+            let failure = Failure::new(worded(error));
+            let report = if is_page(path) { page_of_failure(&failure) } else { failure.to_json() };
+            // If it cannot be written, the error of the run is still the one to tell.
+            let _ = write_report(path, &report);
+        }
+    })
+}
+
+fn done(job: &Job) -> Result<Status> {
     match job {
         Job::Remesh(job) => with_threads(job.run.threads, || remesh_file(job))?,
         Job::Sample(job) => with_threads(job.run.threads, || sample_file(job))?.map(|()| Status::Done),

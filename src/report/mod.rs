@@ -3,6 +3,7 @@
 //! `docs/report.md` describes every member. Within a version of a schema members are only ever added, so a reader that
 //! ignores what it does not know keeps working.
 
+mod failure;
 pub mod page;
 mod remeshing;
 mod rows;
@@ -16,6 +17,7 @@ pub use crate::pipeline::{CloudSummary, Coverage, Deviation};
 pub use crate::prepare::repair::Repairs;
 pub use crate::quality::distance::Distance;
 pub use crate::quality::shape::Shape;
+pub use failure::{FAILURE_SCHEMA, Failure};
 pub use remeshing::{
     AttributesKept, Crossings, Measured, Report, SCHEMA, Sampling, all_to_json, all_to_text, left_out, noise,
 };

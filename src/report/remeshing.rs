@@ -18,7 +18,7 @@ use crate::report::run::{RunSummary, to_json};
 use crate::spatial::self_intersections::self_intersections;
 use crate::transfer::vertex::Carried;
 use serde::{Deserialize, Serialize};
-use std::borrow::Cow;
+use std::borrow::{Borrow, Cow};
 
 /// Name and version of the JSON schema.
 pub const SCHEMA: &str = "spectral-remesh/report/2";
@@ -156,6 +156,12 @@ impl Crossings {
 }
 
 impl Report {
+    /// The same report without the time, memory and threads of its run: the same run has the same one.
+    #[must_use]
+    pub fn without_run(&self) -> Report {
+        Report { run: RunSummary::of_notes(self.run.notes.clone()), ..self.clone() }
+    }
+
     /// The report on a remeshing of `input` with `seed`. The names of files are the caller's to add, by
     /// [`Report::add_files`], and stages, memory and threads by [`RunSummary::measure`].
     pub fn of_remesh(remeshed: &Remeshed, input: &Mesh, seed: u64) -> Report {
@@ -257,9 +263,9 @@ impl Report {
 }
 
 /// One report as JSON, or a list of several.
-pub fn all_to_json(reports: &[Report]) -> String {
+pub fn all_to_json(reports: &[impl Borrow<Report> + Serialize]) -> String {
     match reports {
-        [report] => report.to_json(),
+        [report] => report.borrow().to_json(),
         all => to_json(&all),
     }
 }

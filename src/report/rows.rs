@@ -8,6 +8,7 @@ use crate::prepare::repair::Repairs;
 use crate::quality::distance::Distance;
 use crate::quality::shape::Shape;
 use crate::report::remeshing::{Measured, Report};
+use crate::report::run::RunSummary;
 
 /// The name of a row and how its figure is told.
 type Row<T> = (&'static str, fn(&T) -> String);
@@ -94,6 +95,24 @@ pub(super) fn facts(report: &Report) -> Vec<Fact> {
         ("attributes, lost", lost.unwrap_or_default()),
     ];
     facts.into_iter().filter(|(_, phrases)| !phrases.is_empty()).collect()
+}
+
+/// How long a run took, and with what memory.
+pub(super) fn run_facts(run: &RunSummary) -> Vec<Fact> {
+    let memory = run.peak_memory_bytes.map(|bytes| format!("{:.0} MB", bytes as f64 / 1e6));
+    let facts = [("seconds", seconds(run)), ("memory, at most", memory.into_iter().collect())];
+    facts.into_iter().filter(|(_, phrases)| !phrases.is_empty()).collect()
+}
+
+/// The total and each stage.
+fn seconds(run: &RunSummary) -> Vec<String> {
+    if run.stages.is_empty() {
+        return Vec::new();
+    }
+    let total: f64 = run.stages.iter().map(|lap| lap.seconds).sum();
+    let threads = if run.threads == 1 { "1 thread".into() } else { format!("{} threads", run.threads) };
+    let stages = run.stages.iter().map(|lap| format!("{} {:.3}", lap.name, lap.seconds));
+    [format!("{total:.3} with {threads}")].into_iter().chain(stages).collect()
 }
 
 fn bounded_error(report: &Report) -> Vec<String> {

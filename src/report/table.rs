@@ -1,8 +1,7 @@
 //! The report as a table for a terminal: a row for each figure, the input beside the output.
 
 use crate::report::remeshing::{Measured, Report};
-use crate::report::rows::{CROSSINGS, Figures, crossings, distance_rows, facts, shape_rows, topology_rows};
-use crate::report::run::RunSummary;
+use crate::report::rows::{CROSSINGS, Figures, crossings, distance_rows, facts, run_facts, shape_rows, topology_rows};
 use std::fmt::Write;
 
 /// Width of the names of the rows, and of each column of figures.
@@ -63,9 +62,9 @@ fn remarks(out: &mut String, report: &Report, with_resources: bool) {
     facts(report).into_iter().for_each(|(name, phrases)| list(out, name, &phrases));
     report.run.notes.iter().for_each(|note| list(out, "note", std::slice::from_ref(note)));
     if with_resources {
-        list(out, "seconds", &seconds(&report.run));
-        let memory = report.run.peak_memory_bytes.map(|bytes| format!("{:.0} MB", bytes as f64 / 1e6));
-        list(out, "memory, at most", memory.as_slice());
+        for (name, phrases) in run_facts(&report.run) {
+            list(out, name, &phrases);
+        }
     }
     match report.verified {
         Some(true) => list(out, "verified", &["an oriented manifold of the input's topology".into()]),
@@ -89,17 +88,6 @@ fn list(out: &mut String, name: &str, phrases: &[String]) {
     if !phrases.is_empty() {
         let _ = writeln!(out, "{line}");
     }
-}
-
-/// The total and each stage.
-fn seconds(run: &RunSummary) -> Vec<String> {
-    if run.stages.is_empty() {
-        return Vec::new();
-    }
-    let total: f64 = run.stages.iter().map(|lap| lap.seconds).sum();
-    let threads = if run.threads == 1 { "1 thread".into() } else { format!("{} threads", run.threads) };
-    let stages = run.stages.iter().map(|lap| format!("{} {:.3}", lap.name, lap.seconds));
-    [format!("{total:.3} with {threads}")].into_iter().chain(stages).collect()
 }
 
 #[cfg(test)]

@@ -4,8 +4,8 @@ use crate::common::*;
 use glam::DVec3;
 use serde_json::Value;
 use spectral_remesh::io::{Format, write};
-use spectral_remesh::report::Report;
 use spectral_remesh::report::page::{Subject, page};
+use spectral_remesh::report::{FAILURE_SCHEMA, Report};
 use spectral_remesh::{Mesh, quality};
 use std::path::Path;
 use std::process::Command;
@@ -99,6 +99,35 @@ fn the_json_in_a_page_is_the_report_without_its_times() {
     assert!(!report["stages"].as_array().unwrap().is_empty());
     (report["stages"], report["peak_memory_bytes"], report["threads"]) = (Value::Array(vec![]), Value::Null, 1.into());
     assert_eq!(embedded(&page, "report"), report);
+}
+
+#[test]
+fn a_verbose_run_has_its_times_in_the_page() {
+    let folder = folder();
+    let page = page_of(folder.path(), "cube.off out.obj --points 300 -v", 0);
+    assert!(!embedded(&page, "report")["stages"].as_array().unwrap().is_empty());
+    assert!(page.contains("<dt>seconds</dt>"));
+    assert!(!page_of(folder.path(), "cube.off out.obj --points 300", 0).contains("<dt>seconds</dt>"));
+}
+
+#[test]
+fn a_run_that_fails_has_a_report_that_says_why() {
+    let folder = folder();
+    std::fs::write(folder.path().join("<b>.off"), "no mesh\n").unwrap();
+    for words in ["<b>.off out.obj --points 300", "quality <b>.off"] {
+        let page = page_of(folder.path(), words, 1);
+        let error = embedded(&page, "report")["error"].as_str().unwrap().to_string();
+        assert!(error.starts_with("<b>.off"), "{error}");
+        assert!(page.contains("<h2>Failed</h2><p>&lt;b&gt;.off") && !page.contains("<b>.off"));
+    }
+    for words in ["<b>.off out.obj --points 300", "sample <b>.off out.xyz --points 9", "reconstruct <b>.off out.obj"] {
+        let words: Vec<&str> = words.split(' ').chain(["--report", "r.json"]).collect();
+        assert_eq!(run(folder.path(), &words), 1);
+        let report: Value =
+            serde_json::from_str(&std::fs::read_to_string(folder.path().join("r.json")).unwrap()).unwrap();
+        assert_eq!(report["schema"], FAILURE_SCHEMA);
+        assert!(report["error"].as_str().unwrap().starts_with("<b>.off"));
+    }
 }
 
 #[test]

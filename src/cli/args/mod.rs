@@ -20,6 +20,7 @@ use reconstruct::ReconstructArgs;
 use remesh::{FileArgs, RemeshArgs};
 use sample::SampleArgs;
 use std::ffi::OsString;
+use std::path::Path;
 use stop::{stop, wrong};
 use tiles::TilesArgs;
 
@@ -125,6 +126,21 @@ pub enum Job {
     Measure(Measuring),
     /// Print this.
     Print(String),
+}
+
+impl Job {
+    /// Where its report goes, if it is wanted in a file.
+    pub fn report(&self) -> Option<&Path> {
+        let path = match self {
+            Job::Remesh(job) => &job.run.report,
+            Job::Sample(job) => &job.run.report,
+            Job::Tiles(job) => &job.run().report,
+            Job::Reconstruct(job) => &job.run.report,
+            Job::Measure(job) => &job.report,
+            Job::Print(_) => &None,
+        };
+        path.as_deref()
+    }
 }
 
 /// What the words of a command line, the program's name first, ask for.

@@ -19,6 +19,7 @@ mod snapshot;
 pub use shown::Subject;
 
 use crate::mesh::triangle_mesh::Mesh;
+use crate::report::failure::Failure;
 use crate::report::page::camera::FirstView;
 use crate::report::page::colours::{Colouring, KEPT, LEFT_OUT, MARKED};
 use crate::report::page::html::{escape, fill, json_in_script};
@@ -28,7 +29,6 @@ use crate::report::page::shown::{Shown, all};
 use crate::report::page::snapshot::Snapshot;
 use crate::report::remeshing::{Report, all_to_json};
 use crate::report::rows::significant;
-use crate::report::run::RunSummary;
 
 const DOCUMENT: &str = include_str!("page.html");
 const MAIN: &str = include_str!("main.html");
@@ -62,21 +62,20 @@ pub struct Content {
 }
 
 /// The page about one remeshing, one mesh or several ones that were measured. `reference` is the input of a remeshing, or what
-/// all meshes were measured against.
+/// all meshes were measured against. It tells time, memory and threads if the reports do ([`Report::without_run`]).
 pub fn page(reference: Option<&Mesh>, subjects: &[Subject]) -> String {
     let Content { title, main, scene } = content(reference, subjects);
-    fill(
-        DOCUMENT,
-        &[
-            ("style", &STYLE.concat()),
-            ("title", &title),
-            ("main", &main),
-            ("version", env!("CARGO_PKG_VERSION")),
-            ("report", &json_in_script(&json(subjects))),
-            ("scene", &json_in_script(&scene)),
-            ("script", &SCRIPT.concat()),
-        ],
-    )
+    let reports: Vec<&Report> = subjects.iter().map(|subject| subject.report).collect();
+    document(&title, &main, &all_to_json(&reports), &scene, &SCRIPT.concat())
+}
+
+/// The page about a run that failed.
+pub fn page_of_failure(failure: &Failure) -> String {
+    let why = escape(&failure.error);
+    let main = format!(
+        "<header><h1>No result</h1></header>\n<div class=\"verdict bad\" role=\"status\"><h2>Failed</h2><p>{why}</p></div>\n"
+    );
+    document("No result", &main, &failure.to_json(), "null", "")
 }
 
 /// What the [`page`] shows.
@@ -110,6 +109,22 @@ pub fn content(reference: Option<&Mesh>, subjects: &[Subject]) -> Content {
         ],
     );
     Content { title, main, scene: serde_json::to_string(&scene).expect("a scene is plain data") }
+}
+
+/// An HTML file; `title` and `main` are HTML, `report` and `scene` JSON.
+fn document(title: &str, main: &str, report: &str, scene: &str, script: &str) -> String {
+    fill(
+        DOCUMENT,
+        &[
+            ("style", &STYLE.concat()),
+            ("title", title),
+            ("main", main),
+            ("version", env!("CARGO_PKG_VERSION")),
+            ("report", &json_in_script(report)),
+            ("scene", &json_in_script(scene)),
+            ("script", script),
+        ],
+    )
 }
 
 /// The distance at the end of the ramp, in percent; `None` if no distances are known.
@@ -209,10 +224,4 @@ fn pictures(shown: &[Shown], view: &FirstView, farthest: Option<f64>) -> String 
 fn caption(s: &Shown) -> String {
     let t = &s.measured.topology;
     format!("<figcaption><b>{}</b> {} vertices, {} triangles</figcaption>", escape(&s.title()), t.vertices, t.faces)
-}
-
-/// The reports without what is of one run only; a list if there are several.
-fn json(subjects: &[Subject]) -> String {
-    let lasting = |s: &Subject| Report { run: RunSummary::of_notes(s.report.run.notes.clone()), ..s.report.clone() };
-    all_to_json(&subjects.iter().map(lasting).collect::<Vec<_>>())
 }

@@ -8,7 +8,8 @@ use crate::report::page::places::Place;
 use crate::report::page::shown::Shown;
 use crate::report::remeshing::Report;
 use crate::report::rows::{
-    CROSSINGS, Figures, crossings, degrees, distance_rows, facts, hundredths, percent, shape_rows, topology_rows,
+    CROSSINGS, Figures, crossings, degrees, distance_rows, facts, hundredths, percent, run_facts, shape_rows,
+    topology_rows,
 };
 use std::fmt::Write;
 
@@ -191,7 +192,7 @@ fn distances(subjects: &[&Shown]) -> Vec<Figures> {
 pub(super) fn details(shown: &[Shown]) -> String {
     let mut out = String::new();
     for (name, report) in shown.iter().filter_map(|s| Some((&s.name, s.report?))) {
-        let facts = facts(report);
+        let facts: Vec<_> = facts(report).into_iter().chain(run_facts(&report.run)).collect();
         if facts.is_empty() {
             continue;
         }
