@@ -91,6 +91,8 @@ pub enum Fault {
     NoSurface,
     /// It does not have an attribute that was asked for.
     NoAttribute,
+    /// So many vertices of it take more memory than there is to be.
+    TooLarge,
 }
 
 /// What can be set, for programs that match on an error.

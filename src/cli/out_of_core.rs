@@ -1,14 +1,19 @@
-//! `remesh sample` of what is larger than memory: tile by tile, in a folder of temporary files.
+//! What is larger than memory: meshes that become coarser while they are read, and clouds that are sampled tile by tile, with
+//! temporary files.
 
 use crate::base::error::{Error, Result};
 use crate::base::monitor::Monitor;
-use crate::cli::args::{OutOfCore, Sampling, Voice};
+use crate::cli::args::{MeshFile, OutOfCore, Remeshing, Sampling, Voice};
 use crate::cli::files::name;
 use crate::cli::terminal;
+use crate::io::Loaded;
+use crate::io::dense::PointFile;
+use crate::io::large::LargeMesh;
+use crate::job::{coarseness_within, refuse_coarser};
 use crate::pipeline::Sampled;
 use crate::tiles::{PlanOptions, TileFolder, can_plan, make_plan, sample_all};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Memory that is taken to be free where the system does not tell.
 const UNKNOWN: u64 = 2_000_000_000;
@@ -22,30 +27,72 @@ pub(super) fn free_memory() -> u64 {
     known.unwrap_or(UNKNOWN) / 2
 }
 
+/// Whether a file is larger than the memory for it.
+fn is_large(input: &MeshFile, wanted: &OutOfCore) -> bool {
+    fs::metadata(&input.path).is_ok_and(|found| found.len() > wanted.memory.unwrap_or_else(free_memory))
+}
+
 /// Whether a job is done out of core: if that is wanted, or if its file is larger than the memory for it and can be.
 pub(super) fn is_out_of_core(job: &Sampling) -> bool {
-    let OutOfCore { wanted, memory, .. } = &job.out_of_core;
-    let is_large = || fs::metadata(&job.input.path).is_ok_and(|found| found.len() > memory.unwrap_or_else(free_memory));
-    *wanted || is_large() && can_plan(&job.input.path, job.input.format, &job.options)
+    job.out_of_core.wanted
+        || is_large(&job.input, &job.out_of_core) && can_plan(&job.input.path, job.input.format, &job.options)
+}
+
+/// The mesh of a job, made coarser while it is read, if it is so large, or if that is wanted; else `None`.
+///
+/// # Errors
+/// [`Error::Option`] if that is wanted with options that need all of the mesh; [`Error::File`] if the file cannot be read so,
+/// or memory does not suffice.
+pub(super) fn load_coarsened(job: &Remeshing, monitor: &dyn Monitor) -> Result<Option<Loaded>> {
+    let options = &job.options.surface;
+    let is_wanted = job.out_of_core.wanted;
+    if !is_wanted && (!is_large(&job.input, &job.out_of_core) || refuse_coarser(options).is_err()) {
+        return Ok(None);
+    }
+    refuse_coarser(options)?;
+    let MeshFile { path, format } = &job.input;
+    let Some(mesh) = LargeMesh::open(path, *format)? else {
+        // Points are thinned while they are read.
+        return if is_wanted && PointFile::open(path, *format)?.is_none() {
+            Err(not_in_blocks(path))
+        } else {
+            Ok(None)
+        };
+    };
+    monitor.stage("read");
+    let folder = Place::passing(&job.out_of_core)?;
+    announce(&job.input, &folder, mesh.bytes_on_disk(), job.run.voice);
+    let memory = job.out_of_core.memory.unwrap_or_else(free_memory);
+    let coarseness = |extent| coarseness_within(memory, extent, options).map_err(|e| e.in_file(&name(&job.input)));
+    mesh.coarsened(&folder.path().join("triangles"), coarseness, monitor).map(Some)
+}
+
+fn not_in_blocks(path: &Path) -> Error {
+    Error::File {
+        file: path.display().to_string(),
+        cause: "it cannot be read in blocks: only triangles in binary PLY and STL can".into(),
+        remedy: "convert it, or read it as a whole, without --out-of-core".into(),
+    }
+}
+
+/// Says how much room temporary files take.
+fn announce(input: &MeshFile, place: &Place, bytes: u64, voice: Voice) {
+    if voice != Voice::Quiet {
+        let (name, folder) = (name(input), place.path().display());
+        terminal::complain(&format!("{name}: about {} MB of temporary files in {folder}", bytes / 1_000_000 + 1));
+    }
 }
 
 /// Samples the file of a job tile by tile.
 pub(super) fn sample_out_of_core(job: &Sampling, monitor: &dyn Monitor) -> Result<Sampled> {
-    let OutOfCore { memory, resume, .. } = &job.out_of_core;
-    let options = PlanOptions { sample: job.options.clone(), memory: memory.unwrap_or_else(free_memory), tiles: 1 };
+    let memory = job.out_of_core.memory.unwrap_or_else(free_memory);
+    let options = PlanOptions { sample: job.options.clone(), memory, tiles: 1 };
     let place = Place::of(job)?;
     let folder = place.folder()?;
-    let is_begun = *resume && folder.is_of(&job.input.path, &options);
+    let is_begun = job.resume && folder.is_of(&job.input.path, &options);
     if !is_begun {
         let size = fs::metadata(&job.input.path).map_or(0, |found| found.len());
-        if job.run.voice != Voice::Quiet {
-            terminal::complain(&format!(
-                "{}: about {} MB of temporary files in {}",
-                name(&job.input),
-                (size + size / 4) / 1_000_000 + 1,
-                place.path().display()
-            ));
-        }
+        announce(&job.input, &place, size + size / 4, job.run.voice);
         make_plan(&job.input.path, job.input.format, &folder, &options, monitor)?;
         folder.note(&job.input.path, &options)?;
     }
@@ -59,18 +106,21 @@ enum Place {
     /// One that vanishes whatever happens.
     Passing(tempfile::TempDir),
     /// One that stays until the job is done.
-    Kept(std::path::PathBuf),
+    Kept(PathBuf),
 }
 
 impl Place {
     fn of(job: &Sampling) -> Result<Place> {
-        let OutOfCore { temp, resume, .. } = &job.out_of_core;
-        let parent = temp.clone().unwrap_or_else(std::env::temp_dir);
-        TileFolder::at(&parent)?;
-        if *resume {
-            let output = job.output.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            return Ok(Place::Kept(parent.join(format!("{output}.remesh-tiles"))));
+        if !job.resume {
+            return Place::passing(&job.out_of_core);
         }
+        let parent = parent(&job.out_of_core)?;
+        let output = job.output.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Ok(Place::Kept(parent.join(format!("{output}.remesh-tiles"))))
+    }
+
+    fn passing(wanted: &OutOfCore) -> Result<Place> {
+        let parent = parent(wanted)?;
         let made =
             tempfile::Builder::new().prefix(".remesh-tiles-").tempdir_in(&parent).map_err(|error| Error::File {
                 file: parent.display().to_string(),
@@ -99,4 +149,11 @@ impl Place {
             let _ = fs::remove_dir_all(path);
         }
     }
+}
+
+/// Where the folder of temporary files is to be.
+fn parent(wanted: &OutOfCore) -> Result<PathBuf> {
+    let parent = wanted.temp.clone().unwrap_or_else(std::env::temp_dir);
+    TileFolder::at(&parent)?;
+    Ok(parent)
 }

@@ -4,6 +4,7 @@ use crate::base::error::Result;
 use crate::base::monitor::Stopwatch;
 use crate::cli::args::{Remeshing, Run, Sizing, Voice, is_page};
 use crate::cli::files::{add_run, check_report, hand_out, load, name, now_writing, watched};
+use crate::cli::out_of_core::load_coarsened;
 use crate::cli::outputs::Outputs;
 use crate::cli::status::Status;
 use crate::cli::terminal;
@@ -19,7 +20,10 @@ pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
     let outputs = Outputs::of(job)?;
     check_report(&job.run)?;
     let (outcomes, reports, page) = watched(job.run.voice, |monitor| {
-        let loaded = load(&job.input, of_use(job), monitor)?;
+        let loaded = match load_coarsened(job, monitor)? {
+            Some(loaded) => loaded,
+            None => load(&job.input, of_use(job), monitor)?,
+        };
         let options = options(job, &outputs, &loaded)?;
         let mut outcomes = outcomes(job, &loaded, &options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
         now_writing(monitor);

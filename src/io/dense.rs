@@ -61,6 +61,15 @@ impl PointFile {
         Ok(table.map(|table| PointFile { path: path.to_path_buf(), file, format, head, length, table }))
     }
 
+    /// The points of a file that has more than these, as `table` says.
+    ///
+    /// # Errors
+    /// [`Error::File`](crate::Error::File) if there is no such file or it cannot be read.
+    pub fn with(path: PathBuf, format: Format, head: Vec<u8>, length: u64, table: Table) -> Result<PointFile> {
+        let file = File::open(&path).map_err(|error| read_error(&path, &error))?;
+        Ok(PointFile { path, file, format, head, length, table })
+    }
+
     /// How its points are read.
     pub fn table(&self) -> &Table {
         &self.table

@@ -35,6 +35,8 @@ mod gltf;
 mod gmsh;
 mod grid;
 mod gzip;
+#[cfg(feature = "fs")]
+pub(crate) mod large;
 mod las;
 mod medit;
 mod mixed;

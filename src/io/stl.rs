@@ -16,9 +16,9 @@ use glam::{DVec3, Vec3};
 use std::io::{self, Write};
 
 /// 80 bytes of anything and the number of facets.
-const HEADER: usize = 84;
+pub(super) const HEADER: usize = 84;
 /// A normal, three corners and two attribute bytes.
-const FACET: usize = 50;
+pub(super) const FACET: usize = 50;
 /// How far into a file a zero byte is looked for. The facet count is within, and its high byte is zero in all files
 /// below 800 MB.
 const PROBE: usize = 512;
@@ -56,7 +56,8 @@ fn parse_binary(bytes: &[u8]) -> Parsed {
     let mut mesh = Mesh::default();
     mesh.positions.reserve_exact(3 * count);
     for i in 0..count {
-        push_binary(&mut mesh, bytes, HEADER + i * FACET)?;
+        let at = HEADER + i * FACET;
+        mesh.positions.extend(corners(&bytes[at..at + FACET], at)?.map(Vec3::as_dvec3));
     }
     number_corners(&mut mesh)?;
     let extra = bytes.len() - HEADER - count * FACET;
@@ -64,14 +65,22 @@ fn parse_binary(bytes: &[u8]) -> Parsed {
     Ok(Read { mesh, notes: notes.into_iter().collect(), ..Read::default() })
 }
 
-/// Adds the corners of the facet at byte `at`.
-fn push_binary(mesh: &mut Mesh, bytes: &[u8], at: usize) -> Result<()> {
-    for corner in [at + 12, at + 24, at + 36] {
-        let coordinate = |k: usize| array(bytes, corner + 4 * k).map_or(f32::NAN, f32::from_le_bytes);
-        let p = Vec3::new(coordinate(0), coordinate(1), coordinate(2)).as_dvec3();
-        mesh.positions.push(finite(p, || Place::Byte(corner))?);
+/// The facets of a file of this many bytes that begins with `head`, if it is binary and as long as they are.
+#[cfg(feature = "fs")]
+pub(super) fn facets(head: &[u8], length: u64) -> Option<usize> {
+    let count = u32_at(head, HEADER - 4)?;
+    (HEADER as u64 + FACET as u64 * u64::from(count) == length).then_some(count as usize)
+}
+
+/// The corners of a facet, which is at byte `at` of the file.
+pub(super) fn corners(facet: &[u8], at: usize) -> Result<[Vec3; 3]> {
+    let mut corners = [Vec3::ZERO; 3];
+    for (corner, start) in corners.iter_mut().zip([12, 24, 36]) {
+        let coordinate = |k: usize| array(facet, start + 4 * k).map_or(f32::NAN, f32::from_le_bytes);
+        *corner = Vec3::new(coordinate(0), coordinate(1), coordinate(2));
+        finite(corner.as_dvec3(), || Place::Byte(at + start))?;
     }
-    Ok(())
+    Ok(corners)
 }
 
 /// Every three vertices are a triangle.

@@ -1,6 +1,6 @@
 //! Points as rows of bytes, which can be read without reading all of the file.
 
-use crate::base::error::Error;
+use crate::base::error::{Error, Result};
 use crate::io::content::Parsed;
 use crate::prepare::thin::Seen;
 
@@ -14,6 +14,35 @@ pub(crate) struct Table {
     pub points: usize,
     /// What a format knows of them.
     pub rows: Box<dyn Rows>,
+}
+
+/// The faces of a file, which are rows of different lengths.
+pub(crate) struct Faces {
+    /// Where they begin, in bytes.
+    pub start: u64,
+    /// How many there are.
+    pub count: u64,
+    /// What a format knows of them.
+    pub rows: Box<dyn FaceRows>,
+}
+
+/// What a format knows of its faces.
+pub(crate) trait FaceRows: Sync {
+    /// Shows the corners of the faces at the beginning of `bytes`, as long as these have all of a face, at most so many. How
+    /// many faces these were, and how many bytes. `at` is where the bytes are in the file.
+    ///
+    /// # Errors
+    /// Those of `show`; an error with the place of an index that no vertex has.
+    fn show(
+        &self,
+        bytes: &[u8],
+        most: u64,
+        at: u64,
+        show: &mut dyn FnMut(&[u32]) -> Result<()>,
+    ) -> Result<(u64, usize)>;
+
+    /// The error that the file ends at this byte.
+    fn cut_short(&self, end: u64) -> Error;
 }
 
 /// What a format knows of its points.

@@ -1,6 +1,8 @@
 //! The whole job in one call: from a mesh or points with attributes to a mesh with attributes, where it came from, and a
 //! report. Nothing is read, written or printed here.
 
+#[cfg(feature = "fs")]
+mod coarseness;
 mod input;
 mod outcome;
 mod points;
@@ -10,6 +12,8 @@ mod thinning;
 mod threads;
 pub mod words;
 
+#[cfg(feature = "fs")]
+pub(crate) use coarseness::{coarseness_within, refuse_coarser};
 pub use input::Input;
 pub use outcome::{Origin, Outcome};
 pub use points::{reconstruct, sample};

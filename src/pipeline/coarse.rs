@@ -32,6 +32,11 @@ const MANY: f64 = 0.5;
 /// wide faces.
 const MANY_TIMES: usize = 8;
 
+/// How coarse a surface may be that is sampled with this mean spacing.
+pub fn coarseness_for(spacing: f64) -> Coarseness {
+    Coarseness { shortest: SHORTEST * spacing, tolerance: TOLERANCE * spacing }
+}
+
 /// The spacing of the result if `repaired` is much finer than that; `None` if it is not, or is to be held to as it is: where
 /// lengths follow something, a bound on the error is asked for, or only a part is remeshed.
 pub(super) fn far_wider_spacing(
@@ -59,8 +64,7 @@ pub(super) fn coarse(
     let fine = in_spatial_order(repaired);
     let sharp = sharp_sides(&fine, &twins(&fine.triangles), &prepared.options.features, spacing, 0.0);
     check(monitor)?;
-    let coarseness = Coarseness { shortest: SHORTEST * spacing, tolerance: TOLERANCE * spacing };
-    let Coarsened { mesh, sharp } = coarsened(&fine, &sharp, coarseness);
+    let Coarsened { mesh, sharp } = coarsened(&fine, &sharp, coarseness_for(spacing));
     check(monitor)?;
     Ok((mesh, Fine { mesh: fine, features: Features::Edges(sharp) }))
 }

@@ -40,6 +40,7 @@ pub use cloud::{
     CloudOptions, CloudSummary, FEW_NEIGHBORS, INTERPOLATING_SUPPORT, MeshOfPoints, NormalFit, Reach,
     SMOOTHING_SUPPORT, mesh_of_points, volume,
 };
+pub use coarse::coarseness_for;
 pub use coverage::Coverage;
 pub use density::{Density, FEWEST_POINTS, MOST_POINTS, SampleDensity, check_levels};
 pub use edges::Edges;
@@ -53,6 +54,7 @@ pub use reconstruct::{ReconstructOptions, Reconstructed, points_of_mesh, reconst
 pub use remesh::{Remesher, remesh};
 pub use result::{Deviation, Remeshed};
 pub use sample::{SampleOptions, Sampled, count_notes, sample, sample_points};
+pub use scale::spacing_on;
 pub use selection::Selection;
 pub use shortcomings::{shortcomings, topology_faults};
 pub use tile::{TileOptions, TilePoint, count_in_tile, sample_tile};

@@ -61,6 +61,16 @@ fn count(area: f64, spacing: f64) -> usize {
     (2.0 * area / (3f64.sqrt() * spacing * spacing)).round() as usize
 }
 
+/// The mean spacing that a density means on `area`, in the units of the input; `None` if lengths or an error decide.
+pub fn spacing_on(area: f64, density: Density) -> Option<f64> {
+    match density {
+        Density::Points(n) => Some(Scale::of_points(n, area).spacing),
+        Density::EdgeLength(length) => Some(length),
+        Density::SigmaP(sigma) => Some(sigma / SIGMA_OF_SPACING),
+        Density::OfField | Density::Auto => None,
+    }
+}
+
 /// The lengths that a density means on a surface, in the pipeline's unit.
 #[derive(Clone, Copy)]
 pub(super) struct Scale {

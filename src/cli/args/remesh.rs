@@ -1,6 +1,6 @@
 //! The arguments of the main command.
 
-use crate::cli::args::shared::{FormatArgs, MeshFile, NormalArgs, Run, RunArgs, smoothing_help};
+use crate::cli::args::shared::{FormatArgs, MemoryArgs, MeshFile, NormalArgs, OutOfCore, Run, RunArgs, smoothing_help};
 use crate::cli::args::stop::{Stop, refused};
 use crate::cli::args::words::{PropertyWidth, Sizing, no_density, positive_or_zero, property_width, within};
 use crate::job::RemeshOptions;
@@ -87,6 +87,12 @@ pub(super) struct RemeshArgs {
     /// 1 optimises the triangles after sampling, 0 leaves the samples where the paper's gradient ascent does
     #[arg(long, value_name = "0|1", default_value_t = u8::from(Options::default().optimize), value_parser = clap::value_parser!(u8).range(0..=1))]
     optimize: u8,
+    /// Read a mesh in blocks and make it coarser meanwhile, with its triangles in a temporary file: by itself for files
+    /// larger than --memory. Triangles in binary PLY and STL; points are thinned while they are read in any case
+    #[arg(long)]
+    out_of_core: bool,
+    #[command(flatten)]
+    memory: MemoryArgs,
     #[command(flatten)]
     formats: FormatArgs,
     #[command(flatten)]
@@ -106,6 +112,8 @@ pub struct Remeshing {
     pub levels: Vec<usize>,
     /// Where the wanted lengths are, if there are any.
     pub sizing: Option<Sizing>,
+    /// How it is read if it is larger than memory.
+    pub out_of_core: OutOfCore,
     /// How it goes on meanwhile.
     pub run: Run,
 }
@@ -132,6 +140,8 @@ impl RemeshArgs {
             max_error,
             no_attributes,
             optimize,
+            out_of_core,
+            memory: MemoryArgs { memory, temp },
             formats,
             run,
         } = self;
@@ -166,6 +176,7 @@ impl RemeshArgs {
             optimize: optimize != 0,
         };
         let options = settings.resolve().map_err(|e| refused(&e))?;
-        Ok(Remeshing { input, output, options, levels, sizing, run: run.into() })
+        let out_of_core = OutOfCore { wanted: out_of_core, memory, temp };
+        Ok(Remeshing { input, output, options, levels, sizing, out_of_core, run: run.into() })
     }
 }

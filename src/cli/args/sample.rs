@@ -1,8 +1,8 @@
 //! The arguments of `remesh sample`.
 
-use crate::cli::args::shared::{MeshFile, NormalArgs, Run, RunArgs, reach_help};
+use crate::cli::args::shared::{MemoryArgs, MeshFile, NormalArgs, OutOfCore, Run, RunArgs, reach_help};
 use crate::cli::args::stop::{Stop, refused};
-use crate::cli::args::words::{PropertyWidth, bytes, no_density, property_width, samples};
+use crate::cli::args::words::{PropertyWidth, no_density, property_width, samples};
 use crate::io::Format;
 use crate::job::settings::{NormalSettings, SampleSettings};
 use crate::job::words::positive;
@@ -105,28 +105,11 @@ struct OutOfCoreArgs {
     /// binary PLY and in uncompressed LAS
     #[arg(long)]
     out_of_core: bool,
-    /// Memory to make do with, such as 400M or 2G [default: half of what is free]
-    #[arg(long, value_name = "M", value_parser = bytes)]
-    memory: Option<u64>,
-    /// Folder for temporary files, which are removed in any case [default: that of the system]
-    #[arg(long, value_name = "DIR")]
-    temp: Option<PathBuf>,
+    #[command(flatten)]
+    memory: MemoryArgs,
     /// Keep what is finished in --temp if the run is interrupted, and go on from there at the next one
     #[arg(long, requires = "temp")]
     resume: bool,
-}
-
-/// How what is larger than memory is sampled.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct OutOfCore {
-    /// Whether it is wanted in any case.
-    pub wanted: bool,
-    /// Bytes to make do with; half of what is free without.
-    pub memory: Option<u64>,
-    /// Where temporary files go.
-    pub temp: Option<PathBuf>,
-    /// Whether a run goes on from what one before has finished.
-    pub resume: bool,
 }
 
 /// Sample a file into another one.
@@ -140,6 +123,8 @@ pub struct Sampling {
     pub options: SampleOptions,
     /// How it is sampled if it is larger than memory.
     pub out_of_core: OutOfCore,
+    /// Whether a run goes on from what one before has finished.
+    pub resume: bool,
     /// How it goes on meanwhile.
     pub run: Run,
 }
@@ -147,7 +132,7 @@ pub struct Sampling {
 impl SampleArgs {
     pub(super) fn resolve(self) -> Result<Sampling, Stop> {
         let SampleArgs { input, output, even, sigma_n, properties, normals, levels, format, out_of_core, run } = self;
-        let OutOfCoreArgs { out_of_core: wanted, memory, temp, resume } = out_of_core;
+        let OutOfCoreArgs { out_of_core: wanted, memory: MemoryArgs { memory, temp }, resume } = out_of_core;
         let signals = properties.into_iter().map(Signal::from).collect();
         let settings = SampleSettings { sigma_n, signals, normals: normals.into(), levels, ..even.settings()? };
         let options = settings.resolve().map_err(|e| refused(&e))?;
@@ -155,7 +140,8 @@ impl SampleArgs {
             input: MeshFile { path: input, format },
             output,
             options,
-            out_of_core: OutOfCore { wanted: wanted || resume, memory, temp, resume },
+            out_of_core: OutOfCore { wanted: wanted || resume, memory, temp },
+            resume,
             run: Run::from(run).without_page("samples")?,
         })
     }

@@ -1,6 +1,7 @@
 //! Arguments that several commands have, and what they resolve to.
 
 use crate::cli::args::stop::{Stop, wrong};
+use crate::cli::args::words::bytes;
 use crate::io::Format;
 use crate::job::settings::NormalSettings;
 use crate::job::words::{normal_fit, positive};
@@ -60,6 +61,28 @@ impl Run {
             }
         }
     }
+}
+
+/// What working out of core may take.
+#[derive(Debug, clap::Args)]
+pub(super) struct MemoryArgs {
+    /// Memory to make do with, such as 400M or 2G [default: half of what is free]
+    #[arg(long, value_name = "M", value_parser = bytes)]
+    pub memory: Option<u64>,
+    /// Folder for temporary files, which are removed in any case [default: that of the system]
+    #[arg(long, value_name = "DIR")]
+    pub temp: Option<PathBuf>,
+}
+
+/// How what is larger than memory is treated.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OutOfCore {
+    /// Whether it is wanted in any case.
+    pub wanted: bool,
+    /// Bytes to make do with; half of what is free without.
+    pub memory: Option<u64>,
+    /// Where temporary files go.
+    pub temp: Option<PathBuf>,
 }
 
 /// Whether a report with this name is a page, and not JSON.

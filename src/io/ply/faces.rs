@@ -69,10 +69,15 @@ impl Faces {
 
 fn role(property: &Property, is_strips: bool) -> Role {
     match (property.name.as_str(), property.kind) {
-        ("vertex_indices" | "vertex_index", Kind::List { .. }) => Role::Corners,
+        _ if is_corners(property) => Role::Corners,
         ("texcoord", Kind::List { .. }) if !is_strips => Role::Texture,
         _ => Role::LeftOut,
     }
+}
+
+/// Whether a property of a face has its corners.
+pub(super) fn is_corners(property: &Property) -> bool {
+    matches!((property.name.as_str(), property.kind), ("vertex_indices" | "vertex_index", Kind::List { .. }))
 }
 
 /// A table on its way, with the row that is being read.
@@ -151,16 +156,22 @@ impl Table<'_> {
 
     #[inline]
     fn checked_index<S: Source>(&self, source: &S, index: f64) -> Result<u32> {
-        // The conversion saturates, so only a whole number in range comes back as it was.
-        let whole = index as u32;
-        if f64::from(whole) == index && (whole as usize) < self.positions.len() {
-            return Ok(whole);
+        if is_number_below(index, self.positions.len()) {
+            return Ok(index as u32);
         }
-        Err(self.no_vertex(index, source.place()))
+        Err(no_vertex(index, self.positions.len(), source.place()))
     }
+}
 
-    #[cold]
-    fn no_vertex(&self, index: f64, place: Place) -> Error {
-        malformed(place, format!("there is no vertex {index}, the file has {}", self.positions.len()), EXPORT_AGAIN)
-    }
+/// Whether `index` is the number of one of so many vertices.
+#[inline]
+pub(super) fn is_number_below(index: f64, vertices: usize) -> bool {
+    // The conversion saturates, so only a whole number in range comes back as it was.
+    let whole = index as u32;
+    f64::from(whole) == index && (whole as usize) < vertices
+}
+
+#[cold]
+pub(super) fn no_vertex(index: f64, vertices: usize, place: Place) -> Error {
+    malformed(place, format!("there is no vertex {index}, the file has {vertices}"), EXPORT_AGAIN)
 }

@@ -23,7 +23,7 @@ mod vertices;
 mod write;
 
 #[cfg(feature = "fs")]
-pub(crate) use rows::table;
+pub(crate) use rows::{surface, table};
 pub(crate) use write::write;
 
 use crate::base::error::{Error, Place};

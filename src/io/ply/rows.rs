@@ -1,12 +1,13 @@
-//! The vertices of a binary file that has nothing else, as rows of bytes.
+//! The vertices of a binary file, as rows of bytes, and the faces after them.
 
-use super::header::{self, Element, Encoding, Header};
+use super::faces::{is_corners, is_number_below, no_vertex};
+use super::header::{self, Element, Encoding, Header, Kind};
 use super::read;
 use super::source::{self, Binary, Source};
 use super::vertices::{GROUPS, not_finite, scalar};
-use crate::base::error::{Error, Place};
+use crate::base::error::{Error, Place, Result};
 use crate::io::content::Parsed;
-use crate::io::table::{Rows, Table};
+use crate::io::table::{FaceRows, Faces, Rows, Table};
 use crate::mesh::attributes::Scalar;
 use crate::prepare::thin::Seen;
 use glam::DVec3;
@@ -34,7 +35,98 @@ fn table_of<const BIG: bool>(header: Header, length: u64) -> Option<Table> {
     Some(Table { start, row, points, rows: Box::new(BinaryRows::<BIG> { header, vertex, columns }) })
 }
 
-/// The vertices of a binary file that has nothing else.
+/// The vertices and the faces of a binary file of this many bytes that has nothing else, whose header is in `head`.
+pub(crate) fn surface(head: &[u8], length: u64) -> Option<(Table, Faces)> {
+    let header = header::parse(head).ok()?;
+    match header.encoding {
+        Encoding::Text => None,
+        Encoding::Little => surface_of::<false>(header, length),
+        Encoding::Big => surface_of::<true>(header, length),
+    }
+}
+
+fn surface_of<const BIG: bool>(mut header: Header, length: u64) -> Option<(Table, Faces)> {
+    let with_rows: Vec<usize> = (0..header.elements.len()).filter(|&i| header.elements[i].count > 0).collect();
+    let [vertex, face] = with_rows[..] else { return None };
+    let (vertices, faces) = (&header.elements[vertex], &header.elements[face]);
+    let corners = faces.properties.iter().position(is_corners)?;
+    if vertices.name != "vertex" || faces.name != "face" {
+        return None;
+    }
+    let columns = Columns::of(vertices)?;
+    let (start, row) = (header.body as u64, columns.row);
+    let points = usize::try_from(vertices.count).ok().filter(|&points| points < u32::MAX as usize)?;
+    let end = u64::try_from(row).ok()?.checked_mul(vertices.count)?.checked_add(start).filter(|&end| end <= length)?;
+    let kinds = faces.properties.iter().map(|p| p.kind).collect();
+    let rows = Box::new(BinaryFaces::<BIG> { kinds, corners, vertices: points });
+    let faces = Faces { start: end, count: faces.count, rows };
+    // Vertices are read as if they were all of the file.
+    header.elements[face].count = 0;
+    Some((Table { start, row, points, rows: Box::new(BinaryRows::<BIG> { header, vertex, columns }) }, faces))
+}
+
+/// The faces of a binary file.
+struct BinaryFaces<const BIG: bool> {
+    /// The properties of each, and which one its corners are.
+    kinds: Vec<Kind>,
+    corners: usize,
+    /// How many vertices the file has.
+    vertices: usize,
+}
+
+impl<const BIG: bool> FaceRows for BinaryFaces<BIG> {
+    fn show(
+        &self,
+        bytes: &[u8],
+        most: u64,
+        at: u64,
+        show: &mut dyn FnMut(&[u32]) -> Result<()>,
+    ) -> Result<(u64, usize)> {
+        let mut source = Binary::<BIG>::new(bytes, 0);
+        let (mut faces, mut used) = (0, 0);
+        let (mut indices, mut corners) = (Vec::new(), Vec::new());
+        while faces < most && self.next_face(&mut source, &mut indices).is_some() {
+            if let Some(&index) = indices.iter().find(|&&index| !is_number_below(index, self.vertices)) {
+                return Err(no_vertex(index, self.vertices, Place::Byte(at as usize + used)));
+            }
+            corners.clear();
+            corners.extend(indices.iter().map(|&index| index as u32));
+            show(&corners)?;
+            faces += 1;
+            used = bytes.len() - source.remaining();
+        }
+        Ok((faces, used))
+    }
+
+    fn cut_short(&self, end: u64) -> Error {
+        source::cut_short(Place::Byte(end as usize))
+    }
+}
+
+impl<const BIG: bool> BinaryFaces<BIG> {
+    /// Reads the indices of the next face, if all of it is there.
+    fn next_face(&self, source: &mut Binary<BIG>, indices: &mut Vec<f64>) -> Option<()> {
+        for (i, kind) in self.kinds.iter().enumerate() {
+            match *kind {
+                Kind::Scalar(scalar) => source.skip(scalar, 1).ok()?,
+                Kind::List { count, item } => {
+                    let length = source.next(count)? as usize;
+                    if i != self.corners {
+                        source.skip(item, length).ok()?;
+                        continue;
+                    }
+                    indices.clear();
+                    for _ in 0..length {
+                        indices.push(source.next(item)?);
+                    }
+                }
+            }
+        }
+        Some(())
+    }
+}
+
+/// The vertices of a binary file.
 struct BinaryRows<const BIG: bool> {
     header: Header,
     /// Which of the elements they are.

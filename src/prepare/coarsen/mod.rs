@@ -16,18 +16,19 @@
 //!
 //! Cost: sorting the triangles, and about a microsecond for each vertex that goes; linear.
 
-use crate::base::math;
+mod block;
+mod parts;
+
+pub use parts::Part;
+
 use crate::geom::aabb::Aabb;
-use crate::geom::triangle::{closest_point, mean_ratio};
-use crate::mesh::half_edge::{Connectivity, OnCurve, next};
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::provenance::Provenance;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::order::spatial_order_in;
-use glam::DVec3;
+use block::{Block, numbered_apart};
 use rayon::prelude::*;
-use rustc_hash::FxHashMap;
 use std::borrow::Cow;
 
 /// How coarse a mesh may become, in its units.
@@ -46,18 +47,6 @@ const BLOCK: usize = 1 << 15;
 /// How far the bounds that blocks of the second turn are cut from reach beyond those of the mesh, in extents: planes between
 /// blocks of the first turn are none of this one.
 const MARGIN: f64 = 1.0 / 3.0;
-
-/// The shares of the shortest length that edges are held against one after the other, so that the shortest ones go first.
-const LENGTHS: [f64; 3] = [0.25, 0.5, 1.0];
-
-/// Longest edge that a collapse may leave, in shortest lengths.
-const LONGEST: f64 = 2.0;
-
-/// How much a triangle may turn: the cosine.
-const MOST_TURN: f64 = 0.5;
-
-/// Least mean ratio of a triangle that a collapse leaves, unless one there is worse.
-const LEAST_SHAPE: f64 = 0.3;
 
 /// A mesh with longer edges.
 pub struct Coarsened {
@@ -112,19 +101,6 @@ fn order_of_triangles(mesh: &Mesh, bounds: Aabb) -> Vec<u32> {
     spatial_order_in(bounds, mesh.triangles.len(), first)
 }
 
-/// Puts the sides that are `sharp`, triangle by triangle, on curves, which end at vertices with more or less than two of them.
-fn mark_sharp(connectivity: &mut Connectivity, sharp: impl Iterator<Item = [bool; 3]>) {
-    let mut at = vec![0u32; connectivity.vertex_bound() as usize];
-    for (h, _) in (0u32..).zip(sharp.flatten()).filter(|side| side.1) {
-        at[connectivity.origin(h) as usize] += 1;
-        connectivity.put_half_edge_on_curve(h, OnCurve::Curve(0));
-    }
-    for v in (0..connectivity.vertex_bound()).filter(|&v| at[v as usize] > 0) {
-        let curve = if at[v as usize] == 2 { OnCurve::Curve(0) } else { OnCurve::Corner };
-        connectivity.put_on_curve(v, curve);
-    }
-}
-
 /// How many of the edges of `mesh` are shorter than `length`, as a share.
 pub fn share_of_edges_below(mesh: &Mesh, length: f64) -> f64 {
     let is_short =
@@ -149,13 +125,25 @@ struct Coarse<'a> {
 impl Coarse<'_> {
     /// Treats blocks of the triangles, which come in this order.
     fn turn(&self, order: &[u32], coarseness: Coarseness) -> Coarse<'static> {
-        let treat = |triangles: &[u32]| {
-            let mut block = Block::new(self, triangles);
-            block.coarsen(coarseness);
-            block.left(triangles)
-        };
-        let blocks: Vec<Left> = order.par_chunks(BLOCK).map(treat).collect();
+        let blocks: Vec<Left> = order.par_chunks(BLOCK).map(|triangles| self.left_of(triangles, coarseness)).collect();
         self.joined(&blocks)
+    }
+
+    /// What a block of these triangles leaves.
+    fn left_of(&self, triangles: &[u32], coarseness: Coarseness) -> Left {
+        let (corners, vertices) = numbered_apart(triangles.iter().map(|&t| self.mesh.triangles[t as usize]));
+        let positions = vertices.iter().map(|&v| self.mesh.positions[v as usize]).collect();
+        let strayed = vertices.iter().map(|&v| self.strayed[v as usize]).collect();
+        let mut block = Block::new(Mesh { positions, triangles: corners }, strayed);
+        block.mark_sharp(triangles.iter().map(|&t| self.sharp[t as usize]));
+        block.coarsen(coarseness);
+        let left: Vec<u32> = block.triangles().collect();
+        Left {
+            triangles: left.iter().map(|&t| block.corners(t).map(|v| vertices[v as usize])).collect(),
+            sharp: left.iter().map(|&t| block.sharp_sides(t)).collect(),
+            sources: left.iter().map(|&t| triangles[t as usize]).collect(),
+            strayed: block.inside().map(|v| (vertices[v as usize], block.strayed(v))).collect(),
+        }
     }
 
     /// The triangles in the order of where they are within wider bounds.
@@ -213,118 +201,6 @@ struct Left {
     strayed: Vec<(u32, f64)>,
 }
 
-/// Some triangles of a mesh, with vertices of their own. The boundary is that of the mesh, and where other blocks begin.
-struct Block {
-    connectivity: Connectivity,
-    positions: Vec<DVec3>,
-    strayed: Vec<f64>,
-    /// For each vertex that of the mesh.
-    vertices: Vec<u32>,
-}
-
-impl Block {
-    /// That of `triangles` of `whole`.
-    fn new(whole: &Coarse, triangles: &[u32]) -> Block {
-        let mut number: FxHashMap<u32, u32> = FxHashMap::default();
-        number.reserve(triangles.len());
-        let mut vertices = Vec::new();
-        let mut local = |v: u32| {
-            *number.entry(v).or_insert_with(|| {
-                vertices.push(v);
-                vertices.len() as u32 - 1
-            })
-        };
-        let corners: Vec<[u32; 3]> =
-            triangles.iter().map(|&t| whole.mesh.triangles[t as usize].map(&mut local)).collect();
-        let mut connectivity = Connectivity::new(vertices.len(), &corners);
-        mark_sharp(&mut connectivity, triangles.iter().map(|&t| whole.sharp[t as usize]));
-        Block {
-            connectivity,
-            positions: vertices.iter().map(|&v| whole.mesh.positions[v as usize]).collect(),
-            strayed: vertices.iter().map(|&v| whole.strayed[v as usize]).collect(),
-            vertices,
-        }
-    }
-
-    fn coarsen(&mut self, coarseness: Coarseness) {
-        for share in LENGTHS {
-            let square = math::square(share * coarseness.shortest);
-            for h in 0..self.connectivity.half_edge_bound() {
-                if self.connectivity.has_half_edge(h) && self.length_squared(h) < square {
-                    self.collapse_if_near(h, coarseness);
-                }
-            }
-        }
-    }
-
-    fn position(&self, v: u32) -> DVec3 {
-        self.positions[v as usize]
-    }
-
-    fn length_squared(&self, h: u32) -> f64 {
-        self.position(self.connectivity.origin(h)).distance_squared(self.position(self.connectivity.target(h)))
-    }
-
-    /// Collapses the edge of `h` into its target, if the origin is near enough to what is left then.
-    fn collapse_if_near(&mut self, h: u32, coarseness: Coarseness) {
-        let c = &self.connectivity;
-        let (from, to) = (c.origin(h), c.target(h));
-        if c.is_boundary(from) || c.is_boundary(to) {
-            return;
-        }
-        let Some(distance) = self.distance_after(h, LONGEST * coarseness.shortest) else { return };
-        let strayed = self.strayed[from as usize] + distance;
-        if strayed <= coarseness.tolerance && self.keeps_topology(h) {
-            self.connectivity.collapse(h);
-            self.strayed[to as usize] = self.strayed[to as usize].max(strayed);
-        }
-    }
-
-    /// Whether a collapse keeps the topology of the whole, of which vertices on the boundary may have edges that are not here.
-    fn keeps_topology(&self, h: u32) -> bool {
-        let c = &self.connectivity;
-        c.both_sides(h).all(|side| c.valence(c.apex(side)) > 3) && c.can_collapse(h)
-    }
-
-    /// How far the origin of `h` is from the triangles that are left around it once it went into the target; `None` if one of
-    /// these turns, is too long or badly shaped.
-    fn distance_after(&self, h: u32, longest: f64) -> Option<f64> {
-        let c = &self.connectivity;
-        let (from, to) = (self.position(c.origin(h)), self.position(c.target(h)));
-        let fan = || c.outgoing(c.origin(h)).map(|out| (out, [c.target(out), c.apex(out)].map(|v| self.position(v))));
-        let left = || fan().filter(|&(out, _)| out != h && next(c.twin(h)) != out).map(|(_, ends)| ends);
-        let mut least = f64::INFINITY;
-        for [a, b] in left() {
-            let [before, after] = [from, to].map(|p| (a - p).cross(b - p));
-            let is_too_long = a.distance_squared(to) > longest * longest;
-            if is_too_long || before.dot(after) < MOST_TURN * before.length() * after.length() {
-                return None;
-            }
-            least = least.min(mean_ratio([to, a, b]));
-        }
-        let least_before = || fan().map(|(_, [a, b])| mean_ratio([from, a, b])).fold(f64::INFINITY, f64::min);
-        if least < LEAST_SHAPE && least < least_before() {
-            return None;
-        }
-        let squares = left().map(|[a, b]| closest_point(from, [to, a, b]).distance_squared(from));
-        Some(squares.fold(f64::INFINITY, f64::min).sqrt())
-    }
-
-    /// What is left of `triangles`, which it was made of.
-    fn left(self, triangles: &[u32]) -> Left {
-        let c = &self.connectivity;
-        let live: Vec<u32> = (0..triangles.len() as u32).filter(|&t| c.has_half_edge(3 * t)).collect();
-        let corners = |&t: &u32| c.triangle(3 * t).map(|v| self.vertices[v as usize]);
-        let inside = (0..c.vertex_bound()).filter(|&v| c.has_vertex(v) && !c.is_boundary(v));
-        Left {
-            triangles: live.iter().map(corners).collect(),
-            sharp: live.iter().map(|t| [0, 1, 2].map(|k| c.is_curve_edge(3 * t + k))).collect(),
-            sources: live.iter().map(|&t| triangles[t as usize]).collect(),
-            strayed: inside.map(|v| (self.vertices[v as usize], self.strayed[v as usize])).collect(),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -332,7 +208,7 @@ mod tests {
     use crate::spatial::bvh::Bvh;
     use crate::surface::features::{Features, sharp_sides};
     use crate::testing::{cube, revolved};
-    use glam::dvec3;
+    use glam::{DVec3, dvec3};
 
     /// A torus of radii 1 and .4 with so many triangles that there are several blocks.
     fn torus() -> Mesh {

@@ -1,0 +1,208 @@
+//! Meshes larger than memory, read in blocks and made coarser while they are read.
+//!
+//! A file is read once for its vertices, whose places stay in memory; once for its triangles, which go to a temporary file,
+//! those of a place together; and where vertices have attributes, once more for those that are left. The triangles of one
+//! place after the other become coarser, and at last what is left, where these meet.
+//!
+//! Memory: twelve bytes a vertex of the file, 24 if its coordinates are not in single precision, as much again for the map
+//! from places to vertices of STL, and what is left. On the disk: twelve bytes a triangle.
+
+mod facets;
+mod places;
+mod polygons;
+
+use crate::base::count::counted;
+use crate::base::error::{Error, Result};
+use crate::base::monitor::{Monitor, check};
+use crate::geom::aabb::Aabb;
+use crate::geom::triangle::area;
+use crate::io::content::Read;
+use crate::io::dense::PointFile;
+use crate::io::disk::read_error;
+use crate::io::format::Format;
+use crate::io::named::input_format;
+use crate::io::read::{Loaded, checked};
+use crate::io::spill::{Chunk, SpillWriter, read_chunks};
+use crate::io::{ply, stl};
+use crate::prepare::coarsen::{Coarseness, Part};
+use facets::Facets;
+use places::Places;
+use polygons::Polygons;
+use rayon::prelude::*;
+use std::fs::{self, File};
+use std::io::{ErrorKind, Read as _};
+use std::path::Path;
+
+/// Bytes of the beginning of a file that has to have all that stands before its vertices.
+const HEAD: u64 = 1 << 16;
+
+/// About the bytes of a block.
+const BLOCK: usize = 1 << 20;
+
+/// About the triangles that become coarser together.
+const OF_PLACE: usize = 1 << 18;
+
+/// Bytes of the three corners of a triangle.
+const ROW: usize = 12;
+
+/// What is known of a large mesh before it becomes coarser.
+#[derive(Debug, Clone, Copy)]
+pub struct Extent {
+    /// Its vertices.
+    pub vertices: usize,
+    /// Its triangles.
+    pub triangles: usize,
+    /// Their area, in square units of the file.
+    pub area: f64,
+}
+
+/// A mesh file that can be read in blocks.
+trait Blocks {
+    /// How many faces it has.
+    fn faces(&self) -> u64;
+
+    /// Where its vertices are.
+    fn places(&mut self, monitor: &dyn Monitor) -> Result<Places>;
+
+    /// Shows all triangles, once the places are known.
+    fn triangles(
+        &mut self,
+        places: &Places,
+        monitor: &dyn Monitor,
+        take: &mut dyn FnMut([u32; 3]) -> Result<()>,
+    ) -> Result<()>;
+
+    /// The vertices of these numbers, in ascending order, with their attributes.
+    fn vertices(&self, numbers: &[u32], places: &Places) -> Result<Read>;
+}
+
+/// A mesh in a file that can be read in blocks.
+pub(crate) struct LargeMesh {
+    blocks: Box<dyn Blocks>,
+    format: Format,
+    name: String,
+}
+
+impl LargeMesh {
+    /// The file at `path`; `None` if it cannot be read in blocks: what is no triangles or polygons in binary PLY or STL, and
+    /// a pipe.
+    ///
+    /// # Errors
+    /// [`Error::File`] if there is no such file or it cannot be read.
+    pub fn open(path: &Path, format: Option<Format>) -> Result<Option<LargeMesh>> {
+        let failed = |error| read_error(path, &error);
+        let length = match fs::metadata(path).map_err(failed)? {
+            found if found.is_file() => found.len(),
+            _ => return Ok(None),
+        };
+        let mut file = File::open(path).map_err(failed)?;
+        let mut head = Vec::new();
+        file.by_ref().take(HEAD).read_to_end(&mut head).map_err(failed)?;
+        let name = path.display().to_string();
+        // What is wrong with a file is said by those who read all of it.
+        let Ok(format) = input_format(&name, &head, format) else { return Ok(None) };
+        let path = path.to_path_buf();
+        let blocks: Option<Box<dyn Blocks>> = match format {
+            Format::Ply => match ply::surface(&head, length) {
+                Some((table, faces)) => {
+                    let vertices = PointFile::with(path.clone(), format, head, length, table)?;
+                    Some(Box::new(Polygons { path, file, length, vertices, faces }))
+                }
+                None => None,
+            },
+            Format::Stl => stl::facets(&head, length)
+                .map(|count| Box::new(Facets { path, file, count, vertices: Default::default() }) as Box<dyn Blocks>),
+            _ => None,
+        };
+        Ok(blocks.map(|blocks| LargeMesh { blocks, format, name }))
+    }
+
+    /// The bytes that its temporary file has.
+    pub fn bytes_on_disk(&self) -> u64 {
+        ROW as u64 * self.blocks.faces()
+    }
+
+    /// The mesh, made as coarse as `coarseness` says. The temporary file `spilled` is new.
+    ///
+    /// # Errors
+    /// Those of `coarseness`; [`Error::File`] and [`Error::Format`] if one of the files cannot be read or written, with the
+    /// place; [`Error::Cancelled`] if the monitor asks for it.
+    pub fn coarsened(
+        mut self,
+        spilled: &Path,
+        coarseness: impl FnOnce(Extent) -> Result<Coarseness>,
+        monitor: &dyn Monitor,
+    ) -> Result<Loaded> {
+        let places = self.blocks.places(monitor)?;
+        let Spilled { chunks, extent } = self.spill(spilled, &places, monitor)?;
+        let coarseness = coarseness(extent)?;
+        monitor.stage("coarsen");
+        let of_place: Vec<&[Chunk]> = chunks.chunk_by(|a, b| a.place == b.place).collect();
+        let coarsened = |chunks: &&[Chunk]| {
+            check(monitor)?;
+            let triangles = triangles_of(&read_chunks(spilled, chunks)?);
+            Ok(Part::new(&triangles, |v| places.at(v)).coarsened(coarseness))
+        };
+        let parts: Vec<Part> = of_place.par_iter().map(coarsened).collect::<Result<_>>()?;
+        let left = Part::joined(&parts, coarseness).in_order();
+        drop(parts);
+        check(monitor)?;
+        let mut read = self.blocks.vertices(&left.numbers, &places)?;
+        let strayed = left.farthest_strayed();
+        read.mesh.triangles = left.mesh.triangles;
+        let mut loaded = checked(read, self.format).map_err(|error| error.in_file(&self.name))?;
+        loaded.notes.push(format!(
+            "{} were made coarser while they were read, to {}; what went was within about {strayed:.2e} of what is left, which              takes the place of the input from here on",
+            counted(extent.triangles, "triangle", "triangles"),
+            loaded.mesh.triangles.len(),
+        ));
+        Ok(loaded)
+    }
+
+    /// Sorts the triangles into a temporary file.
+    fn spill(&mut self, path: &Path, places: &Places, monitor: &dyn Monitor) -> Result<Spilled> {
+        let mut writer = SpillWriter::create(path)?;
+        let bounds = places.bounds();
+        let cell = bounds.map_or(1.0, |bounds| cell_size(bounds, places.len()));
+        let origin = bounds.map_or_else(Default::default, |bounds| bounds.lo);
+        let mut extent = Extent { vertices: places.len(), triangles: 0, area: 0.0 };
+        self.blocks.triangles(places, monitor, &mut |triangle| {
+            let corners = triangle.map(|v| places.at(v));
+            extent.triangles += 1;
+            extent.area += area(corners);
+            let place = ((corners[0] - origin) / cell).floor().as_ivec3();
+            writer.push(place.to_array(), bytemuck::bytes_of(&triangle), &[])
+        })?;
+        Ok(Spilled { chunks: writer.finish()?, extent })
+    }
+}
+
+/// Where the triangles of all places are.
+struct Spilled {
+    chunks: Vec<Chunk>,
+    extent: Extent,
+}
+
+/// The width of cells that have about [`OF_PLACE`] triangles each: a surface goes through about twice the square of as many
+/// as there are along an axis, and has twice as many triangles as vertices.
+fn cell_size(bounds: Aabb, vertices: usize) -> f64 {
+    let along = (vertices as f64 / OF_PLACE as f64).sqrt().ceil().max(1.0);
+    // A flat sheet has no extent along one axis.
+    (bounds.size().max_element() / along).max(f64::MIN_POSITIVE)
+}
+
+fn triangles_of(rows: &[u8]) -> Vec<[u32; 3]> {
+    rows.chunks_exact(ROW).map(bytemuck::pod_read_unaligned).collect()
+}
+
+/// Fills `bytes` from the file.
+fn read_block(path: &Path, mut file: &File, bytes: &mut [u8]) -> Result<()> {
+    file.read_exact(bytes).map_err(|error| match error.kind() {
+        ErrorKind::UnexpectedEof => Error::File {
+            file: path.display().to_string(),
+            cause: "it became shorter while it was read".into(),
+            remedy: "let no other program write it meanwhile".into(),
+        },
+        _ => read_error(path, &error),
+    })
+}

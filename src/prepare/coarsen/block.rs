@@ -1,0 +1,160 @@
+//! A part of a mesh whose edges collapse. Its boundary, where the mesh ends or other blocks begin, stays.
+
+use super::Coarseness;
+use crate::base::math;
+use crate::geom::triangle::{closest_point, mean_ratio};
+use crate::mesh::half_edge::{Connectivity, OnCurve, next};
+use crate::mesh::triangle_mesh::Mesh;
+use glam::DVec3;
+use rustc_hash::FxHashMap;
+
+/// The shares of the shortest length that edges are held against one after the other, so that the shortest ones go first.
+const LENGTHS: [f64; 3] = [0.25, 0.5, 1.0];
+
+/// Longest edge that a collapse may leave, in shortest lengths.
+const LONGEST: f64 = 2.0;
+
+/// How much a triangle may turn: the cosine.
+const MOST_TURN: f64 = 0.5;
+
+/// Least mean ratio of a triangle that a collapse leaves, unless one there is worse.
+const LEAST_SHAPE: f64 = 0.3;
+
+/// A part of a mesh, with vertices of its own.
+pub(super) struct Block {
+    connectivity: Connectivity,
+    positions: Vec<DVec3>,
+    /// For each vertex how far those that went into it may be from the surface.
+    strayed: Vec<f64>,
+}
+
+impl Block {
+    /// The block of an oriented manifold that uses all its vertices.
+    pub fn new(mesh: Mesh, strayed: Vec<f64>) -> Block {
+        let connectivity = Connectivity::new(mesh.positions.len(), &mesh.triangles);
+        Block { connectivity, positions: mesh.positions, strayed }
+    }
+
+    /// Puts the sides that are `sharp`, triangle by triangle, on curves, which end at vertices with more or less than two of
+    /// them.
+    pub fn mark_sharp(&mut self, sharp: impl Iterator<Item = [bool; 3]>) {
+        let connectivity = &mut self.connectivity;
+        let mut at = vec![0u32; connectivity.vertex_bound() as usize];
+        for (h, _) in (0u32..).zip(sharp.flatten()).filter(|side| side.1) {
+            at[connectivity.origin(h) as usize] += 1;
+            connectivity.put_half_edge_on_curve(h, OnCurve::Curve(0));
+        }
+        for v in (0..connectivity.vertex_bound()).filter(|&v| at[v as usize] > 0) {
+            let curve = if at[v as usize] == 2 { OnCurve::Curve(0) } else { OnCurve::Corner };
+            connectivity.put_on_curve(v, curve);
+        }
+    }
+
+    /// Collapses edges that are too short, as long as that makes nothing wrong.
+    pub fn coarsen(&mut self, coarseness: Coarseness) {
+        for share in LENGTHS {
+            let square = math::square(share * coarseness.shortest);
+            for h in 0..self.connectivity.half_edge_bound() {
+                if self.connectivity.has_half_edge(h) && self.length_squared(h) < square {
+                    self.collapse_if_near(h, coarseness);
+                }
+            }
+        }
+    }
+
+    /// Where a vertex is.
+    pub fn position(&self, v: u32) -> DVec3 {
+        self.positions[v as usize]
+    }
+
+    fn length_squared(&self, h: u32) -> f64 {
+        self.position(self.connectivity.origin(h)).distance_squared(self.position(self.connectivity.target(h)))
+    }
+
+    /// Collapses the edge of `h` into its target, if the origin is near enough to what is left then.
+    fn collapse_if_near(&mut self, h: u32, coarseness: Coarseness) {
+        let c = &self.connectivity;
+        let (from, to) = (c.origin(h), c.target(h));
+        if c.is_boundary(from) || c.is_boundary(to) {
+            return;
+        }
+        let Some(distance) = self.distance_after(h, LONGEST * coarseness.shortest) else { return };
+        let strayed = self.strayed[from as usize] + distance;
+        if strayed <= coarseness.tolerance && self.keeps_topology(h) {
+            self.connectivity.collapse(h);
+            self.strayed[to as usize] = self.strayed[to as usize].max(strayed);
+        }
+    }
+
+    /// Whether a collapse keeps the topology of the whole, of which vertices on the boundary may have edges that are not here.
+    fn keeps_topology(&self, h: u32) -> bool {
+        let c = &self.connectivity;
+        c.both_sides(h).all(|side| c.valence(c.apex(side)) > 3) && c.can_collapse(h)
+    }
+
+    /// How far the origin of `h` is from the triangles that are left around it once it went into the target; `None` if one of
+    /// these turns, is too long or badly shaped.
+    fn distance_after(&self, h: u32, longest: f64) -> Option<f64> {
+        let c = &self.connectivity;
+        let (from, to) = (self.position(c.origin(h)), self.position(c.target(h)));
+        let fan = || c.outgoing(c.origin(h)).map(|out| (out, [c.target(out), c.apex(out)].map(|v| self.position(v))));
+        let left = || fan().filter(|&(out, _)| out != h && next(c.twin(h)) != out).map(|(_, ends)| ends);
+        let mut least = f64::INFINITY;
+        for [a, b] in left() {
+            let [before, after] = [from, to].map(|p| (a - p).cross(b - p));
+            let is_too_long = a.distance_squared(to) > longest * longest;
+            if is_too_long || before.dot(after) < MOST_TURN * before.length() * after.length() {
+                return None;
+            }
+            least = least.min(mean_ratio([to, a, b]));
+        }
+        let least_before = || fan().map(|(_, [a, b])| mean_ratio([from, a, b])).fold(f64::INFINITY, f64::min);
+        if least < LEAST_SHAPE && least < least_before() {
+            return None;
+        }
+        let squares = left().map(|[a, b]| closest_point(from, [to, a, b]).distance_squared(from));
+        Some(squares.fold(f64::INFINITY, f64::min).sqrt())
+    }
+
+    /// The triangles that are left.
+    pub fn triangles(&self) -> impl Iterator<Item = u32> {
+        let all = self.connectivity.half_edge_bound() / 3;
+        (0..all).filter(|&t| self.connectivity.has_half_edge(3 * t))
+    }
+
+    /// The corners of a triangle.
+    pub fn corners(&self, t: u32) -> [u32; 3] {
+        self.connectivity.triangle(3 * t)
+    }
+
+    /// Which sides of a triangle are on sharp edges.
+    pub fn sharp_sides(&self, t: u32) -> [bool; 3] {
+        [0, 1, 2].map(|k| self.connectivity.is_curve_edge(3 * t + k))
+    }
+
+    /// How far what went into a vertex may be from the surface.
+    pub fn strayed(&self, v: u32) -> f64 {
+        self.strayed[v as usize]
+    }
+
+    /// The vertices that are left but those on the boundary.
+    pub fn inside(&self) -> impl Iterator<Item = u32> {
+        let c = &self.connectivity;
+        (0..c.vertex_bound()).filter(|&v| c.has_vertex(v) && !c.is_boundary(v))
+    }
+}
+
+/// `triangles` with their vertices numbered as they come, and these vertices.
+pub(super) fn numbered_apart(triangles: impl ExactSizeIterator<Item = [u32; 3]>) -> (Vec<[u32; 3]>, Vec<u32>) {
+    let mut number: FxHashMap<u32, u32> = FxHashMap::default();
+    number.reserve(triangles.len());
+    let mut vertices = Vec::new();
+    let mut local = |v: u32| {
+        *number.entry(v).or_insert_with(|| {
+            vertices.push(v);
+            vertices.len() as u32 - 1
+        })
+    };
+    let triangles = triangles.map(|corners| corners.map(&mut local)).collect();
+    (triangles, vertices)
+}
