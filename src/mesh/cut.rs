@@ -9,6 +9,28 @@ use crate::mesh::half_edge::next;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 
+/// A number for some sides of a mesh. Most meshes have none, and then this takes no memory.
+#[derive(Debug, Clone, Default)]
+pub struct OfSides {
+    numbers: Vec<u32>,
+}
+
+impl OfSides {
+    /// That of a side, or [`NONE`].
+    #[inline]
+    pub fn get(&self, side: u32) -> u32 {
+        if self.numbers.is_empty() { NONE } else { self.numbers[side as usize] }
+    }
+
+    /// Gives one of `sides` sides a number.
+    pub fn set(&mut self, side: u32, number: u32, sides: usize) {
+        if self.numbers.is_empty() {
+            self.numbers = vec![NONE; sides];
+        }
+        self.numbers[side as usize] = number;
+    }
+}
+
 /// A mesh cut open, and how it belongs together.
 pub struct Cut {
     /// The mesh with the vertices on the cut doubled: the triangles are the same, one by one.
@@ -16,7 +38,7 @@ pub struct Cut {
     /// The side across each side where both are still joined, else [`NONE`].
     pub twin: Vec<u32>,
     /// The side that was across each side before it was cut, [`NONE`] for all others.
-    pub across: Vec<u32>,
+    pub across: OfSides,
     /// For each vertex the one it was before; the first copy of a vertex keeps its number.
     pub original: Vec<u32>,
 }
@@ -24,9 +46,10 @@ pub struct Cut {
 /// Cuts `mesh` along the sides that are `sharp`, which has to hold for both sides of an edge. `twin` is as
 /// [`twins`](crate::mesh::topology::twins) says.
 pub fn cut(mut mesh: Mesh, mut twin: Vec<u32>, sharp: &[bool]) -> Cut {
-    let mut across = vec![NONE; twin.len()];
-    for side in (0..twin.len()).filter(|&s| sharp[s]) {
-        across[side] = std::mem::replace(&mut twin[side], NONE);
+    let mut across = OfSides::default();
+    let sides = twin.len();
+    for side in (0..sides).filter(|&s| sharp[s]) {
+        across.set(side as u32, std::mem::replace(&mut twin[side], NONE), sides);
     }
     // The corners around a vertex that are still joined are one fan.
     let mut fans = UnionFind::new(twin.len());
@@ -88,7 +111,7 @@ mod tests {
         let halves = cut_sheet(0.0, 4.0);
         let t = topology(halves.mesh.positions.len(), &halves.mesh.triangles);
         assert_eq!((t.components, t.boundary_loops, t.vertices), (2, 2, 30));
-        assert_eq!(halves.across.iter().filter(|a| **a != NONE).count(), 8);
+        assert_eq!((0..halves.twin.len() as u32).filter(|&s| halves.across.get(s) != NONE).count(), 8);
         assert_eq!(halves.twin, twins(&halves.mesh.triangles));
         for v in 0..30 {
             assert_eq!(halves.mesh.positions[v], halves.mesh.positions[halves.original[v] as usize]);

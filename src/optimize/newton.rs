@@ -97,6 +97,7 @@ impl Rows {
             }
             rows.end.push(rows.entries.len() as u32);
         }
+        rows.entries.shrink_to_fit();
         rows
     }
 

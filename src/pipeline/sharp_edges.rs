@@ -15,7 +15,7 @@ pub(super) fn left_out(mesh: &Mesh, twin: &[u32], before: &[bool], now: &[bool])
 /// The ends of the sides along the sharp edges of `domain`, one of each edge.
 pub(super) fn sharp_edges(domain: &Domain) -> impl Iterator<Item = [DVec3; 2]> {
     let sides = domain.curves.list.iter().flat_map(|curve| &curve.sides).copied();
-    sides.filter(|&s| domain.across[s as usize] != NONE).map(|s| ends(&domain.mesh, s))
+    sides.filter(|&s| domain.across.get(s) != NONE).map(|s| ends(&domain.mesh, s))
 }
 
 fn ends(mesh: &Mesh, side: u32) -> [DVec3; 2] {

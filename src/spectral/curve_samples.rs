@@ -109,7 +109,7 @@ fn counts(domain: &Domain, loops: &[Vec<u32>], spacing: f64) -> Vec<usize> {
 fn is_first(domain: &Domain, side: u32) -> bool {
     let curve = &domain.curves.list[domain.curves.of_side(side) as usize];
     let last = curve.sides[curve.sides.len() - 1];
-    side == curve.sides[0] || domain.across[last as usize] == side
+    side == curve.sides[0] || domain.across.get(last) == side
 }
 
 /// The length of `side`, relative to the size that is wanted along it.
@@ -146,8 +146,8 @@ fn place(domain: &Domain, curve: &Curve, count: usize, points: &[u32], on_sides:
         let along = ((at - covered) / lengths[i].max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
         let side = curve.sides[i];
         on_sides.push((side, along, point));
-        if domain.across[side as usize] != NONE {
-            on_sides.push((domain.across[side as usize], 1.0 - along, point));
+        if domain.across.get(side) != NONE {
+            on_sides.push((domain.across.get(side), 1.0 - along, point));
         }
     }
 }

@@ -4,7 +4,7 @@
 //! It is cut open along its sharp edges, so that walks, normals and projections stay within a smooth patch.
 
 use crate::geom::triangle::{barycentric, closest_point};
-use crate::mesh::cut::{Cut, cut};
+use crate::mesh::cut::{Cut, OfSides, cut};
 use crate::mesh::half_edge::{next, prev};
 use crate::mesh::normals::vertex_normals;
 use crate::mesh::oriented_manifold::OrientedManifold;
@@ -40,7 +40,7 @@ pub struct Domain {
     /// The side across each side; [`NONE`] at the boundary and at sharp edges.
     pub twin: Vec<u32>,
     /// The side across each side of a sharp edge; [`NONE`] elsewhere.
-    pub across: Vec<u32>,
+    pub across: OfSides,
     /// For each vertex the one it was before sharp edges were cut.
     pub original: Vec<u32>,
     /// Where it came from before sharp edges were cut.
@@ -184,7 +184,7 @@ impl Domain {
 
     /// The number of curves along sharp edges.
     pub fn sharp_curves(&self) -> usize {
-        self.curves.list.iter().filter(|c| self.across[c.sides[0] as usize] != NONE).count()
+        self.curves.list.iter().filter(|c| self.across.get(c.sides[0]) != NONE).count()
     }
 
     /// Finds the planes that touch each other; before, none is known to.
@@ -364,7 +364,7 @@ impl Domain {
     pub fn project_on_curve(&self, p: DVec3, curve: u32) -> Sample {
         match self.curves.closest(p, curve) {
             Some((side, along)) => {
-                let sharp = self.across[side as usize] != NONE;
+                let sharp = self.across.get(side) != NONE;
                 let sample = self.sample_on_side(side, along);
                 if sharp { Sample { normal: DVec3::ZERO, ..sample } } else { sample }
             }
@@ -418,7 +418,7 @@ impl Domain {
     /// The triangles that pass through others, pair by pair or with an edge that lies in one, in increasing order.
     pub fn self_intersections(&self) -> Vec<u32> {
         let across = |side: u32| match self.twin[side as usize] {
-            NONE => self.across[side as usize],
+            NONE => self.across.get(side),
             twin => twin,
         };
         let mut faces = self_intersecting_faces(&self.mesh, &self.bvh);

@@ -7,7 +7,7 @@
 //! Cost: linear in the sides on curves, plus a bounding-volume hierarchy of them.
 
 use crate::geom::triangle::closest_point_of_segment;
-use crate::mesh::cut::Cut;
+use crate::mesh::cut::{Cut, OfSides};
 use crate::mesh::half_edge::next;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
@@ -39,7 +39,7 @@ pub struct Curves {
     /// The curves, each known by its place here.
     pub list: Vec<Curve>,
     /// The curve of each side, [`NONE`] off the curves.
-    of_side: Vec<u32>,
+    of_side: OfSides,
     /// Whether a vertex of the cut surface is a corner.
     corner: Vec<bool>,
     /// The sides of the curves, one of each edge, in the order of `list`; as triangles with two equal corners.
@@ -56,13 +56,14 @@ impl Curves {
         let mut net = Net::new(cut);
         interface.iter().flatten().for_each(|&v| net.corner[v as usize] = true);
         let list: Vec<Curve> = net.curves(interface).into_iter().flat_map(|c| net.split_at_turns(c, spacing)).collect();
-        let mut of_side = vec![NONE; cut.twin.len()];
+        let mut of_side = OfSides::default();
+        let mut put = |side: u32, number: u32| of_side.set(side, number, cut.twin.len());
         for (curve, number) in list.iter().zip(0u32..) {
             for &side in &curve.sides {
-                of_side[side as usize] = number;
-                let across = cut.across[side as usize];
+                put(side, number);
+                let across = cut.across.get(side);
                 if across != NONE {
-                    of_side[across as usize] = number;
+                    put(across, number);
                 }
             }
         }
@@ -83,7 +84,7 @@ impl Curves {
     /// The curve of `side`, or [`NONE`].
     #[inline]
     pub fn of_side(&self, side: u32) -> u32 {
-        self.of_side[side as usize]
+        self.of_side.get(side)
     }
 
     /// Whether vertex `v` of the cut surface is a corner.
@@ -135,7 +136,7 @@ impl<'a> Net<'a> {
 
     /// Whether one curve goes on through the vertex that these sides leave: one side of a boundary, or two sharp ones.
     fn goes_on(&self, leaving: &[(u32, u32)]) -> bool {
-        let boundary = |s: u32| self.cut.across[s as usize] == NONE;
+        let boundary = |s: u32| self.cut.across.get(s) == NONE;
         match *leaving {
             [(_, s)] => boundary(s),
             [(_, s), (_, t)] => !boundary(s) && !boundary(t),
@@ -146,7 +147,7 @@ impl<'a> Net<'a> {
     /// The side of the same curve after `side`, unless it ends there.
     fn following(&self, side: u32) -> Option<u32> {
         let at = self.ends(side)[1];
-        let back = self.cut.across[side as usize];
+        let back = self.cut.across.get(side);
         let begin = self.out.partition_point(|o| o.0 < at);
         let mut on = self.out[begin..].iter().take_while(|o| o.0 == at).map(|o| o.1).filter(|&s| s != back);
         if self.corner[at as usize] { None } else { on.next() }
@@ -162,7 +163,7 @@ impl<'a> Net<'a> {
             let mut curve = Curve { closed: true, ..Curve::default() };
             let mut side = begin;
             while !used[side as usize] {
-                for s in [side, self.cut.across[side as usize]].into_iter().filter(|&s| s != NONE) {
+                for s in [side, self.cut.across.get(side)].into_iter().filter(|&s| s != NONE) {
                     used[s as usize] = true;
                 }
                 curve.sides.push(side);
@@ -173,7 +174,7 @@ impl<'a> Net<'a> {
             }
             if let (Some(&first), Some(&last)) = (curve.sides.first(), curve.sides.last()) {
                 let between = [self.ends(first)[0], self.ends(last)[1]];
-                curve.interface = self.cut.across[first as usize] == NONE && interface.binary_search(&between).is_ok();
+                curve.interface = self.cut.across.get(first) == NONE && interface.binary_search(&between).is_ok();
                 curves.push(curve);
             }
         }

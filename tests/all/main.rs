@@ -16,6 +16,8 @@ mod docs;
 mod features;
 mod files;
 mod io;
+#[cfg(feature = "cli")]
+mod large;
 #[cfg(feature = "fs")]
 mod library;
 #[cfg(feature = "fs")]

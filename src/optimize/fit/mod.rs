@@ -249,9 +249,9 @@ fn newton_step(mesh: &Manifold, targets: &Targets, v: u32, spacing: f64) -> DVec
         let (t, k) = (h / 3, h as usize % 3);
         let x = mesh.corners(t);
         for target in targets.of(t) {
-            let slope = target.weight * target.at[k];
-            gradient += slope * target.residual(x) * target.normal;
-            hessian += Symmetric::outer(target.normal) * (slope * target.at[k]);
+            let slope = target.plane.weight * target.at[k];
+            gradient += slope * target.residual(x) * target.plane.normal;
+            hessian += Symmetric::outer(target.plane.normal) * (slope * target.at[k]);
         }
     }
     let normal = mesh.samples[v as usize].normal;

@@ -63,7 +63,13 @@ impl ErrorScale {
 pub(super) struct Target {
     /// Barycentric coordinates of the point.
     pub at: [f64; 3],
-    /// Unit normal of the plane, and the distance along it from the origin.
+    pub plane: Plane,
+}
+
+/// A plane that a point is fitted to.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Plane {
+    /// Its unit normal, and the distance along it from the origin.
     pub normal: DVec3,
     offset: f64,
     pub weight: f64,
@@ -71,20 +77,22 @@ pub(super) struct Target {
     foot: u32,
 }
 
-impl Target {
-    const NONE: Target = Target { at: [0.0; 3], normal: DVec3::ZERO, offset: 0.0, weight: 0.0, foot: NONE };
+impl Plane {
+    const NONE: Plane = Plane { normal: DVec3::ZERO, offset: 0.0, weight: 0.0, foot: NONE };
+}
 
+impl Target {
     /// The signed distance of the point from the plane if the corners are at `x`.
     #[inline]
     pub fn residual(&self, x: [DVec3; 3]) -> f64 {
-        self.normal.dot(point(x, self.at)) - self.offset
+        self.plane.normal.dot(point(x, self.at)) - self.plane.offset
     }
 }
 
 /// All targets of a mesh.
 pub(super) struct Targets {
-    /// For each triangle the points of the quadrature rule.
-    own: Vec<[Target; POINTS.len()]>,
+    /// For each triangle the planes of the points of the quadrature rule.
+    own: Vec<[Plane; POINTS.len()]>,
     /// Closest points to vertices of the input with large errors, each with its triangle, by increasing triangles.
     of_vertices: Vec<(u32, Target)>,
 }
@@ -92,14 +100,14 @@ pub(super) struct Targets {
 impl Targets {
     pub(super) fn new(mesh: &Manifold) -> Targets {
         let count = mesh.connectivity.half_edge_bound() as usize / 3;
-        Targets { own: vec![[Target::NONE; POINTS.len()]; count], of_vertices: Vec::new() }
+        Targets { own: vec![[Plane::NONE; POINTS.len()]; count], of_vertices: Vec::new() }
     }
 
     /// Those of triangle `t`.
-    pub(super) fn of(&self, t: u32) -> impl Iterator<Item = &Target> {
+    pub(super) fn of(&self, t: u32) -> impl Iterator<Item = Target> {
         let first = self.of_vertices.partition_point(|other| other.0 < t);
         let others = self.of_vertices[first..].iter().take_while(move |other| other.0 == t);
-        self.own[t as usize].iter().chain(others.map(|other| &other.1))
+        own_targets(&self.own[t as usize]).chain(others.map(|other| other.1))
     }
 
     /// Finds the planes anew, by walks over the surface that are trusted up to the distance `reach`.
@@ -133,17 +141,17 @@ impl Targets {
         let (mut sum, mut weight) = (0.0, 0.0);
         for (own, t) in self.own.iter().zip(0..).filter(|(own, _)| own[0].weight > 0.0) {
             let x = mesh.corners(t);
-            sum += own.iter().map(|target| target.weight * math::square(target.residual(x))).sum::<f64>();
-            weight += own.iter().map(|target| target.weight).sum::<f64>();
+            sum += own_targets(own).map(|target| target.plane.weight * math::square(target.residual(x))).sum::<f64>();
+            weight += own.iter().map(|plane| plane.weight).sum::<f64>();
         }
         sum / weight
     }
 
     /// The triangles with a point whose squared distance to its plane is above `square`.
     pub(super) fn triangles_beyond(&self, mesh: &Manifold, square: f64) -> Vec<u32> {
-        let is_beyond = |own: &[Target], t: u32| {
+        let is_beyond = |own: &[Plane], t: u32| {
             let x = mesh.corners(t);
-            own.iter().any(|target| math::square(target.residual(x)) > square)
+            own_targets(own).any(|target| math::square(target.residual(x)) > square)
         };
         let there = self.own.iter().zip(0..).filter(|(own, _)| own[0].weight > 0.0);
         there.filter(|(own, t)| is_beyond(*own, *t)).map(|(_, t)| t).collect()
@@ -152,7 +160,9 @@ impl Targets {
     fn reweight_triangles(&mut self, mesh: &Manifold, scale: &ErrorScale) {
         for (own, t) in self.own.iter_mut().zip(0..).filter(|(own, _)| own[0].weight > 0.0) {
             let x = mesh.corners(t);
-            own.iter_mut().for_each(|target| target.weight *= 1.0 + scale.excess(target.residual(x)));
+            for (plane, (at, _)) in own.iter_mut().zip(POINTS) {
+                plane.weight *= 1.0 + scale.excess(Target { at, plane: *plane }.residual(x));
+            }
         }
     }
 
@@ -161,15 +171,22 @@ impl Targets {
         for FarVertex { triangle, target, .. } in far {
             let weight = WEIGHT_OF_VERTEX * scale.excess(target.residual(mesh.corners(triangle)));
             if weight > 0.0 {
-                self.of_vertices.push((triangle, Target { weight, ..target }));
+                let plane = Plane { weight, ..target.plane };
+                self.of_vertices.push((triangle, Target { plane, ..target }));
             }
         }
         self.of_vertices.sort_by_key(|target| target.0);
     }
 }
 
+/// The points of the quadrature rule with these planes.
+#[inline]
+fn own_targets(planes: &[Plane]) -> impl Iterator<Item = Target> {
+    planes.iter().zip(POINTS).map(|(&plane, (at, _))| Target { at, plane })
+}
+
 /// Finds the planes of the points of triangle `t`, unless all its corners are on feature curves and stay.
-fn find_planes(domain: &Domain, mesh: &Manifold, t: u32, own: &mut [Target; POINTS.len()], reach: f64) {
+fn find_planes(domain: &Domain, mesh: &Manifold, t: u32, own: &mut [Plane; POINTS.len()], reach: f64) {
     let numbers = mesh.connectivity.triangle(3 * t);
     // A corner on no curve tells which patch the triangle is on.
     let Some(v) = numbers.into_iter().find(|&v| !mesh.connectivity.is_on_curve(v)) else {
@@ -178,13 +195,13 @@ fn find_planes(domain: &Domain, mesh: &Manifold, t: u32, own: &mut [Target; POIN
     let x = mesh.corners(t);
     let normal = (x[1] - x[0]).cross(x[2] - x[0]);
     let mut triangle = mesh.samples[v as usize].triangle;
-    for (target, (at, weight)) in own.iter_mut().zip(POINTS) {
-        if target.foot != NONE {
-            triangle = target.foot;
+    for (plane, (at, weight)) in own.iter_mut().zip(POINTS) {
+        if plane.foot != NONE {
+            triangle = plane.foot;
         }
         let foot = domain.settle(&Sample { position: point(x, at), normal, triangle, size: 1.0 }, reach);
         triangle = foot.triangle;
-        *target = Target { at, normal: foot.normal, offset: foot.normal.dot(foot.position), weight, foot: triangle };
+        *plane = Plane { normal: foot.normal, offset: foot.normal.dot(foot.position), weight, foot: triangle };
     }
 }
 
@@ -207,8 +224,8 @@ fn vertices_in_range(range: Range<f64>, domain: &Domain, mesh: &Manifold, vertic
         }
         let at = barycentric(hit.point, faces.corners(hit.triangle)?);
         let way = (p - hit.point).normalize_or_zero();
-        let target = Target { at, normal: way, offset: way.dot(p), ..Target::NONE };
-        Some(FarVertex { vertex: v, triangle: hit.triangle, target })
+        let plane = Plane { normal: way, offset: way.dot(p), ..Plane::NONE };
+        Some(FarVertex { vertex: v, triangle: hit.triangle, target: Target { at, plane } })
     };
     vertices.par_iter().with_min_len(CHUNK).filter_map(far_vertex).collect()
 }

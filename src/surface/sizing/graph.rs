@@ -17,7 +17,7 @@ impl Graph {
 
     /// Those of the vertices of a domain as they were before sharp edges were cut; further copies of them have none.
     pub fn whole(domain: &Domain) -> Graph {
-        let on_boundary = |side: usize| domain.twin[side] == NONE && domain.across[side] == NONE;
+        let on_boundary = |side: usize| domain.twin[side] == NONE && domain.across.get(side as u32) == NONE;
         Graph::new(domain, |v| domain.original[v as usize], on_boundary)
     }
 
