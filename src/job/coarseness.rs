@@ -9,12 +9,12 @@ use crate::prepare::coarsen::Coarseness;
 const LEFT: f64 = 0.7;
 
 /// Bytes that remeshing takes for each vertex of what is left and of the result: 2.65 million of one and a million of the other
-/// take 1.93 GB.
+/// take 2.1 GB.
 const OF_INPUT: f64 = 250.0;
-const OF_RESULT: f64 = 1350.0;
+const OF_RESULT: f64 = 1500.0;
 
-/// As many times longer the edges may be than suffices, where memory is short: half of the spacing.
-const MOST_LONGER: f64 = 2.5;
+/// As many times longer the edges may be than suffices, where memory is short: 0.6 of the spacing.
+const MOST_LONGER: f64 = 3.0;
 
 /// Refuses options that need all of the input.
 ///

@@ -60,16 +60,17 @@ fn axes(mesh: &Manifold, locked: &VertexSet, v: u32) -> [DVec3; 2] {
     }
 }
 
-/// The contribution of a triangle at one of its half-edges, in the axes of the vertices.
+/// The contribution of a triangle at one of its corners, in the axes of the vertices.
 #[derive(Clone, Copy, Default)]
-struct Share {
-    /// The negative gradient at the origin.
+struct AtCorner {
+    /// The negative gradient.
     force: DVec2,
-    /// The block of the Hessian at the origin.
+    /// The block of the Hessian.
     own: DMat2,
-    /// The block between origin and target.
-    between: DMat2,
 }
+
+/// What triangles contribute to the blocks between origin and target of their half-edges.
+type Between = [DMat2; 3];
 
 /// The Hessian as a sparse matrix of 2 x 2 blocks, and the negative gradient.
 struct Equations {
@@ -89,11 +90,11 @@ struct Rows {
 
 impl Rows {
     /// The rows of a chunk of vertices from `begin` on.
-    fn new(c: &Connectivity, shares: &[[Share; 3]], begin: u32) -> Rows {
+    fn new(c: &Connectivity, between: &[Between], begin: u32) -> Rows {
         let mut rows = Rows { end: Vec::with_capacity(CHUNK), entries: Vec::with_capacity(7 * CHUNK) };
         for v in begin..c.vertex_bound().min(begin + CHUNK as u32) {
             if c.has_vertex(v) {
-                rows.entries.extend(entries_of(c, v, shares));
+                rows.entries.extend(entries_of(c, v, between));
             }
             rows.end.push(rows.entries.len() as u32);
         }
@@ -117,24 +118,26 @@ impl Equations {
     ) -> Equations {
         let c = &mesh.connectivity;
         let triangles = (0..c.half_edge_bound() / 3).into_par_iter().with_min_len(CHUNK);
-        let shares: Vec<[Share; 3]> = triangles
+        let (at_corners, between): (Vec<[AtCorner; 3]>, Vec<Between>) = triangles
             .map(|t| match c.has_half_edge(3 * t) {
                 true => shares(c.triangle(3 * t), axes, strain_of(c.triangle(3 * t))),
-                false => [Share::default(); 3],
+                false => Default::default(),
             })
-            .collect();
+            .unzip();
         let at_vertex = |v: u32| {
             let spacing = spacing * mesh.samples[v as usize].size;
             let damping = DMat2::from_diagonal(DVec2::splat(DAMPING * OF_REGULAR / (spacing * spacing)));
             let around = c.has_vertex(v).then(|| c.outgoing(v)).into_iter().flatten();
             around.fold((damping, DVec2::ZERO), |(diagonal, force), h| {
-                let share = share_of(&shares, h);
-                (diagonal + share.own, force + share.force)
+                let AtCorner { force: more, own } = of_half_edge(&at_corners, h);
+                (diagonal + own, force + more)
             })
         };
         let (diagonal, force) = (0..c.vertex_bound()).into_par_iter().with_min_len(CHUNK).map(at_vertex).unzip();
+        // The rows take as much memory again.
+        drop(at_corners);
         let begins = (0..c.vertex_bound()).into_par_iter().step_by(CHUNK);
-        let chunks = begins.map(|begin| Rows::new(c, &shares, begin)).collect();
+        let chunks = begins.map(|begin| Rows::new(c, &between, begin)).collect();
         Equations { diagonal, chunks, force }
     }
 
@@ -213,14 +216,14 @@ fn sum_of(parts: impl IndexedParallelIterator<Item = f64>) -> f64 {
     parts.collect::<Vec<f64>>().into_iter().sum()
 }
 
-/// The share of half-edge `h`.
+/// What belongs to half-edge `h`, or to its origin.
 #[inline]
-fn share_of(shares: &[[Share; 3]], h: u32) -> &Share {
-    &shares[h as usize / 3][h as usize % 3]
+fn of_half_edge<T: Copy>(of_triangles: &[[T; 3]], h: u32) -> T {
+    of_triangles[h as usize / 3][h as usize % 3]
 }
 
-/// The shares of the half-edges of a triangle.
-fn shares(corners: [u32; 3], axes: &[[DVec3; 2]], strain: Strain) -> [Share; 3] {
+/// What a triangle contributes at its corners, and between them.
+fn shares(corners: [u32; 3], axes: &[[DVec3; 2]], strain: Strain) -> ([AtCorner; 3], Between) {
     let in_axes = |k: usize, v: DVec3| {
         let [x, y] = axes[corners[k] as usize];
         DVec2::new(v.dot(x), v.dot(y))
@@ -229,19 +232,18 @@ fn shares(corners: [u32; 3], axes: &[[DVec3; 2]], strain: Strain) -> [Share; 3] 
     let product = |a: [DVec2; 3], b: [DVec2; 3]| {
         a.iter().zip(b).map(|(&a, b)| DMat2::from_cols(a * b.x, a * b.y)).fold(DMat2::ZERO, |sum, block| sum + block)
     };
-    [0, 1, 2].map(|k| Share {
-        force: -in_axes(k, strain.gradient[k]),
-        own: product(forms[k], forms[k]),
-        between: product(forms[k], forms[(k + 1) % 3]),
-    })
+    (
+        [0, 1, 2].map(|k| AtCorner { force: -in_axes(k, strain.gradient[k]), own: product(forms[k], forms[k]) }),
+        [0, 1, 2].map(|k| product(forms[k], forms[(k + 1) % 3])),
+    )
 }
 
 /// The blocks between `v` and its neighbours: each edge has one from the triangle on either side.
-fn entries_of<'a>(c: &'a Connectivity, v: u32, shares: &'a [[Share; 3]]) -> impl Iterator<Item = (u32, DMat2)> + 'a {
-    let back = |h: u32| share_of(shares, h).between.transpose();
+fn entries_of<'a>(c: &'a Connectivity, v: u32, between: &'a [Between]) -> impl Iterator<Item = (u32, DMat2)> + 'a {
+    let back = |h: u32| of_half_edge(between, h).transpose();
     let outwards = c.outgoing(v).map(move |h| {
         let other = if c.has_twin(h) { back(c.twin(h)) } else { DMat2::ZERO };
-        (c.target(h), share_of(shares, h).between + other)
+        (c.target(h), of_half_edge(between, h) + other)
     });
     // The last edge around a vertex of the boundary has a triangle on its right only.
     let last = c.outgoing(v).map(prev).find(|&h| !c.has_twin(h));
