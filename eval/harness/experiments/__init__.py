@@ -16,5 +16,5 @@ and may have
 `run` does less with `context.quick`, and says in its figures what it left out and why.
 """
 
-NAMES = ['cases', 'remeshers', 'cad', 'table1', 'clouds', 'dense', 'table2', 'figure04', 'figure05', 'figure07',
+NAMES = ['cases', 'remeshers', 'cad', 'table1', 'clouds', 'dense', 'large', 'table2', 'figure04', 'figure05', 'figure07',
          'figure08', 'figure10', 'figure11', 'figure12_14', 'figure16']

@@ -25,7 +25,7 @@ def run(context):
     rows = []
     for size in sizes:
         source = context.file('dense.ply')
-        _write(source, model, size, context.seed)
+        write(source, model, size, context.seed)
         for wanted in points:
             rows.append({'input': size, 'wanted': wanted,
                          **{task: _took(context, words, source, wanted) for task, words in TASKS.items()}})
@@ -40,8 +40,8 @@ def _took(context, words, source, wanted):
     return {'seconds': ran.seconds, 'megabytes': ran.megabytes}
 
 
-def _write(path, model, size, seed):
-    """So many points of the model, in blocks."""
+def write(path, model, size, seed):
+    """Writes so many points of the model, in blocks."""
     rng = np.random.default_rng(seed)
     corners, normals = model.corners(), model.normals()[model.triangles]
     areas = model.areas()
@@ -62,7 +62,7 @@ def _write(path, model, size, seed):
 
 def report(raw, figures):
     header = ['points of the cloud', 'wanted', *(f'{task}, {unit}' for task in TASKS for unit in ('s', 'MB'))]
-    rows = [[f'{row["input"]:,}', f'{row["wanted"]:,}', *(cell for task in TASKS for cell in _cells(row[task]))]
+    rows = [[f'{row["input"]:,}', f'{row["wanted"]:,}', *(cell for task in TASKS for cell in cells(row[task]))]
             for row in raw['rows']]
     failed = [f'{row["input"]:,} points to {row["wanted"]:,}, {task}: {row[task]["failed"]}'
               for row in raw['rows'] for task in TASKS if 'failed' in row[task]]
@@ -71,5 +71,6 @@ def report(raw, figures):
     return '\n\n'.join(part for part in [text, markdown([header] + rows), bullets(failed), raw['less']] if part)
 
 
-def _cells(took):
+def cells(took):
+    """Seconds and megabytes as text."""
     return ['-', '-'] if 'failed' in took else [f'{took["seconds"]:.1f}', f'{took["megabytes"]:.0f}']
