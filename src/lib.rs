@@ -88,7 +88,7 @@
 //! Without default features readers and writers work on bytes only.
 
 #![warn(missing_docs)]
-// Shapes that tests build may have other bits on other machines.
+// Shapes that tests build may differ in their last bits between machines.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 #[doc(hidden)]
@@ -133,8 +133,8 @@ pub mod transfer;
 #[doc(hidden)]
 pub mod triangulate;
 
-/// The stages, each of which can be used by itself. This module is outside of the promise of versions: names and arguments
-/// change when a stage gets better.
+/// The stages, each of which can be used by itself. This module is exempt from semantic versioning: names and arguments change
+/// when a stage gets better.
 pub mod stages {
     #[doc(inline)]
     pub use crate::{

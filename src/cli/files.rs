@@ -8,7 +8,7 @@ use crate::io::{Loaded, file};
 use crate::report::RunSummary;
 use std::path::Path;
 
-/// Refuses targets that nothing can be written to, before the work for them is done and not after.
+/// Refuses targets that cannot be written, before the work is done and not after.
 pub(super) fn check_targets(output: &Path, run: &Run) -> Result<()> {
     file::check_target(output)?;
     check_report(run)
@@ -19,7 +19,7 @@ pub(super) fn check_report(run: &Run) -> Result<()> {
     run.report.iter().try_for_each(|path| file::check_target(path))
 }
 
-/// What is in a file; of a cloud no more points than about `of_use`.
+/// The content of a file; of a cloud about `of_use` points at most.
 pub(super) fn load(from: &MeshFile, of_use: Option<usize>, monitor: &dyn Monitor) -> Result<Loaded> {
     monitor.stage("read");
     let loaded = file::read_at_most(&from.path, from.format, of_use)?;

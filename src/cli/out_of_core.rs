@@ -38,7 +38,7 @@ pub(super) fn is_out_of_core(job: &Sampling) -> bool {
         || is_large(&job.input, &job.out_of_core) && can_plan(&job.input.path, job.input.format, &job.options)
 }
 
-/// The mesh of a job, made coarser while it is read, if it is so large, or if that is wanted; else `None`.
+/// The mesh of a job, made coarser while it is read, if it is larger than memory or if that is wanted; else `None`.
 ///
 /// # Errors
 /// [`Error::Option`] if that is wanted with options that need all of the mesh; [`Error::File`] if the file cannot be read so,
@@ -145,7 +145,7 @@ impl Place {
     /// Takes away what was kept.
     fn clear(&self) {
         if let Place::Kept(path) = self {
-            // All is done; what cannot be removed is no reason to fail.
+            // The job is done; a folder that cannot be removed is no reason to fail.
             let _ = fs::remove_dir_all(path);
         }
     }

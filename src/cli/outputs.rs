@@ -13,7 +13,7 @@ use std::path::PathBuf;
 /// The files of the results.
 pub(super) struct Outputs {
     paths: Vec<PathBuf>,
-    /// The format of each; of tiles that of their content.
+    /// The format of each; for tiles that of their content.
     pub format: Format,
     /// Whether the one path is that of a tileset.
     pub are_tiles: bool,
@@ -22,7 +22,7 @@ pub(super) struct Outputs {
 }
 
 impl Outputs {
-    /// Those of a job, which can be written as far as can be told before.
+    /// The files of a job, checked as far as is possible in advance.
     ///
     /// # Errors
     /// [`Error::File`](crate::Error::File) if one of them cannot, or its format is not known.

@@ -46,7 +46,7 @@ pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
     if !reports.is_empty() {
         hand_out(&page.unwrap_or_else(|| all_to_json(&reports)), &all_to_text(&reports), &job.run)?;
     }
-    // Without the report nothing else would tell.
+    // Without a report nothing else would say so.
     let mut warnings: Vec<&String> = outcomes.iter().flat_map(|outcome| &outcome.warnings).collect();
     warnings.dedup();
     for warning in warnings.into_iter().filter(|_| job.run.voice == Voice::Quiet) {

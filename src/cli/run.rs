@@ -15,7 +15,7 @@ use crate::job::with_threads;
 use crate::report::Failure;
 use crate::report::page::page_of_failure;
 
-/// Does a job, and says how it went. Where a file is at fault, the report that was asked for says so.
+/// Does a job, and says how it went. If a file is at fault, the requested report says so.
 ///
 /// # Errors
 /// Those of reading, remeshing and writing; a result that is not verified is not among them.

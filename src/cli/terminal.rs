@@ -1,5 +1,4 @@
-//! Talking to whoever runs the program: the report on standard output, everything else on standard error, the progress
-//! of a run, and the wish to end it.
+//! Talking to the user: the report on standard output, everything else on standard error, progress, and interrupts.
 
 use crate::base::error::{Error, Result};
 use crate::base::monitor::Monitor;
@@ -25,9 +24,8 @@ static WRITING: AtomicBool = AtomicBool::new(false);
 /// Time that a stage has to end by itself once the user wants the run to end.
 const PATIENCE: Duration = Duration::from_millis(800);
 
-/// From now on Ctrl-C, and on Unix the signals to terminate and to hang up, ask the run to end. What has not ended then
-/// after `PATIENCE`, or at a second signal, is ended. Without a handler, where the system has none, they end it as they
-/// always do.
+/// From now on Ctrl-C, and on Unix the signals to terminate and to hang up, ask the run to end. A run that has not ended after
+/// `PATIENCE`, or at a second signal, is killed. On systems without handlers the signals act as usual.
 pub fn listen_for_interrupts() {
     let handler = || {
         if INTERRUPTED.swap(true, Ordering::Relaxed) {
@@ -115,7 +113,7 @@ fn bar() -> ProgressBar {
     bar
 }
 
-/// Puts a text on standard output. That nobody reads on is no error: `remesh quality m.obj | head -1` is fine.
+/// Prints a text on standard output. A reader that stops early is no error: `remesh quality m.obj | head -1` is fine.
 ///
 /// # Errors
 /// [`Error::File`] if the text cannot be written for another reason, such as a full disk.
@@ -131,7 +129,7 @@ pub fn print(text: &str) -> Result<()> {
     }
 }
 
-/// Puts one line on standard error, with the program's name before it. Where that fails there is nobody to tell.
+/// Prints one line on standard error, with the program's name before it. If that fails there is nobody to tell.
 pub fn complain(cause: &str) {
     let line = cause.split_whitespace().collect::<Vec<_>>().join(" ");
     let _ = writeln!(std::io::stderr(), "remesh: {line}");

@@ -1,4 +1,4 @@
-//! Whether two triangles in space have a point in common that they need not have: exactly, for any coordinates.
+//! Whether two triangles in space intersect beyond the corners and the side that they share: exactly, for any coordinates.
 //!
 //! Corners at exactly the same place are shared; what two triangles have in common besides their shared corners, and the
 //! side between two of these, is a crossing. Touching counts. All tests come down to one, whether a segment meets a

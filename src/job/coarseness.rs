@@ -5,15 +5,15 @@ use crate::io::large::Extent;
 use crate::pipeline::{Grading, Options, Values, coarseness_for, spacing_on};
 use crate::prepare::coarsen::Coarseness;
 
-/// Vertices that are left for each square of the shortest length in the area, measured on two models.
+/// Vertices left for each square of the shortest length in the area, measured on two models.
 const LEFT: f64 = 0.7;
 
-/// Bytes that remeshing takes for each vertex of what is left and of the result: 2.65 million of one and a million of the other
-/// take 2.1 GB.
+/// Bytes that remeshing takes for each vertex that is left and for each one of the result: 2.65 million and a million take 2.1
+/// GB.
 const OF_INPUT: f64 = 250.0;
 const OF_RESULT: f64 = 1500.0;
 
-/// As many times longer the edges may be than suffices, where memory is short: 0.6 of the spacing.
+/// Where memory is short, edges may be this many times longer than suffices: 0.6 of the spacing.
 const MOST_LONGER: f64 = 3.0;
 
 /// Refuses options that need all of the input.
@@ -35,7 +35,7 @@ pub fn refuse_coarser(options: &Options) -> Result<()> {
     })
 }
 
-/// How coarse a mesh of that extent may become: as fine as is of use, if `memory`, in bytes, suffices.
+/// How coarse a mesh of that extent may become: as fine as is useful if `memory`, in bytes, suffices, else coarser.
 ///
 /// # Errors
 /// Those of [`refuse_coarser`]; [`Error::Mesh`] if memory does not suffice.

@@ -49,7 +49,7 @@ impl<'a> Input<'a> {
         self.thinned.as_deref()
     }
 
-    /// Numbers of its points, as those of the cloud that it is left of.
+    /// The numbers that these points have in the cloud as it was read.
     pub(super) fn numbers(&self, points: Vec<u32>) -> Vec<u32> {
         match self.thinning() {
             Some(thinned) => points.into_iter().map(|p| thinned.numbers[p as usize]).collect(),
@@ -122,7 +122,7 @@ impl<'a> Input<'a> {
         &self.attributes
     }
 
-    /// The vertices, with the normals that they have.
+    /// The vertices, with their normals if they have some.
     pub(super) fn as_points(&self) -> Result<Points> {
         Points::new(self.mesh.positions.clone(), self.attributes.normals())
     }

@@ -26,7 +26,7 @@ impl Origin {
         Origin { triangle: Some(triangle), vertices: triangles[triangle as usize], weights }
     }
 
-    /// The same between the points that the vertices of a mesh through points are.
+    /// The same, in terms of the points that the vertices of a mesh through points are.
     pub(super) fn between_points(self, points: &[u32]) -> Origin {
         Origin { triangle: None, vertices: self.vertices.map(|v| points[v as usize]), ..self }
     }
@@ -51,7 +51,7 @@ pub struct Outcome {
     pub shortcomings: Vec<String>,
     /// Things a user should know, a sentence each; the report has them, too.
     pub notes: Vec<String>,
-    /// Those of the notes that say what of the input is not in the result, or not as it was, and why: components, points, noise.
+    /// The notes that say which parts of the input are missing or changed in the result, and why: components, points, noise.
     pub warnings: Vec<String>,
     /// What was done, and how good the result is; `None` if it was not wanted.
     pub report: Option<Report>,
@@ -68,8 +68,8 @@ impl Outcome {
         &self.mesh.triangles
     }
 
-    /// The largest distance that was measured between the result and the input, a mesh or points, in the units of the input.
-    /// `None` without a report.
+    /// The largest measured distance between the result and the input, a mesh or points, in the units of the input. `None`
+    /// without a report.
     pub fn largest_distance(&self) -> Option<f64> {
         let report = self.report.as_ref()?;
         let of_mesh = report.distance.map(|distance| 0.01 * distance.hausdorff * self.mesh.diagonal());

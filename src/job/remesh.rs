@@ -213,11 +213,11 @@ struct Surface<'a> {
 /// What is known of an input of points.
 struct Cloud {
     summary: CloudSummary,
-    /// Where the points are that the surface should go through.
+    /// The places of the points that the surface should go through.
     positions: Vec<DVec3>,
     /// Their mean spacing.
     spacing: f64,
-    /// What to say if they are not all.
+    /// The note for points that are not used.
     thinned: Option<String>,
 }
 

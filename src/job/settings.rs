@@ -1,5 +1,5 @@
-//! Options one by one, as users set them on the command line and in Python, and what they resolve to. What is `None` is not
-//! set. Between both every field is named, so an option that is forgotten does not compile.
+//! Options one by one, as users set them on the command line and in Python, and what they resolve to. `None` means not set. The
+//! conversion names every field, so a forgotten option does not compile.
 
 use crate::base::error::{Error, Result, Setting};
 use crate::job::remesh::{Carry, RemeshOptions};
@@ -173,7 +173,7 @@ impl NormalSettings {
     }
 }
 
-/// The one that is given of the ways to say how dense a result shall be.
+/// The density, which may be given in one of several ways.
 fn density<T>(points: Option<T>, edge_length: Option<T>, sigma_p: Option<T>) -> Result<Option<T>> {
     at_most_one([
         (Setting::Points, points.is_some()),
@@ -200,7 +200,7 @@ fn grading(sizing: Option<Values>, adapt: Option<f64>, sigma_n: Option<f64>, sig
     })
 }
 
-/// Refuses settings of which only one can hold.
+/// Refuses settings that exclude each other.
 fn at_most_one<const N: usize>(settings: [(Setting, bool); N]) -> Result<()> {
     let mut given = settings.into_iter().filter(|(_, is_given)| *is_given).map(|(setting, _)| setting);
     match (given.next(), given.next()) {

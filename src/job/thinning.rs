@@ -1,4 +1,4 @@
-//! How many points of a cloud a job has a use for, and a cloud of no more.
+//! How many points of a cloud a job can use, and a cloud thinned to that many.
 
 use crate::job::input::Input;
 use crate::mesh::triangle_mesh::Mesh;
@@ -7,8 +7,8 @@ use crate::prepare::thin::{Seen, Thinned, Thinner};
 use glam::DVec3;
 use std::borrow::Cow;
 
-/// Points of a cloud that are of use for each vertex of the result, and beside these: so small results do not lose the
-/// details that they are fitted to.
+/// Useful points of a cloud: this many for each vertex of the result, and a fixed number more, so that small results do not lose
+/// the details that they are fitted to.
 const OF_VERTEX: usize = 3;
 const OF_RESULT: usize = 300_000;
 
@@ -17,8 +17,8 @@ fn for_points(points: usize) -> usize {
     OF_VERTEX * points + OF_RESULT
 }
 
-/// How many points of a cloud are of use for remeshing it; `None` if that is not known before, if each has a number of its own,
-/// or if the result is held against all of them.
+/// How many points of a cloud are useful for remeshing it; `None` if that is not known in advance, if each point has a value of
+/// its own, or if the result is measured against all of them.
 pub fn of_use_for_remeshing(options: &Options) -> Option<usize> {
     let is_given = match &options.grading {
         Grading::Field(values) => is_given(values),
@@ -76,7 +76,7 @@ fn thinned(positions: &[DVec3], normals: &[DVec3], wanted: usize) -> Thinned {
     thinner.finish().0
 }
 
-/// What to say of a cloud that was thinned.
+/// The note on a cloud that was thinned.
 pub(super) fn note(thinned: &Thinned) -> String {
     let Thinned { points, cell, numbers } = thinned;
     let kept = numbers.len();

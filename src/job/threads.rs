@@ -2,8 +2,8 @@
 
 use crate::base::error::{Error, Result, Setting};
 
-/// Calls `work` on a thread of rayon's, of which there are as many as are wanted, or without a number as many as it has by
-/// itself. From any other thread each loop in parallel would have to wake one up and wait for it.
+/// Calls `work` on one of rayon's threads: of a pool of the wanted size, or of the global pool. From any other thread each
+/// parallel loop would have to wake one up and wait for it.
 ///
 /// # Errors
 /// [`Error::Option`] if the system does not give that many.

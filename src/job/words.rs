@@ -1,4 +1,4 @@
-//! Options as single words, which the command line and Python share. What numbers make sense is for the options to say.
+//! Options as single words, which the command line and Python share. The options themselves check the range of numbers.
 
 use crate::pipeline::{Density, MaxError, NormalFit, Selection};
 use crate::surface::features::Features;

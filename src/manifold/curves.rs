@@ -52,7 +52,7 @@ impl Manifold {
         }
     }
 
-    /// Where a step of `way` takes vertex `v` from `here`, along the same curve if it is on one.
+    /// Where a step `way` takes vertex `v` from `here`, along its curve if it is on one.
     pub fn place_after(&self, domain: &Domain, v: u32, way: DVec3, here: &Sample) -> Sample {
         match self.connectivity.curve_at(v) {
             OnCurve::Curve(curve) => domain.project_on_curve(here.position + way, curve),

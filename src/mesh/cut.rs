@@ -9,7 +9,7 @@ use crate::mesh::half_edge::next;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 
-/// A number for some sides of a mesh. Most meshes have none, and then this takes no memory.
+/// A number for some sides of a mesh. It takes no memory if no side has one, as in meshes without sharp edges.
 #[derive(Debug, Clone, Default)]
 pub struct OfSides {
     numbers: Vec<u32>,

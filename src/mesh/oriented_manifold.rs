@@ -43,7 +43,7 @@ impl OrientedManifold {
         &mut self.mesh.positions
     }
 
-    /// Adds a vertex at the middle of an edge, given by its ends. That of the triangles is for the caller to split.
+    /// Adds a vertex at the middle of an edge, given by its ends. The caller splits the triangles there.
     pub(super) fn insert_middle(&mut self, ends: [u32; 2]) -> u32 {
         let [a, b] = ends.map(|v| self.mesh.positions[v as usize]);
         self.mesh.positions.push((a + b) / 2.0);

@@ -1,5 +1,5 @@
-//! Where the vertices and triangles of a mesh came from: each preparing step says what it made of what, and their
-//! composition tells for any point of the last mesh which point of the first one, the source, it is.
+//! Where the vertices and triangles of a mesh came from: each preparing step records what it made of what. Composed, they tell
+//! which point of the first mesh, the source, any point of the last one is.
 //!
 //! A triangle is a part of one triangle of the source. A vertex is one of the source, or lies between some of one of its
 //! triangles: a [`Blend`] of at most three. Vertices at one place of the source are one; the first stands for all.
@@ -82,7 +82,7 @@ pub struct Origins {
 pub struct Provenance {
     /// For each vertex of the source the one that stands for its place.
     representatives: Vec<u32>,
-    /// For each vertex that of the source, or, from the number of these on, the number of an inserted one.
+    /// For each vertex its number in the source; inserted vertices have the numbers after those of the source.
     vertices: Vec<u32>,
     inserted: Vec<Blend>,
     /// For each triangle that of the source that it is a part of.

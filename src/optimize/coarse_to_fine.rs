@@ -33,7 +33,7 @@ const CLEARANCE: f64 = 6.0;
 /// 1.9.
 const LONGEST_REFINED: f64 = 2.2;
 
-/// Ends of longer edges, as a share of the vertices, above which they are everywhere.
+/// Above this share of the vertices, ends of longer edges are everywhere and not at single places.
 const MOST_LONG: f64 = 0.05;
 
 /// Cosine of the angle between the normals of adjacent vertices above which they are tips, at the end of a spike or a
@@ -65,8 +65,8 @@ pub fn indispensable(mesh: &Manifold, kept: &VertexSet) -> VertexSet {
     &(&mesh.bent(BENT) | kept) | &beside_interface(mesh)
 }
 
-/// Adds the vertices of `mesh` around self-intersections of `coarse` to `kept`: the surface is a wall there that is too
-/// thin for such large faces. Returns whether any were not in it: with the same ones the coarse mesh would be the same.
+/// Adds the vertices of `mesh` around self-intersections of `coarse` to `kept`: the surface is a wall there that is too thin for
+/// such large faces. Returns whether any of them are new: without new ones the coarse mesh would be the same.
 pub fn keep_at_self_intersections(kept: &mut VertexSet, mesh: &Manifold, coarse: &Manifold, spacing: f64) -> bool {
     let coarse = coarse.to_mesh();
     let places = self_intersections(&coarse).into_iter().flat_map(|t| coarse.corners(t as usize));
@@ -74,8 +74,8 @@ pub fn keep_at_self_intersections(kept: &mut VertexSet, mesh: &Manifold, coarse:
 }
 
 /// Adds the vertices of `mesh` around edges of `refined` that are still as long as those of a coarse mesh to `kept`: such edges
-/// go past a part of the surface, an ear or a fin, and cannot be split. Returns whether any were not in it. Does nothing where
-/// such edges are everywhere, as in a part of narrow strips.
+/// miss a part of the surface, an ear or a fin, and cannot be split. Returns whether any of them are new. Does nothing where such
+/// edges are everywhere, as in a part of narrow strips.
 pub fn keep_at_long_edges(kept: &mut VertexSet, mesh: &Manifold, refined: &Manifold, spacing: f64) -> bool {
     let longest = LONGEST_REFINED * LONGEST_REFINED * spacing * spacing;
     let is_long = |h: &u32| refined.connectivity.can_split(*h) && refined.relative_length_squared(*h) > longest;
@@ -85,7 +85,7 @@ pub fn keep_at_long_edges(kept: &mut VertexSet, mesh: &Manifold, refined: &Manif
     !are_everywhere && keep_around(kept, mesh, &places, spacing)
 }
 
-/// Adds the vertices of `mesh` around `places` to `kept`; whether any were not in it.
+/// Adds the vertices of `mesh` around `places` to `kept`; whether any of them are new.
 fn keep_around(kept: &mut VertexSet, mesh: &Manifold, places: &[DVec3], spacing: f64) -> bool {
     if places.is_empty() {
         return false;

@@ -1,4 +1,4 @@
-//! Parts vertices at one place, where bodies touch at a corner or an edge: whoever welds the result would join the bodies
+//! Parts vertices at one place, where bodies touch at a corner or an edge: a program that welds the result would join the bodies
 //! there.
 //!
 //! All but one step along their longest edge, by next to nothing, which keeps them on the surface.

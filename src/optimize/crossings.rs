@@ -1,4 +1,4 @@
-//! The faces of a mesh that cross, while the mesh changes: which do, which would, and how far vertices may go for it.
+//! The self-intersecting faces of a mesh that changes: which faces cross, which would, and how far vertices may move to avoid it.
 
 use crate::geom::intersection::cross_deeper_than;
 use crate::geom::triangle::mean_ratio;

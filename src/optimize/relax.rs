@@ -107,7 +107,7 @@ fn strain_of(mesh: &Manifold, corners: [u32; 3], spacing: f64) -> Strain {
     strain(corners.map(|v| mesh.position(v)), spacing * size)
 }
 
-/// The derivatives of the energy of a triangle by its corners. Inlined, so that who wants those by one corner pays for no more.
+/// The derivatives of the energy of a triangle by its corners. Inlined, so that a caller who needs one corner pays for no more.
 #[inline(always)]
 fn strain([p, q, r]: [DVec3; 3], spacing: f64) -> Strain {
     let sides = [r - q, p - r, q - p];

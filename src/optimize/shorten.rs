@@ -66,7 +66,7 @@ struct Common {
 }
 
 impl Common {
-    /// That of `faces`, but for what is near self-intersections of the input.
+    /// What `faces` have in common with others, except near self-intersections of the input.
     fn of(faces: &BTreeSet<u32>, inherited: &Inherited, mesh: &Manifold, around: &Surroundings) -> Common {
         let mut common = Common::default();
         for &t in faces {

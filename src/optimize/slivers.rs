@@ -50,7 +50,7 @@ pub fn remove_slivers(mesh: &mut Manifold, spacing: f64) {
     }
 }
 
-/// How much less than it should be the smallest angle of a triangle is, in degrees.
+/// By how many degrees the smallest angle of a triangle falls short.
 fn deficit(mesh: &Manifold, corners: [u32; 3]) -> f64 {
     (SMALLEST - smallest_angle(corners.map(|v| mesh.position(v)))).max(0.0)
 }

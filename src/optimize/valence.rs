@@ -162,7 +162,7 @@ impl Defects {
         }
     }
 
-    /// Flips `h` and further edges until the energy is lower; if that is not to be had, none.
+    /// Flips `h` and further edges until the energy is lower; none if that cannot be reached.
     fn glide(&mut self, mesh: &mut Manifold, h: u32, glide: &mut Glide<'_>) -> bool {
         glide.tries -= 1;
         let lower = self.rise(mesh, h) < 0;
@@ -404,7 +404,7 @@ mod tests {
         assert!(t.is_manifold() && t.is_oriented() && t.euler == 1, "{t:?}");
     }
 
-    /// Each flip of a glide that comes to nothing is taken back, to the last number.
+    /// Each flip of a failed glide is undone, down to the numbers of half-edges.
     #[test]
     fn a_flip_taken_back_leaves_no_trace() {
         let mut mesh = sheet();

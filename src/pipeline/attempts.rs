@@ -1,11 +1,11 @@
 //! Which attempts are made at a sound result, one after the other.
 //!
 //! Three things go wrong, and each has its remedy. Samples on sharp edges that are too few leave patches that do not fit
-//! together: edges become shorter there, or, where there is no room for that, samples on all sharp edges closer; at last
-//! the sharp edges are smoothed over. Samples of the two sides of a thin wall come together such that triangles intersect:
-//! others are drawn there. A result that is not sound even so is made finer where it went wrong, see `pipeline/mend.rs`; only
-//! if that does not help all is drawn anew, finer there. Where a sound one intersects itself as its input does, but with more
-//! faces, all is drawn anew once, with longer edges there.
+//! together: edges become shorter there, or, where there is no room for that, samples on all sharp edges closer; at last the
+//! sharp edges are smoothed over. Samples of the two sides of a thin wall may be joined so that triangles intersect: new ones are
+//! drawn there. If the result is still not sound, it is made finer where it went wrong (`pipeline/mend.rs`); only if that does
+//! not help, everything is drawn again, finer there. If a sound result intersects itself as its input does, but with more faces,
+//! everything is drawn again once, with longer edges there.
 
 /// Runs up to a whole result, and times that samples are drawn in each for a mesh that does not intersect itself.
 pub(super) const MOST_RUNS: u64 = 3;
@@ -17,17 +17,17 @@ const MOST_WITH_CURVES: usize = 5;
 /// How many times as many samples there are on curves where edges cannot become shorter.
 const CLOSER: f64 = 1.4;
 
-/// Where more triangles than a share of all, and than this many, intersect or are slivers, it is no matter of single places:
-/// the vertices are too few for how near to each other the walls are.
+/// If more triangles than this share, and than this number, intersect or are slivers, single places are not to blame: there are
+/// too few vertices for walls so near to each other.
 const MOST_OF_TRIANGLES: f64 = 0.05;
 const MOST_IN_PLACES: usize = 60;
 
-/// How good what an attempt led to is: the less the better, topology first.
+/// How good the outcome of an attempt is: less is better, and topology counts first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Score {
-    /// Whether it is not of the topology that it should have.
+    /// Whether its topology is not the wanted one.
     pub other_topology: bool,
-    /// Triangles that intersect others; of a whole result only where the surface does not.
+    /// Triangles that intersect others; in a whole result only those where the surface does not.
     pub self_intersections: usize,
     /// Slivers of a whole result.
     pub slivers: usize,
@@ -39,7 +39,7 @@ pub(super) struct Score {
 impl Score {
     pub(super) const SOUND: Score = Score { other_topology: false, self_intersections: 0, slivers: 0, excess: 0 };
 
-    /// Whether nothing is wrong but that there are more self-intersections where the input has some.
+    /// Whether the only fault is more self-intersections than the input has, where it has some.
     fn is_only_in_excess(&self) -> bool {
         self.excess > 0 && Score { excess: 0, ..*self } == Score::SOUND
     }
@@ -74,7 +74,7 @@ pub(super) enum Step {
     Continue,
     /// Draw others for the same sharp edges where triangles intersect: the best triangulation counts.
     Resample,
-    /// Draw others, sharp edges being treated in another way: what was before does not count.
+    /// Draw others and treat sharp edges differently: earlier triangulations no longer count.
     Restart,
 }
 
@@ -93,7 +93,7 @@ pub(super) struct Attempts {
 }
 
 impl Attempts {
-    /// Those with the random numbers of `seed`, of a surface that has sharp edges or not.
+    /// The attempts with the random numbers of `seed`, for a surface with or without sharp edges.
     pub(super) fn new(seed: u64, has_curves: bool) -> Attempts {
         Attempts {
             seed,

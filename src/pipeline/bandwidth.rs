@@ -1,8 +1,7 @@
 //! The width of the kernel for a number of samples, by search.
 //!
-//! Where only the position counts it is known beforehand from the area; in more dimensions the area is not known. With M
-//! samples of N wanted for a width σ, the next width is σ (M / N)^(1/e), where e, 2 at first, is the exponent that the
-//! last two widths show.
+//! If only the position counts, the area gives it; in more dimensions the area is not known. If a width σ leaves M samples where
+//! N are wanted, the next width is σ (M / N)^(1/e). The exponent e is 2 at first, and then the one that the last two widths show.
 //!
 //! Cost: two or three scans, mostly.
 
@@ -14,11 +13,11 @@ use crate::pipeline::scale::SMALLEST_SPACING;
 const MOST_SCANS: usize = 12;
 const NEAR_ENOUGH: f64 = 0.02;
 
-/// By how much a width changes at most from one scan to the next, and the exponents that are believed.
+/// The most that a width changes from one scan to the next, and the range of plausible exponents.
 const LARGEST_STEP: f64 = 8.0;
 const EXPONENTS: [f64; 2] = [0.5, 3.0];
 
-/// The width for about `wanted` samples, and those: of all that were tried, what came nearest.
+/// The width for about `wanted` samples, and the samples: the nearest of all that were tried.
 pub(super) fn find_bandwidth<T>(
     first: f64,
     wanted: usize,

@@ -31,8 +31,8 @@ pub struct CloudOptions {
     /// points: the larger, the smoother; with zero points stay where they are. Default: `None`, [`SMOOTHING_SUPPORT`] where
     /// there is noise, else zero.
     pub smooth: Option<f64>,
-    /// Holes in a box with no longer a diagonal than this, in the units of the input, are closed. Default: 0, those stay
-    /// that are larger than gaps between points.
+    /// Holes whose bounding box has at most this diagonal, in the units of the input, are closed. Default: 0, holes larger than
+    /// the gaps between points stay.
     pub fill_holes: f64,
 }
 
@@ -43,7 +43,7 @@ impl Default for CloudOptions {
 }
 
 impl CloudOptions {
-    /// Refuses what no cloud can be made a mesh with.
+    /// Refuses options that suit no cloud.
     ///
     /// # Errors
     /// [`Error::Option`] for fewer than three neighbours, or a length that is not positive and finite.
@@ -152,8 +152,8 @@ pub struct CloudSummary {
     /// Whether there is noise that smoothing would take away.
     #[serde(default)]
     pub noisy: bool,
-    /// How far points reached on the implicit surface that they were moved onto, since there is noise and nothing else was
-    /// asked for; 0 if they were not.
+    /// How far points reached on the implicit surface that they were moved onto because of noise, unasked; 0 if they were not
+    /// moved.
     #[serde(default)]
     pub smoothed_by_itself: f64,
     /// Neighbours of each point whose planes the points were moved onto, since fewer are not flat for noise; 0 without.
@@ -166,7 +166,7 @@ pub struct CloudSummary {
 }
 
 impl CloudSummary {
-    /// Adds that the points were kept of more.
+    /// Records that these points are what was kept of more.
     pub fn thin(&mut self, thinned: &Thinned) {
         (self.thinned_from, self.cell) = (thinned.points, thinned.cell);
     }
@@ -206,7 +206,7 @@ const AREA_OF_SPACING: f64 = 0.6;
 /// Share of neighbours with normals to other sides from which on normals that were given are not believed.
 const MOST_DISAGREEMENT: f64 = 0.01;
 
-/// If more than one in so many normals did not say its side the others are not asked for it.
+/// If more than one normal in this many does not tell its side, the others are not trusted to.
 const SIDED: usize = 4;
 
 /// Points that a cloud must have.
@@ -235,7 +235,7 @@ impl Prepared {
         self.spacings.iter().map(|s| AREA_OF_SPACING * s * s).sum()
     }
 
-    /// Whether which side is outside is not known from any of the input's normals.
+    /// Whether none of the input's normals tells which side is outside.
     pub fn has_no_outside(&self) -> bool {
         SIDED * (self.summary.estimated_normals + self.summary.turned_normals) > self.source.len()
     }
@@ -337,14 +337,14 @@ fn mean(numbers: &[f64]) -> f64 {
     numbers.iter().sum::<f64>() / numbers.len().max(1) as f64
 }
 
-/// What to say of points that are as thick as wide wherever one looks.
+/// The error for points that are as thick as they are wide everywhere.
 pub fn volume(points: usize) -> Error {
     let cause = format!("no surface goes through these {points} points: they fill a volume");
     let remedy = "give points of a surface, or less noisy ones".into();
     Error::Mesh { fault: Fault::NoSurface, cause, remedy }
 }
 
-/// What to say of points whose surface has no triangle.
+/// The error for points whose surface has no triangles.
 pub(super) fn no_surface(points: usize) -> Error {
     let cause = format!("no surface goes through these {points} points: neighbours do not agree on one");
     Error::Mesh {
@@ -418,7 +418,7 @@ fn normals(
     normals
 }
 
-/// A component whose area looks this way, as a share of all of it, is a sheet: it has an upper side and no outside.
+/// A component is a sheet, with an upper side and no outside, if at least this share of its area faces one way.
 const SHEET: f64 = 0.6;
 
 /// Turns over the components that look inwards; of those that are sheets, like ground, the ones that look down.

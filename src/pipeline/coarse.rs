@@ -1,4 +1,4 @@
-//! How coarse the surface may be that is sampled: of what is far finer than the wanted triangles much can go.
+//! How coarse the sampled surface may be: an input far finer than the wanted triangles can lose much.
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
@@ -21,15 +21,15 @@ use rayon::prelude::*;
 /// result, or less.
 const SHORTEST: f64 = 0.2;
 
-/// How far what goes may be from what is left, in mean spacings.
+/// The largest distance of removed vertices from what is left, in mean spacings.
 const TOLERANCE: f64 = 0.01;
 
-/// Edges shorter than this share of the shortest one, and the share of all edges from which on it pays to coarsen.
+/// Coarsening pays if this share of all edges (`MANY`) is shorter than that share of the shortest one (`FAR_SHORTER`).
 const FAR_SHORTER: f64 = 0.5;
 const MANY: f64 = 0.5;
 
-/// Vertices for each wanted one from which on it pays. Of a part with fewer, the short edges are those of fillets and text beside
-/// wide faces.
+/// It pays from this many vertices for each wanted one on. In a part with fewer, the short edges belong to fillets and text
+/// beside wide faces.
 const MANY_TIMES: usize = 8;
 
 /// How coarse a surface may be that is sampled with this mean spacing.
@@ -37,8 +37,8 @@ pub fn coarseness_for(spacing: f64) -> Coarseness {
     Coarseness { shortest: SHORTEST * spacing, tolerance: TOLERANCE * spacing }
 }
 
-/// The spacing of the result if `repaired` is much finer than that; `None` if it is not, or is to be held to as it is: where
-/// lengths follow something, a bound on the error is asked for, or only a part is remeshed.
+/// The spacing of the result if `repaired` is much finer than that; `None` if it is not, or must not become coarser: if lengths
+/// follow something, the error is bounded, or only a part is remeshed.
 pub(super) fn far_wider_spacing(
     prepared: &PreparedInput,
     repaired: &OrientedManifold,

@@ -29,7 +29,7 @@ pub struct Coverage {
     pub place: [f64; 3],
 }
 
-/// Points as many spacings as this away from a surface are none of its points.
+/// Points this many spacings away from a surface do not belong to it.
 const FAR: f64 = 3.0;
 
 /// The share of points that may be missed: tips and shreds that a scan has only a few points of.

@@ -25,7 +25,7 @@ pub(super) struct Finished {
     pub self_intersections: Vec<u32>,
     /// Triangles of the repaired input that intersect others, if any of the mesh do.
     pub self_intersections_of_input: usize,
-    /// Those of them where the surface does not intersect itself.
+    /// The triangles among them where the surface does not intersect itself.
     pub new_self_intersections: Vec<u32>,
     /// Triangles of `of_part` that are slivers.
     pub slivers: Vec<u32>,

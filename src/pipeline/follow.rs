@@ -1,4 +1,4 @@
-//! Vertices that follow a kernel in more dimensions: how dense its samples are becomes the edge length that is wanted.
+//! Vertices that follow a kernel in more dimensions: the density of its samples becomes the wanted edge length.
 //!
 //! The scan in six dimensions or more says how many samples each part of the surface gets. The pipeline then goes on with
 //! those lengths as with any others: samples, triangles and optimiser keep to them, and triangles are close to

@@ -1,7 +1,7 @@
-//! Components of the input of which a result has next to nothing: they are smaller than its edges are long.
+//! Components of the input that a result has hardly anything of, because they are smaller than its edges.
 //!
-//! A component keeps its topology, so a small one becomes a tetrahedron or an octahedron, and whatever it was is gone. Only its
-//! area tells: an octahedron has half of that of the sphere around it, and a flat sheet of two triangles has all of its own.
+//! A component keeps its topology, so a small one becomes a tetrahedron or an octahedron and loses its shape. Only its area
+//! tells: an octahedron has half the area of the sphere around it, while a flat sheet of two triangles keeps all of its own.
 //!
 //! Cost: linear in the triangles of both meshes.
 

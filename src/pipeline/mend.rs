@@ -1,8 +1,8 @@
 //! Mends a result where it went wrong, in place: edges around faces that cross and around slivers become shorter, and those
 //! elsewhere as much longer as keeps the number of vertices.
 //!
-//! Whether samples come together well at a thin wall is a matter of chance, at each place by itself. Were all drawn anew, what was
-//! good at one place would be lost for what is good at another; here it stays.
+//! Chance decides, at each place separately, whether samples at a thin wall are joined well. Drawing all of them again would lose
+//! the good places along with the bad ones; here they stay.
 //!
 //! Cost: about a third of what the result took, for each round: most of it is the fit to the surface, which is that of the whole.
 
@@ -15,8 +15,7 @@ use crate::pipeline::optimization::fit_to_surface;
 use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::sized::SizedSurface;
 
-/// Rounds at most, each with edges half as long as the one before at places that are still unsound, and how many of them in a row
-/// may fail.
+/// The most rounds, each of which halves the edges at places that are still unsound, and how many in a row may fail.
 const MOST_ROUNDS: usize = 4;
 const MOST_FAILURES: usize = 2;
 

@@ -233,14 +233,14 @@ fn refine_to_count(
     relax(domain, mesh, &locked, spacing, Flips::KeepValence, 2 * ROUNDS, monitor)
 }
 
-/// How often a mesh is ordered, each time with more vertices kept dense, until no edge is left that could not be split.
+/// The most times that a mesh is ordered, each time with more dense vertices, until every long edge could be split.
 const MOST_ORDERS: usize = 3;
 
 /// Most coarse meshes that are made, each with more vertices kept dense, until one has no self-intersections.
 const MOST_COARSE_MESHES: usize = 3;
 
-/// Vertices, without the dense ones, that make it worth to order a mesh by a coarser one first. Smooth models gain from 1,000
-/// on, but curves that lie near to each other are crossed by triangles of four spacings.
+/// From this many vertices on, dense ones aside, it pays to order a mesh by a coarser one first. Smooth models gain from 1,000
+/// on, but triangles of four spacings cross curves that are near each other.
 const FEWEST_TO_COARSEN: usize = 2000;
 
 /// Sweeps of ascent in the places that no coarser mesh can follow, those over the coarsest mesh, in two halves, those over one

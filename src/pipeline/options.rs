@@ -108,7 +108,7 @@ impl Options {
         Options { density: Density::Points(n), ..Options::default() }
     }
 
-    /// Refuses what no input can be remeshed with.
+    /// Refuses options that suit no input.
     ///
     /// # Errors
     /// [`Error::Option`] for a number of points out of range or a length that is not positive and finite.

@@ -1,7 +1,7 @@
 //! Other samples where a triangulation of the first ones intersects itself, and the same ones elsewhere.
 //!
-//! Whether the samples of the two sides of a thin wall come together is a matter of chance, at each place by itself. Were all
-//! samples drawn anew, what was good at one place would be lost for what is good at another.
+//! Chance decides, at each place separately, whether the samples of the two sides of a thin wall are joined. Drawing all of them
+//! again would lose the good places along with the bad ones.
 //!
 //! Cost: that of the candidates, and of a scan of those around the places.
 

@@ -113,7 +113,7 @@ impl<'a> Remesher<'a> {
 const MOST_TRIES: usize = 8;
 const NEAR_ENOUGH: f64 = 1.1;
 
-/// Most that the number of vertices changes by from one try to the next: a single far place says little about others.
+/// The most that the number of vertices changes from one try to the next: one place with a large error says little about others.
 const LARGEST_CHANGE: f64 = 8.0;
 
 /// The verified result with the fewest vertices, of those that were tried; if none is, the last that keeps to the error
@@ -144,7 +144,7 @@ fn with_fewest_points(
             break;
         }
         let wanted = n * ratio.clamp(1.0 / LARGEST_CHANGE, LARGEST_CHANGE);
-        // Well inside of what is left, so that each try narrows it down.
+        // Well inside the remaining range, so that each try narrows it.
         let step = math::pow(enough / too_few, 0.2).min(NEAR_ENOUGH);
         n = wanted.clamp(step * too_few, enough / step);
     }

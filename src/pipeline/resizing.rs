@@ -1,9 +1,8 @@
-//! Where a result gets edges of other lengths than the one before.
+//! Where a result gets longer or shorter edges than the one before.
 //!
-//! Sheets that are nearer to each other than the edges are long, and narrow patches that were joined with others, are what
-//! triangles intersect at. With edges half as long they mostly do not; the rest of the surface has as much longer edges as
-//! keeps the number of vertices. Where the surface intersects itself, on the other hand, triangles always do, and the fewer the
-//! longer their edges are.
+//! Triangles intersect where sheets are nearer to each other than the edges are long, and where narrow patches were joined with
+//! others. Halving the edges mostly helps; the rest of the surface gets longer edges, so that the number of vertices stays. Where
+//! the surface itself intersects, triangles always do, and longer edges make them fewer.
 
 use crate::spatial::kdtree::Neighbors;
 use crate::surface::domain::Domain;

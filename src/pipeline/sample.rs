@@ -1,7 +1,7 @@
 //! Samples without triangles: blue noise on a surface by scan and ascent, or a subset of given points by the scan alone.
 //!
-//! The count comes of the width of the kernel, which is found by search. What is left is added where s is largest or
-//! removed where it is smallest.
+//! The width of the kernel, found by search, gives about the wanted count. Missing samples are added where s is largest, surplus
+//! ones removed where it is smallest.
 
 use crate::base::count::counted;
 use crate::base::error::{Error, Fault, Result, Setting};
@@ -81,7 +81,7 @@ impl Default for SampleOptions {
 }
 
 impl SampleOptions {
-    /// Refuses what nothing can be sampled with.
+    /// Refuses options that suit no input.
     ///
     /// # Errors
     /// [`Error::Option`] for a number of samples out of range, or a length or a width that is not positive.

@@ -1,4 +1,4 @@
-//! How many vertices there shall be, and how far apart: of a density, or of a field of wanted lengths.
+//! How many vertices are wanted and how far apart, given a density or a field of lengths.
 
 use crate::base::error::{Error, Fault, Result, Setting};
 use crate::mesh::triangle_mesh::Mesh;
@@ -21,7 +21,7 @@ pub(super) const CANDIDATES_PER_POINT: usize = 20;
 /// Longest edge of the domain in mean spacings, for the sake of the walks over it.
 pub(super) const LONGEST_EDGE: f64 = 2.0;
 
-/// The same of edges on curves: how near curves are to each other is found out at their ends.
+/// The same for edges on curves: the distance between curves is measured at their ends.
 pub(super) const LONGEST_ON_CURVES: f64 = 0.5;
 
 /// A field of wanted edge lengths, in the pipeline's unit.

@@ -1,4 +1,4 @@
-//! What keeps a result from being what was asked for. A result of which there is nothing to say here is verified.
+//! What keeps a result from being what was asked for. A result without any of these is verified.
 
 use crate::base::count::counts;
 use crate::mesh::topology::Topology;

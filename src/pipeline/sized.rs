@@ -27,14 +27,14 @@ use glam::DVec3;
 use std::collections::HashSet;
 use std::sync::OnceLock;
 
-/// Width of the widest step between points that is none of their surface, in mean distances of neighbouring ones: the diagonal of
-/// a cell of a lattice is half as long again as its side.
+/// Steps up to this width, in mean distances of neighbouring points, come from sampling and not from the surface: in a lattice a
+/// cell's diagonal is half as long again as its side.
 const STEP: f64 = 1.5;
 
 /// Largest share of the vertices that may lie on sharp edges.
 const MOST_ON_EDGES: f64 = 0.6;
 
-/// How often lengths that fit whole rows and the spacing are made to agree.
+/// Rounds in which the lengths that fit whole rows and the spacing adapt to each other.
 const FITS_OF_ROWS: usize = 3;
 
 /// The domain of sampling, its scale, and the width of the kernel.

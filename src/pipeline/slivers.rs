@@ -1,5 +1,5 @@
-//! The small angles of a result, but for those that two feature curves force by meeting there; and its slivers, triangles with
-//! an angle so small that whoever computes with them fails.
+//! The small angles of a result, but for those that two feature curves force by meeting there; and its slivers, triangles with an
+//! angle too small to compute with.
 
 use crate::geom::triangle::{angles, smallest_angle};
 use crate::manifold::Manifold;

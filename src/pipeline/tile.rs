@@ -1,8 +1,8 @@
 //! The samples of a part of a cloud, the same as within a run over all of it.
 //!
-//! Everything is local, and reaches no farther than a number of kernel widths that is known: neighbours beyond it do not
-//! count; a point with too few within it is an outlier. The scan goes by blocks, of which a box hears so many others (see
-//! [`lattice`](crate::spectral::lattice)); the ascent moves all samples at once. What is global comes from the
+//! Everything is local and reaches no farther than a known number of kernel widths: neighbours beyond that do not count, and a
+//! point with too few within it is an outlier. The scan goes block by block, and a box depends on a known number of blocks around
+//! it (see [`lattice`](crate::spectral::lattice)); the ascent moves all samples at once. What is global comes from the
 //! [`Outline`].
 //!
 //! Departures from sampling a whole cloud: normals are those of planes, the spacing of points has a limit where they are

@@ -191,7 +191,7 @@ fn steady_normals(mesh: &Mesh, sharp: &[bool]) -> Vec<DVec3> {
     around.into_iter().map(DVec3::normalize_or_zero).collect()
 }
 
-/// The first `count` vertices of `mesh` that the others have to do with.
+/// The vertices among the first `count` of `mesh` that the others depend on.
 fn points_around(mesh: &Mesh, count: usize) -> Vec<u32> {
     let mut is_near: Vec<bool> = (0..mesh.positions.len()).map(|v| v >= count).collect();
     for _ in 0..RINGS {
@@ -239,7 +239,7 @@ fn raise(mesh: &mut OrientedManifold, first: usize, mut rises: Vec<Option<DVec3>
     }
 }
 
-/// Of `triangles` those that cross others of the mesh, and those.
+/// The `triangles` that cross others of the mesh, and those others.
 fn crossing_among(mesh: &Mesh, triangles: &[u32]) -> Vec<u32> {
     let soup = |of: &[u32]| Mesh::soup(of.iter().map(|&t| mesh.corners(t as usize)));
     let some = soup(triangles);

@@ -27,7 +27,7 @@ pub const MANY_NEIGHBORS: usize = 16;
 /// boundary, spreads by half.
 const LINE: f64 = 0.3;
 
-/// As many times more neighbours than wanted are looked at before a line is taken for one.
+/// Up to this many times more neighbours than wanted are looked at before a line is accepted as one.
 pub const MOST_ON_LINE: usize = 8;
 
 /// The neighbours of each point that its normal follows from.

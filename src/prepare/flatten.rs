@@ -25,13 +25,13 @@ use rayon::prelude::*;
 /// At what number of neighbours a cloud is a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Flatness {
-    /// At the nearest few, or that cannot be told.
+    /// With the nearest few neighbours, or it cannot be told.
     AtOnce,
-    /// At these, too, but more of them are flatter: there is some noise.
+    /// With these, too, but more neighbours are flatter: there is some noise.
     NotQuite,
-    /// At so many: there is noise that is stronger than the points are near.
+    /// With this many: the noise is larger than the spacing.
     At(usize),
-    /// At none: the points fill a volume.
+    /// With no number: the points fill a volume.
     Never,
 }
 

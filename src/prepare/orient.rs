@@ -114,7 +114,7 @@ fn turn_outvoted(points: &[DVec3], normals: &mut [DVec3], graph: &NeighborGraph,
     for _ in 0..ROUNDS {
         let outvoted: Vec<u32> =
             (0..points.len() as u32).into_par_iter().filter(|&p| is_outvoted(normals, p)).collect();
-        // Where one has turned over another one may no longer have to.
+        // Once one is turned over, another may no longer need to be.
         for p in outvoted {
             if is_outvoted(normals, p) {
                 normals[p as usize] = -normals[p as usize];

@@ -36,7 +36,7 @@ struct Reach {
 /// What rounding opens, in diagonals of the bounding box: some units in the last place of single precision.
 const ROUNDING: Reach = Reach { distance: 1e-6, of_edge: 0.1 };
 
-/// How near boundary vertices are suspicious: far below any edge that is meant. Along a seam they are so at a larger
+/// Boundary vertices this near are suspicious: far below any intended edge. Along a seam they are suspicious at a larger
 /// distance, too.
 const SUSPICIOUS: Reach = Reach { distance: 1e-5, of_edge: 0.5 };
 const SUSPICIOUS_SEAM: Reach = Reach { distance: 2e-3, of_edge: 0.25 };

@@ -16,7 +16,7 @@ use crate::geom::aabb::Aabb;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// As many times more points than wanted are kept while points come in.
+/// This many times more points than wanted are kept while points come in.
 const ROOM: usize = 4;
 
 /// The share of the room that a wider lattice may fill.
@@ -28,7 +28,7 @@ const ENOUGH: f64 = 0.95;
 /// Lattices that are tried at most for the last one.
 const TRIES: usize = 16;
 
-/// Of more than so many points, cells are counted by one in [`SHARE`] of them.
+/// Above this many points, cells are counted from one point in [`SHARE`].
 const MANY: usize = 1 << 18;
 const SHARE: u64 = 16;
 
@@ -234,7 +234,7 @@ impl Lattice {
         Lattice { width, count: 0, slots: vec![slot; (room + room / 2 + 2).next_power_of_two()] }
     }
 
-    /// Has what `rows` will be compared with brought from memory, all at once instead of one after the other.
+    /// Prefetches what `rows` will be compared with, all at once instead of one after the other.
     fn warm(&self, kept: &Rows, rows: &[u8], look: &impl Fn(&[u8]) -> Seen) {
         let mut points = [0; BATCH];
         for (point, row) in points.iter_mut().zip(rows.chunks_exact(kept.width)) {

@@ -1,8 +1,8 @@
 //! Bounds of the Hausdorff distance between two meshes: samples alone only bound it from below.
 //!
-//! The distance to one triangle f is convex, so that on another triangle T it is nowhere larger than at a corner; and no
-//! distance grows faster than one goes. With m the centroid of T, f the triangle of the other mesh that is closest to m,
-//! and d the distance to that mesh,
+//! The distance to one triangle f is convex, so on another triangle T it is largest at a corner; and no distance changes by more
+//! than the way gone. With m the centroid of T, f the triangle of the other mesh that is closest to m, and d the distance to that
+//! mesh,
 //!
 //! ```text
 //! d(m)  ≤  max d on T  ≤  min( max over the corners of the distance to f,  d(m) + distance of the farthest corner to m )
@@ -33,7 +33,7 @@ const DEEPEST: u32 = 7;
 /// Triangles that one task looks at.
 const CHUNK: usize = 64;
 
-/// Between what and what a Hausdorff distance is, in the units of the meshes.
+/// The bounds of a Hausdorff distance, in the units of the meshes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
     /// The distance at `place`.
@@ -44,8 +44,8 @@ pub struct Bounds {
     pub place: DVec3,
 }
 
-/// Bounds of the Hausdorff distance, both ways, between two meshes, in whose units `enough` is an upper bound below
-/// which nobody asks for more. `None` if one of them has no triangles.
+/// Bounds of the Hausdorff distance, both ways, between two meshes, `enough`, in their units, is an upper bound that need not be
+/// improved. `None` if one of them has no triangles.
 pub fn hausdorff_bounds(a: &Mesh, b: &Mesh, enough: f64) -> Option<Bounds> {
     if a.triangles.is_empty() || b.triangles.is_empty() {
         return None;
@@ -83,7 +83,7 @@ impl Side<'_> {
         self.triangles().map(|t| other.bounds_on(t).lower).reduce(|| 0.0, f64::max)
     }
 
-    /// Bounds of the largest distance to the other mesh, where nobody cares for less than `known`.
+    /// Bounds of the largest distance to the other mesh, where distances below `known` do not matter.
     fn bounds(&self, other: &Side, known: f64) -> Bounds {
         let none = Bounds { lower: f64::NEG_INFINITY, upper: 0.0, place: DVec3::ZERO };
         let all: Vec<Bounds> = self.triangles().map(|t| other.split_bounds(t, known, DEEPEST)).collect();

@@ -50,7 +50,7 @@ pub struct Distance {
 }
 
 impl Distance {
-    /// The same with other figures of the way from the reference to the mesh.
+    /// The same with the figures from the reference to the mesh replaced.
     #[must_use]
     pub fn with_way_back(self, rms: f64, hausdorff: f64) -> Distance {
         Distance {
@@ -117,7 +117,7 @@ impl OneWay {
     }
 }
 
-/// Searches for the squared distances of one point after the other, which mostly is near to the one before.
+/// Finds the squared distances of points one after the other, each mostly near the one before.
 struct Search<'a> {
     bvh: &'a Bvh,
     to: &'a Mesh,
@@ -135,7 +135,7 @@ impl Search<'_> {
         hit.map(|hit| hit.distance_squared).or(to_last).unwrap_or(0.0)
     }
 
-    /// The squared distance of `p` if it is above `square`, which is found out sooner if it is not.
+    /// The squared distance of `p` if it is above `square`; the search ends early if it is not.
     fn beyond(&mut self, p: DVec3, square: f64) -> Option<f64> {
         if self.to_last(p).is_some_and(|to_last| to_last <= square) {
             return None;
@@ -158,7 +158,7 @@ pub fn vertex_distances(mesh: &Mesh, reference: &Mesh) -> Option<Vec<f64>> {
     Some(mesh.positions.par_iter().with_min_len(CHUNK).map(distance).collect())
 }
 
-/// So many triangles for each question are many: a hierarchy that is made faster pays then.
+/// From this many triangles for each query on, a hierarchy that is built faster pays.
 const MANY: usize = 16;
 
 /// Points that one task looks at.

@@ -126,7 +126,7 @@ pub struct Sampling {
 pub struct AttributesKept {
     /// Names of those that the output has.
     pub carried: Vec<String>,
-    /// Those of the input that it has not, and why.
+    /// Attributes of the input that it lacks, and why.
     pub lost: Vec<Lost>,
 }
 
@@ -145,7 +145,7 @@ impl Measured {
 }
 
 impl Crossings {
-    /// Those of a result and of what it was made of.
+    /// The self-intersections of a result and of its input.
     pub fn of(remeshed: &Remeshed) -> Crossings {
         Crossings {
             faces: remeshed.self_intersections.clone(),
@@ -207,8 +207,7 @@ impl Report {
         }
     }
 
-    /// The same for points, through which the input that is reported was laid: their distance to the output takes the place
-    /// of that of `input`.
+    /// The same for points through which the reported input was laid: their distance to the output replaces that of `input`.
     #[must_use]
     pub fn of_points(self, coverage: Coverage, input: &Mesh) -> Report {
         let unit = 100.0 / input.diagonal();
@@ -277,7 +276,7 @@ pub fn all_to_text(reports: &[Report]) -> String {
     tables.collect::<Vec<_>>().join("\n")
 }
 
-/// The surface that a result is to be near to: the input without the faces that repairs took from between its cells.
+/// The surface that a result should be near: the input without the faces between cells that repairs removed.
 pub(super) fn outside<'a>(input: &'a Mesh, repairs: &Repairs) -> Cow<'a, Mesh> {
     match repairs.faces_between_cells {
         0 => Cow::Borrowed(input),
@@ -285,7 +284,7 @@ pub(super) fn outside<'a>(input: &'a Mesh, repairs: &Repairs) -> Cow<'a, Mesh> {
     }
 }
 
-/// What was done about the noise of a cloud by itself, and what else can be, if it has some.
+/// What was done about a cloud's noise unasked, and what else can be done; `None` without noise.
 pub fn noise(cloud: &CloudSummary) -> Option<String> {
     let done = match cloud.flattened_neighbors {
         0 if cloud.smoothed_by_itself > 0.0 => {

@@ -16,7 +16,7 @@ type Row<T> = (&'static str, fn(&T) -> String);
 /// The name of a row and its figure for each mesh.
 pub(super) type Figures = (&'static str, Vec<String>);
 
-/// What there is to say of one subject: its name, and phrases.
+/// A subject's name, and phrases about it.
 pub(super) type Fact = (&'static str, Vec<String>);
 
 /// Where there is no figure.
@@ -202,7 +202,7 @@ fn repairs_made(repairs: &Repairs) -> Vec<String> {
     counts(&made)
 }
 
-/// Faces that cross and that are named; the others are in the JSON report.
+/// The most self-intersecting faces that are named; the JSON report has all.
 const FACES_NAMED: usize = 20;
 
 /// The numbers of the first faces, and how many more there are.
@@ -224,7 +224,7 @@ pub(super) fn percent(share: f64) -> String {
     format!("{share:.2} %")
 }
 
-/// A share in percent, whose hundredths matter.
+/// A share in percent, to the hundredth.
 pub(super) fn hundredths(share: f64) -> String {
     format!("{share:.4}")
 }

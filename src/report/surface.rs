@@ -37,7 +37,7 @@ pub struct SurfaceReport {
 }
 
 impl SurfaceReport {
-    /// The report on what was made of the points in the file `input`, of which there were `notes`, and went to the file
+    /// The report on the surface of the points in the file `input`, whose reading gave `notes`; the surface went to the file
     /// `output`.
     pub fn new(made: &Reconstructed, mut notes: Vec<String>, input: String, output: String) -> SurfaceReport {
         notes.extend(noise(&made.cloud));

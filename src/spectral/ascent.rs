@@ -42,7 +42,7 @@ pub const PAPER_STEP: f64 = 0.5;
 /// A step that orders as much in two sweeps as the paper's in three. With 1 the vertices oscillate.
 pub const LONG_STEP: f64 = 0.75;
 
-/// The longest way of a vertex in one sweep, in kernel widths.
+/// The longest step of a vertex in one sweep, in kernel widths.
 pub(super) const MOST_STEP: f64 = 0.5;
 
 /// Kernel width of the ascent in mean spacings: narrower ones leave clusters, wider ones blur the gradient.
@@ -99,7 +99,7 @@ fn way_up<const D: usize>(
     mesh.along(v).map_or(way, |along| way.project_onto_normalized(along))
 }
 
-/// The width of the kernel between two samples. Were it that of one of them, all would move to where kernels are wider.
+/// The width of the kernel between two samples. With that of one of them, all would drift to where kernels are wider.
 #[inline]
 fn mean_width<const D: usize>(lift: Lift, one: &Sample, other: &Sample) -> f64 {
     0.5 * (lift.width::<D>(one) + lift.width::<D>(other))

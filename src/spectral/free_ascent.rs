@@ -31,7 +31,7 @@ const LISTED: usize = 24;
 /// δ^(2m - 2), so flat that they would hardly part; from one neighbour alone a point goes away by twice their distance.
 const CROWDED: f64 = 0.25;
 
-/// The part of its way that a point goes again in the next sweep, where all move at once.
+/// The share of its step that a point repeats in the next sweep, where all move at once (momentum).
 const AGAIN: f64 = 0.45;
 
 /// Points that one task moves.
@@ -101,7 +101,7 @@ pub fn ascend_at_once<S: Submanifold<D>, const D: usize>(
     Ok(())
 }
 
-/// How far away what moves a point in [`ascend_at_once`] can be, in units of σ: in each sweep a neighbour, both of which
+/// The largest distance, in units of σ, of what can influence a point in [`ascend_at_once`]: in each sweep a neighbour, and both
 /// may have moved since.
 pub fn reach_of(sweeps: usize) -> f64 {
     sweeps as f64 * (RADIUS + 2.0 * MOST_STEP)

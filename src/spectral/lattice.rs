@@ -1,10 +1,10 @@
 //! The blocks of space that the scan goes by: a lattice anchored at the origin, so that a part of the points is in the same
 //! blocks as all of them.
 //!
-//! A block listens to the blocks that touch it and whose turn is before its own, these to others, and so on. With turns in
-//! the order of the parities of x, y and z, as a number of three bits, such a chain goes on for as many blocks along an
-//! axis as its bit changes in the turns that are left: seven along x, three along y, one along z. So a box of blocks and
-//! those that it hears are scanned as they would be within any larger scan.
+//! A block depends on the blocks that touch it and whose turn is before its own, these on others, and so on. The turns follow the
+//! parities of x, y and z, as a number of three bits, so such a chain is as long along an axis as its bit can still change: seven
+//! blocks along x, three along y, one along z. So a box of blocks together with those that it depends on is scanned as it would
+//! be within any larger scan.
 
 use glam::{DVec3, IVec3, ivec3};
 
@@ -48,7 +48,7 @@ impl BlockBox {
         self.grown(ivec3(TURNS - 1 - turn, 3 - turn / 2, 1 - turn / 4)).contains(place)
     }
 
-    /// The box of all blocks that it hears.
+    /// The box of all blocks that it depends on.
     pub fn heard(self) -> BlockBox {
         self.grown(ivec3(TURNS - 1, 3, 1))
     }

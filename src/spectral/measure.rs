@@ -12,7 +12,7 @@
 use crate::base::math::gaussian;
 use crate::geom::vector::{distance_squared, length_squared};
 
-/// Neighbours beyond this many, the nearest counted first, change s by less than its use can tell.
+/// Only this many of the nearest neighbours count: further ones change s by too little to matter.
 pub const MOST_NEIGHBOURS: usize = 20;
 
 /// Radius of the neighbourhood in units of σ (paper, section 6.3): k is below 0.002 outside.

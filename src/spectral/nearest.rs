@@ -10,7 +10,7 @@ pub struct Nearest {
 }
 
 impl Nearest {
-    /// Takes note of point `v` at that squared distance if it is near enough and not known.
+    /// Inserts point `v` at that squared distance if it is near enough and new.
     #[inline]
     pub fn add(&mut self, distance: f64, v: u32) {
         if self.count == GRADIENT_NEIGHBOURS && distance > self.list[GRADIENT_NEIGHBOURS - 1].0 {

@@ -25,7 +25,7 @@ use std::collections::BinaryHeap;
 /// Points between two looks at the monitor.
 const CHUNK: usize = 4096;
 
-/// The measure of what is no other point than those that are there, but for rounding.
+/// The measure of a point that coincides with one that is there, up to rounding.
 const LEAST_NEWS: f64 = 1e-9;
 
 /// Points that are looked at for each sample that is missing, and the fewest of them.
@@ -123,7 +123,7 @@ impl<'a, S: Submanifold<D>, const D: usize> Samples<'a, S, D> {
         nearest.is_empty() && self.measure(point, EPSILON) > EPSILON
     }
 
-    /// The measure at `point` among the other samples; if it is no more than `least`, some number that is not, either.
+    /// The measure at `point` among the other samples; if it is at most `least`, some number that is at most `least`, too.
     fn measure(&self, point: u32, least: f64) -> f64 {
         let mut measure = Measure::new();
         for (_, _, offset) in self.near(point, RADIUS * self.sigma).into_iter().take(MOST_NEIGHBOURS) {
@@ -256,7 +256,7 @@ mod tests {
         let (points, sigma) = (points(60), 0.15);
         let all: Vec<u32> = (0..60).collect();
         assert_eq!(thin_or_fill(&UnitCube, &points, &all, sigma, 40), thinned_by_hand(&points, sigma, 40));
-        // The first is the lowest number, as good as any; the second is the one that it says least about.
+        // The first has the lowest number, as good as any; the second is the one least determined by it.
         let two = thin_or_fill(&UnitCube, &points, &[], 10.0, 2);
         let distance = |i: u32| length(&points[two[0] as usize], &points[i as usize]);
         assert_eq!((two[0], two.len()), (0, 2));

@@ -152,8 +152,8 @@ impl Domain {
         self.provenance.origin(t, corners, weights, source)
     }
 
-    /// Wants edges of these lengths, relative to the mean spacing, at the vertices, instead of 1 everywhere. Vertices
-    /// that were one before sharp edges were cut have to have the same.
+    /// Sets the wanted edge lengths at the vertices, relative to the mean spacing, instead of 1 everywhere. Vertices that were
+    /// one before sharp edges were cut have to have the same.
     pub fn grade(&mut self, sizes: Vec<f64>) {
         self.sizes = sizes;
     }
@@ -187,7 +187,7 @@ impl Domain {
         self.curves.list.iter().filter(|c| self.across.get(c.sides[0]) != NONE).count()
     }
 
-    /// Finds the planes that touch each other; before, none is known to.
+    /// Finds the planes that touch each other.
     pub fn find_contacts(&mut self) {
         let planes = Planes::new(&self.mesh, &self.twin, self.spacing, |t| self.source_triangle(t));
         self.in_contact = planes.in_contact(&self.mesh, &self.bvh);
@@ -392,7 +392,7 @@ impl Domain {
         hit.map_or_else(|| self.project_anywhere(p), |hit| self.at_hit(hit))
     }
 
-    /// The point closest to `p` on the whole surface if it is farther away than `distance`: found out sooner if not.
+    /// The point closest to `p` on the whole surface if it is farther away than `distance`; the search ends early if it is not.
     pub fn foot_farther_than(&self, p: DVec3, distance: f64) -> Option<Sample> {
         let square = distance * distance;
         let hit = self.bvh.closest_or_near(&self.mesh, p, square, f64::INFINITY, |_| true)?;

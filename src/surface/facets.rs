@@ -4,8 +4,8 @@
 //! sides, straight across from its middle; or if such an edge is on one side, and the curved part ends here. None turns by
 //! more than a pillar of nine sides.
 //!
-//! A step up or down between points on a lattice, no wider than they are apart, is none of the surface either: it turns back
-//! at once by as much as it turned.
+//! A step between points on a lattice, no wider than their distance, is no edge of the surface either: the surface turns back at
+//! once by as much as it turned.
 //!
 //! Facets that are many samples wide are flat at their scale, and a surface that turns by much from one sample to the next is
 //! sharp at their scale. Edges that go on straight are held to that as a whole, so that none is sharp in parts.

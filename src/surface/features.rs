@@ -61,7 +61,7 @@ const SMALLEST: usize = *THRESHOLDS.start() / 2;
 /// those above it. Fifteen scans and sculpts have between 1.5 and 40 at every threshold, CAD parts 0.1 and less.
 const GAP: f64 = 0.2;
 
-/// Turn in degrees from which an edge between two planes is sharp whatever the other edges are.
+/// From this turn on, in degrees, an edge between two planes is sharp whatever the other edges are.
 const BETWEEN_PLANES: f64 = 30.0;
 
 /// Least length of a connected net of sharp edges, in spacings.

@@ -132,8 +132,8 @@ struct Patch {
 }
 
 impl Patch {
-    /// With the neighbour that it turns least towards, itself being `own`. None for a patch that is needed, nor for the rim of a
-    /// plate if the surface moves by `least` or more.
+    /// With the neighbour that it turns least towards; `own` is the patch itself. `None` for a patch that is needed, and for the
+    /// rim of a plate if the surface would move by `least` or more.
     fn gentlest(&self, own: u32, least: f64) -> Option<Joint> {
         let others = self.beside.iter().filter(|(q, _)| **q != own && !self.needed);
         let turns = others.map(|(&q, border)| (q, border.mean(border.turned)));

@@ -5,7 +5,7 @@ use crate::geom::vector::difference;
 /// A manifold in D dimensions. Distances between points of it, a few kernel widths apart at most, are those of the space
 /// around it.
 pub trait Submanifold<const D: usize>: Sync {
-    /// A point of it, with what it takes to find back to the manifold from nearby.
+    /// A point of it, with what is needed to find back to the manifold from nearby.
     type Point: Copy + Send + Sync;
 
     /// Where `point` is in the D dimensions of the kernel.

@@ -70,8 +70,8 @@ pub(super) fn folded_over(mesh: &Mesh, twin: &[u32], spacing: f64) -> Vec<(u32, 
 /// The share of the smallest turn that is told, below which turns are not looked at closer: more than rounding takes.
 const CLEARLY: f64 = 0.999;
 
-/// The turn of the surface across each side, in degrees, negative where it is concave; zero at the boundary and next to
-/// triangles without area. Turns below `least` degrees may be told as zero.
+/// The turn of the surface across each side, in degrees, negative where it is concave; zero at the boundary and next to triangles
+/// without area. Turns below `least` degrees may be reported as zero.
 pub(super) fn turns(mesh: &Mesh, twin: &[u32], spacing: f64, least: f64) -> Vec<f64> {
     let flat = math::square(math::sin_cos((CLEARLY * least).to_radians()).1);
     let trusted = |t: u32| trusted_normal(mesh, twin, spacing, t);

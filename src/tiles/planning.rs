@@ -27,22 +27,23 @@ use std::path::Path;
 /// Points of the outline.
 const OUTLINE: usize = 100_000;
 
-/// As much wider than for the first guess of the kernel's width blocks are, so that it may grow.
+/// Blocks are this many times wider than the first guess of the kernel's width needs, so that it may grow.
 const ROOM: f64 = 1.1;
 
-/// As many samples are counted before all are scanned, in rounds until the count is as near as this to the wanted one.
+/// This many samples are counted before all are scanned, in rounds until the count is this near to the wanted one.
 const COUNTED: f64 = 50_000.0;
 const ROUNDS: usize = 3;
 const NEAR_ENOUGH: f64 = 0.05;
 
-/// A few samples more than are wanted: some can go in the end, none can come.
+/// A few samples more than wanted: surplus ones can be removed in the end, but none can be added.
 const MORE: f64 = 1.004;
 
 /// Points that a cloud has about for each sample once it is thinned, and the bytes that each takes in the end.
 const POINTS_PER_SAMPLE: f64 = 4.4;
 const BYTES_PER_POINT: f64 = 290.0;
 
-/// The fewest buckets of a tile along each axis for the sake of memory: of fewer, nearly all work would be for what is around them.
+/// The fewest buckets of a tile along each axis, whatever the memory: in smaller tiles nearly all work would go into their
+/// surroundings.
 const SMALLEST: i32 = 2;
 
 /// Reads the file at `input` and makes a plan for it in `folder`.

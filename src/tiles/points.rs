@@ -1,4 +1,4 @@
-//! The points of a part of a cloud that come into question as samples: one for each cell of a lattice.
+//! The candidates for samples in a part of a cloud: one point for each cell of a lattice.
 //!
 //! A cell keeps the point that is nearest to its centre, of equally near ones the first of the input; of points that face
 //! apart one for each side. So it does not matter what else is looked at, and in which order.
@@ -21,8 +21,8 @@ const CELLS: i32 = 16;
 /// Bytes of the number before each row.
 pub(super) const NUMBER: usize = 4;
 
-/// On which side of this direction normals are tells two sides of a thin wall apart, however that is turned, and splits few
-/// of the other cells.
+/// The sign of a normal along this direction tells the two sides of a thin wall apart, for nearly all positions of the wall, and
+/// splits few other cells.
 const ACROSS: DVec3 = DVec3::new(0.48, 0.6, 0.64);
 
 /// The bucket of a block.

@@ -2,7 +2,7 @@
 
 use crate::base::monitor::Monitor;
 
-/// A monitor of one tile of many: it only passes on that all shall end.
+/// A monitor of one tile of many: it only passes on a request to stop.
 pub(super) struct OfTile<'a>(pub &'a dyn Monitor);
 
 impl Monitor for OfTile<'_> {

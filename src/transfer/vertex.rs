@@ -20,7 +20,7 @@ use glam::DVec2;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// What got through, and what did not.
+/// The attributes that were carried over, and those that were lost.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Carried {
     /// The attributes of the output.
@@ -79,7 +79,7 @@ impl Carried {
             return;
         }
         for (new, old) in triangles() {
-            // The corners may begin elsewhere, or go the other way.
+            // The corners may start elsewhere, or run the other way.
             let own = input.corners(old);
             let same = |p: DVec3| own.iter().position(|&q| q == p).map_or(DVec2::NAN, |k| attributes.texture[old][k]);
             self.attributes.texture[new] = output.corners(new).map(same);

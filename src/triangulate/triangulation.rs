@@ -1,4 +1,4 @@
-//! What a triangulation of samples takes and gives.
+//! The input and the output of a triangulation of samples.
 
 use crate::manifold::Manifold;
 

@@ -34,7 +34,7 @@ impl Connectivity {
         shared == self.both_sides(h).count() && self.both_sides(h).all(apex_stays)
     }
 
-    /// Whether merging the origin of `h` into its target leaves every curve what it is.
+    /// Whether merging the origin of `h` into its target preserves all curves.
     fn keeps_curves(&self, h: u32) -> bool {
         let alone = || !self.is_curve_edge(prev(h)) && (!self.has_twin(h) || !self.is_curve_edge(next(self.twin(h))));
         match self.curve_at(self.origin(h)) {

@@ -173,7 +173,7 @@ fn take_back_all(domain: &Domain, mesh: &mut Manifold, spacing: f64) {
             return p;
         }
         let farthest = farthest(domain, mesh, v, spacing);
-        // At the end of a fin the surface may be near and only face another way.
+        // At the end of a fin the surface may be near but face another way.
         let away = far(foot, farthest) && far(domain.project_anywhere(p).position, farthest);
         if away { foot + (p - foot).clamp_length_max(farthest) } else { p }
     };

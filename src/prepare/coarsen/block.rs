@@ -8,7 +8,7 @@ use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
-/// The shares of the shortest length that edges are held against one after the other, so that the shortest ones go first.
+/// Edges are compared with these shares of the shortest length one after the other, so that the shortest edges go first.
 const LENGTHS: [f64; 3] = [0.25, 0.5, 1.0];
 
 /// Longest edge that a collapse may leave, in shortest lengths.
@@ -50,7 +50,7 @@ impl Block {
         }
     }
 
-    /// Collapses edges that are too short, as long as that makes nothing wrong.
+    /// Collapses edges that are too short, where nothing goes wrong.
     pub fn coarsen(&mut self, coarseness: Coarseness) {
         for share in LENGTHS {
             let square = math::square(share * coarseness.shortest);

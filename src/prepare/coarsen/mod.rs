@@ -1,8 +1,8 @@
 //! A coarser mesh of the same surface, where its edges are far shorter than those that the result is to have.
 //!
-//! What takes time with the sampled surface (samples, walks, projections) does so triangle by triangle; those far smaller than
-//! the spacing tell nothing that the result could follow. Here edges collapse into one of their ends, the shortest ones first,
-//! until those left are long enough, as long as the vertex that goes stays near to the surface that is left.
+//! Work on the sampled surface (samples, walks, projections) takes time for each triangle, and those far smaller than the spacing
+//! have no detail that the result could follow. Here edges collapse into one of their ends, the shortest ones first, until those
+//! left are long enough, as long as the vertex that goes stays near to the surface that is left.
 //!
 //! The triangles are treated in blocks that are near in space, beside each other. Vertices that blocks share stay. So there are
 //! two turns, with blocks of other bounds.
@@ -44,8 +44,8 @@ pub struct Coarseness {
 /// Triangles of a block: its data fit into the caches of a core.
 const BLOCK: usize = 1 << 15;
 
-/// How far the bounds that blocks of the second turn are cut from reach beyond those of the mesh, in extents: planes between
-/// blocks of the first turn are none of this one.
+/// The blocks of the second turn are cut from bounds this much larger than those of the mesh, in extents, so that both turns have
+/// different planes between blocks.
 const MARGIN: f64 = 1.0 / 3.0;
 
 /// A mesh with longer edges.

@@ -18,7 +18,7 @@ use rustc_hash::FxHashMap;
 /// Some triangles of a mesh.
 #[derive(Debug, Clone, Default)]
 pub struct Part {
-    /// Them, over vertices of their own.
+    /// The triangles, over vertices of their own.
     pub mesh: Mesh,
     /// For each vertex its number in the whole.
     pub numbers: Vec<u32>,
@@ -41,8 +41,7 @@ impl Part {
         self.mesh.bounds().map_or_else(Part::default, |bounds| self.coarsened_in(bounds, coarseness))
     }
 
-    /// What is left of a mesh, whose parts are [`coarsened`](Part::coarsened), once those edges are longer, too, that were
-    /// where these meet.
+    /// What is left of a mesh whose parts are [`coarsened`](Part::coarsened), once the edges where these meet are longer, too.
     #[must_use]
     pub fn joined(parts: &[Part], coarseness: Coarseness) -> Part {
         let whole = Part::sum(parts);

@@ -1,4 +1,4 @@
-//! Where meshes are looked at from at first.
+//! The first view of the meshes.
 
 use crate::base::math;
 use crate::geom::aabb::Aabb;
@@ -43,7 +43,7 @@ impl FirstView {
         let rotation = first_rotation(bounds.size());
         let mut view =
             FirstView { lo: bounds.lo, size: bounds.size(), half_diagonal, rotation, target: DVec3::ZERO, zoom: 1.0 };
-        // The middle of what is seen shifts a little when it is looked at, so the second picture is measured anew.
+        // Looking at the middle shifts it a little, so it is measured again in the second picture.
         let screen = Aabb::of(points.clone().map(|p| view.on_screen(p))).unwrap_or_default();
         let middle = screen.lo + 0.5 * screen.size();
         view.target = rotation[0] * middle.x + rotation[1] * middle.y;

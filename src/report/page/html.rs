@@ -16,7 +16,7 @@ pub(super) fn escape(text: &str) -> String {
     out
 }
 
-/// JSON that can stand in a `script` element: without `<`, which could end it, and which only its strings have.
+/// JSON that can stand in a `script` element: without `<`, which could end the element and which only strings contain.
 pub(super) fn json_in_script(json: &str) -> String {
     json.replace('<', "\\u003c")
 }

@@ -14,7 +14,7 @@ use std::fmt::Write;
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) struct Kind {
     name: &'static str,
-    /// What shows that it is worse there than elsewhere; `None` where something is wrong.
+    /// The colouring that shows that it is worse there than elsewhere; `None` for a fault.
     shown_by: Option<Colouring>,
 }
 

@@ -22,7 +22,7 @@ pub struct Subject<'a> {
 
 /// A mesh as a page shows it.
 pub(super) struct Shown<'a> {
-    /// What it is of the run: input or output; nothing for a mesh that was measured only.
+    /// Its role in the run: input or output; empty for a mesh that was only measured.
     pub role: &'static str,
     /// The name of its file, with the folders that tell it from those of other meshes.
     pub name: String,
@@ -42,7 +42,7 @@ pub(super) struct Shown<'a> {
     pub lengths: Vec<f64>,
     /// Sharp edges of the input that it has.
     pub sharp: Vec<[DVec3; 2]>,
-    /// Sharp edges of it that the output has not.
+    /// Sharp edges of it that the output lacks.
     pub left_out: Vec<[DVec3; 2]>,
     /// Faces that keep it from being verified, or intersect others.
     pub marked: Vec<u32>,

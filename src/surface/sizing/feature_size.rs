@@ -32,7 +32,7 @@ const ACROSS_RIM: f64 = 2.6;
 /// How much longer the way along a loop has to be than the distance, by the corners that it passes: none, one, more.
 const TURNED_BACK: [f64; 3] = [1.5, 6.0, 1.5];
 
-/// Ways along a loop shorter than this share of it are none.
+/// Ways along a loop shorter than this share of it do not count.
 const ROUNDING: f64 = 1e-9;
 
 /// `sizes`, relative to `spacing`, made smaller where curves are near each other, and as much larger elsewhere as keeps the
@@ -112,7 +112,7 @@ impl Sides {
         self.vertex[i]
     }
 
-    /// How far what faces the begin of side `i` is, as the far side of a rim or not: infinite if it is not within `reach`.
+    /// The distance from the start of side `i` to what faces it, as the far side of a rim or not; infinite beyond `reach`.
     pub fn distance_at(&self, domain: &Domain, i: usize, reach: f64, rim: bool) -> f64 {
         let [here, ..] = self.segments.corners(i);
         let faces = |j: u32| {
@@ -122,13 +122,13 @@ impl Sides {
         hit.map_or(f64::INFINITY, |hit| hit.distance_squared.sqrt())
     }
 
-    /// The length that is wanted at the begin of side `i`: infinite if nothing is within `reach`.
+    /// The length wanted at the start of side `i`; infinite if nothing is within `reach`.
     fn length_at(&self, domain: &Domain, i: usize, reach: f64) -> f64 {
         let across = self.distance_at(domain, i, reach * ACROSS / ACROSS_RIM, false) / ACROSS;
         across.min(self.distance_at(domain, i, reach, true) / ACROSS_RIM)
     }
 
-    /// Whether side `j` faces `here`, the begin of side `i` of the same patch, and then whether as the far side of a rim.
+    /// Whether side `j` faces `here`, the start of side `i` of the same patch, and if so whether as the far side of a rim.
     fn turned_back(&self, domain: &Domain, here: DVec3, i: usize, j: usize) -> Option<bool> {
         let (a, b) = (self.along[i], self.along[j]);
         if a.number != b.number {
@@ -139,7 +139,7 @@ impl Sides {
         let forwards = (b.arc + p.distance(there) - a.arc).rem_euclid(a.total);
         let between = if b.arc >= a.arc { b.corners - a.corners } else { a.all_corners - a.corners + b.corners };
         let own = u32::from(domain.curves.is_corner(self.vertex[i]));
-        // The corner that `here` is one of itself counts on neither way.
+        // If `here` is a corner itself, it counts on neither way.
         let ways = [(forwards, between), (a.total - forwards, a.all_corners - own - between.min(a.all_corners - own))];
         let (way, corners) = if ways[0].0 <= ways[1].0 { ways[0] } else { ways[1] };
         // Both sides of a crease that ends within its patch are on one loop, and at one place.

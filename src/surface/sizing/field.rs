@@ -16,8 +16,8 @@ use crate::surface::sizing::gradation::limited;
 use crate::surface::sizing::graph::Graph;
 use crate::surface::sizing::radii::radii;
 
-/// Largest gradient of the length: how much longer edges may be for each length of an edge gone. With 0.15 three animals
-/// at A = 1 are no nearer to the input than with 0.1, and have worse triangles. Whoever gives a field knows better.
+/// Largest gradient of the length: how much longer edges may be for each length of an edge gone. With 0.15 three animals at A = 1
+/// are no nearer to the input than with 0.1, and have worse triangles. A given field may be steeper.
 const ADAPTED_GRADIENT: f64 = 0.1;
 pub(super) const FIELD_GRADIENT: f64 = 0.2;
 
@@ -41,7 +41,7 @@ pub fn field_lengths(domain: &Domain, lengths: Vec<f64>) -> Vec<f64> {
     limited(domain, &Graph::whole(domain), lengths, FIELD_GRADIENT)
 }
 
-/// Lengths that are known but for a factor, relative to `spacing` and of as many vertices as that means.
+/// Lengths known up to a factor, relative to `spacing` and scaled to its number of vertices.
 fn normalised(domain: &Domain, mut lengths: Vec<f64>, spacing: f64, gradient: f64) -> Vec<f64> {
     let graph = Graph::whole(domain);
     let excess = mean_density(&domain.mesh, &lengths).sqrt();

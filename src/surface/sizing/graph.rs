@@ -35,7 +35,7 @@ impl Graph {
         self.0.row(v)
     }
 
-    /// What is where after `steps` steps of random walks, each to a neighbour or nowhere.
+    /// The distribution after `steps` steps of random walks, each to a neighbour or nowhere.
     pub fn spread<const K: usize>(&self, mut amounts: Vec<[f64; K]>, steps: usize) -> Vec<[f64; K]> {
         let share = |v: u32| 1.0 / (1 + self.of(v).len()) as f64;
         for _ in 0..steps {

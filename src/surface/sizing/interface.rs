@@ -1,4 +1,4 @@
-//! Edge lengths that go over from those of an interface to the wanted ones.
+//! Edge lengths that change gradually from those of an interface to the wanted ones.
 //!
 //! A part that is cut out of a mesh keeps the edges of its interface. Where their length l(s) at a vertex s is not the wanted
 //! one, h, the length at a vertex v that is a way d(s) away from them is
@@ -22,11 +22,11 @@ use crate::surface::sizing::field::{FIELD_GRADIENT, mean_density};
 use crate::surface::sizing::gradation::limited;
 use crate::surface::sizing::graph::Graph;
 
-/// Steepest gradient that is tried: with a steeper one there is nothing left to go over. Given lengths keep it, and a
-/// number of vertices that not even it leaves is met with even lengths.
+/// The steepest gradient that is tried: with a steeper one there is no transition left. Given lengths keep it; a number of
+/// vertices that even this gradient does not allow is met with even lengths.
 const STEEPEST: f64 = 4.0;
 
-/// Share of the vertices that wanted lengths mean which has to be left of them beside an interface of longer edges.
+/// Beside an interface of longer edges, at least this share must be left of the vertices that the wanted lengths mean.
 const LEAST_LEFT: f64 = 0.5;
 
 /// The factors that the wanted lengths are scaled by at most, and the steps of the search for the right one.
@@ -105,7 +105,7 @@ impl Bounds {
         Bounds { least, most }
     }
 
-    /// The lengths that are `wanted`, times `factor`, as far as the bounds let them.
+    /// The `wanted` lengths times `factor`, within the bounds.
     fn lengths(&self, wanted: &[f64], factor: f64) -> Vec<f64> {
         let bounds = self.least.iter().zip(&self.most);
         wanted.iter().zip(bounds).map(|(length, (&least, &most))| (factor * length).max(least).min(most)).collect()

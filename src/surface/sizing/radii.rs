@@ -22,7 +22,7 @@ use crate::surface::domain::Domain;
 use crate::surface::sizing::graph::Graph;
 use rayon::prelude::*;
 
-/// Radii that are told apart, as a ratio to their geometric mean: with A = 1 edge lengths differ by a factor of 8.
+/// The range of radii, as a ratio to their geometric mean: with A = 1 edge lengths differ by a factor of 8.
 const RANGE: f64 = 8.0;
 
 /// Smallest radius that is distinguished from zero, in spacings.

@@ -54,7 +54,7 @@ pub fn sizes_with_room(domain: &Domain, sizes: &[f64], wanted: &[f64], spacing: 
     Some(made)
 }
 
-/// The lengths that there are on a domain, and those that are wanted there.
+/// The present lengths on a domain, and the wanted ones.
 struct Lengths<'a> {
     domain: &'a Domain,
     graph: Graph,
@@ -71,14 +71,14 @@ impl<'a> Lengths<'a> {
         Lengths { domain, graph: Graph::whole(domain), sizes, wanted, density, spacing }
     }
 
-    /// Those that there are, `factor` times as large, or those that are wanted, but no shorter than that share of them.
+    /// The present lengths times `factor`, or the wanted ones where these are shorter, but no less than that share of the former.
     fn graded(&self, shortest: f64, factor: f64) -> Vec<f64> {
         let at = |(&size, &wanted): (&f64, &f64)| (factor * size).min(wanted.max(shortest * factor * size));
         let lengths = self.sizes.iter().zip(self.wanted).map(at).collect();
         limited(self.domain, &self.graph, lengths, GRADIENT / self.spacing)
     }
 
-    /// Mean of 1 / h² of such lengths, relative to that of those that there are.
+    /// The mean of 1 / h² of such lengths, relative to that of the present ones.
     fn density(&self, graded: &[f64]) -> f64 {
         mean_density(&self.domain.mesh, graded) / self.density
     }

@@ -82,7 +82,7 @@ mod tests {
 
     #[test]
     fn lengths_fit_the_next_whole_row() {
-        // Rows of the length before, and by what that becomes.
+        // Rows at the present length, and the factor for it.
         for (rows, whole) in [(0.9, 1.0), (1.2, 1.0), (1.9, 2.0), (2.1, 2.0), (3.8, 4.0)] {
             assert_relative_eq!(change(rows * HEIGHT), rows / whole, epsilon = 1e-12);
         }
