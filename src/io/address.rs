@@ -1,4 +1,4 @@
-//! Names of files in files: only of those in the folder of the file that names them, and in the folders there.
+//! File names inside files: only files in the same folder, or in folders below it, are followed.
 
 use std::borrow::Cow;
 use std::path::{Component, PathBuf};
@@ -7,7 +7,7 @@ pub(super) fn not_inside(name: &str) -> String {
     format!("the file '{}' is not in the folder of the file that names it", name.escape_debug())
 }
 
-/// The path that a relative name means, if it stays in its folder: no scheme, no root, not out by `..`.
+/// The path that a relative name means, if it stays in its folder: no scheme, no root, no way out by `..`.
 pub(super) fn inside(name: &str) -> Option<PathBuf> {
     if name.contains(':') || name.contains('\0') {
         return None;
@@ -45,7 +45,7 @@ pub(super) fn percent_decoded(address: &str) -> Option<Cow<'_, str>> {
     String::from_utf8(decoded).ok().map(Cow::from)
 }
 
-/// A name of a file as an address: what is no letter, digit, or one of `-._~` in ASCII as `%20` and the like.
+/// A file name as an address: everything but ASCII letters, digits and `-._~` becomes `%20` and the like.
 #[cfg(feature = "fs")]
 pub(super) fn percent_encoded(name: &str) -> String {
     let encode = |byte: u8| match byte {

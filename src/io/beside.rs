@@ -32,8 +32,8 @@ impl Folder for Beside<'_> {
     }
 }
 
-/// The attributes as a file of `format` at `path` has to have them: for OBJ with a library and images beside it, which
-/// are written here; for glTF with all images as bytes.
+/// The attributes as a file of `format` at `path` needs them: for OBJ with a library and images beside it, which are written
+/// here; for glTF with all images as bytes.
 ///
 /// # Errors
 /// [`Error::File`](crate::Error::File) if the library or an image cannot be written.
@@ -60,7 +60,7 @@ fn embedded(images: &[Image]) -> Vec<Image> {
 }
 
 /// Writes the library `NAME.mtl` beside `NAME.obj`, and the images that are no files yet; the materials with that library.
-/// What is not a file in a folder, such as standard output, has none.
+/// Standard output and the like have none.
 fn with_library(path: &Path, materials: &Materials) -> Result<Materials> {
     let Some(stem) = stem(path).filter(|_| is_replaced(path)) else { return Ok(materials.clone()) };
     let folder = folder_of(path);
@@ -96,7 +96,7 @@ fn relative(folder: &Path, file: &Path) -> String {
     with_slashes(&path.to_string_lossy())
 }
 
-/// The path of a file from the root, through no link but its own.
+/// The path of a file from the root, with all links resolved but its own.
 fn folder_and_name(file: &Path) -> Option<PathBuf> {
     Some(fs::canonicalize(folder_of(file)).ok()?.join(file.file_name()?))
 }

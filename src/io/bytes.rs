@@ -41,7 +41,7 @@ pub(super) fn narrow(p: DVec3) -> io::Result<[f32; 3]> {
     Err(io::Error::new(io::ErrorKind::InvalidData, cause))
 }
 
-/// How many bytes a packed one may stand for. Meshes take three to twenty; what takes more is made to be large.
+/// How many bytes one packed byte may stand for. Meshes take three to twenty; more is meant to exhaust memory.
 const MOST_PER_BYTE: usize = 256;
 
 /// What any file may unpack to.

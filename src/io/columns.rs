@@ -1,4 +1,4 @@
-//! Further numbers in the lines of vertices: how many there are, and what three of them in a row mean.
+//! Further numbers in the lines of vertices: how many there are, and what three in a row mean.
 
 use super::text::{Words, number};
 use crate::mesh::attributes::{Attribute, COLOR, NORMAL, Scalar};

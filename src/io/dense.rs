@@ -16,7 +16,7 @@ use std::fs::{self, File};
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-/// Bytes of the beginning of a file that has to have all that stands before its points.
+/// The first bytes of a file, which must hold everything before its points.
 const HEAD: u64 = 1 << 16;
 
 /// About the bytes of a block.
@@ -32,7 +32,7 @@ pub(crate) struct PointFile {
     table: Table,
 }
 
-/// What the points of rows are read by, which may be in other files than the one that they came from.
+/// How the rows of points are read, also from other files than the one they came from.
 pub(crate) fn table(format: Format, head: &[u8], length: u64) -> Option<Table> {
     match format {
         Format::Ply => ply::table(head, length),
@@ -42,7 +42,7 @@ pub(crate) fn table(format: Format, head: &[u8], length: u64) -> Option<Table> {
 }
 
 impl PointFile {
-    /// The file at `path`; `None` if its points are no such rows, or if it is a pipe, whose beginning opening would take away.
+    /// The file at `path`; `None` if its points are no such rows, or if it is a pipe, whose first bytes would be lost.
     ///
     /// # Errors
     /// [`Error::File`](crate::Error::File) if there is no such file or it cannot be read.
@@ -55,7 +55,7 @@ impl PointFile {
         let mut file = File::open(path).map_err(failed)?;
         let mut head = Vec::new();
         file.by_ref().take(HEAD).read_to_end(&mut head).map_err(failed)?;
-        // What is wrong with a file is said by those who read all of it.
+        // The reader of whole files says what is wrong with a file.
         let Ok(format) = input_format(&path.display().to_string(), &head, format) else { return Ok(None) };
         let table = table(format, &head, length);
         Ok(table.map(|table| PointFile { path: path.to_path_buf(), file, format, head, length, table }))
@@ -80,7 +80,7 @@ impl PointFile {
         (self.format, &self.head, self.length)
     }
 
-    /// Shows all points to `take`, in their order and block by block. None of them is nowhere.
+    /// Shows all points to `take`, in their order and block by block. All coordinates are finite.
     ///
     /// # Errors
     /// Those of `take`; an error with the place in the file if that has become shorter, or if a point is nowhere.

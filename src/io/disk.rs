@@ -97,7 +97,7 @@ pub(super) fn replace_files(
     paths.iter().zip(files).try_for_each(|(path, file)| file.take_place().map_err(|error| write_error(path, &error)))
 }
 
-/// A file that is complete and has not got its name yet; without it, it vanishes.
+/// A complete file that does not have its name yet; it vanishes if it never gets it.
 struct Complete {
     file: tempfile::TempPath,
     target: PathBuf,

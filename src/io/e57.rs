@@ -81,7 +81,7 @@ fn scans(bytes: &[u8]) -> std::result::Result<Cloud, String> {
         for point in points {
             match point {
                 Ok(point) => cloud.push(point),
-                // A packet that completes no point is taken for a fault of its own by the crate; the next call goes on.
+                // The crate reports a packet that completes no point as an error; the next call goes on.
                 Err(e57::Error::Internal { .. }) if packets < bytes.len() / LEAST_PACKET => packets += 1,
                 Err(error) => return Err(error.to_string()),
             }

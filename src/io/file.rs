@@ -96,7 +96,7 @@ pub fn write_tileset(path: &Path, levels: &[Level]) -> Result<()> {
     let tileset = Tileset::new(&levels);
     let files = tileset.files(&stem(path).unwrap_or_default());
     let mut paths: Vec<PathBuf> = files.iter().map(|(name, _)| path.with_file_name(name)).collect();
-    // Last, so that it names no file that is not there.
+    // Last, so that it never names a missing file.
     paths.push(path.into());
     replace_files(&paths, &mut |i, out| match files.get(i) {
         Some((_, tile)) => tileset.write_tile(*tile, out),

@@ -4,7 +4,7 @@ use super::format::HEAD;
 
 /// A kind of file that is not read.
 pub(super) struct Foreign {
-    /// What a file of it is, as `it is` goes on.
+    /// What such a file is, to follow the words `it is`.
     pub name: &'static str,
     /// How to get something that is read.
     pub remedy: &'static str,

@@ -182,7 +182,7 @@ impl Format {
     }
 }
 
-/// Whether the length is what the number of triangles in the header makes it.
+/// Whether the length fits the number of triangles in the header.
 fn is_binary_stl(bytes: &[u8]) -> bool {
     let (head, each) = STL_BYTES;
     let Some(&[a, b, c, d]) = bytes.get(head - 4..head) else { return false };

@@ -13,7 +13,7 @@ pub(super) struct Mixed<'a> {
 }
 
 impl<'a> Mixed<'a> {
-    /// A file whose numbers are words as long as nothing else is said.
+    /// A file whose numbers are words until it is told otherwise.
     pub fn new(bytes: &'a [u8]) -> Self {
         Mixed { bytes, at: 0, binary: None }
     }

@@ -19,7 +19,7 @@ pub trait Folder {
     /// The bytes of a file in it; what went wrong as the end of a sentence that begins with the name.
     fn read(&self, name: &Path) -> std::result::Result<Vec<u8>, String>;
 
-    /// The image of that name, and whether there is one. What is not there keeps its name.
+    /// The image of that name, and whether there is one. An image that is not there keeps its name.
     fn image(&self, name: &str) -> (Image, bool);
 }
 
@@ -133,7 +133,7 @@ pub(super) fn input_format(name: &str, bytes: &[u8], format: Option<Format>) -> 
     match (by_ending(path), by_content) {
         // The two forms of one format are read by one reader.
         (Some(Format::Gltf | Format::Glb), Some(content @ (Format::Gltf | Format::Glb))) => Ok(content),
-        // What has columns of numbers as a rule may have anything.
+        // A file that usually has columns of numbers may hold anything.
         (Some(Format::Xyz), _) => Ok(Format::sniff(bytes).unwrap_or(Format::Xyz)),
         (Some(ending), Some(content)) if ending != content => {
             let cause = format!("the ending says {ending}, but the content is {content}");

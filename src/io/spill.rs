@@ -1,4 +1,4 @@
-//! Rows of equally many bytes in a file, those of a place together: what does not fit into memory, sorted.
+//! Rows of equally many bytes in a file, those of a place together: sorting data that does not fit into memory.
 //!
 //! Rows gather in memory for each place, and go to the end of the file a chunk at a time. Within a place they stay in the
 //! order in which they came.

@@ -28,8 +28,8 @@ pub(crate) struct Faces {
 
 /// What a format knows of its faces.
 pub(crate) trait FaceRows: Sync {
-    /// Shows the corners of the faces at the beginning of `bytes`, as long as these have all of a face, at most so many. How
-    /// many faces these were, and how many bytes. `at` is where the bytes are in the file.
+    /// Shows the corners of the complete faces at the start of `bytes`, `most` of them at most. Returns how many faces and bytes
+    /// these were. `at` is where the bytes are in the file.
     ///
     /// # Errors
     /// Those of `show`; an error with the place of an index that no vertex has.
@@ -50,7 +50,7 @@ pub(crate) trait Rows: Sync {
     /// Where the point of this row is, and its normal.
     fn look(&self, row: &[u8]) -> Seen;
 
-    /// The error that the point of this number and row is nowhere.
+    /// The error that the point of this number and row has coordinates that are not finite.
     fn nowhere(&self, point: usize, row: &[u8]) -> Error;
 
     /// The error that the file ends at this byte.

@@ -152,7 +152,7 @@ impl<'a> Words<'a> {
 /// Whether a word ends before `b`.
 #[inline]
 fn is_space(b: u8) -> bool {
-    // Nearly all bytes are settled by the first comparison.
+    // The first comparison decides for nearly all bytes.
     b <= b' ' && (is_blank(b) || is_end(b))
 }
 

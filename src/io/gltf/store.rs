@@ -258,7 +258,7 @@ impl<'a> Store<'a> {
 fn zeros<T: Copy>(accessor: &Accessor, zero: T) -> Option<Vec<T>> {
     let sparse = accessor.sparse.as_ref()?;
     let count = accessor.count.0;
-    // More exceptions than elements are no reason to believe in more elements.
+    // More exceptions than elements do not make more elements plausible.
     let stored = sparse.count.0.min(count);
     (count <= FEW || count / SPARSITY <= stored && stored <= u64::from(u32::MAX) / SPARSITY)
         .then(|| vec![zero; count as usize])

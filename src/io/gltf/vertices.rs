@@ -99,7 +99,7 @@ impl Columns {
             column.values.append(&mut values);
             return;
         }
-        // One that is not complete so far will not be.
+        // An attribute that is incomplete so far stays so.
         if (column.components, column.scalar) == (components, scalar) && column.values.len() == base * components {
             column.values.append(&mut values);
         }

@@ -63,7 +63,7 @@ impl Written {
     }
 
     fn material(&mut self, material: &Material) -> Value {
-        // Of a material that only its name is known of.
+        // For a material of which only the name is known.
         let usual = Look { metallic: 0.0, ..Look::default() };
         let look = material.look.as_ref().unwrap_or(&usual);
         let mut pbr = json!({

@@ -1,8 +1,8 @@
 //! Meshes larger than memory, read in blocks and made coarser while they are read.
 //!
-//! A file is read once for its vertices, whose places stay in memory; once for its triangles, which go to a temporary file,
-//! those of a place together; and where vertices have attributes, once more for those that are left. The triangles of one
-//! place after the other become coarser, and at last what is left, where these meet.
+//! A file is read once for its vertices, whose places stay in memory; once for its triangles, which go to a temporary file, those
+//! of a place together; and where vertices have attributes, once more for those that are left. The triangles become coarser place
+//! by place, and in the end along the borders between places.
 //!
 //! Memory: twelve bytes a vertex of the file, 24 if its coordinates are not in single precision, as much again for the map
 //! from places to vertices of STL, and what is left. On the disk: twelve bytes a triangle.
@@ -33,7 +33,7 @@ use std::fs::{self, File};
 use std::io::{ErrorKind, Read as _};
 use std::path::Path;
 
-/// Bytes of the beginning of a file that has to have all that stands before its vertices.
+/// The first bytes of a file, which must hold everything before its vertices.
 const HEAD: u64 = 1 << 16;
 
 /// About the bytes of a block.
@@ -84,8 +84,8 @@ pub(crate) struct LargeMesh {
 }
 
 impl LargeMesh {
-    /// The file at `path`; `None` if it cannot be read in blocks: what is no triangles or polygons in binary PLY or STL, and
-    /// a pipe.
+    /// The file at `path`; `None` if it cannot be read in blocks: only polygons in binary PLY and facets in binary STL can, and
+    /// not from a pipe.
     ///
     /// # Errors
     /// [`Error::File`] if there is no such file or it cannot be read.
@@ -99,7 +99,7 @@ impl LargeMesh {
         let mut head = Vec::new();
         file.by_ref().take(HEAD).read_to_end(&mut head).map_err(failed)?;
         let name = path.display().to_string();
-        // What is wrong with a file is said by those who read all of it.
+        // The reader of whole files says what is wrong with a file.
         let Ok(format) = input_format(&name, &head, format) else { return Ok(None) };
         let path = path.to_path_buf();
         let blocks: Option<Box<dyn Blocks>> = match format {

@@ -97,7 +97,7 @@ fn ends_early(count: usize, found: usize, end: usize) -> Error {
     malformed(Place::Byte(end), cause, CUT_SHORT)
 }
 
-/// The error that a point is nowhere.
+/// The error that a point has coordinates that are not finite.
 fn nowhere(point: usize) -> Error {
     malformed(Place::Part(format!("point {point}")), "a coordinate is not finite", EXPORT_AGAIN)
 }
@@ -184,7 +184,7 @@ fn decompress(bytes: &[u8], header: &Header, push: &mut dyn FnMut(&[u8])) -> Res
     let Some(record) = record_of_laszip(bytes) else {
         return Err(malformed(Place::Byte(HEADERS[0]), "nothing says how the points are compressed", EXPORT_AGAIN));
     };
-    // The crate takes for granted that what it decompresses was compressed by a sound program.
+    // The crate assumes that a sound program compressed the data.
     let work = std::panic::AssertUnwindSafe(|| decompress_record(bytes, header, record, push));
     match std::panic::catch_unwind(work) {
         Ok(Ok(())) => Ok(()),

@@ -57,7 +57,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     let mut builder = Builder { models: &models, built: 0, mesh: Mesh::default(), colors: Vec::new(), bare: false };
     let items = &models[&root].items;
     if items.is_empty() {
-        // A file that builds nothing has objects all the same.
+        // A file that builds nothing still has objects.
         for (id, _) in models[&root].objects.iter().filter(|(_, object)| !object.triangles.is_empty()) {
             builder.add(
                 &root,

@@ -258,7 +258,7 @@ fn header(tag: &BytesStart) -> Header {
         kind: attribute(tag, "type").as_deref().and_then(number_type),
         components: number("NumberOfComponents").unwrap_or(1),
         encoded: is("binary"),
-        // An array that is appended and does not say where is nowhere.
+        // An appended array must say where it is.
         offset: is("appended").then(|| number("offset").unwrap_or(usize::MAX)),
     }
 }
