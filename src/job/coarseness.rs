@@ -52,8 +52,10 @@ pub fn coarseness_within(memory: u64, extent: Extent, options: &Options) -> Resu
         let [needed, memory] = [needed, memory as f64].map(|bytes| (bytes / 1e6).ceil());
         return Err(Error::Mesh {
             fault: Fault::TooLarge,
-            cause: format!("{result:.0} vertices of it take about {needed} MB, and it is to make do with {memory} MB"),
-            remedy: "give it more by --memory, or ask for fewer vertices".into(),
+            cause: format!(
+                "{result:.0} vertices of it take about {needed} MB, more than the {memory} MB that are allowed"
+            ),
+            remedy: "allow more by --memory, or ask for fewer vertices".into(),
         });
     }
     if bytes(1.0) <= memory as f64 {

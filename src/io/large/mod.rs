@@ -42,6 +42,9 @@ const BLOCK: usize = 1 << 20;
 /// About the triangles that become coarser together.
 const OF_PLACE: usize = 1 << 18;
 
+/// Triangles that are sorted together.
+const BATCH: usize = 1 << 16;
+
 /// Bytes of the three corners of a triangle.
 const ROW: usize = 12;
 
@@ -166,13 +169,28 @@ impl LargeMesh {
         let cell = bounds.map_or(1.0, |bounds| cell_size(bounds, places.len()));
         let origin = bounds.map_or_else(Default::default, |bounds| bounds.lo);
         let mut extent = Extent { vertices: places.len(), triangles: 0, area: 0.0 };
-        self.blocks.triangles(places, monitor, &mut |triangle| {
+        let look = |triangle: &[u32; 3]| {
             let corners = triangle.map(|v| places.at(v));
-            extent.triangles += 1;
-            extent.area += area(corners);
-            let place = ((corners[0] - origin) / cell).floor().as_ivec3();
-            writer.push(place.to_array(), bytemuck::bytes_of(&triangle), &[])
+            (((corners[0] - origin) / cell).floor().as_ivec3().to_array(), area(corners))
+        };
+        // Corners of a triangle may be far apart in memory, so all threads wait for them.
+        let mut put = |triangles: &[[u32; 3]]| {
+            let looks: Vec<([i32; 3], f64)> = triangles.par_iter().with_min_len(BATCH / 16).map(look).collect();
+            extent.triangles += triangles.len();
+            triangles.iter().zip(looks).try_for_each(|(triangle, (place, area))| {
+                extent.area += area;
+                writer.push(place, bytemuck::bytes_of(triangle), &[])
+            })
+        };
+        let mut batch = Vec::with_capacity(BATCH);
+        self.blocks.triangles(places, monitor, &mut |triangle| {
+            batch.push(triangle);
+            if batch.len() < BATCH {
+                return Ok(());
+            }
+            put(&std::mem::replace(&mut batch, Vec::with_capacity(BATCH)))
         })?;
+        put(&batch)?;
         Ok(Spilled { chunks: writer.finish()?, extent })
     }
 }
