@@ -9,7 +9,7 @@ use crate::cli::terminal;
 use crate::io::Loaded;
 use crate::io::dense::PointFile;
 use crate::io::large::LargeMesh;
-use crate::job::{coarseness_within, refuse_coarser};
+use crate::job::{coarseness_within, is_far_finer, refuse_coarser};
 use crate::pipeline::Sampled;
 use crate::tiles::{PlanOptions, TileFolder, can_plan, make_plan, sample_all};
 use std::fs;
@@ -17,6 +17,9 @@ use std::path::{Path, PathBuf};
 
 /// Memory that is taken to be free where the system does not tell.
 const UNKNOWN: u64 = 2_000_000_000;
+
+/// Triangles that take more than this part of the memory are sorted in a file.
+const OF_MEMORY: u64 = 10;
 
 /// Half of the memory that is free, in bytes.
 pub(super) fn free_memory() -> u64 {
@@ -38,7 +41,8 @@ pub(super) fn is_out_of_core(job: &Sampling) -> bool {
         || is_large(&job.input, &job.out_of_core) && can_plan(&job.input.path, job.input.format, &job.options)
 }
 
-/// The mesh of a job, made coarser while it is read, if it is larger than memory or if that is wanted; else `None`.
+/// The mesh of a job, made coarser while it is read, if it is larger than memory or far finer than the result, or if that is
+/// wanted; else `None`.
 ///
 /// # Errors
 /// [`Error::Option`] if that is wanted with options that need all of the mesh; [`Error::File`] if the file cannot be read so,
@@ -46,25 +50,32 @@ pub(super) fn is_out_of_core(job: &Sampling) -> bool {
 pub(super) fn load_coarsened(job: &Remeshing, monitor: &dyn Monitor) -> Result<Option<Loaded>> {
     let options = &job.options.surface;
     let is_wanted = job.out_of_core.wanted;
-    if !is_wanted && (!is_large(&job.input, &job.out_of_core) || refuse_coarser(options).is_err()) {
-        return Ok(None);
+    match refuse_coarser(options) {
+        Err(error) if is_wanted => return Err(error),
+        Err(_) => return Ok(None),
+        Ok(()) => {}
     }
-    refuse_coarser(options)?;
     let MeshFile { path, format } = &job.input;
     let Some(mesh) = LargeMesh::open(path, *format)? else {
         // Points are thinned while they are read.
-        return if is_wanted && PointFile::open(path, *format)?.is_none() {
-            Err(not_in_blocks(path))
-        } else {
-            Ok(None)
-        };
+        let is_impossible = is_wanted && PointFile::open(path, *format)?.is_none();
+        return if is_impossible { Err(not_in_blocks(path)) } else { Ok(None) };
     };
+    let is_finer = mesh.keeps_attributes() && is_far_finer(mesh.faces(), options);
+    if !is_wanted && !is_finer && !is_large(&job.input, &job.out_of_core) {
+        return Ok(None);
+    }
     monitor.stage("read");
-    let folder = Place::passing(&job.out_of_core)?;
-    announce(&job.input, &folder, mesh.bytes_on_disk(), job.run.voice);
+    let parent = parent(&job.out_of_core)?;
     let memory = job.out_of_core.memory.unwrap_or_else(free_memory);
     let coarseness = |extent| coarseness_within(memory, extent, options).map_err(|e| e.in_file(&name(&job.input)));
-    mesh.coarsened(&folder.path().join("triangles"), coarseness, monitor).map(Some)
+    let bytes = mesh.bytes_of_triangles();
+    if bytes <= memory / OF_MEMORY {
+        return mesh.coarsened(None, coarseness, monitor).map(Some);
+    }
+    let folder = Place::passing(&parent)?;
+    announce(&job.input, &folder, bytes, job.run.voice);
+    mesh.coarsened(Some(&folder.path().join("triangles")), coarseness, monitor).map(Some)
 }
 
 fn not_in_blocks(path: &Path) -> Error {
@@ -111,18 +122,17 @@ enum Place {
 
 impl Place {
     fn of(job: &Sampling) -> Result<Place> {
-        if !job.resume {
-            return Place::passing(&job.out_of_core);
-        }
         let parent = parent(&job.out_of_core)?;
+        if !job.resume {
+            return Place::passing(&parent);
+        }
         let output = job.output.file_name().unwrap_or_default().to_string_lossy().into_owned();
         Ok(Place::Kept(parent.join(format!("{output}.remesh-tiles"))))
     }
 
-    fn passing(wanted: &OutOfCore) -> Result<Place> {
-        let parent = parent(wanted)?;
+    fn passing(parent: &Path) -> Result<Place> {
         let made =
-            tempfile::Builder::new().prefix(".remesh-tiles-").tempdir_in(&parent).map_err(|error| Error::File {
+            tempfile::Builder::new().prefix(".remesh-tiles-").tempdir_in(parent).map_err(|error| Error::File {
                 file: parent.display().to_string(),
                 cause: format!("no folder can be made in it: {error}"),
                 remedy: "choose another one by --temp".into(),

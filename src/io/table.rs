@@ -22,6 +22,8 @@ pub(crate) struct Faces {
     pub start: u64,
     /// How many there are.
     pub count: u64,
+    /// Whether they have more than corners, such as texture coordinates.
+    pub have_more: bool,
     /// What a format knows of them.
     pub rows: Box<dyn FaceRows>,
 }

@@ -2,7 +2,7 @@
 
 use crate::base::error::{Error, Fault, Result, Setting};
 use crate::io::large::Extent;
-use crate::pipeline::{Grading, Options, Values, coarseness_for, spacing_on};
+use crate::pipeline::{Density, Grading, Options, Values, coarseness_for, spacing_on};
 use crate::prepare::coarsen::Coarseness;
 
 /// Vertices left for each square of the shortest length in the area, measured on two models.
@@ -15,6 +15,17 @@ const OF_RESULT: f64 = 1500.0;
 
 /// Where memory is short, edges may be this many times longer than suffices: 0.6 of the spacing.
 const MOST_LONGER: f64 = 3.0;
+
+/// Faces from which on reading a mesh in blocks saves time, and vertices for each wanted one: edges are a tenth of those of the
+/// result then.
+const MANY: u64 = 1_000_000;
+const TIMES_FINER: u64 = 100;
+
+/// Whether a mesh of so many faces is so much finer than the result that it may become coarser while it is read.
+pub fn is_far_finer(faces: u64, options: &Options) -> bool {
+    // A triangle mesh has about twice as many faces as vertices.
+    matches!(options.density, Density::Points(points) if faces >= MANY.max(2 * TIMES_FINER * points as u64))
+}
 
 /// Refuses options that need all of the input.
 ///
@@ -63,4 +74,30 @@ pub fn coarseness_within(memory: u64, extent: Extent, options: &Options) -> Resu
     }
     let longer = (OF_INPUT * LEFT * extent.area / room).sqrt() / of_use.shortest;
     Ok(coarseness_for(longer.min(MOST_LONGER) * spacing))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::MaxError;
+
+    #[test]
+    fn only_what_is_large_and_far_finer_becomes_coarser_by_itself() {
+        let of = |faces, points| is_far_finer(faces, &Options::points(points));
+        assert!(of(6_400_000, 13_000) && of(1_000_000, 5_000));
+        assert!(!of(6_400_000, 300_000) && !of(900_000, 100));
+    }
+
+    #[test]
+    fn the_less_memory_the_coarser_and_at_last_an_error() {
+        let extent = Extent { vertices: 25_000_000, triangles: 50_000_000, area: 1.0 };
+        let shortest =
+            |memory| coarseness_within(memory, extent, &Options::points(1_000_000)).map(|c: Coarseness| c.shortest);
+        let [most, less] = [100_000_000_000, 2_000_000_000].map(|memory| shortest(memory).unwrap());
+        assert!(2.0 * most < less && less <= MOST_LONGER * most, "{most} {less}");
+        let error = shortest(1_000_000_000).unwrap_err().to_string();
+        assert!(error.contains("more than the 1000 MB that are allowed"), "{error}");
+        let bounded = Options { max_error: Some(MaxError::Length(0.1)), ..Options::points(100) };
+        assert!(refuse_coarser(&bounded).is_err() && refuse_coarser(&Options::default()).is_ok());
+    }
 }

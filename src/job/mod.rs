@@ -13,7 +13,7 @@ mod threads;
 pub mod words;
 
 #[cfg(feature = "fs")]
-pub(crate) use coarseness::{coarseness_within, refuse_coarser};
+pub(crate) use coarseness::{coarseness_within, is_far_finer, refuse_coarser};
 pub use input::Input;
 pub use outcome::{Origin, Outcome};
 pub use points::{reconstruct, sample};

@@ -32,7 +32,8 @@ fn report_of(folder: &Path, name: &str, words: &str) -> Value {
     let out = remesh(folder, &format!("{name} out.ply --points 1000 --temp temp --report r.json {words}"));
     let said = String::from_utf8(out.stderr).unwrap();
     assert_eq!(out.status.code(), Some(0), "{said}");
-    assert!(said.contains("MB of temporary files"), "{said}");
+    // Triangles are sorted in a file only where memory is short.
+    assert_eq!(said.contains("MB of temporary files"), words.contains("--memory"), "{said}");
     assert_eq!(fs::read_dir(folder.join("temp")).unwrap().count(), 0);
     serde_json::from_str(&fs::read_to_string(folder.join("r.json")).unwrap()).unwrap()
 }
@@ -56,7 +57,7 @@ fn what_is_read_in_blocks_is_coarser_and_comes_out_like_what_is_read_as_a_whole(
         assert!((5_000..40_000).contains(&read), "{read}");
         assert!(report["output"]["shape"]["theta_min"].as_f64().unwrap() > 38.0);
         let note = report["notes"][0].as_str().unwrap();
-        assert!(note.starts_with("200000 triangles were made coarser while they were read"), "{note}");
+        assert!(note.starts_with("200000 triangles became "), "{note}");
     }
 }
 

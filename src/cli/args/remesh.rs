@@ -87,8 +87,8 @@ pub(super) struct RemeshArgs {
     /// 1 optimises the triangles after sampling, 0 leaves the samples where the paper's gradient ascent does
     #[arg(long, value_name = "0|1", default_value_t = u8::from(Options::default().optimize), value_parser = clap::value_parser!(u8).range(0..=1))]
     optimize: u8,
-    /// Read a mesh in blocks and make it coarser meanwhile, with its triangles in a temporary file: by itself for files
-    /// larger than --memory. Triangles in binary PLY and STL; points are thinned while they are read in any case
+    /// Read a mesh in blocks and make it coarser meanwhile: by itself for files larger than --memory, and for meshes far
+    /// finer than the result. Triangles in binary PLY and STL; points are thinned while they are read in any case
     #[arg(long)]
     out_of_core: bool,
     #[command(flatten)]

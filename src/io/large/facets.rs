@@ -52,6 +52,10 @@ impl Blocks for Facets {
         self.count as u64
     }
 
+    fn keeps_attributes(&self) -> bool {
+        true
+    }
+
     fn places(&mut self, monitor: &dyn Monitor) -> Result<Places> {
         let mut places = Places::with_capacity(self.count / 2);
         let mut vertices = std::mem::take(&mut self.vertices);

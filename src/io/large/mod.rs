@@ -10,6 +10,7 @@
 mod facets;
 mod places;
 mod polygons;
+mod sorted;
 
 use crate::base::count::counted;
 use crate::base::error::{Error, Result};
@@ -22,13 +23,13 @@ use crate::io::disk::read_error;
 use crate::io::format::Format;
 use crate::io::named::input_format;
 use crate::io::read::{Loaded, checked};
-use crate::io::spill::{Chunk, SpillWriter, read_chunks};
 use crate::io::{ply, stl};
 use crate::prepare::coarsen::{Coarseness, Part};
 use facets::Facets;
 use places::Places;
 use polygons::Polygons;
 use rayon::prelude::*;
+use sorted::{OfPlace, ROW, Sorter};
 use std::fs::{self, File};
 use std::io::{ErrorKind, Read as _};
 use std::path::Path;
@@ -45,9 +46,6 @@ const OF_PLACE: usize = 1 << 18;
 /// Triangles that are sorted together.
 const BATCH: usize = 1 << 16;
 
-/// Bytes of the three corners of a triangle.
-const ROW: usize = 12;
-
 /// What is known of a large mesh before it becomes coarser.
 #[derive(Debug, Clone, Copy)]
 pub struct Extent {
@@ -63,6 +61,9 @@ pub struct Extent {
 trait Blocks {
     /// How many faces it has.
     fn faces(&self) -> u64;
+
+    /// Whether vertices have all that it has beside its shape.
+    fn keeps_attributes(&self) -> bool;
 
     /// Where its vertices are.
     fn places(&mut self, monitor: &dyn Monitor) -> Result<Places>;
@@ -120,33 +121,41 @@ impl LargeMesh {
         Ok(blocks.map(|blocks| LargeMesh { blocks, format, name }))
     }
 
-    /// The bytes that its temporary file has.
-    pub fn bytes_on_disk(&self) -> u64 {
+    /// How many faces it has.
+    pub fn faces(&self) -> u64 {
+        self.blocks.faces()
+    }
+
+    /// Whether all that it has beside its shape arrives: not what belongs to corners and faces.
+    pub fn keeps_attributes(&self) -> bool {
+        self.blocks.keeps_attributes()
+    }
+
+    /// The bytes that its triangles take while they are sorted.
+    pub fn bytes_of_triangles(&self) -> u64 {
         ROW as u64 * self.blocks.faces()
     }
 
-    /// The mesh, made as coarse as `coarseness` says. The temporary file `spilled` is new.
+    /// The mesh, made as coarse as `coarseness` says. Its triangles are sorted in memory, or in a new file at `temporary`.
     ///
     /// # Errors
     /// Those of `coarseness`; [`Error::File`] and [`Error::Format`] if one of the files cannot be read or written, with the
     /// place; [`Error::Cancelled`] if the monitor asks for it.
     pub fn coarsened(
         mut self,
-        spilled: &Path,
+        temporary: Option<&Path>,
         coarseness: impl FnOnce(Extent) -> Result<Coarseness>,
         monitor: &dyn Monitor,
     ) -> Result<Loaded> {
         let places = self.blocks.places(monitor)?;
-        let Spilled { chunks, extent } = self.spill(spilled, &places, monitor)?;
+        let (sorted, extent) = self.sorted(temporary, &places, monitor)?;
         let coarseness = coarseness(extent)?;
         monitor.stage("coarsen");
-        let of_place: Vec<&[Chunk]> = chunks.chunk_by(|a, b| a.place == b.place).collect();
-        let coarsened = |chunks: &&[Chunk]| {
+        let coarsened = |of_place: OfPlace| {
             check(monitor)?;
-            let triangles = triangles_of(&read_chunks(spilled, chunks)?);
-            Ok(Part::new(&triangles, |v| places.at(v)).coarsened(coarseness))
+            Ok(Part::new(&of_place.into_triangles()?, |v| places.at(v)).coarsened(coarseness))
         };
-        let parts: Vec<Part> = of_place.par_iter().map(coarsened).collect::<Result<_>>()?;
+        let parts: Vec<Part> = sorted.into_par_iter().map(coarsened).collect::<Result<_>>()?;
         let left = Part::joined(&parts, coarseness).in_order();
         drop(parts);
         check(monitor)?;
@@ -154,17 +163,23 @@ impl LargeMesh {
         let strayed = left.farthest_strayed();
         read.mesh.triangles = left.mesh.triangles;
         let mut loaded = checked(read, self.format).map_err(|error| error.in_file(&self.name))?;
+        let (before, after) = (counted(extent.triangles, "triangle", "triangles"), loaded.mesh.triangles.len());
+        let lost = if self.blocks.keeps_attributes() { "" } else { "; attributes of corners and faces are left out" };
         loaded.notes.push(format!(
-            "{} were made coarser while they were read, to {}; what went was within about {strayed:.2e} of what is left, which              takes the place of the input from here on",
-            counted(extent.triangles, "triangle", "triangles"),
-            loaded.mesh.triangles.len(),
+            "{before} became {after} while they were read: vertices that went are within about {strayed:.2e} of what is left, \
+             which the figures of the input are of{lost}"
         ));
         Ok(loaded)
     }
 
-    /// Sorts the triangles into a temporary file.
-    fn spill(&mut self, path: &Path, places: &Places, monitor: &dyn Monitor) -> Result<Spilled> {
-        let mut writer = SpillWriter::create(path)?;
+    /// The triangles, sorted, and what is known of them.
+    fn sorted(
+        &mut self,
+        temporary: Option<&Path>,
+        places: &Places,
+        monitor: &dyn Monitor,
+    ) -> Result<(Vec<OfPlace>, Extent)> {
+        let mut sorter = Sorter::new(temporary)?;
         let bounds = places.bounds();
         let cell = bounds.map_or(1.0, |bounds| cell_size(bounds, places.len()));
         let origin = bounds.map_or_else(Default::default, |bounds| bounds.lo);
@@ -177,9 +192,9 @@ impl LargeMesh {
         let mut put = |triangles: &[[u32; 3]]| {
             let looks: Vec<([i32; 3], f64)> = triangles.par_iter().with_min_len(BATCH / 16).map(look).collect();
             extent.triangles += triangles.len();
-            triangles.iter().zip(looks).try_for_each(|(triangle, (place, area))| {
+            triangles.iter().zip(looks).try_for_each(|(&triangle, (place, area))| {
                 extent.area += area;
-                writer.push(place, bytemuck::bytes_of(triangle), &[])
+                sorter.push(place, triangle)
             })
         };
         let mut batch = Vec::with_capacity(BATCH);
@@ -191,14 +206,8 @@ impl LargeMesh {
             put(&std::mem::replace(&mut batch, Vec::with_capacity(BATCH)))
         })?;
         put(&batch)?;
-        Ok(Spilled { chunks: writer.finish()?, extent })
+        Ok((sorter.finish()?, extent))
     }
-}
-
-/// Where the triangles of all places are.
-struct Spilled {
-    chunks: Vec<Chunk>,
-    extent: Extent,
 }
 
 /// The width of cells that have about [`OF_PLACE`] triangles each: a surface goes through about twice the square of as many
@@ -207,10 +216,6 @@ fn cell_size(bounds: Aabb, vertices: usize) -> f64 {
     let along = (vertices as f64 / OF_PLACE as f64).sqrt().ceil().max(1.0);
     // A flat sheet has no extent along one axis.
     (bounds.size().max_element() / along).max(f64::MIN_POSITIVE)
-}
-
-fn triangles_of(rows: &[u8]) -> Vec<[u32; 3]> {
-    rows.chunks_exact(ROW).map(bytemuck::pod_read_unaligned).collect()
 }
 
 /// Fills `bytes` from the file.

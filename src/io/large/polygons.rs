@@ -30,7 +30,7 @@ impl Polygons {
 
     /// Shows the corners of all faces, in their order.
     fn read(&self, monitor: &dyn Monitor, show: &mut dyn FnMut(&[u32]) -> Result<()>) -> Result<()> {
-        let Faces { start, count, rows } = &self.faces;
+        let Faces { start, count, rows, .. } = &self.faces;
         (&self.file).seek(SeekFrom::Start(*start)).map_err(|error| read_error(&self.path, &error))?;
         let (mut at, mut left) = (*start, *count);
         let mut bytes = Vec::new();
@@ -54,6 +54,10 @@ impl Polygons {
 impl Blocks for Polygons {
     fn faces(&self) -> u64 {
         self.faces.count
+    }
+
+    fn keeps_attributes(&self) -> bool {
+        !self.faces.have_more
     }
 
     fn places(&mut self, monitor: &dyn Monitor) -> Result<Places> {

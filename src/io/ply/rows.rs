@@ -4,7 +4,7 @@ use super::faces::{is_corners, is_number_below, no_vertex};
 use super::header::{self, Element, Encoding, Header, Kind};
 use super::read;
 use super::source::{self, Binary, Source};
-use super::vertices::{GROUPS, not_finite, scalar};
+use super::vertices::{GROUPS, is_texture, not_finite, scalar};
 use crate::base::error::{Error, Place, Result};
 use crate::io::content::Parsed;
 use crate::io::table::{FaceRows, Faces, Rows, Table};
@@ -59,7 +59,8 @@ fn surface_of<const BIG: bool>(mut header: Header, length: u64) -> Option<(Table
     let end = u64::try_from(row).ok()?.checked_mul(vertices.count)?.checked_add(start).filter(|&end| end <= length)?;
     let kinds = faces.properties.iter().map(|p| p.kind).collect();
     let rows = Box::new(BinaryFaces::<BIG> { kinds, corners, vertices: points });
-    let faces = Faces { start: end, count: faces.count, rows };
+    let have_more = faces.properties.len() > 1 || vertices.properties.iter().any(is_texture);
+    let faces = Faces { start: end, count: faces.count, have_more, rows };
     // Vertices are read as if they were all of the file.
     header.elements[face].count = 0;
     Some((Table { start, row, points, rows: Box::new(BinaryRows::<BIG> { header, vertex, columns }) }, faces))

@@ -18,6 +18,12 @@ pub(super) const GROUPS: [(&str, [&str; 4]); 3] = [
 /// Properties that are texture coordinates where there are faces.
 const TEXTURE: [[&str; 2]; 4] = [["s", "t"], ["u", "v"], ["texture_u", "texture_v"], ["texture_s", "texture_t"]];
 
+/// Whether a property is a texture coordinate where there are faces.
+#[cfg(feature = "fs")]
+pub(super) fn is_texture(property: &Property) -> bool {
+    TEXTURE.as_flattened().contains(&property.name.as_str())
+}
+
 /// The vertices of a file.
 #[derive(Default)]
 pub(super) struct Vertices {
