@@ -9,20 +9,20 @@ use crate::mesh::half_edge::next;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 
-/// A mesh cut open, and how it belongs together.
+/// A mesh cut open, and how its pieces belong together.
 pub struct Cut {
-    /// The mesh with the vertices on the cut doubled: the triangles are the same, one by one.
+    /// The mesh with the vertices on the cut duplicated; the triangles correspond one to one.
     pub mesh: Mesh,
     /// The side across each side where both are still joined, else [`NONE`].
     pub twin: Vec<u32>,
-    /// The side that was across each side before it was cut, [`NONE`] for all others.
+    /// The side that was across each side that is cut, [`NONE`] for all others.
     pub across: Vec<u32>,
     /// For each vertex the one it was before; the first copy of a vertex keeps its number.
     pub original: Vec<u32>,
 }
 
-/// Cuts `mesh` along the sides that are `sharp`, which has to hold for both sides of an edge. `twin` is as
-/// [`twins`](crate::mesh::topology::twins) says.
+/// Cuts `mesh` along the sides marked in `sharp`, which has to mark both sides of an edge or neither. `twin` comes from
+/// [`twins`](crate::mesh::topology::twins).
 pub fn cut(mut mesh: Mesh, mut twin: Vec<u32>, sharp: &[bool]) -> Cut {
     let mut across = vec![NONE; twin.len()];
     for side in (0..twin.len()).filter(|&s| sharp[s]) {
