@@ -63,8 +63,8 @@ impl Manifold {
         self.move_keeps_facing(v, there, FacingGuard::SOUND) && self.leaves_no_gap(v, there.position)
     }
 
-    /// Whether vertex `v`, if it is on a curve, would be about as far from its one neighbour there as from the other at
-    /// `there`, or no less evenly placed than now.
+    /// Whether vertex `v`, if it is on a curve, is about midway between its two neighbours on it at `there`, or no
+    /// farther off than now.
     fn leaves_no_gap(&self, v: u32, there: DVec3) -> bool {
         let Some(ends) = self.connectivity.along_curve(v) else { return true };
         let unevenness = |p: DVec3| {
