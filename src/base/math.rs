@@ -87,8 +87,8 @@ const FARTHEST: f64 = 707.0;
 /// The Gaussian e^(-d) of a squared distance d ≥ 0, within one unit in the last place up to d = 707, and not above 1e-307
 /// beyond.
 ///
-/// A sampler spends half of its time here, so this has neither branches nor calls, and compilers can compute several
-/// numbers at once. With k the integer nearest to -d / ln 2, e^(-d) = 2ᵏ p(-d - k ln 2).
+/// A sampler spends half of its time here, so this has neither branches nor calls, and compilers vectorize it. With k
+/// the integer nearest to -d / ln 2, e^(-d) = 2ᵏ p(-d - k ln 2).
 #[inline]
 pub fn gaussian(d: f64) -> f64 {
     let x = -if d > FARTHEST { FARTHEST } else { d };

@@ -6,13 +6,13 @@
 //!
 //! - Without shared corners triangles cross where a side of one meets the other.
 //! - With one, they cross where the opposite side of either meets the other: every ray from the corner that begins in
-//!   both triangles leaves one of them first, and does so there.
+//!   both triangles leaves the first of them through that side.
 //! - With two, they cross where they are coplanar and on the same side of their shared side.
 //! - With three they are the same.
 //!
 //! Bodies that stand on each other touch, but rounding puts some corners above the contact and some below.
-//! [`cross_deeper_than`] tells crossing from contact: neither triangle lies on one side of the other's plane, up to a
-//! depth.
+//! [`cross_deeper_than`] tells crossing from contact: then neither triangle lies on one side of the other's plane, up
+//! to a depth.
 //!
 //! A segment that is not in the triangle's plane meets the triangle if its ends are not on the same side of the plane
 //! and its line passes the three sides of the triangle in the same sense. Coplanar figures meet in space if their

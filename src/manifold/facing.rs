@@ -9,7 +9,7 @@ use glam::DVec3;
 /// The least mean ratio at which other changes can still mend a triangle; those of a row sheared twice have 0.27.
 pub const LEAST_MENDABLE: f64 = 0.25;
 
-/// Decides by the cosine between the normals of triangle and surface whether a move may make such a triangle.
+/// Decides whether a move may make a triangle, by the cosine between its normal and that of the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FacingGuard {
     least: f64,
@@ -113,8 +113,7 @@ impl Manifold {
         self.connectivity.outgoing(v).map(facing).fold(1.0, f64::min)
     }
 
-    /// The vertices whose normal makes a cosine below `cosine` with that of a vertex within two rings, not across
-    /// curves.
+    /// The vertices whose normal has a cosine below `cosine` with that of a vertex within two rings, not across curves.
     pub fn bent(&self, cosine: f64) -> VertexSet {
         let c = &self.connectivity;
         let normal = |v: u32| self.samples[v as usize].normal;

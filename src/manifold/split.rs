@@ -16,7 +16,7 @@ const CLEARANCE: f64 = 0.25;
 impl Manifold {
     /// Splits the edge of `h` at its middle, projected onto the domain; returns the new vertex. Returns `None`, and
     /// does nothing, if the projection is not between the ends, is close to a corner across, or would turn a triangle
-    /// against the surface, as it does where the edge cuts through a thin part.
+    /// against the surface, as happens where the edge cuts through a thin part.
     pub fn split_at_middle(&mut self, domain: &Domain, h: u32) -> Option<u32> {
         let middle = self.middle(domain, h);
         let ends = [self.connectivity.origin(h), self.connectivity.target(h)].map(|v| self.position(v));
