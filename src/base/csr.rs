@@ -9,8 +9,8 @@ pub(crate) struct Csr<T> {
 }
 
 impl<T: Copy> Csr<T> {
-    /// A counting sort of `entries`, which are pairs of a row below `rows` and a value: a row has its values in the order
-    /// of the entries. `entries` is called twice and has to give the same ones.
+    /// A counting sort of `entries`, pairs of a row below `rows` and a value. Each row has its values in the order of
+    /// the entries. `entries` is called several times and has to return the same ones.
     pub fn new<I: Iterator<Item = (u32, T)>>(rows: usize, entries: impl Fn() -> I) -> Csr<T> {
         let mut start = vec![0u32; rows + 1];
         entries().for_each(|(row, _)| start[row as usize + 1] += 1);
@@ -34,7 +34,7 @@ impl<T: Copy> Csr<T> {
         &self.values[self.start[row as usize] as usize..self.start[row as usize + 1] as usize]
     }
 
-    /// How many values all rows have.
+    /// The number of values in all rows.
     pub fn len(&self) -> usize {
         self.values.len()
     }

@@ -1,8 +1,8 @@
-//! The one error of the library. Every variant names where, what is wrong, and what to do about it.
+//! The one error of the library. Every variant says where and what is wrong, and what to do about it.
 
 use std::fmt;
 
-/// What can go wrong between a mesh as it is found and a mesh as it is wanted.
+/// What can go wrong between a given mesh and a wanted one.
 ///
 /// Outcomes that are not failures (a missed count, a result whose topology differs) are fields of the result instead.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -33,7 +33,7 @@ pub enum Error {
     /// A mesh that no stage can work on: no triangles, no area, coordinates that are not finite.
     #[error("{cause}; {remedy}")]
     Mesh {
-        /// The kind of it.
+        /// The kind of fault.
         fault: Fault,
         /// What is wrong.
         cause: String,
@@ -43,7 +43,7 @@ pub enum Error {
     /// An option outside of its range, or two that exclude each other.
     #[error("{option}: {cause}; {remedy}")]
     Option {
-        /// Which one.
+        /// Which option.
         option: Setting,
         /// What is wrong.
         cause: String,
@@ -56,7 +56,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// The same error with `file` as its file, for readers that see bytes and not names.
+    /// The same error with `name` as its file, for readers that see bytes and not names.
     #[must_use]
     pub fn in_file(self, name: &str) -> Self {
         match self {
@@ -79,15 +79,15 @@ pub enum Fault {
     NoArea,
     /// A coordinate is not finite, or too large.
     Coordinates,
-    /// A triangle has a corner that is not there.
+    /// A triangle has a corner that does not exist.
     Indices,
     /// Lists that belong together differ in length.
     Lengths,
-    /// It is no oriented manifold.
+    /// It is not an oriented manifold.
     NotManifold,
     /// The wanted vertices would be too near to each other.
     TooNarrow,
-    /// No surface goes through the points, or the faces are none: cells of a volume, say.
+    /// No surface goes through the points, or the faces do not form one: cells of a volume, say.
     NoSurface,
     /// It does not have an attribute that was asked for.
     NoAttribute,
@@ -229,7 +229,7 @@ impl fmt::Display for Setting {
 /// Where in a file something is wrong.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Place {
-    /// No one place: the file as a whole.
+    /// No single place: the file as a whole.
     Whole,
     /// A line of a text file, from 1.
     Line(usize),

@@ -1,22 +1,22 @@
-//! Queues of numbered things, those of the highest rank first, and what they are ordered by.
+//! Queues of numbered things, the highest rank first, and their order.
 
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BinaryHeap};
 
-/// A numbered thing: the greater has the higher rank, or at the same rank the lower number, so that a heap gives things
-/// out in one order only.
+/// A numbered thing: the greater has the higher rank, or at the same rank the lower number, so that a heap has only one
+/// order.
 #[derive(Debug, Clone, Copy)]
 pub struct Ranked<T = ()> {
-    /// What counts.
+    /// What things are ordered by.
     pub rank: f64,
     /// The number of the thing.
     pub index: u32,
-    /// What else is known of it; it does not count.
+    /// What else is known of it; it does not affect the order.
     pub item: T,
 }
 
 impl Ranked {
-    /// Thing number `index` at a rank.
+    /// Thing number `index` with a rank.
     pub fn new(rank: f64, index: u32) -> Ranked {
         Ranked { rank, index, item: () }
     }
@@ -42,31 +42,31 @@ impl<T> Ord for Ranked<T> {
     }
 }
 
-/// A queue that gives things out in the order of a heap, for hundreds of thousands of them: only those of about the highest rank
-/// are in a heap, which fits into the caches of a core; the others wait in buckets, each for a range of ranks, in no order.
+/// A queue with the order of a heap, for hundreds of thousands of things: only those of about the highest rank are in a
+/// heap, which fits into the caches of a core; the others wait unsorted in buckets, one for each range of ranks.
 ///
 /// Based on: R. Brown, Calendar queues, 1988, DOI 10.1145/63039.63045. Departure: the ranges follow from the digits of a rank.
 #[derive(Default)]
 pub struct RankedQueue {
     first: BinaryHeap<Ranked>,
-    /// The bucket that is in the heap; `None` before there is one.
+    /// The lowest bucket that is in the heap; `None` before there is one.
     lowest: Option<i64>,
     waiting: BTreeMap<i64, Vec<Ranked>>,
 }
 
-/// The binary digits of a rank that do not tell its bucket: a bucket holds ranks that differ by less than a 128th.
+/// The binary digits of a rank that do not affect its bucket: a bucket holds ranks that differ by less than a 128th.
 const DIGITS_WITHIN: u32 = 45;
 
-/// The bucket of a rank: higher ones have higher ranks.
+/// The bucket of a rank: higher buckets have higher ranks.
 fn bucket(rank: f64) -> i64 {
     let bits = rank.to_bits() as i64;
-    // Those of negative numbers rise with the absolute value.
+    // The bits of negative numbers rise with the absolute value.
     let rising = bits ^ (((bits >> 63) as u64) >> 1) as i64;
     rising >> DIGITS_WITHIN
 }
 
 impl RankedQueue {
-    /// Puts a thing into the queue.
+    /// Adds a thing.
     pub fn push(&mut self, ranked: Ranked) {
         let bucket = bucket(ranked.rank);
         if self.lowest.is_some_and(|lowest| bucket >= lowest) {
@@ -76,7 +76,7 @@ impl RankedQueue {
         }
     }
 
-    /// Takes out the greatest of the things.
+    /// Removes and returns the greatest thing.
     pub fn pop(&mut self) -> Option<Ranked> {
         if self.first.is_empty()
             && let Some((bucket, things)) = self.waiting.pop_last()

@@ -1,9 +1,9 @@
 //! Elementary functions with the same bits on every processor and system.
 //!
 //! Those of `std` call the system's C library, whose last bits differ between systems, and on one system between
-//! processors with and without fused multiply-add. Here they are those of the crate `libm`, which is compiled with the
-//! program and uses nothing but exactly rounded operations. `clippy.toml` disallows those of `std` elsewhere.
-//! Square roots, absolute values and roundings to integers are exact in `std`, too.
+//! processors with and without fused multiply-add. Here they come from the crate `libm`, which is compiled with the
+//! program and uses only exactly rounded operations. `clippy.toml` disallows those of `std` elsewhere. Square roots,
+//! absolute values and roundings to integers are exact in `std`, too.
 
 /// The sine and the cosine of an angle in radians.
 pub fn sin_cos(x: f64) -> (f64, f64) {
@@ -60,7 +60,7 @@ pub fn next_power_of_two(x: f64) -> f64 {
 }
 
 /// Coefficients of the polynomial p(r) = 1 + r + r² (c₀ + c₁ r + ...), which differs from eʳ by at most 1e-17 eʳ for
-/// |r| ≤ ln 2 / 2: those of least largest error (E. Remez, 1934), rounded.
+/// |r| ≤ ln 2 / 2: those with the least maximum error (E. Remez, 1934), rounded.
 const EXPONENTIAL: [f64; 10] = [
     0.500_000_000_000_001,
     0.166_666_666_666_666_74,
@@ -78,17 +78,17 @@ const EXPONENTIAL: [f64; 10] = [
 const LN_2_UPPER: f64 = 0.693_147_180_369_123_8;
 const LN_2_LOWER: f64 = 1.908_214_929_270_587_7e-10;
 
-/// Added and taken off again it rounds to an integer, which is in the lowest bits in between: 1.5 · 2⁵².
+/// Adding and subtracting this rounds to an integer, which is in the lowest bits in between: 1.5 · 2⁵².
 const ROUNDING: f64 = 6_755_399_441_055_744.0;
 
-/// The largest argument of [`gaussian`] that counts: its value is still a normal number.
+/// The largest argument of [`gaussian`], which clamps to it: its value is still a normal number.
 const FARTHEST: f64 = 707.0;
 
 /// The Gaussian e^(-d) of a squared distance d ≥ 0, within one unit in the last place up to d = 707, and not above 1e-307
 /// beyond.
 ///
-/// Half of the time of a sampler goes here, so it has neither branches nor calls, and compilers work it out for several
-/// numbers at once. With k the integer nearest to -d / ln 2, e^(-d) = 2ᵏ p(-d - k ln 2).
+/// A sampler spends half of its time here, so this has neither branches nor calls, and compilers vectorize it. With k
+/// the integer nearest to -d / ln 2, e^(-d) = 2ᵏ p(-d - k ln 2).
 #[inline]
 pub fn gaussian(d: f64) -> f64 {
     let x = -if d > FARTHEST { FARTHEST } else { d };
@@ -135,7 +135,7 @@ mod tests {
         assert!(gaussian(f64::NAN).is_nan());
     }
 
-    /// The bits of some values: a machine on which one differs is not the same for the library either.
+    /// The bits of some values: where one differs, so do the results of the library.
     #[test]
     fn the_bits_do_not_change_between_machines() {
         let (sin, cos) = sin_cos(1.2);

@@ -1,5 +1,5 @@
-//! What every layer needs: errors, progress and cancelling, elementary functions, random numbers, order in heaps, disjoint
-//! sets, compressed rows, counts in words.
+//! What every layer needs: errors, progress and cancelling, elementary functions, random numbers, heaps, disjoint sets,
+//! compressed rows, counts in words.
 
 pub(crate) mod count;
 pub(crate) mod csr;

@@ -1,17 +1,17 @@
-//! Progress and cancelling, as one argument. The library never prints and never reads a clock on its own:
-//! whoever wants a bar, a log or seconds per stage hands in a [`Monitor`].
+//! Progress and cancelling, as one argument. The library never prints and never reads a clock on its own: callers who
+//! want a progress bar, a log or the time of each stage pass in a [`Monitor`].
 
 use crate::base::error::{Error, Result};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// What a long call tells its caller, and asks of it. `&()` is the monitor that does nothing.
+/// What a long call tells its caller, and asks it. `&()` is the monitor that does nothing.
 pub trait Monitor: Sync {
-    /// A stage of that name begins; the one before it is over.
+    /// The stage with this name begins; the one before it is over.
     fn stage(&self, _name: &'static str) {}
     /// The share of the call that is done, in 0..=1, never falling.
     fn progress(&self, _done: f64) {}
-    /// Whether the call shall end with [`Error::Cancelled`]. Once true it stays true.
+    /// Whether the call should end with [`Error::Cancelled`]. Once true it stays true.
     fn cancelled(&self) -> bool {
         false
     }
@@ -24,10 +24,10 @@ pub fn check(monitor: &dyn Monitor) -> Result<()> {
     if monitor.cancelled() { Err(Error::Cancelled) } else { Ok(()) }
 }
 
-/// A monitor for calls that are stages of a larger one: it turns their shares into that of the whole.
+/// A monitor for calls that are stages of a larger one: turns the share done of each into that of the whole.
 ///
-/// The plan says what share of the time each stage takes. A stage that the plan has before the current one begins another
-/// attempt: what is left then is for that attempt, so that the share never falls.
+/// The plan says what share of the time each stage takes. A stage that comes before the current one in the plan begins
+/// another attempt, which gets what is left, so that the share never falls.
 pub struct Overall<'a> {
     inner: &'a dyn Monitor,
     /// The end of each stage, as a share of an attempt.
@@ -35,7 +35,7 @@ pub struct Overall<'a> {
     state: Mutex<State>,
 }
 
-/// Where a call is.
+/// How far a call is.
 #[derive(Default)]
 struct State {
     /// The share that was done when the current attempt began.
@@ -46,7 +46,7 @@ struct State {
 }
 
 impl<'a> Overall<'a> {
-    /// A monitor that tells `inner` of the whole; `plan` has the stages in their order and about how long each takes.
+    /// A monitor that reports the whole to `inner`; `plan` has the stages in their order and about how long each takes.
     pub fn new(inner: &'a dyn Monitor, plan: &[(&'static str, f64)]) -> Self {
         let mut sum = 0.0;
         let sums: Vec<f64> = plan
@@ -68,7 +68,7 @@ impl<'a> Overall<'a> {
         Some([begin, self.ends[place].1])
     }
 
-    /// Sets the state to what `change` makes of it and tells the share.
+    /// Applies `change` to the state and reports the share.
     fn update(&self, change: impl FnOnce(&mut State)) {
         let mut state = self.state.lock().unwrap_or_else(|e| e.into_inner());
         change(&mut state);
@@ -101,7 +101,7 @@ impl Monitor for Overall<'_> {
     }
 }
 
-/// A monitor for a call that is a part of a larger one: its share is that from one share of the whole to another.
+/// A monitor for a call that is a part of a larger one, from one share of the whole to another.
 pub struct Part<'a> {
     inner: &'a dyn Monitor,
     from: f64,
@@ -109,7 +109,7 @@ pub struct Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    /// A monitor that tells `inner` of the whole.
+    /// A monitor that reports the whole to `inner`.
     pub fn new(inner: &'a dyn Monitor, from: f64, to: f64) -> Self {
         Part { inner, from, to }
     }
@@ -127,7 +127,7 @@ impl Monitor for Part<'_> {
     }
 }
 
-/// A monitor that notes how long each stage took and passes everything on to another one.
+/// A monitor that records how long each stage took and passes everything on to another one.
 pub struct Stopwatch<'a> {
     inner: &'a dyn Monitor,
     starts: Mutex<Vec<(&'static str, Instant)>>,
@@ -169,7 +169,7 @@ impl Monitor for Stopwatch<'_> {
 mod tests {
     use super::*;
 
-    /// Keeps all shares that it is told.
+    /// Records all shares that are reported to it.
     #[derive(Default)]
     struct Shares(Mutex<Vec<f64>>);
 

@@ -1,16 +1,17 @@
 //! Random numbers that are the same on every machine and with every version.
 //!
-//! What the pipelines draw they draw by address: a number depends on the seed, the stage, the thing it is drawn for and
-//! its number there, and on nothing that was drawn before. So any thread or machine draws the same ones in any order, and
-//! a part of a surface draws what the whole would. The generator is Philox2x64-10, a bijection of counters under a key
-//! with the seed for key and the address for counter.
+//! The pipelines draw all numbers by address: a number depends on the seed, the stage, the thing it is drawn for and
+//! its index there, not on earlier draws. So any thread or machine draws the same ones in any order, and a part of a
+//! surface draws what the whole would. The generator is Philox2x64-10, a bijection of counters under a key, with the
+//! seed as key and the address as counter.
 //!
-//! Based on: J. K. Salmon, M. A. Moraes, R. O. Dror, D. E. Shaw, Parallel random numbers: as easy as 1, 2, 3, 2011,
-//! DOI 10.1145/2063384.2063405. It passes all tests of TestU01's BigCrush there.
+//! Based on: J. K. Salmon, M. A. Moraes, R. O. Dror, D. E. Shaw, Parallel random numbers: as easy as 1, 2, 3, 2011, DOI
+//! 10.1145/2063384.2063405. There it passes all tests of TestU01's BigCrush.
 //!
 //! Cost: about five nanoseconds a draw of two numbers.
 //!
-//! [`stream`] is a sequence of ChaCha8, for those who need one after the other: measurements, tests and examples.
+//! [`stream`] is a sequence of ChaCha8, for those who draw one number after the other: measurements, tests and
+//! examples.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -27,12 +28,12 @@ pub fn stream(seed: u64, stage: Stage) -> Random {
     rng
 }
 
-/// The stages that draw random numbers. The numbers are part of what makes a run repeatable: do not reorder.
+/// The stages that draw random numbers. Their numbers are part of what makes a run repeatable: do not reorder them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
     /// Where candidates lie on the surface.
     Candidates = 1,
-    /// In which order the scan looks at them.
+    /// The order in which the scan looks at them.
     Scan = 2,
     /// Where the distance between two surfaces is measured.
     Distance = 3,
@@ -44,7 +45,7 @@ pub enum Stage {
     Thinning = 6,
 }
 
-/// What a number is drawn for: a triangle or a point, and which of its numbers it is.
+/// What a number is drawn for: a triangle or a point, and the index of the number there.
 pub type Address = (u32, u64);
 
 /// 128 random bits for an address; different stages, seeds and addresses are independent.
@@ -70,7 +71,7 @@ fn unit_of(bits: u64) -> f64 {
     (bits >> 11) as f64 / (1u64 << 53) as f64
 }
 
-/// The multiplier of a round, and what is added to the key from one to the next: the golden ratio.
+/// The multiplier of a round, and what is added to the key between rounds: the golden ratio.
 const MULTIPLIER: u64 = 0xd2b7_4407_b1ce_6e93;
 const KEY_STEP: u64 = 0x9e37_79b9_7f4a_7c15;
 
@@ -139,7 +140,7 @@ mod tests {
             excess(|i| [Stage::Candidates, Stage::Scan].map(|stage| first(1, stage, (i, 0)))),
         ];
         assert!(found.iter().all(|deviations| deviations.abs() < 4.0), "{found:?}");
-        // One that is as bad as random numbers were once.
+        // A generator as bad as early ones were.
         assert!(excess(|i| [i, i + 1].map(|x| unit_of(u64::from(x).wrapping_mul(KEY_STEP)))) > 100.0);
     }
 }

@@ -20,7 +20,7 @@ impl UnionFind {
         x
     }
 
-    /// Joins the sets of `a` and `b`; whether they were apart.
+    /// Joins the sets of `a` and `b`; returns whether they were different.
     pub fn join(&mut self, a: u32, b: u32) -> bool {
         let (a, b) = (self.find(a), self.find(b));
         self.parent[a.max(b) as usize] = a.min(b);

@@ -26,7 +26,7 @@ impl Aabb {
         Aabb { lo: a.min(b).min(c), hi: a.max(b).max(c) }
     }
 
-    /// The box that is a point.
+    /// The box of a single point.
     #[inline]
     pub fn at(p: DVec3) -> Aabb {
         Aabb { lo: p, hi: p }
@@ -51,13 +51,14 @@ impl Aabb {
         self.size().length()
     }
 
-    /// The squared distance of `p`, zero inside. Rounding keeps the order: no point of the box has a smaller one.
+    /// The squared distance of `p`, zero inside. Even rounded, it is no larger than that of any point of the box.
     #[inline]
     pub fn distance_squared(&self, p: DVec3) -> f64 {
         (self.lo - p).max(p - self.hi).max(DVec3::ZERO).length_squared()
     }
 
-    /// Whether a ray meets the box within the distance `longest`. `inverse` has the reciprocals of its unit direction.
+    /// Whether a ray meets the box within the distance `longest`. `inverse` has the reciprocals of the components of
+    /// its unit direction.
     #[inline]
     pub fn meets_ray(&self, origin: DVec3, inverse: DVec3, longest: f64) -> bool {
         let (a, b) = ((self.lo - origin) * inverse, (self.hi - origin) * inverse);

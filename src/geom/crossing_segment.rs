@@ -1,12 +1,12 @@
 //! The segment that two crossing triangles have in common, and how its length changes with their corners.
 //!
-//! Each end of it is where a side of one triangle meets the other, or a corner that they share. If the points of side and
-//! triangle that are there move apart by `d`, the end moves along the side by as much as brings it back into the plane: it
-//! moves, seen from the triangle, by d − (n·d)/(n·e) e, for the normal n and the direction e of the side.
+//! Each end of it is where a side of one triangle meets the other triangle, or a shared corner. If the points of the
+//! side and of the triangle there move apart by `d`, the end slides along the side until it is back in the plane:
+//! relative to the triangle, it moves by d − (n·d)/(n·e) e, for the normal n and the direction e of the side.
 //!
 //! P. Volino, N. Magnenat-Thalmann, Resolving surface collisions through intersection contour minimization, 2006, DOI
-//! 10.1145/1141911.1142007, move surfaces that have passed through each other this way. Departure: the derivative is that
-//! of the segment between two triangles, by each of their corners.
+//! 10.1145/1141911.1142007, use this to separate surfaces that have passed through each other. Departure: the
+//! derivative is that of the segment between two triangles, with respect to each of their corners.
 
 use crate::geom::triangle::barycentric;
 use glam::DVec3;
@@ -18,12 +18,12 @@ type Triangle = [DVec3; 3];
 pub struct CrossingSegment {
     /// Its length.
     pub length: f64,
-    /// The gradient of the length by the position of each corner, of the first triangle and of the second.
+    /// The gradient of the length with respect to the position of each corner, of the first triangle and of the second.
     pub gradient: [[DVec3; 3]; 2],
 }
 
-/// An end of it: its place, and the weights of the corners of both triangles, which give a point of each there. `along` is
-/// the direction of the side and the normal of the triangle that meet there; `None` at a shared corner.
+/// An end of the segment: its place, and its barycentric coordinates in both triangles. `along` is the direction of the
+/// side and the normal of the triangle that meet there; `None` at a shared corner.
 struct End {
     place: DVec3,
     weights: [[f64; 3]; 2],
@@ -37,7 +37,7 @@ struct Along {
     normal: DVec3,
 }
 
-/// The segment that triangles which cross have in common; `None` if it has no length, as for coplanar ones.
+/// The segment that two crossing triangles have in common; `None` if it has no length, as for coplanar ones.
 pub fn crossing_segment(a: Triangle, b: Triangle) -> Option<CrossingSegment> {
     let triangles = [a, b];
     let shared = (0..9).map(|i| (i / 3, i % 3)).find(|&(i, j)| a[i] == b[j]);
@@ -53,12 +53,12 @@ pub fn crossing_segment(a: Triangle, b: Triangle) -> Option<CrossingSegment> {
     Some(CrossingSegment { length, gradient })
 }
 
-/// The weights of corner `i`.
+/// The barycentric coordinates of corner `i`.
 fn unit(i: usize) -> [f64; 3] {
     [0, 1, 2].map(|k| if k == i { 1.0 } else { 0.0 })
 }
 
-/// Where side `k` of triangle `of`, which shares no corner with the other one, passes through that.
+/// Where side `k` of triangle `of` passes through the other triangle; `None` also if they share a corner of the side.
 fn pierced(triangles: [Triangle; 2], of: usize, k: usize) -> Option<End> {
     let (own, other) = (triangles[of], triangles[1 - of]);
     let (p, q) = (own[k], own[(k + 1) % 3]);
@@ -83,7 +83,7 @@ fn pierced(triangles: [Triangle; 2], of: usize, k: usize) -> Option<End> {
 }
 
 impl End {
-    /// The gradient of how far this end moves in `direction`, by the position of each corner.
+    /// The gradient of how far this end moves in `direction`, with respect to the position of each corner.
     fn gradient(&self, direction: DVec3) -> [[DVec3; 3]; 2] {
         let Some(Along { of, side, normal }) = self.along else {
             return [self.weights[0].map(|w| w * direction), [DVec3::ZERO; 3]];

@@ -1,13 +1,14 @@
-//! The direction in which points spread least: eigenvectors of symmetric 3 × 3 matrices, as that of a covariance is.
+//! Eigenvectors of symmetric 3 × 3 matrices; the first one of a covariance is the direction in which points spread
+//! least.
 //!
 //! Based on: C. G. J. Jacobi, Über ein leichtes Verfahren, die in der Theorie der Säculärstörungen vorkommenden
-//! Gleichungen numerisch aufzulösen, 1846: rotations that make one entry beside the diagonal zero after the other.
+//! Gleichungen numerisch aufzulösen, 1846: rotations that zero one off-diagonal entry after the other.
 //!
-//! Cost: some dozen rotations. Accurate to rounding, also where eigenvalues coincide.
+//! Cost: about a dozen rotations. Accurate to rounding, even where eigenvalues coincide.
 
 use glam::{DMat3, DVec3};
 
-/// Sweeps over the three entries beside the diagonal: they fall quadratically, so that rounding is reached after five.
+/// Sweeps over the three off-diagonal entries: these converge quadratically, to rounding after five.
 const SWEEPS: usize = 8;
 
 /// The mean m of points p, and Σ (p - m)(p - m)ᵀ, which is their covariance matrix times their number.

@@ -1,28 +1,29 @@
-//! Whether two triangles in space intersect beyond the corners and the side that they share: exactly, for any coordinates.
+//! Whether two triangles in space intersect elsewhere than at shared corners and sides: an exact test, for any
+//! coordinates.
 //!
-//! Corners at exactly the same place are shared; what two triangles have in common besides their shared corners, and the
-//! side between two of these, is a crossing. Touching counts. All tests come down to one, whether a segment meets a
-//! triangle:
+//! Corners at exactly the same place are shared. Any other common point, except on the side between two shared corners,
+//! is a crossing. Touching counts. All tests come down to whether a segment meets a triangle:
 //!
 //! - Without shared corners triangles cross where a side of one meets the other.
-//! - With one, they cross where the side across from it, of either, meets the other: every ray from the corner that
-//!   begins in both triangles leaves the first of them there.
-//! - With two, they cross where they are coplanar and on the same side of the side that they share.
+//! - With one, they cross where the opposite side of either meets the other: every ray from the corner that begins in
+//!   both triangles leaves the first of them through that side.
+//! - With two, they cross where they are coplanar and on the same side of their shared side.
 //! - With three they are the same.
 //!
-//! Bodies that stand on each other touch, but rounding has each corner now above and now below. [`cross_deeper_than`]
-//! tells contact from crossing: no triangle lies on one side of the other's plane, within a depth.
+//! Bodies that stand on each other touch, but rounding puts some corners above the contact and some below.
+//! [`cross_deeper_than`] tells crossing from contact: then neither triangle lies on one side of the other's plane, up
+//! to a depth.
 //!
 //! A segment that is not in the triangle's plane meets the triangle if its ends are not on the same side of the plane
-//! and its line goes around the three sides of the triangle in one sense. Coplanar things meet in space where their
-//! shadows along all three axes meet: along one of them at least the shadows are as good as the originals.
+//! and its line passes the three sides of the triangle in the same sense. Coplanar figures meet in space if their
+//! shadows along all three axes meet: at least one of the projections is one-to-one.
 //!
 //! Based on: P. Guigue, O. Devillers, Fast and robust triangle-triangle overlap test using orientation predicates, 2003,
 //! DOI 10.1080/10867651.2003.10487580, whose signs these are; and J. R. Shewchuk, Adaptive precision floating-point
 //! arithmetic and fast robust geometric predicates, 1997, DOI 10.1007/PL00009321, who makes them exact. Departures:
 //! shared corners, triangles without area, and no permutation of corners.
 //!
-//! Cost: constant, some ten determinants. Limits: exact as long as products of three coordinates neither overflow nor
+//! Cost: constant, about ten determinants. Limits: exact as long as products of three coordinates neither overflow nor
 //! underflow.
 
 use glam::DVec3;
@@ -41,8 +42,8 @@ pub fn cross(a: Triangle, b: Triangle) -> bool {
     shared.next().is_some() || i == k || j == l || folded([a[i], a[k]], a[3 - i - k], b[3 - j - l])
 }
 
-/// Whether the triangles [`cross`], and not only touch: both have corners deeper than `depth` on both sides of the other.
-/// Triangles of one plane without a shared corner touch. Sheets that are folded over at a shared corner or side cross.
+/// Whether the triangles [`cross`] rather than touch: both have corners deeper than `depth` on both sides of the other.
+/// Coplanar triangles without a shared corner touch. Sheets that are folded over at a shared corner or side cross.
 pub fn cross_deeper_than(depth: f64, a: Triangle, b: Triangle) -> bool {
     let shared = (0..9).filter(|&i| a[i / 3] == b[i % 3]).count();
     let sides = [sides_of(a, b, depth), sides_of(b, a, depth)];
@@ -71,7 +72,7 @@ fn cross_apart(a: Triangle, b: Triangle) -> bool {
         && (sides(a).into_iter().any(|s| meets(s, b)) || sides(b).into_iter().any(|s| meets(s, a)))
 }
 
-/// Whether triangles that share a side, with `p` and `q` across from it, lie one on the other.
+/// Whether triangles that share a side, with `p` and `q` opposite it, lie on top of each other.
 fn folded([from, to]: [DVec3; 2], p: DVec3, q: DVec3) -> bool {
     side_of_plane([from, to, p], q) == 0
         && (0..3).any(|axis| {
@@ -95,7 +96,7 @@ fn meets(segment: [DVec3; 2], triangle: Triangle) -> bool {
     around.iter().all(|&s| s >= 0) || around.iter().all(|&s| s <= 0)
 }
 
-/// [`meets`] for what is left without the coordinate along `axis`.
+/// [`meets`] without the coordinate along `axis`.
 fn shadows_meet(segment: [DVec3; 2], triangle: Triangle, axis: usize) -> bool {
     let segment = segment.map(|p| shadow(p, axis));
     let [a, b, c] = triangle.map(|p| shadow(p, axis));

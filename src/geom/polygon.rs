@@ -1,22 +1,21 @@
-//! A polygon in space as triangles over its own corners.
+//! Triangulates a polygon in space over its own corners.
 //!
 //! A quadrilateral is split along the diagonal whose worse triangle has the better shape. Polygons with more corners
-//! are seen along the main axis of Newell's normal, n = Σ pᵢ × pᵢ₊₁, where dropping one coordinate changes no sign, and
-//! lose ears until three corners are left: the ear with the shortest cut goes first, and an ear is a convex corner whose
-//! triangle has no corner that is reflex or flat inside or on it. A corner that is found blocked is looked at again when
-//! the one that blocks it becomes convex.
+//! are projected along the main axis of Newell's normal, n = Σ pᵢ × pᵢ₊₁, which drops one coordinate and changes no
+//! sign. Their ears are clipped until three corners are left, the one with the shortest cut first. An ear is a convex
+//! corner whose triangle has no reflex or flat corner inside or on it. A blocked corner is tested again when the one
+//! that blocks it becomes convex.
 //!
-//! A polygon is first listed from its smallest corner on towards the smaller neighbour, by coordinates. So the same polygon
-//! gets the same triangles wherever its list starts and whichever way it goes, as a face between two cells does.
+//! A polygon is first relisted from its smallest corner towards the smaller neighbour, by coordinates. So it gets the
+//! same triangles wherever its list starts and whichever way it runs, as a face between two cells has to.
 //!
 //! Based on: G. H. Meisters, Polygons have ears, 1975, DOI 10.2307/2319703. Departures: the order; corners at the same
 //! place as a corner of the ear do not block it (slits that join a hole to the outline); where no ear is left, as in
-//! polygons that cross themselves or have no area, the shortest cut is made all the same.
+//! polygons that cross themselves or have no area, the shortest cut is made anyway.
 //!
-//! Cost: n log n for n corners of which none is reflex, n r with r reflex ones, at most `BUDGET` tests. Limits: a
-//! polygon that spends the budget has overlapping triangles, and one that meets its smallest side twice may depend on
-//! where its list starts; every polygon of n corners has n - 2 triangles whose
-//! boundary is the polygon's outline.
+//! Cost: n log n for n convex corners, n r with r reflex ones, at most `BUDGET` tests. Limits: a polygon that spends
+//! the budget has overlapping triangles, and one that meets its smallest side twice may depend on where its list
+//! starts. Even so, every polygon of n corners has n - 2 triangles whose boundary is its outline.
 
 use glam::DVec3;
 use robust::{Coord, orient2d};
@@ -24,11 +23,11 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Point-in-ear tests that one polygon may cost, about half a second: enough for some 20,000 corners of which half are
-/// reflex. Without it a hostile file of a few megabytes would take hours.
+/// reflex. Without this bound a hostile file of a few megabytes would take hours.
 const BUDGET: usize = 100_000_000;
 
-/// A diagonal must be better than the first one by this much (shapes go from -1 to 1), so that rounding does not decide
-/// between the diagonals of a rectangle.
+/// A diagonal must be better than the first one by this much (shapes range from -1 to 1), so that rounding does not
+/// decide between the diagonals of a rectangle.
 const CLEARLY_BETTER: f64 = 1e-9;
 
 /// Triangles as indices into `corners`, in the direction of the polygon: `corners.len() - 2` of them, none for fewer
@@ -51,14 +50,14 @@ pub fn triangulate(corners: &[DVec3]) -> Vec<[usize; 3]> {
     triangles
 }
 
-/// How to list the corners of a polygon so that its own list does not matter.
+/// How to list the corners of a polygon independently of its own list.
 struct Listing {
     first: usize,
     reversed: bool,
 }
 
 impl Listing {
-    /// From the smallest corner on towards the smaller of its neighbours.
+    /// From the smallest corner towards the smaller of its neighbours.
     fn of(corners: &[DVec3]) -> Listing {
         let n = corners.len();
         let coordinates = |side: (usize, usize)| [corners[side.0].to_array(), corners[side.1].to_array()];
@@ -98,8 +97,8 @@ fn shape([a, b, c]: [DVec3; 3], normal: DVec3) -> f64 {
     if shape.is_nan() { 0.0 } else { shape }
 }
 
-/// An ear to be, ordered by the squared length of its cut (as bits, which order like the non-negative numbers that they
-/// are), then by corner; void if the corner's `stamp` has moved on.
+/// A possible ear, ordered by the squared length of its cut (as bits, which sort like the non-negative numbers that
+/// they are), then by corner; stale if the corner's `stamp` has moved on.
 type Candidate = Reverse<(u64, usize, u32)>;
 
 struct Clipper<'a> {
@@ -195,7 +194,7 @@ impl<'a> Clipper<'a> {
         self.blockers.iter().copied().find(|&b| blocks(self.flat[b], ear))
     }
 
-    /// For polygons without ears: the corner to take away all the same.
+    /// For polygons without ears: the corner to clip anyway.
     fn shortest_cut(&mut self) -> Option<usize> {
         self.budget = self.budget.saturating_sub(self.corners.len());
         let alive: Vec<usize> = (0..self.corners.len()).filter(|&i| self.alive[i]).collect();
@@ -220,7 +219,7 @@ impl<'a> Clipper<'a> {
         }
     }
 
-    /// Corner `i` blocks no more.
+    /// Corner `i` no longer blocks any ear.
     fn release(&mut self, i: usize) {
         if let Some(place) = self.blockers.iter().position(|&b| b == i) {
             self.blockers.swap_remove(place);
@@ -245,7 +244,7 @@ fn flatten(corners: &[DVec3]) -> Vec<Coord<f64>> {
     corners.iter().map(|p| Coord { x: p[x], y: p[y] }).collect()
 }
 
-/// The polygon's area vector times two; lengths are from the first corner, for the sake of polygons far from the origin.
+/// Twice the polygon's area vector, relative to the first corner to stay accurate far from the origin.
 fn newell_normal(corners: &[DVec3]) -> DVec3 {
     corners.windows(2).map(|side| (side[0] - corners[0]).cross(side[1] - corners[0])).sum()
 }

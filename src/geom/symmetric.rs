@@ -1,4 +1,4 @@
-//! Symmetric matrices, of six numbers each: two thirds of the work of a full one where many outer products are added up.
+//! Symmetric matrices of six numbers each: summing many outer products takes two thirds of the work of full ones.
 
 use glam::{DMat3, DVec3, Vec3Swizzles};
 use std::ops::{AddAssign, Mul};

@@ -26,7 +26,7 @@ const SLIVER_SINE_SQUARED: f64 = 1e-8;
 
 /// The point of triangle `[a, b, c]` that is closest to `p`, within the triangle's bounding box to the last bit.
 ///
-/// Degenerate triangles are the segment or the point that they are.
+/// A degenerate triangle counts as a segment or a point.
 pub fn closest_point(p: DVec3, triangle: [DVec3; 3]) -> DVec3 {
     let [a, b, c] = triangle;
     let (ab, ac, ap) = (b - a, c - a, p - a);
@@ -41,8 +41,8 @@ pub fn closest_point(p: DVec3, triangle: [DVec3; 3]) -> DVec3 {
     point.max(a.min(b).min(c)).min(a.max(b).max(c))
 }
 
-/// The barycentric coordinates of the point of `triangle` that is closest to `p`; on a side or a corner those of the
-/// corners away from it are zero exactly. `None` for a triangle so flat that it has to be solved as segments.
+/// The barycentric coordinates of the point of `triangle` that is closest to `p`; on a side or at a corner, those of
+/// the other corners are exactly zero. `None` for a triangle so flat that it has to be solved as segments.
 #[inline]
 pub fn closest_weights(p: DVec3, [a, b, c]: [DVec3; 3]) -> Option<[f64; 3]> {
     let (ab, ac, ap) = (b - a, c - a, p - a);
@@ -127,10 +127,11 @@ fn barycentric_on_longest_side(p: DVec3, triangle: [DVec3; 3]) -> [f64; 3] {
     weights
 }
 
-/// How far beyond a side, in barycentric coordinates, a ray still meets a triangle, so that none slips between two.
+/// How far beyond a side, in barycentric coordinates, a ray still meets a triangle, so that no ray slips between two
+/// triangles.
 const SIDE_WIDTH: f64 = 1e-9;
 
-/// How far from `origin` along the unit vector `direction` `triangle` is, if that meets it; never less than zero.
+/// The distance from `origin` along the unit vector `direction` to the triangle, if the ray meets it; never negative.
 ///
 /// Based on: T. Möller, B. Trumbore, Fast, minimum storage ray-triangle intersection, 1997,
 /// DOI 10.1080/10867651.1997.10487468.
@@ -171,7 +172,7 @@ pub fn angles([a, b, c]: [DVec3; 3]) -> [f64; 3] {
 pub fn extreme_angles([a, b, c]: [DVec3; 3]) -> (f64, f64) {
     let twice_area = (b - a).cross(c - a).length();
     let dots = [(b - a).dot(c - a), (c - b).dot(a - b), (a - c).dot(b - c)];
-    // All angles have the same sine times the lengths of their sides, so that they fall with the dot product.
+    // The sine times the lengths of the sides is the same for all angles, so an angle falls as its dot product grows.
     let angle = |dot: f64| math::atan2(twice_area, dot).to_degrees();
     (angle(dots[0].max(dots[1]).max(dots[2])), angle(dots[0].min(dots[1]).min(dots[2])))
 }
@@ -185,7 +186,7 @@ pub fn smallest_angle(corners: [DVec3; 3]) -> f64 {
 /// Sine and cosine of the smallest angle, times the lengths of its sides.
 pub fn smallest_sine_cosine([a, b, c]: [DVec3; 3]) -> (f64, f64) {
     let twice_area = (b - a).cross(c - a).length();
-    // All angles have the same sine times the lengths of their sides, so that they fall with the dot product.
+    // The sine times the lengths of the sides is the same for all angles, so an angle falls as its dot product grows.
     let dot = (b - a).dot(c - a).max((c - b).dot(a - b)).max((a - c).dot(b - c));
     (twice_area, dot)
 }

@@ -1,4 +1,4 @@
-//! Collapses of edges, and what they would leave.
+//! Edge collapses, and what they would leave.
 
 use crate::geom::triangle::{closest_point, mean_ratio};
 use crate::manifold::Manifold;
@@ -12,7 +12,7 @@ impl Manifold {
         self.make_delaunay_around(into);
     }
 
-    /// [`Self::collapse`] where the ends may be on different feature curves, which meet in the target then.
+    /// [`Self::collapse`] where the ends may be on different feature curves, which then meet in the target.
     pub fn merge(&mut self, h: u32) {
         let into = self.connectivity.target(h);
         self.connectivity.merge(h);
@@ -49,7 +49,7 @@ impl Manifold {
         least.fold(1.0, f64::min)
     }
 
-    /// The distance of the origin of `h` to the triangles that are left there if it merges into its target.
+    /// The distance from the origin of `h` to the triangles that are left there if it merges into its target.
     pub fn distance_after_collapse(&self, h: u32) -> f64 {
         let here = self.position(self.connectivity.origin(h));
         let corners = self.left_by_collapse(h).map(|t| t.map(|v| self.position(v)));

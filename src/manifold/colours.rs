@@ -11,8 +11,8 @@ const UNCOLOURED: u8 = u8::MAX;
 const CHUNK: usize = 4096;
 
 impl Manifold {
-    /// The vertices that can move, those in `locked` left out, in classes such that no two of a class are adjacent,
-    /// each in increasing order. Vertices keep the colours of earlier calls where no edge joins two of one colour.
+    /// The vertices that can move and are not in `locked`, in classes without adjacent vertices, each in increasing
+    /// order. Vertices keep the colours of earlier calls, except where two adjacent ones have the same.
     pub fn colour_classes(&mut self, locked: &VertexSet) -> Vec<Vec<u32>> {
         self.update_colours();
         let mut classes: Vec<Vec<u32>> = Vec::new();
@@ -28,7 +28,7 @@ impl Manifold {
         classes
     }
 
-    /// Gives new vertices, and one of each two adjacent ones of the same colour, the first colour that is free.
+    /// Gives the first free colour to new vertices and to one of any two adjacent vertices of the same colour.
     fn update_colours(&mut self) {
         let c = &self.connectivity;
         let new = self.colours.len() as u32..c.vertex_bound();

@@ -8,8 +8,8 @@ use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 
 impl Manifold {
-    /// Puts edges, each given by its ends and its curve, and their ends on curves, and then makes the vertices `corners`
-    /// corners. Returns whether all the edges exist.
+    /// Puts edges, each given by its ends and its curve, on their curves along with their ends, then makes the vertices
+    /// `corners` corners. Returns whether all the edges exist.
     pub fn mark_curves(&mut self, edges: &[([u32; 2], OnCurve)], corners: impl IntoIterator<Item = u32>) -> bool {
         let mut all = true;
         for &([a, b], curve) in edges {
@@ -60,7 +60,7 @@ impl Manifold {
         }
     }
 
-    /// The vertices along each curve, the first one again at the end of a closed one.
+    /// The vertices along each curve; a closed one ends with its first vertex again.
     pub fn curve_chains(&self) -> Vec<Vec<u32>> {
         let c = &self.connectivity;
         let mut seen = vec![false; self.samples.len()];

@@ -34,7 +34,7 @@ impl Faces {
         self.bvh.refit(&self.mesh);
     }
 
-    /// The depth up to which faces touch.
+    /// The depth up to which faces count as touching.
     pub fn depth_of_contact(&self) -> f64 {
         depth_of_contact(&self.mesh)
     }
@@ -49,8 +49,9 @@ impl Faces {
         self.number.binary_search(&t).ok().map(|t| self.mesh.corners(t))
     }
 
-    /// The closest point to `p` on a face whose normal makes an acute angle with `normal`, with the number of that face, if
-    /// its squared distance is below the end of `range`. A point nearer than its start need not be the closest one.
+    /// The closest point to `p` on a face whose normal makes an acute angle with `normal`, with the number of that
+    /// face, if the squared distance is below the end of `range`. If it is below the start, the point need not be the
+    /// closest one.
     pub fn closest_facing(&self, p: DVec3, normal: DVec3, range: Range<f64>) -> Option<Hit> {
         let facing = |t: u32| self.mesh.area_vector(t as usize).dot(normal) > 0.0;
         let hit = self.bvh.closest_or_near(&self.mesh, p, range.start, range.end, facing)?;

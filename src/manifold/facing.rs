@@ -6,10 +6,10 @@ use crate::manifold::vertex_set::VertexSet;
 use crate::surface::domain::Sample;
 use glam::DVec3;
 
-/// Least mean ratio of a triangle that other changes can still mend: a row sheared twice has 0.27.
+/// The least mean ratio at which other changes can still mend a triangle; those of a row sheared twice have 0.27.
 pub const LEAST_MENDABLE: f64 = 0.25;
 
-/// Whether triangles may be as a move would make them: by the cosine between their normal and that of the surface.
+/// Decides whether a move may make a triangle, by the cosine between its normal and that of the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FacingGuard {
     least: f64,
@@ -47,7 +47,7 @@ pub(super) fn cosine_to_surface([a, b, c]: [&Sample; 3]) -> f64 {
     let own = (b.position - a.position).cross(c.position - a.position);
     let surface = a.normal + b.normal + c.normal;
     if surface == DVec3::ZERO && own != DVec3::ZERO {
-        // All three are on sharp edges: nothing is known against it.
+        // All three corners are on sharp edges and have no normal to compare with.
         return 1.0;
     }
     let cosine = own.dot(surface) / (own.length_squared() * surface.length_squared()).sqrt();
@@ -86,8 +86,8 @@ impl Manifold {
         self.star_passes(v, there, guard) || self.star_is_no_worse(v, there)
     }
 
-    /// Whether all triangles around `v` would pass `guard` if it were at `there`, without a root or a division. A triangle
-    /// whose corners are all on sharp edges does not: it has no normal to compare with.
+    /// Whether all triangles around `v` would pass `guard` if it were at `there`; takes neither a root nor a division.
+    /// A triangle whose corners are all on sharp edges does not pass: it has no normal to compare with.
     pub fn star_passes(&self, v: u32, there: &Sample, guard: FacingGuard) -> bool {
         self.connectivity.outgoing(v).all(|h| {
             let [_, p, q] = self.connectivity.triangle(h);
@@ -113,8 +113,7 @@ impl Manifold {
         self.connectivity.outgoing(v).map(facing).fold(1.0, f64::min)
     }
 
-    /// The vertices whose normal makes an angle of more than that cosine's with one within two rings, curves not
-    /// crossed.
+    /// The vertices whose normal has a cosine below `cosine` with that of a vertex within two rings, not across curves.
     pub fn bent(&self, cosine: f64) -> VertexSet {
         let c = &self.connectivity;
         let normal = |v: u32| self.samples[v as usize].normal;

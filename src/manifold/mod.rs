@@ -27,8 +27,8 @@ pub struct Manifold {
     pub connectivity: Connectivity,
     /// A sample for each vertex number, those of removed vertices included.
     pub samples: Vec<Sample>,
-    /// A cache: the colours, from 0 to 63, of the last [`Self::colour_classes`], which the next one begins with. Vertices that
-    /// are made later have none yet.
+    /// A cache: the colours, from 0 to 63, of the last call of [`Self::colour_classes`], from which the next one
+    /// starts. Vertices made since then have none yet.
     colours: Vec<u8>,
 }
 
@@ -71,8 +71,7 @@ impl Manifold {
         self.position(self.connectivity.origin(h)).distance_squared(self.position(self.connectivity.target(h)))
     }
 
-    /// The squared length of the edge of `h`, relative to the length that is wanted at its ends; in squared mean
-    /// spacings.
+    /// The squared length of the edge of `h`, relative to the wanted size at its ends; in squared mean spacings.
     #[inline]
     pub fn relative_length_squared(&self, h: u32) -> f64 {
         let c = &self.connectivity;
@@ -86,15 +85,15 @@ impl Manifold {
         Mesh { positions: old.iter().map(|&v| self.position(v)).collect(), triangles }
     }
 
-    /// The manifold without the gaps that collapses leave, and the old number of each vertex: loops over all of it are
-    /// faster then.
+    /// The manifold without the gaps that collapses leave, and the old number of each vertex. Loops over all of it are
+    /// faster.
     pub fn without_gaps(&self) -> (Manifold, Vec<u32>) {
         let (triangles, old) = self.connectivity.compact();
         (self.renumbered(&old, &triangles), old)
     }
 
-    /// The manifold without gaps and with vertices and triangles that are near to each other near in memory, too, and the old
-    /// number of each vertex: on large meshes loops over all of it are faster then.
+    /// The manifold without gaps, with vertices and triangles that are near each other also near in memory, and the old
+    /// number of each vertex. On large meshes, loops over all of it are faster.
     pub fn in_spatial_order(&self) -> (Manifold, Vec<u32>) {
         let (_, old) = self.connectivity.compact();
         let positions: Vec<DVec3> = old.iter().map(|&v| self.position(v)).collect();
@@ -110,7 +109,7 @@ impl Manifold {
         (self.renumbered(&old, &triangles), old)
     }
 
-    /// The manifold of `triangles`, which are its own with the vertices `old` for 0, 1, 2...
+    /// The manifold of `triangles`, its own ones with the vertices `old` renumbered as 0, 1, 2...
     fn renumbered(&self, old: &[u32], triangles: &[[u32; 3]]) -> Manifold {
         let mut mesh = Manifold::new(old.iter().map(|&v| self.samples[v as usize]).collect(), triangles);
         let unsplit = vec![NONE; self.connectivity.half_edge_bound() as usize];
@@ -118,7 +117,7 @@ impl Manifold {
         mesh
     }
 
-    /// For each vertex its number once those of `old`, in that order, are all that there are.
+    /// For each vertex its new number when only those of `old` are kept, in that order.
     fn new_numbers(&self, old: &[u32]) -> Vec<u32> {
         let mut number = vec![NONE; self.samples.len()];
         old.iter().zip(0..).for_each(|(&v, n)| number[v as usize] = n);
@@ -130,7 +129,7 @@ impl Manifold {
 mod tests {
     use super::*;
 
-    /// A strip of two rows of `n` vertices, of triangles as long as the second row is shifted.
+    /// A strip of two rows of `n` vertices; the more the second row is shifted, the longer the triangles are.
     pub(super) fn strip(n: u32, shift: f64) -> Manifold {
         let sample =
             |x: f64, y: f64| Sample { position: DVec3::new(x, y, 0.0), normal: DVec3::Z, triangle: 0, size: 1.0 };

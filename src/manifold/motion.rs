@@ -1,6 +1,6 @@
-//! Moves the vertices of a manifold over its domain, all of them once, by steps that a rule gives. A step is tangential and
-//! projected back onto the surface; vertices on a feature curve stay on it. A step that would turn a triangle against the
-//! surface, or leave a gap on the curve, is halved until it does not.
+//! Moves each vertex of a manifold once over its domain, by a step that a rule gives. A step is tangential and
+//! projected back onto the surface; vertices on a feature curve stay on it. A step that would turn a triangle against
+//! the surface, or leave a gap on the curve, is halved until it does not.
 //!
 //! Vertices of one colour, no two of them adjacent, move at the same time, so the result does not depend on the number of
 //! threads.
@@ -15,8 +15,8 @@ use rayon::prelude::*;
 /// How often a step that would fold the mesh is halved before the vertex stays.
 const HALVINGS: usize = 4;
 
-/// How many times as far from the next vertex on its curve as from the one before it a vertex may move. One beside the curve
-/// can push those on it apart; without a bound they left gaps of seven spacings.
+/// Largest ratio of the distances from a vertex on a curve to its two neighbours there after a move. A vertex beside
+/// the curve can push those on it apart; without a bound they left gaps of seven spacings.
 const MOST_UNEVEN: f64 = 3.0;
 
 /// Vertices that one task moves.
@@ -63,7 +63,8 @@ impl Manifold {
         self.move_keeps_facing(v, there, FacingGuard::SOUND) && self.leaves_no_gap(v, there.position)
     }
 
-    /// Whether vertex `v`, if it is on a curve, is about as far from the one before it at `there` as from the one after it.
+    /// Whether vertex `v`, if it is on a curve, is about midway between its two neighbours on it at `there`, or no
+    /// farther off than now.
     fn leaves_no_gap(&self, v: u32, there: DVec3) -> bool {
         let Some(ends) = self.connectivity.along_curve(v) else { return true };
         let unevenness = |p: DVec3| {

@@ -1,4 +1,4 @@
-//! Neighborhood of a vertex as a manifold of its own, to be changed and put back.
+//! The neighbourhood of a vertex as a manifold of its own, to be changed and put back.
 
 use crate::manifold::Manifold;
 use crate::manifold::vertex_set::VertexSet;
@@ -64,8 +64,9 @@ impl Neighborhood {
         (0..self.mesh.connectivity.vertex_bound()).filter(|&v| self.mesh.can_move(v, &VertexSet::EMPTY))
     }
 
-    /// Replaces the triangles of the whole, and marks them in `touched`. The numbers of vertices and triangles must not have
-    /// changed. Returns `false`, and does nothing, if one of them is marked already or an edge would occur twice.
+    /// Replaces its triangles in the whole, and marks them in `touched`. The counts of vertices and triangles must not
+    /// have changed. Returns `false`, and does nothing, if one of the triangles is marked already or an edge would
+    /// occur twice.
     pub fn put_back(&self, whole: &mut Manifold, touched: &mut [bool]) -> bool {
         if self.triangles.iter().any(|&t| touched[t as usize]) {
             return false;

@@ -1,4 +1,4 @@
-//! Splits of edges: one by one, or the longest of all at once.
+//! Edge splits: one by one, or the longest edges all at once.
 
 use crate::manifold::Manifold;
 use crate::manifold::facing::{FacingGuard, cosine_to_surface};
@@ -8,14 +8,15 @@ use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// How far, in lengths of an edge, the point that splits it may be from either end, and how near to the corners across.
+/// How far from either end the point that splits an edge may be, and how near to the corners across, in lengths of the
+/// edge.
 const MIDDLE_REACH: f64 = 0.75;
 const CLEARANCE: f64 = 0.25;
 
 impl Manifold {
-    /// Splits the edge of `h` at its middle, projected onto the domain; the new vertex. Returns `None`, and does nothing, if
-    /// the projection is not between the ends, all but at a corner across, or would turn a triangle against the surface, as
-    /// where the edge cuts through a thin part.
+    /// Splits the edge of `h` at its middle, projected onto the domain; returns the new vertex. Returns `None`, and
+    /// does nothing, if the projection is not between the ends, is close to a corner across, or would turn a triangle
+    /// against the surface, as happens where the edge cuts through a thin part.
     pub fn split_at_middle(&mut self, domain: &Domain, h: u32) -> Option<u32> {
         let middle = self.middle(domain, h);
         let ends = [self.connectivity.origin(h), self.connectivity.target(h)].map(|v| self.position(v));
@@ -99,7 +100,7 @@ impl Manifold {
         finer
     }
 
-    /// The triangles that the one of `h`, the first of its sides, becomes when its sides with a middle are split.
+    /// The parts of the triangle whose first side is `h` when its sides with a middle are split.
     fn parts(&self, h: u32, number: &[u32], middle_of: &[u32]) -> Vec<[u32; 3]> {
         let corners = self.connectivity.triangle(h).map(|v| number[v as usize]);
         let m = [0, 1, 2].map(|k| middle_of[h as usize + k]);
@@ -107,7 +108,7 @@ impl Manifold {
             0 => vec![corners],
             3 => vec![[corners[0], m[0], m[2]], [m[0], corners[1], m[1]], [m[2], m[1], corners[2]], m],
             _ => {
-                // Turn so that side 0 is split and, of two split sides, side 1 is the other one.
+                // Rotate the corners so that side 0 is split and, if two sides are, side 1 is the other one.
                 let k = (0..3).find(|&k| m[k] != NONE && m[(k + 2) % 3] == NONE).unwrap_or(0);
                 let [a, b, c] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
                 match (m[k], m[(k + 1) % 3]) {
@@ -118,8 +119,8 @@ impl Manifold {
         }
     }
 
-    /// Removes the middles of the sides of triangles that have a part turned against the surface, and their samples, which
-    /// begin at `first`.
+    /// Removes the middles on the sides of triangles that have a part turned against the surface, and their samples.
+    /// The samples of middles begin at `first`.
     fn refuse_folds(&self, number: &[u32], samples: &mut Vec<Sample>, middle_of: &mut [u32], first: usize) {
         let faces = |t: &[u32; 3]| FacingGuard::DELAUNAY.passes(cosine_to_surface(t.map(|v| &samples[v as usize])));
         let sound = |&h: &u32| {

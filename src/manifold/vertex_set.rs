@@ -4,7 +4,7 @@ use crate::manifold::Manifold;
 use rayon::prelude::*;
 use std::ops::{BitOr, Not};
 
-/// Vertices by their numbers. Vertices that are made later are not in it.
+/// Vertices by their numbers. Vertices that are made later are not in the set.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct VertexSet {
     has: Vec<bool>,
@@ -14,7 +14,7 @@ impl VertexSet {
     /// The set without vertices.
     pub const EMPTY: VertexSet = VertexSet { has: Vec::new() };
 
-    /// The vertices of `mesh` that `is_in` holds for; it is asked only about those that have not been removed.
+    /// The vertices of `mesh` for which `is_in` holds; it is called only for those that have not been removed.
     pub fn new(mesh: &Manifold, is_in: impl Fn(u32) -> bool + Sync) -> VertexSet {
         let c = &mesh.connectivity;
         (0..c.vertex_bound()).into_par_iter().map(|v| c.has_vertex(v) && is_in(v)).collect::<Vec<bool>>().into()
@@ -55,7 +55,7 @@ impl VertexSet {
         (0..rings).fold(self, |set, _| ring(&set))
     }
 
-    /// The set once the vertices are numbered anew: `old` has the number that each had before.
+    /// The set after the vertices are renumbered: `old` has the former number of each.
     pub fn renumbered(&self, old: &[u32]) -> VertexSet {
         old.iter().map(|&v| self.contains(v)).collect::<Vec<bool>>().into()
     }
@@ -85,7 +85,7 @@ impl BitOr for &VertexSet {
     }
 }
 
-/// The vertices that the set was chosen from and that are not in it.
+/// The vertices not in the set, of those that it was chosen from.
 impl Not for &VertexSet {
     type Output = VertexSet;
 

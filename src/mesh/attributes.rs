@@ -1,7 +1,7 @@
-//! What a mesh or a cloud has beside its shape, as plain data: numbers of its vertices, texture coordinates of its
+//! What a mesh or a cloud has besides its shape, as plain data: numbers of its vertices, texture coordinates of its
 //! corners, materials of its triangles.
 //!
-//! Two names mean something: [`COLOR`] and [`NORMAL`]. Everything else goes by the name that its file gives it.
+//! Two names have a meaning: [`COLOR`] and [`NORMAL`]. Other attributes keep the names from their file.
 
 use crate::base::error::{Error, Fault, Result};
 use crate::mesh::materials::Materials;
@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
-/// The attribute of three or four components, red, green, blue and opacity, in the range that [`Scalar::full`] says.
+/// The attribute of three or four components, red, green, blue and opacity, in a range up to [`Scalar::full`].
 pub const COLOR: &str = "color";
 
 /// The attribute of three components that is the normal of the surface, of any length.
@@ -86,16 +86,16 @@ impl Scalar {
     }
 }
 
-/// Numbers of all vertices, so many for each.
+/// Numbers at all vertices, the same count for each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Attribute {
     /// Its name: [`COLOR`], [`NORMAL`], or as in its file.
     pub name: String,
-    /// Numbers of a vertex, at least one.
+    /// Numbers per vertex, at least one.
     pub components: usize,
     /// All numbers, vertex by vertex.
     pub values: Vec<f64>,
-    /// How the file has them, and how they are written again.
+    /// The type that they have in the file and are written in again.
     pub scalar: Scalar,
 }
 
@@ -110,7 +110,7 @@ impl Attribute {
         self.name == NORMAL && self.components == 3
     }
 
-    /// Whether its numbers are names of something, of which there is no mean: integers that are no colours.
+    /// Whether its numbers are labels, which have no mean: integers that are neither colours nor normals.
     pub fn is_label(&self) -> bool {
         self.scalar.is_integer() && !self.is_color() && !self.is_normal()
     }
@@ -127,7 +127,7 @@ impl Attribute {
         [0, 1, 2].map(|k| self.of(v)[k] / full)
     }
 
-    /// The name of each component, as PLY has it.
+    /// The name of each component, as in PLY.
     pub fn component_names(&self) -> Vec<String> {
         let known: &[&str] = match self.name.as_str() {
             COLOR if self.is_color() => &["red", "green", "blue", "alpha"],
@@ -144,16 +144,16 @@ impl Attribute {
 pub struct Attributes {
     /// Those of its vertices.
     pub vertex: Vec<Attribute>,
-    /// The texture coordinates of the corners of each triangle, the origin at the lower left of the image; not a number
-    /// at corners without. Empty if there are none at all.
+    /// The texture coordinates of the corners of each triangle, the origin at the lower left of the image; NaN at
+    /// corners that have none. Empty if there are none at all.
     pub texture: Vec<[DVec2; 3]>,
-    /// The materials, if it has some.
+    /// The materials, if any.
     pub materials: Option<Materials>,
-    /// The named parts, if it has some.
+    /// The named parts, if any.
     pub parts: Option<Parts>,
 }
 
-/// An attribute that did not get through, and why.
+/// An attribute that could not be carried over, and why.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Lost {
     /// Its name.
@@ -163,17 +163,17 @@ pub struct Lost {
 }
 
 impl Attributes {
-    /// Whether there is nothing.
+    /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.vertex.is_empty() && self.texture.is_empty() && self.materials.is_none() && self.parts.is_none()
     }
 
-    /// The attribute of this name of the vertices.
+    /// The vertex attribute of this name.
     pub fn get(&self, name: &str) -> Option<&Attribute> {
         self.vertex.iter().find(|a| a.name == name)
     }
 
-    /// The names of everything there is.
+    /// The names of all attributes.
     pub fn names(&self) -> Vec<String> {
         let texture = (!self.texture.is_empty()).then(|| TEXTURE.into());
         let materials = self.materials.is_some().then(|| MATERIALS.into());
@@ -181,7 +181,7 @@ impl Attributes {
         self.vertex.iter().map(|a| a.name.clone()).chain(texture).chain(materials).chain(parts).collect()
     }
 
-    /// Takes away what [`Self::names`] calls by this name.
+    /// Removes what [`Self::names`] calls by this name.
     pub fn remove(&mut self, name: &str) {
         self.vertex.retain(|a| a.name != name);
         if name == TEXTURE {
@@ -195,12 +195,12 @@ impl Attributes {
         }
     }
 
-    /// The colours, if there are some.
+    /// The colours, if any.
     pub fn color(&self) -> Option<&Attribute> {
         self.get(COLOR).filter(|a| a.is_color())
     }
 
-    /// Those of the vertices of `numbers`, in that order; none of corners and triangles.
+    /// The attributes of the vertices `numbers`, in that order, without those of corners and triangles.
     #[must_use]
     pub fn of_vertices(&self, numbers: &[u32]) -> Attributes {
         let pick = |a: &Attribute| {
@@ -210,7 +210,7 @@ impl Attributes {
         Attributes { vertex: self.vertex.iter().map(pick).collect(), ..Attributes::default() }
     }
 
-    /// Those of a part of the mesh, which has these of its `vertices` and `triangles`, in that order.
+    /// The attributes of a part of the mesh, which has these `vertices` and `triangles` of it, in that order.
     #[must_use]
     pub fn of_part(&self, vertices: &[u32], triangles: &[u32]) -> Attributes {
         let numbers = |all: &[u32]| triangles.iter().map(|&t| all[t as usize]).collect();
@@ -226,22 +226,22 @@ impl Attributes {
         }
     }
 
-    /// The normals, if there are some.
+    /// The normals, if any.
     pub fn normal(&self) -> Option<&Attribute> {
         self.get(NORMAL).filter(|a| a.is_normal())
     }
 
-    /// The normals as vectors; none if there are none.
+    /// The normals as vectors; empty if there are none.
     pub fn normals(&self) -> Vec<DVec3> {
         let vectors = self.normal().map(|a| a.values.chunks_exact(3).map(DVec3::from_slice).collect());
         vectors.unwrap_or_default()
     }
 
-    /// The property `name` of the vertices, a number each: an attribute of one component, or a component of one, such as
-    /// `red` or `nz`.
+    /// The property `name` of the vertices, one number each: an attribute of one component, or a component of one, such
+    /// as `red` or `nz`.
     ///
     /// # Errors
-    /// [`Error::Mesh`] with the names that there are, if this is none of them.
+    /// [`Error::Mesh`] with the existing names, if this is none of them.
     pub fn numbers(&self, name: &str) -> Result<Vec<f64>> {
         let mut known = Vec::new();
         for attribute in &self.vertex {
@@ -261,14 +261,14 @@ impl Attributes {
     }
 }
 
-/// Vertices together with texture coordinates: a vertex on a seam of the texture is several of them.
+/// Vertices together with texture coordinates: a vertex on a UV seam becomes several wedges.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Wedges {
     /// The vertex of each.
     pub vertices: Vec<u32>,
     /// Its texture coordinates.
     pub coordinates: Vec<DVec2>,
-    /// The wedges that the corners of each triangle are.
+    /// The wedge at each corner of each triangle.
     pub corners: Vec<[u32; 3]>,
 }
 

@@ -1,5 +1,5 @@
-//! What triangles look like, as plain data: materials after those of glTF, the images that they use, and the statements
-//! of an OBJ's library as they were.
+//! What triangles look like, as plain data: materials modelled on those of glTF, the images that they use, and the
+//! statements of an OBJ material library as they were.
 
 use std::sync::Arc;
 
@@ -26,7 +26,7 @@ pub struct Material {
 }
 
 impl Material {
-    /// A material of which nothing but the name is known.
+    /// A material of which only the name is known.
     pub fn named(name: &str) -> Material {
         Material { name: name.into(), look: None }
     }
@@ -41,7 +41,7 @@ pub struct Look {
     pub metallic: f64,
     /// From 0 to 1.
     pub roughness: f64,
-    /// Red, green, blue of its own light, each from 0 to 1 and linear.
+    /// Red, green, blue of the light that it emits, each from 0 to 1 and linear.
     pub emissive: [f64; 3],
     /// What the opacity means.
     pub alpha: Alpha,
@@ -51,12 +51,12 @@ pub struct Look {
     pub unlit: bool,
     /// At most one for each use.
     pub textures: Vec<Texture>,
-    /// How a library of OBJ says all this; empty for one of another origin.
+    /// The statements of an OBJ material library that say all this; empty for a material from elsewhere.
     pub statements: Vec<Statement>,
 }
 
 impl Default for Look {
-    /// The values that glTF takes for what a material does not say.
+    /// The default values of glTF.
     fn default() -> Look {
         Look {
             base_color: [1.0; 4],
@@ -77,7 +77,7 @@ impl Default for Look {
 pub enum Alpha {
     /// Nothing.
     Opaque,
-    /// Seen where it is at least this.
+    /// Visible where the opacity is at least this.
     Mask(f64),
     /// How much it covers.
     Blend,
@@ -105,22 +105,22 @@ pub struct Texture {
     pub strength: f64,
     /// How it is sampled.
     pub sampler: Sampler,
-    /// How texture coordinates are changed first.
+    /// How texture coordinates are transformed first.
     pub transform: Option<Transform>,
 }
 
-/// How an image is sampled, in the numbers of OpenGL that glTF has.
+/// How an image is sampled, by the OpenGL constants that glTF uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Sampler {
     /// The filter where it is enlarged.
     pub mag_filter: Option<u32>,
     /// The filter where it is reduced.
     pub min_filter: Option<u32>,
-    /// What follows beyond its sides, across and up.
+    /// What follows beyond its sides, horizontally and vertically.
     pub wrap: [u32; 2],
 }
 
-/// The number of images that repeat.
+/// The constant for images that repeat.
 pub const REPEAT: u32 = 10_497;
 
 impl Default for Sampler {
@@ -129,7 +129,7 @@ impl Default for Sampler {
     }
 }
 
-/// An affine change of texture coordinates, as KHR_texture_transform has it.
+/// An affine transform of texture coordinates, as in KHR_texture_transform.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transform {
     /// Added last.
@@ -140,7 +140,7 @@ pub struct Transform {
     pub scale: [f64; 2],
 }
 
-/// A statement of a library of OBJ.
+/// A statement of an OBJ material library.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Statement {
     /// Its words, without the name of an image.
@@ -154,11 +154,11 @@ pub struct Statement {
 pub enum Image {
     /// The content of a PNG or JPEG file.
     Bytes(Arc<[u8]>),
-    /// The path of a file; beside the file that names it, until that one's folder is known.
+    /// The path of a file, relative to the file that names it until that file's folder is known.
     File(String),
 }
 
-/// The type and the ending of an image by its content: PNG and JPEG, as glTF has no others.
+/// The media type and the file extension of an image, by its content: PNG or JPEG, since glTF has no others.
 pub fn image_type(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
     match bytes {
         [0x89, b'P', b'N', b'G', ..] => Some(("image/png", "png")),

@@ -3,8 +3,8 @@
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 
-/// Normals with the weights of N. Max, Weights for computing vertex normals from facet normals, 1999,
-/// DOI 10.1080/10867651.1999.10487501: exact on a sphere, and slivers do not count for more than they are.
+/// Normals with the weights of N. Max, Weights for computing vertex normals from facet normals, 1999, DOI
+/// 10.1080/10867651.1999.10487501: exact on a sphere, and slivers get no undue weight.
 pub fn vertex_normals(mesh: &Mesh) -> Vec<DVec3> {
     let mut normals = vec![DVec3::ZERO; mesh.positions.len()];
     for (t, corners) in mesh.triangles.iter().enumerate() {

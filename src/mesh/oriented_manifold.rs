@@ -10,7 +10,7 @@ use std::ops::Deref;
 /// An oriented 2-manifold, with or without a boundary: every edge has at most two faces, which agree on the outside, and
 /// every vertex one fan. All its vertices are used.
 ///
-/// [`repair`](crate::prepare::repair::repair) makes one of any mesh; [`TryFrom`] takes a mesh that is one.
+/// [`repair`](crate::prepare::repair::repair) makes one of any mesh; [`TryFrom`] accepts a mesh that is one already.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct OrientedManifold {
     mesh: Mesh,
@@ -18,7 +18,7 @@ pub struct OrientedManifold {
 }
 
 impl OrientedManifold {
-    /// The manifold `mesh`, which is one by the way it was made.
+    /// The manifold `mesh`, which is one by construction.
     pub(crate) fn trusted(mesh: Mesh, provenance: Provenance) -> OrientedManifold {
         OrientedManifold { mesh, provenance }
     }
@@ -38,12 +38,12 @@ impl OrientedManifold {
         self.mesh
     }
 
-    /// Where its vertices are; how they are joined does not change.
+    /// Its vertex positions, for changes that leave the connectivity as it is.
     pub fn positions_mut(&mut self) -> &mut [DVec3] {
         &mut self.mesh.positions
     }
 
-    /// Adds a vertex at the middle of an edge, given by its ends. The caller splits the triangles there.
+    /// Adds a vertex at the middle of an edge, given by its ends. The caller has to split the triangles at the edge.
     pub(super) fn insert_middle(&mut self, ends: [u32; 2]) -> u32 {
         let [a, b] = ends.map(|v| self.mesh.positions[v as usize]);
         self.mesh.positions.push((a + b) / 2.0);
@@ -51,7 +51,7 @@ impl OrientedManifold {
         self.mesh.positions.len() as u32 - 1
     }
 
-    /// Puts `parts`, which cover it, in the place of triangle `t`: the first has its number, the others come last.
+    /// Replaces triangle `t` by `parts`, which cover it: the first takes its number, the others come last.
     pub(super) fn split_triangle(&mut self, t: usize, parts: &[[u32; 3]]) {
         self.mesh.triangles[t] = parts[0];
         self.mesh.triangles.extend(&parts[1..]);

@@ -1,14 +1,14 @@
 //! The named parts of a mesh, as plain data.
 
-/// How many characters of a name are kept: many parts may share one.
+/// Most characters that are kept of a name, which many parts may share.
 pub const LONGEST_NAME: usize = 256;
 
-/// Which part each triangle is of.
+/// Which part each triangle belongs to.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Parts {
     /// All parts.
     pub list: Vec<Part>,
-    /// The number of each triangle's part; [`NONE`](super::topology::NONE) for a triangle of none.
+    /// The number of each triangle's part; [`NONE`](super::topology::NONE) for a triangle in none.
     pub of_triangle: Vec<u32>,
 }
 
@@ -21,7 +21,7 @@ pub struct Part {
     pub group: String,
 }
 
-/// A name as parts have it.
+/// A name, cut to at most [`LONGEST_NAME`] characters.
 pub fn part_name(name: &str) -> String {
     name.chars().take(LONGEST_NAME).collect()
 }

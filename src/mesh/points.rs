@@ -34,7 +34,7 @@ impl Points {
         Points { positions, normals }
     }
 
-    /// Where they are, in the units of the file.
+    /// The positions, in the units of the file.
     pub fn positions(&self) -> &[DVec3] {
         &self.positions
     }
@@ -61,7 +61,7 @@ impl Points {
         (self.positions, self.normals)
     }
 
-    /// The points of these numbers, in their order.
+    /// The points with these numbers, in this order.
     #[must_use]
     pub fn pick(&self, numbers: &[u32]) -> Points {
         let pick = |list: &[DVec3]| match list {

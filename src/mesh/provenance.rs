@@ -1,19 +1,20 @@
-//! Where the vertices and triangles of a mesh came from: each preparing step records what it made of what. Composed, they tell
-//! which point of the first mesh, the source, any point of the last one is.
+//! Where the vertices and triangles of a mesh came from: each step of preparation records what it made from what, and
+//! the composition of these records maps any point of the last mesh to a point of the first one, the source.
 //!
-//! A triangle is a part of one triangle of the source. A vertex is one of the source, or lies between some of one of its
-//! triangles: a [`Blend`] of at most three. Vertices at one place of the source are one; the first stands for all.
+//! A triangle is a part of one triangle of the source. A vertex is one of the source, or lies on one of its triangles:
+//! a [`Blend`] of at most three vertices. Vertices of the source at the same place count as one; the first stands for
+//! all.
 //!
-//! Cost: four bytes a vertex and a triangle, forty for each vertex that was inserted.
+//! Cost: four bytes a vertex and a triangle, forty for each inserted vertex.
 
 use crate::mesh::topology::NONE;
 use std::collections::HashSet;
 
-/// A point of the source: the mean of at most three of its vertices, those of a triangle.
+/// A point of the source: the weighted mean of at most three vertices of one triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blend {
     vertices: [u32; 3],
-    /// None negative, of sum 1; zero where there are fewer than three.
+    /// Not negative, with sum 1; zero where there are fewer than three.
     weights: [f64; 3],
 }
 
@@ -22,23 +23,23 @@ impl Blend {
         Blend { vertices: [vertex, NONE, NONE], weights: [1.0, 0.0, 0.0] }
     }
 
-    /// The vertices of the source that count.
+    /// The vertices of the source with a positive weight.
     fn corners(self) -> impl Iterator<Item = u32> {
         self.vertices.into_iter().zip(self.weights).filter(|(v, weight)| *v != NONE && *weight > 0.0).map(|(v, _)| v)
     }
 
-    /// How much a vertex of the source counts.
+    /// The weight of a vertex of the source.
     fn weight_of(&self, vertex: u32) -> f64 {
         let places = self.vertices.iter().zip(self.weights);
         places.filter(|(v, _)| **v == vertex).map(|(_, weight)| weight).sum()
     }
 
-    /// The mean of points of one triangle of the source.
+    /// The weighted mean of points on one triangle of the source.
     fn mean<const N: usize>(points: [Blend; N], weights: [f64; N]) -> Blend {
         let mut mean = Blend { vertices: [NONE; 3], weights: [0.0; 3] };
         for (point, share) in points.into_iter().zip(weights) {
             for (vertex, weight) in point.vertices.into_iter().zip(point.weights).filter(|(v, _)| *v != NONE) {
-                // Points of one triangle have no fourth vertex.
+                // Points on one triangle have no fourth vertex.
                 if let Some(slot) = mean.vertices.iter().position(|&v| v == vertex || v == NONE) {
                     mean.vertices[slot] = vertex;
                     mean.weights[slot] += share * weight;
@@ -48,7 +49,7 @@ impl Blend {
         mean
     }
 
-    /// The value here of a function that is linear on each triangle, given at the vertices of the source.
+    /// The value at this point of a piecewise linear function, given by its values at the vertices of the source.
     fn value(&self, values: &[f64]) -> f64 {
         let known = self.vertices.iter().zip(self.weights).filter(|(v, _)| **v != NONE);
         known.map(|(&v, weight)| weight * values[v as usize]).sum()
@@ -59,19 +60,19 @@ fn in_order([a, b]: [u32; 2]) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
 
-/// A point of a triangle.
+/// A point on a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointOnTriangle {
     /// The triangle.
     pub triangle: u32,
-    /// Its barycentric coordinates there, none negative, of sum 1.
+    /// Its barycentric coordinates there, not negative, with sum 1.
     pub weights: [f64; 3],
 }
 
 /// Where on a source the vertices and triangles of another mesh lie.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Origins {
-    /// For each vertex the point of the source that is closest to it, of those that face its way.
+    /// For each vertex the closest point of the source, among those that face the same way.
     pub vertices: Vec<PointOnTriangle>,
     /// The same for the centre of each triangle.
     pub triangles: Vec<PointOnTriangle>,
@@ -82,27 +83,27 @@ pub struct Origins {
 pub struct Provenance {
     /// For each vertex of the source the one that stands for its place.
     representatives: Vec<u32>,
-    /// For each vertex its number in the source; inserted vertices have the numbers after those of the source.
+    /// For each vertex its number in the source; inserted vertices are numbered after those of the source.
     vertices: Vec<u32>,
     inserted: Vec<Blend>,
-    /// For each triangle that of the source that it is a part of.
+    /// For each triangle the triangle of the source that it is a part of.
     triangles: Vec<u32>,
 }
 
 impl Provenance {
-    /// That of a mesh of some vertices and triangles of the source. `representatives` has for each vertex of the source
-    /// the one that stands for its place, `vertices` for each of the mesh one of these.
+    /// The provenance of a mesh of some vertices and triangles of the source. `representatives` has for each vertex of
+    /// the source the one that stands for its place, `vertices` for each vertex of the mesh one of these.
     pub fn new(representatives: Vec<u32>, vertices: Vec<u32>, triangles: Vec<u32>) -> Provenance {
         Provenance { representatives, vertices, inserted: Vec::new(), triangles }
     }
 
-    /// That of a mesh which is the source.
+    /// The provenance of the source itself.
     pub fn identity(vertices: usize, triangles: usize) -> Provenance {
         let all = |n: usize| (0..n as u32).collect();
         Provenance::new(all(vertices), all(vertices), all(triangles))
     }
 
-    /// Adds a vertex in the middle between two of the mesh.
+    /// Adds a vertex midway between two of the mesh.
     pub fn insert_middle(&mut self, [a, b]: [u32; 2]) {
         self.vertices.push((self.representatives.len() + self.inserted.len()) as u32);
         self.inserted.push(Blend::mean([self.blend(a), self.blend(b)], [0.5; 2]));
@@ -113,7 +114,7 @@ impl Provenance {
         self.triangles.push(self.triangles[t as usize]);
     }
 
-    /// That of a mesh which has these vertices and triangles of the mesh, in their order.
+    /// The provenance of a mesh with these vertices and triangles of this one, in the given order.
     #[must_use]
     pub fn select(mut self, vertices: &[u32], triangles: &[u32]) -> Provenance {
         self.vertices = vertices.iter().map(|&v| self.vertices[v as usize]).collect();
@@ -121,7 +122,7 @@ impl Provenance {
         self
     }
 
-    /// The vertex of the source that vertex `v` is; `None` for one that was inserted.
+    /// The vertex of the source that vertex `v` is; `None` for an inserted one.
     pub fn vertex(&self, v: u32) -> Option<u32> {
         let source = self.vertices[v as usize];
         ((source as usize) < self.representatives.len()).then_some(source)
@@ -140,13 +141,13 @@ impl Provenance {
         }
     }
 
-    /// The values at the vertices of the mesh of a function that is linear on each triangle, given at the vertices of the
+    /// The values of a piecewise linear function at the vertices of the mesh, given those at the vertices of the
     /// source.
     pub fn values(&self, of_source: &[f64]) -> Vec<f64> {
         (0..self.vertices.len() as u32).map(|v| self.blend(v).value(of_source)).collect()
     }
 
-    /// For each vertex of the mesh whether any vertex of the source at its place is marked; none that was inserted is.
+    /// For each vertex of the mesh whether any vertex of the source at its place is marked; inserted ones are not.
     pub fn marks(&self, of_source: &[bool]) -> Vec<bool> {
         let mut at_place = vec![false; of_source.len()];
         let marked = self.representatives.iter().zip(of_source).filter(|(_, marked)| **marked);
@@ -154,11 +155,11 @@ impl Provenance {
         (0..self.vertices.len() as u32).map(|v| self.vertex(v).is_some_and(|s| at_place[s as usize])).collect()
     }
 
-    /// For each side of `triangles`, those of the mesh, whether it lies along one of these edges of the source.
+    /// For each side of `triangles`, those of the mesh, whether it lies along one of these `edges` of the source.
     pub fn sides_along(&self, triangles: &[[u32; 3]], edges: &[[u32; 2]]) -> Vec<bool> {
         let place = |v: u32| self.representatives[v as usize];
         let edges: HashSet<[u32; 2]> = edges.iter().map(|ends| in_order(ends.map(place))).collect();
-        // Two points of a triangle lie on an edge of it if they are between no more than two of its corners.
+        // Two points of a triangle lie on one of its edges if only two corners have a weight in them.
         let is_along = |ends: [u32; 2]| {
             let mut corners: Vec<u32> = ends.iter().flat_map(|&v| self.blend(v).corners()).collect();
             corners.sort_unstable();
@@ -168,8 +169,8 @@ impl Provenance {
         triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(is_along).collect()
     }
 
-    /// The point of the source that a point of triangle `t` of the mesh is. `corners` are the vertices of `t`, `weights`
-    /// the barycentric coordinates there; `source` are the triangles of the source.
+    /// The point of the source at a point of triangle `t` of the mesh. `corners` are the vertices of `t`, `weights` the
+    /// barycentric coordinates of the point, `source` the triangles of the source.
     pub fn origin(&self, t: u32, corners: [u32; 3], weights: [f64; 3], source: &[[u32; 3]]) -> PointOnTriangle {
         let triangle = self.triangle(t);
         let blend = Blend::mean(corners.map(|v| self.blend(v)), weights.map(|weight| weight.max(0.0)));

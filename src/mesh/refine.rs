@@ -16,8 +16,8 @@ pub fn refine(mesh: &mut OrientedManifold, longest: f64, most: usize) {
     while mesh.triangles.len() < most && !halve_edges(mesh, is_long).is_empty() {}
 }
 
-/// Halves those of `edges`, the lower end first, that are longer than `longest`, as [`refine`] does. The halves take their
-/// place in `edges`.
+/// Halves those of `edges`, given by their ends with the lower first, that are longer than `longest`, as [`refine`]
+/// does. The halves replace them in `edges`.
 pub fn refine_edges(mesh: &mut OrientedManifold, edges: &mut HashSet<[u32; 2]>, longest: f64, most: usize) {
     while mesh.triangles.len() < most {
         let first = mesh.positions.len() as u32;
@@ -32,8 +32,8 @@ pub fn refine_edges(mesh: &mut OrientedManifold, edges: &mut HashSet<[u32; 2]>, 
     }
 }
 
-/// Halves every edge once of which `is_long` says so from its ends and its length, whatever the order of the ends. Gives for
-/// each new vertex the two that it is in the middle of; new ones come after all others.
+/// Halves once every edge for whose ends and length `is_long` holds, in whatever order it gets the ends. Returns for
+/// each new vertex the ends of its edge; new vertices come after all others.
 pub fn halve_edges(mesh: &mut OrientedManifold, is_long: impl Fn(u32, u32, f64) -> bool) -> Vec<[u32; 2]> {
     // Only looked up, never iterated: the numbers of the new vertices follow the order of the triangles.
     let mut middles: HashMap<(u32, u32), u32> = HashMap::new();
@@ -55,7 +55,7 @@ pub fn halve_edges(mesh: &mut OrientedManifold, is_long: impl Fn(u32, u32, f64) 
     ends
 }
 
-/// Splits triangle `t` into those that its corners and the middles of its sides make.
+/// Splits triangle `t` at the middles of its sides.
 fn split(mesh: &mut OrientedManifold, t: usize, middle: [Option<u32>; 3]) {
     let corners = mesh.triangles[t];
     let at = |k: usize| corners[k % 3];
@@ -66,7 +66,7 @@ fn split(mesh: &mut OrientedManifold, t: usize, middle: [Option<u32>; 3]) {
             mesh.split_triangle(t, &[[p, q, r], [at(0), p, r], [p, at(1), q], [r, q, at(2)]]);
         }
         _ => {
-            // Turn so that side 0 is split and, of two split sides, side 1 is the other one.
+            // Rotate the corners so that side 0 is split and, if two sides are, side 1 is the other one.
             let k = (0..3).find(|&k| middle[k].is_some() && middle[(k + 2) % 3].is_none()).unwrap_or(0);
             let (a, b, c) = (at(k), at(k + 1), at(k + 2));
             match (middle[k], middle[(k + 1) % 3]) {

@@ -1,7 +1,7 @@
-//! The sides of all triangles, in an order in which those of one edge are together.
+//! The sides of all triangles, sorted so that those of one edge are together.
 //!
-//! A sort in two steps: blocks of triangles hand their sides out to ranges of vertices, and each range counts those of its
-//! vertices. Both are done beside each other, and what each looks at fits into the caches of a core.
+//! The sort has two steps: blocks of triangles distribute their sides to ranges of vertices, and each range sorts its
+//! own by counting. Both steps run in parallel, and the data of a task fits into the caches of a core.
 //!
 //! Cost: linear for meshes of bounded valence; twelve bytes a side, and four more while they are sorted.
 
@@ -41,13 +41,13 @@ impl Side {
     }
 }
 
-/// Triangles whose sides one thread hands out at a time.
+/// Triangles whose sides one thread distributes at a time.
 const BLOCK: usize = 1 << 16;
 
 /// Vertices whose sides one thread sorts at a time.
 const RANGE: usize = 1 << 13;
 
-/// All sides of all triangles between two different vertices, in the order of their ends, and of their numbers.
+/// All sides of all triangles between two different vertices, sorted by their ends, then by their numbers.
 pub(crate) fn sorted_sides(triangles: &[[u32; 3]]) -> Vec<Side> {
     let vertices = triangles.par_iter().flatten_iter().max().map_or(0, |&v| v as usize + 1);
     let ranges = vertices.div_ceil(RANGE);
@@ -73,12 +73,12 @@ pub(crate) fn sorted_sides(triangles: &[[u32; 3]]) -> Vec<Side> {
     sorted
 }
 
-/// The sides of one edge after those of the other.
+/// The sides, edge by edge.
 pub(crate) fn edges(sides: &[Side]) -> impl Iterator<Item = &[Side]> + Clone {
     sides.chunk_by(|a, b| a.ends() == b.ends())
 }
 
-/// For each of `count` sides the one that has the same edge alone with it, if the two `fit`, or [`NONE`].
+/// For each of `count` sides the other side of its edge if the edge has exactly two sides and these `fit`, or [`NONE`].
 pub(crate) fn pairs_of_sides(sides: &[Side], count: usize, fit: impl Fn(&Side, &Side) -> bool + Sync) -> Vec<u32> {
     let partner: Vec<AtomicU32> = (0..count).into_par_iter().map(|_| AtomicU32::new(NONE)).collect();
     let put = |side: &Side, other: &Side| partner[side.side as usize].store(other.side, Ordering::Relaxed);
@@ -100,7 +100,7 @@ impl Side {
     }
 }
 
-/// The sides of `triangles` that are between two vertices; `first` is the number of the first side.
+/// The sides of `triangles` that are between two different vertices; `first` is the number of the first side.
 fn sides(triangles: &[[u32; 3]], first: u32) -> impl Iterator<Item = Side> {
     let of_triangle = move |(&[a, b, c], t): (&[u32; 3], u32)| {
         let numbered = [(a, b), (b, c), (c, a)].into_iter().zip(first + 3 * t..);
@@ -109,7 +109,8 @@ fn sides(triangles: &[[u32; 3]], first: u32) -> impl Iterator<Item = Side> {
     triangles.iter().zip(0..).flat_map(of_triangle).filter(|side| side.from != side.to)
 }
 
-/// Sorts the sides whose smaller ends are among `count` vertices from the `first` on, which come in the order of their numbers.
+/// Sorts `sides`, given in the order of their numbers, whose smaller ends are among the `count` vertices from `first`
+/// on.
 fn sort_range(first: u32, count: usize, sides: Vec<Side>, sorted: &mut [Side]) {
     let mut place = vec![0u32; count + 1];
     sides.iter().for_each(|s| place[(s.ends()[0] - first) as usize + 1] += 1);
@@ -119,7 +120,7 @@ fn sort_range(first: u32, count: usize, sides: Vec<Side>, sorted: &mut [Side]) {
         sorted[*at as usize] = side;
         *at += 1;
     }
-    // Each place is where those of the next vertex begin by now.
+    // By now each place is where the sides of the next vertex begin.
     let mut start = 0;
     for &end in &place[..count] {
         sorted[start..end as usize].sort_unstable_by_key(|s| (s.ends()[1], s.side));

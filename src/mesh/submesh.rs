@@ -1,10 +1,10 @@
-//! Part of a mesh, cut out to be changed and sewn in again.
+//! A part of a mesh, cut out to be changed and sewn in again.
 //!
-//! The part has an open boundary along the interface, with the vertices of the whole. Whatever else changes, as long as the
-//! part keeps the edges of the interface it fits in again, and the rest of the whole is as it was.
+//! The part has a boundary along the interface, with the vertices of the whole. Whatever else changes, it fits in again
+//! as long as it keeps the edges of the interface, and the rest of the whole stays as it was.
 //!
-//! A vertex at which the part touches itself becomes one vertex for each fan of its triangles, so that part of a manifold
-//! is a manifold.
+//! A vertex at which the part touches itself becomes one vertex for each fan of its triangles, so that a part of a
+//! manifold is a manifold.
 //!
 //! Cost: linear in the triangles of the whole, with a logarithmic factor for the part.
 
@@ -18,19 +18,19 @@ use crate::mesh::triangle_mesh::Mesh;
 pub struct Submesh {
     /// The part as a mesh of its own, its triangles and vertices in the order of the whole.
     pub mesh: Mesh,
-    /// For each of its vertices the one of the whole.
+    /// For each of its vertices the vertex of the whole.
     pub source: Vec<u32>,
-    /// The ends of each edge along which it is cut out, in increasing order; the part is on the left of the way between
-    /// them.
+    /// The edges along which it is cut out, in increasing order, each as its ends in the direction that has the part on
+    /// its left.
     pub interface: Vec<[u32; 2]>,
 }
 
-/// What of a mesh is still there in another one made from it, as the first vertices and triangles of that.
+/// What a mesh has kept of the one that it was made from: its first vertices and triangles.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Kept {
-    /// For each of these vertices the one that it was; [`NONE`] for one that was not there.
+    /// For each of these vertices its old number; [`NONE`] for a new one.
     pub vertices: Vec<u32>,
-    /// For each of these triangles the one that it was; [`NONE`] for one that was not there.
+    /// For each of these triangles its old number; [`NONE`] for a new one.
     pub triangles: Vec<u32>,
 }
 
@@ -45,7 +45,8 @@ pub struct Fans {
 }
 
 impl Fans {
-    /// Those of the triangles `part`, in increasing order; `twin` has the twin of each half-edge of the whole, or [`NONE`].
+    /// The fans of the triangles `part`, given in increasing order; `twin` has the twin of each half-edge of the whole,
+    /// or [`NONE`].
     pub fn new(part: &[u32], twin: &[u32]) -> Fans {
         let mut fans = UnionFind::new(3 * part.len());
         let mut interface = Vec::new();
@@ -55,7 +56,7 @@ impl Fans {
                 continue;
             }
             match part.binary_search(&(across / 3)) {
-                // The other end is joined from the other side.
+                // The corners at the other end are joined when it is the other side's turn.
                 Ok(j) => {
                     fans.join(side, next(3 * j as u32 + across % 3));
                 }
@@ -73,7 +74,7 @@ impl Fans {
 }
 
 impl Submesh {
-    /// The triangles of `whole`, an oriented manifold, that are `selected`.
+    /// Cuts the `selected` triangles out of `whole`, an oriented manifold.
     pub fn cut_out(whole: &Mesh, selected: &[bool]) -> Submesh {
         let part: Vec<u32> = (0..selected.len() as u32).filter(|&t| selected[t as usize]).collect();
         let Fans { of_corner, first_corner, interface } = Fans::new(&part, &twins(&whole.triangles));
@@ -99,10 +100,10 @@ impl Submesh {
     }
 }
 
-/// `whole` with `piece` in the place of its triangles that are `selected`. `joined` has for each vertex of `piece` the one
-/// of the whole that it is, or [`NONE`] for a new one.
+/// `whole` with `piece` in place of its `selected` triangles. `joined` has for each vertex of `piece` its number in the
+/// whole, or [`NONE`] for a new one.
 ///
-/// The vertices that other triangles use come first, and these triangles, each in the order of the whole.
+/// The other triangles and their vertices come first, in the order of the whole.
 pub fn sew(whole: &Mesh, selected: &[bool], piece: &Mesh, joined: &[u32]) -> (Mesh, Kept) {
     let triangles: Vec<u32> = (0..selected.len() as u32).filter(|&t| !selected[t as usize]).collect();
     let mut number = vec![NONE; whole.positions.len()];

@@ -1,5 +1,5 @@
-//! What a triangle mesh is, apart from its positions: manifold or not, oriented or not, of which genus, in how many
-//! components, with how many holes.
+//! What a triangle mesh is, apart from its positions: whether it is manifold and oriented, its genus, its components
+//! and its holes.
 //!
 //! Cost: linear in the triangles, plus one sort of the edges.
 
@@ -93,11 +93,10 @@ pub fn topology(vertex_count: usize, triangles: &[[u32; 3]]) -> Topology {
     t
 }
 
-/// For each corner `3 t + k` of a manifold mesh, the corner whose opposite side is the same edge seen from the other
-/// face, or [`NONE`] at a boundary. Side `k` of a triangle runs from corner `k` to corner `k + 1`; entry `3 t + k` is
-/// the side `3 u + l` that runs back along it.
+/// For each side `3 t + k` of a manifold mesh, the side `3 u + l` of the other face that runs back along it, or
+/// [`NONE`] at a boundary. Side `k` of a triangle runs from corner `k` to corner `k + 1`.
 ///
-/// Edges with more than two faces, or with two that run the same way, are left without neighbours.
+/// Sides of edges with more than two faces, or with two that run the same way, get [`NONE`], too.
 pub fn twins(triangles: &[[u32; 3]]) -> Vec<u32> {
     pairs_of_sides(&sorted_sides(triangles), 3 * triangles.len(), |a, b| a.forward() != b.forward())
 }

@@ -59,7 +59,7 @@ impl Mesh {
         self.sum_over_triangles(|t| 0.5 * self.area_vector(t).length())
     }
 
-    /// The sum of what `of` says of each triangle; the same with any number of threads.
+    /// The sum of `of` over all triangles; the same with any number of threads.
     pub fn sum_over_triangles(&self, of: impl Fn(usize) -> f64 + Sync) -> f64 {
         let sum = |(i, chunk): (usize, &[[u32; 3]])| (CHUNK * i..).take(chunk.len()).map(&of).sum();
         let sums: Vec<f64> = self.triangles.par_chunks(CHUNK).enumerate().map(sum).collect();

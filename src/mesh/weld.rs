@@ -6,8 +6,8 @@ use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 use rayon::slice::ParallelSliceMut;
 
-/// The representative of each position: for those of `numbers` the lowest of them at exactly the same place, for all others
-/// themselves. Zeros of either sign are the same coordinate.
+/// The representative of each position: for those in `numbers` the lowest of them at exactly the same place, for all
+/// others themselves. Zeros of either sign are equal.
 pub fn first_at_place(positions: &[DVec3], mut numbers: Vec<u32>) -> Vec<u32> {
     // Adding zero makes -0.0 and 0.0 the same bits.
     let key = |v: u32| (positions[v as usize] + DVec3::ZERO).to_array().map(f64::to_bits);
@@ -29,7 +29,7 @@ pub fn representatives(positions: &[DVec3]) -> Vec<u32> {
 pub fn weld(mesh: &Mesh) -> Mesh {
     let first = representatives(&mesh.positions);
     let mut positions = Vec::new();
-    // The number of the first vertex at a place is known before any other one at it asks for it.
+    // The first vertex at a place gets its number before any other one there needs it.
     let mut number = vec![0; first.len()];
     for v in 0..first.len() {
         number[v] = number[first[v] as usize];

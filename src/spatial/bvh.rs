@@ -1,20 +1,20 @@
 //! A hierarchy of bounding boxes over a mesh's triangles, for exact closest points and rays.
 //!
-//! The tree is a complete binary tree in the order of a heap: the children of node i are 2i + 1 and 2i + 2, and with n
-//! triangles the node at place j of level l holds the triangles from ⌊j n / 2^l⌋ up to ⌊(j + 1) n / 2^l⌋ of an order
-//! that the build makes. So a node is its box and nothing else, and the shape of the tree depends on n alone: triangles
-//! that coincide cannot unbalance it. The order comes from splitting at the median of the centroids along the axis on
-//! which they spread most.
+//! The tree is a complete binary tree in heap order: the children of node i are 2i + 1 and 2i + 2, and with n triangles
+//! the node at place j of level l holds the triangles from ⌊j n / 2^l⌋ up to ⌊(j + 1) n / 2^l⌋ of an order that the
+//! build makes. So a node is only its box, and the shape of the tree depends on n alone: triangles that coincide cannot
+//! unbalance it. The order comes from splitting at the median of the centroids along the axis on which they spread
+//! most.
 //!
 //! Based on: the median split of Jon Louis Bentley, *Multidimensional binary search trees used for associative
-//! searching*, 1975, doi:10.1145/361002.361007, over boxes; the search visits the nearer child first and leaves out
-//! boxes that are farther than the best point so far.
+//! searching*, 1975, doi:10.1145/361002.361007, over boxes; the search visits the nearer child first and skips boxes
+//! farther away than the best point so far.
 //!
 //! Cost: n log n to build, in parallel; 48 bytes a node and about 0.7 nodes a triangle. A query near the surface is
-//! logarithmic in practice; from a point as far from everything (the centre of a sphere) it visits everything.
+//! logarithmic in practice; from a point equally far from everything (the centre of a sphere) it visits everything.
 //!
-//! Limits: medians do not know of areas, so triangles of very different sizes give more overlap than a surface-area
-//! heuristic would.
+//! Limits: medians ignore areas, so triangles of very different sizes give more overlap than a surface-area heuristic
+//! would.
 
 use crate::geom::aabb::Aabb;
 use crate::geom::triangle;
@@ -25,19 +25,19 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Most triangles of a leaf. Fewer makes more boxes to test, more makes more triangles to test.
+/// Most triangles in a leaf. Fewer mean more boxes to test, more mean more triangles to test.
 const LEAF: usize = 4;
 
-/// Subtrees below this many triangles are sorted by one thread: handing them out would cost as much as doing them.
+/// Subtrees of fewer triangles are sorted by one thread: distributing them would cost as much as sorting them.
 const PARALLEL_ABOVE: usize = 4096;
 
-/// Levels that a search must be able to put aside: a tree over 2^32 triangles has no more.
+/// Most nodes that a search sets aside, one for each level: a tree over 2^32 triangles has no more levels.
 const DEEPEST: usize = 33;
 
 /// A bounding-volume hierarchy. It holds no positions: queries take the mesh that it was built over, unchanged.
 #[derive(Debug, Clone, Default)]
 pub struct Bvh {
-    /// Boxes of all nodes, in the order of a heap.
+    /// Boxes of all nodes, in heap order.
     boxes: Vec<Aabb>,
     /// All triangles, in the order of the leaves.
     order: Vec<u32>,
@@ -52,7 +52,7 @@ pub struct Hit {
     pub triangle: u32,
     /// The closest point.
     pub point: DVec3,
-    /// Its squared distance to the point asked about.
+    /// Its squared distance to the query point.
     pub distance_squared: f64,
 }
 
@@ -64,7 +64,7 @@ struct Item {
     triangle: u32,
 }
 
-/// Pairs of nodes from which on the pairs below them are looked for in parallel.
+/// With this many pairs of nodes, the pairs below them are searched in parallel.
 const PAIRS_IN_PARALLEL: usize = 1024;
 
 impl Bvh {
@@ -77,13 +77,14 @@ impl Bvh {
         Bvh::of_order(mesh, items.into_iter().map(|item| item.triangle).collect())
     }
 
-    /// A hierarchy over all triangles of `mesh` in their order, along which those near in space should be near. It is made in a
-    /// fraction of the time of [`Self::new`], and gives the same answers; its boxes overlap more, so that each takes longer.
+    /// A hierarchy over all triangles of `mesh` in their own order, in which those near in space should be near each
+    /// other. Building it takes a fraction of the time of [`Self::new`]. The answers are the same, but take longer,
+    /// since boxes overlap more.
     pub fn in_order_of(mesh: &Mesh) -> Bvh {
         Bvh::of_order(mesh, (0..mesh.triangles.len() as u32).collect())
     }
 
-    /// [`Self::in_order_of`] along a curve through space, for a few questions about many triangles.
+    /// [`Self::in_order_of`] with the triangles in spatial order, for a few queries over many of them.
     pub fn for_few_questions(mesh: &Mesh) -> Bvh {
         let bounds = mesh.bounds().unwrap_or_default();
         Bvh::of_order(
@@ -97,21 +98,21 @@ impl Bvh {
         Bvh { boxes: tree.boxes(mesh, &order), order, depth: tree.depth }
     }
 
-    /// Takes over where the triangles of `mesh` are now, of which there must be as many as before. The more they moved the
-    /// slower queries get: the order stays.
+    /// Updates the boxes to where the triangles of `mesh` are now; their number must be the same as before. The order
+    /// stays, so the more they have moved, the slower queries get.
     pub fn refit(&mut self, mesh: &Mesh) {
         self.boxes = Tree { count: self.order.len(), depth: self.depth }.boxes(mesh, &self.order);
     }
 
-    /// The closest point to `p` on all triangles; of equally close triangles the one of the lower index.
+    /// The closest point to `p` on all triangles; of equally close triangles the one with the lower index.
     ///
     /// `None` without triangles, or if `p` is not finite.
     pub fn closest(&self, mesh: &Mesh, p: DVec3) -> Option<Hit> {
         self.closest_where(mesh, p, f64::INFINITY, |_| true)
     }
 
-    /// The closest point to `p` on the triangles that `accept` says yes to, at most as far as the root of
-    /// `max_distance_squared`; of equally close triangles the one of the lower index.
+    /// The closest point to `p` on the triangles for which `accept` holds, if its squared distance is at most
+    /// `max_distance_squared`; of equally close triangles the one with the lower index.
     pub fn closest_where(
         &self,
         mesh: &Mesh,
@@ -122,7 +123,7 @@ impl Bvh {
         self.closest_or_near(mesh, p, 0.0, max_distance_squared, accept)
     }
 
-    /// [`Self::closest_where`], or any triangle whose squared distance is below `near`: nothing is searched further then.
+    /// [`Self::closest_where`], but the search ends at any triangle whose squared distance is below `near`.
     pub fn closest_or_near(
         &self,
         mesh: &Mesh,
@@ -161,8 +162,8 @@ impl Bvh {
         (best.triangle != u32::MAX).then_some(best)
     }
 
-    /// How far from `origin` along the unit vector `direction` the nearest of the triangles is that `accept` says yes
-    /// to; `None` if there is none nearer than `longest`.
+    /// The distance from `origin` along the unit vector `direction` to the nearest of the triangles for which `accept`
+    /// holds; `None` if there is none nearer than `longest`.
     pub fn along_ray(
         &self,
         mesh: &Mesh,
@@ -215,16 +216,16 @@ impl Bvh {
         }
     }
 
-    /// The pairs of triangles, the lower index first and in increasing order, whose bounding boxes meet and that
-    /// `accept` says yes to. In parallel; the same pairs with any number of threads.
+    /// The pairs of triangles, the lower index first and in increasing order, whose bounding boxes meet and for which
+    /// `accept` holds. In parallel; the same pairs with any number of threads.
     pub fn pairs_that_meet(&self, mesh: &Mesh, accept: impl Fn(u32, u32) -> bool + Sync) -> Vec<(u32, u32)> {
         let mut pairs = self.of_pairs(mesh, |t, u| accept(t, u).then_some((t, u)));
         pairs.par_sort_unstable();
         pairs
     }
 
-    /// The triangles of those pairs, in increasing order. Pairs of triangles that are known already are not looked at: that
-    /// and the memory are bounded where a great many triangles are in one place.
+    /// The triangles of the pairs of [`Self::pairs_that_meet`], in increasing order. Pairs whose triangles are both
+    /// known already are skipped, which bounds time and memory where a great many triangles are in one place.
     pub fn triangles_that_meet(&self, mesh: &Mesh, accept: impl Fn(u32, u32) -> bool + Sync) -> Vec<u32> {
         let known: Vec<AtomicBool> = mesh.triangles.iter().map(|_| AtomicBool::new(false)).collect();
         let is_known = |t: u32| known[t as usize].load(Ordering::Relaxed);
@@ -237,7 +238,8 @@ impl Bvh {
         (0..mesh.triangles.len() as u32).filter(|&t| is_known(t)).collect()
     }
 
-    /// What `of` makes of the pairs of triangles, the lower index first, whose bounding boxes meet; in no order.
+    /// What `of` makes of the pairs of triangles, the lower index first, whose bounding boxes meet; in no particular
+    /// order.
     fn of_pairs<T: Send>(&self, mesh: &Mesh, of: impl Fn(u32, u32) -> Option<T> + Sync) -> Vec<T> {
         let meet = |&(a, b): &(u32, u32)| self.boxes[a as usize].meets(&self.boxes[b as usize]);
         let mut nodes = vec![(0, 0)];
@@ -261,7 +263,7 @@ impl Bvh {
         nodes.into_par_iter().flat_map_iter(below).collect()
     }
 
-    /// [`Self::of_pairs`] of a triangle of leaf `a` and one of leaf `b` each.
+    /// [`Self::of_pairs`] for pairs of a triangle of leaf `a` and one of leaf `b`.
     fn of_leaves<T>(&self, mesh: &Mesh, (a, b): (u32, u32), of: impl Fn(u32, u32) -> Option<T>, made: &mut Vec<T>) {
         for &t in self.leaf(a) {
             let around = box_of(mesh, t);
@@ -318,7 +320,7 @@ fn pairs_below((a, b): (u32, u32)) -> [Option<(u32, u32)>; 4] {
     [Some((k, m)), Some((k, n)), (a != b).then_some((l, m)), Some((l, n))]
 }
 
-/// The shape of a hierarchy: it follows from the number of triangles.
+/// The shape of a hierarchy, which follows from the number of triangles.
 #[derive(Clone, Copy)]
 struct Tree {
     count: usize,
@@ -326,7 +328,7 @@ struct Tree {
 }
 
 impl Tree {
-    /// That over so many triangles.
+    /// The shape for `count` triangles.
     fn new(count: usize) -> Tree {
         Tree { count, depth: count.div_ceil(LEAF).next_power_of_two().trailing_zeros() }
     }
@@ -461,7 +463,7 @@ mod tests {
         nearest.filter(|hit| hit.distance_squared <= limit)
     }
 
-    /// All of `closest`, `closest_where` and `in_box` against a look at every triangle.
+    /// Compares `closest`, `closest_where` and `in_box` with a look at every triangle.
     fn agrees_with_brute_force(mesh: &Mesh, queries: usize) {
         let mut rng = stream(9, Stage::Scan);
         for q in 0..queries {

@@ -10,16 +10,16 @@ use glam::DVec3;
 pub struct Foot {
     /// The triangle of the mesh that the foot lies on.
     pub triangle: u32,
-    /// Barycentric coordinates of the foot on its triangle, none negative, of sum 1.
+    /// Barycentric coordinates of the foot on its triangle, not negative, with sum 1.
     pub weights: [f64; 3],
     /// The foot itself.
     pub point: DVec3,
-    /// Its squared distance to the point asked about.
+    /// Its squared distance to the query point.
     pub distance_squared: f64,
 }
 
 impl Foot {
-    /// The foot of `p` on triangle `t`; on a side or a corner the weights of the corners away from it are zero exactly.
+    /// The foot of `p` on triangle `t`; on a side or at a corner, the weights of the other corners are exactly zero.
     /// `None` on a triangle that is too thin to tell.
     #[inline]
     pub fn on_triangle(mesh: &Mesh, p: DVec3, t: u32) -> Option<Foot> {
@@ -29,7 +29,7 @@ impl Foot {
         Some(Foot { triangle: t, weights, point, distance_squared: p.distance_squared(point) })
     }
 
-    /// What a search in `mesh` found.
+    /// The foot that a search in `mesh` found.
     pub fn of_hit(mesh: &Mesh, hit: Hit) -> Foot {
         let Hit { triangle, point, distance_squared } = hit;
         let weights = barycentric(point, mesh.corners(triangle as usize)).map(|w| w.clamp(0.0, 1.0));

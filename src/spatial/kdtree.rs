@@ -1,4 +1,4 @@
-//! Nearest neighbours among points: the one file that knows the k-d tree behind it.
+//! Nearest neighbours among points: the only file that knows the k-d tree behind it.
 //!
 //! Answers are in a total order, by distance and then by number, so they do not depend on how the tree was built.
 //!
@@ -10,16 +10,16 @@ use glam::DVec3;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use std::num::NonZeroUsize;
 
-/// A set of points to ask for neighbours. Any points will do: planar ones, coincident ones, none.
+/// A set of points to search for neighbours. Any points will do: planar ones, coincident ones, none.
 pub struct Neighbors {
     /// `None` without points.
     tree: Option<ImmutableKdTree<f64, 3>>,
 }
 
-/// A point of the set, as seen from the point that was asked about.
+/// A point of the set, as seen from the query point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Neighbor {
-    /// Its number: the place in the slice that the set was made of.
+    /// Its number: the place in the slice that the set was made from.
     pub point: u32,
     /// The squared distance to it, in squared units of the points.
     pub distance_squared: f64,
@@ -36,7 +36,7 @@ impl Neighbors {
         Neighbors { tree: (!points.is_empty()).then(build) }
     }
 
-    /// All points within `radius` of `p`, `radius` included, in no order that means anything.
+    /// All points within `radius` of `p`, `radius` included, in no particular order.
     pub fn collect_within(&self, p: DVec3, radius: f64, found: &mut Vec<Neighbor>) {
         found.clear();
         let Some(tree) = &self.tree else { return };
@@ -45,8 +45,8 @@ impl Neighbors {
         found.extend(all.into_iter().map(|f| Neighbor { point: f.item, distance_squared: f.distance }));
     }
 
-    /// The `count` points nearest to `p`, the nearest first, all of them if there are fewer; of equally near ones the
-    /// one with the smaller number comes first, but which of those farthest away are among them is the tree's choice.
+    /// The `count` points nearest to `p`, the nearest first, all of them if there are fewer. Of equally near ones the
+    /// smaller number comes first, but which of the farthest are included is up to the tree.
     pub fn collect_nearest(&self, p: DVec3, count: usize, found: &mut Vec<Neighbor>) {
         found.clear();
         let (Some(tree), Some(count)) = (&self.tree, NonZeroUsize::new(count)) else { return };
@@ -56,15 +56,15 @@ impl Neighbors {
         sort(found);
     }
 
-    /// The `count` points nearest to `p` that are within `radius`, the nearest first, of equally near ones those with the
-    /// smaller numbers: so what else is in the set, farther away, does not matter.
+    /// The `count` points nearest to `p` that are within `radius`, the nearest first, of equally near ones those with
+    /// the smaller numbers. So what else is in the set, farther away, does not matter.
     pub fn collect_nearest_within(&self, p: DVec3, count: usize, radius: f64, found: &mut Vec<Neighbor>) {
         self.collect_nearest(p, count + 1, found);
         if let [.., last, next] = found[..]
             && found.len() > count
             && last.distance_squared == next.distance_squared
         {
-            // The root may be rounded downwards.
+            // The root may be rounded down.
             self.collect_within(p, last.distance_squared.sqrt() * (1.0 + f64::EPSILON), found);
             sort(found);
         }
@@ -72,8 +72,8 @@ impl Neighbors {
         found.retain(|n| n.distance_squared <= radius * radius);
     }
 
-    /// All points within `radius` of `p`, `radius` included, the nearest first; of equally near ones the one with the
-    /// smaller number.
+    /// All points within `radius` of `p`, `radius` included, the nearest first; of equally near ones the smaller
+    /// number.
     pub fn within(&self, p: DVec3, radius: f64) -> Vec<Neighbor> {
         let mut found = Vec::new();
         self.collect_within(p, radius, &mut found);

@@ -1,4 +1,4 @@
-//! The nearest neighbours of every point of a cloud, and how far apart its points are.
+//! The nearest neighbours of every point of a cloud, and the spacing of its points.
 //!
 //! Cost: a query of a k-d tree for each point, in parallel; four bytes a neighbour.
 
@@ -6,13 +6,13 @@ use crate::spatial::kdtree::Neighbors;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Neighbours that count for the spacing at a point: those that a point of an even sampling has around it.
+/// Neighbours that the spacing at a point is taken from: as many as surround a point of an even sampling.
 const RING: usize = 6;
 
-/// Neighbours of each point that are known to start with: those of a star, and some to spare.
+/// Neighbours of each point that are found first: those of a star, and some to spare.
 pub const DEGREE: usize = 16;
 
-/// The same number of nearest neighbours for each of some points.
+/// The nearest neighbours of points, the same number for each.
 pub struct NeighborGraph {
     degree: usize,
     /// Those of the first point, the nearest first, then those of the second, and so on.
@@ -20,7 +20,8 @@ pub struct NeighborGraph {
 }
 
 impl NeighborGraph {
-    /// The `degree` nearest neighbours of each of `points`, which `near` knows; fewer if there are not so many points.
+    /// The `degree` nearest neighbours of each of `points`, which are those of `near`; fewer if there are not enough
+    /// points.
     pub fn new(points: &[DVec3], near: &Neighbors, degree: usize) -> Self {
         let degree = degree.min(points.len().saturating_sub(1));
         let mut neighbors = vec![0; degree * points.len()];
@@ -46,8 +47,8 @@ impl NeighborGraph {
         &self.neighbors[self.degree * p as usize..self.degree * (p as usize + 1)]
     }
 
-    /// How far apart points are around each of `points`: the distance of the sixth neighbour, as that of the last one says
-    /// it for points that are about as dense all around.
+    /// The spacing around each of `points`: the distance of the sixth neighbour, estimated from that of the last one as
+    /// if points were equally dense all around.
     pub fn spacings(&self, points: &[DVec3]) -> Vec<f64> {
         let spacing = |p: usize| {
             self.of(p as u32).last().map_or(0.0, |&n| spacing_of(self.degree, points[p].distance(points[n as usize])))
@@ -56,7 +57,7 @@ impl NeighborGraph {
     }
 }
 
-/// How far apart points are where one has so many neighbours, the last at this distance.
+/// The spacing around a point with this many neighbours, the farthest at distance `last`.
 pub fn spacing_of(neighbors: usize, last: f64) -> f64 {
     (RING as f64 / neighbors.max(RING) as f64).sqrt() * last
 }

@@ -1,4 +1,4 @@
-//! Searches in space: hierarchies of boxes over triangles, k-d trees over points, and what is found by them.
+//! Searches in space: hierarchies of boxes over triangles, k-d trees over points, and what is found with them.
 
 pub mod bvh;
 pub mod foot;

@@ -4,8 +4,8 @@ use crate::geom::aabb::Aabb;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// The numbers of all positions along a curve through space, so that neighbours are mostly near each other in memory,
-/// too: in the order of the bits of their coordinates, those of the three axes in turn (a Z-order curve).
+/// The numbers of all positions along a Z-order curve, which sorts them by the interleaved bits of their three
+/// coordinates, so that neighbours are mostly near each other in memory, too.
 ///
 /// Based on: G. M. Morton, A computer oriented geodetic data base and a new technique in file sequencing, 1966.
 pub fn spatial_order(positions: &[DVec3]) -> Vec<u32> {
@@ -13,8 +13,8 @@ pub fn spatial_order(positions: &[DVec3]) -> Vec<u32> {
     spatial_order_in(bounds, positions.len(), |i| positions[i])
 }
 
-/// [`spatial_order`] of `count` positions, which lie within `bounds`: these decide which ones are far apart in the order though
-/// they are near in space.
+/// [`spatial_order`] of `count` positions within `bounds`, which decide which positions are far apart in the order
+/// though near in space.
 pub fn spatial_order_in(bounds: Aabb, count: usize, position: impl Fn(usize) -> DVec3 + Sync) -> Vec<u32> {
     let scale = f64::from(1 << BITS) / bounds.size().max_element().max(f64::MIN_POSITIVE);
     let key = |p: DVec3| {
@@ -27,7 +27,7 @@ pub fn spatial_order_in(bounds: Aabb, count: usize, position: impl Fn(usize) -> 
     keyed.into_iter().map(|k| k.1).collect()
 }
 
-/// Bits of a coordinate that count: three coordinates fill 63.
+/// Bits used of each coordinate: three coordinates fill 63.
 const BITS: u32 = 21;
 
 /// The lowest 21 bits of `x`, with two zeros after each.

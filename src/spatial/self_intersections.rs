@@ -1,13 +1,14 @@
 //! Self-intersections of a mesh.
 //!
 //! Two faces intersect where they pass through each other, or where they share a side and are folded over; see
-//! [`crate::geom::intersection`]. Corners at the same place are one corner here, whatever their numbers are, so UV seams do
-//! not intersect. Nor do surfaces that only touch, at corners, along edges or with whole faces: what is no deeper than
-//! `CONTACT` is contact.
+//! [`crate::geom::intersection`]. Corners at the same place are one corner here, whatever their numbers are, so UV
+//! seams do not intersect. Surfaces that only touch, at corners, along edges or with whole faces, do not intersect
+//! either: what is no deeper than `CONTACT` is contact.
 //!
 //! Cost: n log n to build the hierarchy, then near-linear for surfaces, whose boxes meet few others; in parallel.
 //!
-//! Limits: faces that are all in one place (a soup of n copies) are n² pairs; only who asks for pairs keeps them.
+//! Limits: n faces that are all in one place (copies in a soup) form n² pairs; these are only stored if pairs are asked
+//! for.
 
 use crate::geom::intersection::cross_deeper_than;
 use crate::geom::triangle::longest_side;
@@ -18,11 +19,11 @@ use crate::spatial::bvh::Bvh;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Depth up to which faces touch, as a share of the diagonal of their mesh: coordinates in single precision are off by up
-/// to a tenth of it.
+/// Depth up to which faces count as touching, as a share of the diagonal of their mesh: coordinates in single precision
+/// are off by up to a tenth of it.
 const CONTACT: f64 = 1e-6;
 
-/// The depth, for [`cross_deeper_than`], from which on faces of `mesh` intersect.
+/// The depth, for [`cross_deeper_than`], beyond which faces of `mesh` intersect.
 pub fn depth_of_contact(mesh: &Mesh) -> f64 {
     CONTACT * mesh.diagonal()
 }
@@ -44,9 +45,9 @@ pub fn self_intersecting_faces(mesh: &Mesh, bvh: &Bvh) -> Vec<u32> {
     bvh.triangles_that_meet(mesh, |t, u| cross_deeper_than(depth, mesh.corners(t as usize), mesh.corners(u as usize)))
 }
 
-/// The faces of `mesh` that pass through others along a whole edge, in increasing order: an edge lies in a face, and the
-/// faces at it are on both sides of that one. Pair by pair they only touch. `across` gives the side across each side, or
-/// [`NONE`]; `bvh` is the hierarchy over the mesh.
+/// The faces of `mesh` that pass through each other along a whole edge, in increasing order: an edge of two faces lies
+/// in a third, and the two are on different sides of it. Pair by pair these faces only touch. `across` gives the side
+/// across each side, or [`NONE`]; `bvh` is the hierarchy over the mesh.
 pub fn faces_passing_along_edges(mesh: &Mesh, across: impl Fn(u32) -> u32 + Sync, bvh: &Bvh) -> Vec<u32> {
     let depth = depth_of_contact(mesh);
     let corner = |side: u32| mesh.positions[mesh.triangles[side as usize / 3][side as usize % 3] as usize];
@@ -70,7 +71,8 @@ pub fn faces_passing_along_edges(mesh: &Mesh, across: impl Fn(u32) -> u32 + Sync
     faces
 }
 
-/// Whether some of an edge lies in a face, and what is across from it on both sides of that, each deeper than `depth`.
+/// Whether a part of an edge lies in a face, and the corners opposite the edge, `tops`, on different sides of it, each
+/// deeper than `depth`.
 fn lies_in(face: [DVec3; 3], edge: [DVec3; 2], tops: [DVec3; 2], depth: f64) -> bool {
     let normal = (face[1] - face[0]).cross(face[2] - face[0]).normalize_or_zero();
     let height = |p: DVec3| (p - face[0]).dot(normal);
@@ -96,20 +98,20 @@ fn lies_in(face: [DVec3; 3], edge: [DVec3; 2], tops: [DVec3; 2], depth: f64) -> 
     (to - from) * edge[0].distance(edge[1]) > depth
 }
 
-/// The triangles of a surface that intersect others: where they are, a mesh of the surface cannot but intersect itself.
+/// The triangles of a surface that intersect others: where they are, any mesh of the surface intersects itself, too.
 pub struct Inherited {
     mesh: Mesh,
     bvh: Bvh,
 }
 
 impl Inherited {
-    /// Those with these corners.
+    /// The triangles with these corners.
     pub fn new(triangles: impl IntoIterator<Item = [DVec3; 3]>) -> Inherited {
         let mesh = Mesh::soup(triangles);
         Inherited { bvh: Bvh::new(&mesh), mesh }
     }
 
-    /// Whether some of them are within a triangle's length of it.
+    /// Whether any of them is within the longest side of `triangle` of its centre.
     pub fn is_near(&self, triangle: [DVec3; 3]) -> bool {
         let (middle, length) = (triangle.iter().sum::<DVec3>() / 3.0, longest_side(triangle));
         !self.mesh.triangles.is_empty()
@@ -117,7 +119,7 @@ impl Inherited {
     }
 }
 
-/// The faces of some pairs, each once, in increasing order.
+/// The faces of these pairs, each once, in increasing order.
 pub fn faces_of(pairs: Vec<(u32, u32)>) -> Vec<u32> {
     let mut faces: Vec<u32> = pairs.into_iter().flat_map(|(t, u)| [t, u]).collect();
     faces.sort_unstable();

@@ -1,14 +1,14 @@
-//! Gradient ascent on the measure (paper, section 6.2): each sample moves to where it contributes more,
-//! x ← x + ½ ∇s(x) in the units of the kernel, tangentially, and back on the surface.
+//! Gradient ascent on the measure (paper, section 6.2): each sample moves to where it contributes more, x ← x + ½ ∇s(x)
+//! in the units of the kernel, tangentially, and then back onto the surface.
 //!
 //! Departures from the paper: the samples are the vertices of a manifold already. Their two-rings are the
-//! neighbourhoods, so nothing is searched, and a step that would turn a triangle against the surface is halved, so the
-//! topology cannot be lost. Flips after each sweep keep the mesh Delaunay. Steps may be longer than the paper's.
+//! neighbourhoods, so no search is needed, and a step that would turn a triangle against the surface is halved, so the
+//! topology stays. Flips after each sweep keep the mesh Delaunay. Steps may be longer than the paper's.
 //!
 //! Cost: about a microsecond a vertex and sweep.
 //!
-//! Where more than the position counts (a [`Lift`]), kernel and gradient have more dimensions, and a vertex goes along the
-//! first three, those of space.
+//! Where more than the position counts (a [`Lift`]), kernel and gradient have more dimensions, and a vertex moves along
+//! the first three, those of space.
 //!
 //! Vertices on a curve, of the boundary or a sharp edge, move along it; corners stay where they are.
 
@@ -25,12 +25,12 @@ use crate::surface::domain::{Domain, Sample};
 use crate::surface::lift::Lift;
 use glam::DVec3;
 
-/// How an ascent goes.
+/// The parameters of an ascent.
 #[derive(Debug, Clone, Copy)]
 pub struct AscentParameters {
     /// Width of the kernel where the wanted size is 1, in the units of the domain.
     pub sigma: f64,
-    /// Share of the gradient that a vertex goes at once: [`PAPER_STEP`] or [`LONG_STEP`].
+    /// Share of the gradient that a vertex moves in one sweep: [`PAPER_STEP`] or [`LONG_STEP`].
     pub step: f64,
     /// Rounds over all vertices.
     pub sweeps: usize,
@@ -39,10 +39,10 @@ pub struct AscentParameters {
 /// The paper's step.
 pub const PAPER_STEP: f64 = 0.5;
 
-/// A step that orders as much in two sweeps as the paper's in three. With 1 the vertices oscillate.
+/// A step with which two sweeps order the vertices as well as three with the paper's. With 1 the vertices oscillate.
 pub const LONG_STEP: f64 = 0.75;
 
-/// The longest step of a vertex in one sweep, in kernel widths.
+/// The longest move of a vertex in one sweep, in kernel widths.
 pub(super) const MOST_STEP: f64 = 0.5;
 
 /// Kernel width of the ascent in mean spacings: narrower ones leave clusters, wider ones blur the gradient.
@@ -59,7 +59,7 @@ pub fn ascend(
     ascend_lifted::<3>(domain, mesh, locked, Lift::NONE, ascent, monitor)
 }
 
-/// [`ascend`] with a kernel of D dimensions, those that `lift` needs.
+/// [`ascend`] with a kernel of as many dimensions D as `lift` needs.
 pub fn ascend_lifted<const D: usize>(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -78,7 +78,7 @@ pub fn ascend_lifted<const D: usize>(
     Ok(())
 }
 
-/// Where vertex `v` wants to go: up the gradient.
+/// The step of vertex `v`, up the gradient.
 fn way_up<const D: usize>(
     mesh: &Manifold,
     lift: Lift,
@@ -99,14 +99,15 @@ fn way_up<const D: usize>(
     mesh.along(v).map_or(way, |along| way.project_onto_normalized(along))
 }
 
-/// The width of the kernel between two samples. With that of one of them, all would drift to where kernels are wider.
+/// The kernel width between two samples, the mean of theirs. If it were that of one of them, all would move to where
+/// kernels are wider.
 #[inline]
 fn mean_width<const D: usize>(lift: Lift, one: &Sample, other: &Sample) -> f64 {
     0.5 * (lift.width::<D>(one) + lift.width::<D>(other))
 }
 
-/// The nearest vertices, for the width of the kernel there, of the two-ring of `v`; of the second ring only those that face the
-/// same way.
+/// The nearest vertices in the two-ring of `v`, by distance relative to the kernel width; of the second ring only those
+/// that face the same way.
 fn nearest<const D: usize>(mesh: &Manifold, lift: Lift, v: u32) -> Nearest {
     let (c, here) = (&mesh.connectivity, &mesh.samples[v as usize]);
     let mut found = Nearest::default();

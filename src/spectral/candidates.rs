@@ -1,12 +1,12 @@
-//! Candidates for the linear scan: points of a mesh as dense everywhere, relative to the wanted edge length.
+//! Candidates for the linear scan: points on a mesh of the same density everywhere, relative to the wanted edge length.
 //!
-//! The vertices of a mesh are no good as candidates (a CAD part has none on its flat sides), so the surface is covered
-//! evenly: a triangle whose share is n candidates gets ⌊n + u⌋, u random, each anywhere in it. Where edges of relative
-//! length h are wanted, area counts 1 / h² times: candidates come as dense as the smallest h of their triangle wants them,
-//! and stay with probability (smallest h / h)².
+//! The vertices of a mesh are poor candidates (a CAD part has none on its flat sides), so the surface is covered
+//! evenly: a triangle whose share is n candidates gets ⌊n + u⌋, u random, uniformly distributed in it. Where edges of
+//! relative length h are wanted, area counts 1 / h² times: candidates are drawn as densely as the smallest h of their
+//! triangle requires, and kept with probability (smallest h / h)².
 //!
-//! All is drawn by address: what a triangle gets depends on it, its number, the density and the seed alone, and a higher
-//! density only adds to it.
+//! Everything is drawn by address: what a triangle gets depends only on the triangle, its number, the density and the
+//! seed, and a higher density only adds to it.
 //!
 //! Cost: linear in candidates and triangles, on all threads.
 
@@ -34,7 +34,8 @@ impl Candidate {
         domain.sample(self.triangle, [a, b, 1.0 - a - b])
     }
 
-    /// What random numbers for it are drawn for: the triangle of the input, and its place in the part of that.
+    /// The address that its random numbers are drawn for: the input triangle, and its place in the part of that
+    /// triangle.
     #[inline]
     pub(super) fn address(&self, domain: &Domain) -> Address {
         let [a, b] = self.weights.map(|w| u64::from(w.to_bits()));
@@ -42,7 +43,7 @@ impl Candidate {
     }
 }
 
-/// About `count` points of the surface in the order of its triangles.
+/// About `count` points on the surface, in the order of its triangles.
 pub fn candidates(domain: &Domain, count: usize, seed: u64) -> Vec<Candidate> {
     let density = count as f64 / domain.mesh.area();
     let parts = part_numbers(domain);
@@ -52,7 +53,7 @@ pub fn candidates(domain: &Domain, count: usize, seed: u64) -> Vec<Candidate> {
         .collect()
 }
 
-/// For each triangle which part it is of the triangle of the input, from 0.
+/// For each triangle, which part of its input triangle it is, counted from 0.
 fn part_numbers(domain: &Domain) -> Vec<u32> {
     let sources = || (0..domain.mesh.triangles.len() as u32).map(|t| domain.source_triangle(t) as usize);
     let mut parts = vec![0; sources().max().map_or(0, |last| last + 1)];
@@ -63,8 +64,8 @@ fn part_numbers(domain: &Domain) -> Vec<u32> {
     sources().map(next).collect()
 }
 
-/// The candidates of triangle `t`, part number `part` of a triangle of the input, `density` of them on the area that counts
-/// as one.
+/// The candidates of triangle `t`, which is part number `part` of an input triangle. `density` is their number on a
+/// unit of area where the wanted size is 1.
 fn in_triangle(domain: &Domain, t: u32, part: u32, density: f64, seed: u64) -> impl Iterator<Item = Candidate> {
     let source = domain.source_triangle(t);
     let units = move |stage: Stage, k: u64| units_at(seed, stage, (source, u64::from(part) << 32 | k));
@@ -79,7 +80,7 @@ fn in_triangle(domain: &Domain, t: u32, part: u32, density: f64, seed: u64) -> i
     };
     (0..count).filter_map(move |k| {
         let [u, v] = units(Stage::Candidates, k);
-        // The square root makes equal areas of equal shares of the unit interval.
+        // The square root maps equal shares of the unit interval to equal areas.
         let root = u.sqrt();
         let candidate = Candidate { triangle: t, weights: [1.0 - root, root * (1.0 - v)].map(|w| w as f32) };
         stays(&candidate, k).then_some(candidate)
@@ -95,7 +96,7 @@ mod tests {
     use crate::testing;
     use glam::{DVec3, dvec3};
 
-    /// A cube whose triangles are finer, of different areas.
+    /// A cube refined into triangles of different areas.
     fn cube() -> Domain {
         fine(testing::cube().try_into().unwrap())
     }

@@ -1,8 +1,8 @@
-//! Points that come and go, in cells of space: who is near, in any dimension.
+//! Points in the cells of a grid, added and removed, and searched for neighbours in any dimension.
 //!
-//! Cells are those of the first three coordinates, or of as many as there are; further ones only make distances larger.
+//! Cells divide the first three coordinates, or as many as there are; further coordinates only make distances larger.
 //!
-//! Cost: a query looks up the cells that a box of twice its radius touches.
+//! Cost: a query looks up the cells that a box twice its radius wide touches.
 
 use crate::geom::vector::distance_squared;
 use rustc_hash::FxHashMap;
@@ -12,7 +12,7 @@ type Cell = [i64; 3];
 /// Numbered points, each with its coordinates.
 pub(super) struct Cells<const D: usize> {
     width: f64,
-    /// In the order in which they came, so that the order of the map does not matter.
+    /// Points in the order of insertion, so that the order of the map does not matter.
     lists: FxHashMap<Cell, Vec<(u32, [f64; D])>>,
 }
 
@@ -31,14 +31,14 @@ impl<const D: usize> Cells<D> {
         self.lists.entry(self.cell(&x, 0.0)).or_default().push((number, x));
     }
 
-    /// Forgets a point; `x` is where it came in.
+    /// Removes a point; `x` is where it was inserted.
     pub fn remove(&mut self, number: u32, x: &[f64; D]) {
         if let Some(list) = self.lists.get_mut(&self.cell(x, 0.0)) {
             list.retain(|member| member.0 != number);
         }
     }
 
-    /// Shows all points within `radius` of `x` to `visit`: the squared distance, the number and the coordinates.
+    /// Calls `visit` with the squared distance, the number and the coordinates of each point within `radius` of `x`.
     pub fn near(&self, x: &[f64; D], radius: f64, mut visit: impl FnMut(f64, u32, &[f64; D])) {
         let (lowest, highest) = (self.cell(x, -radius), self.cell(x, radius));
         for k in lowest[2]..=highest[2] {

@@ -1,9 +1,9 @@
-//! Samples along the curves of a surface, its boundary and its sharp edges: evenly spaced points are what the measure of
-//! section 3 of the paper settles on in one dimension. Where other sizes are wanted, lengths count relative to them.
+//! Samples along the curves of a surface, its boundary and its sharp edges. They are evenly spaced, as the measure
+//! (paper, section 3) makes them in one dimension; lengths are relative to the wanted size.
 //!
-//! Corners are points as they are, and edges of an interface have no others between them. Every smooth patch gets samples of
-//! its own for the points along its rim, so that it is sampled and triangulated by itself; [`CurveSamples::point`] says
-//! which of them are the same point.
+//! Corners become points as they are, and edges of an interface get no points between their ends. Every smooth patch
+//! gets its own samples of the points along its rim, so that it is sampled and triangulated by itself;
+//! [`CurveSamples::point`] says which samples are the same point.
 //!
 //! Cost: linear in the sides on curves, and a sort of the points.
 
@@ -20,17 +20,17 @@ pub struct CurveSamples {
     pub samples: Vec<Sample>,
     /// For each sample the side `3 t + k` of the domain that it lies on and how far along, in 0..1.
     pub sites: Vec<(u32, f64)>,
-    /// For each sample the one after it on its loop; the patch is on the left of the way there.
+    /// For each sample the next one on its loop; the patch is to the left of the way there.
     pub successor: Vec<u32>,
-    /// For each sample the point that it is.
+    /// For each sample the number of its point.
     pub point: Vec<u32>,
-    /// The points next to each other along a curve, and the curve or interface.
+    /// Pairs of points next to each other along a curve, and the curve or interface.
     pub edges: Vec<([u32; 2], OnCurve)>,
     /// Points that are corners.
     pub corners: Vec<u32>,
 }
 
-/// Fewest points of a closed curve, and fewest samples of a loop: with less it would not be one.
+/// Fewest points of a closed curve, and fewest samples of a loop: with fewer it would enclose nothing.
 const FEWEST: usize = 3;
 
 /// A point on a side of the domain: the side, how far along, and the number of the point.
@@ -72,8 +72,8 @@ pub fn sample_curves(domain: &Domain, spacing: f64) -> CurveSamples {
     result
 }
 
-/// The number of edges that each curve becomes: its relative length in spacings, but so many that no two curves have
-/// the same ends and no loop is without an inside.
+/// The number of edges that each curve becomes: its relative length in spacings, but enough that no two curves become
+/// the same edge and every loop encloses something.
 fn counts(domain: &Domain, loops: &[Vec<u32>], spacing: f64) -> Vec<usize> {
     let curves = &domain.curves.list;
     let mut between: BTreeMap<[u32; 2], usize> = BTreeMap::new();
@@ -94,7 +94,7 @@ fn counts(domain: &Domain, loops: &[Vec<u32>], spacing: f64) -> Vec<usize> {
     };
     let mut counts: Vec<usize> = curves.iter().map(wanted).collect();
     for sides in loops {
-        // Each curve once for each time that the loop goes along it.
+        // Each curve, as many times as the loop runs along it.
         let starts = sides.iter().filter(|&&s| is_first(domain, s)).map(|&s| domain.curves.of_side(s) as usize);
         let along: Vec<usize> = starts.collect();
         let may_grow = along.iter().any(|&c| !curves[c].interface);
@@ -105,14 +105,14 @@ fn counts(domain: &Domain, loops: &[Vec<u32>], spacing: f64) -> Vec<usize> {
     counts
 }
 
-/// Whether a loop's way along a curve begins with `side`.
+/// Whether `side` is the first one on its curve along a loop.
 fn is_first(domain: &Domain, side: u32) -> bool {
     let curve = &domain.curves.list[domain.curves.of_side(side) as usize];
     let last = curve.sides[curve.sides.len() - 1];
     side == curve.sides[0] || domain.across.get(last) == side
 }
 
-/// The length of `side`, relative to the size that is wanted along it.
+/// The length of `side`, relative to the wanted size along it.
 fn length(domain: &Domain, side: u32) -> f64 {
     let ends = [side, next(side)].map(|s| corner(domain, s));
     let [a, b] = ends.map(|v| domain.mesh.positions[v as usize]);
@@ -125,7 +125,7 @@ fn corner(domain: &Domain, side: u32) -> u32 {
     domain.mesh.triangles[side as usize / 3][side as usize % 3]
 }
 
-/// The vertices, as they were before the cut, where `curve` begins and ends.
+/// The vertices where `curve` begins and ends, by their numbers before the cut.
 fn curve_ends(domain: &Domain, curve: &Curve) -> [u32; 2] {
     let last = curve.sides[curve.sides.len() - 1];
     [curve.sides[0], next(last)].map(|s| domain.original[corner(domain, s) as usize])

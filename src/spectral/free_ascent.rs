@@ -1,14 +1,14 @@
-//! Gradient ascent on the measure for bare points of a manifold of any dimension (paper, section 6.2):
-//! x ← x + ½ ∇s(x) in units of σ, and back on the manifold.
+//! Gradient ascent on the measure for bare points of a manifold of any dimension (paper, section 6.2): x ← x + ½ ∇s(x)
+//! in units of σ, then back onto the manifold.
 //!
-//! Departures from the paper: the points of one colour, none of them a neighbour of another, move at the same time, so
-//! the result is the same for any number of threads; lists of neighbours are made anew every few sweeps, and crowds are
-//! broken up, so it may start from random points, too.
+//! Departures from the paper: points of one colour, no two of them neighbours, move at the same time, so the result is
+//! the same for any number of threads; neighbour lists are rebuilt every few sweeps; crowds are broken up, so the
+//! ascent may start from random points.
 //!
 //! Cost: about three microseconds a point and sweep on a mesh, a third of that for the lists.
 //!
-//! Limits: nothing holds points together. Those next to a border end on it, and on a thin sheet nothing but
-//! [`Submanifold::joined`] tells its two sides apart.
+//! Limits: nothing holds points together. Those next to a boundary end up on it, and only [`Submanifold::joined`] tells
+//! the two sides of a thin sheet apart.
 
 use crate::base::error::Result;
 use crate::base::math;
@@ -21,17 +21,18 @@ use crate::spectral::nearest::Nearest;
 use crate::surface::submanifold::Submanifold;
 use rayon::prelude::*;
 
-/// Sweeps for which lists of neighbours stay.
+/// Sweeps between rebuilds of the neighbour lists.
 const SWEEPS_OF_LISTS: usize = 3;
 
-/// Neighbours in a list: more than count at once, since points move while it stays.
+/// Neighbours in a list: more than a gradient uses, since points move between rebuilds.
 const LISTED: usize = 24;
 
-/// Nearer than this, in units of σ, only the nearest neighbour counts. In a crowd of m points of size δ, s is of the order
-/// δ^(2m - 2), so flat that they would hardly part; from one neighbour alone a point goes away by twice their distance.
+/// If the nearest neighbour is nearer than this, in units of σ, only that one counts. In a crowd of m points of size δ,
+/// s is of the order δ^(2m - 2), so flat that they would hardly separate; from one neighbour alone a point moves away
+/// by twice their distance.
 const CROWDED: f64 = 0.25;
 
-/// The share of its step that a point repeats in the next sweep, where all move at once (momentum).
+/// The share of its last move that a point repeats in the next sweep, where all move at once.
 const AGAIN: f64 = 0.45;
 
 /// Points that one task moves.
@@ -66,10 +67,10 @@ pub fn ascend_freely<S: Submanifold<D>, const D: usize>(
     Ok(())
 }
 
-/// The same with all points moved at once in each sweep. So a point depends in the end on no other that is farther away than
-/// [`reach_of`] says, and a part of the points goes where it would among all. Two that meet both give way, so the step has to
-/// be shorter; a part of each way is gone again in the next sweep, which makes up for that (B. T. Polyak, Some methods of
-/// speeding up the convergence of iteration methods, 1964, DOI 10.1016/0041-5553(64)90137-5).
+/// [`ascend_freely`] with all points moved at once in each sweep. So a point depends only on those within [`reach_of`],
+/// and a part of the points moves as it would among all. Two neighbours both give way, so the step has to be shorter;
+/// repeating a part of each move in the next sweep makes up for that (B. T. Polyak, Some methods of speeding up the
+/// convergence of iteration methods, 1964, DOI 10.1016/0041-5553(64)90137-5).
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
@@ -101,13 +102,13 @@ pub fn ascend_at_once<S: Submanifold<D>, const D: usize>(
     Ok(())
 }
 
-/// The largest distance, in units of σ, of what can influence a point in [`ascend_at_once`]: in each sweep a neighbour, and both
-/// may have moved since.
+/// The distance up to which a point can affect another one in [`ascend_at_once`], in units of σ: each sweep adds the
+/// radius of a neighbourhood and a step of both neighbours.
 pub fn reach_of(sweeps: usize) -> f64 {
     sweeps as f64 * (RADIUS + 2.0 * MOST_STEP)
 }
 
-/// Where a step of `way` leads point `v`.
+/// Where the step `way` takes point `v`.
 fn stepped<S: Submanifold<D>, const D: usize>(
     manifold: &S,
     points: &[S::Point],
@@ -118,7 +119,7 @@ fn stepped<S: Submanifold<D>, const D: usize>(
     manifold.step(&points[v as usize], &shortened(&way, MOST_STEP * ascent.sigma))
 }
 
-/// Where point `v` wants to go, up the gradient.
+/// The step of point `v`, up the gradient.
 fn way_up<S: Submanifold<D>, const D: usize>(
     manifold: &S,
     points: &[S::Point],
@@ -139,7 +140,7 @@ fn way_up<S: Submanifold<D>, const D: usize>(
     scaled(&gradient(&offsets[..counting]), step * sigma)
 }
 
-/// For each point those that count as its neighbours, the nearest [`LISTED`].
+/// For each point its neighbours, at most the nearest [`LISTED`].
 fn neighbours<S: Submanifold<D>, const D: usize>(manifold: &S, points: &[S::Point], sigma: f64) -> Vec<Vec<u32>> {
     let radius = RADIUS * sigma;
     let mut cells = Cells::new(radius / 2.0);
@@ -159,8 +160,8 @@ fn neighbours<S: Submanifold<D>, const D: usize>(manifold: &S, points: &[S::Poin
     points.par_iter().enumerate().map(of_point).collect()
 }
 
-/// The points in classes such that none of a class is listed by another one of it that comes later: each gets the
-/// lowest colour that no earlier one of its list has.
+/// Divides the points into classes in which no point lists an earlier one: each gets the lowest colour that no earlier
+/// point on its list has.
 fn colour_classes(lists: &[Vec<u32>]) -> Vec<Vec<u32>> {
     let mut colours: Vec<usize> = Vec::with_capacity(lists.len());
     let mut classes: Vec<Vec<u32>> = Vec::new();

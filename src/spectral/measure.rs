@@ -1,18 +1,18 @@
-//! The measure s(x) of how much a point changes the Laplace-Beltrami spectrum of those that are there already.
+//! The measure s(x): how much a point changes the Laplace-Beltrami spectrum of the samples so far.
 //!
 //! s(x) = 1 - kᵀ K⁻¹ k (paper, equation 9) with the Gaussian kernel k(x, y) = exp(-|x - y|²), x in units of σp, over
 //! the neighbours of x, K their kernel matrix. K = L Lᵀ grows by a row of L for each neighbour; with L y = k the
-//! measure is 1 - |y|², and a neighbour takes the square of one further entry of y off it. The paper updates the
-//! inverse instead (equation 10): the same numbers for more operations.
+//! measure is 1 - |y|², and each neighbour subtracts the square of one more entry of y. The paper updates the inverse
+//! instead (equation 10), which gives the same numbers with more operations.
 //!
 //! Points have any dimension D: three in space, six with the normal as x = [p/σp, n/σn], more with further signals.
 //!
-//! Cost: the n-th neighbour n² / 2 multiplications and n kernels.
+//! Cost: n² / 2 multiplications and n kernels for the n-th neighbour.
 
 use crate::base::math::gaussian;
 use crate::geom::vector::{distance_squared, length_squared};
 
-/// Only this many of the nearest neighbours count: further ones change s by too little to matter.
+/// More neighbours than this, counted from the nearest, change s too little to matter.
 pub const MOST_NEIGHBOURS: usize = 20;
 
 /// Radius of the neighbourhood in units of σ (paper, section 6.3): k is below 0.002 outside.
@@ -23,7 +23,7 @@ const SMALLEST_PIVOT: f64 = 1e-9;
 
 /// s(x) at one point, for neighbours that are added one by one.
 pub struct Measure<const D: usize> {
-    /// Rows of L, packed: row i begins at i (i + 1) / 2. The diagonal holds reciprocals: nothing else is asked of it.
+    /// Rows of L, packed: row i begins at i (i + 1) / 2. The diagonal holds reciprocals, since only they are used.
     factor: [f64; MOST_NEIGHBOURS * (MOST_NEIGHBOURS + 1) / 2],
     /// L y = k.
     y: [f64; MOST_NEIGHBOURS],
@@ -56,7 +56,7 @@ impl<const D: usize> Measure<D> {
         self.value
     }
 
-    /// Adds a neighbour at `offset` from x, in units of σ, and gives the new s(x). A neighbour in the span of the
+    /// Adds a neighbour at `offset` from x, in units of σ, and returns the new s(x). A neighbour in the span of the
     /// others, or beyond [`MOST_NEIGHBOURS`], changes nothing.
     #[inline]
     pub fn add(&mut self, offset: &[f64; D]) -> f64 {
@@ -94,14 +94,14 @@ impl<const D: usize> Default for Measure<D> {
     }
 }
 
-/// Neighbours that count for the gradient, the nearest first: more do not change where samples go.
+/// Neighbours that the gradient uses, nearest first: more would not change where samples go.
 pub const GRADIENT_NEIGHBOURS: usize = 12;
 
 /// ∇s(x) with respect to x in units of σ: 4 Σ aᵢ kᵢ (x - xᵢ), a = K⁻¹ k, for neighbours at `offsets` from x, at most
 /// [`GRADIENT_NEIGHBOURS`]. It is the paper's double sum (section 6.2) with the symmetric half carried out.
 ///
-/// K = L D Lᵀ is worked out column by column, with k as one row more: on whole columns of a fixed length, what is above
-/// the diagonal included, since that is the fastest for so few.
+/// K = L D Lᵀ is computed column by column, with k as an extra row, on whole columns of a fixed length, the part above
+/// the diagonal included: for so few neighbours this is fastest.
 pub fn gradient<const D: usize>(offsets: &[[f64; D]]) -> [f64; D] {
     const LAST: usize = GRADIENT_NEIGHBOURS;
     let n = offsets.len();

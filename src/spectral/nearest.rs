@@ -1,8 +1,8 @@
-//! The nearest points that count for a gradient, kept in order while they are found.
+//! The nearest points, which a gradient takes into account, kept sorted as they are found.
 
 use crate::spectral::measure::GRADIENT_NEIGHBOURS;
 
-/// Points in the order of their distance, then their number.
+/// Points sorted by distance, then by number.
 #[derive(Default)]
 pub struct Nearest {
     list: [(f64, u32); GRADIENT_NEIGHBOURS],
@@ -10,7 +10,7 @@ pub struct Nearest {
 }
 
 impl Nearest {
-    /// Inserts point `v` at that squared distance if it is near enough and new.
+    /// Adds point `v` at this squared distance if it is near enough and not listed yet.
     #[inline]
     pub fn add(&mut self, distance: f64, v: u32) {
         if self.count == GRADIENT_NEIGHBOURS && distance > self.list[GRADIENT_NEIGHBOURS - 1].0 {
@@ -28,7 +28,7 @@ impl Nearest {
         }
     }
 
-    /// Squared distances and numbers, the nearest first.
+    /// Squared distances and numbers, nearest first.
     pub fn list(&self) -> &[(f64, u32)] {
         &self.list[..self.count]
     }

@@ -1,19 +1,18 @@
 //! The randomized linear scan (paper, algorithm 1): every candidate is looked at once, in random order, and kept if it
 //! changes the spectrum of those kept so far by more than ε.
 //!
-//! Candidates are scanned block by block of space, in random order within a block, and the blocks in eight turns such
-//! that blocks of one turn are farther apart than the kernel reaches. So blocks of a turn run side by side, the result
-//! does not depend on the number of threads, and what a look-up touches stays in the cache however many points there
-//! are.
+//! Space is divided into blocks, whose candidates are scanned in random order. Blocks are scanned in eight turns, those
+//! of one turn farther apart than the kernel reaches. So the blocks of a turn run in parallel, the result does not
+//! depend on the number of threads, and look-ups stay in the cache however many points there are.
 //!
-//! Where edges of another relative length than 1 are wanted, the kernel of a candidate is as much wider or narrower;
-//! cells are for the widest. Where more than the position counts (a [`Lift`]), the kernel has more dimensions; the cells
-//! stay those of space, since further dimensions only make distances larger.
+//! The width of a candidate's kernel is proportional to the wanted size there; cells fit the widest kernel. Where more
+//! than the position counts (a [`Lift`]), the kernel has more dimensions; the cells still divide space, since further
+//! dimensions only make distances larger.
 //!
-//! A candidate listens only to neighbours of its own patch that face its way: two sheets that nearly touch are sampled
-//! each for itself.
+//! Only neighbours on the same patch that face the same way count for a candidate, so two sheets that nearly touch are
+//! sampled independently.
 //!
-//! Cost: linear in the candidates; nine of ten are settled by their nearest neighbours.
+//! Cost: linear in the candidates; nine in ten are settled by their nearest neighbours.
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
@@ -42,7 +41,7 @@ const SPAN: i32 = BLOCK + 2 * HALO;
 /// Squared distance, in units of σ, within which a single neighbour has s = 1 - k² at most ε: ln(1 / (1 - ε)) / 2.
 pub(super) const TOO_NEAR: f64 = std::f64::consts::LN_2 / 2.0;
 
-/// No sample in a cell's list after this one.
+/// Marks the end of a cell's list.
 const END: u32 = u32::MAX;
 
 /// The samples that the scan keeps: `fixed` first, which are kept in any case, then candidates.
@@ -70,23 +69,23 @@ pub fn linear_scan(
 pub struct Kernel<'a> {
     /// σp where the wanted size is 1, in the units of the domain.
     pub sigma: f64,
-    /// What counts beside the position.
+    /// What counts besides the position.
     pub lift: Lift<'a>,
 }
 
 /// What a scan chooses from.
 pub trait Choices: Sync {
-    /// How many there are.
+    /// The number of choices.
     fn count(&self) -> usize;
-    /// One of them.
+    /// The choice with this number.
     fn sample(&self, number: u32) -> Sample;
-    /// What random numbers for one are drawn for.
+    /// The address that its random numbers are drawn for.
     fn address(&self, number: u32) -> Address;
     /// The patch of the surface that a sample lies on: only samples of the same patch are neighbours.
     fn patch_of(&self, sample: &Sample) -> u32;
     /// The largest size that is wanted anywhere.
     fn largest_size(&self) -> f64;
-    /// The width of a cell for a kernel of width `sigma`: half of what it reaches, or more.
+    /// The width of a cell for a kernel of width `sigma`: half of its reach, or more.
     fn cell(&self, sigma: f64) -> f64 {
         sigma * self.largest_size() * RADIUS / 2.0
     }
@@ -96,7 +95,7 @@ pub trait Choices: Sync {
 pub struct OnDomain<'a> {
     /// The domain.
     pub domain: &'a Domain,
-    /// Points of it.
+    /// Points on it.
     pub candidates: &'a [Candidate],
 }
 
@@ -125,7 +124,7 @@ impl Choices for OnDomain<'_> {
     }
 }
 
-/// Samples that are there already, of size 1: of a domain, or of no surface that is known.
+/// Given samples, of size 1, on a domain or on an unknown surface.
 pub struct Given<'a> {
     /// The samples.
     pub samples: &'a [Sample],
@@ -155,8 +154,8 @@ impl Choices for Given<'_> {
     }
 }
 
-/// [`linear_scan`] of anything, with a kernel of D dimensions, those that `kernel.lift` needs: the numbers of those that
-/// it keeps beside `fixed`.
+/// [`linear_scan`] of any choices, with a kernel of as many dimensions D as `kernel.lift` needs. Returns the numbers of
+/// those that it keeps besides `fixed`.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
@@ -187,7 +186,7 @@ struct Blocks<'a, C> {
     choices: &'a C,
     list: Vec<Block>,
     places: Vec<IVec3>,
-    /// Numbers of candidates, those of a block together, in random order within it.
+    /// Numbers of candidates, block by block, in random order within each.
     order: Vec<u32>,
     kernel: Kernel<'a>,
     cell: f64,
@@ -235,12 +234,12 @@ impl<'a, C: Choices> Blocks<'a, C> {
         }
     }
 
-    /// The blocks of each turn: those with the same parities of their places.
+    /// The blocks of each turn, those whose places have the same parities.
     fn turns(&self) -> Vec<Vec<usize>> {
         (0..TURNS).map(|turn| (0..self.list.len()).filter(|&b| turn_of(self.places[b]) == turn).collect()).collect()
     }
 
-    /// What block `b` keeps of its candidates.
+    /// The candidates that block `b` keeps.
     fn scan<const D: usize>(&self, b: usize) -> Vec<(u32, Sample)> {
         let block = &self.list[b];
         if block.candidates.is_empty() {
@@ -311,7 +310,7 @@ impl<'a, const D: usize> Neighborhood<'a, D> {
         }
     }
 
-    /// Whether s(x) > ε: first with the nearest cells, which settle most, then with all in reach.
+    /// Whether s(x) > ε. The nearest cells, tested first, settle most cases; then come all in reach.
     fn changes_spectrum(&mut self, x: &Sample, patch: u32) -> bool {
         let p = x.position / self.cell;
         let home = self.cell_of(x.position);
@@ -334,7 +333,7 @@ impl<'a, const D: usize> Neighborhood<'a, D> {
         self.kernel.sigma * self.kernel.lift.width::<D>(x)
     }
 
-    /// Collects the samples of a box of cells that `x` listens to, with their squared distances in units of σ.
+    /// Collects the neighbours of `x` in a box of cells, with their squared distances in units of σ.
     fn gather(&mut self, x: &Sample, here: &[f64; D], patch: u32, lo: IVec3, hi: IVec3) {
         self.found.clear();
         let sigma = self.sigma_at(x);
@@ -357,7 +356,7 @@ impl<'a, const D: usize> Neighborhood<'a, D> {
         }
     }
 
-    /// Whether s(x) > ε over the samples found, nearest first and no farther than it takes to know.
+    /// Whether s(x) > ε over the samples found. Adds the nearest first, until the answer is known.
     fn exceeds_epsilon(&mut self, here: &[f64; D], sigma: f64) -> bool {
         self.found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         self.measure.clear();

@@ -1,10 +1,10 @@
-//! How far apart the samples of a scan are, over the whole domain: the edge lengths that keep their density.
+//! The distance between the samples of a scan, over the whole domain: the edge lengths that keep their density.
 //!
-//! Candidates are even, so the share of them that is nearest to a sample is the share of the area that the sample has. At
-//! hexagonal packing a sample of area a has its neighbours at √(2a / √3). A vertex of the domain takes the geometric mean
-//! of the samples around it, so that the chance in where samples lie cancels.
+//! Candidates are evenly distributed, so the share of them nearest to a sample is the sample's share of the area. At
+//! hexagonal packing a sample of area a has its neighbours at distance √(2a / √3). A vertex of the domain takes the
+//! geometric mean over the samples around it, which averages out the randomness of their places.
 //!
-//! Limits: next to a border samples have less area than others, and distances come out up to a quarter too short.
+//! Limits: next to a boundary samples have less area than others, and distances come out up to a quarter too short.
 //!
 //! Cost: a search among the samples for each candidate and each vertex.
 
@@ -14,14 +14,14 @@ use crate::spectral::candidates::Candidate;
 use crate::surface::domain::{Domain, Sample};
 use rayon::prelude::*;
 
-/// No candidate is farther from the samples than this, in units of σ: it would have been kept.
+/// No candidate is farther from all samples than this, in units of σ: the scan would have kept it.
 const FARTHEST: f64 = 1.5;
 
-/// Samples that a vertex takes the mean of.
+/// Number of samples averaged at a vertex.
 const AVERAGED: usize = 7;
 
-/// The distance between the samples, at each vertex of `domain` and in its units. `candidates` are those that `samples`
-/// were chosen from by a kernel of width `sigma`.
+/// The distance between the samples at each vertex of `domain`, in its units. `samples` were chosen from `candidates`
+/// with a kernel of width `sigma`.
 pub fn spacings(domain: &Domain, candidates: &[Candidate], samples: &[Sample], sigma: f64) -> Vec<f64> {
     let positions: Vec<_> = samples.iter().map(|s| s.position).collect();
     let set = Neighbors::new(&positions);
@@ -46,7 +46,7 @@ pub fn spacings(domain: &Domain, candidates: &[Candidate], samples: &[Sample], s
     (0..domain.mesh.positions.len() as u32).into_par_iter().map(at_vertex).collect()
 }
 
-/// The distance of neighbours at hexagonal packing that have `area` each.
+/// The distance of neighbours at hexagonal packing if each has this area.
 fn length_of(area: f64) -> f64 {
     (2.0 * area / 3f64.sqrt()).sqrt()
 }
@@ -91,7 +91,7 @@ mod tests {
         let domain = square();
         let all = candidates(&domain, 40_000, 1);
         let samples = linear_scan(&domain, &all, &[], 0.03, 1, &()).unwrap();
-        // A quarter of them on the right.
+        // Keep a quarter of them on the right.
         let thinned: Vec<Sample> = (samples.iter().enumerate())
             .filter(|(i, s)| s.position.x < 0.5 || i % 4 == 0)
             .map(|(_, &sample)| sample)

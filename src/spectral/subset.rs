@@ -1,12 +1,12 @@
-//! Samples of a manifold of any dimension, without a triangulation: which of given points they are, and how many.
+//! Chooses samples of a manifold of any dimension from given points, without a triangulation.
 //!
-//! The randomized linear scan (paper, algorithm 1) keeps those points that change the spectrum of the ones kept before
-//! them by more than ε. An exact number comes of it by removing where s is smallest, or adding where it is largest, one
-//! by one. A sample that goes makes s larger for others, one that comes makes it smaller; so what was worked out earlier
-//! is a bound, and only the best of a heap is worked out anew (M. Minoux, Accelerated greedy algorithms for maximizing
-//! submodular set functions, 1978, DOI 10.1007/BFb0006528).
+//! The randomized linear scan (paper, algorithm 1) keeps the points that change the spectrum of those kept before them
+//! by more than ε. To reach an exact number, samples are removed where s is smallest, or added where it is largest, one
+//! by one. Removing a sample makes s larger for others, adding one makes it smaller; so an earlier value is a bound,
+//! and only the top of a heap is recomputed (M. Minoux, Accelerated greedy algorithms for maximizing submodular set
+//! functions, 1978, DOI 10.1007/BFb0006528).
 //!
-//! [`scan_lifted`](crate::spectral::scan::scan_lifted) is the same scan for points of space, block by block: faster and
+//! [`scan_lifted`](crate::spectral::scan::scan_lifted) is the same scan for points in space, block by block: faster and
 //! on many threads.
 //!
 //! Cost: a few microseconds a point; most are settled by the samples nearest to them.
@@ -22,21 +22,21 @@ use crate::surface::submanifold::Submanifold;
 use rayon::prelude::*;
 use std::collections::BinaryHeap;
 
-/// Points between two looks at the monitor.
+/// Points between two checks of the monitor.
 const CHUNK: usize = 4096;
 
-/// The measure of a point that coincides with one that is there, up to rounding.
+/// With no more measure than this, a point differs from the samples only by rounding.
 const LEAST_NEWS: f64 = 1e-9;
 
-/// Points that are looked at for each sample that is missing, and the fewest of them.
+/// Points to look at for each missing sample, and the fewest to look at.
 const POINTS_PER_MISSING: usize = 32;
 const FEWEST_POINTS: usize = 1024;
 
 /// Width of a cell in units of σ.
 const CELL: f64 = RADIUS;
 
-/// The samples that the scan keeps of `points`: their numbers, in the order in which they were kept. `sigma` is the
-/// width of the kernel in the units of the coordinates.
+/// Scans `points` and returns the numbers of those kept, in the order in which they were kept. `sigma` is the width of
+/// the kernel in the units of the coordinates.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
@@ -63,8 +63,8 @@ pub fn scan<S: Submanifold<D>, const D: usize>(
     Ok(kept.numbers)
 }
 
-/// `wanted` of `points`, or fewer if no others differ from those, beginning with those numbered in `chosen`: what is too much is
-/// removed where s is smallest, what is missing is added where it is largest.
+/// Chooses `wanted` of `points`, or fewer if no more of them differ, beginning with those numbered in `chosen`: removes
+/// surplus samples where s is smallest, or adds missing ones where it is largest.
 pub fn thin_or_fill<S: Submanifold<D>, const D: usize>(
     manifold: &S,
     points: &[S::Point],
@@ -79,8 +79,8 @@ pub fn thin_or_fill<S: Submanifold<D>, const D: usize>(
     samples.numbers
 }
 
-/// Removes those of the points numbered in `chosen` that the scan would not keep among the others, the least important
-/// first: those removed, in this order.
+/// Removes the points numbered in `chosen` that the scan would not keep among the others, the least important first.
+/// Returns those removed, in this order.
 pub fn thin_to_scan<S: Submanifold<D>, const D: usize>(
     manifold: &S,
     points: &[S::Point],
@@ -117,13 +117,13 @@ impl<'a, S: Submanifold<D>, const D: usize> Samples<'a, S, D> {
         self.numbers.push(point);
     }
 
-    /// Whether s > ε at `point`, which is no sample yet: first with the nearest samples, which settle most.
+    /// Whether s > ε at `point`, which is not a sample yet. The nearest samples, tested first, settle most cases.
     fn changes_spectrum(&self, point: u32) -> bool {
         let nearest = self.near(point, TOO_NEAR.sqrt() * self.sigma);
         nearest.is_empty() && self.measure(point, EPSILON) > EPSILON
     }
 
-    /// The measure at `point` among the other samples; if it is at most `least`, some number that is at most `least`, too.
+    /// The measure at `point` among the other samples; if it is at most `least`, any number up to that.
     fn measure(&self, point: u32, least: f64) -> f64 {
         let mut measure = Measure::new();
         for (_, _, offset) in self.near(point, RADIUS * self.sigma).into_iter().take(MOST_NEIGHBOURS) {
@@ -161,8 +161,8 @@ impl<'a, S: Submanifold<D>, const D: usize> Samples<'a, S, D> {
         }
     }
 
-    /// Removes the sample with the smallest s as long as `goes` says so of the number of samples and of that s: those
-    /// removed, in this order.
+    /// Removes the sample with the smallest s as long as `goes` holds for the number of samples and that s. Returns
+    /// those removed, in this order.
     fn thin_while(&mut self, goes: impl Fn(usize, f64) -> bool) -> Vec<u32> {
         let ranked: Vec<Ranked> = self.numbers.par_iter().map(|&i| Ranked::new(-self.measure(i, 0.0), i)).collect();
         let mut heap = BinaryHeap::from(ranked);
@@ -185,7 +185,7 @@ impl<'a, S: Submanifold<D>, const D: usize> Samples<'a, S, D> {
         removed
     }
 
-    /// Adds samples until there are `wanted`, or no points any more that differ: of a part of the points first.
+    /// Adds samples, from a part of the points first, until there are `wanted` or no points are left that differ.
     fn fill_to(&mut self, wanted: usize) {
         let missing = wanted.saturating_sub(self.numbers.len());
         let part = (self.points.len() / (POINTS_PER_MISSING * missing + FEWEST_POINTS)).max(1);
@@ -196,7 +196,7 @@ impl<'a, S: Submanifold<D>, const D: usize> Samples<'a, S, D> {
         }
     }
 
-    /// Adds samples of `pool`.
+    /// Adds samples from `pool`.
     fn fill_from(&mut self, mut pool: Vec<u32>, wanted: usize) {
         let mut taken = vec![false; self.points.len()];
         self.numbers.iter().for_each(|&i| taken[i as usize] = true);
@@ -239,7 +239,7 @@ mod tests {
         assert!((0..3000).all(|i| kept.contains(&i) || samples.measure(i, 0.0) <= EPSILON + 1e-12));
     }
 
-    /// One by one, with all measures worked out anew each time.
+    /// One by one, with all measures recomputed each time.
     fn thinned_by_hand(points: &[[f64; 2]], sigma: f64, wanted: usize) -> Vec<u32> {
         let mut numbers: Vec<u32> = (0..points.len() as u32).collect();
         while numbers.len() > wanted {

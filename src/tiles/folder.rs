@@ -6,7 +6,8 @@
 //! | `head` | the beginning of the input, which says what its rows are |
 //! | `points` | number and row of each point, sorted by place |
 //! | `outline.ply` | a few points with normals on a common side |
-//! | `tile-N` | what tile N got, written when it is complete |
+//! | `made-of` | what the plan was made from |
+//! | `tile-N` | the samples of tile N, written when the tile is complete |
 
 use crate::base::error::{Error, Result};
 use crate::io::file::{read_bytes, read_file, replace_file, write_points_file};
@@ -31,7 +32,7 @@ pub struct TileFolder {
 }
 
 impl TileFolder {
-    /// The folder at `path`, which has to be there.
+    /// The folder at `path`, which has to exist.
     ///
     /// # Errors
     /// [`Error::File`] if it is not.
@@ -44,7 +45,7 @@ impl TileFolder {
         }
     }
 
-    /// The folder at `path`, which is made if it is not there.
+    /// The folder at `path`, which is created if it does not exist.
     ///
     /// # Errors
     /// [`Error::File`] if that fails.
@@ -93,26 +94,26 @@ impl TileFolder {
         serde_json::from_slice(&text).map_err(unreadable)
     }
 
-    /// Writes what each tile needs to know beside the plan.
+    /// Writes what each tile needs to know besides the plan.
     pub(super) fn write_context(&self, head: &[u8], outline: &Points) -> Result<()> {
         replace_file(&self.file("head"), &mut |out| out.write_all(head))?;
         write_points_file(&self.file("outline.ply"), outline, &Attributes::default(), None)
     }
 
-    /// Writes the plan, once all else is there.
+    /// Writes the plan, once everything else is there.
     pub(super) fn write_plan(&self, plan: &Plan) -> Result<()> {
         let text = serde_json::to_vec(plan).map_err(|e| self.error(e.to_string(), "give finite numbers"))?;
         replace_file(&self.file("plan.json"), &mut |out| out.write_all(&text))
     }
 
-    /// Takes plan and samples away, so that nothing seems complete while a new plan is made.
+    /// Removes plan and samples, so that nothing seems complete while a new plan is made.
     pub(super) fn forget(&self) -> Result<()> {
         self.remove(&self.file("plan.json"))?;
         self.remove(&self.file("made-of"))?;
         self.forget_samples()
     }
 
-    /// Notes what the plan was made of.
+    /// Records what the plan was made from.
     ///
     /// # Errors
     /// [`Error::File`] if that cannot be written.
@@ -121,7 +122,7 @@ impl TileFolder {
         replace_file(&self.file("made-of"), &mut |out| out.write_all(made_of.as_bytes()))
     }
 
-    /// Whether there is a plan that was made of this file, as it is now, with these options.
+    /// Whether there is a plan that was made from this file, as it is now, with these options.
     pub fn is_of(&self, input: &Path, options: &PlanOptions) -> bool {
         let noted = fs::read_to_string(self.file("made-of")).unwrap_or_default();
         self.has_plan() && noted == made_of(input, options)
@@ -190,7 +191,7 @@ impl TileFolder {
     }
 }
 
-/// What tells whether a plan is that of a file with options.
+/// What identifies the input and the options of a plan.
 fn made_of(input: &Path, PlanOptions { sample, .. }: &PlanOptions) -> String {
     let path = fs::canonicalize(input).unwrap_or_else(|_| input.into());
     let found = fs::metadata(input).ok().map(|found| (found.len(), found.modified().ok()));

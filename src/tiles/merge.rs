@@ -8,8 +8,8 @@ use crate::surface::domain::Sample;
 use crate::surface::lift::{BarePoints, Lift, Lifted};
 use crate::tiles::folder::TileFolder;
 
-/// Joins what all tiles got, in the order of the input. A few more than are wanted come together as a rule; those that
-/// matter least go.
+/// Joins the samples of all tiles, in the order of the input. As a rule there are a few more than wanted; the least
+/// important are removed.
 ///
 /// # Errors
 /// [`Error::File`](crate::Error::File) if a tile is not sampled yet, or cannot be read.
@@ -38,7 +38,7 @@ pub fn merge(folder: &TileFolder) -> Result<Sampled> {
     })
 }
 
-/// So many of the samples, without those that change the spectrum least.
+/// `wanted` of the samples, without those that change the spectrum least.
 fn most_important(all: &[TilePoint], sigma: f64, wanted: usize) -> Vec<TilePoint> {
     let sample = |p: &TilePoint| Sample { position: p.position, normal: p.normal, triangle: 0, size: 1.0 };
     let samples: Vec<Sample> = all.iter().map(sample).collect();

@@ -1,4 +1,4 @@
-//! The plan: what all tiles have in common, and which there are.
+//! The plan: what all tiles have in common, and the list of tiles.
 
 use crate::io::Format;
 use crate::io::spill::Chunk;
@@ -7,7 +7,7 @@ use crate::spectral::lattice::BlockBox;
 use glam::IVec3;
 use serde::{Deserialize, Serialize};
 
-/// Blocks of a bucket along each axis: its points are together in the file.
+/// Blocks of a bucket along each axis. The points of a bucket are together in the file.
 pub(super) const BUCKET: i32 = 8;
 
 /// What a plan can be asked for.
@@ -15,9 +15,9 @@ pub(super) const BUCKET: i32 = 8;
 pub struct PlanOptions {
     /// How to sample.
     pub sample: SampleOptions,
-    /// How much memory a tile may take, in bytes, about.
+    /// About how much memory a tile may take, in bytes.
     pub memory: u64,
-    /// At least so many tiles, if there can be as many.
+    /// The fewest tiles wanted, if there can be as many.
     pub tiles: usize,
 }
 
@@ -26,7 +26,7 @@ pub struct PlanOptions {
 pub struct Plan {
     /// The file that the points come from, as it was given.
     pub input: String,
-    /// How many points there are.
+    /// The number of points.
     pub points: usize,
     /// Samples wanted; `None` if the width of the kernel decides.
     pub wanted: Option<usize>,
@@ -34,7 +34,7 @@ pub struct Plan {
     pub sampling: TileOptions,
     /// The tiles, each by its place in a lattice of them.
     pub tiles: Vec<[i32; 3]>,
-    /// Buckets of a tile along each axis, and the lowest of the first tile.
+    /// Buckets of a tile along each axis, and the lowest bucket of the lattice of tiles.
     pub(super) tile: i32,
     pub(super) lowest: [i32; 3],
     /// What kind of file the rows come from, and its length.

@@ -1,4 +1,4 @@
-//! Making a plan: what is global is decided once, and the points are sorted by place.
+//! Makes a plan: decides once what is global, and sorts the points by place.
 
 use crate::base::error::{Error, Result, Setting};
 use crate::base::monitor::{Monitor, check};
@@ -27,23 +27,24 @@ use std::path::Path;
 /// Points of the outline.
 const OUTLINE: usize = 100_000;
 
-/// Blocks are this many times wider than the first guess of the kernel's width needs, so that it may grow.
+/// How much wider blocks are than the first guess of the kernel width requires, so that the kernel may grow.
 const ROOM: f64 = 1.1;
 
-/// This many samples are counted before all are scanned, in rounds until the count is this near to the wanted one.
+/// Before all points are scanned, about this many samples are counted, in at most this many rounds, until the count is
+/// this near to the wanted one.
 const COUNTED: f64 = 50_000.0;
 const ROUNDS: usize = 3;
 const NEAR_ENOUGH: f64 = 0.05;
 
-/// A few samples more than wanted: surplus ones can be removed in the end, but none can be added.
+/// Slightly more samples than wanted: in the end some can be removed, none added.
 const MORE: f64 = 1.004;
 
-/// Points that a cloud has about for each sample once it is thinned, and the bytes that each takes in the end.
+/// About how many points for each sample a cloud has once it is thinned, and the bytes that each takes in the end.
 const POINTS_PER_SAMPLE: f64 = 4.4;
 const BYTES_PER_POINT: f64 = 290.0;
 
-/// The fewest buckets of a tile along each axis, whatever the memory: in smaller tiles nearly all work would go into their
-/// surroundings.
+/// The fewest buckets along each axis to which a memory limit shrinks a tile: with fewer, nearly all work would be for
+/// the blocks around it.
 const SMALLEST: i32 = 2;
 
 /// Reads the file at `input` and makes a plan for it in `folder`.
@@ -94,7 +95,7 @@ pub fn make_plan(
     Ok(plan)
 }
 
-/// Whether [`make_plan`] can be done for the file at `input`, so.
+/// Whether [`make_plan`] can make a plan for the file at `input` with these options.
 pub fn can_plan(input: &Path, format: Option<Format>, options: &SampleOptions) -> bool {
     refuse_impossible(options).is_ok() && matches!(PointFile::open(input, format), Ok(Some(_)))
 }
@@ -129,7 +130,7 @@ fn refuse_impossible(options: &SampleOptions) -> Result<()> {
     Ok(())
 }
 
-/// Some points of a file, spread all over.
+/// Some points of a file, spread all over it.
 fn some_points(file: &PointFile) -> Result<Points> {
     let (_, rows) = file.thinned(OUTLINE)?;
     let table = file.table();
@@ -156,7 +157,7 @@ fn sorted(file: &PointFile, folder: &TileFolder, block: f64, monitor: &dyn Monit
     spill.finish()
 }
 
-/// Finds the width of the kernel by scanning a part of the buckets, and whether there is noise.
+/// Finds the kernel width by scanning a part of the buckets, and whether there is noise.
 fn calibrate(plan: &mut Plan, folder: &TileFolder, may_smooth: bool, monitor: &dyn Monitor) -> Result<()> {
     let outline = folder.outline()?;
     let counts = outline_counts(outline.positions(), plan.sampling.block());
@@ -176,7 +177,7 @@ fn calibrate(plan: &mut Plan, folder: &TileFolder, may_smooth: bool, monitor: &d
         };
         let found: Vec<usize> = chosen.par_iter().map(count).collect::<Result<_>>()?;
         let share = found.iter().sum::<usize>() as f64 * (all as f64 / some.max(1) as f64) / (MORE * wanted as f64);
-        // On a surface the number of samples goes with the inverse square of the width.
+        // On a surface the number of samples is proportional to the inverse square of the width.
         plan.sampling.sigma = (plan.sampling.sigma * share.sqrt()).min(plan.sampling.cell * 2.0 / RADIUS);
         if (share - 1.0).abs() < NEAR_ENOUGH {
             break;
@@ -194,7 +195,7 @@ fn outline_counts(outline: &[DVec3], block: f64) -> FxHashMap<[i32; 3], usize> {
     counts
 }
 
-/// Buckets, drawn by lot, that have enough of the samples to tell how many there will be.
+/// Randomly drawn buckets with enough of the samples to estimate how many there will be in all.
 fn chosen_buckets(plan: &Plan, counts: &FxHashMap<[i32; 3], usize>) -> Vec<IVec3> {
     let mut buckets: Vec<[i32; 3]> = counts.keys().copied().collect();
     let lot = |place: &[i32; 3]| {
@@ -213,7 +214,7 @@ fn chosen_buckets(plan: &Plan, counts: &FxHashMap<[i32; 3], usize>) -> Vec<IVec3
     buckets.into_iter().take_while(is_missing).map(IVec3::from).collect()
 }
 
-/// How far points have to reach on the surface, by what is seen of some of them.
+/// The support radius of the points, by the noise of some of them.
 fn reach_for_noise(plan: &Plan, folder: &TileFolder, blocks: BlockBox, monitor: &dyn Monitor) -> Result<f64> {
     let positions: Vec<DVec3> = points_of(folder, plan, blocks, monitor)?.iter().map(|p| p.position).collect();
     match flatness(&positions, &Neighbors::new(&positions)) {
@@ -255,7 +256,7 @@ fn cut(plan: &mut Plan, outline: &Points, options: &PlanOptions) {
     }
 }
 
-/// What is not possible tile by tile, in words of the one who asked for it.
+/// The error for an option that is not possible tile by tile.
 fn impossible(option: Setting, cause: &str) -> Error {
     Error::Option { option, cause: cause.into(), remedy: "leave it out, or sample in memory".into() }
 }

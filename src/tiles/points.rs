@@ -1,7 +1,7 @@
-//! The candidates for samples in a part of a cloud: one point for each cell of a lattice.
+//! The points of a part of a cloud that may become samples: one for each cell of a lattice.
 //!
-//! A cell keeps the point that is nearest to its centre, of equally near ones the first of the input; of points that face
-//! apart one for each side. So it does not matter what else is looked at, and in which order.
+//! A cell keeps the point nearest to its centre, of equally near ones the first in the input; where points face
+//! opposite ways, one for each side. So it does not matter which other points are read, nor in which order.
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
@@ -15,14 +15,14 @@ use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
-/// Cells of a block along each axis: on a surface four to five points for each sample.
+/// Cells of a block along each axis: on a surface, four to five points for each sample.
 const CELLS: i32 = 16;
 
 /// Bytes of the number before each row.
 pub(super) const NUMBER: usize = 4;
 
-/// The sign of a normal along this direction tells the two sides of a thin wall apart, for nearly all positions of the wall, and
-/// splits few other cells.
+/// The sign of normals along this direction tells the two sides of a thin wall apart, however the wall is turned, and
+/// splits few of the other cells.
 const ACROSS: DVec3 = DVec3::new(0.48, 0.6, 0.64);
 
 /// The bucket of a block.
@@ -35,7 +35,7 @@ pub(super) fn blocks_of(bucket: IVec3) -> BlockBox {
     BlockBox { lo: BUCKET * bucket, hi: BUCKET * (bucket + 1) }
 }
 
-/// The points of some blocks, in an order that any two of them have wherever they are read.
+/// The points of some blocks. Any two of them are in the same order wherever they are read.
 ///
 /// # Errors
 /// [`Error::File`](crate::Error::File) if they cannot be read; [`Error::Cancelled`](crate::Error::Cancelled) if the
@@ -58,7 +58,7 @@ pub(super) fn points_of(
     Ok(points.concat())
 }
 
-/// The points of the rows of a bucket that their cells keep, those in `blocks`, along a curve through the cells.
+/// The points in `blocks` that the cells of a bucket keep of its rows, along a curve through the cells.
 fn thinned(rows: &[u8], bucket: IVec3, blocks: BlockBox, block: f64, table: &Table) -> Vec<TilePoint> {
     let cell = block / f64::from(CELLS);
     let mut kept: FxHashMap<u32, (f64, TilePoint)> = FxHashMap::default();

@@ -8,11 +8,11 @@ use crate::tiles::merge::merge;
 use crate::tiles::points::points_of;
 use crate::tiles::watch::OfTile;
 
-/// Samples the tile of this number, from 0, and writes what it gets to the folder.
+/// Samples the tile with this number, counted from 0, and writes its samples to the folder.
 ///
 /// # Errors
-/// [`Error::File`](crate::Error::File) if the folder lacks something, cannot be written, or there is no such tile; [`Error::Cancelled`](crate::Error::Cancelled) if the
-/// monitor asks for it.
+/// [`Error::File`](crate::Error::File) if the folder lacks something or cannot be written, or there is no such tile;
+/// [`Error::Cancelled`](crate::Error::Cancelled) if the monitor asks for it.
 pub fn sample_one(folder: &TileFolder, number: usize, monitor: &dyn Monitor) -> Result<()> {
     let plan = folder.plan()?;
     let outline = folder.outline()?;

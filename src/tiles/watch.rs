@@ -1,8 +1,8 @@
-//! Watching one tile of many.
+//! The monitor of one tile of many.
 
 use crate::base::monitor::Monitor;
 
-/// A monitor of one tile of many: it only passes on a request to stop.
+/// A monitor of one tile of many: it passes on cancelling only.
 pub(super) struct OfTile<'a>(pub &'a dyn Monitor);
 
 impl Monitor for OfTile<'_> {

@@ -1,4 +1,4 @@
-//! Attributes of one mesh carried over to another one of the same surface.
+//! Carries attributes of one mesh over to another one of the same surface.
 
 mod texture;
 pub mod vertex;

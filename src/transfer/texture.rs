@@ -1,17 +1,16 @@
-//! Texture coordinates of one mesh carried over to another one.
+//! Carries texture coordinates of one mesh over to another one.
 //!
-//! Texture coordinates jump at seams, and each triangle of the output has to be on one side of a seam as a whole: on
-//! that of the triangle of the input below its centre. From there the input is walked over as far as the output's
-//! triangle reaches, but across no seam. A corner above a triangle that the walk has met has the coordinates there, as
-//! in all its triangles on this side; a corner beyond a seam has those of the closest point that the walk has met,
-//! continued linearly by the affine map that fits the coordinates of what the walk has met best (least squares,
-//! weighted by area).
+//! Texture coordinates jump at UV seams, so each output triangle has to be on one side of a seam as a whole: the side
+//! of the input triangle below its centre. From there a walk covers the input as far as the output triangle reaches,
+//! without crossing seams. A corner above a triangle that the walk has met gets the coordinates there, as in all its
+//! triangles on this side. A corner beyond a seam gets those of the closest point that the walk has met, extrapolated
+//! by the affine map that best fits the coordinates of the triangles met (least squares, weighted by area).
 //!
 //! Cost: for each output triangle the input triangles below it.
 //!
-//! Limits: next to a seam that is shorter than an edge of the output, or to a chart that is narrower, coordinates are
-//! distorted. A triangle at a seam is counted as such if all its corners are beyond it, or if along one of its sides they
-//! differ by more than half of its longest side from what the affine map says.
+//! Limits: next to a seam shorter than an output edge, or in a chart narrower than one, coordinates are distorted. A
+//! triangle at a seam counts as distorted if all its corners are beyond the seam, or if one of its sides in the texture
+//! differs from what the affine map says by more than half of the longest.
 
 use crate::geom::triangle::{area, barycentric, closest_point, longest_side};
 use crate::mesh::attributes::Wedges;
@@ -23,7 +22,7 @@ use glam::{DMat2, DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::HashSet;
 
-/// How far, in sides of a triangle in the texture, coordinates may be from those of an affine map.
+/// How far sides in the texture may be from those of the affine map, in longest sides there.
 const DISTORTED: f64 = 0.5;
 
 /// How far beyond seams, in longest sides, all corners of a triangle may be.
@@ -50,8 +49,8 @@ impl<'a> Atlas<'a> {
         Atlas { mesh, texture, twin: twins(&wedges.corners) }
     }
 
-    /// The coordinates of all corners of `output`, which lies on this mesh as `origins` say; not a number where this mesh
-    /// has none. And the number of triangles that are distorted.
+    /// The coordinates of all corners of `output`, which has these `origins` on this mesh, NaN where this mesh has
+    /// none; and the number of distorted triangles.
     pub fn carry(&self, output: &Mesh, origins: &Origins) -> (Vec<[DVec2; 3]>, usize) {
         let of_triangle = |t: usize| {
             let feet = output.triangles[t].map(|v| origins.vertices[v as usize]);
@@ -67,7 +66,7 @@ impl<'a> Atlas<'a> {
         a * weights[0] + b * weights[1] + c * weights[2]
     }
 
-    /// The coordinates at three corners, whose feet on the mesh and that of their centre are given, and whether they are
+    /// The coordinates at three corners, given their feet and that of their centre on the mesh, and whether they are
     /// distorted.
     fn triangle(&self, corners: [DVec3; 3], feet: [PointOnTriangle; 3], centre: PointOnTriangle) -> ([DVec2; 3], bool) {
         if !self.texture[centre.triangle as usize].iter().all(|at| at.is_finite()) {
@@ -91,8 +90,8 @@ impl<'a> Atlas<'a> {
         (coordinates, is_beyond || is_distorted(coordinates, corners.map(|p| map * frame.flat(p))))
     }
 
-    /// The triangles that a walk from that of `centre` meets within `radius`; it ends early once it has met all that are
-    /// `wanted`.
+    /// The triangles that a walk from that of `centre` meets within `radius`; ends early once it has met all `wanted`
+    /// ones.
     fn patch(&self, centre: PointOnTriangle, radius: f64, wanted: [u32; 3]) -> Patch {
         let middle = self.position(centre);
         let mut patch = Patch { triangles: vec![centre.triangle], at_seam: false };
@@ -123,7 +122,7 @@ impl<'a> Atlas<'a> {
         a * weights[0] + b * weights[1] + c * weights[2]
     }
 
-    /// The coordinates at `p`, which lies beyond a seam of the patch, and how far.
+    /// The coordinates at `p`, which lies beyond a seam of the patch, and how far beyond.
     fn beyond(&self, p: DVec3, patch: &Patch, frame: &Frame, map: DMat2) -> (DVec2, f64) {
         let foot = |&t: &u32| {
             let point = closest_point(p, self.mesh.corners(t as usize));
@@ -136,8 +135,8 @@ impl<'a> Atlas<'a> {
         (at + map * (frame.flat(p) - frame.flat(point)), distance)
     }
 
-    /// The linear part of the affine map from the frame to the texture that fits the patch best; zero if it is too thin
-    /// to tell.
+    /// The linear part of the affine map from the frame to the texture that fits the patch best; zero if the patch is
+    /// too thin to tell.
     fn affine_map(&self, patch: &Patch, frame: &Frame) -> DMat2 {
         let corners = |t: u32| {
             let places = self.mesh.corners(t as usize);
@@ -162,7 +161,7 @@ impl<'a> Atlas<'a> {
     }
 }
 
-/// Whether the sides of a triangle in the texture are not about those `expected`.
+/// Whether the sides of a triangle in the texture are far from those `expected`.
 fn is_distorted(found: [DVec2; 3], expected: [DVec2; 3]) -> bool {
     let side = |p: [DVec2; 3], k: usize| p[(k + 1) % 3] - p[k];
     let longest = (0..3).map(|k| side(expected, k).length()).fold(0.0, f64::max);

@@ -1,9 +1,9 @@
-//! Attributes of one mesh carried over to another one of the same surface.
+//! Carries attributes of one mesh over to another one of the same surface.
 //!
-//! Each vertex of the output takes the attributes of the point of the input that it lies on, its origin: numbers are
-//! interpolated in the triangle there, labels, which have no mean, are those of the nearest corner. A triangle has the
-//! material of the input below its centre. Texture coordinates are those of corners, and `texture.rs` beside this says
-//! how. Normals are not carried but computed anew, for an output whose input had some.
+//! Each output vertex takes the attributes of its origin, the point of the input that it lies on: numbers are
+//! interpolated in the triangle there; labels, which have no mean, are those of the nearest corner. A triangle takes
+//! the material of the input below its centre. Texture coordinates belong to corners; `texture.rs` carries them over.
+//! Normals are not carried over but recomputed, if the input had some.
 //!
 //! Cost: linear in the output; in parallel, with the same result for any number of threads.
 
@@ -20,19 +20,19 @@ use glam::DVec2;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// The attributes that were carried over, and those that were lost.
+/// What was carried over, and what was lost.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Carried {
     /// The attributes of the output.
     pub attributes: Attributes,
-    /// Those of the input that the output does not have.
+    /// Attributes of the input that the output does not have.
     pub lost: Vec<Lost>,
     /// What else a user should know, a sentence each.
     pub notes: Vec<String>,
 }
 
-/// The `attributes` of `input` on `output`, whose vertices and triangles lie on it as `origins` say. Attributes that are not
-/// those of all vertices or triangles of `input` are lost.
+/// The `attributes` of `input` on `output`, whose vertices and triangles have these `origins` on it. Vertex attributes
+/// that do not cover all vertices of `input`, or are not finite, are lost.
 pub fn carry(input: &Mesh, attributes: &Attributes, output: &Mesh, origins: &Origins) -> Carried {
     let mut carried = Carried::default();
     if attributes.is_empty() {
@@ -56,8 +56,8 @@ pub fn carry(input: &Mesh, attributes: &Attributes, output: &Mesh, origins: &Ori
 }
 
 impl Carried {
-    /// Gives vertices and triangles of `output` that are those of `input` the `attributes` that they have there, where
-    /// the output has such attributes.
+    /// Gives the vertices and triangles that `output` kept from `input` their `attributes` there, as far as the output
+    /// has such attributes.
     pub fn keep(&mut self, input: &Mesh, attributes: &Attributes, output: &Mesh, kept: &Kept) {
         let vertices = || (0..).zip(&kept.vertices).filter(|v| *v.1 != NONE).map(|(new, &old)| (new, old as usize));
         let triangles = || (0..).zip(&kept.triangles).filter(|t| *t.1 != NONE).map(|(new, &old)| (new, old as usize));
@@ -79,7 +79,7 @@ impl Carried {
             return;
         }
         for (new, old) in triangles() {
-            // The corners may start elsewhere, or run the other way.
+            // The corners may begin elsewhere, or run the other way.
             let own = input.corners(old);
             let same = |p: DVec3| own.iter().position(|&q| q == p).map_or(DVec2::NAN, |k| attributes.texture[old][k]);
             self.attributes.texture[new] = output.corners(new).map(same);
@@ -143,7 +143,7 @@ fn parts(of: &Parts, centres: &[PointOnTriangle]) -> Parts {
     Parts { list: of.list.clone(), of_triangle: below(&of.of_triangle, centres) }
 }
 
-/// The numbers of the triangles that these points are on.
+/// The entries of `of_triangle` for the triangles that these points are on.
 fn below(of_triangle: &[u32], centres: &[PointOnTriangle]) -> Vec<u32> {
     centres.iter().map(|centre| of_triangle.get(centre.triangle as usize).copied().unwrap_or(NONE)).collect()
 }

@@ -1,4 +1,4 @@
-//! Collapses of edges.
+//! Edge collapses.
 
 use super::{Connectivity, OnCurve, next, prev};
 use crate::mesh::topology::NONE;
@@ -6,16 +6,16 @@ use crate::mesh::topology::NONE;
 impl Connectivity {
     /// The link condition: whether merging the origin of `h` into its target leaves a manifold of the same topology.
     ///
-    /// A boundary vertex merges along the boundary only, one on a curve along that. H. Edelsbrunner, Geometry and
-    /// topology for mesh generation, 2001, section 4.2.
+    /// A boundary vertex merges only along the boundary, one on a curve only along that curve. H. Edelsbrunner,
+    /// Geometry and topology for mesh generation, 2001, section 4.2.
     pub fn can_collapse(&self, h: u32) -> bool {
         self.keeps_curves(h) && self.keeps_topology(h)
     }
 
-    /// Whether merging the origin of `h` into its target leaves a manifold of the same topology, with feature curves that
-    /// have moved at most: they meet in the target then, if those of both ends differ.
+    /// Whether merging the origin of `h` into its target leaves a manifold of the same topology and at most moves
+    /// feature curves: if those of the two ends differ, they meet in the target then.
     pub fn can_merge(&self, h: u32) -> bool {
-        // Two edges that become one are of two curves only if these meet across, too.
+        // Two curve edges may become one only if their curves also meet at the corner across.
         let fold =
             |h: u32| !self.is_curve_edge(next(h)) || !self.is_curve_edge(prev(h)) || self.is_corner(self.apex(h));
         self.both_sides(h).all(fold) && !self.is_on_interface(self.origin(h)) && self.keeps_topology(h)
@@ -34,7 +34,7 @@ impl Connectivity {
         shared == self.both_sides(h).count() && self.both_sides(h).all(apex_stays)
     }
 
-    /// Whether merging the origin of `h` into its target preserves all curves.
+    /// Whether merging the origin of `h` into its target keeps the course of every curve.
     fn keeps_curves(&self, h: u32) -> bool {
         let alone = || !self.is_curve_edge(prev(h)) && (!self.has_twin(h) || !self.is_curve_edge(next(self.twin(h))));
         match self.curve_at(self.origin(h)) {
@@ -66,8 +66,8 @@ impl Connectivity {
         self.collapse(h);
     }
 
-    /// Whether the curve along the edge of `h` can run through the corner across, which lies on a curve, too: the edge is
-    /// flipped then.
+    /// Whether the curve along the edge of `h` can be led through the apex, which lies on a curve, too, by a flip of
+    /// the edge.
     pub fn can_bend(&self, h: u32) -> bool {
         matches!(self.curve(h), OnCurve::Curve(_))
             && self.has_twin(h)
@@ -75,7 +75,7 @@ impl Connectivity {
             && !self.are_adjacent(self.apex(h), self.apex(self.twin(h)))
     }
 
-    /// Leads the curve along the edge of `h` through the corner across, which becomes a corner of curves, and flips the edge.
+    /// Leads the curve along the edge of `h` through the apex, which becomes a corner of curves, and flips the edge.
     /// Only if [`Self::can_bend`].
     pub fn bend(&mut self, h: u32) {
         let [a, b, top] = self.triangle(h);
@@ -94,7 +94,7 @@ impl Connectivity {
     fn close(&mut self, h: u32) {
         let (end, apex) = (self.origin(next(h)), self.apex(h));
         let (one, other) = (self.twin(next(h)), self.twin(prev(h)));
-        // At most one of the two edges that become one is on a curve.
+        // If both of the edges that become one are on curves, as after a merge, the first one's is kept.
         let curve = if self.is_curve_edge(next(h)) { self.curve(next(h)) } else { self.curve(prev(h)) };
         for side in [one, other].into_iter().filter(|&side| side != NONE) {
             self.curve[side as usize] = curve;

@@ -1,14 +1,14 @@
-//! The connectivity of a triangle mesh that changes: half-edges in flat arrays, without positions.
+//! The connectivity of a changing triangle mesh: half-edges in flat arrays, without positions.
 //!
 //! Half-edge 3 t + k runs from corner k of triangle t to its corner k + 1, so next and previous are arithmetic and only
 //! origin and twin are stored. Each vertex stores one outgoing half-edge, at the boundary the one along it: turning
-//! counter-clockwise from that meets all others.
+//! counter-clockwise from there meets all others.
 //!
-//! Edges can be laid on feature curves: creases and boundaries of the surface. Such an edge is never flipped, a vertex on
-//! a curve collapses along it only, and a corner, where curves meet or end, not at all. So curves keep their course, unless
-//! vertices merge across them on purpose. An
-//! interface is a boundary along which the mesh will be joined to another one. Its vertices are corners, and neither its
-//! edges nor those of the triangles at it are split, so it stays the same edge by edge.
+//! Edges can be put on feature curves: creases and boundaries of the surface. Such an edge is never flipped, a vertex
+//! on a curve collapses only along it, and a corner, where curves meet or end, not at all. So curves keep their course,
+//! unless vertices are merged across them on purpose. An interface is a boundary along which the mesh will be joined to
+//! another one. Its vertices are corners, and neither its edges nor those of the triangles at it are split, so it stays
+//! the same edge by edge.
 //!
 //! Removed triangles and vertices leave gaps until [`Connectivity::compact`].
 
@@ -187,7 +187,7 @@ impl Connectivity {
         self.origin[next(h) as usize]
     }
 
-    /// Whether the edge of `h` has a triangle on either side; only one on the boundary.
+    /// Whether the edge of `h` has a triangle on both sides; on the boundary it has only one.
     #[inline]
     pub fn has_twin(&self, h: u32) -> bool {
         self.twin[h as usize] != NONE
@@ -302,8 +302,8 @@ impl Connectivity {
         self.is_boundary(v) && self.outgoing(v).any(|h| on_interface(h) || on_interface(prev(h)))
     }
 
-    /// Whether the edge of `h` can be split: no triangle at it may have an edge on the interface. Vertices between the ends
-    /// of that and the corner across would pile up along it.
+    /// Whether the edge of `h` can be split: no triangle at it may have an edge on the interface. Otherwise vertices
+    /// would pile up along the interface, between its ends and the corner across.
     pub fn can_split(&self, h: u32) -> bool {
         let mut sides = self.both_sides(h).flat_map(|h| [h, next(h), prev(h)]);
         sides.all(|side| self.curve(side) != OnCurve::Interface)
@@ -319,7 +319,7 @@ impl Connectivity {
         }
     }
 
-    /// Makes the boundary half-edge of the fan of `out` the one that `v` keeps, or `out` itself inside.
+    /// Stores at `v` the boundary half-edge of the fan of `out`, or `out` itself inside.
     fn set_out(&mut self, v: u32, out: u32) {
         let mut h = out;
         while self.has_twin(h) {
@@ -338,13 +338,13 @@ impl Connectivity {
         }
     }
 
-    /// Puts a new vertex on the edge of `h` and joins it to the apexes; its number.
+    /// Puts a new vertex on the edge of `h` and joins it to the apexes; returns its number.
     pub fn split_edge(&mut self, h: u32) -> u32 {
         let v = self.out.len() as u32;
         self.live_vertices += 1;
         let g = self.twin(h);
         let far = self.split_side(h, v);
-        // v keeps the half-edge onwards along h: on the boundary that is the boundary's.
+        // v stores the half-edge that continues h: on the boundary, that is the boundary's.
         self.out.push(far);
         self.curve_at.push(self.curve(h));
         if g == NONE {
@@ -356,7 +356,8 @@ impl Connectivity {
         v
     }
 
-    /// Cuts the triangle of `h` from `v`, put on `h`, to the apex; the half-edge from `v` to the old end of `h`.
+    /// Cuts the triangle of `h` from `v`, put on `h`, to the apex; returns the half-edge from `v` to the old end of
+    /// `h`.
     fn split_side(&mut self, h: u32, v: u32) -> u32 {
         let (b, c) = (self.target(h), self.apex(h));
         let new = self.origin.len() as u32;
@@ -472,7 +473,7 @@ mod tests {
         ((width * width) as usize, triangles)
     }
 
-    /// Everything that must hold between the arrays; the topology of what is left.
+    /// Checks everything that must hold between the arrays; returns the topology of what is left.
     fn audit(mesh: &Connectivity) -> Topology {
         for h in (0..mesh.half_edge_bound()).filter(|&h| mesh.has_half_edge(h)) {
             let g = mesh.twin(h);
