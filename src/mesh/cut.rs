@@ -9,20 +9,42 @@ use crate::mesh::half_edge::next;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 
-/// A mesh cut open, and how its pieces belong together.
+/// A number for some sides of a mesh. It takes no memory if no side has one, as in meshes without sharp edges.
+#[derive(Debug, Clone, Default)]
+pub struct OfSides {
+    numbers: Vec<u32>,
+}
+
+impl OfSides {
+    /// That of a side, or [`NONE`].
+    #[inline]
+    pub fn get(&self, side: u32) -> u32 {
+        if self.numbers.is_empty() { NONE } else { self.numbers[side as usize] }
+    }
+
+    /// Gives one of `sides` sides a number.
+    pub fn set(&mut self, side: u32, number: u32, sides: usize) {
+        if self.numbers.is_empty() {
+            self.numbers = vec![NONE; sides];
+        }
+        self.numbers[side as usize] = number;
+    }
+}
+
+/// A mesh cut open, and how it belongs together.
 pub struct Cut {
-    /// The mesh with the vertices on the cut duplicated; the triangles correspond one to one.
+    /// The mesh with the vertices on the cut doubled: the triangles are the same, one by one.
     pub mesh: Mesh,
     /// The side across each side where both are still joined, else [`NONE`].
     pub twin: Vec<u32>,
-    /// The side that was across each side that is cut, [`NONE`] for all others.
-    pub across: Vec<u32>,
+    /// The side that was across each side before it was cut, [`NONE`] for all others.
+    pub across: OfSides,
     /// For each vertex the one it was before; the first copy of a vertex keeps its number.
     pub original: Vec<u32>,
 }
 
-/// Cuts `mesh` along the sides marked in `sharp`, which has to mark both sides of an edge or neither. `twin` comes from
-/// [`twins`](crate::mesh::topology::twins).
+/// Cuts `mesh` along the sides that are `sharp`, which has to hold for both sides of an edge. `twin` is as
+/// [`twins`](crate::mesh::topology::twins) says.
 pub fn cut(mut mesh: Mesh, mut twin: Vec<u32>, sharp: &[bool]) -> Cut {
     let mut across = OfSides::default();
     let sides = twin.len();

@@ -7,17 +7,17 @@
 //! Memory: twelve bytes a vertex of the file, 24 if its coordinates are not in single precision, as much again for the map
 //! from places to vertices of STL, and what is left. On the disk: twelve bytes a triangle.
 
+mod blocks;
 mod facets;
 mod places;
 mod polygons;
 mod sorted;
 
 use crate::base::count::counted;
-use crate::base::error::{Error, Result};
+use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 use crate::geom::aabb::Aabb;
 use crate::geom::triangle::area;
-use crate::io::content::Read;
 use crate::io::dense::PointFile;
 use crate::io::disk::read_error;
 use crate::io::format::Format;
@@ -25,20 +25,18 @@ use crate::io::named::input_format;
 use crate::io::read::{Loaded, checked};
 use crate::io::{ply, stl};
 use crate::prepare::coarsen::{Coarseness, Part};
+use blocks::Blocks;
 use facets::Facets;
 use places::Places;
 use polygons::Polygons;
 use rayon::prelude::*;
 use sorted::{OfPlace, ROW, Sorter};
 use std::fs::{self, File};
-use std::io::{ErrorKind, Read as _};
+use std::io::Read as _;
 use std::path::Path;
 
 /// The first bytes of a file, which must hold everything before its vertices.
 const HEAD: u64 = 1 << 16;
-
-/// About the bytes of a block.
-const BLOCK: usize = 1 << 20;
 
 /// About the triangles that become coarser together.
 const OF_PLACE: usize = 1 << 18;
@@ -57,29 +55,6 @@ pub struct Extent {
     pub area: f64,
 }
 
-/// A mesh file that can be read in blocks.
-trait Blocks {
-    /// How many faces it has.
-    fn faces(&self) -> u64;
-
-    /// Whether vertices have all that it has beside its shape.
-    fn keeps_attributes(&self) -> bool;
-
-    /// Where its vertices are.
-    fn places(&mut self, monitor: &dyn Monitor) -> Result<Places>;
-
-    /// Shows all triangles, once the places are known.
-    fn triangles(
-        &mut self,
-        places: &Places,
-        monitor: &dyn Monitor,
-        take: &mut dyn FnMut([u32; 3]) -> Result<()>,
-    ) -> Result<()>;
-
-    /// The vertices of these numbers, in ascending order, with their attributes.
-    fn vertices(&self, numbers: &[u32], places: &Places) -> Result<Read>;
-}
-
 /// A mesh in a file that can be read in blocks.
 pub(crate) struct LargeMesh {
     blocks: Box<dyn Blocks>,
@@ -92,7 +67,7 @@ impl LargeMesh {
     /// not from a pipe.
     ///
     /// # Errors
-    /// [`Error::File`] if there is no such file or it cannot be read.
+    /// [`Error::File`](crate::Error::File) if there is no such file or it cannot be read.
     pub fn open(path: &Path, format: Option<Format>) -> Result<Option<LargeMesh>> {
         let failed = |error| read_error(path, &error);
         let length = match fs::metadata(path).map_err(failed)? {
@@ -139,8 +114,8 @@ impl LargeMesh {
     /// The mesh, made as coarse as `coarseness` says. Its triangles are sorted in memory, or in a new file at `temporary`.
     ///
     /// # Errors
-    /// Those of `coarseness`; [`Error::File`] and [`Error::Format`] if one of the files cannot be read or written, with the
-    /// place; [`Error::Cancelled`] if the monitor asks for it.
+    /// Those of `coarseness`; [`Error::File`](crate::Error::File) and [`Error::Format`](crate::Error::Format) if one of the files cannot be read or written, with the
+    /// place; [`Error::Cancelled`](crate::Error::Cancelled) if the monitor asks for it.
     pub fn coarsened(
         mut self,
         temporary: Option<&Path>,
@@ -216,16 +191,4 @@ fn cell_size(bounds: Aabb, vertices: usize) -> f64 {
     let along = (vertices as f64 / OF_PLACE as f64).sqrt().ceil().max(1.0);
     // A flat sheet has no extent along one axis.
     (bounds.size().max_element() / along).max(f64::MIN_POSITIVE)
-}
-
-/// Fills `bytes` from the file.
-fn read_block(path: &Path, mut file: &File, bytes: &mut [u8]) -> Result<()> {
-    file.read_exact(bytes).map_err(|error| match error.kind() {
-        ErrorKind::UnexpectedEof => Error::File {
-            file: path.display().to_string(),
-            cause: "it became shorter while it was read".into(),
-            remedy: "let no other program write it meanwhile".into(),
-        },
-        _ => read_error(path, &error),
-    })
 }

@@ -1,7 +1,7 @@
 //! Binary PLY, read in blocks.
 
+use super::blocks::{BLOCK, Blocks, read_block};
 use super::places::Places;
-use super::{BLOCK, Blocks, read_block};
 use crate::base::error::{Error, Result};
 use crate::base::monitor::{Monitor, check};
 use crate::geom::polygon::triangulate;

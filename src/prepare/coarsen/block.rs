@@ -1,12 +1,30 @@
 //! A part of a mesh whose edges collapse. Its boundary, where the mesh ends or other blocks begin, stays.
 
-use super::Coarseness;
 use crate::base::math;
+use crate::geom::aabb::Aabb;
 use crate::geom::triangle::{closest_point, mean_ratio};
 use crate::mesh::half_edge::{Connectivity, OnCurve, next};
 use crate::mesh::triangle_mesh::Mesh;
+use crate::spatial::order::spatial_order_in;
 use glam::DVec3;
 use rustc_hash::FxHashMap;
+
+/// How coarse a mesh may become, in its units.
+#[derive(Debug, Clone, Copy)]
+pub struct Coarseness {
+    /// The length that edges are to have at least.
+    pub shortest: f64,
+    /// About how far vertices that go may be from the surface that is left: what strays in one step counts in the next, but
+    /// not how triangles of vertices that stay move away later.
+    pub tolerance: f64,
+}
+
+/// Triangles of a block: its data fit into the caches of a core.
+pub(super) const BLOCK: usize = 1 << 15;
+
+/// The blocks of the second turn are cut from bounds this much larger than those of the mesh, in extents, so that both turns have
+/// different planes between blocks.
+pub(super) const MARGIN: f64 = 1.0 / 3.0;
 
 /// Edges are compared with these shares of the shortest length one after the other, so that the shortest edges go first.
 const LENGTHS: [f64; 3] = [0.25, 0.5, 1.0];
@@ -157,4 +175,10 @@ pub(super) fn numbered_apart(triangles: impl ExactSizeIterator<Item = [u32; 3]>)
     };
     let triangles = triangles.map(|corners| corners.map(&mut local)).collect();
     (triangles, vertices)
+}
+
+/// The triangles of `mesh` in the order of where they are within `bounds`.
+pub(super) fn order_of_triangles(mesh: &Mesh, bounds: Aabb) -> Vec<u32> {
+    let first = |t: usize| mesh.positions[mesh.triangles[t][0] as usize];
+    spatial_order_in(bounds, mesh.triangles.len(), first)
 }

@@ -6,10 +6,9 @@
 //!
 //! Memory: the parts that are treated at once, and what is left of all.
 
-use super::block::{Block, numbered_apart};
-use super::{BLOCK, Coarseness, MARGIN, order_of_triangles};
 use crate::geom::aabb::Aabb;
 use crate::mesh::triangle_mesh::Mesh;
+use crate::prepare::coarsen::block::{BLOCK, Block, Coarseness, MARGIN, numbered_apart, order_of_triangles};
 use crate::prepare::repair::repair;
 use glam::DVec3;
 use rayon::prelude::*;
