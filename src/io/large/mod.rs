@@ -141,8 +141,8 @@ impl LargeMesh {
         let (before, after) = (counted(extent.triangles, "triangle", "triangles"), loaded.mesh.triangles.len());
         let lost = if self.blocks.keeps_attributes() { "" } else { "; attributes of corners and faces are left out" };
         loaded.notes.push(format!(
-            "{before} became {after} while they were read: vertices that went are within about {strayed:.2e} of what is left, \
-             which the figures of the input are of{lost}"
+            "{before} became {after} while they were read; the vertices that were removed are within about {strayed:.2e} of \
+             these, which the report takes for the input{lost}"
         ));
         Ok(loaded)
     }

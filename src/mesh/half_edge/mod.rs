@@ -60,8 +60,12 @@ pub struct Connectivity {
 impl Connectivity {
     /// The connectivity of an oriented 2-manifold over `vertex_count` vertices, all of them used.
     pub fn new(vertex_count: usize, triangles: &[[u32; 3]]) -> Self {
+        Connectivity::with_twins(vertex_count, triangles, twins(triangles))
+    }
+
+    /// The same where the [`twins`] of the triangles are known.
+    pub fn with_twins(vertex_count: usize, triangles: &[[u32; 3]], twin: Vec<u32>) -> Self {
         let origin: Vec<u32> = triangles.iter().flatten().copied().collect();
-        let twin = twins(triangles);
         let mut out = vec![NONE; vertex_count];
         for h in 0..origin.len() {
             let slot = &mut out[origin[h] as usize];

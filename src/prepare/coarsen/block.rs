@@ -47,9 +47,10 @@ pub(super) struct Block {
 }
 
 impl Block {
-    /// The block of an oriented manifold that uses all its vertices.
-    pub fn new(mesh: Mesh, strayed: Vec<f64>) -> Block {
-        let connectivity = Connectivity::new(mesh.positions.len(), &mesh.triangles);
+    /// The block of an oriented manifold that uses all its vertices, of which those at the boundary may have several fans. `twin`
+    /// is as [`twins`](crate::mesh::topology::twins) says.
+    pub fn new(mesh: Mesh, twin: Vec<u32>, strayed: Vec<f64>) -> Block {
+        let connectivity = Connectivity::with_twins(mesh.positions.len(), &mesh.triangles, twin);
         Block { connectivity, positions: mesh.positions, strayed }
     }
 

@@ -7,9 +7,13 @@
 //! Memory: the parts that are treated at once, and what is left of all.
 
 use crate::geom::aabb::Aabb;
+use crate::mesh::half_edge::next;
+use crate::mesh::sides::{edges, pairs_of_sides, sorted_sides};
+use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::prepare::coarsen::block::{BLOCK, Block, Coarseness, MARGIN, numbered_apart, order_of_triangles};
-use crate::prepare::repair::repair;
+use crate::prepare::repair::{Repaired, repair_welded};
+use crate::prepare::welded::Welded;
 use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -88,20 +92,56 @@ impl Part {
     }
 
     fn coarsened_at_once(&self, coarseness: Coarseness) -> Part {
-        let (manifold, _) = repair(&self.mesh);
-        let provenance = manifold.provenance();
-        let source = |v: usize| provenance.vertex(v as u32).expect("a repair inserts no vertices") as usize;
-        let sources: Vec<usize> = (0..manifold.positions.len()).map(source).collect();
-        let strayed = sources.iter().map(|&v| self.strayed[v]).collect();
-        let mut block = Block::new(manifold.into_mesh(), strayed);
+        let (mesh, twin, sources) = self.manifold();
+        let strayed = sources.iter().map(|&v| self.strayed[v as usize]).collect();
+        let mut block = Block::new(mesh, twin, strayed);
         block.coarsen(coarseness);
         let left: Vec<[u32; 3]> = block.triangles().map(|t| block.corners(t)).collect();
         let (triangles, vertices) = numbered_apart(left.into_iter());
         Part {
             mesh: Mesh { positions: vertices.iter().map(|&v| block.position(v)).collect(), triangles },
-            numbers: vertices.iter().map(|&v| self.numbers[sources[v as usize]]).collect(),
+            numbers: vertices.iter().map(|&v| self.numbers[sources[v as usize] as usize]).collect(),
             strayed: vertices.iter().map(|&v| block.strayed(v)).collect(),
         }
+    }
+
+    /// The part as an oriented manifold, of which vertices at the boundary may have several fans, its twins, and the vertex
+    /// that each of its vertices is.
+    fn manifold(&self) -> (Mesh, Vec<u32>, Vec<u32>) {
+        if let Some(twin) = self.twins_if_sound() {
+            return (self.mesh.clone(), twin, (0..self.numbers.len() as u32).collect());
+        }
+        let Repaired { mesh, twins, .. } = repair_welded(self.mesh.positions.clone(), Welded::at_places(&self.mesh));
+        let provenance = mesh.provenance();
+        let source = |v: usize| provenance.vertex(v as u32).expect("a repair inserts no vertices");
+        let sources = (0..mesh.positions.len()).map(source).collect();
+        (mesh.into_mesh(), twins, sources)
+    }
+
+    /// The twins of the triangles if there is nothing to repair, which is much faster to find out than to repair.
+    fn twins_if_sound(&self) -> Option<Vec<u32>> {
+        let Mesh { positions, triangles } = &self.mesh;
+        let sides = sorted_sides(triangles);
+        let mut open = Vec::new();
+        for edge in edges(&sides) {
+            match edge {
+                [one] => open.extend(one.ends()),
+                [one, other] if one.forward() != other.forward() => {}
+                _ => return None,
+            }
+        }
+        open.sort_unstable();
+        open.dedup();
+        // Where the surface is open it may only not be welded.
+        let mut places: Vec<[u64; 3]> =
+            open.iter().map(|&v| (positions[v as usize] + 0.0).to_array().map(f64::to_bits)).collect();
+        places.sort_unstable();
+        let is_welded = places.windows(2).all(|two| two[0] != two[1]);
+        let twin = pairs_of_sides(&sides, 3 * triangles.len(), |_, _| true);
+        let is_sound = sides.len() == 3 * triangles.len()
+            && is_welded
+            && has_single_fans(positions.len(), triangles, &twin, &open);
+        is_sound.then_some(twin)
     }
 
     /// All parts as one, in which vertices of the same number are one.
@@ -126,5 +166,70 @@ impl Part {
             sum.mesh.triangles.extend(part.mesh.triangles.iter().map(|t| t.map(|v| joined[v as usize])));
         }
         sum
+    }
+}
+
+/// Whether each of so many vertices, but the `open` ones, has one fan of triangles, which goes around it.
+fn has_single_fans(vertices: usize, triangles: &[[u32; 3]], twin: &[u32], open: &[u32]) -> bool {
+    let mut first = vec![NONE; vertices];
+    let mut corners = vec![0u32; vertices];
+    for (corner, &v) in (0u32..).zip(triangles.as_flattened()) {
+        first[v as usize] = corner;
+        corners[v as usize] += 1;
+    }
+    open.iter().for_each(|&v| corners[v as usize] = 0);
+    let around = |first: u32| {
+        let mut at = next(twin[first as usize]);
+        let mut count = 1;
+        while at != first {
+            at = next(twin[at as usize]);
+            count += 1;
+        }
+        count
+    };
+    first.into_iter().zip(corners).all(|(first, count)| count == 0 || around(first) == count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::topology::topology;
+    use crate::testing::{cube, sphere};
+
+    fn part(mesh: &Mesh) -> Part {
+        Part::new(&mesh.triangles, |v| mesh.positions[v as usize])
+    }
+
+    #[test]
+    fn only_what_is_sound_is_not_repaired() {
+        let sphere = sphere();
+        assert!(part(&sphere).twins_if_sound().is_some());
+        let with = |change: &dyn Fn(&mut Mesh)| {
+            let mut mesh = sphere.clone();
+            change(&mut mesh);
+            part(&mesh)
+        };
+        // A hole; a triangle turned over, one twice, one with a corner twice; a seam that is not welded.
+        assert!(with(&|mesh| mesh.triangles.truncate(4000)).twins_if_sound().is_some());
+        assert!(with(&|mesh| mesh.triangles[7].swap(0, 1)).twins_if_sound().is_none());
+        assert!(with(&|mesh| mesh.triangles.push(mesh.triangles[7])).twins_if_sound().is_none());
+        assert!(with(&|mesh| mesh.triangles.push([1, 1, 2])).twins_if_sound().is_none());
+        let seam = |mesh: &mut Mesh| {
+            mesh.positions.push(mesh.positions[mesh.triangles[7][0] as usize]);
+            mesh.triangles[7][0] = mesh.positions.len() as u32 - 1;
+        };
+        assert!(with(&seam).twins_if_sound().is_none());
+        // Two cubes that have a vertex in common.
+        let mut cubes = cube();
+        let second = cubes.triangles.iter().map(|t| t.map(|v| if v == 0 { 0 } else { v + 7 })).collect::<Vec<_>>();
+        let others: Vec<DVec3> = cubes.positions[1..].iter().map(|p| -*p).collect();
+        cubes.positions.extend(others);
+        cubes.triangles.extend(second.iter().map(|&[a, b, c]| [a, c, b]));
+        assert!(part(&cubes).twins_if_sound().is_none());
+        let kind = |mesh: &Mesh| {
+            let t = topology(mesh.positions.len(), &mesh.triangles);
+            (t.euler, t.components, t.is_manifold())
+        };
+        assert_eq!(kind(&part(&cubes).manifold().0), (4, 2, true));
     }
 }

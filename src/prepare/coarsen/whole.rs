@@ -2,7 +2,7 @@
 
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::provenance::Provenance;
-use crate::mesh::topology::NONE;
+use crate::mesh::topology::{NONE, twins};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::prepare::coarsen::block::{BLOCK, Block, Coarseness, MARGIN, numbered_apart, order_of_triangles};
 use rayon::prelude::*;
@@ -88,7 +88,8 @@ impl Coarse<'_> {
         let (corners, vertices) = numbered_apart(triangles.iter().map(|&t| self.mesh.triangles[t as usize]));
         let positions = vertices.iter().map(|&v| self.mesh.positions[v as usize]).collect();
         let strayed = vertices.iter().map(|&v| self.strayed[v as usize]).collect();
-        let mut block = Block::new(Mesh { positions, triangles: corners }, strayed);
+        let twin = twins(&corners);
+        let mut block = Block::new(Mesh { positions, triangles: corners }, twin, strayed);
         block.mark_sharp(triangles.iter().map(|&t| self.sharp[t as usize]));
         block.coarsen(coarseness);
         let left: Vec<u32> = block.triangles().collect();
