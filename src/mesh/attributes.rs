@@ -253,7 +253,7 @@ impl Attributes {
             }
         }
         let remedy = match &known[..] {
-            [] => "they have none at all; give the numbers along, or a file of a format that has them, such as PLY or glTF".into(),
+            [] => "they have none at all; pass the numbers separately, or use a format that stores them, such as PLY or glTF".into(),
             _ => format!("use one of {}", known.join(", ")),
         };
         let cause = format!("the vertices have no property '{}'", name.escape_debug());

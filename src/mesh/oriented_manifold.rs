@@ -73,7 +73,7 @@ impl TryFrom<Mesh> for OrientedManifold {
     fn try_from(mesh: Mesh) -> Result<OrientedManifold> {
         let t = topology(mesh.positions.len(), &mesh.triangles);
         if !t.is_manifold() || !t.is_oriented() || t.vertices < mesh.positions.len() {
-            let cause = "the mesh is no oriented manifold that uses all of its vertices".into();
+            let cause = "the mesh is not an oriented manifold that uses all of its vertices".into();
             return Err(Error::Mesh { fault: Fault::NotManifold, cause, remedy: "repair it first".into() });
         }
         let provenance = Provenance::identity(mesh.positions.len(), mesh.triangles.len());

@@ -20,7 +20,7 @@ impl Points {
             return Ok(Points { positions, normals });
         }
         let cause = format!("{} normals for {} points", normals.len(), positions.len());
-        Err(Error::Mesh { fault: Fault::Lengths, cause, remedy: "give each point one, or none at all".into() })
+        Err(Error::Mesh { fault: Fault::Lengths, cause, remedy: "give one normal for each point, or none".into() })
     }
 
     /// Points at `positions`, without normals.

@@ -174,7 +174,7 @@ fn refuse_no_surface(repairs: &Repairs, faces: usize) -> Result<()> {
     }
     let share = 100.0 * cut as f64 / faces as f64;
     let cause = format!(
-        "{cut} edges have three faces or more, which is {share:.0} for each hundred of the {faces} faces; where sheets of a surface meet there are at most five: these are all triangles of a volume's cells, or between all near points, and no surface"
+        "{cut} edges have three faces or more, {share:.0} for every hundred of its {faces} faces; where sheets of a surface meet there are at most five: these are all triangles of a volume's cells, or between all near points, and no surface"
     );
     let remedy = "export only its outside; or give only its points, as a cloud".into();
     Err(Error::Mesh { fault: Fault::NoSurface, cause, remedy })

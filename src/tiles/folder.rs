@@ -90,7 +90,7 @@ impl TileFolder {
         }
         let text = read_bytes(&self.file("plan.json"))?;
         let unreadable =
-            |e| self.error(format!("its plan cannot be read: {e}"), "make it again by 'remesh tiles plan'");
+            |e| self.error(format!("its plan cannot be read: {e}"), "make it again with 'remesh tiles plan'");
         serde_json::from_slice(&text).map_err(unreadable)
     }
 

@@ -1,5 +1,6 @@
 //! The samples of all tiles, joined.
 
+use crate::base::count::counted;
 use crate::base::error::Result;
 use crate::mesh::points::Points;
 use crate::pipeline::{Sampled, TilePoint, count_notes};
@@ -24,7 +25,7 @@ pub fn merge(folder: &TileFolder) -> Result<Sampled> {
         all = most_important(&all, plan.sampling.sigma, wanted);
     }
     let mut notes = count_notes(all.len(), plan.points, plan.wanted);
-    notes.push(format!("sampled by tiles, of which there were {}", plan.tiles.len()));
+    notes.push(format!("sampled in {}", counted(plan.tiles.len(), "tile", "tiles")));
     let is_subset = plan.sampling.sweeps.is_none();
     Ok(Sampled {
         points: Points::from_pairs(all.iter().map(|sample| (sample.position, sample.normal))),

@@ -17,8 +17,8 @@ pub fn sample_one(folder: &TileFolder, number: usize, monitor: &dyn Monitor) -> 
     let plan = folder.plan()?;
     let outline = folder.outline()?;
     if number >= plan.tiles.len() {
-        let cause = format!("it has {} tiles, from 0; there is no tile {number}", plan.tiles.len());
-        return Err(folder.error(cause, "give the number of one that there is"));
+        let cause = format!("it has {} tiles, numbered from 0; there is no tile {number}", plan.tiles.len());
+        return Err(folder.error(cause, "give a smaller number"));
     }
     let tile = plan.tile_box(number);
     let points = points_of(folder, &plan, plan.sampling.needed(tile), monitor)?;

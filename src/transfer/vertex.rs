@@ -95,7 +95,7 @@ impl Carried {
         if distorted > 0 {
             let total = output.triangles.len();
             self.notes.push(format!(
-                "{distorted} of {total} triangles, all at seams, have distorted texture coordinates: more points make it less"
+                "{distorted} of {total} triangles, all at seams, have distorted texture coordinates: more points reduce that"
             ));
         }
     }
@@ -113,10 +113,10 @@ fn of_vertices(
         return Ok(normals.iter().flat_map(|n| n.to_array()).collect());
     }
     if values.len() != components * input.positions.len() {
-        return Err("it is not that of all vertices".into());
+        return Err("it does not cover all vertices".into());
     }
     if let Some(at) = values.iter().position(|x| !x.is_finite()) {
-        return Err(format!("vertex {} has {}, which is not a number to interpolate", at / components, values[at]));
+        return Err(format!("vertex {} has {}, which cannot be interpolated", at / components, values[at]));
     }
     let at = |&PointOnTriangle { triangle, weights }: &PointOnTriangle| {
         let corners = input.triangles[triangle as usize].map(|v| attribute.of(v as usize));
