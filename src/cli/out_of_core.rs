@@ -81,7 +81,7 @@ pub(super) fn load_coarsened(job: &Remeshing, monitor: &dyn Monitor) -> Result<O
 fn not_in_blocks(path: &Path) -> Error {
     Error::File {
         file: path.display().to_string(),
-        cause: "it cannot be read in blocks: only triangles in binary PLY and STL can".into(),
+        cause: "it cannot be read in blocks: only faces in OBJ, binary PLY and binary STL can".into(),
         remedy: "convert it, or read it as a whole, without --out-of-core".into(),
     }
 }

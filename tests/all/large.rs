@@ -46,7 +46,7 @@ fn farthest(mesh: &Mesh) -> f64 {
 
 #[test]
 fn what_is_read_in_blocks_is_coarser_and_comes_out_like_what_is_read_as_a_whole() {
-    for name in ["fine.ply", "fine.stl"] {
+    for name in ["fine.ply", "fine.stl", "fine.obj"] {
         let folder = folder_with(name, &fine_torus(), &Attributes::default());
         let report = report_of(folder.path(), name, "--out-of-core");
         let mesh = read_file(&folder.path().join("out.ply"), None).unwrap().mesh;
@@ -96,23 +96,28 @@ fn what_is_no_manifold_becomes_one() {
 #[test]
 fn attributes_of_vertices_arrive() {
     let mesh = fine_torus();
-    let values = mesh.positions.iter().flat_map(|p| [f64::from(u8::from(p.x > 0.0)), 0.0, 0.0]).collect();
+    let values = mesh.positions.iter().flat_map(|p| [if p.x > 0.0 { 255.0 } else { 0.0 }, 0.0, 0.0]).collect();
     let color = Attribute { name: "color".into(), components: 3, values, scalar: Scalar::U8 };
     let attributes = Attributes { vertex: vec![color], ..Attributes::default() };
-    let folder = folder_with("fine.ply", &mesh, &attributes);
-    report_of(folder.path(), "fine.ply", "--out-of-core");
-    let out = read_file(&folder.path().join("out.ply"), None).unwrap();
-    let red = &out.attributes.vertex[0].values;
-    let is_wrong =
-        |v: usize| out.mesh.positions[v].x.abs() > 0.1 && (red[3 * v] > 0.5) != (out.mesh.positions[v].x > 0.0);
-    assert_eq!((0..1000).filter(|&v| is_wrong(v)).count(), 0);
+    for name in ["fine.ply", "fine.obj"] {
+        let folder = folder_with(name, &mesh, &attributes);
+        report_of(folder.path(), name, "--out-of-core");
+        let out = read_file(&folder.path().join("out.ply"), None).unwrap();
+        let red = &out.attributes.vertex[0].values;
+        let full = red.iter().copied().fold(0.0, f64::max);
+        let is_wrong = |v: usize| {
+            out.mesh.positions[v].x.abs() > 0.1 && (red[3 * v] > 0.5 * full) != (out.mesh.positions[v].x > 0.0)
+        };
+        assert_eq!((0..1000).filter(|&v| is_wrong(v)).count(), 0);
+    }
 }
 
 #[test]
 fn what_cannot_be_read_in_blocks_is_refused() {
     let folder = folder_with("fine.ply", &fine_torus(), &Attributes::default());
     let home = folder.path();
-    fs::write(home.join("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    fs::write(home.join("a.off"), "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n").unwrap();
+    fs::write(home.join("wrong.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 \\\n4\n").unwrap();
     let bytes = fs::read(home.join("fine.ply")).unwrap();
     fs::write(home.join("short.ply"), &bytes[..bytes.len() - 100]).unwrap();
     // The last corner.
@@ -126,11 +131,8 @@ fn what_cannot_be_read_in_blocks_is_refused() {
         assert_eq!(fs::read_dir(home.join("temp")).unwrap().count(), 0);
     };
     let line = "out.ply --points 1000 --out-of-core --temp";
-    fails(
-        &format!("a.obj {line} temp"),
-        1,
-        "a.obj: it cannot be read in blocks: only triangles in binary PLY and STL can",
-    );
+    fails(&format!("a.off {line} temp"), 1, "a.off: it cannot be read in blocks: only faces in OBJ");
+    fails(&format!("wrong.obj {line} temp"), 1, "wrong.obj:5: a face uses vertex 4, but the file has 3");
     fails(&format!("short.ply {line} temp"), 1, "short.ply, byte ");
     fails(&format!("wrong.ply {line} temp"), 1, "there is no vertex 16777215");
     fails(&format!("fine.ply {line} nowhere"), 1, "nowhere: there is no such folder");

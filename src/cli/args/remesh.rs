@@ -88,7 +88,7 @@ pub(super) struct RemeshArgs {
     #[arg(long, value_name = "0|1", default_value_t = u8::from(Options::default().optimize), value_parser = clap::value_parser!(u8).range(0..=1))]
     optimize: u8,
     /// Read a mesh in blocks and make it coarser meanwhile: by itself for files larger than --memory, and for meshes far
-    /// finer than the result. Triangles in binary PLY and STL; points are thinned while they are read in any case
+    /// finer than the result. Faces in OBJ, binary PLY and binary STL; points are thinned while they are read in any case
     #[arg(long)]
     out_of_core: bool,
     #[command(flatten)]

@@ -9,6 +9,7 @@
 
 mod blocks;
 mod facets;
+mod lines;
 mod places;
 mod polygons;
 mod sorted;
@@ -27,6 +28,7 @@ use crate::io::{ply, stl};
 use crate::prepare::coarsen::{Coarseness, Part};
 use blocks::Blocks;
 use facets::Facets;
+use lines::Lines;
 use places::Places;
 use polygons::Polygons;
 use rayon::prelude::*;
@@ -63,8 +65,8 @@ pub(crate) struct LargeMesh {
 }
 
 impl LargeMesh {
-    /// The file at `path`; `None` if it cannot be read in blocks: only polygons in binary PLY and facets in binary STL can, and
-    /// not from a pipe.
+    /// The file at `path`; `None` if it cannot be read in blocks: only faces in OBJ, binary PLY and binary STL can, and not from
+    /// a pipe.
     ///
     /// # Errors
     /// [`Error::File`](crate::Error::File) if there is no such file or it cannot be read.
@@ -91,6 +93,8 @@ impl LargeMesh {
             },
             Format::Stl => stl::facets(&head, length)
                 .map(|count| Box::new(Facets { path, file, count, vertices: Default::default() }) as Box<dyn Blocks>),
+            // In lines that end otherwise there may be no end of a block.
+            Format::Obj if head.contains(&b'\n') => Some(Box::new(Lines { path, file, length })),
             _ => None,
         };
         Ok(blocks.map(|blocks| LargeMesh { blocks, format, name }))
@@ -139,7 +143,11 @@ impl LargeMesh {
         read.mesh.triangles = left.mesh.triangles;
         let mut loaded = checked(read, self.format).map_err(|error| error.in_file(&self.name))?;
         let (before, after) = (counted(extent.triangles, "triangle", "triangles"), loaded.mesh.triangles.len());
-        let lost = if self.blocks.keeps_attributes() { "" } else { "; attributes of corners and faces are left out" };
+        let lost = if self.blocks.keeps_attributes() {
+            ""
+        } else {
+            "; attributes of corners and faces are left out, if there are any"
+        };
         loaded.notes.push(format!(
             "{before} became {after} while they were read; the vertices that were removed are within about {strayed:.2e} of \
              these, which the report takes for the input{lost}"

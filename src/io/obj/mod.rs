@@ -208,24 +208,8 @@ impl<'a> Reader<'a> {
 
     /// The vertex of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`, counted from 0.
     fn corner(&mut self, corner: &[u8]) -> Result<u32> {
-        let length = corner.iter().position(|&b| b == b'/').unwrap_or(corner.len());
-        let (back, digits) = match &corner[..length] {
-            [b'-', digits @ ..] => (true, digits),
-            [b'+', digits @ ..] => (false, digits),
-            digits => (false, digits),
-        };
-        let Some(number) = whole(digits) else {
-            return Err(self.words.mistake(format!("{} is not a vertex number", quote(corner))));
-        };
-        let known = self.positions.len();
-        if number == 0 {
-            return Err(self.words.mistake("a face uses vertex 0, but OBJ counts from 1"));
-        }
-        if back && number > known {
-            let cause = format!("a face uses vertex {} from the last, but only {known} precede it", quote(corner));
-            return Err(self.words.mistake(cause));
-        }
-        let number = if back { known + 1 - number } else { number };
+        let (number, length) =
+            vertex_number(corner, self.positions.len()).map_err(|cause| self.words.mistake(cause))?;
         if number > self.largest.0 {
             self.largest = (number, self.words.line());
         }
@@ -386,6 +370,25 @@ impl<'a> Reader<'a> {
         }
         notes
     }
+}
+
+/// The number, from 1, of the vertex of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`, after `known` vertices of the file, and how
+/// many bytes name it; or what is wrong.
+pub(super) fn vertex_number(corner: &[u8], known: usize) -> std::result::Result<(usize, usize), String> {
+    let length = corner.iter().position(|&b| b == b'/').unwrap_or(corner.len());
+    let (back, digits) = match &corner[..length] {
+        [b'-', digits @ ..] => (true, digits),
+        [b'+', digits @ ..] => (false, digits),
+        digits => (false, digits),
+    };
+    let number = whole(digits).ok_or_else(|| format!("{} is not a vertex number", quote(corner)))?;
+    if number == 0 {
+        return Err("a face uses vertex 0, but OBJ counts from 1".into());
+    }
+    if back && number > known {
+        return Err(format!("a face uses vertex {} from the last, but only {known} precede it", quote(corner)));
+    }
+    Ok((if back { known + 1 - number } else { number }, length))
 }
 
 /// The number, from 0, that a word counts from 1 or, below zero, from the last of the `known` ones.

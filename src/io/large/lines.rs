@@ -1,0 +1,154 @@
+//! OBJ, read in blocks of whole lines.
+
+use super::blocks::{BLOCK, Blocks, read_block};
+use super::places::Places;
+use crate::base::error::Result;
+use crate::base::monitor::{Monitor, check};
+use crate::geom::polygon::triangulate;
+use crate::io::content::Read;
+use crate::io::disk::read_error;
+use crate::io::obj::{self, vertex_number};
+use crate::io::text::Words;
+use glam::DVec3;
+use std::fs::File;
+use std::io::{Seek, SeekFrom};
+use std::path::PathBuf;
+
+/// Bytes of a file for each of its triangles, about: a line of a face, and half of one of a vertex.
+const OF_TRIANGLE: u64 = 40;
+
+/// A file of lines.
+pub(super) struct Lines {
+    pub path: PathBuf,
+    pub file: File,
+    pub length: u64,
+}
+
+impl Lines {
+    /// Shows all lines, by their keywords.
+    fn read(&self, monitor: &dyn Monitor, show: &mut dyn FnMut(&[u8], &mut Words) -> Result<()>) -> Result<()> {
+        (&self.file).seek(SeekFrom::Start(0)).map_err(|error| read_error(&self.path, &error))?;
+        let (mut bytes, mut left, mut line) = (Vec::new(), self.length, 1);
+        loop {
+            check(monitor)?;
+            let kept = bytes.len();
+            let more = (BLOCK as u64).min(left) as usize;
+            bytes.resize(kept + more, 0);
+            read_block(&self.path, &self.file, &mut bytes[kept..])?;
+            left -= more as u64;
+            let whole = if left == 0 { bytes.len() } else { whole_lines(&bytes) };
+            let mut words = Words::new(&bytes[..whole]).starting_at(line).with_comments().with_continued_lines();
+            loop {
+                if let Some(keyword) = words.here() {
+                    show(keyword, &mut words).map_err(|error| error.in_file(&self.path.display().to_string()))?;
+                }
+                if !words.next_line() {
+                    break;
+                }
+            }
+            if left == 0 {
+                return Ok(());
+            }
+            line += bytes[..whole].iter().filter(|&&b| b == b'\n').count();
+            bytes.drain(..whole);
+        }
+    }
+}
+
+/// How many bytes end with a line that the next one does not continue.
+fn whole_lines(bytes: &[u8]) -> usize {
+    let ends = (0..bytes.len()).rev().filter(|&i| bytes[i] == b'\n');
+    ends.map(|i| i + 1).find(|&end| !bytes[..end].trim_ascii_end().ends_with(b"\\")).unwrap_or(0)
+}
+
+impl Blocks for Lines {
+    fn faces(&self) -> u64 {
+        self.length / OF_TRIANGLE
+    }
+
+    /// Only all of the file tells.
+    fn keeps_attributes(&self) -> bool {
+        false
+    }
+
+    fn places(&mut self, monitor: &dyn Monitor) -> Result<Places> {
+        let mut places = Places::with_capacity((self.faces() / 2) as usize);
+        self.read(monitor, &mut |keyword, words| {
+            if keyword == b"v" {
+                let mut next = || words.coordinate(Words::here);
+                places.push(DVec3::new(next()?, next()?, next()?));
+            }
+            Ok(())
+        })?;
+        Ok(places)
+    }
+
+    fn triangles(
+        &mut self,
+        places: &Places,
+        monitor: &dyn Monitor,
+        take: &mut dyn FnMut([u32; 3]) -> Result<()>,
+    ) -> Result<()> {
+        let mut known = 0;
+        let mut corners = Vec::new();
+        self.read(monitor, &mut |keyword, words| {
+            match keyword {
+                b"v" => known += 1,
+                b"f" | b"fo" => {
+                    corners.clear();
+                    while let Some(corner) = words.here() {
+                        let (number, _) = vertex_number(corner, known).map_err(|cause| words.mistake(cause))?;
+                        if number > places.len() {
+                            let cause = format!("a face uses vertex {number}, but the file has {}", places.len());
+                            return Err(words.mistake(cause));
+                        }
+                        corners.push(number as u32 - 1);
+                    }
+                    match corners[..] {
+                        [] | [_] | [_, _] => {}
+                        [a, b, c] => take([a, b, c])?,
+                        _ => {
+                            let polygon: Vec<DVec3> = corners.iter().map(|&v| places.at(v)).collect();
+                            triangulate(&polygon).into_iter().try_for_each(|t| take(t.map(|i| corners[i])))?;
+                        }
+                    }
+                }
+                _ => {}
+            }
+            Ok(())
+        })
+    }
+
+    /// With their colours.
+    fn vertices(&self, numbers: &[u32], _: &Places) -> Result<Read> {
+        let mut text = Vec::new();
+        let (mut wanted, mut known) = (numbers.iter().peekable(), 0);
+        self.read(&(), &mut |keyword, words| {
+            if keyword == b"v" {
+                if wanted.next_if(|&&v| v == known).is_some() {
+                    text.push(b'v');
+                    while let Some(word) = words.here() {
+                        text.push(b' ');
+                        text.extend_from_slice(word);
+                    }
+                    text.push(b'\n');
+                }
+                known += 1;
+            }
+            Ok(())
+        })?;
+        obj::parse(&text).map_err(|error| error.in_file(&self.path.display().to_string()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_end_with_whole_lines() {
+        assert_eq!(whole_lines(b"v 1 2 3\nf 1 2"), 8);
+        assert_eq!(whole_lines(b"v 1 2 3\nf 1 2 \\\r\n3 4"), 8);
+        assert_eq!(whole_lines(b"v 1 2 3"), 0);
+    }
+}
