@@ -34,6 +34,8 @@ pub fn is_far_finer(faces: u64, options: &Options) -> bool {
 pub fn refuse_coarser(options: &Options) -> Result<()> {
     let setting = match (&options.part, &options.grading) {
         _ if options.max_error.is_some() => Setting::MaxError,
+        // It reaches as far as the vertices of the input are apart.
+        _ if options.smooth.is_some_and(|support| support > 0.0) => Setting::Smoothing,
         (Some(part), _) => part.setting(),
         (None, Grading::Field(Values::Given(_))) => Setting::Field,
         _ if spacing_on(1.0, options.density).is_none() => Setting::Field,
@@ -46,11 +48,12 @@ pub fn refuse_coarser(options: &Options) -> Result<()> {
     })
 }
 
-/// How coarse a mesh of that extent may become: as fine as is useful if `memory`, in bytes, suffices, else coarser.
+/// How coarse a mesh of that extent may become: as fine as is useful if `memory`, in bytes, suffices, else coarser; and how many
+/// vertices may be left.
 ///
 /// # Errors
 /// Those of [`refuse_coarser`]; [`Error::Mesh`] if memory does not suffice.
-pub fn coarseness_within(memory: u64, extent: Extent, options: &Options) -> Result<Coarseness> {
+pub fn coarseness_within(memory: u64, extent: Extent, options: &Options) -> Result<(Coarseness, f64)> {
     refuse_coarser(options)?;
     let spacing = spacing_on(extent.area, options.density).unwrap_or(f64::INFINITY);
     let of_use = coarseness_for(spacing);
@@ -70,10 +73,10 @@ pub fn coarseness_within(memory: u64, extent: Extent, options: &Options) -> Resu
         });
     }
     if bytes(1.0) <= memory as f64 {
-        return Ok(of_use);
+        return Ok((of_use, room / OF_INPUT));
     }
     let longer = (OF_INPUT * LEFT * extent.area / room).sqrt() / of_use.shortest;
-    Ok(coarseness_for(longer.min(MOST_LONGER) * spacing))
+    Ok((coarseness_for(longer.min(MOST_LONGER) * spacing), room / OF_INPUT))
 }
 
 #[cfg(test)]
@@ -91,8 +94,9 @@ mod tests {
     #[test]
     fn the_less_memory_the_coarser_and_at_last_an_error() {
         let extent = Extent { vertices: 25_000_000, triangles: 50_000_000, area: 1.0 };
-        let shortest =
-            |memory| coarseness_within(memory, extent, &Options::points(1_000_000)).map(|c: Coarseness| c.shortest);
+        let shortest = |memory| {
+            coarseness_within(memory, extent, &Options::points(1_000_000)).map(|(coarseness, _)| coarseness.shortest)
+        };
         let [most, less] = [100_000_000_000, 2_000_000_000].map(|memory| shortest(memory).unwrap());
         assert!(2.0 * most < less && less <= MOST_LONGER * most, "{most} {less}");
         let error = shortest(1_000_000_000).unwrap_err().to_string();

@@ -1,11 +1,11 @@
 //! Meshes larger than memory, read in blocks and made coarser while they are read.
 //!
-//! A file is read once for its vertices, whose places stay in memory; once for its triangles, which go to a temporary file, those
-//! of a place together; and where vertices have attributes, once more for those that are left. The triangles become coarser place
-//! by place, and in the end along the borders between places.
+//! A file is read once for its vertices, whose places stay in memory; once for its triangles, which are sorted by place, in memory
+//! or in a temporary file; and where vertices have attributes, once more for those that are left. The triangles become coarser
+//! place by place, and in the end along the borders between places.
 //!
 //! Memory: twelve bytes a vertex of the file, 24 if its coordinates are not in single precision, as much again for the map
-//! from places to vertices of STL, and what is left. On the disk: twelve bytes a triangle.
+//! from places to vertices of STL, twelve bytes a triangle unless these are in a file, and what is left.
 
 mod blocks;
 mod facets;
@@ -115,27 +115,29 @@ impl LargeMesh {
         ROW as u64 * self.blocks.faces()
     }
 
-    /// The mesh, made as coarse as `coarseness` says. Its triangles are sorted in memory, or in a new file at `temporary`.
+    /// The mesh, made as coarse as `coarseness` says, and with no more than about so many vertices. Its triangles are sorted in memory, or in a new file at `temporary`.
     ///
     /// # Errors
-    /// Those of `coarseness`; [`Error::File`](crate::Error::File) and [`Error::Format`](crate::Error::Format) if one of the files cannot be read or written, with the
-    /// place; [`Error::Cancelled`](crate::Error::Cancelled) if the monitor asks for it.
+    /// Those of `coarseness`; [`Error::File`](crate::Error::File) and [`Error::Format`](crate::Error::Format) if one of the
+    /// files cannot be read or written, with the place; [`Error::Cancelled`](crate::Error::Cancelled) if the monitor asks
+    /// for it.
     pub fn coarsened(
         mut self,
         temporary: Option<&Path>,
-        coarseness: impl FnOnce(Extent) -> Result<Coarseness>,
+        coarseness: impl FnOnce(Extent) -> Result<(Coarseness, f64)>,
         monitor: &dyn Monitor,
     ) -> Result<Loaded> {
         let places = self.blocks.places(monitor)?;
         let (sorted, extent) = self.sorted(temporary, &places, monitor)?;
-        let coarseness = coarseness(extent)?;
+        let (coarseness, most) = coarseness(extent)?;
+        let densest = most / extent.area;
         monitor.stage("coarsen");
         let coarsened = |of_place: OfPlace| {
             check(monitor)?;
-            Ok(Part::new(&of_place.into_triangles()?, |v| places.at(v)).coarsened(coarseness))
+            Ok(Part::new(&of_place.into_triangles()?, |v| places.at(v)).coarsened(coarseness, densest))
         };
         let parts: Vec<Part> = sorted.into_par_iter().map(coarsened).collect::<Result<_>>()?;
-        let left = Part::joined(&parts, coarseness).in_order();
+        let left = Part::joined(&parts, coarseness, densest).in_order();
         drop(parts);
         check(monitor)?;
         let mut read = self.blocks.vertices(&left.numbers, &places)?;

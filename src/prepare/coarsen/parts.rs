@@ -18,6 +18,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
+/// How many times as many vertices may be left of a part, whose bounds stay, and of the whole as are meant.
+const MOST_OF_PART: f64 = 2.0;
+const MOST_OF_WHOLE: f64 = 1.3;
+
 /// Some triangles of a mesh.
 #[derive(Debug, Clone, Default)]
 pub struct Part {
@@ -38,19 +42,30 @@ impl Part {
         Part { mesh: Mesh { positions, triangles }, numbers, strayed }
     }
 
-    /// The part with longer edges.
+    /// The part with longer edges. Where noise keeps it from becoming coarser, so that it has far more vertices for its area than
+    /// `densest`, the tolerance grows.
     #[must_use]
-    pub fn coarsened(&self, coarseness: Coarseness) -> Part {
-        self.mesh.bounds().map_or_else(Part::default, |bounds| self.coarsened_in(bounds, coarseness))
+    pub fn coarsened(&self, coarseness: Coarseness, densest: f64) -> Part {
+        let most = MOST_OF_PART * densest * self.mesh.area();
+        self.mesh.bounds().map_or_else(Part::default, |bounds| self.coarsened_to(bounds, coarseness, most))
     }
 
     /// What is left of a mesh whose parts are [`coarsened`](Part::coarsened), once the edges where these meet are longer, too.
     #[must_use]
-    pub fn joined(parts: &[Part], coarseness: Coarseness) -> Part {
+    pub fn joined(parts: &[Part], coarseness: Coarseness, densest: f64) -> Part {
         let whole = Part::sum(parts);
         let Some(mut bounds) = whole.mesh.bounds() else { return whole };
         bounds.lo -= MARGIN * bounds.size();
-        whole.coarsened_in(bounds, coarseness)
+        whole.coarsened_to(bounds, coarseness, MOST_OF_WHOLE * densest * whole.mesh.area())
+    }
+
+    fn coarsened_to(&self, bounds: Aabb, mut coarseness: Coarseness, most: f64) -> Part {
+        let mut coarse = self.coarsened_in(bounds, coarseness);
+        while coarse.numbers.len() as f64 > most && coarseness.tolerance < coarseness.shortest {
+            coarseness.tolerance *= 2.0;
+            coarse = coarse.coarsened_in(bounds, coarseness);
+        }
+        coarse
     }
 
     /// The same with vertices in the order of their numbers.
