@@ -70,18 +70,20 @@ pub(super) fn load_coarsened(job: &Remeshing, monitor: &dyn Monitor) -> Result<O
     let memory = job.out_of_core.memory.unwrap_or_else(free_memory);
     let coarseness = |extent| coarseness_within(memory, extent, options).map_err(|e| e.in_file(&name(&job.input)));
     let bytes = mesh.bytes_of_triangles();
-    if bytes <= memory / OF_MEMORY {
-        return mesh.coarsened(None, coarseness, monitor).map(Some);
-    }
-    let folder = Place::passing(&parent)?;
-    announce(&job.input, &folder, bytes, job.run.voice);
-    mesh.coarsened(Some(&folder.path().join("triangles")), coarseness, monitor).map(Some)
+    let loaded = if bytes <= memory / OF_MEMORY {
+        mesh.coarsened(None, coarseness, monitor)?
+    } else {
+        let folder = Place::passing(&parent)?;
+        announce(&job.input, &folder, bytes, job.run.voice);
+        mesh.coarsened(Some(&folder.path().join("triangles")), coarseness, monitor)?
+    };
+    if loaded.is_none() && is_wanted { Err(not_in_blocks(path)) } else { Ok(loaded) }
 }
 
 fn not_in_blocks(path: &Path) -> Error {
     Error::File {
         file: path.display().to_string(),
-        cause: "it cannot be read in blocks: only faces in OBJ, binary PLY and binary STL can".into(),
+        cause: "it cannot be read in blocks: only faces in OBJ, binary PLY and binary STL can, and points in binary PLY and LAS".into(),
         remedy: "convert it, or read it as a whole, without --out-of-core".into(),
     }
 }

@@ -5,31 +5,22 @@
 //! if they were the whole file.
 
 use crate::base::error::Result;
-use crate::io::disk::read_error;
 use crate::io::format::Format;
-use crate::io::named::input_format;
+use crate::io::opened::Opened;
 use crate::io::read::{Loaded, checked};
 use crate::io::table::Table;
 use crate::io::{las, ply};
 use crate::prepare::thin::{Thinned, Thinner};
-use std::fs::{self, File};
-use std::io::{ErrorKind, Read, Seek, SeekFrom};
-use std::path::{Path, PathBuf};
-
-/// The first bytes of a file, which must hold everything before its points.
-const HEAD: u64 = 1 << 16;
+use std::path::Path;
 
 /// About the bytes of a block.
 const BLOCK: usize = 1 << 20;
 
 /// A file whose points are rows of equally many bytes.
 pub(crate) struct PointFile {
-    path: PathBuf,
-    file: File,
-    format: Format,
-    head: Vec<u8>,
-    length: u64,
-    table: Table,
+    pub file: Opened,
+    /// How its points are read.
+    pub table: Table,
 }
 
 /// How the rows of points are read, also from other files than the one they came from.
@@ -42,68 +33,33 @@ pub(crate) fn table(format: Format, head: &[u8], length: u64) -> Option<Table> {
 }
 
 impl PointFile {
-    /// The file at `path`; `None` if its points are no such rows, or if it is a pipe, whose first bytes would be lost.
+    /// The file at `path`; `None` if its points are no such rows, or if it is a pipe.
     ///
     /// # Errors
     /// [`Error::File`](crate::Error::File) if there is no such file or it cannot be read.
     pub fn open(path: &Path, format: Option<Format>) -> Result<Option<PointFile>> {
-        let failed = |error| read_error(path, &error);
-        let length = match fs::metadata(path).map_err(failed)? {
-            found if found.is_file() => found.len(),
-            _ => return Ok(None),
-        };
-        let mut file = File::open(path).map_err(failed)?;
-        let mut head = Vec::new();
-        file.by_ref().take(HEAD).read_to_end(&mut head).map_err(failed)?;
-        // The reader of whole files says what is wrong with a file.
-        let Ok(format) = input_format(&path.display().to_string(), &head, format) else { return Ok(None) };
-        let table = table(format, &head, length);
-        Ok(table.map(|table| PointFile { path: path.to_path_buf(), file, format, head, length, table }))
-    }
-
-    /// The points of a file that has more than these, as `table` says.
-    ///
-    /// # Errors
-    /// [`Error::File`](crate::Error::File) if there is no such file or it cannot be read.
-    pub fn with(path: PathBuf, format: Format, head: Vec<u8>, length: u64, table: Table) -> Result<PointFile> {
-        let file = File::open(&path).map_err(|error| read_error(&path, &error))?;
-        Ok(PointFile { path, file, format, head, length, table })
-    }
-
-    /// How its points are read.
-    pub fn table(&self) -> &Table {
-        &self.table
-    }
-
-    /// What [`table`] takes to read points of it.
-    pub fn kind(&self) -> (Format, &[u8], u64) {
-        (self.format, &self.head, self.length)
+        let Some(file) = Opened::open(path, format)? else { return Ok(None) };
+        let table = table(file.format, &file.head, file.length);
+        Ok(table.map(|table| PointFile { file, table }))
     }
 
     /// Shows all points to `take`, in their order and block by block. All coordinates are finite.
     ///
     /// # Errors
-    /// Those of `take`; an error with the place in the file if that has become shorter, or if a point is nowhere.
+    /// Those of `take`; [`Error::File`](crate::Error::File) if the file cannot be read; an error with the place in it if a point
+    /// is nowhere.
     pub fn read(&self, take: &mut dyn FnMut(&[u8]) -> Result<()>) -> Result<()> {
         let Table { start, row, points, rows } = &self.table;
-        let (path, name) = (&self.path, self.path.display().to_string());
-        let failed = |error| read_error(path, &error);
-        let mut file = &self.file;
-        file.seek(SeekFrom::Start(*start)).map_err(failed)?;
+        self.file.seek(*start)?;
         let mut block = vec![0; (BLOCK / row).max(1) * row];
         let mut first = 0;
         while first < *points {
             let count = (block.len() / row).min(points - first);
             let bytes = &mut block[..count * row];
-            file.read_exact(bytes).map_err(|error| match error.kind() {
-                ErrorKind::UnexpectedEof => {
-                    rows.cut_short(file.metadata().map_or(0, |found| found.len())).in_file(&name)
-                }
-                _ => failed(error),
-            })?;
+            self.file.fill(bytes)?;
             let is_nowhere = |row: &[u8]| !rows.look(row).position.is_finite();
             if let Some((i, row)) = bytes.chunks_exact(*row).enumerate().find(|(_, row)| is_nowhere(row)) {
-                return Err(rows.nowhere(first + i, row).in_file(&name));
+                return Err(self.file.locate(rows.nowhere(first + i, row)));
             }
             take(bytes)?;
             first += count;
@@ -127,11 +83,11 @@ impl PointFile {
 
 /// The points of the file at `path`, about `wanted` of them, if it has more and is of a kind that can be read so; else `None`.
 pub(super) fn read_thinned(path: &Path, format: Option<Format>, wanted: usize) -> Result<Option<Loaded>> {
-    let file = PointFile::open(path, format)?;
-    let Some(file) = file.filter(|file| file.table.points > wanted) else { return Ok(None) };
-    let (thinned, rows) = file.thinned(wanted)?;
-    let name = path.display().to_string();
-    let read = file.table.rows.read(&rows).map_err(|error| error.in_file(&name))?;
-    let loaded = checked(read, file.format).map_err(|error| error.in_file(&name))?;
+    let points = PointFile::open(path, format)?;
+    let Some(points) = points.filter(|points| points.table.points > wanted) else { return Ok(None) };
+    let (thinned, rows) = points.thinned(wanted)?;
+    let PointFile { file, table } = points;
+    let read = table.rows.read(&rows).and_then(|read| checked(read, file.format));
+    let loaded = read.map_err(|error| file.locate(error))?;
     Ok(Some(Loaded { thinned: Some(thinned), ..loaded }))
 }

@@ -44,6 +44,8 @@ mod named;
 mod numbers;
 mod obj;
 mod off;
+#[cfg(feature = "fs")]
+pub(crate) mod opened;
 mod pcd;
 mod ply;
 mod read;

@@ -34,7 +34,7 @@ pub(crate) trait FaceRows: Sync {
     /// these were. `at` is where the bytes are in the file.
     ///
     /// # Errors
-    /// Those of `show`; an error with the place of an index that no vertex has.
+    /// Those of `show`; an error with the place of an index that no vertex has, or of a list that is longer than the file.
     fn show(
         &self,
         bytes: &[u8],
@@ -54,9 +54,6 @@ pub(crate) trait Rows: Sync {
 
     /// The error that the point of this number and row has coordinates that are not finite.
     fn nowhere(&self, point: usize, row: &[u8]) -> Error;
-
-    /// The error that the file ends at this byte.
-    fn cut_short(&self, end: u64) -> Error;
 
     /// Reads points as if they were all of the file.
     fn read(&self, rows: &[u8]) -> Parsed;

@@ -5,6 +5,7 @@ use crate::base::monitor::{Monitor, check};
 use crate::base::rng::{Stage, bits_at};
 use crate::io::Format;
 use crate::io::dense::PointFile;
+use crate::io::opened::Opened;
 use crate::io::spill::{Chunk, SpillWriter};
 use crate::mesh::points::Points;
 use crate::pipeline::{
@@ -79,15 +80,15 @@ pub fn make_plan(
     };
     monitor.stage("sort");
     let chunks = sorted(&file, folder, sampling.block(), monitor)?;
-    let (format, head, length) = file.kind();
     let wanted = match *density {
         SampleDensity::Points(wanted) => Some(wanted),
         _ => None,
     };
-    let points = file.table().points;
+    let points = file.table.points;
+    let Opened { format, head, length, .. } = file.file;
     let mut plan =
         Plan { input: name, points, wanted, sampling, tiles: vec![], tile: 1, lowest: [0; 3], format, length, chunks };
-    folder.write_context(head, &outline)?;
+    folder.write_context(&head, &outline)?;
     monitor.stage("count");
     calibrate(&mut plan, folder, cloud.smooth.is_none(), monitor)?;
     cut(&mut plan, &outline, options);
@@ -133,7 +134,7 @@ fn refuse_impossible(options: &SampleOptions) -> Result<()> {
 /// Some points of a file, spread all over it.
 fn some_points(file: &PointFile) -> Result<Points> {
     let (_, rows) = file.thinned(OUTLINE)?;
-    let table = file.table();
+    let table = &file.table;
     let seen = || rows.chunks_exact(table.row).map(|row| table.rows.look(row));
     let normals: Vec<DVec3> = seen().map(|s| s.normal).collect();
     let has_normals = normals.iter().any(|n| *n != DVec3::ZERO);
@@ -143,15 +144,15 @@ fn some_points(file: &PointFile) -> Result<Points> {
 /// The points of a file, sorted by bucket.
 fn sorted(file: &PointFile, folder: &TileFolder, block: f64, monitor: &dyn Monitor) -> Result<Vec<Chunk>> {
     let mut spill = SpillWriter::create(&folder.points())?;
-    let (row, mut number) = (file.table().row, 0u32);
+    let (row, mut number) = (file.table.row, 0u32);
     file.read(&mut |rows| {
         check(monitor)?;
         for row in rows.chunks_exact(row) {
-            let place = file.table().rows.look(row).position;
+            let place = file.table.rows.look(row).position;
             spill.push(bucket_of(place_of(place, block)).to_array(), &number.to_le_bytes(), row)?;
             number += 1;
         }
-        monitor.progress(f64::from(number) / file.table().points as f64);
+        monitor.progress(f64::from(number) / file.table.points as f64);
         Ok(())
     })?;
     spill.finish()

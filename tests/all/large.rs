@@ -117,12 +117,17 @@ fn what_cannot_be_read_in_blocks_is_refused() {
     let folder = folder_with("fine.ply", &fine_torus(), &Attributes::default());
     let home = folder.path();
     fs::write(home.join("a.off"), "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n").unwrap();
+    fs::write(home.join("points.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\n").unwrap();
     fs::write(home.join("wrong.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 \\\n4\n").unwrap();
     let bytes = fs::read(home.join("fine.ply")).unwrap();
     fs::write(home.join("short.ply"), &bytes[..bytes.len() - 100]).unwrap();
     // The last corner.
     let end = bytes.len() - 4;
     fs::write(home.join("wrong.ply"), [&bytes[..end], &[255, 255, 255, 0]].concat()).unwrap();
+    // The first face has four billion corners.
+    let head = "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+                property float z\nelement face 100\nproperty list uint int vertex_indices\nend_header\n";
+    fs::write(home.join("long.ply"), [head.as_bytes(), &[0; 36], &[255; 4_000_000]].concat()).unwrap();
     let fails = |words: &str, status: i32, expected: &str| {
         let out = remesh(home, words);
         let said = String::from_utf8(out.stderr).unwrap();
@@ -132,8 +137,11 @@ fn what_cannot_be_read_in_blocks_is_refused() {
     };
     let line = "out.ply --points 1000 --out-of-core --temp";
     fails(&format!("a.off {line} temp"), 1, "a.off: it cannot be read in blocks: only faces in OBJ");
+    fails(&format!("points.obj {line} temp"), 1, "points.obj: it cannot be read in blocks: only faces in OBJ");
     fails(&format!("wrong.obj {line} temp"), 1, "wrong.obj:5: a face uses vertex 4, but the file has 3");
     fails(&format!("short.ply {line} temp"), 1, "short.ply, byte ");
+    let cause = format!("long.ply, byte {}: a list of 4294967295 values", head.len() + 36);
+    fails(&format!("long.ply {line} temp"), 1, &cause);
     fails(&format!("wrong.ply {line} temp"), 1, "there is no vertex 16777215");
     fails(&format!("fine.ply {line} nowhere"), 1, "nowhere: there is no such folder");
     fails(&format!("fine.ply {line} temp --max-error 0.1%"), 2, "--max-error: it needs all of a mesh");

@@ -1,13 +1,11 @@
 //! What the reader of large meshes asks of a format.
 
 use super::places::Places;
-use crate::base::error::{Error, Result};
+use crate::base::error::Result;
 use crate::base::monitor::Monitor;
+use crate::geom::polygon::triangulate;
 use crate::io::content::Read;
-use crate::io::disk::read_error;
-use std::fs::File;
-use std::io::{ErrorKind, Read as _};
-use std::path::Path;
+use glam::DVec3;
 
 /// About the bytes of a block.
 pub(super) const BLOCK: usize = 1 << 20;
@@ -35,14 +33,18 @@ pub(super) trait Blocks {
     fn vertices(&self, numbers: &[u32], places: &Places) -> Result<Read>;
 }
 
-/// Fills `bytes` from the file.
-pub(super) fn read_block(path: &Path, mut file: &File, bytes: &mut [u8]) -> Result<()> {
-    file.read_exact(bytes).map_err(|error| match error.kind() {
-        ErrorKind::UnexpectedEof => Error::File {
-            file: path.display().to_string(),
-            cause: "it became shorter while it was read".into(),
-            remedy: "let no other program write it meanwhile".into(),
-        },
-        _ => read_error(path, &error),
-    })
+/// Shows the triangles of a face.
+pub(super) fn show_triangles(
+    corners: &[u32],
+    places: &Places,
+    take: &mut dyn FnMut([u32; 3]) -> Result<()>,
+) -> Result<()> {
+    match *corners {
+        [] | [_] | [_, _] => Ok(()),
+        [a, b, c] => take([a, b, c]),
+        _ => {
+            let polygon: Vec<DVec3> = corners.iter().map(|&v| places.at(v)).collect();
+            triangulate(&polygon).into_iter().try_for_each(|t| take(t.map(|i| corners[i])))
+        }
+    }
 }

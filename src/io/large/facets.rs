@@ -1,22 +1,19 @@
 //! Binary STL, read in blocks.
 
-use super::blocks::{BLOCK, Blocks, read_block};
+use super::blocks::{BLOCK, Blocks};
 use super::places::Places;
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 use crate::io::content::Read;
+use crate::io::opened::Opened;
 use crate::io::stl::{FACET, HEADER, corners};
 use crate::mesh::triangle_mesh::Mesh;
 use glam::{DVec3, Vec3};
 use rustc_hash::FxHashMap;
-use std::fs::File;
-use std::io::{Seek, SeekFrom};
-use std::path::PathBuf;
 
 /// A file of facets. Corners at one place are one vertex.
 pub(super) struct Facets {
-    pub path: PathBuf,
-    pub file: File,
+    pub file: Opened,
     pub count: usize,
     /// The vertex at each place, by its bits.
     pub vertices: FxHashMap<[u32; 3], u32>,
@@ -25,16 +22,15 @@ pub(super) struct Facets {
 impl Facets {
     /// Shows the corners of all facets, in their order.
     fn read(&self, monitor: &dyn Monitor, show: &mut dyn FnMut([Vec3; 3]) -> Result<()>) -> Result<()> {
-        let failed = |error| crate::io::disk::read_error(&self.path, &error);
-        (&self.file).seek(SeekFrom::Start(HEADER as u64)).map_err(failed)?;
+        self.file.seek(HEADER as u64)?;
         let mut block = vec![0; BLOCK / FACET * FACET];
         let mut at = HEADER;
         for first in (0..self.count).step_by(BLOCK / FACET) {
             check(monitor)?;
             let bytes = &mut block[..FACET * (BLOCK / FACET).min(self.count - first)];
-            read_block(&self.path, &self.file, bytes)?;
+            self.file.fill(bytes)?;
             for facet in bytes.chunks_exact(FACET) {
-                show(corners(facet, at).map_err(|error| error.in_file(&self.path.display().to_string()))?)?;
+                show(corners(facet, at).map_err(|error| self.file.locate(error))?)?;
                 at += FACET;
             }
         }

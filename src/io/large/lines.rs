@@ -1,46 +1,40 @@
 //! OBJ, read in blocks of whole lines.
 
-use super::blocks::{BLOCK, Blocks, read_block};
+use super::blocks::{BLOCK, Blocks, show_triangles};
 use super::places::Places;
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
-use crate::geom::polygon::triangulate;
 use crate::io::content::Read;
-use crate::io::disk::read_error;
 use crate::io::obj::{self, vertex_number};
+use crate::io::opened::Opened;
 use crate::io::text::Words;
 use glam::DVec3;
-use std::fs::File;
-use std::io::{Seek, SeekFrom};
-use std::path::PathBuf;
 
 /// Bytes of a file for each of its triangles, about: a line of a face, and half of one of a vertex.
 const OF_TRIANGLE: u64 = 40;
 
 /// A file of lines.
 pub(super) struct Lines {
-    pub path: PathBuf,
-    pub file: File,
-    pub length: u64,
+    pub file: Opened,
 }
 
 impl Lines {
     /// Shows all lines, by their keywords.
     fn read(&self, monitor: &dyn Monitor, show: &mut dyn FnMut(&[u8], &mut Words) -> Result<()>) -> Result<()> {
-        (&self.file).seek(SeekFrom::Start(0)).map_err(|error| read_error(&self.path, &error))?;
-        let (mut bytes, mut left, mut line) = (Vec::new(), self.length, 1);
+        self.file.seek(0)?;
+        let (mut bytes, mut left, mut line) = (Vec::new(), self.file.length, 1);
         loop {
             check(monitor)?;
             let kept = bytes.len();
             let more = (BLOCK as u64).min(left) as usize;
             bytes.resize(kept + more, 0);
-            read_block(&self.path, &self.file, &mut bytes[kept..])?;
+            self.file.fill(&mut bytes[kept..])?;
             left -= more as u64;
-            let whole = if left == 0 { bytes.len() } else { whole_lines(&bytes) };
+            let whole = if left == 0 { bytes.len() } else { whole_lines(&bytes, kept) };
             let mut words = Words::new(&bytes[..whole]).starting_at(line).with_comments().with_continued_lines();
             loop {
                 if let Some(keyword) = words.here() {
-                    show(keyword, &mut words).map_err(|error| error.in_file(&self.path.display().to_string()))?;
+                    show(keyword, &mut words).map_err(|error| self.file.locate(error))?;
                 }
                 if !words.next_line() {
                     break;
@@ -55,15 +49,18 @@ impl Lines {
     }
 }
 
-/// How many bytes end with a line that the next one does not continue.
-fn whole_lines(bytes: &[u8]) -> usize {
-    let ends = (0..bytes.len()).rev().filter(|&i| bytes[i] == b'\n');
-    ends.map(|i| i + 1).find(|&end| !bytes[..end].trim_ascii_end().ends_with(b"\\")).unwrap_or(0)
+/// How many bytes end with a line that the next one does not continue. None of the first `known` bytes ends one.
+fn whole_lines(bytes: &[u8], known: usize) -> usize {
+    let is_end = |i: usize| {
+        let line = &bytes[..i];
+        bytes[i] == b'\n' && !line.strip_suffix(b"\r").unwrap_or(line).ends_with(b"\\")
+    };
+    (known..bytes.len()).rev().find(|&i| is_end(i)).map_or(0, |i| i + 1)
 }
 
 impl Blocks for Lines {
     fn faces(&self) -> u64 {
-        self.length / OF_TRIANGLE
+        self.file.length / OF_TRIANGLE
     }
 
     /// Only all of the file tells.
@@ -104,14 +101,7 @@ impl Blocks for Lines {
                         }
                         corners.push(number as u32 - 1);
                     }
-                    match corners[..] {
-                        [] | [_] | [_, _] => {}
-                        [a, b, c] => take([a, b, c])?,
-                        _ => {
-                            let polygon: Vec<DVec3> = corners.iter().map(|&v| places.at(v)).collect();
-                            triangulate(&polygon).into_iter().try_for_each(|t| take(t.map(|i| corners[i])))?;
-                        }
-                    }
+                    show_triangles(&corners, places, take)?;
                 }
                 _ => {}
             }
@@ -137,7 +127,7 @@ impl Blocks for Lines {
             }
             Ok(())
         })?;
-        obj::parse(&text).map_err(|error| error.in_file(&self.path.display().to_string()))
+        obj::parse(&text).map_err(|error| self.file.locate(error))
     }
 }
 
@@ -147,8 +137,9 @@ mod tests {
 
     #[test]
     fn blocks_end_with_whole_lines() {
-        assert_eq!(whole_lines(b"v 1 2 3\nf 1 2"), 8);
-        assert_eq!(whole_lines(b"v 1 2 3\nf 1 2 \\\r\n3 4"), 8);
-        assert_eq!(whole_lines(b"v 1 2 3"), 0);
+        assert_eq!(whole_lines(b"v 1 2 3\nf 1 2", 0), 8);
+        assert_eq!(whole_lines(b"v 1 2 3\nf 1 2 \\\r\n3 4", 0), 8);
+        assert_eq!(whole_lines(b"v 1 2 3\nf 1 2 \\\r\n3 4\n\n", 15), 22);
+        assert_eq!(whole_lines(b"v 1 2 3", 0), 0);
     }
 }

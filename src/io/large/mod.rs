@@ -20,9 +20,8 @@ use crate::base::monitor::{Monitor, check};
 use crate::geom::aabb::Aabb;
 use crate::geom::triangle::area;
 use crate::io::dense::PointFile;
-use crate::io::disk::read_error;
 use crate::io::format::Format;
-use crate::io::named::input_format;
+use crate::io::opened::Opened;
 use crate::io::read::{Loaded, checked};
 use crate::io::{ply, stl};
 use crate::prepare::coarsen::{Coarseness, Part};
@@ -33,12 +32,7 @@ use places::Places;
 use polygons::Polygons;
 use rayon::prelude::*;
 use sorted::{OfPlace, ROW, Sorter};
-use std::fs::{self, File};
-use std::io::Read as _;
 use std::path::Path;
-
-/// The first bytes of a file, which must hold everything before its vertices.
-const HEAD: u64 = 1 << 16;
 
 /// About the triangles that become coarser together.
 const OF_PLACE: usize = 1 << 18;
@@ -71,33 +65,22 @@ impl LargeMesh {
     /// # Errors
     /// [`Error::File`](crate::Error::File) if there is no such file or it cannot be read.
     pub fn open(path: &Path, format: Option<Format>) -> Result<Option<LargeMesh>> {
-        let failed = |error| read_error(path, &error);
-        let length = match fs::metadata(path).map_err(failed)? {
-            found if found.is_file() => found.len(),
+        let Some(file) = Opened::open(path, format)? else { return Ok(None) };
+        let (format, name) = (file.format, path.display().to_string());
+        let blocks: Box<dyn Blocks> = match format {
+            Format::Ply => match ply::surface(&file.head, file.length) {
+                Some((table, faces)) => Box::new(Polygons { vertices: PointFile { file, table }, faces }),
+                None => return Ok(None),
+            },
+            Format::Stl => match stl::facets(&file.head, file.length) {
+                Some(count) => Box::new(Facets { file, count, vertices: Default::default() }),
+                None => return Ok(None),
+            },
+            // In lines that end otherwise there may be no end of a block.
+            Format::Obj if file.head.contains(&b'\n') => Box::new(Lines { file }),
             _ => return Ok(None),
         };
-        let mut file = File::open(path).map_err(failed)?;
-        let mut head = Vec::new();
-        file.by_ref().take(HEAD).read_to_end(&mut head).map_err(failed)?;
-        let name = path.display().to_string();
-        // The reader of whole files says what is wrong with a file.
-        let Ok(format) = input_format(&name, &head, format) else { return Ok(None) };
-        let path = path.to_path_buf();
-        let blocks: Option<Box<dyn Blocks>> = match format {
-            Format::Ply => match ply::surface(&head, length) {
-                Some((table, faces)) => {
-                    let vertices = PointFile::with(path.clone(), format, head, length, table)?;
-                    Some(Box::new(Polygons { path, file, length, vertices, faces }))
-                }
-                None => None,
-            },
-            Format::Stl => stl::facets(&head, length)
-                .map(|count| Box::new(Facets { path, file, count, vertices: Default::default() }) as Box<dyn Blocks>),
-            // In lines that end otherwise there may be no end of a block.
-            Format::Obj if head.contains(&b'\n') => Some(Box::new(Lines { path, file, length })),
-            _ => None,
-        };
-        Ok(blocks.map(|blocks| LargeMesh { blocks, format, name }))
+        Ok(Some(LargeMesh { blocks, format, name }))
     }
 
     /// How many faces it has.
@@ -115,7 +98,8 @@ impl LargeMesh {
         ROW as u64 * self.blocks.faces()
     }
 
-    /// The mesh, made as coarse as `coarseness` says, and with no more than about so many vertices. Its triangles are sorted in memory, or in a new file at `temporary`.
+    /// The mesh, made as coarse as `coarseness` says, and with no more than about so many vertices; `None` if it has no
+    /// triangle with an area. Its triangles are sorted in memory, or in a new file at `temporary`.
     ///
     /// # Errors
     /// Those of `coarseness`; [`Error::File`](crate::Error::File) and [`Error::Format`](crate::Error::Format) if one of the
@@ -126,9 +110,12 @@ impl LargeMesh {
         temporary: Option<&Path>,
         coarseness: impl FnOnce(Extent) -> Result<(Coarseness, f64)>,
         monitor: &dyn Monitor,
-    ) -> Result<Loaded> {
+    ) -> Result<Option<Loaded>> {
         let places = self.blocks.places(monitor)?;
         let (sorted, extent) = self.sorted(temporary, &places, monitor)?;
+        if extent.area == 0.0 {
+            return Ok(None);
+        }
         let (coarseness, most) = coarseness(extent)?;
         let densest = most / extent.area;
         monitor.stage("coarsen");
@@ -154,7 +141,7 @@ impl LargeMesh {
             "{before} became {after} while they were read; the vertices that were removed are within about {strayed:.2e} of \
              these, which the report takes for the input{lost}"
         ));
-        Ok(loaded)
+        Ok(Some(loaded))
     }
 
     /// The triangles, sorted, and what is known of them.

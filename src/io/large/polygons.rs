@@ -1,49 +1,38 @@
 //! Binary PLY, read in blocks.
 
-use super::blocks::{BLOCK, Blocks, read_block};
+use super::blocks::{BLOCK, Blocks, show_triangles};
 use super::places::Places;
-use crate::base::error::{Error, Result};
+use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
-use crate::geom::polygon::triangulate;
 use crate::io::content::Read;
 use crate::io::dense::PointFile;
-use crate::io::disk::read_error;
 use crate::io::table::Faces;
-use glam::DVec3;
-use std::fs::File;
-use std::io::{Seek, SeekFrom};
-use std::path::PathBuf;
 
 /// A file of vertices, which are rows of equally many bytes, and after them faces.
 pub(super) struct Polygons {
-    pub path: PathBuf,
-    pub file: File,
-    pub length: u64,
     pub vertices: PointFile,
     pub faces: Faces,
 }
 
 impl Polygons {
-    fn in_file(&self, error: Error) -> Error {
-        error.in_file(&self.path.display().to_string())
-    }
-
     /// Shows the corners of all faces, in their order.
     fn read(&self, monitor: &dyn Monitor, show: &mut dyn FnMut(&[u32]) -> Result<()>) -> Result<()> {
         let Faces { start, count, rows, .. } = &self.faces;
-        (&self.file).seek(SeekFrom::Start(*start)).map_err(|error| read_error(&self.path, &error))?;
+        let file = &self.vertices.file;
+        file.seek(*start)?;
         let (mut at, mut left) = (*start, *count);
         let mut bytes = Vec::new();
         while left > 0 {
             check(monitor)?;
             let kept = bytes.len();
-            let more = (BLOCK as u64).min(self.length - at - kept as u64) as usize;
+            // A face that is longer than a block is looked at again each time that it has doubled.
+            let more = (BLOCK.max(kept) as u64).min(file.length - at - kept as u64) as usize;
             if more == 0 {
-                return Err(self.in_file(rows.cut_short(self.length)));
+                return Err(file.locate(rows.cut_short(file.length)));
             }
             bytes.resize(kept + more, 0);
-            read_block(&self.path, &self.file, &mut bytes[kept..])?;
-            let (whole, used) = rows.show(&bytes, left, at, show).map_err(|error| self.in_file(error))?;
+            file.fill(&mut bytes[kept..])?;
+            let (whole, used) = rows.show(&bytes, left, at, show).map_err(|error| file.locate(error))?;
             bytes.drain(..used);
             (left, at) = (left - whole, at + used as u64);
         }
@@ -61,7 +50,7 @@ impl Blocks for Polygons {
     }
 
     fn places(&mut self, monitor: &dyn Monitor) -> Result<Places> {
-        let table = self.vertices.table();
+        let table = &self.vertices.table;
         let mut places = Places::with_capacity(table.points);
         self.vertices.read(&mut |block| {
             check(monitor)?;
@@ -77,18 +66,11 @@ impl Blocks for Polygons {
         monitor: &dyn Monitor,
         take: &mut dyn FnMut([u32; 3]) -> Result<()>,
     ) -> Result<()> {
-        self.read(monitor, &mut |corners| match *corners {
-            [] | [_] | [_, _] => Ok(()),
-            [a, b, c] => take([a, b, c]),
-            _ => {
-                let polygon: Vec<DVec3> = corners.iter().map(|&v| places.at(v)).collect();
-                triangulate(&polygon).into_iter().try_for_each(|t| take(t.map(|i| corners[i])))
-            }
-        })
+        self.read(monitor, &mut |corners| show_triangles(corners, places, take))
     }
 
     fn vertices(&self, numbers: &[u32], _: &Places) -> Result<Read> {
-        let table = self.vertices.table();
+        let table = &self.vertices.table;
         let mut rows = Vec::with_capacity(numbers.len() * table.row);
         let (mut wanted, mut first) = (numbers.iter().peekable(), 0);
         self.vertices.read(&mut |block| {
@@ -99,6 +81,6 @@ impl Blocks for Polygons {
             first += count;
             Ok(())
         })?;
-        table.rows.read(&rows).map_err(|error| self.in_file(error))
+        table.rows.read(&rows).map_err(|error| self.vertices.file.locate(error))
     }
 }

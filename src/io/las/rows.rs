@@ -1,6 +1,6 @@
 //! The points of a file that is not compressed, as rows of bytes.
 
-use super::{Cloud, Header, ends_early, header, nowhere, position};
+use super::{Cloud, Header, header, nowhere, position};
 use crate::base::error::Error;
 use crate::io::content::Parsed;
 use crate::io::table::{Rows, Table};
@@ -27,10 +27,6 @@ impl Rows for Header {
         nowhere(point)
     }
 
-    fn cut_short(&self, end: u64) -> Error {
-        ends_early(self.count, (end as usize).saturating_sub(self.start) / self.length, end as usize)
-    }
-
     fn read(&self, rows: &[u8]) -> Parsed {
         let mut cloud = Cloud::default();
         rows.chunks_exact(self.length).for_each(|row| cloud.push(self, row));
@@ -42,7 +38,6 @@ impl Rows for Header {
 mod tests {
     use super::super::tests::{COUNT, las};
     use super::super::{HEADERS, parse};
-    use crate::io::bytes::samples::fault;
 
     #[test]
     fn points_can_be_read_as_rows() {
@@ -52,9 +47,6 @@ mod tests {
         let rows = &bytes[table.start as usize..];
         assert_eq!(table.rows.look(&rows[26..52]).position, parse(&bytes).unwrap().mesh.positions[1]);
         assert!(table.rows.read(rows).unwrap() == parse(&bytes).unwrap());
-        let short = fault(parse(&bytes[..bytes.len() - 30]));
-        let error = table.rows.cut_short(bytes.len() as u64 - 30);
-        assert_eq!(fault::<()>(Err(error)), short);
         assert!(super::table(&bytes, bytes.len() as u64 - 1).is_none());
     }
 }

@@ -33,12 +33,17 @@ pub(super) fn checked_count<S: Source>(source: &S, element: &Element) -> Result<
 pub(super) fn list_length<S: Source>(source: &mut S, count: Scalar, item: Scalar) -> Result<usize> {
     let length = source.value(count)?;
     let most = source.remaining() / S::least(item);
+    whole_length(length, most).map_err(|cause| malformed(source.place(), cause, EXPORT_AGAIN))
+}
+
+/// The length of a list as a whole number that is at most `most`, or what is wrong with it.
+#[inline]
+pub(super) fn whole_length(length: f64, most: usize) -> std::result::Result<usize, String> {
     let whole = length as usize;
     if whole as f64 == length && whole <= most {
         return Ok(whole);
     }
-    let cause = format!("a list of {length} values, where there are bytes for at most {most}");
-    Err(malformed(source.place(), cause, EXPORT_AGAIN))
+    Err(format!("a list of {length} values, where there are bytes for at most {most}"))
 }
 
 #[inline]

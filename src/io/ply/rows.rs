@@ -1,11 +1,13 @@
 //! The vertices of a binary file, as rows of bytes, and the faces after them.
 
+use super::elements::whole_length;
 use super::faces::{is_corners, is_number_below, no_vertex};
 use super::header::{self, Element, Encoding, Header, Kind};
 use super::read;
 use super::source::{self, Binary, Source};
 use super::vertices::{GROUPS, is_texture, not_finite, scalar};
 use crate::base::error::{Error, Place, Result};
+use crate::io::bytes::{EXPORT_AGAIN, malformed};
 use crate::io::content::Parsed;
 use crate::io::table::{FaceRows, Faces, Rows, Table};
 use crate::mesh::attributes::Scalar;
@@ -58,7 +60,7 @@ fn surface_of<const BIG: bool>(mut header: Header, length: u64) -> Option<(Table
     let points = usize::try_from(vertices.count).ok().filter(|&points| points < u32::MAX as usize)?;
     let end = u64::try_from(row).ok()?.checked_mul(vertices.count)?.checked_add(start).filter(|&end| end <= length)?;
     let kinds = faces.properties.iter().map(|p| p.kind).collect();
-    let rows = Box::new(BinaryFaces::<BIG> { kinds, corners, vertices: points });
+    let rows = Box::new(BinaryFaces::<BIG> { kinds, corners, vertices: points, length });
     let have_more = faces.properties.len() > 1 || vertices.properties.iter().any(is_texture);
     let faces = Faces { start: end, count: faces.count, have_more, rows };
     // Vertices are read as if they were all of the file.
@@ -73,6 +75,8 @@ struct BinaryFaces<const BIG: bool> {
     corners: usize,
     /// How many vertices the file has.
     vertices: usize,
+    /// And how many bytes.
+    length: u64,
 }
 
 impl<const BIG: bool> FaceRows for BinaryFaces<BIG> {
@@ -86,9 +90,15 @@ impl<const BIG: bool> FaceRows for BinaryFaces<BIG> {
         let mut source = Binary::<BIG>::new(bytes, 0);
         let (mut faces, mut used) = (0, 0);
         let (mut indices, mut corners) = (Vec::new(), Vec::new());
-        while faces < most && self.next_face(&mut source, &mut indices).is_some() {
+        let after = self.length.saturating_sub(at + bytes.len() as u64) as usize;
+        while faces < most {
+            let place = Place::Byte(at as usize + used);
+            let next = self.next_face(&mut source, after, &mut indices);
+            if next.map_err(|cause| malformed(place.clone(), cause, EXPORT_AGAIN))?.is_none() {
+                break;
+            }
             if let Some(&index) = indices.iter().find(|&&index| !is_number_below(index, self.vertices)) {
-                return Err(no_vertex(index, self.vertices, Place::Byte(at as usize + used)));
+                return Err(no_vertex(index, self.vertices, place));
             }
             corners.clear();
             corners.extend(indices.iter().map(|&index| index as u32));
@@ -105,25 +115,34 @@ impl<const BIG: bool> FaceRows for BinaryFaces<BIG> {
 }
 
 impl<const BIG: bool> BinaryFaces<BIG> {
-    /// Reads the indices of the next face, if all of it is there.
-    fn next_face(&self, source: &mut Binary<BIG>, indices: &mut Vec<f64>) -> Option<()> {
+    /// Reads the indices of the next face, if all of it is there. After what is there the file has `after` bytes. The error says
+    /// what is wrong with the face.
+    fn next_face(
+        &self,
+        source: &mut Binary<BIG>,
+        after: usize,
+        indices: &mut Vec<f64>,
+    ) -> std::result::Result<Option<()>, String> {
         for (i, kind) in self.kinds.iter().enumerate() {
-            match *kind {
-                Kind::Scalar(scalar) => source.skip(scalar, 1).ok()?,
+            let (item, length) = match *kind {
+                Kind::Scalar(scalar) => (scalar, 1),
                 Kind::List { count, item } => {
-                    let length = source.next(count)? as usize;
-                    if i != self.corners {
-                        source.skip(item, length).ok()?;
-                        continue;
-                    }
-                    indices.clear();
-                    for _ in 0..length {
-                        indices.push(source.next(item)?);
-                    }
+                    let Some(length) = source.next(count) else { return Ok(None) };
+                    (item, whole_length(length, (source.remaining() + after) / item.size())?)
                 }
+            };
+            if length > source.remaining() / item.size() {
+                return Ok(None);
+            }
+            let values = (0..length).map_while(|_| source.next(item));
+            if i == self.corners {
+                indices.clear();
+                indices.extend(values);
+            } else {
+                values.for_each(drop);
             }
         }
-        Some(())
+        Ok(Some(()))
     }
 }
 
@@ -143,10 +162,6 @@ impl<const BIG: bool> Rows for BinaryRows<BIG> {
     fn nowhere(&self, point: usize, row: &[u8]) -> Error {
         let Columns { position, row: length, .. } = &self.columns;
         not_finite_in::<BIG>(row, position, self.header.body + point * length)
-    }
-
-    fn cut_short(&self, end: u64) -> Error {
-        source::cut_short(Place::Byte(end as usize))
     }
 
     fn read(&self, rows: &[u8]) -> Parsed {

@@ -1,0 +1,67 @@
+//! Files that are read in blocks.
+
+use crate::base::error::{Error, Result};
+use crate::io::disk::{file_error, read_error};
+use crate::io::format::Format;
+use crate::io::named::input_format;
+use std::fs::{self, File};
+use std::io::{ErrorKind, Read as _, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
+/// The first bytes of a file, which must hold everything before its vertices.
+const HEAD: u64 = 1 << 16;
+
+/// A file whose length, first bytes and format are known.
+pub(crate) struct Opened {
+    path: PathBuf,
+    file: File,
+    pub format: Format,
+    pub head: Vec<u8>,
+    pub length: u64,
+}
+
+impl Opened {
+    /// The file at `path`; `None` if it is a pipe, whose first bytes would be lost, or of no format that is known.
+    ///
+    /// # Errors
+    /// [`Error::File`](crate::Error::File) if there is no such file or it cannot be read.
+    pub fn open(path: &Path, format: Option<Format>) -> Result<Option<Opened>> {
+        let failed = |error| read_error(path, &error);
+        let length = match fs::metadata(path).map_err(failed)? {
+            found if found.is_file() => found.len(),
+            _ => return Ok(None),
+        };
+        let mut file = File::open(path).map_err(failed)?;
+        let mut head = Vec::new();
+        file.by_ref().take(HEAD).read_to_end(&mut head).map_err(failed)?;
+        // The reader of whole files says what is wrong with a file.
+        let Ok(format) = input_format(&path.display().to_string(), &head, format) else { return Ok(None) };
+        Ok(Some(Opened { path: path.to_path_buf(), file, format, head, length }))
+    }
+
+    /// The error, with the name of the file.
+    pub fn locate(&self, error: Error) -> Error {
+        error.in_file(&self.path.display().to_string())
+    }
+
+    /// Goes to this byte.
+    ///
+    /// # Errors
+    /// [`Error::File`](crate::Error::File) if the file cannot be read.
+    pub fn seek(&self, to: u64) -> Result<()> {
+        (&self.file).seek(SeekFrom::Start(to)).map(|_| ()).map_err(|error| read_error(&self.path, &error))
+    }
+
+    /// Reads the next bytes, as many as there is room for.
+    ///
+    /// # Errors
+    /// [`Error::File`](crate::Error::File) if the file cannot be read or has become shorter.
+    pub fn fill(&self, bytes: &mut [u8]) -> Result<()> {
+        (&self.file).read_exact(bytes).map_err(|error| match error.kind() {
+            ErrorKind::UnexpectedEof => {
+                file_error(&self.path, "it became shorter while it was read", "let no other program write it meanwhile")
+            }
+            _ => read_error(&self.path, &error),
+        })
+    }
+}
