@@ -55,7 +55,7 @@ fn main() {
     Divan::default().sample_count(10).config_with_args().main();
 }
 
-/// What each stage gets from the ones before it.
+/// What each stage gets from the stages before it.
 struct Inputs {
     mesh: Mesh,
     domain: Domain,

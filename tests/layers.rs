@@ -52,7 +52,7 @@ struct Source {
 struct Import {
     line: usize,
     path: Names,
-    /// Whether it only shows what a module below has.
+    /// Whether it only re-exports what a module below has.
     is_reexport: bool,
 }
 

@@ -1,6 +1,6 @@
 "use strict";
 
-// The camera that all meshes are seen by. Lengths are in half diagonals of the box of all meshes, from its middle.
+// The camera that shows all meshes. Lengths are in half diagonals of the box of all meshes, from its middle.
 
 /** Distance of the eye from what it looks at; the library's pictures have the same. */
 const EYE = 5;

@@ -1,6 +1,6 @@
 "use strict";
 
-// What a person does on a canvas, as calls of a camera.
+// Turns what a person does on a canvas into calls of a camera.
 
 /** How far a drag over the height of a canvas, a key and a step of the wheel go: radians, radians, shares of the zoom. */
 const PER_DRAG = 3;

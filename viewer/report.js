@@ -1,8 +1,8 @@
 "use strict";
 
 /**
- * Makes what a report shows within `root` work: its viewer, what is chosen there, and the links to places. Gives the viewer;
- * `null` where there is none.
+ * Starts the viewer of a report within `root`, its choices and its links to places. Gives the viewer; `null` where there is
+ * none.
  */
 function showReport(root, scene) {
   const all = (selector) => [...root.querySelectorAll(selector)];

@@ -123,7 +123,7 @@ function createViewer(scene, canvases) {
       shown.place = scene.places[number];
       camera.lookAt(shown.place);
     },
-    /** Gives what the graphics card holds back; nothing is drawn any more. */
+    /** Frees what the graphics card holds; nothing is drawn any more. */
     dispose() {
       observer.disconnect();
       cancelAnimationFrame(waiting);

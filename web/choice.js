@@ -1,4 +1,4 @@
-// Which files are taken: dropped anywhere on the page, chosen, or a model that comes with it.
+// Takes files: those dropped anywhere on the page, those chosen, or a model that comes with it.
 
 const byId = (id) => document.getElementById(id);
 

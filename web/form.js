@@ -1,4 +1,4 @@
-// The form: what the library proposes goes in, what is wanted comes out.
+// The form: it is filled with what the library proposes, and gives what the user wants.
 
 const byId = (id) => document.getElementById(id);
 
@@ -59,7 +59,7 @@ function showWay() {
 function showAngle() {
   const isAsked = byId("features").value === "angle";
   byId("angle-field").hidden = !isAsked;
-  // What is hidden cannot be corrected.
+  // Users cannot correct what is hidden.
   byId("angle").disabled = !isAsked;
 }
 

@@ -5,7 +5,7 @@ export class Cancelled extends Error {}
 
 export class Job {
   #worker = new Worker(new URL("worker.js", import.meta.url), { type: "module" });
-  /** Who waits for the answers, which come in the order of the requests. */
+  /** Those who wait for answers, which come in the order of the requests. */
   #waiting = [];
 
   /** `told` has the functions `stage` and `progress`. */

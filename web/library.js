@@ -1,4 +1,4 @@
-// The library as a module of WebAssembly. It is asked by bytes and answers by bytes; `src/envelope.rs` says which.
+// The library as a module of WebAssembly. Requests and answers are bytes, which `src/envelope.rs` describes.
 
 /**
  * Starts the library. `told` has the functions `stage`, which gets a name, and `progress`, which gets a share of 1. Gives a

@@ -1,4 +1,4 @@
-// The page: files and options go to a job, what it answers is shown.
+// The page: it gives files and options to a job, and shows the answers.
 
 import { listenForFiles } from "./choice.js";
 import { fillForm, readForm } from "./form.js";
@@ -101,7 +101,7 @@ function begin() {
   byId("error").hidden = true;
   byId("remesh").disabled = true;
   byId("cancel").hidden = byId("going").hidden = false;
-  // Without a value it says that something goes on, and not how far.
+  // Without a value it only shows that something is going on.
   byId("progress").removeAttribute("value");
   told.stage("start");
   document.documentElement.dataset.page = "busy";
@@ -159,7 +159,7 @@ async function hand(request) {
 }
 
 byId("unable").hidden = true;
-// A model that cannot be fetched, say.
+// For instance, a model that cannot be fetched.
 addEventListener("unhandledrejection", ({ reason }) => tell(reason));
 start().catch((error) => {
   tell(error);

@@ -29,7 +29,7 @@ export function clear() {
   delete byId("report").dataset.viewer;
 }
 
-/** Gives files to the person. */
+/** Saves files. */
 export function save({ names, files }) {
   names.forEach((name, i) => {
     const address = URL.createObjectURL(new Blob([files[i]]));

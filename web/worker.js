@@ -2,7 +2,7 @@
 
 import { startLibrary } from "./library.js";
 
-/** Progress is told when it is a new percent. */
+/** Progress is told once for each percent. */
 let percent = 0;
 
 const told = {

@@ -1,4 +1,4 @@
-"""A call beside the interface."""
+"""A call that runs beside the interface."""
 
 import threading
 
@@ -20,7 +20,7 @@ class Job:
     def _run(self):
         try:
             self._result = self._call(self._tell)
-        # Whatever it is: the one who waits gets it.
+        # Whatever it is, whoever waits gets it.
         except BaseException as error:
             self._error = error
 
@@ -34,7 +34,7 @@ class Job:
         return not self._thread.is_alive()
 
     def cancel(self):
-        """The call ends when it tells its progress next; nobody has to wait for it."""
+        """The call ends when it next tells its progress; nobody has to wait for that."""
         self._cancelled.set()
 
     def result(self):

@@ -1,4 +1,4 @@
-"""The operator: beside the interface where there is one, else straight through."""
+"""The operator. It works beside the interface where there is one, else at once."""
 
 import bpy
 
@@ -83,7 +83,7 @@ class OBJECT_OT_spectral_remesh(bpy.types.Operator):
         except ValueError as error:
             self.report({"ERROR"}, str(error))
             return None
-        # By its name: undoing makes other objects of all.
+        # By its name, since undoing replaces all objects.
         self._name = obj.name
         mesh = self._source.as_mesh()
         return Job(lambda progress: spectral_remesh.remesh(mesh, progress=progress, **chosen))
@@ -130,7 +130,7 @@ class OBJECT_OT_spectral_remesh(bpy.types.Operator):
             self.report({"WARNING"}, f"{text}, not verified: {why}; try another seed or more vertices")
 
     def _leave(self, context):
-        """The interface is as it was before."""
+        """Leaves the interface as it was before."""
         OBJECT_OT_spectral_remesh.running = None
         context.window_manager.event_timer_remove(self._timer)
         context.window_manager.progress_end()

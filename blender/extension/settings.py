@@ -1,4 +1,4 @@
-"""What a user can set, and what the library is asked for then."""
+"""What a user can set, and the arguments for the library that follow from it."""
 
 import bpy
 import numpy as np

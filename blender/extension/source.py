@@ -20,13 +20,14 @@ KINDS = {
     "QUATERNION": ("value", 4, np.float32),
 }
 
-# Before the names of arrays, since groups and attributes may have the same ones, and some names mean something to the library.
+# Prefixes of the names of arrays: groups and attributes may have the same names, and some names mean something to the
+# library.
 GROUP, ATTRIBUTE = "group:", "attribute:"
 
 
 @dataclass
 class Source:
-    """What is remeshed, apart from Blender, which may go on changing it."""
+    """A copy of what is remeshed, since it may be changed in Blender meanwhile."""
 
     #: Positions of vertices, in the units of the scene, axis by axis `scale` times those of the mesh.
     vertices: np.ndarray
@@ -46,7 +47,7 @@ class Source:
     kinds: dict = field(default_factory=dict)
     #: The names of vertex groups, in their order.
     groups: list = field(default_factory=list)
-    #: What does not get through.
+    #: What is lost.
     left_out: list = field(default_factory=list)
 
     def weights(self, group, setting):
@@ -56,7 +57,7 @@ class Source:
         return self.of_vertices[GROUP + group].astype(np.float64)
 
     def as_mesh(self):
-        """The same as the library has it."""
+        """The same as a mesh of the library."""
         return spectral_remesh.Mesh(self.vertices, self.triangles, attributes=self.of_vertices, texture=self.uv)
 
 

@@ -1,4 +1,4 @@
-"""A remeshed surface as an object of Blender, beside that which was remeshed."""
+"""A remeshed surface as an object of Blender, beside the one that was remeshed."""
 
 import bpy
 import numpy as np

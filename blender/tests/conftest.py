@@ -26,7 +26,7 @@ def data():
 
 @pytest.fixture(autouse=True)
 def scene():
-    """An empty scene with the settings as they are at first."""
+    """An empty scene with default settings."""
     for kind in (bpy.data.objects, bpy.data.meshes, bpy.data.materials):
         bpy.data.batch_remove(list(kind))
     settings = bpy.context.scene.spectral_remesh

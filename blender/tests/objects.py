@@ -38,7 +38,8 @@ def set_weights(obj, name, values):
 
 
 def suzanne():
-    """Suzanne, smooth, with her UV map, colours that are her places, a group that is how high she is, a material on each side."""
+    """Suzanne, smooth, with her UV map, colours that tell the place, a group that tells the height, and a
+    material on each side."""
     bpy.ops.mesh.primitive_monkey_add(calc_uvs=True)
     obj = bpy.context.object
     mesh = obj.data
@@ -75,7 +76,7 @@ def imported(path):
 
 
 def state(obj):
-    """All of an object that must stay as it is."""
+    """Everything of an object that must stay as it is."""
     mesh = obj.data
     return (
         obj.name,

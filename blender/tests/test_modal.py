@@ -68,7 +68,7 @@ def test_a_job_ends_with_the_result(begun):
     before = state(begun.obj)
     assert begun.operator.begin(begun.context) == {"RUNNING_MODAL"}
     assert begun.kind.running is not None and not begun.kind.poll(bpy.context)
-    # Everything but the timer and Esc is for others.
+    # All events but the timer and Esc are passed on.
     assert begun.operator.modal(begun.context, MOVE) == {"PASS_THROUGH"}
     said, seen = {"RUNNING_MODAL"}, []
     while said == {"RUNNING_MODAL"}:
@@ -102,7 +102,7 @@ def test_esc_ends_a_job_and_leaves_nothing(begun):
     with pytest.raises(Exception, match="^$"):
         job.result()
     assert (state(begun.obj), len(bpy.data.objects), len(bpy.data.meshes)) == before
-    # And another one may begin.
+    # Another one may begin then.
     assert bpy.ops.object.spectral_remesh.poll()
 
 

@@ -1,4 +1,4 @@
-"""What got better and what got worse between two runs, beyond noise.
+"""Tells what got better and what got worse between two runs, beyond noise.
 
 An experiment that has figures of ours to watch gives them by
 

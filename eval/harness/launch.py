@@ -12,7 +12,8 @@ import time
 
 def main():
     pipe, timeout, program = int(sys.argv[1]), float(sys.argv[2]), sys.argv[3]
-    # What the program leaves behind does not hold the pipe open, nor does the program outlive the harness.
+    # Processes that the program leaves behind must not hold the pipe open, and the program must not outlive the
+    # harness.
     os.set_inheritable(pipe, False)
     parent = os.getppid()
     start = time.perf_counter()
@@ -27,7 +28,7 @@ def main():
         seconds = time.perf_counter() - start
         if not done:
             time.sleep(0.002)
-    # What ended in time is not called late.
+    # A program that ended in time does not count as late.
     late = late and os.WIFSIGNALED(status)
     os.write(pipe, b'late' if late else b'%d %r %d' % (status, seconds, usage.ru_maxrss))
 

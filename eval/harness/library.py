@@ -1,4 +1,4 @@
-"""What the library says and makes, through its binary and its examples."""
+"""Asks the library, through its binary and its examples."""
 
 import json
 

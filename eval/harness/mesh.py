@@ -76,7 +76,7 @@ def read(path):
 
 
 def read_ply(path):
-    """What `write` wrote, and nothing else: so that peers need no other program to read their input."""
+    """Reads what `write` wrote, and nothing else, so that peers need no other program to read their input."""
     with open(path, 'rb') as f:
         header = [line.decode('ascii').split() for line in iter(f.readline, b'end_header\n')]
         counts = {words[1]: int(words[2]) for words in header if words[0] == 'element'}

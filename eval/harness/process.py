@@ -30,7 +30,7 @@ def run(command, timeout=600, may_exit=(0,), environment=None):
     reading, writing = os.pipe()
     with tempfile.TemporaryFile() as said, tempfile.TemporaryFile() as printed, os.fdopen(reading) as told:
         words = [sys.executable, '-I', '-S', LAUNCH, str(writing), str(timeout), program, *command[1:]]
-        # Of a group of its own: where the harness is ended, it is left to end the program.
+        # It has a group of its own, so that it can end the program when the harness is ended.
         process = subprocess.Popen(words, stdout=printed, stderr=said, env=environment, pass_fds=[writing],
                                    process_group=0)
         os.close(writing)

@@ -148,7 +148,7 @@ def _pair(own, program, name, asked, entry):
 
 
 def _ours(own, entry):
-    """Our times. A failure of ours has a row of its own, and is none of the peer's."""
+    """Our times. A failure of ours has a row of its own and does not count as the peer's."""
     try:
         return entry.run(own, 'remesh.pair', entry.wanted)
     except process.Failed:

@@ -100,7 +100,7 @@ def _best(raw):
 
 
 def _value(label):
-    """What reads a measure in a result."""
+    """The function that reads a measure in a result."""
     measure = measure_called(label)
     return lambda result: measure.of(result['measures'])
 

@@ -1,4 +1,4 @@
-"""What of two results is better, measure by measure, and the sentences about it."""
+"""Says which of two results is better, measure by measure."""
 
 from dataclasses import dataclass
 

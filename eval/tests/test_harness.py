@@ -23,7 +23,7 @@ class Process(unittest.TestCase):
         self.assertTrue(0.2 <= ran.seconds < 2, ran.seconds)
 
     def test_memory_is_that_of_the_program(self):
-        """Not that of the harness, which has far more; and what the program takes is seen."""
+        """It is not the memory of the harness, which has far more; and the program's own is seen."""
         held = bytearray(300_000_000)
         held[::4096] = b'x' * len(held[::4096])
         small = process.run([sys.executable, '-c', 'pass']).megabytes
@@ -232,7 +232,7 @@ def crashes(_context):
 
 
 def hangs(context):
-    """With a program that it started and that hangs, too."""
+    """Also where a program that it started hangs."""
     process.run([sys.executable, '-c', 'import os, time; print(os.getpid(), file=open(%r, "w")); time.sleep(60)'
                  % context.file('pid')])
 

@@ -1,4 +1,4 @@
-"""The computations of the paper's experiments held against what is known."""
+"""Checks the computations of the paper's experiments against what is known."""
 
 import unittest
 
@@ -52,7 +52,7 @@ class Subsets(unittest.TestCase):
                 self.assertIn(900, kept)
 
     def test_contributions_on_a_plane_are_zero(self):
-        """All that goes from a plane with noise in one half goes from the other half first."""
+        """From a plane with noise in one half, points of the other half are removed first."""
         plane = self.plane.copy()
         left = plane[:, 0] < 5
         plane[left, 2] += 0.1 * np.random.default_rng(5).normal(size=left.sum())

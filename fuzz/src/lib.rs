@@ -1,4 +1,4 @@
-//! What the targets of the fuzzer share with each other, and with the tests of the project.
+//! Code that the targets of the fuzzer share with each other and with the tests of the project.
 
 #[path = "../../tests/all/cases.rs"]
 pub mod cases;

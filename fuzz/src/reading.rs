@@ -1,4 +1,5 @@
-//! Reading: any bytes give a mesh that is whole, or an error in a line; and what was read can be written, and read again.
+//! Checks reading: any bytes give a valid mesh, or an error in a line; and what was read can be written, and read
+//! again.
 
 use crate::files::audit;
 use spectral_remesh::io::{self, Folder, Format, read_named};
@@ -54,7 +55,7 @@ impl Folder for Same<'_> {
     }
 }
 
-/// Reads them, and holds what comes out to what is promised.
+/// Reads them, and checks what is promised of the result.
 pub fn read(kind: Kind, bytes: &[u8]) {
     let (bytes, format) = match kind {
         Kind::Any => (bytes.to_vec(), None),

@@ -1,4 +1,4 @@
-"""Arrays as they are given, made those that the compiled half reads. Those of usual types are not copied."""
+"""Converts the arrays of users to those that the compiled half reads. Arrays of usual types are not copied."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def _as_columns(name: str, values: ArrayLike, vertices: int) -> Array:
 
 
 def _of_a_file(array: Array) -> np.dtype[Any]:
-    """The type that files have for such numbers: none has whole numbers of eight bytes."""
+    """The type that files have for such numbers: no format has whole numbers of eight bytes."""
     if array.dtype.kind == "b":
         return np.dtype(np.uint8)
     if array.dtype.kind == "f":

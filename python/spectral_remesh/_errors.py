@@ -38,14 +38,14 @@ class FormatError(SpectralRemeshError):
 
 
 class MeshError(SpectralRemeshError):
-    """A mesh or a cloud that nothing can be made of: it has no area, say, or no surface goes through its points."""
+    """Nothing can be made of a mesh or a cloud: it has no area, say, or no surface goes through its points."""
 
 
 class NotVerifiedError(SpectralRemeshError):
-    """With ``strict=True``: the result fails a check, such as one of its topology.
+    """With ``strict=True``: the result fails a check, such as that of its topology.
 
     Attributes:
-        remeshed: The result all the same.
+        remeshed: The result nevertheless.
     """
 
     def __init__(self, remeshed: Remeshed) -> None:

@@ -14,15 +14,15 @@ def read(path: str | os.PathLike[str], *, format: str | None = None) -> Mesh:
     """Reads a mesh or a cloud of points.
 
     Args:
-        path: The file. What gzip packed is unpacked.
-        format: The ending of a format, such as ``"ply"``, where neither the name nor the content shall decide.
+        path: The file. Files packed by gzip are unpacked.
+        format: The ending of a format, such as ``"ply"``, if neither the name nor the content should decide.
 
     Returns:
         The mesh with its attributes, texture coordinates, materials and names of parts, and notes of what was left out.
 
     Raises:
         FileError: If it cannot be read, or its format cannot be told.
-        FormatError: For a content that is not what the format says; with the line, byte or part.
+        FormatError: If the content is not what the format says; it names the line, the byte or the part.
         ArgumentError: For a format that there is not.
     """
     vertices, faces, others, notes = _native.read(path, format)
@@ -32,14 +32,14 @@ def read(path: str | os.PathLike[str], *, format: str | None = None) -> Mesh:
 
 
 def write(path: str | os.PathLike[str], mesh: Any, *, format: str | None = None) -> None:
-    """Writes a mesh, or points if it has no faces, with all that the format can hold of what it has beside its shape.
+    """Writes a mesh, or points if it has no faces, with as much of its attributes as the format can hold.
 
-    The file replaces another one when it is complete; what fails leaves that as it was.
+    The file replaces an existing one only when it is complete.
 
     Args:
-        path: The file. Behind the ending may follow ``.gz``.
+        path: The file. ``.gz`` may follow the ending.
         mesh: A mesh of this package, or any that :func:`remesh` takes.
-        format: The ending of a format, where the name shall not decide.
+        format: The ending of a format, if the name should not decide.
 
     Raises:
         FileError: If it cannot be written, or the format has no triangles or no points.

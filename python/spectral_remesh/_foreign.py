@@ -1,5 +1,7 @@
-"""Meshes of other packages, which are imported only where one of theirs is wanted: those that are given are known by the
-package of their class."""
+"""Meshes of other packages.
+
+These are imported only if one of their meshes is wanted; a mesh that is given is known by the package of its class.
+"""
 
 from __future__ import annotations
 
@@ -37,14 +39,14 @@ def as_mesh(vertices: Any, faces: ArrayLike | None = None, attributes: Mapping[s
 
 
 def _with_attributes(mesh: Mesh, attributes: dict[str, Array]) -> Mesh:
-    """The same mesh with other attributes; that which was given stays as it is."""
+    """The same mesh with other attributes; the one that was given stays as it is."""
     other = Mesh(mesh.vertices, mesh.faces, attributes=attributes, texture=mesh.texture)
     other.notes, other._others = mesh.notes, mesh._others
     return other
 
 
 def _reader(value: Any) -> Callable[[Any], Mesh] | None:
-    """What reads a mesh of this class, unless it is one of numbers."""
+    """The reader of meshes of this class, unless it is one of arrays."""
     if isinstance(value, (str, bytes)) or hasattr(value, "__fspath__"):
         raise ArgumentError("vertices", f"an array or a mesh is wanted, not a name; give read({str(value)!r})")
     readers: dict[str, Callable[[Any], Mesh]] = {
@@ -95,7 +97,7 @@ def _of_pyvista(mesh: Any) -> Mesh:
 
 
 def _of_vtk(points: ArrayLike, cells: Array) -> Array | None:
-    """The triangles of a list of polygons, before each of which is how many corners it has."""
+    """The triangles of a list of polygons, in which the number of corners stands before each polygon."""
     if cells.size == 0:
         return None
     if cells.size % 4 == 0 and (cells[::4] == 3).all():
@@ -141,7 +143,7 @@ def _filled(arrays: dict[str, Any]) -> dict[str, Array]:
 
 
 def _colors(colors: ArrayLike | None) -> dict[str, Array]:
-    """Colours of an object that has none where there are none, or as many as vertices."""
+    """Colours of an object that has either none or one for each vertex."""
     return {} if colors is None or np.size(colors) == 0 else {"color": np.asarray(colors)}
 
 

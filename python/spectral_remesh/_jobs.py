@@ -56,7 +56,7 @@ def remesh(
         vertices: Positions, of shape (n, 3), of any float or integer type; or a mesh or cloud of trimesh, PyVista, meshio,
             Open3D or this package, with its colours, normals and other attributes of vertices; or a tuple of both arrays.
         faces: Numbers of the corners from 0, of shape (m, 3), counter-clockwise seen from outside; or polygons, of shape
-            (m, k). Without, the vertices are a cloud, through which a surface is laid.
+            (m, k). Without faces, the vertices are a cloud, through which a surface is laid.
         points: Number of vertices of the result; ``"auto"`` takes as many as ``max_error`` needs. With ``within`` or
             ``select`` those strictly inside of the part.
         edge_length: Mean edge length of the result, in the units of the input.
@@ -138,7 +138,7 @@ def levels(vertices: Any, faces: ArrayLike | None = None, *, points: Sequence[in
         vertices: As for :func:`remesh`.
         faces: As for :func:`remesh`.
         points: Numbers of vertices, from fine to coarse.
-        options: The other arguments of :func:`remesh`, but for those that say how dense the result shall be.
+        options: The other arguments of :func:`remesh`, but for those that say how dense the result should be.
 
     Returns:
         A mesh for each number, in this order.

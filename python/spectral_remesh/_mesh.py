@@ -1,4 +1,4 @@
-"""Meshes as this package has them, and what it makes of others."""
+"""The meshes of this package, and the results of its jobs."""
 
 from __future__ import annotations
 

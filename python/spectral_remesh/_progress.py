@@ -1,4 +1,4 @@
-"""How far a job is: told to a function, or shown as a bar."""
+"""The progress of a job, told to a function or shown as a bar."""
 
 from __future__ import annotations
 

@@ -78,7 +78,7 @@ def _flag(name: str, value: object) -> list[str]:
 
 
 def _run(command: Sequence[str], step: str, *words: object) -> str:
-    """What the program prints in a step; it ends with what is wrong in its last line if it fails."""
+    """What the program prints in a step. If it fails, the last line says what is wrong."""
     paths = (str(Path(word)) if isinstance(word, os.PathLike) else str(word) for word in words)
     ran = subprocess.run([*command, "tiles", step, *paths], capture_output=True, text=True, check=False)
     if ran.returncode != 0:

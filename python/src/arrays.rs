@@ -1,4 +1,4 @@
-//! Arrays of numpy as what the library works on, and back; each way every number is copied once at most.
+//! Converts numpy's arrays to what the library works on, and back; either way every number is copied once at most.
 
 use crate::errors::argument;
 use glam::{DVec2, DVec3};

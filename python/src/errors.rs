@@ -24,7 +24,7 @@ pub fn exception(error: &Error) -> PyErr {
     }
 }
 
-/// What an argument is refused with: its name and the cause.
+/// The error for an argument: its name and the cause.
 pub fn argument(name: &str, cause: impl Into<String>) -> PyErr {
     ArgumentError::new_err((name.to_owned(), cause.into()))
 }

@@ -30,7 +30,7 @@ pub fn read(py: Python, path: PathBuf, format: Option<&str>) -> PyResult<Read> {
 pub fn write(py: Python, path: PathBuf, mesh: &Mesh, format: Option<&str>) -> PyResult<()> {
     let format = known(format)?;
     let parts = Arc::clone(&mesh.0);
-    // What has begun to be written comes to its end.
+    // What has begun to be written is written to its end.
     detached(py, || write_parts(&path, &parts, format))?.map_err(|error| exception(&error))
 }
 

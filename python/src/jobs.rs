@@ -203,7 +203,7 @@ pub fn quality(py: Python, mesh: &Mesh, against: Option<&Mesh>, threads: Option<
     Ok(told(report.to_json(), &report.to_text()))
 }
 
-/// Adds what a job took. The memory is left out: that of the process is the user's.
+/// Adds the time that a job took. Its memory is left out: the process is the user's.
 fn measure(run: &mut RunSummary, monitor: &Stopwatch) {
     run.measure(&monitor.laps(), None, rayon::current_num_threads());
 }

@@ -250,7 +250,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Marks {
     }
 }
 
-/// A support radius; `True` is the usual one, `False` is none.
+/// A support radius; `True` is the default one, `False` is none.
 struct Smoothing(f64);
 
 impl<'a, 'py> FromPyObject<'a, 'py> for Smoothing {

@@ -11,10 +11,10 @@ use std::sync::{Arc, Mutex, OnceLock};
 use std::thread;
 use std::time::Duration;
 
-/// How often the calling thread looks after signals: an interrupt is felt as at once.
+/// How often the calling thread looks after signals: to people an interrupt seems to work at once.
 const TICK: Duration = Duration::from_millis(20);
 
-/// What the job tells the calling thread, and that it shall end.
+/// What the job tells the calling thread, and whether it should end.
 #[derive(Default)]
 struct Watch {
     stage: Mutex<&'static str>,

@@ -18,7 +18,7 @@ from conftest import command, torus
 
 import spectral_remesh as sr
 
-# Flags without a like-named argument: what they are in Python.
+# Flags without an argument of the same name: what they are in Python.
 COMMAND_ONLY = {
     "format": "the argument of read()",
     "output-format": "the argument of write()",
@@ -38,7 +38,7 @@ COMMAND_ONLY = {
 # Flags of one job that another function stands for.
 OTHER_FUNCTION = {"remesh": {"levels"}}
 
-# Arguments without a like-named flag.
+# Arguments without a flag of the same name.
 PYTHON_ONLY = {"vertices", "faces", "attributes", "progress", "report", "strict"}
 
 # For each job a command line and the same in Python, with as many of the options as there are.

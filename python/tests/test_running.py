@@ -15,7 +15,7 @@ from conftest import torus
 
 import spectral_remesh as sr
 
-# A job that takes many seconds: it is ended long before.
+# A job that would take many seconds: it is ended long before.
 LONG = {"points": 200_000}
 
 
@@ -66,7 +66,7 @@ def test_ctrl_c_ends_the_job(job):
     with pytest.raises(KeyboardInterrupt):
         job(*torus(), **LONG, progress=interrupt)
     assert shares[-1] < 0.5
-    # And the next one is as if nothing had been.
+    # The next job is not affected.
     assert len(job(*torus(), points=200).vertices) == 200
 
 

@@ -31,7 +31,7 @@ fn carry(input: &Mesh, attributes: &Attributes, output: &Remeshed) -> Carried {
     vertex::carry(input, attributes, &output.mesh, &output.origins)
 }
 
-/// All of it got through, without a remark.
+/// All of it arrived, and no note says otherwise.
 #[track_caller]
 fn whole(carried: Carried) -> Attributes {
     assert!(carried.lost.is_empty() && carried.notes.is_empty(), "{:?} {:?}", carried.lost, carried.notes);
@@ -62,7 +62,7 @@ fn labels_stay_whole_and_are_those_below() {
     let carried = whole(carry(&input, &attributes, &output));
     for (&p, &label) in output.mesh.positions.iter().zip(&carried.vertex[0].values) {
         assert!((0..8).any(|o| label == 10.0 * f64::from(o)));
-        // An edge of the input is about a tenth long.
+        // Edges of the input are about a tenth long.
         assert!(p.abs().min_element() < 0.12 || label == 10.0 * octant(p), "{p} {label}");
     }
 }

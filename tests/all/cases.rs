@@ -1,5 +1,5 @@
-//! Inputs and options of all kinds out of any bytes, for the tests of properties and for the fuzzing in `fuzz/`; and what every
-//! job on them is held to.
+//! Makes inputs and options of all kinds from any bytes, for the property tests and for the fuzzing in `fuzz/`, and
+//! checks every job on them.
 
 use crate::common::*;
 use crate::sound::{Kind, crossing, kind};
@@ -11,7 +11,7 @@ use spectral_remesh::{
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// Decisions, a byte each; zeros when there are no more.
+/// Decisions, one from each byte; zeros when the bytes have run out.
 struct Bytes<'a>(&'a [u8]);
 
 impl Bytes<'_> {
@@ -45,13 +45,13 @@ impl Bytes<'_> {
 pub struct Case {
     pub mesh: Mesh,
     pub options: RemeshOptions,
-    /// That of the shape before it was damaged in ways that are to be repaired; `None` where that is not known. Such a shape
-    /// does not cross itself.
+    /// The topology of the shape before damage that repair should undo; `None` where it is not known. Such a shape does
+    /// not cross itself.
     pub kind: Option<Kind>,
 }
 
 impl Case {
-    /// The one that these bytes stand for, of at most so many points.
+    /// The case that these bytes stand for, with at most so many points.
     pub fn new(bytes: &[u8], most_points: usize) -> Case {
         let bytes = &mut Bytes(bytes);
         let (mut mesh, mut is_known) = shape(bytes);
@@ -65,7 +65,7 @@ impl Case {
         Case { mesh: placed(bytes, mesh), options, kind: kind.filter(|_| is_known) }
     }
 
-    /// Remeshes, and panics where that does not come to an end within `time`, or the result is not what it is said to be.
+    /// Remeshes the case. Panics if that does not end within `time`, or if the result is not what it claims to be.
     pub fn run(&self, time: Duration) {
         let positions: Vec<[f64; 3]> = self.mesh.positions.iter().map(|p| p.to_array()).collect();
         let input = Input::mesh(&positions, &self.mesh.triangles);
@@ -102,7 +102,7 @@ impl Case {
             assert!(!outcome.notes.is_empty(), "{} vertices instead of {wanted}", outcome.mesh.positions.len());
         }
         if let Some(report) = &outcome.report {
-            // An input that nothing was repaired of is what its result has to be, whatever it was made of.
+            // If nothing was repaired, the result must have the topology of the input, however that was made.
             if report.repairs == Some(Default::default())
                 && let Ok(own) = kind(&self.mesh)
             {
@@ -121,7 +121,7 @@ impl Case {
     }
 }
 
-/// Asks to stop at a time, and notes the stages until then.
+/// Asks to stop after some time, and records the stages until then.
 struct Until {
     end: Instant,
     stages: Mutex<Vec<&'static str>>,
@@ -154,7 +154,7 @@ fn shape(bytes: &mut Bytes) -> (Mesh, bool) {
         _ => (triangles(bytes), false),
     };
     let (mut mesh, mut is_known) = one(bytes);
-    // Bodies apart, side by side or one in the other.
+    // Separate bodies, side by side or one inside of the other.
     for i in 0..bytes.one_of(&[0, 0, 0, 0, 1, 2]) {
         let (other, other_is_known) = one(bytes);
         let apart = dvec3(0.0, 0.0, 3.0 * f64::from(i + 1));
@@ -172,7 +172,7 @@ fn cells_of(bytes: &mut Bytes) -> Mesh {
     moved(cells(&places), |p| p / 3.0)
 }
 
-/// Triangles between places of a coarse lattice, however they meet.
+/// Triangles between points of a coarse lattice, which may meet in any way.
 fn triangles(bytes: &mut Bytes) -> Mesh {
     let side = bytes.among(2, 4);
     let count = bytes.among(1, 40);
@@ -181,7 +181,7 @@ fn triangles(bytes: &mut Bytes) -> Mesh {
     Mesh { positions: places.map(|p| p / f64::from(side)).collect(), triangles }
 }
 
-/// Damages a mesh; whether its kind stays what it was.
+/// Damages a mesh; whether its topology stays the same.
 fn damage(bytes: &mut Bytes, mesh: &mut Mesh) -> bool {
     let mut stays = true;
     for _ in 0..bytes.one_of(&[0, 0, 1, 1, 2, 4]) {
@@ -234,7 +234,7 @@ fn damage(bytes: &mut Bytes, mesh: &mut Mesh) -> bool {
     stays
 }
 
-/// The mesh of another size, squeezed, turned and somewhere else; a few bits of its coordinates are lost.
+/// The mesh scaled, squeezed, turned and moved; a few bits of its coordinates are lost.
 fn placed(bytes: &mut Bytes, mesh: Mesh) -> Mesh {
     let squeeze = dvec3(1.0, 1.0, bytes.one_of(&[1.0, 1.0, 1.0, 0.1, 1e-2]));
     let (axis, angle) = (bytes.vector() + dvec3(0.1, 0.0, 0.0), bytes.one_of(&[0.0, 0.0, 1.0, 2.0]));
@@ -244,7 +244,7 @@ fn placed(bytes: &mut Bytes, mesh: Mesh) -> Mesh {
     moved(mesh, |p| scale * (p + offset))
 }
 
-/// What to make of a mesh of so many `vertices`.
+/// Options for a mesh of so many `vertices`.
 fn options(bytes: &mut Bytes, most_points: usize, vertices: usize) -> RemeshOptions {
     let share = bytes.share();
     let points = (4.0 * (most_points as f64 / 4.0).powf(share)) as usize;

@@ -14,7 +14,8 @@ struct Ran {
 }
 
 impl Ran {
-    /// It failed with `status`, said nothing on standard output, and one line that contains `words` on standard error.
+    /// Checks that it failed with `status`, printed nothing to standard output, and one line that contains `words` to
+    /// standard error.
     #[track_caller]
     fn failed(&self, status: i32, words: &[&str]) {
         assert_eq!(self.status, status, "{}", self.err);
@@ -23,7 +24,7 @@ impl Ran {
         words.iter().for_each(|word| assert!(self.err.contains(word), "no {word:?} in {:?}", self.err));
     }
 
-    /// It ended with status 0 and an empty standard error.
+    /// Checks that it ended with status 0 and printed nothing to standard error.
     #[track_caller]
     fn went_well(&self) -> &str {
         assert_eq!((self.status, self.err.as_str()), (0, ""));
@@ -267,7 +268,7 @@ fn quiet_says_nothing_and_verbose_names_the_stages() {
     let folder = folder();
     assert_eq!(run(folder.path(), "sphere.off quiet.ply --points 200 -q").went_well(), "");
     assert!(folder.path().join("quiet.ply").exists());
-    // What of the input is lost is said even so.
+    // Even so a note says what of the input is lost.
     let shred: String =
         (0..25).map(|i| format!("{} {} 9\n", 0.05 * f64::from(i % 5), 0.05 * f64::from(i / 5))).collect();
     let cloud: String =
@@ -420,7 +421,7 @@ fn attributes_are_carried_and_what_is_lost_is_said() {
     };
     assert_eq!(report("graded.ply a.ply"), serde_json::json!({ "carried": ["h"], "lost": [] }));
     assert!(std::fs::read(path.join("a.ply")).unwrap().starts_with(b"ply\n"));
-    // The carried property is one to go by again.
+    // The property that was carried over can be used as a field again.
     run(path, "a.ply b.ply --sizing h -q").went_well();
     let lost = report("graded.ply a.stl");
     assert_eq!(lost["lost"][0], serde_json::json!({ "name": "h", "cause": "STL has no place for it" }));
@@ -441,7 +442,7 @@ fn a_textured_file_stays_textured() {
     let written = std::fs::read_to_string(path.join("out.obj")).unwrap();
     assert!(written.starts_with("mtllib m.mtl\nv ") && written.contains("\nusemtl red\nf "));
     assert_eq!(written.lines().filter(|line| line.starts_with("vt ")).count(), 60);
-    // Through every format that has texture coordinates and back, they are where the corners are.
+    // Texture coordinates belong to the same corners after they went through each format that has them.
     run(path, "square.obj a.glb --points 60 -q").went_well();
     run(path, "a.glb b.ply --points 50 -q").went_well();
     run(path, "b.ply c.obj --points 40 -q").went_well();

@@ -54,7 +54,7 @@ fn audit(mesh: &Mesh) -> (i64, usize, usize) {
     (t.euler, t.components, t.boundary_loops)
 }
 
-/// Six times the volume within a closed mesh: positive if it looks outwards.
+/// Six times the volume within a closed mesh: positive if its faces look outwards.
 fn volume(mesh: &Mesh) -> f64 {
     (0..mesh.triangles.len()).map(|t| mesh.corners(t)).map(|[a, b, c]| a.dot(b.cross(c))).sum()
 }
@@ -108,7 +108,7 @@ fn duplicates_and_strays_are_left_out_and_counted() {
     let made = connect(&cloud(positions.clone()));
     assert_eq!(audit(&made.mesh), (2, 1, 0));
     assert_eq!((made.summary.duplicates, made.summary.outliers), (50, 3));
-    // Every vertex of the mesh is the point of the cloud that it says it is.
+    // Every vertex of the mesh is the point of the cloud that its origin names.
     assert_eq!(made.mesh.positions.len(), made.source.len());
     for (v, &p) in made.mesh.positions.iter().zip(&made.source) {
         assert_eq!(*v, positions[p as usize]);
@@ -172,7 +172,7 @@ fn holes_of_the_scan_stay_unless_they_are_to_be_filled() {
 
 #[test]
 fn density_may_change_by_a_thousand() {
-    // Dense near the south pole, sparse near the north, gradually.
+    // The density falls gradually from the south pole to the north pole.
     let mut rng = random();
     let mut points = Vec::new();
     while points.len() < 30_000 {

@@ -7,7 +7,7 @@ use spectral_remesh::stages::mesh::topology::{Topology, topology};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 
-/// Everything that must hold for the arrays of a result; its topology.
+/// Checks all that must hold for the arrays of a result, and gives its topology.
 #[track_caller]
 pub fn audit(mesh: &Mesh) -> Topology {
     assert!(mesh.positions.iter().all(|p| p.is_finite()), "coordinates that are not finite");
@@ -38,7 +38,7 @@ pub fn rotated(mesh: Mesh, axis: DVec3, angle: f64) -> Mesh {
     moved(mesh, |p| m * p)
 }
 
-/// The mesh with its other side outside.
+/// The mesh turned inside out.
 pub fn inside_out(mut mesh: Mesh) -> Mesh {
     mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     mesh
@@ -62,7 +62,7 @@ pub fn soup(mesh: &Mesh) -> Mesh {
     Mesh { positions, triangles }
 }
 
-/// The same surface with its vertices and triangles in another order, and the corners of triangles begun elsewhere.
+/// The same surface with its vertices and triangles in another order, and other corners first.
 pub fn shuffled(mesh: &Mesh, rng: &mut Random) -> Mesh {
     let mut permutation = |n: usize| {
         let mut order: Vec<(u64, u32)> = (0..n as u32).map(|i| ((unit(rng) * 1e15) as u64, i)).collect();
@@ -237,7 +237,7 @@ pub fn moebius(n: u32, m: u32) -> Mesh {
     })
 }
 
-/// A closed surface with no two sides, which crosses itself.
+/// A closed surface with only one side, which crosses itself.
 pub fn klein_bottle(n: u32, m: u32) -> Mesh {
     grid(n, m, Ends::Twisted, Ends::Joined, |u, v| {
         let (a, b) = (TAU * u, TAU * v);

@@ -1,4 +1,4 @@
-//! Clouds with more points than are of use: which are kept, and that it does not matter how they come.
+//! Clouds with more points than are of use: which are kept, in whatever order they come.
 
 use glam::{DVec3, dvec3};
 use spectral_remesh::io::file::{read_at_most, read_file, write_points_file};

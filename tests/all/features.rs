@@ -1,4 +1,5 @@
-//! Sharp edges, corners and rims on shapes made for it: they come out where they were, and no triangle crosses them.
+//! Sharp edges, corners and rims on shapes made for these tests: they come out where they were, and no triangle crosses
+//! them.
 
 use crate::common::*;
 use glam::{DVec3, dvec3};
@@ -127,7 +128,7 @@ fn a_threshold_above_all_edges_keeps_none() {
 #[test]
 fn the_apex_of_a_cone_stays() {
     for top in [0.4, 1.0, 3.0] {
-        // How near a sample happens to lie to an apex is a matter of the seed.
+        // The seed decides how near to an apex a sample lies.
         let options = Options { seed: 6, ..Options::points(2000) };
         let made = remesh(&cylinder(120, 1.0, 0.0, top), &options, &()).unwrap();
         assert!(made.verified());

@@ -1,4 +1,5 @@
-//! Files of all formats, whole ones and small, and what reading any bytes is held to. The fuzzing in `fuzz/` uses them, too.
+//! Small, complete files of all formats, and checks of what is read from any bytes. The fuzzing in `fuzz/` uses them,
+//! too.
 
 use glam::DVec3;
 use spectral_remesh::io::{self, Format, Loaded, NO_BUFFERS};
@@ -126,7 +127,7 @@ pub fn cloud_files() -> Vec<(Format, Vec<u8>)> {
     Format::OF_POINTS.into_iter().map(written).chain(others).collect()
 }
 
-/// Reads as every format, also after the wrong ones: an error or a mesh that is sound.
+/// Reads the bytes as every format, most of which they are not: each gives an error or a sound mesh.
 pub fn read_as_anything(bytes: &[u8]) {
     let _ = Format::sniff(bytes);
     for format in Format::ALL {
@@ -134,7 +135,7 @@ pub fn read_as_anything(bytes: &[u8]) {
     }
 }
 
-/// Holds what a file of the name `name` was read as to what is promised of any bytes.
+/// Checks what is promised of any bytes, for what was read from a file of the name `name`.
 pub fn audit(read: Result<Loaded, Error>) -> Option<Loaded> {
     match read {
         Ok(loaded) => {

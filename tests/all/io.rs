@@ -21,7 +21,7 @@ fn every_format_comes_back() {
             (0..8).map(|t| loaded.mesh.corners(t)).collect::<Vec<_>>(),
             (0..8).map(|t| mesh.corners(t)).collect::<Vec<_>>()
         );
-        // STL alone has no vertices of its own.
+        // Only STL has no shared vertices.
         assert_eq!(loaded.mesh == mesh, format != Format::Stl);
     }
 }

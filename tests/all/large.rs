@@ -76,7 +76,8 @@ fn a_file_larger_than_the_memory_is_read_in_blocks_by_itself() {
 
 #[test]
 fn what_is_no_manifold_becomes_one() {
-    // Corners of their own for each triangle, in any order, some turned over, some twice; and a fin on an edge.
+    // Each triangle has corners of its own; they are in any order, some are turned over, some are there twice; and an
+    // edge has a fin.
     let mut mesh = shuffled(&soup(&fine_torus()), &mut random(3));
     for t in (0..mesh.triangles.len()).step_by(1000) {
         mesh.triangles[t].swap(0, 1);

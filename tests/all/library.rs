@@ -53,7 +53,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     glam::DVec3::from(a).distance(b.into())
 }
 
-/// The point that an origin says, of the vertices of an input.
+/// The point that an origin names, between the vertices of an input.
 fn place(origin: &Origin, positions: &[[f64; 3]]) -> [f64; 3] {
     let at = |k: usize| (0..3).map(|i| origin.weights[i] * positions[origin.vertices[i] as usize][k]).sum();
     [0, 1, 2].map(at)
@@ -65,7 +65,7 @@ fn slices_are_graded() {
     assert_eq!(graded(&arrays(&cone), &cone.triangles).unwrap().len(), 2000);
 }
 
-/// Vertices and triangles of a result are `near` to where they are told to come from.
+/// Checks that vertices and triangles of a result are `near` the places that they are said to come from.
 fn know_where_they_came_from(input: &Mesh, points: usize, near: f64) {
     let outcome = remesh(&Input::from(input), &Options::points(points).into(), &()).unwrap();
     assert!(outcome.verified(), "{:?}", outcome.shortcomings);
@@ -213,7 +213,7 @@ fn arrays_that_make_no_mesh_are_refused_by_every_job() {
     assert_eq!(faults(&unknown, &none), [Fault::Coordinates; 5]);
 }
 
-/// Keeps all shares of the work that it is told.
+/// Records all shares of the work that it is told.
 #[derive(Default)]
 struct Shares(Mutex<Vec<f64>>);
 

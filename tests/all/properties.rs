@@ -14,7 +14,7 @@ use std::time::Duration;
 const CASES: &str = "50";
 const BYTES: usize = 160;
 
-/// Far more than any case takes, and what more it may take for each point.
+/// Far more time than any case takes, and how much more it may take for each point.
 const TIME: Duration = Duration::from_secs(60);
 const TIME_OF_POINT: Duration = Duration::from_millis(10);
 
@@ -29,7 +29,7 @@ fn any_job_is_verified_or_says_why_it_is_not() {
     let asked = std::env::var("REMESH_CASES").unwrap_or(CASES.into());
     let number = |text: &str| text.parse::<u64>().unwrap_or_else(|e| panic!("REMESH_CASES={asked}: {e}"));
     let (first, end) = asked.split_once("..").map_or_else(|| (0, number(&asked)), |(a, b)| (number(a), number(b)));
-    // Those that are always tried have fewer points, and some of the others many.
+    // The cases that are always tried have few points, some of the others many.
     let most_points = |case: u64| match case {
         0..50 => 500,
         _ if case.is_multiple_of(25) => 50_000,

@@ -233,7 +233,7 @@ fn a_line_and_many_components_have_levels_too() {
     for level in &made.levels {
         assert!(level.smallest_distance > 0.5 * level.spacing, "{level:?}");
     }
-    // Of balls far from each other nothing tells which comes first but where they are.
+    // Only their places decide which of several balls, far from each other, comes first.
     let balls: Vec<Mesh> =
         (0..36).map(|i| sphere(2, 20.0 * dvec3(f64::from(i % 6), f64::from(i / 6), 0.0), 1.0)).collect();
     let made = sampled(&together(&balls), &SampleOptions { levels: Some(1), ..count(720) });

@@ -1,4 +1,4 @@
-//! Whether a mesh is sound, counted and tested here, not by the library.
+//! Tests whether a mesh is sound, independently of the library.
 
 use glam::DVec3;
 use spectral_remesh::Mesh;
@@ -12,7 +12,7 @@ pub struct Kind {
     pub boundary_loops: usize,
 }
 
-/// That of an oriented manifold; of anything else what is wrong with it.
+/// The topology of an oriented manifold, or what is wrong with any other mesh.
 pub fn kind(mesh: &Mesh) -> Result<Kind, String> {
     let Mesh { positions, triangles } = mesh;
     if let Some(v) = positions.iter().position(|p| !p.is_finite()) {
@@ -58,7 +58,7 @@ pub fn kind(mesh: &Mesh) -> Result<Kind, String> {
     })
 }
 
-/// The sets that `count` things fall into by what is joined.
+/// The sets that `count` things make where some are joined.
 fn sets(count: usize, joined: impl Iterator<Item = [u32; 2]>) -> usize {
     let mut parent: Vec<u32> = (0..count as u32).collect();
     fn root(parent: &mut [u32], mut v: u32) -> u32 {

@@ -15,7 +15,7 @@ fn cloud(count: usize, with_normals: bool) -> (tempfile::TempDir, PathBuf) {
     stretched(count, with_normals, 1.0)
 }
 
-/// The same of one that is so many times as long as wide.
+/// The same for a torus that is so many times as long as it is wide.
 fn stretched(count: usize, with_normals: bool, length: f64) -> (tempfile::TempDir, PathBuf) {
     let mut rng = stream(5, Stage::Candidates);
     let pairs: Vec<(DVec3, DVec3)> = (0..count)
@@ -131,7 +131,7 @@ fn what_is_missing_in_a_folder_is_one_line() {
     failed((0..plan.tiles.len()).try_for_each(|tile| sample_one(&folder, tile, &())), "shorter than it was");
     fs::write(&path, &fs::read(&path).unwrap()[..1000]).unwrap();
     failed(make_plan(&path, None, &folder, &options(3000, 4), &()).map(drop), "cannot be read in pieces");
-    // A plan that is not finished is none: the last point is nowhere.
+    // A plan that was not finished is no plan: the last point of this one is nowhere.
     let (_other, path) = cloud(40_000, true);
     let mut bytes = fs::read(&path).unwrap();
     let last = bytes.len() - 48;

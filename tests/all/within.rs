@@ -25,7 +25,7 @@ fn part(selection: Selection, n: usize) -> Options {
     Options { density: Density::Points(n), part: Some(selection), ..Options::default() }
 }
 
-/// Remeshes a part of `input`, which needs no repair, and holds the result to what is promised of all.
+/// Remeshes a part of `input`, which needs no repair, and checks what is promised of all results.
 #[track_caller]
 fn check_with(input: &Mesh, options: &Options) -> (Remeshed, Kept) {
     let made = remesh(input, options, &()).unwrap();

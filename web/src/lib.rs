@@ -1,4 +1,4 @@
-//! The library for a page: it is asked by bytes and answers by bytes, each an `envelope`. `library.js` is the other side.
+//! The library for a page: requests and answers are bytes, each an `envelope`. `library.js` is the other side.
 //!
 //! The page writes a request where [`make_room`] says, calls [`answer`] and reads as many bytes as [`answer_length`] says. The
 //! buffers stay in this module, so that no pointer comes back to be trusted.
@@ -22,7 +22,7 @@ thread_local! {
 
 // SAFETY of the attributes below: no other code that is linked here exports functions by these names.
 
-/// Where a request of so many bytes shall be written.
+/// Where a request of so many bytes is to be written.
 #[unsafe(no_mangle)]
 pub extern "C" fn make_room(length: usize) -> *mut u8 {
     page::tell_panics();

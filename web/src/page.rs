@@ -12,7 +12,7 @@ unsafe extern "C" {
     safe fn panicked(message: *const u8, length: usize);
 }
 
-/// Without a page nobody listens.
+/// Without a page nobody is told.
 #[cfg(not(target_family = "wasm"))]
 mod nobody {
     pub fn stage(_name: *const u8, _length: usize) {}
@@ -35,7 +35,7 @@ impl Monitor for Page {
     }
 }
 
-/// Has the page told what a panic says, before the module is unusable.
+/// Tells the page what a panic says, since the module is unusable after it.
 pub fn tell_panics() {
     panic::set_hook(Box::new(|panic| {
         let message = panic.to_string();

@@ -45,14 +45,14 @@ enum Answer {
         name: String,
         vertices: usize,
         triangles: usize,
-        /// Whether it is worth to be looked at before it is remeshed: drawing pictures of a large one takes as long as that.
+        /// Whether to look at it before it is remeshed: drawing pictures of a large mesh takes as long as remeshing.
         is_shown: bool,
     },
     Measured(Shown),
     Remeshed {
         verified: bool,
         vertices: usize,
-        /// What it is proposed to be saved as.
+        /// The proposed name to save it by.
         format: Format,
         #[serde(flatten)]
         shown: Shown,

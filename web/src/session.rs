@@ -125,7 +125,7 @@ impl Session {
     }
 }
 
-/// Attributes as a file of `format` has to have them, and the files that go with it.
+/// Attributes as a file of `format` needs them, and the files that go with it.
 fn with_companions(attributes: &Attributes, format: Format, stem: &str) -> (Attributes, Vec<(String, Vec<u8>)>) {
     match &attributes.materials {
         Some(materials) if format == Format::Obj => {

@@ -40,7 +40,7 @@ async function open(options, use) {
   assert.deepEqual(faults, []);
 }
 
-/** A page that keeps the states it was in and the verdicts it has shown: they may be gone before a test looks. */
+/** A page that records its states and the verdicts that it has shown: they may be gone before a test looks. */
 async function watched(options) {
   const page = await browser.newPage(options);
   await page.addInitScript(() => {

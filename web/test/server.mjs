@@ -1,4 +1,4 @@
-// A static web server, as any folder of files gets one.
+// A static web server for a folder of files.
 
 import { createServer } from "node:http";
 import { readFileSync } from "node:fs";

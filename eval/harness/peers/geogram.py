@@ -23,5 +23,5 @@ def command(source, target, wanted, _sharp):
 
 
 def seconds(_output, _target):
-    """It does not tell; whole processes are compared."""
+    """It does not tell them; whole processes are compared."""
     return None

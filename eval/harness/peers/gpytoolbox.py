@@ -11,7 +11,7 @@ COUNTS = False
 
 
 def load(path):
-    # What is imported here costs no time of remeshing.
+    # Imports here, so that they do not count as remeshing.
     import gpytoolbox  # noqa: F401
     return mesh.read_ply(path)
 

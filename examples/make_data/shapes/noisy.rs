@@ -1,4 +1,4 @@
-//! A lumpy ball as a cheap scanner sees it: every vertex is off by a quarter of the mean edge length.
+//! A lumpy ball as a cheap scanner sees it: vertices are off by a quarter of the mean edge length.
 
 use super::build::{Builder, gauss, signed, snap};
 use glam::DVec3;

@@ -22,7 +22,7 @@ fn levels_are_files_or_one_file() {
     assert!(fine.1.starts_with("\"read\" \"repair\" \"sample\"") && fine.1.ends_with("\"measure\""), "{}", fine.1);
     assert!(coarse.1.starts_with("\"sample\"") && coarse.1.ends_with("\"write\""), "{}", coarse.1);
 
-    // One file, whose finest level is what others read; a page of all levels; and the worst status.
+    // One file, of which other programs read the finest level; a page of all levels; and the worst of their statuses.
     let ran = run(folder.path(), "sphere.off out.glb --levels 400,100 --max-error 0.02 --report r.html -q");
     assert_eq!(ran.status, 3, "{}", ran.err);
     assert!(ran.err.starts_with("remesh: out.glb, level 2: written but not verified"), "{}", ran.err);

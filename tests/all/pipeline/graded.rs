@@ -13,7 +13,7 @@ fn at_vertices(mesh: &Mesh, field: impl Fn(DVec3) -> f64) -> Vec<f64> {
     mesh.positions.iter().map(|&p| field(p)).collect()
 }
 
-/// The lengths of the edges of `mesh`, in those that `field` has at their middles.
+/// The lengths of the edges of `mesh`, in units of what `field` wants at their middles.
 fn relative_lengths(mesh: &Mesh, field: impl Fn(DVec3) -> f64) -> Vec<f64> {
     let ends = mesh.triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
     let ends = ends.map(|(a, b)| (mesh.positions[a as usize], mesh.positions[b as usize]));

@@ -17,7 +17,7 @@ fn points(n: usize) -> Options {
     Options { density: Density::Points(n), ..Options::default() }
 }
 
-/// Remeshes and holds the result to all that is promised of any input.
+/// Remeshes, and checks all that is promised of any input.
 #[track_caller]
 fn check_with(name: &str, input: &Mesh, options: &Options) -> Remeshed {
     let made = remesh(input, options, &()).unwrap_or_else(|e| panic!("{name}, {options:?}: {e}"));
@@ -44,7 +44,7 @@ fn check(name: &str, input: &Mesh, n: usize) -> Remeshed {
 fn on_the_surface(name: &str, input: &Mesh, mesh: &Mesh) {
     let bvh = Bvh::new(input);
     let largest = input.positions.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
-    // The foot on a sliver has half of the digits.
+    // Only half of the digits of a foot on a sliver are right.
     let exact = 1e-7 * input.diagonal() + 1e-15 * largest;
     let tolerance = exact + 0.15 * shape(mesh).unwrap().edge_max;
     for &p in &mesh.positions {
@@ -64,7 +64,7 @@ fn covers(name: &str, input: &Mesh, made: &Remeshed, reach: f64) {
     }
 }
 
-/// Four and ten vertices, some, and many.
+/// Four vertices, ten, some, and many.
 #[track_caller]
 fn at_all_counts(name: &str, input: &Mesh) {
     for n in [4, 10, 150, 1000] {

@@ -65,7 +65,8 @@ fn what_cannot_be_remeshed_is_refused_with_a_reason() {
     }
 }
 
-/// The bound of the distance is one of the samples, too, and not kept by too few points; those chosen keep it.
+/// What bounds the distance bounds that of samples, too. Too few points do not keep to it; the number that is chosen
+/// does.
 #[test]
 fn the_error_is_bounded() {
     let ball = sphere(4, DVec3::ZERO, 1.0);

@@ -67,11 +67,11 @@ fn crossings_of_the_input_stay_and_are_told() {
     assert!(made.self_intersections.len() > 20 && made.self_intersections_of_input > Some(20) && made.verified());
     assert!(made.notes.iter().any(|note| note.contains("intersect")), "{:?}", made.notes);
     let bvh = Bvh::new(&input);
-    // The fit takes them off the surface by some thousandths, parting sheets would by 0.15 of an edge, 0.03.
+    // The fit takes vertices off the surface by some thousandths; parting sheets would do so by 0.15 of an edge, 0.03.
     assert!(made.mesh.positions.iter().all(|&p| bvh.closest(&input, p).unwrap().distance_squared < 0.01 * 0.01));
 }
 
-/// Many needles of open ends would take a hundred times the wanted vertices for their boundaries.
+/// The boundaries of many open needles would take a hundred times the wanted vertices.
 #[test]
 #[ignore = "slow"]
 fn a_boundary_that_is_long_for_its_area_ends_in_time() {
@@ -105,7 +105,7 @@ fn open_surfaces() {
     }
 }
 
-/// Every edge of it is sharp and its triangles face everywhere; there are as many vertices as are wanted all the same.
+/// Every edge is sharp, and the triangles face in all directions; even so there are as many vertices as are wanted.
 #[test]
 fn a_crumpled_ball() {
     let ball = noisy(sphere(4, DVec3::ZERO, 1.0), 0.15, &mut random(3));
