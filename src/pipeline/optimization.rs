@@ -109,7 +109,9 @@ fn arrange_coarser(
         let (mut dense, mut old) = reduce(domain, mesh, scale.spacing, settled, &kept, monitor)?;
         let mut sweeps = COARSE_SWEEPS;
         let count = mesh.connectivity.vertex_count();
-        if count - dense.len() >= FEWEST_TO_COARSEN {
+        // On a rough surface hardly any edge can collapse, and a still coarser mesh would be the same.
+        let is_coarser = count as f64 <= MOST_LEFT * fine.connectivity.vertex_count() as f64;
+        if is_coarser && count - dense.len() >= FEWEST_TO_COARSEN {
             let half = Scale { wanted: count, spacing: 2.0 * scale.spacing };
             let coarser = arrange_coarser(domain, mesh, &half, &dense, dense.clone(), monitor)?;
             let split = refine_from(domain, mesh, coarser, &dense, &half, monitor)?;
@@ -242,6 +244,9 @@ const MOST_COARSE_MESHES: usize = 3;
 /// From this many vertices on, dense ones aside, it pays to order a mesh by a coarser one first. Smooth models gain from 1,000
 /// on, but triangles of four spacings cross curves that are near each other.
 const FEWEST_TO_COARSEN: usize = 2000;
+
+/// Most vertices, of those of a mesh, that are left in a coarser one.
+const MOST_LEFT: f64 = 0.9;
 
 /// Sweeps of ascent in the places that no coarser mesh can follow, those over the coarsest mesh, in two halves, those over one
 /// that was ordered by a coarser one, which only makes its edges even, and those where dense and coarse vertices meet: with

@@ -11,11 +11,13 @@
 //! Cost: n log n in the triangles within the radius.
 //!
 //! Limits: a triangle has one place, that of the nearest way to it; beyond a spike's tip ways to both sides of it
-//! compete.
+//! compete. On a rough surface ways curl back to the origin in the plane. No way is shorter than the straight line in space, so
+//! about that bounds the walk, too.
 
 use crate::base::csr::Csr;
 use crate::base::heap::Ranked;
 use crate::base::math;
+use crate::geom::triangle::{barycentric, closest_point_of_segment};
 use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
 use glam::{DVec2, DVec3};
@@ -23,6 +25,9 @@ use std::collections::BinaryHeap;
 
 /// Cosine of the largest angle between two normals for which a chord tells the length of the bend.
 const LEAST_AGREEMENT: f64 = 0.2;
+
+/// How far a walk goes in space, in radii: where the surface bends places in the plane are a little nearer than they should be.
+const FARTHEST: f64 = 2.0;
 
 /// Samples by the triangle that they lie on.
 pub struct SamplesByTriangle(Csr<u32>);
@@ -118,10 +123,7 @@ impl<'a> Unfolding<'a> {
         self.walked[t as usize] = self.walk;
         let here = &self.samples[centre as usize];
         for &s in self.by_triangle.on(t).iter().filter(|&&s| s != centre) {
-            let w = crate::geom::triangle::barycentric(
-                self.samples[s as usize].position,
-                self.domain.mesh.corners(t as usize),
-            );
+            let w = barycentric(self.samples[s as usize].position, self.domain.mesh.corners(t as usize));
             let place = corners[0] * w[0] + corners[1] * w[1] + corners[2] * w[2];
             if place.length_squared() <= radius * radius {
                 let there = &self.samples[s as usize];
@@ -134,10 +136,21 @@ impl<'a> Unfolding<'a> {
             // Seen from the other face the side runs the other way.
             let ends = [corners[(k + 1) % 3], corners[k]];
             let distance = distance_to_origin(ends[0], ends[1]);
-            if side != NONE && distance <= radius && self.walked[side as usize / 3] != self.walk {
+            if side != NONE
+                && distance <= radius
+                && self.walked[side as usize / 3] != self.walk
+                && self.is_within(FARTHEST * radius, here.position, side)
+            {
                 self.front.push(Ranked { rank: -distance, index: side, item: ends });
             }
         }
+    }
+
+    /// Whether `side` is no farther than `radius` from `p` in space.
+    fn is_within(&self, radius: f64, p: DVec3, side: u32) -> bool {
+        let corners = self.domain.mesh.corners(side as usize / 3);
+        let k = side as usize % 3;
+        closest_point_of_segment(p, corners[k], corners[(k + 1) % 3]).distance_squared(p) <= radius * radius
     }
 
     /// Where the corner opposite `side` comes to lie, with the side's ends at `p` and `q` and the triangle on its left.

@@ -59,6 +59,27 @@ fn sheets_nearer_than_the_triangles_are_high_do_not_cross() {
     }
 }
 
+/// A torus with noise of half an edge in the mean, of so many vertices around and across.
+fn rough(around: u32, across: u32) -> Mesh {
+    noisy(torus(around, across, 1.0, 0.4), 0.87 * std::f64::consts::TAU / f64::from(around), &mut random(5))
+}
+
+/// Where noise turns triangles to all sides no edge is sharp, and ways over the surface lead back to where they began.
+#[test]
+fn a_rough_surface_far_denser_than_the_result_becomes_a_good_one() {
+    let made = check("rough", &rough(240, 96), 500);
+    assert!(made.verified() && made.sharp_curves == 0);
+    let theta_min = shape(&made.mesh).unwrap().theta_min;
+    assert!(theta_min > 20.0, "{theta_min}");
+}
+
+/// Hardly any of its edges can collapse, so that there is no coarser mesh to begin with.
+#[test]
+#[ignore = "slow"]
+fn a_rough_surface_about_as_dense_as_the_result_comes_to_an_end() {
+    check("rough", &rough(300, 120), 7_500);
+}
+
 /// Where the input crosses itself the result does so, too, and nothing is bent for it.
 #[test]
 fn crossings_of_the_input_stay_and_are_told() {
