@@ -245,7 +245,7 @@ const MOST_COARSE_MESHES: usize = 3;
 /// on, but triangles of four spacings cross curves that are near each other.
 const FEWEST_TO_COARSEN: usize = 2000;
 
-/// Most vertices, of those of a mesh, that are left in a coarser one.
+/// Most vertices, of those of a mesh, that a coarser one has: where hardly any edge can collapse there is none.
 const MOST_LEFT: f64 = 0.9;
 
 /// Sweeps of ascent in the places that no coarser mesh can follow, those over the coarsest mesh, in two halves, those over one
