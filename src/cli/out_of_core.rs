@@ -83,7 +83,10 @@ pub(super) fn load_coarsened(job: &Remeshing, monitor: &dyn Monitor) -> Result<O
 fn not_in_blocks(path: &Path) -> Error {
     Error::File {
         file: path.display().to_string(),
-        cause: "it cannot be read in blocks: only faces in OBJ, binary PLY and binary STL can, and points in binary PLY and LAS".into(),
+        cause:
+            "it cannot be read in blocks: only faces in OBJ, binary PLY and binary STL can, and points in binary PLY \
+                and LAS"
+                .into(),
         remedy: "convert it, or read it as a whole, without --out-of-core".into(),
     }
 }

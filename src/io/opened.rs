@@ -16,7 +16,9 @@ pub(crate) struct Opened {
     path: PathBuf,
     file: File,
     pub format: Format,
+    /// Its first bytes.
     pub head: Vec<u8>,
+    /// In bytes.
     pub length: u64,
 }
 
