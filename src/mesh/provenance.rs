@@ -5,10 +5,13 @@
 //! a [`Blend`] of at most three vertices. Vertices of the source at the same place count as one; the first stands for
 //! all.
 //!
+//! Where triangles next to no height are removed, a vertex may come to a triangle of the source of which it is no corner. Where it
+//! lies there is recorded, too.
+//!
 //! Cost: four bytes a vertex and a triangle, forty for each inserted vertex.
 
 use crate::mesh::topology::NONE;
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 
 /// A point of the source: the weighted mean of at most three vertices of one triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,13 +91,15 @@ pub struct Provenance {
     inserted: Vec<Blend>,
     /// For each triangle the triangle of the source that it is a part of.
     triangles: Vec<u32>,
+    /// Where on a triangle of the source a vertex of it lies that is none of its corners.
+    placed: BTreeMap<[u32; 2], Blend>,
 }
 
 impl Provenance {
     /// The provenance of a mesh of some vertices and triangles of the source. `representatives` has for each vertex of
     /// the source the one that stands for its place, `vertices` for each vertex of the mesh one of these.
     pub fn new(representatives: Vec<u32>, vertices: Vec<u32>, triangles: Vec<u32>) -> Provenance {
-        Provenance { representatives, vertices, inserted: Vec::new(), triangles }
+        Provenance { representatives, vertices, inserted: Vec::new(), triangles, placed: BTreeMap::new() }
     }
 
     /// The provenance of the source itself.
@@ -112,6 +117,24 @@ impl Provenance {
     /// Adds a triangle that is a part of triangle `t` of the mesh.
     pub fn insert_part(&mut self, t: u32) {
         self.triangles.push(self.triangles[t as usize]);
+    }
+
+    /// Makes triangle `t` a part of the triangle of the source that `other` is a part of.
+    pub fn take_source(&mut self, t: u32, other: u32) {
+        self.triangles[t as usize] = self.triangles[other as usize];
+    }
+
+    /// Puts vertex `v`, one of the source, where vertex `at` lies on the source of triangle `t`.
+    pub fn put_at(&mut self, t: u32, v: u32, at: u32) {
+        self.put_on_edge(t, v, [at, at], 0.0);
+    }
+
+    /// Puts vertex `v`, one of the source, between vertices `a` and `b` of triangle `t`, where a share of `along` of the way from `a`
+    /// to `b` is done.
+    pub fn put_on_edge(&mut self, t: u32, v: u32, [a, b]: [u32; 2], along: f64) {
+        let source = self.triangle(t);
+        let place = Blend::mean([a, b].map(|v| self.blend_on(source, v)), [1.0 - along, along]);
+        self.placed.insert([source, self.vertices[v as usize]], place);
     }
 
     /// The provenance of a mesh with these vertices and triangles of this one, in the given order.
@@ -141,6 +164,16 @@ impl Provenance {
         }
     }
 
+    /// Where vertex `v` lies on triangle `source` of the source.
+    fn blend_on(&self, source: u32, v: u32) -> Blend {
+        let blend = self.blend(v);
+        if self.placed.is_empty() {
+            return blend;
+        }
+        let place = |vertex: u32| self.placed.get(&[source, vertex]).copied().unwrap_or(Blend::of(vertex));
+        Blend::mean(blend.vertices.map(place), blend.weights)
+    }
+
     /// The values of a piecewise linear function at the vertices of the mesh, given those at the vertices of the
     /// source.
     pub fn values(&self, of_source: &[f64]) -> Vec<f64> {
@@ -160,20 +193,21 @@ impl Provenance {
         let place = |v: u32| self.representatives[v as usize];
         let edges: HashSet<[u32; 2]> = edges.iter().map(|ends| in_order(ends.map(place))).collect();
         // Two points of a triangle lie on one of its edges if only two corners have a weight in them.
-        let is_along = |ends: [u32; 2]| {
-            let mut corners: Vec<u32> = ends.iter().flat_map(|&v| self.blend(v).corners()).collect();
+        let is_along = |source: u32, ends: [u32; 2]| {
+            let mut corners: Vec<u32> = ends.iter().flat_map(|&v| self.blend_on(source, v).corners()).collect();
             corners.sort_unstable();
             corners.dedup();
             <[u32; 2]>::try_from(corners).is_ok_and(|corners| edges.contains(&corners))
         };
-        triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(is_along).collect()
+        let sides = triangles.iter().zip(&self.triangles);
+        sides.flat_map(|(&[a, b, c], &t)| [[a, b], [b, c], [c, a]].map(|ends| is_along(t, ends))).collect()
     }
 
     /// The point of the source at a point of triangle `t` of the mesh. `corners` are the vertices of `t`, `weights` the
     /// barycentric coordinates of the point, `source` the triangles of the source.
     pub fn origin(&self, t: u32, corners: [u32; 3], weights: [f64; 3], source: &[[u32; 3]]) -> PointOnTriangle {
         let triangle = self.triangle(t);
-        let blend = Blend::mean(corners.map(|v| self.blend(v)), weights.map(|weight| weight.max(0.0)));
+        let blend = Blend::mean(corners.map(|v| self.blend_on(triangle, v)), weights.map(|weight| weight.max(0.0)));
         let of_corner = |v: u32| blend.weight_of(self.representatives[v as usize]);
         let weights = source[triangle as usize].map(of_corner);
         let sum: f64 = weights.iter().sum();

@@ -46,13 +46,20 @@ fn split_longest_with(mesh: &mut Manifold, wanted: usize, split: impl Fn(&mut Ma
     }
 }
 
-/// Splits the inner edges with an end `near` that are longer than `longest`, relative to what is wanted there: the longest first.
-pub(super) fn split_longer(domain: &Domain, mesh: &mut Manifold, longest: f64, near: impl Fn(u32) -> bool) {
+/// Splits the inner edges with an end `near` that are longer than `longest`, relative to what is wanted there: the longest first,
+/// until there are `most` vertices. In flat triangles that lie on each other edges need not become shorter by that.
+pub(super) fn split_longer(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    longest: f64,
+    near: impl Fn(u32) -> bool,
+    most: usize,
+) {
     let first = mesh.connectivity.vertex_bound();
     let is_near = |v: u32| v >= first || near(v);
     split_while(
         mesh,
-        |_, square| square > longest * longest,
+        |mesh, square| square > longest * longest && mesh.connectivity.vertex_count() < most,
         |mesh, h| {
             let ends = [mesh.connectivity.origin(h), mesh.connectivity.target(h)];
             ends.into_iter().any(is_near).then(|| mesh.split_at_middle(domain, h)).flatten()

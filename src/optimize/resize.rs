@@ -21,6 +21,9 @@ const SHORTER: f64 = 0.9;
 /// Longest edge that is left, in wanted lengths: the halves of a longer one are nearer to that.
 const LONGEST: f64 = std::f64::consts::SQRT_2;
 
+/// The most vertices before as many are collapsed elsewhere, in those wanted: hardly any of the mesh would be left.
+const MOST: usize = 2;
+
 /// Rings around what has changed that are relaxed, and rounds of it.
 const RINGS: usize = 2;
 const ROUNDS: usize = 4;
@@ -36,7 +39,7 @@ pub fn follow_shorter_lengths(
 ) -> Result<()> {
     let shorter = take_sizes(domain, mesh);
     let before: Vec<usize> = valences(mesh);
-    split_longer(domain, mesh, LONGEST * spacing, |v| shorter.contains(v));
+    split_longer(domain, mesh, LONGEST * spacing, |v| shorter.contains(v), MOST * wanted);
     remove_slivers(mesh, spacing);
     meet_count(domain, mesh, wanted);
     let valences = valences(mesh);

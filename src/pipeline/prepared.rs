@@ -10,6 +10,7 @@ use crate::pipeline::options::Options;
 use crate::pipeline::scale::Field;
 use crate::pipeline::unit::Unit;
 use crate::prepare::bend::smooth;
+use crate::prepare::needles::without_needles;
 use crate::prepare::repair::{Repaired, Repairs, repair_welded};
 use crate::prepare::stitch::{Cracks, Stitched, close_cracks, stitch};
 use crate::surface::features::Features;
@@ -120,7 +121,10 @@ impl<'a> PreparedInput<'a> {
 fn repaired(input: &Mesh, options: &Options, unit: &Unit) -> (Repaired, Option<Cracks>) {
     match options.part {
         Some(_) => made_manifold(input.clone(), options.weld),
-        None => made_manifold(unit.inwards(input), options.weld.map(|tolerance| tolerance / unit.size)),
+        None => {
+            let (repaired, cracks) = made_manifold(unit.inwards(input), options.weld.map(|weld| weld / unit.size));
+            (without_needles(repaired), cracks)
+        }
     }
 }
 

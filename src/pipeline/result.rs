@@ -158,6 +158,11 @@ fn notes_on_repairs(r: &Repairs) -> impl Iterator<Item = String> {
             "cut open because the surface has no two sides (like a Möbius strip)",
         ),
         (r.flipped_triangles, ["face was", "faces were"], "turned over to agree with the neighbours"),
+        (
+            r.needles,
+            ["triangle of next to no height was", "triangles of next to no height were"],
+            "collapsed or flipped: rounding made them",
+        ),
         (dropped, ["degenerate or repeated face was", "degenerate or repeated faces were"], "dropped"),
         (
             r.seam_vertices,

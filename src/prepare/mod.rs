@@ -6,6 +6,7 @@ pub mod clean;
 pub mod cloud_normals;
 pub mod coarsen;
 pub mod flatten;
+pub mod needles;
 pub mod orient;
 pub mod repair;
 pub mod stitch;

@@ -47,6 +47,9 @@ pub struct Repairs {
     /// Triangles between two cells of a volume, each of which has them: the outside is left.
     #[serde(default)]
     pub faces_between_cells: usize,
+    /// Triangles of next to no height that rounding made: needles were collapsed, caps flipped.
+    #[serde(default)]
+    pub needles: usize,
     /// Triangles with the same three corners as another one.
     pub duplicate_triangles: usize,
     /// Triangles turned over so that neighbours agree on the outside.

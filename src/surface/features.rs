@@ -127,10 +127,11 @@ fn turned_on_planar_bodies(mesh: &OrientedManifold, twin: &[u32], turns: &[f64],
     sharp
 }
 
-/// The sides along these edges of what the mesh came from. A boundary is a curve without that.
+/// The sides along these edges of what the mesh came from, seen from either triangle. A boundary is a curve without that.
 fn along(mesh: &OrientedManifold, twin: &[u32], edges: &[[u32; 2]]) -> Vec<bool> {
     let sides = mesh.provenance().sides_along(&mesh.triangles, edges);
-    sides.into_iter().zip(twin).map(|(is_along, &across)| is_along && across != NONE).collect()
+    let is_along = |(&side, &across): (&bool, &u32)| across != NONE && (side || sides[across as usize]);
+    sides.iter().zip(twin).map(is_along).collect()
 }
 
 /// The smallest threshold that parts the turns across these sides in two groups, if there is one and the surface is not rough.

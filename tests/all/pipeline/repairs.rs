@@ -82,6 +82,31 @@ fn broken_inputs_are_mended_and_the_repairs_reported() {
     assert_eq!((made.output.euler, made.output.components), (-2, 1));
 }
 
+/// A block with vertices on its edges that rounding moved off them, as where a program cut it out of another: the triangles between
+/// the vertices and the edge have no area, and no normal either.
+#[test]
+fn caps_that_rounding_made_leave_no_slivers() {
+    let mut input = cuboid(dvec3(3.0, 10.0, 17.0));
+    let sides = input.triangles.clone();
+    for (number, sign) in [(0, 1.0), (5, -1.0), (8, 1.0)] {
+        let [a, b, top] = sides[number];
+        let [from, to] = [a, b].map(|v| input.positions[v as usize]);
+        let first = input.positions.len() as u32;
+        let aside = (input.positions[top as usize] - from).normalize();
+        input.positions.extend([0.2, 0.45, 0.5, 0.9].map(|along| from.lerp(to, along) + 1e-15 * sign * along * aside));
+        let points = [a, first, first + 1, first + 2, first + 3, b];
+        input.triangles[number] = [a, first, top];
+        input.triangles.extend(points.windows(2).skip(1).map(|ends| [ends[0], ends[1], top]));
+        input.triangles.extend(points.windows(2).skip(1).map(|ends| [a, ends[1], ends[0]]));
+    }
+    for count in [500, 3000] {
+        let made = check("caps", &input, count);
+        assert_eq!((made.repairs.needles, made.sharp_curves, made.output.euler), (12, 12, 2));
+        let theta_min = shape(&made.mesh).unwrap().theta_min;
+        assert!(made.verified() && theta_min > 30.0, "{theta_min}");
+    }
+}
+
 /// A solid that touches itself along an edge and at a corner, and one whose insides do.
 #[test]
 fn surfaces_that_touch_themselves() {
