@@ -33,6 +33,7 @@ use crate::spectral::candidates::candidates;
 use crate::spectral::curve_samples::sample_curves;
 use crate::spectral::scan::linear_scan;
 use crate::surface::domain::Sample;
+use crate::surface::features::is_rough;
 use crate::surface::narrow_patches::LeftOut;
 use crate::triangulate::chords::part_chords;
 use crate::triangulate::rims::straighten_rims;
@@ -365,6 +366,8 @@ fn remeshed(
         unforced_theta_min: smallest_unforced_angle(&finished.manifold),
         left_out: if *blunted { LeftOut::default() } else { left_out.times(unit.size) },
         blunted: *blunted,
+        // Clouds are smoothed by themselves, or are not on purpose.
+        is_rough: !prepared.options.of_points && is_rough(&domain.mesh, &domain.twin, scale.spacing),
         lost,
         deviation,
         edges,

@@ -59,6 +59,8 @@ pub struct Remeshed {
     pub left_out: LeftOut,
     /// Whether there were more sharp edges than could be kept, so that none was.
     pub blunted: bool,
+    /// Whether the input is rough where the result has far longer edges, as a scan with noise is.
+    pub is_rough: bool,
     /// The components of the input of which the result has next to nothing; `None` if there are none.
     pub lost: Option<LostComponents>,
     /// How far the result is from the repaired input; `None` if no bound was asked for.
@@ -178,6 +180,9 @@ fn notes_on_repairs(r: &Repairs) -> impl Iterator<Item = String> {
 pub(super) fn notes(result: &Remeshed, cracks: Option<Cracks>) -> Vec<String> {
     let mut notes: Vec<String> = notes_on_repairs(&result.repairs).collect();
     notes.extend(cracks.map(note_on_cracks));
+    if result.is_rough {
+        notes.push("the surface is rough, as a scan with noise is: smoothing takes noise away".into());
+    }
     if result.blunted {
         notes.push("the sharp edges are too close together for so few vertices: none is kept sharp".into());
     }

@@ -352,6 +352,7 @@ pub(super) mod tests {
             unforced_theta_min: None,
             left_out: LeftOut::default(),
             blunted: false,
+            is_rough: false,
             lost: None,
             edges: Edges::default(),
             kept: None,

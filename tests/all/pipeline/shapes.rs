@@ -71,6 +71,9 @@ fn a_rough_surface_far_denser_than_the_result_becomes_a_good_one() {
     assert!(made.verified() && made.sharp_curves == 0);
     let theta_min = shape(&made.mesh).unwrap().theta_min;
     assert!(theta_min > 20.0, "{theta_min}");
+    assert!(made.is_rough && made.notes.iter().any(|note| note.contains("smoothing takes noise away")));
+    let made = check_with("smooth", &rough(240, 96), &Options { smooth: Some(3.0), ..points(500) });
+    assert!(!made.is_rough, "{:?}", made.notes);
 }
 
 /// Hardly any of its edges can collapse, so that there is no coarser mesh to begin with.
