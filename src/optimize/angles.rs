@@ -26,6 +26,7 @@ use crate::manifold::Manifold;
 use crate::manifold::facing::FacingGuard;
 use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{next, prev};
+use crate::optimize::crossings::longest_edge;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 
@@ -67,6 +68,10 @@ const MOST_TRIES: usize = 24;
 /// How far a vertex may come from where it was at first, in mean spacings: without that the ends of what is thin draw back,
 /// as rings of few vertices around them have better angles.
 const FARTHEST: f64 = 0.3;
+
+/// The most that a spacing counts as in the search, in lengths of the longest edge at a vertex: on pieces far smaller than the
+/// spacing every step would lead away from all of the surface.
+const MOST_OF_EDGE: f64 = 2.0;
 
 /// Directions that the search tries.
 const DIRECTIONS: usize = 8;
@@ -232,7 +237,7 @@ fn can_spare_an_edge(mesh: &Manifold, v: u32) -> bool {
 /// Moves `v`, which was at `first` once, to a place where the triangles around it cost less; whether there was one.
 fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, first: DVec3, spacing: f64, of_quality: f64) -> bool {
     let here = mesh.samples[v as usize];
-    let spacing = spacing * here.size;
+    let spacing = (spacing * here.size).min(MOST_OF_EDGE * longest_edge(mesh, v));
     let may = |mesh: &Manifold, there: &Sample| {
         there.position.distance(first) <= FARTHEST * spacing && mesh.may_move(v, there)
     };

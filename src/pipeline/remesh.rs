@@ -173,8 +173,10 @@ fn remesh_to(
         if best.as_ref().is_none_or(|(_, best)| finished.score < best.score) {
             best = Some((made_of, finished));
         }
-        let best = &best.as_ref().expect("a result was made").1;
-        if !attempts.after_run(best.score, best.mesh.triangles.len()) {
+        let (made_of, best) = best.as_ref().expect("a result was made");
+        // Where the topology takes more vertices than are wanted, edges cannot be shorter anywhere.
+        let has_room = best.manifold.connectivity.vertex_count() <= made_of.scale.wanted;
+        if !has_room || !attempts.after_run(best.score, best.mesh.triangles.len()) {
             break;
         }
         if best.score.excess > 0 {
