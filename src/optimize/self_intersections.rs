@@ -1,8 +1,9 @@
 //! Resolves self-intersections of the mesh.
 //!
 //! They have two causes: sheets of the surface that are nearer to each other than the faces are to the surface, and folds
-//! at narrow rims, where one or two faces lie wrong. So there are three remedies, in turns.
+//! at narrow rims, where one or two faces lie wrong. So there are four remedies, in turns.
 //!
+//! - The corners of faces that intersect go back to the surface, which the fit has moved them off.
 //! - Sheets part: the corners of faces that intersect those of another sheet step away from that sheet along the normal,
 //!   outwards where there is a wall between the sheets and inwards where there is a gap, by shares of the distance
 //!   between face and surface. All step at once, since at a thin shell every face intersects many.
@@ -79,6 +80,7 @@ fn take_turns(domain: &Domain, inherited: &Inherited, mesh: &mut Manifold, monit
         }
         check(monitor)?;
         let (before, left) = (mesh.clone(), crossings.pairs.len());
+        crossings = take_back(domain, inherited, mesh, crossings);
         crossings = part_sheets(domain, inherited, mesh, crossings);
         treat_faces(domain, mesh, crossings);
         crossings = Crossings::avoidable(inherited, mesh);
@@ -95,6 +97,26 @@ fn take_turns(domain: &Domain, inherited: &Inherited, mesh: &mut Manifold, monit
         }
     }
     Ok(())
+}
+
+/// Takes the corners of faces that cross back to the surface, which the fit moves them off; what crosses then, if that is less.
+fn take_back(domain: &Domain, inherited: &Inherited, mesh: &mut Manifold, crossings: Crossings) -> Crossings {
+    let corners: BTreeSet<u32> =
+        crossings.pairs.iter().flat_map(|&(t, u)| [t, u]).flat_map(|t| mesh.connectivity.triangle(3 * t)).collect();
+    let before = mesh.samples.clone();
+    for v in corners {
+        let here = mesh.samples[v as usize];
+        let foot = domain.project(here.position, here.normal, here.triangle);
+        if !mesh.connectivity.is_on_curve(v) && acceptable(mesh, v, &foot) {
+            mesh.samples[v as usize] = foot;
+        }
+    }
+    let found = Crossings::avoidable(inherited, mesh);
+    if found.pairs.len() < crossings.pairs.len() {
+        return found;
+    }
+    mesh.samples = before;
+    crossings
 }
 
 /// Moves the sheets that cross apart, step by step, and keeps the step with the fewest crossings; those that are left.
