@@ -185,7 +185,7 @@ fn triangles(bytes: &mut Bytes) -> Mesh {
 fn damage(bytes: &mut Bytes, mesh: &mut Mesh) -> bool {
     let mut stays = true;
     for _ in 0..bytes.one_of(&[0, 0, 1, 1, 2, 4]) {
-        let kind = bytes.next() % 10;
+        let kind = bytes.next() % 11;
         let some = bytes.next() as usize % mesh.triangles.len();
         let [a, b, c] = mesh.triangles[some];
         match kind {
@@ -223,6 +223,15 @@ fn damage(bytes: &mut Bytes, mesh: &mut Mesh) -> bool {
                 let size = bytes.one_of(&[1e-14, 1e-9, 1e-4, 0.03, 0.3]);
                 *mesh = noisy(std::mem::take(mesh), size, &mut random(bytes.next().into()));
                 stays = false;
+            }
+            // A vertex that rounding moved off an edge, and the triangle of no height between the two.
+            9 => {
+                let along = bytes.share().clamp(1e-9, 1.0 - 1e-9);
+                let [from, to, apex] = [a, b, c].map(|v| mesh.positions[v as usize]);
+                let m = mesh.positions.len() as u32;
+                mesh.positions.push(from.lerp(to, along).lerp(apex, bytes.one_of(&[0.0, 1e-16, -1e-12, 1e-9, 1e-5])));
+                mesh.triangles[some] = [a, m, c];
+                mesh.triangles.extend([[m, b, c], [a, b, m]]);
             }
             _ => {
                 let shift = bytes.one_of(&[0.0, 1e-9, 1e-3, 0.1, 1.0]) * DVec3::X;
