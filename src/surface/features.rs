@@ -15,6 +15,7 @@
 //! Cost: linear in the triangles.
 
 use crate::base::error::{Error, Result, Setting};
+use crate::base::math;
 use crate::base::union_find::UnionFind;
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::topology::NONE;
@@ -22,6 +23,7 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::surface::facets::{NOTICED, between_facets, on_steps};
 use crate::surface::planes::{Planes, planar_bodies};
 use crate::surface::turns::{ends, length, turns};
+use std::slice::SliceIndex;
 
 /// Which edges of the input are kept sharp.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -68,6 +70,9 @@ const GAP: f64 = 0.2;
 const FLAT: f64 = 0.35;
 const SHORT: f64 = 0.5;
 
+/// Edges that tell whether a surface is rough.
+const LOOKED_AT: usize = 10_000;
+
 /// From this turn on, in degrees, an edge between two planes is sharp whatever the other edges are.
 const BETWEEN_PLANES: f64 = 30.0;
 
@@ -84,8 +89,9 @@ pub fn sharp_sides(mesh: &OrientedManifold, twin: &[u32], features: &Features, s
         Features::Degrees(degrees) => turned(&turns(mesh, twin, spacing, *degrees), *degrees),
         Features::Automatic => {
             let turns = without_facets(mesh, twin, spacing, finest);
-            match gap(mesh, &turns, 0..twin.len() as u32) {
-                _ if has_rough_turns(mesh, &turns, spacing) => vec![false; turns.len()],
+            let histogram = Histogram::new(mesh, (0..).zip(turns.iter().copied()));
+            match histogram.gap() {
+                _ if histogram.is_rough(spacing) => vec![false; turns.len()],
                 Some(threshold) => turned(&turns, threshold),
                 None => turned_on_planar_bodies(mesh, twin, &turns, spacing),
             }
@@ -119,7 +125,7 @@ fn turned_on_planar_bodies(mesh: &OrientedManifold, twin: &[u32], turns: &[f64],
     };
     let mut sharp = vec![false; turns.len()];
     for body in planar_bodies(mesh, &planes) {
-        let gap = gap(mesh, turns, body.iter().copied());
+        let gap = Histogram::new(mesh, body.iter().map(|&side| (side, turns[side as usize]))).gap();
         for side in body {
             let turn = turns[side as usize].abs();
             sharp[side as usize] = gap.map_or(turn >= BETWEEN_PLANES && is_between(side), |gap| turn >= gap);
@@ -135,39 +141,56 @@ fn along(mesh: &OrientedManifold, twin: &[u32], edges: &[[u32; 2]]) -> Vec<bool>
     sides.iter().zip(twin).map(is_along).collect()
 }
 
-/// The smallest threshold that parts the turns across these sides in two groups, if there is one.
-fn gap(mesh: &Mesh, turns: &[f64], sides: impl Iterator<Item = u32>) -> Option<f64> {
-    // The length of the edges by their turn in whole degrees.
-    let mut lengths = [0.0; 181];
-    for side in sides {
-        lengths[turns[side as usize].abs() as usize] += length(mesh, side);
-    }
-    let parts = |&threshold: &usize| {
-        let above: f64 = lengths[threshold..].iter().sum();
-        let below: f64 = lengths[threshold / 2..threshold].iter().sum();
-        above > 0.0 && below <= GAP * above
-    };
-    THRESHOLDS.into_iter().find(parts).map(|degrees| degrees as f64)
+/// The length of edges by their turn in whole degrees, and the sum of the squares of the lengths of those that may be sharp.
+struct Histogram {
+    lengths: [f64; 181],
+    squares: f64,
 }
 
-/// Whether a surface is rough, as a scan with noise is: hardly any edge is flat, and those that are not are far shorter than the
-/// `spacing` of the samples. `twin` is as [`twins`](crate::mesh::topology::twins) says.
-pub fn is_rough(mesh: &Mesh, twin: &[u32], spacing: f64) -> bool {
-    has_rough_turns(mesh, &turns(mesh, twin, spacing, SMALLEST as f64), spacing)
-}
-
-fn has_rough_turns(mesh: &Mesh, turns: &[f64], spacing: f64) -> bool {
-    let (mut flat, mut steep, mut squares) = (0.0, 0.0, 0.0);
-    for (side, turn) in (0..).zip(turns) {
-        let length = length(mesh, side);
-        if turn.abs() < SMALLEST as f64 {
-            flat += length;
-        } else if turn.abs() >= *THRESHOLDS.start() as f64 {
-            steep += length;
-            squares += length * length;
+impl Histogram {
+    /// That of these sides of `mesh`, each with its turn.
+    fn new(mesh: &Mesh, sides: impl Iterator<Item = (u32, f64)>) -> Histogram {
+        let mut histogram = Histogram { lengths: [0.0; 181], squares: 0.0 };
+        for (side, turn) in sides {
+            let (degrees, length) = (turn.abs() as usize, length(mesh, side));
+            histogram.lengths[degrees] += length;
+            if degrees >= *THRESHOLDS.start() {
+                histogram.squares += length * length;
+            }
         }
+        histogram
     }
-    flat < FLAT * steep && squares < SHORT * spacing * steep
+
+    fn length(&self, degrees: impl SliceIndex<[f64], Output = [f64]>) -> f64 {
+        self.lengths[degrees].iter().sum()
+    }
+
+    /// The smallest threshold that parts the turns in two groups, if there is one.
+    fn gap(&self) -> Option<f64> {
+        let parts = |&threshold: &usize| {
+            let above = self.length(threshold..);
+            above > 0.0 && self.length(threshold / 2..threshold) <= GAP * above
+        };
+        THRESHOLDS.into_iter().find(parts).map(|degrees| degrees as f64)
+    }
+
+    /// Whether hardly any edge is flat, and those that are not are far shorter than the `spacing` of the samples.
+    fn is_rough(&self, spacing: f64) -> bool {
+        let steep = self.length(*THRESHOLDS.start()..);
+        self.length(..SMALLEST) < FLAT * steep && self.squares < SHORT * spacing * steep
+    }
+}
+
+/// Whether a surface is rough, as a scan with noise is, for samples that are `spacing` apart, by some of its edges. `twin` is as
+/// [`twins`](crate::mesh::topology::twins) says.
+pub fn is_rough(mesh: &Mesh, twin: &[u32], spacing: f64) -> bool {
+    let step = twin.len().div_ceil(LOOKED_AT).max(1);
+    let inner = (0..twin.len() as u32).step_by(step).filter(|&side| twin[side as usize] != NONE);
+    let turn = |side: u32| {
+        let [n, m] = [side, twin[side as usize]].map(|s| mesh.area_vector(s as usize / 3));
+        math::atan2(n.cross(m).length(), n.dot(m)).to_degrees()
+    };
+    Histogram::new(mesh, inner.map(|side| (side, turn(side)))).is_rough(spacing)
 }
 
 /// Takes connected nets of sharp edges that are not as long as `shortest` out.
