@@ -5,8 +5,8 @@
 //! a [`Blend`] of at most three vertices. Vertices of the source at the same place count as one; the first stands for
 //! all.
 //!
-//! Where triangles next to no height are removed, a vertex may come to a triangle of the source of which it is no corner. Where it
-//! lies there is recorded, too.
+//! Where triangles of next to no height are removed, a vertex may come to a triangle of the source of which it is no corner. Where
+//! it lies there is recorded, too.
 //!
 //! Cost: four bytes a vertex and a triangle, forty for each inserted vertex.
 

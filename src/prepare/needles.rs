@@ -161,6 +161,7 @@ impl Removal {
         Ranked::new(lengths[longest], t)
     }
 
+    /// What is left.
     fn finish(self) -> OrientedManifold {
         let c = &self.connectivity;
         let live: Vec<u32> = (0..c.half_edge_bound() / 3).filter(|&t| c.has_half_edge(3 * t)).collect();

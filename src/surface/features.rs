@@ -70,8 +70,8 @@ const GAP: f64 = 0.2;
 const FLAT: f64 = 0.35;
 const SHORT: f64 = 0.5;
 
-/// Edges that tell whether a surface is rough.
-const LOOKED_AT: usize = 10_000;
+/// The most triangles whose edges tell whether a surface is rough.
+const LOOKED_AT: usize = 4000;
 
 /// From this turn on, in degrees, an edge between two planes is sharp whatever the other edges are.
 const BETWEEN_PLANES: f64 = 30.0;
@@ -181,11 +181,12 @@ impl Histogram {
     }
 }
 
-/// Whether a surface is rough, as a scan with noise is, for samples that are `spacing` apart, by some of its edges. `twin` is as
-/// [`twins`](crate::mesh::topology::twins) says.
+/// Whether a surface is rough, as a scan with noise is, for samples that are `spacing` apart, by the edges of some of its triangles.
+/// `twin` is as [`twins`](crate::mesh::topology::twins) says.
 pub fn is_rough(mesh: &Mesh, twin: &[u32], spacing: f64) -> bool {
-    let step = twin.len().div_ceil(LOOKED_AT).max(1);
-    let inner = (0..twin.len() as u32).step_by(step).filter(|&side| twin[side as usize] != NONE);
+    let step = mesh.triangles.len().div_ceil(LOOKED_AT).max(1);
+    let sides = (0..mesh.triangles.len() as u32).step_by(step).flat_map(|t| 3 * t..3 * t + 3);
+    let inner = sides.filter(|&side| twin[side as usize] != NONE);
     let turn = |side: u32| {
         let [n, m] = [side, twin[side as usize]].map(|s| mesh.area_vector(s as usize / 3));
         math::atan2(n.cross(m).length(), n.dot(m)).to_degrees()
