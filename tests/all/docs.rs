@@ -117,16 +117,19 @@ mod commands {
     }
 
     #[test]
+    #[ignore = "slow"]
     fn on_the_gallery() {
         run("docs/gallery.md");
     }
 
     #[test]
+    #[ignore = "slow"]
     fn on_scans() {
         run("docs/scan.md");
     }
 
     #[test]
+    #[ignore = "slow"]
     fn on_clouds() {
         run("docs/clouds.md");
     }
@@ -137,21 +140,25 @@ mod commands {
     }
 
     #[test]
+    #[ignore = "slow"]
     fn on_formats() {
         run("docs/formats.md");
     }
 
     #[test]
+    #[ignore = "slow"]
     fn on_grading() {
         run("docs/grading.md");
     }
 
     #[test]
+    #[ignore = "slow"]
     fn on_levels_of_detail() {
         run("docs/levels.md");
     }
 
     #[test]
+    #[ignore = "slow"]
     fn on_options() {
         run("docs/options.md");
     }

@@ -49,6 +49,7 @@ fn tiled(path: &Path, options: &PlanOptions) -> (Sampled, usize) {
 }
 
 #[test]
+#[ignore = "slow"]
 fn any_tiling_gives_the_same_samples_on_any_number_of_threads() {
     let (_folder, path) = stretched(160_000, false, 8.0);
     let (whole, one) = tiled(&path, &options(20_000, 1));
@@ -91,6 +92,7 @@ fn nearest(points: &[DVec3]) -> (f64, f64) {
 }
 
 #[test]
+#[ignore = "slow"]
 fn samples_are_like_those_of_the_whole() {
     let (_folder, path) = cloud(150_000, false);
     let mut by_tiles = options(10_000, 4);

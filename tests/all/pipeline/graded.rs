@@ -60,6 +60,7 @@ fn a_field_survives_repairs() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn shapes_of_all_kinds_are_graded() {
     let shapes = [
         ("torus", torus(60, 20, 3.0, 0.5)),
