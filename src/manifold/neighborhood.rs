@@ -2,6 +2,8 @@
 
 use crate::manifold::Manifold;
 use crate::manifold::vertex_set::VertexSet;
+use crate::mesh::half_edge::OnCurve;
+use crate::mesh::topology::NONE;
 use std::collections::BTreeMap;
 
 /// The triangles around a vertex, with a boundary that stays.
@@ -47,11 +49,62 @@ impl Neighborhood {
         if triangles.is_empty() || sides().any(|h| c.is_curve_edge(h) && c.has_twin(h) && inside(c.twin(h))) {
             return None;
         }
+        Some(Neighborhood::of(whole, vertices, &number, triangles))
+    }
+
+    /// The triangles within `rings` rings around triangle `middle`, across feature curves. `None` if it reaches an
+    /// interface, or touches itself at a vertex.
+    pub fn across_curves(whole: &Manifold, middle: u32, rings: usize) -> Option<Neighborhood> {
+        let c = &whole.connectivity;
+        let mut vertices = c.triangle(3 * middle).to_vec();
+        let mut number: BTreeMap<u32, u32> = vertices.iter().copied().zip(0..).collect();
+        let mut triangles = Vec::new();
+        let mut begin = 0;
+        for _ in 0..rings {
+            let end = vertices.len();
+            for i in begin..end {
+                for h in c.outgoing(vertices[i]) {
+                    triangles.push(h / 3);
+                    for v in c.triangle(h) {
+                        number.entry(v).or_insert_with(|| {
+                            vertices.push(v);
+                            vertices.len() as u32 - 1
+                        });
+                    }
+                }
+            }
+            begin = end;
+        }
+        triangles.sort_unstable();
+        triangles.dedup();
+        if vertices.iter().any(|&v| c.is_on_interface(v)) {
+            return None;
+        }
+        let neighborhood = Neighborhood::of(whole, vertices, &number, triangles);
+        let c = &neighborhood.mesh.connectivity;
+        let mut corners = vec![0; neighborhood.vertices.len()];
+        for v in neighborhood.mesh.triangles().flat_map(|t| c.triangle(3 * t)) {
+            corners[v as usize] += 1;
+        }
+        let is_one_fan = corners.iter().zip(0..).all(|(&count, v)| c.outgoing(v).count() == count);
+        is_one_fan.then_some(neighborhood)
+    }
+
+    /// `triangles` of the whole, with the `vertices` whose `number` is told.
+    fn of(whole: &Manifold, vertices: Vec<u32>, number: &BTreeMap<u32, u32>, triangles: Vec<u32>) -> Neighborhood {
+        let c = &whole.connectivity;
         let corners: Vec<[u32; 3]> = triangles.iter().map(|&t| c.triangle(3 * t).map(|v| number[&v])).collect();
         let samples = vertices.iter().map(|&v| whole.samples[v as usize]).collect();
         let mut mesh = Manifold::new(samples, &corners);
+        let sides = triangles.iter().flat_map(|&t| 3 * t..3 * t + 3);
+        for (own, h) in (0..).zip(sides) {
+            mesh.connectivity.put_half_edge_on_curve(own, c.curve(h));
+        }
+        for (own, &v) in (0..).zip(&vertices) {
+            mesh.connectivity.put_on_curve(own, c.curve_at(v));
+        }
         mesh.lock_boundary();
-        Some(Neighborhood { mesh, vertices, triangles })
+        Neighborhood { mesh, vertices, triangles }
     }
 
     /// Whether it has the triangle with number `t` in the whole.
@@ -64,23 +117,49 @@ impl Neighborhood {
         (0..self.mesh.connectivity.vertex_bound()).filter(|&v| self.mesh.can_move(v, &VertexSet::EMPTY))
     }
 
-    /// Replaces its triangles in the whole, and marks them in `touched`. The counts of vertices and triangles must not
-    /// have changed. Returns `false`, and does nothing, if one of the triangles is marked already or an edge would
-    /// occur twice.
-    pub fn put_back(&self, whole: &mut Manifold, touched: &mut [bool]) -> bool {
+    /// The number that half-edge `h` of the whole has here, as long as nothing has changed; `None` if it is not here.
+    pub fn own_half_edge(&self, h: u32) -> Option<u32> {
+        self.triangles.binary_search(&(h / 3)).ok().map(|own| 3 * own as u32 + h % 3)
+    }
+
+    /// The numbers of its triangles in the whole, in increasing order.
+    pub fn triangles(&self) -> &[u32] {
+        &self.triangles
+    }
+
+    /// Replaces its triangles in the whole, and marks them, and those that it has more, in `touched`. Returns `false`, and
+    /// does nothing, if one of the triangles is marked already or an edge would occur twice.
+    pub fn put_back(&self, whole: &mut Manifold, touched: &mut Vec<bool>) -> bool {
         if self.triangles.iter().any(|&t| touched[t as usize]) {
             return false;
         }
         let c = &self.mesh.connectivity;
-        let triangles: Vec<[u32; 3]> =
-            (0..self.triangles.len() as u32).map(|t| c.triangle(3 * t).map(|v| self.vertices[v as usize])).collect();
-        if !whole.connectivity.replace(&self.triangles, &triangles) {
+        let mut next = whole.connectivity.vertex_bound();
+        let mut added = Vec::new();
+        let number: Vec<u32> = (0..c.vertex_bound())
+            .map(|v| match self.vertices.get(v as usize) {
+                Some(&old) => old,
+                None if c.has_vertex(v) => {
+                    added.push(v);
+                    next += 1;
+                    next - 1
+                }
+                None => NONE,
+            })
+            .collect();
+        let triangle =
+            |t: u32| (c.triangle(3 * t).map(|v| number[v as usize]), [0, 1, 2].map(|side| c.curve(3 * t + side)));
+        let triangles: Vec<([u32; 3], [OnCurve; 3])> = self.mesh.triangles().map(triangle).collect();
+        let curves: Vec<OnCurve> = added.iter().map(|&v| c.curve_at(v)).collect();
+        if !whole.connectivity.replace(&self.triangles, &triangles, &curves) {
             return false;
         }
+        whole.samples.extend(added.iter().map(|&v| self.mesh.samples[v as usize]));
         for (&v, sample) in self.vertices.iter().zip(&self.mesh.samples) {
             whole.samples[v as usize] = *sample;
         }
         self.triangles.iter().for_each(|&t| touched[t as usize] = true);
+        touched.resize(whole.connectivity.half_edge_bound() as usize / 3, true);
         true
     }
 }
@@ -163,5 +242,39 @@ mod tests {
         let beyond = neighborhood.vertices.iter().filter(|&&v| v % (WIDTH + 1) > 5).count();
         assert_eq!(beyond, 0);
         assert!(Neighborhood::around(&mesh, row(4), 3).is_none());
+    }
+
+    #[test]
+    fn a_neighborhood_across_a_curve_is_put_back_with_another_number_of_vertices() {
+        let mut mesh = square();
+        let row = |i: u32| i * (WIDTH + 1) + 4;
+        let edges: Vec<([u32; 2], OnCurve)> = (0..WIDTH).map(|i| ([row(i), row(i + 1)], OnCurve::Curve(0))).collect();
+        assert!(mesh.mark_curves(&edges, []));
+        let on_curve = |mesh: &Manifold| mesh.edges().filter(|&h| mesh.connectivity.is_curve_edge(h)).count();
+        let count = mesh.connectivity.vertex_count();
+        let along = |mesh: &Manifold| {
+            mesh.connectivity.outgoing(row(4)).find(|&h| mesh.connectivity.target(h) == row(5)).unwrap()
+        };
+        let side = along(&mesh);
+        let mut finer = Neighborhood::across_curves(&mesh, side / 3, 2).unwrap();
+        let own = finer.own_half_edge(side).unwrap();
+        finer.mesh.samples.push(finer.mesh.samples[0]);
+        finer.mesh.connectivity.split_edge(own);
+        let mut touched = untouched(&mesh);
+        assert!(finer.put_back(&mut mesh, &mut touched));
+        assert_eq!((mesh.connectivity.vertex_count(), on_curve(&mesh)), (count + 1, edges.len() + 1));
+        assert_eq!(touched.len(), untouched(&mesh).len());
+        let new = mesh.connectivity.vertex_bound() - 1;
+        assert_eq!(mesh.connectivity.curve_at(new), OnCurve::Curve(0));
+        let side = mesh.connectivity.outgoing(new).find(|&h| mesh.connectivity.is_curve_edge(h)).unwrap();
+        let mut coarser = Neighborhood::across_curves(&mesh, side / 3, 2).unwrap();
+        let own = coarser.own_half_edge(side).unwrap();
+        coarser.mesh.collapse(own);
+        let mut touched = untouched(&mesh);
+        assert!(coarser.put_back(&mut mesh, &mut touched));
+        assert_eq!((mesh.connectivity.vertex_count(), on_curve(&mesh)), (count, edges.len()));
+        let result = mesh.to_mesh();
+        let kind = topology(result.positions.len(), &result.triangles);
+        assert!(kind.is_manifold() && kind.is_oriented() && (kind.euler, kind.boundary_loops) == (1, 1));
     }
 }

@@ -49,7 +49,7 @@ const DEGREES_OF_QUALITY: f64 = 80.0;
 /// median of the smallest angles of 50 other parts, which can have 40 degrees, is 37 instead of 39.
 const OF_DEGREES: f64 = 4.0;
 const OF_SQUARES: f64 = 10.0;
-const OF_QUALITY: f64 = 160.0;
+pub(super) const OF_QUALITY: f64 = 160.0;
 
 /// Degrees of shortfall from which on their squares count, too.
 const FAR: f64 = 1.5;
@@ -190,6 +190,12 @@ impl Cost {
             (cost.sum < bound.sum && cost.largest_shortfall <= bound.largest_shortfall).then_some(cost)
         })
     }
+}
+
+/// What all triangles cost.
+pub(super) fn cost(mesh: &Manifold) -> f64 {
+    let of_triangle = |corners| cost_of(shortfall(corners)) + OF_QUALITY * (1.0 - quality(corners));
+    mesh.triangles().map(|t| of_triangle(mesh.corners(t))).sum()
 }
 
 /// What that shortfall, in degrees, costs.

@@ -5,6 +5,7 @@ pub mod coarse_to_fine;
 pub mod contacts;
 pub mod counts;
 mod crossings;
+pub mod exchange;
 pub mod fit;
 pub mod max_error;
 mod newton;

@@ -10,7 +10,8 @@ use crate::base::monitor::Monitor;
 use crate::manifold::Manifold;
 use crate::manifold::vertex_set::VertexSet;
 use crate::optimize::angles::improve_angles;
-use crate::optimize::counts::{meet_count, split_longer};
+use crate::optimize::counts::split_longer;
+use crate::optimize::exchange::balance_count;
 use crate::optimize::relax::{Flips, relax};
 use crate::optimize::slivers::remove_slivers;
 use crate::surface::domain::Domain;
@@ -41,7 +42,7 @@ pub fn follow_shorter_lengths(
     let before: Vec<usize> = valences(mesh);
     split_longer(domain, mesh, LONGEST * spacing, |v| shorter.contains(v), MOST * wanted);
     remove_slivers(mesh, spacing);
-    meet_count(domain, mesh, wanted);
+    balance_count(domain, mesh, wanted, spacing, monitor)?;
     let valences = valences(mesh);
     let has_changed = |v: u32| shorter.contains(v) || before.get(v as usize) != valences.get(v as usize);
     let still = !&VertexSet::new(mesh, has_changed).with_rings(mesh, RINGS);

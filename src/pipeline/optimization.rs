@@ -11,6 +11,7 @@ use crate::optimize::coarse_to_fine::{
     remove_encroaching_vertices, split_to, tips, transition,
 };
 use crate::optimize::counts::meet_count;
+use crate::optimize::exchange::exchange_vertices;
 use crate::optimize::fit::fit;
 use crate::optimize::max_error::reduce_max_error;
 use crate::optimize::relax::{Flips, relax};
@@ -32,6 +33,7 @@ pub(super) fn optimize(
     order(domain, mesh, scale, monitor)?;
     monitor.stage("improve angles");
     improve_angles(domain, mesh, scale.spacing, monitor)?;
+    exchange_vertices(domain, mesh, scale.spacing, monitor)?;
     monitor.stage("fit");
     fit_to_surface(domain, mesh, scale.spacing, limit, monitor)
 }

@@ -1,0 +1,303 @@
+//! Takes vertices away and puts them where small angles need another number of them.
+//!
+//! Between curves that are near each other, and beside their corners, no place of the vertices and no flip gives good triangles
+//! if there is one vertex too many or too few. At each small angle an edge near it collapses or splits, the triangles around
+//! settle, and the change that costs least by the measure of [`angles`](crate::optimize::angles) stays. In the end as many
+//! vertices as that took or gave come from places that remain good, or go there.
+//!
+//! Based on: B. M. Klingner, J. R. Shewchuk, Aggressive tetrahedral mesh improvement, 2007,
+//! DOI 10.1007/978-3-540-75103-8_1. Departure: the number of vertices is kept.
+//!
+//! Cost: some thousand triangles looked at for each small angle and each vertex that is exchanged; nothing where all are good.
+
+use crate::base::error::Result;
+use crate::base::monitor::{Monitor, check};
+use crate::geom::triangle::smallest_angle;
+use crate::manifold::Manifold;
+use crate::manifold::neighborhood::Neighborhood;
+use crate::manifold::vertex_set::VertexSet;
+use crate::mesh::half_edge::{next, prev};
+use crate::optimize::angles::{OF_QUALITY, cost, improve_angles_for};
+use crate::optimize::counts::{collapse_keeps_shape, meet_count};
+use crate::optimize::relax::{Flips, relax};
+use crate::surface::domain::Domain;
+use rayon::prelude::*;
+
+/// Angle, in degrees, below which an edge near it may collapse or split.
+const SMALL: f64 = 30.0;
+
+/// Rings of triangles around a place that settle.
+const RINGS: usize = 2;
+
+/// Changes at a small angle that settle: those that cost least before.
+const MOST_SETTLED: usize = 4;
+
+/// Passes over all small angles.
+const MOST_PASSES: usize = 4;
+
+/// Rounds of relaxation, and passes of the search for angles, in which a neighbourhood settles.
+const ROUNDS: usize = 2;
+const SEARCHES: usize = 6;
+
+/// What a change has to gain: as much as one degree of an angle of 30 degrees.
+const LEAST_GAIN: f64 = 200.0;
+
+/// Places that are tried for each vertex that comes or goes elsewhere.
+const CHOICES: usize = 4;
+
+/// Exchanges vertices between small angles and other places; their number stays. `spacing` is the mean edge length.
+pub fn exchange_vertices(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
+    let wanted = mesh.connectivity.vertex_count();
+    let exchange = Exchange { domain, spacing, monitor };
+    exchange.change_counts(mesh)?;
+    exchange.balance(mesh, wanted)
+}
+
+/// Brings the mesh to `wanted` vertices where it remains good: splits and collapses edges away from curves, of those that are
+/// relatively long or short the ones around which triangles cost least once they have settled.
+pub(super) fn balance_count(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    wanted: usize,
+    spacing: f64,
+    monitor: &dyn Monitor,
+) -> Result<()> {
+    Exchange { domain, spacing, monitor }.balance(mesh, wanted)
+}
+
+struct Exchange<'a> {
+    domain: &'a Domain,
+    spacing: f64,
+    monitor: &'a dyn Monitor,
+}
+
+impl Exchange<'_> {
+    /// Gives the surroundings of small angles the number of vertices that they need.
+    fn change_counts(&self, mesh: &mut Manifold) -> Result<()> {
+        let mut given_up: Vec<bool> = Vec::new();
+        for _ in 0..MOST_PASSES {
+            check(self.monitor)?;
+            given_up.resize(triangle_bound(mesh), false);
+            let places = disjoint(mesh, &small_angles(mesh, &given_up), usize::MAX);
+            if places.is_empty() {
+                break;
+            }
+            let changed: Vec<_> = places.par_iter().map(|place| self.better(place)).collect::<Result<_>>()?;
+            let mut touched = vec![false; given_up.len()];
+            for (place, changed) in places.iter().zip(changed) {
+                let is_better = changed.is_some_and(|changed| changed.put_back(mesh, &mut touched));
+                given_up[place.side as usize / 3] |= !is_better;
+            }
+            // What has changed may have another way now.
+            given_up.iter_mut().zip(&touched).for_each(|(given_up, touched)| *given_up &= !touched);
+        }
+        Ok(())
+    }
+
+    /// What is around a small angle after the change that helps most, if one does.
+    fn better(&self, place: &Place) -> Result<Option<Neighborhood>> {
+        let mesh = &place.around.mesh;
+        let c = &mesh.connectivity;
+        let h = place.own_side();
+        let own = [h, next(h), prev(h)];
+        let beside = own.into_iter().filter(|&h| c.has_twin(h)).flat_map(|h| [next(c.twin(h)), prev(c.twin(h))]);
+        let edges: Vec<u32> = own.into_iter().chain(beside).collect();
+        let collapses = edges.iter().flat_map(|&h| c.both_sides(h)).filter_map(|h| collapsed(&place.around, h));
+        let splits = edges.iter().filter_map(|&h| self.split(&place.around, h));
+        let changed = collapses.chain(splits).chain([place.around.clone()]);
+        let mut changed: Vec<(f64, Neighborhood)> = changed.map(|changed| (cost(&changed.mesh), changed)).collect();
+        changed.sort_by(|a, b| a.0.total_cmp(&b.0));
+        changed.truncate(MOST_SETTLED);
+        let settled: Vec<_> = changed.into_iter().map(|(_, changed)| self.settled(changed)).collect::<Result<_>>()?;
+        let best = settled.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(best.filter(|best| best.0 < cost(mesh) - LEAST_GAIN).map(|(_, changed)| changed))
+    }
+
+    /// `around` with the edge of `h` split, if it can be.
+    fn split(&self, around: &Neighborhood, h: u32) -> Option<Neighborhood> {
+        let c = &around.mesh.connectivity;
+        if !c.has_twin(h) || !c.can_split(h) {
+            return None;
+        }
+        let mut changed = around.clone();
+        let v = changed.mesh.split_at_middle(self.domain, h)?;
+        changed.mesh.make_delaunay_around(v);
+        Some(changed)
+    }
+
+    /// What `around` costs after its vertices have settled, and how it is then.
+    fn settled(&self, mut around: Neighborhood) -> Result<(f64, Neighborhood)> {
+        let Exchange { domain, spacing, monitor } = *self;
+        let mesh = &mut around.mesh;
+        relax(domain, mesh, &VertexSet::EMPTY, spacing, Flips::Delaunay, ROUNDS, monitor)?;
+        improve_angles_for(domain, mesh, &VertexSet::EMPTY, spacing, OF_QUALITY, SEARCHES, monitor)?;
+        Ok((cost(mesh), around))
+    }
+
+    /// Brings the mesh to `wanted` vertices, away from curves as far as that goes.
+    fn balance(&self, mesh: &mut Manifold, wanted: usize) -> Result<()> {
+        while mesh.connectivity.vertex_count() != wanted {
+            check(self.monitor)?;
+            let count = mesh.connectivity.vertex_count();
+            let missing = count.abs_diff(wanted);
+            let places = disjoint(mesh, &edges_to_change(mesh, count < wanted), CHOICES * missing);
+            let changed = |place: &Place| {
+                let h = place.own_side();
+                let changed = if count < wanted { self.split(&place.around, h) } else { collapsed(&place.around, h) };
+                let settled = changed.map(|changed| self.settled(changed)).transpose()?;
+                Ok(settled.map(|(after, changed)| (after - cost(&place.around.mesh), changed)))
+            };
+            let changed: Vec<Option<(f64, Neighborhood)>> = places.par_iter().map(changed).collect::<Result<_>>()?;
+            let mut changed: Vec<(f64, Neighborhood)> = changed.into_iter().flatten().collect();
+            changed.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let mut touched = vec![false; triangle_bound(mesh)];
+            let put_back = changed.iter().filter(|(_, changed)| changed.put_back(mesh, &mut touched));
+            if put_back.take(missing).count() == 0 {
+                meet_count(self.domain, mesh, wanted);
+                break;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A side of a triangle and what is around the triangle.
+struct Place {
+    side: u32,
+    around: Neighborhood,
+}
+
+impl Place {
+    /// The number of the side in what is around it.
+    fn own_side(&self) -> u32 {
+        self.around.own_half_edge(self.side).expect("a place has its own side")
+    }
+}
+
+/// The places of `sides` that share no triangle with one before, at most so many.
+fn disjoint(mesh: &Manifold, sides: &[u32], most: usize) -> Vec<Place> {
+    let mut taken = vec![false; triangle_bound(mesh)];
+    let free = sides.iter().filter_map(|&side| {
+        if taken[side as usize / 3] {
+            return None;
+        }
+        let around = Neighborhood::across_curves(mesh, side / 3, RINGS)?;
+        let is_free = around.triangles().iter().all(|&t| !taken[t as usize]);
+        is_free.then(|| {
+            around.triangles().iter().for_each(|&t| taken[t as usize] = true);
+            Place { side, around }
+        })
+    });
+    free.take(most).collect()
+}
+
+fn triangle_bound(mesh: &Manifold) -> usize {
+    mesh.connectivity.half_edge_bound() as usize / 3
+}
+
+/// A side of each triangle with a small angle that is not given up, the smallest first.
+fn small_angles(mesh: &Manifold, given_up: &[bool]) -> Vec<u32> {
+    let angles = mesh.triangles().filter(|&t| !given_up[t as usize]).map(|t| (smallest_angle(mesh.corners(t)), t));
+    let mut small: Vec<(f64, u32)> = angles.filter(|angle| angle.0 < SMALL).collect();
+    small.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    small.into_iter().map(|(_, t)| 3 * t).collect()
+}
+
+/// The edges with no triangle at a curve: the relatively longest first if they are to be split, else the shortest.
+fn edges_to_change(mesh: &Manifold, to_split: bool) -> Vec<u32> {
+    let c = &mesh.connectivity;
+    let is_free = |h: u32| c.triangle(h).into_iter().all(|v| !c.is_on_curve(v));
+    let sign = if to_split { -1.0 } else { 1.0 };
+    let free = mesh.edges().filter(|&h| c.both_sides(h).all(is_free));
+    let mut edges: Vec<(f64, u32)> = free.map(|h| (sign * mesh.relative_length_squared(h), h)).collect();
+    edges.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    edges.into_iter().map(|(_, h)| h).collect()
+}
+
+/// `around` with the origin of `h` merged into its target, if it can be.
+fn collapsed(around: &Neighborhood, h: u32) -> Option<Neighborhood> {
+    let c = &around.mesh.connectivity;
+    let may = !c.is_boundary(c.origin(h)) && c.can_collapse(h) && collapse_keeps_shape(&around.mesh, h);
+    may.then(|| {
+        let mut changed = around.clone();
+        changed.mesh.collapse(h);
+        changed
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::topology::topology;
+    use crate::optimize::angles::improve_angles;
+    use crate::surface::domain::Sample;
+    use crate::testing::sheet;
+    use glam::DVec3;
+
+    const SPACING: f64 = 0.1;
+
+    /// A flat square, and a mesh of even triangles over it whose boundary has some edges of a quarter of the others' length.
+    fn with_short_edges() -> (Domain, Manifold) {
+        let domain = Domain::new(sheet(20, |_, _| 0.0).try_into().unwrap());
+        let even = sheet(10, |_, _| 0.0);
+        let mut mesh =
+            Manifold::new(even.positions.iter().map(|&p| domain.project_anywhere(p)).collect(), &even.triangles);
+        relax(&domain, &mut mesh, &VertexSet::EMPTY, SPACING, Flips::Delaunay, 3, &()).unwrap();
+        let long: Vec<u32> = mesh.half_edges().filter(|&h| !mesh.connectivity.has_twin(h)).skip(12).take(3).collect();
+        for h in long {
+            for end in [h, h] {
+                let [a, b] =
+                    [mesh.connectivity.origin(end), mesh.connectivity.target(end)].map(|v| mesh.samples[v as usize]);
+                mesh.samples.push(Sample { position: a.position.midpoint(b.position), ..a });
+                mesh.connectivity.split_edge(end);
+            }
+        }
+        mesh.lock_boundary();
+        (domain, mesh)
+    }
+
+    fn smallest(mesh: &Manifold) -> f64 {
+        mesh.triangles().map(|t| smallest_angle(mesh.corners(t))).fold(180.0, f64::min)
+    }
+
+    #[test]
+    fn vertices_go_where_angles_need_them() {
+        let (domain, mut mesh) = with_short_edges();
+        let count = mesh.connectivity.vertex_count();
+        improve_angles(&domain, &mut mesh, SPACING, &()).unwrap();
+        let before = smallest(&mesh);
+        exchange_vertices(&domain, &mut mesh, SPACING, &()).unwrap();
+        let after = smallest(&mesh);
+        assert!(before < 20.0 && after > SMALL, "{before} {after}");
+        assert_eq!(mesh.connectivity.vertex_count(), count);
+        let left = mesh.to_mesh();
+        let t = topology(left.positions.len(), &left.triangles);
+        assert!(t.is_manifold() && t.is_oriented() && (t.euler, t.boundary_loops) == (1, 1));
+    }
+
+    #[test]
+    fn a_mesh_of_good_angles_stays() {
+        let (domain, mut mesh) = with_short_edges();
+        exchange_vertices(&domain, &mut mesh, SPACING, &()).unwrap();
+        improve_angles(&domain, &mut mesh, SPACING, &()).unwrap();
+        let before = mesh.to_mesh();
+        exchange_vertices(&domain, &mut mesh, SPACING, &()).unwrap();
+        assert_eq!(mesh.to_mesh().positions, before.positions);
+    }
+
+    #[test]
+    fn counts_are_met_where_angles_stay_good() {
+        for change in [-9, 9] {
+            let even = sheet(10, |_, _| 0.0);
+            let domain = Domain::new(sheet(20, |_, _| 0.0).try_into().unwrap());
+            let samples = even.positions.iter().map(|&p: &DVec3| domain.project_anywhere(p)).collect();
+            let mut mesh = Manifold::new(samples, &even.triangles);
+            mesh.lock_boundary();
+            relax(&domain, &mut mesh, &VertexSet::EMPTY, SPACING, Flips::Delaunay, 3, &()).unwrap();
+            let wanted = mesh.connectivity.vertex_count().checked_add_signed(change).unwrap();
+            balance_count(&domain, &mut mesh, wanted, SPACING, &()).unwrap();
+            assert_eq!(mesh.connectivity.vertex_count(), wanted);
+            assert!(smallest(&mesh) > 35.0, "{change}: {}", smallest(&mesh));
+        }
+    }
+}
