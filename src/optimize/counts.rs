@@ -28,6 +28,19 @@ pub fn meet_count(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
     }
 }
 
+/// Collapses the shortest edges with no triangle at a curve, where the surface allows it, until there are `wanted` vertices.
+pub(super) fn collapse_away_from_curves(mesh: &mut Manifold, wanted: usize) {
+    collapse_shortest(mesh, wanted, |mesh, h| {
+        is_away_from_curves(mesh, h) && FacingGuard::CAREFUL.passes(mesh.after_collapse(h).0)
+    });
+}
+
+/// Whether no triangle at the edge of `h` has a vertex on a curve.
+pub(super) fn is_away_from_curves(mesh: &Manifold, h: u32) -> bool {
+    let c = &mesh.connectivity;
+    c.both_sides(h).all(|h| c.triangle(h).into_iter().all(|v| !c.is_on_curve(v)))
+}
+
 /// Whether triangles face the surface, and a curve keeps its course, if the origin of `h` merges into its target.
 pub(super) fn collapse_keeps_shape(mesh: &Manifold, h: u32) -> bool {
     let c = &mesh.connectivity;

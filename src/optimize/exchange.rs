@@ -15,10 +15,10 @@ use crate::base::monitor::{Monitor, check};
 use crate::geom::triangle::smallest_angle;
 use crate::manifold::Manifold;
 use crate::manifold::neighborhood::Neighborhood;
-use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{next, prev};
 use crate::optimize::angles::{OF_QUALITY, cost, improve_angles_for};
-use crate::optimize::counts::{collapse_keeps_shape, meet_count};
+use crate::optimize::coarse_to_fine::tips;
+use crate::optimize::counts::{collapse_keeps_shape, is_away_from_curves, meet_count};
 use crate::optimize::relax::{Flips, relax};
 use crate::surface::domain::Domain;
 use rayon::prelude::*;
@@ -34,6 +34,9 @@ const MOST_SETTLED: usize = 4;
 
 /// Passes over all small angles.
 const MOST_PASSES: usize = 4;
+
+/// How far a vertex that goes may be from the triangles that are left, in wanted lengths.
+const FARTHEST: f64 = 0.15;
 
 /// Rounds of relaxation, and passes of the search for angles, in which a neighbourhood settles.
 const ROUNDS: usize = 2;
@@ -51,18 +54,6 @@ pub fn exchange_vertices(domain: &Domain, mesh: &mut Manifold, spacing: f64, mon
     let exchange = Exchange { domain, spacing, monitor };
     exchange.change_counts(mesh)?;
     exchange.balance(mesh, wanted)
-}
-
-/// Brings the mesh to `wanted` vertices where it remains good: splits and collapses edges away from curves, of those that are
-/// relatively long or short the ones around which triangles cost least once they have settled.
-pub(super) fn balance_count(
-    domain: &Domain,
-    mesh: &mut Manifold,
-    wanted: usize,
-    spacing: f64,
-    monitor: &dyn Monitor,
-) -> Result<()> {
-    Exchange { domain, spacing, monitor }.balance(mesh, wanted)
 }
 
 struct Exchange<'a> {
@@ -102,7 +93,7 @@ impl Exchange<'_> {
         let own = [h, next(h), prev(h)];
         let beside = own.into_iter().filter(|&h| c.has_twin(h)).flat_map(|h| [next(c.twin(h)), prev(c.twin(h))]);
         let edges: Vec<u32> = own.into_iter().chain(beside).collect();
-        let collapses = edges.iter().flat_map(|&h| c.both_sides(h)).filter_map(|h| collapsed(&place.around, h));
+        let collapses = edges.iter().flat_map(|&h| c.both_sides(h)).filter_map(|h| self.collapsed(&place.around, h));
         let splits = edges.iter().filter_map(|&h| self.split(&place.around, h));
         let changed = collapses.chain(splits).chain([place.around.clone()]);
         let mut changed: Vec<(f64, Neighborhood)> = changed.map(|changed| (cost(&changed.mesh), changed)).collect();
@@ -111,6 +102,22 @@ impl Exchange<'_> {
         let settled: Vec<_> = changed.into_iter().map(|(_, changed)| self.settled(changed)).collect::<Result<_>>()?;
         let best = settled.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
         Ok(best.filter(|best| best.0 < cost(mesh) - LEAST_GAIN).map(|(_, changed)| changed))
+    }
+
+    /// `around` with the origin of `h` merged into its target, if it can be and the surface hardly moves.
+    fn collapsed(&self, around: &Neighborhood, h: u32) -> Option<Neighborhood> {
+        let mesh = &around.mesh;
+        let c = &mesh.connectivity;
+        let farthest = FARTHEST * self.spacing * mesh.samples[c.origin(h) as usize].size;
+        let may = !c.is_boundary(c.origin(h))
+            && c.can_collapse(h)
+            && collapse_keeps_shape(mesh, h)
+            && mesh.distance_after_collapse(h) <= farthest;
+        may.then(|| {
+            let mut changed = around.clone();
+            changed.mesh.collapse(h);
+            changed
+        })
     }
 
     /// `around` with the edge of `h` split, if it can be.
@@ -129,12 +136,14 @@ impl Exchange<'_> {
     fn settled(&self, mut around: Neighborhood) -> Result<(f64, Neighborhood)> {
         let Exchange { domain, spacing, monitor } = *self;
         let mesh = &mut around.mesh;
-        relax(domain, mesh, &VertexSet::EMPTY, spacing, Flips::Delaunay, ROUNDS, monitor)?;
-        improve_angles_for(domain, mesh, &VertexSet::EMPTY, spacing, OF_QUALITY, SEARCHES, monitor)?;
+        let locked = tips(mesh);
+        relax(domain, mesh, &locked, spacing, Flips::Delaunay, ROUNDS, monitor)?;
+        improve_angles_for(domain, mesh, &locked, spacing, OF_QUALITY, SEARCHES, monitor)?;
         Ok((cost(mesh), around))
     }
 
-    /// Brings the mesh to `wanted` vertices, away from curves as far as that goes.
+    /// Brings the mesh to `wanted` vertices where it remains good: splits and collapses edges away from curves, of the
+    /// relatively longest or shortest those around which triangles cost least once they have settled.
     fn balance(&self, mesh: &mut Manifold, wanted: usize) -> Result<()> {
         while mesh.connectivity.vertex_count() != wanted {
             check(self.monitor)?;
@@ -143,7 +152,8 @@ impl Exchange<'_> {
             let places = disjoint(mesh, &edges_to_change(mesh, count < wanted), CHOICES * missing);
             let changed = |place: &Place| {
                 let h = place.own_side();
-                let changed = if count < wanted { self.split(&place.around, h) } else { collapsed(&place.around, h) };
+                let changed =
+                    if count < wanted { self.split(&place.around, h) } else { self.collapsed(&place.around, h) };
                 let settled = changed.map(|changed| self.settled(changed)).transpose()?;
                 Ok(settled.map(|(after, changed)| (after - cost(&place.around.mesh), changed)))
             };
@@ -205,29 +215,17 @@ fn small_angles(mesh: &Manifold, given_up: &[bool]) -> Vec<u32> {
 
 /// The edges with no triangle at a curve: the relatively longest first if they are to be split, else the shortest.
 fn edges_to_change(mesh: &Manifold, to_split: bool) -> Vec<u32> {
-    let c = &mesh.connectivity;
-    let is_free = |h: u32| c.triangle(h).into_iter().all(|v| !c.is_on_curve(v));
     let sign = if to_split { -1.0 } else { 1.0 };
-    let free = mesh.edges().filter(|&h| c.both_sides(h).all(is_free));
+    let free = mesh.edges().filter(|&h| is_away_from_curves(mesh, h));
     let mut edges: Vec<(f64, u32)> = free.map(|h| (sign * mesh.relative_length_squared(h), h)).collect();
     edges.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     edges.into_iter().map(|(_, h)| h).collect()
 }
 
-/// `around` with the origin of `h` merged into its target, if it can be.
-fn collapsed(around: &Neighborhood, h: u32) -> Option<Neighborhood> {
-    let c = &around.mesh.connectivity;
-    let may = !c.is_boundary(c.origin(h)) && c.can_collapse(h) && collapse_keeps_shape(&around.mesh, h);
-    may.then(|| {
-        let mut changed = around.clone();
-        changed.mesh.collapse(h);
-        changed
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::manifold::vertex_set::VertexSet;
     use crate::mesh::topology::topology;
     use crate::optimize::angles::improve_angles;
     use crate::surface::domain::Sample;
@@ -295,7 +293,7 @@ mod tests {
             mesh.lock_boundary();
             relax(&domain, &mut mesh, &VertexSet::EMPTY, SPACING, Flips::Delaunay, 3, &()).unwrap();
             let wanted = mesh.connectivity.vertex_count().checked_add_signed(change).unwrap();
-            balance_count(&domain, &mut mesh, wanted, SPACING, &()).unwrap();
+            Exchange { domain: &domain, spacing: SPACING, monitor: &() }.balance(&mut mesh, wanted).unwrap();
             assert_eq!(mesh.connectivity.vertex_count(), wanted);
             assert!(smallest(&mesh) > 35.0, "{change}: {}", smallest(&mesh));
         }
