@@ -6,10 +6,10 @@ use crate::mesh::half_edge::OnCurve;
 use crate::mesh::topology::NONE;
 use std::collections::BTreeMap;
 
-/// The triangles around a vertex, with a boundary that stays.
+/// The triangles around a vertex or a triangle, with a border to the rest that stays.
 #[derive(Debug, Clone)]
 pub struct Neighborhood {
-    /// The triangles. Vertices on the boundary are corners; the middle is vertex 0.
+    /// The triangles. Vertices on the border to the rest are corners; the middle, if it is a vertex, is vertex 0.
     pub mesh: Manifold,
     /// The number of each vertex in the whole.
     vertices: Vec<u32>,
@@ -49,7 +49,9 @@ impl Neighborhood {
         if triangles.is_empty() || sides().any(|h| c.is_curve_edge(h) && c.has_twin(h) && inside(c.twin(h))) {
             return None;
         }
-        Some(Neighborhood::of(whole, vertices, &number, triangles))
+        let mut neighborhood = Neighborhood::of(whole, vertices, &number, triangles);
+        neighborhood.mesh.lock_boundary();
+        Some(neighborhood)
     }
 
     /// The triangles within `rings` rings around triangle `middle`, across feature curves. `None` if it reaches an
@@ -80,7 +82,11 @@ impl Neighborhood {
         if vertices.iter().any(|&v| c.is_on_interface(v)) {
             return None;
         }
-        let neighborhood = Neighborhood::of(whole, vertices, &number, triangles);
+        let inside = |h: u32| triangles.binary_search(&(h / 3)).is_ok();
+        let border = triangles.iter().flat_map(|&t| 3 * t..3 * t + 3).filter(|&h| c.has_twin(h) && !inside(c.twin(h)));
+        let locked: Vec<u32> = border.flat_map(|h| [c.origin(h), c.target(h)]).map(|v| number[&v]).collect();
+        let mut neighborhood = Neighborhood::of(whole, vertices, &number, triangles);
+        locked.into_iter().for_each(|v| neighborhood.mesh.connectivity.put_on_curve(v, OnCurve::Corner));
         let c = &neighborhood.mesh.connectivity;
         let mut corners = vec![0; neighborhood.vertices.len()];
         for v in neighborhood.mesh.triangles().flat_map(|t| c.triangle(3 * t)) {
@@ -103,7 +109,6 @@ impl Neighborhood {
         for (own, &v) in (0..).zip(&vertices) {
             mesh.connectivity.put_on_curve(own, c.curve_at(v));
         }
-        mesh.lock_boundary();
         Neighborhood { mesh, vertices, triangles }
     }
 

@@ -19,7 +19,12 @@ pub fn meet_count(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
     // First under the guard, then without.
     split_longest(domain, mesh, wanted);
     split_longest_with(mesh, wanted, |mesh, h| Some(mesh.split_anyhow(domain, h)));
-    collapse_shortest(mesh, wanted, collapse_keeps_shape);
+    collapse_shortest(mesh, wanted, |mesh, h| {
+        let c = &mesh.connectivity;
+        let keeps_curve =
+            !c.is_on_curve(c.origin(h)) || mesh.distance_after_collapse(h) <= STRAIGHT * mesh.length_squared(h).sqrt();
+        keeps_curve && FacingGuard::CAREFUL.passes(mesh.after_collapse(h).0)
+    });
     collapse_shortest(mesh, wanted, |_, _| true);
     if mesh.connectivity.vertex_count() > wanted {
         // The count takes precedence over feature curves and their corners.
@@ -39,14 +44,6 @@ pub(super) fn collapse_away_from_curves(mesh: &mut Manifold, wanted: usize) {
 pub(super) fn is_away_from_curves(mesh: &Manifold, h: u32) -> bool {
     let c = &mesh.connectivity;
     c.both_sides(h).all(|h| c.triangle(h).into_iter().all(|v| !c.is_on_curve(v)))
-}
-
-/// Whether triangles face the surface, and a curve keeps its course, if the origin of `h` merges into its target.
-pub(super) fn collapse_keeps_shape(mesh: &Manifold, h: u32) -> bool {
-    let c = &mesh.connectivity;
-    let keeps_curve =
-        !c.is_on_curve(c.origin(h)) || mesh.distance_after_collapse(h) <= STRAIGHT * mesh.length_squared(h).sqrt();
-    keeps_curve && FacingGuard::CAREFUL.passes(mesh.after_collapse(h).0)
 }
 
 /// Splits the longest inner edges, where the surface allows it, until there are `wanted` vertices.

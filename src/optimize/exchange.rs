@@ -14,11 +14,12 @@ use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 use crate::geom::triangle::smallest_angle;
 use crate::manifold::Manifold;
+use crate::manifold::facing::FacingGuard;
 use crate::manifold::neighborhood::Neighborhood;
 use crate::mesh::half_edge::{next, prev};
 use crate::optimize::angles::{OF_QUALITY, cost, improve_angles_for};
 use crate::optimize::coarse_to_fine::tips;
-use crate::optimize::counts::{collapse_keeps_shape, is_away_from_curves, meet_count};
+use crate::optimize::counts::{is_away_from_curves, meet_count};
 use crate::optimize::relax::{Flips, relax};
 use crate::surface::domain::Domain;
 use rayon::prelude::*;
@@ -35,8 +36,9 @@ const MOST_SETTLED: usize = 4;
 /// Passes over all small angles.
 const MOST_PASSES: usize = 4;
 
-/// How far a vertex that goes may be from the triangles that are left, in wanted lengths.
+/// How far a vertex that goes may be from the triangles that are left, and one on a curve, in wanted lengths.
 const FARTHEST: f64 = 0.15;
+const FARTHEST_FROM_CURVE: f64 = 0.03;
 
 /// Rounds of relaxation, and passes of the search for angles, in which a neighbourhood settles.
 const ROUNDS: usize = 2;
@@ -108,11 +110,11 @@ impl Exchange<'_> {
     fn collapsed(&self, around: &Neighborhood, h: u32) -> Option<Neighborhood> {
         let mesh = &around.mesh;
         let c = &mesh.connectivity;
-        let farthest = FARTHEST * self.spacing * mesh.samples[c.origin(h) as usize].size;
-        let may = !c.is_boundary(c.origin(h))
-            && c.can_collapse(h)
-            && collapse_keeps_shape(mesh, h)
-            && mesh.distance_after_collapse(h) <= farthest;
+        let origin = c.origin(h);
+        let farthest = if c.is_on_curve(origin) { FARTHEST_FROM_CURVE } else { FARTHEST };
+        let may = c.can_collapse(h)
+            && FacingGuard::CAREFUL.passes(mesh.after_collapse(h).0)
+            && mesh.distance_after_collapse(h) <= farthest * self.spacing * mesh.samples[origin as usize].size;
         may.then(|| {
             let mut changed = around.clone();
             changed.mesh.collapse(h);
@@ -123,7 +125,9 @@ impl Exchange<'_> {
     /// `around` with the edge of `h` split, if it can be.
     fn split(&self, around: &Neighborhood, h: u32) -> Option<Neighborhood> {
         let c = &around.mesh.connectivity;
-        if !c.has_twin(h) || !c.can_split(h) {
+        // Not on the border to the rest, whose vertices are corners.
+        let is_inside = c.has_twin(h) || !c.is_corner(c.origin(h)) || !c.is_corner(c.target(h));
+        if !is_inside || !c.can_split(h) {
             return None;
         }
         let mut changed = around.clone();

@@ -49,6 +49,7 @@ pub(super) fn fit_to_surface(
     let fitted = fit(domain, mesh, spacing, limit, monitor)?;
     // The fit may have spoilt triangles of vertices that it took back to the surface.
     improve_angles(domain, mesh, spacing, monitor)?;
+    exchange_vertices(domain, mesh, spacing, monitor)?;
     reduce_max_error(domain, mesh, spacing, &fitted, monitor)
 }
 
