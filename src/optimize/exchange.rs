@@ -52,10 +52,19 @@ const CHOICES: usize = 4;
 
 /// Exchanges vertices between small angles and other places; their number stays. `spacing` is the mean edge length.
 pub fn exchange_vertices(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
+    if !mesh.triangles().any(|t| smallest_angle(mesh.corners(t)) < SMALL) {
+        return Ok(());
+    }
+    let before = mesh.clone();
     let wanted = mesh.connectivity.vertex_count();
     let exchange = Exchange { domain, spacing, monitor };
     exchange.change_counts(mesh)?;
-    exchange.balance(mesh, wanted)
+    exchange.balance(mesh, wanted)?;
+    // Of few vertices there may be none to give or take.
+    if mesh.connectivity.vertex_count() != wanted || cost(mesh) > cost(&before) {
+        *mesh = before;
+    }
+    Ok(())
 }
 
 struct Exchange<'a> {
