@@ -1,9 +1,13 @@
 //! The neighbourhood of a vertex as a manifold of its own, to be changed and put back.
 
+use crate::geom::aabb::Aabb;
 use crate::manifold::Manifold;
+use crate::manifold::faces::Faces;
 use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::OnCurve;
 use crate::mesh::topology::NONE;
+use crate::mesh::triangle_mesh::Mesh;
+use crate::spatial::self_intersections::self_intersections;
 use std::collections::BTreeMap;
 
 /// The triangles around a vertex or a triangle, with a border to the rest that stays.
@@ -132,6 +136,21 @@ impl Neighborhood {
         &self.triangles
     }
 
+    /// Whether the whole, with these faces, would have more self-intersections if it were put back.
+    pub fn adds_self_intersections(&self, faces: &Faces) -> bool {
+        let new = self.mesh.to_mesh();
+        let Some(Aabb { lo, hi }) = new.bounds() else { return false };
+        let (mut now, mut then) = (Vec::new(), Vec::new());
+        faces.in_box(lo, hi, |t, corners| {
+            now.push(corners);
+            if !self.has_triangle(t) {
+                then.push(corners);
+            }
+        });
+        then.extend((0..new.triangles.len()).map(|t| new.corners(t)));
+        self_intersections(&Mesh::soup(then)).len() > self_intersections(&Mesh::soup(now)).len()
+    }
+
     /// Replaces its triangles in the whole, and marks them, and those that it has more, in `touched`. Returns `false`, and
     /// does nothing, if one of the triangles is marked already or an edge would occur twice.
     pub fn put_back(&self, whole: &mut Manifold, touched: &mut Vec<bool>) -> bool {
@@ -172,9 +191,9 @@ impl Neighborhood {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::half_edge::OnCurve;
     use crate::mesh::topology::topology;
     use crate::surface::domain::Sample;
+    use crate::testing::sheet;
     use glam::DVec3;
 
     const WIDTH: u32 = 8;
@@ -281,5 +300,23 @@ mod tests {
         let result = mesh.to_mesh();
         let kind = topology(result.positions.len(), &result.triangles);
         assert!(kind.is_manifold() && kind.is_oriented() && (kind.euler, kind.boundary_loops) == (1, 1));
+    }
+
+    #[test]
+    fn a_vertex_put_through_another_sheet_would_cross_it() {
+        const CELLS: u32 = 8;
+        let [lower, upper] = [0.0, 0.01].map(|height| sheet(CELLS, |_, _| height));
+        let first = lower.positions.len() as u32;
+        let positions = lower.positions.into_iter().chain(upper.positions);
+        let triangles: Vec<[u32; 3]> =
+            lower.triangles.into_iter().chain(upper.triangles.into_iter().map(|t| t.map(|v| v + first))).collect();
+        let samples = positions.map(|position| Sample { position, normal: DVec3::Z, triangle: 0, size: 1.0 });
+        let mesh = Manifold::new(samples.collect(), &triangles);
+        let mut neighborhood = Neighborhood::around(&mesh, first / 2, 2).unwrap();
+        let faces = Faces::new(&mesh);
+        for (height, crosses) in [(0.0, false), (0.009, false), (0.02, true)] {
+            neighborhood.mesh.samples[0].position.z = height;
+            assert_eq!(neighborhood.adds_self_intersections(&faces), crosses, "{height}");
+        }
     }
 }

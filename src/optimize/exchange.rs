@@ -14,6 +14,7 @@ use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 use crate::geom::triangle::smallest_angle;
 use crate::manifold::Manifold;
+use crate::manifold::faces::Faces;
 use crate::manifold::facing::FacingGuard;
 use crate::manifold::neighborhood::Neighborhood;
 use crate::mesh::half_edge::{next, prev};
@@ -84,7 +85,8 @@ impl Exchange<'_> {
             if places.is_empty() {
                 break;
             }
-            let changed: Vec<_> = places.par_iter().map(|place| self.better(place)).collect::<Result<_>>()?;
+            let faces = Faces::new(mesh);
+            let changed: Vec<_> = places.par_iter().map(|place| self.better(place, &faces)).collect::<Result<_>>()?;
             let mut touched = vec![false; given_up.len()];
             for (place, changed) in places.iter().zip(changed) {
                 let is_better = changed.is_some_and(|changed| changed.put_back(mesh, &mut touched));
@@ -96,8 +98,8 @@ impl Exchange<'_> {
         Ok(())
     }
 
-    /// What is around a small angle after the change that helps most, if one does.
-    fn better(&self, place: &Place) -> Result<Option<Neighborhood>> {
+    /// What is around a small angle after the change that helps most without new self-intersections, if one does.
+    fn better(&self, place: &Place, faces: &Faces) -> Result<Option<Neighborhood>> {
         let mesh = &place.around.mesh;
         let c = &mesh.connectivity;
         let h = place.own_side();
@@ -110,9 +112,11 @@ impl Exchange<'_> {
         let mut changed: Vec<(f64, Neighborhood)> = changed.map(|changed| (cost(&changed.mesh), changed)).collect();
         changed.sort_by(|a, b| a.0.total_cmp(&b.0));
         changed.truncate(MOST_SETTLED);
-        let settled: Vec<_> = changed.into_iter().map(|(_, changed)| self.settled(changed)).collect::<Result<_>>()?;
-        let best = settled.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-        Ok(best.filter(|best| best.0 < cost(mesh) - LEAST_GAIN).map(|(_, changed)| changed))
+        let settled = changed.into_iter().map(|(_, changed)| self.settled(changed));
+        let mut better: Vec<(f64, Neighborhood)> = settled.collect::<Result<_>>()?;
+        better.retain(|settled| settled.0 < cost(mesh) - LEAST_GAIN);
+        better.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(better.into_iter().map(|(_, changed)| changed).find(|changed| !changed.adds_self_intersections(faces)))
     }
 
     /// `around` with the origin of `h` merged into its target, if it can be and the surface hardly moves.

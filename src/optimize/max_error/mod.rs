@@ -22,17 +22,14 @@ mod probes;
 use crate::base::error::Result;
 use crate::base::math;
 use crate::base::monitor::{Monitor, check};
-use crate::geom::aabb::Aabb;
 use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
 use crate::manifold::neighborhood::Neighborhood;
 use crate::manifold::vertex_set::VertexSet;
-use crate::mesh::triangle_mesh::Mesh;
 use crate::optimize::angles::{bad_triangles, improve_angles_for, worst_margin};
 use crate::optimize::fit::{BEYOND, Fitted, fit_part};
 use crate::optimize::quadrature::{POINTS, point};
 use crate::optimize::relax::{Flips, relax};
-use crate::spatial::self_intersections::self_intersections;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 use probes::{Probe, Probes, distance, is_nearer};
@@ -140,21 +137,6 @@ pub fn reduce_max_error(
         far.extend(task.places_around(&faces, &changed, &touched));
     }
     Ok(())
-}
-
-/// Whether the mesh would have more self-intersections if `neighborhood` were put back.
-fn adds_self_intersections(faces: &Faces, neighborhood: &Neighborhood) -> bool {
-    let new = neighborhood.mesh.to_mesh();
-    let Some(Aabb { lo, hi }) = new.bounds() else { return false };
-    let (mut now, mut then) = (Vec::new(), Vec::new());
-    faces.in_box(lo, hi, |t, corners| {
-        now.push(corners);
-        if !neighborhood.has_triangle(t) {
-            then.push(corners);
-        }
-    });
-    then.extend((0..new.triangles.len()).map(|t| new.corners(t)));
-    self_intersections(&Mesh::soup(then)).len() > self_intersections(&Mesh::soup(now)).len()
 }
 
 /// A place of large error: a point of the surface and its distance to the mesh, or to the point of the mesh that it is
@@ -286,7 +268,7 @@ impl Task<'_> {
         let most = MUST_FALL_TO * attempt.farthest;
         for _ in 0..MOST_PLACED {
             attempt = self.place_nearest(&attempt, &measured, margin)?;
-            if attempt.farthest < most && !adds_self_intersections(faces, &attempt.neighborhood) {
+            if attempt.farthest < most && !attempt.neighborhood.adds_self_intersections(faces) {
                 return Some(attempt.neighborhood);
             }
         }
@@ -382,6 +364,7 @@ impl<'a> Measured<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::triangle_mesh::Mesh;
 
     /// A triangular grid with `n` edges of length 1/n to a side, over the rhombus of side 1, at the given heights.
     fn sheet(n: u32, height: impl Fn(f64, f64) -> f64) -> Mesh {
@@ -443,23 +426,6 @@ mod tests {
         assert_eq!(mesh.to_mesh().positions.len(), old.to_mesh().positions.len());
         let corners = (0..mesh.connectivity.vertex_bound()).filter(|&v| !mesh.can_move(v, &VertexSet::EMPTY));
         corners.for_each(|v| assert_eq!(mesh.position(v), old.position(v)));
-    }
-
-    #[test]
-    fn a_vertex_put_through_another_sheet_would_cross_it() {
-        let (lower, upper) = (sheet(COARSE, |_, _| 0.0), sheet(COARSE, |_, _| 0.01));
-        let first = lower.positions.len() as u32;
-        let positions = lower.positions.into_iter().chain(upper.positions);
-        let triangles: Vec<[u32; 3]> =
-            lower.triangles.into_iter().chain(upper.triangles.into_iter().map(|t| t.map(|v| v + first))).collect();
-        let samples = positions.map(|position| Sample { position, normal: DVec3::Z, triangle: 0, size: 1.0 });
-        let mesh = Manifold::new(samples.collect(), &triangles);
-        let mut neighborhood = Neighborhood::around(&mesh, (first + COARSE) / 2, 2).unwrap();
-        let faces = Faces::new(&mesh);
-        for (height, crosses) in [(0.0, false), (0.009, false), (0.02, true)] {
-            neighborhood.mesh.samples[0].position.z = height;
-            assert_eq!(adds_self_intersections(&faces, &neighborhood), crosses, "{height}");
-        }
     }
 
     #[test]
