@@ -1,4 +1,4 @@
-//! The neighbourhood of a vertex as a manifold of its own, to be changed and put back.
+//! The neighbourhood of a vertex or a triangle as a manifold of its own, to be changed and put back.
 
 use crate::geom::aabb::Aabb;
 use crate::manifold::Manifold;
@@ -26,34 +26,13 @@ impl Neighborhood {
     /// curve, or a curve ends among the triangles.
     pub fn around(whole: &Manifold, middle: u32, rings: usize) -> Option<Neighborhood> {
         let c = &whole.connectivity;
-        let mut vertices = vec![middle];
-        let mut number = BTreeMap::from([(middle, 0u32)]);
-        let mut triangles = Vec::new();
-        let mut begin = 0;
-        for _ in 0..rings {
-            let end = vertices.len();
-            for i in begin..end {
-                if c.is_on_curve(vertices[i]) || c.is_boundary(vertices[i]) {
-                    continue;
-                }
-                for h in c.outgoing(vertices[i]) {
-                    triangles.push(h / 3);
-                    number.entry(c.target(h)).or_insert_with(|| {
-                        vertices.push(c.target(h));
-                        vertices.len() as u32 - 1
-                    });
-                }
-            }
-            begin = end;
-        }
-        triangles.sort_unstable();
-        triangles.dedup();
-        let inside = |h: u32| triangles.binary_search(&(h / 3)).is_ok();
-        let sides = || triangles.iter().flat_map(|&t| 3 * t..3 * t + 3);
-        if triangles.is_empty() || sides().any(|h| c.is_curve_edge(h) && c.has_twin(h) && inside(c.twin(h))) {
+        let ends = |v: u32| c.is_on_curve(v) || c.is_boundary(v);
+        let found = Rings::around(whole, &[middle], rings, ends);
+        let is_curve_inside = |h: u32| c.is_curve_edge(h) && c.has_twin(h) && found.has_half_edge(c.twin(h));
+        if found.triangles.is_empty() || found.half_edges().any(is_curve_inside) {
             return None;
         }
-        let mut neighborhood = Neighborhood::of(whole, vertices, &number, triangles);
+        let mut neighborhood = Neighborhood::of(whole, found);
         neighborhood.mesh.lock_boundary();
         Some(neighborhood)
     }
@@ -62,34 +41,13 @@ impl Neighborhood {
     /// interface, or touches itself at a vertex.
     pub fn across_curves(whole: &Manifold, middle: u32, rings: usize) -> Option<Neighborhood> {
         let c = &whole.connectivity;
-        let mut vertices = c.triangle(3 * middle).to_vec();
-        let mut number: BTreeMap<u32, u32> = vertices.iter().copied().zip(0..).collect();
-        let mut triangles = Vec::new();
-        let mut begin = 0;
-        for _ in 0..rings {
-            let end = vertices.len();
-            for i in begin..end {
-                for h in c.outgoing(vertices[i]) {
-                    triangles.push(h / 3);
-                    for v in c.triangle(h) {
-                        number.entry(v).or_insert_with(|| {
-                            vertices.push(v);
-                            vertices.len() as u32 - 1
-                        });
-                    }
-                }
-            }
-            begin = end;
-        }
-        triangles.sort_unstable();
-        triangles.dedup();
-        if vertices.iter().any(|&v| c.is_on_interface(v)) {
+        let found = Rings::around(whole, &c.triangle(3 * middle), rings, |_| false);
+        if found.vertices.iter().any(|&v| c.is_on_interface(v)) {
             return None;
         }
-        let inside = |h: u32| triangles.binary_search(&(h / 3)).is_ok();
-        let border = triangles.iter().flat_map(|&t| 3 * t..3 * t + 3).filter(|&h| c.has_twin(h) && !inside(c.twin(h)));
-        let locked: Vec<u32> = border.flat_map(|h| [c.origin(h), c.target(h)]).map(|v| number[&v]).collect();
-        let mut neighborhood = Neighborhood::of(whole, vertices, &number, triangles);
+        let border = found.half_edges().filter(|&h| c.has_twin(h) && !found.has_half_edge(c.twin(h)));
+        let locked: Vec<u32> = border.flat_map(|h| [c.origin(h), c.target(h)]).map(|v| found.number[&v]).collect();
+        let mut neighborhood = Neighborhood::of(whole, found);
         locked.into_iter().for_each(|v| neighborhood.mesh.connectivity.put_on_curve(v, OnCurve::Corner));
         let c = &neighborhood.mesh.connectivity;
         let mut corners = vec![0; neighborhood.vertices.len()];
@@ -100,8 +58,8 @@ impl Neighborhood {
         is_one_fan.then_some(neighborhood)
     }
 
-    /// `triangles` of the whole, with the `vertices` whose `number` is told.
-    fn of(whole: &Manifold, vertices: Vec<u32>, number: &BTreeMap<u32, u32>, triangles: Vec<u32>) -> Neighborhood {
+    /// Those triangles of the whole, none of whose vertices is locked yet.
+    fn of(whole: &Manifold, Rings { vertices, number, triangles }: Rings) -> Neighborhood {
         let c = &whole.connectivity;
         let corners: Vec<[u32; 3]> = triangles.iter().map(|&t| c.triangle(3 * t).map(|v| number[&v])).collect();
         let samples = vertices.iter().map(|&v| whole.samples[v as usize]).collect();
@@ -185,6 +143,56 @@ impl Neighborhood {
         self.triangles.iter().for_each(|&t| touched[t as usize] = true);
         touched.resize(whole.connectivity.half_edge_bound() as usize / 3, true);
         true
+    }
+}
+
+/// The triangles around some vertices of a manifold.
+struct Rings {
+    /// Their vertices, those in the middle first.
+    vertices: Vec<u32>,
+    /// The place of each in `vertices`.
+    number: BTreeMap<u32, u32>,
+    /// Their numbers, in increasing order.
+    triangles: Vec<u32>,
+}
+
+impl Rings {
+    /// That many rings around the vertices `middle`, which do not go on at a vertex that `ends` them.
+    fn around(whole: &Manifold, middle: &[u32], rings: usize, ends: impl Fn(u32) -> bool) -> Rings {
+        let c = &whole.connectivity;
+        let mut vertices = middle.to_vec();
+        let mut number: BTreeMap<u32, u32> = vertices.iter().copied().zip(0..).collect();
+        let mut triangles = Vec::new();
+        let mut begin = 0;
+        for _ in 0..rings {
+            let end = vertices.len();
+            for i in begin..end {
+                if ends(vertices[i]) {
+                    continue;
+                }
+                for h in c.outgoing(vertices[i]) {
+                    triangles.push(h / 3);
+                    for v in c.triangle(h) {
+                        number.entry(v).or_insert_with(|| {
+                            vertices.push(v);
+                            vertices.len() as u32 - 1
+                        });
+                    }
+                }
+            }
+            begin = end;
+        }
+        triangles.sort_unstable();
+        triangles.dedup();
+        Rings { vertices, number, triangles }
+    }
+
+    fn half_edges(&self) -> impl Iterator<Item = u32> {
+        self.triangles.iter().flat_map(|&t| 3 * t..3 * t + 3)
+    }
+
+    fn has_half_edge(&self, h: u32) -> bool {
+        self.triangles.binary_search(&(h / 3)).is_ok()
     }
 }
 
@@ -300,6 +308,34 @@ mod tests {
         let result = mesh.to_mesh();
         let kind = topology(result.positions.len(), &result.triangles);
         assert!(kind.is_manifold() && kind.is_oriented() && (kind.euler, kind.boundary_loops) == (1, 1));
+    }
+
+    #[test]
+    fn a_boundary_of_the_whole_may_have_another_number_of_vertices() {
+        let mut mesh = square();
+        let count = mesh.connectivity.vertex_count();
+        let is_middle = |mesh: &Manifold, h: u32| !mesh.connectivity.has_twin(h) && mesh.connectivity.origin(h) == 4;
+        let side = mesh.half_edges().find(|&h| is_middle(&mesh, h)).unwrap();
+        let mut finer = Neighborhood::across_curves(&mesh, side / 3, 2).unwrap();
+        let own = finer.own_half_edge(side).unwrap();
+        assert!(finer.mesh.can_move(finer.mesh.connectivity.origin(own), &VertexSet::EMPTY));
+        finer.mesh.samples.push(finer.mesh.samples[0]);
+        finer.mesh.connectivity.split_edge(own);
+        let mut touched = untouched(&mesh);
+        assert!(finer.put_back(&mut mesh, &mut touched));
+        let new = mesh.connectivity.vertex_bound() - 1;
+        assert!(mesh.connectivity.is_boundary(new) && mesh.connectivity.vertex_count() == count + 1);
+        let side = mesh.half_edges().find(|&h| is_middle(&mesh, h)).unwrap();
+        let mut coarser = Neighborhood::across_curves(&mesh, side / 3, 2).unwrap();
+        let own = coarser.own_half_edge(side).unwrap();
+        assert!(coarser.mesh.connectivity.can_collapse(own));
+        coarser.mesh.collapse(own);
+        let mut touched = untouched(&mesh);
+        assert!(coarser.put_back(&mut mesh, &mut touched));
+        let result = mesh.to_mesh();
+        let kind = topology(result.positions.len(), &result.triangles);
+        assert!(kind.is_manifold() && kind.is_oriented() && kind.vertices == count);
+        assert_eq!((kind.euler, kind.boundary_loops), (1, 1));
     }
 
     #[test]

@@ -166,13 +166,15 @@ impl Exchange<'_> {
             check(self.monitor)?;
             let count = mesh.connectivity.vertex_count();
             let missing = count.abs_diff(wanted);
+            let faces = Faces::new(mesh);
             let places = disjoint(mesh, &edges_to_change(mesh, count < wanted), CHOICES * missing);
             let changed = |place: &Place| {
                 let h = place.own_side();
                 let changed =
                     if count < wanted { self.split(&place.around, h) } else { self.collapsed(&place.around, h) };
                 let settled = changed.map(|changed| self.settled(changed)).transpose()?;
-                Ok(settled.map(|(after, changed)| (after - cost(&place.around.mesh), changed)))
+                let sound = settled.filter(|(_, changed)| !changed.adds_self_intersections(&faces));
+                Ok(sound.map(|(after, changed)| (after - cost(&place.around.mesh), changed)))
             };
             let changed: Vec<Option<(f64, Neighborhood)>> = places.par_iter().map(changed).collect::<Result<_>>()?;
             let mut changed: Vec<(f64, Neighborhood)> = changed.into_iter().flatten().collect();

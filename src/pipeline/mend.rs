@@ -8,7 +8,6 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
-use crate::optimize::exchange::exchange_vertices;
 use crate::optimize::resize::follow_shorter_lengths;
 use crate::optimize::self_intersections::resolve_self_intersections;
 use crate::pipeline::finished::Finished;
@@ -60,7 +59,6 @@ fn finer(
     let scale = &surface.scale;
     let mut manifold = best.manifold.clone();
     follow_shorter_lengths(&surface.domain, &mut manifold, scale.wanted, scale.spacing, monitor)?;
-    exchange_vertices(&surface.domain, &mut manifold, scale.spacing, monitor)?;
     // What was relaxed lies on the surface, of which its triangles are on the inner side.
     fit_to_surface(&surface.domain, &mut manifold, scale.spacing, prepared.limit(), monitor)?;
     resolve_self_intersections(&surface.domain, || surface.self_intersections(), &mut manifold, monitor)?;

@@ -33,12 +33,12 @@ pub(super) fn optimize(
     order(domain, mesh, scale, monitor)?;
     monitor.stage("improve angles");
     improve_angles(domain, mesh, scale.spacing, monitor)?;
-    exchange_vertices(domain, mesh, scale.spacing, monitor)?;
     monitor.stage("fit");
     fit_to_surface(domain, mesh, scale.spacing, limit, monitor)
 }
 
-/// Fits a mesh with good angles to the surface: to within `limit`, in the pipeline's unit, if possible.
+/// Fits a mesh with good angles to the surface: to within `limit`, in the pipeline's unit, if possible. Before and after,
+/// vertices go where angles are small even so.
 pub(super) fn fit_to_surface(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -46,6 +46,7 @@ pub(super) fn fit_to_surface(
     limit: Option<f64>,
     monitor: &dyn Monitor,
 ) -> Result<()> {
+    exchange_vertices(domain, mesh, spacing, monitor)?;
     let fitted = fit(domain, mesh, spacing, limit, monitor)?;
     // The fit may have spoilt triangles of vertices that it took back to the surface.
     improve_angles(domain, mesh, spacing, monitor)?;

@@ -13,9 +13,9 @@
 //! Removed triangles and vertices leave gaps until [`Connectivity::compact`].
 
 mod collapse;
+mod replace;
 
 use crate::mesh::topology::{NONE, twins};
-use std::collections::{BTreeMap, BTreeSet};
 
 /// The half-edge after `h` in its triangle.
 #[inline]
@@ -380,74 +380,6 @@ impl Connectivity {
         new
     }
 
-    /// Replaces the triangles with the increasing numbers in `old` by `triangles`, each with the curves of its sides, that have
-    /// the same boundary. Vertices in `added`, each with its curve, get the next numbers; those that no triangle has any more are
-    /// removed. Returns `false`, and does nothing, if one of the new edges exists elsewhere already.
-    pub fn replace(&mut self, old: &[u32], triangles: &[([u32; 3], [OnCurve; 3])], added: &[OnCurve]) -> bool {
-        let inside = |h: u32| old.binary_search(&(h / 3)).is_ok();
-        let old_sides: Vec<u32> = old.iter().flat_map(|&t| 3 * t..3 * t + 3).collect();
-        let border = old_sides.iter().copied().filter(|&h| !self.has_twin(h) || !inside(self.twin(h)));
-        // What is across each side of the border, and its curve.
-        let mut open: BTreeMap<[u32; 2], (u32, OnCurve)> =
-            border.map(|h| ([self.origin(h), self.target(h)], (self.twin(h), self.curve(h)))).collect();
-        let known: BTreeSet<[u32; 2]> = old_sides.iter().map(|&h| [self.origin(h), self.target(h)]).collect();
-        let edges = || {
-            let of_triangle =
-                |&([a, b, c], curves): &([u32; 3], [OnCurve; 3])| [[a, b], [b, c], [c, a]].into_iter().zip(curves);
-            triangles.iter().flat_map(of_triangle)
-        };
-        if edges().any(|(edge, _)| !known.contains(&edge) && self.has_edge(edge)) {
-            return false;
-        }
-        for &side in &old_sides {
-            self.remove_half_edge(side);
-        }
-        for v in known.iter().map(|edge| edge[0]) {
-            self.out[v as usize] = NONE;
-        }
-        self.out.resize(self.out.len() + added.len(), NONE);
-        self.curve_at.extend(added);
-        let more = 3 * triangles.len().saturating_sub(old.len());
-        let first_new = self.half_edge_bound();
-        self.origin.resize(self.origin.len() + more, NONE);
-        self.twin.resize(self.twin.len() + more, NONE);
-        self.curve.resize(self.curve.len() + more, OnCurve::No);
-        let sides = || old_sides.iter().copied().chain(first_new..).take(3 * triangles.len());
-        for (side, (edge, curve)) in sides().zip(edges()) {
-            self.origin[side as usize] = edge[0];
-            self.curve[side as usize] = curve;
-            match open.remove(&edge) {
-                Some((across, curve)) => {
-                    self.curve[side as usize] = curve;
-                    self.glue(side, across);
-                }
-                None => {
-                    open.insert([edge[1], edge[0]], (side, curve));
-                }
-            }
-        }
-        for side in sides() {
-            self.set_out(self.origin(side), side);
-        }
-        self.live_triangles = self.live_triangles + triangles.len() - old.len();
-        let before: BTreeSet<u32> = known.into_iter().map(|edge| edge[0]).collect();
-        let removed = before.into_iter().filter(|&v| !self.has_vertex(v)).count();
-        self.live_vertices = self.live_vertices + added.len() - removed;
-        true
-    }
-
-    fn remove_half_edge(&mut self, h: u32) {
-        self.origin[h as usize] = NONE;
-        self.twin[h as usize] = NONE;
-        self.curve[h as usize] = OnCurve::No;
-    }
-
-    /// Whether there is an edge between `a` and `b`, either of which may have been removed or be still to come.
-    fn has_edge(&self, [a, b]: [u32; 2]) -> bool {
-        let has = |v: u32| v < self.vertex_bound() && self.has_vertex(v);
-        has(a) && has(b) && self.are_adjacent(a, b)
-    }
-
     /// The triangles in the order of their half-edges, and for each of their vertices its old number.
     pub fn compact(&self) -> (Vec<[u32; 3]>, Vec<u32>) {
         let old: Vec<u32> = (0..self.vertex_bound()).filter(|&v| self.has_vertex(v)).collect();
@@ -494,7 +426,7 @@ mod tests {
     use rand_chacha::rand_core::Rng;
 
     /// A grid of n by n squares, its opposite sides glued (a torus) or not (a disk).
-    fn grid(n: u32, torus: bool) -> (usize, Vec<[u32; 3]>) {
+    pub(super) fn grid(n: u32, torus: bool) -> (usize, Vec<[u32; 3]>) {
         let width = if torus { n } else { n + 1 };
         let at = |i: u32, j: u32| (i % width) * width + j % width;
         let square = |i, j| {
@@ -506,7 +438,7 @@ mod tests {
     }
 
     /// Checks everything that must hold between the arrays; returns the topology of what is left.
-    fn audit(mesh: &Connectivity) -> Topology {
+    pub(super) fn audit(mesh: &Connectivity) -> Topology {
         for h in (0..mesh.half_edge_bound()).filter(|&h| mesh.has_half_edge(h)) {
             let g = mesh.twin(h);
             if g != NONE {
@@ -562,56 +494,6 @@ mod tests {
             audit(&mesh);
             assert!(mesh.vertex_count() >= fewest && mesh.vertex_count() <= fewest + 3);
         }
-    }
-
-    fn on_no_curve(triangle: [u32; 3]) -> ([u32; 3], [OnCurve; 3]) {
-        (triangle, [OnCurve::No; 3])
-    }
-
-    #[test]
-    fn triangles_are_replaced_by_others_with_the_same_border() {
-        let (n, triangles) = grid(4, false);
-        let mut mesh = Connectivity::new(n, &triangles);
-        let [a, b, c] = mesh.triangle(0);
-        let d = mesh.triangle(3).into_iter().find(|v| ![a, b, c].contains(v)).unwrap();
-        assert!(mesh.replace(&[0, 1], &[[b, c, d], [b, d, a]].map(on_no_curve), &[]));
-        assert!(mesh.are_adjacent(b, d) && !mesh.are_adjacent(a, c));
-        assert_eq!(audit(&mesh).boundary_loops, 1);
-    }
-
-    #[test]
-    fn triangles_are_replaced_by_more_or_fewer_with_the_curves_inside() {
-        let (n, triangles) = grid(4, false);
-        let mut mesh = Connectivity::new(n, &triangles);
-        let [a, b, c] = mesh.triangle(0);
-        let d = mesh.triangle(3).into_iter().find(|v| ![a, b, c].contains(v)).unwrap();
-        mesh.mark_on_curve(a, b, OnCurve::Curve(1));
-        let middle = n as u32;
-        let on = |curve| [OnCurve::No, OnCurve::Curve(curve), OnCurve::No];
-        let fan = [[a, b, middle], [b, c, middle], [c, d, middle], [d, a, middle]];
-        let more = fan.map(|corners| if corners[0] == b { (corners, on(2)) } else { on_no_curve(corners) });
-        let mut with_curve = more;
-        with_curve[2].1[2] = OnCurve::Curve(2);
-        assert!(mesh.replace(&[0, 1], &with_curve, &[OnCurve::Curve(2)]));
-        assert_eq!((audit(&mesh).vertices, mesh.curve_at(middle)), (n + 1, OnCurve::Curve(2)));
-        let curve_of =
-            |mesh: &Connectivity, v: u32, w: u32| mesh.curve(mesh.outgoing(v).find(|&h| mesh.target(h) == w).unwrap());
-        assert_eq!(
-            [curve_of(&mesh, a, b), curve_of(&mesh, middle, c), curve_of(&mesh, c, middle)],
-            [1, 2, 2].map(OnCurve::Curve)
-        );
-        let around: Vec<u32> = mesh.outgoing(middle).map(|h| h / 3).collect::<BTreeSet<u32>>().into_iter().collect();
-        assert!(mesh.replace(&around, &[[a, b, c], [a, c, d]].map(on_no_curve), &[]));
-        assert_eq!((audit(&mesh).vertices, mesh.has_vertex(middle)), (n, false));
-        assert_eq!(curve_of(&mesh, a, b), OnCurve::Curve(1));
-    }
-
-    #[test]
-    fn triangles_are_not_replaced_where_an_edge_would_be_there_twice() {
-        let faces = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
-        let mut mesh = Connectivity::new(4, &faces);
-        assert!(!mesh.replace(&[0, 1], &[[1, 2, 3], [1, 3, 0]].map(on_no_curve), &[]));
-        assert_eq!((audit(&mesh).euler, mesh.compact().0), (2, faces.to_vec()));
     }
 
     #[test]
