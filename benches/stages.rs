@@ -257,7 +257,7 @@ fn s10_fit(bencher: Bencher) {
 
 #[divan::bench]
 fn s10_resolve_self_intersections(bencher: Bencher) {
-    optimising(bencher, |domain, mesh, _| resolve_self_intersections(domain, || &[], mesh, &()));
+    optimising(bencher, |domain, mesh, _| resolve_self_intersections(domain, mesh, &()));
 }
 
 #[divan::bench]

@@ -17,10 +17,12 @@ use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{OnCurve, next, prev};
 use crate::mesh::topology::NONE;
 use crate::optimize::counts::{collapse_shortest, split_longest};
+use crate::optimize::crossings::Crossings;
 use crate::spatial::kdtree::Neighbors;
-use crate::spatial::self_intersections::self_intersections;
+use crate::spatial::self_intersections::faces_of;
 use crate::surface::domain::Domain;
 use glam::DVec3;
+use std::collections::BTreeSet;
 
 /// Cosine of the angle between normals within two rings above which vertices are kept: 120 degrees. At 75 a fifth of the
 /// vertices of a detailed model were kept and stayed irregular; above 120 ends of spikes are lost for good.
@@ -65,12 +67,12 @@ pub fn indispensable(mesh: &Manifold, kept: &VertexSet) -> VertexSet {
     &(&mesh.bent(BENT) | kept) | &beside_interface(mesh)
 }
 
-/// Adds the vertices of `mesh` around self-intersections of `coarse` to `kept`: the surface is a wall there that is too thin for
-/// such large faces. Returns whether any of them are new: without new ones the coarse mesh would be the same.
-pub fn keep_at_self_intersections(kept: &mut VertexSet, mesh: &Manifold, coarse: &Manifold, spacing: f64) -> bool {
-    let coarse = coarse.to_mesh();
-    let places = self_intersections(&coarse).into_iter().flat_map(|t| coarse.corners(t as usize));
-    keep_around(kept, mesh, &places.collect::<Vec<DVec3>>(), spacing)
+/// The corners of faces of a coarse mesh that intersect others where the surface does not: it is a wall there that is too thin for
+/// such large faces.
+pub fn avoidable_crossings(domain: &Domain, coarse: &Manifold) -> Vec<DVec3> {
+    let faces = faces_of(Crossings::avoidable(domain, coarse).pairs);
+    let corners: BTreeSet<u32> = faces.into_iter().flat_map(|t| coarse.connectivity.triangle(3 * t)).collect();
+    corners.into_iter().map(|v| coarse.position(v)).collect()
 }
 
 /// Adds the vertices of `mesh` around edges of `refined` that are still as long as those of a coarse mesh to `kept`: such edges
@@ -85,17 +87,19 @@ pub fn keep_at_long_edges(kept: &mut VertexSet, mesh: &Manifold, refined: &Manif
     !are_everywhere && keep_around(kept, mesh, &places, spacing)
 }
 
-/// Adds the vertices of `mesh` around `places` to `kept`; whether any of them are new.
-fn keep_around(kept: &mut VertexSet, mesh: &Manifold, places: &[DVec3], spacing: f64) -> bool {
+/// Adds the vertices of `mesh`, of that spacing, around `places` to `kept`. Returns whether any of them are new: without new ones
+/// the coarse mesh would be the same.
+pub fn keep_around(kept: &mut VertexSet, mesh: &Manifold, places: &[DVec3], spacing: f64) -> bool {
     if places.is_empty() {
         return false;
     }
     let mut any_new = false;
     let positions: Vec<DVec3> = mesh.samples.iter().map(|s| s.position).collect();
     let neighbors = Neighbors::new(&positions);
+    let mut near = Vec::new();
     for &p in places {
-        let near = neighbors.within(p, CLEARANCE * spacing).into_iter().map(|n| n.point);
-        for v in near.filter(|&v| mesh.connectivity.has_vertex(v)) {
+        neighbors.collect_within(p, CLEARANCE * spacing, &mut near);
+        for v in near.drain(..).map(|n| n.point).filter(|&v| mesh.connectivity.has_vertex(v)) {
             any_new |= !kept.contains(v);
             kept.insert(v);
         }
@@ -239,9 +243,38 @@ fn collapse(mesh: &mut Manifold, dense: &VertexSet, wanted: usize, spacing: f64)
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::triangle_mesh::Mesh;
     use crate::surface::domain::Sample;
     use crate::testing::grid;
     use glam::dvec3;
+
+    #[test]
+    fn crossings_that_the_surface_has_are_not_avoidable() {
+        // A floor with a wall through it, and a ceiling close above.
+        let floor = grid(24, 12, |u, v| dvec3(24.0 * u, 12.0 * v, 0.0));
+        let parts = [
+            grid(24, 12, |u, v| dvec3(24.0 * u, 12.0 * v, 0.3)),
+            grid(12, 12, |u, v| dvec3(3.5, 12.0 * v, 8.0 * u - 8.1)),
+        ];
+        let input = parts.into_iter().fold(floor, |mut all, part| {
+            let first = all.positions.len() as u32;
+            all.positions.extend(part.positions);
+            all.triangles.extend(part.triangles.iter().map(|t| t.map(|v| v + first)));
+            all
+        });
+        let through_wall =
+            |z: f64| input.positions.iter().map(move |p| *p + if p.x == 3.5 { z * DVec3::Z } else { DVec3::ZERO });
+        let crossed = Mesh { positions: through_wall(0.2).collect(), triangles: input.triangles.clone() };
+        let domain = Domain::new(crossed.clone().try_into().unwrap());
+        let samples = crossed.positions.iter().map(|&p| domain.project_anywhere(p)).collect();
+        let mut mesh = Manifold::new(samples, &crossed.triangles);
+        assert!(!Crossings::new(&mesh).pairs.is_empty() && avoidable_crossings(&domain, &mesh).is_empty());
+        // The one in the middle of the floor, far from the wall, goes through the ceiling.
+        let v = 12 * 13 + 6;
+        mesh.samples[v].position.z = 0.6;
+        let found = avoidable_crossings(&domain, &mesh);
+        assert!(found.len() > 3 && found.iter().all(|p| p.distance(mesh.samples[v].position) < 3.0), "{found:?}");
+    }
 
     #[test]
     fn vertices_are_kept_around_an_edge_that_could_not_be_split() {

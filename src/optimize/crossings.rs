@@ -5,7 +5,7 @@ use crate::geom::triangle::mean_ratio;
 use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
 use crate::manifold::facing::LEAST_MENDABLE;
-use crate::spatial::self_intersections::{Inherited, faces_of};
+use crate::spatial::self_intersections::faces_of;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -30,8 +30,12 @@ impl Crossings {
     }
 
     /// The pairs at places where the input has no self-intersection.
-    pub fn avoidable(inherited: &Inherited, mesh: &Manifold) -> Crossings {
+    pub fn avoidable(domain: &Domain, mesh: &Manifold) -> Crossings {
         let mut crossings = Crossings::new(mesh);
+        if crossings.pairs.is_empty() {
+            return crossings;
+        }
+        let inherited = domain.inherited();
         let crossing = faces_of(crossings.pairs.clone()).into_iter();
         let need_not: BTreeMap<u32, bool> = crossing.map(|t| (t, !inherited.is_near(mesh.corners(t)))).collect();
         crossings.pairs.retain(|(t, u)| need_not[t] || need_not[u]);

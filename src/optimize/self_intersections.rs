@@ -31,7 +31,6 @@ use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{next, prev};
 use crate::optimize::crossings::{Corners, Crossings, Surroundings, acceptable, fan, is_near_surface, longest_edge};
 use crate::optimize::shorten::shorten_crossings;
-use crate::spatial::self_intersections::Inherited;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -56,37 +55,23 @@ const MOST_TREATED: usize = 150;
 /// If more intersect than that, a turn that leaves a larger share of the pairs is the last.
 const LEAST_PROGRESS: f64 = 0.8;
 
-/// Moves vertices and flips edges until no avoidable self-intersection is left, or nothing helps. `of_domain` gives the
-/// triangles of the domain that intersect others.
-pub fn resolve_self_intersections<'a>(
-    domain: &Domain,
-    of_domain: impl FnOnce() -> &'a [u32],
-    mesh: &mut Manifold,
-    monitor: &dyn Monitor,
-) -> Result<()> {
-    if Crossings::new(mesh).pairs.is_empty() {
-        return Ok(());
-    }
-    let inherited = Inherited::new(of_domain().iter().map(|&t| domain.mesh.corners(t as usize)));
-    take_turns(domain, &inherited, mesh, monitor)
-}
-
-/// Parts sheets and treats single faces in turns, as long as the number of intersecting pairs falls.
-fn take_turns(domain: &Domain, inherited: &Inherited, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<()> {
-    let mut crossings = Crossings::avoidable(inherited, mesh);
+/// Moves vertices and flips edges until no avoidable self-intersection is left, or nothing helps: parts sheets and treats single
+/// faces in turns, as long as the number of intersecting pairs falls.
+pub fn resolve_self_intersections(domain: &Domain, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<()> {
+    let mut crossings = Crossings::avoidable(domain, mesh);
     for _ in 0..TURNS {
         if crossings.pairs.is_empty() {
             break;
         }
         check(monitor)?;
         let (before, left) = (mesh.clone(), crossings.pairs.len());
-        crossings = take_back(domain, inherited, mesh, crossings);
-        crossings = part_sheets(domain, inherited, mesh, crossings);
+        crossings = take_back(domain, mesh, crossings);
+        crossings = part_sheets(domain, mesh, crossings);
         treat_faces(domain, mesh, crossings);
-        crossings = Crossings::avoidable(inherited, mesh);
+        crossings = Crossings::avoidable(domain, mesh);
         if crossings.pairs.len() <= MOST_TREATED {
-            shorten_crossings(domain, inherited, mesh, crossings);
-            crossings = Crossings::avoidable(inherited, mesh);
+            shorten_crossings(domain, mesh, crossings);
+            crossings = Crossings::avoidable(domain, mesh);
         }
         if crossings.pairs.len() >= left {
             *mesh = before;
@@ -100,7 +85,7 @@ fn take_turns(domain: &Domain, inherited: &Inherited, mesh: &mut Manifold, monit
 }
 
 /// Takes the corners of faces that cross back to the surface, which the fit moves them off; what crosses then, if that is less.
-fn take_back(domain: &Domain, inherited: &Inherited, mesh: &mut Manifold, crossings: Crossings) -> Crossings {
+fn take_back(domain: &Domain, mesh: &mut Manifold, crossings: Crossings) -> Crossings {
     let corners: BTreeSet<u32> =
         crossings.pairs.iter().flat_map(|&(t, u)| [t, u]).flat_map(|t| mesh.connectivity.triangle(3 * t)).collect();
     let before = mesh.samples.clone();
@@ -111,7 +96,7 @@ fn take_back(domain: &Domain, inherited: &Inherited, mesh: &mut Manifold, crossi
             mesh.samples[v as usize] = foot;
         }
     }
-    let found = Crossings::avoidable(inherited, mesh);
+    let found = Crossings::avoidable(domain, mesh);
     if found.pairs.len() < crossings.pairs.len() {
         return found;
     }
@@ -120,7 +105,7 @@ fn take_back(domain: &Domain, inherited: &Inherited, mesh: &mut Manifold, crossi
 }
 
 /// Moves the sheets that cross apart, step by step, and keeps the step with the fewest crossings; those that are left.
-fn part_sheets(domain: &Domain, inherited: &Inherited, mesh: &mut Manifold, crossings: Crossings) -> Crossings {
+fn part_sheets(domain: &Domain, mesh: &mut Manifold, crossings: Crossings) -> Crossings {
     let mut pairs = crossings.pairs.clone();
     let mut best = (crossings, mesh.samples.clone());
     for _ in 0..STEPS {
@@ -129,7 +114,7 @@ fn part_sheets(domain: &Domain, inherited: &Inherited, mesh: &mut Manifold, cros
         if moved == 0 {
             break;
         }
-        let crossings = Crossings::avoidable(inherited, mesh);
+        let crossings = Crossings::avoidable(domain, mesh);
         pairs.clone_from(&crossings.pairs);
         if pairs.len() < best.0.pairs.len() {
             best = (crossings, mesh.samples.clone());

@@ -34,11 +34,11 @@ const LEAST_PROGRESS: f64 = 0.99;
 const FOLDED: f64 = 0.1;
 
 /// Shortens what faces have in common where the input has no self-intersection, one cluster of crossing faces after the other.
-pub(super) fn shorten_crossings(domain: &Domain, inherited: &Inherited, mesh: &mut Manifold, crossings: Crossings) {
+pub(super) fn shorten_crossings(domain: &Domain, mesh: &mut Manifold, crossings: Crossings) {
     let clusters = clusters(mesh, &crossings.pairs);
     let mut around = Surroundings::new(crossings.faces);
     for cluster in clusters {
-        shorten(domain, inherited, mesh, &mut around, cluster);
+        shorten(domain, mesh, &mut around, cluster);
     }
 }
 
@@ -102,13 +102,8 @@ impl Common {
 }
 
 /// Steps down the gradient of what the faces of a cluster have in common, as long as that becomes less.
-fn shorten(
-    domain: &Domain,
-    inherited: &Inherited,
-    mesh: &mut Manifold,
-    around: &mut Surroundings,
-    mut cluster: BTreeSet<u32>,
-) {
+fn shorten(domain: &Domain, mesh: &mut Manifold, around: &mut Surroundings, mut cluster: BTreeSet<u32>) {
+    let inherited = domain.inherited();
     for _ in 0..STEPS {
         let corners: BTreeSet<u32> = cluster.iter().flat_map(|&t| mesh.connectivity.triangle(3 * t)).collect();
         let stars: BTreeSet<u32> = corners.iter().flat_map(|&v| mesh.connectivity.outgoing(v)).map(|h| h / 3).collect();
@@ -191,10 +186,9 @@ mod tests {
         let mut mesh = Manifold::new(samples, &input.triangles);
         // The one in the middle of the lower sheet.
         mesh.samples[6 * 13 + 6].position.z = 0.1;
-        let none = Inherited::new([]);
-        let crossings = Crossings::avoidable(&none, &mesh);
+        let crossings = Crossings::avoidable(&domain, &mesh);
         assert!(crossings.pairs.len() > 5);
-        shorten_crossings(&domain, &none, &mut mesh, crossings);
+        shorten_crossings(&domain, &mut mesh, crossings);
         assert!(Crossings::new(&mesh).pairs.is_empty());
         let off = mesh.samples.iter().map(|s| domain.project_anywhere(s.position).position.distance(s.position));
         assert!(off.fold(0.0, f64::max) < 1.5 * FARTHEST);

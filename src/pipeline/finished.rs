@@ -123,7 +123,7 @@ fn new_among(faces: &[u32], mesh: &Mesh, prepared: &PreparedInput, surface: &Siz
     }
     let SizedSurface { domain, within, .. } = surface;
     let corners = |&t: &u32| domain.mesh.corners(t as usize).map(|p| prepared.unit.outwards_point(p));
-    let of_domain = surface.self_intersections().iter().map(corners);
+    let of_domain = domain.self_intersections().iter().map(corners);
     let of_whole = within.iter().flat_map(|within| {
         let whole = &within.whole;
         self_intersections(whole).into_iter().map(|t| whole.corners(t as usize))

@@ -61,7 +61,7 @@ fn finer(
     follow_shorter_lengths(&surface.domain, &mut manifold, scale.wanted, scale.spacing, monitor)?;
     // What was relaxed lies on the surface, of which its triangles are on the inner side.
     fit_to_surface(&surface.domain, &mut manifold, scale.spacing, prepared.limit(), monitor)?;
-    resolve_self_intersections(&surface.domain, || surface.self_intersections(), &mut manifold, monitor)?;
+    resolve_self_intersections(&surface.domain, &mut manifold, monitor)?;
     let next = Finished::new(prepared, surface, manifold, best.tessellated_patches, best.run);
     Ok(Some(Finished { is_mended: true, ..next }))
 }

@@ -7,7 +7,7 @@ use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::topology::NONE;
 use crate::optimize::angles::improve_angles;
 use crate::optimize::coarse_to_fine::{
-    coarsen, indispensable, keep_at_long_edges, keep_at_self_intersections, match_target_count, narrow,
+    avoidable_crossings, coarsen, indispensable, keep_around, keep_at_long_edges, match_target_count, narrow,
     remove_encroaching_vertices, split_to, tips, transition,
 };
 use crate::optimize::counts::meet_count;
@@ -20,6 +20,7 @@ use crate::optimize::valence::{remove_defects, remove_near_defects};
 use crate::pipeline::scale::Scale;
 use crate::spectral::ascent::{AscentParameters, LONG_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA, ascend};
 use crate::surface::domain::Domain;
+use glam::DVec3;
 
 /// Optimises the mesh of the samples, coarse to fine, at the wanted count, with good angles, and fitted to the surface: to
 /// within `limit`, in the pipeline's unit, if possible.
@@ -59,8 +60,9 @@ pub(super) fn fit_to_surface(
 fn order(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
     let fine = mesh.clone();
     let mut kept = VertexSet::EMPTY;
+    let mut levels: [Level; MOST_LEVELS] = Default::default();
     for round in 1.. {
-        let dense = arrange_coarse(domain, mesh, &kept, scale, monitor)?;
+        let dense = arrange_coarse(domain, mesh, &kept, &mut levels, scale, monitor)?;
         refine_to_count(domain, mesh, &dense, scale, monitor)?;
         if round == MOST_ORDERS || !keep_at_long_edges(&mut kept, &fine, mesh, scale.spacing) {
             break;
@@ -70,12 +72,22 @@ fn order(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Moni
     Ok(())
 }
 
+/// What is known of the coarse meshes of one spacing.
+#[derive(Default)]
+struct Level {
+    /// Where they intersected themselves: vertices around are kept dense in later ones.
+    crossings: Vec<DVec3>,
+    /// How often one was made again because of that.
+    repeats: usize,
+}
+
 /// Reduces the mesh to a quarter of the vertices, in good order, and leaves all of them where a coarser mesh could not
 /// follow the surface, the `kept` ones among them; these dense vertices.
 fn arrange_coarse(
     domain: &Domain,
     mesh: &mut Manifold,
     kept: &VertexSet,
+    levels: &mut [Level],
     scale: &Scale,
     monitor: &dyn Monitor,
 ) -> Result<VertexSet> {
@@ -88,7 +100,7 @@ fn arrange_coarse(
         let ascent = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS };
         ascend(domain, mesh, &!&narrow, ascent, monitor)?;
     }
-    let (dense, _) = arrange_coarser(domain, mesh, scale, &VertexSet::EMPTY, kept.clone(), monitor)?;
+    let (dense, _) = arrange_coarser(domain, mesh, scale, &VertexSet::EMPTY, kept.clone(), levels, monitor)?;
     monitor.stage("relax");
     settle(domain, mesh, &dense, 2.0 * spacing, monitor)?;
     Ok(dense)
@@ -96,20 +108,22 @@ fn arrange_coarse(
 
 /// Reduces a mesh of that scale to a quarter of the vertices, in good order, and leaves those that are `settled`, which stay
 /// where they are, and others that a coarser mesh needs. A mesh that is large enough is ordered by a coarser one first, which
-/// this function makes, too. The `kept` vertices are some of those it needs. These dense vertices, and the old number of each
-/// vertex.
+/// this function makes, too. The `kept` vertices are some of those it needs; where the coarse mesh intersects itself, it is made
+/// again with more of them. `levels` has what is known of the coarse mesh and of coarser ones. The dense vertices, and the old
+/// number of each vertex.
 fn arrange_coarser(
     domain: &Domain,
     mesh: &mut Manifold,
     scale: &Scale,
     settled: &VertexSet,
     mut kept: VertexSet,
+    levels: &mut [Level],
     monitor: &dyn Monitor,
 ) -> Result<(VertexSet, Vec<u32>)> {
+    let (level, coarser_levels) = levels.split_first_mut().expect("fewer vertices than levels allow for");
     let fine = mesh.clone();
-    let mut coarse = (VertexSet::EMPTY, Vec::new());
-    for _ in 0..MOST_COARSE_MESHES {
-        *mesh = fine.clone();
+    keep_around(&mut kept, &fine, &level.crossings, scale.spacing);
+    loop {
         let (mut dense, mut old) = reduce(domain, mesh, scale.spacing, settled, &kept, monitor)?;
         let mut sweeps = COARSE_SWEEPS;
         let count = mesh.connectivity.vertex_count();
@@ -117,19 +131,21 @@ fn arrange_coarser(
         let is_coarser = count as f64 <= MOST_LEFT * fine.connectivity.vertex_count() as f64;
         if is_coarser && count - dense.len() >= FEWEST_TO_COARSEN {
             let half = Scale { wanted: count, spacing: 2.0 * scale.spacing };
-            let coarser = arrange_coarser(domain, mesh, &half, &dense, dense.clone(), monitor)?;
+            let coarser = arrange_coarser(domain, mesh, &half, &dense, dense.clone(), coarser_levels, monitor)?;
             let split = refine_from(domain, mesh, coarser, &dense, &half, monitor)?;
             dense = dense.renumbered(&split);
             old = renumbered(&old, &split);
             sweeps = ORDERED_SWEEPS;
         }
         spread(domain, mesh, &dense, scale, sweeps, monitor)?;
-        coarse = (dense, old);
-        if !keep_at_self_intersections(&mut kept, &fine, mesh, scale.spacing) {
-            break;
+        let crossings = avoidable_crossings(domain, mesh);
+        if level.repeats == MOST_REPEATS || !keep_around(&mut kept, &fine, &crossings, scale.spacing) {
+            return Ok((dense, old));
         }
+        level.crossings.extend(crossings);
+        level.repeats += 1;
+        mesh.clone_from(&fine);
     }
-    Ok(coarse)
 }
 
 /// Orders the vertices that no coarser mesh can do without, but for the `settled` ones, and collapses the mesh to a quarter of
@@ -242,8 +258,12 @@ fn refine_to_count(
 /// The most times that a mesh is ordered, each time with more dense vertices, until every long edge could be split.
 const MOST_ORDERS: usize = 3;
 
-/// Most coarse meshes that are made, each with more vertices kept dense, until one has no self-intersections.
-const MOST_COARSE_MESHES: usize = 3;
+/// The most times that a coarse mesh of one spacing is made again, each time with more vertices kept dense, until it has no
+/// self-intersections. A finer one that is made again knows what was found, so the work stays linear in the levels.
+const MOST_REPEATS: usize = 2;
+
+/// Levels of coarse meshes: as many as 32-bit numbers of vertices can be quartered.
+const MOST_LEVELS: usize = 16;
 
 /// From this many vertices on, dense ones aside, it pays to order a mesh by a coarser one first. Smooth models gain from 1,000
 /// on, but triangles of four spacings cross curves that are near each other.

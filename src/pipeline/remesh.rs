@@ -205,7 +205,7 @@ fn triangulated(
             best = Some(triangulation);
         }
         let score = best.as_ref().expect("samples were triangulated").score;
-        match attempts.after_triangulation(score, || surface.self_intersections().len()) {
+        match attempts.after_triangulation(score, || surface.domain.self_intersections().len()) {
             Step::Continue => return Ok((surface, best.expect("samples were triangulated"))),
             Step::Resample => {}
             Step::Restart => {
@@ -288,7 +288,7 @@ fn arranged(
     let Triangulation { mesh: mut manifold, tessellated_patches, .. } = triangulation;
     arrange(prepared, surface, &mut manifold, monitor)?;
     monitor.stage("resolve self-intersections");
-    resolve_self_intersections(&surface.domain, || surface.self_intersections(), &mut manifold, monitor)?;
+    resolve_self_intersections(&surface.domain, &mut manifold, monitor)?;
     Ok(Finished::new(prepared, surface, manifold, tessellated_patches, run))
 }
 

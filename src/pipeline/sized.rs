@@ -25,7 +25,6 @@ use crate::surface::narrow_patches::{LeftOut, leave_out_narrow, samples_on};
 use crate::surface::sizing::{adapted_sizes, has_room_between_curves, sizes_between_curves, sizes_with_whole_rows};
 use glam::DVec3;
 use std::collections::HashSet;
-use std::sync::OnceLock;
 
 /// Steps up to this width, in mean distances of neighbouring points, come from sampling and not from the surface: in a lattice a
 /// cell's diagonal is half as long again as its side.
@@ -54,7 +53,6 @@ pub(super) struct SizedSurface {
     pub within: Option<Within>,
     /// The topology of what is sampled.
     pub topology: Topology,
-    self_intersections: OnceLock<Vec<u32>>,
 }
 
 impl SizedSurface {
@@ -80,19 +78,8 @@ impl SizedSurface {
         };
         let (domain, blunted, left_out, left_out_edges) =
             domain_over(clean, within.as_ref(), prepared, &scale, resizing);
-        let self_intersections = OnceLock::new();
         let sigma = scale.sigma();
-        let mut surface = SizedSurface {
-            domain,
-            scale,
-            sigma,
-            blunted,
-            left_out,
-            left_out_edges,
-            within,
-            topology,
-            self_intersections,
-        };
+        let mut surface = SizedSurface { domain, scale, sigma, blunted, left_out, left_out_edges, within, topology };
         surface.grade(prepared, density, resizing, monitor)?;
         surface.domain.find_contacts();
         Ok(surface)
@@ -184,12 +171,7 @@ impl SizedSurface {
     /// How many triangles of the repaired input intersect others.
     pub(super) fn self_intersections_of_input(&self) -> usize {
         let of_whole = self.within.as_ref().map(|within| self_intersections(&within.whole).len());
-        of_whole.unwrap_or_else(|| self.self_intersections().len())
-    }
-
-    /// Its triangles that intersect others, in increasing order; they are searched once.
-    pub(super) fn self_intersections(&self) -> &[u32] {
-        self.self_intersections.get_or_init(|| self.domain.self_intersections())
+        of_whole.unwrap_or_else(|| self.domain.self_intersections().len())
     }
 }
 

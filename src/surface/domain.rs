@@ -13,12 +13,13 @@ use crate::mesh::topology::{NONE, components, twins};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::{Bvh, Hit};
 use crate::spatial::foot::Foot;
-use crate::spatial::self_intersections::{faces_passing_along_edges, self_intersecting_faces};
+use crate::spatial::self_intersections::{Inherited, faces_passing_along_edges, self_intersecting_faces};
 use crate::surface::feature_curves::Curves;
 use crate::surface::features::{Features, sharp_sides};
 use crate::surface::planes::Planes;
 use crate::surface::turns::{folded_over, trusted_normal};
 use glam::DVec3;
+use std::sync::OnceLock;
 
 /// A point on a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,6 +61,8 @@ pub struct Domain {
     pub(super) bvh: Bvh,
     /// For each triangle whether it lies in a plane that touches another; empty before these were found.
     in_contact: Vec<bool>,
+    self_intersections: OnceLock<Vec<u32>>,
+    inherited: OnceLock<Inherited>,
 }
 
 /// Triangles that a step may lead over before searching from the root is cheaper.
@@ -126,6 +129,8 @@ impl Domain {
             spacing,
             bvh,
             in_contact: Vec::new(),
+            self_intersections: OnceLock::new(),
+            inherited: OnceLock::new(),
         }
     }
 
@@ -415,8 +420,18 @@ impl Domain {
         self.sample(side / 3, weights)
     }
 
-    /// The triangles that pass through others, pair by pair or with an edge that lies in one, in increasing order.
-    pub fn self_intersections(&self) -> Vec<u32> {
+    /// The triangles that pass through others, pair by pair or with an edge that lies in one, in increasing order; searched once.
+    pub fn self_intersections(&self) -> &[u32] {
+        self.self_intersections.get_or_init(|| self.search_self_intersections())
+    }
+
+    /// The places of [`Self::self_intersections`].
+    pub fn inherited(&self) -> &Inherited {
+        let corners = |&t: &u32| self.mesh.corners(t as usize);
+        self.inherited.get_or_init(|| Inherited::new(self.self_intersections().iter().map(corners)))
+    }
+
+    fn search_self_intersections(&self) -> Vec<u32> {
         let across = |side: u32| match self.twin[side as usize] {
             NONE => self.across.get(side),
             twin => twin,
