@@ -84,27 +84,27 @@ pub fn keep_at_long_edges(kept: &mut VertexSet, mesh: &Manifold, refined: &Manif
     let ends = |h: u32| [refined.connectivity.origin(h), refined.connectivity.target(h)].map(|v| refined.position(v));
     let places: Vec<DVec3> = refined.edges().filter(is_long).flat_map(ends).collect();
     let are_everywhere = places.len() as f64 > MOST_LONG * refined.connectivity.vertex_count() as f64;
-    !are_everywhere && keep_around(kept, mesh, &places, spacing)
+    !are_everywhere && keep_around(kept, mesh, &places, spacing) > 0
 }
 
-/// Adds the vertices of `mesh`, of that spacing, around `places` to `kept`. Returns whether any of them are new: without new ones
+/// Adds the vertices of `mesh`, of that spacing, around `places` to `kept`. Returns how many of them are new: without new ones
 /// the coarse mesh would be the same.
-pub fn keep_around(kept: &mut VertexSet, mesh: &Manifold, places: &[DVec3], spacing: f64) -> bool {
+pub fn keep_around(kept: &mut VertexSet, mesh: &Manifold, places: &[DVec3], spacing: f64) -> usize {
     if places.is_empty() {
-        return false;
+        return 0;
     }
-    let mut any_new = false;
+    let mut new = 0;
     let positions: Vec<DVec3> = mesh.samples.iter().map(|s| s.position).collect();
     let neighbors = Neighbors::new(&positions);
     let mut near = Vec::new();
     for &p in places {
         neighbors.collect_within(p, CLEARANCE * spacing, &mut near);
         for v in near.drain(..).map(|n| n.point).filter(|&v| mesh.connectivity.has_vertex(v)) {
-            any_new |= !kept.contains(v);
+            new += usize::from(!kept.contains(v));
             kept.insert(v);
         }
     }
-    any_new
+    new
 }
 
 /// Collapses vertices so near to an edge of the interface that they see it at an obtuse angle. Nothing there can flip or

@@ -32,12 +32,9 @@ impl Crossings {
     /// The pairs at places where the input has no self-intersection.
     pub fn avoidable(domain: &Domain, mesh: &Manifold) -> Crossings {
         let mut crossings = Crossings::new(mesh);
-        if crossings.pairs.is_empty() {
-            return crossings;
-        }
-        let inherited = domain.inherited();
         let crossing = faces_of(crossings.pairs.clone()).into_iter();
-        let need_not: BTreeMap<u32, bool> = crossing.map(|t| (t, !inherited.is_near(mesh.corners(t)))).collect();
+        let need_not: BTreeMap<u32, bool> =
+            crossing.map(|t| (t, !domain.inherited().is_near(mesh.corners(t)))).collect();
         crossings.pairs.retain(|(t, u)| need_not[t] || need_not[u]);
         crossings
     }

@@ -27,7 +27,7 @@ const MOST_IN_PLACES: usize = 60;
 pub(super) struct Score {
     /// Whether its topology is not the wanted one.
     pub other_topology: bool,
-    /// Triangles that intersect others; in a whole result only those where the surface does not.
+    /// Triangles that intersect others where the surface does not.
     pub self_intersections: usize,
     /// Slivers of a whole result.
     pub slivers: usize,
@@ -113,17 +113,15 @@ impl Attempts {
         Attempt { seed, curve_density: self.keeps_curves.then_some(self.curve_density) }
     }
 
-    /// What to do after samples were triangulated with `best` as the best score for these sharp edges; `of_surface` counts
-    /// the triangles of the surface that intersect others.
-    pub(super) fn after_triangulation(&mut self, best: Score, of_surface: impl FnOnce() -> usize) -> Step {
+    /// What to do after samples were triangulated with `best` as the best score for these sharp edges.
+    pub(super) fn after_triangulation(&mut self, best: Score) -> Step {
         if best.other_topology && self.keeps_curves {
             self.keeps_curves = self.with_curves < MOST_WITH_CURVES;
             self.with_curves += 1;
             self.sampling = 0;
             return Step::Restart;
         }
-        let found = best.self_intersections;
-        if found == 0 || self.sampling + 1 == MOST_SAMPLINGS || found <= of_surface() {
+        if best.self_intersections == 0 || self.sampling + 1 == MOST_SAMPLINGS {
             return Step::Continue;
         }
         self.sampling += 1;
@@ -165,14 +163,14 @@ mod tests {
     fn what_is_sound_at_once_takes_one_attempt() {
         let mut attempts = Attempts::new(7, true);
         assert_eq!(attempts.current(), Attempt { seed: 7, curve_density: Some(1.0) });
-        assert_eq!(attempts.after_triangulation(SOUND, || 0), Step::Continue);
+        assert_eq!(attempts.after_triangulation(SOUND), Step::Continue);
     }
 
     #[test]
     fn curves_are_kept_for_some_attempts_and_smoothed_over_at_last() {
         let mut attempts = Attempts::new(0, true);
         let mut densities = Vec::new();
-        while attempts.after_triangulation(TORN, || 0) == Step::Restart {
+        while attempts.after_triangulation(TORN) == Step::Restart {
             densities.push(attempts.current().curve_density);
             if densities.len() == 2 {
                 attempts.sample_curves_closer();
@@ -182,11 +180,10 @@ mod tests {
     }
 
     #[test]
-    fn intersections_are_accepted_where_the_surface_has_as_many() {
+    fn what_intersects_itself_is_drawn_again_a_few_times() {
         let mut attempts = Attempts::new(0, false);
-        assert_eq!(attempts.after_triangulation(CROSSED, || 8), Step::Continue);
         let mut samplings = 1;
-        while attempts.after_triangulation(CROSSED, || 0) == Step::Resample {
+        while attempts.after_triangulation(CROSSED) == Step::Resample {
             samplings += 1;
         }
         assert_eq!(samplings, MOST_SAMPLINGS);
@@ -197,7 +194,7 @@ mod tests {
         let mut attempts = Attempts::new(3, true);
         let mut seeds = vec![attempts.current().seed];
         loop {
-            let resample = attempts.after_triangulation(CROSSED, || 0) == Step::Resample;
+            let resample = attempts.after_triangulation(CROSSED) == Step::Resample;
             if !resample && !attempts.after_run(CROSSED, 1000) {
                 break;
             }

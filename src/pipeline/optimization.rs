@@ -58,6 +58,8 @@ pub(super) fn fit_to_surface(
 /// Brings the mesh to the wanted number of vertices with as few irregular ones as possible, coarse to fine. Where edges of the
 /// coarse mesh could not be split it is made again with all vertices there.
 fn order(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
+    monitor.stage("ascend");
+    arrange_narrow(domain, mesh, scale.spacing, monitor)?;
     let fine = mesh.clone();
     let mut kept = VertexSet::EMPTY;
     let mut levels: [Level; MOST_LEVELS] = Default::default();
@@ -68,6 +70,18 @@ fn order(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Moni
             break;
         }
         mesh.clone_from(&fine);
+    }
+    Ok(())
+}
+
+/// Orders the patches that are too narrow for a coarser mesh.
+fn arrange_narrow(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
+    remove_encroaching_vertices(mesh);
+    remove_slivers(mesh, spacing);
+    let narrow = narrow(domain, mesh, spacing);
+    if !narrow.is_empty() {
+        let ascent = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: NARROW_SWEEPS };
+        ascend(domain, mesh, &!&narrow, ascent, monitor)?;
     }
     Ok(())
 }
@@ -91,18 +105,10 @@ fn arrange_coarse(
     scale: &Scale,
     monitor: &dyn Monitor,
 ) -> Result<VertexSet> {
-    let spacing = scale.spacing;
     monitor.stage("ascend");
-    remove_encroaching_vertices(mesh);
-    remove_slivers(mesh, spacing);
-    let narrow = narrow(domain, mesh, spacing);
-    if !narrow.is_empty() {
-        let ascent = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS };
-        ascend(domain, mesh, &!&narrow, ascent, monitor)?;
-    }
     let (dense, _) = arrange_coarser(domain, mesh, scale, &VertexSet::EMPTY, kept.clone(), levels, monitor)?;
     monitor.stage("relax");
-    settle(domain, mesh, &dense, 2.0 * spacing, monitor)?;
+    settle(domain, mesh, &dense, 2.0 * scale.spacing, monitor)?;
     Ok(dense)
 }
 
@@ -139,7 +145,8 @@ fn arrange_coarser(
         }
         spread(domain, mesh, &dense, scale, sweeps, monitor)?;
         let crossings = avoidable_crossings(domain, mesh);
-        if level.repeats == MOST_REPEATS || !keep_around(&mut kept, &fine, &crossings, scale.spacing) {
+        let new = keep_around(&mut kept, &fine, &crossings, scale.spacing);
+        if level.repeats == MOST_REPEATS || new as f64 <= LEAST_NEWS * dense.len() as f64 {
             return Ok((dense, old));
         }
         level.crossings.extend(crossings);
@@ -256,11 +263,14 @@ fn refine_to_count(
 }
 
 /// The most times that a mesh is ordered, each time with more dense vertices, until every long edge could be split.
-const MOST_ORDERS: usize = 3;
+const MOST_ORDERS: usize = 2;
 
 /// The most times that a coarse mesh of one spacing is made again, each time with more vertices kept dense, until it has no
 /// self-intersections. A finer one that is made again knows what was found, so the work stays linear in the levels.
 const MOST_REPEATS: usize = 2;
+
+/// Share of the dense vertices below which new ones do not make a coarse mesh another one.
+const LEAST_NEWS: f64 = 0.1;
 
 /// Levels of coarse meshes: as many as 32-bit numbers of vertices can be quartered.
 const MOST_LEVELS: usize = 16;
@@ -272,10 +282,11 @@ const FEWEST_TO_COARSEN: usize = 2000;
 /// Most vertices, of those of a mesh, that a coarser one has: where hardly any edge can collapse there is none.
 const MOST_LEFT: f64 = 0.9;
 
-/// Sweeps of ascent in the places that no coarser mesh can follow, those over the coarsest mesh, in two halves, those over one
+/// Sweeps of ascent in the places that no coarser mesh can follow, those in narrow patches, those over the coarsest mesh, in two halves, those over one
 /// that was ordered by a coarser one, which only makes its edges even, and those where dense and coarse vertices meet: with
 /// more there are fewer irregular vertices, though less and less so.
 const FINE_SWEEPS: usize = 11;
+const NARROW_SWEEPS: usize = 60;
 const COARSE_SWEEPS: usize = 120;
 const ORDERED_SWEEPS: usize = 40;
 const TRANSITION_SWEEPS: usize = 30;

@@ -205,7 +205,7 @@ fn triangulated(
             best = Some(triangulation);
         }
         let score = best.as_ref().expect("samples were triangulated").score;
-        match attempts.after_triangulation(score, || surface.domain.self_intersections().len()) {
+        match attempts.after_triangulation(score) {
             Step::Continue => return Ok((surface, best.expect("samples were triangulated"))),
             Step::Resample => {}
             Step::Restart => {
@@ -228,7 +228,7 @@ struct Triangulation {
     tessellated_patches: usize,
     /// Places where patches do not fit together.
     torn: Vec<DVec3>,
-    /// The corners of the triangles that intersect others.
+    /// The corners of the triangles that intersect others where the surface does not.
     crossing: Vec<[DVec3; 3]>,
     score: Score,
 }
@@ -271,7 +271,8 @@ impl Triangulation {
         let made = mesh.to_mesh();
         let kind = topology(made.positions.len(), &made.triangles);
         let other_topology = !torn.is_empty() || !has_kind(&kind, &surface.topology);
-        let crossing: Vec<_> = self_intersections(&made).into_iter().map(|t| made.corners(t as usize)).collect();
+        let intersecting = self_intersections(&made).into_iter().map(|t| made.corners(t as usize));
+        let crossing: Vec<_> = intersecting.filter(|&corners| !domain.inherited().is_near(corners)).collect();
         let score = Score { other_topology, self_intersections: crossing.len(), ..Score::SOUND };
         Ok(Triangulation { samples, mesh, tessellated_patches, torn, crossing, score })
     }
