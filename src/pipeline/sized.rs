@@ -18,7 +18,8 @@ use crate::pipeline::sharp_edges::{left_out as edges_left_out, sharp_edges};
 use crate::pipeline::within::{Within, sampled_part};
 use crate::prepare::bend::Split;
 use crate::prepare::coarsen::in_spatial_order;
-use crate::spatial::self_intersections::self_intersections;
+use crate::spatial::bvh::Bvh;
+use crate::spatial::self_intersections::{faces_passing_through_others, self_intersections};
 use crate::surface::domain::Domain;
 use crate::surface::features::sharp_sides;
 use crate::surface::narrow_patches::{LeftOut, leave_out_narrow, samples_on};
@@ -76,8 +77,10 @@ impl SizedSurface {
             Some(_) => topology(clean.positions.len(), &clean.triangles),
             None => prepared.of_repaired,
         };
-        let (domain, blunted, left_out, left_out_edges) =
+        let suspects = (clean.triangles.len() < scale.wanted).then(|| passing_through_others(&clean));
+        let (mut domain, blunted, left_out, left_out_edges) =
             domain_over(clean, within.as_ref(), prepared, &scale, resizing);
+        suspects.into_iter().for_each(|sources| domain.suspect(sources));
         let sigma = scale.sigma();
         let mut surface = SizedSurface { domain, scale, sigma, blunted, left_out, left_out_edges, within, topology };
         surface.grade(prepared, density, resizing, monitor)?;
@@ -173,6 +176,17 @@ impl SizedSurface {
         let of_whole = self.within.as_ref().map(|within| self_intersections(&within.whole).len());
         of_whole.unwrap_or_else(|| self.domain.self_intersections().len())
     }
+}
+
+/// For each triangle of what `clean` came from whether it passes through others. Refined for many vertices it would be far more
+/// triangles to look at.
+fn passing_through_others(clean: &OrientedManifold) -> Vec<bool> {
+    let twin = twins(&clean.triangles);
+    let faces = faces_passing_through_others(clean, |side| twin[side as usize], &Bvh::new(clean));
+    let source = |t: u32| clean.provenance().triangle(t) as usize;
+    let mut sources = vec![false; (0..clean.triangles.len() as u32).map(source).max().map_or(0, |last| last + 1)];
+    faces.into_iter().for_each(|t| sources[source(t)] = true);
+    sources
 }
 
 /// The domain over `clean`, refined for that scale; whether it had more sharp edges than can be kept, and what was left out of

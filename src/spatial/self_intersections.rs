@@ -45,10 +45,19 @@ pub fn self_intersecting_faces(mesh: &Mesh, bvh: &Bvh) -> Vec<u32> {
     bvh.triangles_that_meet(mesh, |t, u| cross_deeper_than(depth, mesh.corners(t as usize), mesh.corners(u as usize)))
 }
 
+/// The faces of `mesh` that pass through each other, pair by pair or with an edge that lies in one, in increasing order. `across`
+/// gives the side across each side, or [`NONE`]; `bvh` is the hierarchy over the mesh.
+pub fn faces_passing_through_others(mesh: &Mesh, across: impl Fn(u32) -> u32 + Sync, bvh: &Bvh) -> Vec<u32> {
+    let mut faces = self_intersecting_faces(mesh, bvh);
+    faces.extend(faces_passing_along_edges(mesh, across, bvh));
+    faces.sort_unstable();
+    faces.dedup();
+    faces
+}
+
 /// The faces of `mesh` that pass through each other along a whole edge, in increasing order: an edge of two faces lies
-/// in a third, and the two are on different sides of it. Pair by pair these faces only touch. `across` gives the side
-/// across each side, or [`NONE`]; `bvh` is the hierarchy over the mesh.
-pub fn faces_passing_along_edges(mesh: &Mesh, across: impl Fn(u32) -> u32 + Sync, bvh: &Bvh) -> Vec<u32> {
+/// in a third, and the two are on different sides of it. Pair by pair these faces only touch.
+fn faces_passing_along_edges(mesh: &Mesh, across: impl Fn(u32) -> u32 + Sync, bvh: &Bvh) -> Vec<u32> {
     let depth = depth_of_contact(mesh);
     let corner = |side: u32| mesh.positions[mesh.triangles[side as usize / 3][side as usize % 3] as usize];
     let sides = (0..3 * mesh.triangles.len() as u32).into_par_iter().filter(|&s| across(s) != NONE && s < across(s));

@@ -13,7 +13,7 @@ use crate::mesh::topology::{NONE, components, twins};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::{Bvh, Hit};
 use crate::spatial::foot::Foot;
-use crate::spatial::self_intersections::{Inherited, faces_passing_along_edges, self_intersecting_faces};
+use crate::spatial::self_intersections::{Inherited, faces_passing_through_others};
 use crate::surface::feature_curves::Curves;
 use crate::surface::features::{Features, sharp_sides};
 use crate::surface::planes::Planes;
@@ -61,6 +61,8 @@ pub struct Domain {
     pub(super) bvh: Bvh,
     /// For each triangle whether it lies in a plane that touches another; empty before these were found.
     in_contact: Vec<bool>,
+    /// See [`Self::suspect`].
+    suspects: Option<Vec<bool>>,
     self_intersections: OnceLock<Vec<u32>>,
     inherited: OnceLock<Inherited>,
 }
@@ -129,6 +131,7 @@ impl Domain {
             spacing,
             bvh,
             in_contact: Vec::new(),
+            suspects: None,
             self_intersections: OnceLock::new(),
             inherited: OnceLock::new(),
         }
@@ -177,14 +180,14 @@ impl Domain {
 
     /// This domain with its sharp edges smoothed over.
     pub fn smooth(self) -> Domain {
-        let Domain { mut mesh, original, provenance, mut sizes, interface, spacing, .. } = self;
+        let Domain { mut mesh, original, provenance, mut sizes, interface, spacing, suspects, .. } = self;
         mesh.triangles.iter_mut().flatten().for_each(|v| *v = original[*v as usize]);
         // The first copy of a vertex has its number, further ones come after all others.
         let count = original.iter().zip(0..).take_while(|&(&v, i)| v == i).count();
         mesh.positions.truncate(count);
         sizes.truncate(count);
         let mesh = OrientedManifold::trusted(mesh, provenance);
-        Domain { sizes, ..Domain::with_interface(mesh, Features::Smooth, spacing, interface) }
+        Domain { sizes, suspects, ..Domain::with_interface(mesh, Features::Smooth, spacing, interface) }
     }
 
     /// The number of curves along sharp edges.
@@ -431,16 +434,30 @@ impl Domain {
         self.inherited.get_or_init(|| Inherited::new(self.self_intersections().iter().map(corners)))
     }
 
+    /// Says which triangles of what it came from have parts that may pass through others; without this, all may. It has to be
+    /// called before these are searched.
+    pub fn suspect(&mut self, sources: Vec<bool>) {
+        self.suspects = Some(sources);
+    }
+
     fn search_self_intersections(&self) -> Vec<u32> {
         let across = |side: u32| match self.twin[side as usize] {
             NONE => self.across.get(side),
             twin => twin,
         };
-        let mut faces = self_intersecting_faces(&self.mesh, &self.bvh);
-        faces.extend(faces_passing_along_edges(&self.mesh, across, &self.bvh));
-        faces.sort_unstable();
-        faces.dedup();
-        faces
+        let Some(sources) = &self.suspects else {
+            return faces_passing_through_others(&self.mesh, across, &self.bvh);
+        };
+        let is_suspect = |&t: &u32| sources[self.source_triangle(t) as usize];
+        let suspects: Vec<u32> = (0..self.mesh.triangles.len() as u32).filter(is_suspect).collect();
+        let triangles = suspects.iter().map(|&t| self.mesh.triangles[t as usize]).collect();
+        let mesh = Mesh { positions: self.mesh.positions.clone(), triangles };
+        let among_suspects = |side: u32| match across(3 * suspects[side as usize / 3] + side % 3) {
+            NONE => NONE,
+            other => suspects.binary_search(&(other / 3)).map_or(NONE, |t| 3 * t as u32 + other % 3),
+        };
+        let faces = faces_passing_through_others(&mesh, among_suspects, &Bvh::new(&mesh));
+        faces.into_iter().map(|t| suspects[t as usize]).collect()
     }
 
     /// The loops of the boundary, and of sharp edges, each as the sides `3 t + k` along it with the surface on their
