@@ -80,7 +80,7 @@ fn arrange_narrow(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &
     remove_slivers(mesh, spacing);
     let narrow = narrow(domain, mesh, spacing);
     if !narrow.is_empty() {
-        let ascent = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: NARROW_SWEEPS };
+        let ascent = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS };
         ascend(domain, mesh, &!&narrow, ascent, monitor)?;
     }
     Ok(())
@@ -282,11 +282,10 @@ const FEWEST_TO_COARSEN: usize = 2000;
 /// Most vertices, of those of a mesh, that a coarser one has: where hardly any edge can collapse there is none.
 const MOST_LEFT: f64 = 0.9;
 
-/// Sweeps of ascent in the places that no coarser mesh can follow, those in narrow patches, those over the coarsest mesh, in two halves, those over one
+/// Sweeps of ascent in the places that no coarser mesh can follow, those over the coarsest mesh, in two halves, those over one
 /// that was ordered by a coarser one, which only makes its edges even, and those where dense and coarse vertices meet: with
 /// more there are fewer irregular vertices, though less and less so.
 const FINE_SWEEPS: usize = 11;
-const NARROW_SWEEPS: usize = 60;
 const COARSE_SWEEPS: usize = 120;
 const ORDERED_SWEEPS: usize = 40;
 const TRANSITION_SWEEPS: usize = 30;
