@@ -22,6 +22,17 @@ pub fn sheet(n: u32, f: impl Fn(f64, f64) -> f64) -> Mesh {
     grid(n, n, |x, y| dvec3(x, y, f(x, y)))
 }
 
+/// All these meshes as one, none of whose vertices they share.
+pub fn joined(parts: impl IntoIterator<Item = Mesh>) -> Mesh {
+    let mut all = Mesh::default();
+    for part in parts {
+        let first = all.positions.len() as u32;
+        all.positions.extend(part.positions);
+        all.triangles.extend(part.triangles.iter().map(|t| t.map(|v| v + first)));
+    }
+    all
+}
+
 /// The unit cube, each face two triangles.
 pub fn cube() -> Mesh {
     let positions = (0..8).map(|v| dvec3(f64::from(v & 1), f64::from(v >> 1 & 1), f64::from(v >> 2)));

@@ -243,31 +243,19 @@ fn collapse(mesh: &mut Manifold, dense: &VertexSet, wanted: usize, spacing: f64)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::triangle_mesh::Mesh;
     use crate::surface::domain::Sample;
-    use crate::testing::grid;
+    use crate::testing::{grid, joined};
     use glam::dvec3;
 
     #[test]
     fn crossings_that_the_surface_has_are_not_avoidable() {
-        // A floor with a wall through it, and a ceiling close above.
-        let floor = grid(24, 12, |u, v| dvec3(24.0 * u, 12.0 * v, 0.0));
-        let parts = [
-            grid(24, 12, |u, v| dvec3(24.0 * u, 12.0 * v, 0.3)),
-            grid(12, 12, |u, v| dvec3(3.5, 12.0 * v, 8.0 * u - 8.1)),
-        ];
-        let input = parts.into_iter().fold(floor, |mut all, part| {
-            let first = all.positions.len() as u32;
-            all.positions.extend(part.positions);
-            all.triangles.extend(part.triangles.iter().map(|t| t.map(|v| v + first)));
-            all
-        });
-        let through_wall =
-            |z: f64| input.positions.iter().map(move |p| *p + if p.x == 3.5 { z * DVec3::Z } else { DVec3::ZERO });
-        let crossed = Mesh { positions: through_wall(0.2).collect(), triangles: input.triangles.clone() };
-        let domain = Domain::new(crossed.clone().try_into().unwrap());
-        let samples = crossed.positions.iter().map(|&p| domain.project_anywhere(p)).collect();
-        let mut mesh = Manifold::new(samples, &crossed.triangles);
+        // A floor, a ceiling close above, and a wall through both.
+        let flat = |z: f64| grid(24, 12, move |u, v| dvec3(24.0 * u, 12.0 * v, z));
+        let wall = grid(12, 12, |u, v| dvec3(3.5, 12.0 * v, 8.0 * u - 7.9));
+        let input = joined([flat(0.0), flat(0.3), wall]);
+        let domain = Domain::new(input.clone().try_into().unwrap());
+        let samples = input.positions.iter().map(|&p| domain.project_anywhere(p)).collect();
+        let mut mesh = Manifold::new(samples, &input.triangles);
         assert!(!Crossings::new(&mesh).pairs.is_empty() && avoidable_crossings(&domain, &mesh).is_empty());
         // The one in the middle of the floor, far from the wall, goes through the ceiling.
         let v = 12 * 13 + 6;

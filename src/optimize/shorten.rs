@@ -165,17 +165,12 @@ fn place_after(domain: &Domain, mesh: &Manifold, v: u32, way: DVec3) -> Sample {
 mod tests {
     use super::*;
     use crate::mesh::triangle_mesh::Mesh;
-    use crate::testing::grid;
+    use crate::testing::{grid, joined};
     use glam::dvec3;
 
     /// Two sheets of unit squares, one above the other.
     fn sheets(apart: f64) -> Mesh {
-        let sheet = |z: f64| grid(12, 12, move |u, v| dvec3(12.0 * u, 12.0 * v, z));
-        let (mut both, above) = (sheet(0.0), sheet(apart));
-        let first = both.positions.len() as u32;
-        both.positions.extend(above.positions);
-        both.triangles.extend(above.triangles.iter().map(|t| t.map(|v| v + first)));
-        both
+        joined([0.0, apart].map(|z| grid(12, 12, move |u, v| dvec3(12.0 * u, 12.0 * v, z))))
     }
 
     #[test]

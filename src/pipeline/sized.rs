@@ -289,3 +289,26 @@ fn refined(clean: &mut OrientedManifold, prepared: &PreparedInput, scale: &Scale
     }
     (twin, sharp)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::triangle_mesh::Mesh;
+    use crate::pipeline::options::Options;
+    use crate::testing::{cube, joined};
+
+    #[test]
+    fn self_intersections_are_those_of_the_whole_refined_surface() {
+        let moved = |by: DVec3| Mesh { positions: cube().positions.iter().map(|&p| p + by).collect(), ..cube() };
+        // Two that cross, and one aside.
+        let input = joined([DVec3::ZERO, DVec3::new(0.3, 0.4, 0.6), DVec3::new(4.0, 0.1, 0.2)].map(moved));
+        let options = Options::default();
+        let (prepared, repaired) = PreparedInput::new(&input, &options, &()).unwrap();
+        let (density, resizing) = (Density::Points(900), Resizing::default());
+        let SizedSurface { domain, .. } = SizedSurface::new(&prepared, repaired, density, &resizing, &()).unwrap();
+        assert!(domain.mesh.triangles.len() > 10 * input.triangles.len());
+        let whole = self_intersections(&domain.mesh);
+        assert!(whole.len() > 20 && whole.len() < domain.mesh.triangles.len() / 4);
+        assert_eq!(domain.self_intersections(), whole);
+    }
+}
