@@ -2,8 +2,9 @@
 //!
 //! Between curves that are near each other, and beside their corners, no place of the vertices and no flip gives good triangles
 //! if there is one vertex too many or too few. At each small angle an edge near it collapses or splits, the triangles around
-//! settle, and the change that costs least by the measure of [`angles`](crate::optimize::angles) stays. In the end as many
-//! vertices as that took or gave come from places that remain good, or go there.
+//! settle, and the change that costs least by the measure of [`angles`](crate::optimize::angles) stays, of those that leave the
+//! worst triangle no worse and the surface where it is. In the end as many vertices as that took or gave come from places that
+//! remain good, or go there.
 //!
 //! Based on: B. M. Klingner, J. R. Shewchuk, Aggressive tetrahedral mesh improvement, 2007,
 //! DOI 10.1007/978-3-540-75103-8_1. Departure: the number of vertices is kept.
@@ -12,21 +13,26 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
-use crate::geom::triangle::smallest_angle;
+use crate::geom::triangle::{closest_point, smallest_angle};
 use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
 use crate::manifold::facing::FacingGuard;
 use crate::manifold::neighborhood::Neighborhood;
+use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{next, prev};
-use crate::optimize::angles::{OF_QUALITY, cost, improve_angles_for};
+use crate::optimize::angles::{OF_QUALITY, cost, improve_angles_for, worst_margin};
 use crate::optimize::coarse_to_fine::tips;
 use crate::optimize::counts::{is_away_from_curves, meet_count};
 use crate::optimize::relax::{Flips, relax};
 use crate::surface::domain::Domain;
+use glam::DVec3;
 use rayon::prelude::*;
 
-/// Angle, in degrees, below which an edge near it may collapse or split.
-const SMALL: f64 = 30.0;
+/// Angle, in degrees, below which an edge near it may collapse or split; and that below which it may in any case, also where
+/// angles are small in more than this share of the triangles: then there are too few vertices for most of them.
+const SMALL: f64 = 40.0;
+const SMALL_OF_MANY: f64 = 30.0;
+const MANY: f64 = 0.02;
 
 /// Rings of triangles around a place that settle.
 const RINGS: usize = 2;
@@ -38,27 +44,38 @@ const MOST_SETTLED: usize = 4;
 const MOST_PASSES: usize = 4;
 
 /// How far a vertex that goes may be from the triangles that are left, and one on a curve, in wanted lengths.
-const FARTHEST: f64 = 0.15;
-const FARTHEST_FROM_CURVE: f64 = 0.03;
+const FARTHEST: f64 = 0.05;
+const FARTHEST_FROM_CURVE: f64 = 0.01;
+
+/// How far vertices and the middles of edges may be from the triangles after a change, in lengths of the edge. Without that the
+/// tips of ears and thin ridges get lower.
+const FARTHEST_AFTER: f64 = 0.1;
 
 /// Rounds of relaxation, and passes of the search for angles, in which a neighbourhood settles.
 const ROUNDS: usize = 2;
 const SEARCHES: usize = 6;
 
-/// What a change has to gain: as much as one degree of an angle of 30 degrees.
-const LEAST_GAIN: f64 = 200.0;
+/// What a change has to gain: as much as two or three degrees of an angle of 40 degrees.
+const LEAST_GAIN: f64 = 10.0;
 
 /// Places that are tried for each vertex that comes or goes elsewhere.
 const CHOICES: usize = 4;
 
-/// Exchanges vertices between small angles and other places; their number stays. `spacing` is the mean edge length.
-pub fn exchange_vertices(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
-    if !mesh.triangles().any(|t| smallest_angle(mesh.corners(t)) < SMALL) {
+/// Exchanges vertices between small angles and other places; their number stays. Angles of triangles whose vertices are all
+/// `good_enough` stay. `spacing` is the mean edge length.
+pub fn exchange_vertices(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    good_enough: &VertexSet,
+    spacing: f64,
+    monitor: &dyn Monitor,
+) -> Result<()> {
+    let exchange = Exchange { domain, good_enough, spacing, monitor };
+    if exchange.small_angles(mesh, &[]).is_empty() {
         return Ok(());
     }
     let before = mesh.clone();
     let wanted = mesh.connectivity.vertex_count();
-    let exchange = Exchange { domain, spacing, monitor };
     exchange.change_counts(mesh)?;
     exchange.balance(mesh, wanted)?;
     // Of few vertices there may be none to give or take.
@@ -70,6 +87,7 @@ pub fn exchange_vertices(domain: &Domain, mesh: &mut Manifold, spacing: f64, mon
 
 struct Exchange<'a> {
     domain: &'a Domain,
+    good_enough: &'a VertexSet,
     spacing: f64,
     monitor: &'a dyn Monitor,
 }
@@ -81,7 +99,7 @@ impl Exchange<'_> {
         for _ in 0..MOST_PASSES {
             check(self.monitor)?;
             given_up.resize(triangle_bound(mesh), false);
-            let places = disjoint(mesh, &small_angles(mesh, &given_up), usize::MAX);
+            let places = disjoint(mesh, &self.small_angles(mesh, &given_up), usize::MAX);
             if places.is_empty() {
                 break;
             }
@@ -96,6 +114,21 @@ impl Exchange<'_> {
             given_up.iter_mut().zip(&touched).for_each(|(given_up, touched)| *given_up &= !touched);
         }
         Ok(())
+    }
+
+    /// A side of each triangle with a small angle that is not given up, the smallest first.
+    fn small_angles(&self, mesh: &Manifold, given_up: &[bool]) -> Vec<u32> {
+        let is_open = |t: &u32| {
+            !given_up.get(*t as usize).is_some_and(|given_up| *given_up)
+                && !mesh.connectivity.triangle(3 * t).into_iter().all(|v| self.good_enough.contains(v))
+        };
+        let angles = mesh.triangles().filter(is_open).map(|t| (smallest_angle(mesh.corners(t)), t));
+        let mut small: Vec<(f64, u32)> = angles.filter(|angle| angle.0 < SMALL).collect();
+        small.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        if small.len() as f64 > MANY * mesh.triangles().count() as f64 {
+            small.truncate(small.partition_point(|angle| angle.0 < SMALL_OF_MANY));
+        }
+        small.into_iter().map(|(_, t)| 3 * t).collect()
     }
 
     /// What is around a small angle after the change that helps most without new self-intersections, if one does.
@@ -114,9 +147,24 @@ impl Exchange<'_> {
         changed.truncate(MOST_SETTLED);
         let settled = changed.into_iter().map(|(_, changed)| self.settled(changed));
         let mut better: Vec<(f64, Neighborhood)> = settled.collect::<Result<_>>()?;
-        better.retain(|settled| settled.0 < cost(mesh) - LEAST_GAIN);
+        let (before, worst) = (cost(mesh), worst_margin(mesh));
+        better.retain(|(after, changed)| *after < before - LEAST_GAIN && worst_margin(&changed.mesh) >= worst);
         better.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Ok(better.into_iter().map(|(_, changed)| changed).find(|changed| !changed.adds_self_intersections(faces)))
+        let is_sound =
+            |changed: &Neighborhood| self.is_near(mesh, &changed.mesh) && !changed.adds_self_intersections(faces);
+        Ok(better.into_iter().map(|(_, changed)| changed).find(is_sound))
+    }
+
+    /// Whether the vertices of the mesh `before`, and the middles of its edges, are near the triangles of the one `after`.
+    fn is_near(&self, before: &Manifold, after: &Manifold) -> bool {
+        let triangles: Vec<[DVec3; 3]> = after.triangles().map(|t| after.corners(t)).collect();
+        let c = &before.connectivity;
+        before.edges().flat_map(|h| [(h, 0.0), (h, 0.5)]).all(|(h, along)| {
+            let [a, b] = [c.origin(h), c.target(h)].map(|v| before.samples[v as usize].position);
+            let farthest = FARTHEST_AFTER * a.distance(b);
+            let p = a.lerp(b, along);
+            triangles.iter().any(|&t| p.distance_squared(closest_point(p, t)) <= farthest * farthest)
+        })
     }
 
     /// `around` with the origin of `h` merged into its target, if it can be and the surface hardly moves.
@@ -151,7 +199,7 @@ impl Exchange<'_> {
 
     /// What `around` costs after its vertices have settled, and how it is then.
     fn settled(&self, mut around: Neighborhood) -> Result<(f64, Neighborhood)> {
-        let Exchange { domain, spacing, monitor } = *self;
+        let Exchange { domain, spacing, monitor, .. } = *self;
         let mesh = &mut around.mesh;
         let locked = tips(mesh);
         relax(domain, mesh, &locked, spacing, Flips::Delaunay, ROUNDS, monitor)?;
@@ -224,14 +272,6 @@ fn triangle_bound(mesh: &Manifold) -> usize {
     mesh.connectivity.half_edge_bound() as usize / 3
 }
 
-/// A side of each triangle with a small angle that is not given up, the smallest first.
-fn small_angles(mesh: &Manifold, given_up: &[bool]) -> Vec<u32> {
-    let angles = mesh.triangles().filter(|&t| !given_up[t as usize]).map(|t| (smallest_angle(mesh.corners(t)), t));
-    let mut small: Vec<(f64, u32)> = angles.filter(|angle| angle.0 < SMALL).collect();
-    small.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    small.into_iter().map(|(_, t)| 3 * t).collect()
-}
-
 /// The edges with no triangle at a curve: the relatively longest first if they are to be split, else the shortest.
 fn edges_to_change(mesh: &Manifold, to_split: bool) -> Vec<u32> {
     let sign = if to_split { -1.0 } else { 1.0 };
@@ -244,12 +284,10 @@ fn edges_to_change(mesh: &Manifold, to_split: bool) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::manifold::vertex_set::VertexSet;
     use crate::mesh::topology::topology;
     use crate::optimize::angles::improve_angles;
     use crate::surface::domain::Sample;
     use crate::testing::sheet;
-    use glam::DVec3;
 
     const SPACING: f64 = 0.1;
 
@@ -283,7 +321,7 @@ mod tests {
         let count = mesh.connectivity.vertex_count();
         improve_angles(&domain, &mut mesh, SPACING, &()).unwrap();
         let before = smallest(&mesh);
-        exchange_vertices(&domain, &mut mesh, SPACING, &()).unwrap();
+        exchange_vertices(&domain, &mut mesh, &VertexSet::EMPTY, SPACING, &()).unwrap();
         let after = smallest(&mesh);
         assert!(before < 20.0 && after > SMALL, "{before} {after}");
         assert_eq!(mesh.connectivity.vertex_count(), count);
@@ -295,10 +333,10 @@ mod tests {
     #[test]
     fn a_mesh_of_good_angles_stays() {
         let (domain, mut mesh) = with_short_edges();
-        exchange_vertices(&domain, &mut mesh, SPACING, &()).unwrap();
+        exchange_vertices(&domain, &mut mesh, &VertexSet::EMPTY, SPACING, &()).unwrap();
         improve_angles(&domain, &mut mesh, SPACING, &()).unwrap();
         let before = mesh.to_mesh();
-        exchange_vertices(&domain, &mut mesh, SPACING, &()).unwrap();
+        exchange_vertices(&domain, &mut mesh, &VertexSet::EMPTY, SPACING, &()).unwrap();
         assert_eq!(mesh.to_mesh().positions, before.positions);
     }
 
@@ -312,7 +350,9 @@ mod tests {
             mesh.lock_boundary();
             relax(&domain, &mut mesh, &VertexSet::EMPTY, SPACING, Flips::Delaunay, 3, &()).unwrap();
             let wanted = mesh.connectivity.vertex_count().checked_add_signed(change).unwrap();
-            Exchange { domain: &domain, spacing: SPACING, monitor: &() }.balance(&mut mesh, wanted).unwrap();
+            Exchange { domain: &domain, good_enough: &VertexSet::EMPTY, spacing: SPACING, monitor: &() }
+                .balance(&mut mesh, wanted)
+                .unwrap();
             assert_eq!(mesh.connectivity.vertex_count(), wanted);
             assert!(smallest(&mesh) > 35.0, "{change}: {}", smallest(&mesh));
         }

@@ -28,15 +28,15 @@ const MOST: usize = 2;
 const RINGS: usize = 2;
 const ROUNDS: usize = 4;
 
-/// Gives `mesh`, of `wanted` vertices, the lengths that `domain` wants now. `spacing` is the one that is wanted where the size of
-/// samples is 1.
+/// Gives `mesh`, of `wanted` vertices, the lengths that `domain` wants now; the vertices that stay where they were. `spacing` is
+/// the length that is wanted where the size of samples is 1.
 pub fn follow_shorter_lengths(
     domain: &Domain,
     mesh: &mut Manifold,
     wanted: usize,
     spacing: f64,
     monitor: &dyn Monitor,
-) -> Result<()> {
+) -> Result<VertexSet> {
     let shorter = take_sizes(domain, mesh);
     let before: Vec<usize> = valences(mesh);
     split_longer(domain, mesh, LONGEST * spacing, |v| shorter.contains(v), MOST * wanted);
@@ -47,7 +47,8 @@ pub fn follow_shorter_lengths(
     let has_changed = |v: u32| shorter.contains(v) || before.get(v as usize) != valences.get(v as usize);
     let still = !&VertexSet::new(mesh, has_changed).with_rings(mesh, RINGS);
     relax(domain, mesh, &still, spacing, Flips::Delaunay, ROUNDS, monitor)?;
-    improve_angles(domain, mesh, spacing, monitor)
+    improve_angles(domain, mesh, spacing, monitor)?;
+    Ok(still)
 }
 
 /// Gives the samples of `mesh` the sizes that `domain` has at their places; those whose size has become shorter.

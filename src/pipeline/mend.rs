@@ -58,9 +58,9 @@ fn finer(
     }
     let scale = &surface.scale;
     let mut manifold = best.manifold.clone();
-    follow_shorter_lengths(&surface.domain, &mut manifold, scale.wanted, scale.spacing, monitor)?;
+    let still = follow_shorter_lengths(&surface.domain, &mut manifold, scale.wanted, scale.spacing, monitor)?;
     // What was relaxed lies on the surface, of which its triangles are on the inner side.
-    fit_to_surface(&surface.domain, &mut manifold, scale.spacing, prepared.limit(), monitor)?;
+    fit_to_surface(&surface.domain, &mut manifold, &still, scale.spacing, prepared.limit(), monitor)?;
     resolve_self_intersections(&surface.domain, &mut manifold, monitor)?;
     let next = Finished::new(prepared, surface, manifold, best.tessellated_patches, best.run);
     Ok(Some(Finished { is_mended: true, ..next }))

@@ -35,23 +35,24 @@ pub(super) fn optimize(
     monitor.stage("improve angles");
     improve_angles(domain, mesh, scale.spacing, monitor)?;
     monitor.stage("fit");
-    fit_to_surface(domain, mesh, scale.spacing, limit, monitor)
+    fit_to_surface(domain, mesh, &VertexSet::EMPTY, scale.spacing, limit, monitor)
 }
 
 /// Fits a mesh with good angles to the surface: to within `limit`, in the pipeline's unit, if possible. Before and after,
-/// vertices go where angles are small even so.
+/// vertices go where angles are small even so, but for those that are `good_enough`.
 pub(super) fn fit_to_surface(
     domain: &Domain,
     mesh: &mut Manifold,
+    good_enough: &VertexSet,
     spacing: f64,
     limit: Option<f64>,
     monitor: &dyn Monitor,
 ) -> Result<()> {
-    exchange_vertices(domain, mesh, spacing, monitor)?;
+    exchange_vertices(domain, mesh, good_enough, spacing, monitor)?;
     let fitted = fit(domain, mesh, spacing, limit, monitor)?;
     // The fit may have spoilt triangles of vertices that it took back to the surface.
     improve_angles(domain, mesh, spacing, monitor)?;
-    exchange_vertices(domain, mesh, spacing, monitor)?;
+    exchange_vertices(domain, mesh, good_enough, spacing, monitor)?;
     reduce_max_error(domain, mesh, spacing, &fitted, monitor)
 }
 
