@@ -341,6 +341,29 @@ mod tests {
     }
 
     #[test]
+    fn angles_that_are_good_enough_stay() {
+        let (domain, mut mesh) = with_short_edges();
+        let before = mesh.to_mesh();
+        let all = VertexSet::all(&mesh);
+        exchange_vertices(&domain, &mut mesh, &all, SPACING, &()).unwrap();
+        assert_eq!(mesh.to_mesh().positions, before.positions);
+    }
+
+    #[test]
+    fn a_ridge_is_not_near_what_is_left_after_its_edge_has_flipped() {
+        let domain = Domain::new(sheet(2, |_, _| 0.0).try_into().unwrap());
+        let exchange = Exchange { domain: &domain, good_enough: &VertexSet::EMPTY, spacing: 1.0, monitor: &() };
+        let roof = |height: f64, triangles: [[u32; 3]; 2]| {
+            let positions = [[0.0, 0.0, height], [1.0, 0.0, height], [0.5, 1.0, 0.0], [0.5, -1.0, 0.0]];
+            let sample = |p| Sample { position: DVec3::from(p), normal: DVec3::Z, triangle: 0, size: 1.0 };
+            Manifold::new(positions.map(sample).to_vec(), &triangles)
+        };
+        let (along, across) = ([[0, 1, 2], [1, 0, 3]], [[0, 3, 2], [1, 2, 3]]);
+        let is_near = |height: f64| exchange.is_near(&roof(height, along), &roof(height, across));
+        assert_eq!([0.0, 0.05, 0.5].map(is_near), [true, true, false]);
+    }
+
+    #[test]
     fn counts_are_met_where_angles_stay_good() {
         for change in [-9, 9] {
             let even = sheet(10, |_, _| 0.0);
