@@ -28,8 +28,8 @@ use crate::surface::domain::Domain;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Angle, in degrees, below which an edge near it may collapse or split; and that below which it may in any case, also where
-/// angles are small in more than this share of the triangles: then there are too few vertices for most of them.
+/// Angle, in degrees, below which an edge near it may collapse or split; and that below which it may if more than this share of
+/// the triangles has small angles that are still to be looked at: then there are too few vertices for most of them.
 const SMALL: f64 = 40.0;
 const SMALL_OF_MANY: f64 = 30.0;
 const MANY: f64 = 0.02;
@@ -47,8 +47,8 @@ const MOST_PASSES: usize = 4;
 const FARTHEST: f64 = 0.05;
 const FARTHEST_FROM_CURVE: f64 = 0.01;
 
-/// How far vertices and the middles of edges may be from the triangles after a change, in lengths of the edge. Without that the
-/// tips of ears and thin ridges get lower.
+/// How far vertices and the middles of edges may be from the triangles after a change, in lengths of the edge. Without a bound
+/// the tips of ears and thin ridges get lower.
 const FARTHEST_AFTER: f64 = 0.1;
 
 /// Rounds of relaxation, and passes of the search for angles, in which a neighbourhood settles.

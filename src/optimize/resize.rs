@@ -28,8 +28,8 @@ const MOST: usize = 2;
 const RINGS: usize = 2;
 const ROUNDS: usize = 4;
 
-/// Gives `mesh`, of `wanted` vertices, the lengths that `domain` wants now; the vertices that stay where they were. `spacing` is
-/// the length that is wanted where the size of samples is 1.
+/// Gives `mesh`, of `wanted` vertices, the lengths that `domain` wants now; the vertices around which nothing was to change.
+/// `spacing` is the length that is wanted where the size of samples is 1.
 pub fn follow_shorter_lengths(
     domain: &Domain,
     mesh: &mut Manifold,

@@ -39,7 +39,7 @@ pub(super) fn optimize(
 }
 
 /// Fits a mesh with good angles to the surface: to within `limit`, in the pipeline's unit, if possible. Before and after,
-/// vertices go where angles are small even so, but for those that are `good_enough`.
+/// vertices go where angles are small even so, but for triangles whose vertices are all `good_enough`.
 pub(super) fn fit_to_surface(
     domain: &Domain,
     mesh: &mut Manifold,
