@@ -70,7 +70,7 @@ impl<A: Split, B: Split> Split for (A, B) {
     }
 }
 
-/// What `of_item` gives for each item, in their order.
+/// What `of_item` gives for each item, in their order. One item is little work; [`each`] is for those that take long.
 pub(crate) fn map<S, T>(items: S, of_item: impl Fn(S::Item) -> T + Sync) -> Vec<T>
 where
     S: Split + IntoIterator,
@@ -151,11 +151,12 @@ fn run(count: usize, work: &(dyn Fn(usize) + Sync)) {
 
 /// So many blocks of `count` items that threads whose blocks take long leave others to those that wait.
 fn block_size(count: usize) -> usize {
-    count.div_ceil(BLOCKS * rayon::current_num_threads()).max(1)
+    count.div_ceil(BLOCKS * rayon::current_num_threads()).max(LEAST)
 }
 
-/// Blocks for each thread.
+/// Blocks for each thread, and items of a block at least.
 const BLOCKS: usize = 32;
+const LEAST: usize = 64;
 
 #[cfg(test)]
 mod tests {

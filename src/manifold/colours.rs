@@ -1,14 +1,11 @@
 //! Classes of vertices that move at the same time: no two of a class are adjacent.
 
+use crate::base::parallel;
 use crate::manifold::Manifold;
 use crate::manifold::vertex_set::VertexSet;
-use rayon::prelude::*;
 
 /// The colour of a vertex without one.
 const UNCOLOURED: u8 = u8::MAX;
-
-/// Half-edges that one task looks at.
-const CHUNK: usize = 4096;
 
 impl Manifold {
     /// The vertices that can move and are not in `locked`, in classes without adjacent vertices, each in increasing
@@ -38,8 +35,8 @@ impl Manifold {
             let (v, w) = (c.origin(h), c.target(h));
             (colours[v as usize] == colours[w as usize]).then_some(v.max(w))
         };
-        let sides = (0..c.half_edge_bound()).into_par_iter().with_min_len(CHUNK).filter(|&h| c.has_half_edge(h));
-        let mut wrong: Vec<u32> = sides.filter_map(clash).collect();
+        let mut wrong: Vec<u32> =
+            parallel::collect(0..c.half_edge_bound(), |sides| sides.filter(|&h| c.has_half_edge(h)).filter_map(clash));
         wrong.extend(new.filter(|&v| c.has_vertex(v)));
         wrong.sort_unstable();
         wrong.dedup();

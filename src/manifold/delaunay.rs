@@ -1,9 +1,9 @@
 //! Flips of edges that are not Delaunay.
 
+use crate::base::parallel;
 use crate::manifold::Manifold;
 use crate::manifold::facing::FacingGuard;
 use crate::mesh::half_edge::{next, prev};
-use rayon::prelude::*;
 
 impl Manifold {
     /// Whether the edge of `h` is not Delaunay: the two angles opposite it sum to more than 180 degrees.
@@ -55,10 +55,10 @@ impl Manifold {
             let [a, b, c] = c.triangle(h).map(|v| self.position(v));
             (a - c).dot(b - c) < 0.0
         };
-        let triangles = (0..c.half_edge_bound() / 3).into_par_iter().with_min_len(2048);
-        let sides = triangles.filter(|t| c.has_half_edge(3 * t)).flat_map_iter(|t| 3 * t..3 * t + 3);
-        let broken = sides.filter(|&h| has_obtuse(h) && self.breaks_delaunay(h)).map(|h| h.min(c.twin(h)));
-        let mut broken: Vec<u32> = broken.collect();
+        let mut broken: Vec<u32> = parallel::collect(0..c.half_edge_bound() / 3, |triangles| {
+            let sides = triangles.filter(|t| c.has_half_edge(3 * t)).flat_map(|t| 3 * t..3 * t + 3);
+            sides.filter(|&h| has_obtuse(h) && self.breaks_delaunay(h)).map(|h| h.min(c.twin(h)))
+        });
         broken.sort_unstable();
         broken.dedup();
         broken.reverse();

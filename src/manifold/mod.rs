@@ -18,7 +18,7 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::order::spatial_order;
 use crate::surface::domain::Sample;
 use glam::DVec3;
-use rayon::prelude::*;
+use rayon::slice::ParallelSliceMut;
 
 /// A 2-manifold over samples.
 #[derive(Debug, Clone)]

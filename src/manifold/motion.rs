@@ -5,12 +5,12 @@
 //! Vertices of one colour, no two of them adjacent, move at the same time, so the result does not depend on the number of
 //! threads.
 
+use crate::base::parallel;
 use crate::manifold::Manifold;
 use crate::manifold::facing::FacingGuard;
 use crate::manifold::vertex_set::VertexSet;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// How often a step that would fold the mesh is halved before the vertex stays.
 const HALVINGS: usize = 4;
@@ -18,9 +18,6 @@ const HALVINGS: usize = 4;
 /// Largest ratio of the distances from a vertex on a curve to its two neighbours there after a move. A vertex beside
 /// the curve can push those on it apart; without a bound they left gaps of seven spacings.
 const MOST_UNEVEN: f64 = 3.0;
-
-/// Vertices that one task moves.
-const CHUNK: usize = 64;
 
 /// Moves all vertices that are not `locked` once. `way` gives the step of each.
 pub fn move_vertices(
@@ -30,8 +27,7 @@ pub fn move_vertices(
     way: impl Fn(&Manifold, u32) -> DVec3 + Sync + Send,
 ) {
     for class in mesh.colour_classes(locked) {
-        let moved: Vec<Sample> =
-            class.par_iter().with_min_len(CHUNK).map(|&v| step(domain, mesh, v, way(mesh, v))).collect();
+        let moved: Vec<Sample> = parallel::map(&class[..], |&v| step(domain, mesh, v, way(mesh, v)));
         for (&v, sample) in class.iter().zip(moved) {
             mesh.samples[v as usize] = sample;
         }

@@ -1,12 +1,12 @@
 //! Edge splits: one by one, or the longest edges all at once.
 
+use crate::base::parallel;
 use crate::manifold::Manifold;
 use crate::manifold::facing::{FacingGuard, cosine_to_surface};
 use crate::mesh::half_edge::OnCurve;
 use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// How far from either end the point that splits an edge may be, and how near to the corners across, in lengths of the
 /// edge.
@@ -90,7 +90,7 @@ impl Manifold {
             for (&h, v) in more.iter().zip(samples.len() as u32..) {
                 self.connectivity.both_sides(h).for_each(|h| middle_of[h as usize] = v);
             }
-            samples.par_extend(more.par_iter().map(|&h| self.middle(domain, h)));
+            samples.extend(parallel::map(&more[..], |&h| self.middle(domain, h)));
             self.refuse_folds(&number, &mut samples, &mut middle_of, first);
         }
         let mut triangles = Vec::with_capacity(4 * self.connectivity.half_edge_bound() as usize / 3);
@@ -127,8 +127,9 @@ impl Manifold {
             !faces(&self.connectivity.triangle(h).map(|v| number[v as usize]))
                 || self.parts(h, number, middle_of).iter().all(faces)
         };
-        let triangles = (0..self.connectivity.half_edge_bound() / 3).into_par_iter().map(|t| 3 * t);
-        let folded: Vec<u32> = triangles.filter(|&h| self.connectivity.has_half_edge(h) && !sound(&h)).collect();
+        let folded: Vec<u32> = parallel::collect(0..self.connectivity.half_edge_bound() / 3, |triangles| {
+            triangles.map(|t| 3 * t).filter(|&h| self.connectivity.has_half_edge(h) && !sound(&h))
+        });
         if folded.is_empty() {
             return;
         }

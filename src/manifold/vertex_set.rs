@@ -1,7 +1,7 @@
 //! Sets of vertices of a manifold: those that are locked, dense, in narrow patches.
 
+use crate::base::parallel;
 use crate::manifold::Manifold;
-use rayon::prelude::*;
 use std::ops::{BitOr, Not};
 
 /// Vertices by their numbers. Vertices that are made later are not in the set.
@@ -17,7 +17,7 @@ impl VertexSet {
     /// The vertices of `mesh` for which `is_in` holds; it is called only for those that have not been removed.
     pub fn new(mesh: &Manifold, is_in: impl Fn(u32) -> bool + Sync) -> VertexSet {
         let c = &mesh.connectivity;
-        (0..c.vertex_bound()).into_par_iter().map(|v| c.has_vertex(v) && is_in(v)).collect::<Vec<bool>>().into()
+        parallel::map(0..c.vertex_bound(), |v| c.has_vertex(v) && is_in(v)).into()
     }
 
     /// All vertices of `mesh`.

@@ -13,6 +13,7 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
+use crate::base::parallel;
 use crate::geom::triangle::{closest_point, smallest_angle};
 use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
@@ -26,7 +27,6 @@ use crate::optimize::counts::{is_away_from_curves, meet_count};
 use crate::optimize::relax::{Flips, relax};
 use crate::surface::domain::Domain;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// Angle, in degrees, below which an edge near it may collapse or split; and that below which it may if more than this share of
 /// the triangles has small angles that are still to be looked at: then there are too few vertices for most of them.
@@ -104,7 +104,8 @@ impl Exchange<'_> {
                 break;
             }
             let faces = Faces::new(mesh);
-            let changed: Vec<_> = places.par_iter().map(|place| self.better(place, &faces)).collect::<Result<_>>()?;
+            let changed = parallel::each(&places, |place| self.better(place, &faces));
+            let changed: Vec<_> = changed.into_iter().collect::<Result<_>>()?;
             let mut touched = vec![false; given_up.len()];
             for (place, changed) in places.iter().zip(changed) {
                 let is_better = changed.is_some_and(|changed| changed.put_back(mesh, &mut touched));
@@ -224,7 +225,7 @@ impl Exchange<'_> {
                 let sound = settled.filter(|(_, changed)| !changed.adds_self_intersections(&faces));
                 Ok(sound.map(|(after, changed)| (after - cost(&place.around.mesh), changed)))
             };
-            let changed: Vec<Option<(f64, Neighborhood)>> = places.par_iter().map(changed).collect::<Result<_>>()?;
+            let changed = parallel::each(&places, changed).into_iter().collect::<Result<Vec<_>>>()?;
             let mut changed: Vec<(f64, Neighborhood)> = changed.into_iter().flatten().collect();
             changed.sort_by(|a, b| a.0.total_cmp(&b.0));
             let mut touched = vec![false; triangle_bound(mesh)];

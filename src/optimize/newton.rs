@@ -9,11 +9,12 @@
 //!
 //! Cost: about a microsecond a vertex to set up, a tenth of one for each of some ten to twenty iterations.
 
+use crate::base::parallel;
 use crate::manifold::Manifold;
 use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{Connectivity, prev};
 use glam::{DMat2, DVec2, DVec3};
-use rayon::prelude::*;
+use std::ops::Range;
 
 /// The derivatives of the energy of a triangle.
 pub(super) struct Strain {
@@ -43,8 +44,7 @@ pub(super) fn newton_step(
     spacing: f64,
     strain_of: impl Fn([u32; 3]) -> Strain + Sync,
 ) -> Vec<DVec3> {
-    let vertices = (0..mesh.connectivity.vertex_bound()).into_par_iter();
-    let axes: Vec<[DVec3; 2]> = vertices.map(|v| axes(mesh, locked, v)).collect();
+    let axes: Vec<[DVec3; 2]> = parallel::map(0..mesh.connectivity.vertex_bound(), |v| axes(mesh, locked, v));
     let steps = Equations::new(mesh, &axes, spacing, strain_of).solve();
     steps.iter().zip(axes).map(|(step, axes)| step.x * axes[0] + step.y * axes[1]).collect()
 }
@@ -89,10 +89,11 @@ struct Rows {
 }
 
 impl Rows {
-    /// The rows of a chunk of vertices from `begin` on.
-    fn new(c: &Connectivity, between: &[Between], begin: u32) -> Rows {
-        let mut rows = Rows { end: Vec::with_capacity(CHUNK), entries: Vec::with_capacity(7 * CHUNK) };
-        for v in begin..c.vertex_bound().min(begin + CHUNK as u32) {
+    /// The rows of these vertices.
+    fn new(c: &Connectivity, between: &[Between], vertices: Range<u32>) -> Rows {
+        let mut rows =
+            Rows { end: Vec::with_capacity(vertices.len()), entries: Vec::with_capacity(7 * vertices.len()) };
+        for v in vertices {
             if c.has_vertex(v) {
                 rows.entries.extend(entries_of(c, v, between));
             }
@@ -117,13 +118,17 @@ impl Equations {
         strain_of: impl Fn([u32; 3]) -> Strain + Sync,
     ) -> Equations {
         let c = &mesh.connectivity;
-        let triangles = (0..c.half_edge_bound() / 3).into_par_iter().with_min_len(CHUNK);
-        let (at_corners, between): (Vec<[AtCorner; 3]>, Vec<Between>) = triangles
-            .map(|t| match c.has_half_edge(3 * t) {
-                true => shares(c.triangle(3 * t), axes, strain_of(c.triangle(3 * t))),
-                false => Default::default(),
-            })
-            .unzip();
+        let triangles = 0..c.half_edge_bound() / 3;
+        let mut at_corners = vec![<[AtCorner; 3]>::default(); triangles.len()];
+        let mut between = vec![Between::default(); triangles.len()];
+        let put_shares = |((at_corners, between), triangles): ((&mut [_], &mut [_]), Range<u32>)| {
+            for ((at_corners, between), t) in at_corners.iter_mut().zip(between).zip(triangles) {
+                if c.has_half_edge(3 * t) {
+                    (*at_corners, *between) = shares(c.triangle(3 * t), axes, strain_of(c.triangle(3 * t)));
+                }
+            }
+        };
+        parallel::for_each(((&mut at_corners[..], &mut between[..]), triangles), put_shares);
         let at_vertex = |v: u32| {
             let spacing = spacing * mesh.samples[v as usize].size;
             let damping = DMat2::from_diagonal(DVec2::splat(DAMPING * OF_REGULAR / (spacing * spacing)));
@@ -133,17 +138,16 @@ impl Equations {
                 (diagonal + own, force + more)
             })
         };
-        let (diagonal, force) = (0..c.vertex_bound()).into_par_iter().with_min_len(CHUNK).map(at_vertex).unzip();
+        let (diagonal, force) = parallel::map(0..c.vertex_bound(), at_vertex).into_iter().unzip();
         // The rows take as much memory again.
         drop(at_corners);
-        let begins = (0..c.vertex_bound()).into_par_iter().step_by(CHUNK);
-        let chunks = begins.map(|begin| Rows::new(c, &between, begin)).collect();
+        let chunks = parallel::blocks(0..c.vertex_bound(), CHUNK, |vertices| Rows::new(c, &between, vertices));
         Equations { diagonal, chunks, force }
     }
 
     /// The solution, by conjugate gradients from zero.
     fn solve(&self) -> Vec<DVec2> {
-        let inverse: Vec<DMat2> = self.diagonal.par_iter().with_min_len(CHUNK).map(DMat2::inverse).collect();
+        let inverse: Vec<DMat2> = parallel::map(&self.diagonal[..], DMat2::inverse);
         let mut image = vec![DVec2::ZERO; self.force.len()];
         let mut at = Iterate { x: image.clone(), residual: self.force.clone(), way: image.clone() };
         let mut square = at.advance(0.0, &image, &inverse);
@@ -162,15 +166,16 @@ impl Equations {
 
     /// Writes the Hessian times `x` to `image`, and gives the product of that and `x`.
     fn times(&self, x: &[DVec2], image: &mut [DVec2]) -> f64 {
-        let chunks = image.par_chunks_mut(CHUNK).zip(&self.chunks).enumerate();
-        sum_of(chunks.map(|(i, (image, rows))| {
+        let chunks = image.chunks_mut(CHUNK).zip(&self.chunks).enumerate();
+        let products = parallel::each(chunks, |(i, (image, rows))| {
             let mut product = 0.0;
             for ((image, entries), v) in image.iter_mut().zip(rows.iter()).zip(CHUNK * i..) {
                 *image = entries.iter().fold(self.diagonal[v] * x[v], |sum, &(w, block)| sum + block * x[w as usize]);
                 product += x[v].dot(*image);
             }
             product
-        }))
+        });
+        products.into_iter().sum()
     }
 }
 
@@ -186,34 +191,28 @@ impl Iterate {
     /// Goes a step along the way, of which this is the image; the preconditioned square of the residual then.
     fn advance(&mut self, step: f64, image: &[DVec2], inverse: &[DMat2]) -> f64 {
         let Iterate { x, residual, way } = self;
-        let at = x.par_chunks_mut(CHUNK).zip(residual.par_chunks_mut(CHUNK)).zip(way.par_chunks(CHUNK));
-        sum_of(at.zip(image.par_chunks(CHUNK)).zip(inverse.par_chunks(CHUNK)).map(
-            |((((x, residual), way), image), inverse)| {
-                let mut square = 0.0;
-                for (k, x) in x.iter_mut().enumerate() {
-                    *x += step * way[k];
-                    residual[k] -= step * image[k];
-                    square += residual[k].dot(inverse[k] * residual[k]);
-                }
-                square
-            },
-        ))
+        let at = ((&mut x[..], &mut residual[..]), &way[..]);
+        let squares = parallel::blocks((at, (image, inverse)), CHUNK, |(((x, residual), way), (image, inverse))| {
+            let mut square = 0.0;
+            for (k, x) in x.iter_mut().enumerate() {
+                *x += step * way[k];
+                residual[k] -= step * image[k];
+                square += residual[k].dot(inverse[k] * residual[k]);
+            }
+            square
+        });
+        squares.into_iter().sum()
     }
 
     /// Turns the way to the preconditioned residual, together with that share of what it was.
     fn turn(&mut self, share: f64, inverse: &[DMat2]) {
-        let residual = self.residual.par_chunks(CHUNK).zip(inverse.par_chunks(CHUNK));
-        self.way.par_chunks_mut(CHUNK).zip(residual).for_each(|(way, (residual, inverse))| {
+        let residual = (&self.residual[..], inverse);
+        parallel::blocks((&mut self.way[..], residual), CHUNK, |(way, (residual, inverse))| {
             for ((way, residual), inverse) in way.iter_mut().zip(residual).zip(inverse) {
                 *way = *inverse * *residual + share * *way;
             }
         });
     }
-}
-
-/// The sum of the parts in their order, whichever thread has which.
-fn sum_of(parts: impl IndexedParallelIterator<Item = f64>) -> f64 {
-    parts.collect::<Vec<f64>>().into_iter().sum()
 }
 
 /// What belongs to half-edge `h`, or to its origin.

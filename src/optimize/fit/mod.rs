@@ -34,6 +34,7 @@ mod targets;
 use crate::base::error::Result;
 use crate::base::math;
 use crate::base::monitor::{Monitor, check};
+use crate::base::parallel;
 use crate::geom::symmetric::Symmetric;
 use crate::manifold::Manifold;
 use crate::manifold::facing::FacingGuard;
@@ -42,9 +43,8 @@ use crate::optimize::angles::{is_good_around, least_margin};
 use crate::optimize::relax::shape_gradient;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
-use rayon::prelude::*;
 pub(super) use targets::BEYOND;
-use targets::{CHUNK, ErrorScale, Targets};
+use targets::{ErrorScale, Targets};
 
 /// Rounds of plain least squares, and reweighted ones after them.
 const PLAIN_ROUNDS: usize = 1;
@@ -150,7 +150,7 @@ fn settle_vertices(domain: &Domain, mesh: &mut Manifold, spacing: f64) -> Vec<DV
         let foot = if moves { domain.settle(&here, REACH * spacing) } else { here };
         (Sample { position: here.position, ..foot }, foot.position)
     };
-    let (samples, closest) = (0..mesh.samples.len()).into_par_iter().with_min_len(CHUNK).map(settle).unzip();
+    let (samples, closest) = parallel::map(0..mesh.samples.len(), settle).into_iter().unzip();
     mesh.samples = samples;
     closest
 }
@@ -177,8 +177,9 @@ fn take_back_all(domain: &Domain, mesh: &mut Manifold, spacing: f64) {
         let away = far(foot, farthest) && far(domain.project_anywhere(p).position, farthest);
         if away { foot + (p - foot).clamp_length_max(farthest) } else { p }
     };
-    let places: Vec<DVec3> =
-        (0..).zip(closest).collect::<Vec<_>>().into_par_iter().with_min_len(CHUNK).map(back).collect();
+    let places: Vec<DVec3> = parallel::collect((0..closest.len() as u32, &closest[..]), |(vertices, closest)| {
+        vertices.zip(closest.iter().copied()).map(back)
+    });
     mesh.samples.iter_mut().zip(places).for_each(|(sample, p)| sample.position = p);
 }
 
@@ -208,7 +209,7 @@ fn descend(domain: &Domain, mesh: &mut Manifold, targets: &Targets, closest: &[D
 
 /// Moves vertices, no two of them adjacent, each to its `place`.
 fn move_all(mesh: &mut Manifold, vertices: &[u32], place: impl Fn(&Manifold, u32) -> Sample + Sync) {
-    let moved: Vec<Sample> = vertices.par_iter().with_min_len(CHUNK).map(|&v| place(mesh, v)).collect();
+    let moved: Vec<Sample> = parallel::map(vertices, |&v| place(mesh, v));
     for (&v, sample) in vertices.iter().zip(moved) {
         mesh.samples[v as usize] = sample;
     }

@@ -3,6 +3,7 @@
 //! The weights are those of the quadrature rule at first, and grow where the error is large.
 
 use crate::base::math;
+use crate::base::parallel;
 use crate::geom::triangle::barycentric;
 use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
@@ -10,11 +11,7 @@ use crate::mesh::topology::NONE;
 use crate::optimize::quadrature::{POINTS, point};
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
-use rayon::prelude::*;
 use std::ops::Range;
-
-/// Vertices that one task moves, or triangles or points that it looks at.
-pub(super) const CHUNK: usize = 64;
 
 /// Share of the limit above which an error is large.
 const OF_LIMIT: f64 = 0.7;
@@ -112,9 +109,10 @@ impl Targets {
 
     /// Finds the planes anew, by walks over the surface that are trusted up to the distance `reach`.
     pub(super) fn find(&mut self, domain: &Domain, mesh: &Manifold, reach: f64) {
-        let triangles = self.own.par_iter_mut().enumerate().with_min_len(CHUNK).map(|(t, own)| (t as u32, own));
-        let there = triangles.filter(|(t, _)| mesh.connectivity.has_half_edge(3 * t));
-        there.for_each(|(t, own)| find_planes(domain, mesh, t, own, reach));
+        parallel::for_each((0..self.own.len() as u32, &mut self.own[..]), |(triangles, own)| {
+            let there = triangles.zip(own).filter(|(t, _)| mesh.connectivity.has_half_edge(3 * t));
+            there.for_each(|(t, own)| find_planes(domain, mesh, t, own, reach));
+        });
     }
 
     /// Gives large errors more weight, those of the triangles and of the vertices in `watched`. The vertices that are to
@@ -227,5 +225,5 @@ fn vertices_in_range(range: Range<f64>, domain: &Domain, mesh: &Manifold, vertic
         let plane = Plane { normal: way, offset: way.dot(p), ..Plane::NONE };
         Some(FarVertex { vertex: v, triangle: hit.triangle, target: Target { at, plane } })
     };
-    vertices.par_iter().with_min_len(CHUNK).filter_map(far_vertex).collect()
+    parallel::collect(vertices, |vertices| vertices.iter().filter_map(far_vertex))
 }

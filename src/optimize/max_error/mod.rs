@@ -22,6 +22,7 @@ mod probes;
 use crate::base::error::Result;
 use crate::base::math;
 use crate::base::monitor::{Monitor, check};
+use crate::base::parallel;
 use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
 use crate::manifold::neighborhood::Neighborhood;
@@ -33,7 +34,6 @@ use crate::optimize::relax::{Flips, relax};
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 use probes::{Probe, Probes, distance, is_nearer};
-use rayon::prelude::*;
 
 /// Rounds over the places of large error: reducing one may leave another beside it the largest.
 const MOST_ROUNDS: usize = 12;
@@ -88,9 +88,6 @@ const LEEWAY: f64 = 0.4;
 /// Share of the error that may be left.
 const MUST_FALL_TO: f64 = 0.95;
 
-/// Probes that one task looks at.
-const CHUNK: usize = 256;
-
 /// Reduces the largest errors of the mesh, which was `fitted` to the surface. `spacing` is the mean edge length.
 pub fn reduce_max_error(
     domain: &Domain,
@@ -118,7 +115,7 @@ pub fn reduce_max_error(
             break;
         }
         let neighborhoods: Vec<Option<Neighborhood>> =
-            places.par_iter().map(|place| task.reduced(mesh, &faces, place)).collect();
+            parallel::each(&places, |place| task.reduced(mesh, &faces, place));
         let mut touched = vec![false; mesh.connectivity.half_edge_bound() as usize / 3];
         let mut changed: Vec<DVec3> = Vec::new();
         for (place, neighborhood) in places.iter().zip(neighborhoods) {
@@ -162,12 +159,12 @@ struct Task<'a> {
 impl Task<'_> {
     /// All places of large error in a mesh that was `fitted`.
     fn places(&self, faces: &Faces, fitted: &Fitted) -> Vec<Place> {
-        let triangles = (0..self.domain.mesh.triangles.len() as u32).into_par_iter().with_min_len(CHUNK);
-        let at_vertices = fitted.vertices.par_iter().with_min_len(CHUNK).map(|&v| Probe::at_vertex(self.domain, v));
-        let at_vertices = at_vertices.filter_map(|probe| self.place_of_probe(faces, probe));
-        let inside = triangles.flat_map_iter(|t| self.places_inside(faces, t));
-        let of_mesh = fitted.triangles.par_iter().filter_map(|&t| self.place_of_triangle(faces, t));
-        at_vertices.chain(inside).chain(of_mesh).collect()
+        let triangles = 0..self.domain.mesh.triangles.len() as u32;
+        let at_vertices = parallel::collect(&fitted.vertices[..], |vertices| {
+            vertices.iter().filter_map(|&v| self.place_of_probe(faces, Probe::at_vertex(self.domain, v)))
+        });
+        let inside = parallel::collect(triangles, |triangles| triangles.flat_map(|t| self.places_inside(faces, t)));
+        [at_vertices, inside, self.places_of_triangles(faces, &fitted.triangles)].concat()
     }
 
     /// The places of large error inside of triangle `t` of the surface. What is near to one probe mostly is to the next, and no
@@ -200,12 +197,16 @@ impl Task<'_> {
 
     /// The places of large error around the points `changed`, where triangles were `touched`.
     fn places_around(&self, faces: &Faces, changed: &[DVec3], touched: &[bool]) -> Vec<Place> {
-        let around = changed.par_iter().map(|&at| Probes::near(self.domain, at, self.reach(), self.spacing));
-        let probes: Vec<Probe> = around.flat_map_iter(|probes| probes.all(self.domain).collect::<Vec<_>>()).collect();
+        let of_surface = parallel::each(changed, |&at| {
+            let probes = Probes::near(self.domain, at, self.reach(), self.spacing);
+            probes.all(self.domain).filter_map(|probe| self.place_of_probe(faces, probe)).collect::<Vec<_>>()
+        });
         let triangles: Vec<u32> = (0..).zip(touched).filter(|(_, touched)| **touched).map(|(t, _)| t).collect();
-        let of_surface = probes.into_par_iter().filter_map(|probe| self.place_of_probe(faces, probe));
-        let of_mesh = triangles.into_par_iter().filter_map(|t| self.place_of_triangle(faces, t));
-        of_surface.chain(of_mesh).collect()
+        [of_surface.concat(), self.places_of_triangles(faces, &triangles)].concat()
+    }
+
+    fn places_of_triangles(&self, faces: &Faces, triangles: &[u32]) -> Vec<Place> {
+        parallel::collect(triangles, |block| block.iter().filter_map(|&t| self.place_of_triangle(faces, t)))
     }
 
     fn place_of_probe(&self, faces: &Faces, probe: Probe) -> Option<Place> {
@@ -281,14 +282,14 @@ impl Task<'_> {
         let mut nearest: Vec<u32> = from.neighborhood.free_vertices().filter(|v| !from.placed.contains(v)).collect();
         nearest.sort_by(|&a, &b| away(a).total_cmp(&away(b)).then(a.cmp(&b)));
         nearest.truncate(self.effort.tried);
-        let tries = nearest.par_iter().filter_map(|&v| {
+        let tries = parallel::each(nearest, |v| {
             let mut neighborhood = from.neighborhood.clone();
             let placed: Vec<u32> = from.placed.iter().copied().chain([v]).collect();
             neighborhood.mesh.samples[v as usize] = self.domain.project_anywhere(from.place);
             let sound = self.arrange(&mut neighborhood.mesh, &placed, measured, margin).ok()?;
             sound.then(|| measured.attempt(neighborhood, placed))
         });
-        tries.collect::<Vec<_>>().into_iter().min_by(|a, b| a.farthest.total_cmp(&b.farthest))
+        tries.into_iter().flatten().min_by(|a, b| a.farthest.total_cmp(&b.farthest))
     }
 
     /// Arranges the vertices around those that were `placed`. Whether the margin of every triangle is at least `margin`
