@@ -18,20 +18,17 @@
 //! the rounding of the closest points; where triangles are
 //! more than a hundred times as long as the distance, it may be several times as large as that.
 
+use crate::base::parallel;
 use crate::geom::triangle::closest_point;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// How much larger the upper bound may be than what is known to be there.
 const CLOSE: f64 = 1.05;
 
 /// How often a triangle is split in four.
 const DEEPEST: u32 = 7;
-
-/// Triangles that one task looks at.
-const CHUNK: usize = 64;
 
 /// The bounds of a Hausdorff distance, in the units of the meshes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,20 +70,20 @@ struct Side<'a> {
 }
 
 impl Side<'_> {
-    fn triangles(&self) -> impl IndexedParallelIterator<Item = [DVec3; 3]> {
-        let mesh = self.mesh;
-        (0..mesh.triangles.len()).into_par_iter().with_min_len(CHUNK).map(|t| mesh.corners(t))
+    /// What `of` makes of each triangle.
+    fn of_triangles<T: Send>(&self, of: impl Fn([DVec3; 3]) -> T + Sync) -> Vec<T> {
+        parallel::map(0..self.mesh.triangles.len(), |t| of(self.mesh.corners(t)))
     }
 
     /// The largest distance of a triangle's centroid to the other mesh.
     fn farthest_centroid(&self, other: &Side) -> f64 {
-        self.triangles().map(|t| other.bounds_on(t).lower).reduce(|| 0.0, f64::max)
+        self.of_triangles(|t| other.bounds_on(t).lower).into_iter().fold(0.0, f64::max)
     }
 
     /// Bounds of the largest distance to the other mesh, where distances below `known` do not matter.
     fn bounds(&self, other: &Side, known: f64) -> Bounds {
         let none = Bounds { lower: f64::NEG_INFINITY, upper: 0.0, place: DVec3::ZERO };
-        let all: Vec<Bounds> = self.triangles().map(|t| other.split_bounds(t, known, DEEPEST)).collect();
+        let all = self.of_triangles(|t| other.split_bounds(t, known, DEEPEST));
         all.into_iter().fold(none, Bounds::join)
     }
 

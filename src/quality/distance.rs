@@ -14,13 +14,13 @@
 //! never smaller, and may be larger where a triangle's inside is farther off than its corners and every sample.
 
 use crate::base::math;
+use crate::base::parallel;
 use crate::base::rng::{Stage, stream};
 use crate::geom::triangle::closest_point;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::quality::sampling;
 use crate::spatial::bvh::Bvh;
 use glam::DVec3;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Samples each way that the tool takes for its reports. Between surfaces of 97,000 and 17,000 triangles the whole
@@ -101,18 +101,18 @@ impl OneWay {
             let mut search = Search { bvh: &bvh, to, last: None };
             samples.iter().map(|&p| search.closest(p)).collect::<Vec<f64>>()
         };
-        let of_samples: Vec<f64> = samples.par_chunks(CHUNK).flat_map_iter(squares).collect();
+        let of_samples = parallel::blocks(samples, CHUNK, squares).concat();
         let largest = of_samples.iter().copied().fold(0.0, f64::max);
         // A vertex that is nearer than a sample need not be looked at closer.
         let used = used_vertices(from);
-        let of_vertices = from.positions.par_chunks(CHUNK).zip(used.par_chunks(CHUNK)).map(|(positions, used)| {
+        let of_vertices = parallel::blocks((&from.positions[..], &used[..]), CHUNK, |(positions, used)| {
             let mut search = Search { bvh: &bvh, to, last: None };
             let used = positions.iter().zip(used).filter(|(_, used)| **used);
             used.filter_map(|(&p, _)| search.beyond(p, largest)).fold(largest, f64::max)
         });
         OneWay {
             mean_square: of_samples.iter().sum::<f64>() / samples.len().max(1) as f64,
-            largest_square: of_vertices.reduce(|| largest, f64::max),
+            largest_square: of_vertices.into_iter().fold(largest, f64::max),
         }
     }
 }
@@ -155,7 +155,7 @@ impl Search<'_> {
 pub fn vertex_distances(mesh: &Mesh, reference: &Mesh) -> Option<Vec<f64>> {
     let bvh = (!reference.triangles.is_empty()).then(|| Bvh::new(reference))?;
     let distance = |&p: &DVec3| bvh.closest(reference, p).map_or(0.0, |hit| hit.distance_squared.sqrt());
-    Some(mesh.positions.par_iter().with_min_len(CHUNK).map(distance).collect())
+    Some(parallel::map(&mesh.positions[..], distance))
 }
 
 /// From this many triangles for each query on, a hierarchy that is built faster pays.

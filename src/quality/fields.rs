@@ -1,24 +1,24 @@
 //! Figures of each triangle and of each side of a mesh, for pictures and histograms; those of vertices are
 //! [`valences`](crate::quality::shape::valences) and [`vertex_distances`](crate::quality::distance::vertex_distances).
 
+use crate::base::parallel;
 use crate::geom::triangle::{angles, quality, side_lengths};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::quality::shape::extreme_angles;
-use rayon::prelude::*;
 
 /// The smallest angle of each triangle, in degrees; 0 without area.
 pub fn smallest_angles(mesh: &Mesh) -> Vec<f64> {
-    (0..mesh.triangles.len()).into_par_iter().map(|t| extreme_angles(mesh.corners(t)).0).collect()
+    parallel::map(0..mesh.triangles.len(), |t| extreme_angles(mesh.corners(t)).0)
 }
 
 /// Q of each triangle, in 0..=1.
 pub fn qualities(mesh: &Mesh) -> Vec<f64> {
-    (0..mesh.triangles.len()).into_par_iter().map(|t| quality(mesh.corners(t))).collect()
+    parallel::map(0..mesh.triangles.len(), |t| quality(mesh.corners(t)))
 }
 
 /// The three angles of each triangle, in degrees.
 pub fn all_angles(mesh: &Mesh) -> Vec<[f64; 3]> {
-    (0..mesh.triangles.len()).into_par_iter().map(|t| angles(mesh.corners(t))).collect()
+    parallel::map(0..mesh.triangles.len(), |t| angles(mesh.corners(t)))
 }
 
 /// The length of each side over the one wanted there, the mean of what `wanted` says of its ends; an edge of two triangles

@@ -13,10 +13,10 @@
 //!
 //! Cost: linear, in parallel over fixed chunks, so the figures have the same bits with any number of threads.
 
+use crate::base::parallel;
 use crate::geom::triangle::{self, quality};
 use crate::mesh::sides::{edges, sorted_sides};
 use crate::mesh::triangle_mesh::Mesh;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -59,8 +59,8 @@ pub struct Shape {
 ///
 /// A triangle without area counts as one of the angles 0, 0 and 180 degrees and of Q = 0.
 pub fn shape(mesh: &Mesh) -> Option<Shape> {
-    let parts = mesh.triangles.par_chunks(CHUNK).map(|chunk| chunk.iter().map(|t| Sums::of(mesh, *t)).sum());
-    let sums: Sums = parts.collect::<Vec<Sums>>().into_iter().sum();
+    let sum = |chunk: &[[u32; 3]]| -> Sums { chunk.iter().map(|t| Sums::of(mesh, *t)).sum() };
+    let sums: Sums = parallel::blocks(&mesh.triangles[..], CHUNK, sum).into_iter().sum();
     if sums.triangles == 0 {
         return None;
     }
@@ -174,8 +174,7 @@ fn squared_deviations(mesh: &Mesh, mean: f64) -> f64 {
         let sides = triangle::side_lengths(t.map(|v| mesh.positions[v as usize]));
         sides.iter().map(|side| (side - mean) * (side - mean)).sum()
     };
-    let parts: Vec<f64> = mesh.triangles.par_chunks(CHUNK).map(|chunk| chunk.iter().map(of).sum()).collect();
-    parts.iter().sum()
+    parallel::blocks(&mesh.triangles[..], CHUNK, |chunk| chunk.iter().map(of).sum::<f64>()).iter().sum()
 }
 
 /// The number of distinct edges at each vertex that is interior; `None` at the others, and at those that no triangle uses.

@@ -16,12 +16,13 @@
 //! Limits: medians ignore areas, so triangles of very different sizes give more overlap than a surface-area heuristic
 //! would.
 
+use crate::base::parallel;
 use crate::geom::aabb::Aabb;
 use crate::geom::triangle;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::order::spatial_order_in;
 use glam::DVec3;
-use rayon::prelude::*;
+use rayon::slice::ParallelSliceMut;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -72,7 +73,7 @@ impl Bvh {
     pub fn new(mesh: &Mesh) -> Bvh {
         let n = mesh.triangles.len();
         let item = |t: usize| Item { place: mesh.corners(t).into_iter().sum(), triangle: t as u32 };
-        let mut items: Vec<Item> = (0..n).into_par_iter().with_min_len(PARALLEL_ABOVE).map(item).collect();
+        let mut items = parallel::map(0..n, item);
         Tree::new(n).arrange(&mut items, 0, 0);
         Bvh::of_order(mesh, items.into_iter().map(|item| item.triangle).collect())
     }
@@ -260,7 +261,7 @@ impl Bvh {
             }
             made
         };
-        nodes.into_par_iter().flat_map_iter(below).collect()
+        parallel::each(nodes, below).into_iter().flatten().collect()
     }
 
     /// [`Self::of_pairs`] for pairs of a triangle of leaf `a` and one of leaf `b`.
@@ -363,9 +364,11 @@ impl Tree {
     fn boxes(self, mesh: &Mesh, order: &[u32]) -> Vec<Aabb> {
         let mut boxes = vec![Aabb::EMPTY; (2 << self.depth) - 1];
         let leaves = &mut boxes[(1 << self.depth) - 1..];
-        leaves.par_iter_mut().with_min_len(PARALLEL_ABOVE / LEAF).enumerate().for_each(|(place, leaf)| {
-            let triangles = &order[self.range(self.depth, place)];
-            *leaf = triangles.iter().fold(Aabb::EMPTY, |all, &t| all.join(&box_of(mesh, t)));
+        parallel::for_each((0..leaves.len(), leaves), |(places, leaves)| {
+            for (place, leaf) in places.zip(leaves) {
+                let triangles = &order[self.range(self.depth, place)];
+                *leaf = triangles.iter().fold(Aabb::EMPTY, |all, &t| all.join(&box_of(mesh, t)));
+            }
         });
         for level in (0..self.depth).rev() {
             let (above, below) = boxes.split_at_mut((2 << level) - 1);

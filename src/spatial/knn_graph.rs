@@ -2,9 +2,9 @@
 //!
 //! Cost: a query of a k-d tree for each point, in parallel; four bytes a neighbour.
 
+use crate::base::parallel;
 use crate::spatial::kdtree::Neighbors;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// Neighbours that the spacing at a point is taken from: as many as surround a point of an even sampling.
 const RING: usize = 6;
@@ -25,15 +25,16 @@ impl NeighborGraph {
     pub fn new(points: &[DVec3], near: &Neighbors, degree: usize) -> Self {
         let degree = degree.min(points.len().saturating_sub(1));
         let mut neighbors = vec![0; degree * points.len()];
-        neighbors.par_chunks_mut(degree.max(1)).zip(0u32..points.len() as u32).for_each_init(
-            Vec::new,
-            |found, (own, p)| {
-                near.collect_nearest(points[p as usize], degree + 1, found);
+        let mut rows: Vec<&mut [u32]> = neighbors.chunks_mut(degree.max(1)).collect();
+        parallel::for_each((0..rows.len() as u32, &mut rows[..]), |(block, rows)| {
+            let mut found = Vec::new();
+            for (p, own) in block.zip(rows) {
+                near.collect_nearest(points[p as usize], degree + 1, &mut found);
                 // Where many points are at the same place the point itself may not be among the nearest.
                 let others = found.iter().map(|n| n.point).filter(|&n| n != p);
                 own.iter_mut().zip(others).for_each(|(own, n)| *own = n);
-            },
-        );
+            }
+        });
         NeighborGraph { degree, neighbors }
     }
 
@@ -53,7 +54,7 @@ impl NeighborGraph {
         let spacing = |p: usize| {
             self.of(p as u32).last().map_or(0.0, |&n| spacing_of(self.degree, points[p].distance(points[n as usize])))
         };
-        (0..points.len()).into_par_iter().map(spacing).collect()
+        parallel::map(0..points.len(), spacing)
     }
 }
 

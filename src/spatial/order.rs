@@ -1,8 +1,9 @@
 //! An order of points in which those near in space are near in memory.
 
+use crate::base::parallel;
 use crate::geom::aabb::Aabb;
 use glam::DVec3;
-use rayon::prelude::*;
+use rayon::slice::ParallelSliceMut;
 
 /// The numbers of all positions along a Z-order curve, which sorts them by the interleaved bits of their three
 /// coordinates, so that neighbours are mostly near each other in memory, too.
@@ -21,8 +22,7 @@ pub fn spatial_order_in(bounds: Aabb, count: usize, position: impl Fn(usize) -> 
         let cell = ((p - bounds.lo) * scale).to_array().map(|c| spread((c as u64).min((1 << BITS) - 1)));
         cell[0] | cell[1] << 1 | cell[2] << 2
     };
-    let mut keyed: Vec<(u64, u32)> =
-        (0..count as u32).into_par_iter().map(|i| (key(position(i as usize)), i)).collect();
+    let mut keyed: Vec<(u64, u32)> = parallel::map(0..count as u32, |i| (key(position(i as usize)), i));
     keyed.par_sort_unstable();
     keyed.into_iter().map(|k| k.1).collect()
 }

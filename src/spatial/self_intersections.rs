@@ -10,6 +10,7 @@
 //! Limits: n faces that are all in one place (copies in a soup) form n² pairs; these are only stored if pairs are asked
 //! for.
 
+use crate::base::parallel;
 use crate::geom::intersection::cross_deeper_than;
 use crate::geom::triangle::longest_side;
 use crate::mesh::half_edge::{next, prev};
@@ -17,7 +18,7 @@ use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
 use glam::DVec3;
-use rayon::prelude::*;
+use rayon::slice::ParallelSliceMut;
 
 /// Depth up to which faces count as touching, as a share of the diagonal of their mesh: coordinates in single precision
 /// are off by up to a tenth of it.
@@ -60,21 +61,20 @@ pub fn faces_passing_through_others(mesh: &Mesh, across: impl Fn(u32) -> u32 + S
 fn faces_passing_along_edges(mesh: &Mesh, across: impl Fn(u32) -> u32 + Sync, bvh: &Bvh) -> Vec<u32> {
     let depth = depth_of_contact(mesh);
     let corner = |side: u32| mesh.positions[mesh.triangles[side as usize / 3][side as usize % 3] as usize];
-    let sides = (0..3 * mesh.triangles.len() as u32).into_par_iter().filter(|&s| across(s) != NONE && s < across(s));
-    let mut faces: Vec<u32> = sides
-        .flat_map_iter(|side| {
+    let mut faces: Vec<u32> = parallel::collect(0..3 * mesh.triangles.len() as u32, |sides| {
+        let mut found = Vec::new();
+        for side in sides.filter(|&s| across(s) != NONE && s < across(s)) {
             let other = across(side);
             let edge = [corner(side), corner(next(side))];
             let tops = [corner(prev(side)), corner(prev(other))];
-            let mut found = Vec::new();
             bvh.in_box(mesh, edge[0].min(edge[1]) - depth, edge[0].max(edge[1]) + depth, |t| {
                 if lies_in(mesh.corners(t as usize), edge, tops, depth) {
                     found.extend([t, side / 3, other / 3]);
                 }
             });
-            found
-        })
-        .collect();
+        }
+        found
+    });
     faces.par_sort_unstable();
     faces.dedup();
     faces

@@ -12,13 +12,13 @@
 //!
 //! Cost: a walk over some triangles for each edge that turns.
 
+use crate::base::parallel;
 use crate::base::union_find::UnionFind;
 use crate::mesh::half_edge::{next, prev};
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::surface::turns::{ends, length};
 use glam::DVec3;
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Turns in degrees between which an edge may be one between facets.
@@ -75,7 +75,7 @@ pub fn on_steps(mesh: &Mesh, twin: &[u32], turns: &[f64], widest: f64) -> Vec<bo
         let beyond = |facet: Facet| turns[facet.other as usize] / -turn;
         turn.abs() >= LEAST && facets.across(side).is_some_and(|f| (ALIKE[0]..=ALIKE[1]).contains(&beyond(f)))
     };
-    let back: Vec<bool> = (0..twin.len() as u32).into_par_iter().map(turns_back).collect();
+    let back = parallel::map(0..twin.len() as u32, turns_back);
     (0..twin.len()).map(|s| back[s] || twin[s] != NONE && back[twin[s] as usize]).collect()
 }
 
@@ -155,12 +155,12 @@ impl Facets<'_> {
     /// The edges between facets: those with one that turns alike on both sides, or such an edge on one side.
     fn edges(&self) -> Vec<Edge> {
         let Facets { twin, turns, .. } = self;
-        let mut edges: Vec<Edge> = (0..twin.len() as u32)
-            .into_par_iter()
-            .filter(|&side| side < twin[side as usize] && twin[side as usize] != NONE)
-            .filter(|&side| (LEAST..=MOST).contains(&turns[side as usize].abs()))
-            .map(|side| Edge { side, beside: [side, twin[side as usize]].map(|s| self.beside(s)) })
-            .collect();
+        let mut edges: Vec<Edge> = parallel::collect(0..twin.len() as u32, |sides| {
+            sides
+                .filter(|&side| side < twin[side as usize] && twin[side as usize] != NONE)
+                .filter(|&side| (LEAST..=MOST).contains(&turns[side as usize].abs()))
+                .map(|side| Edge { side, beside: [side, twin[side as usize]].map(|s| self.beside(s)) })
+        });
         let mut inner = vec![false; twin.len()];
         for edge in edges.iter().filter(|edge| edge.beside.iter().all(Option::is_some)) {
             inner[edge.side as usize] = true;

@@ -22,11 +22,11 @@
 //! (h/4)² over the radius of curvature.
 
 use crate::base::math;
+use crate::base::parallel;
 use crate::spatial::kdtree::{Neighbor, Neighbors};
 use crate::surface::domain::Sample;
 use crate::surface::lift::Surface;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// Width of w in reaches: about the noise that is to be smoothed away counts (the source, section 5).
 const SIGMA_R: f64 = 0.5;
@@ -213,7 +213,10 @@ impl<'a> Rimls<'a> {
             let value = self.value(x, found).filter(|v| v.gradient != DVec3::ZERO);
             value.map_or(x, |Value { f, gradient, .. }| x - f * gradient / gradient.length_squared())
         };
-        self.positions.par_iter().map_init(Found::default, seed).collect()
+        parallel::collect(self.positions, |block| {
+            let mut found = Found::default();
+            block.iter().map(move |x| seed(&mut found, x))
+        })
     }
 
     /// The points without their noise, and their unit normals: projected, and moved back by what projecting them again
@@ -235,7 +238,11 @@ impl<'a> Rimls<'a> {
         let project = |found: &mut Found, p: usize| {
             self.project(self.positions[p], found).unwrap_or((self.positions[p], self.normals[p]))
         };
-        (0..self.positions.len()).into_par_iter().map_init(Found::default, project).unzip()
+        let projected = parallel::collect(0..self.positions.len(), |block| {
+            let mut found = Found::default();
+            block.map(move |p| project(&mut found, p))
+        });
+        projected.into_iter().unzip()
     }
 
     /// The points that reach `x`, and the nearest one first.

@@ -6,6 +6,7 @@
 //!
 //! Cost: linear in the triangles; a search for each that lies in a plane to tell which touch.
 
+use crate::base::parallel;
 use crate::base::union_find::UnionFind;
 use crate::mesh::topology::{NONE, components};
 use crate::mesh::triangle_mesh::Mesh;
@@ -13,7 +14,6 @@ use crate::spatial::bvh::Bvh;
 use crate::spatial::self_intersections::depth_of_contact;
 use crate::surface::turns::turns;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Largest turn in degrees across an edge within a plane: rounding to single precision turns small triangles by less.
@@ -73,7 +73,7 @@ impl Planes {
             let hit = bvh.closest_where(mesh, middle, depth * depth, lies_on)?;
             Some([plane, other(hit.triangle)?])
         };
-        let touching: Vec<[u32; 2]> = (0..self.of_triangle.len() as u32).into_par_iter().filter_map(touched).collect();
+        let touching = parallel::collect(0..self.of_triangle.len() as u32, |block| block.filter_map(touched));
         let touching: BTreeSet<u32> = touching.into_iter().flatten().collect();
         self.of_triangle.iter().map(|plane| plane.is_some_and(|plane| touching.contains(&plane))).collect()
     }

@@ -6,11 +6,11 @@
 //! Cost: linear in the triangles.
 
 use crate::base::math;
+use crate::base::parallel;
 use crate::mesh::half_edge::next;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// Height of a triangle, in lengths of its longest side and in spacings, below which its normal is not trusted.
 const NARROW: f64 = 0.05;
@@ -64,7 +64,7 @@ pub(super) fn folded_over(mesh: &Mesh, twin: &[u32], spacing: f64) -> Vec<(u32, 
         let trusted = trusted_normal(mesh, twin, spacing, t);
         (trusted.dot(mesh.area_vector(t as usize)) < 0.0).then_some((t, trusted))
     };
-    (0..mesh.triangles.len() as u32).into_par_iter().filter_map(folded).collect()
+    parallel::collect(0..mesh.triangles.len() as u32, |block| block.filter_map(folded))
 }
 
 /// The share of the smallest turn that is told, below which turns are not looked at closer: more than rounding takes.
@@ -75,7 +75,7 @@ const CLEARLY: f64 = 0.999;
 pub(super) fn turns(mesh: &Mesh, twin: &[u32], spacing: f64, least: f64) -> Vec<f64> {
     let flat = math::square(math::sin_cos((CLEARLY * least).to_radians()).1);
     let trusted = |t: u32| trusted_normal(mesh, twin, spacing, t);
-    let normals: Vec<DVec3> = (0..mesh.triangles.len() as u32).into_par_iter().map(trusted).collect();
+    let normals = parallel::map(0..mesh.triangles.len() as u32, trusted);
     let turn = |side: usize| {
         let across = twin[side];
         if across == NONE {
@@ -93,7 +93,7 @@ pub(super) fn turns(mesh: &Mesh, twin: &[u32], spacing: f64, least: f64) -> Vec<
         let axis = a.cross(b);
         math::atan2(axis.length(), cosine).to_degrees().copysign(axis.dot(to - from))
     };
-    (0..twin.len()).into_par_iter().map(turn).collect()
+    parallel::map(0..twin.len(), turn)
 }
 
 pub(super) fn length(mesh: &Mesh, side: u32) -> f64 {

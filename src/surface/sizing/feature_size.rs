@@ -16,6 +16,7 @@
 //!
 //! Limits: strips narrower than `SHORTEST` of the length elsewhere keep triangles that are longer than they are wide.
 
+use crate::base::parallel;
 use crate::geom::triangle::closest_point_of_segment;
 use crate::mesh::half_edge::next;
 use crate::mesh::triangle_mesh::Mesh;
@@ -23,7 +24,6 @@ use crate::spatial::bvh::Bvh;
 use crate::surface::domain::Domain;
 use crate::surface::sizing::room::{has_room, sizes_with_room};
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// κ, edges across what is narrow, and around a rim edges for each diameter of it: eight in all.
 const ACROSS: f64 = 1.0;
@@ -154,7 +154,7 @@ impl Sides {
 /// The wanted length at each vertex of the domain: f / κ on curves, infinite elsewhere and where f exceeds `reach`.
 fn lengths(domain: &Domain, reach: f64) -> Vec<f64> {
     let sides = Sides::new(domain);
-    let at: Vec<f64> = (0..sides.along.len()).into_par_iter().map(|i| sides.length_at(domain, i, reach)).collect();
+    let at = parallel::map(0..sides.along.len(), |i| sides.length_at(domain, i, reach));
     let mut lengths = vec![f64::INFINITY; domain.mesh.positions.len()];
     for (&v, length) in sides.vertex.iter().zip(at) {
         lengths[v as usize] = lengths[v as usize].min(length);

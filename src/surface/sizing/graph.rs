@@ -1,10 +1,11 @@
 //! The neighbours of the vertices of a domain, and random walks between them.
 
 use crate::base::csr::Csr;
+use crate::base::parallel;
 use crate::mesh::half_edge::next;
 use crate::mesh::topology::NONE;
 use crate::surface::domain::Domain;
-use rayon::prelude::*;
+use rayon::slice::ParallelSliceMut;
 
 /// The neighbours of vertices.
 pub(super) struct Graph(Csr<u32>);
@@ -46,7 +47,7 @@ impl Graph {
                 }
                 sum
             };
-            amounts = (0..amounts.len() as u32).into_par_iter().map(arriving).collect();
+            amounts = parallel::map(0..amounts.len() as u32, arriving);
         }
         amounts
     }

@@ -15,12 +15,12 @@
 //! Limits: the curvature of feature curves does not count.
 
 use crate::base::math;
+use crate::base::parallel;
 use crate::mesh::half_edge::next;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::surface::domain::Domain;
 use crate::surface::sizing::graph::Graph;
-use rayon::prelude::*;
 
 /// The range of radii, as a ratio to their geometric mean: with A = 1 edge lengths differ by a factor of 8.
 const RANGE: f64 = 8.0;
@@ -47,7 +47,7 @@ pub(super) fn radii(domain: &Domain, spacing: f64) -> Vec<f64> {
         let of_curvature = (1.0 / curvatures[v]).clamp(smallest, widest);
         math::ln(half_thickness(domain, v, of_curvature).max(smallest))
     };
-    let logarithms: Vec<f64> = (0..areas.len()).into_par_iter().map(logarithm).collect();
+    let logarithms = parallel::map(0..areas.len(), logarithm);
     let mean = areas.iter().zip(&logarithms).map(|(a, l)| a * l).sum::<f64>() / areas.iter().sum::<f64>();
     let cut_off = |l: f64| l.clamp(mean - math::ln(RANGE), mean + math::ln(RANGE));
     let amounts = areas.iter().zip(logarithms).map(|(&area, l)| [area, area * cut_off(l)]).collect();

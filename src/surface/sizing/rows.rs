@@ -8,12 +8,12 @@
 //!
 //! Cost: a search among the sides of curves for each vertex on them, and two passes of Dijkstra's algorithm.
 
+use crate::base::parallel;
 use crate::surface::domain::Domain;
 use crate::surface::sizing::feature_size::Sides;
 use crate::surface::sizing::gradation::limited;
 use crate::surface::sizing::graph::Graph;
 use crate::surface::sizing::room::GRADIENT;
-use rayon::prelude::*;
 
 /// Height of an equilateral triangle, in lengths of its sides.
 const HEIGHT: f64 = 0.866_025_403_784_438_6;
@@ -45,7 +45,7 @@ pub fn sizes_with_whole_rows(domain: &Domain, sizes: &[f64], spacing: f64) -> Ve
 /// Infinite elsewhere, and where no other curve is within `reach`.
 fn even_widths(domain: &Domain, graph: &Graph, reach: f64) -> Vec<f64> {
     let sides = Sides::new(domain);
-    let at: Vec<f64> = (0..sides.count()).into_par_iter().map(|i| sides.distance_at(domain, i, reach, false)).collect();
+    let at = parallel::map(0..sides.count(), |i| sides.distance_at(domain, i, reach, false));
     let mut widths = vec![f64::INFINITY; domain.mesh.positions.len()];
     for (i, width) in at.into_iter().enumerate() {
         // Copies of a vertex have one length.
