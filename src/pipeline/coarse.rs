@@ -2,6 +2,7 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
+use crate::base::parallel;
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::provenance::{Origins, PointOnTriangle};
 use crate::mesh::topology::twins;
@@ -15,7 +16,6 @@ use crate::spatial::bvh::Bvh;
 use crate::spatial::foot::Foot;
 use crate::surface::features::{Features, sharp_sides};
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// The shortest edges of what is sampled, in mean spacings: the error that triangles of such edges make is a tenth of that of the
 /// result, or less.
@@ -89,9 +89,8 @@ pub(super) fn origins_through(repaired: &OrientedManifold, mesh: &Mesh, input: &
     };
     let normals = mesh.vertex_area_vectors();
     let vertices: Vec<PointOnTriangle> =
-        mesh.positions.par_iter().zip(normals).map(|(&p, normal)| origin(p, normal)).collect();
-    let centre = |t: usize| mesh.centroid(t);
+        parallel::map(0..mesh.positions.len(), |v| origin(mesh.positions[v], normals[v]));
     let triangles: Vec<PointOnTriangle> =
-        (0..mesh.triangles.len()).into_par_iter().map(|t| origin(centre(t), mesh.area_vector(t))).collect();
+        parallel::map(0..mesh.triangles.len(), |t| origin(mesh.centroid(t), mesh.area_vector(t)));
     Origins { vertices, triangles }
 }

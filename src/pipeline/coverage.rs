@@ -5,10 +5,10 @@
 //!
 //! Cost: a hierarchy, and one closest-point query for each point, in parallel.
 
+use crate::base::parallel;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
 use glam::DVec3;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// How near the points of a cloud, outliers aside, are to a result, in their units.
@@ -40,7 +40,7 @@ impl Coverage {
     pub fn of(points: &[DVec3], mesh: &Mesh, spacing: f64) -> Coverage {
         let hierarchy = Bvh::new(mesh);
         let squared = |p: &DVec3| hierarchy.closest(mesh, *p).map_or(f64::INFINITY, |hit| hit.distance_squared);
-        let squared: Vec<f64> = points.par_iter().map(squared).collect();
+        let squared: Vec<f64> = parallel::map(points, squared);
         let within = FAR * spacing;
         let farthest = (0..points.len()).max_by(|&a, &b| squared[a].total_cmp(&squared[b]).then(b.cmp(&a)));
         Coverage {

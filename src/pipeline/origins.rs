@@ -5,6 +5,7 @@
 //!
 //! Cost: about a microsecond a vertex and a triangle, in parallel.
 
+use crate::base::parallel;
 use crate::manifold::Manifold;
 use crate::mesh::half_edge::OnCurve;
 use crate::mesh::provenance::{Origins, PointOnTriangle};
@@ -15,7 +16,6 @@ use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::sized::SizedSurface;
 use crate::pipeline::within::{Sewn, Within};
 use crate::surface::domain::Sample;
-use rayon::prelude::*;
 
 /// The origins of the mesh `of_part` that `made` is, in the pipeline's unit, and of what was joined to it.
 pub(super) fn origins(
@@ -48,8 +48,8 @@ pub(super) fn origins(
             None => domain.origin(&domain.project_facing(centre, normal), 0.0, input),
         }
     };
-    let vertices: Vec<PointOnTriangle> = old.par_iter().map(vertex).collect();
-    let triangles: Vec<PointOnTriangle> = (0..of_part.triangles.len()).into_par_iter().map(triangle).collect();
+    let vertices: Vec<PointOnTriangle> = parallel::map(&old[..], vertex);
+    let triangles: Vec<PointOnTriangle> = parallel::map(0..of_part.triangles.len(), triangle);
     let of_part = Origins { vertices, triangles };
     match surface.within.as_ref().zip(sewn) {
         Some((within, sewn)) => joined(within, sewn, of_part, prepared.input),

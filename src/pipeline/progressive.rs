@@ -12,6 +12,7 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
+use crate::base::parallel;
 use crate::geom::aabb::Aabb;
 use crate::pipeline::density::FEWEST_POINTS;
 use crate::pipeline::kernel::KernelFeatures;
@@ -21,7 +22,6 @@ use crate::surface::domain::Sample;
 use crate::surface::lift::{Lifted, Surface};
 use crate::surface::submanifold::Submanifold;
 use glam::DVec3;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// By how much the kernel gets wider in a step: half of the samples of a surface go.
@@ -105,7 +105,7 @@ impl SampleLevel {
             near.collect_nearest(*p, 2, &mut found);
             found.get(1).map_or(0.0, |other| other.distance_squared.sqrt())
         };
-        let distances: Vec<f64> = positions.par_iter().map(nearest).collect();
+        let distances: Vec<f64> = parallel::map(positions, nearest);
         SampleLevel {
             points: positions.len(),
             spacing: distances.iter().sum::<f64>() / distances.len().max(1) as f64,

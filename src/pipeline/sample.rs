@@ -7,6 +7,7 @@ use crate::base::count::counted;
 use crate::base::error::{Error, Fault, Result, Setting};
 use crate::base::math;
 use crate::base::monitor::{Monitor, check};
+use crate::base::parallel;
 use crate::base::rng::{Stage, units_at};
 use crate::geom::aabb::Aabb;
 use crate::pipeline::bandwidth::find_bandwidth;
@@ -36,7 +37,6 @@ use crate::surface::domain::{Domain, Sample};
 use crate::surface::lift::{BarePoints, Lifted, MOST_SIGNALS, Surface};
 use crate::surface::submanifold::Submanifold;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// How to sample.
@@ -284,7 +284,7 @@ fn choices_on(surface: &Rimls, cloud: &Prepared, wanted: usize, seed: u64) -> Ve
     };
     let between = (1..each as u64).flat_map(|k| (0..positions.len()).map(move |p| (p, k)));
     let places: Vec<DVec3> = positions.iter().copied().chain(between.map(|(p, k)| place(p, k))).collect();
-    places.par_iter().filter_map(|&place| surface.sample(place)).collect()
+    parallel::collect(&places[..], |block| block.iter().filter_map(|&place| surface.sample(place)))
 }
 
 /// The dimensions of a kernel with signals.
@@ -305,7 +305,7 @@ fn used_vertices(input: &Mesh, unit: &Unit, domain: &Domain) -> (Vec<Sample>, Ve
         let position = unit.inwards_point(input.positions[v as usize]);
         Sample { position, ..domain.project_anywhere(position) }
     };
-    (numbers.par_iter().map(at).collect(), numbers)
+    (parallel::map(&numbers[..], at), numbers)
 }
 
 /// The points as samples whose triangle is their number; without normals these are zero, which all are neighbours of.
@@ -458,7 +458,9 @@ impl Task<'_> {
         let (sigma, kept) = self.kept_of::<_, D>(surface, &Given { samples: choices, domain: None })?;
         let mut samples: Vec<Sample> = kept.into_iter().map(|i| choices[i as usize]).collect();
         self.features.with_kernel(sigma, |kernel| self.ascend::<_, D>(surface, kernel, &mut samples))?;
-        samples.par_iter_mut().for_each(|sample| *sample = surface.sample(sample.position).unwrap_or(*sample));
+        parallel::for_each(&mut samples[..], |block| {
+            block.iter_mut().for_each(|sample| *sample = surface.sample(sample.position).unwrap_or(*sample));
+        });
         Ok((sigma, self.in_order::<_, D>(surface, samples, sigma)?))
     }
 

@@ -10,6 +10,7 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
+use crate::base::parallel;
 use crate::base::rng::Address;
 use crate::pipeline::cloud::FEW_NEIGHBORS;
 use crate::pipeline::outline::Outline;
@@ -26,7 +27,6 @@ use crate::surface::domain::Sample;
 use crate::surface::implicit::Rimls;
 use crate::surface::lift::{Lift, Lifted};
 use glam::{DVec3, IVec3};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Neighbours of a point are within so many kernel widths; with fewer than [`FEW_NEIGHBORS`] there it is an outlier.
@@ -116,8 +116,8 @@ pub fn sample_tile(
     let ascent = AscentParameters { sigma: ASCENT_OF_SCAN * options.sigma, step: STEP, sweeps };
     ascend_at_once::<_, 3>(&Lifted { surface: &surface, lift: Lift::NONE }, &mut samples, ascent, monitor)?;
     let own: Vec<(u32, Sample)> = kept.into_iter().zip(samples).filter(|(i, _)| is_own(i)).collect();
-    let settled = |(i, sample): (u32, Sample)| part.point(i, &surface.sample(sample.position).unwrap_or(sample));
-    Ok(own.into_par_iter().map(settled).collect())
+    let settled = |&(i, sample): &(u32, Sample)| part.point(i, &surface.sample(sample.position).unwrap_or(sample));
+    Ok(parallel::map(&own[..], settled))
 }
 
 /// How many samples the scan leaves in the blocks of `tile`, about: what is beyond the given points is not heard.
@@ -159,7 +159,10 @@ impl<'a> Part<'a> {
             let spacing = spacing_of(found.len() - 1, farthest).min(SPARSE * options.sigma);
             Some((normal(&points[p], p, &positions, &near, found, options, outline), spacing))
         };
-        let known: Vec<Option<(DVec3, f64)>> = (0..points.len()).into_par_iter().map_init(Vec::new, look).collect();
+        let known: Vec<Option<(DVec3, f64)>> = parallel::collect(0..points.len(), |block| {
+            let mut found = Vec::new();
+            block.map(move |p| look(&mut found, p))
+        });
         let mut part = Part { options, samples: Vec::new(), numbers: Vec::new(), spacings: Vec::new(), near };
         for (point, (normal, spacing)) in points.iter().zip(&known).filter_map(|(p, known)| Some((p, (*known)?))) {
             let triangle = part.samples.len() as u32;

@@ -11,9 +11,9 @@
 //! Cost: linear in candidates and triangles, on all threads.
 
 use crate::base::math;
+use crate::base::parallel;
 use crate::base::rng::{Address, Stage, units_at};
 use crate::surface::domain::{Domain, Sample};
-use rayon::prelude::*;
 
 /// A candidate, small enough that there can be hundreds of millions of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,10 +47,9 @@ impl Candidate {
 pub fn candidates(domain: &Domain, count: usize, seed: u64) -> Vec<Candidate> {
     let density = count as f64 / domain.mesh.area();
     let parts = part_numbers(domain);
-    (0..domain.mesh.triangles.len() as u32)
-        .into_par_iter()
-        .flat_map_iter(|t| in_triangle(domain, t, parts[t as usize], density, seed))
-        .collect()
+    parallel::collect(0..domain.mesh.triangles.len() as u32, |block| {
+        block.flat_map(|t| in_triangle(domain, t, parts[t as usize], density, seed))
+    })
 }
 
 /// For each triangle, which part of its input triangle it is, counted from 0.

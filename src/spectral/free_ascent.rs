@@ -13,13 +13,13 @@
 use crate::base::error::Result;
 use crate::base::math;
 use crate::base::monitor::{Monitor, check};
+use crate::base::parallel;
 use crate::geom::vector::{length_squared, scaled, shortened};
 use crate::spectral::ascent::{AscentParameters, MOST_STEP};
 use crate::spectral::cells::Cells;
 use crate::spectral::measure::{GRADIENT_NEIGHBOURS, RADIUS, gradient};
 use crate::spectral::nearest::Nearest;
 use crate::surface::submanifold::Submanifold;
-use rayon::prelude::*;
 
 /// Sweeps between rebuilds of the neighbour lists.
 const SWEEPS_OF_LISTS: usize = 3;
@@ -34,9 +34,6 @@ const CROWDED: f64 = 0.25;
 
 /// The share of its last move that a point repeats in the next sweep, where all move at once.
 const AGAIN: f64 = 0.45;
-
-/// Points that one task moves.
-const CHUNK: usize = 64;
 
 /// Moves all `points`. `ascent.sigma` is in the units of the coordinates.
 ///
@@ -57,9 +54,9 @@ pub fn ascend_freely<S: Submanifold<D>, const D: usize>(
             classes = colour_classes(&lists);
         }
         for class in &classes {
-            let moved: Vec<S::Point> = (class.par_iter().with_min_len(CHUNK))
-                .map(|&v| stepped(manifold, points, v, way_up(manifold, points, &lists[v as usize], v, ascent), ascent))
-                .collect();
+            let moved: Vec<S::Point> = parallel::map(&class[..], |&v| {
+                stepped(manifold, points, v, way_up(manifold, points, &lists[v as usize], v, ascent), ascent)
+            });
             class.iter().zip(moved).for_each(|(&v, point)| points[v as usize] = point);
         }
         monitor.progress((sweep + 1) as f64 / ascent.sweeps as f64);
@@ -87,12 +84,12 @@ pub fn ascend_at_once<S: Submanifold<D>, const D: usize>(
         if sweep % SWEEPS_OF_LISTS == 0 {
             lists = neighbours(manifold, points, ascent.sigma);
         }
-        let moved = |(v, last): (usize, &[f64; D])| {
+        let moved = |v: usize| {
             let mut way = way_up(manifold, points, &lists[v], v as u32, ascent);
-            way.iter_mut().zip(last).for_each(|(x, last)| *x += AGAIN * last);
+            way.iter_mut().zip(&last[v]).for_each(|(x, last)| *x += AGAIN * last);
             stepped(manifold, points, v as u32, way, ascent)
         };
-        let moved: Vec<S::Point> = last.par_iter().enumerate().with_min_len(CHUNK).map(moved).collect();
+        let moved: Vec<S::Point> = parallel::map(0..points.len(), moved);
         last.iter_mut().zip(points.iter().zip(&moved)).for_each(|(last, (from, to))| {
             *last = manifold.offset(&manifold.coordinates(from), &manifold.coordinates(to));
         });
@@ -145,7 +142,8 @@ fn neighbours<S: Submanifold<D>, const D: usize>(manifold: &S, points: &[S::Poin
     let radius = RADIUS * sigma;
     let mut cells = Cells::new(radius / 2.0);
     points.iter().zip(0..).for_each(|(point, v)| cells.insert(v, manifold.coordinates(point)));
-    let of_point = |(v, point): (usize, &S::Point)| {
+    let of_point = |v: usize| {
+        let point = &points[v];
         let mut found = Vec::new();
         for x in manifold.images(&manifold.coordinates(point), radius) {
             cells.near(&x, radius, |distance, w, _| {
@@ -157,7 +155,7 @@ fn neighbours<S: Submanifold<D>, const D: usize>(manifold: &S, points: &[S::Poin
         found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         found.into_iter().take(LISTED).map(|f| f.1).collect()
     };
-    points.par_iter().enumerate().map(of_point).collect()
+    parallel::map(0..points.len(), of_point)
 }
 
 /// Divides the points into classes in which no point lists an earlier one: each gets the lowest colour that no earlier

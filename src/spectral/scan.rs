@@ -16,6 +16,7 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
+use crate::base::parallel;
 use crate::base::rng::{Address, Stage, bits_at};
 use crate::geom::vector::{difference, distance_squared};
 use crate::spectral::candidates::Candidate;
@@ -24,7 +25,7 @@ use crate::spectral::measure::{MOST_NEIGHBOURS, Measure, RADIUS};
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::lift::Lift;
 use glam::{DVec3, IVec3};
-use rayon::prelude::*;
+use rayon::slice::ParallelSliceMut;
 
 /// The threshold ε (paper, section 6.3).
 pub const EPSILON: f64 = 0.5;
@@ -170,7 +171,7 @@ pub fn scan_lifted<const D: usize>(
     let turns = blocks.turns();
     for (i, turn) in turns.iter().enumerate() {
         check(monitor)?;
-        let kept: Vec<Vec<(u32, Sample)>> = turn.par_iter().map(|&b| blocks.scan::<D>(b)).collect();
+        let kept: Vec<Vec<(u32, Sample)>> = parallel::map(&turn[..], |&b| blocks.scan::<D>(b));
         for (&b, chosen) in turn.iter().zip(kept) {
             let block = &mut blocks.list[b];
             block.chosen.extend(chosen.iter().map(|c| c.0));
@@ -206,10 +207,8 @@ impl<'a, C: Choices> Blocks<'a, C> {
         let cell = choices.cell(kernel.sigma);
         let place = |p: DVec3| place_of(p, cell * f64::from(BLOCK));
         let turn = |i: u32| bits_at(seed, Stage::Scan, choices.address(i))[0] as u32;
-        let mut keyed: Vec<([i32; 3], u32, u32)> = (0..choices.count() as u32)
-            .into_par_iter()
-            .map(|i| (place(choices.sample(i).position).to_array(), turn(i), i))
-            .collect();
+        let key = |i: u32| (place(choices.sample(i).position).to_array(), turn(i), i);
+        let mut keyed: Vec<([i32; 3], u32, u32)> = parallel::map(0..choices.count() as u32, key);
         keyed.par_sort_unstable();
         let mut homes: Vec<([i32; 3], usize)> =
             fixed.iter().enumerate().map(|(i, s)| (place(s.position).to_array(), i)).collect();

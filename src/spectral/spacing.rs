@@ -9,10 +9,10 @@
 //! Cost: a search among the samples for each candidate and each vertex.
 
 use crate::base::math;
+use crate::base::parallel;
 use crate::spatial::kdtree::Neighbors;
 use crate::spectral::candidates::Candidate;
 use crate::surface::domain::{Domain, Sample};
-use rayon::prelude::*;
 
 /// No candidate is farther from all samples than this, in units of σ: the scan would have kept it.
 const FARTHEST: f64 = 1.5;
@@ -30,7 +30,7 @@ pub fn spacings(domain: &Domain, candidates: &[Candidate], samples: &[Sample], s
         let normal = at.normal;
         found.filter(move |&i| samples[i].normal.dot(normal) >= 0.0)
     };
-    let nearest: Vec<Option<usize>> = candidates.par_iter().map(|c| facing(&c.sample(domain)).next()).collect();
+    let nearest: Vec<Option<usize>> = parallel::map(candidates, |c| facing(&c.sample(domain)).next());
     let mut counts = vec![0.0; samples.len()];
     nearest.into_iter().flatten().for_each(|i| counts[i] += 1.0);
     let mean_area = domain.mesh.area() / candidates.len() as f64;
@@ -43,7 +43,7 @@ pub fn spacings(domain: &Domain, candidates: &[Candidate], samples: &[Sample], s
         let mean = if around.is_empty() { otherwise } else { around.iter().sum::<f64>() / around.len() as f64 };
         math::exp(mean)
     };
-    (0..domain.mesh.positions.len() as u32).into_par_iter().map(at_vertex).collect()
+    parallel::map(0..domain.mesh.positions.len() as u32, at_vertex)
 }
 
 /// The distance of neighbours at hexagonal packing if each has this area.

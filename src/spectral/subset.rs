@@ -14,12 +14,13 @@
 use crate::base::error::Result;
 use crate::base::heap::Ranked;
 use crate::base::monitor::{Monitor, check};
+use crate::base::parallel;
 use crate::base::rng::{Stage, bits_at};
 use crate::spectral::cells::Cells;
 use crate::spectral::measure::{MOST_NEIGHBOURS, Measure, RADIUS};
 use crate::spectral::scan::{EPSILON, TOO_NEAR};
 use crate::surface::submanifold::Submanifold;
-use rayon::prelude::*;
+use rayon::slice::ParallelSliceMut;
 use std::collections::BinaryHeap;
 
 /// Points between two checks of the monitor.
@@ -48,7 +49,7 @@ pub fn scan<S: Submanifold<D>, const D: usize>(
     monitor: &dyn Monitor,
 ) -> Result<Vec<u32>> {
     let turn = |i: u32| bits_at(seed, Stage::Scan, (i, 0))[0] as u32;
-    let mut order: Vec<(u32, u32)> = (0..points.len() as u32).into_par_iter().map(|i| (turn(i), i)).collect();
+    let mut order: Vec<(u32, u32)> = parallel::map(0..points.len() as u32, |i| (turn(i), i));
     order.par_sort_unstable();
     let mut kept = Samples::new(manifold, points, sigma);
     for (i, chunk) in order.chunks(CHUNK).enumerate() {
@@ -164,7 +165,7 @@ impl<'a, S: Submanifold<D>, const D: usize> Samples<'a, S, D> {
     /// Removes the sample with the smallest s as long as `goes` holds for the number of samples and that s. Returns
     /// those removed, in this order.
     fn thin_while(&mut self, goes: impl Fn(usize, f64) -> bool) -> Vec<u32> {
-        let ranked: Vec<Ranked> = self.numbers.par_iter().map(|&i| Ranked::new(-self.measure(i, 0.0), i)).collect();
+        let ranked: Vec<Ranked> = parallel::map(&self.numbers[..], |&i| Ranked::new(-self.measure(i, 0.0), i));
         let mut heap = BinaryHeap::from(ranked);
         let mut removed = Vec::new();
         let mut is_removed = vec![false; self.points.len()];
@@ -201,7 +202,7 @@ impl<'a, S: Submanifold<D>, const D: usize> Samples<'a, S, D> {
         let mut taken = vec![false; self.points.len()];
         self.numbers.iter().for_each(|&i| taken[i as usize] = true);
         pool.retain(|&i| !taken[i as usize]);
-        let ranked: Vec<Ranked> = pool.into_par_iter().map(|i| Ranked::new(self.measure(i, 0.0), i)).collect();
+        let ranked: Vec<Ranked> = parallel::map(&pool[..], |&i| Ranked::new(self.measure(i, 0.0), i));
         let mut heap = BinaryHeap::from(ranked);
         while self.numbers.len() < wanted {
             let Some(top) = heap.pop().filter(|top| top.rank > LEAST_NEWS) else { return };

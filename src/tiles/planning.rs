@@ -2,6 +2,7 @@
 
 use crate::base::error::{Error, Result, Setting};
 use crate::base::monitor::{Monitor, check};
+use crate::base::parallel;
 use crate::base::rng::{Stage, bits_at};
 use crate::io::Format;
 use crate::io::dense::PointFile;
@@ -21,7 +22,6 @@ use crate::tiles::plan::{Plan, PlanOptions};
 use crate::tiles::points::{blocks_of, bucket_of, points_of};
 use crate::tiles::watch::OfTile;
 use glam::{DVec3, IVec3};
-use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 use std::path::Path;
 
@@ -176,7 +176,7 @@ fn calibrate(plan: &mut Plan, folder: &TileFolder, may_smooth: bool, monitor: &d
             let points = points_of(folder, plan, tile.grown(IVec3::ONE), monitor)?;
             count_in_tile(points, tile, &plan.sampling, &outline, &OfTile(monitor))
         };
-        let found: Vec<usize> = chosen.par_iter().map(count).collect::<Result<_>>()?;
+        let found: Vec<usize> = parallel::each(&chosen, count).into_iter().collect::<Result<_>>()?;
         let share = found.iter().sum::<usize>() as f64 * (all as f64 / some.max(1) as f64) / (MORE * wanted as f64);
         // On a surface the number of samples is proportional to the inverse square of the width.
         plan.sampling.sigma = (plan.sampling.sigma * share.sqrt()).min(plan.sampling.cell * 2.0 / RADIUS);

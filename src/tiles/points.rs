@@ -5,6 +5,7 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
+use crate::base::parallel;
 use crate::io::spill::Chunk;
 use crate::io::table::Table;
 use crate::pipeline::TilePoint;
@@ -12,7 +13,6 @@ use crate::spectral::lattice::{BlockBox, place_of};
 use crate::tiles::folder::TileFolder;
 use crate::tiles::plan::{BUCKET, Plan};
 use glam::{DVec3, IVec3};
-use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 /// Cells of a block along each axis: on a surface, four to five points for each sample.
@@ -50,11 +50,11 @@ pub(super) fn points_of(
     let (lo, hi) = (bucket_of(blocks.lo), bucket_of(blocks.hi - 1));
     let touched = |place: [i32; 3]| IVec3::from(place).cmpge(lo).all() && IVec3::from(place).cmple(hi).all();
     let buckets: Vec<&[Chunk]> = plan.buckets().filter(|chunks| touched(chunks[0].place)).collect();
-    let of_bucket = |chunks: &&[Chunk]| {
+    let of_bucket = |chunks: &[Chunk]| {
         check(monitor)?;
         Ok(thinned(&folder.rows(chunks)?, chunks[0].place.into(), blocks, plan.sampling.block(), &table))
     };
-    let points: Vec<Vec<TilePoint>> = buckets.par_iter().map(of_bucket).collect::<Result<_>>()?;
+    let points: Vec<Vec<TilePoint>> = parallel::each(buckets, of_bucket).into_iter().collect::<Result<_>>()?;
     Ok(points.concat())
 }
 

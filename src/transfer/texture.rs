@@ -12,6 +12,7 @@
 //! triangle at a seam counts as distorted if all its corners are beyond the seam, or if one of its sides in the texture
 //! differs from what the affine map says by more than half of the longest.
 
+use crate::base::parallel;
 use crate::geom::triangle::{area, barycentric, closest_point, longest_side};
 use crate::mesh::attributes::Wedges;
 use crate::mesh::provenance::{Origins, PointOnTriangle};
@@ -19,7 +20,6 @@ use crate::mesh::topology::{NONE, twins};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::mesh::weld::weld;
 use glam::{DMat2, DVec2, DVec3};
-use rayon::prelude::*;
 use std::collections::HashSet;
 
 /// How far sides in the texture may be from those of the affine map, in longest sides there.
@@ -56,7 +56,7 @@ impl<'a> Atlas<'a> {
             let feet = output.triangles[t].map(|v| origins.vertices[v as usize]);
             self.triangle(output.corners(t), feet, origins.triangles[t])
         };
-        let all: Vec<([DVec2; 3], bool)> = (0..output.triangles.len()).into_par_iter().map(of_triangle).collect();
+        let all: Vec<([DVec2; 3], bool)> = parallel::map(0..output.triangles.len(), of_triangle);
         let distorted = all.iter().filter(|(_, distorted)| *distorted).count();
         (all.into_iter().map(|(coordinates, _)| coordinates).collect(), distorted)
     }

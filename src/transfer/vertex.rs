@@ -7,6 +7,7 @@
 //!
 //! Cost: linear in the output; in parallel, with the same result for any number of threads.
 
+use crate::base::parallel;
 use crate::mesh::attributes::{Attribute, Attributes, Lost};
 use crate::mesh::materials::Materials;
 use crate::mesh::normals::vertex_normals;
@@ -18,7 +19,6 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::transfer::texture::Atlas;
 use glam::DVec2;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// What was carried over, and what was lost.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -128,7 +128,7 @@ fn of_vertices(
             () => mean(k),
         })
     };
-    Ok(origins.par_iter().flat_map_iter(at).collect())
+    Ok(parallel::collect(origins, |block| block.iter().flat_map(at)))
 }
 
 /// The materials of triangles whose centres are these points of the input.

@@ -7,13 +7,13 @@
 //! connected patch, so that all of the patch is a manifold of the topology of the domain.
 
 use crate::base::csr::Csr;
+use crate::base::parallel;
 use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
 use crate::triangulate::mutual_tessellation::{Insertion, Tessellation, mutual_tessellation};
 use crate::triangulate::star::INTERIOR;
 use crate::triangulate::triangulation::Boundary;
 use crate::triangulate::unfold::SamplesByTriangle;
-use rayon::prelude::*;
 use std::collections::VecDeque;
 
 /// Edges between a place where a part was cut out of the domain and the nearest samples that take their stars from it.
@@ -95,16 +95,16 @@ pub fn tessellate_around(
 ) {
     let by_triangle = SamplesByTriangle::new(domain.mesh.triangles.len(), &starred.samples);
     let samples = &starred.samples;
-    let tessellate = |part: &Vec<u32>| {
+    let tessellate = |part: Vec<u32>| {
         let own: Vec<u32> = part.iter().flat_map(|&t| by_triangle.on(t)).copied().collect();
         let insertion =
             |&s: &u32| Insertion { sample: samples[s as usize], on_side: boundary.sites.get(s as usize).copied() };
         let insertions: Vec<Insertion> = own.iter().map(insertion).collect();
-        let mut made = mutual_tessellation(domain, part, &insertions);
+        let mut made = mutual_tessellation(domain, &part, &insertions);
         made.insertion.iter_mut().filter(|i| **i != NONE).for_each(|i| *i = own[*i as usize]);
         (made, own)
     };
-    let made: Vec<(Tessellation, Vec<u32>)> = parts(domain, centres, radius).par_iter().map(tessellate).collect();
+    let made: Vec<(Tessellation, Vec<u32>)> = parallel::each(parts(domain, centres, radius), tessellate);
     let mut replaced = vec![false; samples.len()];
     let mut left_out = vec![false; samples.len()];
     let mut stars = Vec::new();

@@ -8,6 +8,7 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
+use crate::base::parallel;
 use crate::base::rng::{Stage, units_at};
 use crate::geom::aabb::Aabb;
 use crate::spatial::kdtree::Neighbor;
@@ -16,7 +17,6 @@ use crate::triangulate::neighborhood::Neighborhood;
 use crate::triangulate::surroundings::Surroundings;
 use crate::triangulate::unfold::PlacedNeighbor;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// The largest circumradius of a triangle in the star of a point, in spacings of its corners.
 const LARGEST_CIRCUMRADIUS: f64 = 2.5;
@@ -36,11 +36,10 @@ pub fn triangulate_points(points: Surroundings<'_>, close_up_to: f64, monitor: &
     check(monitor)?;
     let jittered = jittered(points);
     let moved = Surroundings { positions: &jittered, ..points };
-    let stars: Vec<[u32; 3]> = (0..points.positions.len() as u32)
-        .into_par_iter()
-        .map_init(|| StarMaker::new(moved), |maker, p| maker.star(p))
-        .flatten_iter()
-        .collect();
+    let stars: Vec<[u32; 3]> = parallel::collect(0..points.positions.len() as u32, |block| {
+        let mut maker = StarMaker::new(moved);
+        block.flat_map(move |p| maker.star(p))
+    });
     check(monitor)?;
     let bounds = Aabb::of(points.positions.iter().copied()).unwrap_or_default();
     let smallest_diagonal = close_up_to.max(SMALL_HOLE * bounds.diagonal());

@@ -12,13 +12,13 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
+use crate::base::parallel;
 use crate::spatial::kdtree::Neighbor;
 use crate::surface::domain::{Domain, Sample};
 use crate::triangulate::neighborhood::Neighborhood;
 use crate::triangulate::neighbors_of_patch::NeighborsOfPatch;
 use crate::triangulate::unfold::{SamplesByTriangle, Unfolding, along_gentle_bend};
 use glam::DVec2;
-use rayon::prelude::*;
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
 
 /// First radius of a neighbourhood in mean spacings. Circumradii of samples that the scan leaves are mostly below one.
@@ -32,8 +32,10 @@ const MOST_ATTEMPTS: usize = 3;
 /// much denser than the spacing there that only a tessellation of the patch has room for all of them.
 const MOST_NEIGHBOURS: usize = 150;
 
-/// Samples that one task makes the stars of: enough to outweigh the memory that a walk needs.
-const CHUNK: usize = 512;
+/// Blocks of samples for each thread, and the fewest samples of a block: enough to outweigh the memory that its walks need, which
+/// is in proportion to the domain.
+const BLOCKS: usize = 8;
+const SMALLEST_BLOCK: usize = 512;
 
 /// Marks a sample that is not on a boundary.
 pub const INTERIOR: u32 = u32::MAX;
@@ -79,20 +81,14 @@ pub fn stars(
     let by_triangle = SamplesByTriangle::new(domain.mesh.triangles.len(), samples);
     let near = NeighborsOfPatch::new(domain, samples);
     let cloud = Cloud { domain, samples, successor, spacing, by_triangle: &by_triangle, near: &near };
-    let chunks: Vec<Vec<[u32; 3]>> = (0..samples.len().div_ceil(CHUNK))
-        .into_par_iter()
-        .map_init(
-            || StarMaker::new(cloud),
-            |maker, chunk| {
-                let mut triangles = Vec::with_capacity(6 * CHUNK);
-                for centre in CHUNK * chunk..(CHUNK * (chunk + 1)).min(samples.len()) {
-                    maker.star(centre as u32, &mut triangles);
-                }
-                triangles
-            },
-        )
-        .collect();
-    Ok(chunks.concat())
+    let size = samples.len().div_ceil(BLOCKS * rayon::current_num_threads()).max(SMALLEST_BLOCK);
+    let of_blocks: Vec<Vec<[u32; 3]>> = parallel::blocks(0..samples.len() as u32, size, |block| {
+        let mut maker = StarMaker::new(cloud);
+        let mut triangles = Vec::with_capacity(6 * block.len());
+        block.for_each(|centre| maker.star(centre, &mut triangles));
+        triangles
+    });
+    Ok(of_blocks.concat())
 }
 
 /// Makes stars; keeps its memory from one to the next.

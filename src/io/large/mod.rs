@@ -17,6 +17,7 @@ mod sorted;
 use crate::base::count::counted;
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
+use crate::base::parallel;
 use crate::geom::aabb::Aabb;
 use crate::geom::triangle::area;
 use crate::io::dense::PointFile;
@@ -30,7 +31,6 @@ use facets::Facets;
 use lines::Lines;
 use places::Places;
 use polygons::Polygons;
-use rayon::prelude::*;
 use sorted::{OfPlace, ROW, Sorter};
 use std::path::Path;
 
@@ -123,7 +123,7 @@ impl LargeMesh {
             check(monitor)?;
             Ok(Part::new(&of_place.into_triangles()?, |v| places.at(v)).coarsened(coarseness, densest))
         };
-        let parts: Vec<Part> = sorted.into_par_iter().map(coarsened).collect::<Result<_>>()?;
+        let parts: Vec<Part> = parallel::each(sorted, coarsened).into_iter().collect::<Result<_>>()?;
         let left = Part::joined(&parts, coarseness, densest).in_order();
         drop(parts);
         check(monitor)?;
@@ -162,7 +162,7 @@ impl LargeMesh {
         };
         // Corners of a triangle may be far apart in memory, so all threads wait for them.
         let mut put = |triangles: &[[u32; 3]]| {
-            let looks: Vec<([i32; 3], f64)> = triangles.par_iter().with_min_len(BATCH / 16).map(look).collect();
+            let looks: Vec<([i32; 3], f64)> = parallel::map(triangles, look);
             extent.triangles += triangles.len();
             triangles.iter().zip(looks).try_for_each(|(&triangle, (place, area))| {
                 extent.area += area;

@@ -2,6 +2,7 @@
 //!
 //! Cost: linear in the triangles and the pixels.
 
+use crate::base::parallel;
 use crate::geom::triangle::area;
 use crate::io::base64;
 use crate::picture::png;
@@ -10,7 +11,6 @@ use crate::report::page::camera::{EYE, FirstView, HEIGHT, WIDTH};
 use crate::report::page::colours::{Colouring, KEPT, LEFT_OUT, MARKED, UNKNOWN, VALENCES, on_ramp, rgb, valence_class};
 use crate::report::page::shown::Shown;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 2;
@@ -63,7 +63,7 @@ impl<'a> Snapshot<'a> {
     /// The address of a picture that is coloured so; `farthest` is the distance at the end of the ramp.
     pub(super) fn address(&self, colouring: Colouring, farthest: f64) -> String {
         let row = |y: usize| (0..WIDTH).map(move |x| self.pixel(x, y, colouring, farthest));
-        let pixels: Vec<[u8; 4]> = (0..HEIGHT).into_par_iter().flat_map_iter(row).collect();
+        let pixels: Vec<[u8; 4]> = parallel::collect(0..HEIGHT, |rows| rows.flat_map(row));
         format!("data:image/png;base64,{}", base64::encode(&png::encode(&pixels, WIDTH)))
     }
 
