@@ -12,13 +12,13 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
+use crate::base::parallel;
 use crate::contour::lattice::{Field, Lattice, contour};
 use crate::geom::aabb::Aabb;
 use crate::mesh::topology::{NONE, components, twins};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::surface::implicit::{Found, Local, Rimls};
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// How far from the nearest point the surface is in doubt, in spacings there: beyond lies what is past a border.
 const FARTHEST: f64 = 1.0;
@@ -93,13 +93,16 @@ fn drop_doubtful_parts(mesh: &mut Mesh, surface: &Rimls) {
 /// For each vertex whether it is in doubt that the points mean it.
 fn doubtful(mesh: &Mesh, surface: &Rimls) -> Vec<bool> {
     let normals = mesh.vertex_area_vectors();
-    let is_doubtful = |found: &mut Found, (&x, normal): (&DVec3, &DVec3)| {
+    let is_doubtful = |found: &mut Found, x: DVec3, normal: DVec3| {
         surface.nearest(x, found).is_none_or(|(nearest, theirs)| {
             let farthest = FARTHEST * surface.spacing(nearest.point);
             nearest.distance_squared > farthest * farthest || normal.normalize_or_zero().dot(theirs) < LEAST_AGREEMENT
         })
     };
-    mesh.positions.par_iter().zip(&normals).map_init(Found::default, is_doubtful).collect()
+    parallel::collect((&mesh.positions[..], &normals[..]), |(positions, normals)| {
+        let mut found = Found::default();
+        positions.iter().zip(normals).map(move |(&x, &normal)| is_doubtful(&mut found, x, normal))
+    })
 }
 
 /// The diagonals of the bounding boxes of parts numbered in the order of their first vertex.

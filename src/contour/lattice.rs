@@ -25,10 +25,11 @@
 
 use crate::base::error::{Error, Result, Setting};
 use crate::base::monitor::{Monitor, check};
+use crate::base::parallel;
 use crate::geom::aabb::Aabb;
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
-use rayon::prelude::*;
+use rayon::slice::ParallelSliceMut;
 
 /// Memory for a vertex of the lattice, at most, with its share of the triangles and of working space: measured.
 pub const BYTES_PER_VERTEX: usize = 500;
@@ -96,7 +97,7 @@ impl Lattice {
             let value = |&key: &u64| (key, field.value(&mut local, self.place(key)).unwrap_or(f64::NAN));
             block.iter().map(value).collect::<Vec<(u64, f64)>>()
         };
-        let mut found: Vec<(u64, f64)> = blocks.par_iter().flat_map_iter(|block| of_block(block)).collect();
+        let mut found = parallel::collect(&blocks[..], |blocks| blocks.iter().flat_map(|block| of_block(block)));
         found.par_sort_unstable_by_key(|f| f.0);
         let (keys, values) = found.into_iter().unzip();
         Band { keys, values }
@@ -156,7 +157,7 @@ pub fn contour(
     monitor: &dyn Monitor,
 ) -> Result<Mesh> {
     let mut band = Band::default();
-    let mut new: Vec<u64> = seeds.par_iter().map(|&x| lattice.cell(x)).collect();
+    let mut new = parallel::map(seeds, |&x| lattice.cell(x));
     sort_and_dedup(&mut new);
     new = new.into_iter().flat_map(|cell| (0..=ALL).map(move |axes| cell + way(axes))).collect();
     sort_and_dedup(&mut new);
@@ -234,7 +235,7 @@ impl Band {
             let around = edges.flatten().flat_map(|(start, axes)| around_edge(start, axes));
             around.filter(|&k| self.find(k).is_none()).collect::<Vec<u64>>()
         };
-        let mut next: Vec<u64> = new.par_iter().flat_map_iter(of_vertex).collect();
+        let mut next = parallel::collect(new, |block| block.iter().flat_map(of_vertex));
         sort_and_dedup(&mut next);
         next
     }
@@ -247,7 +248,8 @@ impl Band {
     }
 
     fn triangulate(&self, lattice: &Lattice) -> Mesh {
-        let crossings: Vec<u8> = (0..self.keys.len()).into_par_iter().map(|i| self.crossings(i)).collect();
+        let all = || 0..self.keys.len();
+        let crossings = parallel::map(all(), |i| self.crossings(i));
         let mut first = Vec::with_capacity(crossings.len());
         let mut count = 0;
         for bits in &crossings {
@@ -255,10 +257,9 @@ impl Band {
             count += bits.count_ones();
         }
         let edges = Edges { band: self, crossings, first };
-        let all = || (0..self.keys.len()).into_par_iter();
         Mesh {
-            positions: all().flat_map_iter(|i| edges.places(lattice, i)).collect(),
-            triangles: all().flat_map_iter(|i| edges.triangles(i)).collect(),
+            positions: parallel::collect(all(), |block| block.flat_map(|i| edges.places(lattice, i))),
+            triangles: parallel::collect(all(), |block| block.flat_map(|i| edges.triangles(i))),
         }
     }
 }

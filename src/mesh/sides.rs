@@ -6,7 +6,7 @@
 //! Cost: linear for meshes of bounded valence; twelve bytes a side, and four more while they are sorted.
 
 use crate::base::csr::Csr;
-use rayon::prelude::*;
+use crate::base::parallel;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// No neighbour across an edge: a boundary.
@@ -49,13 +49,13 @@ const RANGE: usize = 1 << 13;
 
 /// All sides of all triangles between two different vertices, sorted by their ends, then by their numbers.
 pub(crate) fn sorted_sides(triangles: &[[u32; 3]]) -> Vec<Side> {
-    let vertices = triangles.par_iter().flatten_iter().max().map_or(0, |&v| v as usize + 1);
+    let largest = parallel::blocks(triangles, BLOCK, |block| block.iter().flatten().max());
+    let vertices = largest.into_iter().flatten().max().map_or(0, |&v| v as usize + 1);
     let ranges = vertices.div_ceil(RANGE);
-    let first = |block: usize| (block * BLOCK * 3) as u32;
-    let hand_out = |(i, block): (usize, &[[u32; 3]])| {
-        Csr::new(ranges, || sides(block, first(i)).map(|s| (s.ends()[0] / RANGE as u32, s.side)))
-    };
-    let blocks: Vec<Csr<u32>> = triangles.par_chunks(BLOCK).enumerate().map(hand_out).collect();
+    let numbered = (0..triangles.len() as u32, triangles);
+    let blocks: Vec<Csr<u32>> = parallel::blocks(numbered, BLOCK, |(numbers, block)| {
+        Csr::new(ranges, || sides(block, 3 * numbers.start).map(|s| (s.ends()[0] / RANGE as u32, s.side)))
+    });
     let mut sorted = vec![Side { from: 0, to: 0, side: 0 }; blocks.iter().map(Csr::len).sum()];
     let mut of_ranges = Vec::with_capacity(ranges);
     let mut rest = &mut sorted[..];
@@ -64,7 +64,7 @@ pub(crate) fn sorted_sides(triangles: &[[u32; 3]]) -> Vec<Side> {
         of_ranges.push(own);
         rest = others;
     }
-    (0u32..).zip(of_ranges).collect::<Vec<_>>().into_par_iter().for_each(|(range, own)| {
+    parallel::each((0u32..).zip(of_ranges), |(range, own)| {
         let of_range = blocks.iter().flat_map(|block| block.row(range));
         let first = range * RANGE as u32;
         let count = RANGE.min(vertices - first as usize);
@@ -80,14 +80,17 @@ pub(crate) fn edges(sides: &[Side]) -> impl Iterator<Item = &[Side]> + Clone {
 
 /// For each of `count` sides the other side of its edge if the edge has exactly two sides and these `fit`, or [`NONE`].
 pub(crate) fn pairs_of_sides(sides: &[Side], count: usize, fit: impl Fn(&Side, &Side) -> bool + Sync) -> Vec<u32> {
-    let partner: Vec<AtomicU32> = (0..count).into_par_iter().map(|_| AtomicU32::new(NONE)).collect();
+    let partner: Vec<AtomicU32> = (0..count).map(|_| AtomicU32::new(NONE)).collect();
     let put = |side: &Side, other: &Side| partner[side.side as usize].store(other.side, Ordering::Relaxed);
-    sides.par_chunk_by(|a, b| a.ends() == b.ends()).for_each(|edge| {
-        if let [a, b] = edge
-            && fit(a, b)
-        {
-            put(a, b);
-            put(b, a);
+    let begins_edge = |&i: &usize| i == 0 || sides[i - 1].ends() != sides[i].ends();
+    parallel::for_each(0..sides.len(), |block| {
+        for first in block.filter(begins_edge) {
+            if let Some([a, b]) = edges(&sides[first..]).next()
+                && fit(a, b)
+            {
+                put(a, b);
+                put(b, a);
+            }
         }
     });
     partner.into_iter().map(AtomicU32::into_inner).collect()

@@ -1,8 +1,8 @@
 //! A triangle mesh as plain data.
 
+use crate::base::parallel;
 use crate::geom::aabb::Aabb;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// Triangles that one task looks at.
 const CHUNK: usize = 1 << 14;
@@ -61,15 +61,15 @@ impl Mesh {
 
     /// The sum of `of` over all triangles; the same with any number of threads.
     pub fn sum_over_triangles(&self, of: impl Fn(usize) -> f64 + Sync) -> f64 {
-        let sum = |(i, chunk): (usize, &[[u32; 3]])| (CHUNK * i..).take(chunk.len()).map(&of).sum();
-        let sums: Vec<f64> = self.triangles.par_chunks(CHUNK).enumerate().map(sum).collect();
+        let sums: Vec<f64> = parallel::blocks(0..self.triangles.len(), CHUNK, |chunk| chunk.map(&of).sum());
         sums.into_iter().sum()
     }
 
     /// The bounding box of the vertices that triangles use; `None` without triangles.
     pub fn bounds(&self) -> Option<Aabb> {
         let of_chunk = |chunk: &[[u32; 3]]| Aabb::of(chunk.iter().flatten().map(|&v| self.positions[v as usize]));
-        self.triangles.par_chunks(CHUNK).filter_map(of_chunk).reduce_with(|one, other| one.join(&other))
+        let boxes = parallel::blocks(&self.triangles[..], CHUNK, of_chunk);
+        boxes.into_iter().flatten().reduce(|one, other| one.join(&other))
     }
 
     /// The length of the bounding box's diagonal, zero without triangles.

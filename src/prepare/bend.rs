@@ -10,6 +10,7 @@
 //! Limits: sharp edges, the boundary, triangles over gaps, and places where the result would fold or cross itself stay
 //! flat.
 
+use crate::base::parallel;
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::refine::halve_edges;
 use crate::mesh::topology::NONE;
@@ -21,7 +22,6 @@ use crate::spatial::knn_graph::{DEGREE, NeighborGraph};
 use crate::spatial::self_intersections::self_intersections;
 use crate::surface::implicit::{Found, Rimls};
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// How far from the surface its triangles may be, and the shortest edge that is split for it, in mean spacings of the
 /// result.
@@ -140,7 +140,10 @@ impl Split {
             let rise = projected - miss[v] - mesh.positions[v];
             Some(rise.clamp_length_max(highest[v]))
         };
-        let rises = (count..mesh.positions.len()).into_par_iter().map_init(Found::default, rise).collect();
+        let rises = parallel::collect(count..mesh.positions.len(), |block| {
+            let mut found = Found::default();
+            block.map(move |v| rise(&mut found, v))
+        });
         raise(mesh, count, rises);
     }
 
@@ -159,8 +162,11 @@ impl Split {
             let projected = if at_sharp[v] { None } else { surface.project(here, found) };
             (projected.map_or(DVec3::ZERO, |(there, _)| there - here), spacing)
         };
-        let (mut miss, spacing): (Vec<DVec3>, Vec<f64>) =
-            (0..count).into_par_iter().map_init(Found::default, at_point).unzip();
+        let at_points = parallel::collect(0..count, |block| {
+            let mut found = Found::default();
+            block.map(move |v| at_point(&mut found, v))
+        });
+        let (mut miss, spacing): (Vec<DVec3>, Vec<f64>) = at_points.into_iter().unzip();
         let mut highest = vec![0.0f64; count];
         for &[v, w] in &self.ends {
             let [a, b] = [v, w].map(|v| v as usize);
@@ -250,6 +256,6 @@ fn crossing_among(mesh: &Mesh, triangles: &[u32]) -> Vec<u32> {
         boxes.in_box(&some, a.min(b).min(c), a.max(b).max(c), |_| any = true);
         any
     };
-    let around: Vec<u32> = (0..mesh.triangles.len() as u32).into_par_iter().filter(meets).collect();
+    let around = parallel::collect(0..mesh.triangles.len() as u32, |block| block.filter(meets));
     self_intersections(&soup(&around)).into_iter().map(|t| around[t as usize]).collect()
 }

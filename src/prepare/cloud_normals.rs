@@ -13,11 +13,11 @@
 //! Cost: linear in points and neighbours.
 
 use crate::base::math;
+use crate::base::parallel;
 use crate::geom::eigen::{eigen, scatter};
 use crate::spatial::kdtree::{Neighbor, Neighbors};
 use crate::spatial::knn_graph::NeighborGraph;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::borrow::Cow;
 
 /// Neighbours that steady a fit where there is noise, or few points.
@@ -41,13 +41,13 @@ pub enum Neighborhood<'a> {
 impl Neighborhood<'_> {
     /// Calls `fit` with each point and its neighbours, in parallel.
     fn map(&self, points: &[DVec3], fit: impl Fn(u32, &[u32]) -> DVec3 + Sync) -> Vec<DVec3> {
-        let all = (0..points.len() as u32).into_par_iter();
+        let all = 0..points.len() as u32;
         match *self {
             Neighborhood::Nearest(graph, count) => {
-                all.map(|p| fit(p, &graph.of(p)[..count.min(graph.degree())])).collect()
+                parallel::map(all, |p| fit(p, &graph.of(p)[..count.min(graph.degree())]))
             }
             Neighborhood::Within(near, radius) => {
-                all.map(|p| fit(p, &others(near.within(points[p as usize], radius), p))).collect()
+                parallel::map(all, |p| fit(p, &others(near.within(points[p as usize], radius), p)))
             }
         }
     }

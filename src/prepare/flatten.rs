@@ -17,10 +17,10 @@
 //! Cost: a look at a thousand points for each number of neighbours; a query for each point in each round. Limits: details
 //! smaller than the neighbourhoods go with the noise.
 
+use crate::base::parallel;
 use crate::geom::eigen::{eigen, scatter};
 use crate::spatial::kdtree::Neighbors;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// At what number of neighbours a cloud is a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,11 +78,11 @@ pub fn flatness(points: &[DVec3], near: &Neighbors) -> Flatness {
 /// The median thickness of the `count` nearest neighbours of points.
 fn thickness(points: &[DVec3], near: &Neighbors, count: usize) -> f64 {
     let step = points.len().div_ceil(LOOKED_AT);
-    let of_point = |p: &DVec3| {
-        let ([least, middle, _], _) = plane(points, near, *p, count).1;
+    let of_point = |i: usize| {
+        let ([least, middle, _], _) = plane(points, near, points[step * i], count).1;
         (least.max(0.0) / middle.max(f64::MIN_POSITIVE)).sqrt()
     };
-    let mut found: Vec<f64> = points.par_iter().step_by(step).map(of_point).collect();
+    let mut found = parallel::map(0..points.len().div_ceil(step), of_point);
     found.sort_unstable_by(f64::total_cmp);
     found[found.len() / 2]
 }
@@ -110,7 +110,7 @@ fn onto_planes(points: &[DVec3], count: usize) -> Vec<DVec3> {
         let (mean, (_, directions)) = plane(points, &near, *p, count);
         *p - (*p - mean).dot(directions[0]) * directions[0]
     };
-    points.par_iter().map(moved).collect()
+    parallel::map(points, moved)
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@
 //! Limits: caps whose longest edge is on the boundary stay, and what has no other neighbours: flips and collapses keep the topology.
 
 use crate::base::heap::Ranked;
+use crate::base::parallel;
 use crate::mesh::half_edge::Connectivity;
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::provenance::Provenance;
@@ -20,7 +21,6 @@ use crate::mesh::topology::twins;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::prepare::repair::Repaired;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::collections::BinaryHeap;
 
 /// The least height of a triangle that counts: in diagonals of the bounding box some units in the last place of single precision, and
@@ -32,8 +32,8 @@ const OF_LONGEST: f64 = 0.01;
 pub fn without_needles(repaired: Repaired) -> Repaired {
     let Repaired { mesh, mut repairs, twins: twin } = repaired;
     let height = HEIGHT * mesh.diagonal();
-    let is_low = |t: usize| Height::of(mesh.corners(t)).is_low(height);
-    let low: Vec<u32> = (0..mesh.triangles.len()).into_par_iter().filter(|&t| is_low(t)).map(|t| t as u32).collect();
+    let is_low = |&t: &u32| Height::of(mesh.corners(t as usize)).is_low(height);
+    let low = parallel::collect(0..mesh.triangles.len() as u32, |block| block.filter(is_low));
     if low.is_empty() {
         return Repaired { mesh, repairs, twins: twin };
     }

@@ -23,11 +23,12 @@
 //! Cost: sorting the edges of the graph, about twice.
 
 use crate::base::math;
+use crate::base::parallel;
 use crate::base::union_find::UnionFind;
 use crate::prepare::cloud_normals::spread;
 use crate::spatial::knn_graph::NeighborGraph;
 use glam::DVec3;
-use rayon::prelude::*;
+use rayon::slice::ParallelSliceMut;
 
 /// What the neighbours between two parts, at first two points, say of their sides.
 #[derive(Clone, Copy)]
@@ -71,12 +72,12 @@ fn sides(mut votes: Vec<Vote>, points: usize) -> Vec<u32> {
 /// The votes of all pairs of neighbours.
 fn votes_of_neighbors(points: &[DVec3], normals: &[DVec3], graph: &NeighborGraph, trust: &[f64]) -> Vec<Vote> {
     let vote = |a: u32, b: u32| trust[a as usize] * trust[b as usize] * vote(points, normals, a, b);
-    (0..points.len() as u32)
-        .into_par_iter()
-        .flat_map_iter(|a| graph.of(a).iter().map(move |&b| [a, b]))
-        .filter(|&[a, b]| a < b || !graph.of(b).contains(&a))
-        .map(|[a, b]| Vote { ends: [a.min(b), a.max(b)], sum: vote(a, b) as f32 })
-        .collect()
+    parallel::collect(0..points.len() as u32, |block| {
+        block
+            .flat_map(|a| graph.of(a).iter().map(move |&b| [a, b]))
+            .filter(|&[a, b]| a < b || !graph.of(b).contains(&a))
+            .map(|[a, b]| Vote { ends: [a.min(b), a.max(b)], sum: vote(a, b) as f32 })
+    })
 }
 
 /// For each part the clearest of its votes, the first of equally clear ones.
@@ -100,7 +101,7 @@ fn between_parts(votes: &[Vote], sides: &[u32]) -> Vec<Vote> {
         let sum = if a % 2 == b % 2 { vote.sum } else { -vote.sum };
         (a / 2 != b / 2).then_some(Vote { ends: [a.min(b) / 2, a.max(b) / 2], sum })
     };
-    let mut left: Vec<Vote> = votes.par_iter().filter_map(renamed).collect();
+    let mut left = parallel::collect(votes, |block| block.iter().filter_map(renamed));
     left.par_sort_unstable_by(|a, b| a.ends.cmp(&b.ends).then(a.sum.total_cmp(&b.sum)));
     let added = |same: &[Vote]| Vote { sum: same.iter().map(|v| v.sum).sum(), ..same[0] };
     left.chunk_by(|a, b| a.ends == b.ends).map(added).collect()
@@ -112,8 +113,8 @@ fn turn_outvoted(points: &[DVec3], normals: &mut [DVec3], graph: &NeighborGraph,
         graph.of(p).iter().map(|&n| trust[n as usize] * vote(points, normals, p, n)).sum::<f64>() < 0.0
     };
     for _ in 0..ROUNDS {
-        let outvoted: Vec<u32> =
-            (0..points.len() as u32).into_par_iter().filter(|&p| is_outvoted(normals, p)).collect();
+        let all = 0..points.len() as u32;
+        let outvoted = parallel::collect(all, |block| block.filter(|&p| is_outvoted(normals, p)));
         // Once one is turned over, another may no longer need to be.
         for p in outvoted {
             if is_outvoted(normals, p) {
@@ -137,7 +138,7 @@ fn trust(points: &[DVec3], graph: &NeighborGraph) -> Vec<f64> {
         let thickness = least.max(0.0) / middle.max(f64::MIN_POSITIVE);
         1.0 / (1.0 + thickness / math::square(DOUBTFUL))
     };
-    (0..points.len() as u32).into_par_iter().map(of_point).collect()
+    parallel::map(0..points.len() as u32, of_point)
 }
 
 /// How clearly the normals of `a` and `b` are on the same side: from -1, if they are not, to 1.
@@ -158,12 +159,15 @@ pub fn side_with(given: &[DVec3], normals: &mut [DVec3], part: &[u32]) -> usize 
 
 /// The share of neighbours, among those whose normals can be compared, that look to other sides.
 pub fn disagreement(points: &[DVec3], normals: &[DVec3], graph: &NeighborGraph) -> f64 {
-    let (clear, turned) = (0..points.len() as u32)
-        .into_par_iter()
-        .flat_map_iter(|a| graph.of(a).iter().map(move |&b| agreement(points, normals, a, b)))
-        .filter(|agreement| agreement.abs() > CLEAR)
-        .map(|agreement| (1usize, usize::from(agreement < 0.0)))
-        .reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+    let add = |a: (usize, usize), b: (usize, usize)| (a.0 + b.0, a.1 + b.1);
+    let of_blocks = parallel::collect(0..points.len() as u32, |block| {
+        block
+            .flat_map(|a| graph.of(a).iter().map(move |&b| agreement(points, normals, a, b)))
+            .filter(|agreement| agreement.abs() > CLEAR)
+            .map(|agreement| (1, usize::from(agreement < 0.0)))
+            .reduce(add)
+    });
+    let (clear, turned) = of_blocks.into_iter().reduce(add).unwrap_or_default();
     turned as f64 / clear.max(1) as f64
 }
 

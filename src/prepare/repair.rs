@@ -19,6 +19,7 @@
 //! Cost: sorting the vertices and the edges; linear otherwise.
 
 use crate::base::math;
+use crate::base::parallel;
 use crate::base::union_find::UnionFind;
 use crate::mesh::half_edge::{next, prev};
 use crate::mesh::oriented_manifold::OrientedManifold;
@@ -29,7 +30,6 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::prepare::cells::{coincident, faces_between_cells};
 use crate::prepare::welded::{Counts, Welded};
 use glam::DVec3;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// What was done to an input so that it became an oriented manifold. All zero: nothing had to be done.
@@ -217,8 +217,8 @@ fn orient(positions: &[DVec3], triangles: &mut [[u32; 3]], partner: &mut Vec<u32
     let agree = |triangles: &[[u32; 3]], side: u32, other: u32| {
         triangles[side as usize / 3][side as usize % 3] != triangles[other as usize / 3][other as usize % 3]
     };
-    let fits = |(side, &other): (usize, &u32)| other == NONE || agree(triangles, side as u32, other);
-    if partner.par_iter().enumerate().all(fits) {
+    let fits = |side: usize| partner[side] == NONE || agree(triangles, side as u32, partner[side]);
+    if all(partner.len(), fits) {
         return;
     }
     let flipped = spread_orientation(positions, triangles, partner, |side, other| agree(triangles, side, other));
@@ -297,7 +297,8 @@ fn separate_fans(
     if used.len() < positions.len() {
         let mut number = vec![NONE; positions.len()];
         (0..).zip(&used).for_each(|(n, &v)| number[v as usize] = n);
-        triangles.par_iter_mut().for_each(|t| *t = t.map(|v| number[v as usize]));
+        let renumber = |t: &mut [u32; 3]| *t = t.map(|v| number[v as usize]);
+        parallel::for_each(&mut triangles[..], |block| block.iter_mut().for_each(renumber));
         positions = used.iter().map(|&v| positions[v as usize]).collect();
     }
     (Mesh { positions, triangles }, used)
@@ -312,8 +313,7 @@ fn used_with_one_fan(vertices: usize, triangles: &[[u32; 3]], partner: &[u32]) -
         corners[v as usize] += 1;
     }
     let one_fan = |v: usize| corner[v] == NONE || corners_of_fan(partner, corner[v]) == corners[v];
-    let all = (0..vertices).into_par_iter().all(one_fan);
-    all.then(|| (0..vertices as u32).filter(|&v| corner[v as usize] != NONE).collect())
+    all(vertices, one_fan).then(|| (0..vertices as u32).filter(|&v| corner[v as usize] != NONE).collect())
 }
 
 /// How many corners are in the fan of corner `first`.
@@ -392,7 +392,7 @@ fn split_repeated_edges(mesh: &mut Mesh, provenance: &mut Provenance, partner: &
 
 /// The manifold without its components that have no area.
 fn drop_flat_components(mut mesh: Mesh, provenance: Provenance, repairs: &mut Repairs) -> OrientedManifold {
-    if (0..mesh.triangles.len()).into_par_iter().all(|t| mesh.area_vector(t) != DVec3::ZERO) {
+    if all(mesh.triangles.len(), |t| mesh.area_vector(t) != DVec3::ZERO) {
         return OrientedManifold::trusted(mesh, provenance);
     }
     let component = components(mesh.positions.len(), &mesh.triangles);
@@ -410,6 +410,12 @@ fn drop_flat_components(mut mesh: Mesh, provenance: Provenance, repairs: &mut Re
     mesh.triangles = triangles.iter().map(|&t| mesh.triangles[t as usize]).collect();
     mesh.drop_unused();
     OrientedManifold::trusted(mesh, provenance.select(&vertices, &triangles))
+}
+
+/// Whether each number below `count` `fits`.
+fn all(count: usize, fits: impl Fn(usize) -> bool + Sync) -> bool {
+    let of_blocks = parallel::collect(0..count, |mut block| [block.all(&fits)]);
+    of_blocks.into_iter().all(|fits| fits)
 }
 
 #[cfg(test)]

@@ -12,9 +12,10 @@
 //!
 //! Limits: isolated points are alone in their cells and stay, so their share grows.
 
+use crate::base::parallel;
 use crate::geom::aabb::Aabb;
 use glam::DVec3;
-use rayon::prelude::*;
+use rayon::slice::ParallelSliceMut;
 
 /// This many times more points than wanted are kept while points come in.
 const ROOM: usize = 4;
@@ -204,7 +205,7 @@ impl<L: Fn(&[u8]) -> Seen + Sync> Thinner<L> {
         let points = self.kept.numbers.len();
         let share = if points > MANY { SHARE } else { 1 };
         let cell = |i: usize| hash(cell_of((self.look)(self.kept.row(i)).position, width));
-        let mut found: Vec<u64> = (0..points).into_par_iter().map(cell).filter(|hash| hash % share == 0).collect();
+        let mut found = parallel::collect(0..points, |block| block.map(cell).filter(|hash| hash % share == 0));
         found.par_sort_unstable();
         found.dedup();
         share as usize * found.len()

@@ -6,6 +6,7 @@
 //!
 //! Memory: the parts that are treated at once, and what is left of all.
 
+use crate::base::parallel;
 use crate::geom::aabb::Aabb;
 use crate::mesh::half_edge::next;
 use crate::mesh::sides::{edges, pairs_of_sides, sorted_sides};
@@ -15,7 +16,6 @@ use crate::prepare::coarsen::block::{BLOCK, Block, Coarseness, MARGIN, numbered_
 use crate::prepare::repair::{Repaired, repair_welded};
 use crate::prepare::welded::Welded;
 use glam::DVec3;
-use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 /// How many times as many vertices may be left of a part, whose bounds stay, and of the whole as are meant.
@@ -103,7 +103,7 @@ impl Part {
             };
             part.coarsened_at_once(coarseness)
         };
-        Part::sum(&order.par_chunks(BLOCK).map(piece).collect::<Vec<_>>())
+        Part::sum(&parallel::blocks(&order[..], BLOCK, piece))
     }
 
     fn coarsened_at_once(&self, coarseness: Coarseness) -> Part {

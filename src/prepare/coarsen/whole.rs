@@ -1,11 +1,11 @@
 //! A whole manifold made coarser, with its sharp edges.
 
+use crate::base::parallel;
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::provenance::Provenance;
 use crate::mesh::topology::{NONE, twins};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::prepare::coarsen::block::{BLOCK, Block, Coarseness, MARGIN, numbered_apart, order_of_triangles};
-use rayon::prelude::*;
 use std::borrow::Cow;
 
 /// A mesh with longer edges.
@@ -60,7 +60,8 @@ pub fn share_of_edges_below(mesh: &Mesh, length: f64) -> f64 {
     let is_short =
         |[a, b]: [u32; 2]| mesh.positions[a as usize].distance_squared(mesh.positions[b as usize]) < length * length;
     let sides = |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]].into_iter().filter(|&side| is_short(side)).count();
-    let short: usize = mesh.triangles.par_iter().map(sides).sum();
+    let of_blocks = parallel::collect(&mesh.triangles[..], |block| [block.iter().map(sides).sum::<usize>()]);
+    let short: usize = of_blocks.into_iter().sum();
     short as f64 / (3 * mesh.triangles.len()).max(1) as f64
 }
 
@@ -79,7 +80,7 @@ struct Coarse<'a> {
 impl Coarse<'_> {
     /// Treats blocks of the triangles, which come in this order.
     fn turn(&self, order: &[u32], coarseness: Coarseness) -> Coarse<'static> {
-        let blocks: Vec<Left> = order.par_chunks(BLOCK).map(|triangles| self.left_of(triangles, coarseness)).collect();
+        let blocks = parallel::blocks(order, BLOCK, |triangles| self.left_of(triangles, coarseness));
         self.joined(&blocks)
     }
 
