@@ -96,6 +96,11 @@ where
     all
 }
 
+/// Whether each number below `count` `fits`. Blocks do not hear of each other, so all are looked at even if one does not fit.
+pub(crate) fn all(count: usize, fits: impl Fn(usize) -> bool + Sync) -> bool {
+    collect(0..count, |mut block| [block.all(&fits)]).into_iter().all(|fits| fits)
+}
+
 /// Does `work` with blocks of `items`, of a size that depends on the number of threads.
 pub(crate) fn for_each<S: Split>(items: S, work: impl Fn(S) + Sync) {
     let size = block_size(items.len());

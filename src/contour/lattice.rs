@@ -89,7 +89,7 @@ impl Lattice {
     fn values(&self, keys: &[u64], field: &impl Field) -> Band {
         let mut order: Vec<u64> = keys.to_vec();
         order.par_sort_unstable_by_key(|&key| (key & BLOCKS, key));
-        let blocks: Vec<&[u64]> = order.chunk_by(|a, b| a & BLOCKS == b & BLOCKS).collect();
+        let blocks = order.chunk_by(|a, b| a & BLOCKS == b & BLOCKS);
         let of_block = |block: &[u64]| {
             let corner = block[0] & BLOCKS;
             let middle = 0.5 * (self.place(corner) + self.place(corner | !BLOCKS));
@@ -97,7 +97,7 @@ impl Lattice {
             let value = |&key: &u64| (key, field.value(&mut local, self.place(key)).unwrap_or(f64::NAN));
             block.iter().map(value).collect::<Vec<(u64, f64)>>()
         };
-        let mut found = parallel::collect(&blocks[..], |blocks| blocks.iter().flat_map(|block| of_block(block)));
+        let mut found = parallel::each(blocks, of_block).concat();
         found.par_sort_unstable_by_key(|f| f.0);
         let (keys, values) = found.into_iter().unzip();
         Band { keys, values }

@@ -218,7 +218,7 @@ fn orient(positions: &[DVec3], triangles: &mut [[u32; 3]], partner: &mut Vec<u32
         triangles[side as usize / 3][side as usize % 3] != triangles[other as usize / 3][other as usize % 3]
     };
     let fits = |side: usize| partner[side] == NONE || agree(triangles, side as u32, partner[side]);
-    if all(partner.len(), fits) {
+    if parallel::all(partner.len(), fits) {
         return;
     }
     let flipped = spread_orientation(positions, triangles, partner, |side, other| agree(triangles, side, other));
@@ -313,7 +313,7 @@ fn used_with_one_fan(vertices: usize, triangles: &[[u32; 3]], partner: &[u32]) -
         corners[v as usize] += 1;
     }
     let one_fan = |v: usize| corner[v] == NONE || corners_of_fan(partner, corner[v]) == corners[v];
-    all(vertices, one_fan).then(|| (0..vertices as u32).filter(|&v| corner[v as usize] != NONE).collect())
+    parallel::all(vertices, one_fan).then(|| (0..vertices as u32).filter(|&v| corner[v as usize] != NONE).collect())
 }
 
 /// How many corners are in the fan of corner `first`.
@@ -392,7 +392,7 @@ fn split_repeated_edges(mesh: &mut Mesh, provenance: &mut Provenance, partner: &
 
 /// The manifold without its components that have no area.
 fn drop_flat_components(mut mesh: Mesh, provenance: Provenance, repairs: &mut Repairs) -> OrientedManifold {
-    if all(mesh.triangles.len(), |t| mesh.area_vector(t) != DVec3::ZERO) {
+    if parallel::all(mesh.triangles.len(), |t| mesh.area_vector(t) != DVec3::ZERO) {
         return OrientedManifold::trusted(mesh, provenance);
     }
     let component = components(mesh.positions.len(), &mesh.triangles);
@@ -410,12 +410,6 @@ fn drop_flat_components(mut mesh: Mesh, provenance: Provenance, repairs: &mut Re
     mesh.triangles = triangles.iter().map(|&t| mesh.triangles[t as usize]).collect();
     mesh.drop_unused();
     OrientedManifold::trusted(mesh, provenance.select(&vertices, &triangles))
-}
-
-/// Whether each number below `count` `fits`.
-fn all(count: usize, fits: impl Fn(usize) -> bool + Sync) -> bool {
-    let of_blocks = parallel::collect(0..count, |mut block| [block.all(&fits)]);
-    of_blocks.into_iter().all(|fits| fits)
 }
 
 #[cfg(test)]

@@ -171,7 +171,7 @@ pub fn scan_lifted<const D: usize>(
     let turns = blocks.turns();
     for (i, turn) in turns.iter().enumerate() {
         check(monitor)?;
-        let kept: Vec<Vec<(u32, Sample)>> = parallel::map(&turn[..], |&b| blocks.scan::<D>(b));
+        let kept: Vec<Vec<(u32, Sample)>> = parallel::each(turn, |&b| blocks.scan::<D>(b));
         for (&b, chosen) in turn.iter().zip(kept) {
             let block = &mut blocks.list[b];
             block.chosen.extend(chosen.iter().map(|c| c.0));

@@ -62,8 +62,8 @@ impl<'a> Snapshot<'a> {
 
     /// The address of a picture that is coloured so; `farthest` is the distance at the end of the ramp.
     pub(super) fn address(&self, colouring: Colouring, farthest: f64) -> String {
-        let row = |y: usize| (0..WIDTH).map(move |x| self.pixel(x, y, colouring, farthest));
-        let pixels: Vec<[u8; 4]> = parallel::collect(0..HEIGHT, |rows| rows.flat_map(row));
+        let pixel = |i: usize| self.pixel(i % WIDTH, i / WIDTH, colouring, farthest);
+        let pixels: Vec<[u8; 4]> = parallel::map(0..WIDTH * HEIGHT, pixel);
         format!("data:image/png;base64,{}", base64::encode(&png::encode(&pixels, WIDTH)))
     }
 
