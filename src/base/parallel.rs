@@ -1,79 +1,67 @@
 //! Loops on all threads, over ranges and slices in blocks.
 //!
-//! What is done with a block is an ordinary loop or iterator. The loop over blocks is compiled once: rayon's own iterators are
-//! compiled anew for each use, and were half of the whole program's code.
+//! What is done with a block is an ordinary loop or iterator. What hands out blocks is compiled once for each type of result:
+//! rayon's own iterators are compiled anew for each use, and were a third of the whole program's code.
 
 use std::ops::Range;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
-/// What can be cut into blocks: ranges, slices, and two of the same length side by side.
-pub(crate) trait Split: Sized + Send {
+/// What has blocks: ranges, slices, and two of the same length side by side.
+pub(crate) trait Items: Sync {
     /// The number of items.
     fn len(&self) -> usize;
 
-    /// The first `at` items, and the others.
-    fn split_at(self, at: usize) -> (Self, Self);
+    /// Those with these numbers, of which the first is 0.
+    fn block(&self, numbers: Range<usize>) -> Self;
 }
 
-impl Split for Range<usize> {
+impl Items for Range<usize> {
     fn len(&self) -> usize {
         ExactSizeIterator::len(self)
     }
 
-    fn split_at(self, at: usize) -> (Self, Self) {
-        (self.start..self.start + at, self.start + at..self.end)
+    fn block(&self, numbers: Range<usize>) -> Self {
+        self.start + numbers.start..self.start + numbers.end
     }
 }
 
-impl Split for Range<u32> {
+impl Items for Range<u32> {
     fn len(&self) -> usize {
         ExactSizeIterator::len(self)
     }
 
-    fn split_at(self, at: usize) -> (Self, Self) {
-        (self.start..self.start + at as u32, self.start + at as u32..self.end)
+    fn block(&self, numbers: Range<usize>) -> Self {
+        self.start + numbers.start as u32..self.start + numbers.end as u32
     }
 }
 
-impl<T: Sync> Split for &[T] {
+impl<T: Sync> Items for &[T] {
     fn len(&self) -> usize {
         (**self).len()
     }
 
-    fn split_at(self, at: usize) -> (Self, Self) {
-        <[T]>::split_at(self, at)
+    fn block(&self, numbers: Range<usize>) -> Self {
+        &self[numbers]
     }
 }
 
-impl<T: Send> Split for &mut [T] {
-    fn len(&self) -> usize {
-        (**self).len()
-    }
-
-    fn split_at(self, at: usize) -> (Self, Self) {
-        self.split_at_mut(at)
-    }
-}
-
-impl<A: Split, B: Split> Split for (A, B) {
+impl<A: Items, B: Items> Items for (A, B) {
     fn len(&self) -> usize {
         debug_assert_eq!(self.0.len(), self.1.len());
         self.0.len()
     }
 
-    fn split_at(self, at: usize) -> (Self, Self) {
-        let (a, other_a) = self.0.split_at(at);
-        let (b, other_b) = self.1.split_at(at);
-        ((a, b), (other_a, other_b))
+    fn block(&self, numbers: Range<usize>) -> Self {
+        (self.0.block(numbers.clone()), self.1.block(numbers))
     }
 }
 
 /// What `of_item` gives for each item, in their order. One item is little work; [`each`] is for those that take long.
-pub(crate) fn map<S, T>(items: S, of_item: impl Fn(S::Item) -> T + Sync) -> Vec<T>
+pub(crate) fn map<I, T>(items: I, of_item: impl Fn(I::Item) -> T + Sync) -> Vec<T>
 where
-    S: Split + IntoIterator,
+    I: Items + IntoIterator,
     T: Send,
 {
     collect(items, |block| block.into_iter().map(&of_item))
@@ -81,69 +69,71 @@ where
 
 /// All that `of_block` gives for blocks of `items`, in their order. How large blocks are depends on the number of threads, so
 /// what is given for an item must not depend on the others of its block.
-pub(crate) fn collect<S, I>(items: S, of_block: impl Fn(S) -> I + Sync) -> Vec<I::Item>
+pub(crate) fn collect<I, R>(items: I, of_block: impl Fn(I) -> R + Sync) -> Vec<R::Item>
 where
-    S: Split,
-    I: IntoIterator<Item: Send>,
+    I: Items,
+    R: IntoIterator<Item: Send>,
 {
     let size = block_size(items.len());
-    let mut parts = blocks(items, size, |block| of_block(block).into_iter().collect::<Vec<_>>()).into_iter();
+    joined(in_blocks(items.len(), size, &|numbers| of_block(items.block(numbers)).into_iter().collect()))
+}
+
+/// The parts, one after the other.
+fn joined<T>(mut parts: Vec<Vec<T>>) -> Vec<T> {
     if parts.len() == 1 {
-        return parts.next().unwrap_or_default();
+        return parts.swap_remove(0);
     }
-    let mut all = Vec::with_capacity(parts.as_slice().iter().map(Vec::len).sum());
-    parts.for_each(|part| all.extend(part));
+    let mut all = Vec::with_capacity(parts.iter().map(Vec::len).sum());
+    for mut part in parts {
+        all.append(&mut part);
+    }
     all
 }
 
 /// Whether each number below `count` `fits`. Blocks do not hear of each other, so all are looked at even if one does not fit.
 pub(crate) fn all(count: usize, fits: impl Fn(usize) -> bool + Sync) -> bool {
-    collect(0..count, |mut block| [block.all(&fits)]).into_iter().all(|fits| fits)
-}
-
-/// Does `work` with blocks of `items`, of a size that depends on the number of threads.
-pub(crate) fn for_each<S: Split>(items: S, work: impl Fn(S) + Sync) {
-    let size = block_size(items.len());
-    blocks(items, size, work);
+    let of_blocks = in_blocks(count, block_size(count), &|mut block| block.all(&fits));
+    of_blocks.into_iter().all(|fits| fits)
 }
 
 /// What `of_block` gives for each block of `size` items, in their order; the last one may have fewer. Sums over such blocks
 /// do not depend on the number of threads.
-pub(crate) fn blocks<S: Split, T: Send>(items: S, size: usize, of_block: impl Fn(S) -> T + Sync) -> Vec<T> {
-    let mut rest = items;
-    let mut all = Vec::with_capacity(rest.len().div_ceil(size));
-    while rest.len() > size {
-        let (block, others) = rest.split_at(size);
-        all.push(block);
-        rest = others;
-    }
-    if rest.len() > 0 {
-        all.push(rest);
-    }
-    each(all, of_block)
+pub(crate) fn blocks<I: Items, T: Send>(items: I, size: usize, of_block: impl Fn(I) -> T + Sync) -> Vec<T> {
+    in_blocks(items.len(), size, &|numbers| of_block(items.block(numbers)))
+}
+
+/// Does `work` with each item and its number.
+pub(crate) fn for_each_mut<T: Send>(items: &mut [T], work: impl Fn(usize, &mut T) + Sync) {
+    let size = block_size(items.len());
+    each(items.chunks_mut(size).enumerate(), |(block, items)| {
+        items.iter_mut().zip(block * size..).for_each(|(item, number)| work(number, item));
+    });
 }
 
 /// What `of_item` gives for each of the items, one of which is enough work for a thread, in their order.
-pub(crate) fn each<S: Send, T: Send>(items: impl IntoIterator<Item = S>, of_item: impl Fn(S) -> T + Sync) -> Vec<T> {
-    let slots: Vec<Mutex<Slot<S, T>>> = items.into_iter().map(|item| Mutex::new(Slot::Before(item))).collect();
-    run(slots.len(), &|i| {
-        let mut slot = slots[i].lock().unwrap_or_else(PoisonError::into_inner);
-        if let Slot::Before(item) = std::mem::replace(&mut *slot, Slot::Empty) {
-            *slot = Slot::After(of_item(item));
-        }
-    });
-    let result = |slot: Mutex<Slot<S, T>>| match slot.into_inner().unwrap_or_else(PoisonError::into_inner) {
-        Slot::After(result) => Some(result),
-        Slot::Before(_) | Slot::Empty => None,
-    };
-    slots.into_iter().filter_map(result).collect()
+pub(crate) fn each<I: Send, T: Send>(items: impl IntoIterator<Item = I>, of_item: impl Fn(I) -> T + Sync) -> Vec<T> {
+    let items: Vec<Mutex<Option<I>>> = items.into_iter().map(|item| Mutex::new(Some(item))).collect();
+    in_blocks(items.len(), 1, &|number| of_item(lock(&items[number.start]).take().expect("each item has one turn")))
 }
 
-/// An item before its turn, or what came of it.
-enum Slot<S, T> {
-    Before(S),
-    Empty,
-    After(T),
+/// What `of_block` gives for each block of `size` numbers below `count`, in their order.
+fn in_blocks<T: Send>(count: usize, size: usize, of_block: &(dyn Fn(Range<usize>) -> T + Sync)) -> Vec<T> {
+    let mut results = Vec::new();
+    results.resize_with(count.div_ceil(size), || Mutex::new(None));
+    run(results.len(), &|block| {
+        let result = of_block(block * size..count.min((block + 1) * size));
+        *lock(&results[block]) = Some(result);
+    });
+    let mut all = Vec::with_capacity(results.len());
+    for result in &results {
+        all.extend(lock(result).take());
+    }
+    all
+}
+
+/// What is in `slot`, which no other thread wants at the same time.
+fn lock<T>(slot: &Mutex<T>) -> MutexGuard<'_, T> {
+    slot.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Calls `work` with each number below `count`.
@@ -179,9 +169,7 @@ mod tests {
                     let odd: Vec<usize> = items.iter().copied().filter(|i| i % 2 == 1).collect();
                     assert_eq!(collect(0..count as u32, |block| block.map(|i| i as usize).filter(|i| i % 2 == 1)), odd);
                     let mut doubled = items.clone();
-                    for_each((&mut doubled[..], 0..count), |(own, block)| {
-                        own.iter_mut().zip(block).for_each(|(own, i)| *own += i);
-                    });
+                    for_each_mut(&mut doubled, |i, own| *own += i);
                     assert_eq!(doubled, items.iter().map(|i| 2 * i).collect::<Vec<_>>());
                 }
             });
@@ -192,6 +180,7 @@ mod tests {
     fn blocks_have_the_size_that_is_asked_for() {
         assert_eq!(blocks(3..13u32, 4, |block| block), [3..7, 7..11, 11..13]);
         assert_eq!(blocks(0..8usize, 4, |block| block.sum::<usize>()), [6, 22]);
+        assert_eq!(blocks((0..3u32, &[5, 6, 7][..]), 2, |(i, _)| i), [0..2, 2..3]);
         assert!(blocks(0..0usize, 4, |_| ()).is_empty());
     }
 

@@ -83,7 +83,7 @@ pub(crate) fn pairs_of_sides(sides: &[Side], count: usize, fit: impl Fn(&Side, &
     let partner: Vec<AtomicU32> = (0..count).map(|_| AtomicU32::new(NONE)).collect();
     let put = |side: &Side, other: &Side| partner[side.side as usize].store(other.side, Ordering::Relaxed);
     let begins_edge = |&i: &usize| i == 0 || sides[i - 1].ends() != sides[i].ends();
-    parallel::for_each(0..sides.len(), |block| {
+    parallel::blocks(0..sides.len(), BLOCK, |block| {
         for first in block.filter(begins_edge) {
             if let Some([a, b]) = edges(&sides[first..]).next()
                 && fit(a, b)

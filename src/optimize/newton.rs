@@ -118,17 +118,17 @@ impl Equations {
         strain_of: impl Fn([u32; 3]) -> Strain + Sync,
     ) -> Equations {
         let c = &mesh.connectivity;
-        let triangles = 0..c.half_edge_bound() / 3;
-        let mut at_corners = vec![<[AtCorner; 3]>::default(); triangles.len()];
-        let mut between = vec![Between::default(); triangles.len()];
-        let put_shares = |((at_corners, between), triangles): ((&mut [_], &mut [_]), Range<u32>)| {
-            for ((at_corners, between), t) in at_corners.iter_mut().zip(between).zip(triangles) {
+        let triangles = c.half_edge_bound() as usize / 3;
+        let mut at_corners = vec![<[AtCorner; 3]>::default(); triangles];
+        let mut between = vec![Between::default(); triangles];
+        let chunks = at_corners.chunks_mut(CHUNK).zip(between.chunks_mut(CHUNK)).zip((0..).step_by(CHUNK));
+        parallel::each(chunks, |((at_corners, between), first)| {
+            for ((at_corners, between), t) in at_corners.iter_mut().zip(between).zip(first..) {
                 if c.has_half_edge(3 * t) {
                     (*at_corners, *between) = shares(c.triangle(3 * t), axes, strain_of(c.triangle(3 * t)));
                 }
             }
-        };
-        parallel::for_each(((&mut at_corners[..], &mut between[..]), triangles), put_shares);
+        });
         let at_vertex = |v: u32| {
             let spacing = spacing * mesh.samples[v as usize].size;
             let damping = DMat2::from_diagonal(DVec2::splat(DAMPING * OF_REGULAR / (spacing * spacing)));
@@ -191,8 +191,9 @@ impl Iterate {
     /// Goes a step along the way, of which this is the image; the preconditioned square of the residual then.
     fn advance(&mut self, step: f64, image: &[DVec2], inverse: &[DMat2]) -> f64 {
         let Iterate { x, residual, way } = self;
-        let at = ((&mut x[..], &mut residual[..]), &way[..]);
-        let squares = parallel::blocks((at, (image, inverse)), CHUNK, |(((x, residual), way), (image, inverse))| {
+        let at = x.chunks_mut(CHUNK).zip(residual.chunks_mut(CHUNK)).zip(way.chunks(CHUNK));
+        let chunks = at.zip(image.chunks(CHUNK)).zip(inverse.chunks(CHUNK));
+        let squares = parallel::each(chunks, |((((x, residual), way), image), inverse)| {
             let mut square = 0.0;
             for (k, x) in x.iter_mut().enumerate() {
                 *x += step * way[k];
@@ -206,8 +207,8 @@ impl Iterate {
 
     /// Turns the way to the preconditioned residual, together with that share of what it was.
     fn turn(&mut self, share: f64, inverse: &[DMat2]) {
-        let residual = (&self.residual[..], inverse);
-        parallel::blocks((&mut self.way[..], residual), CHUNK, |(way, (residual, inverse))| {
+        let residual = self.residual.chunks(CHUNK).zip(inverse.chunks(CHUNK));
+        parallel::each(self.way.chunks_mut(CHUNK).zip(residual), |(way, (residual, inverse))| {
             for ((way, residual), inverse) in way.iter_mut().zip(residual).zip(inverse) {
                 *way = *inverse * *residual + share * *way;
             }

@@ -458,9 +458,7 @@ impl Task<'_> {
         let (sigma, kept) = self.kept_of::<_, D>(surface, &Given { samples: choices, domain: None })?;
         let mut samples: Vec<Sample> = kept.into_iter().map(|i| choices[i as usize]).collect();
         self.features.with_kernel(sigma, |kernel| self.ascend::<_, D>(surface, kernel, &mut samples))?;
-        parallel::for_each(&mut samples[..], |block| {
-            block.iter_mut().for_each(|sample| *sample = surface.sample(sample.position).unwrap_or(*sample));
-        });
+        let samples: Vec<Sample> = parallel::map(&samples[..], |s| surface.sample(s.position).unwrap_or(*s));
         Ok((sigma, self.in_order::<_, D>(surface, samples, sigma)?))
     }
 

@@ -297,8 +297,7 @@ fn separate_fans(
     if used.len() < positions.len() {
         let mut number = vec![NONE; positions.len()];
         (0..).zip(&used).for_each(|(n, &v)| number[v as usize] = n);
-        let renumber = |t: &mut [u32; 3]| *t = t.map(|v| number[v as usize]);
-        parallel::for_each(&mut triangles[..], |block| block.iter_mut().for_each(renumber));
+        parallel::for_each_mut(&mut triangles, |_, t| *t = t.map(|v| number[v as usize]));
         positions = used.iter().map(|&v| positions[v as usize]).collect();
     }
     (Mesh { positions, triangles }, used)

@@ -364,11 +364,9 @@ impl Tree {
     fn boxes(self, mesh: &Mesh, order: &[u32]) -> Vec<Aabb> {
         let mut boxes = vec![Aabb::EMPTY; (2 << self.depth) - 1];
         let leaves = &mut boxes[(1 << self.depth) - 1..];
-        parallel::for_each((0..leaves.len(), leaves), |(places, leaves)| {
-            for (place, leaf) in places.zip(leaves) {
-                let triangles = &order[self.range(self.depth, place)];
-                *leaf = triangles.iter().fold(Aabb::EMPTY, |all, &t| all.join(&box_of(mesh, t)));
-            }
+        parallel::for_each_mut(leaves, |place, leaf| {
+            let triangles = &order[self.range(self.depth, place)];
+            *leaf = triangles.iter().fold(Aabb::EMPTY, |all, &t| all.join(&box_of(mesh, t)));
         });
         for level in (0..self.depth).rev() {
             let (above, below) = boxes.split_at_mut((2 << level) - 1);

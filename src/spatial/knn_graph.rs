@@ -19,16 +19,19 @@ pub struct NeighborGraph {
     neighbors: Vec<u32>,
 }
 
+/// Points whose neighbours one task finds.
+const CHUNK: usize = 256;
+
 impl NeighborGraph {
     /// The `degree` nearest neighbours of each of `points`, which are those of `near`; fewer if there are not enough
     /// points.
     pub fn new(points: &[DVec3], near: &Neighbors, degree: usize) -> Self {
         let degree = degree.min(points.len().saturating_sub(1));
         let mut neighbors = vec![0; degree * points.len()];
-        let mut rows: Vec<&mut [u32]> = neighbors.chunks_mut(degree.max(1)).collect();
-        parallel::for_each((0..rows.len() as u32, &mut rows[..]), |(block, rows)| {
+        let rows_of_chunks = neighbors.chunks_mut(CHUNK * degree.max(1)).zip((0u32..).step_by(CHUNK));
+        parallel::each(rows_of_chunks, |(rows, first)| {
             let mut found = Vec::new();
-            for (p, own) in block.zip(rows) {
+            for (own, p) in rows.chunks_mut(degree).zip(first..) {
                 near.collect_nearest(points[p as usize], degree + 1, &mut found);
                 // Where many points are at the same place the point itself may not be among the nearest.
                 let others = found.iter().map(|n| n.point).filter(|&n| n != p);

@@ -109,9 +109,10 @@ impl Targets {
 
     /// Finds the planes anew, by walks over the surface that are trusted up to the distance `reach`.
     pub(super) fn find(&mut self, domain: &Domain, mesh: &Manifold, reach: f64) {
-        parallel::for_each((0..self.own.len() as u32, &mut self.own[..]), |(triangles, own)| {
-            let there = triangles.zip(own).filter(|(t, _)| mesh.connectivity.has_half_edge(3 * t));
-            there.for_each(|(t, own)| find_planes(domain, mesh, t, own, reach));
+        parallel::for_each_mut(&mut self.own, |t, own| {
+            if mesh.connectivity.has_half_edge(3 * t as u32) {
+                find_planes(domain, mesh, t as u32, own, reach);
+            }
         });
     }
 
