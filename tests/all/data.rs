@@ -21,6 +21,7 @@ fn the_models_are_what_the_program_writes() {
 
 /// The wall of the shell is a sixth of the spacing: its faces cross with some samples, and others are tried.
 #[test]
+#[ignore = "slow"]
 fn the_models_are_remeshed() {
     for model in shapes::all() {
         let options = Options { density: Density::Points(3000), ..Options::default() };

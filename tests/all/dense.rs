@@ -69,6 +69,7 @@ fn a_file_that_is_cut_short_or_has_a_point_nowhere_is_told_as_ever() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn samples_of_a_dense_cloud_are_points_of_it_and_the_same_from_a_file_and_with_any_threads() {
     let (_folder, path) = file(360_000);
     let all = read_file(&path, None).unwrap();

@@ -46,6 +46,7 @@ fn folder() -> tempfile::TempDir {
 }
 
 #[test]
+#[ignore = "slow"]
 fn neither_processors_nor_threads_change_a_byte() {
     let folder = folder();
     for (input, rest) in RUNS {

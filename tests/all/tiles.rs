@@ -61,6 +61,7 @@ fn any_tiling_gives_the_same_samples_on_any_number_of_threads() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_subset_is_of_the_input_in_any_tiling() {
     let (_folder, path) = stretched(120_000, true, 8.0);
     let scan_only = |tiles| {

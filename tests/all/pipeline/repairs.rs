@@ -121,6 +121,7 @@ fn surfaces_that_touch_themselves() {
 
 /// Triangles between a few points at random: nothing about such a mesh is in order.
 #[test]
+#[ignore = "slow"]
 fn heaps_of_random_triangles() {
     for seed in 0..40 {
         let mut rng = random(seed);
