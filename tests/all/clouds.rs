@@ -199,6 +199,7 @@ fn noise_is_smoothed_away() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_noisy_mesh_is_smoothed_on_the_way() {
     let mut rng = random();
     let mut mesh = connect(&cloud(sphere(6_000))).mesh;
@@ -216,6 +217,7 @@ fn a_noisy_mesh_is_smoothed_on_the_way() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn few_points_are_not_joined_by_flat_triangles() {
     let shape = |p: DVec3| p * dvec3(1.0, 0.8, 1.3);
     let points = cloud(sphere(1_500).into_iter().map(shape).collect());

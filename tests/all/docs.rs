@@ -107,6 +107,7 @@ mod commands {
     }
 
     #[test]
+    #[ignore = "slow"]
     fn on_choosing_options() {
         run("docs/choosing.md");
     }

@@ -105,6 +105,7 @@ fn house() -> Mesh {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_ridge_of_twenty_degrees_is_kept() {
     let input = house();
     let whole = volume(&input);
@@ -126,6 +127,7 @@ fn a_threshold_above_all_edges_keeps_none() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn the_apex_of_a_cone_stays() {
     for top in [0.4, 1.0, 3.0] {
         // The seed decides how near to an apex a sample lies.

@@ -224,6 +224,7 @@ impl Monitor for Shares {
 }
 
 #[test]
+#[ignore = "slow"]
 fn progress_never_falls() {
     // A wall far thinner than the spacing takes several attempts, a bound of the error several counts.
     let wall = plate(12, 0.004);

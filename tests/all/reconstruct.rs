@@ -65,6 +65,7 @@ fn a_torus_and_nested_balls() {
 
 /// The two sides of a disk that is hardly as thick as its points reach.
 #[test]
+#[ignore = "slow"]
 fn a_thin_wall_has_two_sides_and_no_others() {
     let flat = moved(sphere(5, DVec3::ZERO, 1.0), |p| p * dvec3(1.0, 1.0, 0.06));
     let normal = |p: &DVec3| *p / dvec3(1.0, 1.0, 0.06).powf(2.0);

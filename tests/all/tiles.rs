@@ -185,6 +185,7 @@ mod command {
     }
 
     #[test]
+    #[ignore = "slow"]
     fn a_run_goes_on_from_what_is_finished() {
         let (home, path) = cloud(60_000, true);
         let home = home.path();
@@ -238,6 +239,7 @@ mod command {
 
     #[cfg(unix)]
     #[test]
+    #[ignore = "slow"]
     fn an_interrupt_leaves_no_temporary_files() {
         use std::io::{BufRead, BufReader};
         let (home, _) = cloud(300_000, false);

@@ -8,6 +8,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 12, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
+#[ignore = "slow"]
     fn any_torus_stays_one(
         n in 3u32..40, m in 3u32..20, thickness in 0.01f64..0.9, noise in 0.0f64..0.2,
         wanted in 4usize..400, seed in any::<u64>(),
@@ -18,6 +19,7 @@ proptest! {
     }
 
     #[test]
+#[ignore = "slow"]
     fn any_sphere_stays_one(
         level in 0u32..4, squeeze in 0.001f64..1.0, noise in 0.0f64..0.3, wanted in 3usize..400, seed in any::<u64>(),
     ) {
