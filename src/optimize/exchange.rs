@@ -51,6 +51,11 @@ const FARTHEST_FROM_CURVE: f64 = 0.01;
 /// the tips of ears and thin ridges get lower.
 const FARTHEST_AFTER: f64 = 0.1;
 
+/// Angle, in degrees, below which a place may move by so much, in wanted lengths, whatever the lengths of its edges: at a narrow
+/// strip or a notch edges are short, and the surface that is missed is less than what is missed between vertices elsewhere.
+const VERY_SMALL: f64 = 25.0;
+const LEEWAY: f64 = 0.12;
+
 /// Rounds of relaxation, and passes of the search for angles, in which a neighbourhood settles.
 const ROUNDS: usize = 2;
 const SEARCHES: usize = 6;
@@ -140,7 +145,7 @@ impl Exchange<'_> {
         let own = [h, next(h), prev(h)];
         let beside = own.into_iter().filter(|&h| c.has_twin(h)).flat_map(|h| [next(c.twin(h)), prev(c.twin(h))]);
         let edges: Vec<u32> = own.into_iter().chain(beside).collect();
-        let collapses = edges.iter().flat_map(|&h| c.both_sides(h)).filter_map(|h| self.collapsed(&place.around, h));
+        let collapses = edges.iter().flat_map(|&h| c.both_sides(h)).filter_map(|h| self.collapsed(place, h));
         let splits = edges.iter().filter_map(|&h| self.split(&place.around, h));
         let changed = collapses.chain(splits).chain([place.around.clone()]);
         let mut changed: Vec<(f64, Neighborhood)> = changed.map(|changed| (cost(&changed.mesh), changed)).collect();
@@ -151,34 +156,36 @@ impl Exchange<'_> {
         let (most, worst) = (cost(mesh) - LEAST_GAIN, worst_margin(mesh));
         better.retain(|(after, changed)| *after < most && worst_margin(&changed.mesh) >= worst);
         better.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let is_sound =
-            |changed: &Neighborhood| self.is_near(mesh, &changed.mesh) && !changed.adds_self_intersections(faces);
+        let is_sound = |changed: &Neighborhood| {
+            self.is_near(mesh, &changed.mesh, place.leeway()) && !changed.adds_self_intersections(faces)
+        };
         Ok(better.into_iter().map(|(_, changed)| changed).find(is_sound))
     }
 
-    /// Whether the vertices of the mesh `before`, and the middles of its edges, are near the triangles of the one `after`.
-    fn is_near(&self, before: &Manifold, after: &Manifold) -> bool {
+    /// Whether the vertices of the mesh `before`, and the middles of its edges, are near the triangles of the one `after`, where
+    /// the surface may move by `leeway` wanted lengths at least.
+    fn is_near(&self, before: &Manifold, after: &Manifold, leeway: f64) -> bool {
         let triangles: Vec<[DVec3; 3]> = after.triangles().map(|t| after.corners(t)).collect();
         let c = &before.connectivity;
         before.edges().flat_map(|h| [(h, 0.0), (h, 0.5)]).all(|(h, along)| {
-            let [a, b] = [c.origin(h), c.target(h)].map(|v| before.samples[v as usize].position);
-            let farthest = FARTHEST_AFTER * a.distance(b);
-            let p = a.lerp(b, along);
+            let [a, b] = [c.origin(h), c.target(h)].map(|v| &before.samples[v as usize]);
+            let farthest = (FARTHEST_AFTER * a.position.distance(b.position)).max(leeway * self.spacing * a.size);
+            let p = a.position.lerp(b.position, along);
             triangles.iter().any(|&t| p.distance_squared(closest_point(p, t)) <= farthest * farthest)
         })
     }
 
-    /// `around` with the origin of `h` merged into its target, if it can be and the surface hardly moves.
-    fn collapsed(&self, around: &Neighborhood, h: u32) -> Option<Neighborhood> {
-        let mesh = &around.mesh;
+    /// What is around `place` with the origin of `h` merged into its target, if it can be and the surface hardly moves.
+    fn collapsed(&self, place: &Place, h: u32) -> Option<Neighborhood> {
+        let mesh = &place.around.mesh;
         let c = &mesh.connectivity;
         let origin = c.origin(h);
-        let farthest = if c.is_on_curve(origin) { FARTHEST_FROM_CURVE } else { FARTHEST };
+        let farthest = if c.is_on_curve(origin) { FARTHEST_FROM_CURVE } else { FARTHEST.max(place.leeway()) };
         let may = c.can_collapse(h)
             && FacingGuard::CAREFUL.passes(mesh.after_collapse(h).0)
             && mesh.distance_after_collapse(h) <= farthest * self.spacing * mesh.samples[origin as usize].size;
         may.then(|| {
-            let mut changed = around.clone();
+            let mut changed = place.around.clone();
             changed.mesh.collapse(h);
             changed
         })
@@ -219,8 +226,7 @@ impl Exchange<'_> {
             let places = disjoint(mesh, &edges_to_change(mesh, count < wanted), CHOICES * missing);
             let changed = |place: &Place| {
                 let h = place.own_side();
-                let changed =
-                    if count < wanted { self.split(&place.around, h) } else { self.collapsed(&place.around, h) };
+                let changed = if count < wanted { self.split(&place.around, h) } else { self.collapsed(place, h) };
                 let settled = changed.map(|changed| self.settled(changed)).transpose()?;
                 let sound = settled.filter(|(_, changed)| !changed.adds_self_intersections(&faces));
                 Ok(sound.map(|(after, changed)| (after - cost(&place.around.mesh), changed)))
@@ -249,6 +255,12 @@ impl Place {
     /// The number of the side in what is around it.
     fn own_side(&self) -> u32 {
         self.around.own_half_edge(self.side).expect("a place has its own side")
+    }
+
+    /// How far the surface may move here at least, in wanted lengths.
+    fn leeway(&self) -> f64 {
+        let mesh = &self.around.mesh;
+        if smallest_angle(mesh.corners(self.own_side() / 3)) < VERY_SMALL { LEEWAY } else { 0.0 }
     }
 }
 
@@ -360,8 +372,9 @@ mod tests {
             Manifold::new(positions.map(sample).to_vec(), &triangles)
         };
         let (along, across) = ([[0, 1, 2], [1, 0, 3]], [[0, 3, 2], [1, 2, 3]]);
-        let is_near = |height: f64| exchange.is_near(&roof(height, along), &roof(height, across));
-        assert_eq!([0.0, 0.05, 0.5].map(is_near), [true, true, false]);
+        let is_near = |height: f64, leeway: f64| exchange.is_near(&roof(height, along), &roof(height, across), leeway);
+        assert_eq!([0.0, 0.05, 0.11, 0.5].map(|height| is_near(height, 0.0)), [true, true, false, false]);
+        assert_eq!([0.11, 0.5].map(|height| is_near(height, LEEWAY)), [true, false]);
     }
 
     #[test]
