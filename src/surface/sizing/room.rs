@@ -1,5 +1,6 @@
 //! Makes room for places that want shorter edges than the rest: lengths grow from there by a bounded gradient, and those
-//! elsewhere such that the number of vertices stays what it was.
+//! elsewhere such that the number of vertices stays what it was. Where the vertices do not suffice for that, no length is less
+//! than a share of that elsewhere, the least for which they do.
 //!
 //! Cost: some passes of Dijkstra's algorithm.
 
@@ -103,5 +104,26 @@ impl<'a> Lengths<'a> {
     /// The mean of 1 / h² of such lengths, relative to that of the present ones.
     fn density(&self, graded: &[f64]) -> f64 {
         mean_density(&self.domain.mesh, graded) / self.density
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing;
+
+    #[test]
+    fn lengths_are_as_short_as_there_is_room_for() {
+        let domain = Domain::new(testing::sphere().try_into().unwrap());
+        let spacing = 0.1;
+        let sizes = domain.sizes();
+        assert_eq!(sizes_with_room(&domain, &sizes, &vec![1.0; sizes.len()], spacing), None);
+        let everywhere = Lengths::new(&domain, &sizes, &vec![0.1; sizes.len()], spacing).shortest();
+        let densest = (everywhere * everywhere).recip();
+        assert!((0.9 * MOST_DENSE..=MOST_DENSE).contains(&densest), "{densest}");
+        let mut at_one = vec![f64::INFINITY; sizes.len()];
+        at_one[0] = 0.3;
+        let made = sizes_with_room(&domain, &sizes, &at_one, spacing).unwrap();
+        assert!((made[0] - 0.3).abs() < 1e-9 && (mean_density(&domain.mesh, &made) - 1.0).abs() < 0.01, "{}", made[0]);
     }
 }
