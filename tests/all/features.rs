@@ -333,10 +333,10 @@ fn prism(outline: &[[f64; 2]], bottom: f64, top: f64) -> Mesh {
 #[ignore = "slow"]
 fn a_chamfer_that_parts_a_wall_stays_however_narrow() {
     // Hollow blocks: without its chamfer, a twelfth of the spacing wide, the outer face may cut off an edge of the cavity. Whether it
-    // does is a matter of chance: one time out of six.
-    let cases = [0.005, 0.01].into_iter().flat_map(|wall| (0..4).map(move |seed| (wall, seed)));
-    let left_out: Vec<usize> = cases
-        .map(|(wall, seed)| {
+    // does, and cannot be mended in place, is a matter of chance: three times out of twelve.
+    let wall = 0.005;
+    let left_out: Vec<usize> = (4..12)
+        .map(|seed| {
             let block = prism(&[[0., 0.], [10., 0.], [10., 10.], [0.05, 10.], [0., 9.95]], 0.0, 10.0);
             let top = 9.95 - wall;
             let cavity = prism(&[[wall, 5.], [5., 5.], [5., top], [wall, top]], 1.0, 9.0);
