@@ -17,6 +17,9 @@ pub(super) const GRADIENT: f64 = 0.12;
 const SHORTEST: f64 = 0.125;
 const HALVINGS: usize = 6;
 
+/// The largest such share that helps a place.
+const LARGEST_SHARE: f64 = 0.8;
+
 /// Largest mean of 1 / h², relative to the length elsewhere: nearly a quarter of the vertices may go to such places. With more, what
 /// the places gain is less than what the rest loses, on sixty files as people have them.
 const MOST_DENSE: f64 = 1.3;
@@ -39,13 +42,13 @@ pub(super) fn has_room(domain: &Domain, wanted: &[f64], shortest: f64, spacing: 
 }
 
 /// `sizes`, relative to `spacing`, made as small as is `wanted` at vertices that want less, and as much larger elsewhere as
-/// keeps the number of vertices. `None` if none wants less.
+/// keeps the number of vertices. `None` if none wants less, or there is no room for that.
 pub fn sizes_with_room(domain: &Domain, sizes: &[f64], wanted: &[f64], spacing: f64) -> Option<Vec<f64>> {
     if wanted.iter().zip(sizes).all(|(wanted, size)| wanted >= size) {
         return None;
     }
     let lengths = Lengths::new(domain, sizes, wanted, spacing);
-    let shortest = lengths.shortest();
+    let shortest = lengths.shortest()?;
     let mut factor = 1.0;
     let mut made = lengths.graded(shortest, factor);
     for _ in 0..MOST_TURNS {
@@ -76,11 +79,11 @@ impl<'a> Lengths<'a> {
         Lengths { domain, graph: Graph::whole(domain), sizes, wanted, density, spacing }
     }
 
-    /// The shortest length there is room for, as a share of the present ones.
-    fn shortest(&self) -> f64 {
+    /// The shortest length there is room for, as a share of the present ones; `None` if that helps no place.
+    fn shortest(&self) -> Option<f64> {
         let has_room = |shortest: f64| self.density(&self.graded(shortest, 1.0)) <= MOST_DENSE;
         if has_room(SHORTEST) {
-            return SHORTEST;
+            return Some(SHORTEST);
         }
         let (mut below, mut above) = (SHORTEST, 1.0);
         for _ in 0..HALVINGS {
@@ -91,7 +94,7 @@ impl<'a> Lengths<'a> {
                 below = middle;
             }
         }
-        above
+        (above <= LARGEST_SHARE).then_some(above)
     }
 
     /// The present lengths times `factor`, or the wanted ones where these are shorter, but no less than that share of the former.
@@ -118,9 +121,13 @@ mod tests {
         let spacing = 0.1;
         let sizes = domain.sizes();
         assert_eq!(sizes_with_room(&domain, &sizes, &vec![1.0; sizes.len()], spacing), None);
-        let everywhere = Lengths::new(&domain, &sizes, &vec![0.1; sizes.len()], spacing).shortest();
-        let densest = (everywhere * everywhere).recip();
-        assert!((0.9 * MOST_DENSE..=MOST_DENSE).contains(&densest), "{densest}");
+        assert_eq!(sizes_with_room(&domain, &sizes, &vec![0.1; sizes.len()], spacing), None);
+        let at_pole = |p: &glam::DVec3| if p.z > 0.8 { 0.1 } else { f64::INFINITY };
+        let wanted: Vec<f64> = domain.mesh.positions.iter().map(at_pole).collect();
+        let lengths = Lengths::new(&domain, &sizes, &wanted, spacing);
+        let shortest = lengths.shortest().unwrap();
+        let [density, of_shorter] = [1.0, 0.95].map(|share| lengths.density(&lengths.graded(share * shortest, 1.0)));
+        assert!(density <= MOST_DENSE && of_shorter > MOST_DENSE, "{shortest}: {density} {of_shorter}");
         let mut at_one = vec![f64::INFINITY; sizes.len()];
         at_one[0] = 0.3;
         let made = sizes_with_room(&domain, &sizes, &at_one, spacing).unwrap();
