@@ -48,7 +48,7 @@ static POINTS: LazyLock<usize> = LazyLock::new(|| match std::env::var("BENCH_POI
 });
 const SEED: u64 = 0;
 const SWEEPS: usize = 10;
-const NO_BOUNDARY: Boundary = Boundary { sites: &[], successor: &[] };
+const NO_BOUNDARY: Boundary = Boundary { sites: &[], successor: &[], spikes: 0 };
 
 fn main() {
     LazyLock::force(&INPUTS);
@@ -190,7 +190,8 @@ fn s07_triangulate(bencher: Bencher) {
 fn s07_mutual_tessellation(bencher: Bencher) {
     let given = &*INPUTS;
     let piece: Vec<u32> = (0..given.domain.mesh.triangles.len() as u32).collect();
-    let insertions: Vec<Insertion> = given.samples.iter().map(|&sample| Insertion { sample, on_side: None }).collect();
+    let insertion = |&sample: &Sample| Insertion { sample, on_side: None, is_spike: false };
+    let insertions: Vec<Insertion> = given.samples.iter().map(insertion).collect();
     bencher.bench(|| mutual_tessellation(&given.domain, &piece, black_box(&insertions)));
 }
 

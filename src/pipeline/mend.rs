@@ -105,7 +105,7 @@ mod tests {
         let SizedSurface { domain, scale, .. } = &surface;
         let samples = linear_scan(domain, &candidates(domain, 20 * 10_000, 1), &[], scale.sigma(), 1, &()).unwrap();
         let curves = sample_curves(domain, scale.spacing);
-        let boundary = Boundary { sites: &curves.sites, successor: &curves.successor };
+        let boundary = Boundary { sites: &curves.sites, successor: &curves.successor, spikes: 0 };
         let mut manifold = triangulate(domain, &samples, boundary, scale.spacing, &()).unwrap().mesh;
         optimize(domain, &mut manifold, scale, None, &()).unwrap();
         let spacing = scale.spacing;

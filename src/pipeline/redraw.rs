@@ -18,12 +18,12 @@ use glam::DVec3;
 /// How far around a triangle that intersects another one samples are drawn anew, in lengths of its longest side.
 const AROUND: f64 = 3.0;
 
-/// `samples` with others around the triangles `crossing`, given by their corners; the first ones are those `on_curves`, which
-/// stay.
+/// `samples` with others around the triangles `crossing`, given by their corners; the first ones, those on curves and at
+/// ends of spikes, are `fixed`.
 pub(super) fn drawn_anew_around(
     crossing: &[[DVec3; 3]],
     samples: &[Sample],
-    on_curves: usize,
+    fixed: usize,
     surface: &SizedSurface,
     seed: u64,
     monitor: &dyn Monitor,
@@ -37,9 +37,9 @@ pub(super) fn drawn_anew_around(
     }
     let mut candidates = candidates(domain, CANDIDATES_PER_POINT * scale.wanted, seed);
     candidates.retain(|candidate| anew[candidate.triangle as usize]);
-    let (of_curves, others) = samples.split_at(on_curves);
+    let (stay_all, others) = samples.split_at(fixed);
     let stay = others.iter().filter(|sample| !anew[sample.triangle as usize]);
-    let fixed: Vec<Sample> = of_curves.iter().chain(stay).copied().collect();
+    let fixed: Vec<Sample> = stay_all.iter().chain(stay).copied().collect();
     linear_scan(domain, &candidates, &fixed, scale.sigma(), seed, monitor)
 }
 

@@ -221,7 +221,7 @@ fn triangulated(
 
 /// Samples of a surface, triangulated.
 struct Triangulation {
-    /// The samples, those on curves first.
+    /// The samples, those on curves first, then those at ends of spikes.
     samples: Vec<Sample>,
     mesh: Manifold,
     /// Smooth patches that were tessellated from the input as a whole.
@@ -245,21 +245,23 @@ impl Triangulation {
         let SizedSurface { domain, scale, .. } = surface;
         let seed = attempt.seed;
         let curves = sample_curves(domain, scale.curve_spacing(domain) / attempt.curve_density.unwrap_or(1.0));
-        let on_curves = &curves.samples;
+        let at_spikes: Vec<Sample> = domain.at_spikes().collect();
+        let fixed = [curves.samples.as_slice(), &at_spikes].concat();
         let samples = match best.filter(|best| !best.score.other_topology) {
             Some(Triangulation { samples, crossing, .. }) => {
-                drawn_anew_around(crossing, samples, on_curves.len(), surface, seed, monitor)?
+                drawn_anew_around(crossing, samples, fixed.len(), surface, seed, monitor)?
             }
             None => {
                 let candidates = candidates(domain, CANDIDATES_PER_POINT * scale.wanted, seed);
-                linear_scan(domain, &candidates, on_curves, scale.sigma(), seed, monitor)?
+                linear_scan(domain, &candidates, &fixed, scale.sigma(), seed, monitor)?
             }
         };
         monitor.stage("triangulate");
-        let boundary = Boundary { sites: &curves.sites, successor: &curves.successor };
+        let spikes = at_spikes.len();
+        let boundary = Boundary { sites: &curves.sites, successor: &curves.successor, spikes };
         let mut patches = triangulate(domain, &samples, boundary, scale.spacing, monitor)?;
         let tessellated_patches = patches.tessellated_patches;
-        let seams = Gluing { point: &curves.point, edges: &curves.edges, corners: &curves.corners };
+        let seams = Gluing { point: &curves.point, edges: &curves.edges, corners: &curves.corners, spikes };
         straighten_rims(&mut patches, boundary);
         part_chords(domain, &mut patches, seams);
         let glued = glue(&patches, seams);

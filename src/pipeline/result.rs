@@ -49,11 +49,10 @@ pub struct Remeshed {
     pub new_self_intersections: Vec<u32>,
     /// How many faces of the repaired input do; `None` where the result has none, since then nobody needs to know.
     pub self_intersections_of_input: Option<usize>,
-    /// Triangles that were made, with an angle below 1 degree that the sharp edges and boundaries of the input do not force,
-    /// in increasing order.
+    /// Triangles that were made, with an angle below 1 degree that the input does not force, in increasing order.
     pub slivers: Vec<u32>,
-    /// The smallest angle of the triangles that were made, in degrees, but for those that the sharp edges and boundaries of the
-    /// input force by meeting there; `None` if all are such.
+    /// The smallest angle of the triangles that were made, in degrees, but for those that the input forces, where
+    /// sharp edges and boundaries meet or a spike ends; `None` if all are such.
     pub unforced_theta_min: Option<f64>,
     /// What was left out of the sharp edges, in the units of the input.
     pub left_out: LeftOut,

@@ -85,6 +85,9 @@ impl SizedSurface {
         let mut surface = SizedSurface { domain, scale, sigma, blunted, left_out, left_out_edges, within, topology };
         surface.grade(prepared, density, resizing, monitor)?;
         surface.domain.find_contacts();
+        if !prepared.options.of_points {
+            surface.domain.find_spikes();
+        }
         Ok(surface)
     }
 

@@ -1,9 +1,9 @@
-//! The small angles of a result, but for those that two feature curves force by meeting there; and its slivers, triangles with an
-//! angle too small to compute with.
+//! The small angles of a result, but for those that the surface forces where two feature curves meet, or a spike ends;
+//! and its slivers, triangles with an angle too small to compute with.
 
 use crate::geom::triangle::{angles, smallest_angle};
 use crate::manifold::Manifold;
-use crate::mesh::half_edge::prev;
+use crate::mesh::half_edge::{Connectivity, prev};
 
 /// Angle in degrees below which a triangle is a sliver.
 pub(super) const SLIVER: f64 = 1.0;
@@ -11,8 +11,8 @@ pub(super) const SLIVER: f64 = 1.0;
 /// Angle in degrees below which a triangle has no area, whatever forces it.
 const NO_AREA: f64 = 0.01;
 
-/// The triangles of `mesh`, by their place among its triangles, without area or with an angle below [`SLIVER`] that no two
-/// feature curves force by meeting there.
+/// The triangles of `mesh`, by their place among its triangles, without area or with an angle below [`SLIVER`] that is not
+/// forced.
 pub(super) fn slivers(mesh: &Manifold) -> Vec<u32> {
     let is_sliver = |t: u32| smallest_unforced_angle_of(mesh, t) < SLIVER || smallest_angle(mesh.corners(t)) < NO_AREA;
     (0..).zip(mesh.triangles()).filter(|(_, t)| is_sliver(*t)).map(|(place, _)| place).collect()
@@ -26,7 +26,13 @@ pub(super) fn smallest_unforced_angle(mesh: &Manifold) -> Option<f64> {
 
 /// That of triangle `t`; infinite if all of its angles are forced.
 fn smallest_unforced_angle_of(mesh: &Manifold, t: u32) -> f64 {
-    let is_forced = |h: u32| mesh.connectivity.is_curve_edge(h) && mesh.connectivity.is_curve_edge(prev(h));
+    let c = &mesh.connectivity;
+    let is_forced = |h: u32| c.is_curve_edge(h) && c.is_curve_edge(prev(h)) || ends_spike(c, c.origin(h));
     let unforced = (3 * t..).zip(angles(mesh.corners(t))).filter(|(h, _)| !is_forced(*h));
     unforced.map(|(_, angle)| angle).fold(f64::INFINITY, f64::min)
+}
+
+/// Whether a spike ends in `v`, with the fewest triangles around it that enclose anything: more of them would be narrower.
+fn ends_spike(c: &Connectivity, v: u32) -> bool {
+    c.is_corner(v) && c.valence(v) == 3 && !c.outgoing(v).any(|h| c.is_curve_edge(h) || !c.has_twin(h))
 }

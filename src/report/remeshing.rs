@@ -49,12 +49,11 @@ pub struct Report {
     pub output: Measured,
     /// Self-intersecting faces.
     pub crossings: Crossings,
-    /// Faces of the output with an angle below 1 degree that the sharp edges and boundaries of the input do not force, in
-    /// increasing order, numbered from 0; empty for a mesh that was measured only.
+    /// Faces of the output with an angle below 1 degree that the input does not force, in increasing order, numbered from 0; empty for a mesh that was measured only.
     #[serde(default)]
     pub slivers: Vec<u32>,
-    /// The smallest angle of the output in degrees, but for those that the sharp edges and boundaries of the input force by
-    /// meeting there; `None` for a mesh that was measured only, or if all are such.
+    /// The smallest angle of the output in degrees, but for those that the input forces, where sharp edges and boundaries
+    /// meet or a spike ends; `None` for a mesh that was measured only, or if all are such.
     #[serde(default)]
     pub unforced_theta_min: Option<f64>,
     /// Distances between output and input, in percent of the diagonal of the input's bounding box.

@@ -17,6 +17,7 @@ use crate::spatial::self_intersections::{Inherited, faces_passing_through_others
 use crate::surface::feature_curves::Curves;
 use crate::surface::features::{Features, sharp_sides};
 use crate::surface::planes::Planes;
+use crate::surface::spikes::spikes;
 use crate::surface::turns::{folded_over, trusted_normal};
 use glam::DVec3;
 use std::sync::OnceLock;
@@ -61,6 +62,8 @@ pub struct Domain {
     pub(super) bvh: Bvh,
     /// For each triangle whether it lies in a plane that touches another; empty before these were found.
     in_contact: Vec<bool>,
+    /// A side that leaves the end of each spike; empty before these were found.
+    spikes: Vec<u32>,
     /// See [`Self::suspect`].
     suspects: Option<Vec<bool>>,
     self_intersections: OnceLock<Vec<u32>>,
@@ -131,6 +134,7 @@ impl Domain {
             spacing,
             bvh,
             in_contact: Vec::new(),
+            spikes: Vec::new(),
             suspects: None,
             self_intersections: OnceLock::new(),
             inherited: OnceLock::new(),
@@ -180,14 +184,14 @@ impl Domain {
 
     /// This domain with its sharp edges smoothed over.
     pub fn smooth(self) -> Domain {
-        let Domain { mut mesh, original, provenance, mut sizes, interface, spacing, suspects, .. } = self;
+        let Domain { mut mesh, original, provenance, mut sizes, interface, spacing, suspects, spikes, .. } = self;
         mesh.triangles.iter_mut().flatten().for_each(|v| *v = original[*v as usize]);
         // The first copy of a vertex has its number, further ones come after all others.
         let count = original.iter().zip(0..).take_while(|&(&v, i)| v == i).count();
         mesh.positions.truncate(count);
         sizes.truncate(count);
         let mesh = OrientedManifold::trusted(mesh, provenance);
-        Domain { sizes, suspects, ..Domain::with_interface(mesh, Features::Smooth, spacing, interface) }
+        Domain { sizes, suspects, spikes, ..Domain::with_interface(mesh, Features::Smooth, spacing, interface) }
     }
 
     /// The number of curves along sharp edges.
@@ -199,6 +203,16 @@ impl Domain {
     pub fn find_contacts(&mut self) {
         let planes = Planes::new(&self.mesh, &self.twin, self.spacing, |t| self.source_triangle(t));
         self.in_contact = planes.in_contact(&self.mesh, &self.bvh);
+    }
+
+    /// Finds the spikes.
+    pub fn find_spikes(&mut self) {
+        self.spikes = spikes(&self.mesh, &self.twin, |v| self.spacing * self.size_at(v));
+    }
+
+    /// A sample at the end of each spike, if these were found.
+    pub fn at_spikes(&self) -> impl Iterator<Item = Sample> {
+        self.spikes.iter().map(|&side| self.sample_on_side(side, 0.0))
     }
 
     /// Whether triangle `t` lies in a plane that touches another one, if these were found.

@@ -10,5 +10,6 @@ pub mod lift;
 pub mod narrow_patches;
 pub mod planes;
 pub mod sizing;
+pub mod spikes;
 pub mod submanifold;
 pub mod turns;

@@ -66,7 +66,7 @@ mod tests {
         let (domain, mut patches) = plate(across, last);
         let edges: Vec<([u32; 2], OnCurve)> =
             [[0, 1], [1, 2], [2, 3], [3, 0]].into_iter().map(|ends| (ends, OnCurve::Curve(0))).collect();
-        let seams = Gluing { point: &[0, 1, 2, 3, 0, 1, 2, 3], edges: &edges, corners: &[0, 1, 2, 3] };
+        let seams = Gluing { point: &[0, 1, 2, 3, 0, 1, 2, 3], edges: &edges, corners: &[0, 1, 2, 3], spikes: 0 };
         part_chords(&domain, &mut patches, seams);
         (patches.mesh.connectivity.compact().0.len(), glue(&patches, seams).is_ok())
     }

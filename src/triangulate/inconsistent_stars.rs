@@ -97,8 +97,11 @@ pub fn tessellate_around(
     let samples = &starred.samples;
     let tessellate = |part: Vec<u32>| {
         let own: Vec<u32> = part.iter().flat_map(|&t| by_triangle.on(t)).copied().collect();
-        let insertion =
-            |&s: &u32| Insertion { sample: samples[s as usize], on_side: boundary.sites.get(s as usize).copied() };
+        let insertion = |&s: &u32| {
+            let (s, on_boundary) = (s as usize, boundary.sites.len());
+            let is_spike = (on_boundary..on_boundary + boundary.spikes).contains(&s);
+            Insertion { sample: samples[s], on_side: boundary.sites.get(s).copied(), is_spike }
+        };
         let insertions: Vec<Insertion> = own.iter().map(insertion).collect();
         let mut made = mutual_tessellation(domain, &part, &insertions);
         made.insertion.iter_mut().filter(|i| **i != NONE).for_each(|i| *i = own[*i as usize]);
@@ -203,7 +206,7 @@ mod tests {
     use crate::triangulate::agreement::agreed;
     use glam::{DVec3, dvec3};
 
-    const NO_BOUNDARY: Boundary = Boundary { sites: &[], successor: &[] };
+    const NO_BOUNDARY: Boundary = Boundary { sites: &[], successor: &[], spikes: 0 };
 
     /// A square of `n` by `n` unit cells, slightly vaulted.
     fn sheet(n: u32) -> Domain {
@@ -249,7 +252,7 @@ mod tests {
         let mut successor = on_rim.clone();
         successor.resize(samples.len(), INTERIOR);
         let mut starred = Starred { successor, stars: Vec::new(), samples };
-        let boundary = Boundary { sites: &sites, successor: &on_rim };
+        let boundary = Boundary { sites: &sites, successor: &on_rim, spikes: 0 };
         let centre = [starred.samples[0]];
         tessellate_around(&domain, &mut starred, boundary, &centre, f64::INFINITY);
         let triangles = agreed(&starred.stars);

@@ -13,7 +13,7 @@ use crate::geom::triangle::barycentric;
 use crate::manifold::Manifold;
 use crate::manifold::facing::FacingGuard;
 use crate::manifold::vertex_set::VertexSet;
-use crate::mesh::half_edge::next;
+use crate::mesh::half_edge::{OnCurve, next};
 use crate::mesh::submesh::Fans;
 use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
@@ -26,6 +26,8 @@ pub struct Insertion {
     pub sample: Sample,
     /// The side `3 t + k` and how far along, for a sample on the boundary.
     pub on_side: Option<(u32, f64)>,
+    /// Whether it is the end of a spike, which stays even where it is turned against the surface.
+    pub is_spike: bool,
 }
 
 /// A part of the domain with other vertices.
@@ -49,6 +51,9 @@ const ROUNDS: [f64; 6] = [0.7, 0.7, 0.5, 0.3, 0.1, -1.0];
 pub fn mutual_tessellation(domain: &Domain, part: &[u32], insertions: &[Insertion]) -> Tessellation {
     let (mut mesh, border) = insert(domain, part, insertions);
     let inserted = insertions.len() as u32;
+    for (v, _) in (0u32..).zip(insertions).filter(|(_, insertion)| insertion.is_spike) {
+        mesh.connectivity.put_on_curve(v, OnCurve::Corner);
+    }
     mesh.make_delaunay();
     for least_facing in ROUNDS {
         for v in inserted..mesh.connectivity.vertex_bound() {
@@ -200,4 +205,28 @@ fn inside(domain: &Domain, t: u32, sample: &Sample) -> Point2<f64> {
     let w = w.map(|w| w.max(MARGIN));
     let sum: f64 = w.iter().sum();
     Point2::new(w[1] / sum, w[2] / sum)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::sphere;
+
+    #[test]
+    fn the_end_of_a_spike_stays_where_it_is_turned_against_the_surface() {
+        let domain = Domain::new(sphere().try_into().unwrap());
+        let part: Vec<u32> = (0..domain.mesh.triangles.len() as u32).collect();
+        let on_surface: Vec<Sample> = part.iter().step_by(31).map(|&t| domain.sample(t, [1.0 / 3.0; 3])).collect();
+        let stays = |is_spike: bool| {
+            let turned = |&sample: &Sample| match sample.position.distance(on_surface[70].position) < 0.5 {
+                true => Sample { normal: -sample.normal, ..sample },
+                false => sample,
+            };
+            let insertion = |sample: &Sample| Insertion { sample: turned(sample), on_side: None, is_spike: false };
+            let mut insertions: Vec<Insertion> = on_surface.iter().map(insertion).collect();
+            insertions[70].is_spike = is_spike;
+            mutual_tessellation(&domain, &part, &insertions).insertion.contains(&70)
+        };
+        assert!(stays(true) && !stays(false));
+    }
 }

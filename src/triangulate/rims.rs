@@ -97,7 +97,7 @@ mod tests {
         let samples = vec![at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0), at(0.4, 0.0), at(0.6, 0.0)];
         let mesh = Manifold::new(samples, &[[0, 3, 2], [3, 4, 2], [4, 1, 2]]);
         let mut patches = Triangulated { mesh, source: vec![0, 1, 2, 7, 8], tessellated_patches: 0 };
-        straighten_rims(&mut patches, Boundary { sites: &[(0, 0.0); 3], successor: &[1, 2, 0] });
+        straighten_rims(&mut patches, Boundary { sites: &[(0, 0.0); 3], successor: &[1, 2, 0], spikes: 0 });
         assert_eq!(patches.source, [0, 1, 2]);
         assert_eq!(patches.mesh.connectivity.compact().0.len(), 1);
     }
@@ -107,7 +107,7 @@ mod tests {
         let samples = vec![at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0), at(0.5, 0.0)];
         let mesh = Manifold::new(samples, &[[0, 3, 1], [0, 1, 2]]);
         let mut patches = Triangulated { mesh, source: vec![0, 1, 2, 7], tessellated_patches: 0 };
-        straighten_rims(&mut patches, Boundary { sites: &[(0, 0.0); 3], successor: &[1, 2, 0] });
+        straighten_rims(&mut patches, Boundary { sites: &[(0, 0.0); 3], successor: &[1, 2, 0], spikes: 0 });
         assert_eq!(patches.source, [0, 1, 2]);
         assert_eq!(patches.mesh.connectivity.compact().0, [[0, 1, 2]]);
     }
@@ -119,7 +119,7 @@ mod tests {
         let triangles = [[0, 2, 3], [2, 1, 3]];
         let mesh = Manifold::new(samples, &triangles);
         let mut patches = Triangulated { mesh, source: vec![0, 1, 7, 8], tessellated_patches: 0 };
-        straighten_rims(&mut patches, Boundary { sites: &[(0, 0.0); 2], successor: &[1, 0] });
+        straighten_rims(&mut patches, Boundary { sites: &[(0, 0.0); 2], successor: &[1, 0], spikes: 0 });
         assert_eq!(patches.mesh.connectivity.compact().0, triangles);
     }
 
@@ -127,7 +127,7 @@ mod tests {
     fn rims_without_other_vertices_stay() {
         let mesh = Manifold::new(vec![at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0)], &[[0, 1, 2]]);
         let mut patches = Triangulated { mesh, source: vec![0, 1, 2], tessellated_patches: 0 };
-        straighten_rims(&mut patches, Boundary { sites: &[(0, 0.0); 3], successor: &[1, 2, 0] });
+        straighten_rims(&mut patches, Boundary { sites: &[(0, 0.0); 3], successor: &[1, 2, 0], spikes: 0 });
         assert_eq!(patches.mesh.connectivity.compact().0, [[0, 1, 2]]);
     }
 }

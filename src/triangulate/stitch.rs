@@ -19,6 +19,8 @@ pub struct Gluing<'a> {
     pub edges: &'a [([u32; 2], OnCurve)],
     /// Points that are corners.
     pub corners: &'a [u32],
+    /// The number of samples after those on curves that are ends of spikes, corners by themselves.
+    pub spikes: usize,
 }
 
 /// The manifold of `patches` with the curves laid on it.
@@ -49,7 +51,9 @@ pub fn glue(patches: &Triangulated, seams: Gluing<'_>) -> Result<Manifold, Vec<D
         return Err(torn.into_iter().map(|v| samples[v as usize].position).collect());
     }
     let mut mesh = Manifold::new(samples, &triangles);
-    mesh.mark_curves(seams.edges, seams.corners.iter().copied());
+    let is_spike = |source: u32| (source as usize) < seams.point.len() + seams.spikes;
+    let spikes = patches.source[on_curves..].iter().take_while(|&&source| is_spike(source)).count() as u32;
+    mesh.mark_curves(seams.edges, seams.corners.iter().copied().chain(points..points + spikes));
     Ok(mesh)
 }
 
@@ -112,7 +116,7 @@ mod tests {
     fn two_triangles_share_an_edge_afterwards() {
         let ends = [[0, 1], [1, 2], [2, 0], [1, 3], [3, 2]];
         let edges: Vec<([u32; 2], OnCurve)> = ends.into_iter().zip((0..).map(OnCurve::Curve)).collect();
-        let seams = Gluing { point: &[0, 1, 2, 1, 3, 2], edges: &edges, corners: &[1, 2] };
+        let seams = Gluing { point: &[0, 1, 2, 1, 3, 2], edges: &edges, corners: &[1, 2], spikes: 0 };
         let whole = glue(&two_patches(), seams).unwrap();
         assert_eq!(whole.connectivity.vertex_count(), 4);
         assert_eq!(whole.connectivity.curve_at(1), OnCurve::Corner);
@@ -125,7 +129,8 @@ mod tests {
 
     #[test]
     fn an_edge_that_is_not_there_is_a_failure() {
-        let seams = Gluing { point: &[0, 1, 2, 1, 3, 2], edges: &[([0, 3], OnCurve::Curve(0))], corners: &[] };
+        let seams =
+            Gluing { point: &[0, 1, 2, 1, 3, 2], edges: &[([0, 3], OnCurve::Curve(0))], corners: &[], spikes: 0 };
         let torn = glue(&two_patches(), seams).unwrap_err();
         assert!(torn.contains(&DVec3::ZERO) && torn.contains(&DVec3::new(1.0, 1.0, 0.0)), "{torn:?}");
     }

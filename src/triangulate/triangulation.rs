@@ -2,13 +2,16 @@
 
 use crate::manifold::Manifold;
 
-/// Samples on the boundary of a domain, the first ones of all samples.
+/// Samples that have to become vertices, the first ones of all samples: those on the boundary of a domain, then those at the ends of its
+/// spikes.
 #[derive(Debug, Clone, Copy)]
 pub struct Boundary<'a> {
     /// The side `3 t + k` of the domain that each lies on, and how far along in 0..1.
     pub sites: &'a [(u32, f64)],
     /// The next one on its loop; the surface is on the left of the way there.
     pub successor: &'a [u32],
+    /// The number of spikes.
+    pub spikes: usize,
 }
 
 /// A triangulation of samples.

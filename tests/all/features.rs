@@ -140,6 +140,18 @@ fn the_apex_of_a_cone_stays() {
     }
 }
 
+#[test]
+fn a_spike_ends_in_a_vertex_whatever_the_samples_are() {
+    let (length, radius) = (3.0, 1.0);
+    for seed in 0..4 {
+        let made = check_as(&cylinder(120, radius, 0.0, length), 500, Options { seed, ..Options::default() });
+        let off = nearest(&made.mesh, length * DVec3::Z);
+        assert!(off < 1e-9, "seed {seed}: {off} from the apex");
+        let smallest = made.unforced_theta_min.unwrap();
+        assert!(smallest > 30.0 && smallest >= shape(&made.mesh).unwrap().theta_min, "seed {seed}: {smallest}");
+    }
+}
+
 /// A crease that ends inside of a face: folded at one end, flat at the other.
 #[test]
 fn a_dart_ends_where_it_ends() {

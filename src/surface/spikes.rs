@@ -1,0 +1,225 @@
+//! The spikes of a surface: narrow cones that no feature curve leads to the end of. Samples drawn by chance cut them off.
+//!
+//! A cone whose side is at angle α to its axis has the curvature 2π (1 - sin α) in its apex, and however its tip is rounded or
+//! tessellated, the angle defects of the tip's vertices, 2π less the sum of the angles around each, come to that (Gauss and
+//! Bonnet). So a spike is where the defects of the vertices within a spacing come to a large part of 2π. Where they are spread
+//! farther than triangles could tell, the tip is round, and samples fit it better that are free to move. Next to a boundary or a
+//! feature curve the samples on these keep the shape.
+//!
+//! Cost: linear in the triangles. The middles of the balls that are looked at lie some share of a spacing apart.
+
+use crate::base::parallel;
+use crate::geom::triangle::{angles, area};
+use crate::mesh::half_edge::next;
+use crate::mesh::topology::NONE;
+use crate::mesh::triangle_mesh::Mesh;
+use glam::DVec3;
+use rustc_hash::FxHashSet;
+use std::ops::RangeInclusive;
+
+/// The curvature of the tip of a spike, in turns of 2π: α is below 24 degrees. That of a needle is 1, that of a body of
+/// its own 2.
+const CURVATURE: RangeInclusive<f64> = 0.6..=1.02;
+
+/// The least angle defect, in turns, of the vertices around which tips are looked for: no tip that is not round has thirty
+/// vertices that share its curvature evenly, in a mesh of thirty vertices for one sample.
+const LEAST_DEFECT: f64 = 0.02;
+
+/// How far from the vertex of the largest angle defect a tip reaches, and what of the spike is looked at, in spacings.
+const TIP: f64 = 0.7;
+const SPIKE: f64 = 3.0;
+
+/// The part of a tip, from its vertex of the largest angle defect on, in which no other tip is looked for.
+const LOOKED_AT: f64 = 0.5;
+
+/// Least distance between the ends of two spikes, in spacings: nearer ones leave each other no room for triangles.
+const APART: f64 = 2.0;
+
+/// The root mean square distance, in spacings, of a tip's curvature from its middle above which the tip is round. Claws and
+/// fingers of scans begin at 0.35.
+const ROUND: f64 = 0.3;
+
+/// Least height of its end over the centre of a spike, in spacings: that of a cone is two, that of a scrap of surface is less.
+const LEAST_HEIGHT: f64 = 1.2;
+
+/// The spikes of `mesh` for samples whose distance is `spacing` at each vertex, each as a side `3 t + k` that leaves its end. `twin`
+/// has the side across each side, or [`NONE`].
+pub fn spikes(mesh: &Mesh, twin: &[u32], spacing: impl Fn(u32) -> f64) -> Vec<u32> {
+    let surface = Surface { mesh, twin, defects: angle_defects(mesh, twin) };
+    let mut is_done = vec![false; mesh.positions.len()];
+    let mut spikes = Vec::new();
+    for seed in surface.seeds() {
+        let v = surface.vertex(seed);
+        if is_done[v as usize] {
+            continue;
+        }
+        let spacing = spacing(v);
+        let end = surface.end_of_spike(seed, spacing);
+        let (middle, reach) = end.map_or((seed, LOOKED_AT * TIP), |end| (end, APART));
+        let done = surface.sides_within(middle, reach * spacing);
+        done.into_iter().for_each(|side| is_done[surface.vertex(side) as usize] = true);
+        spikes.extend(end);
+    }
+    spikes
+}
+
+/// A mesh with the angle defects of its vertices.
+struct Surface<'a> {
+    mesh: &'a Mesh,
+    twin: &'a [u32],
+    defects: Vec<Option<f64>>,
+}
+
+impl Surface<'_> {
+    /// The vertex that `side` leaves, where it is, and its angle defect.
+    fn vertex(&self, side: u32) -> u32 {
+        self.mesh.triangles[side as usize / 3][side as usize % 3]
+    }
+
+    fn place(&self, side: u32) -> DVec3 {
+        self.mesh.positions[self.vertex(side) as usize]
+    }
+
+    fn defect(&self, side: u32) -> Option<f64> {
+        self.defects[self.vertex(side) as usize]
+    }
+
+    /// A side that leaves each vertex whose angle defect may be a part of a tip's, the largest defects first.
+    fn seeds(&self) -> Vec<u32> {
+        let mut is_seen = vec![false; self.mesh.positions.len()];
+        let sides = (0..self.twin.len() as u32).map(|side| (self.defect(side).unwrap_or(0.0), side));
+        let mut seeds: Vec<(f64, u32)> = sides
+            .filter(|&(defect, side)| {
+                defect > LEAST_DEFECT && !std::mem::replace(&mut is_seen[self.vertex(side) as usize], true)
+            })
+            .collect();
+        seeds.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        seeds.into_iter().map(|(_, side)| side).collect()
+    }
+
+    /// The end of the spike whose tip is around the vertex that `seed` leaves, if there is one.
+    fn end_of_spike(&self, seed: u32, spacing: f64) -> Option<u32> {
+        let tip = self.sides_within(seed, TIP * spacing);
+        let curvature: f64 = tip.iter().map(|&side| self.defect(side)).sum::<Option<f64>>()?;
+        if !CURVATURE.contains(&curvature) || self.spread(&tip) > ROUND * spacing {
+            return None;
+        }
+        let spike = self.center(&self.ball(seed, SPIKE * spacing));
+        let axis = (self.center(&self.ball(seed, TIP * spacing)) - spike).normalize_or_zero();
+        let height = |side: u32| (self.place(side) - spike).dot(axis);
+        let end = tip.into_iter().max_by(|&a, &b| height(a).total_cmp(&height(b)))?;
+        (height(end) > LEAST_HEIGHT * spacing).then_some(end)
+    }
+
+    /// The root mean square distance of the curvature of a tip from its middle. `tip` has a side for each of its vertices.
+    fn spread(&self, tip: &[u32]) -> f64 {
+        let weighted = || tip.iter().map(|&side| (self.defect(side).unwrap_or(0.0).max(0.0), self.place(side)));
+        let sum: f64 = weighted().map(|(weight, _)| weight).sum();
+        let middle = weighted().map(|(weight, p)| weight * p).sum::<DVec3>() / sum;
+        (weighted().map(|(weight, p)| weight * p.distance_squared(middle)).sum::<f64>() / sum).sqrt()
+    }
+
+    /// The triangles connected with that of `seed` over edges that reach into the ball around the vertex which `seed` leaves.
+    fn ball(&self, seed: u32, radius: f64) -> Vec<u32> {
+        let middle = self.place(seed);
+        let mut found = vec![seed / 3];
+        let mut is_found = FxHashSet::from_iter([seed / 3]);
+        let mut i = 0;
+        while i < found.len() {
+            let t = found[i];
+            i += 1;
+            for side in 3 * t..3 * t + 3 {
+                let across = self.twin[side as usize];
+                let reaches_in = || [side, next(side)].iter().any(|&s| self.place(s).distance(middle) <= radius);
+                if across != NONE && reaches_in() && is_found.insert(across / 3) {
+                    found.push(across / 3);
+                }
+            }
+        }
+        found
+    }
+
+    /// A side that leaves each vertex in that ball.
+    fn sides_within(&self, seed: u32, radius: f64) -> Vec<u32> {
+        let middle = self.place(seed);
+        let mut is_found = FxHashSet::default();
+        let sides = self.ball(seed, radius).into_iter().flat_map(|t| 3 * t..3 * t + 3);
+        let is_within = |side: &u32| self.place(*side).distance(middle) <= radius;
+        sides.filter(is_within).filter(|&side| is_found.insert(self.vertex(side))).collect()
+    }
+
+    /// The centre of mass of `triangles`.
+    fn center(&self, triangles: &[u32]) -> DVec3 {
+        let mut moment = DVec3::ZERO;
+        let mut mass = 0.0;
+        for &t in triangles {
+            let area = area(self.mesh.corners(t as usize));
+            moment += area * self.mesh.centroid(t as usize);
+            mass += area;
+        }
+        moment / mass
+    }
+}
+
+/// One less the sum of the angles around each vertex, in turns; `None` on the boundary and on feature curves.
+fn angle_defects(mesh: &Mesh, twin: &[u32]) -> Vec<Option<f64>> {
+    let of_triangles = parallel::map(0..mesh.triangles.len(), |t| angles(mesh.corners(t)));
+    let mut defects = vec![Some(1.0); mesh.positions.len()];
+    for (&v, angle) in mesh.triangles.iter().flatten().zip(of_triangles.iter().flatten()) {
+        defects[v as usize] = defects[v as usize].map(|defect| defect - angle / 360.0);
+    }
+    for side in (0..twin.len() as u32).filter(|&side| twin[side as usize] == NONE) {
+        for end in [side, next(side)] {
+            defects[mesh.triangles[end as usize / 3][end as usize % 3] as usize] = None;
+        }
+    }
+    defects
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::topology::twins;
+    use crate::testing::{joined, revolved, sphere};
+    use glam::dvec3;
+
+    /// Where spikes end, for samples at a distance of 0.1.
+    fn spikes_of(mesh: &Mesh) -> Vec<DVec3> {
+        let surface = Surface { mesh, twin: &[], defects: Vec::new() };
+        spikes(mesh, &twins(&mesh.triangles), |_| 0.1).into_iter().map(|side| surface.place(side)).collect()
+    }
+
+    /// A cone of height 1 over a circle of that radius, whose tip is cut flat where its radius is `blunt`.
+    fn cone(radius: f64, blunt: f64) -> Mesh {
+        let rings = 40;
+        let at = |i: i32| f64::from(i) / f64::from(rings);
+        let profile: Vec<(f64, f64)> = (0..=rings).map(|i| (radius + (blunt - radius) * at(i), at(i))).collect();
+        revolved([0.0, 1.0], &profile, 24)
+    }
+
+    #[test]
+    fn narrow_cones_are_spikes_and_wide_ones_and_spheres_are_not() {
+        let [at] = spikes_of(&cone(0.25, 1e-3))[..] else { panic!("not one spike") };
+        assert!(at.distance(DVec3::Z) < 2e-3, "{at}");
+        assert!(spikes_of(&cone(0.5, 1e-3)).is_empty());
+        assert!(spikes_of(&sphere()).is_empty());
+    }
+
+    #[test]
+    fn a_tip_that_is_cut_off_ends_in_one_vertex_of_its_end() {
+        let [at] = spikes_of(&cone(0.15, 0.02))[..] else { panic!("not one spike") };
+        assert!((at - DVec3::Z).length() < 0.021, "{at}");
+        assert!(spikes_of(&cone(0.15, 0.06)).is_empty(), "what is wider is round");
+    }
+
+    #[test]
+    fn bodies_smaller_than_the_spacing_have_none() {
+        let mut small = sphere();
+        small.positions.iter_mut().for_each(|p| *p = 0.02 * *p);
+        let beside = |mesh: Mesh| {
+            let moved = mesh.positions.into_iter().map(|p| p + dvec3(3.0, 0.0, 0.0)).collect();
+            Mesh { positions: moved, ..mesh }
+        };
+        assert_eq!(spikes_of(&joined([small, beside(cone(0.25, 1e-3))])).len(), 1);
+    }
+}
