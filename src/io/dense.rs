@@ -1,22 +1,22 @@
 //! Clouds with more points than are wanted, read in blocks and thinned while they are read, so that memory follows from the
 //! points wanted and not from the size of the file.
 //!
-//! A format takes part if its points are rows of equally many bytes. Those that are kept are read by its usual reader, as
-//! if they were the whole file.
+//! A format takes part if its points are rows of equally many bytes, or become such. Those that are kept are read by its usual
+//! reader, as if they were the whole file.
 
 use crate::base::error::Result;
 use crate::io::format::Format;
 use crate::io::opened::Opened;
 use crate::io::read::{Loaded, checked};
 use crate::io::table::Table;
-use crate::io::{las, ply};
+use crate::io::{las, ply, xyz};
 use crate::prepare::thin::{Thinned, Thinner};
 use std::path::Path;
 
 /// About the bytes of a block.
 const BLOCK: usize = 1 << 20;
 
-/// A file whose points are rows of equally many bytes.
+/// A file whose points are, or become, rows of equally many bytes.
 pub(crate) struct PointFile {
     pub file: Opened,
     /// How its points are read.
@@ -28,6 +28,7 @@ pub(crate) fn table(format: Format, head: &[u8], length: u64) -> Option<Table> {
     match format {
         Format::Ply => ply::table(head, length),
         Format::Las => las::table(head, length),
+        Format::Xyz => xyz::table(head, length),
         _ => None,
     }
 }
@@ -39,8 +40,13 @@ impl PointFile {
     /// [`Error::File`](crate::Error::File) if there is no such file or it cannot be read.
     pub fn open(path: &Path, format: Option<Format>) -> Result<Option<PointFile>> {
         let Some(file) = Opened::open(path, format)? else { return Ok(None) };
-        let table = table(file.format, &file.head, file.length);
-        Ok(table.map(|table| PointFile { file, table }))
+        let Some(mut table) = table(file.format, &file.head, file.length) else { return Ok(None) };
+        if let Some(packed) = &table.packed
+            && let Some(points) = file.count(packed.as_ref())?
+        {
+            table.points = points;
+        }
+        Ok((table.points < u32::MAX as usize).then_some(PointFile { file, table }))
     }
 
     /// Shows all points to `take`, in their order and block by block. All coordinates are finite.
@@ -49,20 +55,28 @@ impl PointFile {
     /// Those of `take`; [`Error::File`](crate::Error::File) if the file cannot be read; an error with the place in it if a point
     /// is nowhere.
     pub fn read(&self, take: &mut dyn FnMut(&[u8]) -> Result<()>) -> Result<()> {
-        let Table { start, row, points, rows } = &self.table;
-        self.file.seek(*start)?;
-        let mut block = vec![0; (BLOCK / row).max(1) * row];
+        let Table { start, row, points, rows, packed } = &self.table;
         let mut first = 0;
-        while first < *points {
-            let count = (block.len() / row).min(points - first);
-            let bytes = &mut block[..count * row];
-            self.file.fill(bytes)?;
+        let mut take_finite = |bytes: &[u8]| {
             let is_nowhere = |row: &[u8]| !rows.look(row).position.is_finite();
             if let Some((i, row)) = bytes.chunks_exact(*row).enumerate().find(|(_, row)| is_nowhere(row)) {
                 return Err(self.file.locate(rows.nowhere(first + i, row)));
             }
-            take(bytes)?;
-            first += count;
+            first += bytes.len() / row;
+            take(bytes)
+        };
+        let full = (BLOCK / row).max(1) * row;
+        if let Some(packed) = packed {
+            return self.file.unpack(packed.as_ref(), full, &mut take_finite);
+        }
+        self.file.seek(*start)?;
+        let mut block = vec![0; full];
+        let mut left = points * row;
+        while left > 0 {
+            let count = full.min(left);
+            self.file.fill(&mut block[..count])?;
+            take_finite(&block[..count])?;
+            left -= count;
         }
         Ok(())
     }

@@ -4,6 +4,7 @@ use crate::base::error::{Error, Result};
 use crate::io::disk::{file_error, read_error};
 use crate::io::format::Format;
 use crate::io::named::input_format;
+use crate::io::table::Packed;
 use std::fs::{self, File};
 use std::io::{ErrorKind, Read as _, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -52,6 +53,36 @@ impl Opened {
     /// [`Error::File`](crate::Error::File) if the file cannot be read.
     pub fn seek(&self, to: u64) -> Result<()> {
         (&self.file).seek(SeekFrom::Start(to)).map(|_| ()).map_err(|error| read_error(&self.path, &error))
+    }
+
+    /// How many rows `packed` makes of the file, if that has to be counted.
+    ///
+    /// # Errors
+    /// [`Error::Format`] if the file cannot be read.
+    pub fn count(&self, packed: &dyn Packed) -> Result<Option<usize>> {
+        self.seek(0)?;
+        packed.count(&self.file).map_err(|error| self.locate(error))
+    }
+
+    /// Shows the rows that `packed` makes of the file in blocks of `full` bytes; the last may have fewer.
+    ///
+    /// # Errors
+    /// Those of `show`; what `packed` says is wrong with the file.
+    pub fn unpack(&self, packed: &dyn Packed, full: usize, show: &mut dyn FnMut(&[u8]) -> Result<()>) -> Result<()> {
+        self.seek(0)?;
+        let mut block = Vec::with_capacity(full);
+        packed
+            .unpack(&self.file, &mut |row| {
+                block.extend_from_slice(row);
+                if block.len() < full {
+                    return Ok(());
+                }
+                let shown = show(&block);
+                block.clear();
+                shown
+            })
+            .map_err(|error| self.locate(error))?;
+        if block.is_empty() { Ok(()) } else { show(&block) }
     }
 
     /// Reads the next bytes, as many as there is room for.

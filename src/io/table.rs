@@ -3,10 +3,11 @@
 use crate::base::error::{Error, Result};
 use crate::io::content::Parsed;
 use crate::prepare::thin::Seen;
+use std::fs::File;
 
-/// The points of a file that are rows of equally many bytes.
+/// The points of a file that are, or become, rows of equally many bytes.
 pub(crate) struct Table {
-    /// Where they begin, in bytes.
+    /// Where they begin in the file, in bytes.
     pub start: u64,
     /// The bytes of each.
     pub row: usize,
@@ -14,6 +15,25 @@ pub(crate) struct Table {
     pub points: usize,
     /// What a format knows of them.
     pub rows: Box<dyn Rows>,
+    /// How the rows are made of what the file has, if it does not have them.
+    pub packed: Option<Box<dyn Packed>>,
+}
+
+/// Rows that the file has in another form.
+pub(crate) trait Packed: Sync {
+    /// How many rows there are, if only the file tells.
+    ///
+    /// # Errors
+    /// [`Error::Format`] if it cannot be read.
+    fn count(&self, _: &File) -> Result<Option<usize>> {
+        Ok(None)
+    }
+
+    /// Shows all rows of the file, in their order.
+    ///
+    /// # Errors
+    /// Those of `show`; an error with the place of what is damaged.
+    fn unpack(&self, file: &File, show: &mut dyn FnMut(&[u8]) -> Result<()>) -> Result<()>;
 }
 
 /// The faces of a file, which are rows of different lengths.

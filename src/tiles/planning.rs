@@ -104,7 +104,7 @@ pub fn can_plan(input: &Path, format: Option<Format>, options: &SampleOptions) -
 fn not_in_pieces(input: &Path) -> Error {
     Error::File {
         file: input.display().to_string(),
-        cause: "it cannot be read in pieces: only points in binary PLY and in uncompressed LAS can".into(),
+        cause: "it cannot be read in pieces: only points in binary PLY, LAS, LAZ and text (XYZ) can".into(),
         remedy: "convert it, or read it as a whole, without --out-of-core".into(),
     }
 }

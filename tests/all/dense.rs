@@ -47,6 +47,12 @@ fn what_is_kept_of_a_file_are_points_of_it_with_all_that_they_have() {
     for wanted in [None, Some(30_000)] {
         assert!(read_at_most(&path, None, wanted).unwrap() == all, "{wanted:?}");
     }
+    let text = path.with_extension("xyz");
+    let (points, attributes) = torus(30_000);
+    write_points_file(&text, &points, &attributes, None).unwrap();
+    let of_text = read_at_most(&text, None, Some(1000)).unwrap();
+    assert!(of_text.thinned.unwrap().numbers == *kept && of_text.mesh == some.mesh);
+    assert!(read_at_most(&text, None, Some(30_000)).unwrap().thinned.is_none());
 }
 
 #[test]

@@ -182,6 +182,13 @@ mod command {
         }
         assert!(remesh(home, "tiles merge work b.ply").status.success());
         assert!(fs::read(home.join("a.ply")).unwrap() == fs::read(home.join("b.ply")).unwrap());
+        let points = Points::without_normals(read_file(&home.join("cloud.ply"), None).unwrap().mesh.positions);
+        write_points_file(&home.join("cloud.xyz"), &points, &Attributes::default(), None).unwrap();
+        assert!(remesh(home, &format!("sample cloud.xyz c.ply {common} --out-of-core --temp temp")).status.success());
+        assert!(
+            fs::read(home.join("a.ply")).unwrap() == fs::read(home.join("c.ply")).unwrap(),
+            "text has other samples"
+        );
     }
 
     #[test]

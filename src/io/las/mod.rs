@@ -8,11 +8,16 @@
 //! Read are versions 1.0 to 1.4. Left out are returns, times, angles, waveforms and extra bytes.
 //!
 //! Cost: one pass. A header that promises more points than there can be is refused before memory is reserved; of LAZ,
-//! which may hold any number of equal points in few bytes, at most [`MOST_PER_BYTE`] a byte are read.
+//! which may hold any number of equal points in few bytes, at most sixteen a byte are read.
 //!
 //! Limits: what is damaged inside of compressed points is found by the crate, which may panic at it; that is caught, but
 //! a panic hook still hears of it.
 
+#[cfg(feature = "laz")]
+mod packed;
+#[cfg(not(feature = "laz"))]
+#[path = "unpackable.rs"]
+mod packed;
 #[cfg(feature = "fs")]
 mod rows;
 
@@ -53,11 +58,8 @@ const WIDE: usize = 6;
 /// Set in the number of the layout of compressed points.
 const COMPRESSED: u8 = 0x80;
 
-/// Points for each byte of a compressed file: real ones take more than a byte each.
-#[cfg(feature = "laz")]
-const MOST_PER_BYTE: usize = 16;
-
 /// What the header says.
+#[derive(Clone, Copy)]
 struct Header {
     layout: usize,
     compressed: bool,
@@ -74,7 +76,10 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     let header = header(bytes)?;
     let mut cloud = Cloud::default();
     if header.compressed {
-        decompress(bytes, &header, &mut |row| cloud.push(&header, row))?;
+        packed::unpack(std::io::Cursor::new(bytes), &header, &mut |row| {
+            cloud.push(&header, row);
+            Ok(())
+        })?;
     } else {
         let points = bytes.get(header.start..).unwrap_or_default();
         if points.len() / header.length < header.count {
@@ -174,135 +179,6 @@ impl Cloud {
     }
 }
 
-/// Calls `push` with each point of a LAZ file.
-#[cfg(feature = "laz")]
-fn decompress(bytes: &[u8], header: &Header, push: &mut dyn FnMut(&[u8])) -> Result<()> {
-    let damaged = |cause: String| malformed(Place::Byte(header.start), cause, CUT_SHORT);
-    if header.count / MOST_PER_BYTE > bytes.len() || !has_sound_chunks(bytes, header.start) {
-        return Err(damaged(format!("the header says {} points, more than so few bytes can hold", header.count)));
-    }
-    let Some(record) = record_of_laszip(bytes) else {
-        return Err(malformed(Place::Byte(HEADERS[0]), "nothing says how the points are compressed", EXPORT_AGAIN));
-    };
-    // The crate assumes that a sound program compressed the data.
-    let work = std::panic::AssertUnwindSafe(|| decompress_record(bytes, header, record, push));
-    match std::panic::catch_unwind(work) {
-        Ok(Ok(())) => Ok(()),
-        Ok(Err(cause)) => Err(damaged(format!("the compressed points cannot be read: {cause}"))),
-        Err(_) => Err(damaged("the compressed points are damaged".into())),
-    }
-}
-
-#[cfg(feature = "laz")]
-fn decompress_record(
-    bytes: &[u8],
-    header: &Header,
-    record: &[u8],
-    push: &mut dyn FnMut(&[u8]),
-) -> std::result::Result<(), String> {
-    let record = laz::LazVlr::from_buffer(record).map_err(|e| e.to_string())?;
-    let sizes: usize = record.items().iter().map(|item| usize::from(item.size())).sum();
-    if sizes != header.length {
-        return Err(format!("points of {sizes} bytes instead of {}", header.length));
-    }
-    let layers = record.items().iter().map(layers_of).sum();
-    let end = table_of_chunks(bytes, header.start).filter(|end| (header.start..bytes.len()).contains(end));
-    let chunks = &bytes[..end.unwrap_or(bytes.len())];
-    if layers > 0 && !has_sound_layers(chunks, header, layers) {
-        return Err("a chunk of them is longer than the file".into());
-    }
-    let mut source = std::io::Cursor::new(bytes);
-    source.set_position(header.start as u64);
-    let mut points = laz::LasZipDecompressor::new(source, record).map_err(|e| e.to_string())?;
-    if layers > 0 {
-        // Nothing behind what was looked at is taken for a chunk.
-        let source = points.get_mut();
-        let at = source.position();
-        *source = std::io::Cursor::new(chunks);
-        source.set_position(at);
-    }
-    let mut row = vec![0; header.length];
-    for _ in 0..header.count {
-        points.decompress_one(&mut row).map_err(|e| e.to_string())?;
-        push(&row);
-    }
-    Ok(())
-}
-
-/// The layers that a part of a point is kept in, in each chunk; none in the layouts below 6.
-#[cfg(feature = "laz")]
-fn layers_of(item: &laz::LazItem) -> usize {
-    use laz::LazItemType::{Byte14, Point14, RGB14, RGBNIR14, WavePacket14};
-    match item.item_type() {
-        Point14 => 9,
-        RGB14 | WavePacket14 => 1,
-        RGBNIR14 => 2,
-        Byte14(count) => count.into(),
-        _ => 0,
-    }
-}
-
-/// Whether all layers, for which the crate reserves memory at once, are in the file, of which these are the bytes up to the
-/// end of the last chunk. A chunk is a point, the number of points, the sizes of the layers in 32 bits, and the layers.
-#[cfg(feature = "laz")]
-fn has_sound_layers(bytes: &[u8], header: &Header, layers: usize) -> bool {
-    const TABLE: usize = 8;
-    const COUNT: usize = 4;
-    let mut at = header.start + TABLE;
-    // What ends before its layers is found by the crate.
-    while let Some(sizes) = bytes.get(at + header.length + COUNT..).and_then(|rest| rest.get(..4 * layers)) {
-        let sizes = sizes.chunks_exact(4).filter_map(|size| u32_at(size, 0));
-        let size = sizes.fold(0usize, |sum, size| sum.saturating_add(size as usize));
-        at += header.length + COUNT + 4 * layers;
-        if size > bytes.len() - at {
-            return false;
-        }
-        at += size;
-    }
-    true
-}
-
-/// Where the table of chunks begins, at which the points end.
-#[cfg(feature = "laz")]
-fn table_of_chunks(bytes: &[u8], start: usize) -> Option<usize> {
-    let place = |at: usize| array(bytes, at).map(i64::from_le_bytes);
-    let table = match place(start) {
-        Some(-1) => bytes.len().checked_sub(8).and_then(place),
-        table => table,
-    };
-    table.and_then(|at| usize::try_from(at).ok())
-}
-
-/// Whether the table of chunks, for which the crate reserves memory at once, has fewer of them than the file bytes.
-#[cfg(feature = "laz")]
-fn has_sound_chunks(bytes: &[u8], start: usize) -> bool {
-    let chunks = table_of_chunks(bytes, start).and_then(|at| u32_at(bytes, at.checked_add(4)?));
-    chunks.is_none_or(|chunks| chunks as usize <= bytes.len())
-}
-
-/// The record that says how points are compressed.
-#[cfg(feature = "laz")]
-fn record_of_laszip(bytes: &[u8]) -> Option<&[u8]> {
-    const RECORD_HEADER: usize = 54;
-    let short = |at: usize| array(bytes, at).map(u16::from_le_bytes);
-    let mut at = usize::from(short(94)?);
-    for _ in 0..u32_at(bytes, 100)? {
-        let (id, length) = (short(at + 18)?, usize::from(short(at + 20)?));
-        let data = bytes.get(at + RECORD_HEADER..at + RECORD_HEADER + length)?;
-        if id == laz::LazVlr::RECORD_ID && bytes[at + 2..].starts_with(laz::LazVlr::USER_ID.as_bytes()) {
-            return Some(data);
-        }
-        at += RECORD_HEADER + length;
-    }
-    None
-}
-
-#[cfg(not(feature = "laz"))]
-fn decompress(_: &[u8], _: &Header, _: &mut dyn FnMut(&[u8])) -> Result<()> {
-    let cause = "the points are compressed (LAZ), and this program was built without the feature laz";
-    Err(malformed(Place::Whole, cause, "decompress it to LAS, or build with that feature"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -392,7 +268,7 @@ mod tests {
     }
 
     #[cfg(feature = "laz")]
-    fn laz() -> Vec<u8> {
+    pub(super) fn laz() -> Vec<u8> {
         compressed(2, &rows(), 50_000)
     }
 

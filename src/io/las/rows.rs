@@ -1,21 +1,32 @@
-//! The points of a file that is not compressed, as rows of bytes.
+//! The points of a file as rows of bytes.
 
+use super::packed::{self, CAN_UNPACK};
 use super::{Cloud, Header, header, nowhere, position};
-use crate::base::error::Error;
+use crate::base::error::{Error, Result};
 use crate::io::content::Parsed;
-use crate::io::table::{Rows, Table};
+use crate::io::table::{Packed, Rows, Table};
 use crate::prepare::thin::Seen;
 use glam::DVec3;
+use std::fs::File;
+use std::io::BufReader;
 
-/// The points of a file of this many bytes that begins with `head`, if they are not compressed.
+/// The points of a file of this many bytes that begins with `head`.
 pub(crate) fn table(head: &[u8], length: u64) -> Option<Table> {
-    let header = header(head).ok().filter(|header| !header.compressed)?;
-    let Header { start, length: row, count: points, .. } = header;
+    let header = header(head).ok()?;
+    let Header { start, length: row, count: points, compressed, .. } = header;
     let found = length.checked_sub(start as u64)? / row as u64;
-    if found < points as u64 || points >= u32::MAX as usize {
+    let is_there = if compressed { CAN_UNPACK } else { found >= points as u64 };
+    if !is_there || points >= u32::MAX as usize {
         return None;
     }
-    Some(Table { start: start as u64, row, points, rows: Box::new(header) })
+    let packed = compressed.then(|| Box::new(header) as Box<dyn Packed>);
+    Some(Table { start: start as u64, row, points, rows: Box::new(header), packed })
+}
+
+impl Packed for Header {
+    fn unpack(&self, file: &File, show: &mut dyn FnMut(&[u8]) -> Result<()>) -> Result<()> {
+        packed::unpack(BufReader::new(file), self, show)
+    }
 }
 
 impl Rows for Header {
@@ -48,5 +59,28 @@ mod tests {
         assert_eq!(table.rows.look(&rows[26..52]).position, parse(&bytes).unwrap().mesh.positions[1]);
         assert!(table.rows.read(rows).unwrap() == parse(&bytes).unwrap());
         assert!(super::table(&bytes, bytes.len() as u64 - 1).is_none());
+    }
+    #[cfg(feature = "laz")]
+    #[test]
+    fn compressed_points_become_the_same_rows() {
+        use super::super::tests::laz;
+        use std::io::{Seek, Write};
+        let bytes = laz();
+        let table = super::table(&bytes, bytes.len() as u64).unwrap();
+        assert_eq!((table.points, table.row), (COUNT, 26));
+        let packed = table.packed.unwrap();
+        let rows_of = |bytes: &[u8]| {
+            let mut file = tempfile::tempfile().unwrap();
+            file.write_all(bytes).unwrap();
+            file.rewind().unwrap();
+            let mut rows = Vec::new();
+            let whole = packed.unpack(&file, &mut |row| {
+                rows.extend_from_slice(row);
+                Ok(())
+            });
+            whole.map(|()| rows)
+        };
+        assert!(rows_of(&bytes).unwrap() == las()[HEADERS[0]..]);
+        assert!(rows_of(&bytes[..bytes.len() - 60]).unwrap_err().to_string().contains("compressed points"));
     }
 }

@@ -34,7 +34,7 @@ fn table_of<const BIG: bool>(header: Header, length: u64) -> Option<Table> {
         return None;
     }
     let points = usize::try_from(points).ok().filter(|&points| points < u32::MAX as usize)?;
-    Some(Table { start, row, points, rows: Box::new(BinaryRows::<BIG> { header, vertex, columns }) })
+    Some(Table { start, row, points, rows: Box::new(BinaryRows::<BIG> { header, vertex, columns }), packed: None })
 }
 
 /// The vertices and the faces of a binary file of this many bytes that has nothing else, whose header is in `head`.
@@ -65,7 +65,10 @@ fn surface_of<const BIG: bool>(mut header: Header, length: u64) -> Option<(Table
     let faces = Faces { start: end, count: faces.count, have_more, rows };
     // Vertices are read as if they were all of the file.
     header.elements[face].count = 0;
-    Some((Table { start, row, points, rows: Box::new(BinaryRows::<BIG> { header, vertex, columns }) }, faces))
+    Some((
+        Table { start, row, points, rows: Box::new(BinaryRows::<BIG> { header, vertex, columns }), packed: None },
+        faces,
+    ))
 }
 
 /// The faces of a binary file.

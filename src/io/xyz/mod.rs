@@ -11,11 +11,17 @@
 //!
 //! Cost: one pass; eight bytes a number.
 
-use super::bytes::malformed;
-use super::columns::{are_unit, color, cut, normal};
-use super::text::{Words, number, quote, write_number};
+#[cfg(feature = "fs")]
+mod rows;
+
+#[cfg(feature = "fs")]
+pub(crate) use rows::table;
+
 use crate::base::error::{Place, Result};
+use crate::io::bytes::malformed;
+use crate::io::columns::{are_unit, color, cut, normal};
 use crate::io::content::{Content, Parsed, Read};
+use crate::io::text::{Words, number, quote, write_number};
 use crate::mesh::attributes::{Attribute, Attributes, Scalar};
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
@@ -47,14 +53,12 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
         let remedy = "export its points as such text, one a line, or as PLY, PCD or LAS";
         return Err(malformed(Place::Whole, "it is binary, not columns of numbers in text", remedy));
     }
-    let Table { heading, width, values } = read(bytes)?;
-    if width == 0 {
+    let mut table = Table::default();
+    table.lines(Words::new(bytes))?;
+    if table.width == 0 {
         return Err(malformed(Place::Whole, "there are no numbers in it", "check that it has one point a line"));
     }
-    let positions = values.chunks_exact(width).map(|row| DVec3::new(row[0], row[1], row[2])).collect();
-    let (vertex, notes) = attributes(&values, width, &heading);
-    let attributes = Attributes { vertex, ..Attributes::default() };
-    Ok(Read { mesh: Mesh { positions, triangles: Vec::new() }, attributes, notes })
+    Ok(table.finish())
 }
 
 /// Writes positions and, behind them, all numbers of each vertex, under a comment that names the columns.
@@ -103,18 +107,26 @@ fn is_binary(bytes: &[u8]) -> bool {
     bytes[..bytes.len().min(HEAD)].contains(&0)
 }
 
-fn read(bytes: &[u8]) -> Result<Table> {
-    let mut words = Words::new(bytes);
-    let mut table = Table::default();
-    loop {
-        table.line(&mut words)?;
-        if !words.next_line() {
-            return Ok(table);
+impl Table {
+    /// Adds all lines of a text.
+    fn lines(&mut self, mut words: Words) -> Result<()> {
+        loop {
+            self.line(&mut words)?;
+            if !words.next_line() {
+                return Ok(());
+            }
         }
     }
-}
 
-impl Table {
+    /// The points of the rows, and what their further columns are.
+    fn finish(self) -> Read {
+        let Table { heading, width, values } = self;
+        let positions = values.chunks_exact(width).map(|row| DVec3::new(row[0], row[1], row[2])).collect();
+        let (vertex, notes) = attributes(&values, width, &heading);
+        let attributes = Attributes { vertex, ..Attributes::default() };
+        Read { mesh: Mesh { positions, triangles: Vec::new() }, attributes, notes }
+    }
+
     fn line(&mut self, words: &mut Words) -> Result<()> {
         let before = self.values.len();
         let line = read_line(words, &mut self.values);

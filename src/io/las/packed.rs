@@ -1,0 +1,193 @@
+//! Compressed points, from memory or from a file.
+//!
+//! Cost: one pass, in which the crate `laz` holds a chunk at most, some 50,000 points. What the crate would reserve memory for is
+//! compared with the size of the file first.
+
+use super::{HEADERS, Header};
+use crate::base::error::{Place, Result};
+use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed};
+use laz::{LasZipDecompressor, LazItem, LazVlr};
+use std::io::{Read, Seek, SeekFrom};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// Points for each byte of a compressed file: real ones take more than a byte each.
+const MOST_PER_BYTE: u64 = 16;
+
+/// Whether compressed points can be read at all.
+#[cfg(feature = "fs")]
+pub(super) const CAN_UNPACK: bool = true;
+
+/// The bytes before the first chunk, and of the number of points in front of a chunk's layers.
+const BEFORE_CHUNKS: u64 = 8;
+const COUNT: usize = 4;
+
+/// A file, or a part of one, that ends where it is told to.
+struct Bytes<R> {
+    source: R,
+    /// Where the next byte is. To ask the file takes a call of the system.
+    place: u64,
+    end: u64,
+}
+
+/// Shows each point of a LAZ file as the row of bytes that LAS has.
+///
+/// # Errors
+/// Those of `show`; an error with the place of what is damaged.
+pub(super) fn unpack<R: Read + Seek + Send + Sync>(
+    mut source: R,
+    header: &Header,
+    show: &mut dyn FnMut(&[u8]) -> Result<()>,
+) -> Result<()> {
+    let damaged = |cause: String| malformed(Place::Byte(header.start), cause, CUT_SHORT);
+    let end = source.seek(SeekFrom::End(0)).map_err(|e| damaged(e.to_string()))?;
+    let mut bytes = Bytes { source, place: end, end };
+    if header.count as u64 / MOST_PER_BYTE > end || !bytes.has_sound_chunks(header.start as u64) {
+        return Err(damaged(format!("the header says {} points, more than so few bytes can hold", header.count)));
+    }
+    let Some(record) = bytes.record_of_laszip() else {
+        return Err(malformed(Place::Byte(HEADERS[0]), "nothing says how the points are compressed", EXPORT_AGAIN));
+    };
+    let mut refused = Ok(());
+    let mut shown = |row: &[u8]| {
+        refused = show(row);
+        refused.is_ok()
+    };
+    // The crate assumes that a sound program compressed the data.
+    let unpacked = catch_unwind(AssertUnwindSafe(|| bytes.unpack(header, &record, &mut shown)));
+    refused?;
+    match unpacked {
+        Ok(Ok(())) => Ok(()),
+        Ok(Err(cause)) => Err(damaged(format!("the compressed points cannot be read: {cause}"))),
+        Err(_) => Err(damaged("the compressed points are damaged".into())),
+    }
+}
+
+impl<R: Read + Seek + Send + Sync> Bytes<R> {
+    /// The bytes at this place, if there are so many.
+    fn at(&mut self, place: u64, count: usize) -> Option<Vec<u8>> {
+        let is_there = place.checked_add(count as u64).is_some_and(|end| end <= self.end);
+        let mut bytes = vec![0; if is_there { count } else { return None }];
+        self.seek(SeekFrom::Start(place)).ok()?;
+        self.read_exact(&mut bytes).ok()?;
+        Some(bytes)
+    }
+
+    fn array<const N: usize>(&mut self, place: u64) -> Option<[u8; N]> {
+        self.at(place, N)?.try_into().ok()
+    }
+
+    /// Shows points until there are no more, or `show` returns false.
+    fn unpack(
+        mut self,
+        header: &Header,
+        record: &[u8],
+        show: &mut dyn FnMut(&[u8]) -> bool,
+    ) -> std::result::Result<(), String> {
+        let record = LazVlr::from_buffer(record).map_err(|e| e.to_string())?;
+        let sizes: usize = record.items().iter().map(|item| usize::from(item.size())).sum();
+        if sizes != header.length {
+            return Err(format!("points of {sizes} bytes instead of {}", header.length));
+        }
+        let layers = record.items().iter().map(layers_of).sum();
+        let start = header.start as u64;
+        let end_of_chunks = self.table_of_chunks(start).filter(|end| (start..self.end).contains(end));
+        let end_of_chunks = end_of_chunks.unwrap_or(self.end);
+        if layers > 0 && !self.has_sound_layers(end_of_chunks, header, layers) {
+            return Err("a chunk of them is longer than the file".into());
+        }
+        self.seek(SeekFrom::Start(start)).map_err(|e| e.to_string())?;
+        let mut points = LasZipDecompressor::new(self, record).map_err(|e| e.to_string())?;
+        if layers > 0 {
+            // Nothing behind what was looked at is taken for a chunk.
+            points.get_mut().end = end_of_chunks;
+        }
+        let mut row = vec![0; header.length];
+        for _ in 0..header.count {
+            points.decompress_one(&mut row).map_err(|e| e.to_string())?;
+            if !show(&row) {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether all layers, for which the crate reserves memory at once, are before the end of the last chunk. A chunk is a point,
+    /// the number of points, the sizes of the layers in 32 bits, and the layers.
+    fn has_sound_layers(&mut self, end: u64, header: &Header, layers: usize) -> bool {
+        let mut at = header.start as u64 + BEFORE_CHUNKS;
+        let before = (header.length + COUNT) as u64;
+        let whole = std::mem::replace(&mut self.end, end);
+        let mut is_sound = true;
+        // What ends before its layers is found by the crate.
+        while let Some(sizes) = self.at(at + before, 4 * layers).filter(|_| is_sound) {
+            let size = |bytes: &[u8]| bytes.try_into().map_or(0, u32::from_le_bytes);
+            let size: u64 = sizes.chunks_exact(4).map(|bytes| u64::from(size(bytes))).sum();
+            at += before + 4 * layers as u64;
+            is_sound = size <= end - at;
+            at += size;
+        }
+        self.end = whole;
+        is_sound
+    }
+
+    /// Where the table of chunks begins, at which the points end.
+    fn table_of_chunks(&mut self, start: u64) -> Option<u64> {
+        let table = match self.array(start).map(i64::from_le_bytes) {
+            Some(-1) => self.end.checked_sub(8).and_then(|at| self.array(at)).map(i64::from_le_bytes),
+            table => table,
+        };
+        table.and_then(|at| at.try_into().ok())
+    }
+
+    /// Whether the table of chunks, for which the crate reserves memory at once, has fewer of them than the file bytes.
+    fn has_sound_chunks(&mut self, start: u64) -> bool {
+        let table = self.table_of_chunks(start).and_then(|at| at.checked_add(4));
+        let chunks = table.and_then(|at| self.array(at)).map(u32::from_le_bytes);
+        chunks.is_none_or(|chunks| u64::from(chunks) <= self.end)
+    }
+
+    /// The record that says how points are compressed.
+    fn record_of_laszip(&mut self) -> Option<Vec<u8>> {
+        const RECORD_HEADER: usize = 54;
+        let mut at = u64::from(u16::from_le_bytes(self.array(94)?));
+        for _ in 0..u32::from_le_bytes(self.array(100)?) {
+            let header = self.at(at, RECORD_HEADER)?;
+            let short = |at: usize| u16::from_le_bytes([header[at], header[at + 1]]);
+            let data = self.at(at + RECORD_HEADER as u64, usize::from(short(20)))?;
+            if short(18) == LazVlr::RECORD_ID && header[2..].starts_with(LazVlr::USER_ID.as_bytes()) {
+                return Some(data);
+            }
+            at += (RECORD_HEADER + data.len()) as u64;
+        }
+        None
+    }
+}
+
+/// The layers that a part of a point is kept in, in each chunk; none in the layouts below 6.
+fn layers_of(item: &LazItem) -> usize {
+    use laz::LazItemType::{Byte14, Point14, RGB14, RGBNIR14, WavePacket14};
+    match item.item_type() {
+        Point14 => 9,
+        RGB14 | WavePacket14 => 1,
+        RGBNIR14 => 2,
+        Byte14(count) => count.into(),
+        _ => 0,
+    }
+}
+
+impl<R: Read + Seek> Read for Bytes<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let left = usize::try_from(self.end.saturating_sub(self.place)).unwrap_or(usize::MAX);
+        let most = buffer.len().min(left);
+        let count = self.source.read(&mut buffer[..most])?;
+        self.place += count as u64;
+        Ok(count)
+    }
+}
+
+impl<R: Read + Seek> Seek for Bytes<R> {
+    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
+        self.place = self.source.seek(to)?;
+        Ok(self.place)
+    }
+}

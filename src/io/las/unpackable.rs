@@ -1,0 +1,18 @@
+//! Compressed points, for programs that cannot decompress them.
+
+use super::Header;
+use crate::base::error::{Place, Result};
+use crate::io::bytes::malformed;
+use std::io::{Read, Seek};
+
+#[cfg(feature = "fs")]
+pub(super) const CAN_UNPACK: bool = false;
+
+pub(super) fn unpack<R: Read + Seek + Send + Sync>(
+    _: R,
+    _: &Header,
+    _: &mut dyn FnMut(&[u8]) -> Result<()>,
+) -> Result<()> {
+    let cause = "the points are compressed (LAZ), and this program was built without the feature laz";
+    Err(malformed(Place::Whole, cause, "decompress it to LAS, or build with that feature"))
+}
