@@ -85,7 +85,7 @@ fn not_in_blocks(path: &Path) -> Error {
         file: path.display().to_string(),
         cause:
             "it cannot be read in blocks: only faces in OBJ, binary PLY and binary STL can, and points in binary PLY, \
-                LAS, LAZ and text (XYZ)"
+                LAS, LAZ, E57 and text (XYZ)"
                 .into(),
         remedy: "convert it, or read it as a whole, without --out-of-core".into(),
     }

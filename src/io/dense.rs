@@ -9,7 +9,7 @@ use crate::io::format::Format;
 use crate::io::opened::Opened;
 use crate::io::read::{Loaded, checked};
 use crate::io::table::Table;
-use crate::io::{las, ply, xyz};
+use crate::io::{e57, las, ply, xyz};
 use crate::prepare::thin::{Thinned, Thinner};
 use std::path::Path;
 
@@ -29,6 +29,7 @@ pub(crate) fn table(format: Format, head: &[u8], length: u64) -> Option<Table> {
         Format::Ply => ply::table(head, length),
         Format::Las => las::table(head, length),
         Format::Xyz => xyz::table(head, length),
+        Format::E57 => e57::table(head),
         _ => None,
     }
 }
@@ -103,5 +104,6 @@ pub(super) fn read_thinned(path: &Path, format: Option<Format>, wanted: usize) -
     let PointFile { file, table } = points;
     let read = table.rows.read(&rows).and_then(|read| checked(read, file.format));
     let loaded = read.map_err(|error| file.locate(error))?;
-    Ok(Some(Loaded { thinned: Some(thinned), ..loaded }))
+    let thinned = Some(thinned).filter(|thinned| thinned.numbers.len() < thinned.points);
+    Ok(Some(Loaded { thinned, ..loaded }))
 }

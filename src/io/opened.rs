@@ -55,7 +55,7 @@ impl Opened {
         (&self.file).seek(SeekFrom::Start(to)).map(|_| ()).map_err(|error| read_error(&self.path, &error))
     }
 
-    /// How many rows `packed` makes of the file, if that has to be counted.
+    /// How many rows `packed` makes of the file at most, if only the file tells.
     ///
     /// # Errors
     /// [`Error::Format`] if the file cannot be read.

@@ -11,7 +11,7 @@ pub(crate) struct Table {
     pub start: u64,
     /// The bytes of each.
     pub row: usize,
-    /// How many there are.
+    /// How many there are; at most, where they are packed.
     pub points: usize,
     /// What a format knows of them.
     pub rows: Box<dyn Rows>,
@@ -21,7 +21,7 @@ pub(crate) struct Table {
 
 /// Rows that the file has in another form.
 pub(crate) trait Packed: Sync {
-    /// How many rows there are, if only the file tells.
+    /// How many rows there are at most, if only the file tells.
     ///
     /// # Errors
     /// [`Error::Format`] if it cannot be read.

@@ -79,12 +79,11 @@ pub fn make_plan(
         is_sided,
     };
     monitor.stage("sort");
-    let chunks = sorted(&file, folder, sampling.block(), monitor)?;
+    let (chunks, points) = sorted(&file, folder, sampling.block(), monitor)?;
     let wanted = match *density {
         SampleDensity::Points(wanted) => Some(wanted),
         _ => None,
     };
-    let points = file.table.points;
     let Opened { format, head, length, .. } = file.file;
     let mut plan =
         Plan { input: name, points, wanted, sampling, tiles: vec![], tile: 1, lowest: [0; 3], format, length, chunks };
@@ -104,7 +103,7 @@ pub fn can_plan(input: &Path, format: Option<Format>, options: &SampleOptions) -
 fn not_in_pieces(input: &Path) -> Error {
     Error::File {
         file: input.display().to_string(),
-        cause: "it cannot be read in pieces: only points in binary PLY, LAS, LAZ and text (XYZ) can".into(),
+        cause: "it cannot be read in pieces: only points in binary PLY, LAS, LAZ, E57 and text (XYZ) can".into(),
         remedy: "convert it, or read it as a whole, without --out-of-core".into(),
     }
 }
@@ -141,8 +140,8 @@ fn some_points(file: &PointFile) -> Result<Points> {
     Points::new(seen().map(|s| s.position).collect(), if has_normals { normals } else { Vec::new() })
 }
 
-/// The points of a file, sorted by bucket.
-fn sorted(file: &PointFile, folder: &TileFolder, block: f64, monitor: &dyn Monitor) -> Result<Vec<Chunk>> {
+/// The points of a file, sorted by bucket, and how many there are.
+fn sorted(file: &PointFile, folder: &TileFolder, block: f64, monitor: &dyn Monitor) -> Result<(Vec<Chunk>, usize)> {
     let mut spill = SpillWriter::create(&folder.points())?;
     let (row, mut number) = (file.table.row, 0u32);
     file.read(&mut |rows| {
@@ -155,7 +154,7 @@ fn sorted(file: &PointFile, folder: &TileFolder, block: f64, monitor: &dyn Monit
         monitor.progress(f64::from(number) / file.table.points as f64);
         Ok(())
     })?;
-    spill.finish()
+    Ok((spill.finish()?, number as usize))
 }
 
 /// Finds the kernel width by scanning a part of the buckets, and whether there is noise.
