@@ -67,6 +67,23 @@ where
     collect(items, |block| block.into_iter().map(&of_item))
 }
 
+/// The same with memory from `scratch` that `of_item` uses for one item after the other.
+pub(crate) fn map_with<I, S, T>(
+    items: I,
+    scratch: impl Fn() -> S + Sync,
+    of_item: impl Fn(&mut S, I::Item) -> T + Sync,
+) -> Vec<T>
+where
+    I: Items + IntoIterator,
+    T: Send,
+{
+    let of_item = &of_item;
+    collect(items, |block| {
+        let mut scratch = scratch();
+        block.into_iter().map(move |item| of_item(&mut scratch, item))
+    })
+}
+
 /// All that `of_block` gives for blocks of `items`, in their order. How large blocks are depends on the number of threads, so
 /// what is given for an item must not depend on the others of its block.
 pub(crate) fn collect<I, R>(items: I, of_block: impl Fn(I) -> R + Sync) -> Vec<R::Item>
@@ -166,6 +183,8 @@ mod tests {
                     let items: Vec<usize> = (0..count).collect();
                     assert_eq!(map(0..count, |i| i), items);
                     assert_eq!(map(&items[..], |&i| i), items);
+                    let keep = |last: &mut usize, i| std::mem::replace(last, i).max(i);
+                    assert_eq!(map_with(0..count, || 0, keep), items);
                     let odd: Vec<usize> = items.iter().copied().filter(|i| i % 2 == 1).collect();
                     assert_eq!(collect(0..count as u32, |block| block.map(|i| i as usize).filter(|i| i % 2 == 1)), odd);
                     let mut doubled = items.clone();

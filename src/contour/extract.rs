@@ -99,10 +99,7 @@ fn doubtful(mesh: &Mesh, surface: &Rimls) -> Vec<bool> {
             nearest.distance_squared > farthest * farthest || normal.normalize_or_zero().dot(theirs) < LEAST_AGREEMENT
         })
     };
-    parallel::collect((&mesh.positions[..], &normals[..]), |(positions, normals)| {
-        let mut found = Found::default();
-        positions.iter().zip(normals).map(move |(&x, &normal)| is_doubtful(&mut found, x, normal))
-    })
+    parallel::map_with(0..normals.len(), Found::default, |found, v| is_doubtful(found, mesh.positions[v], normals[v]))
 }
 
 /// The diagonals of the bounding boxes of parts numbered in the order of their first vertex.

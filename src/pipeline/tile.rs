@@ -159,10 +159,7 @@ impl<'a> Part<'a> {
             let spacing = spacing_of(found.len() - 1, farthest).min(SPARSE * options.sigma);
             Some((normal(&points[p], p, &positions, &near, found, options, outline), spacing))
         };
-        let known: Vec<Option<(DVec3, f64)>> = parallel::collect(0..points.len(), |block| {
-            let mut found = Vec::new();
-            block.map(move |p| look(&mut found, p))
-        });
+        let known: Vec<Option<(DVec3, f64)>> = parallel::map_with(0..points.len(), Vec::new, look);
         let mut part = Part { options, samples: Vec::new(), numbers: Vec::new(), spacings: Vec::new(), near };
         for (point, (normal, spacing)) in points.iter().zip(&known).filter_map(|(p, known)| Some((p, (*known)?))) {
             let triangle = part.samples.len() as u32;

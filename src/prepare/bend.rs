@@ -140,10 +140,7 @@ impl Split {
             let rise = projected - miss[v] - mesh.positions[v];
             Some(rise.clamp_length_max(highest[v]))
         };
-        let rises = parallel::collect(count..mesh.positions.len(), |block| {
-            let mut found = Found::default();
-            block.map(move |v| rise(&mut found, v))
-        });
+        let rises = parallel::map_with(count..mesh.positions.len(), Found::default, rise);
         raise(mesh, count, rises);
     }
 
@@ -162,10 +159,7 @@ impl Split {
             let projected = if at_sharp[v] { None } else { surface.project(here, found) };
             (projected.map_or(DVec3::ZERO, |(there, _)| there - here), spacing)
         };
-        let at_points = parallel::collect(0..count, |block| {
-            let mut found = Found::default();
-            block.map(move |v| at_point(&mut found, v))
-        });
+        let at_points = parallel::map_with(0..count, Found::default, at_point);
         let (mut miss, spacing): (Vec<DVec3>, Vec<f64>) = at_points.into_iter().unzip();
         let mut highest = vec![0.0f64; count];
         for &[v, w] in &self.ends {

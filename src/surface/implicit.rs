@@ -213,10 +213,7 @@ impl<'a> Rimls<'a> {
             let value = self.value(x, found).filter(|v| v.gradient != DVec3::ZERO);
             value.map_or(x, |Value { f, gradient, .. }| x - f * gradient / gradient.length_squared())
         };
-        parallel::collect(self.positions, |block| {
-            let mut found = Found::default();
-            block.iter().map(move |x| seed(&mut found, x))
-        })
+        parallel::map_with(self.positions, Found::default, seed)
     }
 
     /// The points without their noise, and their unit normals: projected, and moved back by what projecting them again
@@ -238,10 +235,7 @@ impl<'a> Rimls<'a> {
         let project = |found: &mut Found, p: usize| {
             self.project(self.positions[p], found).unwrap_or((self.positions[p], self.normals[p]))
         };
-        let projected = parallel::collect(0..self.positions.len(), |block| {
-            let mut found = Found::default();
-            block.map(move |p| project(&mut found, p))
-        });
+        let projected = parallel::map_with(0..self.positions.len(), Found::default, project);
         projected.into_iter().unzip()
     }
 
