@@ -39,6 +39,9 @@ const APART: f64 = 2.0;
 /// fingers of scans begin at 0.35.
 const ROUND: f64 = 0.3;
 
+/// Triangles whose angles are in memory at once.
+const BLOCK: usize = 1 << 16;
+
 /// Least height of its end over the centre of a spike, in spacings: that of a cone is two, that of a scrap of surface is less.
 const LEAST_HEIGHT: f64 = 1.2;
 
@@ -163,10 +166,14 @@ impl Surface<'_> {
 
 /// One less the sum of the angles around each vertex, in turns; `None` on the boundary and on feature curves.
 fn angle_defects(mesh: &Mesh, twin: &[u32]) -> Vec<Option<f64>> {
-    let of_triangles = parallel::map(0..mesh.triangles.len(), |t| angles(mesh.corners(t)));
     let mut defects = vec![Some(1.0); mesh.positions.len()];
-    for (&v, angle) in mesh.triangles.iter().flatten().zip(of_triangles.iter().flatten()) {
-        defects[v as usize] = defects[v as usize].map(|defect| defect - angle / 360.0);
+    let count = mesh.triangles.len();
+    for first in (0..count).step_by(BLOCK) {
+        let block = first..count.min(first + BLOCK);
+        let of_triangles = parallel::map(block.clone(), |t| angles(mesh.corners(t)));
+        for (&v, angle) in mesh.triangles[block].iter().flatten().zip(of_triangles.iter().flatten()) {
+            defects[v as usize] = defects[v as usize].map(|defect| defect - angle / 360.0);
+        }
     }
     for side in (0..twin.len() as u32).filter(|&side| twin[side as usize] == NONE) {
         for end in [side, next(side)] {
