@@ -8,6 +8,7 @@
 //! Limits: normals, times, rows and columns, and pictures are left out. What is damaged is found by the crate, mostly by
 //! its check sums; should it panic, that is caught, but a panic hook still hears of it.
 
+mod magic;
 #[cfg(all(feature = "e57", feature = "fs"))]
 mod rows;
 #[cfg(feature = "e57")]
@@ -16,13 +17,13 @@ mod scans;
 #[cfg(all(feature = "e57", feature = "fs"))]
 pub(crate) use rows::table;
 
-use crate::io::content::Parsed;
+#[cfg(feature = "e57")]
+pub(crate) use scans::parse;
 
-/// The first bytes of a file.
-pub(crate) const MAGIC: &[u8] = b"ASTM-E57";
+pub(crate) use magic::MAGIC;
 
 #[cfg(not(feature = "e57"))]
-pub(crate) fn parse(_: &[u8]) -> Parsed {
+pub(crate) fn parse(_: &[u8]) -> crate::io::content::Parsed {
     let cause = "it is an E57 file, and this program was built without the feature e57";
     let remedy = "convert it to LAZ or PLY, or build with that feature";
     Err(crate::io::bytes::malformed(crate::base::error::Place::Whole, cause, remedy))
@@ -31,16 +32,6 @@ pub(crate) fn parse(_: &[u8]) -> Parsed {
 #[cfg(all(not(feature = "e57"), feature = "fs"))]
 pub(crate) fn table(_: &[u8]) -> Option<crate::io::table::Table> {
     None
-}
-
-#[cfg(feature = "e57")]
-pub(crate) fn parse(bytes: &[u8]) -> Parsed {
-    let mut cloud = scans::Cloud::default();
-    let nowhere = scans::each_point(std::io::Cursor::new(bytes), &mut |point| {
-        cloud.push(point);
-        Ok(())
-    })?;
-    Ok(cloud.finish(nowhere))
 }
 
 #[cfg(all(test, feature = "e57"))]

@@ -3,7 +3,7 @@
 use super::MAGIC;
 use crate::base::error::{Place, Result};
 use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed};
-use crate::io::content::Read;
+use crate::io::content::{Parsed, Read};
 use crate::io::text::left_out;
 use crate::mesh::attributes::{Attribute, Attributes, COLOR, Scalar};
 use crate::mesh::triangle_mesh::Mesh;
@@ -20,6 +20,15 @@ const LEAST_PACKET: u64 = 4;
 
 /// The bytes of the header.
 const HEADER: usize = 48;
+
+pub(crate) fn parse(bytes: &[u8]) -> Parsed {
+    let mut cloud = Cloud::default();
+    let nowhere = each_point(io::Cursor::new(bytes), &mut |point| {
+        cloud.push(point);
+        Ok(())
+    })?;
+    Ok(cloud.finish(nowhere))
+}
 
 /// A point that was seen.
 #[derive(Debug, Clone, Copy, PartialEq)]

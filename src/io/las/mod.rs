@@ -13,6 +13,7 @@
 //! Limits: what is damaged inside of compressed points is found by the crate, which may panic at it; that is caught, but
 //! a panic hook still hears of it.
 
+mod header;
 #[cfg(feature = "laz")]
 mod packed;
 #[cfg(not(feature = "laz"))]
@@ -21,56 +22,17 @@ mod packed;
 #[cfg(feature = "fs")]
 mod rows;
 
+pub(crate) use header::MAGIC;
 #[cfg(feature = "fs")]
 pub(crate) use rows::table;
 
-use crate::base::error::{Error, Place, Result};
-use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, array, malformed, u32_at};
+use self::header::{Header, LAYOUTS, WIDE, header};
+use crate::base::error::{Error, Place};
+use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, array, malformed};
 use crate::io::content::{Parsed, Read};
 use crate::mesh::attributes::{Attribute, Attributes, COLOR, Scalar};
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
-
-/// The first bytes of a file.
-pub(crate) const MAGIC: &[u8] = b"LASF";
-
-/// The bytes of a header of version 1.0, and of one with a count in 64 bits.
-const HEADERS: [usize; 2] = [227, 375];
-
-/// The bytes of a point and where in it its colour is, in each layout.
-const LAYOUTS: [(usize, Option<usize>); 11] = [
-    (20, None),
-    (28, None),
-    (26, Some(20)),
-    (34, Some(28)),
-    (57, None),
-    (63, Some(28)),
-    (30, None),
-    (36, Some(30)),
-    (38, Some(30)),
-    (59, None),
-    (67, Some(30)),
-];
-
-/// The first layout that has its class in a byte of its own.
-const WIDE: usize = 6;
-
-/// Set in the number of the layout of compressed points.
-const COMPRESSED: u8 = 0x80;
-
-/// What the header says.
-#[derive(Clone, Copy)]
-struct Header {
-    layout: usize,
-    compressed: bool,
-    /// Bytes of a point.
-    length: usize,
-    count: usize,
-    /// Where the points begin.
-    start: usize,
-    scale: DVec3,
-    offset: DVec3,
-}
 
 pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     let header = header(bytes)?;
@@ -105,34 +67,6 @@ fn ends_early(count: usize, found: usize, end: usize) -> Error {
 /// The error that a point has coordinates that are not finite.
 fn nowhere(point: usize) -> Error {
     malformed(Place::Part(format!("point {point}")), "a coordinate is not finite", EXPORT_AGAIN)
-}
-
-fn header(bytes: &[u8]) -> Result<Header> {
-    let wrong = |at: usize, cause: String| malformed(Place::Byte(at), cause, EXPORT_AGAIN);
-    if !bytes.starts_with(MAGIC) || bytes.len() < HEADERS[0] {
-        return Err(malformed(Place::Whole, "it does not begin with the header of a LAS file", CUT_SHORT));
-    }
-    let short = |at: usize| array(bytes, at).map_or(0, u16::from_le_bytes) as usize;
-    let number = |at: usize| array(bytes, at).map_or(f64::NAN, f64::from_le_bytes);
-    let vector = |at: usize| DVec3::new(number(at), number(at + 8), number(at + 16));
-    let layout = (bytes[104] & 0x3F) as usize;
-    let Some(&(least, _)) = LAYOUTS.get(layout) else {
-        return Err(wrong(104, format!("points of format {layout}, only 0 to 10 are known")));
-    };
-    let length = short(105);
-    if length < least {
-        return Err(wrong(105, format!("points of {length} bytes, those of format {layout} take {least}")));
-    }
-    let (scale, offset) = (vector(131), vector(155));
-    if !(scale.is_finite() && offset.is_finite()) {
-        return Err(wrong(131, "the scale or the offset of coordinates is not finite".into()));
-    }
-    let has_long_count = bytes[25] >= 4 && short(94) >= HEADERS[1];
-    let long_count = array(bytes, 247).map(u64::from_le_bytes).filter(|_| has_long_count);
-    let count = long_count.unwrap_or_else(|| u32_at(bytes, 107).map_or(0, u64::from));
-    let count = usize::try_from(count).map_err(|_| wrong(247, format!("{count} points are too many")))?;
-    let start = u32_at(bytes, 96).map_or(0, |start| start as usize);
-    Ok(Header { layout, compressed: bytes[104] & COMPRESSED != 0, length, count, start, scale, offset })
 }
 
 /// The points read so far.
@@ -181,6 +115,7 @@ impl Cloud {
 
 #[cfg(test)]
 mod tests {
+    use super::header::HEADERS;
     use super::*;
 
     pub(super) const COUNT: usize = 300;
@@ -289,7 +224,7 @@ mod tests {
         head[18..20].copy_from_slice(&LazVlr::RECORD_ID.to_le_bytes());
         head[20..22].copy_from_slice(&(data.len() as u16).to_le_bytes());
         head.extend(data);
-        let mut before = with_header(layout | COMPRESSED, &head, &[]);
+        let mut before = with_header(layout | header::COMPRESSED, &head, &[]);
         before[105] = N as u8;
         let mut out = std::io::Cursor::new(before.clone());
         out.set_position(before.len() as u64);
@@ -346,7 +281,7 @@ mod tests {
             let good = compressed(6, &rows, chunk);
             let read = parse(&good).unwrap();
             assert_eq!((read.mesh.positions.len(), read.mesh.positions[21]), (COUNT, DVec3::new(-2.0, 998.0, 2001.0)));
-            let start = u32_at(&good, 96).unwrap() as usize;
+            let start = crate::io::bytes::u32_at(&good, 96).unwrap() as usize;
             let first_layer = start + 8 + 30 + 4;
             let mut bytes = good.clone();
             bytes[first_layer..first_layer + 4].fill(0xFF);

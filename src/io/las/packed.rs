@@ -3,7 +3,7 @@
 //! Cost: one pass, in which the crate `laz` holds a chunk at most, some 50,000 points. What the crate would reserve memory for is
 //! compared with the size of the file first.
 
-use super::{HEADERS, Header};
+use super::header::{HEADERS, Header};
 use crate::base::error::{Place, Result};
 use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed};
 use laz::{LasZipDecompressor, LazItem, LazVlr};

@@ -1,7 +1,8 @@
 //! The points of a file as rows of bytes.
 
+use super::header::{Header, header};
 use super::packed::{self, CAN_UNPACK};
-use super::{Cloud, Header, header, nowhere, position};
+use super::{Cloud, nowhere, position};
 use crate::base::error::{Error, Result};
 use crate::io::content::Parsed;
 use crate::io::table::{Packed, Rows, Table};
@@ -47,8 +48,9 @@ impl Rows for Header {
 
 #[cfg(test)]
 mod tests {
+    use super::super::header::HEADERS;
+    use super::super::parse;
     use super::super::tests::{COUNT, las};
-    use super::super::{HEADERS, parse};
 
     #[test]
     fn points_can_be_read_as_rows() {

@@ -1,6 +1,6 @@
 //! Compressed points, for programs that cannot decompress them.
 
-use super::Header;
+use super::header::Header;
 use crate::base::error::{Place, Result};
 use crate::io::bytes::malformed;
 use std::io::{Read, Seek};

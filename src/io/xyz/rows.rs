@@ -108,20 +108,24 @@ impl Packed for Layout {
 
 /// Shows the text of a file in blocks of whole lines.
 fn in_blocks(mut file: &File, mut show: impl FnMut(&[u8]) -> Result<()>) -> Result<()> {
-    let failed = |error: std::io::Error| malformed(Place::Whole, error.to_string(), "check the file");
+    let failed = |error: std::io::Error| malformed(Place::Whole, error.to_string(), "check that it can be read");
+    let mut left = file.metadata().map_err(failed)?.len();
     let mut bytes = Vec::new();
-    loop {
+    while left > 0 {
         let known = bytes.len();
-        let more = file.by_ref().take(BLOCK).read_to_end(&mut bytes).map_err(failed)?;
+        let more = file.by_ref().take(BLOCK.min(left)).read_to_end(&mut bytes).map_err(failed)?;
         if more == 0 {
-            return if bytes.is_empty() { Ok(()) } else { show(&bytes) };
+            let cause = "it became shorter while it was read";
+            return Err(malformed(Place::Whole, cause, "let no other program write it meanwhile"));
         }
-        let whole = whole_lines(&bytes, known);
+        left -= more as u64;
+        let whole = if left == 0 { bytes.len() } else { whole_lines(&bytes, known) };
         if whole > 0 {
             show(&bytes[..whole])?;
             bytes.drain(..whole);
         }
     }
+    Ok(())
 }
 
 /// How many bytes end with a line. None of the first `known` bytes ends one.
