@@ -27,6 +27,11 @@ pub(super) fn finite(p: DVec3, place: impl FnOnce() -> Place) -> Result<DVec3> {
     Err(malformed(place(), cause, "replace or remove this vertex"))
 }
 
+/// The error that the point of this number has coordinates that are not finite.
+pub(super) fn nowhere(point: usize) -> Error {
+    malformed(Place::Part(format!("point {point}")), "a coordinate is not finite", EXPORT_AGAIN)
+}
+
 /// A position in single precision, for the formats that have nothing better.
 ///
 /// # Errors

@@ -1,6 +1,7 @@
 //! Points as rows of bytes, which can be read without reading all of the file.
 
 use crate::base::error::{Error, Result};
+use crate::io::bytes::nowhere;
 use crate::io::content::Parsed;
 use crate::prepare::thin::Seen;
 use std::fs::File;
@@ -73,7 +74,9 @@ pub(crate) trait Rows: Sync {
     fn look(&self, row: &[u8]) -> Seen;
 
     /// The error that the point of this number and row has coordinates that are not finite.
-    fn nowhere(&self, point: usize, row: &[u8]) -> Error;
+    fn nowhere(&self, point: usize, _row: &[u8]) -> Error {
+        nowhere(point)
+    }
 
     /// Reads points as if they were all of the file.
     fn read(&self, rows: &[u8]) -> Parsed;

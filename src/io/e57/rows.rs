@@ -2,8 +2,8 @@
 
 use super::MAGIC;
 use super::scans::{Cloud, Point, each_point, promised};
-use crate::base::error::{Error, Place, Result};
-use crate::io::bytes::{EXPORT_AGAIN, array, malformed};
+use crate::base::error::Result;
+use crate::io::bytes::array;
 use crate::io::content::Parsed;
 use crate::io::table::{Packed, Rows, Table};
 use crate::prepare::thin::Seen;
@@ -51,10 +51,6 @@ fn point(row: &[u8]) -> Point {
 impl Rows for Scans {
     fn look(&self, row: &[u8]) -> Seen {
         Seen { position: point(row).position, normal: DVec3::ZERO }
-    }
-
-    fn nowhere(&self, point: usize, _: &[u8]) -> Error {
-        malformed(Place::Part(format!("point {point}")), "a coordinate is not finite", EXPORT_AGAIN)
     }
 
     fn read(&self, rows: &[u8]) -> Parsed {

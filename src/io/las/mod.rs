@@ -28,7 +28,7 @@ pub(crate) use rows::table;
 
 use self::header::{Header, LAYOUTS, WIDE, header};
 use crate::base::error::{Error, Place};
-use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, array, malformed};
+use crate::io::bytes::{CUT_SHORT, array, malformed, nowhere};
 use crate::io::content::{Parsed, Read};
 use crate::mesh::attributes::{Attribute, Attributes, COLOR, Scalar};
 use crate::mesh::triangle_mesh::Mesh;
@@ -62,11 +62,6 @@ fn position(row: &[u8]) -> DVec3 {
 fn ends_early(count: usize, found: usize, end: usize) -> Error {
     let cause = format!("the header says {count} points, but the file ends after {found}");
     malformed(Place::Byte(end), cause, CUT_SHORT)
-}
-
-/// The error that a point has coordinates that are not finite.
-fn nowhere(point: usize) -> Error {
-    malformed(Place::Part(format!("point {point}")), "a coordinate is not finite", EXPORT_AGAIN)
 }
 
 /// The points read so far.

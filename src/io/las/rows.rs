@@ -2,8 +2,8 @@
 
 use super::header::{Header, header};
 use super::packed::{self, CAN_UNPACK};
-use super::{Cloud, nowhere, position};
-use crate::base::error::{Error, Result};
+use super::{Cloud, position};
+use crate::base::error::Result;
 use crate::io::content::Parsed;
 use crate::io::table::{Packed, Rows, Table};
 use crate::prepare::thin::Seen;
@@ -33,10 +33,6 @@ impl Packed for Header {
 impl Rows for Header {
     fn look(&self, row: &[u8]) -> Seen {
         Seen { position: position(row) * self.scale + self.offset, normal: DVec3::ZERO }
-    }
-
-    fn nowhere(&self, point: usize, _: &[u8]) -> Error {
-        nowhere(point)
     }
 
     fn read(&self, rows: &[u8]) -> Parsed {

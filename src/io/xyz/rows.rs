@@ -3,8 +3,8 @@
 //! What the columns are is found from the first rows alone where that is needed before all of them are read: for the normals.
 
 use super::{Table as Columns, attributes, is_binary};
-use crate::base::error::{Error, Place, Result};
-use crate::io::bytes::{EXPORT_AGAIN, array, malformed};
+use crate::base::error::{Place, Result};
+use crate::io::bytes::{array, malformed};
 use crate::io::content::Parsed;
 use crate::io::table::{Packed, Rows, Table};
 use crate::io::text::Words;
@@ -65,10 +65,6 @@ impl Rows for Layout {
     fn look(&self, row: &[u8]) -> Seen {
         let normal = self.normal.map_or(DVec3::ZERO, |column| Layout::vector(row, column));
         Seen { position: Layout::vector(row, 0), normal }
-    }
-
-    fn nowhere(&self, point: usize, _: &[u8]) -> Error {
-        malformed(Place::Part(format!("point {point}")), "a coordinate is not finite", EXPORT_AGAIN)
     }
 
     fn read(&self, rows: &[u8]) -> Parsed {
