@@ -2,6 +2,8 @@
 //!
 //! Faces have the numbers of their triangles in the manifold: half-edge `3 t` is the first one of face `t`.
 
+use crate::base::parallel;
+use crate::geom::intersection::cross_deeper_than;
 use crate::manifold::Manifold;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::{Bvh, Hit};
@@ -26,12 +28,17 @@ impl Faces {
         Faces { bvh: Bvh::new(&mesh), mesh, number }
     }
 
-    /// Updates positions and corners of the faces. `mesh` must have faces of the same numbers as before.
-    pub fn follow(&mut self, mesh: &Manifold) {
+    /// Updates positions and corners of the faces; those that have changed, in increasing order. `mesh` must have faces of the
+    /// same numbers as before.
+    pub fn follow(&mut self, mesh: &Manifold) -> Vec<u32> {
+        let has_changed =
+            |(t, number): (usize, &u32)| (self.mesh.corners(t) != mesh.corners(*number)).then_some(*number);
+        let changed = self.number.iter().enumerate().filter_map(has_changed).collect();
         self.mesh.positions.iter_mut().zip(&mesh.samples).for_each(|(p, sample)| *p = sample.position);
         let triangles = self.mesh.triangles.iter_mut().zip(&self.number);
         triangles.for_each(|(corners, &t)| *corners = mesh.connectivity.triangle(3 * t));
         self.bvh.refit(&self.mesh);
+        changed
     }
 
     /// The depth up to which faces count as touching.
@@ -69,9 +76,30 @@ impl Faces {
         self.bvh.in_box(&self.mesh, lo, hi, |t| visit(self.number[t as usize], self.mesh.corners(t as usize)));
     }
 
-    /// The pairs of faces that intersect.
+    /// The pairs of faces that intersect, the lower number first, in increasing order.
     pub fn self_intersecting_pairs(&self) -> Vec<(u32, u32)> {
         let numbered = |(t, u): (u32, u32)| (self.number[t as usize], self.number[u as usize]);
         self_intersecting_pairs(&self.mesh, &self.bvh).into_iter().map(numbered).collect()
+    }
+
+    /// Those of [`Self::self_intersecting_pairs`] that one of `faces` is in.
+    pub fn self_intersecting_pairs_of(&self, faces: &[u32]) -> Vec<(u32, u32)> {
+        let depth = self.depth_of_contact();
+        let mut pairs = parallel::collect(faces, |faces| {
+            let mut pairs = Vec::new();
+            for &t in faces {
+                let Some(own) = self.corners(t) else { continue };
+                self.in_box(own[0].min(own[1]).min(own[2]), own[0].max(own[1]).max(own[2]), |u, other| {
+                    let [a, b] = if t < u { [own, other] } else { [other, own] };
+                    if t != u && cross_deeper_than(depth, a, b) {
+                        pairs.push((t.min(u), t.max(u)));
+                    }
+                });
+            }
+            pairs
+        });
+        pairs.sort_unstable();
+        pairs.dedup();
+        pairs
     }
 }

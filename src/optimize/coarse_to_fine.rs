@@ -70,7 +70,7 @@ pub fn indispensable(mesh: &Manifold, kept: &VertexSet) -> VertexSet {
 /// The corners of faces of a coarse mesh that intersect others where the surface does not: it is a wall there that is too thin for
 /// such large faces.
 pub fn avoidable_crossings(domain: &Domain, coarse: &Manifold) -> Vec<DVec3> {
-    let faces = faces_of(Crossings::avoidable(domain, coarse).pairs);
+    let faces = faces_of(Crossings::new(domain, coarse).avoidable);
     let corners: BTreeSet<u32> = faces.into_iter().flat_map(|t| coarse.connectivity.triangle(3 * t)).collect();
     corners.into_iter().map(|v| coarse.position(v)).collect()
 }
@@ -243,6 +243,7 @@ fn collapse(mesh: &mut Manifold, dense: &VertexSet, wanted: usize, spacing: f64)
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::spatial::self_intersections::self_intersections;
     use crate::surface::domain::Sample;
     use crate::testing::{grid, joined};
     use glam::dvec3;
@@ -256,7 +257,7 @@ mod tests {
         let domain = Domain::new(input.clone().try_into().unwrap());
         let samples = input.positions.iter().map(|&p| domain.project_anywhere(p)).collect();
         let mut mesh = Manifold::new(samples, &input.triangles);
-        assert!(!Crossings::new(&mesh).pairs.is_empty() && avoidable_crossings(&domain, &mesh).is_empty());
+        assert!(!self_intersections(&mesh.to_mesh()).is_empty() && avoidable_crossings(&domain, &mesh).is_empty());
         // The one in the middle of the floor, far from the wall, goes through the ceiling.
         let v = 12 * 13 + 6;
         mesh.samples[v].position.z = 0.6;

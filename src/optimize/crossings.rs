@@ -19,38 +19,48 @@ pub(super) type Corners = [DVec3; 3];
 /// A snapshot of the faces of a mesh, and the pairs of them that intersect.
 pub(super) struct Crossings {
     pub faces: Faces,
-    pub pairs: Vec<(u32, u32)>,
+    all: Vec<(u32, u32)>,
+    /// Those at places where the surface does not intersect itself.
+    pub avoidable: Vec<(u32, u32)>,
 }
 
 impl Crossings {
-    /// All pairs.
-    pub fn new(mesh: &Manifold) -> Crossings {
+    /// Those of `mesh`, of the surface `domain`.
+    pub fn new(domain: &Domain, mesh: &Manifold) -> Crossings {
         let faces = Faces::new(mesh);
-        Crossings { pairs: faces.self_intersecting_pairs(), faces }
+        let all = faces.self_intersecting_pairs();
+        Crossings { avoidable: avoidable(&all, domain, mesh), all, faces }
     }
 
-    /// The pairs at places where the input has no self-intersection.
-    pub fn avoidable(domain: &Domain, mesh: &Manifold) -> Crossings {
-        let mut crossings = Crossings::new(mesh);
-        let crossing = faces_of(crossings.pairs.clone()).into_iter();
-        let need_not: BTreeMap<u32, bool> =
-            crossing.map(|t| (t, !domain.inherited().is_near(mesh.corners(t)))).collect();
-        crossings.pairs.retain(|(t, u)| need_not[t] || need_not[u]);
-        crossings
+    /// Follows the mesh, whose vertices have moved and whose edges were flipped: pairs of faces that stay are not looked at again.
+    pub fn follow(&mut self, domain: &Domain, mesh: &Manifold) {
+        let changed = self.faces.follow(mesh);
+        let stays = |t: u32| changed.binary_search(&t).is_err();
+        self.all.retain(|&(t, u)| stays(t) && stays(u));
+        self.all.extend(self.faces.self_intersecting_pairs_of(&changed));
+        self.all.sort_unstable();
+        self.avoidable = avoidable(&self.all, domain, mesh);
     }
 }
 
+/// The `pairs` at places where the surface does not intersect itself.
+fn avoidable(pairs: &[(u32, u32)], domain: &Domain, mesh: &Manifold) -> Vec<(u32, u32)> {
+    let crossing = faces_of(pairs.to_vec()).into_iter();
+    let need_not: BTreeMap<u32, bool> = crossing.map(|t| (t, !domain.inherited().is_near(mesh.corners(t)))).collect();
+    pairs.iter().copied().filter(|(t, u)| need_not[t] || need_not[u]).collect()
+}
+
 /// The faces of a mesh that changes: a snapshot, and those that have changed since.
-pub(super) struct Surroundings {
-    faces: Faces,
+pub(super) struct Surroundings<'a> {
+    faces: &'a Faces,
     pub changed: BTreeSet<u32>,
     /// Up to which faces touch.
     depth: f64,
 }
 
-impl Surroundings {
+impl Surroundings<'_> {
     /// Those of a mesh that has not changed.
-    pub fn new(faces: Faces) -> Surroundings {
+    pub fn new(faces: &Faces) -> Surroundings<'_> {
         Surroundings { depth: faces.depth_of_contact(), faces, changed: BTreeSet::new() }
     }
 
@@ -112,4 +122,35 @@ pub(super) fn is_near_surface(domain: &Domain, mesh: &Manifold, v: u32, there: &
 pub(super) fn longest_edge(mesh: &Manifold, v: u32) -> f64 {
     let here = mesh.position(v);
     mesh.connectivity.ring(v).map(|w| mesh.position(w).distance(here)).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{grid, joined};
+    use glam::dvec3;
+
+    #[test]
+    fn crossings_that_follow_a_mesh_are_those_of_the_mesh() {
+        let sheet = |z: f64| grid(12, 12, move |u, v| dvec3(12.0 * u, 12.0 * v, z));
+        let input = joined([sheet(0.0), sheet(0.3)]);
+        let domain = Domain::new(input.clone().try_into().unwrap());
+        let samples = input.positions.iter().map(|&p| domain.project_anywhere(p)).collect();
+        let mut mesh = Manifold::new(samples, &input.triangles);
+        // Two of the lower sheet go through the upper one.
+        let through = [4 * 13 + 4, 7 * 13 + 8];
+        through.iter().for_each(|&v| mesh.samples[v].position.z = 0.6);
+        let mut crossings = Crossings::new(&domain, &mesh);
+        // One comes back, one goes on, another goes through, and an edge beside it flips.
+        mesh.samples[through[0]].position.z = 0.0;
+        mesh.samples[through[1]].position.z = 0.8;
+        mesh.samples[9 * 13 + 3].position.z = 0.5;
+        let beside = mesh.connectivity.outgoing(9 * 13 + 3).find(|&h| mesh.connectivity.can_flip(h)).unwrap();
+        mesh.connectivity.flip(beside);
+        let before = crossings.avoidable.clone();
+        crossings.follow(&domain, &mesh);
+        let anew = Crossings::new(&domain, &mesh);
+        assert!(crossings.avoidable != before && crossings.avoidable.len() > 10);
+        assert_eq!((&crossings.all, &crossings.avoidable), (&anew.all, &anew.avoidable));
+    }
 }

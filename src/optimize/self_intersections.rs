@@ -15,8 +15,8 @@
 //! A turn that does not reduce the number of intersecting pairs is taken back, and is the last. Self-intersections of the
 //! input are left alone: the sheets belong there. The report counts those that are left.
 //!
-//! Cost: one search for self-intersections if there are none. Otherwise one for each step of the sheets, and some ten
-//! local searches for each corner of an intersecting face.
+//! Cost: one search for self-intersections if there are none. Otherwise one more among the faces that change for each step of
+//! the sheets, and some ten local searches for each corner of an intersecting face.
 //!
 //! Limits: vertices that step away from the surface stay off it, by at most `FARTHEST`. Some self-intersections cannot be
 //! resolved with the samples there; splitting edges made more faces intersect, not fewer.
@@ -58,37 +58,37 @@ const LEAST_PROGRESS: f64 = 0.8;
 /// Moves vertices and flips edges until no avoidable self-intersection is left, or nothing helps: parts sheets and treats single
 /// faces in turns, as long as the number of intersecting pairs falls.
 pub fn resolve_self_intersections(domain: &Domain, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<()> {
-    let mut crossings = Crossings::avoidable(domain, mesh);
+    let mut crossings = Crossings::new(domain, mesh);
     for _ in 0..TURNS {
-        if crossings.pairs.is_empty() {
+        if crossings.avoidable.is_empty() {
             break;
         }
         check(monitor)?;
-        let (before, left) = (mesh.clone(), crossings.pairs.len());
-        crossings = take_back(domain, mesh, crossings);
-        crossings = part_sheets(domain, mesh, crossings);
-        treat_faces(domain, mesh, crossings);
-        crossings = Crossings::avoidable(domain, mesh);
-        if crossings.pairs.len() <= MOST_TREATED {
-            shorten_crossings(domain, mesh, crossings);
-            crossings = Crossings::avoidable(domain, mesh);
+        let (before, left) = (mesh.clone(), crossings.avoidable.len());
+        take_back(domain, mesh, &mut crossings);
+        part_sheets(domain, mesh, &mut crossings);
+        treat_faces(domain, mesh, &crossings);
+        crossings.follow(domain, mesh);
+        if crossings.avoidable.len() <= MOST_TREATED {
+            shorten_crossings(domain, mesh, &crossings);
+            crossings.follow(domain, mesh);
         }
-        if crossings.pairs.len() >= left {
+        if crossings.avoidable.len() >= left {
             *mesh = before;
             break;
         }
-        if crossings.pairs.len() > MOST_TREATED.max((LEAST_PROGRESS * left as f64) as usize) {
+        if crossings.avoidable.len() > MOST_TREATED.max((LEAST_PROGRESS * left as f64) as usize) {
             break;
         }
     }
     Ok(())
 }
 
-/// Takes the corners of faces that cross back to the surface, which the fit moves them off; what crosses then, if that is less.
-fn take_back(domain: &Domain, mesh: &mut Manifold, crossings: Crossings) -> Crossings {
-    let corners: BTreeSet<u32> =
-        crossings.pairs.iter().flat_map(|&(t, u)| [t, u]).flat_map(|t| mesh.connectivity.triangle(3 * t)).collect();
-    let before = mesh.samples.clone();
+/// Takes the corners of faces that cross back to the surface, which the fit moves them off, if fewer cross then.
+fn take_back(domain: &Domain, mesh: &mut Manifold, crossings: &mut Crossings) {
+    let faces = crossings.avoidable.iter().flat_map(|&(t, u)| [t, u]);
+    let corners: BTreeSet<u32> = faces.flat_map(|t| mesh.connectivity.triangle(3 * t)).collect();
+    let (before, left) = (mesh.samples.clone(), crossings.avoidable.len());
     for v in corners {
         let here = mesh.samples[v as usize];
         let foot = domain.project(here.position, here.normal, here.triangle);
@@ -96,32 +96,29 @@ fn take_back(domain: &Domain, mesh: &mut Manifold, crossings: Crossings) -> Cros
             mesh.samples[v as usize] = foot;
         }
     }
-    let found = Crossings::avoidable(domain, mesh);
-    if found.pairs.len() < crossings.pairs.len() {
-        return found;
+    crossings.follow(domain, mesh);
+    if crossings.avoidable.len() >= left {
+        mesh.samples = before;
+        crossings.follow(domain, mesh);
     }
-    mesh.samples = before;
-    crossings
 }
 
-/// Moves the sheets that cross apart, step by step, and keeps the step with the fewest crossings; those that are left.
-fn part_sheets(domain: &Domain, mesh: &mut Manifold, crossings: Crossings) -> Crossings {
-    let mut pairs = crossings.pairs.clone();
-    let mut best = (crossings, mesh.samples.clone());
+/// Moves the sheets that cross apart, step by step, and keeps the step with the fewest crossings.
+fn part_sheets(domain: &Domain, mesh: &mut Manifold, crossings: &mut Crossings) {
+    let mut best = (crossings.avoidable.len(), mesh.samples.clone());
     for _ in 0..STEPS {
-        let ways = ways_apart(domain, mesh, &pairs);
+        let ways = ways_apart(domain, mesh, &crossings.avoidable);
         let moved = ways.into_iter().filter(|&(v, way)| step_off(domain, mesh, v, way)).count();
         if moved == 0 {
             break;
         }
-        let crossings = Crossings::avoidable(domain, mesh);
-        pairs.clone_from(&crossings.pairs);
-        if pairs.len() < best.0.pairs.len() {
-            best = (crossings, mesh.samples.clone());
+        crossings.follow(domain, mesh);
+        if crossings.avoidable.len() < best.0 {
+            best = (crossings.avoidable.len(), mesh.samples.clone());
         }
     }
     mesh.samples = best.1;
-    best.0
+    crossings.follow(domain, mesh);
 }
 
 /// For each corner of the faces that cross the longest step away from a sheet in its way.
@@ -187,8 +184,8 @@ fn step_off(domain: &Domain, mesh: &mut Manifold, v: u32, way: DVec3) -> bool {
 }
 
 /// Flips edges and moves vertices of faces that cross, one by one, where that leaves fewer crossings.
-fn treat_faces(domain: &Domain, mesh: &mut Manifold, Crossings { faces, pairs }: Crossings) {
-    let crossing: BTreeSet<u32> = pairs.iter().flat_map(|&(t, u)| [t, u]).collect();
+fn treat_faces(domain: &Domain, mesh: &mut Manifold, Crossings { faces, avoidable, .. }: &Crossings) {
+    let crossing: BTreeSet<u32> = avoidable.iter().flat_map(|&(t, u)| [t, u]).collect();
     let mut around = Surroundings::new(faces);
     for face in crossing.into_iter().take(MOST_TREATED) {
         let h = 3 * face;
@@ -201,7 +198,7 @@ fn treat_faces(domain: &Domain, mesh: &mut Manifold, Crossings { faces, pairs }:
     }
 }
 
-impl Surroundings {
+impl Surroundings<'_> {
     fn flip_if_fewer(&mut self, mesh: &mut Manifold, h: u32) {
         if !mesh.connectivity.can_flip(h) || !mesh.flip_keeps_facing(h, FacingGuard::SOUND) {
             return;

@@ -34,9 +34,9 @@ const LEAST_PROGRESS: f64 = 0.99;
 const FOLDED: f64 = 0.1;
 
 /// Shortens what faces have in common where the input has no self-intersection, one cluster of crossing faces after the other.
-pub(super) fn shorten_crossings(domain: &Domain, mesh: &mut Manifold, crossings: Crossings) {
-    let clusters = clusters(mesh, &crossings.pairs);
-    let mut around = Surroundings::new(crossings.faces);
+pub(super) fn shorten_crossings(domain: &Domain, mesh: &mut Manifold, crossings: &Crossings) {
+    let clusters = clusters(mesh, &crossings.avoidable);
+    let mut around = Surroundings::new(&crossings.faces);
     for cluster in clusters {
         shorten(domain, mesh, &mut around, cluster);
     }
@@ -181,10 +181,11 @@ mod tests {
         let mut mesh = Manifold::new(samples, &input.triangles);
         // The one in the middle of the lower sheet.
         mesh.samples[6 * 13 + 6].position.z = 0.1;
-        let crossings = Crossings::avoidable(&domain, &mesh);
-        assert!(crossings.pairs.len() > 5);
-        shorten_crossings(&domain, &mut mesh, crossings);
-        assert!(Crossings::new(&mesh).pairs.is_empty());
+        let mut crossings = Crossings::new(&domain, &mesh);
+        assert!(crossings.avoidable.len() > 5);
+        shorten_crossings(&domain, &mut mesh, &crossings);
+        crossings.follow(&domain, &mesh);
+        assert!(crossings.avoidable.is_empty());
         let off = mesh.samples.iter().map(|s| domain.project_anywhere(s.position).position.distance(s.position));
         assert!(off.fold(0.0, f64::max) < 1.5 * FARTHEST);
     }
