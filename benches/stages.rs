@@ -253,7 +253,10 @@ fn s10_improve_angles(bencher: Bencher) {
 
 #[divan::bench]
 fn s10_fit(bencher: Bencher) {
-    optimising(bencher, |domain, mesh, spacing| fit(domain, mesh, spacing, None, &()).map(drop));
+    optimising(bencher, |domain, mesh, spacing| {
+        let all = (0..domain.mesh.positions.len() as u32).collect();
+        fit(domain, mesh, all, spacing, None, &()).map(drop)
+    });
 }
 
 #[divan::bench]

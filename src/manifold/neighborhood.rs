@@ -1,5 +1,6 @@
-//! The neighbourhood of a vertex or a triangle as a manifold of its own, to be changed and put back.
+//! The neighbourhood of a vertex or of triangles as a manifold of its own, to be changed and put back.
 
+use crate::base::union_find::UnionFind;
 use crate::geom::aabb::Aabb;
 use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
@@ -8,9 +9,10 @@ use crate::mesh::half_edge::OnCurve;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::self_intersections::self_intersections;
+use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// The triangles around a vertex or a triangle, with a border to the rest that stays.
+/// The triangles around a vertex or some triangles, with a border to the rest that stays.
 #[derive(Debug, Clone)]
 pub struct Neighborhood {
     /// The triangles. Vertices on the border to the rest are corners; the middle, if it is a vertex, is vertex 0.
@@ -58,6 +60,53 @@ impl Neighborhood {
         is_one_fan.then_some(neighborhood)
     }
 
+    /// The triangles within `rings` rings around those of `groups`, one at least, across feature curves, in one neighborhood for
+    /// each group, or for several whose triangles meet. What is on the border to the rest is an interface.
+    pub fn around_groups(whole: &Manifold, groups: &[[u32; 2]], rings: usize) -> Vec<Neighborhood> {
+        let c = &whole.connectivity;
+        let middle: VertexSet = groups.iter().flatten().flat_map(|&t| c.triangle(3 * t)).collect();
+        let mut inner = middle.with_rings(whole, rings - 1);
+        loop {
+            let touching = VertexSet::new(whole, |v| !inner.contains(v) && touches_itself(whole, v, &inner));
+            if touching.is_empty() {
+                break;
+            }
+            inner = &inner | &touching;
+        }
+        let found: Vec<u32> = whole.triangles().filter(|&t| has_corner_in(whole, t, &inner)).collect();
+        let mut parts = UnionFind::new(c.vertex_bound() as usize);
+        let joined = found.iter().map(|&t| c.triangle(3 * t).to_vec());
+        let grouped = groups.iter().map(|group| group.map(|t| c.triangle(3 * t)[0]).to_vec());
+        for vertices in joined.chain(grouped) {
+            vertices[1..].iter().for_each(|&v| _ = parts.join(vertices[0], v));
+        }
+        let mut apart: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for t in found {
+            apart.entry(parts.find(c.triangle(3 * t)[0])).or_default().push(t);
+        }
+        apart.into_values().map(|triangles| Neighborhood::with_interface(whole, triangles)).collect()
+    }
+
+    /// Those triangles of the whole, in increasing order, with an interface to the rest.
+    fn with_interface(whole: &Manifold, triangles: Vec<u32>) -> Neighborhood {
+        let c = &whole.connectivity;
+        let mut vertices: Vec<u32> = triangles.iter().flat_map(|&t| c.triangle(3 * t)).collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let number = vertices.iter().copied().zip(0..).collect();
+        let found = Rings { vertices, number, triangles };
+        let is_border = |h: u32| c.has_twin(h) && !found.has_half_edge(c.twin(h));
+        let border: Vec<u32> =
+            (0..).zip(found.half_edges()).filter(|(_, h)| is_border(*h)).map(|(own, _)| own).collect();
+        let mut neighborhood = Neighborhood::of(whole, found);
+        let c = &mut neighborhood.mesh.connectivity;
+        for h in border {
+            c.put_half_edge_on_curve(h, OnCurve::Interface);
+            [c.origin(h), c.target(h)].into_iter().for_each(|v| c.put_on_curve(v, OnCurve::Corner));
+        }
+        neighborhood
+    }
+
     /// Those triangles of the whole, none of whose vertices is locked yet.
     fn of(whole: &Manifold, Rings { vertices, number, triangles }: Rings) -> Neighborhood {
         let c = &whole.connectivity;
@@ -96,8 +145,15 @@ impl Neighborhood {
 
     /// Whether the whole, with these faces, would have more self-intersections if it were put back.
     pub fn adds_self_intersections(&self, faces: &Faces) -> bool {
+        let [now, then] = self.self_intersections(faces).map(|crossing| crossing.len());
+        then > now
+    }
+
+    /// The corners of the faces around that intersect others now, and of those that would if it were put back in the whole, which
+    /// has these `faces`.
+    pub fn self_intersections(&self, faces: &Faces) -> [Vec<[DVec3; 3]>; 2] {
         let new = self.mesh.to_mesh();
-        let Some(Aabb { lo, hi }) = new.bounds() else { return false };
+        let Some(Aabb { lo, hi }) = new.bounds() else { return [Vec::new(), Vec::new()] };
         let (mut now, mut then) = (Vec::new(), Vec::new());
         faces.in_box(lo, hi, |t, corners| {
             now.push(corners);
@@ -106,7 +162,10 @@ impl Neighborhood {
             }
         });
         then.extend((0..new.triangles.len()).map(|t| new.corners(t)));
-        self_intersections(&Mesh::soup(then)).len() > self_intersections(&Mesh::soup(now)).len()
+        [now, then].map(|corners| {
+            let crossing = self_intersections(&Mesh::soup(corners.iter().copied()));
+            crossing.into_iter().map(|t| corners[t as usize]).collect()
+        })
     }
 
     /// Replaces its triangles in the whole, and marks them, and those that it has more, in `touched`. Returns `false`, and
@@ -144,6 +203,24 @@ impl Neighborhood {
         touched.resize(whole.connectivity.half_edge_bound() as usize / 3, true);
         true
     }
+}
+
+fn has_corner_in(mesh: &Manifold, t: u32, set: &VertexSet) -> bool {
+    mesh.connectivity.triangle(3 * t).into_iter().any(|v| set.contains(v))
+}
+
+/// Whether the triangles with an inner corner are in more than one fan around `v`, which is no such corner, or an edge from there to
+/// another vertex of theirs is outside: a new edge inside could double it.
+fn touches_itself(mesh: &Manifold, v: u32, inner: &VertexSet) -> bool {
+    let c = &mesh.connectivity;
+    let is_in = |h: u32| has_corner_in(mesh, h / 3, inner);
+    if !c.outgoing(v).any(is_in) {
+        return false;
+    }
+    let across_is_in = |h: u32| c.has_twin(h) && is_in(c.twin(h));
+    let fans = c.outgoing(v).filter(|&h| is_in(h) && !across_is_in(h)).count();
+    let is_outside = |h: u32| !is_in(h) && !across_is_in(h);
+    fans > 1 || c.outgoing(v).any(|h| is_outside(h) && c.outgoing(c.target(h)).any(is_in))
 }
 
 /// The triangles around some vertices of a manifold.
@@ -202,7 +279,6 @@ mod tests {
     use crate::mesh::topology::topology;
     use crate::surface::domain::Sample;
     use crate::testing::sheet;
-    use glam::DVec3;
 
     const WIDTH: u32 = 8;
 

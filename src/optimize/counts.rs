@@ -33,11 +33,19 @@ pub fn meet_count(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
     }
 }
 
-/// Collapses the shortest edges with no triangle at a curve, where the surface allows it, until there are `wanted` vertices.
-pub(super) fn collapse_away_from_curves(mesh: &mut Manifold, wanted: usize) {
-    collapse_shortest(mesh, wanted, |mesh, h| {
-        is_away_from_curves(mesh, h) && FacingGuard::CAREFUL.passes(mesh.after_collapse(h).0)
-    });
+/// Collapses the edges with an end `near` that are shorter than `shortest`, relative to what is wanted there, and with no triangle
+/// at a curve, where the surface allows it: the shortest first.
+pub(super) fn collapse_shorter(mesh: &mut Manifold, shortest: f64, near: impl Fn(u32) -> bool) {
+    collapse_while(
+        mesh,
+        |_, square| square < shortest * shortest,
+        |mesh, h| {
+            let ends = [mesh.connectivity.origin(h), mesh.connectivity.target(h)];
+            ends.into_iter().any(&near)
+                && is_away_from_curves(mesh, h)
+                && FacingGuard::CAREFUL.passes(mesh.after_collapse(h).0)
+        },
+    );
 }
 
 /// Whether no triangle at the edge of `h` has a vertex on a curve.
@@ -104,12 +112,17 @@ fn split_while(
 
 /// Collapses the shortest of the edges that `may` be until there are `wanted` vertices.
 pub(super) fn collapse_shortest(mesh: &mut Manifold, wanted: usize, may: impl Fn(&Manifold, u32) -> bool) {
-    let mut queue = RankedQueue::default();
-    if mesh.connectivity.vertex_count() > wanted {
-        queue.extend(mesh.half_edges().map(|h| Ranked::new(-mesh.relative_length_squared(h), h)));
+    let is_surplus = |mesh: &Manifold| mesh.connectivity.vertex_count() > wanted;
+    if is_surplus(mesh) {
+        collapse_while(mesh, |mesh, _| is_surplus(mesh), may);
     }
-    while mesh.connectivity.vertex_count() > wanted {
-        let Some(Ranked { rank, index: h, .. }) = queue.pop() else { return };
+}
+
+/// Collapses edges that `may` be as long as `goes_on` holds for the mesh and the square of the relative length of the shortest one.
+fn collapse_while(mesh: &mut Manifold, goes_on: impl Fn(&Manifold, f64) -> bool, may: impl Fn(&Manifold, u32) -> bool) {
+    let entry = |mesh: &Manifold, h: u32| Ranked::new(-mesh.relative_length_squared(h), h);
+    let mut queue: RankedQueue = mesh.half_edges().map(|h| entry(mesh, h)).collect();
+    while let Some(Ranked { rank, index: h, .. }) = queue.pop().filter(|top| goes_on(mesh, -top.rank)) {
         let c = &mesh.connectivity;
         if !c.has_half_edge(h) || -mesh.relative_length_squared(h) != rank || !c.can_collapse(h) || !may(mesh, h) {
             continue;
@@ -118,6 +131,6 @@ pub(super) fn collapse_shortest(mesh: &mut Manifold, wanted: usize, may: impl Fn
         mesh.collapse(h);
         let c = &mesh.connectivity;
         let changed = c.outgoing(into).flat_map(|h| c.both_sides(h));
-        queue.extend(changed.map(|h| Ranked::new(-mesh.relative_length_squared(h), h)));
+        queue.extend(changed.map(|h| entry(mesh, h)));
     }
 }

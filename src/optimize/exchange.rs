@@ -19,7 +19,6 @@ use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
 use crate::manifold::facing::FacingGuard;
 use crate::manifold::neighborhood::Neighborhood;
-use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{next, prev};
 use crate::optimize::angles::{OF_QUALITY, cost, improve_angles_for, worst_margin};
 use crate::optimize::coarse_to_fine::tips;
@@ -66,16 +65,9 @@ const LEAST_GAIN: f64 = 10.0;
 /// Places that are tried for each vertex that comes or goes elsewhere.
 const CHOICES: usize = 4;
 
-/// Exchanges vertices between small angles and other places; their number stays. Angles of triangles whose vertices are all
-/// `good_enough` stay. `spacing` is the mean edge length.
-pub fn exchange_vertices(
-    domain: &Domain,
-    mesh: &mut Manifold,
-    good_enough: &VertexSet,
-    spacing: f64,
-    monitor: &dyn Monitor,
-) -> Result<()> {
-    let exchange = Exchange { domain, good_enough, spacing, monitor };
+/// Exchanges vertices between small angles and other places; their number stays. `spacing` is the mean edge length.
+pub fn exchange_vertices(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
+    let exchange = Exchange { domain, spacing, monitor };
     if exchange.small_angles(mesh, &[]).is_empty() {
         return Ok(());
     }
@@ -90,9 +82,19 @@ pub fn exchange_vertices(
     Ok(())
 }
 
+/// Brings the mesh to `wanted` vertices where it remains good, away from curves.
+pub fn balance_count(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    wanted: usize,
+    spacing: f64,
+    monitor: &dyn Monitor,
+) -> Result<()> {
+    Exchange { domain, spacing, monitor }.balance(mesh, wanted)
+}
+
 struct Exchange<'a> {
     domain: &'a Domain,
-    good_enough: &'a VertexSet,
     spacing: f64,
     monitor: &'a dyn Monitor,
 }
@@ -124,10 +126,7 @@ impl Exchange<'_> {
 
     /// A side of each triangle with a small angle that is not given up, the smallest first.
     fn small_angles(&self, mesh: &Manifold, given_up: &[bool]) -> Vec<u32> {
-        let is_open = |t: &u32| {
-            !given_up.get(*t as usize).is_some_and(|given_up| *given_up)
-                && !mesh.connectivity.triangle(3 * t).into_iter().all(|v| self.good_enough.contains(v))
-        };
+        let is_open = |t: &u32| !given_up.get(*t as usize).is_some_and(|given_up| *given_up);
         let angles = mesh.triangles().filter(is_open).map(|t| (smallest_angle(mesh.corners(t)), t));
         let mut small: Vec<(f64, u32)> = angles.filter(|angle| angle.0 < SMALL).collect();
         small.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -207,7 +206,7 @@ impl Exchange<'_> {
 
     /// What `around` costs after its vertices have settled, and how it is then.
     fn settled(&self, mut around: Neighborhood) -> Result<(f64, Neighborhood)> {
-        let Exchange { domain, spacing, monitor, .. } = *self;
+        let Exchange { domain, spacing, monitor } = *self;
         let mesh = &mut around.mesh;
         let locked = tips(mesh);
         relax(domain, mesh, &locked, spacing, Flips::Delaunay, ROUNDS, monitor)?;
@@ -297,6 +296,7 @@ fn edges_to_change(mesh: &Manifold, to_split: bool) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::manifold::vertex_set::VertexSet;
     use crate::mesh::topology::topology;
     use crate::optimize::angles::improve_angles;
     use crate::surface::domain::Sample;
@@ -334,7 +334,7 @@ mod tests {
         let count = mesh.connectivity.vertex_count();
         improve_angles(&domain, &mut mesh, SPACING, &()).unwrap();
         let before = smallest(&mesh);
-        exchange_vertices(&domain, &mut mesh, &VertexSet::EMPTY, SPACING, &()).unwrap();
+        exchange_vertices(&domain, &mut mesh, SPACING, &()).unwrap();
         let after = smallest(&mesh);
         assert!(before < 20.0 && after > 30.0, "{before} {after}");
         assert_eq!(mesh.connectivity.vertex_count(), count);
@@ -346,26 +346,17 @@ mod tests {
     #[test]
     fn a_mesh_of_good_angles_stays() {
         let (domain, mut mesh) = with_short_edges();
-        exchange_vertices(&domain, &mut mesh, &VertexSet::EMPTY, SPACING, &()).unwrap();
+        exchange_vertices(&domain, &mut mesh, SPACING, &()).unwrap();
         improve_angles(&domain, &mut mesh, SPACING, &()).unwrap();
         let before = mesh.to_mesh();
-        exchange_vertices(&domain, &mut mesh, &VertexSet::EMPTY, SPACING, &()).unwrap();
-        assert_eq!(mesh.to_mesh().positions, before.positions);
-    }
-
-    #[test]
-    fn angles_that_are_good_enough_stay() {
-        let (domain, mut mesh) = with_short_edges();
-        let before = mesh.to_mesh();
-        let all = VertexSet::all(&mesh);
-        exchange_vertices(&domain, &mut mesh, &all, SPACING, &()).unwrap();
+        exchange_vertices(&domain, &mut mesh, SPACING, &()).unwrap();
         assert_eq!(mesh.to_mesh().positions, before.positions);
     }
 
     #[test]
     fn a_ridge_is_not_near_what_is_left_after_its_edge_has_flipped() {
         let domain = Domain::new(sheet(2, |_, _| 0.0).try_into().unwrap());
-        let exchange = Exchange { domain: &domain, good_enough: &VertexSet::EMPTY, spacing: 1.0, monitor: &() };
+        let exchange = Exchange { domain: &domain, spacing: 1.0, monitor: &() };
         let roof = |height: f64, triangles: [[u32; 3]; 2]| {
             let positions = [[0.0, 0.0, height], [1.0, 0.0, height], [0.5, 1.0, 0.0], [0.5, -1.0, 0.0]];
             let sample = |p| Sample { position: DVec3::from(p), normal: DVec3::Z, triangle: 0, size: 1.0 };
@@ -387,9 +378,7 @@ mod tests {
             mesh.lock_boundary();
             relax(&domain, &mut mesh, &VertexSet::EMPTY, SPACING, Flips::Delaunay, 3, &()).unwrap();
             let wanted = mesh.connectivity.vertex_count().checked_add_signed(change).unwrap();
-            Exchange { domain: &domain, good_enough: &VertexSet::EMPTY, spacing: SPACING, monitor: &() }
-                .balance(&mut mesh, wanted)
-                .unwrap();
+            Exchange { domain: &domain, spacing: SPACING, monitor: &() }.balance(&mut mesh, wanted).unwrap();
             assert_eq!(mesh.connectivity.vertex_count(), wanted);
             assert!(smallest(&mesh) > 35.0, "{change}: {}", smallest(&mesh));
         }

@@ -1,7 +1,5 @@
-//! Follows wanted lengths that have become shorter at some places: splits the edges there that are too long now, and collapses
-//! as many short ones elsewhere.
-//!
-//! Only the surroundings of what has changed are relaxed, so that the rest stays as good as it was.
+//! Gives a part of a mesh edges of the lengths that are wanted now: splits those that are too long, and collapses those that are
+//! too short.
 //!
 //! Cost: that of the vertices which change, and a sort of the edges.
 
@@ -10,58 +8,55 @@ use crate::base::monitor::Monitor;
 use crate::manifold::Manifold;
 use crate::manifold::vertex_set::VertexSet;
 use crate::optimize::angles::improve_angles;
-use crate::optimize::counts::{collapse_away_from_curves, meet_count, split_longer};
+use crate::optimize::counts::{collapse_shorter, split_longer};
 use crate::optimize::relax::{Flips, relax};
 use crate::optimize::slivers::remove_slivers;
 use crate::surface::domain::Domain;
 
-/// Share of its length before from which on a length is shorter.
+/// Share of its length before from which on a length is shorter, or that before of one which is longer.
 const SHORTER: f64 = 0.9;
 
-/// Longest edge that is left, in wanted lengths: the halves of a longer one are nearer to that.
+/// Longest edge that is left, in wanted lengths: the halves of a longer one are nearer to that. And the shortest: half of it.
 const LONGEST: f64 = std::f64::consts::SQRT_2;
+const SHORTEST: f64 = 0.5 * LONGEST;
 
-/// The most vertices before as many are collapsed elsewhere, in those wanted: hardly any of the mesh would be left.
-const MOST: usize = 2;
+/// The most vertices after, in those before: more are too many to make up for elsewhere.
+const MOST: usize = 4;
 
 /// Rings around what has changed that are relaxed, and rounds of it.
 const RINGS: usize = 2;
 const ROUNDS: usize = 4;
 
-/// Gives `mesh`, of `wanted` vertices, the lengths that `domain` wants now; the vertices around which nothing was to change.
-/// `spacing` is the length that is wanted where the size of samples is 1.
-pub fn follow_shorter_lengths(
-    domain: &Domain,
-    mesh: &mut Manifold,
-    wanted: usize,
-    spacing: f64,
-    monitor: &dyn Monitor,
-) -> Result<VertexSet> {
-    let shorter = take_sizes(domain, mesh);
-    let before: Vec<usize> = valences(mesh);
-    split_longer(domain, mesh, LONGEST * spacing, |v| shorter.contains(v), MOST * wanted);
+/// Gives the edges of `mesh` the lengths that `domain` wants now. `spacing` is the length that is wanted where the size of samples
+/// is 1.
+pub fn resize(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
+    let [shorter, longer] = take_sizes(domain, mesh);
+    let before = valences(mesh);
+    let most = MOST * mesh.connectivity.vertex_count();
+    split_longer(domain, mesh, LONGEST * spacing, |v| shorter.contains(v), most);
+    collapse_shorter(mesh, SHORTEST * spacing, |v| longer.contains(v));
     remove_slivers(mesh, spacing);
-    collapse_away_from_curves(mesh, wanted);
-    meet_count(domain, mesh, wanted);
-    let valences = valences(mesh);
-    let has_changed = |v: u32| shorter.contains(v) || before.get(v as usize) != valences.get(v as usize);
+    let (resized, valences) = (&shorter | &longer, valences(mesh));
+    let has_changed = |v: u32| resized.contains(v) || before.get(v as usize) != valences.get(v as usize);
     let still = !&VertexSet::new(mesh, has_changed).with_rings(mesh, RINGS);
     relax(domain, mesh, &still, spacing, Flips::Delaunay, ROUNDS, monitor)?;
-    improve_angles(domain, mesh, spacing, monitor)?;
-    Ok(still)
+    improve_angles(domain, mesh, spacing, monitor)
 }
 
-/// Gives the samples of `mesh` the sizes that `domain` has at their places; those whose size has become shorter.
-fn take_sizes(domain: &Domain, mesh: &mut Manifold) -> VertexSet {
-    let mut shorter = VertexSet::EMPTY;
+/// Gives the samples of `mesh` the sizes that `domain` has at their places; those whose size has become shorter, and those where
+/// it has become longer.
+fn take_sizes(domain: &Domain, mesh: &mut Manifold) -> [VertexSet; 2] {
+    let [mut shorter, mut longer] = [VertexSet::EMPTY, VertexSet::EMPTY];
     for (sample, v) in mesh.samples.iter_mut().zip(0..) {
         let size = domain.size_near(sample.position, sample.triangle);
         if size < SHORTER * sample.size {
             shorter.insert(v);
+        } else if sample.size < SHORTER * size {
+            longer.insert(v);
         }
         sample.size = size;
     }
-    shorter
+    [shorter, longer]
 }
 
 /// The number of edges at each vertex; 0 for those that have been removed.

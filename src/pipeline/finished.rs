@@ -88,14 +88,18 @@ impl Finished {
 
     /// The corners of the triangles that make it unsound, in the pipeline's unit.
     pub(super) fn unsound_places(&self) -> Vec<DVec3> {
-        self.corners_of(&self.new_self_intersections)
-            .chain(self.slivers.iter().flat_map(|&t| self.of_part.corners(t as usize)))
-            .collect()
+        self.unsound().flat_map(|t| self.of_part.corners(t as usize)).collect()
+    }
+
+    /// The triangles of the manifold that make it unsound.
+    pub(super) fn unsound_triangles(&self) -> Vec<u32> {
+        let numbers: Vec<u32> = self.manifold.triangles().collect();
+        self.unsound().map(|place| numbers[place as usize]).collect()
     }
 
     /// The corners of the triangles that intersect others, in the pipeline's unit.
     pub(super) fn crossing_places(&self) -> Vec<DVec3> {
-        self.corners_of(&self.self_intersections).collect()
+        self.made_of(&self.self_intersections).flat_map(|t| self.of_part.corners(t as usize)).collect()
     }
 
     /// How many times as many triangles intersect others as of the input.
@@ -103,10 +107,14 @@ impl Finished {
         self.self_intersections.len() as f64 / self.self_intersections_of_input as f64
     }
 
-    /// The corners of those `triangles` of the mesh that were made, in the pipeline's unit.
-    fn corners_of(&self, triangles: &[u32]) -> impl Iterator<Item = DVec3> {
-        let made = triangles.iter().filter_map(|t| t.checked_sub(self.kept_triangles()));
-        made.flat_map(|t| self.of_part.corners(t as usize))
+    /// The triangles of the part that make it unsound.
+    fn unsound(&self) -> impl Iterator<Item = u32> {
+        self.made_of(&self.new_self_intersections).chain(self.slivers.iter().copied())
+    }
+
+    /// Those `triangles` of the mesh that were made, by their place in the part.
+    fn made_of(&self, triangles: &[u32]) -> impl Iterator<Item = u32> {
+        triangles.iter().filter_map(|t| t.checked_sub(self.kept_triangles()))
     }
 }
 

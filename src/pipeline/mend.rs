@@ -1,25 +1,37 @@
-//! Mends a result where it went wrong, in place: edges around faces that cross and around slivers become shorter, and those
-//! elsewhere as much longer as keeps the number of vertices.
+//! Mends a result where it went wrong, in place: edges around faces that cross and around slivers become shorter or longer, and
+//! as many vertices as that takes or gives come from elsewhere or go there.
 //!
 //! Chance decides, at each place separately, whether samples at a thin wall are joined well. Drawing all of them again would lose
-//! the good places along with the bad ones; here they stay.
+//! the good places along with the bad ones; here each place changes by itself, only if that makes it better, and the rest stays.
 //!
-//! Cost: about a third of what the result took, for each round: most of it is the fit to the surface, which is that of the whole.
+//! Cost: for each round that of the places, and a search for self-intersections.
 
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
-use crate::optimize::resize::follow_shorter_lengths;
+use crate::base::parallel;
+use crate::manifold::faces::Faces;
+use crate::manifold::neighborhood::Neighborhood;
+use crate::optimize::exchange::balance_count;
+use crate::optimize::resize::resize;
 use crate::optimize::self_intersections::resolve_self_intersections;
 use crate::pipeline::finished::Finished;
 use crate::pipeline::optimization::fit_to_surface;
 use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::sized::SizedSurface;
+use crate::pipeline::slivers::slivers;
+use glam::DVec3;
 
-/// The most rounds, each of which halves the edges at places that are still unsound, and how many in a row may fail.
-const MOST_ROUNDS: usize = 4;
-const MOST_FAILURES: usize = 2;
+/// The most rounds.
+const MOST_ROUNDS: usize = 9;
 
-/// The best of `finished` and what it becomes by mending, if it is unsound at single places. `surface` keeps the shorter lengths.
+/// Rings of triangles around unsound ones that change with them.
+const RINGS: usize = 6;
+
+/// How many times as long edges become at unsound places, in turns: longer, so that they pass over folds that are finer than they
+/// are, which takes few vertices from elsewhere, and shorter, so that triangles follow a thin wall.
+const FACTORS: [f64; 3] = [2.0, 0.5, 0.25];
+
+/// The best of `finished` and what it becomes by mending, if it is unsound at single places. `surface` keeps the lengths.
 pub(super) fn mended(
     prepared: &PreparedInput,
     surface: &mut SizedSurface,
@@ -28,42 +40,88 @@ pub(super) fn mended(
 ) -> Result<Finished> {
     let mut best = finished;
     let mut failures = 0;
-    for round in 0..MOST_ROUNDS {
+    for (round, &factor) in FACTORS.iter().cycle().enumerate().take(MOST_ROUNDS) {
         let is_mendable = !best.score.other_topology && best.score.is_of_places(best.mesh.triangles.len());
-        if !prepared.options.optimize || !is_mendable || failures == MOST_FAILURES {
+        if !prepared.options.optimize || !is_mendable || failures == FACTORS.len() {
             break;
         }
         if round == 0 {
             monitor.stage("mend");
         }
-        let Some(next) = finer(prepared, surface, &best, monitor)? else { break };
-        if next.score < best.score {
-            (best, failures) = (next, 0);
-        } else {
-            failures += 1;
+        let sizes = surface.domain.sizes();
+        let next = resized(prepared, surface, &best, factor, monitor)?;
+        match next {
+            Some(next) if next.score < best.score => (best, failures) = (next, 0),
+            _ => {
+                surface.domain.grade(sizes);
+                failures += 1;
+            }
         }
     }
     Ok(best)
 }
 
-/// `best` with shorter edges around its unsound places; `None` if there is no room for them.
-fn finer(
+/// `best` with edges of other lengths around its unsound places, those that are better so; `None` if none is.
+fn resized(
     prepared: &PreparedInput,
     surface: &mut SizedSurface,
     best: &Finished,
+    factor: f64,
     monitor: &dyn Monitor,
 ) -> Result<Option<Finished>> {
-    if !surface.refine_at(&best.unsound_places()) {
+    let unsound = best.unsound_triangles();
+    let corners =
+        |triangles: &[u32]| -> Vec<DVec3> { triangles.iter().flat_map(|&t| best.manifold.corners(t)).collect() };
+    let sizes = surface.domain.sizes();
+    if !surface.resize_at(&corners(&unsound), factor) {
         return Ok(None);
     }
-    let scale = &surface.scale;
+    let faces = Faces::new(&best.manifold);
+    let pairs = faces.self_intersecting_pairs_of(&unsound).into_iter().map(|(t, u)| [t, u]);
+    let groups: Vec<[u32; 2]> = pairs.chain(unsound.iter().map(|&t| [t, t])).collect();
+    let places = Neighborhood::around_groups(&best.manifold, &groups, RINGS);
+    let limit = prepared.limit();
+    let better = parallel::each(&places, |place| better(surface, place, &faces, limit, monitor));
     let mut manifold = best.manifold.clone();
-    let still = follow_shorter_lengths(&surface.domain, &mut manifold, scale.wanted, scale.spacing, monitor)?;
-    // What was relaxed lies on the surface, of which its triangles are on the inner side.
-    fit_to_surface(&surface.domain, &mut manifold, &still, scale.spacing, prepared.limit(), monitor)?;
-    resolve_self_intersections(&surface.domain, &mut manifold, monitor)?;
+    let mut touched = vec![false; manifold.connectivity.half_edge_bound() as usize / 3];
+    let mut changed = Vec::new();
+    for (place, better) in places.iter().zip(better) {
+        if better?.is_some_and(|better| better.put_back(&mut manifold, &mut touched)) {
+            changed.extend(unsound.iter().copied().filter(|&t| place.has_triangle(t)));
+        }
+    }
+    surface.domain.grade(sizes);
+    if changed.is_empty() {
+        return Ok(None);
+    }
+    surface.resize_at(&corners(&changed), factor);
+    let wanted = best.manifold.connectivity.vertex_count();
+    balance_count(&surface.domain, &mut manifold, wanted, surface.scale.spacing, monitor)?;
     let next = Finished::new(prepared, surface, manifold, best.tessellated_patches, best.run);
     Ok(Some(Finished { is_mended: true, ..next }))
+}
+
+/// `place` with edges of the lengths that are wanted now, if it is better so among these `faces`.
+fn better(
+    surface: &SizedSurface,
+    place: &Neighborhood,
+    faces: &Faces,
+    limit: Option<f64>,
+    monitor: &dyn Monitor,
+) -> Result<Option<Neighborhood>> {
+    let SizedSurface { domain, scale, .. } = surface;
+    let mut changed = place.clone();
+    resize(domain, &mut changed.mesh, scale.spacing, monitor)?;
+    // What was relaxed lies on the surface, of which its triangles are on the inner side.
+    fit_to_surface(domain, &mut changed.mesh, Vec::new(), scale.spacing, limit, monitor)?;
+    resolve_self_intersections(domain, &mut changed.mesh, monitor)?;
+    let faults = |(crossing, place): (Vec<[DVec3; 3]>, &Neighborhood)| {
+        let new = crossing.iter().filter(|&&corners| !domain.inherited().is_near(corners)).count();
+        (new + slivers(&place.mesh).len(), crossing.len())
+    };
+    let [before, after] = changed.self_intersections(faces);
+    let [before, after] = [(before, place), (after, &changed)].map(faults);
+    Ok((after < before).then_some(changed))
 }
 
 #[cfg(test)]

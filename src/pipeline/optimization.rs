@@ -12,7 +12,7 @@ use crate::optimize::coarse_to_fine::{
 };
 use crate::optimize::counts::meet_count;
 use crate::optimize::exchange::exchange_vertices;
-use crate::optimize::fit::fit;
+use crate::optimize::fit::{Fitted, fit};
 use crate::optimize::max_error::reduce_max_error;
 use crate::optimize::relax::{Flips, relax};
 use crate::optimize::slivers::remove_slivers;
@@ -35,25 +35,27 @@ pub(super) fn optimize(
     monitor.stage("improve angles");
     improve_angles(domain, mesh, scale.spacing, monitor)?;
     monitor.stage("fit");
-    fit_to_surface(domain, mesh, &VertexSet::EMPTY, scale.spacing, limit, monitor)
+    let all = (0..domain.mesh.positions.len() as u32).collect();
+    let fitted = fit_to_surface(domain, mesh, all, scale.spacing, limit, monitor)?;
+    reduce_max_error(domain, mesh, scale.spacing, &fitted, monitor)
 }
 
-/// Fits a mesh with good angles to the surface: to within `limit`, in the pipeline's unit, if possible. Before and after,
-/// vertices go where angles are small even so, but for triangles whose vertices are all `good_enough`.
+/// Fits a mesh, or a part of it, with good angles to the surface and the vertices of that which are `watched`: to within
+/// `limit`, in the pipeline's unit, if possible. Before and after, vertices go where angles are small even so.
 pub(super) fn fit_to_surface(
     domain: &Domain,
     mesh: &mut Manifold,
-    good_enough: &VertexSet,
+    watched: Vec<u32>,
     spacing: f64,
     limit: Option<f64>,
     monitor: &dyn Monitor,
-) -> Result<()> {
-    exchange_vertices(domain, mesh, good_enough, spacing, monitor)?;
-    let fitted = fit(domain, mesh, spacing, limit, monitor)?;
+) -> Result<Fitted> {
+    exchange_vertices(domain, mesh, spacing, monitor)?;
+    let fitted = fit(domain, mesh, watched, spacing, limit, monitor)?;
     // The fit may have spoilt triangles of vertices that it took back to the surface.
     improve_angles(domain, mesh, spacing, monitor)?;
-    exchange_vertices(domain, mesh, good_enough, spacing, monitor)?;
-    reduce_max_error(domain, mesh, spacing, &fitted, monitor)
+    exchange_vertices(domain, mesh, spacing, monitor)?;
+    Ok(fitted)
 }
 
 /// Brings the mesh to the wanted number of vertices with as few irregular ones as possible, coarse to fine. Where edges of the

@@ -22,7 +22,7 @@ use crate::pipeline::options::{Grading, Options};
 use crate::pipeline::origins::origins;
 use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::redraw::drawn_anew_around;
-use crate::pipeline::resizing::Resizing;
+use crate::pipeline::resizing::{FINER, Resizing};
 use crate::pipeline::result::{Deviation, Remeshed, has_kind, notes};
 use crate::pipeline::scale::CANDIDATES_PER_POINT;
 use crate::pipeline::sized::SizedSurface;
@@ -210,7 +210,7 @@ fn triangulated(
             Step::Resample => {}
             Step::Restart => {
                 let torn = best.take().map_or(Vec::new(), |best| best.torn);
-                if attempts.current().curve_density.is_some() && !surface.refine_at(&torn) {
+                if attempts.current().curve_density.is_some() && !surface.resize_at(&torn, FINER) {
                     attempts.sample_curves_closer();
                 }
             }

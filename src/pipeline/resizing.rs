@@ -2,7 +2,8 @@
 //!
 //! Triangles intersect where sheets are nearer to each other than the edges are long, and where narrow patches were joined with
 //! others. Halving the edges mostly helps; the rest of the surface gets longer edges, so that the number of vertices stays. Where
-//! the surface itself intersects, triangles always do, and longer edges make them fewer.
+//! the surface has folds finer than that, edges that pass over them help; and where it intersects itself, triangles always do,
+//! and longer ones are fewer.
 
 use crate::spatial::kdtree::Neighbors;
 use crate::surface::domain::Domain;
@@ -12,7 +13,7 @@ use glam::DVec3;
 /// How far around a place the surface is finer, in lengths of the edges there, and the share of the length that is left there
 /// after each attempt.
 const REACH: f64 = 1.0;
-const FINER: f64 = 0.5;
+pub(super) const FINER: f64 = 0.5;
 
 /// How many times as long edges may become where the surface intersects itself, and by how much longer they are made than in
 /// proportion to the faces that intersect others.
@@ -47,15 +48,7 @@ impl Resizing {
     /// The lengths of `domain`, relative to `spacing`, that are longer where it intersects itself; `None` if none are.
     pub(super) fn longer(&self, domain: &Domain, spacing: f64) -> Option<Vec<f64>> {
         let (places, factor) = self.crossing.as_ref()?;
-        let longer = |size: f64, p: DVec3| {
-            let length = size * spacing;
-            let mut nearest = Vec::new();
-            places.collect_nearest_within(p, 1, 2.0 * length, &mut nearest);
-            // All of it within a length, less and less up to two.
-            let share = nearest.first().map_or(0.0, |n| (2.0 - n.distance_squared.sqrt() / length).min(1.0));
-            size * (1.0 + (factor - 1.0) * share)
-        };
-        Some(domain.sizes().into_iter().zip(&domain.mesh.positions).map(|(size, &p)| longer(size, p)).collect())
+        Some(longer_at(places, *factor, domain, spacing))
     }
 
     /// The lengths of `domain`, relative to `spacing`, that are shorter where something went wrong; `None` if nothing did.
@@ -63,10 +56,7 @@ impl Resizing {
         if self.unsound.is_empty() {
             return None;
         }
-        let sizes = domain.sizes();
-        let places = sizes.iter().zip(&domain.mesh.positions);
-        let wanted: Vec<f64> = places.map(|(size, &p)| size * self.share(p, size * spacing)).collect();
-        sizes_with_room(domain, &sizes, &wanted, spacing)
+        shorter_by(domain, spacing, |p, length| self.share(p, length))
     }
 
     /// The share of that length, the one wanted at `p`, which is left there; elsewhere lengths may be anything.
@@ -82,6 +72,38 @@ impl Resizing {
         let is_near = |places: &&Neighbors| !places.within(p, REACH * length).is_empty();
         self.unsound.iter().filter(is_near).count()
     }
+}
+
+/// The lengths of `domain`, relative to `spacing`, that are `factor` times as long around `places`; `None` if there is no room for
+/// shorter ones.
+pub(super) fn sizes_at(places: &[DVec3], factor: f64, domain: &Domain, spacing: f64) -> Option<Vec<f64>> {
+    let places = Neighbors::new(places);
+    if factor > 1.0 {
+        return Some(longer_at(&places, factor, domain, spacing));
+    }
+    let is_near = |p: DVec3, length: f64| !places.within(p, REACH * length).is_empty();
+    shorter_by(domain, spacing, |p, length| if is_near(p, length) { factor } else { f64::INFINITY })
+}
+
+fn longer_at(places: &Neighbors, factor: f64, domain: &Domain, spacing: f64) -> Vec<f64> {
+    let longer = |size: f64, p: DVec3| {
+        let length = size * spacing;
+        let mut nearest = Vec::new();
+        places.collect_nearest_within(p, 1, 2.0 * length, &mut nearest);
+        // All of it within a length, less and less up to two.
+        let share = nearest.first().map_or(0.0, |n| (2.0 - n.distance_squared.sqrt() / length).min(1.0));
+        size * (1.0 + (factor - 1.0) * share)
+    };
+    domain.sizes().into_iter().zip(&domain.mesh.positions).map(|(size, &p)| longer(size, p)).collect()
+}
+
+/// The lengths of `domain` of which that `share` is left, for a place and the length wanted there; others make up for the number of
+/// vertices.
+fn shorter_by(domain: &Domain, spacing: f64, share: impl Fn(DVec3, f64) -> f64) -> Option<Vec<f64>> {
+    let sizes = domain.sizes();
+    let wanted: Vec<f64> =
+        sizes.iter().zip(&domain.mesh.positions).map(|(size, &p)| size * share(p, size * spacing)).collect();
+    sizes_with_room(domain, &sizes, &wanted, spacing)
 }
 
 #[cfg(test)]
@@ -125,6 +147,7 @@ mod tests {
         assert!((sizes[0] - 1.32).abs() < 1e-12, "{}", sizes[0]);
         let is_far = |p: &DVec3| p.distance(place) > 2.0 * spacing;
         assert!(domain.mesh.positions.iter().zip(&sizes).all(|(p, &size)| !is_far(p) || size == 1.0));
+        assert_eq!(sizes_at(&[place], 1.32, &domain, spacing), Some(sizes));
         resizing.lengthen_at(&[place], 9.0);
         assert_eq!(resizing.longer(&domain, spacing).unwrap()[0], LONGEST);
     }

@@ -12,7 +12,7 @@ use crate::pipeline::follow::follow;
 use crate::pipeline::kernel::KernelFeatures;
 use crate::pipeline::options::Grading;
 use crate::pipeline::prepared::PreparedInput;
-use crate::pipeline::resizing::Resizing;
+use crate::pipeline::resizing::{Resizing, sizes_at};
 use crate::pipeline::scale::{LONGEST_EDGE, LONGEST_ON_CURVES, Scale};
 use crate::pipeline::sharp_edges::{left_out as edges_left_out, sharp_edges};
 use crate::pipeline::within::{Within, sampled_part};
@@ -156,11 +156,9 @@ impl SizedSurface {
         }
     }
 
-    /// Makes edges shorter around `places`; whether there is room for that.
-    pub(super) fn refine_at(&mut self, places: &[DVec3]) -> bool {
-        let mut resizing = Resizing::default();
-        resizing.shorten_at(places);
-        let sizes = resizing.shorter(&self.domain, self.scale.spacing);
+    /// Makes edges `factor` times as long around `places`; whether there is room for that.
+    pub(super) fn resize_at(&mut self, places: &[DVec3], factor: f64) -> bool {
+        let sizes = sizes_at(places, factor, &self.domain, self.scale.spacing);
         let has_room = sizes.is_some();
         sizes.into_iter().for_each(|sizes| self.domain.grade(sizes));
         has_room

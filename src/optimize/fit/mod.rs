@@ -96,16 +96,16 @@ pub struct Fitted {
     pub triangles: Vec<u32>,
 }
 
-/// Moves the vertices to where the triangles fit the surface. `spacing` is the mean edge length. Errors above `limit`,
-/// an absolute length, are reduced as far as possible.
+/// Moves the vertices to where the triangles fit the surface, with the vertices of that which are `watched`. `spacing` is the
+/// mean edge length. Errors above `limit`, an absolute length, are reduced as far as possible.
 pub fn fit(
     domain: &Domain,
     mesh: &mut Manifold,
+    mut watched: Vec<u32>,
     spacing: f64,
     limit: Option<f64>,
     monitor: &dyn Monitor,
 ) -> Result<Fitted> {
-    let mut watched: Vec<u32> = (0..domain.mesh.positions.len() as u32).collect();
     let longest = mesh.edges().map(|h| mesh.length_squared(h)).fold(0.0, f64::max).sqrt();
     // Where the topology takes more vertices than were asked for, no edge is as long as the spacing.
     let spacing = spacing.min(longest);
@@ -345,6 +345,10 @@ mod tests {
         (squares.sum::<f64>() / (mesh.connectivity.half_edge_bound() / 3) as f64).sqrt()
     }
 
+    fn all(domain: &Domain) -> Vec<u32> {
+        (0..domain.mesh.positions.len() as u32).collect()
+    }
+
     fn volume(mesh: &Mesh) -> f64 {
         (0..mesh.triangles.len()).map(|t| mesh.corners(t)).map(|[a, b, c]| a.cross(b).dot(c) / 6.0).sum()
     }
@@ -359,7 +363,7 @@ mod tests {
         let domain = Domain::new(fine.clone().try_into().unwrap());
         let mut mesh = on(&domain, &ball(2));
         let (before, lost) = (rms(&domain, &mesh), volume(&fine) - volume(&mesh.to_mesh()));
-        fit(&domain, &mut mesh, 0.31, None, &()).unwrap();
+        fit(&domain, &mut mesh, all(&domain), 0.31, None, &()).unwrap();
         let (after, left) = (rms(&domain, &mesh), volume(&fine) - volume(&mesh.to_mesh()));
         assert!(after < 0.5 * before, "{before} {after}");
         assert!(left.abs() < 0.1 * lost, "{lost} {left}");
@@ -370,7 +374,7 @@ mod tests {
         let domain = Domain::new(bump(60).try_into().unwrap());
         let mut mesh = on(&domain, &bump(14));
         let start = mesh.clone();
-        fit(&domain, &mut mesh, 0.08, None, &()).unwrap();
+        fit(&domain, &mut mesh, all(&domain), 0.08, None, &()).unwrap();
         assert!(rms(&domain, &mesh) < 0.8 * rms(&domain, &start));
         let worst = |mesh: &Manifold| margins(mesh).into_iter().fold(0.0, f64::min);
         assert!(worst(&mesh) >= worst(&start));
@@ -403,7 +407,7 @@ mod tests {
         let highest = |domain: &Domain| {
             let mut mesh = on(domain, &bent(9));
             let flat: Vec<u32> = (0..mesh.connectivity.vertex_bound()).filter(|&v| mesh.position(v).x < 1.0).collect();
-            fit(domain, &mut mesh, spacing, None, &()).unwrap();
+            fit(domain, &mut mesh, all(domain), spacing, None, &()).unwrap();
             flat.into_iter().map(|v| mesh.position(v).z.abs()).fold(0.0, f64::max)
         };
         assert!(highest(&domain) > 1e-4 * spacing, "{}", highest(&domain));
@@ -418,7 +422,7 @@ mod tests {
         let with = |threads| {
             let mut mesh = start.clone();
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| fit(&domain, &mut mesh, 0.31, Some(0.02), &())).unwrap();
+            pool.install(|| fit(&domain, &mut mesh, all(&domain), 0.31, Some(0.02), &())).unwrap();
             mesh.samples
         };
         assert!(with(1) == with(8));
