@@ -22,14 +22,14 @@ use crate::pipeline::slivers::slivers;
 use glam::DVec3;
 
 /// The most rounds.
-const MOST_ROUNDS: usize = 9;
+const MOST_ROUNDS: usize = 3 * FACTORS.len();
 
 /// Rings of triangles around unsound ones that change with them.
 const RINGS: usize = 6;
 
 /// How many times as long edges become at unsound places, in turns: longer, so that they pass over folds that are finer than they
 /// are, which takes few vertices from elsewhere, and shorter, so that triangles follow a thin wall.
-const FACTORS: [f64; 3] = [2.0, 0.5, 0.25];
+const FACTORS: [f64; 4] = [2.0, 0.5, 4.0, 0.25];
 
 /// The best of `finished` and what it becomes by mending, if it is unsound at single places. `surface` keeps the lengths.
 pub(super) fn mended(
