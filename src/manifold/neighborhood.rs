@@ -387,6 +387,34 @@ mod tests {
     }
 
     #[test]
+    fn neighborhoods_of_groups_have_a_border_that_stays_and_are_put_back() {
+        let mut mesh = square();
+        let at = |i: u32, j: u32| mesh.connectivity.outgoing(i * (WIDTH + 1) + j).next().unwrap() / 3;
+        let [left, right, middle] = [at(1, 1), at(6, 6), at(4, 4)];
+        let sizes = |groups: &[[u32; 2]], rings: usize| -> Vec<usize> {
+            Neighborhood::around_groups(&mesh, groups, rings).iter().map(|place| place.triangles.len()).collect()
+        };
+        assert_eq!(sizes(&[[left, left], [right, right]], 1).len(), 2);
+        assert_eq!(sizes(&[[left, right]], 1).len(), 1, "a group is one neighborhood");
+        assert_eq!(sizes(&[[left, left], [middle, middle], [right, right]], 3).len(), 1, "they meet");
+        let mut places = Neighborhood::around_groups(&mesh, &[[middle, middle]], 2);
+        let place = &mut places[0];
+        let c = &place.mesh.connectivity;
+        let inside: Vec<u32> = place.free_vertices().collect();
+        assert!((0..c.vertex_bound()).all(|v| c.is_on_interface(v) != inside.contains(&v)) && inside.len() > 6);
+        let h = c.outgoing(inside[0]).find(|&h| c.can_collapse(h)).unwrap();
+        place.mesh.collapse(h);
+        let (count, mut touched) = (mesh.connectivity.vertex_count(), untouched(&mesh));
+        assert!(places[0].put_back(&mut mesh, &mut touched));
+        assert_eq!(mesh.connectivity.vertex_count(), count - 1);
+        let result = mesh.to_mesh();
+        let kind = topology(result.positions.len(), &result.triangles);
+        assert!(kind.is_manifold() && kind.is_oriented() && (kind.euler, kind.boundary_loops) == (1, 1));
+        let on_interface = |v| mesh.connectivity.has_vertex(v) && mesh.connectivity.is_on_interface(v);
+        assert!(!(0..mesh.connectivity.vertex_bound()).any(on_interface), "only the part had one");
+    }
+
+    #[test]
     fn a_boundary_of_the_whole_may_have_another_number_of_vertices() {
         let mut mesh = square();
         let count = mesh.connectivity.vertex_count();

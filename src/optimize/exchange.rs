@@ -156,22 +156,9 @@ impl Exchange<'_> {
         better.retain(|(after, changed)| *after < most && worst_margin(&changed.mesh) >= worst);
         better.sort_by(|a, b| a.0.total_cmp(&b.0));
         let is_sound = |changed: &Neighborhood| {
-            self.is_near(mesh, &changed.mesh, place.leeway()) && !changed.adds_self_intersections(faces)
+            is_near(mesh, &changed.mesh, place.leeway() * self.spacing) && !changed.adds_self_intersections(faces)
         };
         Ok(better.into_iter().map(|(_, changed)| changed).find(is_sound))
-    }
-
-    /// Whether the vertices of the mesh `before`, and the middles of its edges, are near the triangles of the one `after`, where
-    /// the surface may move by `leeway` wanted lengths at least.
-    fn is_near(&self, before: &Manifold, after: &Manifold, leeway: f64) -> bool {
-        let triangles: Vec<[DVec3; 3]> = after.triangles().map(|t| after.corners(t)).collect();
-        let c = &before.connectivity;
-        before.edges().flat_map(|h| [(h, 0.0), (h, 0.5)]).all(|(h, along)| {
-            let [a, b] = [c.origin(h), c.target(h)].map(|v| &before.samples[v as usize]);
-            let farthest = (FARTHEST_AFTER * a.position.distance(b.position)).max(leeway * self.spacing * a.size);
-            let p = a.position.lerp(b.position, along);
-            triangles.iter().any(|&t| p.distance_squared(closest_point(p, t)) <= farthest * farthest)
-        })
     }
 
     /// What is around `place` with the origin of `h` merged into its target, if it can be and the surface hardly moves.
@@ -242,6 +229,19 @@ impl Exchange<'_> {
         }
         Ok(())
     }
+}
+
+/// Whether the vertices of the mesh `before`, and the middles of its edges, are near the triangles of the one `after`, where
+/// the surface may move by `leeway` at least, times the sizes of samples.
+pub fn is_near(before: &Manifold, after: &Manifold, leeway: f64) -> bool {
+    let triangles: Vec<[DVec3; 3]> = after.triangles().map(|t| after.corners(t)).collect();
+    let c = &before.connectivity;
+    before.edges().flat_map(|h| [(h, 0.0), (h, 0.5)]).all(|(h, along)| {
+        let [a, b] = [c.origin(h), c.target(h)].map(|v| &before.samples[v as usize]);
+        let farthest = (FARTHEST_AFTER * a.position.distance(b.position)).max(leeway * a.size);
+        let p = a.position.lerp(b.position, along);
+        triangles.iter().any(|&t| p.distance_squared(closest_point(p, t)) <= farthest * farthest)
+    })
 }
 
 /// A side of a triangle and what is around the triangle.
@@ -355,15 +355,13 @@ mod tests {
 
     #[test]
     fn a_ridge_is_not_near_what_is_left_after_its_edge_has_flipped() {
-        let domain = Domain::new(sheet(2, |_, _| 0.0).try_into().unwrap());
-        let exchange = Exchange { domain: &domain, spacing: 1.0, monitor: &() };
         let roof = |height: f64, triangles: [[u32; 3]; 2]| {
             let positions = [[0.0, 0.0, height], [1.0, 0.0, height], [0.5, 1.0, 0.0], [0.5, -1.0, 0.0]];
             let sample = |p| Sample { position: DVec3::from(p), normal: DVec3::Z, triangle: 0, size: 1.0 };
             Manifold::new(positions.map(sample).to_vec(), &triangles)
         };
         let (along, across) = ([[0, 1, 2], [1, 0, 3]], [[0, 3, 2], [1, 2, 3]]);
-        let is_near = |height: f64, leeway: f64| exchange.is_near(&roof(height, along), &roof(height, across), leeway);
+        let is_near = |height: f64, leeway: f64| super::is_near(&roof(height, along), &roof(height, across), leeway);
         assert_eq!([0.0, 0.05, 0.11, 0.5].map(|height| is_near(height, 0.0)), [true, true, false, false]);
         assert_eq!([0.11, 0.5].map(|height| is_near(height, LEEWAY)), [true, false]);
     }

@@ -64,3 +64,35 @@ fn valences(mesh: &Manifold) -> Vec<usize> {
     let c = &mesh.connectivity;
     (0..c.vertex_bound()).map(|v| if c.has_vertex(v) { c.valence(v) } else { 0 }).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::sheet;
+
+    #[test]
+    fn edges_follow_lengths_that_become_longer_or_shorter() {
+        let even = sheet(20, |_, _| 0.0);
+        let mut domain = Domain::new(even.clone().try_into().unwrap());
+        let samples = even.positions.iter().map(|&p| domain.project_anywhere(p)).collect();
+        let mut mesh = Manifold::new(samples, &even.triangles);
+        mesh.lock_boundary();
+        let spacing = 1.0 / 20.0;
+        let mean = |mesh: &Manifold| {
+            let inner = mesh.edges().filter(|&h| {
+                let c = &mesh.connectivity;
+                !c.is_on_curve(c.origin(h)) && !c.is_on_curve(c.target(h))
+            });
+            let lengths: Vec<f64> = inner.map(|h| mesh.length_squared(h).sqrt()).collect();
+            lengths.iter().sum::<f64>() / lengths.len() as f64
+        };
+        let before = mean(&mesh);
+        for factor in [2.0, 0.5] {
+            domain.grade(vec![factor; domain.mesh.positions.len()]);
+            let mut resized = mesh.clone();
+            resize(&domain, &mut resized, spacing, &()).unwrap();
+            let ratio = mean(&resized) / before;
+            assert!(ratio > 0.7 * factor && ratio < 1.2 * factor, "{factor}: {ratio}");
+        }
+    }
+}

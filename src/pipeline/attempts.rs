@@ -3,7 +3,7 @@
 //! Three things go wrong, and each has its remedy. Samples on sharp edges that are too few leave patches that do not fit
 //! together: edges become shorter there, or, where there is no room for that, samples on all sharp edges closer; at last the
 //! sharp edges are smoothed over. Samples of the two sides of a thin wall may be joined so that triangles intersect: new ones are
-//! drawn there. If the result is still not sound, it is made finer where it went wrong (`pipeline/mend.rs`); only if that does
+//! drawn there. If the result is still not sound, it is mended where it went wrong (`pipeline/mend.rs`); only if that does
 //! not help, everything is drawn again, finer there. If a sound result intersects itself as its input does, but with more faces,
 //! everything is drawn again once, with longer edges there.
 

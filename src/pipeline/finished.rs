@@ -33,7 +33,7 @@ pub(super) struct Finished {
     pub score: Score,
     /// The run that made it, from 1.
     pub run: u64,
-    /// Whether it was made finer where it went wrong.
+    /// Whether edges were made longer or shorter where it went wrong.
     pub is_mended: bool,
 }
 

@@ -1,5 +1,5 @@
-//! Mends a result where it went wrong, in place: edges around faces that cross and around slivers become shorter or longer, and
-//! as many vertices as that takes or gives come from elsewhere or go there.
+//! Mends a result where it went wrong, in place: edges around faces that cross, around slivers and around small angles become longer or
+//! shorter, and as many vertices as that gives or takes go elsewhere or come from there.
 //!
 //! Chance decides, at each place separately, whether samples at a thin wall are joined well. Drawing all of them again would lose
 //! the good places along with the bad ones; here each place changes by itself, only if that makes it better, and the rest stays.
@@ -9,85 +9,158 @@
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
 use crate::base::parallel;
+use crate::geom::triangle::smallest_angle;
 use crate::manifold::faces::Faces;
 use crate::manifold::neighborhood::Neighborhood;
-use crate::optimize::exchange::balance_count;
+use crate::optimize::exchange::{balance_count, is_near};
 use crate::optimize::resize::resize;
 use crate::optimize::self_intersections::resolve_self_intersections;
+use crate::pipeline::attempts::Score;
 use crate::pipeline::finished::Finished;
 use crate::pipeline::optimization::fit_to_surface;
 use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::sized::SizedSurface;
-use crate::pipeline::slivers::slivers;
+use crate::pipeline::slivers::{slivers, with_small_angles};
 use glam::DVec3;
+
+/// How many times as long edges become at places to mend, in turns: longer, so that they pass over folds that are finer than they
+/// are, which takes few vertices from elsewhere, and shorter, so that triangles follow a thin wall.
+const FACTORS: [f64; 4] = [2.0, 0.5, 4.0, 0.25];
 
 /// The most rounds.
 const MOST_ROUNDS: usize = 3 * FACTORS.len();
 
-/// Rings of triangles around unsound ones that change with them.
+/// Rings of triangles around those to mend that change with them.
 const RINGS: usize = 6;
 
-/// How many times as long edges become at unsound places, in turns: longer, so that they pass over folds that are finer than they
-/// are, which takes few vertices from elsewhere, and shorter, so that triangles follow a thin wall.
-const FACTORS: [f64; 4] = [2.0, 0.5, 4.0, 0.25];
+/// Angle in degrees that is small, unless it is forced. With 30, more vertices are needed at such places than the rest can spare.
+const SMALL: f64 = 20.0;
 
-/// The best of `finished` and what it becomes by mending, if it is unsound at single places. `surface` keeps the lengths.
+/// Share of the triangles that have small angles to be looked at, the smallest first, and of the vertices that may come from elsewhere
+/// or go there for their sake in a round: each leaves irregular ones.
+const MOST_SMALL: f64 = 0.01;
+const MOST_MOVED: f64 = 0.02;
+
+/// How far the surface may move for the sake of angles, in wanted lengths.
+const LEEWAY: f64 = 0.6;
+
+/// What is mended.
+#[derive(Debug, Clone, Copy)]
+enum Aim {
+    /// Faces that cross, and slivers.
+    Sound,
+    /// Small angles of a result that is sound.
+    Angles,
+}
+
+impl Aim {
+    /// The triangles to mend, by their number in the manifold.
+    fn triangles(self, result: &Finished) -> Vec<u32> {
+        let Finished { score, manifold, .. } = result;
+        let is_sound = score.self_intersections == 0 && score.slivers == 0;
+        match self {
+            Aim::Sound if score.is_of_places(result.mesh.triangles.len()) => result.unsound_triangles(),
+            Aim::Angles if is_sound => {
+                let mut small = with_small_angles(manifold, SMALL);
+                let angle = |t: u32| smallest_angle(manifold.corners(t));
+                small.sort_by(|&t, &u| angle(t).total_cmp(&angle(u)).then(t.cmp(&u)));
+                small.truncate((MOST_SMALL * result.of_part.triangles.len() as f64).ceil() as usize);
+                small
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// How good a result is: less is better.
+    fn rank(self, result: &Finished) -> (Score, usize) {
+        let small = match self {
+            Aim::Sound => 0,
+            Aim::Angles => with_small_angles(&result.manifold, SMALL).len(),
+        };
+        (result.score, small)
+    }
+
+    /// How far the surface may move, in wanted lengths, and how many of so many vertices.
+    fn limits(self, vertices: usize) -> (f64, usize) {
+        match self {
+            Aim::Sound => (f64::INFINITY, usize::MAX),
+            Aim::Angles => (LEEWAY, (MOST_MOVED * vertices as f64) as usize),
+        }
+    }
+}
+
+/// The best of `finished` and what it becomes by mending. `surface` keeps the lengths.
 pub(super) fn mended(
     prepared: &PreparedInput,
     surface: &mut SizedSurface,
     finished: Finished,
     monitor: &dyn Monitor,
 ) -> Result<Finished> {
+    if !prepared.options.optimize || finished.score.other_topology {
+        return Ok(finished);
+    }
     let mut best = finished;
-    let mut failures = 0;
-    for (round, &factor) in FACTORS.iter().cycle().enumerate().take(MOST_ROUNDS) {
-        let is_mendable = !best.score.other_topology && best.score.is_of_places(best.mesh.triangles.len());
-        if !prepared.options.optimize || !is_mendable || failures == FACTORS.len() {
-            break;
-        }
-        if round == 0 {
-            monitor.stage("mend");
-        }
-        let sizes = surface.domain.sizes();
-        let next = resized(prepared, surface, &best, factor, monitor)?;
-        match next {
-            Some(next) if next.score < best.score => (best, failures) = (next, 0),
-            _ => {
-                surface.domain.grade(sizes);
-                failures += 1;
+    for aim in [Aim::Sound, Aim::Angles] {
+        let mut failures = 0;
+        for (round, &factor) in FACTORS.iter().cycle().enumerate().take(MOST_ROUNDS) {
+            let triangles = aim.triangles(&best);
+            if triangles.is_empty() || failures == FACTORS.len() {
+                break;
+            }
+            if round == 0 {
+                monitor.stage("mend");
+            }
+            let sizes = surface.domain.sizes();
+            match resized(prepared, surface, &best, aim, &triangles, factor, monitor)? {
+                Some(next) if aim.rank(&next) < aim.rank(&best) => (best, failures) = (next, 0),
+                _ => {
+                    surface.domain.grade(sizes);
+                    failures += 1;
+                }
             }
         }
     }
     Ok(best)
 }
 
-/// `best` with edges of other lengths around its unsound places, those that are better so; `None` if none is.
+/// `best` with edges `factor` times as long around these `triangles`, where that is better; `None` if it is nowhere.
 fn resized(
     prepared: &PreparedInput,
     surface: &mut SizedSurface,
     best: &Finished,
+    aim: Aim,
+    triangles: &[u32],
     factor: f64,
     monitor: &dyn Monitor,
 ) -> Result<Option<Finished>> {
-    let unsound = best.unsound_triangles();
     let corners =
         |triangles: &[u32]| -> Vec<DVec3> { triangles.iter().flat_map(|&t| best.manifold.corners(t)).collect() };
     let sizes = surface.domain.sizes();
-    if !surface.resize_at(&corners(&unsound), factor) {
+    if !surface.resize_at(&corners(triangles), factor) {
         return Ok(None);
     }
     let faces = Faces::new(&best.manifold);
-    let pairs = faces.self_intersecting_pairs_of(&unsound).into_iter().map(|(t, u)| [t, u]);
-    let groups: Vec<[u32; 2]> = pairs.chain(unsound.iter().map(|&t| [t, t])).collect();
+    let pairs = faces.self_intersecting_pairs_of(triangles).into_iter().map(|(t, u)| [t, u]);
+    let groups: Vec<[u32; 2]> = pairs.chain(triangles.iter().map(|&t| [t, t])).collect();
     let places = Neighborhood::around_groups(&best.manifold, &groups, RINGS);
-    let limit = prepared.limit();
-    let better = parallel::each(&places, |place| better(surface, place, &faces, limit, monitor));
+    let wanted = best.manifold.connectivity.vertex_count();
+    let (leeway, mut may_move) = aim.limits(wanted);
+    let better = parallel::each(&places, |place| {
+        let changed = changed(surface, place, prepared.limit(), monitor)?;
+        let is_better = has_fewer_faults(surface, &changed, place, &faces);
+        let stays = leeway.is_infinite() || is_near(&place.mesh, &changed.mesh, leeway * surface.scale.spacing);
+        Ok((is_better && stays).then_some(changed))
+    });
     let mut manifold = best.manifold.clone();
     let mut touched = vec![false; manifold.connectivity.half_edge_bound() as usize / 3];
     let mut changed = Vec::new();
     for (place, better) in places.iter().zip(better) {
-        if better?.is_some_and(|better| better.put_back(&mut manifold, &mut touched)) {
-            changed.extend(unsound.iter().copied().filter(|&t| place.has_triangle(t)));
+        let Some(better) = better? else { continue };
+        let [before, after] = [place, &better].map(|place| place.mesh.connectivity.vertex_count());
+        let moved = before.abs_diff(after);
+        if moved <= may_move && better.put_back(&mut manifold, &mut touched) {
+            may_move -= moved;
+            changed.extend(triangles.iter().copied().filter(|&t| place.has_triangle(t)));
         }
     }
     surface.domain.grade(sizes);
@@ -95,40 +168,45 @@ fn resized(
         return Ok(None);
     }
     surface.resize_at(&corners(&changed), factor);
-    let wanted = best.manifold.connectivity.vertex_count();
     balance_count(&surface.domain, &mut manifold, wanted, surface.scale.spacing, monitor)?;
     let next = Finished::new(prepared, surface, manifold, best.tessellated_patches, best.run);
     Ok(Some(Finished { is_mended: true, ..next }))
 }
 
-/// `place` with edges of the lengths that are wanted now, if it is better so among these `faces`.
-fn better(
+/// `place` with edges of the lengths that are wanted now, on the surface.
+fn changed(
     surface: &SizedSurface,
     place: &Neighborhood,
-    faces: &Faces,
     limit: Option<f64>,
     monitor: &dyn Monitor,
-) -> Result<Option<Neighborhood>> {
+) -> Result<Neighborhood> {
     let SizedSurface { domain, scale, .. } = surface;
     let mut changed = place.clone();
     resize(domain, &mut changed.mesh, scale.spacing, monitor)?;
     // What was relaxed lies on the surface, of which its triangles are on the inner side.
     fit_to_surface(domain, &mut changed.mesh, Vec::new(), scale.spacing, limit, monitor)?;
     resolve_self_intersections(domain, &mut changed.mesh, monitor)?;
-    let faults = |(crossing, place): (Vec<[DVec3; 3]>, &Neighborhood)| {
-        let new = crossing.iter().filter(|&&corners| !domain.inherited().is_near(corners)).count();
-        (new + slivers(&place.mesh).len(), crossing.len())
+    Ok(changed)
+}
+
+/// Whether what `place` was `changed` to has fewer faults among these `faces`: faces that cross where the surface does not, and
+/// slivers; small angles; all faces that cross.
+fn has_fewer_faults(surface: &SizedSurface, changed: &Neighborhood, place: &Neighborhood, faces: &Faces) -> bool {
+    let inherited = surface.domain.inherited();
+    let count = |(crossing, place): (Vec<[DVec3; 3]>, &Neighborhood)| {
+        let new = crossing.iter().filter(|&&corners| !inherited.is_near(corners)).count();
+        let small = with_small_angles(&place.mesh, SMALL).len();
+        (new + slivers(&place.mesh).len(), small, crossing.len())
     };
     let [before, after] = changed.self_intersections(faces);
-    let [before, after] = [(before, place), (after, &changed)].map(faults);
-    Ok((after < before).then_some(changed))
+    count((after, changed)) < count((before, place))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::manifold::Manifold;
     use crate::mesh::triangle_mesh::Mesh;
-    use crate::pipeline::attempts::Score;
     use crate::pipeline::density::Density;
     use crate::pipeline::optimization::optimize;
     use crate::pipeline::options::Options;
@@ -136,7 +214,6 @@ mod tests {
     use crate::spectral::candidates::candidates;
     use crate::spectral::curve_samples::sample_curves;
     use crate::spectral::scan::linear_scan;
-    use crate::surface::domain::Sample;
     use crate::testing;
     use crate::triangulate::{Boundary, triangulate};
     use glam::{DVec3, dvec3};
@@ -153,8 +230,9 @@ mod tests {
         }
     }
 
-    #[test]
-    fn slivers_are_mended_and_what_is_far_from_them_stays() {
+    /// What a mesh of 10,000 vertices becomes by mending after one of them was moved to a neighbour, up to this share of the way: that
+    /// before, the place, and the mesh mended.
+    fn mended_after_moving(share: f64) -> (Finished, DVec3, Finished) {
         let input = spheres();
         let options = Options::default();
         let (prepared, repaired) = PreparedInput::new(&input, &options, &()).unwrap();
@@ -166,9 +244,7 @@ mod tests {
         let boundary = Boundary { sites: &curves.sites, successor: &curves.successor, spikes: 0 };
         let mut manifold = triangulate(domain, &samples, boundary, scale.spacing, &()).unwrap().mesh;
         optimize(domain, &mut manifold, scale, None, &()).unwrap();
-        let spacing = scale.spacing;
-        let wanted = scale.wanted;
-        // Onto a neighbour, all but.
+        assert_eq!(manifold.connectivity.vertex_count(), 10_000);
         let v = manifold
             .triangles()
             .map(|t| manifold.connectivity.triangle(3 * t)[0])
@@ -176,18 +252,35 @@ mod tests {
             .expect("a mesh has triangles");
         let first = manifold.samples[v as usize];
         let neighbour = manifold.connectivity.ring(v).next().expect("a vertex has neighbours");
-        manifold.samples[v as usize].position = manifold.position(neighbour).lerp(first.position, 1e-3);
-        let before = manifold.clone();
-        let broken = Finished::new(&prepared, &surface, manifold, 0, 1);
-        assert!(broken.score.slivers > 0 && !broken.score.other_topology, "{:?}", broken.score);
+        manifold.samples[v as usize].position = manifold.position(neighbour).lerp(first.position, 1.0 - share);
+        let broken = |manifold: Manifold| Finished::new(&prepared, &surface, manifold, 0, 1);
+        let (before, broken) = (broken(manifold.clone()), broken(manifold));
         let made = mended(&prepared, &mut surface, broken, &()).unwrap();
+        (before, first.position, made)
+    }
+
+    #[test]
+    fn slivers_are_mended_and_what_is_far_from_them_stays() {
+        let (before, place, made) = mended_after_moving(0.999);
+        assert!(before.score.slivers > 0 && !before.score.other_topology, "{:?}", before.score);
         assert!(made.score == Score::SOUND && made.is_mended, "{:?}", made.score);
-        assert!(made.manifold.connectivity.vertex_count().abs_diff(wanted) < 30);
-        let is_far = |p: DVec3| p.distance(first.position) > 12.0 * spacing;
-        let far: Vec<_> = before.samples.iter().filter(|s| is_far(s.position)).collect();
-        let stays = |s: &&&Sample| made.of_part.positions.contains(&s.position);
-        assert!(far.len() > 100);
-        let staying = far.iter().filter(stays).count();
-        assert!(staying > far.len() / 2, "{staying} of {}", far.len());
+        assert_eq!(made.of_part.positions.len(), before.of_part.positions.len());
+        let far = before.of_part.positions.iter().filter(|p| p.distance(place) > 0.05);
+        let (staying, moved): (Vec<DVec3>, Vec<DVec3>) = far.copied().partition(|p| made.of_part.positions.contains(p));
+        assert!(
+            staying.len() > 20 * moved.len() && staying.len() > 5000,
+            "{} stay, {} do not",
+            staying.len(),
+            moved.len()
+        );
+    }
+
+    #[test]
+    fn small_angles_are_mended_although_the_result_is_sound() {
+        let (before, _, made) = mended_after_moving(0.8);
+        let smallest = |result: &Finished| with_small_angles(&result.manifold, SMALL).len();
+        assert!(before.score == Score::SOUND && smallest(&before) > 0);
+        assert!(made.score == Score::SOUND && made.is_mended && smallest(&made) == 0);
+        assert_eq!(made.of_part.positions.len(), before.of_part.positions.len());
     }
 }

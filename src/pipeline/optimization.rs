@@ -7,7 +7,7 @@ use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::topology::NONE;
 use crate::optimize::angles::improve_angles;
 use crate::optimize::coarse_to_fine::{
-    avoidable_crossings, coarsen, indispensable, keep_around, keep_at_long_edges, match_target_count, narrow,
+    avoidable_crossings, coarsen, indispensable, keep_around, keep_where_missed, match_target_count, narrow,
     remove_encroaching_vertices, split_to, tips, transition,
 };
 use crate::optimize::counts::meet_count;
@@ -58,8 +58,8 @@ pub(super) fn fit_to_surface(
     Ok(fitted)
 }
 
-/// Brings the mesh to the wanted number of vertices with as few irregular ones as possible, coarse to fine. Where edges of the
-/// coarse mesh could not be split it is made again with all vertices there.
+/// Brings the mesh to the wanted number of vertices with as few irregular ones as possible, coarse to fine. Where the
+/// coarse mesh went past a part of the surface it is made again with all vertices there.
 fn order(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
     monitor.stage("ascend");
     arrange_narrow(domain, mesh, scale.spacing, monitor)?;
@@ -69,7 +69,7 @@ fn order(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Moni
     for round in 1.. {
         let dense = arrange_coarse(domain, mesh, &kept, &mut levels, scale, monitor)?;
         refine_to_count(domain, mesh, &dense, scale, monitor)?;
-        if round == MOST_ORDERS || !keep_at_long_edges(&mut kept, &fine, mesh, scale.spacing) {
+        if round == MOST_ORDERS || !keep_where_missed(&mut kept, &fine, mesh, scale.spacing) {
             break;
         }
         mesh.clone_from(&fine);
@@ -131,7 +131,7 @@ fn arrange_coarser(
 ) -> Result<(VertexSet, Vec<u32>)> {
     let (level, coarser_levels) = levels.split_first_mut().expect("fewer vertices than levels allow for");
     let fine = mesh.clone();
-    keep_around(&mut kept, &fine, &level.crossings, scale.spacing);
+    keep_around(&mut kept, &fine, &level.crossings, scale.spacing, |_| true);
     loop {
         let (mut dense, mut old) = reduce(domain, mesh, scale.spacing, settled, &kept, monitor)?;
         let mut sweeps = COARSE_SWEEPS;
@@ -148,7 +148,7 @@ fn arrange_coarser(
         }
         spread(domain, mesh, &dense, scale, sweeps, monitor)?;
         let crossings = avoidable_crossings(domain, mesh);
-        let new = keep_around(&mut kept, &fine, &crossings, scale.spacing);
+        let new = keep_around(&mut kept, &fine, &crossings, scale.spacing, |_| true);
         if level.repeats == MOST_REPEATS || new as f64 <= LEAST_NEWS * dense.len() as f64 {
             return Ok((dense, old));
         }
@@ -265,7 +265,7 @@ fn refine_to_count(
     relax(domain, mesh, &locked, spacing, Flips::KeepValence, 2 * ROUNDS, monitor)
 }
 
-/// The most times that a mesh is ordered, each time with more dense vertices, until every long edge could be split.
+/// The most times that a mesh is ordered, each time with more dense vertices, until no part of the surface is missed.
 const MOST_ORDERS: usize = 2;
 
 /// The most times that a coarse mesh of one spacing is made again, each time with more vertices kept dense, until it has no

@@ -326,7 +326,8 @@ fn deviation(
 }
 
 /// What is said of a result that was mended.
-const MENDED: &str = "edges are shorter at places where there were self-intersections or slivers with longer ones";
+const MENDED: &str =
+    "edges are longer or shorter at places where there were self-intersections or small angles with others";
 
 fn note_on_run(run: u64) -> String {
     format!(

@@ -18,6 +18,11 @@ pub(super) fn slivers(mesh: &Manifold) -> Vec<u32> {
     (0..).zip(mesh.triangles()).filter(|(_, t)| is_sliver(*t)).map(|(place, _)| place).collect()
 }
 
+/// The numbers of the triangles of `mesh` with an angle below that, in degrees, which is not forced.
+pub(super) fn with_small_angles(mesh: &Manifold, below: f64) -> Vec<u32> {
+    mesh.triangles().filter(|&t| smallest_unforced_angle_of(mesh, t) < below).collect()
+}
+
 /// The smallest angle in degrees that is not forced; `None` if all are.
 pub(super) fn smallest_unforced_angle(mesh: &Manifold) -> Option<f64> {
     let smallest = mesh.triangles().map(|t| smallest_unforced_angle_of(mesh, t)).fold(f64::INFINITY, f64::min);
