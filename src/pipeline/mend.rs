@@ -41,8 +41,9 @@ const SMALL: f64 = 20.0;
 const MOST_SMALL: f64 = 0.01;
 const MOST_MOVED: f64 = 0.02;
 
-/// How far the surface may move for the sake of angles, in wanted lengths.
-const LEEWAY: f64 = 0.6;
+/// How far the surface may move so that it is sound, and for the sake of angles, in wanted lengths. Longer edges would cut off ears.
+const FARTHEST: f64 = 1.0;
+const FARTHEST_FOR_ANGLES: f64 = 0.6;
 
 /// What is mended.
 #[derive(Debug, Clone, Copy)]
@@ -83,8 +84,8 @@ impl Aim {
     /// How far the surface may move, in wanted lengths, and how many of so many vertices.
     fn limits(self, vertices: usize) -> (f64, usize) {
         match self {
-            Aim::Sound => (f64::INFINITY, usize::MAX),
-            Aim::Angles => (LEEWAY, (MOST_MOVED * vertices as f64) as usize),
+            Aim::Sound => (FARTHEST, usize::MAX),
+            Aim::Angles => (FARTHEST_FOR_ANGLES, (MOST_MOVED * vertices as f64) as usize),
         }
     }
 }
@@ -144,12 +145,12 @@ fn resized(
     let groups: Vec<[u32; 2]> = pairs.chain(triangles.iter().map(|&t| [t, t])).collect();
     let places = Neighborhood::around_groups(&best.manifold, &groups, RINGS);
     let wanted = best.manifold.connectivity.vertex_count();
-    let (leeway, mut may_move) = aim.limits(wanted);
+    let (farthest, mut may_move) = aim.limits(wanted);
     let better = parallel::each(&places, |place| {
         let changed = changed(surface, place, prepared.limit(), monitor)?;
         let is_better = has_fewer_faults(surface, &changed, place, &faces);
-        let stays = leeway.is_infinite() || is_near(&place.mesh, &changed.mesh, leeway * surface.scale.spacing);
-        Ok((is_better && stays).then_some(changed))
+        let stays = || is_near(&place.mesh, &changed.mesh, farthest * surface.scale.spacing);
+        Ok((is_better && stays()).then_some(changed))
     });
     let mut manifold = best.manifold.clone();
     let mut touched = vec![false; manifold.connectivity.half_edge_bound() as usize / 3];
