@@ -36,8 +36,8 @@ const CLEARANCE: f64 = 6.0;
 const LONGEST_REFINED: f64 = 2.2;
 
 /// Distance, in spacings, of vertices from a refined mesh that has gone past them: at other long edges they are within half a
-/// spacing, on ears and muzzles that were lost at .8 to 1.4.
-const MISSED: f64 = 0.6;
+/// spacing, on ears, muzzles and paws that were lost at .6 to 1.4.
+const MISSED: f64 = 0.5;
 
 /// Above this share of the vertices, ends of longer edges are everywhere and not at single places.
 const MOST_LONG: f64 = 0.05;
