@@ -101,7 +101,9 @@ pub(super) fn mended(
         return Ok(finished);
     }
     let mut best = finished;
-    for aim in [Aim::Sound, Aim::Angles] {
+    // Where the distance has a limit, it counts more than angles.
+    let aims = if prepared.limit().is_none() { &[Aim::Sound, Aim::Angles][..] } else { &[Aim::Sound] };
+    for &aim in aims {
         let mut failures = 0;
         for (round, &factor) in FACTORS.iter().cycle().enumerate().take(MOST_ROUNDS) {
             let triangles = aim.triangles(&best);

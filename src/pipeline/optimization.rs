@@ -58,8 +58,8 @@ pub(super) fn fit_to_surface(
     Ok(fitted)
 }
 
-/// Brings the mesh to the wanted number of vertices with as few irregular ones as possible, coarse to fine. Where the
-/// coarse mesh went past a part of the surface it is made again with all vertices there.
+/// Brings the mesh to the wanted number of vertices with as few irregular ones as possible, coarse to fine. Where the coarse mesh
+/// went past a part of the surface it is made again with all vertices there.
 fn order(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
     monitor.stage("ascend");
     arrange_narrow(domain, mesh, scale.spacing, monitor)?;

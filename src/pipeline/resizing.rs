@@ -85,12 +85,12 @@ pub(super) fn sizes_at(places: &[DVec3], factor: f64, domain: &Domain, spacing: 
     shorter_by(domain, spacing, |p, length| if is_near(p, length) { factor } else { f64::INFINITY })
 }
 
+/// The lengths of `domain`, `factor` times as long within a length of `places`, and less and less so up to two.
 fn longer_at(places: &Neighbors, factor: f64, domain: &Domain, spacing: f64) -> Vec<f64> {
     let longer = |size: f64, p: DVec3| {
         let length = size * spacing;
         let mut nearest = Vec::new();
         places.collect_nearest_within(p, 1, 2.0 * length, &mut nearest);
-        // All of it within a length, less and less up to two.
         let share = nearest.first().map_or(0.0, |n| (2.0 - n.distance_squared.sqrt() / length).min(1.0));
         size * (1.0 + (factor - 1.0) * share)
     };
