@@ -343,18 +343,16 @@ fn prism(outline: &[[f64; 2]], bottom: f64, top: f64) -> Mesh {
 
 #[test]
 #[ignore = "slow"]
-fn a_chamfer_that_parts_a_wall_stays_however_narrow() {
+fn a_wall_comes_out_sound_that_a_narrow_chamfer_parts_from_a_cavity() {
     // Hollow blocks: without its chamfer, a twelfth of the spacing wide, the outer face may cut off an edge of the cavity. Whether it
-    // does, and cannot be mended in place, is a matter of chance: three times out of twelve.
+    // does is a matter of chance.
     let wall = 0.005;
-    let left_out: Vec<usize> = (4..12)
-        .map(|seed| {
-            let block = prism(&[[0., 0.], [10., 0.], [10., 10.], [0.05, 10.], [0., 9.95]], 0.0, 10.0);
-            let top = 9.95 - wall;
-            let cavity = prism(&[[wall, 5.], [5., 5.], [5., top], [wall, top]], 1.0, 9.0);
-            let options = Options { seed, ..Options::default() };
-            check_as(&together(&[block, inside_out(cavity)]), 1500, options).left_out.patches
-        })
-        .collect();
-    assert!(left_out.contains(&0), "none of them came out sound only with its chamfer");
+    for seed in 4..12 {
+        let block = prism(&[[0., 0.], [10., 0.], [10., 10.], [0.05, 10.], [0., 9.95]], 0.0, 10.0);
+        let top = 9.95 - wall;
+        let cavity = prism(&[[wall, 5.], [5., 5.], [5., top], [wall, top]], 1.0, 9.0);
+        let options = Options { seed, ..Options::default() };
+        let made = check_as(&together(&[block, inside_out(cavity)]), 1500, options);
+        assert_eq!(made.output.components, 2);
+    }
 }
