@@ -312,4 +312,24 @@ mod tests {
         assert!(whole.len() > 20 && whole.len() < domain.mesh.triangles.len() / 4);
         assert_eq!(domain.self_intersections(), whole);
     }
+
+    #[test]
+    fn a_narrow_chamfer_stays_where_an_attempt_went_wrong() {
+        // A block with one edge cut off, by a twelfth of the spacing.
+        let outline = [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.05, 10.0], [0.0, 9.95]];
+        let positions = outline.iter().flat_map(|&[x, y]| [DVec3::new(x, y, 0.0), DVec3::new(x, y, 10.0)]).collect();
+        let sides = (0..5).map(|i| (2 * i, 2 * ((i + 1) % 5))).flat_map(|(a, b)| [[a, b, b + 1], [a, b + 1, a + 1]]);
+        let ends = (1..4).flat_map(|i| [[0, 2 * i + 2, 2 * i], [1, 2 * i + 1, 2 * i + 3]]);
+        let block = Mesh { positions, triangles: sides.chain(ends).collect() };
+        let options = Options::default();
+        let (prepared, repaired) = PreparedInput::new(&block, &options, &()).unwrap();
+        let left_out = |resizing: &Resizing| {
+            let sized = SizedSurface::new(&prepared, repaired.clone(), Density::Points(1500), resizing, &());
+            sized.unwrap().left_out.patches
+        };
+        assert_eq!(left_out(&Resizing::default()), 1);
+        let mut resizing = Resizing::default();
+        resizing.shorten_at(&[prepared.unit.inwards_point(DVec3::new(0.05, 10.0, 0.0))]);
+        assert_eq!(left_out(&resizing), 0);
+    }
 }
