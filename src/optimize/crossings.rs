@@ -64,11 +64,15 @@ impl Surroundings<'_> {
         Surroundings { depth: faces.depth_of_contact(), faces, changed: BTreeSet::new() }
     }
 
-    /// How many pairs of faces would cross, of those that `new` is in, if it were there in place of the faces `old`.
-    pub fn count(&self, mesh: &Manifold, new: &[Corners], old: &[u32]) -> usize {
+    /// How many pairs of faces would cross, of those that `new` is in, if it were there in place of the faces `old`; some
+    /// number above `most` if they are more than that.
+    pub fn count(&self, mesh: &Manifold, new: &[Corners], old: &[u32], most: usize) -> usize {
         let among: usize = (1..new.len()).map(|i| new[..i].iter().filter(|&&t| self.cross(t, new[i])).count()).sum();
         let mut count = among;
         for &corners in new {
+            if count > most {
+                break;
+            }
             self.each_across(mesh, corners, |t, _| count += usize::from(!old.contains(&t)));
         }
         count
@@ -76,14 +80,15 @@ impl Surroundings<'_> {
 
     /// Calls `visit` with each face that crosses a triangle, and its corners.
     pub fn each_across(&self, mesh: &Manifold, triangle: Corners, mut visit: impl FnMut(u32, Corners)) {
-        let [a, b, c] = triangle;
-        self.faces.in_box(a.min(b).min(c), a.max(b).max(c), |t, corners| {
+        let (lo, hi) = bounding_box(triangle);
+        self.faces.in_box(lo, hi, |t, corners| {
             if !self.changed.contains(&t) && self.cross(triangle, corners) {
                 visit(t, corners);
             }
         });
         for (&t, corners) in self.changed.iter().map(|t| (t, mesh.corners(*t))) {
-            if self.cross(triangle, corners) {
+            let (from, to) = bounding_box(corners);
+            if from.cmple(hi).all() && lo.cmple(to).all() && self.cross(triangle, corners) {
                 visit(t, corners);
             }
         }
@@ -92,6 +97,10 @@ impl Surroundings<'_> {
     fn cross(&self, a: Corners, b: Corners) -> bool {
         cross_deeper_than(self.depth, a, b)
     }
+}
+
+fn bounding_box([a, b, c]: Corners) -> (DVec3, DVec3) {
+    (a.min(b).min(c), a.max(b).max(c))
 }
 
 /// The triangles around `v` if it were at `there`.

@@ -187,21 +187,29 @@ fn step_off(domain: &Domain, mesh: &mut Manifold, v: u32, way: DVec3) -> bool {
 fn treat_faces(domain: &Domain, mesh: &mut Manifold, Crossings { faces, avoidable, .. }: &Crossings) {
     let crossing: BTreeSet<u32> = avoidable.iter().flat_map(|&(t, u)| [t, u]).collect();
     let mut around = Surroundings::new(faces);
+    // What did not help will not help either until something has changed.
+    let (mut edges, mut vertices) = (BTreeSet::new(), BTreeSet::new());
     for face in crossing.into_iter().take(MOST_TREATED) {
         let h = 3 * face;
         for side in [h, next(h), prev(h)] {
-            around.flip_if_fewer(mesh, side);
+            let edge = side.min(mesh.connectivity.twin(side));
+            if edges.insert(edge) && around.flip_if_fewer(mesh, side) {
+                (edges, vertices) = Default::default();
+            }
         }
         for v in mesh.connectivity.triangle(h) {
-            around.move_if_fewer(domain, mesh, v);
+            if vertices.insert(v) && around.move_if_fewer(domain, mesh, v) {
+                (edges, vertices) = Default::default();
+            }
         }
     }
 }
 
 impl Surroundings<'_> {
-    fn flip_if_fewer(&mut self, mesh: &mut Manifold, h: u32) {
+    /// Flips an edge if fewer faces cross then; whether it did.
+    fn flip_if_fewer(&mut self, mesh: &mut Manifold, h: u32) -> bool {
         if !mesh.connectivity.can_flip(h) || !mesh.flip_keeps_facing(h, FacingGuard::SOUND) {
-            return;
+            return false;
         }
         let g = mesh.connectivity.twin(h);
         let old = [h / 3, g / 3];
@@ -211,26 +219,30 @@ impl Surroundings<'_> {
         let after = [[top, a, bottom], [bottom, b, top]];
         let least = |faces: &[Corners]| faces.iter().map(|&t| mean_ratio(t)).fold(1.0, f64::min);
         let shaped = least(&after) >= least(&before).min(LEAST_MENDABLE);
-        if shaped && self.count(mesh, &after, &old) < self.count(mesh, &before, &old) {
+        let crossing = if shaped { self.count(mesh, &before, &old, usize::MAX) } else { 0 };
+        let helps = crossing > 0 && self.count(mesh, &after, &old, crossing) < crossing;
+        if helps {
             mesh.connectivity.flip(h);
             self.changed.extend(old);
         }
+        helps
     }
 
-    /// Moves `v` to the nearest places at which fewer faces cross, as long as there are such places.
-    fn move_if_fewer(&mut self, domain: &Domain, mesh: &mut Manifold, v: u32) {
+    /// Moves `v` to the nearest places at which fewer faces cross, as long as there are such places; whether there was one.
+    fn move_if_fewer(&mut self, domain: &Domain, mesh: &mut Manifold, v: u32) -> bool {
         let old: Vec<u32> = mesh.connectivity.outgoing(v).map(|h| h / 3).collect();
-        let mut now = self.count(mesh, &fan(mesh, v, mesh.position(v)), &old);
-        if now == 0 || !mesh.can_move(v, &VertexSet::EMPTY) {
-            return;
+        let before = self.count(mesh, &fan(mesh, v, mesh.position(v)), &old, usize::MAX);
+        if before == 0 || !mesh.can_move(v, &VertexSet::EMPTY) {
+            return false;
         }
+        let mut now = before;
         let longest = longest_edge(mesh, v);
         for reach in REACHES {
             let mut best = (now, 0.0, mesh.samples[v as usize]);
             for place in places(domain, mesh, v, reach * longest) {
                 let fan = fan(mesh, v, place.position);
                 let shape = fan.iter().map(|&t| mean_ratio(t)).fold(1.0, f64::min);
-                let count = if acceptable(mesh, v, &place) { self.count(mesh, &fan, &old) } else { now };
+                let count = if acceptable(mesh, v, &place) { self.count(mesh, &fan, &old, best.0) } else { now };
                 if count < best.0 || (count == best.0 && count < now && shape > best.1) {
                     best = (count, shape, place);
                 }
@@ -244,6 +256,7 @@ impl Surroundings<'_> {
                 break;
             }
         }
+        now < before
     }
 }
 
