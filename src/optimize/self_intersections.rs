@@ -123,12 +123,20 @@ fn part_sheets(domain: &Domain, mesh: &mut Manifold, crossings: &mut Crossings) 
 
 /// For each corner of the faces that cross the longest step away from a sheet in its way.
 fn ways_apart(domain: &Domain, mesh: &Manifold, pairs: &[(u32, u32)]) -> BTreeMap<u32, DVec3> {
+    let faces: BTreeSet<u32> = pairs.iter().flat_map(|&(t, u)| [t, u]).collect();
+    let heights: BTreeMap<u32, f64> = faces.iter().map(|&t| (t, height(domain, mesh, t))).collect();
+    let corners: BTreeSet<u32> = faces.iter().flat_map(|&t| mesh.connectivity.triangle(3 * t)).collect();
+    let foot = |v: u32| {
+        let here = &mesh.samples[v as usize];
+        domain.project(here.position, here.normal, here.triangle).position
+    };
+    let feet: BTreeMap<u32, DVec3> = corners.into_iter().map(|v| (v, foot(v))).collect();
     let mut ways: BTreeMap<u32, DVec3> = BTreeMap::new();
     for &(t, u) in pairs {
-        let step = STEP * height(domain, mesh, t).max(height(domain, mesh, u));
+        let step = STEP * heights[&t].max(heights[&u]);
         for (face, other) in [(t, u), (u, t)] {
             for v in mesh.connectivity.triangle(3 * face) {
-                let way = step * away_from(domain, mesh, v, other);
+                let way = step * away_from(domain, mesh, v, feet[&v], other);
                 let longest = ways.entry(v).or_default();
                 if way.length_squared() > longest.length_squared() {
                     *longest = way;
@@ -148,18 +156,17 @@ fn height(domain: &Domain, mesh: &Manifold, face: u32) -> f64 {
 }
 
 /// The direction, along the normal at `v`, away from the sheet of the surface that face `other` stands for; zero if `v`
-/// is on it.
-fn away_from(domain: &Domain, mesh: &Manifold, v: u32, other: u32) -> DVec3 {
+/// is on it. The place of `v` on the surface is `foot`.
+fn away_from(domain: &Domain, mesh: &Manifold, v: u32, foot: DVec3, other: u32) -> DVec3 {
     let corners = mesh.connectivity.triangle(3 * other);
     if corners.contains(&v) {
         return DVec3::ZERO;
     }
     let here = &mesh.samples[v as usize];
-    let place = domain.project(here.position, here.normal, here.triangle).position;
     let corners = corners.map(|w| &mesh.samples[w as usize]);
     let normal = corners.iter().map(|s| s.normal).sum();
-    let there = domain.project(place, normal, on_patch(corners).triangle).position;
-    let ahead = (there - place).dot(here.normal);
+    let there = domain.project(foot, normal, on_patch(corners).triangle).position;
+    let ahead = (there - foot).dot(here.normal);
     if ahead == 0.0 { DVec3::ZERO } else { -ahead.signum() * here.normal }
 }
 

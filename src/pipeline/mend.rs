@@ -104,7 +104,7 @@ pub(super) fn mended(
     // Where the distance has a limit, it counts more than angles.
     let aims = if prepared.limit().is_none() { &[Aim::Sound, Aim::Angles][..] } else { &[Aim::Sound] };
     for &aim in aims {
-        let mut failures = 0;
+        let (mut failures, mut tried) = (0, Tried::default());
         for (round, &factor) in FACTORS.iter().cycle().enumerate().take(MOST_ROUNDS) {
             let triangles = aim.triangles(&best);
             if triangles.is_empty() || failures == FACTORS.len() {
@@ -114,7 +114,7 @@ pub(super) fn mended(
                 monitor.stage("mend");
             }
             let sizes = surface.domain.sizes();
-            match resized(prepared, surface, &best, aim, &triangles, factor, monitor)? {
+            match resized(prepared, surface, &best, (aim, factor), &triangles, &mut tried, monitor)? {
                 Some(next) if aim.rank(&next) < aim.rank(&best) => (best, failures) = (next, 0),
                 _ => {
                     surface.domain.grade(sizes);
@@ -126,14 +126,19 @@ pub(super) fn mended(
     Ok(best)
 }
 
-/// `best` with edges `factor` times as long around these `triangles`, where that is better; `None` if it is nowhere.
+/// The factors that did not help at a place, which is known by the triangles to mend there.
+#[derive(Default)]
+struct Tried(Vec<(f64, Vec<[DVec3; 3]>)>);
+
+/// `best` with edges `factor` times as long around these `triangles`, where that is better; `None` if it is nowhere. Places where
+/// it did not help before are left alone.
 fn resized(
     prepared: &PreparedInput,
     surface: &mut SizedSurface,
     best: &Finished,
-    aim: Aim,
+    (aim, factor): (Aim, f64),
     triangles: &[u32],
-    factor: f64,
+    Tried(tried): &mut Tried,
     monitor: &dyn Monitor,
 ) -> Result<Option<Finished>> {
     let corners =
@@ -145,7 +150,12 @@ fn resized(
     let faces = Faces::new(&best.manifold);
     let pairs = faces.self_intersecting_pairs_of(triangles).into_iter().map(|(t, u)| [t, u]);
     let groups: Vec<[u32; 2]> = pairs.chain(triangles.iter().map(|&t| [t, t])).collect();
-    let places = Neighborhood::around_groups(&best.manifold, &groups, RINGS);
+    let of_place = |place: &Neighborhood| {
+        let inside = triangles.iter().filter(|&&t| place.has_triangle(t));
+        (factor, inside.map(|&t| best.manifold.corners(t)).collect())
+    };
+    let mut places = Neighborhood::around_groups(&best.manifold, &groups, RINGS);
+    places.retain(|place| !tried.contains(&of_place(place)));
     let wanted = best.manifold.connectivity.vertex_count();
     let (farthest, mut may_move) = aim.limits(wanted);
     let better = parallel::each(&places, |place| {
@@ -158,7 +168,10 @@ fn resized(
     let mut touched = vec![false; manifold.connectivity.half_edge_bound() as usize / 3];
     let mut changed = Vec::new();
     for (place, better) in places.iter().zip(better) {
-        let Some(better) = better? else { continue };
+        let Some(better) = better? else {
+            tried.push(of_place(place));
+            continue;
+        };
         let [before, after] = [place, &better].map(|place| place.mesh.connectivity.vertex_count());
         let moved = before.abs_diff(after);
         if moved <= may_move && better.put_back(&mut manifold, &mut touched) {
