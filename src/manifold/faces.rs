@@ -3,6 +3,7 @@
 //! Faces have the numbers of their triangles in the manifold: half-edge `3 t` is the first one of face `t`.
 
 use crate::base::parallel;
+use crate::geom::aabb::Aabb;
 use crate::geom::intersection::cross_deeper_than;
 use crate::manifold::Manifold;
 use crate::mesh::triangle_mesh::Mesh;
@@ -71,9 +72,9 @@ impl Faces {
         self.bvh.closest_or_near(&self.mesh, p, square, square, |_| true).is_some()
     }
 
-    /// Calls `visit` with the number and the corners of each face whose bounding box meets the box from `lo` to `hi`.
-    pub fn in_box(&self, lo: DVec3, hi: DVec3, mut visit: impl FnMut(u32, [DVec3; 3])) {
-        self.bvh.in_box(&self.mesh, lo, hi, |t| visit(self.number[t as usize], self.mesh.corners(t as usize)));
+    /// Calls `visit` with the number and the corners of each face whose bounding box meets the `wanted` one.
+    pub fn in_box(&self, wanted: &Aabb, mut visit: impl FnMut(u32, [DVec3; 3])) {
+        self.bvh.in_box(&self.mesh, wanted, |t| visit(self.number[t as usize], self.mesh.corners(t as usize)));
     }
 
     /// The pairs of faces that intersect, the lower number first, in increasing order.
@@ -89,7 +90,7 @@ impl Faces {
             let mut pairs = Vec::new();
             for &t in faces {
                 let Some(own) = self.corners(t) else { continue };
-                self.in_box(own[0].min(own[1]).min(own[2]), own[0].max(own[1]).max(own[2]), |u, other| {
+                self.in_box(&Aabb::of_triangle(own), |u, other| {
                     let [a, b] = if t < u { [own, other] } else { [other, own] };
                     if t != u && cross_deeper_than(depth, a, b) {
                         pairs.push((t.min(u), t.max(u)));

@@ -1,7 +1,6 @@
 //! The neighbourhood of a vertex or of triangles as a manifold of its own, to be changed and put back.
 
 use crate::base::union_find::UnionFind;
-use crate::geom::aabb::Aabb;
 use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
 use crate::manifold::vertex_set::VertexSet;
@@ -153,9 +152,9 @@ impl Neighborhood {
     /// has these `faces`.
     pub fn self_intersections(&self, faces: &Faces) -> [Vec<[DVec3; 3]>; 2] {
         let new = self.mesh.to_mesh();
-        let Some(Aabb { lo, hi }) = new.bounds() else { return [Vec::new(), Vec::new()] };
+        let Some(bounds) = new.bounds() else { return [Vec::new(), Vec::new()] };
         let (mut now, mut then) = (Vec::new(), Vec::new());
-        faces.in_box(lo, hi, |t, corners| {
+        faces.in_box(&bounds, |t, corners| {
             now.push(corners);
             if !self.has_triangle(t) {
                 then.push(corners);

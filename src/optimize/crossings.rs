@@ -1,5 +1,6 @@
 //! The self-intersecting faces of a mesh that changes: which faces cross, which would, and how far vertices may move to avoid it.
 
+use crate::geom::aabb::Aabb;
 use crate::geom::intersection::cross_deeper_than;
 use crate::geom::triangle::mean_ratio;
 use crate::manifold::Manifold;
@@ -80,15 +81,14 @@ impl Surroundings<'_> {
 
     /// Calls `visit` with each face that crosses a triangle, and its corners.
     pub fn each_across(&self, mesh: &Manifold, triangle: Corners, mut visit: impl FnMut(u32, Corners)) {
-        let (lo, hi) = bounding_box(triangle);
-        self.faces.in_box(lo, hi, |t, corners| {
+        let wanted = Aabb::of_triangle(triangle);
+        self.faces.in_box(&wanted, |t, corners| {
             if !self.changed.contains(&t) && self.cross(triangle, corners) {
                 visit(t, corners);
             }
         });
         for (&t, corners) in self.changed.iter().map(|t| (t, mesh.corners(*t))) {
-            let (from, to) = bounding_box(corners);
-            if from.cmple(hi).all() && lo.cmple(to).all() && self.cross(triangle, corners) {
+            if Aabb::of_triangle(corners).meets(&wanted) && self.cross(triangle, corners) {
                 visit(t, corners);
             }
         }
@@ -97,10 +97,6 @@ impl Surroundings<'_> {
     fn cross(&self, a: Corners, b: Corners) -> bool {
         cross_deeper_than(self.depth, a, b)
     }
-}
-
-fn bounding_box([a, b, c]: Corners) -> (DVec3, DVec3) {
-    (a.min(b).min(c), a.max(b).max(c))
 }
 
 /// The triangles around `v` if it were at `there`.
@@ -121,10 +117,14 @@ pub(super) fn acceptable(mesh: &Manifold, v: u32, there: &Sample) -> bool {
             .all(|(after, before)| after >= before.min(LEAST_MENDABLE))
 }
 
+/// The place on the surface of what lies off it.
+pub(super) fn foot(domain: &Domain, off: &Sample) -> Sample {
+    domain.project(off.position, off.normal, off.triangle)
+}
+
 /// Whether `there` is a place for `v` that is not too far from the surface.
 pub(super) fn is_near_surface(domain: &Domain, mesh: &Manifold, v: u32, there: &Sample) -> bool {
-    let own = domain.project(there.position, there.normal, there.triangle).position;
-    own.distance(there.position) <= FARTHEST * longest_edge(mesh, v)
+    foot(domain, there).position.distance(there.position) <= FARTHEST * longest_edge(mesh, v)
 }
 
 /// The length of the longest edge at `v`.

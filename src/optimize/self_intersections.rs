@@ -29,7 +29,9 @@ use crate::manifold::Manifold;
 use crate::manifold::facing::{FacingGuard, LEAST_MENDABLE};
 use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{next, prev};
-use crate::optimize::crossings::{Corners, Crossings, Surroundings, acceptable, fan, is_near_surface, longest_edge};
+use crate::optimize::crossings::{
+    Corners, Crossings, Surroundings, acceptable, fan, foot, is_near_surface, longest_edge,
+};
 use crate::optimize::shorten::shorten_crossings;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
@@ -90,8 +92,7 @@ fn take_back(domain: &Domain, mesh: &mut Manifold, crossings: &mut Crossings) {
     let corners: BTreeSet<u32> = faces.flat_map(|t| mesh.connectivity.triangle(3 * t)).collect();
     let (before, left) = (mesh.samples.clone(), crossings.avoidable.len());
     for v in corners {
-        let here = mesh.samples[v as usize];
-        let foot = domain.project(here.position, here.normal, here.triangle);
+        let foot = foot(domain, &mesh.samples[v as usize]);
         if !mesh.connectivity.is_on_curve(v) && acceptable(mesh, v, &foot) {
             mesh.samples[v as usize] = foot;
         }
@@ -126,11 +127,8 @@ fn ways_apart(domain: &Domain, mesh: &Manifold, pairs: &[(u32, u32)]) -> BTreeMa
     let faces: BTreeSet<u32> = pairs.iter().flat_map(|&(t, u)| [t, u]).collect();
     let heights: BTreeMap<u32, f64> = faces.iter().map(|&t| (t, height(domain, mesh, t))).collect();
     let corners: BTreeSet<u32> = faces.iter().flat_map(|&t| mesh.connectivity.triangle(3 * t)).collect();
-    let foot = |v: u32| {
-        let here = &mesh.samples[v as usize];
-        domain.project(here.position, here.normal, here.triangle).position
-    };
-    let feet: BTreeMap<u32, DVec3> = corners.into_iter().map(|v| (v, foot(v))).collect();
+    let feet: BTreeMap<u32, DVec3> =
+        corners.into_iter().map(|v| (v, foot(domain, &mesh.samples[v as usize]).position)).collect();
     let mut ways: BTreeMap<u32, DVec3> = BTreeMap::new();
     for &(t, u) in pairs {
         let step = STEP * heights[&t].max(heights[&u]);

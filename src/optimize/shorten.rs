@@ -16,7 +16,7 @@ use crate::geom::crossing_segment::crossing_segment;
 use crate::geom::triangle::longest_side;
 use crate::manifold::Manifold;
 use crate::mesh::half_edge::OnCurve;
-use crate::optimize::crossings::{Crossings, FARTHEST, Surroundings, acceptable, is_near_surface, longest_edge};
+use crate::optimize::crossings::{Crossings, FARTHEST, Surroundings, acceptable, foot, is_near_surface, longest_edge};
 use crate::spatial::self_intersections::Inherited;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
@@ -156,7 +156,7 @@ fn place_after(domain: &Domain, mesh: &Manifold, v: u32, way: DVec3) -> Sample {
     if mesh.connectivity.curve_at(v) != OnCurve::No {
         return there;
     }
-    let own = domain.project(there.position, there.normal, there.triangle);
+    let own = foot(domain, &there);
     let off = (there.position - own.position).clamp_length_max(FARTHEST * longest_edge(mesh, v));
     Sample { position: own.position + off, ..own }
 }

@@ -11,6 +11,7 @@
 //! flat.
 
 use crate::base::parallel;
+use crate::geom::aabb::Aabb;
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::refine::halve_edges;
 use crate::mesh::topology::NONE;
@@ -245,9 +246,8 @@ fn crossing_among(mesh: &Mesh, triangles: &[u32]) -> Vec<u32> {
     let some = soup(triangles);
     let boxes = Bvh::new(&some);
     let meets = |&t: &u32| {
-        let [a, b, c] = mesh.corners(t as usize);
         let mut any = false;
-        boxes.in_box(&some, a.min(b).min(c), a.max(b).max(c), |_| any = true);
+        boxes.in_box(&some, &Aabb::of_triangle(mesh.corners(t as usize)), |_| any = true);
         any
     };
     let around = parallel::collect(0..mesh.triangles.len() as u32, |block| block.filter(meets));

@@ -195,20 +195,19 @@ impl Bvh {
         (nearest < longest).then_some(nearest)
     }
 
-    /// Calls `visit` with every triangle whose bounding box meets the box from `lo` to `hi`, touching included.
-    pub fn in_box(&self, mesh: &Mesh, lo: DVec3, hi: DVec3, mut visit: impl FnMut(u32)) {
-        let wanted = Aabb { lo, hi };
+    /// Calls `visit` with every triangle whose bounding box meets the `wanted` one, touching included.
+    pub fn in_box(&self, mesh: &Mesh, wanted: &Aabb, mut visit: impl FnMut(u32)) {
         let mut aside = [0u32; DEEPEST];
         let mut waiting = 1;
         while waiting > 0 {
             waiting -= 1;
             let node = aside[waiting];
-            if !self.boxes[node as usize].meets(&wanted) {
+            if !self.boxes[node as usize].meets(wanted) {
                 continue;
             }
             if self.is_leaf(node) {
                 let triangles = self.leaf(node).iter().copied();
-                triangles.filter(|&t| box_of(mesh, t).meets(&wanted)).for_each(&mut visit);
+                triangles.filter(|&t| box_of(mesh, t).meets(wanted)).for_each(&mut visit);
             } else {
                 aside[waiting] = 2 * node + 2;
                 aside[waiting + 1] = 2 * node + 1;
@@ -477,12 +476,12 @@ mod tests {
             let all = (0..mesh.triangles.len()).filter(|&t| accept(t as u32));
             let hits = all.filter_map(|t| triangle::along_ray(p, way, mesh.corners(t))).filter(|&t| t < 2.0);
             assert_eq!(bvh.along_ray(mesh, p, way, 2.0, accept), hits.reduce(f64::min));
-            let (lo, hi) = (p, p + 0.2 * random_point(&mut rng));
+            let wanted = Aabb { lo: p, hi: p + 0.2 * random_point(&mut rng) };
             let mut found = Vec::new();
-            bvh.in_box(mesh, lo, hi, |t| found.push(t));
+            bvh.in_box(mesh, &wanted, |t| found.push(t));
             found.sort_unstable();
             let all = 0..mesh.triangles.len() as u32;
-            let expected: Vec<u32> = all.filter(|&t| box_of(mesh, t).meets(&Aabb { lo, hi })).collect();
+            let expected: Vec<u32> = all.filter(|&t| box_of(mesh, t).meets(&wanted)).collect();
             assert_eq!(found, expected);
         }
     }
@@ -524,7 +523,7 @@ mod tests {
         let empty = Mesh::default();
         assert_eq!(Bvh::new(&empty).closest(&empty, DVec3::ZERO), None);
         let mut visited = 0;
-        Bvh::new(&empty).in_box(&empty, DVec3::ZERO, DVec3::ONE, |_| visited += 1);
+        Bvh::new(&empty).in_box(&empty, &Aabb { lo: DVec3::ZERO, hi: DVec3::ONE }, |_| visited += 1);
         assert_eq!(visited, 0);
         let mesh = soup(10, 0.1, 1);
         assert_eq!(Bvh::new(&mesh).closest(&mesh, DVec3::NAN), None);

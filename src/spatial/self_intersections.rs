@@ -11,6 +11,7 @@
 //! for.
 
 use crate::base::parallel;
+use crate::geom::aabb::Aabb;
 use crate::geom::intersection::cross_deeper_than;
 use crate::geom::triangle::longest_side;
 use crate::mesh::half_edge::{next, prev};
@@ -67,7 +68,8 @@ fn faces_passing_along_edges(mesh: &Mesh, across: impl Fn(u32) -> u32 + Sync, bv
             let other = across(side);
             let edge = [corner(side), corner(next(side))];
             let tops = [corner(prev(side)), corner(prev(other))];
-            bvh.in_box(mesh, edge[0].min(edge[1]) - depth, edge[0].max(edge[1]) + depth, |t| {
+            let wanted = Aabb { lo: edge[0].min(edge[1]) - depth, hi: edge[0].max(edge[1]) + depth };
+            bvh.in_box(mesh, &wanted, |t| {
                 if lies_in(mesh.corners(t as usize), edge, tops, depth) {
                     found.extend([t, side / 3, other / 3]);
                 }

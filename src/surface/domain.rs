@@ -3,6 +3,7 @@
 //!
 //! It is cut open along its sharp edges, so that walks, normals and projections stay within a smooth patch.
 
+use crate::geom::aabb::Aabb;
 use crate::geom::triangle::{barycentric, closest_point};
 use crate::mesh::cut::{Cut, OfSides, cut};
 use crate::mesh::half_edge::{next, prev};
@@ -424,7 +425,7 @@ impl Domain {
     /// The triangles whose bounding boxes reach into the cube around `p`, whose sides are `reach` away, in increasing order.
     pub fn triangles_near(&self, p: DVec3, reach: f64) -> Vec<u32> {
         let mut near = Vec::new();
-        self.bvh.in_box(&self.mesh, p - reach, p + reach, |t| near.push(t));
+        self.bvh.in_box(&self.mesh, &Aabb { lo: p - reach, hi: p + reach }, |t| near.push(t));
         near.sort_unstable();
         near
     }
