@@ -254,33 +254,35 @@ fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, first: DVec3, sp
         if step <= LAST_STEP * spacing || best.0.largest_shortfall <= 0.0 {
             break;
         }
-        let found = places(domain, mesh, v, &best.1, step).into_iter().fold(best, |best, there| {
-            Cost::below(best.0, mesh, v, there.position, of_quality)
-                .filter(|_| may(mesh, &there))
-                .map_or(best, |cost| (cost, there))
+        let bound = Cost { sum: best.0.sum - LEAST_GAIN, ..best.0 };
+        let cost_at = |p: DVec3| Cost::below(bound, mesh, v, p, of_quality);
+        let tried = ways(mesh, v, &best.1, step).into_iter();
+        let mut better: Vec<(f64, DVec3)> =
+            tried.filter_map(|way| Some((cost_at(best.1.position + way)?.sum, way))).collect();
+        better.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // The surface is searched only for what is better beside it.
+        let found = better.into_iter().find_map(|(_, way)| {
+            let there = mesh.place_after(domain, v, way, &best.1);
+            cost_at(there.position).filter(|_| may(mesh, &there)).map(|cost| (cost, there))
         });
-        if found.0.sum < best.0.sum - LEAST_GAIN {
-            best = found;
-        } else {
-            step *= 0.5;
+        match found {
+            Some(found) => best = found,
+            None => step *= 0.5,
         }
     }
     mesh.samples[v as usize] = best.1;
     best.0.sum < before.sum
 }
 
-/// Places around `at`, where `v` is or could be, at distance `step` on the surface, or along the curve of a vertex
-/// there.
-fn places(domain: &Domain, mesh: &Manifold, v: u32, at: &Sample, step: f64) -> Vec<Sample> {
+/// Ways of length `step` from `at`, where `v` is or could be: in the tangent plane, or along the curve of a vertex there.
+fn ways(mesh: &Manifold, v: u32, at: &Sample, step: f64) -> Vec<DVec3> {
     if let Some(ends) = mesh.connectivity.along_curve(v) {
-        let ways = ends.map(|w| (mesh.position(w) - at.position).normalize_or_zero());
-        return ways.map(|way| mesh.place_on(domain, v, at.position + way * step, at)).to_vec();
+        return ends.map(|w| step * (mesh.position(w) - at.position).normalize_or_zero()).to_vec();
     }
     let (x, y) = at.normal.any_orthonormal_pair();
     let direction = |i: usize| {
         let (sin, cos) = math::sin_cos(std::f64::consts::TAU * i as f64 / DIRECTIONS as f64);
         x * cos + y * sin
     };
-    let place = |i: usize| Sample { position: at.position + step * direction(i), ..*at };
-    (0..DIRECTIONS).map(|i| domain.settle(&place(i), step)).collect()
+    (0..DIRECTIONS).map(|i| step * direction(i)).collect()
 }
