@@ -27,20 +27,18 @@ use crate::optimize::relax::{Flips, relax};
 use crate::surface::domain::Domain;
 use glam::DVec3;
 
-/// Angle, in degrees, below which an edge near it may collapse or split; and that below which it may if more than this share of
-/// the triangles has small angles that are still to be looked at: then there are too few vertices for most of them.
-const SMALL: f64 = 40.0;
-const SMALL_OF_MANY: f64 = 30.0;
-const MANY: f64 = 0.02;
+/// Angle, in degrees, below which an edge near it may collapse or split: with 40 in place of 45 the mean Q of 48 CAD parts is 0.925
+/// instead of 0.928.
+const SMALL: f64 = 45.0;
 
 /// Rings of triangles around a place that settle.
 const RINGS: usize = 2;
 
 /// Changes at a small angle that settle: those that cost least before.
-const MOST_SETTLED: usize = 4;
+const MOST_SETTLED: usize = 3;
 
 /// Passes over all small angles.
-const MOST_PASSES: usize = 4;
+const MOST_PASSES: usize = 6;
 
 /// How far a vertex that goes may be from the triangles that are left, and one on a curve, in wanted lengths.
 const FARTHEST: f64 = 0.05;
@@ -57,7 +55,7 @@ const LEEWAY: f64 = 0.12;
 
 /// Rounds of relaxation, and passes of the search for angles, in which a neighbourhood settles.
 const ROUNDS: usize = 2;
-const SEARCHES: usize = 6;
+const SEARCHES: usize = 2;
 
 /// What a change has to gain: as much as two or three degrees of an angle of 40 degrees.
 const LEAST_GAIN: f64 = 10.0;
@@ -130,9 +128,6 @@ impl Exchange<'_> {
         let angles = mesh.triangles().filter(is_open).map(|t| (smallest_angle(mesh.corners(t)), t));
         let mut small: Vec<(f64, u32)> = angles.filter(|angle| angle.0 < SMALL).collect();
         small.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        if small.len() as f64 > MANY * mesh.triangles().count() as f64 {
-            small.truncate(small.partition_point(|angle| angle.0 < SMALL_OF_MANY));
-        }
         small.into_iter().map(|(_, t)| 3 * t).collect()
     }
 
