@@ -96,25 +96,30 @@ fn parse_text(bytes: &[u8]) -> Parsed {
     let mut words = Words::new(bytes);
     let mut mesh = Mesh::default();
     let mut open = false;
+    let mut last_facet = 0;
     while let Some(word) = words.anywhere() {
         if is(word, "solid") || is(word, "endsolid") {
             open = is(word, "solid");
             words.next_line();
         } else if open && is(word, "facet") {
             push_text(&mut mesh, &mut words)?;
-        } else {
+            last_facet = words.line();
+        } else if words.line() != last_facet {
             let wanted = if open { "'facet' or 'endsolid'" } else { "'solid'" };
             return Err(unexpected(&words, wanted, Some(word)));
         }
     }
-    if open {
-        return Err(unexpected(&words, "'endsolid'", None));
+    if open && mesh.positions.is_empty() {
+        return Err(unexpected(&words, "'facet' or 'endsolid'", None));
     }
     number_corners(&mut mesh)?;
-    Ok(Read { mesh, ..Read::default() })
+    let notes = open.then(|| {
+        format!("the file ends after {} whole facets without 'endsolid': it may be cut short", mesh.triangles.len())
+    });
+    Ok(Read { mesh, notes: notes.into_iter().collect(), ..Read::default() })
 }
 
-/// Adds the corners of a facet, from after `facet` to its `endfacet`.
+/// Adds the corners of a facet, from after `facet` to its `endfacet`. More on a line that ends something is left out.
 fn push_text(mesh: &mut Mesh, words: &mut Words) -> Result<()> {
     skip_normal(words)?;
     expect(words, "loop")?;
@@ -128,6 +133,11 @@ fn push_text(mesh: &mut Mesh, words: &mut Words) -> Result<()> {
         mesh.positions.push(finite(p, || Place::Line(words.line()))?);
     }
     expect(words, "endloop")?;
+    while let Some(word) = words.here() {
+        if is(word, "endfacet") {
+            return Ok(());
+        }
+    }
     expect(words, "endfacet")
 }
 
@@ -262,16 +272,26 @@ mod tests {
         assert_eq!(place(ONE.replace("endloop", "vertex 0 0 7").as_bytes()), Place::Line(7));
         assert_eq!(place(ONE.replace("vertex 0 0 0\n", "\n").as_bytes()), Place::Line(7));
         assert_eq!(place(ONE.replace("outer", "inner").as_bytes()), Place::Line(3));
-        assert_eq!(place(ONE.replace("endsolid a part", "").as_bytes()), Place::Line(8));
         assert_eq!(place(format!("{ONE}what").as_bytes()), Place::Line(10));
     }
 
     #[test]
-    fn text_cut_anywhere_is_an_error() {
-        let whole = ONE.find("endsolid").unwrap() + "endsolid".len();
+    fn text_cut_within_a_facet_is_an_error_and_after_it_is_told() {
+        let [whole, closed] = ["endfacet", "endsolid"].map(|word| ONE.find(word).unwrap() + word.len());
         for end in 0..ONE.len() {
-            assert_eq!(parse(&ONE.as_bytes()[..end]).is_ok(), end >= whole, "{end}");
+            let read = parse(&ONE.as_bytes()[..end]);
+            let last_word_is_cut = end > whole + 1 && end < closed;
+            assert_eq!(read.is_ok(), end >= whole && !last_word_is_cut, "{end}");
+            assert!(read.is_err() || (end < closed) == (read.unwrap().1.len() == 1), "{end}");
         }
+    }
+
+    #[test]
+    fn more_on_lines_that_end_something_is_left_out() {
+        let text = ONE.replace("endloop", "endloop foo").replace("endfacet", "endfacet a bar").repeat(2);
+        assert_eq!(parse(text.as_bytes()).unwrap(), parse(ONE.repeat(2).as_bytes()).unwrap());
+        let on_one_line = ONE.replacen('\n', "\r", 1).replace('\n', " ");
+        assert_eq!(parse(on_one_line.as_bytes()).unwrap().0, parse(ONE.as_bytes()).unwrap().0);
     }
 
     #[test]
