@@ -11,8 +11,8 @@
 //! - With three they are the same.
 //!
 //! Bodies that stand on each other touch, but rounding puts some corners above the contact and some below.
-//! [`cross_deeper_than`] tells crossing from contact: then neither triangle lies on one side of the other's plane, up
-//! to a depth.
+//! [`cross_deeper_than`] tells crossing from contact: then neither triangle lies on one side of the other's plane, and
+//! what they have in common is no point, both up to a depth.
 //!
 //! A segment that is not in the triangle's plane meets the triangle if its ends are not on the same side of the plane
 //! and its line passes the three sides of the triangle in the same sense. Coplanar figures meet in space if their
@@ -42,15 +42,37 @@ pub fn cross(a: Triangle, b: Triangle) -> bool {
     shared.next().is_some() || i == k || j == l || folded([a[i], a[k]], a[3 - i - k], b[3 - j - l])
 }
 
-/// Whether the triangles [`cross`] rather than touch: both have corners deeper than `depth` on both sides of the other.
-/// Coplanar triangles without a shared corner touch. Sheets that are folded over at a shared corner or side cross.
+/// Whether the triangles [`cross`] rather than touch: both have corners deeper than `depth` on both sides of the other, and
+/// what they have in common is longer. Coplanar triangles without a shared corner touch. Sheets that are folded over at a shared
+/// corner or side cross.
 pub fn cross_deeper_than(depth: f64, a: Triangle, b: Triangle) -> bool {
     let shared = (0..9).filter(|&i| a[i / 3] == b[i % 3]).count();
     let sides = [sides_of(a, b, depth), sides_of(b, a, depth)];
     let is_flat = sides == [Some([0; 3]); 2];
     let passes = |sides: Option<[i32; 3]>| sides.is_none_or(|s| s.contains(&1) && s.contains(&-1));
     let may = shared > 1 || shared == 1 && is_flat || sides.into_iter().all(passes);
-    may && cross(a, b)
+    may && cross(a, b) && (shared > 1 || is_flat || length_in_common(a, b).is_none_or(|length| length > depth))
+}
+
+/// How long the segment is that two triangles have in common, which are not coplanar and of which neither is beside the plane of the
+/// other; `None` if one has no area. Negative by the gap between them, along the line that their planes have in common.
+fn length_in_common(a: Triangle, b: Triangle) -> Option<f64> {
+    let normal = |[p, q, r]: Triangle| (q - p).cross(r - p).try_normalize();
+    let [of_a, of_b] = [normal(a)?, normal(b)?];
+    let line = of_a.cross(of_b).try_normalize()?;
+    // Where a triangle meets the plane of the other, along the line.
+    let range = |own: Triangle, [origin, ..]: Triangle, normal: DVec3| {
+        let at = own.map(|p| ((p - origin).dot(normal), (p - origin).dot(line)));
+        let ends = (0..3).filter_map(|k| {
+            let ((h, s), (g, t)) = (at[k], at[(k + 1) % 3]);
+            (h * g <= 0.0 && h != g).then(|| s + (t - s) * (h / (h - g)))
+        });
+        ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[from, to], s| [from.min(s), to.max(s)])
+    };
+    let ([a_from, a_to], [b_from, b_to]) = (range(a, b, of_b), range(b, a, of_a));
+    // Each range is told from a corner of the other triangle.
+    let shift = (a[0] - b[0]).dot(line);
+    Some(a_to.min(b_to + shift) - a_from.max(b_from + shift))
 }
 
 /// On which side of the plane of `triangle` the corners of `other` are, 0 within `depth` of it; `None` if it has no area.
@@ -206,6 +228,12 @@ mod tests {
         assert!(deeper([[0., 0., 0.], [1., 1., 0.], [1., 2., 0.]]), "folded over at a corner");
         assert!(deeper([[0., 0., 0.], [4., 0., 0.], [1., 1., 0.]]), "folded over at a side");
         assert!(deeper([[1., 1., -1.], [1., 1., 0.5], [1., 1., 2.]]), "a pin without area");
+        assert!(
+            !deeper([[2., -0.005, -1.], [2., -0.005, 1.], [2., -1., 0.]].map(|[x, y, z]| [x, y + 0.01, z])),
+            "edges that touch"
+        );
+        assert!(deeper([[2., 0.02, -1.], [2., 0.02, 1.], [2., -1., 0.]]), "edges that pass");
+        assert!(deeper([[0., 0., 0.], [1., 1., 1.], [1., 1., -1.]]), "pierced from a shared corner");
     }
 
     #[test]
