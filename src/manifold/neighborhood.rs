@@ -7,7 +7,8 @@ use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::OnCurve;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::spatial::self_intersections::self_intersections;
+use crate::spatial::bvh::Bvh;
+use crate::spatial::self_intersections::self_intersections_deeper_than;
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -162,7 +163,8 @@ impl Neighborhood {
         });
         then.extend((0..new.triangles.len()).map(|t| new.corners(t)));
         [now, then].map(|corners| {
-            let crossing = self_intersections(&Mesh::soup(corners.iter().copied()));
+            let soup = Mesh::soup(corners.iter().copied());
+            let crossing = self_intersections_deeper_than(faces.depth_of_contact(), &soup, &Bvh::new(&soup));
             crossing.into_iter().map(|t| corners[t as usize]).collect()
         })
     }

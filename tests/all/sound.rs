@@ -96,7 +96,7 @@ pub fn crossing(mesh: &Mesh) -> Option<[u32; 2]> {
         let [s_low, s_high] = [low(s), high(s)];
         for &t in order[i + 1..].iter().take_while(|&&t| low(t).x <= s_high.x) {
             let apart = low(t).cmpgt(s_high).any() || high(t).cmplt(s_low).any();
-            let crosses = || goes_through(mesh, s, t) || goes_through(mesh, t, s);
+            let crosses = || goes_through(mesh, s, t, contact) || goes_through(mesh, t, s, contact);
             let [one, other] = [s, t].map(|face| faces[face as usize]);
             if !apart && crosses() && is_on_both_sides(one, other, contact) && is_on_both_sides(other, one, contact) {
                 return Some([s, t]);
@@ -113,8 +113,9 @@ fn is_on_both_sides(face: [DVec3; 3], other: [DVec3; 3], depth: f64) -> bool {
     heights.iter().any(|&height| height > depth) && heights.iter().any(|&height| height < -depth)
 }
 
-/// Whether an edge of face `s` that has no corner of face `t` goes through the inside of that, decided exactly.
-fn goes_through(mesh: &Mesh, s: u32, t: u32) -> bool {
+/// Whether an edge of face `s` that has no corner of face `t` goes through the inside of that, decided exactly, and farther than
+/// `depth` from its sides.
+fn goes_through(mesh: &Mesh, s: u32, t: u32, depth: f64) -> bool {
     let face = mesh.triangles[t as usize];
     let corners = mesh.triangles[s as usize];
     let edges = [0, 1, 2].map(|k| [corners[k], corners[(k + 1) % 3]]);
@@ -131,6 +132,13 @@ fn goes_through(mesh: &Mesh, s: u32, t: u32) -> bool {
         let is_apart = !face.contains(&p) && !face.contains(&q);
         let ends = || side([a, b, c, p]) * side([a, b, c, q]);
         let turns = || [[a, b], [b, c], [c, a]].map(|[v, w]| side([p, q, v, w]));
-        is_apart && ends() == -1 && [[1; 3], [-1; 3]].contains(&turns())
+        let is_inside = || {
+            let [a, b, c, p, q] = [a, b, c, p, q].map(|v| mesh.positions[v as usize]);
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            let [above, below] = [p, q].map(|end| (end - a).dot(normal));
+            let at = p.lerp(q, above / (above - below));
+            [[a, b], [b, c], [c, a]].iter().all(|&[v, w]| normal.cross(w - v).normalize_or_zero().dot(at - v) > depth)
+        };
+        is_apart && ends() == -1 && [[1; 3], [-1; 3]].contains(&turns()) && is_inside()
     })
 }

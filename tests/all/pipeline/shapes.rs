@@ -100,6 +100,16 @@ fn crossings_of_the_input_stay_and_are_told() {
     assert!(made.mesh.positions.iter().all(|&p| bvh.closest(&input, p).unwrap().distance_squared < 0.01 * 0.01));
 }
 
+/// Bodies that touch along a part of an edge of each, whose corners are elsewhere: rounding says that some faces pass through others.
+#[test]
+fn bodies_that_touch_along_an_edge_do_not_cross() {
+    let turned = rotated(cuboid(DVec3::ONE), DVec3::Z, 0.3);
+    let input = together(&[cuboid(DVec3::ONE), moved(turned, |p| p + dvec3(1.0, 1.0, 0.37))]);
+    let made = check("two boxes", &input, 1000);
+    assert!(made.self_intersections.is_empty() && made.verified(), "{:?}", made.self_intersections);
+    assert_eq!(made.output.components, 2);
+}
+
 /// The boundaries of many open needles would take a hundred times the wanted vertices.
 #[test]
 #[ignore = "slow"]
