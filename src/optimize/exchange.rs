@@ -60,7 +60,7 @@ const SEARCHES: usize = 2;
 /// What a change has to gain: as much as two or three degrees of an angle of 40 degrees.
 const LEAST_GAIN: f64 = 10.0;
 
-/// Places that are tried for each vertex that comes or goes elsewhere.
+/// Places that are tried for each vertex that comes or goes elsewhere, and so many times as many where none of them will do.
 const CHOICES: usize = 4;
 
 /// Exchanges vertices between small angles and other places; their number stays. `spacing` is the mean edge length.
@@ -199,12 +199,13 @@ impl Exchange<'_> {
     /// Brings the mesh to `wanted` vertices where it remains good: splits and collapses edges away from curves, of the
     /// relatively longest or shortest those around which triangles cost least once they have settled.
     fn balance(&self, mesh: &mut Manifold, wanted: usize) -> Result<()> {
+        let mut choices = CHOICES;
         while mesh.connectivity.vertex_count() != wanted {
             check(self.monitor)?;
             let count = mesh.connectivity.vertex_count();
             let missing = count.abs_diff(wanted);
             let faces = Faces::new(mesh);
-            let places = disjoint(mesh, &edges_to_change(mesh, count < wanted), CHOICES * missing);
+            let places = disjoint(mesh, &edges_to_change(mesh, count < wanted), choices * missing);
             let changed = |place: &Place| {
                 let h = place.own_side();
                 let changed = if count < wanted { self.split(&place.around, h) } else { self.collapsed(place, h) };
@@ -217,7 +218,12 @@ impl Exchange<'_> {
             changed.sort_by(|a, b| a.0.total_cmp(&b.0));
             let mut touched = vec![false; triangle_bound(mesh)];
             let put_back = changed.iter().filter(|(_, changed)| changed.put_back(mesh, &mut touched));
-            if put_back.take(missing).count() == 0 {
+            if put_back.take(missing).count() > 0 {
+                continue;
+            }
+            if places.len() == choices * missing {
+                choices *= CHOICES;
+            } else {
                 meet_count(self.domain, mesh, wanted);
                 break;
             }
