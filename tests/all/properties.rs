@@ -64,6 +64,6 @@ fn kinds_are_counted() {
 fn faces_that_cross_are_found() {
     assert_eq!(crossing(&torus(20, 10, 1.0, 0.3)), None);
     assert_eq!(crossing(&cells(&[[0; 3], [1, 1, 0]])), None);
-    assert!(crossing(&klein_bottle(30, 12)).is_some());
+    assert!(crossing(&klein_bottle(30, 13)).is_some());
     assert!(crossing(&together(&[sphere(1, DVec3::ZERO, 1.0), sphere(1, DVec3::splat(0.5), 1.0)])).is_some());
 }

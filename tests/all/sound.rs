@@ -96,9 +96,10 @@ pub fn crossing(mesh: &Mesh) -> Option<[u32; 2]> {
         let [s_low, s_high] = [low(s), high(s)];
         for &t in order[i + 1..].iter().take_while(|&&t| low(t).x <= s_high.x) {
             let apart = low(t).cmpgt(s_high).any() || high(t).cmplt(s_low).any();
-            let crosses = || goes_through(mesh, s, t, contact) || goes_through(mesh, t, s, contact);
+            let crosses = || goes_through(mesh, s, t) || goes_through(mesh, t, s);
             let [one, other] = [s, t].map(|face| faces[face as usize]);
-            if !apart && crosses() && is_on_both_sides(one, other, contact) && is_on_both_sides(other, one, contact) {
+            let passes = || is_on_both_sides(one, other, contact) && is_on_both_sides(other, one, contact);
+            if !apart && crosses() && passes() && length_in_common(one, other) > contact {
                 return Some([s, t]);
             }
         }
@@ -113,9 +114,35 @@ fn is_on_both_sides(face: [DVec3; 3], other: [DVec3; 3], depth: f64) -> bool {
     heights.iter().any(|&height| height > depth) && heights.iter().any(|&height| height < -depth)
 }
 
-/// Whether an edge of face `s` that has no corner of face `t` goes through the inside of that, decided exactly, and farther than
-/// `depth` from its sides.
-fn goes_through(mesh: &Mesh, s: u32, t: u32, depth: f64) -> bool {
+/// How long the part of a `face` in the plane of another one is that lies within the other one.
+fn length_in_common(face: [DVec3; 3], other: [DVec3; 3]) -> f64 {
+    let normal = (other[1] - other[0]).cross(other[2] - other[0]).normalize_or_zero();
+    let height = |p: DVec3| (p - other[0]).dot(normal);
+    let ends: Vec<DVec3> = [[0, 1], [1, 2], [2, 0]]
+        .into_iter()
+        .map(|side| side.map(|k| face[k]))
+        .filter(|&[p, q]| height(p) * height(q) <= 0.0 && height(p) != height(q))
+        .map(|[p, q]| p.lerp(q, height(p) / (height(p) - height(q))))
+        .collect();
+    let pairs = ends.iter().flat_map(|&p| ends.iter().map(move |&q| [p, q]));
+    let Some([p, q]) = pairs.max_by(|a, b| a[0].distance(a[1]).total_cmp(&b[0].distance(b[1]))) else { return 0.0 };
+    let (mut from, mut to) = (0.0f64, 1.0f64);
+    for k in 0..3 {
+        let inwards = normal.cross(other[(k + 1) % 3] - other[k]);
+        let [at_p, at_q] = [p, q].map(|r| (r - other[k]).dot(inwards));
+        let crossing = at_p / (at_p - at_q);
+        match (at_p < 0.0, at_q < 0.0) {
+            (true, true) => return 0.0,
+            (true, false) => from = from.max(crossing),
+            (false, true) => to = to.min(crossing),
+            (false, false) => {}
+        }
+    }
+    (to - from).max(0.0) * p.distance(q)
+}
+
+/// Whether an edge of face `s` that has no corner of face `t` goes through the inside of that, decided exactly.
+fn goes_through(mesh: &Mesh, s: u32, t: u32) -> bool {
     let face = mesh.triangles[t as usize];
     let corners = mesh.triangles[s as usize];
     let edges = [0, 1, 2].map(|k| [corners[k], corners[(k + 1) % 3]]);
@@ -132,13 +159,6 @@ fn goes_through(mesh: &Mesh, s: u32, t: u32, depth: f64) -> bool {
         let is_apart = !face.contains(&p) && !face.contains(&q);
         let ends = || side([a, b, c, p]) * side([a, b, c, q]);
         let turns = || [[a, b], [b, c], [c, a]].map(|[v, w]| side([p, q, v, w]));
-        let is_inside = || {
-            let [a, b, c, p, q] = [a, b, c, p, q].map(|v| mesh.positions[v as usize]);
-            let normal = (b - a).cross(c - a).normalize_or_zero();
-            let [above, below] = [p, q].map(|end| (end - a).dot(normal));
-            let at = p.lerp(q, above / (above - below));
-            [[a, b], [b, c], [c, a]].iter().all(|&[v, w]| normal.cross(w - v).normalize_or_zero().dot(at - v) > depth)
-        };
-        is_apart && ends() == -1 && [[1; 3], [-1; 3]].contains(&turns()) && is_inside()
+        is_apart && ends() == -1 && [[1; 3], [-1; 3]].contains(&turns())
     })
 }
