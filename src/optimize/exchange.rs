@@ -1,4 +1,4 @@
-//! Takes vertices away and puts them where small angles need another number of them.
+//! Takes vertices away and puts them where small angles and poor triangles need another number of them.
 //!
 //! Between curves that are near each other, and beside their corners, no place of the vertices and no flip gives good triangles
 //! if there is one vertex too many or too few. At each small angle an edge near it collapses or splits, the triangles around

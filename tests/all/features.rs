@@ -147,8 +147,9 @@ fn a_spike_ends_in_a_vertex_whatever_the_samples_are() {
         let made = check_as(&cylinder(120, radius, 0.0, length), 500, Options { seed, ..Options::default() });
         let off = nearest(&made.mesh, length * DVec3::Z);
         assert!(off < 1e-9, "seed {seed}: {off} from the apex");
-        let smallest = made.unforced_theta_min.unwrap();
-        assert!(smallest > 30.0 && smallest >= shape(&made.mesh).unwrap().theta_min, "seed {seed}: {smallest}");
+        let [smallest, of_all] = [made.unforced_theta_min.unwrap(), shape(&made.mesh).unwrap().theta_min];
+        // They are taken in coordinates that are rounded differently.
+        assert!(smallest > 30.0 && smallest > of_all - 1e-9, "seed {seed}: {smallest} {of_all}");
     }
 }
 
