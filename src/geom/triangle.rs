@@ -184,6 +184,7 @@ pub fn smallest_angle(corners: [DVec3; 3]) -> f64 {
 }
 
 /// Sine and cosine of the smallest angle, times the lengths of its sides.
+#[inline]
 pub fn smallest_sine_cosine([a, b, c]: [DVec3; 3]) -> (f64, f64) {
     let twice_area = (b - a).cross(c - a).length();
     // The sine times the lengths of the sides is the same for all angles, so an angle falls as its dot product grows.
@@ -201,11 +202,21 @@ pub fn mean_ratio([a, b, c]: [DVec3; 3]) -> f64 {
 /// The quality 6 S / (√3 p h), with half the perimeter p and the longest side h: 1 for an equilateral triangle, 0 for a
 /// flat one.
 pub fn quality(corners: [DVec3; 3]) -> f64 {
-    let sides = side_lengths(corners);
+    quality_of(side_lengths(corners), area(corners))
+}
+
+fn quality_of(sides: [f64; 3], area: f64) -> f64 {
     let longest = sides[0].max(sides[1]).max(sides[2]);
     let half_perimeter = 0.5 * (sides[0] + sides[1] + sides[2]);
-    let q = 6.0 * area(corners) / (3f64.sqrt() * half_perimeter * longest);
+    let q = 6.0 * area / (3f64.sqrt() * half_perimeter * longest);
     if q.is_finite() { q } else { 0.0 }
+}
+
+/// [`quality`] and [`smallest_sine_cosine`] at the price of little more than one of them.
+#[inline]
+pub fn quality_and_sine_cosine(corners: [DVec3; 3]) -> (f64, f64, f64) {
+    let (twice_area, dot) = smallest_sine_cosine(corners);
+    (quality_of(side_lengths(corners), 0.5 * twice_area), twice_area, dot)
 }
 
 #[cfg(test)]

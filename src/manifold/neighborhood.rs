@@ -39,12 +39,13 @@ impl Neighborhood {
         Some(neighborhood)
     }
 
-    /// The triangles within `rings` rings around triangle `middle`, across feature curves. `None` if it reaches an
-    /// interface, or touches itself at a vertex.
-    pub fn across_curves(whole: &Manifold, middle: u32, rings: usize) -> Option<Neighborhood> {
+    /// The triangles within `rings` rings around triangle `middle`, across feature curves. `None` if one of them is `taken`, or it
+    /// reaches an interface, or touches itself at a vertex.
+    pub fn across_curves(whole: &Manifold, middle: u32, rings: usize, taken: impl Fn(u32) -> bool) -> Option<Neighborhood> {
         let c = &whole.connectivity;
         let found = Rings::around(whole, &c.triangle(3 * middle), rings, |_| false);
-        if found.vertices.iter().any(|&v| c.is_on_interface(v)) {
+        let is_taken = found.triangles.iter().any(|&t| taken(t));
+        if is_taken || found.vertices.iter().any(|&v| c.is_on_interface(v)) {
             return None;
         }
         let border = found.half_edges().filter(|&h| c.has_twin(h) && !found.has_half_edge(c.twin(h)));
@@ -365,7 +366,7 @@ mod tests {
             mesh.connectivity.outgoing(row(4)).find(|&h| mesh.connectivity.target(h) == row(5)).unwrap()
         };
         let side = along(&mesh);
-        let mut finer = Neighborhood::across_curves(&mesh, side / 3, 2).unwrap();
+        let mut finer = Neighborhood::across_curves(&mesh, side / 3, 2, |_| false).unwrap();
         let own = finer.own_half_edge(side).unwrap();
         finer.mesh.samples.push(finer.mesh.samples[0]);
         finer.mesh.connectivity.split_edge(own);
@@ -376,7 +377,7 @@ mod tests {
         let new = mesh.connectivity.vertex_bound() - 1;
         assert_eq!(mesh.connectivity.curve_at(new), OnCurve::Curve(0));
         let side = mesh.connectivity.outgoing(new).find(|&h| mesh.connectivity.is_curve_edge(h)).unwrap();
-        let mut coarser = Neighborhood::across_curves(&mesh, side / 3, 2).unwrap();
+        let mut coarser = Neighborhood::across_curves(&mesh, side / 3, 2, |_| false).unwrap();
         let own = coarser.own_half_edge(side).unwrap();
         coarser.mesh.collapse(own);
         let mut touched = untouched(&mesh);
@@ -421,7 +422,7 @@ mod tests {
         let count = mesh.connectivity.vertex_count();
         let is_middle = |mesh: &Manifold, h: u32| !mesh.connectivity.has_twin(h) && mesh.connectivity.origin(h) == 4;
         let side = mesh.half_edges().find(|&h| is_middle(&mesh, h)).unwrap();
-        let mut finer = Neighborhood::across_curves(&mesh, side / 3, 2).unwrap();
+        let mut finer = Neighborhood::across_curves(&mesh, side / 3, 2, |_| false).unwrap();
         let own = finer.own_half_edge(side).unwrap();
         assert!(finer.mesh.can_move(finer.mesh.connectivity.origin(own), &VertexSet::EMPTY));
         finer.mesh.samples.push(finer.mesh.samples[0]);
@@ -431,7 +432,7 @@ mod tests {
         let new = mesh.connectivity.vertex_bound() - 1;
         assert!(mesh.connectivity.is_boundary(new) && mesh.connectivity.vertex_count() == count + 1);
         let side = mesh.half_edges().find(|&h| is_middle(&mesh, h)).unwrap();
-        let mut coarser = Neighborhood::across_curves(&mesh, side / 3, 2).unwrap();
+        let mut coarser = Neighborhood::across_curves(&mesh, side / 3, 2, |_| false).unwrap();
         let own = coarser.own_half_edge(side).unwrap();
         assert!(coarser.mesh.connectivity.can_collapse(own));
         coarser.mesh.collapse(own);

@@ -21,7 +21,7 @@
 use crate::base::error::Result;
 use crate::base::math;
 use crate::base::monitor::{Monitor, check};
-use crate::geom::triangle::{angles, quality, smallest_angle, smallest_sine_cosine};
+use crate::geom::triangle::{angles, quality, quality_and_sine_cosine, smallest_angle};
 use crate::manifold::Manifold;
 use crate::manifold::facing::FacingGuard;
 use crate::manifold::vertex_set::VertexSet;
@@ -133,9 +133,14 @@ fn margin_of(corners: [DVec3; 3]) -> f64 {
     (DEGREES_OF_QUALITY * (quality(corners) - LEAST_QUALITY)).min(smallest_angle(corners) - SMALLEST)
 }
 
-/// What a triangle of these corners misses the goal by, in degrees.
-fn shortfall(corners: [DVec3; 3]) -> f64 {
-    if is_good(corners) { 0.0 } else { -margin_of(corners) }
+/// What a triangle of these corners misses the goal by, in degrees, and its quality.
+fn shortfall_and_quality(corners: [DVec3; 3]) -> (f64, f64) {
+    let (quality, sine, cosine) = quality_and_sine_cosine(corners);
+    let of_quality = (DEGREES_OF_QUALITY * (LEAST_QUALITY - quality)).max(0.0);
+    // The arc is costly.
+    let of_angle =
+        if sine >= TANGENT_OF_SMALLEST * cosine { 0.0 } else { SMALLEST - math::atan2(sine, cosine).to_degrees() };
+    (of_quality.max(of_angle), quality)
 }
 
 /// The least margin of all triangles, in degrees; negative outside of the goal.
@@ -155,8 +160,8 @@ fn is_bad(mesh: &Manifold, t: u32) -> bool {
 
 /// Whether the margin of a triangle is not negative: [`margin_of`] without its costly arc.
 fn is_good(corners: [DVec3; 3]) -> bool {
-    let (sine, cosine) = smallest_sine_cosine(corners);
-    sine >= TANGENT_OF_SMALLEST * cosine && quality(corners) >= LEAST_QUALITY
+    let (quality, sine, cosine) = quality_and_sine_cosine(corners);
+    sine >= TANGENT_OF_SMALLEST * cosine && quality >= LEAST_QUALITY
 }
 
 /// Whether all triangles around `v` would be within the goal if it were at `p`.
@@ -182,9 +187,9 @@ impl Cost {
     /// That around `v` if it were at `p`, if it is less than `bound` and the worst no worse.
     fn below(bound: Cost, mesh: &Manifold, v: u32, p: DVec3, of_quality: f64) -> Option<Cost> {
         corners_around(mesh, v, p).try_fold(Cost::default(), |cost, corners| {
-            let shortfall = shortfall(corners);
+            let (shortfall, quality) = shortfall_and_quality(corners);
             let cost = Cost {
-                sum: cost.sum + cost_of(shortfall) + of_quality * (1.0 - quality(corners)),
+                sum: cost.sum + cost_of(shortfall) + of_quality * (1.0 - quality),
                 largest_shortfall: cost.largest_shortfall.max(shortfall),
             };
             (cost.sum < bound.sum && cost.largest_shortfall <= bound.largest_shortfall).then_some(cost)
@@ -194,8 +199,8 @@ impl Cost {
 
 /// What all triangles cost.
 pub(super) fn cost(mesh: &Manifold) -> f64 {
-    let of_triangle = |corners| cost_of(shortfall(corners)) + OF_QUALITY * (1.0 - quality(corners));
-    mesh.triangles().map(|t| of_triangle(mesh.corners(t))).sum()
+    let of_triangle = |(shortfall, quality)| cost_of(shortfall) + OF_QUALITY * (1.0 - quality);
+    mesh.triangles().map(|t| of_triangle(shortfall_and_quality(mesh.corners(t)))).sum()
 }
 
 /// What that shortfall, in degrees, costs.

@@ -273,12 +273,9 @@ fn disjoint(mesh: &Manifold, sides: &[u32], most: usize) -> Vec<Place> {
         if taken[side as usize / 3] {
             return None;
         }
-        let around = Neighborhood::across_curves(mesh, side / 3, RINGS)?;
-        let is_free = around.triangles().iter().all(|&t| !taken[t as usize]);
-        is_free.then(|| {
-            around.triangles().iter().for_each(|&t| taken[t as usize] = true);
-            Place { side, around }
-        })
+        let around = Neighborhood::across_curves(mesh, side / 3, RINGS, |t| taken[t as usize])?;
+        around.triangles().iter().for_each(|&t| taken[t as usize] = true);
+        Some(Place { side, around })
     });
     free.take(most).collect()
 }
