@@ -41,7 +41,12 @@ impl Neighborhood {
 
     /// The triangles within `rings` rings around triangle `middle`, across feature curves. `None` if one of them is `taken`, or it
     /// reaches an interface, or touches itself at a vertex.
-    pub fn across_curves(whole: &Manifold, middle: u32, rings: usize, taken: impl Fn(u32) -> bool) -> Option<Neighborhood> {
+    pub fn across_curves(
+        whole: &Manifold,
+        middle: u32,
+        rings: usize,
+        taken: impl Fn(u32) -> bool,
+    ) -> Option<Neighborhood> {
         let c = &whole.connectivity;
         let found = Rings::around(whole, &c.triangle(3 * middle), rings, |_| false);
         let is_taken = found.triangles.iter().any(|&t| taken(t));

@@ -39,7 +39,7 @@ const RINGS: usize = 2;
 const MOST_SETTLED: usize = 4;
 
 /// Passes over all small angles.
-const MOST_PASSES: usize = 6;
+const MOST_PASSES: usize = 8;
 
 /// How far a vertex that goes may be from the triangles that are left, and one on a curve, in wanted lengths.
 const FARTHEST: f64 = 0.05;
@@ -56,7 +56,7 @@ const LEEWAY: f64 = 0.12;
 
 /// Rounds of relaxation, and passes of the search for angles, in which a neighbourhood settles.
 const ROUNDS: usize = 2;
-const SEARCHES: usize = 2;
+const SEARCHES: usize = 1;
 
 /// What a change has to gain: as much as two or three degrees of an angle of 40 degrees.
 const LEAST_GAIN: f64 = 10.0;
