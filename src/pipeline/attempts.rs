@@ -3,8 +3,8 @@
 //! Three things go wrong, and each has its remedy. Samples on sharp edges that are too few leave patches that do not fit
 //! together: edges become shorter there, or, where there is no room for that, samples on all sharp edges closer; at last the
 //! sharp edges are smoothed over. Samples of the two sides of a thin wall may be joined so that triangles intersect: new ones are
-//! drawn there. If the result is still not sound, it is mended where it went wrong (`pipeline/mend.rs`); only if that does
-//! not help, everything is drawn again, finer there. If a sound result intersects itself as its input does, but with more faces,
+//! drawn there, if they are few. If the result is still not sound, it is mended where it went wrong (`pipeline/mend.rs`); only if that
+//! does not help, or there are too many such places, everything is drawn again, finer there. If a sound result intersects itself as its input does, but with more faces,
 //! everything is drawn again once, with longer edges there.
 
 /// Runs up to a whole result, and times that samples are drawn in each for a mesh that does not intersect itself.
@@ -24,10 +24,10 @@ const CLOSER: f64 = 1.4;
 /// If more triangles than this share, and than this number, intersect or are slivers, single places are not to blame: there are
 /// too few vertices for walls so near to each other.
 const MOST_OF_TRIANGLES: f64 = 0.05;
-
 const MOST_IN_PLACES: usize = 60;
 
-/// The share of the triangles up to which places are mended: with more they grow together, and hardly one gets better.
+/// The share of the triangles up to which places are mended, and a third run is made: with more the places grow together, and hardly
+/// one gets better.
 const MOST_TO_MEND: f64 = 0.01;
 
 /// How good the outcome of an attempt is: less is better, and topology counts first.
