@@ -33,10 +33,9 @@ type Triangle = [DVec3; 3];
 
 /// Whether the triangles have more in common than their shared corners and the side between two of them.
 pub fn cross(a: Triangle, b: Triangle) -> bool {
-    let mut shared = (0..9).map(|i| (i / 3, i % 3)).filter(|&(i, j)| a[i] == b[j]);
+    let mut shared = shared_corners(a, b);
     let Some((i, j)) = shared.next() else { return cross_apart(a, b) };
     let Some((k, l)) = shared.next() else {
-        let opposite = |t: Triangle, corner: usize| [t[(corner + 1) % 3], t[(corner + 2) % 3]];
         return meets(opposite(a, i), b) || meets(opposite(b, j), a);
     };
     shared.next().is_some() || i == k || j == l || folded([a[i], a[k]], a[3 - i - k], b[3 - j - l])
@@ -46,12 +45,36 @@ pub fn cross(a: Triangle, b: Triangle) -> bool {
 /// what they have in common is longer. Coplanar triangles without a shared corner touch. Sheets that are folded over at a shared
 /// corner or side cross.
 pub fn cross_deeper_than(depth: f64, a: Triangle, b: Triangle) -> bool {
-    let shared = (0..9).filter(|&i| a[i / 3] == b[i % 3]).count();
+    let shared = shared_corners(a, b).count();
     let sides = [sides_of(a, b, depth), sides_of(b, a, depth)];
-    let is_flat = sides == [Some([0; 3]); 2];
+    if sides == [Some([0; 3]); 2] && shared < 3 {
+        return cross_in_plane(a, b);
+    }
     let passes = |sides: Option<[i32; 3]>| sides.is_none_or(|s| s.contains(&1) && s.contains(&-1));
-    let may = shared > 1 || shared == 1 && is_flat || sides.into_iter().all(passes);
-    may && cross(a, b) && (shared > 1 || is_flat || length_in_common(a, b).is_none_or(|length| length > depth))
+    let may = shared > 1 || sides.into_iter().all(passes);
+    may && cross(a, b) && (shared > 1 || length_in_common(a, b).is_none_or(|length| length > depth))
+}
+
+/// [`cross`] for triangles that share one or two corners and are in one plane but for rounding.
+fn cross_in_plane(a: Triangle, b: Triangle) -> bool {
+    let normal = (a[1] - a[0]).cross(a[2] - a[0]).abs();
+    let axis = (0..3).max_by(|&i, &j| normal[i].total_cmp(&normal[j])).expect("space has three axes");
+    let mut shared = shared_corners(a, b);
+    match (shared.next(), shared.next()) {
+        (Some((i, j)), Some((k, l))) => folded_along([a[i], a[k]], a[3 - i - k], b[3 - j - l], axis),
+        (Some((i, j)), None) => shadows_meet(opposite(a, i), b, axis) || shadows_meet(opposite(b, j), a, axis),
+        (None, _) => false,
+    }
+}
+
+/// The corners of `a` that are at the place of one of `b`, and that one.
+fn shared_corners(a: Triangle, b: Triangle) -> impl Iterator<Item = (usize, usize)> {
+    (0..9).map(|i| (i / 3, i % 3)).filter(move |&(i, j)| a[i] == b[j])
+}
+
+/// The side of a triangle opposite a corner.
+fn opposite(t: Triangle, corner: usize) -> [DVec3; 2] {
+    [t[(corner + 1) % 3], t[(corner + 2) % 3]]
 }
 
 /// How long the segment is that two triangles have in common, which are not coplanar and of which neither is beside the plane of the
@@ -96,11 +119,13 @@ fn cross_apart(a: Triangle, b: Triangle) -> bool {
 
 /// Whether triangles that share a side, with `p` and `q` opposite it, lie on top of each other.
 fn folded([from, to]: [DVec3; 2], p: DVec3, q: DVec3) -> bool {
-    side_of_plane([from, to, p], q) == 0
-        && (0..3).any(|axis| {
-            let turn = |r: DVec3| side_of_line([from, to].map(|p| shadow(p, axis)), shadow(r, axis));
-            turn(p) * turn(q) > 0
-        })
+    side_of_plane([from, to, p], q) == 0 && (0..3).any(|axis| folded_along([from, to], p, q, axis))
+}
+
+/// Whether the shadows of such triangles do.
+fn folded_along(side: [DVec3; 2], p: DVec3, q: DVec3, axis: usize) -> bool {
+    let turn = |r: DVec3| side_of_line(side.map(|p| shadow(p, axis)), shadow(r, axis));
+    turn(p) * turn(q) > 0
 }
 
 /// Whether a segment and a triangle, ends and border included, have a point in common.
@@ -227,6 +252,10 @@ mod tests {
         assert!(!deeper([[1., 1., 0.009], [9., 1., -0.009], [9., 9., 0.]]), "one on the other");
         assert!(deeper([[0., 0., 0.], [1., 1., 0.], [1., 2., 0.]]), "folded over at a corner");
         assert!(deeper([[0., 0., 0.], [4., 0., 0.], [1., 1., 0.]]), "folded over at a side");
+        assert!(deeper([[0., 0., 0.], [1., 1., 0.], [1., 2., 1e-17]]), "folded over at a corner, but for rounding");
+        assert!(deeper([[0., 0., 0.], [4., 0., 0.], [1., 1., 1e-17]]), "folded over at a side, but for rounding");
+        assert!(!deeper([[0., 0., 0.], [4., 0., 0.], [1., -1., 1e-17]]), "flat neighbours");
+        assert!(!deeper([[0., 0., 0.], [4., 0., 0.], [1., 1., 0.5]]), "a sharp fold");
         assert!(deeper([[1., 1., -1.], [1., 1., 0.5], [1., 1., 2.]]), "a pin without area");
         assert!(
             !deeper([[2., -0.005, -1.], [2., -0.005, 1.], [2., -1., 0.]].map(|[x, y, z]| [x, y + 0.01, z])),
