@@ -9,6 +9,7 @@ pub mod faces;
 pub mod facing;
 pub mod motion;
 pub mod neighborhood;
+pub mod small_angles;
 mod split;
 pub mod vertex_set;
 

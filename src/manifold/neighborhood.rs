@@ -39,8 +39,8 @@ impl Neighborhood {
         Some(neighborhood)
     }
 
-    /// The triangles within `rings` rings around triangle `middle`, across feature curves. `None` if one of them is `taken`, or it
-    /// reaches an interface, or touches itself at a vertex.
+    /// The triangles within `rings` rings around triangle `middle`, across feature curves, and more where they would touch each other
+    /// at a vertex only. `None` if one of them is `taken`, or they reach an interface.
     pub fn across_curves(
         whole: &Manifold,
         middle: u32,
@@ -48,7 +48,8 @@ impl Neighborhood {
         taken: impl Fn(u32) -> bool,
     ) -> Option<Neighborhood> {
         let c = &whole.connectivity;
-        let found = Rings::around(whole, &c.triangle(3 * middle), rings, |_| false);
+        let mut found = Rings::around(whole, &c.triangle(3 * middle), rings, |_| false);
+        found.fill_up(whole);
         let is_taken = found.triangles.iter().any(|&t| taken(t));
         if is_taken || found.vertices.iter().any(|&v| c.is_on_interface(v)) {
             return None;
@@ -57,13 +58,7 @@ impl Neighborhood {
         let locked: Vec<u32> = border.flat_map(|h| [c.origin(h), c.target(h)]).map(|v| found.number[&v]).collect();
         let mut neighborhood = Neighborhood::of(whole, found);
         locked.into_iter().for_each(|v| neighborhood.mesh.connectivity.put_on_curve(v, OnCurve::Corner));
-        let c = &neighborhood.mesh.connectivity;
-        let mut corners = vec![0; neighborhood.vertices.len()];
-        for v in neighborhood.mesh.triangles().flat_map(|t| c.triangle(3 * t)) {
-            corners[v as usize] += 1;
-        }
-        let is_one_fan = corners.iter().zip(0..).all(|(&count, v)| c.outgoing(v).count() == count);
-        is_one_fan.then_some(neighborhood)
+        Some(neighborhood)
     }
 
     /// The triangles within `rings` rings around those of `groups`, one at least, across feature curves, in one neighborhood for
@@ -206,6 +201,12 @@ impl Neighborhood {
         for (&v, sample) in self.vertices.iter().zip(&self.mesh.samples) {
             whole.samples[v as usize] = *sample;
         }
+        // What is on the border has the curves that it has in the whole.
+        for (&v, own) in self.vertices.iter().zip(0..) {
+            if c.has_vertex(own) && !c.is_boundary(own) {
+                whole.connectivity.put_on_curve(v, c.curve_at(own));
+            }
+        }
         self.triangles.iter().for_each(|&t| touched[t as usize] = true);
         touched.resize(whole.connectivity.half_edge_bound() as usize / 3, true);
         true
@@ -271,6 +272,31 @@ impl Rings {
         Rings { vertices, number, triangles }
     }
 
+    /// Adds what is around vertices at which the triangles are in more than one fan, until there are none.
+    fn fill_up(&mut self, whole: &Manifold) {
+        let c = &whole.connectivity;
+        let begins_fan =
+            |rings: &Rings, h: u32| rings.has_half_edge(h) && !(c.has_twin(h) && rings.has_half_edge(c.twin(h)));
+        loop {
+            let fans = |v: u32| c.outgoing(v).filter(|&h| begins_fan(self, h)).count();
+            let touching: Vec<u32> = self.vertices.iter().copied().filter(|&v| fans(v) > 1).collect();
+            if touching.is_empty() {
+                break;
+            }
+            for h in touching.into_iter().flat_map(|v| c.outgoing(v)) {
+                self.triangles.push(h / 3);
+                for v in c.triangle(h) {
+                    self.number.entry(v).or_insert_with(|| {
+                        self.vertices.push(v);
+                        self.vertices.len() as u32 - 1
+                    });
+                }
+            }
+            self.triangles.sort_unstable();
+            self.triangles.dedup();
+        }
+    }
+
     fn half_edges(&self) -> impl Iterator<Item = u32> {
         self.triangles.iter().flat_map(|&t| 3 * t..3 * t + 3)
     }
@@ -304,10 +330,62 @@ mod tests {
         Manifold::new(all(WIDTH + 1).map(sample).collect(), &triangles)
     }
 
+    /// A tube of `around` times 12 squares, each two triangles.
+    fn tube(around: u32) -> Manifold {
+        let at = |i: u32, j: u32| j * around + i % around;
+        let all = |n: u32| (0..n).flat_map(move |j| (0..around).map(move |i| (i, j)));
+        let sample = |(i, j)| {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / f64::from(around)).sin_cos();
+            let normal = DVec3::new(cos, sin, 0.0);
+            Sample { position: normal + f64::from(j) * DVec3::Z, normal, triangle: 0, size: 1.0 }
+        };
+        let halves = |(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]];
+        let triangles: Vec<[u32; 3]> = all(12).flat_map(halves).collect();
+        Manifold::new(all(13).map(sample).collect(), &triangles)
+    }
+
     const MIDDLE: u32 = 4 * (WIDTH + 1) + 4;
 
     fn untouched(mesh: &Manifold) -> Vec<bool> {
         vec![false; mesh.connectivity.half_edge_bound() as usize / 3]
+    }
+
+    #[test]
+    fn around_a_narrow_tube_it_is_filled_up_where_it_would_touch_itself() {
+        for around in 3..=9 {
+            let mesh = tube(around);
+            let place = Neighborhood::across_curves(&mesh, 12 * around, 2, |_| false).unwrap();
+            let c = &place.mesh.connectivity;
+            let mut corners = vec![0; place.vertices.len()];
+            place
+                .triangles()
+                .iter()
+                .zip(0..)
+                .for_each(|(_, t)| c.triangle(3 * t).iter().for_each(|&v| corners[v as usize] += 1));
+            let is_one_fan = corners.iter().zip(0..).all(|(&count, v)| c.outgoing(v).count() == count);
+            assert!(is_one_fan && place.triangles().len() < 24 * around as usize, "{around}");
+            assert!(Neighborhood::across_curves(&mesh, 12 * around, 2, |t| t == 12 * around + 1).is_none());
+        }
+    }
+
+    #[test]
+    fn a_vertex_that_becomes_a_corner_of_curves_is_one_when_it_is_put_back() {
+        let mut mesh = square();
+        let row = |i: u32, j: u32| i * (WIDTH + 1) + j;
+        let curve = [(0, 3), (1, 5)]
+            .map(|(number, j)| (0..WIDTH).map(move |i| ([row(i, j), row(i + 1, j)], OnCurve::Curve(number))));
+        let edges: Vec<_> = curve.into_iter().flatten().collect();
+        mesh.mark_curves(&edges, []);
+        let h = mesh.connectivity.outgoing(row(4, 3)).find(|&h| mesh.connectivity.target(h) == row(5, 3)).unwrap();
+        let mut place = Neighborhood::across_curves(&mesh, h / 3, 3, |_| false).unwrap();
+        let own = place.own_half_edge(h).unwrap();
+        let top = place.mesh.connectivity.apex(own);
+        assert!(place.mesh.connectivity.can_bend(own) && !place.mesh.connectivity.is_boundary(top));
+        place.mesh.connectivity.bend(own);
+        let top = place.vertices[top as usize];
+        assert!(!mesh.connectivity.is_corner(top));
+        let mut touched = untouched(&mesh);
+        assert!(place.put_back(&mut mesh, &mut touched) && mesh.connectivity.is_corner(top));
     }
 
     #[test]

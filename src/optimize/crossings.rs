@@ -2,7 +2,7 @@
 
 use crate::geom::aabb::Aabb;
 use crate::geom::intersection::cross_deeper_than;
-use crate::geom::triangle::mean_ratio;
+use crate::geom::triangle::{longest_side, mean_ratio};
 use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
 use crate::manifold::facing::LEAST_MENDABLE;
@@ -13,6 +13,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// How far a vertex may step away from its place on the surface, in lengths of its longest edge.
 pub(super) const FARTHEST: f64 = 0.14;
+
+/// The length that counts for faces without a segment in common, as a share of their longest side.
+const FOLDED: f64 = 0.1;
 
 /// The corners of a face.
 pub(super) type Corners = [DVec3; 3];
@@ -39,6 +42,17 @@ impl Crossings {
         let stays = |t: u32| changed.binary_search(&t).is_err();
         self.all.retain(|&(t, u)| stays(t) && stays(u));
         self.all.extend(self.faces.self_intersecting_pairs_of(&changed));
+        self.all.sort_unstable();
+        self.avoidable = avoidable(&self.all, domain, mesh);
+    }
+
+    /// Looks anew at a mesh of which the `touched` triangles have been replaced.
+    pub fn renew(&mut self, domain: &Domain, mesh: &Manifold, touched: &[bool]) {
+        self.faces = Faces::new(mesh);
+        let is_touched = |t: u32| touched.get(t as usize).is_some_and(|touched| *touched);
+        self.all.retain(|&(t, u)| !is_touched(t) && !is_touched(u));
+        let touched: Vec<u32> = mesh.triangles().filter(|&t| is_touched(t)).collect();
+        self.all.extend(self.faces.self_intersecting_pairs_of(&touched));
         self.all.sort_unstable();
         self.avoidable = avoidable(&self.all, domain, mesh);
     }
@@ -97,6 +111,11 @@ impl Surroundings<'_> {
     fn cross(&self, a: Corners, b: Corners) -> bool {
         cross_deeper_than(self.depth, a, b)
     }
+}
+
+/// The length of what faces have in common that cross without a segment, folded over or coplanar.
+pub(super) fn length_of_fold(a: Corners, b: Corners) -> f64 {
+    FOLDED * longest_side(a).max(longest_side(b))
 }
 
 /// The triangles around `v` if it were at `there`.

@@ -19,11 +19,9 @@ use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
 use crate::manifold::facing::FacingGuard;
 use crate::manifold::neighborhood::Neighborhood;
-use crate::mesh::half_edge::{next, prev};
-use crate::optimize::angles::{OF_QUALITY, cost, improve_angles_for, worst_margin};
-use crate::optimize::coarse_to_fine::tips;
+use crate::optimize::angles::{cost, worst_margin};
 use crate::optimize::counts::{is_away_from_curves, meet_count};
-use crate::optimize::relax::{Flips, relax};
+use crate::optimize::places::{GivenUp, Place, disjoint, put_back, settled, split};
 use crate::surface::domain::Domain;
 use glam::DVec3;
 
@@ -31,9 +29,6 @@ use glam::DVec3;
 /// 48 CAD parts is 0.925 instead of 0.927; with 45 degrees and no quality it is 0.928, but smooth models take longer.
 const SMALL: f64 = 40.0;
 const POOR: f64 = 0.8;
-
-/// Rings of triangles around a place that settle.
-const RINGS: usize = 2;
 
 /// Changes at a small angle that settle: those that cost least before.
 const MOST_SETTLED: usize = 4;
@@ -54,10 +49,6 @@ const FARTHEST_AFTER: f64 = 0.1;
 const VERY_SMALL: f64 = 25.0;
 const LEEWAY: f64 = 0.12;
 
-/// Rounds of relaxation, and passes of the search for angles, in which a neighbourhood settles.
-const ROUNDS: usize = 2;
-const SEARCHES: usize = 1;
-
 /// What a change has to gain: as much as two or three degrees of an angle of 40 degrees.
 const LEAST_GAIN: f64 = 10.0;
 
@@ -67,7 +58,7 @@ const CHOICES: usize = 4;
 /// Exchanges vertices between small angles and other places; their number stays. `spacing` is the mean edge length.
 pub fn exchange_vertices(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
     let exchange = Exchange { domain, spacing, monitor };
-    if exchange.small_angles(mesh, &[]).is_empty() {
+    if exchange.small_angles(mesh, &GivenUp::default()).is_empty() {
         return Ok(());
     }
     let before = mesh.clone();
@@ -101,32 +92,22 @@ struct Exchange<'a> {
 impl Exchange<'_> {
     /// Gives the surroundings of small angles the number of vertices that they need.
     fn change_counts(&self, mesh: &mut Manifold) -> Result<()> {
-        let mut given_up: Vec<bool> = Vec::new();
+        let mut given_up = GivenUp::default();
         for _ in 0..MOST_PASSES {
             check(self.monitor)?;
-            given_up.resize(triangle_bound(mesh), false);
             let places = disjoint(mesh, &self.small_angles(mesh, &given_up), usize::MAX);
             if places.is_empty() {
                 break;
             }
             let faces = Faces::new(mesh);
-            let changed = parallel::each(&places, |place| self.better(place, &faces));
-            let changed: Vec<_> = changed.into_iter().collect::<Result<_>>()?;
-            let mut touched = vec![false; given_up.len()];
-            for (place, changed) in places.iter().zip(changed) {
-                let is_better = changed.is_some_and(|changed| changed.put_back(mesh, &mut touched));
-                given_up[place.side as usize / 3] |= !is_better;
-            }
-            // What has changed may have another way now.
-            given_up.iter_mut().zip(&touched).for_each(|(given_up, touched)| *given_up &= !touched);
+            given_up.change(mesh, &places, |place| self.better(place, &faces))?;
         }
         Ok(())
     }
 
     /// A side of each triangle with a small angle or poor quality that is not given up, the smallest angle first.
-    fn small_angles(&self, mesh: &Manifold, given_up: &[bool]) -> Vec<u32> {
-        let is_open = |t: &u32| !given_up.get(*t as usize).is_some_and(|given_up| *given_up);
-        let angles = mesh.triangles().filter(is_open).map(|t| (smallest_angle(mesh.corners(t)), t));
+    fn small_angles(&self, mesh: &Manifold, given_up: &GivenUp) -> Vec<u32> {
+        let angles = mesh.triangles().filter(|&t| !given_up.has(t)).map(|t| (smallest_angle(mesh.corners(t)), t));
         let is_small = |&(angle, t): &(f64, u32)| angle < SMALL || quality(mesh.corners(t)) < POOR;
         let mut small: Vec<(f64, u32)> = angles.filter(is_small).collect();
         small.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -137,12 +118,9 @@ impl Exchange<'_> {
     fn better(&self, place: &Place, faces: &Faces) -> Result<Option<Neighborhood>> {
         let mesh = &place.around.mesh;
         let c = &mesh.connectivity;
-        let h = place.own_side();
-        let own = [h, next(h), prev(h)];
-        let beside = own.into_iter().filter(|&h| c.has_twin(h)).flat_map(|h| [next(c.twin(h)), prev(c.twin(h))]);
-        let edges: Vec<u32> = own.into_iter().chain(beside).collect();
+        let edges = place.sides_near();
         let collapses = edges.iter().flat_map(|&h| c.both_sides(h)).filter_map(|h| self.collapsed(place, h));
-        let splits = edges.iter().filter_map(|&h| self.split(&place.around, h));
+        let splits = edges.iter().filter_map(|&h| split(self.domain, &place.around, h));
         let changed = collapses.chain(splits).chain([place.around.clone()]);
         let mut changed: Vec<(f64, Neighborhood)> = changed.map(|changed| (cost(&changed.mesh), changed)).collect();
         changed.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -153,7 +131,7 @@ impl Exchange<'_> {
         better.retain(|(after, changed)| *after < most && worst_margin(&changed.mesh) >= worst);
         better.sort_by(|a, b| a.0.total_cmp(&b.0));
         let is_sound = |changed: &Neighborhood| {
-            is_near(mesh, &changed.mesh, place.leeway() * self.spacing) && !changed.adds_self_intersections(faces)
+            is_near(mesh, &changed.mesh, leeway(place) * self.spacing) && !changed.adds_self_intersections(faces)
         };
         Ok(better.into_iter().map(|(_, changed)| changed).find(is_sound))
     }
@@ -163,7 +141,7 @@ impl Exchange<'_> {
         let mesh = &place.around.mesh;
         let c = &mesh.connectivity;
         let origin = c.origin(h);
-        let farthest = if c.is_on_curve(origin) { FARTHEST_FROM_CURVE } else { FARTHEST.max(place.leeway()) };
+        let farthest = if c.is_on_curve(origin) { FARTHEST_FROM_CURVE } else { FARTHEST.max(leeway(place)) };
         let may = c.can_collapse(h)
             && FacingGuard::CAREFUL.passes(mesh.after_collapse(h).0)
             && mesh.distance_after_collapse(h) <= farthest * self.spacing * mesh.samples[origin as usize].size;
@@ -174,28 +152,10 @@ impl Exchange<'_> {
         })
     }
 
-    /// `around` with the edge of `h` split, if it can be.
-    fn split(&self, around: &Neighborhood, h: u32) -> Option<Neighborhood> {
-        let c = &around.mesh.connectivity;
-        // Not on the border to the rest, whose vertices are corners.
-        let is_inside = c.has_twin(h) || !c.is_corner(c.origin(h)) || !c.is_corner(c.target(h));
-        if !is_inside || !c.can_split(h) {
-            return None;
-        }
-        let mut changed = around.clone();
-        let v = changed.mesh.split_at_middle(self.domain, h)?;
-        changed.mesh.make_delaunay_around(v);
-        Some(changed)
-    }
-
     /// What `around` costs after its vertices have settled, and how it is then.
-    fn settled(&self, mut around: Neighborhood) -> Result<(f64, Neighborhood)> {
-        let Exchange { domain, spacing, monitor } = *self;
-        let mesh = &mut around.mesh;
-        let locked = tips(mesh);
-        relax(domain, mesh, &locked, spacing, Flips::Delaunay, ROUNDS, monitor)?;
-        improve_angles_for(domain, mesh, &locked, spacing, OF_QUALITY, SEARCHES, monitor)?;
-        Ok((cost(mesh), around))
+    fn settled(&self, around: Neighborhood) -> Result<(f64, Neighborhood)> {
+        let settled = settled(self.domain, around, self.spacing, self.monitor)?;
+        Ok((cost(&settled.mesh), settled))
     }
 
     /// Brings the mesh to `wanted` vertices where it remains good: splits and collapses edges away from curves, of the
@@ -210,7 +170,8 @@ impl Exchange<'_> {
             let places = disjoint(mesh, &edges_to_change(mesh, count < wanted), choices * missing);
             let changed = |place: &Place| {
                 let h = place.own_side();
-                let changed = if count < wanted { self.split(&place.around, h) } else { self.collapsed(place, h) };
+                let changed =
+                    if count < wanted { split(self.domain, &place.around, h) } else { self.collapsed(place, h) };
                 let settled = changed.map(|changed| self.settled(changed)).transpose()?;
                 let sound = settled.filter(|(_, changed)| !changed.adds_self_intersections(&faces));
                 Ok(sound.map(|(after, changed)| (after - cost(&place.around.mesh), changed)))
@@ -218,9 +179,7 @@ impl Exchange<'_> {
             let changed = parallel::each(&places, changed).into_iter().collect::<Result<Vec<_>>>()?;
             let mut changed: Vec<(f64, Neighborhood)> = changed.into_iter().flatten().collect();
             changed.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let mut touched = vec![false; triangle_bound(mesh)];
-            let put_back = changed.iter().filter(|(_, changed)| changed.put_back(mesh, &mut touched));
-            if put_back.take(missing).count() > 0 {
+            if put_back(mesh, changed.iter().map(|(_, changed)| changed), missing) > 0 {
                 continue;
             }
             if places.len() == choices * missing {
@@ -247,41 +206,10 @@ pub fn is_near(before: &Manifold, after: &Manifold, leeway: f64) -> bool {
     })
 }
 
-/// A side of a triangle and what is around the triangle.
-struct Place {
-    side: u32,
-    around: Neighborhood,
-}
-
-impl Place {
-    /// The number of the side in what is around it.
-    fn own_side(&self) -> u32 {
-        self.around.own_half_edge(self.side).expect("a place has its own side")
-    }
-
-    /// How far the surface may move here at least, in wanted lengths.
-    fn leeway(&self) -> f64 {
-        let mesh = &self.around.mesh;
-        if smallest_angle(mesh.corners(self.own_side() / 3)) < VERY_SMALL { LEEWAY } else { 0.0 }
-    }
-}
-
-/// The places of `sides` that share no triangle with one before, at most so many.
-fn disjoint(mesh: &Manifold, sides: &[u32], most: usize) -> Vec<Place> {
-    let mut taken = vec![false; triangle_bound(mesh)];
-    let free = sides.iter().filter_map(|&side| {
-        if taken[side as usize / 3] {
-            return None;
-        }
-        let around = Neighborhood::across_curves(mesh, side / 3, RINGS, |t| taken[t as usize])?;
-        around.triangles().iter().for_each(|&t| taken[t as usize] = true);
-        Some(Place { side, around })
-    });
-    free.take(most).collect()
-}
-
-fn triangle_bound(mesh: &Manifold) -> usize {
-    mesh.connectivity.half_edge_bound() as usize / 3
+/// How far the surface may move at a place at least, in wanted lengths.
+fn leeway(place: &Place) -> f64 {
+    let mesh = &place.around.mesh;
+    if smallest_angle(mesh.corners(place.own_side() / 3)) < VERY_SMALL { LEEWAY } else { 0.0 }
 }
 
 /// The edges with no triangle at a curve: the relatively longest first if they are to be split, else the shortest.
@@ -299,6 +227,7 @@ mod tests {
     use crate::manifold::vertex_set::VertexSet;
     use crate::mesh::topology::topology;
     use crate::optimize::angles::improve_angles;
+    use crate::optimize::relax::{Flips, relax};
     use crate::surface::domain::Sample;
     use crate::testing::sheet;
 

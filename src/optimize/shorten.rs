@@ -13,10 +13,11 @@
 
 use crate::base::union_find::UnionFind;
 use crate::geom::crossing_segment::crossing_segment;
-use crate::geom::triangle::longest_side;
 use crate::manifold::Manifold;
 use crate::mesh::half_edge::OnCurve;
-use crate::optimize::crossings::{Crossings, FARTHEST, Surroundings, acceptable, foot, is_near_surface, longest_edge};
+use crate::optimize::crossings::{
+    Crossings, FARTHEST, Surroundings, acceptable, foot, is_near_surface, length_of_fold, longest_edge,
+};
 use crate::spatial::self_intersections::Inherited;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
@@ -29,9 +30,6 @@ const REACH: f64 = 0.05;
 /// Shares of a step that are tried, and the share of the length that one may leave.
 const SHARES: [f64; 4] = [1.0, 0.5, 0.25, 0.1];
 const LEAST_PROGRESS: f64 = 0.99;
-
-/// The length that counts for a pair of faces without a segment, folded over or coplanar, as a share of their longest side.
-const FOLDED: f64 = 0.1;
 
 /// Shortens what faces have in common where the input has no self-intersection, one cluster of crossing faces after the other.
 pub(super) fn shorten_crossings(domain: &Domain, mesh: &mut Manifold, crossings: &Crossings) {
@@ -84,7 +82,7 @@ impl Common {
     fn add(&mut self, mesh: &Manifold, faces: [u32; 2]) {
         let [a, b] = faces.map(|t| mesh.corners(t));
         let Some(segment) = crossing_segment(a, b) else {
-            self.length += FOLDED * longest_side(a).max(longest_side(b));
+            self.length += length_of_fold(a, b);
             return;
         };
         self.length += segment.length;

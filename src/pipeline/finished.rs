@@ -1,6 +1,7 @@
 //! A result as it is held against the input: what is wrong with it, and where.
 
 use crate::manifold::Manifold;
+use crate::manifold::small_angles::slivers;
 use crate::mesh::topology::{Topology, topology};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::optimize::contacts::part_contacts;
@@ -9,7 +10,6 @@ use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::resizing::LONGEST;
 use crate::pipeline::result::has_kind;
 use crate::pipeline::sized::SizedSurface;
-use crate::pipeline::slivers::slivers;
 use crate::pipeline::within::Sewn;
 use crate::spatial::self_intersections::{Inherited, self_intersections};
 use glam::DVec3;

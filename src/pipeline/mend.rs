@@ -1,5 +1,5 @@
-//! Mends a result where it went wrong, in place: edges around faces that cross, around slivers and around small angles become longer or
-//! shorter, and as many vertices as that gives or takes go elsewhere or come from there.
+//! Mends a result where it went wrong, in place: faces that cross and slivers are untangled, edges around those that are left and
+//! around small angles become longer or shorter, and as many vertices as that gives or takes go elsewhere or come from there.
 //!
 //! Chance decides, at each place separately, whether samples at a thin wall are joined well. Drawing all of them again would lose
 //! the good places along with the bad ones; here each place changes by itself, only if that makes it better, and the rest stays.
@@ -12,23 +12,27 @@ use crate::base::parallel;
 use crate::geom::triangle::smallest_angle;
 use crate::manifold::faces::Faces;
 use crate::manifold::neighborhood::Neighborhood;
+use crate::manifold::small_angles::{slivers, with_small_angles};
 use crate::optimize::exchange::{balance_count, is_near};
 use crate::optimize::resize::resize;
 use crate::optimize::self_intersections::resolve_self_intersections;
+use crate::optimize::untangle::untangle;
 use crate::pipeline::attempts::Score;
 use crate::pipeline::finished::Finished;
 use crate::pipeline::optimization::fit_to_surface;
 use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::sized::SizedSurface;
-use crate::pipeline::slivers::{slivers, with_small_angles};
 use glam::DVec3;
 
 /// How many times as long edges become at places to mend, in turns: longer, so that they pass over folds that are finer than they
 /// are, which takes few vertices from elsewhere, and shorter, so that triangles follow a thin wall.
 const FACTORS: [f64; 4] = [2.0, 0.5, 4.0, 0.25];
 
-/// The most rounds.
-const MOST_ROUNDS: usize = 3 * FACTORS.len();
+/// The most rounds through all of them.
+const MOST_ROUNDS: usize = 3;
+
+/// The share of the triangles up to which they are untangled: of more, too many stay for the time that it takes.
+const MOST_TO_UNTANGLE: f64 = 0.1;
 
 /// Rings of triangles around those to mend that change with them.
 const RINGS: usize = 6;
@@ -104,26 +108,52 @@ pub(super) fn mended(
     // Where the distance has a limit, it counts more than angles.
     let aims = if prepared.limit().is_none() { &[Aim::Sound, Aim::Angles][..] } else { &[Aim::Sound] };
     for &aim in aims {
-        let (mut failures, mut tried) = (0, Tried::default());
-        for (round, &factor) in FACTORS.iter().cycle().enumerate().take(MOST_ROUNDS) {
-            let triangles = aim.triangles(&best);
-            if triangles.is_empty() || failures == FACTORS.len() {
-                break;
-            }
-            if round == 0 {
-                monitor.stage("mend");
-            }
-            let sizes = surface.domain.sizes();
-            match resized(prepared, surface, &best, (aim, factor), &triangles, &mut tried, monitor)? {
-                Some(next) if aim.rank(&next) < aim.rank(&best) => (best, failures) = (next, 0),
-                _ => {
-                    surface.domain.grade(sizes);
-                    failures += 1;
+        let mut tried = Tried::default();
+        for _ in 0..MOST_ROUNDS {
+            best = untangled(prepared, surface, best, aim, monitor)?;
+            let before = aim.rank(&best);
+            for factor in FACTORS {
+                let triangles = aim.triangles(&best);
+                if triangles.is_empty() {
+                    break;
                 }
+                monitor.stage("mend");
+                let sizes = surface.domain.sizes();
+                match resized(prepared, surface, &best, (aim, factor), &triangles, &mut tried, monitor)? {
+                    Some(next) if aim.rank(&next) < aim.rank(&best) => best = next,
+                    _ => surface.domain.grade(sizes),
+                }
+            }
+            if aim.rank(&best) >= before {
+                break;
             }
         }
     }
     Ok(best)
+}
+
+/// `best` with more, fewer or other edges where it is unsound, if that is better.
+fn untangled(
+    prepared: &PreparedInput,
+    surface: &SizedSurface,
+    best: Finished,
+    aim: Aim,
+    monitor: &dyn Monitor,
+) -> Result<Finished> {
+    let found = best.unsound_triangles().len();
+    let most = MOST_TO_UNTANGLE * best.of_part.triangles.len() as f64;
+    if !matches!(aim, Aim::Sound) || found == 0 || found as f64 > most {
+        return Ok(best);
+    }
+    monitor.stage("untangle");
+    let SizedSurface { domain, scale, .. } = surface;
+    let mut manifold = best.manifold.clone();
+    let wanted = manifold.connectivity.vertex_count();
+    untangle(domain, &mut manifold, scale.spacing, monitor)?;
+    balance_count(domain, &mut manifold, wanted, scale.spacing, monitor)?;
+    let next = Finished::new(prepared, surface, manifold, best.tessellated_patches, best.run);
+    let next = Finished { is_mended: true, ..next };
+    Ok(if aim.rank(&next) < aim.rank(&best) { next } else { best })
 }
 
 /// The factors that did not help at a place, which is known by the triangles to mend there.

@@ -30,7 +30,6 @@ mod selection;
 mod sharp_edges;
 mod shortcomings;
 mod sized;
-mod slivers;
 mod tile;
 mod unit;
 mod values;

@@ -1,6 +1,7 @@
 //! What the pipeline gives back: the mesh, whether it is what was asked for, and what a user should know about it.
 
 use crate::base::count::{counted, counts};
+use crate::manifold::small_angles::SLIVER;
 use crate::mesh::provenance::Origins;
 use crate::mesh::submesh::Kept;
 use crate::mesh::topology::Topology;
@@ -8,7 +9,6 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::coverage::Coverage;
 use crate::pipeline::edges::Edges;
 use crate::pipeline::lost::LostComponents;
-use crate::pipeline::slivers::SLIVER;
 use crate::prepare::repair::Repairs;
 use crate::prepare::stitch::Cracks;
 use crate::surface::narrow_patches::LeftOut;

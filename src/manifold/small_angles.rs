@@ -6,25 +6,29 @@ use crate::manifold::Manifold;
 use crate::mesh::half_edge::{Connectivity, prev};
 
 /// Angle in degrees below which a triangle is a sliver.
-pub(super) const SLIVER: f64 = 1.0;
+pub const SLIVER: f64 = 1.0;
 
 /// Angle in degrees below which a triangle has no area, whatever forces it.
 const NO_AREA: f64 = 0.01;
 
 /// The triangles of `mesh`, by their place among its triangles, without area or with an angle below [`SLIVER`] that is not
 /// forced.
-pub(super) fn slivers(mesh: &Manifold) -> Vec<u32> {
-    let is_sliver = |t: u32| smallest_unforced_angle_of(mesh, t) < SLIVER || smallest_angle(mesh.corners(t)) < NO_AREA;
-    (0..).zip(mesh.triangles()).filter(|(_, t)| is_sliver(*t)).map(|(place, _)| place).collect()
+pub fn slivers(mesh: &Manifold) -> Vec<u32> {
+    (0..).zip(mesh.triangles()).filter(|(_, t)| is_sliver(mesh, *t)).map(|(place, _)| place).collect()
+}
+
+/// Whether the triangle with number `t` is one of the [`slivers`].
+pub fn is_sliver(mesh: &Manifold, t: u32) -> bool {
+    smallest_unforced_angle_of(mesh, t) < SLIVER || smallest_angle(mesh.corners(t)) < NO_AREA
 }
 
 /// The numbers of the triangles of `mesh` with an angle below that, in degrees, which is not forced.
-pub(super) fn with_small_angles(mesh: &Manifold, below: f64) -> Vec<u32> {
+pub fn with_small_angles(mesh: &Manifold, below: f64) -> Vec<u32> {
     mesh.triangles().filter(|&t| smallest_unforced_angle_of(mesh, t) < below).collect()
 }
 
 /// The smallest angle in degrees that is not forced; `None` if all are.
-pub(super) fn smallest_unforced_angle(mesh: &Manifold) -> Option<f64> {
+pub fn smallest_unforced_angle(mesh: &Manifold) -> Option<f64> {
     let smallest = mesh.triangles().map(|t| smallest_unforced_angle_of(mesh, t)).fold(f64::INFINITY, f64::min);
     smallest.is_finite().then_some(smallest)
 }
