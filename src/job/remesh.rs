@@ -51,7 +51,7 @@ pub enum Carry {
 
 /// The stages and about how much of the time each takes.
 const OF_POINTS: [(&str, f64); 4] = [("clean", 0.1), ("normals", 0.1), ("smooth", 0.1), ("connect", 0.4)];
-const OF_MESH: [(&str, f64); 13] = [
+const OF_MESH: [(&str, f64); 14] = [
     ("repair", 0.06),
     ("smooth", 0.02),
     ("sample", 0.1),
@@ -61,6 +61,7 @@ const OF_MESH: [(&str, f64); 13] = [
     ("improve angles", 0.06),
     ("fit", 0.12),
     ("resolve self-intersections", 0.03),
+    ("untangle", 0.01),
     ("mend", 0.02),
     ("bound", 0.02),
     ("carry attributes", 0.02),

@@ -59,8 +59,7 @@ pub(super) fn disjoint(mesh: &Manifold, sides: &[u32], most: usize) -> Vec<Place
     free.take(most).collect()
 }
 
-/// Puts those of `changed` that can be back in `mesh`, at most so many; the triangles that have changed by that, and how many
-/// were put back.
+/// Puts those of `changed` that can be back in `mesh`, at most so many; how many were.
 pub(super) fn put_back<'a>(
     mesh: &mut Manifold,
     changed: impl IntoIterator<Item = &'a Neighborhood>,

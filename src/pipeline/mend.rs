@@ -112,12 +112,14 @@ pub(super) fn mended(
         for _ in 0..MOST_ROUNDS {
             best = untangled(prepared, surface, best, aim, monitor)?;
             let before = aim.rank(&best);
+            if !aim.triangles(&best).is_empty() {
+                monitor.stage("mend");
+            }
             for factor in FACTORS {
                 let triangles = aim.triangles(&best);
                 if triangles.is_empty() {
                     break;
                 }
-                monitor.stage("mend");
                 let sizes = surface.domain.sizes();
                 match resized(prepared, surface, &best, (aim, factor), &triangles, &mut tried, monitor)? {
                     Some(next) if aim.rank(&next) < aim.rank(&best) => best = next,
