@@ -23,7 +23,7 @@ pub(super) type Corners = [DVec3; 3];
 /// A snapshot of the faces of a mesh, and the pairs of them that intersect.
 pub(super) struct Crossings {
     pub faces: Faces,
-    all: Vec<(u32, u32)>,
+    pub all: Vec<(u32, u32)>,
     /// Those at places where the surface does not intersect itself.
     pub avoidable: Vec<(u32, u32)>,
 }

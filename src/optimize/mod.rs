@@ -6,6 +6,7 @@ pub mod contacts;
 pub mod counts;
 mod crossings;
 pub mod exchange;
+mod faults;
 pub mod fit;
 pub mod max_error;
 mod newton;

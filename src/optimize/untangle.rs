@@ -1,10 +1,10 @@
-//! Untangles a mesh: changes how many vertices there are at faces that cross and at slivers, and how they are joined.
+//! Untangles a mesh: changes how many vertices there are at faces that cross and at small angles, and how they are joined.
 //!
 //! Where curves come near each other, at the rim of a hole in a thin wall or in a fold, no place of the vertices takes the faces
-//! apart if there is one vertex too many or too few. At each face that crosses another one, and at each sliver, an edge near it
-//! collapses, splits, flips, or lets a curve pass through the corner across, and the triangles around settle. Of these changes the
-//! one that leaves the fewest faults stays. Where no single one helps, those that leave the shortest segments in common
-//! are followed by others.
+//! apart, or makes their angles larger, if there is one vertex too many or too few. At each face that crosses another one, and at
+//! each triangle with a small angle, an edge near it collapses, splits, flips, or lets a curve pass through the corner across, and
+//! the triangles around settle. Of these changes the one that leaves the fewest faults stays. Where no single one helps, those that
+//! leave the shortest segments in common are followed by others.
 //!
 //! Cost: a search for self-intersections, and for each fault a hundred to a thousand looks at the faces around it.
 //!
@@ -12,19 +12,16 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
-use crate::geom::aabb::Aabb;
-use crate::geom::crossing_segment::crossing_segment;
-use crate::geom::intersection::cross_deeper_than;
 use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
 use crate::manifold::neighborhood::Neighborhood;
-use crate::manifold::small_angles::is_sliver;
-use crate::optimize::angles::cost;
-use crate::optimize::crossings::{Corners, Crossings, length_of_fold};
+use crate::manifold::small_angles::with_angles_below;
+use crate::optimize::crossings::Crossings;
 use crate::optimize::exchange::is_near;
+use crate::optimize::faults::{Counted, Faults};
 use crate::optimize::places::{GivenUp, Place, disjoint, settled, split};
+use crate::spatial::self_intersections::faces_of;
 use crate::surface::domain::Domain;
-use std::cmp::Ordering;
 use std::collections::BTreeSet;
 
 /// Passes over all faults: of those near each other one is looked at in each.
@@ -37,19 +34,51 @@ const MOST_FOLLOWED: usize = 3;
 /// How many settle, of those that leave the fewest faults before.
 const MOST_SETTLED: usize = 3;
 
-/// How far the surface may move at a place, in wanted lengths.
-const FARTHEST: f64 = 1.0;
+/// What is untangled besides faces that cross although the surface does not, and how far the surface may move.
+#[derive(Debug, Clone, Copy)]
+pub struct Aim {
+    /// Angles below that, in degrees, are too small, unless they are forced.
+    pub angles_below: f64,
+    /// If more faces than these cross where the surface does, too, they are untangled until they are no more.
+    pub most_crossing: usize,
+    /// How far the surface may move at a place, in wanted lengths.
+    pub farthest: f64,
+}
 
-/// Changes the mesh where faces cross although the surface does not, and at slivers, until there is no such fault or nothing helps.
-/// `spacing` is the mean edge length.
-pub fn untangle(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
+/// Changes the mesh where faces cross although the surface does not, and at small angles, until there is no such fault or nothing
+/// helps, and then where too many cross as the surface does. `spacing` is the mean edge length.
+pub fn untangle(domain: &Domain, mesh: &mut Manifold, aim: Aim, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
+    let of = |inherited: bool| Counted { angles_below: aim.angles_below, inherited };
+    untangle_counted(domain, mesh, aim, of(false), spacing, monitor)?;
+    if aim.most_crossing < usize::MAX {
+        untangle_counted(domain, mesh, aim, of(true), spacing, monitor)
+    } else {
+        Ok(())
+    }
+}
+
+/// Changes the mesh at one kind of faults.
+fn untangle_counted(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    aim: Aim,
+    counted: Counted,
+    spacing: f64,
+    monitor: &dyn Monitor,
+) -> Result<()> {
     let mut crossings = Crossings::new(domain, mesh);
     let (mut in_a_row, mut given_up) = (1, GivenUp::default());
     for _ in 0..MOST_PASSES {
         check(monitor)?;
-        let faults = faults(mesh, &crossings);
+        let excess = faces_of(crossings.all.clone()).len().saturating_sub(aim.most_crossing);
+        // Each change takes two faces apart at least.
+        let most = if counted.inherited { excess.div_ceil(2) } else { usize::MAX };
+        if most == 0 {
+            break;
+        }
+        let faults = faults(mesh, &crossings, counted);
         let sides: Vec<u32> = faults.iter().filter(|&&t| !given_up.has(t)).map(|t| 3 * t).collect();
-        let places = disjoint(mesh, &sides, usize::MAX);
+        let places = disjoint(mesh, &sides, most);
         if places.is_empty() {
             if faults.is_empty() || in_a_row == MOST_IN_A_ROW {
                 break;
@@ -57,7 +86,8 @@ pub fn untangle(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dy
             (in_a_row, given_up) = (MOST_IN_A_ROW, GivenUp::default());
             continue;
         }
-        let untangling = Untangling { domain, faces: &crossings.faces, spacing, monitor };
+        let untangling =
+            Untangling { domain, faces: &crossings.faces, counted, farthest: aim.farthest * spacing, spacing, monitor };
         let touched = given_up.change(mesh, &places, |place| untangling.better(place, in_a_row))?;
         crossings.renew(domain, mesh, &touched);
         if in_a_row > 1 {
@@ -70,16 +100,23 @@ pub fn untangle(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dy
     Ok(())
 }
 
-/// The triangles that cross others although the surface does not, and slivers, in increasing order.
-fn faults(mesh: &Manifold, crossings: &Crossings) -> BTreeSet<u32> {
-    let crossing = crossings.avoidable.iter().flat_map(|&(t, u)| [t, u]);
-    crossing.chain(mesh.triangles().filter(|&t| is_sliver(mesh, t))).collect()
+/// The triangles at fault, in increasing order: those that cross as the surface does, or all others.
+fn faults(mesh: &Manifold, crossings: &Crossings, counted: Counted) -> BTreeSet<u32> {
+    let faces = |pairs: &[(u32, u32)]| pairs.iter().flat_map(|&(t, u)| [t, u]).collect();
+    if counted.inherited {
+        return faces(&crossings.all);
+    }
+    let small = with_angles_below(mesh, counted.angles_below).into_iter().collect();
+    &faces(&crossings.avoidable) | &small
 }
 
 struct Untangling<'a> {
     domain: &'a Domain,
     /// The faces of the mesh.
     faces: &'a Faces,
+    counted: Counted,
+    /// How far the surface may move times the sizes of samples.
+    farthest: f64,
     spacing: f64,
     monitor: &'a dyn Monitor,
 }
@@ -91,35 +128,42 @@ impl Untangling<'_> {
     /// What is around `place` after changes that leave fewer and fewer faults there, up to `in_a_row` of them at a time; `None`
     /// if there are none. If only one is made at a time, the first one is made at the triangle of the place.
     fn better(&self, place: &Place, in_a_row: usize) -> Result<Option<Neighborhood>> {
-        let mut now = (self.faults(&place.around), place.around.clone());
+        let mut now = (self.faults(&place.around, &Faults::default()), place.around.clone());
         if in_a_row == 1 {
             now.0.triangles = vec![place.own_side() / 3];
         }
         let mut is_better = false;
-        while now.0.count > 0 && !now.0.triangles.is_empty() {
+        while !now.0.triangles.is_empty() {
             let Some(next) = self.improved(place, &now, in_a_row)? else { break };
             (now, is_better) = (next, true);
+            // Of faces that cross as the surface does only those in excess are taken apart.
+            if self.counted.inherited {
+                break;
+            }
         }
         Ok(is_better.then_some(now.1))
     }
 
     /// What `place`, which is `now` so, becomes by the fewest changes in a row after which it has fewer faults.
     fn improved(&self, place: &Place, now: &Candidate, in_a_row: usize) -> Result<Option<Candidate>> {
-        let is_near = |changed: &Neighborhood| is_near(&place.around.mesh, &changed.mesh, FARTHEST * self.spacing);
+        let is_near = |changed: &Neighborhood| is_near(&place.around.mesh, &changed.mesh, self.farthest);
         let mut followed = vec![now.clone()];
         for _ in 0..in_a_row {
-            let changes = followed.iter().flat_map(|(faults, around)| changes(self.domain, around, &faults.triangles));
-            let mut changed: Vec<Candidate> = changes.map(|around| (self.faults(&around), around)).collect();
+            let changes = followed.iter().flat_map(|(faults, around)| {
+                let changed = changes(self.domain, around, &faults.triangles);
+                changed.into_iter().map(move |changed| (self.faults(&changed, faults), changed))
+            });
+            let mut changed: Vec<Candidate> = changes.collect();
             changed.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let settled = changed.iter().take(MOST_SETTLED).map(|(_, changed)| {
+            let settled = changed.iter().take(MOST_SETTLED).map(|(faults, changed)| {
                 let settled = settled(self.domain, changed.clone(), self.spacing, self.monitor)?;
-                Ok((self.faults(&settled), settled))
+                Ok((self.faults(&settled, faults), settled))
             });
             let settled: Vec<Candidate> = settled.collect::<Result<_>>()?;
             changed.extend(settled);
             changed.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let fewer = changed.partition_point(|(faults, _)| faults.count < now.0.count);
-            if let Some(better) = changed[..fewer].iter().position(|(_, around)| is_near(around)) {
+            let is_better = |(faults, around): &Candidate| faults.are_fewer_than(&now.0) && is_near(around);
+            if let Some(better) = changed.iter().position(is_better) {
                 return Ok(Some(changed.swap_remove(better)));
             }
             changed.truncate(MOST_FOLLOWED);
@@ -128,64 +172,9 @@ impl Untangling<'_> {
         Ok(None)
     }
 
-    /// The faults of the mesh if `around` were put back.
-    fn faults(&self, around: &Neighborhood) -> Faults {
-        let mesh = &around.mesh;
-        let (depth, inherited) = (self.faces.depth_of_contact(), self.domain.inherited());
-        let cross =
-            |a: Corners, b: Corners| cross_deeper_than(depth, a, b) && !(inherited.is_near(a) && inherited.is_near(b));
-        let bounded = |t: u32| (t, Aabb::of_triangle(mesh.corners(t)), mesh.corners(t));
-        let own: Vec<(u32, Aabb, Corners)> = mesh.triangles().map(bounded).collect();
-        let mut faults = Faults { cost: cost(mesh), ..Faults::default() };
-        for (i, &(t, bounds, a)) in own.iter().enumerate() {
-            for &(u, other, b) in &own[..i] {
-                if other.meets(&bounds) && cross(a, b) {
-                    faults.add_crossing(&[t, u], a, b);
-                }
-            }
-            self.faces.in_box(&bounds, |u, b| {
-                if !around.has_triangle(u) && cross(a, b) {
-                    faults.add_crossing(&[t], a, b);
-                }
-            });
-            if is_sliver(mesh, t) {
-                faults.count += 1;
-                faults.triangles.push(t);
-            }
-            faults.turned += usize::from(mesh.agreement(mesh.connectivity.triangle(3 * t)) < 0.0);
-        }
-        faults.triangles.sort_unstable();
-        faults.triangles.dedup();
-        faults
-    }
-}
-
-/// What is wrong with the triangles of a place.
-#[derive(Debug, Clone, Default)]
-struct Faults {
-    /// Pairs of faces that cross although the surface does not, and slivers.
-    count: usize,
-    /// Triangles that face against the surface.
-    turned: usize,
-    /// The length of what faces have in common.
-    length: f64,
-    /// What the triangles cost by the measure of [`angles`](crate::optimize::angles).
-    cost: f64,
-    /// The triangles at fault, in increasing order.
-    triangles: Vec<u32>,
-}
-
-impl Faults {
-    /// Adds faces that cross, of which `own` are in the place.
-    fn add_crossing(&mut self, own: &[u32], a: Corners, b: Corners) {
-        self.count += 1;
-        self.length += crossing_segment(a, b).map_or_else(|| length_of_fold(a, b), |segment| segment.length);
-        self.triangles.extend(own);
-    }
-
-    fn total_cmp(&self, other: &Faults) -> Ordering {
-        let numbers = (self.count, self.turned).cmp(&(other.count, other.turned));
-        numbers.then(self.length.total_cmp(&other.length)).then(self.cost.total_cmp(&other.cost))
+    /// The faults of the mesh if `around` were put back, which had those `before` some of it changed.
+    fn faults(&self, around: &Neighborhood, before: &Faults) -> Faults {
+        Faults::new(self.domain, self.faces, self.counted, around, before)
     }
 }
 
@@ -220,17 +209,18 @@ fn may_merge(around: &Neighborhood, h: u32) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::manifold::small_angles::SLIVER;
     use crate::mesh::topology::topology;
     use crate::mesh::triangle_mesh::Mesh;
     use crate::testing::{grid, joined};
     use glam::dvec3;
 
-    /// A valley over a flat sheet of `N` by `N` unit squares, a tenth above it where it is lowest, and a mesh over both.
-    fn valley_over_sheet() -> (Domain, Manifold) {
+    /// A valley over a flat sheet of `N` by `N` unit squares, `lowest` above it in the middle, and a mesh over both.
+    fn valley_over_sheet(lowest: f64) -> (Domain, Manifold) {
         let sheet = |height: &dyn Fn(f64, f64) -> f64| {
             grid(N, N, |u, v| dvec3(f64::from(N) * u, f64::from(N) * v, height(u, v)))
         };
-        let input: Mesh = joined([sheet(&|_, _| 0.0), sheet(&|u, _| 0.1 + 2.0 * (u - 0.5).abs())]);
+        let input: Mesh = joined([sheet(&|_, _| 0.0), sheet(&|u, _| lowest + 2.0 * (u - 0.5).abs())]);
         let domain = Domain::new(input.clone().try_into().unwrap());
         let samples = input.positions.iter().map(|&p| domain.project_anywhere(p)).collect();
         let mut mesh = Manifold::new(samples, &input.triangles);
@@ -239,17 +229,18 @@ mod tests {
     }
 
     const N: u32 = 12;
+    const SOUND: Aim = Aim { angles_below: SLIVER, most_crossing: usize::MAX, farthest: 1.0 };
 
     #[test]
     fn faces_that_cross_are_taken_apart_by_other_edges() {
-        let (domain, mut mesh) = valley_over_sheet();
+        let (domain, mut mesh) = valley_over_sheet(0.1);
         // The bottom of the valley goes through the sheet.
         let middle = N * (N + 1) / 2 + N / 2;
         let upper = (N + 1) * (N + 1) + middle;
         mesh.samples[upper as usize].position.z = -0.3;
         let crossing = |mesh: &Manifold| Crossings::new(&domain, mesh).avoidable.len();
         assert!(crossing(&mesh) > 3);
-        untangle(&domain, &mut mesh, 1.0, &()).unwrap();
+        untangle(&domain, &mut mesh, SOUND, 1.0, &()).unwrap();
         assert_eq!(crossing(&mesh), 0);
         let left = mesh.to_mesh();
         let t = topology(left.positions.len(), &left.triangles);
@@ -258,16 +249,66 @@ mod tests {
 
     #[test]
     fn a_sliver_goes_and_what_is_sound_stays() {
-        let (domain, mut mesh) = valley_over_sheet();
+        let (domain, mut mesh) = valley_over_sheet(0.1);
         let before = mesh.to_mesh();
-        untangle(&domain, &mut mesh, 1.0, &()).unwrap();
+        untangle(&domain, &mut mesh, SOUND, 1.0, &()).unwrap();
         assert_eq!(mesh.to_mesh().positions, before.positions);
         let v = N * (N + 1) / 2 + N / 2;
         let neighbour = mesh.connectivity.ring(v).next().unwrap();
         mesh.samples[v as usize].position = mesh.position(neighbour).lerp(mesh.position(v), 1e-3);
-        let slivers = |mesh: &Manifold| mesh.triangles().filter(|&t| is_sliver(mesh, t)).count();
+        let slivers = |mesh: &Manifold| with_angles_below(mesh, SLIVER).len();
         assert!(slivers(&mesh) > 0);
-        untangle(&domain, &mut mesh, 1.0, &()).unwrap();
+        untangle(&domain, &mut mesh, SOUND, 1.0, &()).unwrap();
         assert_eq!(slivers(&mesh), 0);
+    }
+
+    #[test]
+    fn small_angles_go() {
+        let (domain, mut mesh) = valley_over_sheet(0.1);
+        let v = N * (N + 1) / 2 + N / 2;
+        let neighbour = mesh.connectivity.ring(v).next().unwrap();
+        mesh.samples[v as usize].position = mesh.position(neighbour).lerp(mesh.position(v), 0.2);
+        let angles = Aim { angles_below: 30.0, farthest: 0.6, ..SOUND };
+        let small = |mesh: &Manifold| with_angles_below(mesh, angles.angles_below).len();
+        assert!(small(&mesh) > 0);
+        untangle(&domain, &mut mesh, angles, 1.0, &()).unwrap();
+        assert_eq!(small(&mesh), 0);
+    }
+
+    #[test]
+    fn faces_that_cross_where_the_surface_does_become_fewer_only_if_they_are_too_many() {
+        let (domain, mesh) = valley_over_sheet(-0.05);
+        let crossing = |mesh: &Manifold| faces_of(Crossings::new(&domain, mesh).all).len();
+        let left = |most_crossing: usize| {
+            let mut mesh = mesh.clone();
+            untangle(&domain, &mut mesh, Aim { most_crossing, ..SOUND }, 1.0, &()).unwrap();
+            crossing(&mesh)
+        };
+        let before = crossing(&mesh);
+        let [enough, fewer] = [before, before / 2].map(left);
+        assert!(before > 20 && enough == before && fewer < before, "{before} {enough} {fewer}");
+    }
+
+    #[test]
+    fn faults_after_a_change_are_those_of_all_faces() {
+        let (domain, mut mesh) = valley_over_sheet(0.1);
+        let upper = (N + 1) * (N + 1) + N * (N + 1) / 2 + N / 2;
+        mesh.samples[upper as usize].position.z = -0.3;
+        let faces = Faces::new(&mesh);
+        let counted = Counted { angles_below: SLIVER, inherited: false };
+        let middle = mesh.connectivity.outgoing(upper).next().unwrap() / 3;
+        let around = Neighborhood::across_curves(&mesh, middle, 2, |_| false).unwrap();
+        let faults = |around: &Neighborhood, before: &Faults| Faults::new(&domain, &faces, counted, around, before);
+        let before = faults(&around, &Faults::default());
+        let changed = changes(&domain, &around, &before.triangles);
+        assert!(before.triangles.len() > 3 && changed.len() > 20);
+        let mut fewer = 0;
+        for changed in changed {
+            let [known, anew] = [&before, &Faults::default()].map(|before| faults(&changed, before));
+            assert!(!known.are_fewer_than(&anew) && !anew.are_fewer_than(&known));
+            assert_eq!(known.triangles, anew.triangles);
+            fewer += usize::from(known.are_fewer_than(&before));
+        }
+        assert!(fewer > 0);
     }
 }

@@ -1,19 +1,13 @@
 //! Which attempts are made at a sound result, one after the other.
 //!
-//! Three things go wrong, and each has its remedy. Samples on sharp edges that are too few leave patches that do not fit
+//! Two things go wrong, and each has its remedy. Samples on sharp edges that are too few leave patches that do not fit
 //! together: edges become shorter there, or, where there is no room for that, samples on all sharp edges closer; at last the
-//! sharp edges are smoothed over. Samples of the two sides of a thin wall may be joined so that triangles intersect: new ones are
-//! drawn there, if they are few. If the result is still not sound, it is mended where it went wrong (`pipeline/mend.rs`); only if that
-//! does not help, or there are too many such places, everything is drawn again, finer there. If a sound result intersects itself as its input does, but with more faces,
-//! everything is drawn again once, with longer edges there.
+//! sharp edges are smoothed over. Samples of the two sides of a thin wall may be joined so that triangles intersect: the result is
+//! mended there (`pipeline/mend.rs`); only if that does not help, or there are too many such places, everything is drawn again, finer
+//! there.
 
-/// Runs up to a whole result, and times that samples are drawn in each for a mesh that does not intersect itself.
+/// Runs up to a whole result.
 pub(super) const MOST_RUNS: u64 = 3;
-const MOST_SAMPLINGS: u64 = 4;
-
-/// If more triangles than this intersect, new samples at their places have hardly fewer: of 13 results with up to 40 such triangles
-/// ten came to half as many or fewer, of 14 with more none.
-const MOST_TO_REDRAW: usize = 40;
 
 /// Attempts in a run at patches that fit together, before sharp edges are smoothed over.
 const MOST_WITH_CURVES: usize = 5;
@@ -39,18 +33,10 @@ pub(super) struct Score {
     pub self_intersections: usize,
     /// Slivers of a whole result.
     pub slivers: usize,
-    /// How many more triangles of a whole result intersect others than of the input; 0 if they are more than longer edges could
-    /// make up for.
-    pub excess: usize,
 }
 
 impl Score {
-    pub(super) const SOUND: Score = Score { other_topology: false, self_intersections: 0, slivers: 0, excess: 0 };
-
-    /// Whether the only fault is more self-intersections than the input has, where it has some.
-    fn is_only_in_excess(&self) -> bool {
-        self.excess > 0 && Score { excess: 0, ..*self } == Score::SOUND
-    }
+    pub(super) const SOUND: Score = Score { other_topology: false, self_intersections: 0, slivers: 0 };
 
     /// Whether a result of so many `triangles` is unsound at places that are few enough to be mended.
     pub(super) fn is_of_places(&self, triangles: usize) -> bool {
@@ -75,65 +61,36 @@ pub(super) struct Attempt {
     pub curve_density: Option<f64>,
 }
 
-/// What to do with the samples that an attempt has triangulated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Step {
-    /// Go on with the best so far.
-    Continue,
-    /// Draw others for the same sharp edges where triangles intersect: the best triangulation counts.
-    Resample,
-    /// Draw others and treat sharp edges differently: earlier triangulations no longer count.
-    Restart,
-}
-
 /// The attempts at one result.
 #[derive(Debug, Clone)]
 pub(super) struct Attempts {
     seed: u64,
     run: u64,
-    sampling: u64,
     /// Attempts of this run at patches that fit together, and the samples on curves for each spacing.
     with_curves: usize,
     curve_density: f64,
     keeps_curves: bool,
-    /// Whether a run was made with longer edges where the surface intersects itself.
-    has_lengthened: bool,
 }
 
 impl Attempts {
     /// The attempts with the random numbers of `seed`, for a surface with or without sharp edges.
     pub(super) fn new(seed: u64, has_curves: bool) -> Attempts {
-        Attempts {
-            seed,
-            run: 0,
-            sampling: 0,
-            with_curves: 1,
-            curve_density: 1.0,
-            keeps_curves: has_curves,
-            has_lengthened: false,
-        }
+        Attempts { seed, run: 0, with_curves: 1, curve_density: 1.0, keeps_curves: has_curves }
     }
 
     /// The one to make now.
     pub(super) fn current(&self) -> Attempt {
         // Far from the seeds that people give.
-        let seed = self.seed.wrapping_add(self.run << 48).wrapping_add(self.sampling << 40);
+        let seed = self.seed.wrapping_add(self.run << 48);
         Attempt { seed, curve_density: self.keeps_curves.then_some(self.curve_density) }
     }
 
-    /// What to do after samples were triangulated with `best` as the best score for these sharp edges.
-    pub(super) fn after_triangulation(&mut self, best: Score) -> Step {
-        if best.other_topology && self.keeps_curves {
-            self.keeps_curves = self.with_curves < MOST_WITH_CURVES;
-            self.with_curves += 1;
-            self.sampling = 0;
-            return Step::Restart;
-        }
-        if !(1..=MOST_TO_REDRAW).contains(&best.self_intersections) || self.sampling + 1 == MOST_SAMPLINGS {
-            return Step::Continue;
-        }
-        self.sampling += 1;
-        Step::Resample
+    /// Treats sharp edges differently after patches did not fit together; whether they can be.
+    pub(super) fn treat_curves_differently(&mut self) -> bool {
+        let can_be = self.keeps_curves;
+        self.keeps_curves = self.with_curves < MOST_WITH_CURVES;
+        self.with_curves += 1;
+        can_be
     }
 
     /// Samples curves more closely from now on.
@@ -143,16 +100,13 @@ impl Attempts {
 
     /// Whether to make another run after a result of so many `triangles`; `best` is the best score of all.
     pub(super) fn after_run(&mut self, best: Score, triangles: usize) -> bool {
-        let is_only_in_excess = best.is_only_in_excess();
         // What one run more has not brought near, another one will not either.
         let most = if self.run == 0 { MOST_OF_TRIANGLES } else { MOST_TO_MEND };
-        let is_hopeless = best.is_more_than(most, triangles) || is_only_in_excess && self.has_lengthened;
-        let is_done = best == Score::SOUND || is_hopeless;
+        let is_done = best == Score::SOUND || best.is_more_than(most, triangles);
         if is_done || self.run + 1 == MOST_RUNS {
             return false;
         }
-        self.has_lengthened |= is_only_in_excess;
-        (self.run, self.sampling, self.with_curves) = (self.run + 1, 0, 1);
+        (self.run, self.with_curves) = (self.run + 1, 1);
         true
     }
 
@@ -171,62 +125,30 @@ mod tests {
     const CROSSED: Score = Score { self_intersections: 8, ..SOUND };
 
     #[test]
-    fn what_is_sound_at_once_takes_one_attempt() {
-        let mut attempts = Attempts::new(7, true);
-        assert_eq!(attempts.current(), Attempt { seed: 7, curve_density: Some(1.0) });
-        assert_eq!(attempts.after_triangulation(SOUND), Step::Continue);
-    }
-
-    #[test]
     fn curves_are_kept_for_some_attempts_and_smoothed_over_at_last() {
         let mut attempts = Attempts::new(0, true);
-        let mut densities = Vec::new();
-        while attempts.after_triangulation(TORN) == Step::Restart {
+        let mut densities = vec![attempts.current().curve_density];
+        while attempts.treat_curves_differently() {
             densities.push(attempts.current().curve_density);
-            if densities.len() == 2 {
+            if densities.len() == 3 {
                 attempts.sample_curves_closer();
             }
         }
-        assert_eq!(densities, [Some(1.0), Some(1.0), Some(1.4), Some(1.4), None]);
+        assert_eq!(densities, [Some(1.0), Some(1.0), Some(1.0), Some(1.4), Some(1.4), None]);
+        assert!(!Attempts::new(0, false).treat_curves_differently());
     }
 
     #[test]
-    fn what_intersects_itself_is_drawn_again_a_few_times() {
-        let mut attempts = Attempts::new(0, false);
-        let mut samplings = 1;
-        while attempts.after_triangulation(CROSSED) == Step::Resample {
-            samplings += 1;
-        }
-        assert_eq!(samplings, MOST_SAMPLINGS);
-        let often = Score { self_intersections: MOST_TO_REDRAW + 1, ..SOUND };
-        assert_eq!(Attempts::new(0, false).after_triangulation(often), Step::Continue);
-    }
-
-    #[test]
-    fn no_two_attempts_have_the_same_seed_and_there_is_an_end_to_them() {
+    fn no_two_runs_have_the_same_seed_and_there_is_an_end_to_them() {
         let mut attempts = Attempts::new(3, true);
         let mut seeds = vec![attempts.current().seed];
-        loop {
-            let resample = attempts.after_triangulation(CROSSED) == Step::Resample;
-            if !resample && !attempts.after_run(CROSSED, 1000) {
-                break;
-            }
+        while attempts.after_run(CROSSED, 1000) {
             seeds.push(attempts.current().seed);
         }
-        assert_eq!(seeds.len() as u64, MOST_RUNS * MOST_SAMPLINGS);
+        assert_eq!(seeds[0], 3);
         seeds.sort_unstable();
         seeds.dedup();
-        assert_eq!(seeds.len() as u64, MOST_RUNS * MOST_SAMPLINGS);
-    }
-
-    #[test]
-    fn what_only_intersects_itself_more_often_than_its_input_is_made_again_once() {
-        let more = Score { excess: 5, ..SOUND };
-        assert!(SOUND < more && more < Score { slivers: 1, ..SOUND });
-        let mut attempts = Attempts::new(3, true);
-        assert_eq!([0, 1].map(|_| attempts.after_run(more, 1000)), [true, false]);
-        let mut attempts = Attempts::new(3, true);
-        assert_eq!([CROSSED, more, more].map(|best| attempts.after_run(best, 1000)), [true, true, false]);
+        assert_eq!(seeds.len() as u64, MOST_RUNS);
     }
 
     #[test]

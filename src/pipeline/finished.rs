@@ -7,7 +7,6 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::optimize::contacts::part_contacts;
 use crate::pipeline::attempts::Score;
 use crate::pipeline::prepared::PreparedInput;
-use crate::pipeline::resizing::LONGEST;
 use crate::pipeline::result::has_kind;
 use crate::pipeline::sized::SizedSurface;
 use crate::pipeline::within::Sewn;
@@ -33,7 +32,7 @@ pub(super) struct Finished {
     pub score: Score,
     /// The run that made it, from 1.
     pub run: u64,
-    /// Whether edges were made longer or shorter where it went wrong.
+    /// Whether edges were made others where it went wrong.
     pub is_mended: bool,
 }
 
@@ -58,12 +57,7 @@ impl Finished {
         let new_self_intersections = new_among(&self_intersections, &mesh, prepared, surface);
         let slivers = slivers(&manifold);
         let of_input = if self_intersections.is_empty() { 0 } else { surface.self_intersections_of_input() };
-        let score = Score {
-            other_topology,
-            self_intersections: new_self_intersections.len(),
-            slivers: slivers.len(),
-            excess: excess(self_intersections.len(), of_input),
-        };
+        let score = Score { other_topology, self_intersections: new_self_intersections.len(), slivers: slivers.len() };
         Finished {
             manifold,
             of_part,
@@ -86,6 +80,11 @@ impl Finished {
         (self.mesh.triangles.len() - self.of_part.triangles.len()) as u32
     }
 
+    /// Whether no faces cross where the surface does not, and there are no slivers.
+    pub(super) fn is_sound(&self) -> bool {
+        self.score.self_intersections == 0 && self.score.slivers == 0
+    }
+
     /// The corners of the triangles that make it unsound, in the pipeline's unit.
     pub(super) fn unsound_places(&self) -> Vec<DVec3> {
         self.unsound().flat_map(|t| self.of_part.corners(t as usize)).collect()
@@ -97,16 +96,6 @@ impl Finished {
         self.unsound().map(|place| numbers[place as usize]).collect()
     }
 
-    /// The corners of the triangles that intersect others, in the pipeline's unit.
-    pub(super) fn crossing_places(&self) -> Vec<DVec3> {
-        self.made_of(&self.self_intersections).flat_map(|t| self.of_part.corners(t as usize)).collect()
-    }
-
-    /// How many times as many triangles intersect others as of the input.
-    pub(super) fn crossing_ratio(&self) -> f64 {
-        self.self_intersections.len() as f64 / self.self_intersections_of_input as f64
-    }
-
     /// The triangles of the part that make it unsound.
     fn unsound(&self) -> impl Iterator<Item = u32> {
         self.made_of(&self.new_self_intersections).chain(self.slivers.iter().copied())
@@ -116,12 +105,6 @@ impl Finished {
     fn made_of(&self, triangles: &[u32]) -> impl Iterator<Item = u32> {
         triangles.iter().filter_map(|t| t.checked_sub(self.kept_triangles()))
     }
-}
-
-/// How many more triangles intersect others than `of_input`; 0 if they are more than longer edges could make up for.
-fn excess(found: usize, of_input: usize) -> usize {
-    let most = (LONGEST * of_input as f64) as usize;
-    if found <= most { found.saturating_sub(of_input) } else { 0 }
 }
 
 /// Those `faces` of `mesh`, which intersect others, that are not where the repaired input does.

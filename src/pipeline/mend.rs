@@ -1,5 +1,6 @@
-//! Mends a result where it went wrong, in place: faces that cross and slivers are untangled, edges around those that are left and
-//! around small angles become longer or shorter, and as many vertices as that gives or takes go elsewhere or come from there.
+//! Mends a result where it went wrong, in place: faces that cross and slivers are untangled, edges around those that are left
+//! become longer or shorter, and then small angles are untangled. As many vertices as that gives or takes go elsewhere or come
+//! from there.
 //!
 //! Chance decides, at each place separately, whether samples at a thin wall are joined well. Drawing all of them again would lose
 //! the good places along with the bad ones; here each place changes by itself, only if that makes it better, and the rest stays.
@@ -9,15 +10,13 @@
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
 use crate::base::parallel;
-use crate::geom::triangle::smallest_angle;
 use crate::manifold::faces::Faces;
 use crate::manifold::neighborhood::Neighborhood;
-use crate::manifold::small_angles::{slivers, with_small_angles};
+use crate::manifold::small_angles::{SLIVER, slivers, with_angles_below};
 use crate::optimize::exchange::{balance_count, is_near};
 use crate::optimize::resize::resize;
 use crate::optimize::self_intersections::resolve_self_intersections;
-use crate::optimize::untangle::untangle;
-use crate::pipeline::attempts::Score;
+use crate::optimize::untangle::{Aim, untangle};
 use crate::pipeline::finished::Finished;
 use crate::pipeline::optimization::fit_to_surface;
 use crate::pipeline::prepared::PreparedInput;
@@ -37,62 +36,10 @@ const MOST_TO_UNTANGLE: f64 = 0.1;
 /// Rings of triangles around those to mend that change with them.
 const RINGS: usize = 6;
 
-/// Angle in degrees that is small, unless it is forced. With 30, more vertices are needed at such places than the rest can spare.
-const SMALL: f64 = 20.0;
-
-/// Share of the triangles that have small angles to be looked at, the smallest first, and of the vertices that may come from elsewhere
-/// or go there for their sake in a round: each leaves irregular ones.
-const MOST_SMALL: f64 = 0.01;
-const MOST_MOVED: f64 = 0.02;
-
-/// How far the surface may move so that it is sound, and for the sake of angles, in wanted lengths. Longer edges would cut off ears.
-const FARTHEST: f64 = 1.0;
-const FARTHEST_FOR_ANGLES: f64 = 0.6;
-
-/// What is mended.
-#[derive(Debug, Clone, Copy)]
-enum Aim {
-    /// Faces that cross, and slivers.
-    Sound,
-    /// Small angles of a result that is sound.
-    Angles,
-}
-
-impl Aim {
-    /// The triangles to mend, by their number in the manifold.
-    fn triangles(self, result: &Finished) -> Vec<u32> {
-        let Finished { score, manifold, .. } = result;
-        let is_sound = score.self_intersections == 0 && score.slivers == 0;
-        match self {
-            Aim::Sound if score.is_of_places(result.mesh.triangles.len()) => result.unsound_triangles(),
-            Aim::Angles if is_sound => {
-                let mut small = with_small_angles(manifold, SMALL);
-                let angle = |t: u32| smallest_angle(manifold.corners(t));
-                small.sort_by(|&t, &u| angle(t).total_cmp(&angle(u)).then(t.cmp(&u)));
-                small.truncate((MOST_SMALL * result.of_part.triangles.len() as f64).ceil() as usize);
-                small
-            }
-            _ => Vec::new(),
-        }
-    }
-
-    /// How good a result is: less is better.
-    fn rank(self, result: &Finished) -> (Score, usize) {
-        let small = match self {
-            Aim::Sound => 0,
-            Aim::Angles => with_small_angles(&result.manifold, SMALL).len(),
-        };
-        (result.score, small)
-    }
-
-    /// How far the surface may move, in wanted lengths, and how many of so many vertices.
-    fn limits(self, vertices: usize) -> (f64, usize) {
-        match self {
-            Aim::Sound => (FARTHEST, usize::MAX),
-            Aim::Angles => (FARTHEST_FOR_ANGLES, (MOST_MOVED * vertices as f64) as usize),
-        }
-    }
-}
+/// Untangling for a sound result, and for the sake of angles, for which the surface may move less: ears would be cut off. At
+/// angles that are larger there is more to lose elsewhere.
+const SOUND: Aim = Aim { angles_below: SLIVER, most_crossing: usize::MAX, farthest: 1.0 };
+const ANGLES: Aim = Aim { angles_below: 30.0, farthest: 0.6, ..SOUND };
 
 /// The best of `finished` and what it becomes by mending. `surface` keeps the lengths.
 pub(super) fn mended(
@@ -104,37 +51,65 @@ pub(super) fn mended(
     if !prepared.options.optimize || finished.score.other_topology {
         return Ok(finished);
     }
-    let mut best = finished;
+    let best = sound(prepared, surface, finished, monitor)?;
+    let (crossing, of_input) = (best.self_intersections.len(), best.self_intersections_of_input);
+    let most_crossing = if are_few(crossing, &best) { of_input } else { usize::MAX };
+    let small = small_angles(&best);
+    let is_worth_it = (small > 0 || crossing > most_crossing) && are_few(small, &best);
     // Where the distance has a limit, it counts more than angles.
-    let aims = if prepared.limit().is_none() { &[Aim::Sound, Aim::Angles][..] } else { &[Aim::Sound] };
-    for &aim in aims {
-        let mut tried = Tried::default();
-        for _ in 0..MOST_ROUNDS {
-            best = untangled(prepared, surface, best, aim, monitor)?;
-            let before = aim.rank(&best);
-            if !aim.triangles(&best).is_empty() {
-                monitor.stage("mend");
-            }
-            for factor in FACTORS {
-                let triangles = aim.triangles(&best);
-                if triangles.is_empty() {
-                    break;
-                }
-                let sizes = surface.domain.sizes();
-                match resized(prepared, surface, &best, (aim, factor), &triangles, &mut tried, monitor)? {
-                    Some(next) if aim.rank(&next) < aim.rank(&best) => best = next,
-                    _ => surface.domain.grade(sizes),
-                }
-            }
-            if aim.rank(&best) >= before {
+    if !best.is_sound() || !is_worth_it || prepared.limit().is_some() {
+        return Ok(best);
+    }
+    untangled(prepared, surface, best, Aim { most_crossing, ..ANGLES }, monitor)
+}
+
+/// How many triangles have small angles.
+fn small_angles(result: &Finished) -> usize {
+    with_angles_below(&result.manifold, ANGLES.angles_below).len()
+}
+
+/// Whether so many triangles are few enough to be untangled.
+fn are_few(triangles: usize, result: &Finished) -> bool {
+    triangles as f64 <= MOST_TO_UNTANGLE * result.of_part.triangles.len() as f64
+}
+
+/// The best of `finished` and what it becomes where faces cross and at slivers.
+fn sound(
+    prepared: &PreparedInput,
+    surface: &mut SizedSurface,
+    finished: Finished,
+    monitor: &dyn Monitor,
+) -> Result<Finished> {
+    let mut best = finished;
+    let mut tried = Tried::default();
+    for _ in 0..MOST_ROUNDS {
+        let unsound = best.unsound_triangles().len();
+        if unsound > 0 && are_few(unsound, &best) {
+            best = untangled(prepared, surface, best, SOUND, monitor)?;
+        }
+        let before = best.score;
+        if best.score.is_of_places(best.mesh.triangles.len()) {
+            monitor.stage("mend");
+        }
+        for factor in FACTORS {
+            if !best.score.is_of_places(best.mesh.triangles.len()) {
                 break;
             }
+            let sizes = surface.domain.sizes();
+            match resized(prepared, surface, &best, factor, &mut tried, monitor)? {
+                Some(next) if next.score < best.score => best = next,
+                _ => surface.domain.grade(sizes),
+            }
+        }
+        if best.score >= before {
+            break;
         }
     }
     Ok(best)
 }
 
-/// `best` with more, fewer or other edges where it is unsound, if that is better.
+/// The better of `best` and what it becomes with more, fewer or other edges at its faults: by what makes it unsound, by all faces
+/// that cross, and by small angles.
 fn untangled(
     prepared: &PreparedInput,
     surface: &SizedSurface,
@@ -142,45 +117,56 @@ fn untangled(
     aim: Aim,
     monitor: &dyn Monitor,
 ) -> Result<Finished> {
-    let found = best.unsound_triangles().len();
-    let most = MOST_TO_UNTANGLE * best.of_part.triangles.len() as f64;
-    if !matches!(aim, Aim::Sound) || found == 0 || found as f64 > most {
-        return Ok(best);
+    let mut next = with_other_edges(prepared, surface, &best, aim, monitor)?;
+    // Places that changed at the same time may cross.
+    if best.is_sound() && !next.is_sound() {
+        next = with_other_edges(prepared, surface, &next, SOUND, monitor)?;
     }
+    let rank = |result: &Finished| (result.score, result.self_intersections.len(), small_angles(result));
+    Ok(if rank(&next) < rank(&best) { next } else { best })
+}
+
+/// `result` with more, fewer or other edges at its faults, and the number of vertices that it had.
+fn with_other_edges(
+    prepared: &PreparedInput,
+    surface: &SizedSurface,
+    result: &Finished,
+    aim: Aim,
+    monitor: &dyn Monitor,
+) -> Result<Finished> {
     monitor.stage("untangle");
     let SizedSurface { domain, scale, .. } = surface;
-    let mut manifold = best.manifold.clone();
+    let mut manifold = result.manifold.clone();
     let wanted = manifold.connectivity.vertex_count();
-    untangle(domain, &mut manifold, scale.spacing, monitor)?;
+    untangle(domain, &mut manifold, aim, scale.spacing, monitor)?;
     balance_count(domain, &mut manifold, wanted, scale.spacing, monitor)?;
-    let next = Finished::new(prepared, surface, manifold, best.tessellated_patches, best.run);
-    let next = Finished { is_mended: true, ..next };
-    Ok(if aim.rank(&next) < aim.rank(&best) { next } else { best })
+    let next = Finished::new(prepared, surface, manifold, result.tessellated_patches, result.run);
+    Ok(Finished { is_mended: true, ..next })
 }
 
 /// The factors that did not help at a place, which is known by the triangles to mend there.
 #[derive(Default)]
 struct Tried(Vec<(f64, Vec<[DVec3; 3]>)>);
 
-/// `best` with edges `factor` times as long around these `triangles`, where that is better; `None` if it is nowhere. Places where
-/// it did not help before are left alone.
+/// `best` with edges `factor` times as long where it is unsound, if that is better; `None` if it is nowhere. Places where it did
+/// not help before are left alone.
 fn resized(
     prepared: &PreparedInput,
     surface: &mut SizedSurface,
     best: &Finished,
-    (aim, factor): (Aim, f64),
-    triangles: &[u32],
+    factor: f64,
     Tried(tried): &mut Tried,
     monitor: &dyn Monitor,
 ) -> Result<Option<Finished>> {
     let corners =
         |triangles: &[u32]| -> Vec<DVec3> { triangles.iter().flat_map(|&t| best.manifold.corners(t)).collect() };
+    let triangles = best.unsound_triangles();
     let sizes = surface.domain.sizes();
-    if !surface.resize_at(&corners(triangles), factor) {
+    if !surface.resize_at(&corners(&triangles), factor) {
         return Ok(None);
     }
     let faces = Faces::new(&best.manifold);
-    let pairs = faces.self_intersecting_pairs_of(triangles).into_iter().map(|(t, u)| [t, u]);
+    let pairs = faces.self_intersecting_pairs_of(&triangles).into_iter().map(|(t, u)| [t, u]);
     let groups: Vec<[u32; 2]> = pairs.chain(triangles.iter().map(|&t| [t, t])).collect();
     let of_place = |place: &Neighborhood| {
         let inside = triangles.iter().filter(|&&t| place.has_triangle(t));
@@ -189,11 +175,10 @@ fn resized(
     let mut places = Neighborhood::around_groups(&best.manifold, &groups, RINGS);
     places.retain(|place| !tried.contains(&of_place(place)));
     let wanted = best.manifold.connectivity.vertex_count();
-    let (farthest, mut may_move) = aim.limits(wanted);
     let better = parallel::each(&places, |place| {
         let changed = changed(surface, place, prepared.limit(), monitor)?;
         let is_better = has_fewer_faults(surface, &changed, place, &faces);
-        let stays = || is_near(&place.mesh, &changed.mesh, farthest * surface.scale.spacing);
+        let stays = || is_near(&place.mesh, &changed.mesh, SOUND.farthest * surface.scale.spacing);
         Ok((is_better && stays()).then_some(changed))
     });
     let mut manifold = best.manifold.clone();
@@ -204,10 +189,7 @@ fn resized(
             tried.push(of_place(place));
             continue;
         };
-        let [before, after] = [place, &better].map(|place| place.mesh.connectivity.vertex_count());
-        let moved = before.abs_diff(after);
-        if moved <= may_move && better.put_back(&mut manifold, &mut touched) {
-            may_move -= moved;
+        if better.put_back(&mut manifold, &mut touched) {
             changed.extend(triangles.iter().copied().filter(|&t| place.has_triangle(t)));
         }
     }
@@ -238,13 +220,12 @@ fn changed(
 }
 
 /// Whether what `place` was `changed` to has fewer faults among these `faces`: faces that cross where the surface does not, and
-/// slivers; small angles; all faces that cross.
+/// slivers; all faces that cross.
 fn has_fewer_faults(surface: &SizedSurface, changed: &Neighborhood, place: &Neighborhood, faces: &Faces) -> bool {
     let inherited = surface.domain.inherited();
     let count = |(crossing, place): (Vec<[DVec3; 3]>, &Neighborhood)| {
         let new = crossing.iter().filter(|&&corners| !inherited.is_near(corners)).count();
-        let small = with_small_angles(&place.mesh, SMALL).len();
-        (new + slivers(&place.mesh).len(), small, crossing.len())
+        (new + slivers(&place.mesh).len(), crossing.len())
     };
     let [before, after] = changed.self_intersections(faces);
     count((after, changed)) < count((before, place))
@@ -255,6 +236,7 @@ mod tests {
     use super::*;
     use crate::manifold::Manifold;
     use crate::mesh::triangle_mesh::Mesh;
+    use crate::pipeline::attempts::Score;
     use crate::pipeline::density::Density;
     use crate::pipeline::optimization::optimize;
     use crate::pipeline::options::Options;
@@ -326,7 +308,7 @@ mod tests {
     #[test]
     fn small_angles_are_mended_although_the_result_is_sound() {
         let (before, _, made) = mended_after_moving(0.8);
-        let smallest = |result: &Finished| with_small_angles(&result.manifold, SMALL).len();
+        let smallest = |result: &Finished| with_angles_below(&result.manifold, ANGLES.angles_below).len();
         assert!(before.score == Score::SOUND && smallest(&before) > 0);
         assert!(made.score == Score::SOUND && made.is_mended && smallest(&made) == 0);
         assert_eq!(made.of_part.positions.len(), before.of_part.positions.len());

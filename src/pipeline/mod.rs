@@ -20,7 +20,6 @@ mod outline;
 mod prepared;
 mod progressive;
 mod reconstruct;
-mod redraw;
 mod remesh;
 mod resizing;
 mod result;

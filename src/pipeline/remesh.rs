@@ -10,7 +10,7 @@ use crate::mesh::topology::topology;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::optimize::counts::meet_count;
 use crate::optimize::self_intersections::resolve_self_intersections;
-use crate::pipeline::attempts::{Attempt, Attempts, MOST_RUNS, Score, Step};
+use crate::pipeline::attempts::{Attempt, Attempts, MOST_RUNS};
 use crate::pipeline::coarse::{coarse, far_wider_spacing};
 use crate::pipeline::density::{Density, FEWEST_POINTS, FIRST_POINTS, MOST_POINTS};
 use crate::pipeline::edges::Edges;
@@ -22,13 +22,11 @@ use crate::pipeline::optimization::optimize;
 use crate::pipeline::options::{Grading, Options};
 use crate::pipeline::origins::origins;
 use crate::pipeline::prepared::PreparedInput;
-use crate::pipeline::redraw::drawn_anew_around;
 use crate::pipeline::resizing::{FINER, Resizing};
 use crate::pipeline::result::{Deviation, Remeshed, has_kind, notes};
 use crate::pipeline::scale::CANDIDATES_PER_POINT;
 use crate::pipeline::sized::SizedSurface;
 use crate::quality::bound::{Bounds, hausdorff_bounds};
-use crate::spatial::self_intersections::self_intersections;
 use crate::spectral::candidates::candidates;
 use crate::spectral::curve_samples::sample_curves;
 use crate::spectral::scan::linear_scan;
@@ -179,41 +177,28 @@ fn remesh_to(
         if !has_room || !attempts.after_run(best.score, best.mesh.triangles.len()) {
             break;
         }
-        if best.score.excess > 0 {
-            resizing.lengthen_at(&best.crossing_places(), best.crossing_ratio());
-        }
         surface = sized(&resizing)?;
     }
     let (surface, finished) = best.expect("a result was made");
     remeshed(prepared, &surface, finished, monitor)
 }
 
-/// The best triangulation of samples of a surface, and the surface, which comes back without its sharp edges if they could
-/// not be kept.
+/// A triangulation of samples of a surface, and the surface, which comes back without its sharp edges if they could not be kept.
 fn triangulated(
     mut surface: SizedSurface,
     attempts: &mut Attempts,
     monitor: &dyn Monitor,
 ) -> Result<(SizedSurface, Triangulation)> {
-    let mut best: Option<Triangulation> = None;
     loop {
         if attempts.current().curve_density.is_none() && surface.domain.sharp_curves() > 0 {
             surface = surface.smooth();
         }
-        let triangulation = Triangulation::new(&surface, attempts.current(), best.as_ref(), monitor)?;
-        if best.as_ref().is_none_or(|best| triangulation.score < best.score) {
-            best = Some(triangulation);
+        let triangulation = Triangulation::new(&surface, attempts.current(), monitor)?;
+        if !triangulation.has_other_topology(&surface) || !attempts.treat_curves_differently() {
+            return Ok((surface, triangulation));
         }
-        let score = best.as_ref().expect("samples were triangulated").score;
-        match attempts.after_triangulation(score) {
-            Step::Continue => return Ok((surface, best.expect("samples were triangulated"))),
-            Step::Resample => {}
-            Step::Restart => {
-                let torn = best.take().map_or(Vec::new(), |best| best.torn);
-                if attempts.current().curve_density.is_some() && !surface.resize_at(&torn, FINER) {
-                    attempts.sample_curves_closer();
-                }
-            }
+        if attempts.current().curve_density.is_some() && !surface.resize_at(&triangulation.torn, FINER) {
+            attempts.sample_curves_closer();
         }
         monitor.stage("sample");
     }
@@ -221,41 +206,22 @@ fn triangulated(
 
 /// Samples of a surface, triangulated.
 struct Triangulation {
-    /// The samples, those on curves first, then those at ends of spikes.
-    samples: Vec<Sample>,
     mesh: Manifold,
     /// Smooth patches that were tessellated from the input as a whole.
     tessellated_patches: usize,
     /// Places where patches do not fit together.
     torn: Vec<DVec3>,
-    /// The corners of the triangles that intersect others where the surface does not.
-    crossing: Vec<[DVec3; 3]>,
-    score: Score,
 }
 
 impl Triangulation {
-    /// That of an attempt at `surface`: of the samples of `best`, the best before for the same sharp edges, where its triangles
-    /// do not intersect.
-    fn new(
-        surface: &SizedSurface,
-        attempt: Attempt,
-        best: Option<&Triangulation>,
-        monitor: &dyn Monitor,
-    ) -> Result<Triangulation> {
+    /// That of an attempt at `surface`.
+    fn new(surface: &SizedSurface, attempt: Attempt, monitor: &dyn Monitor) -> Result<Triangulation> {
         let SizedSurface { domain, scale, .. } = surface;
-        let seed = attempt.seed;
         let curves = sample_curves(domain, scale.curve_spacing(domain) / attempt.curve_density.unwrap_or(1.0));
         let at_spikes: Vec<Sample> = domain.at_spikes().collect();
         let fixed = [curves.samples.as_slice(), &at_spikes].concat();
-        let samples = match best.filter(|best| !best.score.other_topology) {
-            Some(Triangulation { samples, crossing, .. }) => {
-                drawn_anew_around(crossing, samples, fixed.len(), surface, seed, monitor)?
-            }
-            None => {
-                let candidates = candidates(domain, CANDIDATES_PER_POINT * scale.wanted, seed);
-                linear_scan(domain, &candidates, &fixed, scale.sigma(), seed, monitor)?
-            }
-        };
+        let candidates = candidates(domain, CANDIDATES_PER_POINT * scale.wanted, attempt.seed);
+        let samples = linear_scan(domain, &candidates, &fixed, scale.sigma(), attempt.seed, monitor)?;
         monitor.stage("triangulate");
         let spikes = at_spikes.len();
         let boundary = Boundary { sites: &curves.sites, successor: &curves.successor, spikes };
@@ -270,13 +236,14 @@ impl Triangulation {
             mesh.lock_boundary();
             (mesh, torn)
         });
-        let made = mesh.to_mesh();
+        Ok(Triangulation { mesh, tessellated_patches, torn })
+    }
+
+    /// Whether it is torn, or of another topology than `surface`.
+    fn has_other_topology(&self, surface: &SizedSurface) -> bool {
+        let made = self.mesh.to_mesh();
         let kind = topology(made.positions.len(), &made.triangles);
-        let other_topology = !torn.is_empty() || !has_kind(&kind, &surface.topology);
-        let intersecting = self_intersections(&made).into_iter().map(|t| made.corners(t as usize));
-        let crossing: Vec<_> = intersecting.filter(|&corners| !domain.inherited().is_near(corners)).collect();
-        let score = Score { other_topology, self_intersections: crossing.len(), ..Score::SOUND };
-        Ok(Triangulation { samples, mesh, tessellated_patches, torn, crossing, score })
+        !self.torn.is_empty() || !has_kind(&kind, &surface.topology)
     }
 }
 
@@ -326,8 +293,7 @@ fn deviation(
 }
 
 /// What is said of a result that was mended.
-const MENDED: &str =
-    "edges are longer or shorter at places where there were self-intersections or small angles with others";
+const MENDED: &str = "vertices and edges were changed once more where faces crossed or angles were small";
 
 fn note_on_run(run: u64) -> String {
     format!(

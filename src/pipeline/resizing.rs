@@ -2,8 +2,7 @@
 //!
 //! Triangles intersect where sheets are nearer to each other than the edges are long, and where narrow patches were joined with
 //! others. Halving the edges mostly helps; the rest of the surface gets longer edges, so that the number of vertices stays. Where
-//! the surface has folds finer than that, edges that pass over them help; and where it intersects itself, triangles always do,
-//! and longer ones are fewer.
+//! the surface has folds finer than that, edges that pass over them help.
 
 use crate::spatial::kdtree::Neighbors;
 use crate::surface::domain::Domain;
@@ -15,18 +14,11 @@ use glam::DVec3;
 const REACH: f64 = 1.0;
 pub(super) const FINER: f64 = 0.5;
 
-/// How many times as long edges may become where the surface intersects itself, and by how much longer they are made than in
-/// proportion to the faces that intersect others.
-pub(super) const LONGEST: f64 = 1.5;
-const MARGIN: f64 = 1.1;
-
 /// Places where the lengths of edges change, in the pipeline's unit.
 #[derive(Default)]
 pub(super) struct Resizing {
     /// Where attempts went wrong, those of each: edges become shorter.
     unsound: Vec<Neighbors>,
-    /// Where a result intersects itself as the surface does, and how many times as long edges become.
-    crossing: Option<(Neighbors, f64)>,
 }
 
 impl Resizing {
@@ -35,20 +27,9 @@ impl Resizing {
         self.unsound.push(Neighbors::new(places));
     }
 
-    /// Makes edges longer at places of faces that intersect others, so that they are fewer by that factor.
-    pub(super) fn lengthen_at(&mut self, places: &[DVec3], factor: f64) {
-        self.crossing = Some((Neighbors::new(places), (MARGIN * factor).min(LONGEST)));
-    }
-
     /// Whether something went wrong near `p`.
     pub(super) fn is_near(&self, p: DVec3, spacing: f64) -> bool {
         self.times(p, spacing) > 0
-    }
-
-    /// The lengths of `domain`, relative to `spacing`, that are longer where it intersects itself; `None` if none are.
-    pub(super) fn longer(&self, domain: &Domain, spacing: f64) -> Option<Vec<f64>> {
-        let (places, factor) = self.crossing.as_ref()?;
-        Some(longer_at(places, *factor, domain, spacing))
     }
 
     /// The lengths of `domain`, relative to `spacing`, that are shorter where something went wrong; `None` if nothing did.
@@ -137,18 +118,12 @@ mod tests {
     }
 
     #[test]
-    fn lengths_are_longer_where_the_surface_intersects_itself_and_the_same_elsewhere() {
+    fn lengths_are_longer_around_a_place_and_the_same_elsewhere() {
         let domain = Domain::new(testing::sphere().try_into().unwrap());
         let (spacing, place) = (0.1, domain.mesh.positions[0]);
-        let mut resizing = Resizing::default();
-        assert_eq!(resizing.longer(&domain, spacing), None);
-        resizing.lengthen_at(&[place], 1.2);
-        let sizes = resizing.longer(&domain, spacing).unwrap();
+        let sizes = sizes_at(&[place], 1.32, &domain, spacing).unwrap();
         assert!((sizes[0] - 1.32).abs() < 1e-12, "{}", sizes[0]);
         let is_far = |p: &DVec3| p.distance(place) > 2.0 * spacing;
         assert!(domain.mesh.positions.iter().zip(&sizes).all(|(p, &size)| !is_far(p) || size == 1.0));
-        assert_eq!(sizes_at(&[place], 1.32, &domain, spacing), Some(sizes));
-        resizing.lengthen_at(&[place], 9.0);
-        assert_eq!(resizing.longer(&domain, spacing).unwrap()[0], LONGEST);
     }
 }

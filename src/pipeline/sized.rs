@@ -126,9 +126,6 @@ impl SizedSurface {
         {
             domain.grade(sizes);
         }
-        if let Some(sizes) = resizing.longer(domain, self.scale.spacing) {
-            domain.grade(sizes);
-        }
         if let Some(sizes) = resizing.shorter(domain, self.scale.spacing) {
             domain.grade(sizes);
         }

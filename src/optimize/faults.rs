@@ -1,0 +1,172 @@
+//! What is wrong with a place of a mesh: faces that cross, above all where the surface does not, and small angles.
+//!
+//! Of a place that changes step by step only the faces that are new are held against the others.
+
+use crate::geom::aabb::Aabb;
+use crate::geom::crossing_segment::crossing_segment;
+use crate::geom::intersection::cross_deeper_than;
+use crate::geom::triangle::smallest_angle;
+use crate::manifold::Manifold;
+use crate::manifold::faces::Faces;
+use crate::manifold::neighborhood::Neighborhood;
+use crate::manifold::small_angles::{slivers, with_angles_below};
+use crate::optimize::angles::cost;
+use crate::optimize::crossings::{Corners, length_of_fold};
+use crate::surface::domain::Domain;
+use std::cmp::Ordering;
+
+/// The cosine of the turn between two faces, 135 degrees, above which the edge between them is a blade.
+const COSINE_OF_SHARPEST: f64 = -std::f64::consts::FRAC_1_SQRT_2;
+
+/// What counts as a fault besides faces that cross although the surface does not, and slivers.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Counted {
+    /// Angles below that, in degrees, which are not forced.
+    pub angles_below: f64,
+    /// Whether faces that cross where the surface does, too, are counted.
+    pub inherited: bool,
+}
+
+/// What is wrong with the triangles of a place.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Faults {
+    /// Its faces, in the order of their numbers.
+    faces: Vec<(u32, Corners)>,
+    crossings: Vec<Crossing>,
+    /// Pairs of faces that cross although the surface does not, and slivers.
+    unsound: usize,
+    /// Pairs of faces that cross where the surface does.
+    inherited: usize,
+    /// Triangles with small angles that are not forced.
+    small: usize,
+    /// The smallest angle in degrees, forced or not, or the limit if that is less.
+    smallest: f64,
+    /// Triangles that face against the surface.
+    turned: usize,
+    /// Edges as sharp as the rim of a plate becomes whose two sides meet: bodies lose volume there.
+    blades: usize,
+    /// The length that faces which are counted have in common.
+    length: f64,
+    /// What the triangles cost by the measure of [`angles`](crate::optimize::angles).
+    cost: f64,
+    /// The triangles at fault, in increasing order.
+    pub triangles: Vec<u32>,
+}
+
+/// A face of the place that crosses another one.
+#[derive(Debug, Clone, Copy)]
+struct Crossing {
+    face: u32,
+    /// The other one, if it is of the place.
+    other: Option<u32>,
+    /// The length that they have in common.
+    length: f64,
+    /// Whether the surface crosses there, too.
+    is_inherited: bool,
+}
+
+impl Crossing {
+    fn new(domain: &Domain, (face, a): (u32, Corners), (other, b): (Option<u32>, Corners)) -> Crossing {
+        let length = crossing_segment(a, b).map_or_else(|| length_of_fold(a, b), |segment| segment.length);
+        let is_near = |corners: Corners| domain.inherited().is_near(corners);
+        Crossing { face, other, length, is_inherited: is_near(a) && is_near(b) }
+    }
+
+    fn own_faces(&self) -> impl Iterator<Item = u32> {
+        [Some(self.face), self.other].into_iter().flatten()
+    }
+}
+
+impl Faults {
+    /// The faults of the mesh with these `faces` if `around` were put back. `before` are the faults that it had before some of it
+    /// changed, or none.
+    pub fn new(domain: &Domain, faces: &Faces, counted: Counted, around: &Neighborhood, before: &Faults) -> Faults {
+        let mesh = &around.mesh;
+        let own: Vec<(u32, Corners)> = mesh.triangles().map(|t| (t, mesh.corners(t))).collect();
+        let crossings = crossings(domain, faces, around, &own, before);
+        let inherited = crossings.iter().filter(|crossing| crossing.is_inherited).count();
+        let small = with_angles_below(mesh, counted.angles_below);
+        let at_fault = || crossings.iter().filter(|crossing| counted.inherited || !crossing.is_inherited);
+        let mut triangles: Vec<u32> = small.iter().copied().chain(at_fault().flat_map(Crossing::own_faces)).collect();
+        triangles.sort_unstable();
+        triangles.dedup();
+        Faults {
+            unsound: crossings.len() - inherited + slivers(mesh).len(),
+            inherited: if counted.inherited { inherited } else { 0 },
+            small: small.len(),
+            smallest: own.iter().map(|(_, corners)| smallest_angle(*corners)).fold(counted.angles_below, f64::min),
+            turned: own.iter().filter(|(t, _)| mesh.agreement(mesh.connectivity.triangle(3 * t)) < 0.0).count(),
+            blades: mesh.edges().filter(|&h| is_blade(mesh, h)).count(),
+            length: at_fault().map(|crossing| crossing.length).sum(),
+            cost: cost(mesh),
+            faces: own,
+            crossings,
+            triangles,
+        }
+    }
+
+    /// How many faults there are, the graver ones first.
+    fn number(&self) -> (usize, usize, usize) {
+        (self.unsound, self.inherited, self.small)
+    }
+
+    /// Whether there are fewer faults than `before`, and, if nothing was unsound then, nothing else has become worse.
+    pub fn are_fewer_than(&self, before: &Faults) -> bool {
+        let loses_nothing = self.crossings.len() <= before.crossings.len()
+            && self.small <= before.small
+            && self.blades <= before.blades
+            && self.smallest >= before.smallest;
+        self.number() < before.number() && (before.unsound > 0 || loses_nothing)
+    }
+
+    /// The order by their number, and by what makes it likely that another change helps.
+    pub fn total_cmp(&self, other: &Faults) -> Ordering {
+        let numbers = (self.number(), self.turned).cmp(&(other.number(), other.turned));
+        numbers.then(self.length.total_cmp(&other.length)).then(self.cost.total_cmp(&other.cost))
+    }
+
+    /// Whether it has this face.
+    fn has(&self, (t, corners): &(u32, Corners)) -> bool {
+        self.faces.binary_search_by_key(t, |face| face.0).is_ok_and(|place| self.faces[place].1 == *corners)
+    }
+}
+
+/// Whether the faces at the edge of `h` turn so far there.
+fn is_blade(mesh: &Manifold, h: u32) -> bool {
+    let c = &mesh.connectivity;
+    let normal = |h: u32| {
+        let [a, b, c] = mesh.corners(h / 3);
+        (b - a).cross(c - a).normalize_or_zero()
+    };
+    c.has_twin(h) && normal(h).dot(normal(c.twin(h))) < COSINE_OF_SHARPEST
+}
+
+/// Those of the faces that `around` has of its `own`, among them and with the `faces` around it.
+fn crossings(
+    domain: &Domain,
+    faces: &Faces,
+    around: &Neighborhood,
+    own: &[(u32, Corners)],
+    before: &Faults,
+) -> Vec<Crossing> {
+    let depth = faces.depth_of_contact();
+    let cross = |a: Corners, b: Corners| cross_deeper_than(depth, a, b);
+    let (old, new): (Vec<_>, Vec<_>) =
+        own.iter().map(|&(t, a)| (t, a, Aabb::of_triangle(a))).partition(|&(t, a, _)| before.has(&(t, a)));
+    let stays = |t: u32| old.binary_search_by_key(&t, |face| face.0).is_ok();
+    let mut found: Vec<Crossing> =
+        before.crossings.iter().copied().filter(|crossing| crossing.own_faces().all(stays)).collect();
+    for (i, &(t, a, bounds)) in new.iter().enumerate() {
+        for &(u, b, other) in old.iter().chain(&new[..i]) {
+            if other.meets(&bounds) && cross(a, b) {
+                found.push(Crossing::new(domain, (t, a), (Some(u), b)));
+            }
+        }
+        faces.in_box(&bounds, |u, b| {
+            if !around.has_triangle(u) && cross(a, b) {
+                found.push(Crossing::new(domain, (t, a), (None, b)));
+            }
+        });
+    }
+    found
+}
