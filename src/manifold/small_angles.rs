@@ -29,7 +29,7 @@ pub fn smallest_unforced_angle(mesh: &Manifold) -> Option<f64> {
 }
 
 /// That of the triangle with number `t`; infinite if all of its angles are forced, but 0 if it has no area.
-pub fn unforced_angle(mesh: &Manifold, t: u32) -> f64 {
+fn unforced_angle(mesh: &Manifold, t: u32) -> f64 {
     let c = &mesh.connectivity;
     let is_forced = |h: u32| c.is_curve_edge(h) && c.is_curve_edge(prev(h)) || ends_spike(c, c.origin(h));
     let angles = angles(mesh.corners(t));

@@ -2,6 +2,7 @@
 //!
 //! Of a place that changes step by step only the faces that are new are held against the others.
 
+use crate::base::math;
 use crate::geom::aabb::Aabb;
 use crate::geom::crossing_segment::crossing_segment;
 use crate::geom::intersection::cross_deeper_than;
@@ -13,10 +14,8 @@ use crate::manifold::small_angles::{slivers, with_angles_below};
 use crate::optimize::angles::cost;
 use crate::optimize::crossings::{Corners, length_of_fold};
 use crate::surface::domain::Domain;
+use crate::surface::narrow_patches::SHARPEST;
 use std::cmp::Ordering;
-
-/// The cosine of the turn between two faces, 135 degrees, above which the edge between them is a blade.
-const COSINE_OF_SHARPEST: f64 = -std::f64::consts::FRAC_1_SQRT_2;
 
 /// What counts as a fault besides faces that cross although the surface does not, and slivers.
 #[derive(Debug, Clone, Copy)]
@@ -43,7 +42,7 @@ pub(super) struct Faults {
     smallest: f64,
     /// Triangles that face against the surface.
     turned: usize,
-    /// Edges as sharp as the rim of a plate becomes whose two sides meet: bodies lose volume there.
+    /// Edges at which the faces turn by more than [`SHARPEST`], as at the rim of a plate whose two sides meet.
     blades: usize,
     /// The length that faces which are counted have in common.
     length: f64,
@@ -96,7 +95,7 @@ impl Faults {
             small: small.len(),
             smallest: own.iter().map(|(_, corners)| smallest_angle(*corners)).fold(counted.angles_below, f64::min),
             turned: own.iter().filter(|(t, _)| mesh.agreement(mesh.connectivity.triangle(3 * t)) < 0.0).count(),
-            blades: mesh.edges().filter(|&h| is_blade(mesh, h)).count(),
+            blades: blades(mesh),
             length: at_fault().map(|crossing| crossing.length).sum(),
             cost: cost(mesh),
             faces: own,
@@ -131,14 +130,15 @@ impl Faults {
     }
 }
 
-/// Whether the faces at the edge of `h` turn so far there.
-fn is_blade(mesh: &Manifold, h: u32) -> bool {
+/// How many edges are blades.
+fn blades(mesh: &Manifold) -> usize {
     let c = &mesh.connectivity;
+    let (_, least) = math::sin_cos(SHARPEST.to_radians());
     let normal = |h: u32| {
         let [a, b, c] = mesh.corners(h / 3);
         (b - a).cross(c - a).normalize_or_zero()
     };
-    c.has_twin(h) && normal(h).dot(normal(c.twin(h))) < COSINE_OF_SHARPEST
+    mesh.edges().filter(|&h| c.has_twin(h) && normal(h).dot(normal(c.twin(h))) < least).count()
 }
 
 /// Those of the faces that `around` has of its `own`, among them and with the `faces` around it.

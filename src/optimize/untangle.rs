@@ -27,6 +27,9 @@ use std::collections::BTreeSet;
 /// Passes over all faults: of those near each other one is looked at in each.
 const MOST_PASSES: usize = 30;
 
+/// Places that are looked at in a pass at least, where only so many faces are to be taken apart as are too many.
+const FEWEST_AT_ONCE: usize = 8;
+
 /// Changes in a row that are looked for, and how many are followed by others.
 const MOST_IN_A_ROW: usize = 3;
 const MOST_FOLLOWED: usize = 3;
@@ -71,11 +74,11 @@ fn untangle_counted(
     for _ in 0..MOST_PASSES {
         check(monitor)?;
         let excess = faces_of(crossings.all.clone()).len().saturating_sub(aim.most_crossing);
-        // Each change takes two faces apart at least.
-        let most = if counted.inherited { excess.div_ceil(2) } else { usize::MAX };
-        if most == 0 {
+        if counted.inherited && excess == 0 {
             break;
         }
+        // Each change takes two faces apart at least, but not at each place there is one that helps.
+        let most = if counted.inherited { excess.div_ceil(2).max(FEWEST_AT_ONCE) } else { usize::MAX };
         let faults = faults(mesh, &crossings, counted);
         let sides: Vec<u32> = faults.iter().filter(|&&t| !given_up.has(t)).map(|t| 3 * t).collect();
         let places = disjoint(mesh, &sides, most);

@@ -32,7 +32,7 @@ pub(super) struct Finished {
     pub score: Score,
     /// The run that made it, from 1.
     pub run: u64,
-    /// Whether edges were made others where it went wrong.
+    /// Whether vertices and edges were changed once more where it went wrong.
     pub is_mended: bool,
 }
 
@@ -78,11 +78,6 @@ impl Finished {
     /// Triangles of the mesh that was there before it was joined to what stays; they come first.
     pub(super) fn kept_triangles(&self) -> u32 {
         (self.mesh.triangles.len() - self.of_part.triangles.len()) as u32
-    }
-
-    /// Whether no faces cross where the surface does not, and there are no slivers.
-    pub(super) fn is_sound(&self) -> bool {
-        self.score.self_intersections == 0 && self.score.slivers == 0
     }
 
     /// The corners of the triangles that make it unsound, in the pipeline's unit.

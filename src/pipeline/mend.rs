@@ -1,6 +1,6 @@
 //! Mends a result where it went wrong, in place: faces that cross and slivers are untangled, edges around those that are left
-//! become longer or shorter, and then small angles are untangled. As many vertices as that gives or takes go elsewhere or come
-//! from there.
+//! become longer or shorter, and then small angles are untangled, and faces that cross as those of the input do, but are more. As many
+//! vertices as that gives or takes go elsewhere or come from there.
 //!
 //! Chance decides, at each place separately, whether samples at a thin wall are joined well. Drawing all of them again would lose
 //! the good places along with the bad ones; here each place changes by itself, only if that makes it better, and the rest stays.
@@ -17,6 +17,7 @@ use crate::optimize::exchange::{balance_count, is_near};
 use crate::optimize::resize::resize;
 use crate::optimize::self_intersections::resolve_self_intersections;
 use crate::optimize::untangle::{Aim, untangle};
+use crate::pipeline::attempts::Score;
 use crate::pipeline::finished::Finished;
 use crate::pipeline::optimization::fit_to_surface;
 use crate::pipeline::prepared::PreparedInput;
@@ -57,7 +58,7 @@ pub(super) fn mended(
     let small = small_angles(&best);
     let is_worth_it = (small > 0 || crossing > most_crossing) && are_few(small, &best);
     // Where the distance has a limit, it counts more than angles.
-    if !best.is_sound() || !is_worth_it || prepared.limit().is_some() {
+    if best.score != Score::SOUND || !is_worth_it || prepared.limit().is_some() {
         return Ok(best);
     }
     untangled(prepared, surface, best, Aim { most_crossing, ..ANGLES }, monitor)
@@ -119,7 +120,7 @@ fn untangled(
 ) -> Result<Finished> {
     let mut next = with_other_edges(prepared, surface, &best, aim, monitor)?;
     // Places that changed at the same time may cross.
-    if best.is_sound() && !next.is_sound() {
+    if best.score == Score::SOUND && next.score != Score::SOUND {
         next = with_other_edges(prepared, surface, &next, SOUND, monitor)?;
     }
     let rank = |result: &Finished| (result.score, result.self_intersections.len(), small_angles(result));
@@ -236,7 +237,6 @@ mod tests {
     use super::*;
     use crate::manifold::Manifold;
     use crate::mesh::triangle_mesh::Mesh;
-    use crate::pipeline::attempts::Score;
     use crate::pipeline::density::Density;
     use crate::pipeline::optimization::optimize;
     use crate::pipeline::options::Options;

@@ -23,8 +23,9 @@ use std::collections::{BTreeMap, BinaryHeap};
 /// taken, or the last.
 const LEAST: [f64; 5] = [0.02, 0.05, 0.08, 0.12, 0.18];
 
-/// Degrees by which the surface may turn at the edge that is left of a strip's two, from the second share on.
-const SHARPEST: f64 = 135.0;
+/// Degrees by which the surface may turn at the edge that is left of a strip's two, from the second share on. Beyond, it would be
+/// a blade, and a body would lose volume.
+pub const SHARPEST: f64 = 135.0;
 
 /// The width of a wall that moves by a deviation, in deviations.
 const WIDTH_OF_WALL: f64 = 2.0 * std::f64::consts::SQRT_2;
