@@ -18,6 +18,7 @@ pub struct Faces {
     bvh: Bvh,
     /// For each triangle of the mesh the number of its face, in ascending order.
     number: Vec<u32>,
+    depth_of_contact: f64,
 }
 
 impl Faces {
@@ -26,7 +27,7 @@ impl Faces {
         let number: Vec<u32> = mesh.triangles().collect();
         let triangles = number.iter().map(|&t| mesh.connectivity.triangle(3 * t)).collect();
         let mesh = Mesh { positions: mesh.samples.iter().map(|s| s.position).collect(), triangles };
-        Faces { bvh: Bvh::new(&mesh), mesh, number }
+        Faces { bvh: Bvh::new(&mesh), depth_of_contact: depth_of_contact(&mesh), mesh, number }
     }
 
     /// Updates positions and corners of the faces; those that have changed, in increasing order. `mesh` must have faces of the
@@ -39,12 +40,13 @@ impl Faces {
         let triangles = self.mesh.triangles.iter_mut().zip(&self.number);
         triangles.for_each(|(corners, &t)| *corners = mesh.connectivity.triangle(3 * t));
         self.bvh.refit(&self.mesh);
+        self.depth_of_contact = depth_of_contact(&self.mesh);
         changed
     }
 
     /// The depth up to which faces count as touching.
     pub fn depth_of_contact(&self) -> f64 {
-        depth_of_contact(&self.mesh)
+        self.depth_of_contact
     }
 
     /// The corners of each face, in the order of the faces.

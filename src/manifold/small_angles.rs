@@ -1,7 +1,8 @@
 //! The small angles of a result, but for those that the surface forces where two feature curves meet, or a spike ends;
 //! and its slivers, triangles with an angle too small to compute with.
 
-use crate::geom::triangle::angles;
+use crate::base::math;
+use crate::geom::triangle::{angles, smallest_sine_cosine};
 use crate::manifold::Manifold;
 use crate::mesh::half_edge::{Connectivity, prev};
 
@@ -11,33 +12,59 @@ pub const SLIVER: f64 = 1.0;
 /// Angle in degrees below which a triangle has no area, whatever forces it.
 const NO_AREA: f64 = 0.01;
 
+/// A triangle with a small angle.
+#[derive(Debug, Clone, Copy)]
+pub struct SmallAngle {
+    /// The number of the triangle.
+    pub triangle: u32,
+    /// Its smallest angle in degrees.
+    pub smallest: f64,
+    /// The smallest that is not forced; infinite if all are, but 0 if the triangle has no area.
+    pub unforced: f64,
+}
+
+/// The triangles of `mesh` whose smallest angle, forced or not, is below that, in degrees.
+pub fn small_angles(mesh: &Manifold, degrees: f64) -> impl Iterator<Item = SmallAngle> {
+    let (sin, cos) = math::sin_cos(degrees.to_radians());
+    let is_small = move |t: u32| {
+        let (sine, cosine) = smallest_sine_cosine(mesh.corners(t));
+        sine * cos <= cosine * sin
+    };
+    mesh.triangles().filter(move |&t| is_small(t)).map(|t| SmallAngle::of(mesh, t))
+}
+
 /// The triangles of `mesh`, by their place among its triangles, without area or with an angle below [`SLIVER`] that is not
 /// forced.
 pub fn slivers(mesh: &Manifold) -> Vec<u32> {
-    (0..).zip(mesh.triangles()).filter(|&(_, t)| unforced_angle(mesh, t) < SLIVER).map(|(place, _)| place).collect()
+    let numbers = with_angles_below(mesh, SLIVER);
+    let places = (0..).zip(mesh.triangles()).filter(|(_, t)| numbers.binary_search(t).is_ok());
+    places.map(|(place, _)| place).collect()
 }
 
-/// The numbers of the triangles of `mesh` without area or with an angle below that, in degrees, which is not forced.
+/// The numbers of the triangles of `mesh` without area or with an angle below that, in degrees, which is not forced; in increasing
+/// order.
 pub fn with_angles_below(mesh: &Manifold, degrees: f64) -> Vec<u32> {
-    mesh.triangles().filter(|&t| unforced_angle(mesh, t) < degrees).collect()
+    small_angles(mesh, degrees).filter(|small| small.unforced < degrees).map(|small| small.triangle).collect()
 }
 
 /// The smallest angle in degrees that is not forced; `None` if all are.
 pub fn smallest_unforced_angle(mesh: &Manifold) -> Option<f64> {
-    let smallest = mesh.triangles().map(|t| unforced_angle(mesh, t)).fold(f64::INFINITY, f64::min);
+    let smallest = mesh.triangles().map(|t| SmallAngle::of(mesh, t).unforced).fold(f64::INFINITY, f64::min);
     smallest.is_finite().then_some(smallest)
 }
 
-/// That of the triangle with number `t`; infinite if all of its angles are forced, but 0 if it has no area.
-fn unforced_angle(mesh: &Manifold, t: u32) -> f64 {
-    let c = &mesh.connectivity;
-    let is_forced = |h: u32| c.is_curve_edge(h) && c.is_curve_edge(prev(h)) || ends_spike(c, c.origin(h));
-    let angles = angles(mesh.corners(t));
-    if angles.iter().any(|&angle| angle < NO_AREA) {
-        return 0.0;
+impl SmallAngle {
+    /// That of the triangle with number `t`.
+    fn of(mesh: &Manifold, t: u32) -> SmallAngle {
+        let c = &mesh.connectivity;
+        let is_forced = |h: u32| c.is_curve_edge(h) && c.is_curve_edge(prev(h)) || ends_spike(c, c.origin(h));
+        let least = |angles: &mut dyn Iterator<Item = f64>| angles.fold(f64::INFINITY, f64::min);
+        let angles = angles(mesh.corners(t));
+        let smallest = least(&mut angles.into_iter());
+        let mut unforced = (3 * t..).zip(angles).filter(|(h, _)| !is_forced(*h)).map(|(_, angle)| angle);
+        let unforced = if smallest < NO_AREA { 0.0 } else { least(&mut unforced) };
+        SmallAngle { triangle: t, smallest, unforced }
     }
-    let unforced = (3 * t..).zip(angles).filter(|(h, _)| !is_forced(*h));
-    unforced.map(|(_, angle)| angle).fold(f64::INFINITY, f64::min)
 }
 
 /// Whether a spike ends in `v`, with the fewest triangles around it that enclose anything: more of them would be narrower.

@@ -58,6 +58,11 @@ impl Crossings {
     }
 }
 
+/// The triangles of `mesh` that cross others at places where the surface does not intersect itself, in increasing order.
+pub fn crossing_faces(domain: &Domain, mesh: &Manifold) -> Vec<u32> {
+    faces_of(Crossings::new(domain, mesh).avoidable)
+}
+
 /// The `pairs` at places where the surface does not intersect itself.
 fn avoidable(pairs: &[(u32, u32)], domain: &Domain, mesh: &Manifold) -> Vec<(u32, u32)> {
     let crossing = faces_of(pairs.to_vec()).into_iter();

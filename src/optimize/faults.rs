@@ -6,11 +6,10 @@ use crate::base::math;
 use crate::geom::aabb::Aabb;
 use crate::geom::crossing_segment::crossing_segment;
 use crate::geom::intersection::cross_deeper_than;
-use crate::geom::triangle::smallest_angle;
 use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
 use crate::manifold::neighborhood::Neighborhood;
-use crate::manifold::small_angles::{slivers, with_angles_below};
+use crate::manifold::small_angles::{SLIVER, SmallAngle, small_angles};
 use crate::optimize::angles::cost;
 use crate::optimize::crossings::{Corners, length_of_fold};
 use crate::surface::domain::Domain;
@@ -84,16 +83,19 @@ impl Faults {
         let own: Vec<(u32, Corners)> = mesh.triangles().map(|t| (t, mesh.corners(t))).collect();
         let crossings = crossings(domain, faces, around, &own, before);
         let inherited = crossings.iter().filter(|crossing| crossing.is_inherited).count();
-        let small = with_angles_below(mesh, counted.angles_below);
+        let small: Vec<SmallAngle> = small_angles(mesh, counted.angles_below.max(SLIVER)).collect();
+        let unforced =
+            |degrees: f64| small.iter().filter(move |small| small.unforced < degrees).map(|small| small.triangle);
         let at_fault = || crossings.iter().filter(|crossing| counted.inherited || !crossing.is_inherited);
-        let mut triangles: Vec<u32> = small.iter().copied().chain(at_fault().flat_map(Crossing::own_faces)).collect();
+        let mut triangles: Vec<u32> =
+            unforced(counted.angles_below).chain(at_fault().flat_map(Crossing::own_faces)).collect();
         triangles.sort_unstable();
         triangles.dedup();
         Faults {
-            unsound: crossings.len() - inherited + slivers(mesh).len(),
+            unsound: crossings.len() - inherited + unforced(SLIVER).count(),
             inherited: if counted.inherited { inherited } else { 0 },
-            small: small.len(),
-            smallest: own.iter().map(|(_, corners)| smallest_angle(*corners)).fold(counted.angles_below, f64::min),
+            small: unforced(counted.angles_below).count(),
+            smallest: small.iter().map(|small| small.smallest).fold(counted.angles_below, f64::min),
             turned: own.iter().filter(|(t, _)| mesh.agreement(mesh.connectivity.triangle(3 * t)) < 0.0).count(),
             blades: blades(mesh),
             length: at_fault().map(|crossing| crossing.length).sum(),

@@ -4,7 +4,7 @@ pub mod angles;
 pub mod coarse_to_fine;
 pub mod contacts;
 pub mod counts;
-mod crossings;
+pub mod crossings;
 pub mod exchange;
 mod faults;
 pub mod fit;

@@ -2,9 +2,11 @@
 //!
 //! Two things go wrong, and each has its remedy. Samples on sharp edges that are too few leave patches that do not fit
 //! together: edges become shorter there, or, where there is no room for that, samples on all sharp edges closer; at last the
-//! sharp edges are smoothed over. Samples of the two sides of a thin wall may be joined so that triangles intersect: the result is
-//! mended there (`pipeline/mend.rs`); only if that does not help, or there are too many such places, everything is drawn again, finer
-//! there.
+//! sharp edges are smoothed over. Samples of the two sides of a thin wall may be joined so that triangles intersect: single ones
+//! are taken apart, but if there are many, samples are drawn again, closer there. Where the result is unsound even so it is mended
+//! (`pipeline/mend.rs`); only if that does not help, or there are too many such places, everything is done again, finer there.
+
+use std::ops::RangeInclusive;
 
 /// Runs up to a whole result.
 pub(super) const MOST_RUNS: u64 = 3;
@@ -19,6 +21,10 @@ const CLOSER: f64 = 1.4;
 /// too few vertices for walls so near to each other.
 const MOST_OF_TRIANGLES: f64 = 0.05;
 const MOST_IN_PLACES: usize = 60;
+
+/// The shares of the triangles of samples between which samples are drawn again, closer where those triangles intersect: fewer can be
+/// taken apart one by one, and of more there is no room to be finer.
+const CROSSED: RangeInclusive<f64> = 0.01..=0.1;
 
 /// The share of the triangles up to which places are mended, and a third run is made: with more the places grow together, and hardly
 /// one gets better.
@@ -70,12 +76,14 @@ pub(super) struct Attempts {
     with_curves: usize,
     curve_density: f64,
     keeps_curves: bool,
+    /// Whether samples were drawn again because their triangles intersect.
+    are_closer: bool,
 }
 
 impl Attempts {
     /// The attempts with the random numbers of `seed`, for a surface with or without sharp edges.
     pub(super) fn new(seed: u64, has_curves: bool) -> Attempts {
-        Attempts { seed, run: 0, with_curves: 1, curve_density: 1.0, keeps_curves: has_curves }
+        Attempts { seed, run: 0, with_curves: 1, curve_density: 1.0, keeps_curves: has_curves, are_closer: false }
     }
 
     /// The one to make now.
@@ -96,6 +104,14 @@ impl Attempts {
     /// Samples curves more closely from now on.
     pub(super) fn sample_curves_closer(&mut self) {
         self.curve_density *= CLOSER;
+    }
+
+    /// Whether to draw the first samples again, closer where their triangles intersect: so many of `triangles`, although the surface
+    /// does not.
+    pub(super) fn after_samples(&mut self, crossing: usize, triangles: usize) -> bool {
+        let is_first = self.run == 0 && !self.are_closer;
+        self.are_closer |= is_first && CROSSED.contains(&(crossing as f64 / triangles as f64));
+        is_first && self.are_closer
     }
 
     /// Whether to make another run after a result of so many `triangles`; `best` is the best score of all.
@@ -122,7 +138,7 @@ mod tests {
 
     const SOUND: Score = Score::SOUND;
     const TORN: Score = Score { other_topology: true, ..SOUND };
-    const CROSSED: Score = Score { self_intersections: 8, ..SOUND };
+    const INTERSECTING: Score = Score { self_intersections: 8, ..SOUND };
 
     #[test]
     fn curves_are_kept_for_some_attempts_and_smoothed_over_at_last() {
@@ -139,10 +155,20 @@ mod tests {
     }
 
     #[test]
+    fn the_first_samples_are_drawn_again_once_if_many_of_their_triangles_cross_but_not_most() {
+        let again = |crossing: usize| Attempts::new(3, true).after_samples(crossing, 1000);
+        assert_eq!([9, 10, 100, 101].map(again), [false, true, true, false]);
+        let mut attempts = Attempts::new(3, true);
+        assert!(attempts.after_samples(50, 1000) && !attempts.after_samples(50, 1000));
+        let mut attempts = Attempts::new(3, true);
+        assert!(attempts.after_run(INTERSECTING, 1000) && !attempts.after_samples(50, 1000));
+    }
+
+    #[test]
     fn no_two_runs_have_the_same_seed_and_there_is_an_end_to_them() {
         let mut attempts = Attempts::new(3, true);
         let mut seeds = vec![attempts.current().seed];
-        while attempts.after_run(CROSSED, 1000) {
+        while attempts.after_run(INTERSECTING, 1000) {
             seeds.push(attempts.current().seed);
         }
         assert_eq!(seeds[0], 3);

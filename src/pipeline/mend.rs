@@ -31,15 +31,12 @@ const FACTORS: [f64; 4] = [2.0, 0.5, 4.0, 0.25];
 /// The most rounds through all of them.
 const MOST_ROUNDS: usize = 3;
 
-/// The share of the triangles up to which they are untangled: of more, too many stay for the time that it takes.
-const MOST_TO_UNTANGLE: f64 = 0.1;
-
 /// Rings of triangles around those to mend that change with them.
 const RINGS: usize = 6;
 
 /// Untangling for a sound result, and for the sake of angles, for which the surface may move less: ears would be cut off. At
 /// angles that are larger there is more to lose elsewhere.
-const SOUND: Aim = Aim { angles_below: SLIVER, most_crossing: usize::MAX, farthest: 1.0 };
+const SOUND: Aim = Aim { angles_below: SLIVER, most_crossing: usize::MAX, farthest: 1.0, most_at_fault: 0.1 };
 const ANGLES: Aim = Aim { angles_below: 30.0, farthest: 0.6, ..SOUND };
 
 /// The best of `finished` and what it becomes by mending. `surface` keeps the lengths.
@@ -53,10 +50,8 @@ pub(super) fn mended(
         return Ok(finished);
     }
     let best = sound(prepared, surface, finished, monitor)?;
-    let (crossing, of_input) = (best.self_intersections.len(), best.self_intersections_of_input);
-    let most_crossing = if are_few(crossing, &best) { of_input } else { usize::MAX };
-    let small = small_angles(&best);
-    let is_worth_it = (small > 0 || crossing > most_crossing) && are_few(small, &best);
+    let most_crossing = best.self_intersections_of_input;
+    let is_worth_it = small_angles(&best) > 0 || best.self_intersections.len() > most_crossing;
     // Where the distance has a limit, it counts more than angles.
     if best.score != Score::SOUND || !is_worth_it || prepared.limit().is_some() {
         return Ok(best);
@@ -69,11 +64,6 @@ fn small_angles(result: &Finished) -> usize {
     with_angles_below(&result.manifold, ANGLES.angles_below).len()
 }
 
-/// Whether so many triangles are few enough to be untangled.
-fn are_few(triangles: usize, result: &Finished) -> bool {
-    triangles as f64 <= MOST_TO_UNTANGLE * result.of_part.triangles.len() as f64
-}
-
 /// The best of `finished` and what it becomes where faces cross and at slivers.
 fn sound(
     prepared: &PreparedInput,
@@ -84,8 +74,7 @@ fn sound(
     let mut best = finished;
     let mut tried = Tried::default();
     for _ in 0..MOST_ROUNDS {
-        let unsound = best.unsound_triangles().len();
-        if unsound > 0 && are_few(unsound, &best) {
+        if !best.unsound_triangles().is_empty() {
             best = untangled(prepared, surface, best, SOUND, monitor)?;
         }
         let before = best.score;
@@ -118,31 +107,33 @@ fn untangled(
     aim: Aim,
     monitor: &dyn Monitor,
 ) -> Result<Finished> {
-    let mut next = with_other_edges(prepared, surface, &best, aim, monitor)?;
+    let Some(mut next) = with_other_edges(prepared, surface, &best, aim, monitor)? else { return Ok(best) };
     // Places that changed at the same time may cross.
     if best.score == Score::SOUND && next.score != Score::SOUND {
-        next = with_other_edges(prepared, surface, &next, SOUND, monitor)?;
+        next = with_other_edges(prepared, surface, &next, SOUND, monitor)?.unwrap_or(next);
     }
     let rank = |result: &Finished| (result.score, result.self_intersections.len(), small_angles(result));
     Ok(if rank(&next) < rank(&best) { next } else { best })
 }
 
-/// `result` with more, fewer or other edges at its faults, and the number of vertices that it had.
+/// `result` with more, fewer or other edges at its faults, and the number of vertices that it had; `None` if nothing helps.
 fn with_other_edges(
     prepared: &PreparedInput,
     surface: &SizedSurface,
     result: &Finished,
     aim: Aim,
     monitor: &dyn Monitor,
-) -> Result<Finished> {
+) -> Result<Option<Finished>> {
     monitor.stage("untangle");
     let SizedSurface { domain, scale, .. } = surface;
     let mut manifold = result.manifold.clone();
     let wanted = manifold.connectivity.vertex_count();
-    untangle(domain, &mut manifold, aim, scale.spacing, monitor)?;
+    if !untangle(domain, &mut manifold, aim, scale.spacing, monitor)? {
+        return Ok(None);
+    }
     balance_count(domain, &mut manifold, wanted, scale.spacing, monitor)?;
     let next = Finished::new(prepared, surface, manifold, result.tessellated_patches, result.run);
-    Ok(Finished { is_mended: true, ..next })
+    Ok(Some(Finished { is_mended: true, ..next }))
 }
 
 /// The factors that did not help at a place, which is known by the triangles to mend there.

@@ -16,6 +16,7 @@ use crate::optimize::fit::{Fitted, fit};
 use crate::optimize::max_error::reduce_max_error;
 use crate::optimize::relax::{Flips, relax};
 use crate::optimize::slivers::remove_slivers;
+use crate::optimize::untangle::{Aim, untangle};
 use crate::optimize::valence::{remove_defects, remove_near_defects};
 use crate::pipeline::scale::Scale;
 use crate::spectral::ascent::{AscentParameters, LONG_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA, ascend};
@@ -31,6 +32,8 @@ pub(super) fn optimize(
     limit: Option<f64>,
     monitor: &dyn Monitor,
 ) -> Result<()> {
+    monitor.stage("untangle");
+    untangle(domain, mesh, CROSSING, scale.spacing, monitor)?;
     order(domain, mesh, scale, monitor)?;
     monitor.stage("improve angles");
     improve_angles(domain, mesh, scale.spacing, monitor)?;
@@ -264,6 +267,10 @@ fn refine_to_count(
     }
     relax(domain, mesh, &locked, spacing, Flips::KeepValence, 2 * ROUNDS, monitor)
 }
+
+/// Untangling before anything moves: what is joined well then can be spread evenly. Where the surface has thin walls everywhere
+/// most faces come apart later without it.
+const CROSSING: Aim = Aim { angles_below: 0.0, most_crossing: usize::MAX, farthest: 1.0, most_at_fault: 0.01 };
 
 /// The most times that a mesh is ordered, each time with more dense vertices, until no part of the surface is missed.
 const MOST_ORDERS: usize = 2;

@@ -9,6 +9,7 @@ use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::topology::topology;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::optimize::counts::meet_count;
+use crate::optimize::crossings::crossing_faces;
 use crate::optimize::self_intersections::resolve_self_intersections;
 use crate::pipeline::attempts::{Attempt, Attempts, MOST_RUNS};
 use crate::pipeline::coarse::{coarse, far_wider_spacing};
@@ -22,7 +23,7 @@ use crate::pipeline::optimization::optimize;
 use crate::pipeline::options::{Grading, Options};
 use crate::pipeline::origins::origins;
 use crate::pipeline::prepared::PreparedInput;
-use crate::pipeline::resizing::{FINER, Resizing};
+use crate::pipeline::resizing::{FINER, Resizing, sizes_at};
 use crate::pipeline::result::{Deviation, Remeshed, has_kind, notes};
 use crate::pipeline::scale::CANDIDATES_PER_POINT;
 use crate::pipeline::sized::SizedSurface;
@@ -165,6 +166,15 @@ fn remesh_to(
     let mut best: Option<(SizedSurface, Finished)> = None;
     loop {
         let (mut made_of, triangulation) = triangulated(surface, &mut attempts, monitor)?;
+        let crossing = crossing_faces(&made_of.domain, &triangulation.mesh);
+        let places = triangulation.corners(&crossing);
+        if attempts.after_samples(crossing.len(), triangulation.mesh.triangles().count())
+            && sizes_at(&places, FINER, &made_of.domain, made_of.scale.spacing).is_some()
+        {
+            resizing.shorten_at(&places);
+            surface = sized(&resizing)?;
+            continue;
+        }
         let finished = arranged(prepared, &made_of, triangulation, attempts.run(), monitor)?;
         resizing.shorten_at(&finished.unsound_places());
         let finished = mended(prepared, &mut made_of, finished, monitor)?;
@@ -237,6 +247,11 @@ impl Triangulation {
             (mesh, torn)
         });
         Ok(Triangulation { mesh, tessellated_patches, torn })
+    }
+
+    /// The corners of these triangles.
+    fn corners(&self, triangles: &[u32]) -> Vec<DVec3> {
+        triangles.iter().flat_map(|&t| self.mesh.corners(t)).collect()
     }
 
     /// Whether it is torn, or of another topology than `surface`.
