@@ -110,8 +110,12 @@ impl Attempts {
     /// does not.
     pub(super) fn after_samples(&mut self, crossing: usize, triangles: usize) -> bool {
         let is_first = self.run == 0 && !self.are_closer;
-        self.are_closer |= is_first && CROSSED.contains(&(crossing as f64 / triangles as f64));
-        is_first && self.are_closer
+        let again = is_first && CROSSED.contains(&(crossing as f64 / triangles as f64));
+        if again {
+            // Patches of other samples get as many attempts.
+            (self.are_closer, self.with_curves) = (true, 1);
+        }
+        again
     }
 
     /// Whether to make another run after a result of so many `triangles`; `best` is the best score of all.
@@ -159,7 +163,11 @@ mod tests {
         let again = |crossing: usize| Attempts::new(3, true).after_samples(crossing, 1000);
         assert_eq!([9, 10, 100, 101].map(again), [false, true, true, false]);
         let mut attempts = Attempts::new(3, true);
+        while attempts.with_curves < MOST_WITH_CURVES {
+            attempts.treat_curves_differently();
+        }
         assert!(attempts.after_samples(50, 1000) && !attempts.after_samples(50, 1000));
+        assert!(attempts.treat_curves_differently() && attempts.current().curve_density.is_some());
         let mut attempts = Attempts::new(3, true);
         assert!(attempts.after_run(INTERSECTING, 1000) && !attempts.after_samples(50, 1000));
     }
