@@ -16,6 +16,9 @@ use crate::surface::domain::Domain;
 use crate::surface::narrow_patches::SHARPEST;
 use std::cmp::Ordering;
 
+/// How much larger the smallest angle has to become, in degrees, if as many are too small as before.
+const LEAST_GAIN: f64 = 1.0;
+
 /// What counts as a fault besides faces that cross although the surface does not, and slivers.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Counted {
@@ -111,13 +114,18 @@ impl Faults {
         (self.unsound, self.inherited, self.small)
     }
 
-    /// Whether there are fewer faults than `before`, and, if nothing was unsound then, nothing else has become worse.
+    /// Whether there are fewer faults than `before`, or as many with larger angles, and, if nothing was unsound then, nothing else has
+    /// become worse.
     pub fn are_fewer_than(&self, before: &Faults) -> bool {
         let loses_nothing = self.crossings.len() <= before.crossings.len()
             && self.small <= before.small
-            && self.blades <= before.blades
+            && self.blades + self.turned <= before.blades + before.turned
             && self.smallest >= before.smallest;
-        self.number() < before.number() && (before.unsound > 0 || loses_nothing)
+        match self.number().cmp(&before.number()) {
+            Ordering::Less => before.unsound > 0 || loses_nothing,
+            Ordering::Equal => loses_nothing && self.smallest >= before.smallest + LEAST_GAIN,
+            Ordering::Greater => false,
+        }
     }
 
     /// The order by their number, and by what makes it likely that another change helps.
@@ -171,4 +179,23 @@ fn crossings(
         });
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn as_many_small_angles_that_are_larger_are_better_if_nothing_else_is_worse() {
+        let before = Faults { small: 2, smallest: 10.0, turned: 1, blades: 3, ..Faults::default() };
+        let is_better = |change: &dyn Fn(&mut Faults)| {
+            let mut after = before.clone();
+            change(&mut after);
+            after.are_fewer_than(&before)
+        };
+        assert!(is_better(&|after| after.smallest = 12.0) && !is_better(&|after| after.smallest = 10.5));
+        assert!(is_better(&|after| after.small = 1) && !is_better(&|after| (after.small, after.smallest) = (1, 9.0)));
+        assert!(!is_better(&|after| (after.smallest, after.blades) = (12.0, 4)));
+        assert!(is_better(&|after| (after.smallest, after.blades, after.turned) = (12.0, 4, 0)));
+    }
 }

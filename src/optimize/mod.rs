@@ -11,6 +11,7 @@ pub mod fit;
 pub mod max_error;
 mod newton;
 mod places;
+mod probes;
 mod quadrature;
 pub mod relax;
 pub mod resize;

@@ -20,8 +20,11 @@ use crate::optimize::crossings::Crossings;
 use crate::optimize::exchange::is_near;
 use crate::optimize::faults::{Counted, Faults};
 use crate::optimize::places::{GivenUp, Place, disjoint, settled, split};
+use crate::optimize::probes::{Probe, Probes, distance};
 use crate::spatial::self_intersections::faces_of;
 use crate::surface::domain::Domain;
+use glam::DVec3;
+use std::cell::OnceCell;
 use std::collections::BTreeSet;
 
 /// Passes over all faults: of those near each other one is looked at in each.
@@ -36,6 +39,13 @@ const MOST_FOLLOWED: usize = 3;
 
 /// How many settle, of those that leave the fewest faults before.
 const MOST_SETTLED: usize = 3;
+
+/// How long an edge may become by a change, in wanted lengths. Without a limit, one change after the other takes a rod apart that is
+/// thinner than its edges are long.
+const LONGEST: f64 = 2.0;
+
+/// Points of the surface that are watched at a place: of a dense surface not all.
+const MOST_PROBES: usize = 200;
 
 /// What is untangled besides faces that cross although the surface does not, and how far the surface may move.
 #[derive(Debug, Clone, Copy)]
@@ -81,7 +91,8 @@ fn untangle_counted(
         // Each change takes two faces apart at least, but not at each place there is one that helps.
         let most = if counted.inherited { excess.div_ceil(2).max(FEWEST_AT_ONCE) } else { usize::MAX };
         let faults = faults(mesh, &crossings, counted);
-        if pass == 0 && faults.len() as f64 > most_at_fault {
+        let too_many = if counted.inherited { excess } else { faults.len() };
+        if pass == 0 && too_many as f64 > most_at_fault {
             break;
         }
         let sides: Vec<u32> = faults.iter().filter(|&&t| !given_up.has(t)).map(|t| 3 * t).collect();
@@ -129,6 +140,20 @@ struct Untangling<'a> {
     monitor: &'a dyn Monitor,
 }
 
+/// The part of the surface that a place is near to: it has to stay so, whatever became of the place before.
+struct Watched {
+    probes: Vec<Probe>,
+    farthest: f64,
+}
+
+impl Watched {
+    /// Whether all of it is near the triangles of `mesh` that look its way.
+    fn is_kept_by(&self, mesh: &Manifold) -> bool {
+        let faces = Faces::new(mesh);
+        self.probes.iter().all(|probe| distance(&faces, probe, self.farthest, self.farthest).is_some())
+    }
+}
+
 /// What may become of a place.
 type Candidate = (Faults, Neighborhood);
 
@@ -140,9 +165,9 @@ impl Untangling<'_> {
         if in_a_row == 1 {
             now.0.triangles = vec![place.own_side() / 3];
         }
-        let mut is_better = false;
+        let (mut is_better, watched) = (false, OnceCell::new());
         while !now.0.triangles.is_empty() {
-            let Some(next) = self.improved(place, &now, in_a_row)? else { break };
+            let Some(next) = self.improved(place, &watched, &now, in_a_row)? else { break };
             (now, is_better) = (next, true);
             // Of faces that cross as the surface does only those in excess are taken apart.
             if self.counted.inherited {
@@ -153,8 +178,19 @@ impl Untangling<'_> {
     }
 
     /// What `place`, which is `now` so, becomes by the fewest changes in a row after which it has fewer faults.
-    fn improved(&self, place: &Place, now: &Candidate, in_a_row: usize) -> Result<Option<Candidate>> {
-        let is_near = |changed: &Neighborhood| is_near(&place.around.mesh, &changed.mesh, self.farthest);
+    fn improved(
+        &self,
+        place: &Place,
+        watched: &OnceCell<Watched>,
+        now: &Candidate,
+        in_a_row: usize,
+    ) -> Result<Option<Candidate>> {
+        let most = longest(&place.around.mesh).max(LONGEST * self.spacing);
+        let is_near = |changed: &Neighborhood| {
+            longest(&changed.mesh) <= most
+                && is_near(&place.around.mesh, &changed.mesh, self.farthest)
+                && watched.get_or_init(|| self.watched(place)).is_kept_by(&changed.mesh)
+        };
         let mut followed = vec![now.clone()];
         for _ in 0..in_a_row {
             let changes = followed.iter().flat_map(|(faults, around)| {
@@ -180,10 +216,30 @@ impl Untangling<'_> {
         Ok(None)
     }
 
+    /// What of the surface is near `place`.
+    fn watched(&self, place: &Place) -> Watched {
+        let mesh = &place.around.mesh;
+        let middle = mesh.samples.iter().map(|sample| sample.position).sum::<DVec3>() / mesh.samples.len() as f64;
+        let reach = mesh.samples.iter().map(|sample| sample.position.distance(middle)).fold(0.0, f64::max);
+        let [size, ..] = mesh.connectivity.triangle(place.own_side()).map(|v| mesh.samples[v as usize].size);
+        let farthest = size * self.farthest;
+        let belongs = |probe: &Probe| {
+            distance(self.faces, probe, 0.0, farthest).is_some_and(|(_, t)| place.around.has_triangle(t))
+        };
+        let probes = Probes::near(self.domain, middle, reach, size * self.spacing);
+        let each = probes.count().div_ceil(MOST_PROBES).max(1);
+        Watched { probes: probes.all(self.domain).step_by(each).filter(belongs).collect(), farthest }
+    }
+
     /// The faults of the mesh if `around` were put back, which had those `before` some of it changed.
     fn faults(&self, around: &Neighborhood, before: &Faults) -> Faults {
         Faults::new(self.domain, self.faces, self.counted, around, before)
     }
+}
+
+/// The longest edge of a mesh, relative to the wanted sizes at its ends.
+fn longest(mesh: &Manifold) -> f64 {
+    mesh.edges().map(|h| mesh.relative_length_squared(h)).fold(0.0, f64::max).sqrt()
 }
 
 /// What becomes of `around` by each change of one edge around some of its triangles.
@@ -270,6 +326,24 @@ mod tests {
         assert!(slivers(&mesh) > 0);
         untangle(&domain, &mut mesh, SOUND, 1.0, &()).unwrap();
         assert_eq!(slivers(&mesh), 0);
+    }
+
+    #[test]
+    fn what_moves_away_from_the_surface_does_not_keep_it() {
+        let (domain, mesh) = valley_over_sheet(0.1);
+        let faces = Faces::new(&mesh);
+        let counted = Counted { angles_below: 30.0, inherited: false };
+        let untangling =
+            Untangling { domain: &domain, faces: &faces, counted, farthest: 0.6, spacing: 1.0, monitor: &() };
+        let upper = mesh.triangles().find(|&t| mesh.corners(t).iter().all(|p| p.z > 0.1)).unwrap();
+        let [place] = disjoint(&mesh, &[3 * upper], 1).try_into().unwrap_or_else(|_| unreachable!("one was asked for"));
+        let watched = untangling.watched(&place);
+        let keeps_it = |way: f64| {
+            let mut moved = place.around.mesh.clone();
+            moved.samples.iter_mut().for_each(|sample| sample.position.z += way);
+            watched.is_kept_by(&moved)
+        };
+        assert_eq!([0.0, 0.3, -0.3, 0.9, -0.9].map(keeps_it), [true, true, true, false, false]);
     }
 
     #[test]

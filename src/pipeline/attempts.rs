@@ -2,11 +2,9 @@
 //!
 //! Two things go wrong, and each has its remedy. Samples on sharp edges that are too few leave patches that do not fit
 //! together: edges become shorter there, or, where there is no room for that, samples on all sharp edges closer; at last the
-//! sharp edges are smoothed over. Samples of the two sides of a thin wall may be joined so that triangles intersect: single ones
-//! are taken apart, but if there are many, samples are drawn again, closer there. Where the result is unsound even so it is mended
+//! sharp edges are smoothed over. Samples of the two sides of a thin wall may be joined so that triangles intersect, and those along
+//! a thin rod be too few to go around it: they are drawn again, closer there. Where the result is unsound even so it is mended
 //! (`pipeline/mend.rs`); only if that does not help, or there are too many such places, everything is done again, finer there.
-
-use std::ops::RangeInclusive;
 
 /// Runs up to a whole result.
 pub(super) const MOST_RUNS: u64 = 3;
@@ -21,10 +19,6 @@ const CLOSER: f64 = 1.4;
 /// too few vertices for walls so near to each other.
 const MOST_OF_TRIANGLES: f64 = 0.05;
 const MOST_IN_PLACES: usize = 60;
-
-/// The shares of the triangles of samples between which samples are drawn again, closer where those triangles intersect: fewer can be
-/// taken apart one by one, and of more there is no room to be finer.
-const CROSSED: RangeInclusive<f64> = 0.01..=0.1;
 
 /// The share of the triangles up to which places are mended, and a third run is made: with more the places grow together, and hardly
 /// one gets better.
@@ -76,7 +70,7 @@ pub(super) struct Attempts {
     with_curves: usize,
     curve_density: f64,
     keeps_curves: bool,
-    /// Whether samples were drawn again because their triangles intersect.
+    /// Whether samples were drawn again, closer where they were too few.
     are_closer: bool,
 }
 
@@ -106,16 +100,14 @@ impl Attempts {
         self.curve_density *= CLOSER;
     }
 
-    /// Whether to draw the first samples again, closer where their triangles intersect: so many of `triangles`, although the surface
-    /// does not.
-    pub(super) fn after_samples(&mut self, crossing: usize, triangles: usize) -> bool {
-        let is_first = self.run == 0 && !self.are_closer;
-        let again = is_first && CROSSED.contains(&(crossing as f64 / triangles as f64));
-        if again {
-            // Patches of other samples get as many attempts.
-            (self.are_closer, self.with_curves) = (true, 1);
-        }
-        again
+    /// Whether samples may be drawn again, closer where they are too few: the first ones may, once.
+    pub(super) fn may_draw_again(&self) -> bool {
+        self.run == 0 && !self.are_closer
+    }
+
+    /// Draws samples again. Patches of other samples get as many attempts.
+    pub(super) fn draw_again(&mut self) {
+        (self.are_closer, self.with_curves) = (true, 1);
     }
 
     /// Whether to make another run after a result of so many `triangles`; `best` is the best score of all.
@@ -159,17 +151,17 @@ mod tests {
     }
 
     #[test]
-    fn the_first_samples_are_drawn_again_once_if_many_of_their_triangles_cross_but_not_most() {
-        let again = |crossing: usize| Attempts::new(3, true).after_samples(crossing, 1000);
-        assert_eq!([9, 10, 100, 101].map(again), [false, true, true, false]);
+    fn samples_are_drawn_again_once_and_their_patches_get_as_many_attempts() {
         let mut attempts = Attempts::new(3, true);
         while attempts.with_curves < MOST_WITH_CURVES {
             attempts.treat_curves_differently();
         }
-        assert!(attempts.after_samples(50, 1000) && !attempts.after_samples(50, 1000));
+        assert!(attempts.may_draw_again());
+        attempts.draw_again();
+        assert!(!attempts.may_draw_again());
         assert!(attempts.treat_curves_differently() && attempts.current().curve_density.is_some());
         let mut attempts = Attempts::new(3, true);
-        assert!(attempts.after_run(INTERSECTING, 1000) && !attempts.after_samples(50, 1000));
+        assert!(attempts.after_run(INTERSECTING, 1000) && !attempts.may_draw_again());
     }
 
     #[test]

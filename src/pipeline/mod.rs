@@ -30,6 +30,7 @@ mod sharp_edges;
 mod shortcomings;
 mod sized;
 mod tile;
+mod triangulation;
 mod unit;
 mod values;
 mod within;

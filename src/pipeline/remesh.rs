@@ -6,12 +6,10 @@ use crate::base::monitor::Monitor;
 use crate::manifold::Manifold;
 use crate::manifold::small_angles::smallest_unforced_angle;
 use crate::mesh::oriented_manifold::OrientedManifold;
-use crate::mesh::topology::topology;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::optimize::counts::meet_count;
-use crate::optimize::crossings::crossing_faces;
 use crate::optimize::self_intersections::resolve_self_intersections;
-use crate::pipeline::attempts::{Attempt, Attempts, MOST_RUNS};
+use crate::pipeline::attempts::{Attempts, MOST_RUNS};
 use crate::pipeline::coarse::{coarse, far_wider_spacing};
 use crate::pipeline::density::{Density, FEWEST_POINTS, FIRST_POINTS, MOST_POINTS};
 use crate::pipeline::edges::Edges;
@@ -24,21 +22,12 @@ use crate::pipeline::options::{Grading, Options};
 use crate::pipeline::origins::origins;
 use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::resizing::{FINER, Resizing, sizes_at};
-use crate::pipeline::result::{Deviation, Remeshed, has_kind, notes};
-use crate::pipeline::scale::CANDIDATES_PER_POINT;
+use crate::pipeline::result::{Deviation, Remeshed, notes};
 use crate::pipeline::sized::SizedSurface;
+use crate::pipeline::triangulation::Triangulation;
 use crate::quality::bound::{Bounds, hausdorff_bounds};
-use crate::spectral::candidates::candidates;
-use crate::spectral::curve_samples::sample_curves;
-use crate::spectral::scan::linear_scan;
-use crate::surface::domain::Sample;
 use crate::surface::features::is_rough;
 use crate::surface::narrow_patches::LeftOut;
-use crate::triangulate::chords::part_chords;
-use crate::triangulate::rims::straighten_rims;
-use crate::triangulate::stitch::{Gluing, glue};
-use crate::triangulate::{Boundary, triangulate};
-use glam::DVec3;
 
 /// Errors below this fraction of the bound are not resolved further.
 const OF_INTEREST: f64 = 0.25;
@@ -166,25 +155,27 @@ fn remesh_to(
     let mut best: Option<(SizedSurface, Finished)> = None;
     loop {
         let (mut made_of, triangulation) = triangulated(surface, &mut attempts, monitor)?;
-        let crossing = crossing_faces(&made_of.domain, &triangulation.mesh);
-        let places = triangulation.corners(&crossing);
-        if attempts.after_samples(crossing.len(), triangulation.mesh.triangles().count())
-            && sizes_at(&places, FINER, &made_of.domain, made_of.scale.spacing).is_some()
-        {
-            resizing.shorten_at(&places);
-            surface = sized(&resizing)?;
-            continue;
+        if attempts.may_draw_again() {
+            let [sparse, sparsest] = triangulation.sparse_places(prepared, &made_of);
+            let has_room = || sizes_at(&sparse, FINER, &made_of.domain, made_of.scale.spacing).is_some();
+            if !sparse.is_empty() && has_room() {
+                attempts.draw_again();
+                [sparse, sparsest].iter().for_each(|places| resizing.shorten_at(places));
+                surface = sized(&resizing)?;
+                continue;
+            }
         }
         let finished = arranged(prepared, &made_of, triangulation, attempts.run(), monitor)?;
         resizing.shorten_at(&finished.unsound_places());
         let finished = mended(prepared, &mut made_of, finished, monitor)?;
-        if best.as_ref().is_none_or(|(_, best)| finished.score < best.score) {
+        let is_better = best.as_ref().is_none_or(|(_, best)| finished.score < best.score);
+        if is_better {
             best = Some((made_of, finished));
         }
         let (made_of, best) = best.as_ref().expect("a result was made");
         // Where the topology takes more vertices than are wanted, edges cannot be shorter anywhere.
         let has_room = best.manifold.connectivity.vertex_count() <= made_of.scale.wanted;
-        if !has_room || !attempts.after_run(best.score, best.mesh.triangles.len()) {
+        if !has_room || !is_better || !attempts.after_run(best.score, best.mesh.triangles.len()) {
             break;
         }
         surface = sized(&resizing)?;
@@ -211,54 +202,6 @@ fn triangulated(
             attempts.sample_curves_closer();
         }
         monitor.stage("sample");
-    }
-}
-
-/// Samples of a surface, triangulated.
-struct Triangulation {
-    mesh: Manifold,
-    /// Smooth patches that were tessellated from the input as a whole.
-    tessellated_patches: usize,
-    /// Places where patches do not fit together.
-    torn: Vec<DVec3>,
-}
-
-impl Triangulation {
-    /// That of an attempt at `surface`.
-    fn new(surface: &SizedSurface, attempt: Attempt, monitor: &dyn Monitor) -> Result<Triangulation> {
-        let SizedSurface { domain, scale, .. } = surface;
-        let curves = sample_curves(domain, scale.curve_spacing(domain) / attempt.curve_density.unwrap_or(1.0));
-        let at_spikes: Vec<Sample> = domain.at_spikes().collect();
-        let fixed = [curves.samples.as_slice(), &at_spikes].concat();
-        let candidates = candidates(domain, CANDIDATES_PER_POINT * scale.wanted, attempt.seed);
-        let samples = linear_scan(domain, &candidates, &fixed, scale.sigma(), attempt.seed, monitor)?;
-        monitor.stage("triangulate");
-        let spikes = at_spikes.len();
-        let boundary = Boundary { sites: &curves.sites, successor: &curves.successor, spikes };
-        let mut patches = triangulate(domain, &samples, boundary, scale.spacing, monitor)?;
-        let tessellated_patches = patches.tessellated_patches;
-        let seams = Gluing { point: &curves.point, edges: &curves.edges, corners: &curves.corners, spikes };
-        straighten_rims(&mut patches, boundary);
-        part_chords(domain, &mut patches, seams);
-        let glued = glue(&patches, seams);
-        let (mesh, torn) = glued.map(|mesh| (mesh, Vec::new())).unwrap_or_else(|torn| {
-            let mut mesh = patches.mesh;
-            mesh.lock_boundary();
-            (mesh, torn)
-        });
-        Ok(Triangulation { mesh, tessellated_patches, torn })
-    }
-
-    /// The corners of these triangles.
-    fn corners(&self, triangles: &[u32]) -> Vec<DVec3> {
-        triangles.iter().flat_map(|&t| self.mesh.corners(t)).collect()
-    }
-
-    /// Whether it is torn, or of another topology than `surface`.
-    fn has_other_topology(&self, surface: &SizedSurface) -> bool {
-        let made = self.mesh.to_mesh();
-        let kind = topology(made.positions.len(), &made.triangles);
-        !self.torn.is_empty() || !has_kind(&kind, &surface.topology)
     }
 }
 

@@ -78,6 +78,10 @@ const LONGEST_WALK: usize = 64;
 /// a walk that got stuck at a fold does not.
 const WALKED_OF_STEP: f64 = 0.6;
 
+/// Least cosine between the way into the inside and the normal of a face that ends it: 60 degrees. Next to a sharp edge
+/// that way runs along a face.
+const OPPOSITE: f64 = 0.5;
+
 impl Domain {
     /// The domain over `mesh` without sharp edges.
     pub fn new(mesh: OrientedManifold) -> Domain {
@@ -420,6 +424,16 @@ impl Domain {
         let square = distance * distance;
         let hit = self.bvh.closest_or_near(&self.mesh, p, square, f64::INFINITY, |_| true)?;
         (hit.distance_squared > square).then(|| self.at_hit(hit))
+    }
+
+    /// The way through the inside from `p` on the surface, against the `normal` there, to a face on the other side; `None` if there is
+    /// none within `farthest`.
+    pub fn thickness_at(&self, p: DVec3, normal: DVec3, farthest: f64) -> Option<f64> {
+        let faces_away = |t: u32| {
+            let own = self.mesh.area_vector(t as usize);
+            own.dot(-normal) > OPPOSITE * own.length()
+        };
+        self.bvh.along_ray(&self.mesh, p, -normal, farthest, faces_away)
     }
 
     /// The triangles whose bounding boxes reach into the cube around `p`, whose sides are `reach` away, in increasing order.

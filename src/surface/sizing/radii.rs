@@ -31,10 +31,6 @@ const SMALLEST_RADIUS: f64 = 0.1;
 /// Steps of the random walks that a mean is taken over: inputs whose edges are a tenth of the spacing need a hundred.
 const MOST_STEPS: f64 = 100.0;
 
-/// Least cosine between the way into the inside and the normal of a face that ends it: 60 degrees. Next to a sharp edge
-/// that way runs along a face.
-const OPPOSITE: f64 = 0.5;
-
 /// The radius ρ of each vertex, averaged over about a `spacing`.
 pub(super) fn radii(domain: &Domain, spacing: f64) -> Vec<f64> {
     let graph = Graph::of_patches(domain);
@@ -107,12 +103,7 @@ fn curvatures(domain: &Domain, graph: &Graph, areas: &[f64], steps: usize) -> Ve
 
 /// Half the way through the inside at vertex `v`, along its normal; at most `widest`.
 fn half_thickness(domain: &Domain, v: usize, widest: f64) -> f64 {
-    let (mesh, inwards) = (&domain.mesh, -domain.vertex_normals[v]);
-    let faces_away = |t: u32| {
-        let own = mesh.area_vector(t as usize);
-        own.dot(inwards) > OPPOSITE * own.length()
-    };
-    let thickness = domain.bvh.along_ray(mesh, mesh.positions[v], inwards, 2.0 * widest, faces_away);
+    let thickness = domain.thickness_at(domain.mesh.positions[v], domain.vertex_normals[v], 2.0 * widest);
     thickness.map_or(widest, |thickness| 0.5 * thickness)
 }
 

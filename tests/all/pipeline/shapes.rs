@@ -37,6 +37,19 @@ fn thin_things() {
     covers("thorn", &thorn(), &check("thorn", &thorn(), 1000), 10.0);
 }
 
+/// Samples that are as far apart as is wanted elsewhere are too few to go around it.
+#[test]
+fn a_rod_thinner_than_the_edges_keeps_its_shape_and_good_triangles() {
+    for radius in [0.015, 0.02] {
+        let rod = moved(cylinder(24, radius, radius, 3.0), |p| p + 2.0 * DVec3::X);
+        let input = together(&[sphere(4, DVec3::ZERO, 1.0), rod]);
+        let made = check("rod", &input, 1000);
+        let theta_min = shape(&made.mesh).unwrap().theta_min;
+        assert!(made.verified() && theta_min > 15.0, "{radius}: {theta_min}");
+        covers("rod", &input, &made, 1.0);
+    }
+}
+
 #[test]
 #[ignore = "slow"]
 fn sheets_that_nearly_touch() {

@@ -55,6 +55,11 @@ impl Probes {
         Probes { vertices, inside }
     }
 
+    /// How many there are.
+    pub(super) fn count(&self) -> usize {
+        self.vertices.len() + self.inside.len()
+    }
+
     /// All of them, the vertices first.
     pub(super) fn all(&self, domain: &Domain) -> impl Iterator<Item = Probe> {
         let at_vertices = self.vertices.iter().map(|&v| Probe::at_vertex(domain, v));

@@ -17,8 +17,6 @@
 //! Cost: some milliseconds for each place; most models have ten to forty. Limits: vertices on feature curves stay, and so
 //! do errors that only those could reduce.
 
-mod probes;
-
 use crate::base::error::Result;
 use crate::base::math;
 use crate::base::monitor::{Monitor, check};
@@ -29,11 +27,11 @@ use crate::manifold::neighborhood::Neighborhood;
 use crate::manifold::vertex_set::VertexSet;
 use crate::optimize::angles::{bad_triangles, improve_angles_for, worst_margin};
 use crate::optimize::fit::{BEYOND, Fitted, fit_part};
+use crate::optimize::probes::{Probe, Probes, distance, is_nearer};
 use crate::optimize::quadrature::{POINTS, point};
 use crate::optimize::relax::{Flips, relax};
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
-use probes::{Probe, Probes, distance, is_nearer};
 
 /// Rounds over the places of large error: reducing one may leave another beside it the largest.
 const MOST_ROUNDS: usize = 12;

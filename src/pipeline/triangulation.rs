@@ -1,0 +1,164 @@
+//! Samples of a surface, triangulated, and where they are too few.
+
+use crate::base::error::Result;
+use crate::base::monitor::Monitor;
+use crate::manifold::Manifold;
+use crate::mesh::topology::topology;
+use crate::optimize::crossings::crossing_faces;
+use crate::pipeline::attempts::Attempt;
+use crate::pipeline::prepared::PreparedInput;
+use crate::pipeline::result::has_kind;
+use crate::pipeline::scale::CANDIDATES_PER_POINT;
+use crate::pipeline::sized::SizedSurface;
+use crate::spectral::candidates::candidates;
+use crate::spectral::curve_samples::sample_curves;
+use crate::spectral::scan::linear_scan;
+use crate::surface::domain::Sample;
+use crate::triangulate::chords::part_chords;
+use crate::triangulate::rims::straighten_rims;
+use crate::triangulate::stitch::{Gluing, glue};
+use crate::triangulate::{Boundary, triangulate};
+use glam::DVec3;
+use std::ops::RangeInclusive;
+
+/// The shares of the triangles between which samples are too few for those that cross: fewer can be taken apart one by one, and of
+/// more there is no room to be finer.
+const CROSSED: RangeInclusive<f64> = 0.01..=0.1;
+
+/// How long edges away from curves become where samples follow the surface, in wanted lengths: those of smooth models stay below
+/// two. Along a rod that is thinner than that with fewer than three samples around, they are longer.
+const LONGEST: f64 = 2.5;
+
+/// The thickness of a rod, in wanted lengths, below which edges half as long are too few to go around it.
+const VERY_THIN: f64 = 0.6;
+
+/// Samples of a surface, triangulated.
+pub(super) struct Triangulation {
+    pub mesh: Manifold,
+    /// Smooth patches that were tessellated from the input as a whole.
+    pub tessellated_patches: usize,
+    /// Places where patches do not fit together.
+    pub torn: Vec<DVec3>,
+}
+
+impl Triangulation {
+    /// That of an attempt at `surface`.
+    pub(super) fn new(surface: &SizedSurface, attempt: Attempt, monitor: &dyn Monitor) -> Result<Triangulation> {
+        let SizedSurface { domain, scale, .. } = surface;
+        let curves = sample_curves(domain, scale.curve_spacing(domain) / attempt.curve_density.unwrap_or(1.0));
+        let at_spikes: Vec<Sample> = domain.at_spikes().collect();
+        let fixed = [curves.samples.as_slice(), &at_spikes].concat();
+        let candidates = candidates(domain, CANDIDATES_PER_POINT * scale.wanted, attempt.seed);
+        let samples = linear_scan(domain, &candidates, &fixed, scale.sigma(), attempt.seed, monitor)?;
+        monitor.stage("triangulate");
+        let spikes = at_spikes.len();
+        let boundary = Boundary { sites: &curves.sites, successor: &curves.successor, spikes };
+        let mut patches = triangulate(domain, &samples, boundary, scale.spacing, monitor)?;
+        let tessellated_patches = patches.tessellated_patches;
+        let seams = Gluing { point: &curves.point, edges: &curves.edges, corners: &curves.corners, spikes };
+        straighten_rims(&mut patches, boundary);
+        part_chords(domain, &mut patches, seams);
+        let glued = glue(&patches, seams);
+        let (mesh, torn) = glued.map(|mesh| (mesh, Vec::new())).unwrap_or_else(|torn| {
+            let mut mesh = patches.mesh;
+            mesh.lock_boundary();
+            (mesh, torn)
+        });
+        Ok(Triangulation { mesh, tessellated_patches, torn })
+    }
+
+    /// Places with too few samples, and those of them where half the length is still too long for edges: the ends of edges that are
+    /// stretched along a thin rod, and the corners of triangles that cross, unless these are so few that they can be taken apart one
+    /// by one, or so many that there is no room to be finer. A surface that was laid through points is not known well enough for rods.
+    pub(super) fn sparse_places(&self, prepared: &PreparedInput, surface: &SizedSurface) -> [Vec<DVec3>; 2] {
+        let mut crossing = crossing_faces(&surface.domain, &self.mesh);
+        let share = crossing.len() as f64 / self.mesh.triangles().count() as f64;
+        if !CROSSED.contains(&share) {
+            crossing.clear();
+        }
+        let rods = if prepared.options.of_points { Vec::new() } else { self.along_rods(surface) };
+        let crossing = crossing.into_iter().flat_map(|t| self.mesh.corners(t));
+        let very_thin = rods.iter().filter(|(_, width)| *width < VERY_THIN).map(|(p, _)| *p).collect();
+        [crossing.chain(rods.iter().map(|(p, _)| *p)).collect(), very_thin]
+    }
+
+    /// The ends of stretched edges along rods, and the widths of those in wanted lengths.
+    fn along_rods(&self, surface: &SizedSurface) -> Vec<(DVec3, f64)> {
+        let Manifold { connectivity: c, samples, .. } = &self.mesh;
+        let ends = |h: u32| [c.origin(h), c.target(h)].map(|v| &samples[v as usize]);
+        let found = self.stretched(LONGEST * surface.scale.spacing).flat_map(|h| {
+            let [a, b] = ends(h);
+            let axis = b.position - a.position;
+            [a, b].into_iter().filter_map(move |end| Some((end.position, width_of_rod(surface, end, axis)?)))
+        });
+        found.collect()
+    }
+
+    /// The edges longer than `longest`, relative to the wanted sizes at their ends, away from curves: those between narrow strips are
+    /// what curves make them.
+    fn stretched(&self, longest: f64) -> impl Iterator<Item = u32> {
+        let c = &self.mesh.connectivity;
+        let is_free = |h: u32| !c.is_on_curve(c.origin(h)) && !c.is_on_curve(c.target(h));
+        self.mesh.edges().filter(move |&h| is_free(h) && self.mesh.relative_length_squared(h) > longest * longest)
+    }
+
+    /// Whether it is torn, or of another topology than `surface`.
+    pub(super) fn has_other_topology(&self, surface: &SizedSurface) -> bool {
+        let made = self.mesh.to_mesh();
+        let kind = topology(made.positions.len(), &made.triangles);
+        !self.torn.is_empty() || !has_kind(&kind, &surface.topology)
+    }
+}
+
+/// How wide the body is at `sample`, in wanted lengths, if it is a rod along `axis`, narrower both ways than edges are to be long.
+fn width_of_rod(surface: &SizedSurface, sample: &Sample, axis: DVec3) -> Option<f64> {
+    let domain = &surface.domain;
+    let length = sample.size * surface.scale.spacing;
+    let thickness = domain.thickness_at(sample.position, sample.normal, length)?;
+    let middle = sample.position - 0.5 * thickness * sample.normal;
+    let across = sample.normal.cross(axis).normalize_or_zero();
+    let width = domain.thickness_at(middle, across, length)? + domain.thickness_at(middle, -across, length)?;
+    (width < length).then_some(thickness.max(width) / length)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::triangle_mesh::Mesh;
+    use crate::pipeline::attempts::Attempts;
+    use crate::pipeline::density::Density;
+    use crate::pipeline::options::Options;
+    use crate::pipeline::resizing::Resizing;
+    use crate::testing::{joined, revolved, sphere};
+    use glam::dvec3;
+
+    /// A unit sphere and a rod of that radius beside it.
+    fn sphere_and_rod(radius: f64) -> Mesh {
+        let profile: Vec<(f64, f64)> = (0..=60).map(|i| (radius, -1.5 + 0.05 * f64::from(i))).collect();
+        let mut rod = revolved([-1.5, 1.5], &profile, 24);
+        rod.positions.iter_mut().for_each(|p| *p += 2.0 * DVec3::X);
+        joined([sphere(), rod])
+    }
+
+    /// The sparse places of the samples for 1000 vertices, in the input's unit.
+    fn sparse_places(input: &Mesh, of_points: bool) -> [Vec<DVec3>; 2] {
+        let options = Options { of_points, ..Options::default() };
+        let (prepared, repaired) = PreparedInput::new(input, &options, &()).unwrap();
+        let density = Density::Points(1000);
+        let surface = SizedSurface::new(&prepared, repaired, density, &Resizing::default(), &()).unwrap();
+        let attempt = Attempts::new(1, surface.domain.sharp_curves() > 0).current();
+        let places = Triangulation::new(&surface, attempt, &()).unwrap().sparse_places(&prepared, &surface);
+        places.map(|places| places.into_iter().map(|p| prepared.unit.outwards_point(p)).collect())
+    }
+
+    #[test]
+    fn samples_are_too_few_along_a_thin_rod_only() {
+        let rod = sphere_and_rod(0.02);
+        let [sparse, sparsest] = sparse_places(&rod, false);
+        let is_on_rod = |p: &DVec3| (*p - dvec3(2.0, 0.0, p.z)).length() < 0.03;
+        assert!(!sparsest.is_empty() && sparse.iter().chain(&sparsest).all(is_on_rod), "{sparse:?}");
+        for (input, of_points) in [(&rod, true), (&sphere_and_rod(0.2), false), (&sphere(), false)] {
+            assert_eq!(sparse_places(input, of_points), [const { Vec::new() }; 2]);
+        }
+    }
+}
