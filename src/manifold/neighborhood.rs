@@ -88,6 +88,12 @@ impl Neighborhood {
         apart.into_values().map(|triangles| Neighborhood::with_interface(whole, triangles)).collect()
     }
 
+    /// What is to take the place of those triangles of the whole, in increasing order: `mesh`, whose first vertices are the ones on
+    /// the `border` to the rest, with these numbers in the whole, and whose others are new.
+    pub fn in_place_of(triangles: Vec<u32>, border: Vec<u32>, mesh: Manifold) -> Neighborhood {
+        Neighborhood { mesh, vertices: border, triangles }
+    }
+
     /// Those triangles of the whole, in increasing order, with an interface to the rest.
     fn with_interface(whole: &Manifold, triangles: Vec<u32>) -> Neighborhood {
         let c = &whole.connectivity;

@@ -6,7 +6,8 @@
 //! of spikes and in thin parts: the vertices there are locked and stay dense, and their edges are not split. So are those
 //! beside an interface, which stays as dense as it is. Once the edges around are split, a few rings of vertices are
 //! ordered anew by ascent where dense and once coarse ones meet. Where the coarse mesh is large, the same is done to it first.
-//! If it went past a part of the surface even so, all is done again with the vertices there kept.
+//! Where it went past a part of the surface even so, or its faces cross, the vertices that it was made from come back
+//! ([`graft`](crate::optimize::graft)).
 //!
 //! Cost: a heap operation for each edge that is collapsed, and a sort of the edges that may be split.
 
@@ -17,12 +18,9 @@ use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{OnCurve, next, prev};
 use crate::mesh::topology::NONE;
 use crate::optimize::counts::{collapse_shortest, split_longest};
-use crate::optimize::crossings::Crossings;
 use crate::spatial::kdtree::Neighbors;
-use crate::spatial::self_intersections::faces_of;
-use crate::surface::domain::Domain;
+use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
-use std::collections::BTreeSet;
 
 /// Cosine of the angle between normals within two rings above which vertices are kept: 120 degrees. At 75 a fifth of the
 /// vertices of a detailed model were kept and stayed irregular; above 120 ends of spikes are lost for good.
@@ -71,59 +69,32 @@ pub fn indispensable(mesh: &Manifold, kept: &VertexSet) -> VertexSet {
     &(&mesh.bent(BENT) | kept) | &beside_interface(mesh)
 }
 
-/// The corners of faces of a coarse mesh that intersect others where the surface does not: it is a wall there that is too thin for
-/// such large faces.
-pub fn avoidable_crossings(domain: &Domain, coarse: &Manifold) -> Vec<DVec3> {
-    let faces = faces_of(Crossings::new(domain, coarse).avoidable);
-    let corners: BTreeSet<u32> = faces.into_iter().flat_map(|t| coarse.connectivity.triangle(3 * t)).collect();
-    corners.into_iter().map(|v| coarse.position(v)).collect()
-}
-
-/// Adds the vertices of `mesh` around edges of `refined` that are still as long as those of a coarse mesh to `kept`, where it has gone
-/// past some of them: a part of the surface, an ear or a fin, was lost, and such edges cannot be split. Returns whether any of them
-/// are new. Does nothing where such edges are everywhere, as in a part of narrow strips.
-pub fn keep_where_missed(kept: &mut VertexSet, mesh: &Manifold, refined: &Manifold, spacing: f64) -> bool {
+/// The vertices of `fine` around edges of `refined`, which was made of it, that are still as long as those of a coarse mesh, where
+/// that has gone past some of them. A part of the surface, an ear or a fin, was lost, and such edges cannot be split. None where
+/// such edges are everywhere, as in a part of narrow strips.
+pub fn missed(fine: &Manifold, refined: &Manifold, spacing: f64) -> VertexSet {
     let longest = LONGEST_REFINED * LONGEST_REFINED * spacing * spacing;
     let is_long = |h: &u32| refined.connectivity.can_split(*h) && refined.relative_length_squared(*h) > longest;
     let ends = |h: u32| [refined.connectivity.origin(h), refined.connectivity.target(h)].map(|v| refined.position(v));
     let places: Vec<DVec3> = refined.edges().filter(is_long).flat_map(ends).collect();
     let are_everywhere = places.len() as f64 > MOST_LONG * refined.connectivity.vertex_count() as f64;
     if places.is_empty() || are_everywhere {
-        return false;
+        return VertexSet::EMPTY;
     }
     let faces = Faces::new(refined);
-    let is_missed = |v: u32| {
-        let sample = &mesh.samples[v as usize];
-        !faces.any_within(sample.position, MISSED * spacing * sample.size)
-    };
-    keep_around(kept, mesh, &places, spacing, |near| near.iter().any(|&v| is_missed(v))) > 0
-}
-
-/// Adds the vertices of `mesh`, of that spacing, around `places` to `kept`, those of a place if `matter` holds for them. Returns how
-/// many of them are new: without new ones the coarse mesh would be the same.
-pub fn keep_around(
-    kept: &mut VertexSet,
-    mesh: &Manifold,
-    places: &[DVec3],
-    spacing: f64,
-    matter: impl Fn(&[u32]) -> bool,
-) -> usize {
-    if places.is_empty() {
-        return 0;
-    }
-    let mut new = 0;
-    let positions: Vec<DVec3> = mesh.samples.iter().map(|s| s.position).collect();
+    let positions: Vec<DVec3> = fine.samples.iter().map(|s| s.position).collect();
     let neighbors = Neighbors::new(&positions);
-    let mut near = Vec::new();
-    for &p in places {
-        neighbors.collect_within(p, CLEARANCE * spacing, &mut near);
-        let around: Vec<u32> = near.drain(..).map(|n| n.point).filter(|&v| mesh.connectivity.has_vertex(v)).collect();
-        if matter(&around) {
-            new += around.iter().filter(|&&v| !kept.contains(v)).count();
-            around.into_iter().for_each(|v| kept.insert(v));
+    let is_missed = |sample: &Sample| !faces.any_within(sample.position, MISSED * spacing * sample.size);
+    let mut found = Vec::new();
+    let mut missed = VertexSet::EMPTY;
+    for p in places {
+        neighbors.collect_within(p, CLEARANCE * spacing, &mut found);
+        let near = || found.iter().map(|n| n.point).filter(|&v| fine.connectivity.has_vertex(v));
+        if near().any(|v| is_missed(&fine.samples[v as usize])) {
+            near().for_each(|v| missed.insert(v));
         }
     }
-    new
+    missed
 }
 
 /// Collapses vertices so near to an edge of the interface that they see it at an obtuse angle. Nothing there can flip or
@@ -262,46 +233,25 @@ fn collapse(mesh: &mut Manifold, dense: &VertexSet, wanted: usize, spacing: f64)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spatial::self_intersections::self_intersections;
-    use crate::surface::domain::Sample;
-    use crate::testing::{grid, joined};
+    use crate::testing::grid;
     use glam::dvec3;
 
     #[test]
-    fn crossings_that_the_surface_has_are_not_avoidable() {
-        // A floor, a ceiling close above, and a wall through both.
-        let flat = |z: f64| grid(24, 12, move |u, v| dvec3(24.0 * u, 12.0 * v, z));
-        let wall = grid(12, 12, |u, v| dvec3(3.5, 12.0 * v, 8.0 * u - 7.9));
-        let input = joined([flat(0.0), flat(0.3), wall]);
-        let domain = Domain::new(input.clone().try_into().unwrap());
-        let samples = input.positions.iter().map(|&p| domain.project_anywhere(p)).collect();
-        let mut mesh = Manifold::new(samples, &input.triangles);
-        assert!(!self_intersections(&mesh.to_mesh()).is_empty() && avoidable_crossings(&domain, &mesh).is_empty());
-        // The one in the middle of the floor, far from the wall, goes through the ceiling.
-        let v = 12 * 13 + 6;
-        mesh.samples[v].position.z = 0.6;
-        let found = avoidable_crossings(&domain, &mesh);
-        assert!(found.len() > 3 && found.iter().all(|p| p.distance(mesh.samples[v].position) < 3.0), "{found:?}");
-    }
-
-    #[test]
-    fn vertices_are_kept_around_an_edge_that_could_not_be_split() {
+    fn vertices_are_missed_around_an_edge_that_could_not_be_split() {
         let (across, spacing) = (40, 0.1);
         let sheet = grid(across, across, |u, v| spacing * f64::from(across) * dvec3(u, v, 0.0));
         let sample = |&position: &DVec3| Sample { position, normal: DVec3::Z, triangle: 0, size: 1.0 };
-        let mesh = Manifold::new(sheet.positions.iter().map(sample).collect(), &sheet.triangles);
-        let mut kept = VertexSet::EMPTY;
-        assert!(!keep_where_missed(&mut kept, &mesh, &mesh, spacing) && kept.is_empty());
-        let mut refined = mesh.clone();
+        let fine = Manifold::new(sheet.positions.iter().map(sample).collect(), &sheet.triangles);
+        assert!(missed(&fine, &fine, spacing).is_empty());
+        let mut refined = fine.clone();
         let nearest_to =
             |p: DVec3| (0..).zip(&sheet.positions).min_by(|a, b| p.distance(*a.1).total_cmp(&p.distance(*b.1)));
         let (v, &there) = nearest_to(dvec3(1.0, 1.0, 0.0)).unwrap();
         refined.samples[v as usize].position += 2.5 * spacing * DVec3::Z;
-        assert!(keep_where_missed(&mut kept, &mesh, &refined, spacing));
+        let missed = missed(&fine, &refined, spacing);
         for (w, p) in (0..).zip(&sheet.positions) {
             let away = p.distance(there);
-            assert!(kept.contains(w) == (away < 0.55) || (0.5..0.8).contains(&away), "{away}");
+            assert!(missed.contains(w) == (away < 0.55) || (0.5..0.8).contains(&away), "{away}");
         }
-        assert!(!keep_where_missed(&mut kept, &mesh, &refined, spacing), "with the same ones it would be the same");
     }
 }

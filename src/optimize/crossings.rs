@@ -164,6 +164,24 @@ mod tests {
     use glam::dvec3;
 
     #[test]
+    fn crossings_that_the_surface_has_are_not_avoidable() {
+        // A floor, a ceiling close above, and a wall through both.
+        let flat = |z: f64| grid(24, 12, move |u, v| dvec3(24.0 * u, 12.0 * v, z));
+        let wall = grid(12, 12, |u, v| dvec3(3.5, 12.0 * v, 8.0 * u - 7.9));
+        let input = joined([flat(0.0), flat(0.3), wall]);
+        let domain = Domain::new(input.clone().try_into().unwrap());
+        let samples = input.positions.iter().map(|&p| domain.project_anywhere(p)).collect();
+        let mut mesh = Manifold::new(samples, &input.triangles);
+        assert!(!Crossings::new(&domain, &mesh).all.is_empty() && crossing_faces(&domain, &mesh).is_empty());
+        // The one in the middle of the floor, far from the wall, goes through the ceiling.
+        let v = 12 * 13 + 6;
+        mesh.samples[v].position.z = 0.6;
+        let found = crossing_faces(&domain, &mesh);
+        let near = |t: &u32| mesh.corners(*t).iter().all(|p| p.distance(mesh.samples[v].position) < 3.0);
+        assert!(found.len() > 3 && found.iter().all(near), "{found:?}");
+    }
+
+    #[test]
     fn crossings_that_follow_a_mesh_are_those_of_the_mesh() {
         let sheet = |z: f64| grid(12, 12, move |u, v| dvec3(12.0 * u, 12.0 * v, z));
         let input = joined([sheet(0.0), sheet(0.3)]);

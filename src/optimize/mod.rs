@@ -8,6 +8,7 @@ pub mod crossings;
 pub mod exchange;
 mod faults;
 pub mod fit;
+pub mod graft;
 pub mod max_error;
 mod newton;
 mod places;

@@ -5,6 +5,7 @@
 //! each triangle with a small angle, an edge near it collapses, splits, flips, or lets a curve pass through the corner across, and
 //! the triangles around settle. Of these changes the one that leaves the fewest faults stays. Where no single one helps, those that
 //! leave the shortest segments in common are followed by others.
+//! No edge becomes too long, and points of the surface stay near the triangles, whatever changed there before.
 //!
 //! Cost: a search for self-intersections, and for each fault a hundred to a thousand looks at the faces around it.
 //!
@@ -91,8 +92,8 @@ fn untangle_counted(
         // Each change takes two faces apart at least, but not at each place there is one that helps.
         let most = if counted.inherited { excess.div_ceil(2).max(FEWEST_AT_ONCE) } else { usize::MAX };
         let faults = faults(mesh, &crossings, counted);
-        let too_many = if counted.inherited { excess } else { faults.len() };
-        if pass == 0 && too_many as f64 > most_at_fault {
+        let at_fault = if counted.inherited { excess } else { faults.len() };
+        if pass == 0 && at_fault as f64 > most_at_fault {
             break;
         }
         let sides: Vec<u32> = faults.iter().filter(|&&t| !given_up.has(t)).map(|t| 3 * t).collect();

@@ -7,12 +7,12 @@ use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::topology::NONE;
 use crate::optimize::angles::improve_angles;
 use crate::optimize::coarse_to_fine::{
-    avoidable_crossings, coarsen, indispensable, keep_around, keep_where_missed, match_target_count, narrow,
-    remove_encroaching_vertices, split_to, tips, transition,
+    coarsen, indispensable, match_target_count, missed, narrow, remove_encroaching_vertices, split_to, tips, transition,
 };
 use crate::optimize::counts::meet_count;
 use crate::optimize::exchange::exchange_vertices;
 use crate::optimize::fit::{Fitted, fit};
+use crate::optimize::graft::graft;
 use crate::optimize::max_error::reduce_max_error;
 use crate::optimize::relax::{Flips, relax};
 use crate::optimize::slivers::remove_slivers;
@@ -21,7 +21,6 @@ use crate::optimize::valence::{remove_defects, remove_near_defects};
 use crate::pipeline::scale::Scale;
 use crate::spectral::ascent::{AscentParameters, LONG_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA, ascend};
 use crate::surface::domain::Domain;
-use glam::DVec3;
 
 /// Optimises the mesh of the samples, coarse to fine, at the wanted count, with good angles, and fitted to the surface: to
 /// within `limit`, in the pipeline's unit, if possible.
@@ -61,22 +60,38 @@ pub(super) fn fit_to_surface(
     Ok(fitted)
 }
 
-/// Brings the mesh to the wanted number of vertices with as few irregular ones as possible, coarse to fine. Where the coarse mesh
-/// went past a part of the surface it is made again with all vertices there.
+/// Brings the mesh to the wanted number of vertices with as few irregular ones as possible, coarse to fine. Where that goes past a
+/// part of the surface that cannot be mended, it is done once more with all vertices there.
 fn order(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
     monitor.stage("ascend");
     arrange_narrow(domain, mesh, scale.spacing, monitor)?;
     let fine = mesh.clone();
     let mut kept = VertexSet::EMPTY;
-    let mut levels: [Level; MOST_LEVELS] = Default::default();
-    for round in 1.. {
-        let dense = arrange_coarse(domain, mesh, &kept, &mut levels, scale, monitor)?;
-        refine_to_count(domain, mesh, &dense, scale, monitor)?;
-        if round == MOST_ORDERS || !keep_where_missed(&mut kept, &fine, mesh, scale.spacing) {
-            break;
+    loop {
+        coarse_to_fine(domain, mesh, &kept, scale, monitor)?;
+        mend_refined(domain, mesh, &fine, scale.spacing, monitor)?;
+        let lost = missed(&fine, mesh, scale.spacing);
+        if lost.is_empty() || !kept.is_empty() {
+            return relax_to_count(domain, mesh, scale, monitor);
         }
+        kept = lost;
         mesh.clone_from(&fine);
     }
+}
+
+/// Orders a quarter of the vertices of the mesh and the `kept` ones, and splits edges up to the wanted number.
+fn coarse_to_fine(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    kept: &VertexSet,
+    scale: &Scale,
+    monitor: &dyn Monitor,
+) -> Result<()> {
+    monitor.stage("ascend");
+    let (dense, _) = arrange_coarse(domain, mesh, scale, &VertexSet::EMPTY, kept, monitor)?;
+    monitor.stage("relax");
+    settle(domain, mesh, &dense, 2.0 * scale.spacing, monitor)?;
+    refine(domain, mesh, &dense, &VertexSet::EMPTY, scale, monitor)?;
     Ok(())
 }
 
@@ -92,73 +107,34 @@ fn arrange_narrow(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &
     Ok(())
 }
 
-/// What is known of the coarse meshes of one spacing.
-#[derive(Default)]
-struct Level {
-    /// Where they intersected themselves: vertices around are kept dense in later ones.
-    crossings: Vec<DVec3>,
-    /// How often one was made again because of that.
-    repeats: usize,
-}
-
-/// Reduces the mesh to a quarter of the vertices, in good order, and leaves all of them where a coarser mesh could not
-/// follow the surface, the `kept` ones among them; these dense vertices.
-fn arrange_coarse(
-    domain: &Domain,
-    mesh: &mut Manifold,
-    kept: &VertexSet,
-    levels: &mut [Level],
-    scale: &Scale,
-    monitor: &dyn Monitor,
-) -> Result<VertexSet> {
-    monitor.stage("ascend");
-    let (dense, _) = arrange_coarser(domain, mesh, scale, &VertexSet::EMPTY, kept.clone(), levels, monitor)?;
-    monitor.stage("relax");
-    settle(domain, mesh, &dense, 2.0 * scale.spacing, monitor)?;
-    Ok(dense)
-}
-
-/// Reduces a mesh of that scale to a quarter of the vertices, in good order, and leaves those that are `settled`, which stay
-/// where they are, and others that a coarser mesh needs. A mesh that is large enough is ordered by a coarser one first, which
-/// this function makes, too. The `kept` vertices are some of those it needs; where the coarse mesh intersects itself, it is made
-/// again with more of them. `levels` has what is known of the coarse mesh and of coarser ones. The dense vertices, and the old
+/// Reduces a mesh of that scale to a quarter of the vertices, in good order, and leaves all of them where a coarser mesh could not
+/// follow the surface, and those that are `settled`, which stay where they are. A mesh that is large enough is ordered by a coarser
+/// one first, which this function makes, too. The `kept` vertices are some of those it needs. The dense vertices, and the old
 /// number of each vertex.
-fn arrange_coarser(
+fn arrange_coarse(
     domain: &Domain,
     mesh: &mut Manifold,
     scale: &Scale,
     settled: &VertexSet,
-    mut kept: VertexSet,
-    levels: &mut [Level],
+    kept: &VertexSet,
     monitor: &dyn Monitor,
 ) -> Result<(VertexSet, Vec<u32>)> {
-    let (level, coarser_levels) = levels.split_first_mut().expect("fewer vertices than levels allow for");
-    let fine = mesh.clone();
-    keep_around(&mut kept, &fine, &level.crossings, scale.spacing, |_| true);
-    loop {
-        let (mut dense, mut old) = reduce(domain, mesh, scale.spacing, settled, &kept, monitor)?;
-        let mut sweeps = COARSE_SWEEPS;
-        let count = mesh.connectivity.vertex_count();
-        // On a rough surface hardly any edge can collapse, and a still coarser mesh would be the same.
-        let is_coarser = count as f64 <= MOST_LEFT * fine.connectivity.vertex_count() as f64;
-        if is_coarser && count - dense.len() >= FEWEST_TO_COARSEN {
-            let half = Scale { wanted: count, spacing: 2.0 * scale.spacing };
-            let coarser = arrange_coarser(domain, mesh, &half, &dense, dense.clone(), coarser_levels, monitor)?;
-            let split = refine_from(domain, mesh, coarser, &dense, &half, monitor)?;
-            dense = dense.renumbered(&split);
-            old = renumbered(&old, &split);
-            sweeps = ORDERED_SWEEPS;
-        }
-        spread(domain, mesh, &dense, scale, sweeps, monitor)?;
-        let crossings = avoidable_crossings(domain, mesh);
-        let new = keep_around(&mut kept, &fine, &crossings, scale.spacing, |_| true);
-        if level.repeats == MOST_REPEATS || new as f64 <= LEAST_NEWS * dense.len() as f64 {
-            return Ok((dense, old));
-        }
-        level.crossings.extend(crossings);
-        level.repeats += 1;
-        mesh.clone_from(&fine);
+    let before = mesh.connectivity.vertex_count();
+    let (mut dense, mut old) = reduce(domain, mesh, scale.spacing, settled, kept, monitor)?;
+    let mut sweeps = COARSE_SWEEPS;
+    let count = mesh.connectivity.vertex_count();
+    // On a rough surface hardly any edge can collapse, and a still coarser mesh would be the same.
+    let is_coarser = count as f64 <= MOST_LEFT * before as f64;
+    if is_coarser && count - dense.len() >= FEWEST_TO_COARSEN {
+        let half = Scale { wanted: count, spacing: 2.0 * scale.spacing };
+        let coarser = arrange_coarse(domain, mesh, &half, &dense, &dense, monitor)?;
+        let split = refine_from(domain, mesh, coarser, &dense, &half, monitor)?;
+        dense = dense.renumbered(&split);
+        old = renumbered(&old, &split);
+        sweeps = ORDERED_SWEEPS;
     }
+    spread(domain, mesh, &dense, scale, sweeps, monitor)?;
+    Ok((dense, old))
 }
 
 /// Orders the vertices that no coarser mesh can do without, but for the `settled` ones, and collapses the mesh to a quarter of
@@ -231,12 +207,38 @@ fn refine(
     let old = split_to(domain, mesh, wanted);
     let [dense, settled] = [dense, settled].map(|set| set.renumbered(&old));
     let anew = VertexSet::new(mesh, |v| dense.contains(v) && !settled.contains(v));
-    let transition = transition(domain, mesh, anew, spacing);
-    if !transition.is_empty() {
-        let ascent = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: TRANSITION_SWEEPS };
-        ascend(domain, mesh, &(&!&transition | &settled), ascent, monitor)?;
-    }
+    order_around(domain, mesh, anew, &settled, spacing, monitor)?;
     Ok(old)
+}
+
+/// Orders the vertices `anew` and those around them by ascent, without the ones that are `settled`.
+fn order_around(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    anew: VertexSet,
+    settled: &VertexSet,
+    spacing: f64,
+    monitor: &dyn Monitor,
+) -> Result<()> {
+    let transition = transition(domain, mesh, anew, spacing);
+    if transition.is_empty() {
+        return Ok(());
+    }
+    let ascent = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: TRANSITION_SWEEPS };
+    ascend(domain, mesh, &(&!&transition | settled), ascent, monitor)
+}
+
+/// Puts the parts of the mesh that the coarse one went past, or in which faces cross, back as they were in the `fine` one.
+fn mend_refined(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    fine: &Manifold,
+    spacing: f64,
+    monitor: &dyn Monitor,
+) -> Result<()> {
+    let missed = missed(fine, mesh, spacing);
+    let grafted = graft(domain, mesh, fine, &missed, spacing);
+    order_around(domain, mesh, grafted, &VertexSet::EMPTY, spacing, monitor)
 }
 
 /// The old number of each vertex after it was numbered anew twice.
@@ -244,16 +246,9 @@ fn renumbered(first: &[u32], second: &[u32]) -> Vec<u32> {
     second.iter().map(|&v| first.get(v as usize).copied().unwrap_or(NONE)).collect()
 }
 
-/// Splits edges up to the wanted number of vertices, and relaxes them with as few irregular ones as possible.
-fn refine_to_count(
-    domain: &Domain,
-    mesh: &mut Manifold,
-    dense: &VertexSet,
-    scale: &Scale,
-    monitor: &dyn Monitor,
-) -> Result<()> {
+/// Relaxes a refined mesh, at the wanted number of vertices, with as few irregular ones as possible.
+fn relax_to_count(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
     let Scale { wanted, spacing } = *scale;
-    refine(domain, mesh, dense, &VertexSet::EMPTY, scale, monitor)?;
     let locked = tips(mesh);
     remove_near_defects(mesh, &locked, spacing);
     relax(domain, mesh, &locked, spacing, Flips::Delaunay, ROUNDS, monitor)?;
@@ -271,19 +266,6 @@ fn refine_to_count(
 /// Untangling before anything moves: what is joined well then can be spread evenly. Where the surface has thin walls everywhere
 /// most faces come apart later without it.
 const CROSSING: Aim = Aim { angles_below: 0.0, most_crossing: usize::MAX, farthest: 1.0, most_at_fault: 0.01 };
-
-/// The most times that a mesh is ordered, each time with more dense vertices, until no part of the surface is missed.
-const MOST_ORDERS: usize = 2;
-
-/// The most times that a coarse mesh of one spacing is made again, each time with more vertices kept dense, until it has no
-/// self-intersections. A finer one that is made again knows what was found, so the work stays linear in the levels.
-const MOST_REPEATS: usize = 2;
-
-/// Share of the dense vertices below which new ones do not make a coarse mesh another one.
-const LEAST_NEWS: f64 = 0.1;
-
-/// Levels of coarse meshes: as many as 32-bit numbers of vertices can be quartered.
-const MOST_LEVELS: usize = 16;
 
 /// From this many vertices on, dense ones aside, it pays to order a mesh by a coarser one first. Smooth models gain from 1,000
 /// on, but triangles of four spacings cross curves that are near each other.

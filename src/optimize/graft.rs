@@ -1,0 +1,438 @@
+//! Puts parts of a refined mesh back as they were before it was made coarse.
+//!
+//! A coarse mesh may go past an ear, or through a wall that is thinner than its triangles, and what is refined from it is wrong
+//! there. The vertices of the mesh that it was made from are right: those around such a place, with their triangles, take the
+//! place of what is there, and a strip of triangles joins them to the rest.
+//!
+//! Based on: H. Fuchs, Z. M. Kedem, S. P. Uselton, Optimal surface reconstruction from planar contours, 1977,
+//! DOI 10.1145/359842.359846 (the strip between two loops, by the shortest path).
+//!
+//! Cost: a test for self-intersections, and the product of the lengths of the two loops at each place.
+
+use crate::base::union_find::UnionFind;
+use crate::geom::aabb::Aabb;
+use crate::manifold::Manifold;
+use crate::manifold::neighborhood::Neighborhood;
+use crate::manifold::vertex_set::VertexSet;
+use crate::optimize::crossings::{Corners, Crossings, Surroundings};
+use crate::spatial::kdtree::Neighbors;
+use crate::spatial::self_intersections::faces_of;
+use crate::surface::domain::{Domain, Sample};
+use glam::DVec3;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Distance, in spacings, from corners of crossing faces within which the mesh is replaced.
+const REACH: f64 = 2.0;
+
+/// Rings of vertices around what is wrong that are replaced, too.
+const RINGS: usize = 2;
+
+/// Vertices among which the nearest one that faces the same way is looked for: more than are near from both sides of a wall.
+const NEAREST: usize = 12;
+
+/// Most vertices around a hole of one part that is filled where the other has none.
+const MOST_OF_HOLE: usize = 16;
+
+/// Most pairs of vertices of two loops that are joined.
+const MOST_PAIRS: usize = 1 << 22;
+
+/// Replaces parts of `mesh`, which was refined from a coarser one of `fine`, by those of `fine`, where faces cross that need not
+/// and around the vertices of `fine` that were `missed`. `spacing` is the mean edge length. The vertices that are new in `mesh`.
+pub fn graft(domain: &Domain, mesh: &mut Manifold, fine: &Manifold, missed: &VertexSet, spacing: f64) -> VertexSet {
+    let crossings = Crossings::new(domain, mesh);
+    if crossings.avoidable.is_empty() && missed.is_empty() {
+        return VertexSet::EMPTY;
+    }
+    let first_new = mesh.connectivity.vertex_bound();
+    let scions = Scions::new(fine, spacing);
+    let crossing = faces_of(crossings.avoidable.clone()).into_iter().flat_map(|t| mesh.connectivity.triangle(3 * t));
+    let places: Vec<Sample> = crossing.map(|v| mesh.samples[v as usize]).collect();
+    let wrong = &scions.near(&places) | missed;
+    let mut touched = vec![false; mesh.connectivity.half_edge_bound() as usize / 3];
+    for part in scions.parts(&wrong) {
+        if let Some(grafted) = scions.grafted(mesh, &part)
+            && crosses_no_more(&grafted, mesh, &crossings)
+        {
+            grafted.put_back(mesh, &mut touched);
+        }
+    }
+    VertexSet::new(mesh, |v| v >= first_new)
+}
+
+/// Whether no more faces cross with `grafted` in its place.
+fn crosses_no_more(grafted: &Neighborhood, mesh: &Manifold, crossings: &Crossings) -> bool {
+    let now = crossings.all.iter().filter(|(t, u)| grafted.has_triangle(*t) || grafted.has_triangle(*u)).count();
+    let new: Vec<Corners> = grafted.mesh.triangles().map(|t| grafted.mesh.corners(t)).collect();
+    let then = Surroundings::new(&crossings.faces).count(mesh, &new, grafted.triangles(), now);
+    then <= now
+}
+
+/// The mesh that parts are taken from.
+struct Scions<'a> {
+    fine: &'a Manifold,
+    neighbors: Neighbors,
+    spacing: f64,
+}
+
+impl Scions<'_> {
+    fn new(fine: &Manifold, spacing: f64) -> Scions<'_> {
+        let positions: Vec<DVec3> = fine.samples.iter().map(|s| s.position).collect();
+        Scions { fine, neighbors: Neighbors::new(&positions), spacing }
+    }
+
+    /// The vertices near `places` that face the same way.
+    fn near(&self, places: &[Sample]) -> VertexSet {
+        let mut found = Vec::new();
+        let mut near = VertexSet::EMPTY;
+        for place in places {
+            self.neighbors.collect_within(place.position, REACH * self.spacing * place.size, &mut found);
+            found.iter().filter(|n| self.faces(n.point, place)).for_each(|n| near.insert(n.point));
+        }
+        near
+    }
+
+    /// Whether vertex `v` is there and faces the way of `place`.
+    fn faces(&self, v: u32, place: &Sample) -> bool {
+        self.fine.connectivity.has_vertex(v) && self.fine.samples[v as usize].normal.dot(place.normal) > 0.0
+    }
+
+    /// The nearest vertex that faces the way of `place`, if one of those that are near does.
+    fn nearest(&self, place: &Sample) -> Option<u32> {
+        let mut found = Vec::new();
+        self.neighbors.collect_nearest(place.position, NEAREST, &mut found);
+        found.into_iter().map(|n| n.point).find(|&v| self.faces(v, place))
+    }
+
+    /// The `wrong` vertices and some rings around them, in connected parts.
+    fn parts(&self, wrong: &VertexSet) -> Vec<Vec<u32>> {
+        connected_parts(self.fine, &wrong.clone().with_rings(self.fine, RINGS))
+    }
+
+    /// The triangles around the vertices of `part`, and the strips that join them to `mesh`, in place of what is there; `None` if
+    /// that has another topology, or one of the two is on a curve.
+    fn grafted(&self, mesh: &Manifold, part: &[u32]) -> Option<Neighborhood> {
+        let scion = Patch::around(self.fine, part.iter().copied().collect())?;
+        let is_of_scion: VertexSet = scion.vertices(self.fine).into_iter().collect();
+        let bounds = Aabb::of(scion.vertices(self.fine).into_iter().map(|v| self.fine.position(v)))?;
+        let margin = 2.0 * REACH * self.spacing;
+        let gives_way = |v: u32| {
+            let here = &mesh.samples[v as usize];
+            bounds.distance_squared(here.position) <= margin * margin
+                && self.nearest(here).is_some_and(|near| is_of_scion.contains(near))
+        };
+        let stock = Patch::around(mesh, largest_part(mesh, &VertexSet::new(mesh, gives_way)))?;
+        let rims = scion.rims.len().min(stock.rims.len());
+        let (scion, stock) = (scion.filled(self.fine, rims)?, stock.filled(mesh, rims)?);
+        (stock.euler == scion.euler).then(|| self.joined(mesh, scion, stock))?
+    }
+
+    /// `scion` and the strips between it and what is around `stock`, of `mesh`, in place of that.
+    fn joined(&self, mesh: &Manifold, scion: Patch, mut stock: Patch) -> Option<Neighborhood> {
+        let border = stock.rims.concat();
+        let vertices = scion.vertices(self.fine);
+        let number: BTreeMap<u32, u32> = vertices.iter().copied().zip(border.len() as u32..).collect();
+        let of_border: BTreeMap<u32, u32> = border.iter().copied().zip(0..).collect();
+        let own = |t: &u32| self.fine.connectivity.triangle(3 * t).map(|v| number[&v]);
+        let mut triangles: Vec<[u32; 3]> = scion.triangles.iter().map(own).collect();
+        for inner in &scion.rims {
+            let outer = stock.take_rim_near(mesh, self.fine.position(inner[0]));
+            let places = |mesh: &Manifold, rim: &[u32]| rim.iter().map(|&v| mesh.position(v)).collect::<Vec<DVec3>>();
+            let [outside, inside] =
+                [outer.iter().map(|v| of_border[v]).collect(), inner.iter().map(|v| number[v]).collect::<Vec<u32>>()];
+            let steps = strip(&places(mesh, &outer), &places(self.fine, inner))?;
+            triangles.extend(steps.into_iter().map(|step| step.triangle(&outside, &inside)));
+        }
+        let of_mesh = border.iter().map(|&v| mesh.samples[v as usize]);
+        let samples = of_mesh.chain(vertices.iter().map(|&v| self.fine.samples[v as usize])).collect();
+        let mut grafted = Manifold::new(samples, &triangles);
+        grafted.make_delaunay();
+        let faces_surface = |t: u32| grafted.agreement(grafted.connectivity.triangle(3 * t)) > 0.0;
+        let all_face_it = grafted.triangles().all(faces_surface);
+        all_face_it.then(|| Neighborhood::in_place_of(stock.triangles, border, grafted))
+    }
+}
+
+/// A part of a mesh away from curves.
+struct Patch {
+    /// Its triangles, in increasing order.
+    triangles: Vec<u32>,
+    /// The loops of vertices around it, in the order of its half-edges there; none touches itself or another one.
+    rims: Vec<Vec<u32>>,
+    /// Vertices less edges plus triangles.
+    euler: i64,
+}
+
+impl Patch {
+    /// The triangles of `mesh` around those vertices, and around more where they would touch each other at a vertex only; `None` if
+    /// they are on a curve.
+    fn around(mesh: &Manifold, mut inner: BTreeSet<u32>) -> Option<Patch> {
+        let c = &mesh.connectivity;
+        loop {
+            let mut triangles: Vec<u32> = inner.iter().flat_map(|&v| c.outgoing(v)).map(|h| h / 3).collect();
+            triangles.sort_unstable();
+            triangles.dedup();
+            let sides = || triangles.iter().flat_map(|&t| 3 * t..3 * t + 3);
+            if sides().any(|h| c.is_on_curve(c.origin(h)) || !c.has_twin(h)) {
+                return None;
+            }
+            let is_outside = |h: u32| triangles.binary_search(&(c.twin(h) / 3)).is_err();
+            let rim: Vec<[u32; 2]> = sides().filter(|&h| is_outside(h)).map(|h| [c.origin(h), c.target(h)]).collect();
+            let following: BTreeMap<u32, u32> = rim.iter().map(|&[v, w]| (v, w)).collect();
+            if following.len() < rim.len() {
+                let mut seen = BTreeSet::new();
+                inner.extend(rim.into_iter().map(|[v, _]| v).filter(|&v| !seen.insert(v)));
+                continue;
+            }
+            let edges = (3 * triangles.len() + rim.len()) as i64 / 2;
+            let mut patch = Patch { rims: loops(following), euler: triangles.len() as i64 - edges, triangles };
+            patch.euler += patch.vertices(mesh).len() as i64;
+            return Some(patch);
+        }
+    }
+
+    /// The patch with its smallest holes filled until it has no more than so many rims; `None` if one of them is no small hole.
+    fn filled(mut self, mesh: &Manifold, rims: usize) -> Option<Patch> {
+        while self.rims.len() > rims {
+            let hole = self.rims.iter().min_by_key(|rim| rim.len()).filter(|rim| rim.len() <= MOST_OF_HOLE)?;
+            let inner = self.inner(mesh).into_iter().chain(hole.iter().copied()).collect();
+            self = Patch::around(mesh, inner)?;
+        }
+        Some(self)
+    }
+
+    /// Its vertices that are not on a rim.
+    fn inner(&self, mesh: &Manifold) -> BTreeSet<u32> {
+        let rims: BTreeSet<u32> = self.rims.iter().flatten().copied().collect();
+        self.vertices(mesh).into_iter().filter(|v| !rims.contains(v)).collect()
+    }
+
+    /// Its vertices in increasing order.
+    fn vertices(&self, mesh: &Manifold) -> Vec<u32> {
+        let corners = |&t: &u32| mesh.connectivity.triangle(3 * t);
+        let mut vertices: Vec<u32> = self.triangles.iter().flat_map(corners).collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        vertices
+    }
+
+    /// Takes the rim away that comes nearest to `p`.
+    fn take_rim_near(&mut self, mesh: &Manifold, p: DVec3) -> Vec<u32> {
+        let distance =
+            |rim: &Vec<u32>| rim.iter().map(|&v| mesh.position(v).distance_squared(p)).fold(f64::INFINITY, f64::min);
+        let nearest = (0..self.rims.len()).min_by(|&i, &j| distance(&self.rims[i]).total_cmp(&distance(&self.rims[j])));
+        self.rims.swap_remove(nearest.expect("as many rims as are joined"))
+    }
+}
+
+/// The loops in which each vertex is followed by another one.
+fn loops(mut following: BTreeMap<u32, u32>) -> Vec<Vec<u32>> {
+    let mut loops = Vec::new();
+    while let Some((first, mut v)) = following.pop_first() {
+        let mut rim = vec![first];
+        while let Some(next) = following.remove(&v) {
+            rim.push(v);
+            v = next;
+        }
+        loops.push(rim);
+    }
+    loops
+}
+
+/// The vertices of `set` in parts that edges connect, each in increasing order.
+fn connected_parts(mesh: &Manifold, set: &VertexSet) -> Vec<Vec<u32>> {
+    let c = &mesh.connectivity;
+    let all: Vec<u32> = (0..c.vertex_bound()).filter(|&v| set.contains(v)).collect();
+    let mut joined = UnionFind::new(c.vertex_bound() as usize);
+    for &v in &all {
+        c.ring(v).filter(|&w| set.contains(w)).for_each(|w| _ = joined.join(v, w));
+    }
+    let mut parts: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    all.into_iter().for_each(|v| parts.entry(joined.find(v)).or_default().push(v));
+    parts.into_values().collect()
+}
+
+/// The largest of the parts of `set` that edges connect.
+fn largest_part(mesh: &Manifold, set: &VertexSet) -> BTreeSet<u32> {
+    connected_parts(mesh, set).into_iter().max_by_key(Vec::len).unwrap_or_default().into_iter().collect()
+}
+
+/// A triangle of a strip between two loops: on a side of the one, with a vertex of the other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Step {
+    Outer([usize; 2], usize),
+    Inner(usize, [usize; 2]),
+}
+
+impl Step {
+    /// The triangle, by the numbers of the vertices of the two loops.
+    fn triangle(self, outer: &[u32], inner: &[u32]) -> [u32; 3] {
+        match self {
+            Step::Outer([i, after], j) => [outer[i], outer[after], inner[j]],
+            Step::Inner(i, [j, after]) => [inner[after], inner[j], outer[i]],
+        }
+    }
+}
+
+/// The triangles between two loops that run the same way, such that the squares of the edges that join them have the least sum;
+/// `None` if the loops are too long.
+fn strip(outer: &[DVec3], inner: &[DVec3]) -> Option<Vec<Step>> {
+    let (n, m) = (outer.len(), inner.len());
+    if n * m > MOST_PAIRS {
+        return None;
+    }
+    // From the vertex of the outer loop that is nearest to the first one of the inner loop on.
+    let start =
+        (0..n).min_by(|&i, &j| outer[i].distance_squared(inner[0]).total_cmp(&outer[j].distance_squared(inner[0])))?;
+    let of_outer = |i: usize| (start + i) % n;
+    let length = |i: usize, j: usize| outer[of_outer(i)].distance_squared(inner[j % m]);
+    let at = |i: usize, j: usize| i * (m + 1) + j;
+    let mut least = vec![f64::INFINITY; (n + 1) * (m + 1)];
+    least[0] = 0.0;
+    for i in 0..=n {
+        for j in 0..=m {
+            let after_outer = if i > 0 { least[at(i - 1, j)] } else { f64::INFINITY };
+            let after_inner = if j > 0 { least[at(i, j - 1)] } else { f64::INFINITY };
+            if i + j > 0 {
+                least[at(i, j)] = after_outer.min(after_inner) + length(i, j);
+            }
+        }
+    }
+    let (mut i, mut j) = (n, m);
+    let mut steps = Vec::with_capacity(n + m);
+    while i + j > 0 {
+        if j == 0 || i > 0 && least[at(i - 1, j)] <= least[at(i, j - 1)] {
+            i -= 1;
+            steps.push(Step::Outer([of_outer(i), of_outer(i + 1)], j % m));
+        } else {
+            j -= 1;
+            steps.push(Step::Inner(of_outer(i), [j, (j + 1) % m]));
+        }
+    }
+    Some(steps)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::half_edge::OnCurve;
+    use crate::mesh::topology::topology;
+    use crate::mesh::triangle_mesh::Mesh;
+    use crate::optimize::crossings::crossing_faces;
+    use crate::testing::{grid, joined};
+    use glam::dvec3;
+
+    const WIDTH: f64 = 30.0;
+
+    /// A square sheet with edges of a length of about 1, so many squares wide.
+    fn sheet(squares: u32, height: impl Fn(f64, f64) -> f64) -> Mesh {
+        grid(squares, squares, |u, v| dvec3(WIDTH * u, WIDTH * v, height(WIDTH * u, WIDTH * v)))
+    }
+
+    /// An ear in the middle of a sheet.
+    fn ear(x: f64, y: f64) -> f64 {
+        4.0 * (-((x - 15.0).powi(2) + (y - 15.0).powi(2)) / 4.0).exp()
+    }
+
+    fn manifold(domain: &Domain, mesh: &Mesh) -> Manifold {
+        Manifold::new(mesh.positions.iter().map(|&p| domain.project_anywhere(p)).collect(), &mesh.triangles)
+    }
+
+    /// Euler characteristic, components, boundary loops and edges that are wrong.
+    fn shape(mesh: &Manifold) -> (i64, usize, usize, usize) {
+        let mesh = mesh.to_mesh();
+        let t = topology(mesh.positions.len(), &mesh.triangles);
+        (t.euler, t.components, t.boundary_loops, t.nonmanifold_edges + t.misoriented_edges)
+    }
+
+    #[test]
+    fn an_ear_that_was_lost_is_there_again() {
+        let domain = Domain::new(sheet(60, ear).try_into().unwrap());
+        let fine = manifold(&domain, &sheet(30, ear));
+        // Another mesh, without the ear.
+        let mut mesh = manifold(&domain, &sheet(28, ear));
+        mesh.samples.iter_mut().for_each(|s| s.position.z = 0.0);
+        let before = shape(&mesh);
+        let lost = VertexSet::new(&fine, |v| fine.position(v).z > 0.5);
+        let new = graft(&domain, &mut mesh, &fine, &lost, 1.0);
+        assert!(new.len() > lost.len() && new.len() < 120, "{} {}", new.len(), lost.len());
+        let top = (0..mesh.samples.len()).filter(|&v| mesh.connectivity.has_vertex(v as u32));
+        assert!(top.map(|v| mesh.samples[v].position.z).fold(0.0, f64::max) > 3.9);
+        assert_eq!(shape(&mesh), before);
+        let longest = mesh.edges().map(|h| mesh.length_squared(h).sqrt()).fold(0.0, f64::max);
+        assert!(longest < 3.0, "{longest}");
+    }
+
+    #[test]
+    fn sides_of_a_wall_that_cross_come_apart() {
+        // The two sides of a wall.
+        let turned = |mut mesh: Mesh| {
+            mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+            mesh
+        };
+        let pair = |squares: u32| joined([turned(sheet(squares, |_, _| 0.0)), sheet(squares, |_, _| 0.2)]);
+        let domain = Domain::new(pair(60).try_into().unwrap());
+        let fine = manifold(&domain, &pair(30));
+        let mut mesh = manifold(&domain, &pair(28));
+        let through = 14 * 29 + 14;
+        mesh.samples[through].position.z = 0.5;
+        let before = shape(&mesh);
+        assert!(!crossing_faces(&domain, &mesh).is_empty());
+        let new = graft(&domain, &mut mesh, &fine, &VertexSet::EMPTY, 1.0);
+        assert!(!new.is_empty() && crossing_faces(&domain, &mesh).is_empty());
+        assert_eq!(shape(&mesh), before);
+    }
+
+    #[test]
+    fn what_is_right_stays_and_so_does_what_is_on_a_curve() {
+        let domain = Domain::new(sheet(60, ear).try_into().unwrap());
+        let fine = manifold(&domain, &sheet(30, ear));
+        let mut mesh = manifold(&domain, &sheet(28, ear));
+        assert!(graft(&domain, &mut mesh, &fine, &VertexSet::EMPTY, 1.0).is_empty());
+        let beside_boundary = VertexSet::from_iter([31 * 2 + 2]);
+        assert!(graft(&domain, &mut mesh, &fine, &beside_boundary, 1.0).is_empty());
+        let mut marked = fine.clone();
+        let middle = 15 * 31 + 15;
+        marked.connectivity.put_on_curve(middle, OnCurve::Curve(0));
+        assert!(graft(&domain, &mut mesh, &marked, &VertexSet::from_iter([middle]), 1.0).is_empty());
+        assert!(!graft(&domain, &mut mesh, &fine, &VertexSet::from_iter([middle]), 1.0).is_empty());
+    }
+
+    #[test]
+    fn a_patch_with_a_hole_has_two_rims_until_it_is_filled() {
+        let mesh = sheet(30, |_, _| 0.0);
+        let domain = Domain::new(mesh.clone().try_into().unwrap());
+        let mesh = manifold(&domain, &mesh);
+        let from_middle = |v: u32| mesh.position(v).distance(dvec3(15.0, 15.0, 0.0));
+        let ring = (0..31 * 31).filter(|&v| (2.5..8.0).contains(&from_middle(v))).collect();
+        let patch = Patch::around(&mesh, ring).unwrap();
+        assert_eq!((patch.euler, patch.rims.len()), (0, 2));
+        let filled = patch.filled(&mesh, 1).unwrap();
+        assert_eq!((filled.euler, filled.rims.len()), (1, 1));
+        assert!(
+            filled.inner(&mesh).iter().all(|&v| from_middle(v) < 8.0) && filled.inner(&mesh).contains(&(15 * 31 + 15))
+        );
+    }
+
+    #[test]
+    fn a_strip_has_each_side_of_both_loops_once() {
+        let circle = |n: usize, radius: f64, turn: f64| -> Vec<DVec3> {
+            let angle = |i: usize| turn + std::f64::consts::TAU * i as f64 / n as f64;
+            (0..n).map(|i| radius * dvec3(angle(i).cos(), angle(i).sin(), 0.0)).collect()
+        };
+        let (outer, inner) = (circle(17, 2.0, 0.3), circle(11, 1.0, 1.9));
+        let steps = strip(&outer, &inner).unwrap();
+        let place = |v: u32| if v < 17 { outer[v as usize] } else { inner[v as usize - 17] };
+        let [of_outer, of_inner] = [0..17, 17..28].map(|numbers| numbers.collect::<Vec<u32>>());
+        let triangles: Vec<[u32; 3]> = steps.iter().map(|step| step.triangle(&of_outer, &of_inner)).collect();
+        let t = topology(28, &triangles);
+        assert_eq!(
+            (triangles.len(), t.euler, t.boundary_loops, t.nonmanifold_edges, t.misoriented_edges),
+            (28, 0, 2, 0, 0)
+        );
+        for t in triangles {
+            let [a, b, c] = t.map(place);
+            assert!((b - a).cross(c - a).z > 0.0);
+            assert!([a.distance(b), b.distance(c), c.distance(a)].into_iter().all(|length| length < 1.5));
+        }
+    }
+}
