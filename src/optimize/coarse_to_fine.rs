@@ -7,7 +7,7 @@
 //! beside an interface, which stays as dense as it is. Once the edges around are split, a few rings of vertices are
 //! ordered anew by ascent where dense and once coarse ones meet. Where the coarse mesh is large, the same is done to it first.
 //! Where it went past a part of the surface even so, or its faces cross, the vertices that it was made from come back
-//! ([`graft`](crate::optimize::graft)).
+//! ([`graft`](crate::optimize::graft)); only where a lost part cannot come back so, all is done again with the vertices there kept.
 //!
 //! Cost: a heap operation for each edge that is collapsed, and a sort of the edges that may be split.
 

@@ -44,13 +44,13 @@ pub fn graft(domain: &Domain, mesh: &mut Manifold, fine: &Manifold, missed: &Ver
         return VertexSet::EMPTY;
     }
     let first_new = mesh.connectivity.vertex_bound();
-    let scions = Scions::new(fine, spacing);
+    let source = Source::new(fine, spacing);
     let crossing = faces_of(crossings.avoidable.clone()).into_iter().flat_map(|t| mesh.connectivity.triangle(3 * t));
     let places: Vec<Sample> = crossing.map(|v| mesh.samples[v as usize]).collect();
-    let wrong = &scions.near(&places) | missed;
+    let wrong = &source.near(&places) | missed;
     let mut touched = vec![false; mesh.connectivity.half_edge_bound() as usize / 3];
-    for part in scions.parts(&wrong) {
-        if let Some(grafted) = scions.grafted(mesh, &part)
+    for part in source.parts(&wrong) {
+        if let Some(grafted) = source.grafted(mesh, &part)
             && crosses_no_more(&grafted, mesh, &crossings)
         {
             grafted.put_back(mesh, &mut touched);
@@ -68,16 +68,16 @@ fn crosses_no_more(grafted: &Neighborhood, mesh: &Manifold, crossings: &Crossing
 }
 
 /// The mesh that parts are taken from.
-struct Scions<'a> {
+struct Source<'a> {
     fine: &'a Manifold,
     neighbors: Neighbors,
     spacing: f64,
 }
 
-impl Scions<'_> {
-    fn new(fine: &Manifold, spacing: f64) -> Scions<'_> {
+impl Source<'_> {
+    fn new(fine: &Manifold, spacing: f64) -> Source<'_> {
         let positions: Vec<DVec3> = fine.samples.iter().map(|s| s.position).collect();
-        Scions { fine, neighbors: Neighbors::new(&positions), spacing }
+        Source { fine, neighbors: Neighbors::new(&positions), spacing }
     }
 
     /// The vertices near `places` that face the same way.
@@ -111,31 +111,31 @@ impl Scions<'_> {
     /// The triangles around the vertices of `part`, and the strips that join them to `mesh`, in place of what is there; `None` if
     /// that has another topology, or one of the two is on a curve.
     fn grafted(&self, mesh: &Manifold, part: &[u32]) -> Option<Neighborhood> {
-        let scion = Patch::around(self.fine, part.iter().copied().collect())?;
-        let is_of_scion: VertexSet = scion.vertices(self.fine).into_iter().collect();
-        let bounds = Aabb::of(scion.vertices(self.fine).into_iter().map(|v| self.fine.position(v)))?;
+        let patch = Patch::around(self.fine, part.iter().copied().collect())?;
+        let is_of_patch: VertexSet = patch.vertices(self.fine).into_iter().collect();
+        let bounds = Aabb::of(patch.vertices(self.fine).into_iter().map(|v| self.fine.position(v)))?;
         let margin = 2.0 * REACH * self.spacing;
         let gives_way = |v: u32| {
             let here = &mesh.samples[v as usize];
             bounds.distance_squared(here.position) <= margin * margin
-                && self.nearest(here).is_some_and(|near| is_of_scion.contains(near))
+                && self.nearest(here).is_some_and(|near| is_of_patch.contains(near))
         };
-        let stock = Patch::around(mesh, largest_part(mesh, &VertexSet::new(mesh, gives_way)))?;
-        let rims = scion.rims.len().min(stock.rims.len());
-        let (scion, stock) = (scion.filled(self.fine, rims)?, stock.filled(mesh, rims)?);
-        (stock.euler == scion.euler).then(|| self.joined(mesh, scion, stock))?
+        let replaced = Patch::around(mesh, largest_part(mesh, &VertexSet::new(mesh, gives_way)))?;
+        let rims = patch.rims.len().min(replaced.rims.len());
+        let (patch, replaced) = (patch.filled(self.fine, rims)?, replaced.filled(mesh, rims)?);
+        (replaced.euler == patch.euler).then(|| self.joined(mesh, patch, replaced))?
     }
 
-    /// `scion` and the strips between it and what is around `stock`, of `mesh`, in place of that.
-    fn joined(&self, mesh: &Manifold, scion: Patch, mut stock: Patch) -> Option<Neighborhood> {
-        let border = stock.rims.concat();
-        let vertices = scion.vertices(self.fine);
+    /// `patch` and the strips between it and what is around `replaced`, of `mesh`, in place of that.
+    fn joined(&self, mesh: &Manifold, patch: Patch, mut replaced: Patch) -> Option<Neighborhood> {
+        let border = replaced.rims.concat();
+        let vertices = patch.vertices(self.fine);
         let number: BTreeMap<u32, u32> = vertices.iter().copied().zip(border.len() as u32..).collect();
         let of_border: BTreeMap<u32, u32> = border.iter().copied().zip(0..).collect();
         let own = |t: &u32| self.fine.connectivity.triangle(3 * t).map(|v| number[&v]);
-        let mut triangles: Vec<[u32; 3]> = scion.triangles.iter().map(own).collect();
-        for inner in &scion.rims {
-            let outer = stock.take_rim_near(mesh, self.fine.position(inner[0]));
+        let mut triangles: Vec<[u32; 3]> = patch.triangles.iter().map(own).collect();
+        for inner in &patch.rims {
+            let outer = replaced.take_rim_near(mesh, self.fine.position(inner[0]));
             let places = |mesh: &Manifold, rim: &[u32]| rim.iter().map(|&v| mesh.position(v)).collect::<Vec<DVec3>>();
             let [outside, inside] =
                 [outer.iter().map(|v| of_border[v]).collect(), inner.iter().map(|v| number[v]).collect::<Vec<u32>>()];
@@ -148,7 +148,7 @@ impl Scions<'_> {
         grafted.make_delaunay();
         let faces_surface = |t: u32| grafted.agreement(grafted.connectivity.triangle(3 * t)) > 0.0;
         let all_face_it = grafted.triangles().all(faces_surface);
-        all_face_it.then(|| Neighborhood::in_place_of(stock.triangles, border, grafted))
+        all_face_it.then(|| Neighborhood::in_place_of(replaced.triangles, border, grafted))
     }
 }
 

@@ -72,8 +72,7 @@ impl Triangulation {
     /// by one, or so many that there is no room to be finer. A surface that was laid through points is not known well enough for rods.
     pub(super) fn sparse_places(&self, prepared: &PreparedInput, surface: &SizedSurface) -> [Vec<DVec3>; 2] {
         let mut crossing = crossing_faces(&surface.domain, &self.mesh);
-        let share = crossing.len() as f64 / self.mesh.triangles().count() as f64;
-        if !CROSSED.contains(&share) {
+        if !are_too_many(crossing.len(), self.mesh.triangles().count()) {
             crossing.clear();
         }
         let rods = if prepared.options.of_points { Vec::new() } else { self.along_rods(surface) };
@@ -108,6 +107,11 @@ impl Triangulation {
         let kind = topology(made.positions.len(), &made.triangles);
         !self.torn.is_empty() || !has_kind(&kind, &surface.topology)
     }
+}
+
+/// Whether samples are to be drawn again where so many of `triangles` cross others.
+fn are_too_many(crossing: usize, triangles: usize) -> bool {
+    CROSSED.contains(&(crossing as f64 / triangles as f64))
 }
 
 /// How wide the body is at `sample`, in wanted lengths, if it is a rod along `axis`, narrower both ways than edges are to be long.
@@ -149,6 +153,11 @@ mod tests {
         let attempt = Attempts::new(1, surface.domain.sharp_curves() > 0).current();
         let places = Triangulation::new(&surface, attempt, &()).unwrap().sparse_places(&prepared, &surface);
         places.map(|places| places.into_iter().map(|p| prepared.unit.outwards_point(p)).collect())
+    }
+
+    #[test]
+    fn triangles_that_cross_are_too_many_if_neither_few_nor_most_of_them() {
+        assert_eq!([9, 10, 100, 101].map(|crossing| are_too_many(crossing, 1000)), [false, true, true, false]);
     }
 
     #[test]
