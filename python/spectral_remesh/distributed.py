@@ -1,11 +1,13 @@
-"""Clouds of any size, sampled on many machines by Dask.
+"""Clouds of any size, sampled and meshed on many machines by Dask.
 
 Machines share a folder; its files are the interface, as for the command ``remesh tiles``. A tile that fails, or whose worker
-dies, is sampled again by another one. The result has the same bytes for any number of tiles and workers.
+dies, is sampled again by another one, and so are pieces of the mesh. The result has the same bytes for any number of tiles and
+workers.
 """
 
 from __future__ import annotations
 
+import functools
 import os
 import subprocess
 import sys
@@ -16,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from distributed import Client
 
-__all__ = ["sample"]
+__all__ = ["mesh", "sample"]
 
 #: The command of this package, wherever it runs.
 COMMAND = (sys.executable, "-m", "spectral_remesh")
@@ -45,29 +47,67 @@ def sample(
     Raises ``RuntimeError`` with what the program said if a step of it fails, and ``ImportError`` without
     ``dask[distributed]``.
     """
-    from distributed import Client, as_completed
-
     words = [word for name, value in options.items() for word in _flag(name, value)]
     said = _run(command, "plan", source, folder, "--tiles", tiles, *words)
-    numbers = range(int(said.split()[0]))
-    own = Client(threads_per_worker=1) if client is None else None
-    try:
-        cluster = own or client
-        assert cluster is not None
-        futures = cluster.map(lambda number: _tile(command, folder, number), numbers, retries=retries, pure=False)
-        for done, future in enumerate(as_completed(futures), 1):
-            future.result()
-            if progress is not None:
-                progress(done / len(numbers))
-    finally:
-        if own is not None:
-            own.close()
+    _run_rounds([("sample", range(int(said.split()[0])))], folder, client, retries, progress, command)
     _run(command, "merge", folder, target)
 
 
-def _tile(command: Sequence[str], folder: str | os.PathLike[str], number: int) -> None:
-    """Samples a tile on one thread: there is a worker for each core."""
-    _run(command, "sample", folder, number, "--threads", 1)
+def mesh(
+    source: str | os.PathLike[str],
+    target: str | os.PathLike[str],
+    *,
+    folder: str | os.PathLike[str],
+    client: Client | None = None,
+    tiles: int = 16,
+    retries: int = 3,
+    progress: Callable[[float], object] | None = None,
+    command: Sequence[str] = COMMAND,
+    **options: Any,
+) -> None:
+    """Makes a mesh of the cloud in the file ``source``, and writes it as ``target``.
+
+    The arguments and errors are those of :func:`sample`. ``RuntimeError`` is also raised for a mesh that is written, but not sound.
+    """
+    words = [word for name, value in options.items() for word in _flag(name, value)]
+    said = _run(command, "plan", source, folder, "--tiles", tiles, *words).split()
+    # The last words are the first and the last number of each round.
+    ends = [map(int, word.split("-")) for word in said[said.index("mesh") + 1 :]]
+    rounds = [("sample", range(int(said[0])))] + [("mesh", range(first, last + 1)) for first, last in ends]
+    _run_rounds(rounds, folder, client, retries, progress, command)
+    _run(command, "merge", folder, target, "--mesh")
+
+
+def _run_rounds(
+    rounds: Sequence[tuple[str, range]],
+    folder: str | os.PathLike[str],
+    client: Client | None,
+    retries: int,
+    progress: Callable[[float], object] | None,
+    command: Sequence[str],
+) -> None:
+    """Does a step for each number, one round after the other, on one thread each: there is a worker for each core."""
+    from distributed import Client, as_completed
+
+    own = Client(threads_per_worker=1) if client is None else None
+    done, all_of_them = 0, sum(len(numbers) for _, numbers in rounds)
+    try:
+        cluster = own or client
+        assert cluster is not None
+        for step, numbers in rounds:
+            work = functools.partial(_do, command, step, folder)
+            for future in as_completed(cluster.map(work, numbers, retries=retries, pure=False)):
+                future.result()
+                done += 1
+                if progress is not None:
+                    progress(done / all_of_them)
+    finally:
+        if own is not None:
+            own.close()
+
+
+def _do(command: Sequence[str], step: str, folder: str | os.PathLike[str], number: int) -> None:
+    _run(command, step, folder, number, "--threads", 1)
 
 
 def _flag(name: str, value: object) -> list[str]:

@@ -53,6 +53,24 @@ def test_a_worker_that_dies_changes_nothing(tmp_path):
     assert len(sr.read(tmp_path / "a.ply").vertices) == 6000
 
 
+def test_a_mesh_is_the_same_with_workers_and_without(tmp_path):
+    from spectral_remesh.distributed import COMMAND, _run, mesh
+
+    cloud, shares = tmp_path / "cloud.ply", []
+    torus(cloud, 40_000)
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        with distributed.Client(cluster) as client:
+            work = tmp_path / "work"
+            mesh(cloud, tmp_path / "a.ply", folder=work, client=client, tiles=2, progress=shares.append, points=3000)
+    assert shares == sorted(shares) and shares[-1] == 1
+    one = tmp_path / "one"
+    for words in [("plan", cloud, one, "--points", 3000), ("sample", one), ("mesh", one)]:
+        _run(COMMAND, *words)
+    _run(COMMAND, "merge", one, tmp_path / "b.ply", "--mesh")
+    assert (tmp_path / "a.ply").read_bytes() == (tmp_path / "b.ply").read_bytes()
+    assert len(sr.read(tmp_path / "a.ply").vertices) == 3000
+
+
 def test_what_goes_wrong_is_what_the_program_says(tmp_path):
     from spectral_remesh.distributed import sample
 

@@ -35,7 +35,7 @@ fn done(job: &Job) -> Result<Status> {
     match job {
         Job::Remesh(job) => with_threads(job.run.threads, || remesh_file(job))?,
         Job::Sample(job) => with_threads(job.run.threads, || sample_file(job))?.map(|()| Status::Done),
-        Job::Tiles(job) => with_threads(job.run().threads, || do_tiles(job))?.map(|()| Status::Done),
+        Job::Tiles(job) => with_threads(job.run().threads, || do_tiles(job))?,
         Job::Reconstruct(job) => with_threads(job.run.threads, || reconstruct_file(job))?.map(|()| Status::Done),
         Job::Measure(job) => with_threads(job.threads, || measure_files(job))?.map(|()| Status::Done),
         Job::Print(text) => terminal::print(text).map(|()| Status::Done),

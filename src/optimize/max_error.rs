@@ -99,6 +99,7 @@ pub fn reduce_max_error(
     let mut task = Task { domain, spacing, mean_square, least, effort: FIRST };
     let mut faces = Faces::new(mesh);
     let mut far = task.places(&faces, fitted);
+    far.retain(|place| !is_at_interface(mesh, place));
     let mut given_up: Vec<Place> = Vec::new();
     for _ in 0..MOST_ROUNDS {
         check(monitor)?;
@@ -130,8 +131,15 @@ pub fn reduce_max_error(
         far.retain(|place| !is_new(place.probe.position));
         faces.follow(mesh);
         far.extend(task.places_around(&faces, &changed, &touched));
+        far.retain(|place| !is_at_interface(mesh, place));
     }
     Ok(())
+}
+
+/// Whether a place is nearest to a triangle along an interface, which stays: beyond it there may be surface without mesh.
+fn is_at_interface(mesh: &Manifold, place: &Place) -> bool {
+    let c = &mesh.connectivity;
+    c.triangle(3 * place.triangle).into_iter().any(|v| c.is_on_interface(v))
 }
 
 /// A place of large error: a point of the surface and its distance to the mesh, or to the point of the mesh that it is

@@ -31,14 +31,26 @@ pub(super) fn optimize(
     limit: Option<f64>,
     monitor: &dyn Monitor,
 ) -> Result<()> {
+    let all = (0..domain.mesh.positions.len() as u32).collect();
+    optimize_over(domain, mesh, scale, all, limit, monitor)
+}
+
+/// [`optimize`] for the mesh of a part of the surface, that around the vertices of it that are `watched`.
+pub(super) fn optimize_over(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    scale: &Scale,
+    watched: Vec<u32>,
+    limit: Option<f64>,
+    monitor: &dyn Monitor,
+) -> Result<()> {
     monitor.stage("untangle");
     untangle(domain, mesh, CROSSING, scale.spacing, monitor)?;
     order(domain, mesh, scale, monitor)?;
     monitor.stage("improve angles");
     improve_angles(domain, mesh, scale.spacing, monitor)?;
     monitor.stage("fit");
-    let all = (0..domain.mesh.positions.len() as u32).collect();
-    let fitted = fit_to_surface(domain, mesh, all, scale.spacing, limit, monitor)?;
+    let fitted = fit_to_surface(domain, mesh, watched, scale.spacing, limit, monitor)?;
     reduce_max_error(domain, mesh, scale.spacing, &fitted, monitor)
 }
 

@@ -66,7 +66,7 @@ pub fn spacing_on(area: f64, density: Density) -> Option<f64> {
     match density {
         Density::Points(n) => Some(Scale::of_points(n, area).spacing),
         Density::EdgeLength(length) => Some(length),
-        Density::SigmaP(sigma) => Some(sigma / SIGMA_OF_SPACING),
+        Density::SigmaP(sigma) => Some(Scale::spacing_of_sigma(sigma)),
         Density::OfField | Density::Auto => None,
     }
 }
@@ -118,7 +118,7 @@ impl Scale {
                 let spacing = field.map_or(f64::NAN, |field| field.spacing);
                 from_length(Setting::Field, spacing * unit.size, spacing)
             }
-            Density::SigmaP(s) => from_length(Setting::SigmaP, s, s / unit.size / SIGMA_OF_SPACING),
+            Density::SigmaP(s) => from_length(Setting::SigmaP, s, Scale::spacing_of_sigma(s / unit.size)),
             Density::Auto => points(FIRST_POINTS),
         }
     }
@@ -140,11 +140,16 @@ impl Scale {
 
     /// How many samples a kernel of width `sigma` leaves of `area`.
     pub(super) fn count_of_sigma(sigma: f64, area: f64) -> usize {
-        count(area, sigma / SIGMA_OF_SPACING)
+        count(area, Scale::spacing_of_sigma(sigma))
     }
 
     /// σp for samples at distance `spacing`.
     pub(super) fn sigma_of_spacing(spacing: f64) -> f64 {
         SIGMA_OF_SPACING * spacing
+    }
+
+    /// The distance of samples for σp.
+    pub(super) fn spacing_of_sigma(sigma: f64) -> f64 {
+        sigma / SIGMA_OF_SPACING
     }
 }

@@ -137,17 +137,17 @@ pub fn count_in_tile(
 }
 
 /// Points of a part of a cloud, without outliers, and what is known of their neighbours.
-struct Part<'a> {
+pub(super) struct Part<'a> {
     options: &'a TileOptions,
     /// With unit normals; their triangles are their places in this list.
-    samples: Vec<Sample>,
+    pub samples: Vec<Sample>,
     numbers: Vec<u32>,
-    spacings: Vec<f64>,
-    near: Neighbors,
+    pub spacings: Vec<f64>,
+    pub near: Neighbors,
 }
 
 impl<'a> Part<'a> {
-    fn new(points: Vec<TilePoint>, options: &'a TileOptions, outline: &Outline) -> Part<'a> {
+    pub fn new(points: Vec<TilePoint>, options: &'a TileOptions, outline: &Outline) -> Part<'a> {
         let positions: Vec<DVec3> = points.iter().map(|p| p.position).collect();
         let near = Neighbors::new(&positions);
         let look = |found: &mut Vec<Neighbor>, p: usize| {

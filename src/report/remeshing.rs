@@ -5,11 +5,13 @@
 //!
 //! Cost: the shapes of both meshes, and their distance from [`REPORT_SAMPLES`] points each way.
 
-use crate::base::count::counted;
+use crate::base::count::{counted, counts};
+use crate::geom::triangle::smallest_angle;
+use crate::manifold::small_angles::SLIVER;
 use crate::mesh::attributes::Lost;
 use crate::mesh::topology::{Topology, topology};
 use crate::mesh::triangle_mesh::Mesh;
-use crate::pipeline::{CloudSummary, Coverage, Deviation, Remeshed, shortcomings};
+use crate::pipeline::{CloudSummary, Coverage, Deviation, Remeshed, shortcomings, topology_faults};
 use crate::prepare::cells::without_faces_between_cells;
 use crate::prepare::repair::Repairs;
 use crate::quality::distance::{Distance, REPORT_SAMPLES, distance};
@@ -204,6 +206,27 @@ impl Report {
             distance: against.and_then(|input| distance(mesh, input, REPORT_SAMPLES, 0)),
             ..Report::of_output(Measured::of(mesh))
         }
+    }
+
+    /// The report on a mesh that was made piece by piece, for so many vertices.
+    pub fn of_pieces(mesh: &Mesh, wanted: Option<usize>) -> Report {
+        let mut report = Report::of_mesh(mesh, None);
+        let is_sliver = |t: &u32| smallest_angle(mesh.corners(*t as usize)) < SLIVER;
+        report.slivers = (0..mesh.triangles.len() as u32).filter(is_sliver).collect();
+        let made = mesh.positions.len();
+        let missed = wanted.filter(|&wanted| wanted != made);
+        report.run.notes.extend(missed.map(|wanted| format!("{made} vertices instead of {wanted}")));
+        let open = counted(report.output.topology.boundary_loops, "boundary loop", "boundary loops");
+        let is_open = report.output.topology.boundary_loops > 0;
+        report.run.notes.extend(is_open.then(|| format!("{open}, along samples as they were drawn")));
+        report
+    }
+
+    /// What keeps a mesh that was only measured from being a sound oriented manifold, a phrase each.
+    pub fn faults(&self) -> Vec<String> {
+        let slivers = [(self.slivers.len(), "face with an angle below 1 degree", "faces with an angle below 1 degree")];
+        let faults = topology_faults(&self.output.topology, self.crossings.faces.len());
+        faults.into_iter().chain(counts(&slivers)).collect()
     }
 
     /// The same for points through which the reported input was laid: their distance to the output replaces that of `input`.

@@ -42,6 +42,11 @@ impl BlockBox {
         place.cmpge(self.lo).all() && place.cmplt(self.hi).all()
     }
 
+    /// Whether the two boxes have a block in common.
+    pub fn touches(&self, other: BlockBox) -> bool {
+        self.lo.cmplt(other.hi).all() && other.lo.cmplt(self.hi).all()
+    }
+
     /// Whether the samples kept in the box can depend on those kept in this block.
     pub fn hears(&self, place: IVec3) -> bool {
         let turn = turn_of(place);

@@ -7,7 +7,9 @@
 //! | `points` | number and row of each point, sorted by place |
 //! | `outline.ply` | a few points with normals on a common side |
 //! | `made-of` | what the plan was made from |
+//! | `tile-N-counts` | how many samples tile N has in each cube of the mesh's first pieces |
 //! | `tile-N` | the samples of tile N, written when the tile is complete |
+//! | `piece-N` | piece N of the mesh, written when it is complete |
 
 use crate::base::error::{Error, Result};
 use crate::io::file::{read_bytes, read_file, replace_file, write_points_file};
@@ -17,6 +19,7 @@ use crate::io::{dense, spill};
 use crate::mesh::attributes::Attributes;
 use crate::mesh::points::Points;
 use crate::pipeline::{Outline, TilePoint};
+use crate::tiles::made::MadePiece;
 use crate::tiles::plan::{Plan, PlanOptions};
 use glam::DVec3;
 use std::fs;
@@ -24,6 +27,9 @@ use std::path::{Path, PathBuf};
 
 /// Bytes of a sample: its number, its position, its normal.
 const SAMPLE: usize = 4 + 2 * 24;
+
+/// How many samples are in each cube of the mesh's first round, by its place.
+pub(super) type Counts = Vec<([i32; 3], u64)>;
 
 /// A folder that tiles are sampled in.
 #[derive(Debug, Clone)]
@@ -65,6 +71,10 @@ impl TileFolder {
 
     fn tile(&self, number: usize) -> PathBuf {
         self.file(&format!("tile-{number}"))
+    }
+
+    fn counts(&self, number: usize) -> PathBuf {
+        self.file(&format!("tile-{number}-counts"))
     }
 
     pub(super) fn points(&self) -> PathBuf {
@@ -128,10 +138,14 @@ impl TileFolder {
         self.has_plan() && noted == made_of(input, options)
     }
 
+    /// Removes all samples and what was made of them.
     fn forget_samples(&self) -> Result<()> {
         let entries = fs::read_dir(&self.path).map_err(|e| self.error(e.to_string(), "check its permissions"))?;
-        let is_tile = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("tile-"));
-        entries.filter_map(|entry| Some(entry.ok()?.path())).filter(is_tile).try_for_each(|path| self.remove(&path))
+        let is_made = |path: &PathBuf| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            ["tile-", "piece-"].iter().any(|kind| name.starts_with(kind))
+        };
+        entries.filter_map(|entry| Some(entry.ok()?.path())).filter(is_made).try_for_each(|path| self.remove(&path))
     }
 
     fn remove(&self, path: &Path) -> Result<()> {
@@ -167,7 +181,9 @@ impl TileFolder {
         self.tile(number).is_file()
     }
 
-    pub(super) fn write_samples(&self, number: usize, mut samples: Vec<TilePoint>) -> Result<()> {
+    pub(super) fn write_samples(&self, number: usize, mut samples: Vec<TilePoint>, counts: &Counts) -> Result<()> {
+        let text = serde_json::to_vec(counts).map_err(|e| self.error(e.to_string(), "sample that tile again"))?;
+        replace_file(&self.counts(number), &mut |out| out.write_all(&text))?;
         samples.sort_unstable_by_key(|sample| sample.number);
         replace_file(&self.tile(number), &mut |out| {
             samples.iter().try_for_each(|TilePoint { number, position, normal }| {
@@ -179,15 +195,49 @@ impl TileFolder {
         })
     }
 
-    pub(super) fn read_samples(&self, number: usize) -> Result<Vec<TilePoint>> {
-        if !self.has_samples(number) {
-            return Err(self.error(format!("tile {number} is not sampled yet"), "run 'remesh tiles sample' for it"));
+    /// How many samples a tile has in each cube of the first pieces of the mesh.
+    pub(super) fn read_counts(&self, number: usize) -> Result<Counts> {
+        self.check_sampled(number)?;
+        let damaged = |_| self.error(format!("its file 'tile-{number}-counts' is damaged"), "sample that tile again");
+        serde_json::from_slice(&read_bytes(&self.counts(number))?).map_err(damaged)
+    }
+
+    fn check_sampled(&self, number: usize) -> Result<()> {
+        if self.has_samples(number) {
+            return Ok(());
         }
+        Err(self.error(format!("tile {number} is not sampled yet"), "run 'remesh tiles sample' for it"))
+    }
+
+    pub(super) fn read_samples(&self, number: usize) -> Result<Vec<TilePoint>> {
+        self.check_sampled(number)?;
         let bytes = read_bytes(&self.tile(number))?;
         if bytes.len() % SAMPLE != 0 {
             return Err(self.error(format!("its file 'tile-{number}' is damaged"), "sample that tile again"));
         }
         Ok(bytes.chunks_exact(SAMPLE).map(sample_of).collect())
+    }
+
+    fn piece(&self, number: usize) -> PathBuf {
+        self.file(&format!("piece-{number}"))
+    }
+
+    /// Whether a piece of the mesh is made.
+    pub fn has_piece(&self, number: usize) -> bool {
+        self.piece(number).is_file()
+    }
+
+    pub(super) fn write_piece(&self, number: usize, piece: &MadePiece) -> Result<()> {
+        replace_file(&self.piece(number), &mut |out| out.write_all(&piece.to_bytes()))
+    }
+
+    pub(super) fn read_piece(&self, number: usize) -> Result<MadePiece> {
+        if !self.has_piece(number) {
+            let cause = format!("piece {number} of the mesh is not made yet");
+            return Err(self.error(cause, "run 'remesh tiles mesh' for it"));
+        }
+        let damaged = || self.error(format!("its file 'piece-{number}' is damaged"), "make that piece again");
+        MadePiece::from_bytes(&read_bytes(&self.piece(number))?).ok_or_else(damaged)
     }
 }
 

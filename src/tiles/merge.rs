@@ -3,11 +3,14 @@
 use crate::base::count::counted;
 use crate::base::error::Result;
 use crate::mesh::points::Points;
+use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::{Sampled, TilePoint, count_notes};
 use crate::spectral::subset::thin_or_fill;
 use crate::surface::domain::Sample;
 use crate::surface::lift::{BarePoints, Lift, Lifted};
 use crate::tiles::folder::TileFolder;
+use crate::tiles::joined::Joined;
+use crate::tiles::pieces::rounds;
 
 /// Joins the samples of all tiles, in the order of the input. As a rule there are a few more than wanted; the least
 /// important are removed.
@@ -37,6 +40,16 @@ pub fn merge(folder: &TileFolder) -> Result<Sampled> {
         cloud: None,
         notes,
     })
+}
+
+/// Joins all pieces of the mesh.
+///
+/// # Errors
+/// [`Error::File`](crate::Error::File) if a piece is not made yet, or cannot be read.
+pub fn merge_mesh(folder: &TileFolder) -> Result<Mesh> {
+    let numbers = rounds(&folder.plan()?).into_iter().flatten();
+    let pieces: Vec<_> = numbers.map(|number| Ok((number, folder.read_piece(number)?))).collect::<Result<_>>()?;
+    Ok(Joined::new(&pieces).mesh)
 }
 
 /// `wanted` of the samples, without those that change the spectrum least.

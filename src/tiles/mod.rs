@@ -1,13 +1,20 @@
-//! Clouds of any size, sampled tile by tile: on one machine out of core, or on many over a shared folder.
+//! Clouds of any size, sampled tile by tile and meshed piece by piece: on one machine out of core, or on many over a shared folder.
 //!
 //! A folder is the interface. [`make_plan`] reads the file once, sorts its points by place into the folder and decides
 //! what is global; then each tile can be sampled by itself, by any process on any machine, any number of times
 //! ([`sample_one`]); [`merge()`] joins the samples. Space is divided into the blocks of the scan, which are anchored at
 //! the origin at multiples of the kernel width. The samples of a tile depend only on the points around it, so the
 //! result is the same for any tiling.
+//!
+//! The mesh of the samples is made in pieces ([`mesh_one`]), which are no tiles but cubes of a size that only the samples decide, so
+//! that it, too, is the same for any tiling. [`merge_mesh`] joins them.
 
 mod folder;
+mod joined;
+mod made;
 mod merge;
+mod mesh;
+mod pieces;
 mod plan;
 mod planning;
 mod points;
@@ -15,7 +22,9 @@ mod sample;
 mod watch;
 
 pub use folder::TileFolder;
-pub use merge::merge;
+pub use merge::{merge, merge_mesh};
+pub use mesh::{mesh_all, mesh_one};
+pub use pieces::rounds;
 pub use plan::{Plan, PlanOptions};
 pub use planning::{can_plan, make_plan};
 pub use sample::{sample_all, sample_one};

@@ -242,10 +242,7 @@ fn cut(plan: &mut Plan, outline: &Points, options: &PlanOptions) {
         plan.tiles.dedup();
         let needed = |number: usize| {
             let blocks = plan.sampling.needed(plan.tile_box(number));
-            let inside = |bucket: &[i32; 3]| {
-                let own = blocks_of((*bucket).into());
-                own.lo.cmplt(blocks.hi).all() && blocks.lo.cmplt(own.hi).all()
-            };
+            let inside = |bucket: &[i32; 3]| blocks.touches(blocks_of((*bucket).into()));
             bytes * counts.iter().filter(|(bucket, _)| inside(bucket)).map(|(_, count)| *count as f64).sum::<f64>()
         };
         let fits = || (0..plan.tiles.len()).all(|number| needed(number) <= options.memory as f64);

@@ -5,6 +5,7 @@ use crate::base::monitor::{Monitor, check};
 use crate::pipeline::{Sampled, sample_tile};
 use crate::tiles::folder::TileFolder;
 use crate::tiles::merge::merge;
+use crate::tiles::pieces::counts;
 use crate::tiles::points::points_of;
 use crate::tiles::watch::OfTile;
 
@@ -24,7 +25,8 @@ pub fn sample_one(folder: &TileFolder, number: usize, monitor: &dyn Monitor) -> 
     let points = points_of(folder, &plan, plan.sampling.needed(tile), monitor)?;
     check(monitor)?;
     let samples = sample_tile(points, tile, &plan.sampling, &outline, &OfTile(monitor))?;
-    folder.write_samples(number, samples)
+    let counts = counts(samples.iter().map(|sample| sample.position), plan.sampling.block());
+    folder.write_samples(number, samples, &counts)
 }
 
 /// Samples all tiles that are not sampled yet, one after the other, and joins them.

@@ -31,6 +31,8 @@ pub struct HoleCriteria {
     pub noise: f64,
     /// Loops whose bounding box has at most this diagonal are no holes.
     pub smallest_diagonal: f64,
+    /// Whether flat faces need no points inside, so that loops around them are no holes.
+    pub flat_are_closed: bool,
 }
 
 /// Triangles with at most one fan at each point.
@@ -173,7 +175,7 @@ fn is_hole(points: Surroundings<'_>, ends: &[bool], criteria: HoleCriteria, poly
     let rim: Vec<DVec3> = polygon.iter().map(|&p| points.positions[p as usize]).collect();
     let normal = area_vector(&rim).normalize_or_zero();
     let facing = polygon.iter().map(|&p| points.normals[p as usize].dot(normal)).sum::<f64>() / rim.len() as f64;
-    let is_flat = is_flat_place(points, criteria, polygon);
+    let is_flat = criteria.flat_are_closed && is_flat_place(points, criteria, polygon);
     let sides = polygon.iter().zip(&rim).zip(rim.iter().cycle().skip(1));
     let length: f64 = sides.map(|((&p, a), b)| a.distance(*b) / points.spacings[p as usize]).sum();
     let has_few_sides = polygon.len() <= criteria.most_sides && length <= criteria.most_sides as f64;

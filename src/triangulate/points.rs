@@ -34,12 +34,7 @@ const GROWTH: f64 = 1.5;
 /// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
 pub fn triangulate_points(points: Surroundings<'_>, close_up_to: f64, monitor: &dyn Monitor) -> Result<Filled> {
     check(monitor)?;
-    let jittered = jittered(points);
-    let moved = Surroundings { positions: &jittered, ..points };
-    let stars: Vec<[u32; 3]> = parallel::collect(0..points.positions.len() as u32, |block| {
-        let mut maker = StarMaker::new(moved);
-        block.flat_map(move |p| maker.star(p))
-    });
+    let stars = stars(points);
     check(monitor)?;
     let bounds = Aabb::of(points.positions.iter().copied()).unwrap_or_default();
     let smallest_diagonal = close_up_to.max(SMALL_HOLE * bounds.diagonal());
@@ -51,16 +46,42 @@ pub fn triangulate_points(points: Surroundings<'_>, close_up_to: f64, monitor: &
     Ok(fill_boundary_loops(points, &stars, HoleCriteria { smallest_diagonal: close_up_to, ..STRICT }))
 }
 
+/// The same for the points of a part of a cloud: the triangles a few spacings from its border are the same whatever else there
+/// is. Holes of a few sides are closed.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
+pub fn triangulate_part(points: Surroundings<'_>, monitor: &dyn Monitor) -> Result<Vec<[u32; 3]>> {
+    check(monitor)?;
+    let stars = stars(points);
+    check(monitor)?;
+    Ok(fill_boundary_loops(points, &stars, HoleCriteria { flat_are_closed: false, ..STRICT }).triangles)
+}
+
+/// The triangles in the stars of all points, the centre of the star first in each.
+fn stars(points: Surroundings<'_>) -> Vec<[u32; 3]> {
+    let jittered = jittered(points);
+    let moved = Surroundings { positions: &jittered, ..points };
+    parallel::collect(0..points.positions.len() as u32, |block| {
+        let mut maker = StarMaker::new(moved);
+        block.flat_map(move |p| maker.star(p))
+    })
+}
+
 /// Hole criteria for a closed scan, whose loops may lie where it is only sparse.
-const LENIENT: HoleCriteria =
-    HoleCriteria { largest_circumradius: LARGEST_CIRCUMRADIUS, most_sides: 16, noise: 0.17, smallest_diagonal: 0.0 };
+const LENIENT: HoleCriteria = HoleCriteria {
+    largest_circumradius: LARGEST_CIRCUMRADIUS,
+    most_sides: 16,
+    noise: 0.17,
+    smallest_diagonal: 0.0,
+    flat_are_closed: true,
+};
 
 /// Loops whose bounding box has a diagonal below this fraction of the cloud's do not make a scan an open one.
 const SMALL_HOLE: f64 = 0.08;
 
 /// Hole criteria for a scan that has holes.
-const STRICT: HoleCriteria =
-    HoleCriteria { largest_circumradius: 1.2, most_sides: 7, noise: 0.0, smallest_diagonal: 0.0 };
+const STRICT: HoleCriteria = HoleCriteria { largest_circumradius: 1.2, most_sides: 7, noise: 0.0, ..LENIENT };
 
 /// How far points are moved, in spacings, so that no four of them are on one circle: those of a grid are, and each would
 /// see another two of them as neighbours.

@@ -2,8 +2,11 @@
 
 use glam::{DVec3, dvec3};
 use spectral_remesh::io::file::{read_file, write_points_file};
+use spectral_remesh::report::Report;
 use spectral_remesh::stages::base::rng::{Stage, stream, unit};
-use spectral_remesh::tiles::{PlanOptions, TileFolder, make_plan, merge, sample_all, sample_one};
+use spectral_remesh::tiles::{
+    PlanOptions, TileFolder, make_plan, merge, merge_mesh, mesh_all, mesh_one, rounds, sample_all, sample_one,
+};
 use spectral_remesh::{Attributes, Input, Points, SampleDensity, SampleOptions, Sampled, sample, with_threads};
 use std::f64::consts::TAU;
 use std::fs;
@@ -58,6 +61,38 @@ fn any_tiling_gives_the_same_samples_on_any_number_of_threads() {
         let (parts, tiles) = with_threads(Some(threads), || tiled(&path, &options(20_000, least))).unwrap();
         assert!(tiles >= least && parts == whole, "{tiles}");
     }
+}
+
+#[test]
+#[ignore = "slow"]
+fn any_tiling_gives_the_same_sound_mesh() {
+    let (_folder, path) = stretched(80_000, true, 6.0);
+    let meshed = |tiles: usize, threads: usize| {
+        let work = tempfile::tempdir().unwrap();
+        let folder = TileFolder::at(work.path()).unwrap();
+        let plan = make_plan(&path, None, &folder, &options(10_000, tiles), &()).unwrap();
+        let made = |numbers: std::ops::Range<usize>| numbers.rev().try_for_each(|n| mesh_one(&folder, n, &()));
+        sample_all(&folder, &()).unwrap();
+        let mesh = with_threads(Some(threads), || {
+            rounds(&plan).into_iter().try_for_each(made).unwrap();
+            mesh_all(&folder, &()).unwrap()
+        });
+        (mesh.unwrap(), plan)
+    };
+    let (mesh, plan) = meshed(1, 2);
+    // Pieces of all rounds have triangles.
+    assert!(plan.tiles.len() == 1 && rounds(&plan).len() == 3);
+    let report = Report::of_pieces(&mesh, plan.wanted);
+    let t = &report.output.topology;
+    assert_eq!((t.vertices, t.euler, t.components, t.boundary_loops), (10_000, 0, 1, 0));
+    assert_eq!((report.faults(), report.run.notes), (vec![], vec![]));
+    let shape = report.output.shape.unwrap();
+    assert!(shape.theta_min > 30.0 && shape.q_mean > 0.97, "{shape:?}");
+    let off =
+        |p: DVec3| ((p.with_x(p.x / 6.0) - 3.0 * p.with_x(p.x / 6.0).with_z(0.0).normalize()).length() - 1.0).abs();
+    assert!(mesh.positions.iter().all(|&p| off(p) < 0.01));
+    let (other, plan) = meshed(4, 1);
+    assert!(plan.tiles.len() >= 4 && other == mesh);
 }
 
 #[test]
@@ -128,6 +163,11 @@ fn what_is_missing_in_a_folder_is_one_line() {
     let plan = make_plan(&path, None, &folder, &options(3000, 4), &()).unwrap();
     failed(sample_one(&folder, plan.tiles.len(), &()), "there is no tile");
     failed(merge(&folder).map(drop), "tile 0 is not sampled yet");
+    failed(mesh_one(&folder, 0, &()), "is not sampled yet");
+    failed(merge_mesh(&folder).map(drop), "piece 0 of the mesh is not made yet");
+    let pieces = rounds(&plan).last().unwrap().end;
+    failed(mesh_one(&folder, pieces, &()), "there is no piece");
+    failed(mesh_one(&folder, pieces - 1, &()), "of the mesh is not made yet");
     let points = home.path().join("work/points");
     let bytes = fs::read(&points).unwrap();
     fs::write(&points, &bytes[..bytes.len() / 2]).unwrap();
@@ -182,6 +222,15 @@ mod command {
         }
         assert!(remesh(home, "tiles merge work b.ply").status.success());
         assert!(fs::read(home.join("a.ply")).unwrap() == fs::read(home.join("b.ply")).unwrap());
+        let last = text.trim().rsplit(['-', ' ']).next().unwrap();
+        assert!(
+            remesh(home, "tiles merge work c.obj --mesh").status.code() == Some(1) && last.parse::<usize>().is_ok()
+        );
+        assert!(remesh(home, "tiles mesh work").status.success());
+        let merged = remesh(home, "tiles merge work c.obj --mesh");
+        let table = String::from_utf8(merged.stdout).unwrap();
+        assert!(merged.status.success() && table.contains("Euler characteristic                  0"), "{table}");
+        assert_eq!(read_file(&home.join("c.obj"), None).unwrap().mesh.positions.len(), 3000);
         let points = Points::without_normals(read_file(&home.join("cloud.ply"), None).unwrap().mesh.positions);
         write_points_file(&home.join("cloud.xyz"), &points, &Attributes::default(), None).unwrap();
         assert!(remesh(home, &format!("sample cloud.xyz c.ply {common} --out-of-core --temp temp")).status.success());

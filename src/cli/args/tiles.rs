@@ -10,16 +10,23 @@ use clap::Subcommand;
 use std::path::PathBuf;
 
 pub(super) const HELP: &str = "\
-Samples a cloud of points of any size on any number of machines that share a folder. Files are the interface: 'plan' reads
-the cloud once and sorts it into the folder; then each tile can be sampled by any process on any machine, in any order and
-as often as one likes; 'merge' joins what they got. The result has the same bytes for any number of tiles, machines and
-threads, and those of 'remesh sample --out-of-core'.
+Samples and meshes a cloud of points of any size on any number of machines that share a folder. Files are the interface:
+'plan' reads the cloud once and sorts it into the folder; then each tile can be sampled by any process on any machine, in
+any order and as often as one likes; 'merge' joins what they got. The result has the same bytes for any number of tiles,
+machines and threads, and those of 'remesh sample --out-of-core'.
 
   remesh tiles plan scan.ply work --points 300000 --tiles 16
   remesh tiles sample work 0        (and so on, one for each tile, anywhere)
   remesh tiles merge work points.ply
 
-Exit status: 0 done, 1 a file cannot be read or written, or cannot be sampled, 2 wrong usage, 130 interrupted.";
+The mesh of the samples is made in pieces, in three rounds: those of a round can be made anywhere, too, once the ones before
+are done. 'plan' prints the first and the last number of each round.
+
+  remesh tiles mesh work            (all that are missing; or the numbers of some)
+  remesh tiles merge work mesh.ply --mesh
+
+Exit status: 0 done, 1 a file cannot be read or written, or cannot be sampled, 2 wrong usage, 3 the mesh is written, but
+not sound, 130 interrupted.";
 
 #[derive(Debug, Subcommand)]
 pub(super) enum TilesArgs {
@@ -35,13 +42,26 @@ pub(super) enum TilesArgs {
         #[command(flatten)]
         run: RunArgs,
     },
-    /// Join the samples of all tiles
+    /// Make pieces of the mesh of the samples
+    Mesh {
+        /// The folder of the plan
+        folder: PathBuf,
+        /// Their numbers, from 0; without any, all that are not made yet
+        #[arg(value_name = "I")]
+        numbers: Vec<usize>,
+        #[command(flatten)]
+        run: RunArgs,
+    },
+    /// Join the samples of all tiles, or all pieces of the mesh
     Merge {
         /// The folder of the plan
         folder: PathBuf,
-        /// The points to write; an existing file is replaced when the new one is complete
+        /// The points or the mesh to write; an existing file is replaced when the new one is complete
         #[arg(value_name = "OUT")]
         output: PathBuf,
+        /// Join the pieces of the mesh
+        #[arg(long)]
+        mesh: bool,
         #[command(flatten)]
         run: RunArgs,
     },
@@ -84,12 +104,23 @@ pub enum Tiling {
         /// How it goes on meanwhile.
         run: Run,
     },
-    /// Join the samples.
+    /// Make pieces of the mesh of these numbers, or all that are not made yet.
+    Mesh {
+        /// The folder of the plan.
+        folder: PathBuf,
+        /// The numbers of the pieces.
+        numbers: Vec<usize>,
+        /// How it goes on meanwhile.
+        run: Run,
+    },
+    /// Join the samples, or the pieces of the mesh.
     Merge {
         /// The folder of the plan.
         folder: PathBuf,
         /// What to write.
         output: PathBuf,
+        /// Whether that is the mesh.
+        mesh: bool,
         /// How it goes on meanwhile.
         run: Run,
     },
@@ -116,7 +147,10 @@ impl Tiling {
     /// How it goes on meanwhile.
     pub fn run(&self) -> &Run {
         match self {
-            Tiling::Plan(Planning { run, .. }) | Tiling::Sample { run, .. } | Tiling::Merge { run, .. } => run,
+            Tiling::Plan(Planning { run, .. })
+            | Tiling::Sample { run, .. }
+            | Tiling::Mesh { run, .. }
+            | Tiling::Merge { run, .. } => run,
         }
     }
 }
@@ -128,8 +162,11 @@ impl TilesArgs {
             TilesArgs::Sample { folder, numbers, run } => {
                 Tiling::Sample { folder, numbers, run: Run::from(run).without_page("tiles")? }
             }
-            TilesArgs::Merge { folder, output, run } => {
-                Tiling::Merge { folder, output, run: Run::from(run).without_page("samples")? }
+            TilesArgs::Mesh { folder, numbers, run } => {
+                Tiling::Mesh { folder, numbers, run: Run::from(run).without_page("pieces")? }
+            }
+            TilesArgs::Merge { folder, output, mesh, run } => {
+                Tiling::Merge { folder, output, mesh, run: Run::from(run).without_page("tiles")? }
             }
         })
     }

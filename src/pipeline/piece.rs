@@ -1,0 +1,227 @@
+//! A piece of the mesh of a cloud: samples of a part of it, triangulated, and optimised over the points around them.
+//!
+//! The triangles of samples depend only on the samples around them, so that pieces that are made by themselves fit together. Then
+//! each piece is optimised within its rim, which stays: what lies along rims is optimised as a piece of its own.
+//!
+//! Departures from remeshing a whole cloud: sharp edges are rounded like everything else, and a boundary is that of the samples.
+
+use crate::base::error::Result;
+use crate::base::monitor::Monitor;
+use crate::manifold::Manifold;
+use crate::mesh::half_edge::{OnCurve, next};
+use crate::mesh::normals::vertex_normals;
+use crate::mesh::oriented_manifold::OrientedManifold;
+use crate::mesh::submesh::Submesh;
+use crate::mesh::topology::{NONE, twins};
+use crate::mesh::triangle_mesh::Mesh;
+use crate::optimize::angles::improve_angles;
+use crate::optimize::exchange::balance_count;
+use crate::optimize::self_intersections::resolve_self_intersections;
+use crate::pipeline::optimization::optimize_over;
+use crate::pipeline::outline::Outline;
+use crate::pipeline::scale::Scale;
+use crate::pipeline::tile::{Part, TileOptions, TilePoint};
+use crate::prepare::repair::repair;
+use crate::spatial::bvh::Bvh;
+use crate::spatial::kdtree::Neighbors;
+use crate::spatial::knn_graph::{DEGREE, NeighborGraph};
+use crate::surface::domain::{Domain, Sample};
+use crate::surface::implicit::Rimls;
+use crate::triangulate::points::triangulate_part;
+use crate::triangulate::surroundings::Surroundings;
+use glam::DVec3;
+use rustc_hash::{FxHashMap, FxHashSet};
+
+/// Rounds in which edges between vertices of the rim are split: what is done about angles then may make others.
+const MOST_ROUNDS: usize = 3;
+
+/// A part of a mesh, made better: it fits where the part was.
+#[derive(Debug, Clone, Default)]
+pub struct Piece {
+    /// What takes the place of the part.
+    pub mesh: Mesh,
+    /// For each of its vertices on the rim the vertex of the whole that it is; [`NONE`] for others.
+    pub source: Vec<u32>,
+}
+
+/// The triangles between samples, counter-clockwise seen from where normals point. What is a few spacings from the border of the
+/// `samples` is the same whatever else there is.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
+pub fn triangulate_samples(samples: &[TilePoint], monitor: &dyn Monitor) -> Result<Vec<[u32; 3]>> {
+    let positions: Vec<DVec3> = samples.iter().map(|s| s.position).collect();
+    let normals: Vec<DVec3> = samples.iter().map(|s| s.normal).collect();
+    triangles_between(&positions, &normals, monitor)
+}
+
+/// The `selected` triangles of `whole` with `spare` vertices less, or more if that is negative, optimised over the surface of
+/// `points`, which are those around them. `options` are those of the sampling.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
+pub fn optimize_piece(
+    whole: &Mesh,
+    selected: &[bool],
+    spare: i64,
+    points: Vec<TilePoint>,
+    options: &TileOptions,
+    outline: &Outline,
+    monitor: &dyn Monitor,
+) -> Result<Piece> {
+    let domain = Domain::new(surface_of(points, options, outline, monitor)?);
+    let (whole, _) = repair(whole);
+    let selected: Vec<bool> =
+        (0..whole.triangles.len() as u32).map(|t| selected[whole.provenance().triangle(t) as usize]).collect();
+    let part = Submesh::cut_out(&whole, &selected);
+    let rim = Rim::of(&part.mesh);
+    let mut mesh = rim.laid_on(&domain, &part.mesh);
+    let wanted = part.mesh.positions.len().saturating_add_signed(-spare as isize);
+    let scale = Scale { wanted, spacing: Scale::spacing_of_sigma(options.sigma) };
+    let watched = nearest_to(&domain, &whole, &selected);
+    optimize_over(&domain, &mut mesh, &scale, watched, None, monitor)?;
+    resolve_self_intersections(&domain, &mut mesh, monitor)?;
+    rim.part_chords(&domain, &mut mesh, &scale, monitor)?;
+    let mesh = mesh.to_mesh();
+    let of_whole = |v: u32| whole.provenance().vertex(part.source[v as usize]).unwrap_or(NONE);
+    let joined: FxHashMap<[u64; 3], u32> =
+        part.interface.as_flattened().iter().map(|&v| (place(part.mesh.positions[v as usize]), of_whole(v))).collect();
+    let source = mesh.positions.iter().map(|&p| joined.get(&place(p)).copied().unwrap_or(NONE)).collect();
+    Ok(Piece { mesh, source })
+}
+
+/// The surface through `points`.
+fn surface_of(
+    points: Vec<TilePoint>,
+    options: &TileOptions,
+    outline: &Outline,
+    monitor: &dyn Monitor,
+) -> Result<OrientedManifold> {
+    let Part { samples, spacings, near, .. } = Part::new(points, options, outline);
+    let positions: Vec<DVec3> = samples.iter().map(|s| s.position).collect();
+    let normals: Vec<DVec3> = samples.iter().map(|s| s.normal).collect();
+    // The samples lie on this surface.
+    let (positions, normals) = Rimls::new(&positions, &normals, &near, &spacings, options.reach).smoothed();
+    let triangles = triangles_between(&positions, &normals, monitor)?;
+    let mut mesh = Mesh { positions, triangles };
+    mesh.drop_unused();
+    Ok(repair(&mesh).0)
+}
+
+fn triangles_between(positions: &[DVec3], normals: &[DVec3], monitor: &dyn Monitor) -> Result<Vec<[u32; 3]>> {
+    let near = Neighbors::new(positions);
+    let graph = NeighborGraph::new(positions, &near, DEGREE);
+    let spacings = graph.spacings(positions);
+    let surroundings = Surroundings { positions, normals, near: &near, graph: &graph, spacings: &spacings };
+    triangulate_part(surroundings, monitor)
+}
+
+/// The boundary of a part, which stays as it is.
+struct Rim {
+    /// Its edges, by their ends.
+    edges: Vec<[u32; 2]>,
+    /// A vertex at each place of it: the part may touch itself.
+    vertices: FxHashMap<[u64; 3], u32>,
+    /// The edges of the part between these vertices, the lower one first.
+    chords: FxHashSet<[u32; 2]>,
+}
+
+impl Rim {
+    fn of(part: &Mesh) -> Rim {
+        let twin = twins(&part.triangles);
+        let ends = |h: u32| [h, next(h)].map(|h| part.triangles[h as usize / 3][h as usize % 3]);
+        let sides = (0..twin.len() as u32).filter(|&h| twin[h as usize] == NONE);
+        let edges: Vec<[u32; 2]> = sides.map(ends).collect();
+        let at = |v: u32| (place(part.positions[v as usize]), v);
+        let vertices: FxHashMap<[u64; 3], u32> = edges.as_flattened().iter().map(|&v| at(v)).collect();
+        let mut rim = Rim { edges, vertices, chords: FxHashSet::default() };
+        let places = |ends: [u32; 2]| ends.map(|v| part.positions[v as usize]);
+        rim.chords = (0..twin.len() as u32).filter_map(|h| rim.chord(places(ends(h)))).collect();
+        rim
+    }
+
+    /// The vertex of the part that is on the rim at `p`.
+    fn vertex_at(&self, p: DVec3) -> Option<u32> {
+        self.vertices.get(&place(p)).copied()
+    }
+
+    /// The vertices of the rim at these places, the lower one first, if both are on it.
+    fn chord(&self, ends: [DVec3; 2]) -> Option<[u32; 2]> {
+        let [a, b] = ends.map(|p| self.vertex_at(p));
+        let (a, b) = (a?, b?);
+        Some([a.min(b), a.max(b)])
+    }
+
+    /// The part as a manifold over the domain.
+    fn laid_on(&self, domain: &Domain, part: &Mesh) -> Manifold {
+        let facing = part.positions.iter().zip(vertex_normals(part));
+        let mut samples: Vec<Sample> = facing.map(|(&p, normal)| domain.project_facing(p, normal)).collect();
+        let on_rim = self.edges.as_flattened();
+        on_rim.iter().for_each(|&v| samples[v as usize].position = part.positions[v as usize]);
+        let mut mesh = Manifold::new(samples, &part.triangles);
+        let edges: Vec<_> = self.edges.iter().map(|&ends| (ends, OnCurve::Interface)).collect();
+        mesh.mark_curves(&edges, on_rim.iter().copied());
+        mesh
+    }
+
+    /// Splits the edges between vertices of the rim that the part did not have: what is beyond the rim may have them, too.
+    fn part_chords(&self, domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
+        for _ in 0..MOST_ROUNDS {
+            let new = self.new_chords(mesh);
+            if new.is_empty() {
+                break;
+            }
+            for h in new {
+                mesh.split_anyhow(domain, h);
+            }
+            balance_count(domain, mesh, scale.wanted, scale.spacing, monitor)?;
+            improve_angles(domain, mesh, scale.spacing, monitor)?;
+        }
+        Ok(())
+    }
+
+    /// A half-edge of each edge between vertices of the rim that the part did not have.
+    fn new_chords(&self, mesh: &Manifold) -> Vec<u32> {
+        let c = &mesh.connectivity;
+        let chord = |h: u32| self.chord([c.origin(h), c.target(h)].map(|v| mesh.position(v)));
+        mesh.edges().filter(|&h| chord(h).is_some_and(|chord| !self.chords.contains(&chord))).collect()
+    }
+}
+
+/// What tells a place from all others.
+fn place(p: DVec3) -> [u64; 3] {
+    p.to_array().map(f64::to_bits)
+}
+
+/// The vertices of the domain that are nearest to the `selected` triangles of `whole`.
+fn nearest_to(domain: &Domain, whole: &Mesh, selected: &[bool]) -> Vec<u32> {
+    let bvh = Bvh::new(whole);
+    let is_near = |p: DVec3| bvh.closest(whole, p).is_some_and(|hit| selected[hit.triangle as usize]);
+    (0..).zip(&domain.mesh.positions).filter(|v| is_near(*v.1)).map(|v| v.0).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_edge_across_a_corner_of_the_rim_is_split() {
+        // A quadrilateral with a vertex inside, joined with all of its corners; then two of these with each other.
+        let corners = [[0.0, 0.0], [1.0, -0.6], [2.0, 0.0], [1.0, 2.0], [1.0, 0.6]];
+        let positions = corners.map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec();
+        let part = Mesh { positions, triangles: vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]] };
+        let domain = Domain::new(part.clone().try_into().unwrap());
+        let rim = Rim::of(&part);
+        let mut mesh = rim.laid_on(&domain, &part);
+        assert!(rim.new_chords(&mesh).is_empty());
+        let h = mesh.connectivity.outgoing(1).find(|&h| mesh.connectivity.target(h) == 4).unwrap();
+        mesh.connectivity.flip(h);
+        assert_eq!(rim.new_chords(&mesh).len(), 1);
+        rim.part_chords(&domain, &mut mesh, &Scale { wanted: 6, spacing: 1.0 }, &()).unwrap();
+        assert!(rim.new_chords(&mesh).is_empty());
+        let made = mesh.to_mesh();
+        assert_eq!((made.positions.len(), made.triangles.len()), (6, 6));
+        let on_rim = made.positions.iter().filter_map(|&p| rim.vertex_at(p)).count();
+        assert_eq!((on_rim, Rim::of(&made).edges.len()), (4, 4));
+    }
+}

@@ -1,0 +1,129 @@
+//! Pieces of a mesh, joined.
+
+use crate::geom::triangle::smallest_angle;
+use crate::mesh::triangle_mesh::Mesh;
+use crate::tiles::made::{MadePiece, is_of_sample};
+use glam::DVec3;
+use rustc_hash::{FxHashMap, FxHashSet};
+
+/// Rings of triangles around rims that are made anew. With six the smallest angles along rims are 55 degrees in the mean, with ten
+/// 56, and 59 elsewhere.
+const RINGS: usize = 10;
+
+/// The angle, in degrees, below which a triangle is made anew: those along rims could not be better before.
+const SMALL: f64 = 40.0;
+
+/// Pieces of a mesh, joined by the keys of their vertices.
+#[derive(Default)]
+pub(super) struct Joined {
+    pub mesh: Mesh,
+    /// The key of each vertex.
+    pub keys: Vec<u64>,
+    /// For each triangle the number of its piece, and its own one in that.
+    pub sources: Vec<[u32; 2]>,
+}
+
+impl Joined {
+    /// The pieces with their numbers; those that take the place of triangles of others come after these.
+    pub fn new(pieces: &[(usize, MadePiece)]) -> Joined {
+        let replaced: FxHashSet<[u32; 2]> = pieces.iter().flat_map(|(_, piece)| &piece.replaced).copied().collect();
+        let mut joined = Joined::default();
+        let mut vertices = FxHashMap::default();
+        for (number, piece) in pieces {
+            for (t, corners) in (0..).zip(&piece.triangles) {
+                let source = [*number as u32, t];
+                if replaced.contains(&source) {
+                    continue;
+                }
+                let vertex = |v: u32| {
+                    let key = piece.keys[v as usize];
+                    *vertices.entry(key).or_insert_with(|| joined.add(key, piece.positions[v as usize]))
+                };
+                let corners = corners.map(vertex);
+                joined.mesh.triangles.push(corners);
+                joined.sources.push(source);
+            }
+        }
+        joined
+    }
+
+    /// Adds a vertex; its number.
+    fn add(&mut self, key: u64, position: DVec3) -> u32 {
+        self.keys.push(key);
+        self.mesh.positions.push(position);
+        self.keys.len() as u32 - 1
+    }
+
+    /// For each triangle whether it is to be made anew: near a vertex that was on a rim whenever a piece was made, or near a small
+    /// angle.
+    pub fn to_be_made_anew(&self) -> Vec<bool> {
+        let mut near: Vec<bool> = self.keys.iter().map(|&key| is_of_sample(key)).collect();
+        let is_small = |t: &usize| smallest_angle(self.mesh.corners(*t)) < SMALL;
+        let small = (0..self.mesh.triangles.len()).filter(is_small).flat_map(|t| self.mesh.triangles[t]);
+        small.for_each(|v| near[v as usize] = true);
+        let touches = |near: &[bool], t: &[u32; 3]| t.iter().any(|&v| near[v as usize]);
+        for _ in 1..RINGS {
+            let ring: Vec<[u32; 3]> = self.mesh.triangles.iter().filter(|t| touches(&near, t)).copied().collect();
+            ring.as_flattened().iter().for_each(|&v| near[v as usize] = true);
+        }
+        self.mesh.triangles.iter().map(|t| touches(&near, t)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::grid;
+    use crate::tiles::made::new_key;
+
+    /// A flat grid of 60 by 60 even cells as piece 0, the middle vertex a sample.
+    fn piece() -> MadePiece {
+        let Mesh { positions, triangles } = grid(60, 60, |u, v| DVec3::new(u, v, 0.0));
+        let middle = positions.iter().position(|p| p.distance(DVec3::new(0.5, 0.5, 0.0)) < 1e-9).unwrap();
+        let key = |v: usize| if v == middle { v as u64 } else { new_key(0, v as u32) };
+        MadePiece { keys: (0..positions.len()).map(key).collect(), positions, triangles, replaced: Vec::new() }
+    }
+
+    #[test]
+    fn a_piece_takes_the_place_of_triangles_of_others() {
+        let first = piece();
+        // The first triangle with a vertex in its middle.
+        let corners = first.triangles[0];
+        let middle = corners.map(|v| first.positions[v as usize]).iter().sum::<DVec3>() / 3.0;
+        let of_first = |values: &[u64]| corners.map(|v| values[v as usize]);
+        let second = MadePiece {
+            keys: [of_first(&first.keys).as_slice(), &[new_key(1, 3)]].concat(),
+            positions: corners.map(|v| first.positions[v as usize]).into_iter().chain([middle]).collect(),
+            triangles: vec![[0, 1, 3], [1, 2, 3], [2, 0, 3]],
+            replaced: vec![[0, 0]],
+        };
+        let joined = Joined::new(&[(0, first), (1, second)]);
+        assert_eq!((joined.mesh.positions.len(), joined.mesh.triangles.len()), (61 * 61 + 1, 2 * 60 * 60 + 2));
+        assert!((joined.mesh.area() - 1.0).abs() < 1e-9);
+        assert!(!joined.sources.contains(&[0, 0]) && joined.sources.contains(&[1, 2]));
+    }
+
+    #[test]
+    fn what_is_within_some_rings_of_a_sample_or_a_small_angle_is_made_anew() {
+        let anew = |piece: MadePiece, from: DVec3| {
+            let joined = Joined::new(&[(0, piece)]);
+            let cells = |t: usize| {
+                let far = |p: DVec3| (60.0 * (p - from)).abs().max_element();
+                joined.mesh.corners(t).map(far).into_iter().fold(f64::INFINITY, f64::min)
+            };
+            let anew = joined.to_be_made_anew();
+            // A ring is a cell wide along the axes and along one diagonal, half of that along the other one.
+            let near = (0..anew.len()).filter(|&t| anew[t]).map(cells).fold(0.0, f64::max);
+            let far = (0..anew.len()).filter(|&t| !anew[t]).map(cells).fold(f64::INFINITY, f64::min);
+            (near, far)
+        };
+        let (near, far) = anew(piece(), DVec3::new(0.5, 0.5, 0.0));
+        assert!((near - RINGS as f64).abs() < 1.1 && far >= 0.5 * RINGS as f64 - 1.1, "{near} {far}");
+        let mut pinched = piece();
+        pinched.keys.iter_mut().zip(0..).for_each(|(key, v)| *key = new_key(0, v));
+        let spoilt = pinched.positions.iter().position(|p| p.distance(DVec3::new(0.5, 0.5, 0.0)) < 1e-9).unwrap();
+        pinched.positions[spoilt].x += 0.7 / 60.0;
+        let (near, far) = anew(pinched, DVec3::new(0.5, 0.5, 0.0));
+        assert!((near - RINGS as f64).abs() < 2.1 && far >= 0.5 * RINGS as f64 - 1.1, "{near} {far}");
+    }
+}
