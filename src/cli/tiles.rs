@@ -100,7 +100,8 @@ fn join_mesh(folder: &Path, output: &Path, run: &Run) -> Result<Status> {
     if faults.is_empty() {
         return Ok(Status::Done);
     }
-    terminal::complain(&format!("{}: written but not sound: {}", output.display(), faults.join(", ")));
+    let remedy = "plan it with more points or with --smooth";
+    terminal::complain(&format!("{}: written but not sound: {}; {remedy}", output.display(), faults.join(", ")));
     Ok(Status::Unverified)
 }
 

@@ -7,6 +7,7 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
+use crate::base::parallel;
 use crate::manifold::Manifold;
 use crate::mesh::half_edge::{OnCurve, next};
 use crate::mesh::normals::vertex_normals;
@@ -69,11 +70,22 @@ pub fn optimize_piece(
     outline: &Outline,
     monitor: &dyn Monitor,
 ) -> Result<Piece> {
-    let domain = Domain::new(surface_of(points, options, outline, monitor)?);
     let (whole, _) = repair(whole);
     let selected: Vec<bool> =
         (0..whole.triangles.len() as u32).map(|t| selected[whole.provenance().triangle(t) as usize]).collect();
     let part = Submesh::cut_out(&whole, &selected);
+    let of_whole = |v: u32| whole.provenance().vertex(part.source[v as usize]).unwrap_or(NONE);
+    let joined: FxHashMap<[u64; 3], u32> =
+        part.interface.as_flattened().iter().map(|&v| (place(part.mesh.positions[v as usize]), of_whole(v))).collect();
+    let piece = |mesh: Mesh| {
+        let source = mesh.positions.iter().map(|&p| joined.get(&place(p)).copied().unwrap_or(NONE)).collect();
+        Piece { mesh, source }
+    };
+    let surface = surface_of(points, options, outline, monitor)?;
+    if surface.triangles.is_empty() || part.mesh.triangles.is_empty() {
+        return Ok(piece(part.mesh.clone()));
+    }
+    let domain = Domain::new(surface);
     let rim = Rim::of(&part.mesh);
     let mut mesh = rim.laid_on(&domain, &part.mesh);
     let wanted = part.mesh.positions.len().saturating_add_signed(-spare as isize);
@@ -82,12 +94,7 @@ pub fn optimize_piece(
     optimize_over(&domain, &mut mesh, &scale, watched, None, monitor)?;
     resolve_self_intersections(&domain, &mut mesh, monitor)?;
     rim.part_chords(&domain, &mut mesh, &scale, monitor)?;
-    let mesh = mesh.to_mesh();
-    let of_whole = |v: u32| whole.provenance().vertex(part.source[v as usize]).unwrap_or(NONE);
-    let joined: FxHashMap<[u64; 3], u32> =
-        part.interface.as_flattened().iter().map(|&v| (place(part.mesh.positions[v as usize]), of_whole(v))).collect();
-    let source = mesh.positions.iter().map(|&p| joined.get(&place(p)).copied().unwrap_or(NONE)).collect();
-    Ok(Piece { mesh, source })
+    Ok(piece(mesh.to_mesh()))
 }
 
 /// The surface through `points`.
@@ -197,7 +204,9 @@ fn place(p: DVec3) -> [u64; 3] {
 fn nearest_to(domain: &Domain, whole: &Mesh, selected: &[bool]) -> Vec<u32> {
     let bvh = Bvh::new(whole);
     let is_near = |p: DVec3| bvh.closest(whole, p).is_some_and(|hit| selected[hit.triangle as usize]);
-    (0..).zip(&domain.mesh.positions).filter(|v| is_near(*v.1)).map(|v| v.0).collect()
+    parallel::collect(0..domain.mesh.positions.len() as u32, |vertices| {
+        vertices.filter(|&v| is_near(domain.mesh.positions[v as usize]))
+    })
 }
 
 #[cfg(test)]

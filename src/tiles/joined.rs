@@ -6,8 +6,8 @@ use crate::tiles::made::{MadePiece, is_of_sample};
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Rings of triangles around rims that are made anew. With six the smallest angles along rims are 55 degrees in the mean, with ten
-/// 56, and 59 elsewhere.
+/// Rings of triangles around rims that are made anew. With six the smallest angles along rims are 56.5 degrees in the mean, with ten
+/// 57.4, and 58.9 elsewhere.
 const RINGS: usize = 10;
 
 /// The angle, in degrees, below which a triangle is made anew: those along rims could not be better before.

@@ -12,8 +12,8 @@ use glam::{DVec3, IVec3};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Blocks of a piece along each axis. About twice as many spacings as for a tile of one bucket: with fewer more of the surface lies
-/// at rims, and with more a piece takes more memory, 300 MB if the surface goes through it once.
+/// Blocks of a piece along each axis, about 240 spacings: with fewer more of the surface lies along rims, and with more a piece takes
+/// more memory, 300 MB so if the surface goes through it once.
 const SIDE: i32 = 4 * BUCKET;
 
 /// How far samples may move out of the bucket where they were drawn, in blocks.
