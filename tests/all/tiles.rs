@@ -90,7 +90,8 @@ fn any_tiling_gives_the_same_sound_mesh() {
     assert!(shape.theta_min > 30.0 && shape.q_mean > 0.97, "{shape:?}");
     let off =
         |p: DVec3| ((p.with_x(p.x / 6.0) - 3.0 * p.with_x(p.x / 6.0).with_z(0.0).normalize()).length() - 1.0).abs();
-    assert!(mesh.positions.iter().all(|&p| off(p) < 0.01));
+    let farthest = mesh.positions.iter().map(|&p| off(p)).fold(0.0, f64::max);
+    assert!(farthest < 0.05 * shape.edge_mean, "{farthest} {}", shape.edge_mean);
     let (other, plan) = meshed(4, 1);
     assert!(plan.tiles.len() >= 4 && other == mesh);
 }
