@@ -47,9 +47,8 @@ def sample(
     Raises ``RuntimeError`` with what the program said if a step of it fails, and ``ImportError`` without
     ``dask[distributed]``.
     """
-    words = [word for name, value in options.items() for word in _flag(name, value)]
-    said = _run(command, "plan", source, folder, "--tiles", tiles, *words)
-    _run_rounds([("sample", range(int(said.split()[0])))], folder, client, retries, progress, command)
+    said = _plan(command, source, folder, tiles, options)
+    _run_rounds([("sample", range(int(said[0])))], folder, client, retries, progress, command)
     _run(command, "merge", folder, target)
 
 
@@ -69,13 +68,24 @@ def mesh(
 
     The arguments and errors are those of :func:`sample`. ``RuntimeError`` is also raised for a mesh that is written, but not sound.
     """
-    words = [word for name, value in options.items() for word in _flag(name, value)]
-    said = _run(command, "plan", source, folder, "--tiles", tiles, *words).split()
+    said = _plan(command, source, folder, tiles, options)
     # The last words are the first and the last number of each round.
     ends = [map(int, word.split("-")) for word in said[said.index("mesh") + 1 :]]
     rounds = [("sample", range(int(said[0])))] + [("mesh", range(first, last + 1)) for first, last in ends]
     _run_rounds(rounds, folder, client, retries, progress, command)
     _run(command, "merge", folder, target, "--mesh")
+
+
+def _plan(
+    command: Sequence[str],
+    source: str | os.PathLike[str],
+    folder: str | os.PathLike[str],
+    tiles: int,
+    options: dict[str, Any],
+) -> list[str]:
+    """Makes a plan; the words that the program prints of it."""
+    words = [word for name, value in options.items() for word in _flag(name, value)]
+    return _run(command, "plan", source, folder, "--tiles", tiles, *words).split()
 
 
 def _run_rounds(

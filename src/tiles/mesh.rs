@@ -10,8 +10,7 @@ use crate::spectral::lattice::{BlockBox, place_of};
 use crate::tiles::folder::{Counts, TileFolder};
 use crate::tiles::joined::Joined;
 use crate::tiles::made::{MadePiece, new_key};
-use crate::tiles::merge::merge_mesh;
-use crate::tiles::pieces::{Cube, MOVED, pieces, rounds, spare};
+use crate::tiles::pieces::{Cube, MOVED, pieces, spare};
 use crate::tiles::plan::Plan;
 use crate::tiles::points::points_of;
 use crate::tiles::watch::OfTile;
@@ -39,17 +38,6 @@ pub fn mesh_one(folder: &TileFolder, number: usize, monitor: &dyn Monitor) -> Re
     let work = Work { folder, plan: &plan, number, cube, monitor };
     let made = if cube.round == 0 { work.of_samples()? } else { work.of_rims(&all)? };
     folder.write_piece(number, &made)
-}
-
-/// Makes all pieces of the mesh that are not made yet, one after the other, and joins them.
-///
-/// # Errors
-/// Those of [`mesh_one`] and [`merge_mesh`].
-pub fn mesh_all(folder: &TileFolder, monitor: &dyn Monitor) -> Result<Mesh> {
-    for number in rounds(&folder.plan()?).into_iter().flatten().filter(|&number| !folder.has_piece(number)) {
-        mesh_one(folder, number, monitor)?;
-    }
-    merge_mesh(folder)
 }
 
 /// The making of a piece.

@@ -23,7 +23,7 @@ mod watch;
 
 pub use folder::TileFolder;
 pub use merge::{merge, merge_mesh};
-pub use mesh::{mesh_all, mesh_one};
+pub use mesh::mesh_one;
 pub use pieces::rounds;
 pub use plan::{Plan, PlanOptions};
 pub use planning::{can_plan, make_plan};

@@ -5,7 +5,7 @@ use spectral_remesh::io::file::{read_file, write_points_file};
 use spectral_remesh::report::Report;
 use spectral_remesh::stages::base::rng::{Stage, stream, unit};
 use spectral_remesh::tiles::{
-    PlanOptions, TileFolder, make_plan, merge, merge_mesh, mesh_all, mesh_one, rounds, sample_all, sample_one,
+    PlanOptions, TileFolder, make_plan, merge, merge_mesh, mesh_one, rounds, sample_all, sample_one,
 };
 use spectral_remesh::{Attributes, Input, Points, SampleDensity, SampleOptions, Sampled, sample, with_threads};
 use std::f64::consts::TAU;
@@ -75,7 +75,7 @@ fn any_tiling_gives_the_same_sound_mesh() {
         sample_all(&folder, &()).unwrap();
         let mesh = with_threads(Some(threads), || {
             rounds(&plan).into_iter().try_for_each(made).unwrap();
-            mesh_all(&folder, &()).unwrap()
+            merge_mesh(&folder).unwrap()
         });
         (mesh.unwrap(), plan)
     };

@@ -75,7 +75,7 @@ Exit status:
                             remesh sample <IN> <OUT> <--points N | --edge-length L | --sigma-p S> [OPTIONS]\n       \
                             remesh reconstruct <IN> <OUT> [--resolution R] [--smooth W] [OPTIONS]\n       \
                             remesh quality <MESH>... [--against <INPUT>] [--json] [--report F]\n       \
-                            remesh tiles <plan | sample | merge> ...\n       \
+                            remesh tiles <plan | sample | mesh | merge> ...\n       \
                             remesh completions <SHELL>\n       \
                             remesh man [COMMAND]"
 )]

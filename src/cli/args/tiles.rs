@@ -69,7 +69,7 @@ pub(super) enum TilesArgs {
 
 #[derive(Debug, clap::Args)]
 pub(super) struct PlanArgs {
-    /// The cloud of points to read: binary PLY or uncompressed LAS
+    /// The cloud of points to read: binary PLY, LAS, LAZ, E57 or text
     #[arg(value_name = "IN")]
     input: PathBuf,
     /// The folder for the plan and all that follows; it is made if it is not there
