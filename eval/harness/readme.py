@@ -43,7 +43,8 @@ def between_markers(page, text, name):
 
 def short_section(found):
     """A row for each model that all programs remeshed: ours and the best of the others, by a few measures."""
-    parts = ['Measured on %s on %s. %s' % (found['date'], results.machine_words(found), WRITTEN)]
+    made = _made_with(found, 'remeshers')
+    parts = ['Measured on %s on %s. %s' % (made['date'], results.machine_words(made), WRITTEN)]
     raw = _experiment(found, 'remeshers')
     if raw:
         parts.append(_short(raw))
@@ -52,16 +53,22 @@ def short_section(found):
 
 def section(found):
     """All figures that the page has, of those experiments that the run had."""
+    made = _made_with(found, 'cases')
     parts = ['Version %s, measured on %s (%s) by `%s`. %s '
              '[eval/RESULTS.md](../eval/RESULTS.md) has all figures, the settings of the other programs, and what is '
              'better and what is worse than each of them.' % (
-                 found['versions']['remesh'], found['date'], results.machine_words(found), found['command'], WRITTEN)]
+                 made['versions']['remesh'], made['date'], results.machine_words(made), made['command'], WRITTEN)]
     writers = {'cases': _cases, 'remeshers': _best, 'clouds': _points}
     for name, write in writers.items():
         raw = _experiment(found, name)
         if raw:
             parts += write(raw)
     return '\n\n'.join(parts)
+
+
+def _made_with(found, name):
+    """When, on what machine and how an experiment was made, which may be apart from the rest."""
+    return found.get('apart', {}).get(name, found)
 
 
 def _experiment(found, name):
