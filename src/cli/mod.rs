@@ -4,6 +4,7 @@
 pub mod args;
 mod files;
 mod flags;
+mod in_tiles;
 mod out_of_core;
 mod outputs;
 mod quality;

@@ -1,17 +1,15 @@
-//! What is larger than memory: meshes that become coarser while they are read, and clouds that are sampled tile by tile, with
-//! temporary files.
+//! What is larger than memory: meshes that become coarser while they are read, and the folder of temporary files.
 
 use crate::base::error::{Error, Result};
 use crate::base::monitor::Monitor;
-use crate::cli::args::{MeshFile, OutOfCore, Remeshing, Sampling, Voice};
+use crate::cli::args::{MeshFile, OutOfCore, Remeshing, Voice};
 use crate::cli::files::name;
 use crate::cli::terminal;
 use crate::io::Loaded;
 use crate::io::dense::PointFile;
 use crate::io::large::LargeMesh;
 use crate::job::{coarseness_within, is_far_finer, refuse_coarser};
-use crate::pipeline::Sampled;
-use crate::tiles::{PlanOptions, TileFolder, can_plan, make_plan, sample_all};
+use crate::tiles::TileFolder;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -20,6 +18,13 @@ const UNKNOWN: u64 = 2_000_000_000;
 
 /// Triangles that take more than this part of the memory are sorted in a file.
 const OF_MEMORY: u64 = 10;
+
+impl OutOfCore {
+    /// The memory to make do with, in bytes.
+    pub(super) fn memory(&self) -> u64 {
+        self.memory.unwrap_or_else(free_memory)
+    }
+}
 
 /// Half of the memory that is free, in bytes.
 pub(super) fn free_memory() -> u64 {
@@ -31,14 +36,8 @@ pub(super) fn free_memory() -> u64 {
 }
 
 /// Whether a file is larger than the memory for it.
-fn is_large(input: &MeshFile, wanted: &OutOfCore) -> bool {
-    fs::metadata(&input.path).is_ok_and(|found| found.len() > wanted.memory.unwrap_or_else(free_memory))
-}
-
-/// Whether a job is done out of core: if that is wanted, or if its file is larger than the memory for it and can be.
-pub(super) fn is_out_of_core(job: &Sampling) -> bool {
-    job.out_of_core.wanted
-        || is_large(&job.input, &job.out_of_core) && can_plan(&job.input.path, job.input.format, &job.options)
+pub(super) fn is_large(input: &MeshFile, wanted: &OutOfCore) -> bool {
+    fs::metadata(&input.path).is_ok_and(|found| found.len() > wanted.memory())
 }
 
 /// The mesh of a job, made coarser while it is read, if it is larger than memory or far finer than the result, or if that is
@@ -67,7 +66,7 @@ pub(super) fn load_coarsened(job: &Remeshing, monitor: &dyn Monitor) -> Result<O
     }
     monitor.stage("read");
     let parent = parent(&job.out_of_core)?;
-    let memory = job.out_of_core.memory.unwrap_or_else(free_memory);
+    let memory = job.out_of_core.memory();
     let coarseness = |extent| coarseness_within(memory, extent, options).map_err(|e| e.in_file(&name(&job.input)));
     let bytes = mesh.bytes_of_triangles();
     let loaded = if bytes <= memory / OF_MEMORY {
@@ -92,33 +91,15 @@ fn not_in_blocks(path: &Path) -> Error {
 }
 
 /// Says how much room temporary files take.
-fn announce(input: &MeshFile, place: &Place, bytes: u64, voice: Voice) {
+pub(super) fn announce(input: &MeshFile, place: &Place, bytes: u64, voice: Voice) {
     if voice != Voice::Quiet {
         let (name, folder) = (name(input), place.path().display());
         terminal::complain(&format!("{name}: about {} MB of temporary files in {folder}", bytes / 1_000_000 + 1));
     }
 }
 
-/// Samples the file of a job tile by tile.
-pub(super) fn sample_out_of_core(job: &Sampling, monitor: &dyn Monitor) -> Result<Sampled> {
-    let memory = job.out_of_core.memory.unwrap_or_else(free_memory);
-    let options = PlanOptions { sample: job.options.clone(), memory, tiles: 1 };
-    let place = Place::of(job)?;
-    let folder = place.folder()?;
-    let is_begun = job.resume && folder.is_of(&job.input.path, &options);
-    if !is_begun {
-        let size = fs::metadata(&job.input.path).map_or(0, |found| found.len());
-        announce(&job.input, &place, size + size / 4, job.run.voice);
-        make_plan(&job.input.path, job.input.format, &folder, &options, monitor)?;
-        folder.note(&job.input.path, &options)?;
-    }
-    let sampled = sample_all(&folder, monitor)?;
-    place.clear();
-    Ok(sampled)
-}
-
 /// The folder of temporary files.
-enum Place {
+pub(super) enum Place {
     /// One that vanishes whatever happens.
     Passing(tempfile::TempDir),
     /// One that stays until the job is done.
@@ -126,12 +107,13 @@ enum Place {
 }
 
 impl Place {
-    fn of(job: &Sampling) -> Result<Place> {
-        let parent = parent(&job.out_of_core)?;
-        if !job.resume {
+    /// The one for `output`.
+    pub(super) fn of(output: &Path, wanted: &OutOfCore) -> Result<Place> {
+        let parent = parent(wanted)?;
+        if !wanted.resume {
             return Place::passing(&parent);
         }
-        let output = job.output.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let output = output.file_name().unwrap_or_default().to_string_lossy().into_owned();
         Ok(Place::Kept(parent.join(format!("{output}.remesh-tiles"))))
     }
 
@@ -153,12 +135,12 @@ impl Place {
         }
     }
 
-    fn folder(&self) -> Result<TileFolder> {
+    pub(super) fn folder(&self) -> Result<TileFolder> {
         TileFolder::make(self.path())
     }
 
     /// Takes away what was kept.
-    fn clear(&self) {
+    pub(super) fn clear(&self) {
         if let Place::Kept(path) = self {
             // The job is done; a folder that cannot be removed is no reason to fail.
             let _ = fs::remove_dir_all(path);

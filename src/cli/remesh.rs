@@ -4,6 +4,7 @@ use crate::base::error::Result;
 use crate::base::monitor::Stopwatch;
 use crate::cli::args::{Remeshing, Run, Sizing, Voice, is_page};
 use crate::cli::files::{add_run, check_report, hand_out, load, name, now_writing, watched};
+use crate::cli::in_tiles::mesh_in_pieces;
 use crate::cli::out_of_core::load_coarsened;
 use crate::cli::outputs::Outputs;
 use crate::cli::status::Status;
@@ -11,7 +12,7 @@ use crate::cli::terminal;
 use crate::io::{Loaded, file};
 use crate::job::{Carry, Input, Outcome, RemeshOptions, of_use_for_remeshing, remesh, remesh_levels};
 use crate::mesh::triangle_mesh::Mesh;
-use crate::pipeline::{Grading, Values};
+use crate::pipeline::{Density, Grading, Values};
 use crate::report::page::{Subject, page};
 use crate::report::{Report, all_to_json, all_to_text};
 
@@ -20,17 +21,15 @@ pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
     let outputs = Outputs::of(job)?;
     check_report(&job.run)?;
     let (outcomes, reports, page) = watched(job.run.voice, |monitor| {
-        let loaded = match load_coarsened(job, monitor)? {
-            Some(loaded) => loaded,
-            None => load(&job.input, of_use(job), monitor)?,
+        let Made { mut outcomes, input, notes } = match mesh_in_pieces(job, &outputs, monitor)? {
+            Some(mesh) => Made::of_pieces(mesh, job),
+            None => in_memory(job, &outputs, monitor)?,
         };
-        let options = options(job, &outputs, &loaded)?;
-        let mut outcomes = outcomes(job, &loaded, &options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
         now_writing(monitor);
         outputs.write(&outcomes)?;
         for (outcome, output) in outcomes.iter_mut().zip(&outputs.names) {
             if let Some(report) = &mut outcome.report {
-                report.run.notes.splice(0..0, loaded.notes.clone());
+                report.run.notes.splice(0..0, notes.clone());
                 report.add_files(&name(&job.input), output);
             }
         }
@@ -39,7 +38,7 @@ pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
             .and_then(|last| last.report.as_mut())
             .iter_mut()
             .for_each(|report| add_run(&mut report.run, monitor));
-        let page = page_of(&outcomes, &loaded.mesh, &job.run);
+        let page = page_of(&outcomes, input.as_ref(), &job.run);
         let reports: Vec<Report> = outcomes.iter_mut().filter_map(|outcome| outcome.report.take()).collect();
         Ok((outcomes, reports, page))
     })?;
@@ -53,6 +52,36 @@ pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
         terminal::complain(&format!("{}: {warning}", name(&job.input)));
     }
     Ok(verdict(&outcomes, &outputs.names))
+}
+
+/// What was made.
+struct Made {
+    outcomes: Vec<Outcome>,
+    /// What it was made of; `None` if that was never in memory as a whole.
+    input: Option<Mesh>,
+    /// What there is to say of reading.
+    notes: Vec<String>,
+}
+
+impl Made {
+    fn of_pieces(mesh: Mesh, job: &Remeshing) -> Made {
+        let wanted = match job.options.surface.density {
+            Density::Points(wanted) => Some(wanted),
+            _ => None,
+        };
+        Made { outcomes: vec![Outcome::of_pieces(mesh, wanted)], input: None, notes: Vec::new() }
+    }
+}
+
+/// What is made of an input as a whole, or of one that became coarser while it was read.
+fn in_memory(job: &Remeshing, outputs: &Outputs, monitor: &Stopwatch) -> Result<Made> {
+    let loaded = match load_coarsened(job, monitor)? {
+        Some(loaded) => loaded,
+        None => load(&job.input, of_use(job), monitor)?,
+    };
+    let options = options(job, outputs, &loaded)?;
+    let outcomes = outcomes(job, &loaded, &options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
+    Ok(Made { outcomes, input: Some(loaded.mesh), notes: loaded.notes })
 }
 
 /// What was made of the input: one result, or one for each level. Each report has the stages since the one before.
@@ -75,7 +104,7 @@ fn outcomes(job: &Remeshing, loaded: &Loaded, options: &RemeshOptions, monitor: 
 }
 
 /// The reports as a page, if that is wanted.
-fn page_of(outcomes: &[Outcome], input: &Mesh, run: &Run) -> Option<String> {
+fn page_of(outcomes: &[Outcome], input: Option<&Mesh>, run: &Run) -> Option<String> {
     run.report.as_deref().filter(|path| is_page(path))?;
     let reference = outcomes.first().and_then(|outcome| outcome.of_points.as_deref());
     let shown = |report: &Report| if run.voice == Voice::Verbose { report.clone() } else { report.without_run() };
@@ -83,7 +112,7 @@ fn page_of(outcomes: &[Outcome], input: &Mesh, run: &Run) -> Option<String> {
     let reports = reports?;
     let subject = |(outcome, report)| subject(outcome, report);
     let subjects: Vec<Subject> = outcomes.iter().zip(&reports).map(subject).collect();
-    Some(page(Some(reference.unwrap_or(input)), &subjects))
+    Some(page(reference.or(input), &subjects))
 }
 
 fn subject<'a>(outcome: &'a Outcome, report: &'a Report) -> Subject<'a> {

@@ -8,18 +8,23 @@ use crate::cli::out_of_core::free_memory;
 use crate::cli::status::Status;
 use crate::cli::terminal;
 use crate::io::file;
+use crate::job::Outcome;
 use crate::mesh::attributes::Attributes;
 use crate::pipeline::SampleOptions;
+use crate::report::all_to_text;
 use crate::report::samples::SamplesReport;
-use crate::report::{Report, all_to_text};
-use crate::tiles::{Plan, PlanOptions, TileFolder, make_plan, merge, merge_mesh, mesh_one, rounds, sample_one};
+use crate::tiles::{Plan, PlanOptions, TileFolder, make_plan, merge, merge_mesh, mesh_pieces, rounds, sample_tiles};
 use std::path::Path;
 
 pub(super) fn do_tiles(job: &Tiling) -> Result<Status> {
     match job {
         Tiling::Plan(job) => plan(job)?,
-        Tiling::Sample { folder, numbers, run } => sample(folder, numbers, run.voice)?,
-        Tiling::Mesh { folder, numbers, run } => mesh(folder, numbers, run.voice)?,
+        Tiling::Sample { folder, numbers, run } => {
+            watched(run.voice, |monitor| sample_tiles(&TileFolder::at(folder)?, numbers, monitor))?;
+        }
+        Tiling::Mesh { folder, numbers, run } => {
+            watched(run.voice, |monitor| mesh_pieces(&TileFolder::at(folder)?, numbers, monitor))?;
+        }
         Tiling::Merge { folder, output, mesh: false, run } => join(folder, output, run)?,
         Tiling::Merge { folder, output, mesh: true, run } => return join_mesh(folder, output, run),
     }
@@ -46,62 +51,34 @@ fn plan(job: &Planning) -> Result<()> {
     ))
 }
 
-fn sample(folder: &Path, numbers: &[usize], voice: Voice) -> Result<()> {
-    let folder = TileFolder::at(folder)?;
-    let missing = (0..folder.plan()?.tiles.len()).filter(|&number| !folder.has_samples(number)).collect();
-    one_by_one("sample tiles", numbers, missing, voice, |number, monitor| sample_one(&folder, number, monitor))
-}
-
-fn mesh(folder: &Path, numbers: &[usize], voice: Voice) -> Result<()> {
-    let folder = TileFolder::at(folder)?;
-    let all = rounds(&folder.plan()?).into_iter().flatten();
-    let missing = all.filter(|&number| !folder.has_piece(number)).collect();
-    one_by_one("mesh pieces", numbers, missing, voice, |number, monitor| mesh_one(&folder, number, monitor))
-}
-
-/// Does `work` for each of the `numbers`, or without any for all that are `missing`.
-fn one_by_one(
-    stage: &'static str,
-    numbers: &[usize],
-    missing: Vec<usize>,
-    voice: Voice,
-    work: impl Fn(usize, &dyn Monitor) -> Result<()>,
-) -> Result<()> {
-    let numbers = if numbers.is_empty() { missing } else { numbers.to_vec() };
-    watched(voice, |monitor| {
-        monitor.stage(stage);
-        for (done, &number) in numbers.iter().enumerate() {
-            work(number, monitor)?;
-            monitor.progress((done + 1) as f64 / numbers.len() as f64);
-        }
-        Ok(())
-    })
-}
-
 fn join_mesh(folder: &Path, output: &Path, run: &Run) -> Result<Status> {
     file::output_format(output, None)?;
     check_targets(output, run)?;
     let folder = TileFolder::at(folder)?;
     let Plan { input, wanted, .. } = folder.plan()?;
-    let report = watched(run.voice, |monitor| {
+    let outcome = watched(run.voice, |monitor| {
         monitor.stage("merge");
         let mesh = merge_mesh(&folder)?;
         check(monitor)?;
         now_writing(monitor);
         file::write_file(output, &mesh, &Attributes::default(), None)?;
         monitor.stage("measure");
-        let mut report = Report::of_pieces(&mesh, wanted);
-        report.add_files(&input, &output.display().to_string());
-        add_run(&mut report.run, monitor);
-        Ok(report)
+        let mut outcome = Outcome::of_pieces(mesh, wanted);
+        if let Some(report) = &mut outcome.report {
+            report.add_files(&input, &output.display().to_string());
+            add_run(&mut report.run, monitor);
+        }
+        Ok(outcome)
     })?;
-    hand_out(&report.to_json(), &all_to_text(std::slice::from_ref(&report)), run)?;
-    let faults = report.faults();
-    if faults.is_empty() {
+    if let Some(report) = &outcome.report {
+        hand_out(&report.to_json(), &all_to_text(std::slice::from_ref(report)), run)?;
+    }
+    if outcome.verified() {
         return Ok(Status::Done);
     }
+    let faults = outcome.shortcomings.join(", ");
     let remedy = "plan it with more points or with --smooth";
-    terminal::complain(&format!("{}: written but not sound: {}; {remedy}", output.display(), faults.join(", ")));
+    terminal::complain(&format!("{}: written but not sound: {faults}; {remedy}", output.display()));
     Ok(Status::Unverified)
 }
 

@@ -58,6 +58,23 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// A `mesh` of a cloud that was made piece by piece, `wanted` with so many vertices: what can be measured on it alone.
+    pub fn of_pieces(mesh: Mesh, wanted: Option<usize>) -> Outcome {
+        let report = Report::of_pieces(&mesh, wanted);
+        Outcome {
+            mesh,
+            attributes: Attributes::default(),
+            origins: Vec::new(),
+            triangle_origins: Vec::new(),
+            edges: Edges::default(),
+            of_points: None,
+            shortcomings: report.faults(),
+            notes: report.run.notes.clone(),
+            warnings: Vec::new(),
+            report: Some(report),
+        }
+    }
+
     /// x, y and z of each vertex.
     pub fn positions(&self) -> &[[f64; 3]] {
         bytemuck::cast_slice(&self.mesh.positions)

@@ -37,7 +37,7 @@ const RINGS: usize = 6;
 /// Untangling for a sound result, and for the sake of angles, for which the surface may move less: ears would be cut off. At
 /// angles that are larger there is more to lose elsewhere.
 const SOUND: Aim = Aim { angles_below: SLIVER, most_crossing: usize::MAX, farthest: 1.0, most_at_fault: 0.1 };
-const ANGLES: Aim = Aim { angles_below: 30.0, farthest: 0.6, ..SOUND };
+pub(super) const ANGLES: Aim = Aim { angles_below: 30.0, farthest: 0.6, ..SOUND };
 
 /// The best of `finished` and what it becomes by mending. `surface` keeps the lengths.
 pub(super) fn mended(

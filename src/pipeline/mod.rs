@@ -2,6 +2,7 @@
 
 mod attempts;
 mod bandwidth;
+mod base_mesh;
 mod cloud;
 mod coarse;
 mod coverage;
@@ -18,6 +19,7 @@ mod options;
 mod origins;
 mod outline;
 mod piece;
+mod placing;
 mod prepared;
 mod progressive;
 mod reconstruct;
@@ -36,6 +38,7 @@ mod unit;
 mod values;
 mod within;
 
+pub use base_mesh::{base_mesh, nodes};
 pub use cloud::{
     CloudOptions, CloudSummary, FEW_NEIGHBORS, INTERPOLATING_SUPPORT, MeshOfPoints, NormalFit, Reach,
     SMOOTHING_SUPPORT, mesh_of_points, volume,
@@ -48,7 +51,8 @@ pub use kernel::Signal;
 pub use lost::LostComponents;
 pub use options::{Grading, MaxError, Options};
 pub use outline::{Outline, Survey, survey};
-pub use piece::{Piece, optimize_piece, triangulate_samples};
+pub use piece::{MadeAnew, PartOfMesh, optimize_piece, triangulate_nodes};
+pub use placing::place_nodes;
 pub use prepared::{refuse_bad_numbers, refuse_bad_positions};
 pub use progressive::SampleLevel;
 pub use reconstruct::{ReconstructOptions, Reconstructed, points_of_mesh, reconstruct};

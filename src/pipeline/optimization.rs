@@ -31,12 +31,34 @@ pub(super) fn optimize(
     limit: Option<f64>,
     monitor: &dyn Monitor,
 ) -> Result<()> {
+    monitor.stage("untangle");
+    untangle(domain, mesh, CROSSING, scale.spacing, monitor)?;
+    order(domain, mesh, scale, monitor)?;
     let all = (0..domain.mesh.positions.len() as u32).collect();
-    optimize_over(domain, mesh, scale, all, limit, monitor)
+    finish(domain, mesh, scale, all, limit, monitor)
 }
 
-/// [`optimize`] for the mesh of a part of the surface, that around the vertices of it that are `watched`.
-pub(super) fn optimize_over(
+/// [`optimize`] for the mesh of a part of the surface, that around the vertices of it that are `watched`. It is in good order but
+/// for its `disordered` vertices, which are ordered with those around them.
+pub(super) fn optimize_ordered(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    scale: &Scale,
+    disordered: VertexSet,
+    watched: Vec<u32>,
+    monitor: &dyn Monitor,
+) -> Result<()> {
+    monitor.stage("untangle");
+    untangle(domain, mesh, CROSSING, scale.spacing, monitor)?;
+    monitor.stage("ascend");
+    order_around(domain, mesh, disordered, &VertexSet::EMPTY, scale.spacing, monitor)?;
+    monitor.stage("relax");
+    relax_to_count(domain, mesh, scale, monitor)?;
+    finish(domain, mesh, scale, watched, None, monitor)
+}
+
+/// Makes the angles of an ordered mesh good, and fits it to the surface.
+fn finish(
     domain: &Domain,
     mesh: &mut Manifold,
     scale: &Scale,
@@ -44,9 +66,6 @@ pub(super) fn optimize_over(
     limit: Option<f64>,
     monitor: &dyn Monitor,
 ) -> Result<()> {
-    monitor.stage("untangle");
-    untangle(domain, mesh, CROSSING, scale.spacing, monitor)?;
-    order(domain, mesh, scale, monitor)?;
     monitor.stage("improve angles");
     improve_angles(domain, mesh, scale.spacing, monitor)?;
     monitor.stage("fit");

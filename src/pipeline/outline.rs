@@ -72,9 +72,14 @@ impl Outline {
         Outline { points, near }
     }
 
-    /// Its points.
+    /// Where its points are.
     pub fn positions(&self) -> &[DVec3] {
         self.points.positions()
+    }
+
+    /// Its points, with normals.
+    pub(super) fn points(&self) -> &Points {
+        &self.points
     }
 
     /// The normal of a point of the cloud, or its opposite: that on the common side.

@@ -1,14 +1,16 @@
-//! A piece of the mesh of a cloud: samples of a part of it, triangulated, and optimised over the points around them.
+//! A piece of the mesh of a cloud: nodes in a part of it, triangulated, and optimised over the points around them.
 //!
-//! The triangles of samples depend only on the samples around them, so that pieces that are made by themselves fit together. Then
-//! each piece is optimised within its rim, which stays: what lies along rims is optimised as a piece of its own.
+//! Which triangles there are between nodes depends only on those around them, so that pieces that are made by themselves fit
+//! together. Then each piece is optimised within its rim, which stays: what lies along rims is optimised as a piece of its own.
 //!
-//! Departures from remeshing a whole cloud: sharp edges are rounded like everything else, and a boundary is that of the samples.
+//! Departures from remeshing a whole cloud: the order of the vertices comes from a base mesh
+//! ([`base_mesh`](crate::pipeline::base_mesh)), sharp edges are rounded like everything else, and a boundary is that of the nodes.
 
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
 use crate::base::parallel;
 use crate::manifold::Manifold;
+use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{OnCurve, next};
 use crate::mesh::normals::vertex_normals;
 use crate::mesh::oriented_manifold::OrientedManifold;
@@ -18,7 +20,10 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::optimize::angles::improve_angles;
 use crate::optimize::exchange::balance_count;
 use crate::optimize::self_intersections::resolve_self_intersections;
-use crate::pipeline::optimization::optimize_over;
+use crate::optimize::untangle::{Aim, untangle};
+use crate::pipeline::cloud::INTERPOLATING_SUPPORT;
+use crate::pipeline::mend::ANGLES;
+use crate::pipeline::optimization::optimize_ordered;
 use crate::pipeline::outline::Outline;
 use crate::pipeline::scale::Scale;
 use crate::pipeline::tile::{Part, TileOptions, TilePoint};
@@ -36,40 +41,50 @@ use rustc_hash::{FxHashMap, FxHashSet};
 /// Rounds in which edges between vertices of the rim are split: what is done about angles then may make others.
 const MOST_ROUNDS: usize = 3;
 
-/// A part of a mesh, made better: it fits where the part was.
+/// A part of a mesh that is to be made better.
+pub struct PartOfMesh<'a> {
+    /// The mesh.
+    pub whole: &'a Mesh,
+    /// For each of its triangles whether it is of the part.
+    pub selected: &'a [bool],
+    /// For each of its vertices whether those around it are in no order.
+    pub disordered: Vec<bool>,
+    /// How many vertices less there shall be, or more if that is negative.
+    pub spare: i64,
+}
+
+/// What takes the place of a part of a mesh: it fits where the part was.
 #[derive(Debug, Clone, Default)]
-pub struct Piece {
-    /// What takes the place of the part.
+pub struct MadeAnew {
+    /// Its triangles.
     pub mesh: Mesh,
     /// For each of its vertices on the rim the vertex of the whole that it is; [`NONE`] for others.
     pub source: Vec<u32>,
 }
 
-/// The triangles between samples, counter-clockwise seen from where normals point. What is a few spacings from the border of the
-/// `samples` is the same whatever else there is.
+/// The triangles between `nodes`, counter-clockwise seen from where normals point. What is a few spacings from their border is the
+/// same whatever else there is.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
-pub fn triangulate_samples(samples: &[TilePoint], monitor: &dyn Monitor) -> Result<Vec<[u32; 3]>> {
-    let positions: Vec<DVec3> = samples.iter().map(|s| s.position).collect();
-    let normals: Vec<DVec3> = samples.iter().map(|s| s.normal).collect();
+pub fn triangulate_nodes(nodes: &[TilePoint], monitor: &dyn Monitor) -> Result<Vec<[u32; 3]>> {
+    let positions: Vec<DVec3> = nodes.iter().map(|node| node.position).collect();
+    let normals: Vec<DVec3> = nodes.iter().map(|node| node.normal).collect();
     triangles_between(&positions, &normals, monitor)
 }
 
-/// The `selected` triangles of `whole` with `spare` vertices less, or more if that is negative, optimised over the surface of
-/// `points`, which are those around them. `options` are those of the sampling.
+/// A part of a mesh, optimised over the surface of `points`, which are those around it. `options` are those of the sampling.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
 pub fn optimize_piece(
-    whole: &Mesh,
-    selected: &[bool],
-    spare: i64,
+    part: &PartOfMesh,
     points: Vec<TilePoint>,
     options: &TileOptions,
     outline: &Outline,
     monitor: &dyn Monitor,
-) -> Result<Piece> {
+) -> Result<MadeAnew> {
+    let PartOfMesh { whole, selected, disordered, spare } = part;
     let (whole, _) = repair(whole);
     let selected: Vec<bool> =
         (0..whole.triangles.len() as u32).map(|t| selected[whole.provenance().triangle(t) as usize]).collect();
@@ -79,7 +94,7 @@ pub fn optimize_piece(
         part.interface.as_flattened().iter().map(|&v| (place(part.mesh.positions[v as usize]), of_whole(v))).collect();
     let piece = |mesh: Mesh| {
         let source = mesh.positions.iter().map(|&p| joined.get(&place(p)).copied().unwrap_or(NONE)).collect();
-        Piece { mesh, source }
+        MadeAnew { mesh, source }
     };
     let surface = surface_of(points, options, outline, monitor)?;
     if surface.triangles.is_empty() || part.mesh.triangles.is_empty() {
@@ -88,11 +103,18 @@ pub fn optimize_piece(
     let domain = Domain::new(surface);
     let rim = Rim::of(&part.mesh);
     let mut mesh = rim.laid_on(&domain, &part.mesh);
-    let wanted = part.mesh.positions.len().saturating_add_signed(-spare as isize);
+    let disordered = VertexSet::new(&mesh, |v| {
+        let source = of_whole(v);
+        source != NONE && disordered[source as usize]
+    });
+    let wanted = part.mesh.positions.len().saturating_add_signed(-*spare as isize);
     let scale = Scale { wanted, spacing: Scale::spacing_of_sigma(options.sigma) };
     let watched = nearest_to(&domain, &whole, &selected);
-    optimize_over(&domain, &mut mesh, &scale, watched, None, monitor)?;
+    optimize_ordered(&domain, &mut mesh, &scale, disordered, watched, monitor)?;
     resolve_self_intersections(&domain, &mut mesh, monitor)?;
+    if untangle(&domain, &mut mesh, Aim { most_crossing: 0, ..ANGLES }, scale.spacing, monitor)? {
+        balance_count(&domain, &mut mesh, scale.wanted, scale.spacing, monitor)?;
+    }
     rim.part_chords(&domain, &mut mesh, &scale, monitor)?;
     Ok(piece(mesh.to_mesh()))
 }
@@ -105,10 +127,11 @@ fn surface_of(
     monitor: &dyn Monitor,
 ) -> Result<OrientedManifold> {
     let Part { samples, spacings, near, .. } = Part::new(points, options, outline);
-    let positions: Vec<DVec3> = samples.iter().map(|s| s.position).collect();
-    let normals: Vec<DVec3> = samples.iter().map(|s| s.normal).collect();
-    // The samples lie on this surface.
-    let (positions, normals) = Rimls::new(&positions, &normals, &near, &spacings, options.reach).smoothed();
+    let mut positions: Vec<DVec3> = samples.iter().map(|s| s.position).collect();
+    let mut normals: Vec<DVec3> = samples.iter().map(|s| s.normal).collect();
+    if options.reach > INTERPOLATING_SUPPORT {
+        (positions, normals) = Rimls::new(&positions, &normals, &near, &spacings, options.reach).smoothed();
+    }
     let triangles = triangles_between(&positions, &normals, monitor)?;
     let mut mesh = Mesh { positions, triangles };
     mesh.drop_unused();

@@ -219,6 +219,7 @@ impl Report {
         let open = counted(report.output.topology.boundary_loops, "boundary loop", "boundary loops");
         let is_open = report.output.topology.boundary_loops > 0;
         report.run.notes.extend(is_open.then(|| format!("{open}, along samples as they were drawn")));
+        report.run.notes.push("made piece by piece: sharp edges are rounded, and attributes left out".into());
         report
     }
 

@@ -7,9 +7,8 @@
 //! | `points` | number and row of each point, sorted by place |
 //! | `outline.ply` | a few points with normals on a common side |
 //! | `made-of` | what the plan was made from |
-//! | `tile-N-counts` | how many samples tile N has in each cube of the mesh's first pieces |
 //! | `tile-N` | the samples of tile N, written when the tile is complete |
-//! | `piece-N` | piece N of the mesh, written when it is complete |
+//! | `piece-N` | the base mesh (0), nodes, or triangles of the mesh, written when they are complete |
 
 use crate::base::error::{Error, Result};
 use crate::io::file::{read_bytes, read_file, replace_file, write_points_file};
@@ -27,9 +26,6 @@ use std::path::{Path, PathBuf};
 
 /// Bytes of a sample: its number, its position, its normal.
 const SAMPLE: usize = 4 + 2 * 24;
-
-/// How many samples are in each cube of the mesh's first round, by its place.
-pub(super) type Counts = Vec<([i32; 3], u64)>;
 
 /// A folder that tiles are sampled in.
 #[derive(Debug, Clone)]
@@ -71,10 +67,6 @@ impl TileFolder {
 
     fn tile(&self, number: usize) -> PathBuf {
         self.file(&format!("tile-{number}"))
-    }
-
-    fn counts(&self, number: usize) -> PathBuf {
-        self.file(&format!("tile-{number}-counts"))
     }
 
     pub(super) fn points(&self) -> PathBuf {
@@ -181,25 +173,15 @@ impl TileFolder {
         self.tile(number).is_file()
     }
 
-    pub(super) fn write_samples(&self, number: usize, mut samples: Vec<TilePoint>, counts: &Counts) -> Result<()> {
-        let text = serde_json::to_vec(counts).map_err(|e| self.error(e.to_string(), "sample that tile again"))?;
-        replace_file(&self.counts(number), &mut |out| out.write_all(&text))?;
+    pub(super) fn write_samples(&self, number: usize, mut samples: Vec<TilePoint>) -> Result<()> {
         samples.sort_unstable_by_key(|sample| sample.number);
-        replace_file(&self.tile(number), &mut |out| {
-            samples.iter().try_for_each(|TilePoint { number, position, normal }| {
-                out.write_all(&number.to_le_bytes())?;
-                [position, normal]
-                    .iter()
-                    .try_for_each(|v| out.write_all(v.to_array().map(f64::to_le_bytes).as_flattened()))
-            })
-        })
+        write_rows(&self.tile(number), &samples)
     }
 
-    /// How many samples a tile has in each cube of the first pieces of the mesh.
-    pub(super) fn read_counts(&self, number: usize) -> Result<Counts> {
+    /// How many samples a tile has.
+    pub(super) fn count_samples(&self, number: usize) -> Result<usize> {
         self.check_sampled(number)?;
-        let damaged = |_| self.error(format!("its file 'tile-{number}-counts' is damaged"), "sample that tile again");
-        serde_json::from_slice(&read_bytes(&self.counts(number))?).map_err(damaged)
+        self.count_rows(&self.tile(number))
     }
 
     fn check_sampled(&self, number: usize) -> Result<()> {
@@ -211,18 +193,31 @@ impl TileFolder {
 
     pub(super) fn read_samples(&self, number: usize) -> Result<Vec<TilePoint>> {
         self.check_sampled(number)?;
-        let bytes = read_bytes(&self.tile(number))?;
-        if bytes.len() % SAMPLE != 0 {
-            return Err(self.error(format!("its file 'tile-{number}' is damaged"), "sample that tile again"));
-        }
-        Ok(bytes.chunks_exact(SAMPLE).map(sample_of).collect())
+        self.read_rows(&self.tile(number))
+    }
+
+    /// The rows of a file of samples or nodes.
+    fn read_rows(&self, path: &Path) -> Result<Vec<TilePoint>> {
+        self.count_rows(path)?;
+        Ok(read_bytes(path)?.chunks_exact(SAMPLE).map(sample_of).collect())
+    }
+
+    /// How many there are.
+    fn count_rows(&self, path: &Path) -> Result<usize> {
+        let length = fs::metadata(path).map_err(|e| self.error(e.to_string(), "check its permissions"))?.len();
+        if length % SAMPLE as u64 == 0 { Ok(length as usize / SAMPLE) } else { Err(self.damaged(path)) }
+    }
+
+    fn damaged(&self, path: &Path) -> Error {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        self.error(format!("its file '{name}' is damaged"), "remove that file and make it again")
     }
 
     fn piece(&self, number: usize) -> PathBuf {
         self.file(&format!("piece-{number}"))
     }
 
-    /// Whether a piece of the mesh is made.
+    /// Whether that piece of the mesh is made.
     pub fn has_piece(&self, number: usize) -> bool {
         self.piece(number).is_file()
     }
@@ -232,13 +227,41 @@ impl TileFolder {
     }
 
     pub(super) fn read_piece(&self, number: usize) -> Result<MadePiece> {
-        if !self.has_piece(number) {
-            let cause = format!("piece {number} of the mesh is not made yet");
-            return Err(self.error(cause, "run 'remesh tiles mesh' for it"));
-        }
-        let damaged = || self.error(format!("its file 'piece-{number}' is damaged"), "make that piece again");
-        MadePiece::from_bytes(&read_bytes(&self.piece(number))?).ok_or_else(damaged)
+        self.check_made(number)?;
+        let path = self.piece(number);
+        MadePiece::from_bytes(&read_bytes(&path)?).ok_or_else(|| self.damaged(&path))
     }
+
+    fn check_made(&self, number: usize) -> Result<()> {
+        if self.has_piece(number) {
+            return Ok(());
+        }
+        Err(self.error(format!("piece {number} of the mesh is not made yet"), "run 'remesh tiles mesh' for it"))
+    }
+
+    pub(super) fn write_nodes(&self, number: usize, nodes: &[TilePoint]) -> Result<()> {
+        write_rows(&self.piece(number), nodes)
+    }
+
+    pub(super) fn read_nodes(&self, number: usize) -> Result<Vec<TilePoint>> {
+        self.check_made(number)?;
+        self.read_rows(&self.piece(number))
+    }
+
+    /// How many nodes a piece has.
+    pub(super) fn count_nodes(&self, number: usize) -> Result<usize> {
+        self.check_made(number)?;
+        self.count_rows(&self.piece(number))
+    }
+}
+
+fn write_rows(path: &Path, rows: &[TilePoint]) -> Result<()> {
+    replace_file(path, &mut |out| {
+        rows.iter().try_for_each(|TilePoint { number, position, normal }| {
+            out.write_all(&number.to_le_bytes())?;
+            [position, normal].iter().try_for_each(|v| out.write_all(v.to_array().map(f64::to_le_bytes).as_flattened()))
+        })
+    })
 }
 
 /// What identifies the input and the options of a plan.

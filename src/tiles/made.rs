@@ -5,7 +5,7 @@ use glam::DVec3;
 /// A finished piece of a mesh.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct MadePiece {
-    /// What its vertices are known by in all pieces: the number of the sample for those that have always been on a rim, else that of [`new_key`].
+    /// What its vertices are known by in all pieces ([`new_key`]): those that have always been on a rim are nodes.
     pub keys: Vec<u64>,
     /// Where its vertices are.
     pub positions: Vec<DVec3>,
@@ -15,14 +15,14 @@ pub(super) struct MadePiece {
     pub replaced: Vec<[u32; 2]>,
 }
 
-/// The key of vertex `v`, made for that piece.
+/// The key of vertex or node `v`, made for that piece.
 pub(super) fn new_key(piece: usize, v: u32) -> u64 {
     (piece as u64 + 1) << 32 | u64::from(v)
 }
 
-/// Whether the vertex of that key is a sample, where the sampling has left it.
-pub(super) fn is_of_sample(key: u64) -> bool {
-    key >> 32 == 0
+/// The piece that the vertex of that key was made for.
+pub(super) fn piece_of(key: u64) -> usize {
+    (key >> 32) as usize - 1
 }
 
 impl MadePiece {
@@ -67,7 +67,7 @@ mod tests {
     #[test]
     fn a_piece_is_read_as_it_was_written() {
         let piece = MadePiece {
-            keys: vec![7, new_key(2, 1), new_key(2, 2)],
+            keys: vec![new_key(0, 7), new_key(2, 1), new_key(2, 2)],
             positions: vec![DVec3::X, DVec3::Y, DVec3::Z],
             triangles: vec![[0, 1, 2]],
             replaced: vec![[1, 5], [0, 9]],

@@ -10,7 +10,7 @@ use crate::surface::domain::Sample;
 use crate::surface::lift::{BarePoints, Lift, Lifted};
 use crate::tiles::folder::TileFolder;
 use crate::tiles::joined::Joined;
-use crate::tiles::pieces::rounds;
+use crate::tiles::pieces::{Piece, pieces};
 
 /// Joins the samples of all tiles, in the order of the input. As a rule there are a few more than wanted; the least
 /// important are removed.
@@ -47,9 +47,10 @@ pub fn merge(folder: &TileFolder) -> Result<Sampled> {
 /// # Errors
 /// [`Error::File`](crate::Error::File) if a piece is not made yet, or cannot be read.
 pub fn merge_mesh(folder: &TileFolder) -> Result<Mesh> {
-    let numbers = rounds(&folder.plan()?).into_iter().flatten();
-    let pieces: Vec<_> = numbers.map(|number| Ok((number, folder.read_piece(number)?))).collect::<Result<_>>()?;
-    Ok(Joined::new(&pieces).mesh)
+    let all = pieces(&folder.plan()?).into_iter().enumerate();
+    let triangles = all.filter(|(_, piece)| matches!(piece, Piece::Triangles(_)));
+    let made: Vec<_> = triangles.map(|(number, _)| Ok((number, folder.read_piece(number)?))).collect::<Result<_>>()?;
+    Ok(Joined::new(&made).mesh)
 }
 
 /// `wanted` of the samples, without those that change the spectrum least.

@@ -1,19 +1,21 @@
-//! Makes the mesh of a plan's samples piece by piece.
+//! Makes the mesh of a plan piece by piece.
 
-use crate::base::error::Result;
+use crate::base::error::{Error, Result};
 use crate::base::monitor::{Monitor, check};
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::pipeline::{Piece, TilePoint, optimize_piece, triangulate_samples};
+use crate::pipeline::{
+    MadeAnew, PartOfMesh, TilePoint, base_mesh, nodes, optimize_piece, place_nodes, triangulate_nodes,
+};
 use crate::spatial::kdtree::Neighbors;
 use crate::spectral::lattice::{BlockBox, place_of};
-use crate::tiles::folder::{Counts, TileFolder};
+use crate::tiles::folder::TileFolder;
 use crate::tiles::joined::Joined;
 use crate::tiles::made::{MadePiece, new_key};
-use crate::tiles::pieces::{Cube, MOVED, pieces, spare};
+use crate::tiles::pieces::{Cube, MOVED, Piece, pieces, rounds, spare};
 use crate::tiles::plan::Plan;
 use crate::tiles::points::points_of;
-use crate::tiles::watch::OfTile;
+use crate::tiles::watch::{OfTile, one_by_one};
 use glam::{DVec3, IVec3};
 
 /// Blocks around a piece whose samples and points take part in it: what the border of these changes is nearer to it.
@@ -31,89 +33,157 @@ const NEAR: f64 = 4.0;
 pub fn mesh_one(folder: &TileFolder, number: usize, monitor: &dyn Monitor) -> Result<()> {
     let plan = folder.plan()?;
     let all = pieces(&plan);
-    let Some(&cube) = all.get(number) else {
+    let Some(&piece) = all.get(number) else {
         let cause = format!("its mesh has {} pieces, numbered from 0; there is no piece {number}", all.len());
         return Err(folder.error(cause, "give a smaller number"));
     };
-    let work = Work { folder, plan: &plan, number, cube, monitor };
-    let made = if cube.round == 0 { work.of_samples()? } else { work.of_rims(&all)? };
-    folder.write_piece(number, &made)
+    let work = Work { folder, plan: &plan, all: &all, number, monitor };
+    match piece {
+        Piece::Base => folder.write_piece(number, &work.base()?),
+        Piece::Nodes(cube) => folder.write_nodes(number, &work.nodes(cube)?),
+        Piece::Triangles(cube) if cube.round == 0 => folder.write_piece(number, &work.of_nodes(cube)?),
+        Piece::Triangles(cube) => folder.write_piece(number, &work.of_rims(cube)?),
+    }
+}
+
+/// Makes the pieces with these numbers, one after the other; without any, all that are not made yet.
+///
+/// # Errors
+/// Those of [`mesh_one`].
+pub fn mesh_pieces(folder: &TileFolder, numbers: &[usize], monitor: &dyn Monitor) -> Result<()> {
+    monitor.stage("mesh pieces");
+    let all = rounds(&folder.plan()?).into_iter().flatten();
+    let missing = all.filter(|&number| !folder.has_piece(number)).collect();
+    one_by_one(numbers, missing, |number| mesh_one(folder, number, monitor), monitor)
 }
 
 /// The making of a piece.
 struct Work<'a> {
     folder: &'a TileFolder,
     plan: &'a Plan,
+    /// All pieces.
+    all: &'a [Piece],
+    /// The number of this one.
     number: usize,
-    cube: Cube,
     monitor: &'a dyn Monitor,
 }
 
 impl Work<'_> {
-    /// The blocks around the piece that it takes.
-    fn around(&self) -> BlockBox {
-        self.cube.blocks().grown(IVec3::splat(HALO))
+    /// How many vertices the mesh is to have.
+    fn wanted(&self) -> Result<usize> {
+        let samples = || (0..self.plan.tiles.len()).map(|tile| self.folder.count_samples(tile)).sum();
+        self.plan.wanted.map_or_else(samples, Ok)
     }
 
-    /// The piece of what the samples make.
-    fn of_samples(&self) -> Result<MadePiece> {
-        let samples = self.samples()?;
-        let triangles = triangulate_samples(&samples, &OfTile(self.monitor))?;
-        let whole = Mesh { positions: samples.iter().map(|s| s.position).collect(), triangles };
-        let selected = self.owned(&whole);
-        let points = points_of(self.folder, self.plan, self.around(), self.monitor)?;
-        let spare = self.spare()? - self.unused(&whole) as i64;
-        let piece = self.optimized(&whole, &selected, spare, points)?;
-        Ok(self.keyed(piece, |v| u64::from(samples[v as usize].number), Vec::new()))
+    /// The base mesh; none if no surface goes through the outline.
+    fn base(&self) -> Result<MadePiece> {
+        let monitor = OfTile(self.monitor);
+        let made = base_mesh(&self.folder.outline()?, self.wanted()?, self.plan.sampling.seed, &monitor);
+        let Mesh { positions, triangles } = match made {
+            Err(Error::Mesh { .. }) => Mesh::default(),
+            made => made?,
+        };
+        let keys = (0..positions.len() as u32).map(|v| new_key(self.number, v)).collect();
+        Ok(MadePiece { keys, positions, triangles, replaced: Vec::new() })
     }
 
-    /// The piece that takes the place of what is along the rims of the pieces that were made in the rounds before.
-    fn of_rims(&self, all: &[Cube]) -> Result<MadePiece> {
-        let around = self.around();
-        let is_there = |cube: &Cube| cube.round < self.cube.round && cube.blocks().touches(around);
-        let before = (0..).zip(all).filter(|(_, cube)| is_there(cube));
+    /// The nodes in a cube.
+    fn nodes(&self, cube: Cube) -> Result<Vec<TilePoint>> {
+        let (around, block) = (around(cube), self.plan.sampling.block());
+        let MadePiece { positions, triangles, .. } = self.folder.read_piece(0)?;
+        let is_near = |corners: [DVec3; 3]| {
+            let [lo, hi] = [DVec3::min, DVec3::max].map(|most| corners.into_iter().reduce(most).unwrap_or_default());
+            BlockBox { lo: place_of(lo, block), hi: place_of(hi, block) + 1 }.touches(around)
+        };
+        let nodes = nodes(&Mesh { positions, triangles }, self.wanted()?, is_near);
+        let points = points_of(self.folder, self.plan, around, self.monitor)?;
+        let outline = self.folder.outline()?;
+        let mut placed = place_nodes(&nodes, points, &self.samples(around)?, &self.plan.sampling, &outline);
+        placed.retain(|node| cube.blocks().contains(place_of(node.position, block)));
+        Ok(placed)
+    }
+
+    /// The triangles of a cube between its nodes.
+    fn of_nodes(&self, cube: Cube) -> Result<MadePiece> {
+        let (keys, nodes) = self.nodes_around(cube)?;
+        let triangles = triangulate_nodes(&nodes, &OfTile(self.monitor))?;
+        let whole = Mesh { positions: nodes.iter().map(|s| s.position).collect(), triangles };
+        let selected = self.owned(&whole, cube);
+        let points = points_of(self.folder, self.plan, around(cube), self.monitor)?;
+        let part = PartOfMesh {
+            whole: &whole,
+            selected: &selected,
+            disordered: nodes.iter().map(|node| node.number != NONE).collect(),
+            spare: self.spare(cube)? - self.unused(&whole, cube) as i64,
+        };
+        let piece = self.optimized(&part, points)?;
+        Ok(self.keyed(piece, &keys, Vec::new()))
+    }
+
+    /// The triangles that take the place of what is along the rims of the pieces that were made in the rounds before.
+    fn of_rims(&self, cube: Cube) -> Result<MadePiece> {
+        let around = around(cube);
+        let is_there = |piece: &Piece| match piece {
+            Piece::Triangles(other) => other.round < cube.round && other.blocks().touches(around),
+            _ => false,
+        };
+        let before = (0..).zip(self.all).filter(|(_, piece)| is_there(piece));
         let before: Vec<(usize, MadePiece)> =
             before.map(|(number, _)| Ok((number, self.folder.read_piece(number)?))).collect::<Result<_>>()?;
         let joined = Joined::new(&before);
-        let anew = joined.to_be_made_anew().into_iter();
-        let selected: Vec<bool> = anew.zip(self.owned(&joined.mesh)).map(|(anew, own)| anew && own).collect();
-        let points = self.near(&joined.mesh, &selected)?;
-        let piece = self.optimized(&joined.mesh, &selected, 0, points)?;
+        let first = self.all.iter().take_while(|piece| !matches!(piece, Piece::Triangles(_))).count();
+        let anew = joined.to_be_made_anew(first).into_iter();
+        let selected: Vec<bool> = anew.zip(self.owned(&joined.mesh, cube)).map(|(anew, own)| anew && own).collect();
+        let points = self.near(cube, &joined.mesh, &selected)?;
+        let disordered = joined.at_small_angles();
+        let part = PartOfMesh { whole: &joined.mesh, selected: &selected, disordered, spare: 0 };
+        let piece = self.optimized(&part, points)?;
         let replaced = joined.sources.iter().zip(&selected).filter(|t| *t.1).map(|t| *t.0).collect();
-        Ok(self.keyed(piece, |v| joined.keys[v as usize], replaced))
+        Ok(self.keyed(piece, &joined.keys, replaced))
     }
 
-    /// The samples in the piece and around it, in the order of their numbers.
-    fn samples(&self) -> Result<Vec<TilePoint>> {
-        let (around, block) = (self.around(), self.plan.sampling.block());
+    /// The samples in some blocks, in the order of their numbers.
+    fn samples(&self, blocks: BlockBox) -> Result<Vec<TilePoint>> {
         let mut samples = Vec::new();
         for tile in 0..self.plan.tiles.len() {
-            if self.plan.tile_box(tile).grown(IVec3::splat(MOVED)).touches(around) {
+            if self.plan.tile_box(tile).grown(IVec3::splat(MOVED)).touches(blocks) {
                 samples.extend(self.folder.read_samples(tile)?);
             }
         }
-        samples.retain(|sample| around.contains(place_of(sample.position, block)));
+        samples.retain(|sample| blocks.contains(place_of(sample.position, self.plan.sampling.block())));
         samples.sort_unstable_by_key(|sample| sample.number);
         Ok(samples)
     }
 
-    /// How many samples in the piece no triangle has: others take their place.
-    fn unused(&self, whole: &Mesh) -> usize {
+    /// The nodes in a cube and around it, and their keys.
+    fn nodes_around(&self, cube: Cube) -> Result<(Vec<u64>, Vec<TilePoint>)> {
+        let (around, block) = (around(cube), self.plan.sampling.block());
+        let mut all = Vec::new();
+        for (number, piece) in self.all.iter().enumerate() {
+            if matches!(piece, Piece::Nodes(other) if other.blocks().touches(around)) {
+                let nodes = (0..).zip(self.folder.read_nodes(number)?);
+                all.extend(nodes.map(|(v, node)| (new_key(number, v), node)));
+            }
+        }
+        Ok(all.into_iter().filter(|(_, node)| around.contains(place_of(node.position, block))).unzip())
+    }
+
+    /// How many nodes in a cube no triangle has: other vertices take their place.
+    fn unused(&self, whole: &Mesh, cube: Cube) -> usize {
         let mut is_used = vec![false; whole.positions.len()];
         whole.triangles.as_flattened().iter().for_each(|&v| is_used[v as usize] = true);
-        let (own, block) = (self.cube.blocks(), self.plan.sampling.block());
-        let is_own = |p: DVec3| own.contains(place_of(p, block));
+        let is_own = |p: DVec3| cube.blocks().contains(place_of(p, self.plan.sampling.block()));
         whole.positions.iter().zip(is_used).filter(|&(&p, is_used)| !is_used && is_own(p)).count()
     }
 
-    /// For each triangle whether it belongs to the piece.
-    fn owned(&self, mesh: &Mesh) -> Vec<bool> {
+    /// For each triangle whether it belongs to a cube.
+    fn owned(&self, mesh: &Mesh, cube: Cube) -> Vec<bool> {
         let block = self.plan.sampling.block();
-        (0..mesh.triangles.len()).map(|t| self.cube.owns(mesh.corners(t), block)).collect()
+        (0..mesh.triangles.len()).map(|t| cube.owns(mesh.corners(t), block)).collect()
     }
 
-    /// The points near the `selected` triangles.
-    fn near(&self, mesh: &Mesh, selected: &[bool]) -> Result<Vec<TilePoint>> {
+    /// The points near the `selected` triangles of a cube.
+    fn near(&self, cube: Cube, mesh: &Mesh, selected: &[bool]) -> Result<Vec<TilePoint>> {
         let corners = mesh.triangles.iter().zip(selected).filter(|t| *t.1).flat_map(|t| t.0);
         let mut corners: Vec<u32> = corners.copied().collect();
         corners.sort_unstable();
@@ -123,7 +193,7 @@ impl Work<'_> {
         }
         let corners: Vec<DVec3> = corners.into_iter().map(|v| mesh.positions[v as usize]).collect();
         let near = Neighbors::new(&corners);
-        let mut points = points_of(self.folder, self.plan, self.around(), self.monitor)?;
+        let mut points = points_of(self.folder, self.plan, around(cube), self.monitor)?;
         let mut found = Vec::new();
         points.retain(|point| {
             near.collect_nearest_within(point.position, 1, NEAR * self.plan.sampling.sigma, &mut found);
@@ -132,28 +202,36 @@ impl Work<'_> {
         Ok(points)
     }
 
-    /// How many samples the piece leaves out, so that the mesh has as many vertices as are wanted.
-    fn spare(&self) -> Result<i64> {
+    /// How many vertices the triangles of a cube leave out, so that the mesh has as many as are wanted.
+    fn spare(&self, cube: Cube) -> Result<i64> {
         let Some(wanted) = self.plan.wanted else { return Ok(0) };
-        let tiles = 0..self.plan.tiles.len();
-        let counts: Vec<Counts> = tiles.map(|tile| self.folder.read_counts(tile)).collect::<Result<_>>()?;
-        Ok(spare(self.cube, counts.into_iter(), wanted as u64))
+        let nodes = self.all.iter().enumerate().filter(|(_, piece)| matches!(piece, Piece::Nodes(_)));
+        let counts: Vec<u64> =
+            nodes.map(|(number, _)| Ok(self.folder.count_nodes(number)? as u64)).collect::<Result<_>>()?;
+        let own = self.all.iter().skip(1).position(|piece| *piece == Piece::Nodes(cube));
+        Ok(own.map_or(0, |own| spare(own, &counts, wanted as u64)))
     }
 
-    /// What takes the place of the `selected` triangles, with `spare` vertices less.
-    fn optimized(&self, whole: &Mesh, selected: &[bool], spare: i64, points: Vec<TilePoint>) -> Result<Piece> {
+    /// What takes the place of a part of a mesh.
+    fn optimized(&self, part: &PartOfMesh, points: Vec<TilePoint>) -> Result<MadeAnew> {
         check(self.monitor)?;
-        if !selected.contains(&true) {
-            return Ok(Piece::default());
+        if !part.selected.contains(&true) {
+            return Ok(MadeAnew::default());
         }
         let outline = self.folder.outline()?;
-        optimize_piece(whole, selected, spare, points, &self.plan.sampling, &outline, &OfTile(self.monitor))
+        optimize_piece(part, points, &self.plan.sampling, &outline, &OfTile(self.monitor))
     }
 
-    /// The piece whose vertices are known by those keys if they are of what it takes the place of.
-    fn keyed(&self, piece: Piece, key: impl Fn(u32) -> u64, replaced: Vec<[u32; 2]>) -> MadePiece {
-        let Piece { mesh: Mesh { positions, triangles }, source } = piece;
-        let key = |(v, &source): (u32, &u32)| if source == NONE { new_key(self.number, v) } else { key(source) };
+    /// The piece whose vertices are known by those `keys` if they are of what it takes the place of.
+    fn keyed(&self, made: MadeAnew, keys: &[u64], replaced: Vec<[u32; 2]>) -> MadePiece {
+        let MadeAnew { mesh: Mesh { positions, triangles }, source } = made;
+        let key =
+            |(v, &source): (u32, &u32)| if source == NONE { new_key(self.number, v) } else { keys[source as usize] };
         MadePiece { keys: (0..).zip(&source).map(key).collect(), positions, triangles, replaced }
     }
+}
+
+/// The blocks in and around a cube whose samples and points take part in it.
+fn around(cube: Cube) -> BlockBox {
+    cube.blocks().grown(IVec3::splat(HALO))
 }

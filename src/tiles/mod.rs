@@ -6,7 +6,7 @@
 //! the origin at multiples of the kernel width. The samples of a tile depend only on the points around it, so the
 //! result is the same for any tiling.
 //!
-//! The mesh of the samples is made in pieces ([`mesh_one`]), which are no tiles but cubes of a size that only the samples decide, so
+//! The mesh is made in pieces ([`mesh_one`]), which are no tiles but cubes of a size that only the width of the kernel decides, so
 //! that it, too, is the same for any tiling. [`merge_mesh`] joins them.
 
 mod folder;
@@ -23,8 +23,8 @@ mod watch;
 
 pub use folder::TileFolder;
 pub use merge::{merge, merge_mesh};
-pub use mesh::mesh_one;
+pub use mesh::{mesh_one, mesh_pieces};
 pub use pieces::rounds;
 pub use plan::{Plan, PlanOptions};
 pub use planning::{can_plan, make_plan};
-pub use sample::{sample_all, sample_one};
+pub use sample::{sample_one, sample_tiles};

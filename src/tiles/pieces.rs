@@ -1,15 +1,15 @@
-//! The pieces that a mesh is made in: cubes of space, the same for any number of tiles.
+//! What a mesh is made of, piece by piece: a base mesh, the nodes at which vertices begin, and the triangles, in cubes of space, the
+//! same for any number of tiles.
 //!
-//! A triangle belongs to the lowest of the cubes that its corners lie in. First each piece is made within its rim, which stays.
-//! Then what is along the rims is made anew, in cubes of a second lattice, and what is around the vertices on rims that are left
-//! even so, where rims of both meet, in cubes of a third one.
+//! A triangle belongs to the lowest of the cubes that its corners lie in. First each cube's triangles are made within their rim, which
+//! stays. Then what is along the rims is made anew, in cubes of a second lattice, and what is around the vertices on rims that are
+//! left even so, where rims of both meet, in cubes of a third one.
 
 use crate::spectral::lattice::{BlockBox, place_of};
-use crate::tiles::folder::Counts;
 use crate::tiles::plan::{BUCKET, Plan};
 use crate::tiles::points::blocks_of;
 use glam::{DVec3, IVec3};
-use std::collections::BTreeMap;
+use std::iter::once;
 use std::ops::Range;
 
 /// Blocks of a piece along each axis, about 240 spacings: with fewer more of the surface lies along rims, and with more a piece takes
@@ -19,13 +19,35 @@ const SIDE: i32 = 4 * BUCKET;
 /// How far samples may move out of the bucket where they were drawn, in blocks.
 pub(super) const MOVED: i32 = 1;
 
-/// Rounds in which pieces are made: those of the second and the third make anew what the ones before have left along rims.
+/// Rounds in which triangles are made: those of the second and the third make anew what the ones before have left along rims.
 const ROUNDS: i32 = 3;
 
-/// A piece of the mesh.
+/// What is made in one go.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Piece {
+    /// The base mesh.
+    Base,
+    /// The vertices that the triangles of a cube begin with.
+    Nodes(Cube),
+    /// Triangles.
+    Triangles(Cube),
+}
+
+impl Piece {
+    /// The round in which it is made.
+    fn round(self) -> i32 {
+        match self {
+            Piece::Base => 0,
+            Piece::Nodes(_) => 1,
+            Piece::Triangles(cube) => 2 + cube.round,
+        }
+    }
+}
+
+/// A part of space.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) struct Cube {
-    /// The round in which it is made, from 0.
+    /// The round in which its triangles are made, from 0.
     pub round: i32,
     place: IVec3,
 }
@@ -41,14 +63,15 @@ fn cube_of(round: i32, block: IVec3) -> IVec3 {
 }
 
 /// All pieces of a plan's mesh, those of each round after the ones before.
-pub(super) fn pieces(plan: &Plan) -> Vec<Cube> {
-    (0..ROUNDS).flat_map(|round| cubes(plan, round)).collect()
+pub(super) fn pieces(plan: &Plan) -> Vec<Piece> {
+    let triangles = (0..ROUNDS).flat_map(|round| cubes(plan, round)).map(Piece::Triangles);
+    once(Piece::Base).chain(cubes(plan, 0).map(Piece::Nodes)).chain(triangles).collect()
 }
 
 /// The numbers of the pieces of a plan's mesh in each round; those of a round need the ones before.
 pub fn rounds(plan: &Plan) -> Vec<Range<usize>> {
     let all = pieces(plan);
-    let ranges = all.chunk_by(|a, b| a.round == b.round).scan(0, |end, round| {
+    let ranges = all.chunk_by(|a, b| a.round() == b.round()).scan(0, |end, round| {
         *end += round.len();
         Some(*end - round.len()..*end)
     });
@@ -82,26 +105,16 @@ impl Cube {
     }
 }
 
-/// How many samples at these positions there are in each cube of the first round.
-pub(super) fn counts(positions: impl Iterator<Item = DVec3>, block: f64) -> Counts {
-    let mut counts = BTreeMap::new();
-    positions.for_each(|p| *counts.entry(cube_of(0, place_of(p, block)).to_array()).or_insert(0) += 1);
-    counts.into_iter().collect()
-}
-
-/// How many samples the piece of `cube` leaves out, or has more if that is negative, so that all of `counts`, those of all tiles, are
-/// `wanted`. They are shared by the fullest cubes, since others may have no triangles of their own.
-pub(super) fn spare(cube: Cube, counts: impl Iterator<Item = Counts>, wanted: u64) -> i64 {
-    let mut of_cubes: BTreeMap<[i32; 3], u64> = BTreeMap::new();
-    counts.flatten().for_each(|(place, count)| *of_cubes.entry(place).or_insert(0) += count);
-    let most = of_cubes.values().copied().max().unwrap_or(0);
-    let surplus = i128::from(of_cubes.values().sum::<u64>()) - i128::from(wanted);
-    of_cubes.retain(|_, count| 2 * *count >= most);
-    let all = i128::from(of_cubes.values().sum::<u64>().max(1));
+/// How many vertices the triangles of cube `own` leave out, or have more if that is negative, so that all of `counts`, the nodes of
+/// all cubes, are `wanted`. They are shared by the fullest cubes, since others may have no triangles of their own.
+pub(super) fn spare(own: usize, counts: &[u64], wanted: u64) -> i64 {
+    let most = counts.iter().copied().max().unwrap_or(0);
+    let surplus = i128::from(counts.iter().sum::<u64>()) - i128::from(wanted);
+    let full: Vec<i128> = counts.iter().map(|&count| if 2 * count >= most { i128::from(count) } else { 0 }).collect();
+    let all = full.iter().sum::<i128>().max(1);
     let share = |below: i128| (surplus * below).div_euclid(all);
-    let below: i128 = of_cubes.range(..cube.place.to_array()).map(|(_, count)| i128::from(*count)).sum();
-    let own = of_cubes.get(&cube.place.to_array()).map_or(0, |count| i128::from(*count));
-    (share(below + own) - share(below)) as i64
+    let below: i128 = full[..own].iter().sum();
+    (share(below + full[own]) - share(below)) as i64
 }
 
 #[cfg(test)]
@@ -110,13 +123,10 @@ mod tests {
 
     #[test]
     fn the_fullest_cubes_share_the_surplus_or_what_is_missing() {
-        let counts = || [vec![([0, 0, 0], 500), ([1, 0, 0], 3)], vec![([0, 0, 0], 300), ([1, 1, 0], 700)]].into_iter();
-        let spare =
-            |x: i32, y: i32, wanted: u64| super::spare(Cube { round: 0, place: IVec3::new(x, y, 0) }, counts(), wanted);
-        let all = |wanted: u64| [spare(0, 0, wanted), spare(1, 0, wanted), spare(1, 1, wanted), spare(5, 5, wanted)];
-        assert_eq!(all(1500), [1, 0, 2, 0]);
-        assert_eq!(all(1510), [-4, 0, -3, 0]);
-        assert_eq!(all(1503), [0; 4]);
+        let all = |wanted: u64| [0, 1, 2].map(|own| spare(own, &[800, 3, 700], wanted));
+        assert_eq!(all(1500), [1, 0, 2]);
+        assert_eq!(all(1510), [-4, 0, -3]);
+        assert_eq!(all(1503), [0; 3]);
     }
 
     #[test]

@@ -2,12 +2,10 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
-use crate::pipeline::{Sampled, sample_tile};
+use crate::pipeline::sample_tile;
 use crate::tiles::folder::TileFolder;
-use crate::tiles::merge::merge;
-use crate::tiles::pieces::counts;
 use crate::tiles::points::points_of;
-use crate::tiles::watch::OfTile;
+use crate::tiles::watch::{OfTile, one_by_one};
 
 /// Samples the tile with this number, counted from 0, and writes its samples to the folder.
 ///
@@ -25,22 +23,16 @@ pub fn sample_one(folder: &TileFolder, number: usize, monitor: &dyn Monitor) -> 
     let points = points_of(folder, &plan, plan.sampling.needed(tile), monitor)?;
     check(monitor)?;
     let samples = sample_tile(points, tile, &plan.sampling, &outline, &OfTile(monitor))?;
-    let counts = counts(samples.iter().map(|sample| sample.position), plan.sampling.block());
-    folder.write_samples(number, samples, &counts)
+    folder.write_samples(number, samples)
 }
 
-/// Samples all tiles that are not sampled yet, one after the other, and joins them.
+/// Samples the tiles with these numbers, one after the other; without any, all that are not sampled yet.
 ///
 /// # Errors
-/// Those of [`sample_one`] and [`merge`].
-pub fn sample_all(folder: &TileFolder, monitor: &dyn Monitor) -> Result<Sampled> {
-    let count = folder.plan()?.tiles.len();
+/// Those of [`sample_one`].
+pub fn sample_tiles(folder: &TileFolder, numbers: &[usize], monitor: &dyn Monitor) -> Result<()> {
     monitor.stage("sample tiles");
-    for number in (0..count).filter(|&number| !folder.has_samples(number)) {
-        check(monitor)?;
-        sample_one(folder, number, monitor)?;
-        monitor.progress((number + 1) as f64 / count as f64);
-    }
-    monitor.stage("merge");
-    merge(folder)
+    let all = 0..folder.plan()?.tiles.len();
+    let missing = all.filter(|&number| !folder.has_samples(number)).collect();
+    one_by_one(numbers, missing, |number| sample_one(folder, number, monitor), monitor)
 }

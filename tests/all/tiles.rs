@@ -5,7 +5,7 @@ use spectral_remesh::io::file::{read_file, write_points_file};
 use spectral_remesh::report::Report;
 use spectral_remesh::stages::base::rng::{Stage, stream, unit};
 use spectral_remesh::tiles::{
-    PlanOptions, TileFolder, make_plan, merge, merge_mesh, mesh_one, rounds, sample_all, sample_one,
+    PlanOptions, TileFolder, make_plan, merge, merge_mesh, mesh_one, rounds, sample_one, sample_tiles,
 };
 use spectral_remesh::{Attributes, Input, Points, SampleDensity, SampleOptions, Sampled, sample, with_threads};
 use std::f64::consts::TAU;
@@ -47,8 +47,8 @@ fn tiled(path: &Path, options: &PlanOptions) -> (Sampled, usize) {
     let work = tempfile::tempdir().unwrap();
     let folder = TileFolder::at(work.path()).unwrap();
     let plan = make_plan(path, None, &folder, options, &()).unwrap();
-    let sampled = sample_all(&folder, &()).unwrap();
-    (Sampled { notes: Vec::new(), ..sampled }, plan.tiles.len())
+    sample_tiles(&folder, &[], &()).unwrap();
+    (Sampled { notes: Vec::new(), ..merge(&folder).unwrap() }, plan.tiles.len())
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn any_tiling_gives_the_same_sound_mesh() {
         let folder = TileFolder::at(work.path()).unwrap();
         let plan = make_plan(&path, None, &folder, &options(10_000, tiles), &()).unwrap();
         let made = |numbers: std::ops::Range<usize>| numbers.rev().try_for_each(|n| mesh_one(&folder, n, &()));
-        sample_all(&folder, &()).unwrap();
+        sample_tiles(&folder, &[], &()).unwrap();
         let mesh = with_threads(Some(threads), || {
             rounds(&plan).into_iter().try_for_each(made).unwrap();
             merge_mesh(&folder).unwrap()
@@ -81,11 +81,11 @@ fn any_tiling_gives_the_same_sound_mesh() {
     };
     let (mesh, plan) = meshed(1, 2);
     // Pieces of all rounds have triangles.
-    assert!(plan.tiles.len() == 1 && rounds(&plan).len() == 3);
+    assert!(plan.tiles.len() == 1 && rounds(&plan).len() == 5);
     let report = Report::of_pieces(&mesh, plan.wanted);
     let t = &report.output.topology;
     assert_eq!((t.vertices, t.euler, t.components, t.boundary_loops), (10_000, 0, 1, 0));
-    assert_eq!((report.faults(), report.run.notes), (vec![], vec![]));
+    assert!(report.faults().is_empty() && report.run.notes.len() == 1, "{:?}", report.run.notes);
     let shape = report.output.shape.unwrap();
     assert!(shape.theta_min > 30.0 && shape.q_mean > 0.97, "{shape:?}");
     let off =
@@ -164,8 +164,10 @@ fn what_is_missing_in_a_folder_is_one_line() {
     let plan = make_plan(&path, None, &folder, &options(3000, 4), &()).unwrap();
     failed(sample_one(&folder, plan.tiles.len(), &()), "there is no tile");
     failed(merge(&folder).map(drop), "tile 0 is not sampled yet");
-    failed(mesh_one(&folder, 0, &()), "is not sampled yet");
-    failed(merge_mesh(&folder).map(drop), "piece 0 of the mesh is not made yet");
+    failed(mesh_one(&folder, 1, &()), "piece 0 of the mesh is not made yet");
+    mesh_one(&folder, 0, &()).unwrap();
+    failed(mesh_one(&folder, 1, &()), "is not sampled yet");
+    failed(merge_mesh(&folder).map(drop), "of the mesh is not made yet");
     let pieces = rounds(&plan).last().unwrap().end;
     failed(mesh_one(&folder, pieces, &()), "there is no piece");
     failed(mesh_one(&folder, pieces - 1, &()), "of the mesh is not made yet");
@@ -239,6 +241,39 @@ mod command {
             fs::read(home.join("a.ply")).unwrap() == fs::read(home.join("c.ply")).unwrap(),
             "text has other samples"
         );
+    }
+
+    #[test]
+    #[ignore = "slow"]
+    fn a_mesh_that_is_too_large_for_the_memory_is_made_in_pieces() {
+        let (home, _) = cloud(60_000, true);
+        let home = home.path();
+        fs::create_dir(home.join("temp")).unwrap();
+        let line = "--points 4000 --memory 8M --temp temp";
+        let out = remesh(home, &format!("cloud.ply a.ply {line}"));
+        let (table, said) = (String::from_utf8(out.stdout).unwrap(), String::from_utf8(out.stderr).unwrap());
+        assert!(out.status.success() && said.contains("MB of temporary files in "), "{said}");
+        assert!(table.contains("made piece by piece") && names(&home.join("temp")).is_empty(), "{table}");
+        for words in ["plan cloud.ply work --points 4000", "sample work", "mesh work", "merge work b.ply --mesh"] {
+            assert!(remesh(home, &format!("tiles {words}")).status.success());
+        }
+        assert!(fs::read(home.join("a.ply")).unwrap() == fs::read(home.join("b.ply")).unwrap());
+        assert_eq!(read_file(&home.join("a.ply"), None).unwrap().mesh.positions.len(), 4000);
+        // What pieces cannot be is made as a whole.
+        for other in ["--max-error 1%", "--adapt 0.5"] {
+            let out = remesh(home, &format!("cloud.ply a.ply {line} {other}"));
+            let table = String::from_utf8(out.stdout).unwrap();
+            assert!(out.status.success() && !table.contains("made piece by piece"), "{table}");
+        }
+        // What is finished of an interrupted run is not made again: here its plan is said to be of this file.
+        fs::rename(home.join("work"), home.join("temp/c.ply.remesh-tiles")).unwrap();
+        let kept = TileFolder::at(&home.join("temp/c.ply.remesh-tiles")).unwrap();
+        let sample = SampleOptions { density: SampleDensity::Points(4000), ..SampleOptions::default() };
+        kept.note(&home.join("cloud.ply"), &PlanOptions { sample, memory: 0, tiles: 1 }).unwrap();
+        let out = remesh(home, &format!("cloud.ply c.ply {line} --resume"));
+        assert!(out.status.success() && !String::from_utf8(out.stderr).unwrap().contains("temporary files"));
+        assert!(fs::read(home.join("c.ply")).unwrap() == fs::read(home.join("b.ply")).unwrap());
+        assert!(names(&home.join("temp")).is_empty());
     }
 
     #[test]

@@ -206,7 +206,7 @@ mod tests {
         let Remeshing { input, output, options, levels, sizing, out_of_core, run } = job;
         assert_eq!((options, levels), (RemeshOptions::default(), vec![]));
         assert_eq!((input, output, sizing), (file("a.obj"), file("b.ply"), None));
-        assert_eq!(out_of_core, OutOfCore { wanted: false, memory: None, temp: None });
+        assert_eq!(out_of_core, OutOfCore { wanted: false, memory: None, temp: None, resume: false });
         assert_eq!(run, Run { threads: None, report: None, voice: Voice::Normal });
     }
 
@@ -220,8 +220,9 @@ mod tests {
         assert_eq!(job.options, options.into());
         assert_eq!((job.input.format, job.output.format), (Some(Format::Ply), Some(Format::Glb)));
         assert_eq!(job.run, Run { threads: Some(3), report: Some("r.json".into()), voice: Voice::Verbose });
-        let out_of_core = remeshing("remesh a b --points 5 --out-of-core --memory 2G --temp t").out_of_core;
-        assert_eq!(out_of_core, OutOfCore { wanted: true, memory: Some(2_000_000_000), temp: Some("t".into()) });
+        let out_of_core = remeshing("remesh a b --points 5 --out-of-core --memory 2G --temp t --resume").out_of_core;
+        let given = OutOfCore { wanted: true, memory: Some(2_000_000_000), temp: Some("t".into()), resume: true };
+        assert_eq!(out_of_core, given);
         assert_eq!(remeshing("remesh a b --points 5 --features none").options.surface.features, Features::Smooth);
         assert_eq!(remeshing("remesh a b --points 5 --adapt 0.5").options.surface.grading, Grading::Curvature(0.5));
         assert_eq!(remeshing("remesh a b --sizing h").options.surface.density, Density::OfField);

@@ -88,7 +88,8 @@ pub(super) struct RemeshArgs {
     #[arg(long, value_name = "0|1", default_value_t = u8::from(Options::default().optimize), value_parser = clap::value_parser!(u8).range(0..=1))]
     optimize: u8,
     /// Read a mesh in blocks and make it coarser meanwhile: by itself for files larger than --memory, and for meshes far
-    /// finer than the result. Faces in OBJ, binary PLY and binary STL; points are thinned while they are read in any case
+    /// finer than the result. Faces in OBJ, binary PLY and binary STL; points are thinned while they are read in any case,
+    /// and the result is made piece by piece if it would not fit in --memory
     #[arg(long)]
     out_of_core: bool,
     #[command(flatten)]
@@ -141,7 +142,7 @@ impl RemeshArgs {
             no_attributes,
             optimize,
             out_of_core,
-            memory: MemoryArgs { memory, temp },
+            memory,
             formats,
             run,
         } = self;
@@ -176,7 +177,7 @@ impl RemeshArgs {
             optimize: optimize != 0,
         };
         let options = settings.resolve().map_err(|e| refused(&e))?;
-        let out_of_core = OutOfCore { wanted: out_of_core, memory, temp };
+        let out_of_core = memory.resolve(out_of_core);
         Ok(Remeshing { input, output, options, levels, sizing, out_of_core, run: run.into() })
     }
 }

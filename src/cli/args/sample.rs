@@ -107,9 +107,6 @@ struct OutOfCoreArgs {
     out_of_core: bool,
     #[command(flatten)]
     memory: MemoryArgs,
-    /// Keep what is finished in --temp if the run is interrupted, and go on from there at the next one
-    #[arg(long, requires = "temp")]
-    resume: bool,
 }
 
 /// Sample a file into another one.
@@ -123,8 +120,6 @@ pub struct Sampling {
     pub options: SampleOptions,
     /// How it is sampled if it is larger than memory.
     pub out_of_core: OutOfCore,
-    /// Whether a run goes on from what one before has finished.
-    pub resume: bool,
     /// How it goes on meanwhile.
     pub run: Run,
 }
@@ -132,7 +127,8 @@ pub struct Sampling {
 impl SampleArgs {
     pub(super) fn resolve(self) -> Result<Sampling, Stop> {
         let SampleArgs { input, output, even, sigma_n, properties, normals, levels, format, out_of_core, run } = self;
-        let OutOfCoreArgs { out_of_core: wanted, memory: MemoryArgs { memory, temp }, resume } = out_of_core;
+        let OutOfCoreArgs { out_of_core: wanted, memory } = out_of_core;
+        let out_of_core = memory.resolve(wanted);
         let signals = properties.into_iter().map(Signal::from).collect();
         let settings = SampleSettings { sigma_n, signals, normals: normals.into(), levels, ..even.settings()? };
         let options = settings.resolve().map_err(|e| refused(&e))?;
@@ -140,8 +136,7 @@ impl SampleArgs {
             input: MeshFile { path: input, format },
             output,
             options,
-            out_of_core: OutOfCore { wanted: wanted || resume, memory, temp },
-            resume,
+            out_of_core: OutOfCore { wanted: out_of_core.wanted || out_of_core.resume, ..out_of_core },
             run: Run::from(run).without_page("samples")?,
         })
     }

@@ -68,10 +68,21 @@ impl Run {
 pub(super) struct MemoryArgs {
     /// Memory to make do with, such as 400M or 2G [default: half of what is free]
     #[arg(long, value_name = "M", value_parser = bytes)]
-    pub memory: Option<u64>,
+    memory: Option<u64>,
     /// Folder for temporary files, which are removed in any case [default: that of the system]
     #[arg(long, value_name = "DIR")]
-    pub temp: Option<PathBuf>,
+    temp: Option<PathBuf>,
+    /// Keep what is finished of a cloud in --temp if the run is interrupted, and go on from there at the next one
+    #[arg(long, requires = "temp")]
+    resume: bool,
+}
+
+impl MemoryArgs {
+    /// How what is larger than memory is treated, by itself or because it is `wanted`.
+    pub(super) fn resolve(self, wanted: bool) -> OutOfCore {
+        let MemoryArgs { memory, temp, resume } = self;
+        OutOfCore { wanted, memory, temp, resume }
+    }
 }
 
 /// How what is larger than memory is treated.
@@ -83,6 +94,8 @@ pub struct OutOfCore {
     pub memory: Option<u64>,
     /// Where temporary files go.
     pub temp: Option<PathBuf>,
+    /// Whether a run goes on from what one before has finished.
+    pub resume: bool,
 }
 
 /// Whether a report with this name is a page, and not JSON.
