@@ -1,7 +1,7 @@
 //! `remesh IN OUT`: reads, remeshes, writes, reports.
 
 use crate::base::error::Result;
-use crate::base::monitor::Stopwatch;
+use crate::base::monitor::{Monitor, Stopwatch};
 use crate::cli::args::{Remeshing, Run, Sizing, Voice, is_page};
 use crate::cli::files::{add_run, check_report, hand_out, load, name, now_writing, watched};
 use crate::cli::in_tiles::mesh_in_pieces;
@@ -22,7 +22,10 @@ pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
     check_report(&job.run)?;
     let (outcomes, reports, page) = watched(job.run.voice, |monitor| {
         let Made { mut outcomes, input, notes } = match mesh_in_pieces(job, &outputs, monitor)? {
-            Some(mesh) => Made::of_pieces(mesh, job),
+            Some(mesh) => {
+                monitor.stage("measure");
+                Made::of_pieces(mesh, job)
+            }
             None => in_memory(job, &outputs, monitor)?,
         };
         now_writing(monitor);
