@@ -5,6 +5,7 @@ use crate::base::monitor::Monitor;
 use crate::cli::args::{MeshFile, OutOfCore, Remeshing, Sampling, Voice};
 use crate::cli::out_of_core::{Place, announce, is_large};
 use crate::cli::outputs::Outputs;
+use crate::io::dense::PointFile;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::{Density, Grading, SampleDensity, SampleOptions, Sampled};
 use crate::surface::features::Features;
@@ -15,6 +16,13 @@ use std::path::Path;
 /// Bytes that remeshing a cloud in memory takes for each vertex of the result.
 const BYTES_PER_VERTEX: u64 = 3000;
 
+/// Fewer points for each vertex leave pieces of a mesh open.
+const POINTS_PER_VERTEX: u64 = 3;
+
+/// Bytes that temporary files have, besides those of the points, for each sample, and for each vertex of a mesh.
+const BYTES_OF_SAMPLE: u64 = 52;
+const BYTES_OF_VERTEX: u64 = 180;
+
 /// Whether a job is done tile by tile: if that is wanted, or if its file is larger than the memory for it and can be.
 pub(super) fn is_sampled_in_tiles(job: &Sampling) -> bool {
     job.out_of_core.wanted
@@ -24,25 +32,39 @@ pub(super) fn is_sampled_in_tiles(job: &Sampling) -> bool {
 /// Samples the file of a job tile by tile.
 pub(super) fn sample_in_tiles(job: &Sampling, monitor: &dyn Monitor) -> Result<Sampled> {
     let work = Work { input: &job.input, output: &job.output, wanted: &job.out_of_core, voice: job.run.voice };
-    let merged = |folder: &TileFolder| {
-        monitor.stage("merge");
-        merge(folder)
-    };
-    work.done(&job.options, merged, monitor)
+    let (place, folder) = work.planned(&job.options, BYTES_OF_SAMPLE, monitor)?;
+    sample_tiles(&folder, &[], monitor)?;
+    monitor.stage("merge");
+    let sampled = merge(&folder)?;
+    place.clear();
+    Ok(sampled)
 }
 
 /// The mesh of a job whose file is a cloud, made piece by piece, if it is too large for the memory and can be made so; else
 /// `None`.
 pub(super) fn mesh_in_pieces(job: &Remeshing, outputs: &Outputs, monitor: &dyn Monitor) -> Result<Option<Mesh>> {
-    let can_be = |options: &SampleOptions| !outputs.are_tiles && can_plan(&job.input.path, job.input.format, options);
+    let can_be = |options: &SampleOptions| {
+        !outputs.are_tiles && is_dense(&job.input, options) && can_plan(&job.input.path, job.input.format, options)
+    };
     let Some(options) = in_pieces(job).filter(can_be) else { return Ok(None) };
     let work = Work { input: &job.input, output: &job.output.path, wanted: &job.out_of_core, voice: job.run.voice };
-    let mesh = |folder: &TileFolder| {
-        mesh_pieces(folder, &[], monitor)?;
-        monitor.stage("merge");
-        merge_mesh(folder)
-    };
-    work.done(&options, mesh, monitor).map(Some)
+    let (place, folder) = work.planned(&options, BYTES_OF_SAMPLE + BYTES_OF_VERTEX, monitor)?;
+    if folder.plan()?.is_thick {
+        place.clear();
+        return Ok(None);
+    }
+    sample_tiles(&folder, &[], monitor)?;
+    mesh_pieces(&folder, &[], monitor)?;
+    monitor.stage("merge");
+    let mesh = merge_mesh(&folder)?;
+    place.clear();
+    Ok(Some(mesh))
+}
+
+/// Whether a cloud has the points that pieces of a mesh need.
+fn is_dense(input: &MeshFile, options: &SampleOptions) -> bool {
+    let points = PointFile::open(&input.path, input.format).ok().flatten().map_or(0, |file| file.table.points);
+    points as u64 >= POINTS_PER_VERTEX * wanted(options)
 }
 
 /// How the samples of a mesh are drawn that is too large for the memory, if pieces can be what the job asks for.
@@ -66,6 +88,14 @@ fn in_pieces(job: &Remeshing) -> Option<SampleOptions> {
     })
 }
 
+/// How many samples are wanted, if that is known.
+fn wanted(options: &SampleOptions) -> u64 {
+    match options.density {
+        SampleDensity::Points(wanted) => wanted as u64,
+        _ => 0,
+    }
+}
+
 /// A job that is done in a folder of tiles.
 struct Work<'a> {
     input: &'a MeshFile,
@@ -75,26 +105,23 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// What `last` makes of the folder once all tiles are sampled.
-    fn done<T>(
+    /// The folder, in which the tiles are planned, and where it is. There are files of so many bytes for each sample to come.
+    fn planned(
         &self,
         sample: &SampleOptions,
-        last: impl FnOnce(&TileFolder) -> Result<T>,
+        bytes_per_sample: u64,
         monitor: &dyn Monitor,
-    ) -> Result<T> {
+    ) -> Result<(Place, TileFolder)> {
         let options = PlanOptions { sample: sample.clone(), memory: self.wanted.memory(), tiles: 1 };
         let place = Place::of(self.output, self.wanted)?;
         let folder = place.folder()?;
         let is_begun = self.wanted.resume && folder.is_of(&self.input.path, &options);
         if !is_begun {
             let size = fs::metadata(&self.input.path).map_or(0, |found| found.len());
-            announce(self.input, &place, size + size / 4, self.voice);
+            announce(self.input, &place, size + size / 4 + bytes_per_sample * wanted(sample), self.voice);
             make_plan(&self.input.path, self.input.format, &folder, &options, monitor)?;
             folder.note(&self.input.path, &options)?;
         }
-        sample_tiles(&folder, &[], monitor)?;
-        let made = last(&folder)?;
-        place.clear();
-        Ok(made)
+        Ok((place, folder))
     }
 }

@@ -32,6 +32,8 @@ pub struct Survey {
     pub outline: Points,
     /// Whether the normals that all points have are on a common side as they are.
     pub is_sided: bool,
+    /// Whether noise is larger than the distance of neighbours: no few of them are flat.
+    pub is_thick: bool,
     /// About the width of the kernel for what is wanted.
     pub sigma: f64,
 }
@@ -49,6 +51,7 @@ pub fn survey(
 ) -> Result<Survey> {
     let cloud = prepared(points, options, monitor)?;
     let is_sided = cloud.summary.estimated_normals == 0 && cloud.summary.turned_normals == 0;
+    let is_thick = cloud.summary.flattened_neighbors > 0;
     let sigma = match density {
         SampleDensity::SigmaP(sigma) => sigma,
         SampleDensity::EdgeLength(length) => Scale::sigma_of_spacing(length),
@@ -62,7 +65,7 @@ pub fn survey(
             sigma * (kept.len() as f64 / wanted as f64).sqrt()
         }
     };
-    Ok(Survey { outline: cloud.points, is_sided, sigma })
+    Ok(Survey { outline: cloud.points, is_sided, is_thick, sigma })
 }
 
 impl Outline {

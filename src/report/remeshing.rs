@@ -226,8 +226,9 @@ impl Report {
     /// What keeps a mesh that was only measured from being a sound oriented manifold, a phrase each.
     pub fn faults(&self) -> Vec<String> {
         let slivers = [(self.slivers.len(), "face with an angle below 1 degree", "faces with an angle below 1 degree")];
+        let empty = (self.output.topology.faces == 0).then(|| "no triangles".to_string());
         let faults = topology_faults(&self.output.topology, self.crossings.faces.len());
-        faults.into_iter().chain(counts(&slivers)).collect()
+        empty.into_iter().chain(faults).chain(counts(&slivers)).collect()
     }
 
     /// The same for points through which the reported input was laid: their distance to the output replaces that of `input`.

@@ -37,6 +37,10 @@ pub fn mesh_one(folder: &TileFolder, number: usize, monitor: &dyn Monitor) -> Re
         let cause = format!("its mesh has {} pieces, numbered from 0; there is no piece {number}", all.len());
         return Err(folder.error(cause, "give a smaller number"));
     };
+    if plan.is_thick {
+        let cause = "the noise of its points is larger than their distance, which pieces of a mesh do not smooth away";
+        return Err(folder.error(cause, "remesh the cloud as a whole, or plan it with fewer points or with --smooth"));
+    }
     let work = Work { folder, plan: &plan, all: &all, number, monitor };
     match piece {
         Piece::Base => folder.write_piece(number, &work.base()?),

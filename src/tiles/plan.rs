@@ -30,6 +30,8 @@ pub struct Plan {
     pub points: usize,
     /// Samples wanted; `None` if the width of the kernel decides.
     pub wanted: Option<usize>,
+    /// Whether the noise of the points is larger than their distance. Samples are drawn even so, but a mesh in pieces would be torn.
+    pub is_thick: bool,
     /// How each tile is sampled.
     pub sampling: TileOptions,
     /// The tiles, each by its place in a lattice of them.

@@ -67,7 +67,7 @@ pub fn make_plan(
     folder.forget()?;
     monitor.stage("read");
     let name = input.display().to_string();
-    let Survey { outline, is_sided, sigma } =
+    let Survey { outline, is_sided, is_thick, sigma } =
         survey(&some_points(&file)?, *density, cloud, *seed, &OfTile(monitor)).map_err(|e| e.in_file(&name))?;
     check(monitor)?;
     let sampling = TileOptions {
@@ -85,8 +85,19 @@ pub fn make_plan(
         _ => None,
     };
     let Opened { format, head, length, .. } = file.file;
-    let mut plan =
-        Plan { input: name, points, wanted, sampling, tiles: vec![], tile: 1, lowest: [0; 3], format, length, chunks };
+    let mut plan = Plan {
+        input: name,
+        points,
+        wanted,
+        is_thick,
+        sampling,
+        tiles: vec![],
+        tile: 1,
+        lowest: [0; 3],
+        format,
+        length,
+        chunks,
+    };
     folder.write_context(&head, &outline)?;
     monitor.stage("count");
     calibrate(&mut plan, folder, cloud.smooth.is_none(), monitor)?;
@@ -163,7 +174,7 @@ fn calibrate(plan: &mut Plan, folder: &TileFolder, may_smooth: bool, monitor: &d
     let counts = outline_counts(outline.positions(), plan.sampling.block());
     let chosen = chosen_buckets(plan, &counts);
     if may_smooth && let Some(most) = chosen.iter().max_by_key(|bucket| counts[&bucket.to_array()]) {
-        plan.sampling.reach = reach_for_noise(plan, folder, blocks_of(*most), monitor)?;
+        look_for_noise(plan, folder, blocks_of(*most), monitor)?;
     }
     let Some(wanted) = plan.wanted else { return Ok(()) };
     let (all, some): (usize, usize) =
@@ -214,14 +225,17 @@ fn chosen_buckets(plan: &Plan, counts: &FxHashMap<[i32; 3], usize>) -> Vec<IVec3
     buckets.into_iter().take_while(is_missing).map(IVec3::from).collect()
 }
 
-/// The support radius of the points, by the noise of some of them.
-fn reach_for_noise(plan: &Plan, folder: &TileFolder, blocks: BlockBox, monitor: &dyn Monitor) -> Result<f64> {
+/// Finds out how noisy some of the points are, and how far points have to reach for that.
+fn look_for_noise(plan: &mut Plan, folder: &TileFolder, blocks: BlockBox, monitor: &dyn Monitor) -> Result<()> {
     let positions: Vec<DVec3> = points_of(folder, plan, blocks, monitor)?.iter().map(|p| p.position).collect();
     match flatness(&positions, &Neighbors::new(&positions)) {
-        Flatness::AtOnce => Ok(plan.sampling.reach),
-        Flatness::NotQuite | Flatness::At(_) => Ok(SMOOTHING_SUPPORT),
-        Flatness::Never => Err(volume(plan.points).in_file(&plan.input)),
+        Flatness::AtOnce => return Ok(()),
+        Flatness::NotQuite => {}
+        Flatness::At(_) => plan.is_thick = true,
+        Flatness::Never => return Err(volume(plan.points).in_file(&plan.input)),
     }
+    plan.sampling.reach = SMOOTHING_SUPPORT;
+    Ok(())
 }
 
 /// Cuts the plan into tiles: as large as memory allows, and no fewer than wanted.

@@ -259,7 +259,21 @@ mod command {
         }
         assert!(fs::read(home.join("a.ply")).unwrap() == fs::read(home.join("b.ply")).unwrap());
         assert_eq!(read_file(&home.join("a.ply"), None).unwrap().mesh.positions.len(), 4000);
-        // What pieces cannot be is made as a whole.
+        // What pieces cannot be is made as a whole. So is what is too noisy for them, and too sparse.
+        let bumpy = read_file(&home.join("cloud.ply"), None).unwrap();
+        let mut rng = stream(7, Stage::Candidates);
+        let lifted = bumpy.mesh.positions.iter().zip(bumpy.attributes.normals());
+        let thick = Points::without_normals(lifted.map(|(p, n)| *p + 0.3 * (unit(&mut rng) - 0.5) * n).collect());
+        write_points_file(&home.join("thick.ply"), &thick, &Attributes::default(), None).unwrap();
+        let words = ["thick.ply c.ply --points 4000 --memory 8M", "cloud.ply c.ply --points 25000 --memory 8M"];
+        for words in words {
+            let out = remesh(home, &format!("{words} --temp temp"));
+            let table = String::from_utf8(out.stdout).unwrap();
+            assert!(out.status.success() && !table.contains("made piece by piece"), "{table}");
+        }
+        assert!(remesh(home, "tiles plan thick.ply noisy --points 4000").status.success());
+        let refused = String::from_utf8(remesh(home, "tiles mesh noisy 0").stderr).unwrap();
+        assert!(refused.contains("noise of its points is larger than their distance"), "{refused}");
         for other in ["--max-error 1%", "--adapt 0.5"] {
             let out = remesh(home, &format!("cloud.ply a.ply {line} {other}"));
             let table = String::from_utf8(out.stdout).unwrap();

@@ -102,7 +102,7 @@ impl EvenArgs {
 #[derive(Debug, clap::Args)]
 struct OutOfCoreArgs {
     /// Sample tile by tile, with all points in temporary files: by itself for files larger than --memory. Points in
-    /// binary PLY and in uncompressed LAS
+    /// binary PLY, LAS, LAZ, E57 and text
     #[arg(long)]
     out_of_core: bool,
     #[command(flatten)]
