@@ -7,7 +7,7 @@ use crate::cli::out_of_core::{Place, announce, is_large};
 use crate::cli::outputs::Outputs;
 use crate::io::dense::PointFile;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::pipeline::{Density, Grading, SampleDensity, SampleOptions, Sampled};
+use crate::pipeline::{Density, Grading, MOST_OF_BASE, SampleDensity, SampleOptions, Sampled};
 use crate::surface::features::Features;
 use crate::tiles::{PlanOptions, TileFolder, can_plan, make_plan, merge, merge_mesh, mesh_pieces, sample_tiles};
 use std::fs;
@@ -79,7 +79,8 @@ fn in_pieces(job: &Remeshing) -> Option<SampleOptions> {
         && cloud.fill_holes == 0.0
         && job.levels.is_empty()
         && job.sizing.is_none();
-    let is_too_large = BYTES_PER_VERTEX * wanted as u64 > job.out_of_core.memory();
+    // A base mesh is made in memory even so.
+    let is_too_large = wanted > MOST_OF_BASE && BYTES_PER_VERTEX * wanted as u64 > job.out_of_core.memory();
     (is_plain && is_too_large).then(|| SampleOptions {
         density: SampleDensity::Points(wanted),
         seed: surface.seed,

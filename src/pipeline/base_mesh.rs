@@ -18,11 +18,11 @@ use crate::surface::features::Features;
 use glam::DVec3;
 
 /// About the most vertices of a base mesh: an outline has five points for each.
-const MOST_VERTICES: usize = 20_000;
+pub const MOST_OF_BASE: usize = 20_000;
 
 /// In how many parts the edges of a base mesh are split for about so many vertices.
 fn parts(wanted: usize) -> usize {
-    (wanted as f64 / MOST_VERTICES as f64).sqrt().ceil().max(1.0) as usize
+    (wanted as f64 / MOST_OF_BASE as f64).sqrt().ceil().max(1.0) as usize
 }
 
 /// The base mesh for `wanted` vertices on the surface through an outline.

@@ -38,7 +38,7 @@ mod unit;
 mod values;
 mod within;
 
-pub use base_mesh::{base_mesh, nodes};
+pub use base_mesh::{MOST_OF_BASE, base_mesh, nodes};
 pub use cloud::{
     CloudOptions, CloudSummary, FEW_NEIGHBORS, INTERPOLATING_SUPPORT, MeshOfPoints, NormalFit, Reach,
     SMOOTHING_SUPPORT, mesh_of_points, volume,
