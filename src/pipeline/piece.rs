@@ -21,7 +21,6 @@ use crate::optimize::angles::improve_angles;
 use crate::optimize::exchange::balance_count;
 use crate::optimize::self_intersections::resolve_self_intersections;
 use crate::optimize::untangle::{Aim, untangle};
-use crate::pipeline::cloud::INTERPOLATING_SUPPORT;
 use crate::pipeline::mend::ANGLES;
 use crate::pipeline::optimization::optimize_ordered;
 use crate::pipeline::outline::Outline;
@@ -127,11 +126,10 @@ fn surface_of(
     monitor: &dyn Monitor,
 ) -> Result<OrientedManifold> {
     let Part { samples, spacings, near, .. } = Part::new(points, options, outline);
-    let mut positions: Vec<DVec3> = samples.iter().map(|s| s.position).collect();
-    let mut normals: Vec<DVec3> = samples.iter().map(|s| s.normal).collect();
-    if options.reach > INTERPOLATING_SUPPORT {
-        (positions, normals) = Rimls::new(&positions, &normals, &near, &spacings, options.reach).smoothed();
-    }
+    let positions: Vec<DVec3> = samples.iter().map(|s| s.position).collect();
+    let normals: Vec<DVec3> = samples.iter().map(|s| s.normal).collect();
+    // The nodes lie on this surface. Without noise it hardly differs from the points, but no noise is not known for sure.
+    let (positions, normals) = Rimls::new(&positions, &normals, &near, &spacings, options.reach).smoothed();
     let triangles = triangles_between(&positions, &normals, monitor)?;
     let mut mesh = Mesh { positions, triangles };
     mesh.drop_unused();
