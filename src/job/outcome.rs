@@ -70,7 +70,7 @@ impl Outcome {
             of_points: None,
             shortcomings: report.faults(),
             notes: report.run.notes.clone(),
-            warnings: Vec::new(),
+            warnings: report.run.notes.clone(),
             report: Some(report),
         }
     }
