@@ -62,7 +62,10 @@ def section(found):
     for name, write in writers.items():
         raw = _experiment(found, name)
         if raw:
-            parts += write(raw)
+            date = _made_with(found, name)['date']
+            # Experiments that were made apart have a date of their own.
+            first, *rest = write(raw)
+            parts += [first if date == made['date'] else '%s Measured on %s.' % (first, date), *rest]
     return '\n\n'.join(parts)
 
 

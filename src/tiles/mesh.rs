@@ -18,7 +18,7 @@ use crate::tiles::points::points_of;
 use crate::tiles::watch::{OfTile, one_by_one};
 use glam::{DVec3, IVec3};
 
-/// Blocks around a piece whose samples and points take part in it: what the border of these changes is nearer to it.
+/// Blocks around a cube whose samples, nodes and points take part in it: what the border of these changes is nearer to it.
 const HALO: i32 = 2;
 
 /// How far from what is made anew points take part in it, in widths of the kernel.
@@ -135,8 +135,8 @@ impl Work<'_> {
         let before: Vec<(usize, MadePiece)> =
             before.map(|(number, _)| Ok((number, self.folder.read_piece(number)?))).collect::<Result<_>>()?;
         let joined = Joined::new(&before);
-        let first = self.all.iter().take_while(|piece| !matches!(piece, Piece::Triangles(_))).count();
-        let anew = joined.to_be_made_anew(first).into_iter();
+        let first = self.all.iter().position(|piece| matches!(piece, Piece::Triangles(_)));
+        let anew = joined.to_be_made_anew(first.unwrap_or(0)).into_iter();
         let selected: Vec<bool> = anew.zip(self.owned(&joined.mesh, cube)).map(|(anew, own)| anew && own).collect();
         let points = self.near(cube, &joined.mesh, &selected)?;
         let disordered = joined.at_small_angles();
@@ -235,7 +235,7 @@ impl Work<'_> {
     }
 }
 
-/// The blocks in and around a cube whose samples and points take part in it.
+/// The blocks in and around a cube of what takes part in it.
 fn around(cube: Cube) -> BlockBox {
     cube.blocks().grown(IVec3::splat(HALO))
 }

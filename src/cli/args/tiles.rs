@@ -19,7 +19,8 @@ machines and threads, and those of 'remesh sample --out-of-core'.
   remesh tiles sample work 0        (and so on, one for each tile, anywhere)
   remesh tiles merge work points.ply
 
-The mesh is made in pieces, in five rounds: those of a round can be made anywhere, too, once the ones before are done. 'plan' prints the first and the last number of each round.
+The mesh is made in pieces, in five rounds: those of a round can be made anywhere, too, once the ones before are done.
+'plan' prints the first and the last number of each round.
 
   remesh tiles mesh work            (all that are missing; or the numbers of some)
   remesh tiles merge work mesh.ply --mesh
