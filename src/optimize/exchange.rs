@@ -4,7 +4,8 @@
 //! if there is one vertex too many or too few. At each small angle an edge near it collapses or splits, the triangles around
 //! settle, and the change that costs least by the measure of [`angles`](crate::optimize::angles) stays, of those that leave the
 //! worst triangle no worse and the surface where it is. In the end as many vertices as that took or gave come from places that
-//! remain good, or go there.
+//! remain good, or go there. Narrow strips between curves get their number of vertices before the rest is ordered: an ordered mesh
+//! has no place where it would stay as good without a vertex, or with one more.
 //!
 //! Based on: B. M. Klingner, J. R. Shewchuk, Aggressive tetrahedral mesh improvement, 2007,
 //! DOI 10.1007/978-3-540-75103-8_1. Departure: the number of vertices is kept.
@@ -19,8 +20,9 @@ use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
 use crate::manifold::facing::FacingGuard;
 use crate::manifold::neighborhood::Neighborhood;
+use crate::manifold::vertex_set::VertexSet;
 use crate::optimize::angles::{cost, worst_margin};
-use crate::optimize::counts::{is_away_from_curves, meet_count};
+use crate::optimize::counts::{collapse_shortest, is_away_from_curves, meet_count};
 use crate::optimize::places::{GivenUp, Place, disjoint, put_back, settled, split};
 use crate::surface::domain::Domain;
 use glam::DVec3;
@@ -52,23 +54,47 @@ const LEEWAY: f64 = 0.12;
 /// What a change has to gain: as much as two or three degrees of an angle of 40 degrees.
 const LEAST_GAIN: f64 = 10.0;
 
-/// Places that are tried for each vertex that comes or goes elsewhere, and so many times as many where none of them will do.
+/// Places that are tried for each vertex that comes or goes elsewhere, and so many times as many where none of them will do; as
+/// small a share of the places is changed at once, so that the worst ones stay; and the fewest places that are tried.
 const CHOICES: usize = 4;
+const FEWEST_CHOICES: usize = 16;
 
 /// Exchanges vertices between small angles and other places; their number stays. `spacing` is the mean edge length.
 pub fn exchange_vertices(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
     let exchange = Exchange { domain, spacing, monitor };
-    if exchange.small_angles(mesh, &GivenUp::default()).is_empty() {
+    if exchange.small_angles(mesh, |_| true).is_empty() {
         return Ok(());
     }
     let before = mesh.clone();
     let wanted = mesh.connectivity.vertex_count();
-    exchange.change_counts(mesh)?;
+    exchange.change_counts(mesh, |_, _| true)?;
     exchange.balance(mesh, wanted)?;
     // Of few vertices there may be none to give or take.
     if mesh.connectivity.vertex_count() != wanted || cost(mesh) > cost(&before) {
         *mesh = before;
     }
+    Ok(())
+}
+
+/// Gives the triangles along curves in `narrow` patches the number of vertices that they need; as many come from the shortest edges
+/// away from curves, around which the mesh is still to be ordered.
+pub fn fill_narrow(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    narrow: &VertexSet,
+    spacing: f64,
+    monitor: &dyn Monitor,
+) -> Result<()> {
+    let before = mesh.connectivity.vertex_count();
+    let is_of_strip = |mesh: &Manifold, t: u32| {
+        let corners = mesh.connectivity.triangle(3 * t);
+        corners.into_iter().filter(|&v| mesh.connectivity.is_on_curve(v)).count() >= 2
+            && corners.into_iter().any(|v| narrow.contains(v))
+    };
+    Exchange { domain, spacing, monitor }.change_counts(mesh, is_of_strip)?;
+    collapse_shortest(mesh, before, |mesh, h| {
+        is_away_from_curves(mesh, h) && FacingGuard::CAREFUL.passes(mesh.after_collapse(h).0)
+    });
     Ok(())
 }
 
@@ -90,12 +116,13 @@ struct Exchange<'a> {
 }
 
 impl Exchange<'_> {
-    /// Gives the surroundings of small angles the number of vertices that they need.
-    fn change_counts(&self, mesh: &mut Manifold) -> Result<()> {
+    /// Gives the surroundings of small angles, of the triangles that `may` change, the number of vertices that they need.
+    fn change_counts(&self, mesh: &mut Manifold, may: impl Fn(&Manifold, u32) -> bool) -> Result<()> {
         let mut given_up = GivenUp::default();
         for _ in 0..MOST_PASSES {
             check(self.monitor)?;
-            let places = disjoint(mesh, &self.small_angles(mesh, &given_up), usize::MAX);
+            let small = self.small_angles(mesh, |t| !given_up.has(t) && may(mesh, t));
+            let places = disjoint(mesh, &small, usize::MAX);
             if places.is_empty() {
                 break;
             }
@@ -105,9 +132,9 @@ impl Exchange<'_> {
         Ok(())
     }
 
-    /// A side of each triangle with a small angle or poor quality that is not given up, the smallest angle first.
-    fn small_angles(&self, mesh: &Manifold, given_up: &GivenUp) -> Vec<u32> {
-        let angles = mesh.triangles().filter(|&t| !given_up.has(t)).map(|t| (smallest_angle(mesh.corners(t)), t));
+    /// A side of each triangle with a small angle or poor quality that `may` change, the smallest angle first.
+    fn small_angles(&self, mesh: &Manifold, may: impl Fn(u32) -> bool) -> Vec<u32> {
+        let angles = mesh.triangles().filter(|&t| may(t)).map(|t| (smallest_angle(mesh.corners(t)), t));
         let is_small = |&(angle, t): &(f64, u32)| angle < SMALL || quality(mesh.corners(t)) < POOR;
         let mut small: Vec<(f64, u32)> = angles.filter(is_small).collect();
         small.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -167,7 +194,8 @@ impl Exchange<'_> {
             let count = mesh.connectivity.vertex_count();
             let missing = count.abs_diff(wanted);
             let faces = Faces::new(mesh);
-            let places = disjoint(mesh, &edges_to_change(mesh, count < wanted), choices * missing);
+            let most = (choices * missing).max(FEWEST_CHOICES);
+            let places = disjoint(mesh, &edges_to_change(mesh, count < wanted), most);
             let changed = |place: &Place| {
                 let h = place.own_side();
                 let changed =
@@ -179,10 +207,11 @@ impl Exchange<'_> {
             let changed = parallel::each(&places, changed).into_iter().collect::<Result<Vec<_>>>()?;
             let mut changed: Vec<(f64, Neighborhood)> = changed.into_iter().flatten().collect();
             changed.sort_by(|a, b| a.0.total_cmp(&b.0));
-            if put_back(mesh, changed.iter().map(|(_, changed)| changed), missing) > 0 {
+            let at_once = missing.min((places.len() / CHOICES).max(1));
+            if put_back(mesh, changed.iter().map(|(_, changed)| changed), at_once) > 0 {
                 continue;
             }
-            if places.len() == choices * missing {
+            if places.len() == most {
                 choices *= CHOICES;
             } else {
                 meet_count(self.domain, mesh, wanted);
@@ -224,7 +253,6 @@ fn edges_to_change(mesh: &Manifold, to_split: bool) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::manifold::vertex_set::VertexSet;
     use crate::mesh::topology::topology;
     use crate::optimize::angles::improve_angles;
     use crate::optimize::relax::{Flips, relax};
@@ -270,6 +298,24 @@ mod tests {
         let left = mesh.to_mesh();
         let t = topology(left.positions.len(), &left.triangles);
         assert!(t.is_manifold() && t.is_oriented() && (t.euler, t.boundary_loops) == (1, 1));
+    }
+
+    #[test]
+    fn strips_are_filled_from_elsewhere() {
+        let worst_at_boundary = |mesh: &Manifold| {
+            let c = &mesh.connectivity;
+            let is_at = |t: &u32| c.triangle(3 * t).iter().filter(|&&v| c.is_on_curve(v)).count() >= 2;
+            mesh.triangles().filter(is_at).map(|t| smallest_angle(mesh.corners(t))).fold(180.0, f64::min)
+        };
+        let (domain, mut mesh) = with_short_edges();
+        let (count, before) = (mesh.connectivity.vertex_count(), worst_at_boundary(&mesh));
+        let mut same = mesh.clone();
+        fill_narrow(&domain, &mut same, &VertexSet::EMPTY, SPACING, &()).unwrap();
+        assert_eq!(same.to_mesh().positions, mesh.to_mesh().positions);
+        let all = VertexSet::all(&mesh);
+        fill_narrow(&domain, &mut mesh, &all, SPACING, &()).unwrap();
+        assert!(before < 20.0 && worst_at_boundary(&mesh) > 30.0, "{before} {}", worst_at_boundary(&mesh));
+        assert_eq!(mesh.connectivity.vertex_count(), count);
     }
 
     #[test]

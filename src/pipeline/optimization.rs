@@ -10,7 +10,7 @@ use crate::optimize::coarse_to_fine::{
     coarsen, indispensable, match_target_count, missed, narrow, remove_encroaching_vertices, split_to, tips, transition,
 };
 use crate::optimize::counts::meet_count;
-use crate::optimize::exchange::exchange_vertices;
+use crate::optimize::exchange::{exchange_vertices, fill_narrow};
 use crate::optimize::fit::{Fitted, fit};
 use crate::optimize::graft::graft;
 use crate::optimize::max_error::reduce_max_error;
@@ -132,8 +132,11 @@ fn arrange_narrow(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &
     remove_slivers(mesh, spacing);
     let narrow = narrow(domain, mesh, spacing);
     if !narrow.is_empty() {
-        let ascent = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS };
+        let ascent = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS / 2 };
         ascend(domain, mesh, &!&narrow, ascent, monitor)?;
+        fill_narrow(domain, mesh, &narrow, spacing, monitor)?;
+        let on_curves = VertexSet::new(mesh, |v| mesh.connectivity.is_on_curve(v));
+        ascend(domain, mesh, &(&!&self::narrow(domain, mesh, spacing) | &on_curves), ascent, monitor)?;
     }
     Ok(())
 }
