@@ -55,7 +55,7 @@ pub(super) fn is_away_from_curves(mesh: &Manifold, h: u32) -> bool {
 }
 
 /// Splits the longest inner edges, where the surface allows it, until there are `wanted` vertices.
-pub(super) fn split_longest(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
+pub fn split_longest(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
     split_longest_with(mesh, wanted, |mesh, h| mesh.split_at_middle(domain, h));
 }
 

@@ -9,7 +9,7 @@ use crate::optimize::angles::improve_angles;
 use crate::optimize::coarse_to_fine::{
     coarsen, indispensable, match_target_count, missed, narrow, remove_encroaching_vertices, split_to, tips, transition,
 };
-use crate::optimize::counts::meet_count;
+use crate::optimize::counts::{meet_count, split_longest};
 use crate::optimize::exchange::{exchange_vertices, fill_narrow};
 use crate::optimize::fit::{Fitted, fit};
 use crate::optimize::graft::graft;
@@ -95,7 +95,7 @@ pub(super) fn fit_to_surface(
 /// part of the surface that cannot be mended, it is done once more with all vertices there.
 fn order(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
     monitor.stage("ascend");
-    arrange_narrow(domain, mesh, scale.spacing, monitor)?;
+    arrange_narrow(domain, mesh, scale, monitor)?;
     let fine = mesh.clone();
     let mut kept = VertexSet::EMPTY;
     loop {
@@ -126,19 +126,23 @@ fn coarse_to_fine(
     Ok(())
 }
 
-/// Orders the patches that are too narrow for a coarser mesh.
-fn arrange_narrow(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
+/// Orders the patches that are too narrow for a coarser mesh, and gives them the number of vertices that they need along curves.
+fn arrange_narrow(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
+    let Scale { wanted, spacing } = *scale;
     remove_encroaching_vertices(mesh);
     remove_slivers(mesh, spacing);
-    let narrow = narrow(domain, mesh, spacing);
-    if !narrow.is_empty() {
-        let ascent = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS / 2 };
-        ascend(domain, mesh, &!&narrow, ascent, monitor)?;
-        fill_narrow(domain, mesh, &narrow, spacing, monitor)?;
-        let on_curves = VertexSet::new(mesh, |v| mesh.connectivity.is_on_curve(v));
-        ascend(domain, mesh, &(&!&self::narrow(domain, mesh, spacing) | &on_curves), ascent, monitor)?;
+    if narrow(domain, mesh, spacing).is_empty() {
+        return Ok(());
     }
-    Ok(())
+    // What is missing comes before there is an order.
+    split_longest(domain, mesh, wanted);
+    let patches = narrow(domain, mesh, spacing);
+    let ascent = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS / 2 };
+    ascend(domain, mesh, &!&patches, ascent, monitor)?;
+    fill_narrow(domain, mesh, &patches, spacing, monitor)?;
+    let patches = narrow(domain, mesh, spacing);
+    let on_curves = VertexSet::new(mesh, |v| mesh.connectivity.is_on_curve(v));
+    ascend(domain, mesh, &(&!&patches | &on_curves), ascent, monitor)
 }
 
 /// Reduces a mesh of that scale to a quarter of the vertices, in good order, and leaves all of them where a coarser mesh could not
