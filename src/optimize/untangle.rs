@@ -107,6 +107,8 @@ fn untangle_counted(
         }
         let untangling =
             Untangling { domain, faces: &crossings.faces, counted, farthest: aim.farthest * spacing, spacing, monitor };
+        // Searched here: tasks that wait for one of them, which waits for tasks of its own, may wait for ever.
+        domain.inherited();
         let touched = given_up.change(mesh, &places, |place| untangling.better(place, in_a_row))?;
         crossings.renew(domain, mesh, &touched);
         has_changed |= touched.contains(&true);
