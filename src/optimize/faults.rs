@@ -12,7 +12,7 @@ use crate::manifold::neighborhood::Neighborhood;
 use crate::manifold::small_angles::{SLIVER, SmallAngle, small_angles};
 use crate::optimize::angles::cost;
 use crate::optimize::crossings::{Corners, length_of_fold};
-use crate::surface::domain::Domain;
+use crate::spatial::self_intersections::Inherited;
 use crate::surface::narrow_patches::SHARPEST;
 use std::cmp::Ordering;
 
@@ -67,10 +67,9 @@ struct Crossing {
 }
 
 impl Crossing {
-    fn new(domain: &Domain, (face, a): (u32, Corners), (other, b): (Option<u32>, Corners)) -> Crossing {
+    fn new(inherited: &Inherited, (face, a): (u32, Corners), (other, b): (Option<u32>, Corners)) -> Crossing {
         let length = crossing_segment(a, b).map_or_else(|| length_of_fold(a, b), |segment| segment.length);
-        let is_near = |corners: Corners| domain.inherited().is_near(corners);
-        Crossing { face, other, length, is_inherited: is_near(a) && is_near(b) }
+        Crossing { face, other, length, is_inherited: inherited.is_near(a) && inherited.is_near(b) }
     }
 
     fn own_faces(&self) -> impl Iterator<Item = u32> {
@@ -80,12 +79,18 @@ impl Crossing {
 
 impl Faults {
     /// The faults of the mesh with these `faces` if `around` were put back. `before` are the faults that it had before some of it
-    /// changed, or none.
-    pub fn new(domain: &Domain, faces: &Faces, counted: Counted, around: &Neighborhood, before: &Faults) -> Faults {
+    /// changed, or none. `inherited` says where the surface crosses.
+    pub fn new(
+        inherited: &Inherited,
+        faces: &Faces,
+        counted: Counted,
+        around: &Neighborhood,
+        before: &Faults,
+    ) -> Faults {
         let mesh = &around.mesh;
         let own: Vec<(u32, Corners)> = mesh.triangles().map(|t| (t, mesh.corners(t))).collect();
-        let crossings = crossings(domain, faces, around, &own, before);
-        let inherited = crossings.iter().filter(|crossing| crossing.is_inherited).count();
+        let crossings = crossings(inherited, faces, around, &own, before);
+        let as_surface = crossings.iter().filter(|crossing| crossing.is_inherited).count();
         let small: Vec<SmallAngle> = small_angles(mesh, counted.angles_below.max(SLIVER)).collect();
         let unforced =
             |degrees: f64| small.iter().filter(move |small| small.unforced < degrees).map(|small| small.triangle);
@@ -95,8 +100,8 @@ impl Faults {
         triangles.sort_unstable();
         triangles.dedup();
         Faults {
-            unsound: crossings.len() - inherited + unforced(SLIVER).count(),
-            inherited: if counted.inherited { inherited } else { 0 },
+            unsound: crossings.len() - as_surface + unforced(SLIVER).count(),
+            inherited: if counted.inherited { as_surface } else { 0 },
             small: unforced(counted.angles_below).count(),
             smallest: small.iter().map(|small| small.smallest).fold(counted.angles_below, f64::min),
             turned: own.iter().filter(|(t, _)| mesh.agreement(mesh.connectivity.triangle(3 * t)) < 0.0).count(),
@@ -153,7 +158,7 @@ fn blades(mesh: &Manifold) -> usize {
 
 /// Those of the faces that `around` has of its `own`, among them and with the `faces` around it.
 fn crossings(
-    domain: &Domain,
+    inherited: &Inherited,
     faces: &Faces,
     around: &Neighborhood,
     own: &[(u32, Corners)],
@@ -169,12 +174,12 @@ fn crossings(
     for (i, &(t, a, bounds)) in new.iter().enumerate() {
         for &(u, b, other) in old.iter().chain(&new[..i]) {
             if other.meets(&bounds) && cross(a, b) {
-                found.push(Crossing::new(domain, (t, a), (Some(u), b)));
+                found.push(Crossing::new(inherited, (t, a), (Some(u), b)));
             }
         }
         faces.in_box(&bounds, |u, b| {
             if !around.has_triangle(u) && cross(a, b) {
-                found.push(Crossing::new(domain, (t, a), (None, b)));
+                found.push(Crossing::new(inherited, (t, a), (None, b)));
             }
         });
     }

@@ -22,6 +22,7 @@ use crate::pipeline::finished::Finished;
 use crate::pipeline::optimization::fit_to_surface;
 use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::sized::SizedSurface;
+use crate::spatial::self_intersections::Inherited;
 use glam::DVec3;
 
 /// How many times as long edges become at places to mend, in turns: longer, so that they pass over folds that are finer than they
@@ -167,9 +168,10 @@ fn resized(
     let mut places = Neighborhood::around_groups(&best.manifold, &groups, RINGS);
     places.retain(|place| !tried.contains(&of_place(place)));
     let wanted = best.manifold.connectivity.vertex_count();
+    let inherited = surface.domain.inherited();
     let better = parallel::each(&places, |place| {
         let changed = changed(surface, place, prepared.limit(), monitor)?;
-        let is_better = has_fewer_faults(surface, &changed, place, &faces);
+        let is_better = has_fewer_faults(inherited, &changed, place, &faces);
         let stays = || is_near(&place.mesh, &changed.mesh, SOUND.farthest * surface.scale.spacing);
         Ok((is_better && stays()).then_some(changed))
     });
@@ -211,10 +213,9 @@ fn changed(
     Ok(changed)
 }
 
-/// Whether what `place` was `changed` to has fewer faults among these `faces`: faces that cross where the surface does not, and
-/// slivers; all faces that cross.
-fn has_fewer_faults(surface: &SizedSurface, changed: &Neighborhood, place: &Neighborhood, faces: &Faces) -> bool {
-    let inherited = surface.domain.inherited();
+/// Whether what `place` was `changed` to has fewer faults among these `faces`: faces that cross where the surface does not, by what
+/// is `inherited`, and slivers; all faces that cross.
+fn has_fewer_faults(inherited: &Inherited, changed: &Neighborhood, place: &Neighborhood, faces: &Faces) -> bool {
     let count = |(crossing, place): (Vec<[DVec3; 3]>, &Neighborhood)| {
         let new = crossing.iter().filter(|&&corners| !inherited.is_near(corners)).count();
         (new + slivers(&place.mesh).len(), crossing.len())

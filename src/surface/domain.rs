@@ -457,7 +457,8 @@ impl Domain {
         self.self_intersections.get_or_init(|| self.search_self_intersections())
     }
 
-    /// The places of [`Self::self_intersections`].
+    /// The places of [`Self::self_intersections`]. Ask for them before parallel tasks do: the first to ask waits for tasks of its
+    /// own, which may wait behind others that wait for the answer.
     pub fn inherited(&self) -> &Inherited {
         let corners = |&t: &u32| self.mesh.corners(t as usize);
         self.inherited.get_or_init(|| Inherited::new(self.self_intersections().iter().map(corners)))
