@@ -18,7 +18,7 @@ use spectral_remesh::stages::manifold::vertex_set::VertexSet;
 use spectral_remesh::stages::mesh::attributes::{Attribute, Attributes, COLOR, Scalar};
 use spectral_remesh::stages::mesh::provenance::{Origins, PointOnTriangle};
 use spectral_remesh::stages::mesh::topology::{topology, twins};
-use spectral_remesh::stages::optimize::angles::improve_angles;
+use spectral_remesh::stages::optimize::angles::{Goal, improve_angles};
 use spectral_remesh::stages::optimize::coarse_to_fine::coarsen;
 use spectral_remesh::stages::optimize::counts::meet_count;
 use spectral_remesh::stages::optimize::fit::fit;
@@ -248,14 +248,14 @@ fn s10_remove_defects(bencher: Bencher) {
 
 #[divan::bench]
 fn s10_improve_angles(bencher: Bencher) {
-    optimising(bencher, |domain, mesh, spacing| improve_angles(domain, mesh, spacing, &()));
+    optimising(bencher, |domain, mesh, spacing| improve_angles(domain, mesh, Goal::GOOD, spacing, &()));
 }
 
 #[divan::bench]
 fn s10_fit(bencher: Bencher) {
     optimising(bencher, |domain, mesh, spacing| {
         let all = (0..domain.mesh.positions.len() as u32).collect();
-        fit(domain, mesh, all, spacing, None, &()).map(drop)
+        fit(domain, mesh, all, Goal::GOOD, spacing, None, &()).map(drop)
     });
 }
 

@@ -51,18 +51,19 @@ pub enum Carry {
 
 /// The stages and about how much of the time each takes.
 const OF_POINTS: [(&str, f64); 4] = [("clean", 0.1), ("normals", 0.1), ("smooth", 0.1), ("connect", 0.4)];
-const OF_MESH: [(&str, f64); 14] = [
+const OF_MESH: [(&str, f64); 15] = [
     ("repair", 0.06),
     ("smooth", 0.02),
     ("sample", 0.1),
     ("triangulate", 0.08),
     ("ascend", 0.3),
-    ("relax", 0.16),
+    ("relax", 0.15),
     ("improve angles", 0.06),
     ("fit", 0.12),
     ("resolve self-intersections", 0.03),
     ("untangle", 0.01),
     ("mend", 0.02),
+    ("slide", 0.01),
     ("bound", 0.02),
     ("carry attributes", 0.02),
     ("measure", 0.1),

@@ -26,8 +26,19 @@ pub fn move_vertices(
     locked: &VertexSet,
     way: impl Fn(&Manifold, u32) -> DVec3 + Sync + Send,
 ) {
+    move_vertices_where(domain, mesh, locked, way, |_, _, _| true);
+}
+
+/// [`move_vertices`] where a vertex `may` go to a place; a step to another is halved, too.
+pub fn move_vertices_where(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    locked: &VertexSet,
+    way: impl Fn(&Manifold, u32) -> DVec3 + Sync + Send,
+    may: impl Fn(&Manifold, u32, DVec3) -> bool + Sync + Send,
+) {
     for class in mesh.colour_classes(locked) {
-        let moved: Vec<Sample> = parallel::map(&class[..], |&v| step(domain, mesh, v, way(mesh, v)));
+        let moved: Vec<Sample> = parallel::map(&class[..], |&v| step(domain, mesh, v, way(mesh, v), &may));
         for (&v, sample) in class.iter().zip(moved) {
             mesh.samples[v as usize] = sample;
         }
@@ -35,7 +46,7 @@ pub fn move_vertices(
 }
 
 /// Where the step `way` takes vertex `v`.
-fn step(domain: &Domain, mesh: &Manifold, v: u32, way: DVec3) -> Sample {
+fn step(domain: &Domain, mesh: &Manifold, v: u32, way: DVec3, may: impl Fn(&Manifold, u32, DVec3) -> bool) -> Sample {
     let here = mesh.samples[v as usize];
     let on_curve = mesh.connectivity.is_on_curve(v);
     let mut way = if on_curve { way } else { way.reject_from_normalized(here.normal) };
@@ -44,7 +55,7 @@ fn step(domain: &Domain, mesh: &Manifold, v: u32, way: DVec3) -> Sample {
     }
     for _ in 0..HALVINGS {
         let there = mesh.place_after(domain, v, way, &here);
-        if mesh.may_move(v, &there) {
+        if mesh.may_move(v, &there) && may(mesh, v, there.position) {
             return there;
         }
         way *= 0.5;

@@ -21,7 +21,7 @@ use crate::manifold::faces::Faces;
 use crate::manifold::facing::FacingGuard;
 use crate::manifold::neighborhood::Neighborhood;
 use crate::manifold::vertex_set::VertexSet;
-use crate::optimize::angles::{cost, worst_margin};
+use crate::optimize::angles::Goal;
 use crate::optimize::counts::{collapse_shortest, is_away_from_curves, meet_count};
 use crate::optimize::places::{GivenUp, Place, disjoint, put_back, settled, split};
 use crate::surface::domain::Domain;
@@ -60,8 +60,14 @@ const CHOICES: usize = 4;
 const FEWEST_CHOICES: usize = 16;
 
 /// Exchanges vertices between small angles and other places; their number stays. `spacing` is the mean edge length.
-pub fn exchange_vertices(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
-    let exchange = Exchange { domain, spacing, monitor };
+pub fn exchange_vertices(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    goal: Goal,
+    spacing: f64,
+    monitor: &dyn Monitor,
+) -> Result<()> {
+    let exchange = Exchange { domain, goal, spacing, monitor };
     if exchange.small_angles(mesh, |_| true).is_empty() {
         return Ok(());
     }
@@ -70,7 +76,7 @@ pub fn exchange_vertices(domain: &Domain, mesh: &mut Manifold, spacing: f64, mon
     exchange.change_counts(mesh, |_, _| true)?;
     exchange.balance(mesh, wanted)?;
     // Of few vertices there may be none to give or take.
-    if mesh.connectivity.vertex_count() != wanted || cost(mesh) > cost(&before) {
+    if mesh.connectivity.vertex_count() != wanted || goal.cost(mesh) > goal.cost(&before) {
         *mesh = before;
     }
     Ok(())
@@ -91,7 +97,7 @@ pub fn fill_narrow(
         corners.into_iter().filter(|&v| mesh.connectivity.is_on_curve(v)).count() >= 2
             && corners.into_iter().any(|v| narrow.contains(v))
     };
-    Exchange { domain, spacing, monitor }.change_counts(mesh, is_of_strip)?;
+    Exchange { domain, goal: Goal::GOOD, spacing, monitor }.change_counts(mesh, is_of_strip)?;
     collapse_shortest(mesh, before, |mesh, h| {
         is_away_from_curves(mesh, h) && FacingGuard::CAREFUL.passes(mesh.after_collapse(h).0)
     });
@@ -106,11 +112,12 @@ pub fn balance_count(
     spacing: f64,
     monitor: &dyn Monitor,
 ) -> Result<()> {
-    Exchange { domain, spacing, monitor }.balance(mesh, wanted)
+    Exchange { domain, goal: Goal::GOOD, spacing, monitor }.balance(mesh, wanted)
 }
 
 struct Exchange<'a> {
     domain: &'a Domain,
+    goal: Goal,
     spacing: f64,
     monitor: &'a dyn Monitor,
 }
@@ -149,13 +156,14 @@ impl Exchange<'_> {
         let collapses = edges.iter().flat_map(|&h| c.both_sides(h)).filter_map(|h| self.collapsed(place, h));
         let splits = edges.iter().filter_map(|&h| split(self.domain, &place.around, h));
         let changed = collapses.chain(splits).chain([place.around.clone()]);
-        let mut changed: Vec<(f64, Neighborhood)> = changed.map(|changed| (cost(&changed.mesh), changed)).collect();
+        let mut changed: Vec<(f64, Neighborhood)> =
+            changed.map(|changed| (self.goal.cost(&changed.mesh), changed)).collect();
         changed.sort_by(|a, b| a.0.total_cmp(&b.0));
         changed.truncate(MOST_SETTLED);
         let settled = changed.into_iter().map(|(_, changed)| self.settled(changed));
         let mut better: Vec<(f64, Neighborhood)> = settled.collect::<Result<_>>()?;
-        let (most, worst) = (cost(mesh) - LEAST_GAIN, worst_margin(mesh));
-        better.retain(|(after, changed)| *after < most && worst_margin(&changed.mesh) >= worst);
+        let (most, worst) = (self.goal.cost(mesh) - LEAST_GAIN, self.goal.worst_margin(mesh));
+        better.retain(|(after, changed)| *after < most && self.goal.worst_margin(&changed.mesh) >= worst);
         better.sort_by(|a, b| a.0.total_cmp(&b.0));
         let is_sound = |changed: &Neighborhood| {
             is_near(mesh, &changed.mesh, leeway(place) * self.spacing) && !changed.adds_self_intersections(faces)
@@ -181,8 +189,8 @@ impl Exchange<'_> {
 
     /// What `around` costs after its vertices have settled, and how it is then.
     fn settled(&self, around: Neighborhood) -> Result<(f64, Neighborhood)> {
-        let settled = settled(self.domain, around, self.spacing, self.monitor)?;
-        Ok((cost(&settled.mesh), settled))
+        let settled = settled(self.domain, around, self.goal, self.spacing, self.monitor)?;
+        Ok((self.goal.cost(&settled.mesh), settled))
     }
 
     /// Brings the mesh to `wanted` vertices where it remains good: splits and collapses edges away from curves, of the
@@ -202,7 +210,7 @@ impl Exchange<'_> {
                     if count < wanted { split(self.domain, &place.around, h) } else { self.collapsed(place, h) };
                 let settled = changed.map(|changed| self.settled(changed)).transpose()?;
                 let sound = settled.filter(|(_, changed)| !changed.adds_self_intersections(&faces));
-                Ok(sound.map(|(after, changed)| (after - cost(&place.around.mesh), changed)))
+                Ok(sound.map(|(after, changed)| (after - self.goal.cost(&place.around.mesh), changed)))
             };
             let changed = parallel::each(&places, changed).into_iter().collect::<Result<Vec<_>>>()?;
             let mut changed: Vec<(f64, Neighborhood)> = changed.into_iter().flatten().collect();
@@ -289,9 +297,9 @@ mod tests {
     fn vertices_go_where_angles_need_them() {
         let (domain, mut mesh) = with_short_edges();
         let count = mesh.connectivity.vertex_count();
-        improve_angles(&domain, &mut mesh, SPACING, &()).unwrap();
+        improve_angles(&domain, &mut mesh, Goal::GOOD, SPACING, &()).unwrap();
         let before = smallest(&mesh);
-        exchange_vertices(&domain, &mut mesh, SPACING, &()).unwrap();
+        exchange_vertices(&domain, &mut mesh, Goal::GOOD, SPACING, &()).unwrap();
         let after = smallest(&mesh);
         assert!(before < 20.0 && after > 30.0, "{before} {after}");
         assert_eq!(mesh.connectivity.vertex_count(), count);
@@ -329,7 +337,7 @@ mod tests {
         mesh.lock_boundary();
         assert!(smallest(&mesh) > 59.0, "{}", smallest(&mesh));
         let before = mesh.to_mesh();
-        exchange_vertices(&domain, &mut mesh, SPACING, &()).unwrap();
+        exchange_vertices(&domain, &mut mesh, Goal::GOOD, SPACING, &()).unwrap();
         assert_eq!(mesh.to_mesh().positions, before.positions);
     }
 
@@ -356,7 +364,8 @@ mod tests {
             mesh.lock_boundary();
             relax(&domain, &mut mesh, &VertexSet::EMPTY, SPACING, Flips::Delaunay, 3, &()).unwrap();
             let wanted = mesh.connectivity.vertex_count().checked_add_signed(change).unwrap();
-            Exchange { domain: &domain, spacing: SPACING, monitor: &() }.balance(&mut mesh, wanted).unwrap();
+            let exchange = Exchange { domain: &domain, goal: Goal::GOOD, spacing: SPACING, monitor: &() };
+            exchange.balance(&mut mesh, wanted).unwrap();
             assert_eq!(mesh.connectivity.vertex_count(), wanted);
             assert!(smallest(&mesh) > 35.0, "{change}: {}", smallest(&mesh));
         }

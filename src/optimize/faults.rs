@@ -10,7 +10,7 @@ use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
 use crate::manifold::neighborhood::Neighborhood;
 use crate::manifold::small_angles::{SLIVER, SmallAngle, small_angles};
-use crate::optimize::angles::cost;
+use crate::optimize::angles::Goal;
 use crate::optimize::crossings::{Corners, length_of_fold};
 use crate::spatial::self_intersections::Inherited;
 use crate::surface::narrow_patches::SHARPEST;
@@ -107,7 +107,7 @@ impl Faults {
             turned: own.iter().filter(|(t, _)| mesh.agreement(mesh.connectivity.triangle(3 * t)) < 0.0).count(),
             blades: blades(mesh),
             length: at_fault().map(|crossing| crossing.length).sum(),
-            cost: cost(mesh),
+            cost: Goal::GOOD.cost(mesh),
             faces: own,
             crossings,
             triangles,

@@ -25,7 +25,7 @@ use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
 use crate::manifold::neighborhood::Neighborhood;
 use crate::manifold::vertex_set::VertexSet;
-use crate::optimize::angles::{bad_triangles, improve_angles_for, worst_margin};
+use crate::optimize::angles::{Goal, improve_angles_for};
 use crate::optimize::fit::{BEYOND, Fitted, fit_part};
 use crate::optimize::probes::{Probe, Probes, distance, is_nearer};
 use crate::optimize::quadrature::{POINTS, point};
@@ -76,6 +76,9 @@ const FARTHEST: f64 = 0.9;
 
 /// Vertices that are put at places in a neighborhood, one after the other.
 const MOST_PLACED: usize = 2;
+
+/// The goal without any cost of quality: where it is met nothing has to be better.
+const ONLY_ANGLES: Goal = Goal { of_quality: 0.0, ..Goal::GOOD };
 
 /// Triangles outside of the goal that relaxation may leave: more are rarely all improved.
 const MOST_BAD: usize = 24;
@@ -270,7 +273,7 @@ impl Task<'_> {
         let middle = free.min_by(|&a, &b| by_distance(mesh, a, b))?;
         let neighborhood = Neighborhood::around(mesh, middle, self.effort.rings)?;
         let measured = Measured::new(self, faces, &neighborhood, p);
-        let margin = worst_margin(&neighborhood.mesh).min(-LEEWAY);
+        let margin = Goal::GOOD.worst_margin(&neighborhood.mesh).min(-LEEWAY);
         let mut attempt = measured.attempt(neighborhood, Vec::new());
         let most = MUST_FALL_TO * attempt.farthest;
         for _ in 0..MOST_PLACED {
@@ -303,12 +306,12 @@ impl Task<'_> {
     fn arrange(&self, mesh: &mut Manifold, placed: &[u32], measured: &Measured, margin: f64) -> Result<bool> {
         let improve = |mesh: &mut Manifold, locked: &VertexSet| {
             // What is outside of the goal is not taken, so quality does not count here.
-            improve_angles_for(self.domain, mesh, locked, self.spacing, 0.0, self.effort.passes, &())?;
-            Ok(worst_margin(mesh) >= margin)
+            improve_angles_for(self.domain, mesh, locked, ONLY_ANGLES, self.spacing, self.effort.passes, &())?;
+            Ok(Goal::GOOD.worst_margin(mesh) >= margin)
         };
         let locked = placed.iter().copied().collect();
         relax(self.domain, mesh, &locked, self.spacing, Flips::Delaunay, self.effort.rounds, &())?;
-        if bad_triangles(mesh) > MOST_BAD || !improve(mesh, &locked)? {
+        if Goal::GOOD.missed_by(mesh).count() > MOST_BAD || !improve(mesh, &locked)? {
             return Ok(false);
         }
         fit_part(self.domain, mesh, self.spacing, self.mean_square, &measured.probes.vertices);
@@ -429,7 +432,7 @@ mod tests {
         reduce_max_error(&domain, &mut mesh, spacing, &fitted(&domain, 1e-6), &()).unwrap();
         let after = farthest(&domain, &mesh);
         assert!(before > 1.5 * LARGE * spacing && after < LARGE * spacing, "{before} {after}");
-        assert!(worst_margin(&mesh) >= -LEEWAY);
+        assert!(Goal::GOOD.worst_margin(&mesh) >= -LEEWAY);
         assert_eq!(mesh.to_mesh().positions.len(), old.to_mesh().positions.len());
         let corners = (0..mesh.connectivity.vertex_bound()).filter(|&v| !mesh.can_move(v, &VertexSet::EMPTY));
         corners.for_each(|v| assert_eq!(mesh.position(v), old.position(v)));

@@ -18,6 +18,7 @@ pub mod relax;
 pub mod resize;
 pub mod self_intersections;
 mod shorten;
+pub mod slide;
 pub mod slivers;
 pub mod untangle;
 pub mod valence;

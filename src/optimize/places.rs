@@ -6,7 +6,7 @@ use crate::base::parallel;
 use crate::manifold::Manifold;
 use crate::manifold::neighborhood::Neighborhood;
 use crate::mesh::half_edge::{next, prev};
-use crate::optimize::angles::{OF_QUALITY, improve_angles_for};
+use crate::optimize::angles::{Goal, improve_angles_for};
 use crate::optimize::coarse_to_fine::tips;
 use crate::optimize::relax::{Flips, relax};
 use crate::surface::domain::Domain;
@@ -121,17 +121,18 @@ pub(super) fn split(domain: &Domain, around: &Neighborhood, h: u32) -> Option<Ne
     Some(changed)
 }
 
-/// `around` after its vertices have settled. `spacing` is the mean edge length.
+/// `around` after its vertices have settled, with triangles as good as the `goal` if they can be. `spacing` is the mean edge length.
 pub(super) fn settled(
     domain: &Domain,
     mut around: Neighborhood,
+    goal: Goal,
     spacing: f64,
     monitor: &dyn Monitor,
 ) -> Result<Neighborhood> {
     let mesh = &mut around.mesh;
     let locked = tips(mesh);
     relax(domain, mesh, &locked, spacing, Flips::Delaunay, ROUNDS, monitor)?;
-    improve_angles_for(domain, mesh, &locked, spacing, OF_QUALITY, SEARCHES, monitor)?;
+    improve_angles_for(domain, mesh, &locked, goal, spacing, SEARCHES, monitor)?;
     Ok(around)
 }
 

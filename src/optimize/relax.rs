@@ -29,8 +29,9 @@ use crate::base::error::Result;
 use crate::base::math;
 use crate::base::monitor::{Monitor, check};
 use crate::manifold::Manifold;
-use crate::manifold::motion::move_vertices;
+use crate::manifold::motion::{move_vertices, move_vertices_where};
 use crate::manifold::vertex_set::VertexSet;
+use crate::optimize::angles::Goal;
 use crate::optimize::newton::{Strain, newton_step};
 use crate::optimize::valence::Defects;
 use crate::surface::domain::Domain;
@@ -60,6 +61,9 @@ const SMALL_STRAIN: f64 = 0.003;
 /// Least area of a triangle in the energy, as a share of A₀, so that steps stay finite.
 const LEAST_AREA: f64 = 0.03;
 
+/// Rounds within a goal.
+const ROUNDS_WITHIN: usize = 6;
+
 /// Longest step of a vertex in spacings; with twice as much neighbours get in each other's way.
 const LONGEST_STEP: f64 = 0.25;
 
@@ -77,12 +81,38 @@ pub fn relax(
     flip(mesh, flips);
     for _ in 0..rounds {
         check(monitor)?;
-        let steps = newton_step(mesh, locked, spacing, |t| strain_of(mesh, t, spacing));
-        let longest = |mesh: &Manifold, v: u32| LONGEST_STEP * spacing * mesh.samples[v as usize].size;
-        move_vertices(domain, mesh, locked, |mesh, v| steps[v as usize].clamp_length_max(longest(mesh, v)));
+        let steps = relaxing_steps(mesh, locked, spacing);
+        move_vertices(domain, mesh, locked, |_, v| steps[v as usize]);
         flip(mesh, flips);
     }
     Ok(())
+}
+
+/// Relaxes all vertices of `mesh` that are not `locked`, without flips, as far as triangles stay within the `goal`, or get no further
+/// outside.
+pub fn relax_within(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    locked: &VertexSet,
+    goal: Goal,
+    spacing: f64,
+    monitor: &dyn Monitor,
+) -> Result<()> {
+    for _ in 0..ROUNDS_WITHIN {
+        check(monitor)?;
+        let steps = relaxing_steps(mesh, locked, spacing);
+        move_vertices_where(domain, mesh, locked, |_, v| steps[v as usize], |mesh, v, p| goal.is_kept(mesh, v, p));
+    }
+    Ok(())
+}
+
+/// The steps of all vertices that are not `locked` towards the least energy, by their numbers.
+pub(super) fn relaxing_steps(mesh: &Manifold, locked: &VertexSet, spacing: f64) -> Vec<DVec3> {
+    let mut steps = newton_step(mesh, locked, spacing, |t| strain_of(mesh, t, spacing));
+    for (step, sample) in steps.iter_mut().zip(&mesh.samples) {
+        *step = step.clamp_length_max(LONGEST_STEP * spacing * sample.size);
+    }
+    steps
 }
 
 fn flip(mesh: &mut Manifold, flips: Flips) {
@@ -138,6 +168,7 @@ fn strain([p, q, r]: [DVec3; 3], spacing: f64) -> Strain {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::sheet;
 
     fn energy([p, a, b]: [DVec3; 3], spacing: f64) -> f64 {
         let area = 0.5 * (a - p).cross(b - p).length();
@@ -173,5 +204,28 @@ mod tests {
             |spacing: f64| strain(triangle, spacing).gradient.map(DVec3::length).into_iter().fold(0.0, f64::max);
         assert!(steepest(d) < 1e-12);
         assert!(steepest(1.1 * d) > 0.01);
+    }
+
+    #[test]
+    fn within_a_goal_the_mean_gets_better_and_no_triangle_that_misses_it_worse() {
+        let domain = Domain::new(sheet(20, |_, _| 0.0).try_into().unwrap());
+        let mut uneven = sheet(10, |_, _| 0.0);
+        for (i, p) in uneven.positions.iter_mut().enumerate() {
+            if (0.05..0.95).contains(&p.x) && (0.05..0.95).contains(&p.y) {
+                let (sin, cos) = (i as f64 * 2.4).sin_cos();
+                *p += 0.03 * DVec3::new(cos, sin, 0.0);
+            }
+        }
+        let samples = uneven.positions.iter().map(|&p| domain.project_anywhere(p)).collect();
+        let mut mesh = Manifold::new(samples, &uneven.triangles);
+        mesh.lock_boundary();
+        assert_eq!(Goal::within_reach(&mesh), Goal::MODEST);
+        let figures = |mesh: &Manifold| (Goal::MODEST.worst_margin(mesh), Goal::MODEST.cost(mesh));
+        let (worst, cost) = figures(&mesh);
+        relax_within(&domain, &mut mesh, &VertexSet::EMPTY, Goal::MODEST, 0.1, &()).unwrap();
+        let (worst_after, cost_after) = figures(&mesh);
+        assert!(worst < 0.0 && worst_after >= worst && cost_after < 0.8 * cost, "{worst_after} {cost} {cost_after}");
+        relax(&domain, &mut mesh, &VertexSet::EMPTY, 0.1, Flips::Delaunay, 3, &()).unwrap();
+        assert_eq!(Goal::within_reach(&mesh), Goal::GOOD);
     }
 }

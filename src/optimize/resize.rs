@@ -7,7 +7,7 @@ use crate::base::error::Result;
 use crate::base::monitor::Monitor;
 use crate::manifold::Manifold;
 use crate::manifold::vertex_set::VertexSet;
-use crate::optimize::angles::improve_angles;
+use crate::optimize::angles::{Goal, improve_angles};
 use crate::optimize::counts::{collapse_shorter, split_longer};
 use crate::optimize::relax::{Flips, relax};
 use crate::optimize::slivers::remove_slivers;
@@ -40,7 +40,7 @@ pub fn resize(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dyn 
     let has_changed = |v: u32| resized.contains(v) || before.get(v as usize) != valences.get(v as usize);
     let still = !&VertexSet::new(mesh, has_changed).with_rings(mesh, RINGS);
     relax(domain, mesh, &still, spacing, Flips::Delaunay, ROUNDS, monitor)?;
-    improve_angles(domain, mesh, spacing, monitor)
+    improve_angles(domain, mesh, Goal::GOOD, spacing, monitor)
 }
 
 /// Gives the samples of `mesh` the sizes that `domain` has at their places; those whose size has become shorter, and those where

@@ -17,6 +17,7 @@ use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
 use crate::manifold::neighborhood::Neighborhood;
 use crate::manifold::small_angles::with_angles_below;
+use crate::optimize::angles::Goal;
 use crate::optimize::crossings::Crossings;
 use crate::optimize::exchange::is_near;
 use crate::optimize::faults::{Counted, Faults};
@@ -203,7 +204,7 @@ impl Untangling<'_> {
             let mut changed: Vec<Candidate> = changes.collect();
             changed.sort_by(|a, b| a.0.total_cmp(&b.0));
             let settled = changed.iter().take(MOST_SETTLED).map(|(faults, changed)| {
-                let settled = settled(self.domain, changed.clone(), self.spacing, self.monitor)?;
+                let settled = settled(self.domain, changed.clone(), Goal::GOOD, self.spacing, self.monitor)?;
                 Ok((self.faults(&settled, faults), settled))
             });
             let settled: Vec<Candidate> = settled.collect::<Result<_>>()?;

@@ -91,6 +91,14 @@ impl Finished {
         self.unsound().map(|place| numbers[place as usize]).collect()
     }
 
+    /// The triangles of the manifold that intersect others, but for those that do in `other`, of the same connectivity.
+    pub(super) fn crossing_unlike(&self, other: &Finished) -> Vec<u32> {
+        let numbers: Vec<u32> = self.manifold.triangles().collect();
+        let do_not_there = |t: &&u32| other.self_intersections.binary_search(t).is_err();
+        let crossing: Vec<u32> = self.self_intersections.iter().filter(do_not_there).copied().collect();
+        self.made_of(&crossing).map(|place| numbers[place as usize]).collect()
+    }
+
     /// The triangles of the part that make it unsound.
     fn unsound(&self) -> impl Iterator<Item = u32> {
         self.made_of(&self.new_self_intersections).chain(self.slivers.iter().copied())

@@ -5,7 +5,7 @@ use crate::base::monitor::Monitor;
 use crate::manifold::Manifold;
 use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::topology::NONE;
-use crate::optimize::angles::improve_angles;
+use crate::optimize::angles::{Goal, improve_angles};
 use crate::optimize::coarse_to_fine::{
     coarsen, indispensable, match_target_count, missed, narrow, remove_encroaching_vertices, split_to, tips, transition,
 };
@@ -14,7 +14,7 @@ use crate::optimize::exchange::{exchange_vertices, fill_narrow};
 use crate::optimize::fit::{Fitted, fit};
 use crate::optimize::graft::graft;
 use crate::optimize::max_error::reduce_max_error;
-use crate::optimize::relax::{Flips, relax};
+use crate::optimize::relax::{Flips, relax, relax_within};
 use crate::optimize::slivers::remove_slivers;
 use crate::optimize::untangle::{Aim, untangle};
 use crate::optimize::valence::{remove_defects, remove_near_defects};
@@ -67,7 +67,7 @@ fn finish(
     monitor: &dyn Monitor,
 ) -> Result<()> {
     monitor.stage("improve angles");
-    improve_angles(domain, mesh, scale.spacing, monitor)?;
+    improve_angles(domain, mesh, Goal::GOOD, scale.spacing, monitor)?;
     monitor.stage("fit");
     let fitted = fit_to_surface(domain, mesh, watched, scale.spacing, limit, monitor)?;
     reduce_max_error(domain, mesh, scale.spacing, &fitted, monitor)
@@ -83,11 +83,16 @@ pub(super) fn fit_to_surface(
     limit: Option<f64>,
     monitor: &dyn Monitor,
 ) -> Result<Fitted> {
-    exchange_vertices(domain, mesh, spacing, monitor)?;
-    let fitted = fit(domain, mesh, watched, spacing, limit, monitor)?;
+    exchange_vertices(domain, mesh, Goal::GOOD, spacing, monitor)?;
+    // Where not all triangles can be good, the others need not be better than that takes.
+    let goal = Goal::within_reach(mesh);
+    if goal == Goal::MODEST {
+        relax_within(domain, mesh, &tips(mesh), goal, spacing, monitor)?;
+    }
+    let fitted = fit(domain, mesh, watched, goal, spacing, limit, monitor)?;
     // The fit may have spoilt triangles of vertices that it took back to the surface.
-    improve_angles(domain, mesh, spacing, monitor)?;
-    exchange_vertices(domain, mesh, spacing, monitor)?;
+    improve_angles(domain, mesh, goal, spacing, monitor)?;
+    exchange_vertices(domain, mesh, goal, spacing, monitor)?;
     Ok(fitted)
 }
 

@@ -17,7 +17,7 @@ use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::submesh::Submesh;
 use crate::mesh::topology::{NONE, twins};
 use crate::mesh::triangle_mesh::Mesh;
-use crate::optimize::angles::improve_angles;
+use crate::optimize::angles::{Goal, improve_angles};
 use crate::optimize::exchange::balance_count;
 use crate::optimize::self_intersections::resolve_self_intersections;
 use crate::optimize::untangle::{Aim, untangle};
@@ -203,7 +203,7 @@ impl Rim {
                 mesh.split_anyhow(domain, h);
             }
             balance_count(domain, mesh, scale.wanted, scale.spacing, monitor)?;
-            improve_angles(domain, mesh, scale.spacing, monitor)?;
+            improve_angles(domain, mesh, Goal::GOOD, scale.spacing, monitor)?;
         }
         Ok(())
     }

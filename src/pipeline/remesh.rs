@@ -5,10 +5,12 @@ use crate::base::math;
 use crate::base::monitor::Monitor;
 use crate::manifold::Manifold;
 use crate::manifold::small_angles::smallest_unforced_angle;
+use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::optimize::counts::meet_count;
 use crate::optimize::self_intersections::resolve_self_intersections;
+use crate::optimize::slide::slide;
 use crate::pipeline::attempts::{Attempts, MOST_RUNS};
 use crate::pipeline::coarse::{coarse, far_wider_spacing};
 use crate::pipeline::density::{Density, FEWEST_POINTS, FIRST_POINTS, MOST_POINTS};
@@ -31,6 +33,9 @@ use crate::surface::narrow_patches::LeftOut;
 
 /// Errors below this fraction of the bound are not resolved further.
 const OF_INTEREST: f64 = 0.25;
+
+/// How often vertices slide at most, each time without those where faces crossed after the last.
+const MOST_SLIDES: usize = 4;
 
 /// Remeshes `input`: as many vertices as wanted, evenly spread over its surface, and triangles of its topology.
 ///
@@ -181,6 +186,7 @@ fn remesh_to(
         surface = sized(&resizing)?;
     }
     let (surface, finished) = best.expect("a result was made");
+    let finished = slid(prepared, &surface, finished, monitor)?;
     remeshed(prepared, &surface, finished, monitor)
 }
 
@@ -234,6 +240,36 @@ fn arrange(prepared: &PreparedInput, surface: &SizedSurface, mesh: &mut Manifold
         _ => KernelFeatures::over(domain, f64::INFINITY, &[]),
     };
     ascend_as_asked(domain, mesh, &features, *sigma, *sweeps, monitor)
+}
+
+/// `finished` with vertices where mean quality is best, of the places that leave the surface as it is. Vertices stay where faces
+/// would cross then that do not now.
+fn slid(
+    prepared: &PreparedInput,
+    surface: &SizedSurface,
+    finished: Finished,
+    monitor: &dyn Monitor,
+) -> Result<Finished> {
+    if !prepared.options.optimize {
+        return Ok(finished);
+    }
+    monitor.stage("slide");
+    let mut locked = VertexSet::EMPTY;
+    for _ in 0..MOST_SLIDES {
+        let mut manifold = finished.manifold.clone();
+        if !slide(&surface.domain, &mut manifold, &locked, surface.scale.spacing, monitor)? {
+            break;
+        }
+        let next = Finished::new(prepared, surface, manifold, finished.tessellated_patches, finished.run);
+        let crossing = next.crossing_unlike(&finished);
+        if next.score <= finished.score && crossing.is_empty() {
+            return Ok(Finished { is_mended: finished.is_mended, ..next });
+        }
+        let corners = crossing.into_iter().flat_map(|t| next.manifold.connectivity.triangle(3 * t));
+        corners.for_each(|v| locked.insert(v));
+        locked = locked.with_rings(&next.manifold, 1);
+    }
+    Ok(finished)
 }
 
 /// How far the result is from the surface, if that is asked for.

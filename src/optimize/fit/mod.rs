@@ -39,7 +39,7 @@ use crate::geom::symmetric::Symmetric;
 use crate::manifold::Manifold;
 use crate::manifold::facing::FacingGuard;
 use crate::manifold::vertex_set::VertexSet;
-use crate::optimize::angles::{is_good_around, least_margin};
+use crate::optimize::angles::Goal;
 use crate::optimize::relax::shape_gradient;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
@@ -102,6 +102,7 @@ pub fn fit(
     domain: &Domain,
     mesh: &mut Manifold,
     mut watched: Vec<u32>,
+    goal: Goal,
     spacing: f64,
     limit: Option<f64>,
     monitor: &dyn Monitor,
@@ -121,7 +122,7 @@ pub fn fit(
             let scale = ErrorScale::new(mean_square, limit);
             watched = targets.reweight(domain, mesh, &scale, spacing, &watched);
         }
-        descend(domain, mesh, &targets, &closest, spacing);
+        descend(domain, mesh, &targets, &closest, goal, spacing);
     }
     take_back(domain, mesh, spacing);
     let triangles = targets.triangles_beyond(mesh, ErrorScale::new(mean_square, limit).watched());
@@ -137,7 +138,7 @@ pub(super) fn fit_part(domain: &Domain, mesh: &mut Manifold, spacing: f64, mean_
         let closest = settle_vertices(domain, mesh, spacing);
         targets.find(domain, mesh, REACH * spacing);
         targets.reweight(domain, mesh, &scale, spacing, watched);
-        descend(domain, mesh, &targets, &closest, spacing);
+        descend(domain, mesh, &targets, &closest, Goal::GOOD, spacing);
     }
     take_back(domain, mesh, spacing);
 }
@@ -198,11 +199,11 @@ fn shortest_edge(mesh: &Manifold, v: u32) -> f64 {
 }
 
 /// Moves all vertices some steps towards the minimum. `closest` has the closest point of the surface to each.
-fn descend(domain: &Domain, mesh: &mut Manifold, targets: &Targets, closest: &[DVec3], spacing: f64) {
+fn descend(domain: &Domain, mesh: &mut Manifold, targets: &Targets, closest: &[DVec3], goal: Goal, spacing: f64) {
     let classes = mesh.colour_classes(&VertexSet::EMPTY);
     for _ in 0..SWEEPS {
         for class in &classes {
-            move_all(mesh, class, |mesh, v| step(domain, mesh, targets, v, closest[v as usize], spacing));
+            move_all(mesh, class, |mesh, v| step(domain, mesh, targets, v, closest[v as usize], goal, spacing));
         }
     }
 }
@@ -216,7 +217,15 @@ fn move_all(mesh: &mut Manifold, vertices: &[u32], place: impl Fn(&Manifold, u32
 }
 
 /// Where `v` comes to by a step that spoils no triangle and leaves it near `closest`, its closest point of the surface.
-fn step(domain: &Domain, mesh: &Manifold, targets: &Targets, v: u32, closest: DVec3, spacing: f64) -> Sample {
+fn step(
+    domain: &Domain,
+    mesh: &Manifold,
+    targets: &Targets,
+    v: u32,
+    closest: DVec3,
+    goal: Goal,
+    spacing: f64,
+) -> Sample {
     let here = mesh.samples[v as usize];
     if mesh.connectivity.is_on_curve(v) {
         return here;
@@ -235,7 +244,7 @@ fn step(domain: &Domain, mesh: &Manifold, targets: &Targets, v: u32, closest: DV
     for _ in 0..HALVINGS {
         let there = Sample { position: here.position + way, ..here };
         // Not even where it was worse before: the largest errors would grow.
-        if mesh.star_passes(v, &there, FacingGuard::SOUND) && keeps_shape(mesh, v, there.position) {
+        if mesh.star_passes(v, &there, FacingGuard::SOUND) && goal.is_kept(mesh, v, there.position) {
             return there;
         }
         way *= 0.5;
@@ -263,11 +272,6 @@ fn newton_step(mesh: &Manifold, targets: &Targets, v: u32, spacing: f64) -> DVec
     hessian += Symmetric::outer(normal) * along_normal;
     hessian.diagonal += scale * stiffness;
     -(hessian.matrix().inverse() * gradient)
-}
-
-/// Whether the triangles at `v` are within the goal, or no further outside, with `v` at `p`.
-fn keeps_shape(mesh: &Manifold, v: u32, p: DVec3) -> bool {
-    is_good_around(mesh, v, p) || least_margin(mesh, v, p) >= least_margin(mesh, v, mesh.position(v))
 }
 
 #[cfg(test)]
@@ -354,7 +358,7 @@ mod tests {
     }
 
     fn margins(mesh: &Manifold) -> Vec<f64> {
-        (0..mesh.connectivity.vertex_bound()).map(|v| least_margin(mesh, v, mesh.position(v))).collect()
+        (0..mesh.connectivity.vertex_bound()).map(|v| Goal::GOOD.least_margin(mesh, v, mesh.position(v))).collect()
     }
 
     #[test]
@@ -363,7 +367,7 @@ mod tests {
         let domain = Domain::new(fine.clone().try_into().unwrap());
         let mut mesh = on(&domain, &ball(2));
         let (before, lost) = (rms(&domain, &mesh), volume(&fine) - volume(&mesh.to_mesh()));
-        fit(&domain, &mut mesh, all(&domain), 0.31, None, &()).unwrap();
+        fit(&domain, &mut mesh, all(&domain), Goal::GOOD, 0.31, None, &()).unwrap();
         let (after, left) = (rms(&domain, &mesh), volume(&fine) - volume(&mesh.to_mesh()));
         assert!(after < 0.5 * before, "{before} {after}");
         assert!(left.abs() < 0.1 * lost, "{lost} {left}");
@@ -374,7 +378,7 @@ mod tests {
         let domain = Domain::new(bump(60).try_into().unwrap());
         let mut mesh = on(&domain, &bump(14));
         let start = mesh.clone();
-        fit(&domain, &mut mesh, all(&domain), 0.08, None, &()).unwrap();
+        fit(&domain, &mut mesh, all(&domain), Goal::GOOD, 0.08, None, &()).unwrap();
         assert!(rms(&domain, &mesh) < 0.8 * rms(&domain, &start));
         let worst = |mesh: &Manifold| margins(mesh).into_iter().fold(0.0, f64::min);
         assert!(worst(&mesh) >= worst(&start));
@@ -407,7 +411,7 @@ mod tests {
         let highest = |domain: &Domain| {
             let mut mesh = on(domain, &bent(9));
             let flat: Vec<u32> = (0..mesh.connectivity.vertex_bound()).filter(|&v| mesh.position(v).x < 1.0).collect();
-            fit(domain, &mut mesh, all(domain), spacing, None, &()).unwrap();
+            fit(domain, &mut mesh, all(domain), Goal::GOOD, spacing, None, &()).unwrap();
             flat.into_iter().map(|v| mesh.position(v).z.abs()).fold(0.0, f64::max)
         };
         assert!(highest(&domain) > 1e-4 * spacing, "{}", highest(&domain));
@@ -422,7 +426,7 @@ mod tests {
         let with = |threads| {
             let mut mesh = start.clone();
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| fit(&domain, &mut mesh, all(&domain), 0.31, Some(0.02), &())).unwrap();
+            pool.install(|| fit(&domain, &mut mesh, all(&domain), Goal::GOOD, 0.31, Some(0.02), &())).unwrap();
             mesh.samples
         };
         assert!(with(1) == with(8));
