@@ -38,10 +38,7 @@ pub fn move_vertices_where(
     may: impl Fn(&Manifold, u32, DVec3) -> bool + Sync + Send,
 ) {
     for class in mesh.colour_classes(locked) {
-        let moved: Vec<Sample> = parallel::map(&class[..], |&v| step(domain, mesh, v, way(mesh, v), &may));
-        for (&v, sample) in class.iter().zip(moved) {
-            mesh.samples[v as usize] = sample;
-        }
+        mesh.move_all(&class, |mesh, v| step(domain, mesh, v, way(mesh, v), &may));
     }
 }
 
@@ -64,6 +61,14 @@ fn step(domain: &Domain, mesh: &Manifold, v: u32, way: DVec3, may: impl Fn(&Mani
 }
 
 impl Manifold {
+    /// Moves vertices, no two of them adjacent, each to its `place`.
+    pub fn move_all(&mut self, vertices: &[u32], place: impl Fn(&Manifold, u32) -> Sample + Sync) {
+        let moved: Vec<Sample> = parallel::map(vertices, |&v| place(self, v));
+        for (&v, sample) in vertices.iter().zip(moved) {
+            self.samples[v as usize] = sample;
+        }
+    }
+
     /// Whether vertex `v` may move to `there`: triangles keep facing the surface, and no gap is left on a curve, or neither
     /// gets worse.
     pub fn may_move(&self, v: u32, there: &Sample) -> bool {

@@ -37,6 +37,7 @@ pub struct Goal {
     pub smallest_angle: f64,
     /// The tangent of that.
     pub(super) tangent: f64,
+    /// The least quality.
     pub quality: f64,
     /// What all of a triangle's quality costs: with 0 only the goal counts.
     pub(super) of_quality: f64,
@@ -117,9 +118,9 @@ const LARGEST: f64 = 86.0;
 /// Degrees of the smallest angle that one unit of quality counts as: 0.01 of it, or 0.8 degrees.
 const DEGREES_OF_QUALITY: f64 = 80.0;
 
-/// What a degree of shortfall and the square of a degree beyond [`FAR`] cost. With the squares of all
-/// degrees alone the mean Q of 64 CAD parts is 0.923 instead of 0.926. With 5.5 degrees in place of 1.5 it is the same, but the
-/// median of the smallest angles of 50 other parts, which can have 40 degrees, is 37 instead of 39.
+/// What a degree of shortfall and the square of a degree beyond [`FAR`] cost. With the squares of all degrees alone the mean Q of
+/// 64 CAD parts is 0.923 instead of 0.926. With 5.5 degrees in place of 1.5 it is the same, but the median of the smallest angles
+/// of 50 other parts, which can have 40 degrees, is 37 instead of 39.
 const OF_DEGREES: f64 = 4.0;
 const OF_SQUARES: f64 = 10.0;
 

@@ -57,12 +57,8 @@ pub fn slide(
         any = true;
         let steps = relaxing_steps(mesh, locked, spacing);
         for class in classes {
-            let moved: Vec<Sample> = parallel::map(&class[..], |&v| {
-                slid(domain, mesh, v, free[v as usize].part_of(steps[v as usize]), least)
-            });
-            for (&v, sample) in class.iter().zip(moved) {
-                mesh.samples[v as usize] = sample;
-            }
+            let way = |v: u32| free[v as usize].part_of(steps[v as usize]);
+            mesh.move_all(&class, |mesh, v| slid(domain, mesh, v, way(v), least));
         }
     }
     Ok(any)

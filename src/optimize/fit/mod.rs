@@ -203,16 +203,8 @@ fn descend(domain: &Domain, mesh: &mut Manifold, targets: &Targets, closest: &[D
     let classes = mesh.colour_classes(&VertexSet::EMPTY);
     for _ in 0..SWEEPS {
         for class in &classes {
-            move_all(mesh, class, |mesh, v| step(domain, mesh, targets, v, closest[v as usize], goal, spacing));
+            mesh.move_all(class, |mesh, v| step(domain, mesh, targets, v, closest[v as usize], goal, spacing));
         }
-    }
-}
-
-/// Moves vertices, no two of them adjacent, each to its `place`.
-fn move_all(mesh: &mut Manifold, vertices: &[u32], place: impl Fn(&Manifold, u32) -> Sample + Sync) {
-    let moved: Vec<Sample> = parallel::map(vertices, |&v| place(mesh, v));
-    for (&v, sample) in vertices.iter().zip(moved) {
-        mesh.samples[v as usize] = sample;
     }
 }
 
