@@ -62,7 +62,7 @@ pub(super) fn coarse(
 ) -> Result<(OrientedManifold, Fine)> {
     monitor.stage("coarsen");
     let fine = in_spatial_order(repaired);
-    let sharp = sharp_sides(&fine, &twins(&fine.triangles), &prepared.options.features, spacing, 0.0);
+    let sharp = sharp_sides(&fine, &twins(&fine.triangles), &prepared.options.features, spacing, 0.0, |_| false);
     check(monitor)?;
     let Coarsened { mesh, sharp } = coarsened(&fine, &sharp, coarseness_for(spacing));
     check(monitor)?;

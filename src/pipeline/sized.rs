@@ -6,6 +6,7 @@ use crate::mesh::half_edge::next;
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::refine::{refine, refine_edges};
 use crate::mesh::topology::{NONE, Topology, topology, twins};
+use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::density::Density;
 use crate::pipeline::expected::with_curves;
 use crate::pipeline::follow::follow;
@@ -196,8 +197,9 @@ fn domain_over(
     scale: &Scale,
     resizing: &Resizing,
 ) -> (Domain, bool, LeftOut, Vec<[DVec3; 2]>) {
-    let (twin, found) = refined(&mut clean, prepared, scale);
     let Scale { spacing, wanted } = *scale;
+    let went_wrong = |mesh: &Mesh, t: u32| mesh.corners(t as usize).into_iter().any(|p| resizing.is_near(p, spacing));
+    let (twin, found) = refined(&mut clean, prepared, scale, went_wrong);
     let interface = within.map_or_else(Vec::new, |within| within.part.interface.clone());
     let mut tried = None;
     let suffice = |sharp: &[bool], narrowest: f64| {
@@ -207,8 +209,8 @@ fn domain_over(
             has_room_between_curves(tried.insert(domain), narrowest, spacing)
         }
     };
-    let went_wrong = |t: u32| clean.corners(t as usize).into_iter().any(|p| resizing.is_near(p, spacing));
-    let (mut sharp, left_out) = leave_out_narrow(&clean, &twin, &found, spacing, went_wrong, suffice);
+    let is_needed = |t: u32| went_wrong(&clean, t);
+    let (mut sharp, left_out) = leave_out_narrow(&clean, &twin, &found, spacing, is_needed, suffice);
     let blunted = samples_on(&clean, &twin, &sharp, spacing) > wanted as f64;
     if blunted {
         (tried, sharp) = (None, vec![false; sharp.len()]);
@@ -254,8 +256,13 @@ fn mean_edge_length(mesh: &OrientedManifold) -> f64 {
 }
 
 /// Splits the long edges of `clean`, and bends it where its vertices are points of a smooth surface. The side across each of
-/// its sides then, and whether it is sharp.
-fn refined(clean: &mut OrientedManifold, prepared: &PreparedInput, scale: &Scale) -> (Vec<u32>, Vec<bool>) {
+/// its sides then, and whether it is sharp. Sharp edges beside triangles that `went_wrong` are needed.
+fn refined(
+    clean: &mut OrientedManifold,
+    prepared: &PreparedInput,
+    scale: &Scale,
+    went_wrong: impl Fn(&Mesh, u32) -> bool,
+) -> (Vec<u32>, Vec<bool>) {
     let features = prepared.features();
     // What lies between points is not known any better.
     let finest = if prepared.options.of_points { STEP * mean_edge_length(clean) } else { 0.0 };
@@ -263,7 +270,7 @@ fn refined(clean: &mut OrientedManifold, prepared: &PreparedInput, scale: &Scale
     let most = 4 * clean.triangles.len() + 16 * scale.wanted;
     let creases = |mesh: &OrientedManifold| {
         let twin = twins(&mesh.triangles);
-        let sharp = sharp_sides(mesh, &twin, features, scale.spacing, finest);
+        let sharp = sharp_sides(mesh, &twin, features, scale.spacing, finest, |t| went_wrong(mesh, t));
         (twin, sharp)
     };
     let Some(support) = prepared.options.support() else {
@@ -291,7 +298,6 @@ fn refined(clean: &mut OrientedManifold, prepared: &PreparedInput, scale: &Scale
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::triangle_mesh::Mesh;
     use crate::pipeline::options::Options;
     use crate::testing::{cube, joined};
 

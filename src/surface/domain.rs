@@ -103,7 +103,7 @@ impl Domain {
         interface: Vec<[u32; 2]>,
     ) -> Domain {
         let twin = twins(&mesh.triangles);
-        let sharp = sharp_sides(&mesh, &twin, &features, spacing, 0.0);
+        let sharp = sharp_sides(&mesh, &twin, &features, spacing, 0.0, |_| false);
         Domain::with_sharp(mesh, twin, &sharp, spacing, interface)
     }
 

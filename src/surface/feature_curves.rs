@@ -270,7 +270,7 @@ mod tests {
     fn curves_of(mesh: Mesh, features: Features) -> (Cut, Curves) {
         let twin = twins(&mesh.triangles);
         let manifold = mesh.try_into().unwrap();
-        let sharp = sharp_sides(&manifold, &twin, &features, 0.01, 0.0);
+        let sharp = sharp_sides(&manifold, &twin, &features, 0.01, 0.0, |_| false);
         let cut = cut(manifold.into_mesh(), twin, &sharp);
         let curves = Curves::new(&cut, 0.1, &[]);
         (cut, curves)

@@ -10,7 +10,8 @@
 //! Edges between the facets of what is meant round do not count, nor do the steps of points on a lattice
 //! ([`facets`](crate::surface::facets)).
 //!
-//! Short scraps, shorter than a few spacings of the samples in all, are left out: at that spacing they are noise.
+//! Short scraps, shorter than a few spacings of the samples in all, are left out: at that spacing they are noise, or rims that a
+//! mesh can do without, unless it turned out that it cannot.
 //!
 //! Cost: linear in the triangles.
 
@@ -81,8 +82,15 @@ const SHORTEST: f64 = 3.0;
 
 /// For each side `3 t + k` of the triangles whether it is on a sharp edge. `twin` is as
 /// [`twins`](crate::mesh::topology::twins) says, `spacing` that of the samples, in the units of the mesh; steps no wider than
-/// `finest` are none of the surface.
-pub fn sharp_sides(mesh: &OrientedManifold, twin: &[u32], features: &Features, spacing: f64, finest: f64) -> Vec<bool> {
+/// `finest` are none of the surface. Scraps beside a triangle that `is_needed` stay.
+pub fn sharp_sides(
+    mesh: &OrientedManifold,
+    twin: &[u32],
+    features: &Features,
+    spacing: f64,
+    finest: f64,
+    is_needed: impl Fn(u32) -> bool,
+) -> Vec<bool> {
     let mut sharp = match features {
         Features::Smooth => return vec![false; twin.len()],
         Features::Edges(edges) => along(mesh, twin, edges),
@@ -97,7 +105,7 @@ pub fn sharp_sides(mesh: &OrientedManifold, twin: &[u32], features: &Features, s
             }
         }
     };
-    drop_scraps(mesh, &mut sharp, SHORTEST * spacing);
+    drop_scraps(mesh, &mut sharp, SHORTEST * spacing, is_needed);
     sharp
 }
 
@@ -194,8 +202,8 @@ pub fn is_rough(mesh: &Mesh, twin: &[u32], spacing: f64) -> bool {
     Histogram::new(mesh, inner.map(|side| (side, turn(side)))).is_rough(spacing)
 }
 
-/// Takes connected nets of sharp edges that are not as long as `shortest` out.
-fn drop_scraps(mesh: &Mesh, sharp: &mut [bool], shortest: f64) {
+/// Takes connected nets of sharp edges that are not as long as `shortest` out, but for those beside a triangle that `is_needed`.
+fn drop_scraps(mesh: &Mesh, sharp: &mut [bool], shortest: f64, is_needed: impl Fn(u32) -> bool) {
     let mut nets = UnionFind::new(mesh.positions.len());
     let sides = || (0u32..).zip(sharp.iter()).filter(|s| *s.1).map(|s| s.0);
     for side in sides() {
@@ -207,9 +215,13 @@ fn drop_scraps(mesh: &Mesh, sharp: &mut [bool], shortest: f64) {
         // Both sides of an edge are sharp.
         total[nets.find(ends(mesh, side)[0]) as usize] += length(mesh, side) / 2.0;
     }
-    for (side, is_sharp) in (0..).zip(sharp).filter(|(_, is_sharp)| **is_sharp) {
-        *is_sharp = total[nets.find(ends(mesh, side)[0]) as usize] >= shortest;
+    let scraps: Vec<(u32, usize)> =
+        sides().map(|side| (side, nets.find(ends(mesh, side)[0]) as usize)).filter(|s| total[s.1] < shortest).collect();
+    let mut needed = vec![false; total.len()];
+    for &(side, net) in &scraps {
+        needed[net] = needed[net] || is_needed(side / 3);
     }
+    scraps.into_iter().for_each(|(side, net)| sharp[side as usize] = needed[net]);
 }
 
 #[cfg(test)]
@@ -239,7 +251,7 @@ mod tests {
 
     fn sharp_edges(mesh: &Mesh, features: Features, spacing: f64) -> usize {
         let manifold = mesh.clone().try_into().unwrap();
-        let sharp = sharp_sides(&manifold, &twins(&mesh.triangles), &features, spacing, 0.0);
+        let sharp = sharp_sides(&manifold, &twins(&mesh.triangles), &features, spacing, 0.0, |_| false);
         sharp.iter().filter(|s| **s).count() / 2
     }
 
@@ -249,6 +261,19 @@ mod tests {
         assert_eq!(sharp_edges(&cylinder, Features::Automatic, 0.1), 64);
         assert_eq!(sharp_edges(&cylinder, Features::Smooth, 0.1), 0);
         assert_eq!(sharp_edges(&cylinder, Features::Degrees(10.0), 0.1), 96);
+    }
+
+    #[test]
+    fn rims_shorter_than_a_few_spacings_stay_where_they_are_needed() {
+        let small = prism(32, 2.0);
+        let manifold = small.clone().try_into().unwrap();
+        let kept = |is_needed: &dyn Fn(u32) -> bool| {
+            let sharp = sharp_sides(&manifold, &twins(&small.triangles), &Features::Automatic, 3.0, 0.0, is_needed);
+            sharp.iter().filter(|s| **s).count() / 2
+        };
+        assert_eq!(kept(&|_| false), 0);
+        let is_at_top = |t: u32| small.corners(t as usize).iter().all(|p| p.z > 1.0);
+        assert_eq!(kept(&is_at_top), 32);
     }
 
     #[test]

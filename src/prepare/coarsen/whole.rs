@@ -221,8 +221,14 @@ mod tests {
         // Without the lid, the triangles at the upper pole.
         cup.triangles.retain(|t| !t.contains(&1));
         cup.drop_unused();
-        let sharp =
-            sharp_sides(&cup.clone().try_into().unwrap(), &twins(&cup.triangles), &Features::Degrees(60.0), 0.2, 0.0);
+        let sharp = sharp_sides(
+            &cup.clone().try_into().unwrap(),
+            &twins(&cup.triangles),
+            &Features::Degrees(60.0),
+            0.2,
+            0.0,
+            |_| false,
+        );
         let coarseness = Coarseness { shortest: 0.1, tolerance: 0.01 };
         let Coarsened { mesh, sharp } = coarsened(&cup, &sharp, coarseness);
         assert!(is_manifold_of(&mesh, &cup));
