@@ -4,7 +4,8 @@
 //! together: edges become shorter there, or, where there is no room for that, samples on all sharp edges closer; at last the
 //! sharp edges are smoothed over. Samples of the two sides of a thin wall may be joined so that triangles intersect, and those along
 //! a thin rod be too few to go around it: they are drawn again, closer there. Where the result is unsound even so it is mended
-//! (`pipeline/mend.rs`); only if that does not help, or there are too many such places, everything is done again, finer there.
+//! (`pipeline/mend.rs`); only if that does not help, or there are too many such places, everything is done again, finer there and with
+//! the short sharp edges and narrow patches that were left out there.
 
 /// Runs up to a whole result.
 pub(super) const MOST_RUNS: u64 = 3;
