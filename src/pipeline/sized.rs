@@ -23,7 +23,7 @@ use crate::spatial::bvh::Bvh;
 use crate::spatial::self_intersections::{faces_passing_through_others, self_intersections};
 use crate::surface::domain::Domain;
 use crate::surface::features::sharp_sides;
-use crate::surface::narrow_patches::{LeftOut, leave_out_narrow, samples_on};
+use crate::surface::narrow_patches::{LeftOut, Room, leave_out_narrow, samples_on};
 use crate::surface::sizing::{adapted_sizes, has_room_between_curves, sizes_between_curves, sizes_with_whole_rows};
 use glam::DVec3;
 use std::collections::HashSet;
@@ -202,15 +202,16 @@ fn domain_over(
     let (twin, found) = refined(&mut clean, prepared, scale, went_wrong);
     let interface = within.map_or_else(Vec::new, |within| within.part.interface.clone());
     let mut tried = None;
-    let suffice = |sharp: &[bool], narrowest: f64| {
+    let room = |sharp: &[bool], narrowest: f64| {
         tried = None;
-        samples_on(&clean, &twin, sharp, spacing) <= MOST_ON_EDGES * wanted as f64 && {
-            let domain = Domain::with_sharp(clean.clone(), twin.clone(), sharp, spacing, interface.clone());
-            has_room_between_curves(tried.insert(domain), narrowest, spacing)
+        if samples_on(&clean, &twin, sharp, spacing) > MOST_ON_EDGES * wanted as f64 {
+            return Room::TooLittle;
         }
+        let domain = Domain::with_sharp(clean.clone(), twin.clone(), sharp, spacing, interface.clone());
+        if has_room_between_curves(tried.insert(domain), narrowest, spacing) { Room::Enough } else { Room::OnCurves }
     };
     let is_needed = |t: u32| went_wrong(&clean, t);
-    let (mut sharp, left_out) = leave_out_narrow(&clean, &twin, &found, spacing, is_needed, suffice);
+    let (mut sharp, left_out) = leave_out_narrow(&clean, &twin, &found, spacing, is_needed, room);
     let blunted = samples_on(&clean, &twin, &sharp, spacing) > wanted as f64;
     if blunted {
         (tried, sharp) = (None, vec![false; sharp.len()]);

@@ -6,7 +6,8 @@
 //! least is joined with the neighbour that it turns least towards, along all the edges between both, as long as it is less
 //! than a share of the spacing. A chamfer's two curves become one, and what stays is whole. Where the vertices do not suffice
 //! for the curves that are left, or for the short edges between them, that share grows. Then the rims of plates stay, which
-//! would become blades: a box would lose a part of its volume.
+//! would become blades: a box would lose a part of its volume. Only where the vertices do not suffice for the curves alone,
+//! plates become blades, too, the thinnest first: without any curve, the two sides of a plate would be smoothed into each other.
 //!
 //! Cost: n log n in the patches, linear in the sides; a few times over where the share grows.
 
@@ -20,15 +21,26 @@ use std::collections::{BTreeMap, BinaryHeap};
 
 /// Deviations below which patches are joined with a neighbour, in spacings: the least is that of a chamfer whose width is a
 /// tenth, or of a wall whose width is an eighteenth. The first of these that leaves edges for which the vertices suffice is
-/// taken, or the last.
+/// taken, or the last; with that, and of the plates that become blades, the same.
 const LEAST: [f64; 5] = [0.02, 0.05, 0.08, 0.12, 0.18];
 
-/// Degrees by which the surface may turn at the edge that is left of a strip's two, from the second share on. Beyond, it would be
-/// a blade, and a body would lose volume.
+/// Degrees by which the surface may turn at the edge that is left of a strip's two. Beyond, it would be a blade, and a body would
+/// lose volume.
 pub const SHARPEST: f64 = 135.0;
 
 /// The width of a wall that moves by a deviation, in deviations.
 const WIDTH_OF_WALL: f64 = 2.0 * std::f64::consts::SQRT_2;
+
+/// What the vertices suffice for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Room {
+    /// The edges on curves and those between curves.
+    Enough,
+    /// The edges on curves, but not the short ones between them.
+    OnCurves,
+    /// Not even the edges on curves.
+    TooLittle,
+}
 
 /// What was left out.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -47,16 +59,16 @@ impl LeftOut {
 }
 
 /// Which sides of `mesh` are on a sharp edge without those beside patches that are too narrow, of the ones that are `sharp`,
-/// and what was left out. Patches with a triangle that `is_needed` stay. As little is left out as leaves edges that the
-/// vertices `suffice` for, which is asked with the sides that stay and the least width of a wall, in spacings. `twin` is as
-/// [`twins`](crate::mesh::topology::twins) says.
+/// and what was left out. As little is left out as leaves `room` for what stays, which is asked with the sides that stay and
+/// the least width of a wall, in spacings. Patches with a triangle that `is_needed` stay, unless there is no room even on
+/// curves. `twin` is as [`twins`](crate::mesh::topology::twins) says.
 pub fn leave_out_narrow(
     mesh: &Mesh,
     twin: &[u32],
     sharp: &[bool],
     spacing: f64,
     is_needed: impl Fn(u32) -> bool,
-    mut suffice: impl FnMut(&[bool], f64) -> bool,
+    mut room: impl FnMut(&[bool], f64) -> Room,
 ) -> (Vec<bool>, LeftOut) {
     if !sharp.contains(&true) {
         return (sharp.to_vec(), LeftOut::default());
@@ -65,17 +77,30 @@ pub fn leave_out_narrow(
     before.need((0..mesh.triangles.len() as u32).filter(|&t| is_needed(t)));
     // A crease that fades within a patch parts nothing, and stays.
     let parts: Vec<bool> = (0..sharp.len()).map(|s| sharp[s] && before.differ(s as u32, twin)).collect();
-    let mut made = (sharp.to_vec(), LeftOut::default());
-    for share in LEAST {
+    let mut left = (sharp.to_vec(), LeftOut::default());
+    let mut leave_out = |before: &Patches, share: f64, of_plates: f64| {
         let mut patches = before.clone();
-        let left_out = patches.join_below(share, spacing);
+        let left_out = patches.join_below(share * spacing, of_plates * spacing);
         let mut stays = |s: usize| sharp[s] && (!parts[s] || patches.differ(s as u32, twin));
-        made = ((0..sharp.len()).map(&mut stays).collect(), left_out);
-        if suffice(&made.0, WIDTH_OF_WALL * share) {
+        left = ((0..sharp.len()).map(&mut stays).collect(), left_out);
+        room(&left.0, WIDTH_OF_WALL * share)
+    };
+    let [least, .., most] = LEAST;
+    let mut has = Room::TooLittle;
+    for share in LEAST {
+        has = leave_out(&before, share, least);
+        if has == Room::Enough {
             break;
         }
     }
-    made
+    before.list.values_mut().for_each(|patch| patch.needed = false);
+    for of_plates in LEAST {
+        if has != Room::TooLittle {
+            break;
+        }
+        has = leave_out(&before, most, of_plates);
+    }
+    left
 }
 
 /// About how many samples the edges of `mesh` that are `sharp` take at distance `spacing`: one for each corner and each
@@ -134,8 +159,8 @@ struct Patch {
 
 impl Patch {
     /// With the neighbour that it turns least towards; `own` is the patch itself. `None` for a patch that is needed, and for the
-    /// rim of a plate if the surface would move by `least` or more.
-    fn gentlest(&self, own: u32, least: f64) -> Option<Joint> {
+    /// rim of a plate if the surface would move by `of_plates` or more.
+    fn gentlest(&self, own: u32, of_plates: f64) -> Option<Joint> {
         let others = self.beside.iter().filter(|(q, _)| **q != own && !self.needed);
         let turns = others.map(|(&q, border)| (q, border.mean(border.turned)));
         let (neighbour, turn) = turns.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))?;
@@ -143,7 +168,7 @@ impl Patch {
         let sine = |degrees: f64| math::sin_cos(degrees.to_radians()).0;
         let moved = 0.5 * width * sine(0.5 * turn);
         let joint = Joint { neighbour, moved, moved_at_most: width * sine(turn.min(90.0)) };
-        (moved < least || self.turn_without(own, neighbour) <= SHARPEST).then_some(joint)
+        (moved < of_plates || self.turn_without(own, neighbour) <= SHARPEST).then_some(joint)
     }
 
     /// By how much the surface turns at the other edges of the patch, itself being `own`, without those to `neighbour`.
@@ -201,15 +226,15 @@ impl Patches {
         self.of_triangle.find(side / 3) != self.of_triangle.find(twin[side as usize] / 3)
     }
 
-    /// Joins patches with a neighbour where that moves the surface by less than `share` of the spacing, the least first.
-    fn join_below(&mut self, share: f64, spacing: f64) -> LeftOut {
+    /// Joins patches with a neighbour where that moves the surface by less than `most`, or by less than `of_plates` where a plate
+    /// becomes a blade, the least first.
+    fn join_below(&mut self, most: f64, of_plates: f64) -> LeftOut {
         let mut left_out = LeftOut::default();
-        let least = LEAST[0] * spacing;
-        let ranked = |p: u32, patch: &Patch| Some(Ranked::new(-patch.gentlest(p, least)?.moved, p));
+        let ranked = |p: u32, patch: &Patch| Some(Ranked::new(-patch.gentlest(p, of_plates)?.moved, p));
         let mut heap: BinaryHeap<Ranked> = self.list.iter().filter_map(|(&p, patch)| ranked(p, patch)).collect();
-        while let Some(Ranked { rank, index: p, .. }) = heap.pop().filter(|top| -top.rank < share * spacing) {
+        while let Some(Ranked { rank, index: p, .. }) = heap.pop().filter(|top| -top.rank < most) {
             // What was joined since has another rank.
-            let gentlest = self.list.get(&p).and_then(|patch| patch.gentlest(p, least));
+            let gentlest = self.list.get(&p).and_then(|patch| patch.gentlest(p, of_plates));
             let Some(joint) = gentlest.filter(|joint| joint.moved == -rank) else { continue };
             left_out.patches += 1;
             left_out.deviation = left_out.deviation.max(joint.moved_at_most);
@@ -268,8 +293,10 @@ mod tests {
     fn kept(widths: &[f64], most: f64) -> (usize, LeftOut) {
         let mesh = strips(widths);
         let twin = twins(&mesh.triangles);
-        let suffice = |sharp: &[bool], _: f64| samples_on(&mesh, &twin, sharp, 1.0) <= most;
-        let (sharp, left_out) = leave_out_narrow(&mesh, &twin, &found(&mesh, &twin), 1.0, |_| false, suffice);
+        let room = |sharp: &[bool], _: f64| {
+            if samples_on(&mesh, &twin, sharp, 1.0) <= most { Room::Enough } else { Room::OnCurves }
+        };
+        let (sharp, left_out) = leave_out_narrow(&mesh, &twin, &found(&mesh, &twin), 1.0, |_| false, room);
         (sharp.iter().filter(|s| **s).count() / 2, left_out)
     }
 
@@ -290,7 +317,7 @@ mod tests {
         let mesh = strips(&[5.0, 0.05, 5.0]);
         let twin = twins(&mesh.triangles);
         let found = found(&mesh, &twin);
-        let made = leave_out_narrow(&mesh, &twin, &found, 1.0, |t| t == 2, |_, _| true);
+        let made = leave_out_narrow(&mesh, &twin, &found, 1.0, |t| t == 2, |_, _| Room::Enough);
         assert_eq!(made, (found, LeftOut::default()));
     }
 
@@ -310,7 +337,7 @@ mod tests {
         let twin = twins(&mesh.triangles);
         let mut sharp = vec![false; twin.len()];
         (sharp[0], sharp[twin[0] as usize]) = (true, true);
-        let made = leave_out_narrow(&mesh, &twin, &sharp, 1.0, |_| false, |_, _| true);
+        let made = leave_out_narrow(&mesh, &twin, &sharp, 1.0, |_| false, |_, _| Room::Enough);
         assert_eq!(made, (sharp, LeftOut::default()));
     }
 
@@ -322,17 +349,27 @@ mod tests {
     }
 
     #[test]
-    fn the_rim_of_a_plate_stays_unless_it_is_far_thinner_than_the_spacing() {
-        let edges = |thickness: f64| {
+    fn the_rim_of_a_plate_stays_unless_it_is_far_thinner_than_the_spacing_or_there_is_no_room_on_curves() {
+        let edges = |thickness: f64, room: Room| {
             let mut mesh = cube();
             mesh.positions.iter_mut().for_each(|p| *p *= dvec3(20.0, 20.0, thickness));
             let twin = twins(&mesh.triangles);
-            // No edges suffice.
-            let (sharp, _) = leave_out_narrow(&mesh, &twin, &found(&mesh, &twin), 1.0, |_| false, |_, _| false);
+            let found = found(&mesh, &twin);
+            let (sharp, _) = leave_out_narrow(&mesh, &twin, &found, 1.0, |_| false, |_, _| room);
             sharp.iter().filter(|s| **s).count() / 2
         };
-        assert_eq!(edges(0.3), 12);
-        assert!(edges(0.03) < 12);
+        assert_eq!(edges(0.3, Room::OnCurves), 12);
+        assert!(edges(0.03, Room::OnCurves) < 12);
+        assert!(edges(0.3, Room::TooLittle) < 12);
+        assert_eq!(edges(0.6, Room::TooLittle), 12);
+    }
+
+    #[test]
+    fn what_is_needed_goes_where_there_is_no_room_even_on_curves() {
+        let mesh = strips(&[5.0, 0.05, 5.0]);
+        let twin = twins(&mesh.triangles);
+        let made = leave_out_narrow(&mesh, &twin, &found(&mesh, &twin), 1.0, |t| t == 2, |_, _| Room::TooLittle);
+        assert_eq!(made.1.patches, 1);
     }
 
     #[test]
@@ -348,7 +385,7 @@ mod tests {
             |_| false,
             |sharp, narrowest| {
                 asked.push((narrowest, sharp.iter().filter(|s| **s).count() / 2));
-                narrowest > 0.9
+                Room::OnCurves
             },
         );
         let last = asked.last().unwrap();
