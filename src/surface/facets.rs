@@ -36,7 +36,7 @@ const WIDEST: f64 = 8.0;
 const MOST_PER_SPACING: f64 = 20.0;
 
 /// Cosine between two edges, as seen from their common vertex, below which the one goes on straight from the other.
-const STRAIGHT: f64 = -0.8;
+pub const STRAIGHT: f64 = -0.8;
 
 /// The share of an edge's turn up to which others are not noticed on the way across a facet.
 const FLAT: f64 = 0.2;

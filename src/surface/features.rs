@@ -21,9 +21,10 @@ use crate::base::union_find::UnionFind;
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::surface::facets::{NOTICED, between_facets, on_steps};
+use crate::surface::facets::{NOTICED, STRAIGHT, between_facets, on_steps};
 use crate::surface::planes::{Planes, planar_bodies};
 use crate::surface::turns::{ends, length, turns};
+use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use std::slice::SliceIndex;
 
@@ -112,6 +113,7 @@ pub fn sharp_sides(
                     let mut sharp = turned_on_planar_bodies(mesh, twin, &turns, spacing);
                     if let Some(steep) = histogram.threshold(STEEP, STEEP_GAP) {
                         sharp.iter_mut().zip(&turns).for_each(|(sharp, turn)| *sharp |= turn.abs() >= steep);
+                        go_on(mesh, twin, &turns, &mut sharp, 0.5 * steep);
                     }
                     sharp
                 }
@@ -134,6 +136,32 @@ fn without_facets(mesh: &Mesh, twin: &[u32], spacing: f64, finest: f64) -> Vec<f
 
 fn turned(turns: &[f64], threshold: f64) -> Vec<bool> {
     turns.iter().map(|&turn| turn.abs() >= threshold).collect()
+}
+
+/// Lets curves that end go straight on, as long as the surface turns the same way there and by `least` degrees or more: a rim
+/// that is steeper here than there stays whole.
+fn go_on(mesh: &Mesh, twin: &[u32], turns: &[f64], sharp: &mut [bool], least: f64) {
+    let mut sides_from: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    for side in (0..twin.len()).filter(|&s| twin[s] != NONE && (sharp[s] || turns[s].abs() >= least)) {
+        sides_from.entry(ends(mesh, side as u32)[0]).or_default().push(side);
+    }
+    let way = |side: usize| {
+        let [a, b] = ends(mesh, side as u32).map(|v| mesh.positions[v as usize]);
+        (b - a).normalize_or_zero()
+    };
+    let mut reached: Vec<u32> = sides_from.keys().copied().collect();
+    while let Some(v) = reached.pop() {
+        let sides = &sides_from[&v];
+        let mut of_curves = sides.iter().filter(|&&s| sharp[s]);
+        let (Some(&last), None) = (of_curves.next(), of_curves.next()) else { continue };
+        let is_next = |s: &usize| *s != last && turns[*s] * turns[last] > 0.0;
+        let straightest = sides.iter().copied().filter(is_next).map(|s| (way(s).dot(way(last)), s));
+        let Some((cosine, next)) = straightest.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
+        if cosine < STRAIGHT {
+            (sharp[next], sharp[twin[next] as usize]) = (true, true);
+            reached.push(ends(mesh, next as u32)[1]);
+        }
+    }
 }
 
 /// The same on each body that is mostly bounded by planes, by a threshold of its own, or where it has none only between two
@@ -349,6 +377,28 @@ mod tests {
     #[test]
     fn a_bumpy_sheet_has_none() {
         assert_eq!(sharp_edges(&bumpy_sheet(), Features::Automatic, 0.1), 0);
+    }
+
+    #[test]
+    fn a_curve_goes_straight_on_where_the_surface_turns_by_less() {
+        // A ridge whose sides become less steep, with a step across it at its end.
+        let rows = [[0.0, 1.0], [1.0, 1.0], [2.0, 0.5], [3.0, 0.3], [3.0, 0.3]];
+        let below = |row: usize| if row == 4 { 1.0 } else { 0.0 };
+        let positions = (0..rows.len()).flat_map(|i| {
+            let [y, drop] = rows[i];
+            [-1.0, 0.0, 1.0].map(|x: f64| DVec3::new(x, y, -drop * x.abs() - below(i)))
+        });
+        let squares = (0..4).flat_map(|row| [3 * row, 3 * row + 1]);
+        let triangles = squares.flat_map(|v: u32| [[v, v + 1, v + 4], [v, v + 4, v + 3]]).collect();
+        let mesh = Mesh { positions: positions.collect(), triangles };
+        let twin = twins(&mesh.triangles);
+        let turns = turns(&mesh, &twin, 0.1, 0.0);
+        let mut sharp: Vec<bool> = (0..twin.len()).map(|s| [[1, 4], [4, 1]].contains(&ends(&mesh, s as u32))).collect();
+        go_on(&mesh, &twin, &turns, &mut sharp, 30.0);
+        let kept: Vec<[u32; 2]> = (0..twin.len()).filter(|&s| sharp[s]).map(|s| ends(&mesh, s as u32)).collect();
+        let mut ridge: Vec<[u32; 2]> = kept.into_iter().filter(|[a, b]| a < b).collect();
+        ridge.sort_unstable();
+        assert_eq!(ridge, [[1, 4], [4, 7], [7, 10]]);
     }
 
     #[test]
