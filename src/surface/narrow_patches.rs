@@ -21,7 +21,7 @@ use std::collections::{BTreeMap, BinaryHeap};
 
 /// Deviations below which patches are joined with a neighbour, in spacings: the least is that of a chamfer whose width is a
 /// tenth, or of a wall whose width is an eighteenth. The first of these that leaves edges for which the vertices suffice is
-/// taken, or the last; with that, and of the plates that become blades, the same.
+/// taken, or the last. Plates become blades below the same deviations.
 const LEAST: [f64; 5] = [0.02, 0.05, 0.08, 0.12, 0.18];
 
 /// Degrees by which the surface may turn at the edge that is left of a strip's two. Beyond, it would be a blade, and a body would
