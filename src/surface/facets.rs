@@ -17,7 +17,7 @@ use crate::base::union_find::UnionFind;
 use crate::mesh::half_edge::{next, prev};
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::surface::turns::{ends, length};
+use crate::surface::turns::{direction, ends, length};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -84,7 +84,7 @@ fn straight_curves(mesh: &Mesh, edges: &[Edge]) -> UnionFind {
     let mut at: BTreeMap<u32, Vec<(u32, DVec3)>> = BTreeMap::new();
     for (i, edge) in (0..).zip(edges) {
         let [a, b] = ends(mesh, edge.side);
-        let way = (mesh.positions[b as usize] - mesh.positions[a as usize]).normalize_or_zero();
+        let way = direction(mesh, edge.side);
         at.entry(a).or_default().push((i, way));
         at.entry(b).or_default().push((i, -way));
     }

@@ -23,7 +23,7 @@ use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::surface::facets::{NOTICED, STRAIGHT, between_facets, on_steps};
 use crate::surface::planes::{Planes, planar_bodies};
-use crate::surface::turns::{ends, length, turns};
+use crate::surface::turns::{direction, ends, length, turns};
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use std::slice::SliceIndex;
@@ -145,17 +145,14 @@ fn go_on(mesh: &Mesh, twin: &[u32], turns: &[f64], sharp: &mut [bool], least: f6
     for side in (0..twin.len()).filter(|&s| twin[s] != NONE && (sharp[s] || turns[s].abs() >= least)) {
         sides_from.entry(ends(mesh, side as u32)[0]).or_default().push(side);
     }
-    let way = |side: usize| {
-        let [a, b] = ends(mesh, side as u32).map(|v| mesh.positions[v as usize]);
-        (b - a).normalize_or_zero()
-    };
     let mut reached: Vec<u32> = sides_from.keys().copied().collect();
     while let Some(v) = reached.pop() {
         let sides = &sides_from[&v];
         let mut of_curves = sides.iter().filter(|&&s| sharp[s]);
         let (Some(&last), None) = (of_curves.next(), of_curves.next()) else { continue };
         let is_next = |s: &usize| *s != last && turns[*s] * turns[last] > 0.0;
-        let straightest = sides.iter().copied().filter(is_next).map(|s| (way(s).dot(way(last)), s));
+        let cosine = |s: usize| direction(mesh, s as u32).dot(direction(mesh, last as u32));
+        let straightest = sides.iter().copied().filter(is_next).map(|s| (cosine(s), s));
         let Some((cosine, next)) = straightest.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
         if cosine < STRAIGHT {
             (sharp[next], sharp[twin[next] as usize]) = (true, true);

@@ -101,6 +101,12 @@ pub(super) fn length(mesh: &Mesh, side: u32) -> f64 {
     a.distance(b)
 }
 
+/// The unit vector along a side; zero for one without length.
+pub(super) fn direction(mesh: &Mesh, side: u32) -> DVec3 {
+    let [a, b] = ends(mesh, side).map(|v| mesh.positions[v as usize]);
+    (b - a).normalize_or_zero()
+}
+
 pub(super) fn ends(mesh: &Mesh, side: u32) -> [u32; 2] {
     let corner = |s: u32| mesh.triangles[s as usize / 3][s as usize % 3];
     [corner(side), corner(next(side))]
