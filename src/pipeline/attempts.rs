@@ -1,8 +1,8 @@
 //! Which attempts are made at a sound result, one after the other.
 //!
 //! Two things go wrong, and each has its remedy. Samples on sharp edges that are too few leave patches that do not fit
-//! together: edges become shorter there, or, where there is no room for that, samples on all sharp edges closer; at last the
-//! sharp edges are smoothed over. Samples of the two sides of a thin wall may be joined so that triangles intersect, and those along
+//! together: edges become shorter there, or, where there is no room for that, samples on all sharp edges closer; then the sharp
+//! edges there are smoothed over, at last all. Samples of the two sides of a thin wall may be joined so that triangles intersect, and those along
 //! a thin rod be too few to go around it: they are drawn again, closer there. Where the result is unsound even so it is mended
 //! (`pipeline/mend.rs`); only if that does not help, or there are too many such places, everything is done again, finer there and with
 //! the short sharp edges and narrow patches that were left out there.
@@ -10,8 +10,9 @@
 /// Runs up to a whole result.
 pub(super) const MOST_RUNS: u64 = 3;
 
-/// Attempts in a run at patches that fit together, before sharp edges are smoothed over.
-const MOST_WITH_CURVES: usize = 5;
+/// Attempts in a run at patches that fit together with all sharp edges, and further ones without those where they do not.
+const MOST_WITH_ALL_CURVES: usize = 3;
+const MOST_WITH_CURVES: usize = 6;
 
 /// How many times as many samples there are on curves where edges cannot become shorter.
 const CLOSER: f64 = 1.4;
@@ -58,8 +59,19 @@ impl Score {
 pub(super) struct Attempt {
     /// The seed of its random numbers.
     pub seed: u64,
-    /// Samples on feature curves for each spacing of their length; `None`: sharp edges are smoothed over.
-    pub curve_density: Option<f64>,
+    /// Samples on feature curves for each spacing of their length.
+    pub curve_density: f64,
+}
+
+/// What is done where patches do not fit together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Remedy {
+    /// Edges become shorter there, or all curves are sampled more closely.
+    Finer,
+    /// The sharp edges there are smoothed over.
+    WithoutTornCurves,
+    /// All sharp edges are smoothed over.
+    Smooth,
 }
 
 /// The attempts at one result.
@@ -85,15 +97,27 @@ impl Attempts {
     pub(super) fn current(&self) -> Attempt {
         // Far from the seeds that people give.
         let seed = self.seed.wrapping_add(self.run << 48);
-        Attempt { seed, curve_density: self.keeps_curves.then_some(self.curve_density) }
+        Attempt { seed, curve_density: self.curve_density }
     }
 
-    /// Treats sharp edges differently after patches did not fit together; whether they can be.
-    pub(super) fn treat_curves_differently(&mut self) -> bool {
-        let can_be = self.keeps_curves;
-        self.keeps_curves = self.with_curves < MOST_WITH_CURVES;
+    /// Whether sharp edges are kept at all.
+    pub(super) fn keeps_curves(&self) -> bool {
+        self.keeps_curves
+    }
+
+    /// What to do after patches did not fit together, if anything. `are_curves_torn` says whether it is known along which sharp
+    /// edges.
+    pub(super) fn remedy(&mut self, are_curves_torn: bool) -> Option<Remedy> {
+        if !self.keeps_curves {
+            return None;
+        }
+        let made = self.with_curves;
         self.with_curves += 1;
-        can_be
+        if made < MOST_WITH_ALL_CURVES {
+            return Some(Remedy::Finer);
+        }
+        self.keeps_curves = made < MOST_WITH_CURVES && are_curves_torn;
+        Some(if self.keeps_curves { Remedy::WithoutTornCurves } else { Remedy::Smooth })
     }
 
     /// Samples curves more closely from now on.
@@ -138,29 +162,33 @@ mod tests {
     const INTERSECTING: Score = Score { self_intersections: 8, ..SOUND };
 
     #[test]
-    fn curves_are_kept_for_some_attempts_and_smoothed_over_at_last() {
+    fn curves_are_kept_for_some_attempts_then_those_that_are_torn_are_smoothed_over_and_at_last_all() {
+        let remedies = |has_curves: bool, are_torn: bool| {
+            let mut attempts = Attempts::new(0, has_curves);
+            std::iter::from_fn(|| attempts.remedy(are_torn)).collect::<Vec<Remedy>>()
+        };
+        use Remedy::{Finer, Smooth, WithoutTornCurves};
+        let torn = [WithoutTornCurves; MOST_WITH_CURVES - MOST_WITH_ALL_CURVES];
+        assert_eq!(remedies(true, true), [[Finer; MOST_WITH_ALL_CURVES - 1].as_slice(), &torn, &[Smooth]].concat());
+        assert_eq!(remedies(true, false), [[Finer; MOST_WITH_ALL_CURVES - 1].as_slice(), &[Smooth]].concat());
+        assert_eq!(remedies(false, true), []);
+    }
+
+    #[test]
+    fn sharp_edges_that_were_smoothed_over_are_not_kept_in_another_run() {
         let mut attempts = Attempts::new(0, true);
-        let mut densities = vec![attempts.current().curve_density];
-        while attempts.treat_curves_differently() {
-            densities.push(attempts.current().curve_density);
-            if densities.len() == 3 {
-                attempts.sample_curves_closer();
-            }
-        }
-        assert_eq!(densities, [Some(1.0), Some(1.0), Some(1.0), Some(1.4), Some(1.4), None]);
-        assert!(!Attempts::new(0, false).treat_curves_differently());
+        while attempts.remedy(false).is_some() {}
+        assert!(attempts.after_run(INTERSECTING, 1000) && !attempts.keeps_curves());
     }
 
     #[test]
     fn samples_are_drawn_again_once_and_their_patches_get_as_many_attempts() {
         let mut attempts = Attempts::new(3, true);
-        while attempts.with_curves < MOST_WITH_CURVES {
-            attempts.treat_curves_differently();
-        }
+        while attempts.remedy(true) == Some(Remedy::Finer) {}
         assert!(attempts.may_draw_again());
         attempts.draw_again();
         assert!(!attempts.may_draw_again());
-        assert!(attempts.treat_curves_differently() && attempts.current().curve_density.is_some());
+        assert_eq!(attempts.remedy(true), Some(Remedy::Finer));
         let mut attempts = Attempts::new(3, true);
         assert!(attempts.after_run(INTERSECTING, 1000) && !attempts.may_draw_again());
     }

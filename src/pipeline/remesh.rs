@@ -11,7 +11,7 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::optimize::counts::meet_count;
 use crate::optimize::self_intersections::resolve_self_intersections;
 use crate::optimize::slide::slide;
-use crate::pipeline::attempts::{Attempts, MOST_RUNS};
+use crate::pipeline::attempts::{Attempts, MOST_RUNS, Remedy};
 use crate::pipeline::coarse::{coarse, far_wider_spacing};
 use crate::pipeline::density::{Density, FEWEST_POINTS, FIRST_POINTS, MOST_POINTS};
 use crate::pipeline::edges::Edges;
@@ -30,6 +30,7 @@ use crate::pipeline::triangulation::Triangulation;
 use crate::quality::bound::{Bounds, hausdorff_bounds};
 use crate::surface::features::is_rough;
 use crate::surface::narrow_patches::LeftOut;
+use crate::triangulate::stitch::Torn;
 
 /// Errors below this fraction of the bound are not resolved further.
 const OF_INTEREST: f64 = 0.25;
@@ -156,7 +157,7 @@ fn remesh_to(
     let mut resizing = Resizing::default();
     let mut sized = |resizing: &Resizing| SizedSurface::new(prepared, repaired(), density, resizing, monitor);
     let mut surface = sized(&resizing)?;
-    let mut attempts = Attempts::new(prepared.options.seed, surface.domain.sharp_curves() > 0);
+    let mut attempts = Attempts::new(prepared.options.seed, surface.domain.is_sharp());
     let mut best: Option<(SizedSurface, Finished)> = None;
     loop {
         let (mut made_of, triangulation) = triangulated(surface, &mut attempts, monitor)?;
@@ -190,22 +191,28 @@ fn remesh_to(
     remeshed(prepared, &surface, finished, monitor)
 }
 
-/// A triangulation of samples of a surface, and the surface, which comes back without its sharp edges if they could not be kept.
+/// A triangulation of samples of a surface, and the surface, which comes back without those sharp edges that could not be kept.
 fn triangulated(
     mut surface: SizedSurface,
     attempts: &mut Attempts,
     monitor: &dyn Monitor,
 ) -> Result<(SizedSurface, Triangulation)> {
+    if !attempts.keeps_curves() && surface.domain.is_sharp() {
+        surface = surface.smooth();
+    }
     loop {
-        if attempts.current().curve_density.is_none() && surface.domain.sharp_curves() > 0 {
-            surface = surface.smooth();
-        }
         let triangulation = Triangulation::new(&surface, attempts.current(), monitor)?;
-        if !triangulation.has_other_topology(&surface) || !attempts.treat_curves_differently() {
+        if !triangulation.has_other_topology(&surface) {
             return Ok((surface, triangulation));
         }
-        if attempts.current().curve_density.is_some() && !surface.resize_at(&triangulation.torn, FINER) {
-            attempts.sample_curves_closer();
+        let Torn { places, curves } = &triangulation.torn;
+        let are_curves_torn = surface.domain.sharp_curves().any(|curve| curves.contains(&curve));
+        match attempts.remedy(are_curves_torn) {
+            Some(Remedy::Finer) if surface.resize_at(places, FINER) => {}
+            Some(Remedy::Finer) => attempts.sample_curves_closer(),
+            Some(Remedy::WithoutTornCurves) => surface = surface.without_curves(|curve| curves.contains(&curve)),
+            Some(Remedy::Smooth) => surface = surface.smooth(),
+            None => return Ok((surface, triangulation)),
         }
         monitor.stage("sample");
     }
@@ -323,7 +330,8 @@ fn remeshed(
         spacing: unit.size * scale.spacing,
         spacing_range: domain.size_range().map(|size| unit.size * scale.spacing * size),
         wanted: within.as_ref().map_or(scale.wanted, |within| within.wanted(scale.wanted)),
-        sharp_curves: domain.sharp_curves(),
+        sharp_curves: domain.sharp_curves().count(),
+        smoothed_curves: surface.smoothed_curves,
         tessellated_patches: finished.tessellated_patches,
         self_intersections_of_input: intersects.then_some(finished.self_intersections_of_input),
         self_intersections: finished.self_intersections,

@@ -56,6 +56,8 @@ pub struct Remeshed {
     pub unforced_theta_min: Option<f64>,
     /// What was left out of the sharp edges, in the units of the input.
     pub left_out: LeftOut,
+    /// Curves along sharp edges that were smoothed over because patches beside them did not fit together.
+    pub smoothed_curves: usize,
     /// Whether there were more sharp edges than could be kept, so that none was.
     pub blunted: bool,
     /// Whether the input is rough where the result has far longer edges, as a scan with noise is.
@@ -201,6 +203,12 @@ pub(super) fn notes(result: &Remeshed, cracks: Option<Cracks>) -> Vec<String> {
     notes.extend(result.lost.as_ref().map(LostComponents::note));
     if result.left_out.patches > 0 {
         notes.push(note_on_left_out(&result.left_out));
+    }
+    if result.smoothed_curves > 0 {
+        let edges = counted(result.smoothed_curves, "sharp edge is", "sharp edges are");
+        notes.push(format!(
+            "{edges} smoothed over where so few vertices do not fit between them; more points may keep them"
+        ));
     }
     notes
 }

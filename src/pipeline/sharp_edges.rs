@@ -1,7 +1,6 @@
 //! Sharp edges of the surface that is sampled, as segments.
 
 use crate::mesh::half_edge::next;
-use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::surface::domain::Domain;
 use glam::DVec3;
@@ -12,10 +11,10 @@ pub(super) fn left_out(mesh: &Mesh, twin: &[u32], before: &[bool], now: &[bool])
     (0..twin.len() as u32).filter(is_left_out).map(|s| ends(mesh, s)).collect()
 }
 
-/// The ends of the sides along the sharp edges of `domain`, one of each edge.
-pub(super) fn sharp_edges(domain: &Domain) -> impl Iterator<Item = [DVec3; 2]> {
-    let sides = domain.curves.list.iter().flat_map(|curve| &curve.sides).copied();
-    sides.filter(|&s| domain.across.get(s) != NONE).map(|s| ends(&domain.mesh, s))
+/// The ends of the sides along the sharp edges of `domain` on curves whose number `is_wanted`, one of each edge.
+pub(super) fn sharp_edges(domain: &Domain, is_wanted: impl Fn(u32) -> bool) -> impl Iterator<Item = [DVec3; 2]> {
+    let curves = domain.sharp_curves().filter(move |&curve| is_wanted(curve));
+    curves.flat_map(|curve| &domain.curves.list[curve as usize].sides).map(|&s| ends(&domain.mesh, s))
 }
 
 fn ends(mesh: &Mesh, side: u32) -> [DVec3; 2] {

@@ -47,8 +47,10 @@ pub(super) struct SizedSurface {
     pub sigma: f64,
     /// Whether there were sharp edges that could not be kept.
     pub blunted: bool,
-    /// What was left out of the sharp edges.
+    /// What was left out of the sharp edges beside narrow patches.
     pub left_out: LeftOut,
+    /// Curves along sharp edges that were smoothed over because patches beside them did not fit together.
+    pub smoothed_curves: usize,
     /// The ends of each sharp edge that was left out, in the pipeline's unit.
     pub left_out_edges: Vec<[DVec3; 2]>,
     /// What stays of the input, if only a part of it is sampled.
@@ -83,7 +85,9 @@ impl SizedSurface {
             domain_over(clean, within.as_ref(), prepared, &scale, resizing);
         suspects.into_iter().for_each(|sources| domain.suspect(sources));
         let sigma = scale.sigma();
-        let mut surface = SizedSurface { domain, scale, sigma, blunted, left_out, left_out_edges, within, topology };
+        let smoothed_curves = 0;
+        let mut surface =
+            SizedSurface { domain, scale, sigma, blunted, left_out, smoothed_curves, left_out_edges, within, topology };
         surface.grade(prepared, density, resizing, monitor)?;
         surface.domain.find_contacts();
         if !prepared.options.of_points {
@@ -122,7 +126,7 @@ impl SizedSurface {
             }
         }
         if follows_curves
-            && domain.sharp_curves() > 0
+            && domain.is_sharp()
             && let Some(sizes) = sizes_between_curves(domain, &domain.sizes(), self.scale.spacing)
         {
             domain.grade(sizes);
@@ -134,7 +138,7 @@ impl SizedSurface {
             self.scale = within.grade(&mut self.domain, density, &self.scale);
         } else if !matches!(options.grading, Grading::Kernel { .. }) {
             self.scale = with_curves(domain, self.scale, density);
-            if follows_curves && domain.sharp_curves() > 0 {
+            if follows_curves && domain.is_sharp() {
                 self.fit_rows(density);
             }
         }
@@ -164,10 +168,21 @@ impl SizedSurface {
 
     /// The same surface with its sharp edges smoothed over.
     pub(super) fn smooth(self) -> SizedSurface {
-        let left_out_edges = self.left_out_edges.into_iter().chain(sharp_edges(&self.domain)).collect();
-        let mut domain = self.domain.smooth();
-        domain.find_contacts();
-        SizedSurface { domain, blunted: true, left_out: LeftOut::default(), left_out_edges, ..self }
+        SizedSurface {
+            blunted: true,
+            left_out: LeftOut::default(),
+            smoothed_curves: 0,
+            ..self.without_curves(|_| true)
+        }
+    }
+
+    /// The same surface with its sharp edges smoothed over that are on curves whose number `is_left_out`.
+    pub(super) fn without_curves(mut self, is_left_out: impl Fn(u32) -> bool) -> SizedSurface {
+        self.smoothed_curves += self.domain.sharp_curves().filter(|&curve| is_left_out(curve)).count();
+        self.left_out_edges.extend(sharp_edges(&self.domain, &is_left_out));
+        self.domain = self.domain.without_curves(is_left_out);
+        self.domain.find_contacts();
+        self
     }
 
     /// How many triangles of the repaired input intersect others.

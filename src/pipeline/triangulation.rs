@@ -16,7 +16,7 @@ use crate::spectral::scan::linear_scan;
 use crate::surface::domain::Sample;
 use crate::triangulate::chords::part_chords;
 use crate::triangulate::rims::straighten_rims;
-use crate::triangulate::stitch::{Gluing, glue};
+use crate::triangulate::stitch::{Gluing, Torn, glue};
 use crate::triangulate::{Boundary, triangulate};
 use glam::DVec3;
 use std::ops::RangeInclusive;
@@ -37,15 +37,15 @@ pub(super) struct Triangulation {
     pub mesh: Manifold,
     /// Smooth patches that were tessellated from the input as a whole.
     pub tessellated_patches: usize,
-    /// Places where patches do not fit together.
-    pub torn: Vec<DVec3>,
+    /// Where patches do not fit together.
+    pub torn: Torn,
 }
 
 impl Triangulation {
     /// That of an attempt at `surface`.
     pub(super) fn new(surface: &SizedSurface, attempt: Attempt, monitor: &dyn Monitor) -> Result<Triangulation> {
         let SizedSurface { domain, scale, .. } = surface;
-        let curves = sample_curves(domain, scale.curve_spacing(domain) / attempt.curve_density.unwrap_or(1.0));
+        let curves = sample_curves(domain, scale.curve_spacing(domain) / attempt.curve_density);
         let at_spikes: Vec<Sample> = domain.at_spikes().collect();
         let fixed = [curves.samples.as_slice(), &at_spikes].concat();
         let candidates = candidates(domain, CANDIDATES_PER_POINT * scale.wanted, attempt.seed);
@@ -56,10 +56,10 @@ impl Triangulation {
         let mut patches = triangulate(domain, &samples, boundary, scale.spacing, monitor)?;
         let tessellated_patches = patches.tessellated_patches;
         let seams = Gluing { point: &curves.point, edges: &curves.edges, corners: &curves.corners, spikes };
-        straighten_rims(&mut patches, boundary);
+        straighten_rims(domain, &mut patches, boundary);
         part_chords(domain, &mut patches, seams);
         let glued = glue(&patches, seams);
-        let (mesh, torn) = glued.map(|mesh| (mesh, Vec::new())).unwrap_or_else(|torn| {
+        let (mesh, torn) = glued.map(|mesh| (mesh, Torn::default())).unwrap_or_else(|torn| {
             let mut mesh = patches.mesh;
             mesh.lock_boundary();
             (mesh, torn)
@@ -105,7 +105,7 @@ impl Triangulation {
     pub(super) fn has_other_topology(&self, surface: &SizedSurface) -> bool {
         let made = self.mesh.to_mesh();
         let kind = topology(made.positions.len(), &made.triangles);
-        !self.torn.is_empty() || !has_kind(&kind, &surface.topology)
+        !self.torn.places.is_empty() || !has_kind(&kind, &surface.topology)
     }
 }
 
@@ -150,7 +150,7 @@ mod tests {
         let (prepared, repaired) = PreparedInput::new(input, &options, &()).unwrap();
         let density = Density::Points(1000);
         let surface = SizedSurface::new(&prepared, repaired, density, &Resizing::default(), &()).unwrap();
-        let attempt = Attempts::new(1, surface.domain.sharp_curves() > 0).current();
+        let attempt = Attempts::new(1, surface.domain.is_sharp()).current();
         let places = Triangulation::new(&surface, attempt, &()).unwrap().sparse_places(&prepared, &surface);
         places.map(|places| places.into_iter().map(|p| prepared.unit.outwards_point(p)).collect())
     }

@@ -113,6 +113,9 @@ pub struct Sampling {
     /// About how far the surface moves by that at most, in the units of the input.
     #[serde(default)]
     pub left_out_deviation: f64,
+    /// Sharp edges, as curves between corners, that were smoothed over because patches beside them did not fit together.
+    #[serde(default)]
+    pub smoothed_curves: usize,
     /// Whether there were more sharp edges than could be kept, so that none was.
     #[serde(default)]
     pub blunted: bool,
@@ -185,6 +188,7 @@ impl Report {
                 sharp_curves,
                 left_out_patches: remeshed.left_out.patches,
                 left_out_deviation: remeshed.left_out.deviation,
+                smoothed_curves: remeshed.smoothed_curves,
                 blunted: remeshed.blunted,
                 tessellated_patches,
                 seed,
@@ -375,6 +379,7 @@ pub(super) mod tests {
             slivers: vec![],
             unforced_theta_min: None,
             left_out: LeftOut::default(),
+            smoothed_curves: 0,
             blunted: false,
             is_rough: false,
             lost: None,

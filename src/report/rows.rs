@@ -149,6 +149,7 @@ fn sharp_edges(report: &Report) -> Vec<String> {
     let parts = [
         (s.sharp_curves > 0, curves),
         (s.left_out_patches > 0, left_out),
+        (s.smoothed_curves > 0, counted(s.smoothed_curves, "curve smoothed over", "curves smoothed over")),
         (s.blunted, "none kept: too close together".into()),
     ];
     parts.into_iter().filter(|(is_so, _)| *is_so).map(|(_, phrase)| phrase).collect()

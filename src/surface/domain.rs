@@ -187,21 +187,34 @@ impl Domain {
         sizes.fold([first; 2], |[lo, hi], size| [lo.min(size), hi.max(size)])
     }
 
-    /// This domain with its sharp edges smoothed over.
-    pub fn smooth(self) -> Domain {
-        let Domain { mut mesh, original, provenance, mut sizes, interface, spacing, suspects, spikes, .. } = self;
+    /// This domain with its sharp edges smoothed over that are on curves whose number `is_left_out`.
+    pub fn without_curves(self, is_left_out: impl Fn(u32) -> bool) -> Domain {
+        let Domain { mut mesh, mut twin, original, provenance, interface, spacing, suspects, spikes, .. } = self;
         mesh.triangles.iter_mut().flatten().for_each(|v| *v = original[*v as usize]);
         // The first copy of a vertex has its number, further ones come after all others.
         let count = original.iter().zip(0..).take_while(|&(&v, i)| v == i).count();
         mesh.positions.truncate(count);
-        sizes.truncate(count);
+        let mut sharp = vec![false; twin.len()];
+        for side in (0..twin.len() as u32).filter(|&side| self.across.get(side) != NONE) {
+            twin[side as usize] = self.across.get(side);
+            sharp[side as usize] = !is_left_out(self.curves.of_side(side));
+        }
         let mesh = OrientedManifold::trusted(mesh, provenance);
-        Domain { sizes, suspects, spikes, ..Domain::with_interface(mesh, Features::Smooth, spacing, interface) }
+        let made = Domain::with_sharp(mesh, twin, &sharp, spacing, interface);
+        let of_copy = |&v: &u32| self.sizes[v as usize];
+        let sizes = if self.sizes.is_empty() { Vec::new() } else { made.original.iter().map(of_copy).collect() };
+        Domain { sizes, suspects, spikes, ..made }
     }
 
-    /// The number of curves along sharp edges.
-    pub fn sharp_curves(&self) -> usize {
-        self.curves.list.iter().filter(|c| self.across.get(c.sides[0]) != NONE).count()
+    /// The numbers of the curves along sharp edges.
+    pub fn sharp_curves(&self) -> impl Iterator<Item = u32> {
+        let curves = self.curves.list.iter().zip(0u32..);
+        curves.filter(|(curve, _)| self.across.get(curve.sides[0]) != NONE).map(|(_, number)| number)
+    }
+
+    /// Whether it has sharp edges.
+    pub fn is_sharp(&self) -> bool {
+        self.sharp_curves().next().is_some()
     }
 
     /// Finds the planes that touch each other.
@@ -544,6 +557,23 @@ mod tests {
     /// A sheet of `n` by `n` squares over the unit square at the height that `f` says.
     fn sheet(n: u32, f: impl Fn(f64, f64) -> f64) -> Domain {
         Domain::new(testing::sheet(n, f).try_into().unwrap())
+    }
+
+    #[test]
+    fn without_a_curve_all_others_and_the_sizes_stay() {
+        let (cube, features) = (testing::cube(), Features::Degrees(30.0));
+        let mut domain = Domain::with_features(cube.clone().try_into().unwrap(), features, 0.5);
+        let size = |p: DVec3| 1.0 + p.x + 2.0 * p.y + 4.0 * p.z;
+        domain.grade(domain.mesh.positions.iter().map(|&p| size(p)).collect());
+        let all: Vec<u32> = domain.sharp_curves().collect();
+        assert_eq!((all.len(), domain.mesh.positions.len()), (12, 24));
+        let domain = domain.without_curves(|curve| curve == all[3]);
+        // The faces beside it become one, with a corner less at each of its ends.
+        assert_eq!((domain.sharp_curves().count(), domain.mesh.positions.len()), (11, 22));
+        assert!(domain.mesh.positions.iter().zip(domain.sizes()).all(|(&p, s)| s == size(p)));
+        let domain = domain.without_curves(|_| true);
+        assert!(!domain.is_sharp() && domain.mesh.positions.len() == 8 && domain.twin.iter().all(|&t| t != NONE));
+        assert_eq!(domain.mesh.triangles, cube.triangles);
     }
 
     #[test]

@@ -2,7 +2,9 @@
 //!
 //! A chord is an inner edge of a patch between two points on its rim. Where patches are narrow two of them can have a chord
 //! between the same points, or one a chord between neighbours on a curve: glued together, that edge would have four
-//! triangles. The second such chord is flipped if that leaves triangles that can be mended, else split.
+//! triangles. The second such chord is flipped if that leaves triangles that can be mended, else split. So it is with a chord from
+//! a point to itself, and with edges to one inner vertex from a point that is on the rim of the patch twice, on both sides of a
+//! slit.
 //!
 //! Cost: linear in the edges.
 
@@ -11,29 +13,35 @@ use crate::mesh::topology::NONE;
 use crate::surface::domain::Domain;
 use crate::triangulate::stitch::Gluing;
 use crate::triangulate::triangulation::Triangulated;
-use std::collections::HashSet;
+use std::collections::{HashSet, VecDeque};
 
 /// Flips or splits chords of `patches`, which lie on `domain`, such that no two are one edge once they are glued.
 pub fn part_chords(domain: &Domain, patches: &mut Triangulated, seams: Gluing<'_>) {
     let Triangulated { mesh, source, .. } = patches;
+    let points = seams.point.iter().max().map_or(0, |&p| p + 1);
     let point = |v: u32| source.get(v as usize).and_then(|&s| seams.point.get(s as usize)).copied();
-    let between = |v: u32, w: u32| point(v).zip(point(w)).map(|(p, q)| [p.min(q), p.max(q)]);
+    // Points come before inner vertices.
+    let named = |v: u32| point(v).unwrap_or(points + v);
+    let edge = |v: u32, w: u32| [named(v).min(named(w)), named(v).max(named(w))];
     // Only looked up, never iterated.
     let mut joined: HashSet<[u32; 2]> = seams.edges.iter().map(|&([p, q], _)| [p.min(q), p.max(q)]).collect();
+    let is_new = |joined: &mut HashSet<[u32; 2]>, [p, q]: [u32; 2]| p >= points || p != q && joined.insert([p, q]);
     let inner = mesh.edges().filter(|&h| mesh.connectivity.has_twin(h));
     // Flips give half-edges other numbers.
-    let ends: Vec<[u32; 2]> = inner.map(|h| [mesh.connectivity.origin(h), mesh.connectivity.target(h)]).collect();
-    for [v, w] in ends {
-        let c = &mesh.connectivity;
-        if between(v, w).is_none_or(|chord| joined.insert(chord)) {
+    let mut ends: VecDeque<[u32; 2]> =
+        inner.map(|h| [mesh.connectivity.origin(h), mesh.connectivity.target(h)]).collect();
+    while let Some([v, w]) = ends.pop_front() {
+        if is_new(&mut joined, edge(v, w)) {
             continue;
         }
+        let c = &mesh.connectivity;
         let Some(h) = c.outgoing(v).find(|&h| c.target(h) == w) else { continue };
-        let across = between(c.apex(h), c.apex(c.twin(h)));
-        if mesh.flip_leaves_mendable(h, FacingGuard::SOUND) && across.is_none_or(|ends| joined.insert(ends)) {
+        let across = edge(c.apex(h), c.apex(c.twin(h)));
+        if mesh.flip_leaves_mendable(h, FacingGuard::SOUND) && is_new(&mut joined, across) {
             mesh.connectivity.flip(h);
         } else {
-            mesh.split_anyhow(domain, h);
+            let middle = mesh.split_anyhow(domain, h);
+            ends.extend(mesh.connectivity.ring(middle).map(|w| [middle, w]));
         }
     }
     source.resize(mesh.samples.len(), NONE);
@@ -75,6 +83,36 @@ mod tests {
     fn of_two_chords_between_the_same_points_one_is_flipped() {
         assert_eq!(glued([0, 2], (0.0, 1.0)), (4, true));
         assert_eq!(glued([1, 3], (0.0, 1.0)), (4, true));
+    }
+
+    /// A square with a slit from its left side, along which a point has an edge to the vertex `x` beyond the end from both sides, or
+    /// to itself.
+    fn glued_slit(around_end: [[u32; 3]; 2]) -> bool {
+        let domain = Domain::new(grid(4, 4, |u, v| dvec3(6.0 * u - 3.0, 6.0 * v - 3.0, 0.0)).try_into().unwrap());
+        let slit = [(-2.0, 0.0), (-1.0, 0.3), (0.0, 0.0), (-1.0, -0.3), (-2.0, 0.0)];
+        let square = [(-2.0, -1.0), (2.0, -1.0), (2.0, 1.0), (-2.0, 1.0), (1.0, 0.0)];
+        let at = |(x, y)| Sample { position: dvec3(x, y, 0.0), normal: DVec3::Z, triangle: 0, size: 1.0 };
+        let above = [[0, 1, 8], [1, 9, 8], [9, 7, 8], [9, 6, 7]];
+        let below = [[9, 5, 6], [3, 5, 9], [4, 5, 3]];
+        let triangles = [above.as_slice(), &below, &around_end].concat();
+        let mesh = Manifold::new(slit.into_iter().chain(square).map(at).collect(), &triangles);
+        let mut patches = Triangulated { mesh, source: (0..10).collect(), tessellated_patches: 0 };
+        let ends = [[0, 1], [1, 2], [0, 3], [3, 4], [4, 5], [5, 6], [6, 0]];
+        let edges = ends.map(|ends| (ends, OnCurve::Curve(0)));
+        let seams = Gluing { point: &[0, 1, 2, 1, 0, 3, 4, 5, 6], edges: &edges, corners: &[0, 2], spikes: 0 };
+        assert!(glue(&patches, seams).is_err());
+        part_chords(&domain, &mut patches, seams);
+        glue(&patches, seams).is_ok()
+    }
+
+    #[test]
+    fn edges_from_both_sides_of_a_slit_do_not_become_one() {
+        assert!(glued_slit([[1, 2, 9], [2, 3, 9]]));
+    }
+
+    #[test]
+    fn an_edge_across_the_end_of_a_slit_goes() {
+        assert!(glued_slit([[1, 2, 3], [1, 3, 9]]));
     }
 
     #[test]

@@ -23,11 +23,31 @@ pub struct Gluing<'a> {
     pub spikes: usize,
 }
 
+/// Where patches do not fit together: the points on the curves there are too few.
+#[derive(Debug, Default)]
+pub struct Torn {
+    /// The points where triangles are no fan, or where an edge is not there.
+    pub places: Vec<DVec3>,
+    /// The curves, by their numbers, with an edge between two of these.
+    pub curves: BTreeSet<u32>,
+}
+
+impl Torn {
+    fn new(torn: &BTreeSet<u32>, samples: &[Sample], seams: Gluing<'_>) -> Torn {
+        let at_both_ends = seams.edges.iter().filter(|(ends, _)| ends.iter().all(|v| torn.contains(v)));
+        let number = |(_, curve): &([u32; 2], OnCurve)| if let OnCurve::Curve(c) = *curve { Some(c) } else { None };
+        Torn {
+            places: torn.iter().map(|&v| samples[v as usize].position).collect(),
+            curves: at_both_ends.filter_map(number).collect(),
+        }
+    }
+}
+
 /// The manifold of `patches` with the curves laid on it.
 ///
 /// # Errors
-/// The places where it is torn: the points on the curves there are too few.
-pub fn glue(patches: &Triangulated, seams: Gluing<'_>) -> Result<Manifold, Vec<DVec3>> {
+/// Where it is torn.
+pub fn glue(patches: &Triangulated, seams: Gluing<'_>) -> Result<Manifold, Torn> {
     let points = seams.point.iter().max().map_or(0, |&p| p + 1);
     let on_curves = patches.source.partition_point(|&s| (s as usize) < seams.point.len());
     let inner = &patches.mesh.samples[on_curves..];
@@ -48,7 +68,7 @@ pub fn glue(patches: &Triangulated, seams: Gluing<'_>) -> Result<Manifold, Vec<D
     let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(number)).collect();
     let torn = torn(samples.len(), &triangles, seams.edges);
     if !torn.is_empty() {
-        return Err(torn.into_iter().map(|v| samples[v as usize].position).collect());
+        return Err(Torn::new(&torn, &samples, seams));
     }
     let mut mesh = Manifold::new(samples, &triangles);
     let is_spike = |source: u32| (source as usize) < seams.point.len() + seams.spikes;
@@ -132,6 +152,7 @@ mod tests {
         let seams =
             Gluing { point: &[0, 1, 2, 1, 3, 2], edges: &[([0, 3], OnCurve::Curve(0))], corners: &[], spikes: 0 };
         let torn = glue(&two_patches(), seams).unwrap_err();
-        assert!(torn.contains(&DVec3::ZERO) && torn.contains(&DVec3::new(1.0, 1.0, 0.0)), "{torn:?}");
+        assert!(torn.places.contains(&DVec3::ZERO) && torn.places.contains(&DVec3::new(1.0, 1.0, 0.0)), "{torn:?}");
+        assert_eq!(torn.curves, BTreeSet::from([0]));
     }
 }
