@@ -1,14 +1,13 @@
 //! The neighbourhood of a vertex or of triangles as a manifold of its own, to be changed and put back.
 
 use crate::base::union_find::UnionFind;
+use crate::geom::aabb::Aabb;
+use crate::geom::intersection::cross_deeper_than;
 use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
 use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::OnCurve;
 use crate::mesh::topology::NONE;
-use crate::mesh::triangle_mesh::Mesh;
-use crate::spatial::bvh::Bvh;
-use crate::spatial::self_intersections::self_intersections_deeper_than;
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -156,24 +155,15 @@ impl Neighborhood {
         then > now
     }
 
-    /// The corners of the faces around that intersect others now, and of those that would if it were put back in the whole, which
-    /// has these `faces`.
+    /// The corners of its faces now and of those that they intersect, and the same of what would be if it were put back in the
+    /// whole, which has these `faces`.
     pub fn self_intersections(&self, faces: &Faces) -> [Vec<[DVec3; 3]>; 2] {
         let new = self.mesh.to_mesh();
         let Some(bounds) = new.bounds() else { return [Vec::new(), Vec::new()] };
-        let (mut now, mut then) = (Vec::new(), Vec::new());
-        faces.in_box(&bounds, |t, corners| {
-            now.push(corners);
-            if !self.has_triangle(t) {
-                then.push(corners);
-            }
-        });
-        then.extend((0..new.triangles.len()).map(|t| new.corners(t)));
-        [now, then].map(|corners| {
-            let soup = Mesh::soup(corners.iter().copied());
-            let crossing = self_intersections_deeper_than(faces.depth_of_contact(), &soup, &Bvh::new(&soup));
-            crossing.into_iter().map(|t| corners[t as usize]).collect()
-        })
+        let (mut now, mut around) = (Vec::new(), Vec::new());
+        faces.in_box(&bounds, |t, corners| if self.has_triangle(t) { now.push(corners) } else { around.push(corners) });
+        let then = (0..new.triangles.len()).map(|t| new.corners(t)).collect();
+        [now, then].map(|own| crossing(&own, &around, faces.depth_of_contact()))
     }
 
     /// Replaces its triangles in the whole, and marks them, and those that it has more, in `touched`. Returns `false`, and
@@ -310,6 +300,22 @@ impl Rings {
     fn has_half_edge(&self, h: u32) -> bool {
         self.triangles.binary_search(&(h / 3)).is_ok()
     }
+}
+
+/// Those of the faces `own` that intersect others, of these or `around`, deeper than `depth`, and of `around` those that one of
+/// them intersects, each by its corners.
+fn crossing(own: &[[DVec3; 3]], around: &[[DVec3; 3]], depth: f64) -> Vec<[DVec3; 3]> {
+    let all: Vec<([DVec3; 3], Aabb)> =
+        own.iter().chain(around).map(|&corners| (corners, Aabb::of_triangle(corners))).collect();
+    let mut crosses = vec![false; all.len()];
+    for (i, (a, bounds)) in all[..own.len()].iter().enumerate() {
+        for (j, (b, other)) in all.iter().enumerate().skip(i + 1) {
+            if !(crosses[i] && crosses[j]) && other.meets(bounds) && cross_deeper_than(depth, *a, *b) {
+                (crosses[i], crosses[j]) = (true, true);
+            }
+        }
+    }
+    all.into_iter().zip(crosses).filter(|(_, crosses)| *crosses).map(|((corners, _), _)| corners).collect()
 }
 
 #[cfg(test)]

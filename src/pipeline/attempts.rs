@@ -2,10 +2,10 @@
 //!
 //! Two things go wrong, and each has its remedy. Samples on sharp edges that are too few leave patches that do not fit
 //! together: edges become shorter there, or, where there is no room for that, samples on all sharp edges closer; then the sharp
-//! edges there are smoothed over, at last all. Samples of the two sides of a thin wall may be joined so that triangles intersect, and those along
-//! a thin rod be too few to go around it: they are drawn again, closer there. Where the result is unsound even so it is mended
-//! (`pipeline/mend.rs`); only if that does not help, or there are too many such places, everything is done again, finer there and with
-//! the short sharp edges and narrow patches that were left out there.
+//! edges there are smoothed over, at last all. Samples of the two sides of a thin wall may be joined so that triangles intersect,
+//! and those along a thin rod be too few to go around it: they are drawn again, closer there. Where the result is unsound even so it
+//! is mended (`pipeline/mend.rs`); only if that does not help, or there are too many such places, everything is done again, finer
+//! there and with the short sharp edges and narrow patches that were left out there.
 
 /// Runs up to a whole result.
 pub(super) const MOST_RUNS: u64 = 3;

@@ -38,18 +38,19 @@ pub fn self_intersecting_pairs(mesh: &Mesh, bvh: &Bvh) -> Vec<(u32, u32)> {
 
 /// The self-intersecting faces of `mesh`, in increasing order.
 pub fn self_intersections(mesh: &Mesh) -> Vec<u32> {
-    self_intersections_deeper_than(depth_of_contact(mesh), mesh, &Bvh::new(mesh))
+    self_intersections_by(mesh, &Bvh::new(mesh))
 }
 
-/// [`self_intersections`] of a part of a mesh with that depth of contact. `bvh` is the hierarchy over `mesh`.
-pub fn self_intersections_deeper_than(depth: f64, mesh: &Mesh, bvh: &Bvh) -> Vec<u32> {
+/// [`self_intersections`] by the hierarchy over `mesh`.
+fn self_intersections_by(mesh: &Mesh, bvh: &Bvh) -> Vec<u32> {
+    let depth = depth_of_contact(mesh);
     bvh.triangles_that_meet(mesh, |t, u| cross_deeper_than(depth, mesh.corners(t as usize), mesh.corners(u as usize)))
 }
 
 /// The faces of `mesh` that pass through each other, pair by pair or with an edge that lies in one, in increasing order. `across`
 /// gives the side across each side, or [`NONE`]; `bvh` is the hierarchy over the mesh.
 pub fn faces_passing_through_others(mesh: &Mesh, across: impl Fn(u32) -> u32 + Sync, bvh: &Bvh) -> Vec<u32> {
-    let mut faces = self_intersections_deeper_than(depth_of_contact(mesh), mesh, bvh);
+    let mut faces = self_intersections_by(mesh, bvh);
     faces.extend(faces_passing_along_edges(mesh, across, bvh));
     faces.sort_unstable();
     faces.dedup();
@@ -124,8 +125,9 @@ impl Inherited {
     /// Whether any of them is within the longest side of `triangle` of its centre.
     pub fn is_near(&self, triangle: [DVec3; 3]) -> bool {
         let (middle, length) = (triangle.iter().sum::<DVec3>() / 3.0, longest_side(triangle));
+        let squared = length * length;
         !self.mesh.triangles.is_empty()
-            && self.bvh.closest_where(&self.mesh, middle, length * length, |_| true).is_some()
+            && self.bvh.closest_or_near(&self.mesh, middle, squared, squared, |_| true).is_some()
     }
 }
 

@@ -6,7 +6,7 @@
 //! merges into the neighbour that leaves the best triangles if there is one that it may merge into. An edge that these two have
 //! elsewhere is split before.
 //!
-//! Where that would leave no manifold all stays as it is. Of many such places most can be straightened at once.
+//! A place where that would leave no manifold stays as it is.
 //!
 //! Cost: linear in the triangles if there is such a place, else in the rims; n log k more for each of k that cannot be straightened.
 
@@ -78,7 +78,7 @@ impl Bay {
         self.ends.contains(&v) || self.between.contains(&v)
     }
 
-    /// A half-edge between its ends, if there is one but no triangles all between that and the rim.
+    /// The half-edge between its ends, if there is one with more between it and the rim than triangles of its vertices.
     fn edge_elsewhere(&self, c: &Connectivity) -> Option<u32> {
         let [v, w] = self.ends;
         let h = c.outgoing(v).find(|&h| c.target(h) == w && c.has_twin(h))?;
