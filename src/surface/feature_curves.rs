@@ -4,9 +4,9 @@
 //! samples, from the chords of one spacing on both sides: the zigzag of a scan's rim has no corners. A curve without a
 //! corner is closed.
 //!
-//! Cost: linear in the sides on curves, plus a bounding-volume hierarchy of them.
+//! Cost: linear in the sides on curves, plus a bounding-volume hierarchy of them for the long ones.
 
-use crate::geom::triangle::closest_point_of_segment;
+use crate::geom::triangle::{closest_point, closest_point_of_segment};
 use crate::mesh::cut::{Cut, OfSides};
 use crate::mesh::half_edge::next;
 use crate::mesh::topology::NONE;
@@ -19,6 +19,9 @@ const CORNER_TURN: f64 = 0.72;
 
 /// Longest chord in lengths of the whole curve: a circle turns by 36 degrees along two such chords.
 const LONGEST_CHORD: f64 = 0.1;
+
+/// Sides of a curve that looking at all of them is as good for as the hierarchy over all curves.
+const FEW: usize = 32;
 
 /// A curve of a surface.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -45,6 +48,8 @@ pub struct Curves {
     /// The sides of the curves, one of each edge, in the order of `list`; as triangles with two equal corners.
     sides: Vec<u32>,
     segments: Mesh,
+    /// The number of sides of all curves before each, and of all.
+    before: Vec<u32>,
     bvh: Bvh,
 }
 
@@ -72,7 +77,12 @@ impl Curves {
         let positions = sides.iter().flat_map(|&s| net.ends(s)).map(|v| cut.mesh.positions[v as usize]).collect();
         let triangles = (0..sides.len() as u32).map(|i| [2 * i, 2 * i + 1, 2 * i + 1]).collect();
         let segments = Mesh { positions, triangles };
-        Curves { list, of_side, corner, sides, bvh: Bvh::new(&segments), segments }
+        let counts = list.iter().scan(0, |sum, curve| {
+            *sum += curve.sides.len() as u32;
+            Some(*sum)
+        });
+        let before = std::iter::once(0).chain(counts).collect();
+        Curves { list, of_side, corner, sides, bvh: Bvh::new(&segments), segments, before }
     }
 
     /// The length of all curves.
@@ -95,11 +105,27 @@ impl Curves {
 
     /// The point of curve `curve` closest to `p`: a side of the curve and how far along it, in 0..=1.
     pub fn closest(&self, p: DVec3, curve: u32) -> Option<(u32, f64)> {
-        let on_curve = |i: u32| self.of_side(self.sides[i as usize]) == curve;
-        let hit = self.bvh.closest_where(&self.segments, p, f64::INFINITY, on_curve)?;
-        let [a, b, _] = self.segments.corners(hit.triangle as usize);
+        let closest = self.closest_segment(p, curve)? as usize;
+        let [a, b, _] = self.segments.corners(closest);
         let along = closest_point_of_segment(p, a, b).distance(a) / a.distance(b).max(f64::MIN_POSITIVE);
-        Some((self.sides[hit.triangle as usize], along.min(1.0)))
+        Some((self.sides[closest], along.min(1.0)))
+    }
+
+    /// The segment of curve `curve` closest to `p`, of equally close ones the first.
+    fn closest_segment(&self, p: DVec3, curve: u32) -> Option<u32> {
+        let own = self.before[curve as usize]..self.before[curve as usize + 1];
+        if own.len() > FEW {
+            let hit = self.bvh.closest_where(&self.segments, p, f64::INFINITY, |i| own.contains(&i));
+            return hit.map(|hit| hit.triangle);
+        }
+        let mut best = (None, f64::INFINITY);
+        for i in own {
+            let distance_squared = closest_point(p, self.segments.corners(i as usize)).distance_squared(p);
+            if distance_squared < best.1 {
+                best = (Some(i), distance_squared);
+            }
+        }
+        best.0
     }
 }
 
@@ -265,7 +291,7 @@ mod tests {
     use crate::mesh::cut::cut;
     use crate::mesh::topology::twins;
     use crate::surface::features::{Features, sharp_sides};
-    use crate::testing::cube;
+    use crate::testing::{cube, sheet};
 
     fn curves_of(mesh: Mesh, features: Features) -> (Cut, Curves) {
         let twin = twins(&mesh.triangles);
@@ -305,6 +331,24 @@ mod tests {
     }
 
     use glam::DVec2;
+
+    #[test]
+    fn the_closest_point_of_a_curve_is_on_that_curve_whether_it_has_few_or_many_sides() {
+        for sides in [4, 2 * FEW as u32] {
+            let (_, curves) = curves_of(sheet(sides, |_, _| 0.0), Features::Smooth);
+            assert_eq!(curves.list.len(), 4);
+            for curve in 0..4 {
+                let (side, along) = curves.closest(DVec3::new(0.3, 0.2, 0.5), curve).unwrap();
+                assert_eq!(curves.of_side(side), curve);
+                let at = curves.sides.iter().position(|&s| s == side).unwrap();
+                let [a, b, _] = curves.segments.corners(at);
+                let p = a.lerp(b, along);
+                // The foot on a side of the unit square.
+                let expected = [(0.3, 0.0), (0.3, 1.0), (0.0, 0.2), (1.0, 0.2)];
+                assert!(expected.iter().any(|&(x, y)| p.distance(DVec3::new(x, y, 0.0)) < 1e-12), "{p}");
+            }
+        }
+    }
 
     #[test]
     fn the_sides_of_a_curve_follow_each_other() {
