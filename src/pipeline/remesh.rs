@@ -208,8 +208,11 @@ fn triangulated(
         let Torn { places, curves } = &triangulation.torn;
         let are_curves_torn = surface.domain.sharp_curves().any(|curve| curves.contains(&curve));
         match attempts.remedy(are_curves_torn) {
-            Some(Remedy::Finer) if surface.resize_at(places, FINER) => {}
-            Some(Remedy::Finer) => attempts.sample_curves_closer(),
+            Some(Remedy::Finer) => {
+                if !surface.resize_at(places, FINER) {
+                    attempts.sample_curves_closer();
+                }
+            }
             Some(Remedy::WithoutTornCurves) => surface = surface.without_curves(|curve| curves.contains(&curve)),
             Some(Remedy::Smooth) => surface = surface.smooth(),
             None => return Ok((surface, triangulation)),

@@ -333,6 +333,23 @@ mod tests {
     }
 
     #[test]
+    fn what_is_smoothed_over_is_counted_and_its_edges_are_told() {
+        let (input, options) = (cube(), Options::default());
+        let (prepared, repaired) = PreparedInput::new(&input, &options, &()).unwrap();
+        let surface = SizedSurface::new(&prepared, repaired, Density::Points(200), &Resizing::default(), &()).unwrap();
+        let curves: Vec<u32> = surface.domain.sharp_curves().collect();
+        assert_eq!((curves.len(), surface.left_out_edges.len()), (12, 0));
+        let length = |edges: &[[DVec3; 2]]| edges.iter().map(|[a, b]| a.distance(*b)).sum::<f64>();
+        let all = length(&sharp_edges(&surface.domain, |_| true).collect::<Vec<_>>());
+        let surface = surface.without_curves(|curve| curves[..2].contains(&curve));
+        assert_eq!((surface.smoothed_curves, surface.domain.sharp_curves().count()), (2, 10));
+        assert!((length(&surface.left_out_edges) - all / 6.0).abs() < 1e-9 && !surface.blunted);
+        let surface = surface.smooth();
+        assert!(surface.blunted && surface.smoothed_curves == 0 && !surface.domain.is_sharp());
+        assert!((length(&surface.left_out_edges) - all).abs() < 1e-9);
+    }
+
+    #[test]
     fn a_narrow_chamfer_stays_where_an_attempt_went_wrong() {
         // A block with one edge cut off, by a twelfth of the spacing.
         let outline = [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.05, 10.0], [0.0, 9.95]];
