@@ -6,10 +6,14 @@ use crate::cli::args::{MeshFile, OutOfCore, Remeshing, Sampling, Voice};
 use crate::cli::out_of_core::{Place, announce, is_large};
 use crate::cli::outputs::Outputs;
 use crate::io::dense::PointFile;
+use crate::job::Carry;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::{Density, Grading, MOST_OF_BASE, SampleDensity, SampleOptions, Sampled};
 use crate::surface::features::Features;
-use crate::tiles::{PlanOptions, TileFolder, can_plan, make_plan, merge, merge_mesh, mesh_pieces, sample_tiles};
+use crate::tiles::{
+    PlanOptions, TileFolder, can_plan, make_plan, merge, merge_mesh, mesh_pieces, nearest_attributes, sample_tiles,
+};
+use crate::transfer::vertex::Carried;
 use std::fs;
 use std::path::Path;
 
@@ -42,7 +46,11 @@ pub(super) fn sample_in_tiles(job: &Sampling, monitor: &dyn Monitor) -> Result<S
 
 /// The mesh of a job whose file is a cloud, made piece by piece, if it is too large for the memory and can be made so; else
 /// `None`.
-pub(super) fn mesh_in_pieces(job: &Remeshing, outputs: &Outputs, monitor: &dyn Monitor) -> Result<Option<Mesh>> {
+pub(super) fn mesh_in_pieces(
+    job: &Remeshing,
+    outputs: &Outputs,
+    monitor: &dyn Monitor,
+) -> Result<Option<(Mesh, Carried)>> {
     let can_be = |options: &SampleOptions| {
         !outputs.are_tiles && is_dense(&job.input, options) && can_plan(&job.input.path, job.input.format, options)
     };
@@ -57,8 +65,13 @@ pub(super) fn mesh_in_pieces(job: &Remeshing, outputs: &Outputs, monitor: &dyn M
     mesh_pieces(&folder, &[], monitor)?;
     monitor.stage("merge");
     let mesh = merge_mesh(&folder)?;
+    let mut carried = match job.options.carry {
+        Carry::Nothing => Carried::default(),
+        _ => nearest_attributes(&folder, &mesh, monitor)?,
+    };
+    carried.leave_out(outputs.format.cannot_hold(&carried.attributes));
     place.clear();
-    Ok(Some(mesh))
+    Ok(Some((mesh, carried)))
 }
 
 /// Whether a cloud has the points that pieces of a mesh need.

@@ -15,6 +15,7 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::{Density, Grading, Values};
 use crate::report::page::{Subject, page};
 use crate::report::{Report, all_to_json, all_to_text};
+use crate::transfer::vertex::Carried;
 
 pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
     job.options.surface.validate()?;
@@ -22,9 +23,9 @@ pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
     check_report(&job.run)?;
     let (outcomes, reports, page) = watched(job.run.voice, |monitor| {
         let Made { mut outcomes, input, notes } = match mesh_in_pieces(job, &outputs, monitor)? {
-            Some(mesh) => {
+            Some((mesh, carried)) => {
                 monitor.stage("measure");
-                Made::of_pieces(mesh, job)
+                Made::of_pieces(mesh, carried, job)
             }
             None => in_memory(job, &outputs, monitor)?,
         };
@@ -67,12 +68,12 @@ struct Made {
 }
 
 impl Made {
-    fn of_pieces(mesh: Mesh, job: &Remeshing) -> Made {
+    fn of_pieces(mesh: Mesh, carried: Carried, job: &Remeshing) -> Made {
         let wanted = match job.options.surface.density {
             Density::Points(wanted) => Some(wanted),
             _ => None,
         };
-        Made { outcomes: vec![Outcome::of_pieces(mesh, wanted)], input: None, notes: Vec::new() }
+        Made { outcomes: vec![Outcome::of_pieces(mesh, carried, wanted)], input: None, notes: Vec::new() }
     }
 }
 

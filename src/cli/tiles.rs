@@ -9,11 +9,12 @@ use crate::cli::status::Status;
 use crate::cli::terminal;
 use crate::io::file;
 use crate::job::Outcome;
-use crate::mesh::attributes::Attributes;
 use crate::pipeline::SampleOptions;
 use crate::report::all_to_text;
 use crate::report::samples::SamplesReport;
-use crate::tiles::{Plan, PlanOptions, TileFolder, make_plan, merge, merge_mesh, mesh_pieces, rounds, sample_tiles};
+use crate::tiles::{
+    Plan, PlanOptions, TileFolder, make_plan, merge, merge_mesh, mesh_pieces, nearest_attributes, rounds, sample_tiles,
+};
 use std::path::Path;
 
 pub(super) fn do_tiles(job: &Tiling) -> Result<Status> {
@@ -52,18 +53,20 @@ fn plan(job: &Planning) -> Result<()> {
 }
 
 fn join_mesh(folder: &Path, output: &Path, run: &Run) -> Result<Status> {
-    file::output_format(output, None)?;
+    let format = file::output_format(output, None)?;
     check_targets(output, run)?;
     let folder = TileFolder::at(folder)?;
     let Plan { input, wanted, .. } = folder.plan()?;
     let outcome = watched(run.voice, |monitor| {
         monitor.stage("merge");
         let mesh = merge_mesh(&folder)?;
+        let mut carried = nearest_attributes(&folder, &mesh, monitor)?;
+        carried.leave_out(format.cannot_hold(&carried.attributes));
         check(monitor)?;
         now_writing(monitor);
-        file::write_file(output, &mesh, &Attributes::default(), None)?;
+        file::write_file(output, &mesh, &carried.attributes, None)?;
         monitor.stage("measure");
-        let mut outcome = Outcome::of_pieces(mesh, wanted);
+        let mut outcome = Outcome::of_pieces(mesh, carried, wanted);
         if let Some(report) = &mut outcome.report {
             report.add_files(&input, &output.display().to_string());
             add_run(&mut report.run, monitor);

@@ -5,6 +5,7 @@ use crate::mesh::provenance::PointOnTriangle;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::Edges;
 use crate::report::Report;
+use crate::transfer::vertex::Carried;
 use std::sync::Arc;
 
 /// Where on the input a vertex of the result lies: the point of the input that is closest to it, of those that face its
@@ -58,12 +59,13 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// A `mesh` of a cloud that was made piece by piece, `wanted` with so many vertices: what can be measured on it alone.
-    pub fn of_pieces(mesh: Mesh, wanted: Option<usize>) -> Outcome {
-        let report = Report::of_pieces(&mesh, wanted);
+    /// A `mesh` of a cloud that was made piece by piece, `wanted` with so many vertices, and its attributes: what can be measured
+    /// on it alone.
+    pub fn of_pieces(mesh: Mesh, carried: Carried, wanted: Option<usize>) -> Outcome {
+        let report = Report::of_pieces(&mesh, &carried, wanted);
         Outcome {
             mesh,
-            attributes: Attributes::default(),
+            attributes: carried.attributes,
             origins: Vec::new(),
             triangle_origins: Vec::new(),
             edges: Edges::default(),

@@ -212,9 +212,9 @@ impl Report {
         }
     }
 
-    /// The report on a mesh that was made piece by piece, for so many vertices.
-    pub fn of_pieces(mesh: &Mesh, wanted: Option<usize>) -> Report {
-        let mut report = Report::of_mesh(mesh, None);
+    /// The report on a mesh that was made piece by piece, for so many vertices, and on its attributes.
+    pub fn of_pieces(mesh: &Mesh, carried: &Carried, wanted: Option<usize>) -> Report {
+        let mut report = Report { attributes: Some(carried.into()), ..Report::of_mesh(mesh, None) };
         let is_sliver = |t: &u32| smallest_angle(mesh.corners(*t as usize)) < SLIVER;
         report.slivers = (0..mesh.triangles.len() as u32).filter(is_sliver).collect();
         let made = mesh.positions.len();
@@ -223,7 +223,7 @@ impl Report {
         let open = counted(report.output.topology.boundary_loops, "boundary loop", "boundary loops");
         let is_open = report.output.topology.boundary_loops > 0;
         report.run.notes.extend(is_open.then(|| format!("{open}, along samples as they were drawn")));
-        report.run.notes.push("made piece by piece: sharp edges are rounded, and attributes left out".into());
+        report.run.notes.push("made piece by piece: sharp edges are rounded".into());
         report
     }
 

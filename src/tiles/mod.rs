@@ -7,13 +7,15 @@
 //! result is the same for any tiling.
 //!
 //! The mesh is made in pieces ([`mesh_one`]), which are no tiles but cubes of a size that only the width of the kernel decides, so
-//! that it, too, is the same for any tiling. [`merge_mesh`] joins them.
+//! that it, too, is the same for any tiling. [`merge_mesh`] joins them, and [`nearest_attributes`] says what the points have at the
+//! vertices.
 
 mod folder;
 mod joined;
 mod made;
 mod merge;
 mod mesh;
+mod nearest;
 mod pieces;
 mod plan;
 mod planning;
@@ -24,6 +26,7 @@ mod watch;
 pub use folder::TileFolder;
 pub use merge::{merge, merge_mesh};
 pub use mesh::{mesh_one, mesh_pieces};
+pub use nearest::nearest_attributes;
 pub use pieces::rounds;
 pub use plan::{Plan, PlanOptions};
 pub use planning::{can_plan, make_plan};

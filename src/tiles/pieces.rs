@@ -92,6 +92,11 @@ fn cubes(plan: &Plan, round: i32) -> impl Iterator<Item = Cube> {
 }
 
 impl Cube {
+    /// The cube of the first round that a block lies in.
+    pub fn first_around(block: IVec3) -> Cube {
+        Cube { round: 0, place: cube_of(0, block) }
+    }
+
     /// Its blocks.
     pub fn blocks(self) -> BlockBox {
         let lo = SIDE * self.place - shift(self.round);

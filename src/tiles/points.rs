@@ -46,22 +46,44 @@ pub(super) fn points_of(
     blocks: BlockBox,
     monitor: &dyn Monitor,
 ) -> Result<Vec<TilePoint>> {
+    kept_in(folder, plan, blocks, monitor, |point, _| point)
+}
+
+/// What `keep` makes of the points of some blocks and their rows, in the order of [`points_of`].
+///
+/// # Errors
+/// Those of [`points_of`].
+pub(super) fn kept_in<T: Send>(
+    folder: &TileFolder,
+    plan: &Plan,
+    blocks: BlockBox,
+    monitor: &dyn Monitor,
+    keep: impl Fn(TilePoint, &[u8]) -> T + Sync,
+) -> Result<Vec<T>> {
     let table = folder.table(plan)?;
     let (lo, hi) = (bucket_of(blocks.lo), bucket_of(blocks.hi - 1));
     let touched = |place: [i32; 3]| IVec3::from(place).cmpge(lo).all() && IVec3::from(place).cmple(hi).all();
     let buckets: Vec<&[Chunk]> = plan.buckets().filter(|chunks| touched(chunks[0].place)).collect();
     let of_bucket = |chunks: &[Chunk]| {
         check(monitor)?;
-        Ok(thinned(&folder.rows(chunks)?, chunks[0].place.into(), blocks, plan.sampling.block(), &table))
+        let rows = folder.rows(chunks)?;
+        let kept = thinned(&rows, chunks[0].place.into(), blocks, plan.sampling.block(), &table);
+        Ok(kept.into_iter().map(|(point, row)| keep(point, row)).collect())
     };
-    let points: Vec<Vec<TilePoint>> = parallel::each(buckets, of_bucket).into_iter().collect::<Result<_>>()?;
-    Ok(points.concat())
+    let kept: Vec<Vec<T>> = parallel::each(buckets, of_bucket).into_iter().collect::<Result<_>>()?;
+    Ok(kept.into_iter().flatten().collect())
 }
 
-/// The points in `blocks` that the cells of a bucket keep of its rows, along a curve through the cells.
-fn thinned(rows: &[u8], bucket: IVec3, blocks: BlockBox, block: f64, table: &Table) -> Vec<TilePoint> {
+/// The points in `blocks` that the cells of a bucket keep of its rows, and the rows of these, along a curve through the cells.
+fn thinned<'a>(
+    rows: &'a [u8],
+    bucket: IVec3,
+    blocks: BlockBox,
+    block: f64,
+    table: &Table,
+) -> Vec<(TilePoint, &'a [u8])> {
     let cell = block / f64::from(CELLS);
-    let mut kept: FxHashMap<u32, (f64, TilePoint)> = FxHashMap::default();
+    let mut kept: FxHashMap<u32, (f64, TilePoint, &[u8])> = FxHashMap::default();
     for row in rows.chunks_exact(NUMBER + table.row) {
         let (number, row) = row.split_at(NUMBER);
         let seen = table.rows.look(row);
@@ -73,14 +95,14 @@ fn thinned(rows: &[u8], bucket: IVec3, blocks: BlockBox, block: f64, table: &Tab
         let number = u32::from_le_bytes(number.try_into().expect("four bytes"));
         let point = TilePoint { number, position: seen.position, normal: seen.normal };
         let key = 2 * morton(place - BUCKET * CELLS * bucket) + u32::from(seen.normal.dot(ACROSS) < 0.0);
-        let best = kept.entry(key).or_insert((off_centre, point));
+        let best = kept.entry(key).or_insert((off_centre, point, row));
         if (off_centre, number) < (best.0, best.1.number) {
-            *best = (off_centre, point);
+            *best = (off_centre, point, row);
         }
     }
-    let mut kept: Vec<(u32, (f64, TilePoint))> = kept.into_iter().collect();
+    let mut kept: Vec<_> = kept.into_iter().collect();
     kept.sort_unstable_by_key(|k| k.0);
-    kept.into_iter().map(|(_, (_, point))| point).collect()
+    kept.into_iter().map(|(_, (_, point, row))| (point, row)).collect()
 }
 
 /// The place of a cell of a bucket along a Z-order curve.

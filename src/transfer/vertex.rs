@@ -55,7 +55,38 @@ pub fn carry(input: &Mesh, attributes: &Attributes, output: &Mesh, origins: &Ori
     carried
 }
 
+/// The `attributes` that points have, one for each vertex of `output`, on these vertices. What is not finite is lost.
+pub fn carry_at_vertices(attributes: Attributes, output: &Mesh) -> Carried {
+    let mut carried = Carried::default();
+    for attribute in attributes.vertex {
+        if attribute.is_normal() {
+            let values = vertex_normals(output).iter().flat_map(|n| n.to_array()).collect();
+            carried.attributes.vertex.push(Attribute { values, ..attribute });
+        } else if let Some(cause) = flaw(&attribute, output.positions.len()) {
+            carried.lost.push(Lost { name: attribute.name, cause });
+        } else {
+            carried.attributes.vertex.push(attribute);
+        }
+    }
+    carried
+}
+
+/// Why an attribute of so many vertices cannot be carried over, if it cannot.
+fn flaw(Attribute { components, values, .. }: &Attribute, vertices: usize) -> Option<String> {
+    if values.len() != components * vertices {
+        return Some("it does not cover all vertices".into());
+    }
+    let at = values.iter().position(|x| !x.is_finite())?;
+    Some(format!("vertex {} has {}, which cannot be interpolated", at / components, values[at]))
+}
+
 impl Carried {
+    /// Leaves out some attributes, which are lost.
+    pub fn leave_out(&mut self, lost: Vec<Lost>) {
+        lost.iter().for_each(|lost| self.attributes.remove(&lost.name));
+        self.lost.extend(lost);
+    }
+
     /// Gives the vertices and triangles that `output` kept from `input` their `attributes` there, as far as the output
     /// has such attributes.
     pub fn keep(&mut self, input: &Mesh, attributes: &Attributes, output: &Mesh, kept: &Kept) {
@@ -108,15 +139,12 @@ fn of_vertices(
     origins: &[PointOnTriangle],
     normals: &[DVec3],
 ) -> std::result::Result<Vec<f64>, String> {
-    let Attribute { components, values, scalar, .. } = attribute;
+    let Attribute { components, scalar, .. } = attribute;
     if attribute.is_normal() {
         return Ok(normals.iter().flat_map(|n| n.to_array()).collect());
     }
-    if values.len() != components * input.positions.len() {
-        return Err("it does not cover all vertices".into());
-    }
-    if let Some(at) = values.iter().position(|x| !x.is_finite()) {
-        return Err(format!("vertex {} has {}, which cannot be interpolated", at / components, values[at]));
+    if let Some(cause) = flaw(attribute, input.positions.len()) {
+        return Err(cause);
     }
     let at = |&PointOnTriangle { triangle, weights }: &PointOnTriangle| {
         let corners = input.triangles[triangle as usize].map(|v| attribute.of(v as usize));

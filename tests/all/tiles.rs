@@ -4,10 +4,14 @@ use glam::{DVec3, dvec3};
 use spectral_remesh::io::file::{read_file, write_points_file};
 use spectral_remesh::report::Report;
 use spectral_remesh::stages::base::rng::{Stage, stream, unit};
+use spectral_remesh::stages::transfer::vertex::Carried;
 use spectral_remesh::tiles::{
-    PlanOptions, TileFolder, make_plan, merge, merge_mesh, mesh_one, rounds, sample_one, sample_tiles,
+    PlanOptions, TileFolder, make_plan, merge, merge_mesh, mesh_one, nearest_attributes, rounds, sample_one,
+    sample_tiles,
 };
-use spectral_remesh::{Attributes, Input, Points, SampleDensity, SampleOptions, Sampled, sample, with_threads};
+use spectral_remesh::{
+    Attribute, Attributes, Input, Mesh, Points, SampleDensity, SampleOptions, Sampled, Scalar, sample, with_threads,
+};
 use std::f64::consts::TAU;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -42,6 +46,24 @@ fn options(points: usize, tiles: usize) -> PlanOptions {
     PlanOptions { sample, memory: u64::MAX, tiles }
 }
 
+/// Gives the points of a file colours that go by where they are, and a label for each side of the plane x = 0.
+fn color(path: &Path) {
+    let loaded = read_file(path, None).unwrap();
+    let of_points = |name: &str, components: usize, scalar: Scalar, values: &dyn Fn(DVec3) -> Vec<f64>| {
+        let values = loaded.mesh.positions.iter().flat_map(|&p| values(p)).collect();
+        Attribute { name: name.into(), components, values, scalar }
+    };
+    let color = of_points("color", 3, Scalar::U8, &|p| color_at(p).to_array().map(f64::round).into());
+    let side = of_points("label", 1, Scalar::U8, &|p| vec![f64::from(p.x > 0.0)]);
+    let points = Points::new(loaded.mesh.positions.clone(), loaded.attributes.normals()).unwrap();
+    let attributes = Attributes { vertex: vec![color, side], ..Attributes::default() };
+    write_points_file(path, &points, &attributes, None).unwrap();
+}
+
+fn color_at(p: DVec3) -> DVec3 {
+    128.0 + 100.0 * (p / dvec3(24.0, 4.0, 1.0))
+}
+
 /// The samples of a file, but for what is said of tiles, and how many tiles there were.
 fn tiled(path: &Path, options: &PlanOptions) -> (Sampled, usize) {
     let work = tempfile::tempdir().unwrap();
@@ -67,6 +89,7 @@ fn any_tiling_gives_the_same_samples_on_any_number_of_threads() {
 #[ignore = "slow"]
 fn any_tiling_gives_the_same_sound_mesh() {
     let (_folder, path) = stretched(80_000, true, 6.0);
+    color(&path);
     let meshed = |tiles: usize, threads: usize| {
         let work = tempfile::tempdir().unwrap();
         let folder = TileFolder::at(work.path()).unwrap();
@@ -75,14 +98,16 @@ fn any_tiling_gives_the_same_sound_mesh() {
         sample_tiles(&folder, &[], &()).unwrap();
         let mesh = with_threads(Some(threads), || {
             rounds(&plan).into_iter().try_for_each(made).unwrap();
-            merge_mesh(&folder).unwrap()
+            let mesh = merge_mesh(&folder).unwrap();
+            let carried = nearest_attributes(&folder, &mesh, &()).unwrap();
+            (mesh, carried)
         });
         (mesh.unwrap(), plan)
     };
-    let (mesh, plan) = meshed(1, 2);
+    let ((mesh, carried), plan) = meshed(1, 2);
     // Pieces of all rounds have triangles.
     assert!(plan.tiles.len() == 1 && rounds(&plan).len() == 5);
-    let report = Report::of_pieces(&mesh, plan.wanted);
+    let report = Report::of_pieces(&mesh, &carried, plan.wanted);
     let t = &report.output.topology;
     assert_eq!((t.vertices, t.euler, t.components, t.boundary_loops), (10_000, 0, 1, 0));
     assert!(report.faults().is_empty() && report.run.notes.len() == 1, "{:?}", report.run.notes);
@@ -92,8 +117,22 @@ fn any_tiling_gives_the_same_sound_mesh() {
         |p: DVec3| ((p.with_x(p.x / 6.0) - 3.0 * p.with_x(p.x / 6.0).with_z(0.0).normalize()).length() - 1.0).abs();
     let farthest = mesh.positions.iter().map(|&p| off(p)).fold(0.0, f64::max);
     assert!(farthest < 0.05 * shape.edge_mean, "{farthest} {}", shape.edge_mean);
+    has_attributes_of_near_points(&mesh, &carried, shape.edge_mean);
     let (other, plan) = meshed(4, 1);
-    assert!(plan.tiles.len() >= 4 && other == mesh);
+    assert!(plan.tiles.len() >= 4 && other == (mesh, carried));
+}
+
+/// Whether the vertices have about the colours and the labels of [`color`] there, and normals of their own.
+fn has_attributes_of_near_points(mesh: &Mesh, Carried { attributes, lost, .. }: &Carried, edge: f64) {
+    assert!(lost.is_empty() && attributes.names().len() == 3, "{:?} {lost:?}", attributes.names());
+    let [colors, sides] = ["color", "label"].map(|name| attributes.get(name).unwrap());
+    let near = color_at(DVec3::splat(0.7 * edge)) - color_at(DVec3::ZERO);
+    for (v, &p) in mesh.positions.iter().enumerate() {
+        let off = (DVec3::from_slice(colors.of(v)) - color_at(p)).abs();
+        assert!(off.cmple(near + 0.5).all(), "{off} at {p}");
+        assert!(p.x.abs() < 0.7 * edge || sides.of(v) == [f64::from(p.x > 0.0)], "{p}");
+    }
+    assert!(attributes.normals().iter().zip(&mesh.positions).all(|(n, p)| n.is_normalized() && n.z * p.z >= -0.01));
 }
 
 #[test]

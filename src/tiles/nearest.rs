@@ -1,0 +1,68 @@
+//! The attributes of a mesh that was made in pieces: those of the points nearest to its vertices.
+
+use crate::base::error::Result;
+use crate::base::monitor::{Monitor, check};
+use crate::base::parallel;
+use crate::io::spill::Chunk;
+use crate::mesh::attributes::Attributes;
+use crate::mesh::triangle_mesh::Mesh;
+use crate::spatial::kdtree::Neighbors;
+use crate::spectral::lattice::place_of;
+use crate::tiles::folder::TileFolder;
+use crate::tiles::pieces::Cube;
+use crate::tiles::plan::Plan;
+use crate::tiles::points::{NUMBER, kept_in};
+use crate::transfer::vertex::{Carried, carry_at_vertices};
+use glam::{DVec3, IVec3};
+
+/// Blocks around a cube in which the points nearest to its vertices are.
+const HALO: i32 = 2;
+
+/// The attributes of `mesh`, that of all pieces: each vertex has those of the point nearest to it, but its own normal.
+///
+/// # Errors
+/// [`Error::File`](crate::Error::File) if the points cannot be read; [`Error::Cancelled`](crate::Error::Cancelled) if the monitor
+/// asks for it.
+pub fn nearest_attributes(folder: &TileFolder, mesh: &Mesh, monitor: &dyn Monitor) -> Result<Carried> {
+    monitor.stage("carry attributes");
+    let plan = folder.plan()?;
+    let table = folder.table(&plan)?;
+    let read = |rows: &[u8]| table.rows.read(rows).map_err(|error| error.in_file(&plan.input));
+    let first = Chunk { length: (NUMBER + table.row) as u32, ..plan.chunks[0] };
+    if read(&folder.rows(&[first])?[NUMBER..])?.attributes.is_empty() {
+        return Ok(Carried::default());
+    }
+    let rows = nearest_rows(folder, &plan, &mesh.positions, table.row, monitor)?;
+    let attributes = Attributes { vertex: read(&rows)?.attributes.vertex, ..Attributes::default() };
+    Ok(carry_at_vertices(attributes, mesh))
+}
+
+/// The row of the point nearest to each of `positions`, all of `size` bytes.
+fn nearest_rows(
+    folder: &TileFolder,
+    plan: &Plan,
+    positions: &[DVec3],
+    size: usize,
+    monitor: &dyn Monitor,
+) -> Result<Vec<u8>> {
+    let cube = |v: &usize| Cube::first_around(place_of(positions[*v], plan.sampling.block()));
+    let mut vertices: Vec<usize> = (0..positions.len()).collect();
+    vertices.sort_by_key(|v| cube(v).blocks().lo.to_array());
+    let mut rows = vec![0; size * positions.len()];
+    for vertices in vertices.chunk_by(|v, w| cube(v) == cube(w)) {
+        check(monitor)?;
+        let around = cube(&vertices[0]).blocks().grown(IVec3::splat(HALO));
+        let points = kept_in(folder, plan, around, monitor, |point, row| (point.position, Box::<[u8]>::from(row)))?;
+        let near = Neighbors::new(&points.iter().map(|point| point.0).collect::<Vec<_>>());
+        let nearest = parallel::map_with(0..vertices.len(), Vec::new, |found, i| {
+            near.collect_nearest(positions[vertices[i]], 1, found);
+            found.first().map(|nearest| nearest.point as usize)
+        });
+        for (v, nearest) in vertices.iter().zip(nearest) {
+            if let Some(nearest) = nearest {
+                rows[v * size..][..size].copy_from_slice(&points[nearest].1);
+            }
+        }
+    }
+    Ok(rows)
+}
