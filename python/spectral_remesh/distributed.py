@@ -1,8 +1,8 @@
 """Clouds of any size, sampled and meshed on many machines by Dask.
 
-Machines share a folder; its files are the interface, as for the command ``remesh tiles``. A tile that fails, or whose worker
-dies, is sampled again by another one, and so are pieces of the mesh. The result has the same bytes for any number of tiles and
-workers.
+Machines share a folder; its files are the interface, as for the command ``remesh tiles``. It may be in an object store. A tile
+that fails, or whose worker dies, is sampled again by another one, and so are pieces of the mesh. The result has the same bytes
+for any number of tiles and workers.
 """
 
 from __future__ import annotations
@@ -14,6 +14,8 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from ._folders import Folder, shared
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -38,18 +40,23 @@ def sample(
 ) -> None:
     """Samples the cloud in the file ``source`` into the file ``target``.
 
-    ``folder`` is one that all workers have under this name; what is in it stays. ``client`` is that of a Dask cluster, a
-    local one of as many processes as there are cores without. There are at least ``tiles`` tiles, if there can be as many.
-    A tile that fails is tried ``retries`` times more. ``progress`` is called with the share that is done. ``command`` is how
-    workers call the program. ``options`` are those of ``remesh tiles plan``: ``points=300000``, ``smooth=2``,
+    ``folder`` is one that all workers have under this name, or an address that fsspec knows on all of them, such as
+    ``s3://bucket/work``: then each has a copy of what it needs in its own temporary directory. What is in it stays. ``client`` is
+    that of a Dask cluster, a local one of as many processes as there are cores without. There are at least ``tiles`` tiles, if
+    there can be as many. A tile that fails is tried ``retries`` times more. ``progress`` is called with the share that is done.
+    ``command`` is how workers call the program. ``options`` are those of ``remesh tiles plan``: ``points=300000``, ``smooth=2``,
     ``scan_only=True``, ``memory="2G"``.
 
     Raises ``RuntimeError`` with what the program said if a step of it fails, and ``ImportError`` without
     ``dask[distributed]``.
     """
-    said = _plan(command, source, folder, tiles, options)
-    _run_rounds([("sample", range(int(said[0])))], folder, client, retries, progress, command)
-    _run(command, "merge", folder, target)
+    place = shared(folder)
+    with place.at_home() as home:
+        said = _plan(command, source, home, tiles, options)
+        place.planned(home)
+        _run_rounds([("sample", range(int(said[0])))], place, client, retries, progress, command)
+        place.done(home)
+        _run(command, "merge", home, target)
 
 
 def mesh(
@@ -66,14 +73,19 @@ def mesh(
 ) -> None:
     """Makes a mesh of the cloud in the file ``source``, and writes it as ``target``.
 
-    The arguments and errors are those of :func:`sample`. ``RuntimeError`` is also raised for a mesh that is written, but not sound.
+    The arguments and errors are those of :func:`sample`. ``RuntimeError`` is also raised for a mesh that is written, but not
+    sound.
     """
-    said = _plan(command, source, folder, tiles, options)
-    # The last words are the first and the last number of each round.
-    ends = [map(int, word.split("-")) for word in said[said.index("mesh") + 1 :]]
-    rounds = [("sample", range(int(said[0])))] + [("mesh", range(first, last + 1)) for first, last in ends]
-    _run_rounds(rounds, folder, client, retries, progress, command)
-    _run(command, "merge", folder, target, "--mesh")
+    place = shared(folder)
+    with place.at_home() as home:
+        said = _plan(command, source, home, tiles, options)
+        place.planned(home)
+        # The last words are the first and the last number of each round.
+        ends = [map(int, word.split("-")) for word in said[said.index("mesh") + 1 :]]
+        rounds = [("sample", range(int(said[0])))] + [("mesh", range(first, last + 1)) for first, last in ends]
+        _run_rounds(rounds, place, client, retries, progress, command)
+        place.done(home)
+        _run(command, "merge", home, target, "--mesh")
 
 
 def _plan(
@@ -90,7 +102,7 @@ def _plan(
 
 def _run_rounds(
     rounds: Sequence[tuple[str, range]],
-    folder: str | os.PathLike[str],
+    place: Folder,
     client: Client | None,
     retries: int,
     progress: Callable[[float], object] | None,
@@ -105,19 +117,21 @@ def _run_rounds(
         cluster = own or client
         assert cluster is not None
         for step, numbers in rounds:
-            work = functools.partial(_do, command, step, folder)
+            work = functools.partial(_do, command, step, place)
             for future in as_completed(cluster.map(work, numbers, retries=retries, pure=False)):
                 future.result()
                 done += 1
                 if progress is not None:
                     progress(done / all_of_them)
+        place.leave(cluster)
     finally:
         if own is not None:
             own.close()
 
 
-def _do(command: Sequence[str], step: str, folder: str | os.PathLike[str], number: int) -> None:
-    _run(command, step, folder, number, "--threads", 1)
+def _do(command: Sequence[str], step: str, place: Folder, number: int) -> None:
+    with place.at_work(step, number) as folder:
+        _run(command, step, folder, number, "--threads", 1)
 
 
 def _flag(name: str, value: object) -> list[str]:
