@@ -39,7 +39,7 @@ pub(super) fn sample_in_tiles(job: &Sampling, monitor: &dyn Monitor) -> Result<S
     let (place, folder) = work.planned(&job.options, BYTES_OF_SAMPLE, monitor)?;
     sample_tiles(&folder, &[], monitor)?;
     monitor.stage("merge");
-    let sampled = merge(&folder)?;
+    let sampled = merge(&folder, monitor)?;
     place.clear();
     Ok(sampled)
 }

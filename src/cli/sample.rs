@@ -12,11 +12,13 @@ use crate::report::samples::SamplesReport;
 
 pub(super) fn sample_file(job: &Sampling) -> Result<()> {
     job.options.validate()?;
-    file::points_format(&job.output, None)?;
+    let format = file::points_format(&job.output, None)?;
     check_targets(&job.output, &job.run)?;
     let report = watched(job.run.voice, |monitor| {
         let (sampled, read_notes) = sampled(job, monitor)?;
         check(monitor)?;
+        let lost = format.cannot_hold(&sampled.carried);
+        let sampled = sampled.without(lost);
         now_writing(monitor);
         file::write_points_file(&job.output, &sampled.points, &sampled.attributes(), None)?;
         let mut report = SamplesReport::new(&sampled, &job.options, name(&job.input), job.output.display().to_string());

@@ -86,13 +86,15 @@ fn join_mesh(folder: &Path, output: &Path, run: &Run) -> Result<Status> {
 }
 
 fn join(folder: &Path, output: &Path, run: &Run) -> Result<()> {
-    file::points_format(output, None)?;
+    let format = file::points_format(output, None)?;
     check_targets(output, run)?;
     let folder = TileFolder::at(folder)?;
     let report = watched(run.voice, |monitor| {
         monitor.stage("merge");
-        let sampled = merge(&folder)?;
+        let sampled = merge(&folder, monitor)?;
         check(monitor)?;
+        let lost = format.cannot_hold(&sampled.carried);
+        let sampled = sampled.without(lost);
         now_writing(monitor);
         file::write_points_file(output, &sampled.points, &sampled.attributes(), None)?;
         let Plan { input, sampling, .. } = folder.plan()?;

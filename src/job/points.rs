@@ -25,9 +25,9 @@ pub fn sample(input: &Input, options: &SampleOptions, monitor: &dyn Monitor) -> 
         options.signals.iter().map(|signal| signal.resolved(input.attributes())).collect();
     let options = SampleOptions { signals: signals?, ..options.clone() };
     if !input.is_cloud() {
-        return pipeline::sample(input.as_mesh(), &options, monitor);
+        return Ok(with_attributes(pipeline::sample(input.as_mesh(), &options, monitor)?, input));
     }
-    let mut sampled = pipeline::sample_points(&input.as_points()?, &options, monitor)?;
+    let mut sampled = with_attributes(pipeline::sample_points(&input.as_points()?, &options, monitor)?, input);
     // Those that are points of the input stay where they are.
     let moved = sampled.cloud.as_ref().filter(|_| !options.scan_only);
     sampled.notes.extend(moved.and_then(noise));
@@ -37,6 +37,17 @@ pub fn sample(input: &Input, options: &SampleOptions, monitor: &dyn Monitor) -> 
         sampled.notes.insert(0, note(thinned));
     }
     Ok(sampled)
+}
+
+/// `sampled` with the attributes that its points have in `input`, if they are points of it.
+fn with_attributes(sampled: Sampled, input: &Input) -> Sampled {
+    match &sampled.indices {
+        Some(indices) => {
+            let attributes = input.attributes().of_vertices(indices);
+            sampled.carrying(attributes)
+        }
+        None => sampled,
+    }
 }
 
 /// The robust implicit surface of points, or of the vertices of a mesh, as dense triangles.

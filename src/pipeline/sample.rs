@@ -22,7 +22,7 @@ use crate::pipeline::scale::{
 use crate::pipeline::unit::Unit;
 use crate::surface::implicit::Rimls;
 
-use crate::mesh::attributes::{Attribute, Attributes, Scalar};
+use crate::mesh::attributes::{Attribute, Attributes, Lost, NORMAL, Scalar};
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::points::Points;
 use crate::mesh::refine::refine;
@@ -107,6 +107,9 @@ pub struct Sampled {
     pub points: Points,
     /// With [`SampleOptions::scan_only`] the number of each sample among the input's points.
     pub indices: Option<Vec<u32>>,
+    /// What points of the input have beside positions and normals; empty for others, and until it is given
+    /// ([`carrying`](Self::carrying)).
+    pub carried: Attributes,
     /// Points of the input, or candidates on its surface, that were looked at.
     pub candidates: usize,
     /// Kernel width used, in the units of the input.
@@ -122,17 +125,39 @@ pub struct Sampled {
 }
 
 impl Sampled {
-    /// What the samples have beside positions and normals: their numbers in the input, if they are points of it, as `index`.
+    /// What the samples have beside positions and normals: if they are points of the input, their numbers in it, as `index`, and what
+    /// else these have.
     pub fn attributes(&self) -> Attributes {
         let attribute = |indices: &Vec<u32>| Attribute {
-            name: "index".into(),
+            name: INDEX.into(),
             components: 1,
             values: indices.iter().map(|&i| f64::from(i)).collect(),
             scalar: Scalar::U32,
         };
-        Attributes { vertex: self.indices.iter().map(attribute).collect(), ..Attributes::default() }
+        let carried = self.carried.vertex.iter().cloned();
+        Attributes { vertex: self.indices.iter().map(attribute).chain(carried).collect(), ..Attributes::default() }
+    }
+
+    /// The same samples without some attributes, which are told.
+    #[must_use]
+    pub fn without(mut self, lost: Vec<Lost>) -> Sampled {
+        for Lost { name, cause } in lost {
+            self.carried.remove(&name);
+            self.notes.push(format!("attribute {name} is left out: {cause}"));
+        }
+        self
+    }
+
+    /// The same samples, which have these attributes at the same places, but their own normals and numbers.
+    #[must_use]
+    pub fn carrying(self, mut attributes: Attributes) -> Sampled {
+        [NORMAL, INDEX].iter().for_each(|name| attributes.remove(name));
+        Sampled { carried: Attributes { vertex: attributes.vertex, ..Attributes::default() }, ..self }
     }
 }
+
+/// What the number of a sample among the input's points is called.
+const INDEX: &str = "index";
 
 /// Kernel width of the ascent for that of the scan.
 pub(super) const ASCENT_OF_SCAN: f64 = ASCENT_SIGMA / SIGMA_OF_SPACING;
@@ -405,7 +430,17 @@ impl Task<'_> {
         notes.extend(self.options.levels.filter(|&wanted| levels.len() < wanted).map(|wanted| {
             format!("{} levels instead of {wanted}: a coarser one would have less than three points", levels.len())
         }));
-        Sampled { points, indices, candidates, sigma_p, wanted: self.wanted, levels, cloud: None, notes }
+        Sampled {
+            points,
+            indices,
+            carried: Attributes::default(),
+            candidates,
+            sigma_p,
+            wanted: self.wanted,
+            levels,
+            cloud: None,
+            notes,
+        }
     }
 
     fn kept_of<S: Surface, const D: usize>(&self, surface: &S, given: &Given) -> Result<(f64, Vec<u32>)> {

@@ -2,6 +2,8 @@
 
 use crate::base::count::counted;
 use crate::base::error::Result;
+use crate::base::monitor::Monitor;
+use crate::mesh::attributes::Attributes;
 use crate::mesh::points::Points;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::{Sampled, TilePoint, count_notes};
@@ -10,14 +12,16 @@ use crate::surface::domain::Sample;
 use crate::surface::lift::{BarePoints, Lift, Lifted};
 use crate::tiles::folder::TileFolder;
 use crate::tiles::joined::Joined;
+use crate::tiles::nearest::attributes_near;
 use crate::tiles::pieces::{Piece, pieces};
 
 /// Joins the samples of all tiles, in the order of the input. As a rule there are a few more than wanted; the least
-/// important are removed.
+/// important are removed. A subset has the attributes of its points.
 ///
 /// # Errors
-/// [`Error::File`](crate::Error::File) if a tile is not sampled yet, or cannot be read.
-pub fn merge(folder: &TileFolder) -> Result<Sampled> {
+/// [`Error::File`](crate::Error::File) if a tile is not sampled yet, or cannot be read; [`Error::Cancelled`](crate::Error::Cancelled)
+/// if the monitor asks for it.
+pub fn merge(folder: &TileFolder, monitor: &dyn Monitor) -> Result<Sampled> {
     let plan = folder.plan()?;
     let mut all: Vec<TilePoint> = Vec::new();
     for number in 0..plan.tiles.len() {
@@ -30,8 +34,13 @@ pub fn merge(folder: &TileFolder) -> Result<Sampled> {
     let mut notes = count_notes(all.len(), plan.points, plan.wanted);
     notes.push(format!("sampled in {}", counted(plan.tiles.len(), "tile", "tiles")));
     let is_subset = plan.sampling.sweeps.is_none();
-    Ok(Sampled {
-        points: Points::from_pairs(all.iter().map(|sample| (sample.position, sample.normal))),
+    let points = Points::from_pairs(all.iter().map(|sample| (sample.position, sample.normal)));
+    let attributes = match is_subset {
+        true => attributes_near(folder, &plan, points.positions(), monitor)?,
+        false => Attributes::default(),
+    };
+    let sampled = Sampled {
+        points,
         indices: is_subset.then(|| all.iter().map(|sample| sample.number).collect()),
         candidates: plan.points,
         sigma_p: plan.sampling.sigma,
@@ -39,7 +48,9 @@ pub fn merge(folder: &TileFolder) -> Result<Sampled> {
         levels: Vec::new(),
         cloud: None,
         notes,
-    })
+        carried: Attributes::default(),
+    };
+    Ok(sampled.carrying(attributes))
 }
 
 /// Joins all pieces of the mesh.

@@ -25,16 +25,26 @@ const HALO: i32 = 2;
 /// asks for it.
 pub fn nearest_attributes(folder: &TileFolder, mesh: &Mesh, monitor: &dyn Monitor) -> Result<Carried> {
     monitor.stage("carry attributes");
-    let plan = folder.plan()?;
-    let table = folder.table(&plan)?;
+    Ok(carry_at_vertices(attributes_near(folder, &folder.plan()?, &mesh.positions, monitor)?, mesh))
+}
+
+/// The attributes of the point nearest to each of `positions`.
+///
+/// # Errors
+/// Those of [`nearest_attributes`].
+pub(super) fn attributes_near(
+    folder: &TileFolder,
+    plan: &Plan,
+    positions: &[DVec3],
+    monitor: &dyn Monitor,
+) -> Result<Attributes> {
+    let table = folder.table(plan)?;
     let read = |rows: &[u8]| table.rows.read(rows).map_err(|error| error.in_file(&plan.input));
     let first = Chunk { length: (NUMBER + table.row) as u32, ..plan.chunks[0] };
     if read(&folder.rows(&[first])?[NUMBER..])?.attributes.is_empty() {
-        return Ok(Carried::default());
+        return Ok(Attributes::default());
     }
-    let rows = nearest_rows(folder, &plan, &mesh.positions, table.row, monitor)?;
-    let attributes = Attributes { vertex: read(&rows)?.attributes.vertex, ..Attributes::default() };
-    Ok(carry_at_vertices(attributes, mesh))
+    Ok(read(&nearest_rows(folder, plan, positions, table.row, monitor)?)?.attributes)
 }
 
 /// The row of the point nearest to each of `positions`, all of `size` bytes.
@@ -47,7 +57,7 @@ fn nearest_rows(
 ) -> Result<Vec<u8>> {
     let cube = |v: &usize| Cube::first_around(place_of(positions[*v], plan.sampling.block()));
     let mut vertices: Vec<usize> = (0..positions.len()).collect();
-    vertices.sort_by_key(|v| cube(v).blocks().lo.to_array());
+    vertices.sort_by_cached_key(|v| cube(v).blocks().lo.to_array());
     let mut rows = vec![0; size * positions.len()];
     for vertices in vertices.chunk_by(|v, w| cube(v) == cube(w)) {
         check(monitor)?;

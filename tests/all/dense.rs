@@ -89,6 +89,8 @@ fn samples_of_a_dense_cloud_are_points_of_it_and_the_same_from_a_file_and_with_a
     let numbers = one.indices.as_ref().unwrap();
     let of_all = numbers.iter().map(|&p| all.mesh.positions[p as usize]);
     assert!(numbers.len() == 200 && of_all.eq(one.points.positions().iter().copied()));
+    let labels: Vec<f64> = numbers.iter().map(|&p| f64::from(p % 251)).collect();
+    assert_eq!(one.attributes().get("label").map(|label| &label.values), Some(&labels));
     assert!(sampled(&Input::from(&all), 2) == one);
     let some = read_at_most(&path, None, Some(3 * 200 + 300_000)).unwrap();
     assert!(some.thinned.is_some() && sampled(&Input::from(&some), 2) == one);

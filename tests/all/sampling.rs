@@ -13,7 +13,8 @@ use spectral_remesh::stages::spectral::free_ascent::ascend_freely;
 use spectral_remesh::stages::spectral::subset::{scan, thin_or_fill};
 use spectral_remesh::stages::surface::submanifold::{FlatTorus, Submanifold, UnitCube};
 use spectral_remesh::{
-    CloudOptions, Density, Grading, Mesh, Options, Points, SampleDensity, SampleOptions, Sampled, Signal, Values,
+    Attribute, Attributes, CloudOptions, Density, Grading, Input, Mesh, Options, Points, SampleDensity, SampleOptions,
+    Sampled, Scalar, Signal, Values,
 };
 use std::f64::consts::TAU;
 
@@ -166,6 +167,29 @@ fn a_subset_of_the_vertices_with_their_numbers() {
     assert!(indices.windows(2).all(|pair| pair[0] < pair[1]));
     assert!(indices.iter().zip(points.positions()).all(|(&i, p)| *p == ball.positions[i as usize]));
     assert!(poisson_disk_radius(&Space, points.positions(), ball.area()) > 0.45);
+}
+
+#[test]
+fn a_subset_has_the_attributes_of_its_points_but_its_own_numbers() {
+    let ball = sphere(4, DVec3::ZERO, 1.0);
+    let attribute = |name: &str| Attribute {
+        name: name.into(),
+        components: 1,
+        values: ball.positions.iter().map(|p| p.z).collect(),
+        scalar: Scalar::F64,
+    };
+    let attributes = Attributes { vertex: vec![attribute("height"), attribute("index")], ..Attributes::default() };
+    let input = Input::from(&ball).with_attributes(&attributes);
+    let of = |scan_only: bool| {
+        let options = SampleOptions { scan_only, ..count(100) };
+        spectral_remesh::sample(&input, &options, &()).unwrap()
+    };
+    let sampled = of(true);
+    let heights: Vec<f64> = sampled.points.positions().iter().map(|p| p.z).collect();
+    let found = sampled.attributes();
+    assert_eq!(found.names(), ["index", "height"]);
+    assert_eq!(found.get("height").unwrap().values, heights);
+    assert!(of(false).attributes().is_empty());
 }
 
 /// The distance of each point to the nearest other one.

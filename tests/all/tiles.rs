@@ -70,7 +70,7 @@ fn tiled(path: &Path, options: &PlanOptions) -> (Sampled, usize) {
     let folder = TileFolder::at(work.path()).unwrap();
     let plan = make_plan(path, None, &folder, options, &()).unwrap();
     sample_tiles(&folder, &[], &()).unwrap();
-    (Sampled { notes: Vec::new(), ..merge(&folder).unwrap() }, plan.tiles.len())
+    (Sampled { notes: Vec::new(), ..merge(&folder, &()).unwrap() }, plan.tiles.len())
 }
 
 #[test]
@@ -139,6 +139,7 @@ fn has_attributes_of_near_points(mesh: &Mesh, Carried { attributes, lost, .. }: 
 #[ignore = "slow"]
 fn a_subset_is_of_the_input_in_any_tiling() {
     let (_folder, path) = stretched(120_000, true, 8.0);
+    color(&path);
     let scan_only = |tiles| {
         let mut options = options(8000, tiles);
         options.sample.scan_only = true;
@@ -146,8 +147,12 @@ fn a_subset_is_of_the_input_in_any_tiling() {
     };
     let ((whole, _), (parts, tiles)) = (scan_only(1), scan_only(8));
     assert!(tiles >= 8 && parts == whole);
-    let all = read_file(&path, None).unwrap().mesh.positions;
+    let input = read_file(&path, None).unwrap();
+    let all = &input.mesh.positions;
+    let attributes = whole.attributes();
     let numbers = whole.indices.unwrap();
+    assert_eq!(attributes.names(), ["index", "color", "label"]);
+    assert_eq!(attributes.vertex[1..], input.attributes.of_vertices(&numbers).vertex[1..]);
     assert!(numbers.is_sorted() && numbers.len() == 8000);
     assert!(numbers.iter().zip(whole.points.positions()).all(|(&i, p)| all[i as usize] == *p));
 }
@@ -202,7 +207,7 @@ fn what_is_missing_in_a_folder_is_one_line() {
     failed(sample_one(&folder, 0, &()), "there is no plan in it");
     let plan = make_plan(&path, None, &folder, &options(3000, 4), &()).unwrap();
     failed(sample_one(&folder, plan.tiles.len(), &()), "there is no tile");
-    failed(merge(&folder).map(drop), "tile 0 is not sampled yet");
+    failed(merge(&folder, &()).map(drop), "tile 0 is not sampled yet");
     failed(mesh_one(&folder, 1, &()), "piece 0 of the mesh is not made yet");
     mesh_one(&folder, 0, &()).unwrap();
     failed(mesh_one(&folder, 1, &()), "is not sampled yet");
