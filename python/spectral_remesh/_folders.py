@@ -10,11 +10,10 @@ import uuid
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from distributed import Client, Worker
-    from fsspec import AbstractFileSystem
 
 #: What the names of files begin with that a step of a plan makes.
 OF_STEP = {"sample": "tile-", "mesh": "piece-"}
@@ -99,7 +98,8 @@ class Store(Folder):
     def _copy_of(self, worker: Worker) -> Path:
         return Path(worker.local_directory) / self.copy
 
-    def _open(self) -> tuple[AbstractFileSystem, str]:
+    def _open(self) -> tuple[Any, str]:
+        """The file system of fsspec, and the place in it."""
         from fsspec.core import url_to_fs
 
         system, root = url_to_fs(self.address)

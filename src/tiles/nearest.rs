@@ -4,7 +4,7 @@ use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 use crate::base::parallel;
 use crate::io::spill::Chunk;
-use crate::mesh::attributes::Attributes;
+use crate::mesh::attributes::{Attribute, Attributes};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::kdtree::Neighbors;
 use crate::spectral::lattice::place_of;
@@ -28,7 +28,7 @@ pub fn nearest_attributes(folder: &TileFolder, mesh: &Mesh, monitor: &dyn Monito
     Ok(carry_at_vertices(attributes_near(folder, &folder.plan()?, &mesh.positions, monitor)?, mesh))
 }
 
-/// The attributes of the point nearest to each of `positions`.
+/// The attributes of the point nearest to each of `positions`; of any point if they are normals only.
 ///
 /// # Errors
 /// Those of [`nearest_attributes`].
@@ -41,8 +41,10 @@ pub(super) fn attributes_near(
     let table = folder.table(plan)?;
     let read = |rows: &[u8]| table.rows.read(rows).map_err(|error| error.in_file(&plan.input));
     let first = Chunk { length: (NUMBER + table.row) as u32, ..plan.chunks[0] };
-    if read(&folder.rows(&[first])?[NUMBER..])?.attributes.is_empty() {
-        return Ok(Attributes::default());
+    let of_first = read(&folder.rows(&[first])?[NUMBER..])?.attributes;
+    // Normals are no one's but the mesh's own.
+    if of_first.vertex.iter().all(Attribute::is_normal) {
+        return Ok(of_first);
     }
     Ok(read(&nearest_rows(folder, plan, positions, table.row, monitor)?)?.attributes)
 }
