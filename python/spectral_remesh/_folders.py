@@ -58,7 +58,6 @@ class Store(Folder):
 
     def __init__(self, address: str) -> None:
         super().__init__(address)
-        self.address = address
         self.copy = f"remesh-{uuid.uuid4().hex}"
 
     @contextmanager
@@ -102,7 +101,7 @@ class Store(Folder):
         """The file system of fsspec, and the place in it."""
         from fsspec.core import url_to_fs
 
-        system, root = url_to_fs(self.address)
+        system, root = url_to_fs(str(self.path))
         system.invalidate_cache()
         return system, root
 

@@ -35,10 +35,8 @@ pub fn merge(folder: &TileFolder, monitor: &dyn Monitor) -> Result<Sampled> {
     notes.push(format!("sampled in {}", counted(plan.tiles.len(), "tile", "tiles")));
     let is_subset = plan.sampling.sweeps.is_none();
     let points = Points::from_pairs(all.iter().map(|sample| (sample.position, sample.normal)));
-    let attributes = match is_subset {
-        true => attributes_near(folder, &plan, points.positions(), monitor)?,
-        false => Attributes::default(),
-    };
+    let attributes =
+        if is_subset { attributes_near(folder, &plan, points.positions(), monitor)? } else { Attributes::default() };
     let sampled = Sampled {
         points,
         indices: is_subset.then(|| all.iter().map(|sample| sample.number).collect()),
