@@ -1,6 +1,6 @@
 //! The formats by name, by ending and by content.
 
-use super::{e57, las, medit, off, pcd, threemf, xyz};
+use super::{e57, las, medit, off, pcd, ply, threemf, xyz};
 use crate::base::error::{Error, Result, Setting};
 use crate::mesh::attributes::{Attribute, Attributes, Lost, MATERIALS, PARTS, TEXTURE};
 use crate::mesh::materials::{Image, Look, Materials, Texture, Use};
@@ -168,7 +168,7 @@ impl Format {
             Some(Format::Gmsh)
         } else if medit::has_signature(head) {
             Some(Format::Medit)
-        } else if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
+        } else if ply::has_signature(head) {
             Some(Format::Ply)
         } else if is_binary_stl(bytes) || (starts("solid") && (has("facet") || has("endsolid"))) {
             Some(Format::Stl)
@@ -309,6 +309,7 @@ mod tests {
         for (bytes, format) in [
             (&b"ply\nformat ascii 1.0\n"[..], Some(Format::Ply)),
             (b"ply\r\nformat ascii 1.0\r\n", Some(Format::Ply)),
+            (b"PLY\nformat ascii 1.0\n", Some(Format::Ply)),
             (b"glTF\x02\0\0\0", Some(Format::Glb)),
             (b" {\n \"asset\" : {\"version\": \"2.0\"}}", Some(Format::Gltf)),
             (b"{\"type\": 1}", None),

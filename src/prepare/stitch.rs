@@ -7,7 +7,8 @@
 //! Two boundary vertices may belong together if they are within a tolerance of each other and within a share of the shortest
 //! boundary edge at either. The second condition keeps a tolerance that is too large from eating a finely divided
 //! boundary: vertices that follow each other on it are a whole edge apart. A seam is where two boundary edges become one by
-//! that, and no other edge does; where more would meet, or where two sheets lie on each other, nothing is a seam.
+//! that, and no other edge does; where more would meet, or where two sheets lie on each other, nothing is a seam. Where a whole
+//! loop of the boundary is one place but for rounding, it is closed, too.
 //!
 //! Based on: A. Guéziec, G. Taubin, F. Lazarus, W. Horn, Cutting and stitching: converting sets of polygons to manifold
 //! surfaces, 2001, DOI 10.1109/2945.928166. Departure: edges are matched by the places of their ends.
@@ -68,19 +69,24 @@ pub struct Cracks {
     pub width: f64,
 }
 
-/// Welds the vertices of `mesh` at exactly one place, and those along seams that rounding opened: boundary vertices within a
-/// millionth of the mesh's diagonal and a tenth of the edges there.
+/// Welds the vertices of `mesh` at exactly one place, and those along seams and around pinholes that rounding opened: boundary
+/// vertices within a millionth of the mesh's diagonal and a tenth of the edges there.
 ///
 /// A seam is closed only where each of its boundary edges finds a partner: no edge gets a third face by it, and no face is
-/// folded onto another. [`repair_welded`](crate::prepare::repair::repair_welded) is meant to follow.
+/// folded onto another. A pinhole is closed with the faces around it that have two corners there: such needles are all that
+/// lies around the pole of a globe which was sampled by angles. [`repair_welded`](crate::prepare::repair::repair_welded) is meant to follow.
 pub fn stitch(mesh: &Mesh) -> Stitched {
     let mut welded = Welded::at_places(mesh);
     let mut boundary = OpenBoundary::new(&mesh.positions, &welded);
     let diagonal = mesh.diagonal();
-    let seams = boundary.seams(ROUNDING.of(diagonal));
-    if !seams.is_empty() {
+    // A seam may end in pinholes.
+    for opened in [OpenBoundary::seams, OpenBoundary::pinholes] {
+        let pairs = opened(&boundary, ROUNDING.of(diagonal));
+        if pairs.is_empty() {
+            continue;
+        }
         let mut joined = UnionFind::new(boundary.vertices.len());
-        seams.iter().for_each(|&[a, b]| {
+        pairs.iter().for_each(|&[a, b]| {
             joined.join(a, b);
         });
         welded = Welded::new(mesh, boundary.welded(welded.representatives, &mut joined));
@@ -210,6 +216,24 @@ impl OpenBoundary {
         }
         seams.retain(|(ends, [a, b])| a != b && !ends.iter().any(|&end| is_crowded[end as usize]));
         seams.into_iter().map(|(_, pair)| pair).collect()
+    }
+
+    /// The ends of the boundary edges around pinholes: a whole part of the boundary within a distance, at which all faces are needles.
+    fn pinholes(&self, reach: Reach) -> Vec<[u32; 2]> {
+        let open = || self.edges.iter().filter_map(|edge| Some((edge.ends, edge.apex?)));
+        let mut parts = UnionFind::new(self.vertices.len());
+        open().for_each(|([a, b], _)| {
+            parts.join(a, b);
+        });
+        let mut is_wide = vec![false; self.vertices.len()];
+        for (ends, apex) in open() {
+            let part = parts.find(ends[0]);
+            let [origin, a, b] = [part, ends[0], ends[1]].map(|v| self.positions[v as usize]);
+            let is_needle = a.distance(b) <= reach.of_edge * a.distance(apex).min(b.distance(apex));
+            let is_near = origin.distance(a).max(origin.distance(b)) <= reach.distance;
+            is_wide[part as usize] |= !(is_needle && is_near);
+        }
+        open().map(|(ends, _)| ends).filter(|ends| !is_wide[parts.find(ends[0]) as usize]).collect()
     }
 
     /// Whether two edges at one place have one face each, and these do not lie on each other.
@@ -343,6 +367,40 @@ mod tests {
             assert!((cracks.width - gap).abs() < 1e-9);
             assert_eq!(boundary_loops(&closed(&cut, 1.01 * cracks.width)), 0);
         }
+    }
+
+    /// A globe of radius 1, sampled by angles: each row has as many vertices as the equator, those at the poles `off` these, and each
+    /// meridian but the first one vertex for both sides.
+    fn globe(off: f64) -> Mesh {
+        let (rows, columns) = (12u32, 36u32);
+        let polar = |i: u32| PI * f64::from(i) / f64::from(rows);
+        let place = |i: u32, j: u32| {
+            let round = TAU * f64::from(j) / f64::from(columns);
+            let radius = if i % rows == 0 { off } else { polar(i).sin() };
+            dvec3(radius * round.cos(), radius * round.sin(), polar(i).cos())
+        };
+        let at = |i: u32, j: u32| i * (columns + 1) + j;
+        let halves = |i, j| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]];
+        Mesh {
+            positions: (0..=rows).flat_map(|i| (0..=columns).map(move |j| place(i, j))).collect(),
+            triangles: (0..rows).flat_map(|i| (0..columns).flat_map(move |j| halves(i, j))).collect(),
+        }
+    }
+
+    #[test]
+    fn poles_of_which_rounding_made_rings_are_closed() {
+        for off in [1e-17, 1e-8] {
+            let whole = stitched(&globe(off));
+            let t = topology(whole.positions.len(), &whole.triangles);
+            assert_eq!((t.euler, t.components, t.boundary_loops), (2, 1, 0), "{off}");
+            assert_eq!(whole.positions.len(), 11 * 36 + 2);
+        }
+        assert_eq!(boundary_loops(&stitched(&globe(1e-4))), 2);
+        // A mesh that is small all over is no pinhole.
+        let mut far = globe(1e-17);
+        far.triangles.push([0, 1, 2].map(|k| k + far.positions.len() as u32));
+        far.positions.extend([DVec3::X, DVec3::Y, DVec3::ZERO].map(|p| 1e-7 * p + 9.0 * DVec3::X));
+        assert_eq!(stitched(&far).triangles.len(), 2 * 11 * 36 + 1);
     }
 
     #[test]

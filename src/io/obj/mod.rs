@@ -39,6 +39,9 @@ const FREE_FORM: &[&str] = &[
     "ctech", "stech", "bsp", "bzp", "cdc", "cdp", "res",
 ];
 
+/// What to do with a file of [`FREE_FORM`] geometry.
+const NO_FREE_FORM: &str = "mesh the surfaces in the program that made them, and export that mesh";
+
 pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     let mut reader = Reader::new(bytes);
     loop {
@@ -48,7 +51,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
         }
     }
     reader.check_indices()?;
-    reader.refuse_lines()?;
+    reader.refuse_curves()?;
     Ok(reader.finish())
 }
 
@@ -256,9 +259,15 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Refuses lines by themselves: their vertices are no points of a surface.
-    fn refuse_lines(&self) -> Result<()> {
-        if self.lines > 0 && self.points == 0 && self.faces.count() == 0 {
+    /// Refuses lines and free-form geometry by themselves: their vertices are no points of a surface.
+    fn refuse_curves(&self) -> Result<()> {
+        if self.points > 0 || self.faces.count() > 0 {
+            return Ok(());
+        }
+        if self.free_form > 0 {
+            return Err(malformed(Place::Whole, "it holds free-form curves or surfaces, no faces", NO_FREE_FORM));
+        }
+        if self.lines > 0 {
             return Err(malformed(Place::Whole, "it holds lines, no faces", NO_LINES));
         }
         Ok(())

@@ -66,6 +66,15 @@ fn lines_by_themselves_are_no_cloud() {
 }
 
 #[test]
+fn vertices_of_free_form_geometry_are_no_cloud() {
+    let curve = "v 0 0 0\nv 1 0 0\nv 1 1 0\ncstype bspline\ndeg 1\ncurv 0 2 1 2 3\nparm u 0 1 2\nend\n";
+    let read = |text: &str| parse(text.as_bytes()).map(|read| read.mesh.positions.len());
+    let error = read(curve).unwrap_err();
+    assert!(error.to_string().contains("free-form curves or surfaces, no faces; mesh"), "{error}");
+    assert_eq!(read(&format!("{curve}f 1 2 3\n")), Ok(3));
+}
+
+#[test]
 fn what_is_left_out_is_said() {
     let text = format!("{SQUARE}p 1\nl 1 2\nf 1 2\nf\nvp 1 2\ncstype bezier\nsurf 0 1\nend\nfoo\nbar\n");
     assert_eq!(

@@ -62,10 +62,19 @@ fn scalar(name: &str) -> Option<Scalar> {
     })
 }
 
+/// The first line, which some programs write in capitals.
+const MAGIC: &[u8] = b"ply";
+
+/// Whether a file that begins so is in this format.
+pub fn has_signature(head: &[u8]) -> bool {
+    let (first, rest) = head.split_at(head.len().min(MAGIC.len()));
+    first.eq_ignore_ascii_case(MAGIC) && matches!(rest.first(), Some(b'\n' | b'\r'))
+}
+
 /// The header of the file.
 pub(super) fn parse(bytes: &[u8]) -> Result<Header> {
     let mut lines = Lines::new(bytes);
-    if lines.next().is_none_or(|first| first != b"ply") {
+    if lines.next().is_none_or(|first| !first.eq_ignore_ascii_case(MAGIC)) {
         return Err(malformed(Place::Line(1), "the first line is not 'ply'", "check that this is a PLY file"));
     }
     let mut encoding = None;

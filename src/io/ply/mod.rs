@@ -35,6 +35,7 @@ use crate::mesh::triangle_mesh::Mesh;
 use elements::skip_element;
 use faces::Faces;
 use glam::DVec2;
+pub(super) use header::has_signature;
 use header::{Element, Encoding, Header};
 use source::{Binary, Source, Text};
 use vertices::Vertices;
