@@ -53,7 +53,7 @@ impl Finished {
         let mesh = sewn.as_ref().map_or(outwards, |sewn| sewn.mesh.clone());
         let topology = topology(mesh.positions.len(), &mesh.triangles);
         let self_intersections = self_intersections(&mesh);
-        let other_topology = !has_kind(&topology, &prepared.of_repaired);
+        let other_topology = !has_kind(&topology, &surface.of_whole);
         let new_self_intersections = new_among(&self_intersections, &mesh, prepared, surface);
         let slivers = slivers(&manifold);
         let of_input = if self_intersections.is_empty() { 0 } else { surface.self_intersections_of_input() };

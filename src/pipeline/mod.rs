@@ -10,6 +10,7 @@ mod density;
 mod edges;
 mod expected;
 mod finished;
+mod flakes;
 mod follow;
 mod kernel;
 mod lost;

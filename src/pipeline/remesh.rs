@@ -324,7 +324,7 @@ fn remeshed(
     let intersects = !finished.self_intersections.is_empty();
     let mut result = Remeshed {
         input: prepared.of_input,
-        repaired: prepared.of_repaired,
+        repaired: surface.of_whole,
         output: finished.topology,
         mesh: finished.mesh,
         origins,

@@ -24,7 +24,7 @@ pub struct Remeshed {
     pub origins: Origins,
     /// The input as it came, before repairs.
     pub input: Topology,
-    /// The input after repairs: what the result's topology is held against.
+    /// The input after repairs, without components of next to no area: what the result's topology is held against.
     pub repaired: Topology,
     /// The result.
     pub output: Topology,

@@ -9,6 +9,7 @@ use crate::mesh::topology::{NONE, Topology, topology, twins};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::density::Density;
 use crate::pipeline::expected::with_curves;
+use crate::pipeline::flakes::without_flakes;
 use crate::pipeline::follow::follow;
 use crate::pipeline::kernel::KernelFeatures;
 use crate::pipeline::options::Grading;
@@ -57,6 +58,8 @@ pub(super) struct SizedSurface {
     pub within: Option<Within>,
     /// The topology of what is sampled.
     pub topology: Topology,
+    /// The topology that a whole result is to have: that of the repaired input without what is left out of it.
+    pub of_whole: Topology,
 }
 
 impl SizedSurface {
@@ -76,18 +79,34 @@ impl SizedSurface {
         }
         let scale = Scale::new(density, prepared.field.as_ref(), &clean, &prepared.unit)?;
         monitor.stage("sample");
-        let topology = match within {
-            Some(_) => topology(clean.positions.len(), &clean.triangles),
-            None => prepared.of_repaired,
-        };
+        let topology_of = |mesh: &Mesh| topology(mesh.positions.len(), &mesh.triangles);
+        let mut of_whole = prepared.of_repaired;
+        if within.is_none()
+            && of_whole.components > 1
+            && let Some(left) = without_flakes(&clean, scale.spacing)
+        {
+            of_whole = topology_of(&left);
+            clean = left;
+        }
+        let topology = if within.is_some() { topology_of(&clean) } else { of_whole };
         let suspects = (clean.triangles.len() < scale.wanted).then(|| passing_through_others(&clean));
         let (mut domain, blunted, left_out, left_out_edges) =
             domain_over(clean, within.as_ref(), prepared, &scale, resizing);
         suspects.into_iter().for_each(|sources| domain.suspect(sources));
         let sigma = scale.sigma();
         let smoothed_curves = 0;
-        let mut surface =
-            SizedSurface { domain, scale, sigma, blunted, left_out, smoothed_curves, left_out_edges, within, topology };
+        let mut surface = SizedSurface {
+            domain,
+            scale,
+            sigma,
+            blunted,
+            left_out,
+            smoothed_curves,
+            left_out_edges,
+            within,
+            topology,
+            of_whole,
+        };
         surface.grade(prepared, density, resizing, monitor)?;
         surface.domain.find_contacts();
         if !prepared.options.of_points {

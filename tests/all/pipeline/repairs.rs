@@ -108,6 +108,18 @@ fn caps_that_rounding_made_leave_no_slivers() {
     }
 }
 
+#[test]
+fn a_flake_beside_a_body_is_left_out_and_told() {
+    let mut input = cuboid(DVec3::ONE);
+    let first = input.positions.len() as u32;
+    input.positions.extend([[0.2, 0.3, 1.5], [0.21, 0.3, 1.5], [0.205, 0.300001, 1.5]].map(DVec3::from));
+    input.triangles.push([0, 1, 2].map(|k| first + k));
+    let made = check("flake", &input, 1500);
+    assert_eq!((made.repaired.components, made.output.components, made.output.boundary_loops), (1, 1, 0));
+    let told = |note: &String| note.contains("1 component of the input is not in the result: the largest, near (0.20");
+    assert!(made.notes.iter().any(told), "{:?}", made.notes);
+}
+
 /// A solid that touches itself along an edge and at a corner, and one whose insides do.
 #[test]
 #[ignore = "slow"]
