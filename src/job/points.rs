@@ -2,10 +2,14 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, Overall};
+use crate::base::parallel;
 use crate::job::input::Input;
 use crate::job::thinning::{note, of_use_for_sampling};
 use crate::pipeline::{self, ReconstructOptions, Reconstructed, SampleOptions, Sampled, Signal, points_of_mesh};
 use crate::report::noise;
+use crate::spatial::kdtree::Neighbors;
+use crate::transfer::vertex::{Carried, carry_to_points};
+use glam::DVec3;
 
 /// The stages and about how much of the time each takes.
 const SAMPLING: [(&str, f64); 6] =
@@ -39,15 +43,32 @@ pub fn sample(input: &Input, options: &SampleOptions, monitor: &dyn Monitor) -> 
     Ok(sampled)
 }
 
-/// `sampled` with the attributes that its points have in `input`, if they are points of it.
+/// `sampled` with the attributes that `input` has at its points: their own if they are points of it, else those there on a mesh, and
+/// of the nearest point of a cloud.
 fn with_attributes(sampled: Sampled, input: &Input) -> Sampled {
-    match &sampled.indices {
-        Some(indices) => {
-            let attributes = input.attributes().of_vertices(indices);
-            sampled.carrying(attributes)
-        }
-        None => sampled,
+    let attributes = input.attributes();
+    if attributes.vertex.is_empty() {
+        return sampled;
     }
+    if let Some(indices) = &sampled.indices {
+        let own = attributes.of_vertices(indices);
+        return sampled.carrying(own);
+    }
+    if input.is_cloud() {
+        let nearest = attributes.of_vertices(&nearest(&input.as_mesh().positions, sampled.points.positions()));
+        return sampled.carrying(nearest);
+    }
+    let Carried { attributes, lost, .. } = carry_to_points(input.as_mesh(), attributes, &sampled.origins);
+    sampled.without(lost).carrying(attributes)
+}
+
+/// The number of the point nearest to each of `places`.
+fn nearest(points: &[DVec3], places: &[DVec3]) -> Vec<u32> {
+    let points = Neighbors::new(points);
+    parallel::map_with(0..places.len(), Vec::new, |found, i| {
+        points.collect_nearest(places[i], 1, found);
+        found.first().expect("samples are of points").point
+    })
 }
 
 /// The robust implicit surface of points, or of the vertices of a mesh, as dense triangles.

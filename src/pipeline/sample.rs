@@ -25,6 +25,7 @@ use crate::surface::implicit::Rimls;
 use crate::mesh::attributes::{Attribute, Attributes, Lost, NORMAL, Scalar};
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::points::Points;
+use crate::mesh::provenance::PointOnTriangle;
 use crate::mesh::refine::refine;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::prepare::repair::repair;
@@ -107,8 +108,9 @@ pub struct Sampled {
     pub points: Points,
     /// With [`SampleOptions::scan_only`] the number of each sample among the input's points.
     pub indices: Option<Vec<u32>>,
-    /// What points of the input have beside positions and normals; empty for others, and until it is given
-    /// ([`carrying`](Self::carrying)).
+    /// Where on the triangles of the input they lie; empty if it has none, and with [`SampleOptions::scan_only`].
+    pub origins: Vec<PointOnTriangle>,
+    /// What the samples have beside positions and normals; empty until it is given ([`carrying`](Self::carrying)).
     pub carried: Attributes,
     /// Points of the input, or candidates on its surface, that were looked at.
     pub candidates: usize,
@@ -126,7 +128,7 @@ pub struct Sampled {
 
 impl Sampled {
     /// What the samples have beside positions and normals: if they are points of the input, their numbers in it, as `index`, and what
-    /// else these have.
+    /// was carried over.
     pub fn attributes(&self) -> Attributes {
         let attribute = |indices: &Vec<u32>| Attribute {
             name: INDEX.into(),
@@ -182,12 +184,13 @@ pub fn sample(input: &Mesh, options: &SampleOptions, monitor: &dyn Monitor) -> R
     if options.scan_only {
         sample_vertices(input, clean, &unit, options, monitor)
     } else {
-        sample_surface(clean, &unit, options, monitor)
+        sample_surface(input, clean, &unit, options, monitor)
     }
 }
 
-/// Samples of the surface `clean`, the input repaired and in `unit`.
+/// Samples of the surface `clean`, `input` repaired and in `unit`.
 fn sample_surface(
+    input: &Mesh,
     mut clean: OrientedManifold,
     unit: &Unit,
     options: &SampleOptions,
@@ -208,7 +211,8 @@ fn sample_surface(
         _ => task.on_surface::<MOST_DIMENSIONS>(&domain, &candidates),
     }?;
     let points = Points::from_pairs(samples.iter().map(|s| (unit.outwards_point(s.position), s.normal)));
-    Ok(task.sampled(points, None, candidates.len(), unit.size * sigma))
+    let origins = parallel::map(&samples[..], |sample| domain.origin(sample, 0.0, &input.triangles));
+    Ok(Sampled { origins, ..task.sampled(points, None, candidates.len(), unit.size * sigma) })
 }
 
 /// A subset of the vertices of `input`, which are on the surface `clean`.
@@ -433,6 +437,7 @@ impl Task<'_> {
         Sampled {
             points,
             indices,
+            origins: Vec::new(),
             carried: Attributes::default(),
             candidates,
             sigma_p,

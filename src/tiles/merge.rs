@@ -16,7 +16,7 @@ use crate::tiles::nearest::attributes_near;
 use crate::tiles::pieces::{Piece, pieces};
 
 /// Joins the samples of all tiles, in the order of the input. As a rule there are a few more than wanted; the least
-/// important are removed. A subset has the attributes of its points.
+/// important are removed. Each has the attributes of the nearest point of the input, which in a subset is itself.
 ///
 /// # Errors
 /// [`Error::File`](crate::Error::File) if a tile is not sampled yet, or cannot be read; [`Error::Cancelled`](crate::Error::Cancelled)
@@ -35,8 +35,7 @@ pub fn merge(folder: &TileFolder, monitor: &dyn Monitor) -> Result<Sampled> {
     notes.push(format!("sampled in {}", counted(plan.tiles.len(), "tile", "tiles")));
     let is_subset = plan.sampling.sweeps.is_none();
     let points = Points::from_pairs(all.iter().map(|sample| (sample.position, sample.normal)));
-    let attributes =
-        if is_subset { attributes_near(folder, &plan, points.positions(), monitor)? } else { Attributes::default() };
+    let attributes = attributes_near(folder, &plan, points.positions(), monitor)?;
     let sampled = Sampled {
         points,
         indices: is_subset.then(|| all.iter().map(|sample| sample.number).collect()),
@@ -46,6 +45,7 @@ pub fn merge(folder: &TileFolder, monitor: &dyn Monitor) -> Result<Sampled> {
         levels: Vec::new(),
         cloud: None,
         notes,
+        origins: Vec::new(),
         carried: Attributes::default(),
     };
     Ok(sampled.carrying(attributes))

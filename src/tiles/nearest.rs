@@ -1,4 +1,4 @@
-//! The attributes of a mesh that was made in pieces: those of the points nearest to its vertices.
+//! The attributes of samples, and of a mesh that was made in pieces: those of the nearest points.
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};

@@ -39,19 +39,19 @@ pub fn carry(input: &Mesh, attributes: &Attributes, output: &Mesh, origins: &Ori
         return carried;
     }
     let normals = vertex_normals(output);
-    for attribute in &attributes.vertex {
-        match of_vertices(attribute, input, &origins.vertices, &normals) {
-            Ok(values) => {
-                let Attribute { name, components, scalar, .. } = attribute;
-                let (name, components, scalar) = (name.clone(), *components, *scalar);
-                carried.attributes.vertex.push(Attribute { name, components, values, scalar });
-            }
-            Err(cause) => carried.lost.push(Lost { name: attribute.name.clone(), cause }),
-        }
-    }
+    attributes.vertex.iter().for_each(|attribute| carried.add(attribute, input, &origins.vertices, &normals));
     carried.attributes.materials = attributes.materials.as_ref().map(|m| materials(m, &origins.triangles));
     carried.attributes.parts = attributes.parts.as_ref().map(|p| parts(p, &origins.triangles));
     carried.add_texture(input, attributes, output, origins);
+    carried
+}
+
+/// The `attributes` of the vertices of `input` at these `points` of it, but its normals. Those that do not cover all vertices, or are
+/// not finite, are lost.
+pub fn carry_to_points(input: &Mesh, attributes: &Attributes, points: &[PointOnTriangle]) -> Carried {
+    let mut carried = Carried::default();
+    let others = attributes.vertex.iter().filter(|attribute| !attribute.is_normal());
+    others.for_each(|attribute| carried.add(attribute, input, points, &[]));
     carried
 }
 
@@ -114,6 +114,19 @@ impl Carried {
             let own = input.corners(old);
             let same = |p: DVec3| own.iter().position(|&q| q == p).map_or(DVec2::NAN, |k| attributes.texture[old][k]);
             self.attributes.texture[new] = output.corners(new).map(same);
+        }
+    }
+
+    /// Adds an attribute of `input` at vertices that have these `origins` on it, and these `normals`.
+    fn add(&mut self, attribute: &Attribute, input: &Mesh, origins: &[PointOnTriangle], normals: &[DVec3]) {
+        let Attribute { name, components, scalar, .. } = attribute;
+        let name = name.clone();
+        match of_vertices(attribute, input, origins, normals) {
+            Ok(values) => {
+                let added = Attribute { name, components: *components, values, scalar: *scalar };
+                self.attributes.vertex.push(added);
+            }
+            Err(cause) => self.lost.push(Lost { name, cause }),
         }
     }
 

@@ -189,7 +189,7 @@ fn a_subset_has_the_attributes_of_its_points_but_its_own_numbers() {
     let found = sampled.attributes();
     assert_eq!(found.names(), ["index", "height"]);
     assert_eq!(found.get("height").unwrap().values, heights);
-    assert!(of(false).attributes().is_empty());
+    assert_eq!(of(false).attributes().names(), ["height"]);
 }
 
 /// The distance of each point to the nearest other one.
@@ -549,4 +549,48 @@ fn samples_follow_a_property() {
 fn a_width_below_zero_is_none() {
     let options = Options { grading: kernel(-0.5), ..Options::default() };
     assert!(options.validate().unwrap_err().to_string().contains("not a width"));
+}
+
+/// The attributes of `mesh` whose values are known everywhere: its heat is x + 2 y, its side the sign of z.
+fn heat_and_side(mesh: &Mesh) -> Attributes {
+    let of = |name: &str, scalar, value: fn(DVec3) -> f64| Attribute {
+        name: name.into(),
+        components: 1,
+        values: mesh.positions.iter().map(|&p| value(p)).collect(),
+        scalar,
+    };
+    let heat = of("heat", Scalar::F32, |p| p.x + 2.0 * p.y);
+    let side = of("label", Scalar::U8, |p| f64::from(p.z > 0.0));
+    Attributes { vertex: vec![heat, side], ..Attributes::default() }
+}
+
+#[test]
+fn samples_have_the_attributes_that_the_surface_has_there() {
+    let mesh = sphere(4, DVec3::ZERO, 1.0);
+    let cloud = Mesh { triangles: Vec::new(), ..sphere(5, DVec3::ZERO, 1.0) };
+    for (input, farthest) in [(&mesh, 0.05), (&cloud, 0.1)] {
+        let attributes = heat_and_side(input);
+        let input = Input::from(input).with_attributes(&attributes);
+        let sampled = spectral_remesh::sample(&input, &count(600), &()).unwrap();
+        let positions = sampled.points.positions();
+        let carried = sampled.attributes();
+        assert_eq!(carried.names(), ["heat", "label"]);
+        let heat = carried.numbers("heat").unwrap();
+        let off = positions.iter().zip(&heat).map(|(p, heat)| (p.x + 2.0 * p.y - heat).abs()).fold(0.0, f64::max);
+        assert!(heat.len() == 600 && off < farthest, "{off}");
+        let side = carried.numbers("label").unwrap();
+        let is_right = |(p, side): (&DVec3, &f64)| p.z.abs() < 0.1 || (*side == 1.0) == (p.z > 0.0);
+        assert!(positions.iter().zip(&side).all(is_right));
+    }
+}
+
+#[test]
+fn attributes_that_samples_cannot_have_are_told() {
+    let mesh = sphere(3, DVec3::ZERO, 1.0);
+    let mut attributes = heat_and_side(&mesh);
+    attributes.vertex[0].values[7] = f64::NAN;
+    let input = Input::from(&mesh).with_attributes(&attributes);
+    let sampled = spectral_remesh::sample(&input, &count(200), &()).unwrap();
+    assert_eq!(sampled.attributes().names(), ["label"]);
+    assert!(sampled.notes.iter().any(|note| note.starts_with("attribute heat is left out: vertex 7 has NaN")));
 }

@@ -77,12 +77,21 @@ fn tiled(path: &Path, options: &PlanOptions) -> (Sampled, usize) {
 #[ignore = "slow"]
 fn any_tiling_gives_the_same_samples_on_any_number_of_threads() {
     let (_folder, path) = stretched(160_000, false, 8.0);
+    color(&path);
     let (whole, one) = tiled(&path, &options(20_000, 1));
     assert_eq!((one, whole.points.positions().len()), (1, 20_000));
     for (least, threads) in [(2, 1), (8, 3)] {
         let (parts, tiles) = with_threads(Some(threads), || tiled(&path, &options(20_000, least))).unwrap();
         assert!(tiles >= least && parts == whole, "{tiles}");
     }
+    let carried = whole.attributes();
+    assert_eq!(carried.names(), ["color", "label"]);
+    let colors = carried.get("color").unwrap();
+    let places = whole.points.positions().iter().enumerate();
+    let off: Vec<f64> =
+        places.map(|(i, &p)| (DVec3::from_slice(colors.of(i)) - color_at(p)).abs().max_element()).collect();
+    let (mean, farthest) = (off.iter().sum::<f64>() / off.len() as f64, off.into_iter().fold(0.0, f64::max));
+    assert!(mean < 3.0 && farthest < 12.0, "{mean} {farthest}");
 }
 
 #[test]
