@@ -216,7 +216,7 @@ def sample(
         normal_fit: As for :func:`remesh`.
         normal_neighbors: As for :func:`remesh`.
         normal_radius: As for :func:`remesh`, in the units of the input.
-        attributes: More arrays of shape (n,) or (n, components), by their names, for ``sigma``.
+        attributes: More arrays of shape (n,) or (n, components), by their names, which samples have, too; for ``sigma``.
         scan_only: Take a subset of the input's vertices instead.
         levels: Give the samples in progressive order, in which any first part of them is evenly spread, too: so many levels,
             each with a quarter of the samples of the next one. ``report["levels"]`` says where each ends.
@@ -226,7 +226,7 @@ def sample(
         progress: As for :func:`remesh`.
 
     Returns:
-        The points, their normals, and with ``scan_only`` their indices.
+        The points, their normals and attributes, and with ``scan_only`` their indices.
 
     Raises:
         ArgumentError: A ``ValueError`` for an argument that makes no sense.

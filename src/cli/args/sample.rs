@@ -11,8 +11,9 @@ use std::path::PathBuf;
 
 pub(super) const HELP: &str = "\
 Samples a surface: points with normals, without triangles, as the paper's gradient ascent leaves them (blue noise).
-With --scan-only a subset of the input's points, each with its index in it (in PLY as the property index), its colour and
-other attributes. A cloud of points is sampled on its robust implicit surface; normals that it lacks are estimated.
+They have the colours and other attributes that a mesh has there, or the nearest point of a cloud. With --scan-only a subset
+of the input's points, each with its index in it (in PLY as the property index) and its own attributes. A cloud of points
+is sampled on its robust implicit surface; normals that it lacks are estimated.
 
 Formats of the output, by the ending of the file: obj (v, vn), ply (x y z nx ny nz index), off, gltf, glb, vtp, pcd, xyz.
 
