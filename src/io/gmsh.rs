@@ -6,9 +6,12 @@
 //!
 //! What a file promises is held against its length before memory is reserved.
 //!
+//! Where a file has cells of volumes and no faces, their outside is taken.
+//!
 //! Limits: points, and lines and volumes beside faces, are left out, and so are physical groups and data of nodes.
 
 use super::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed};
+use super::cells::Kind;
 use super::grid::Grid;
 use super::mixed::Mixed;
 use super::numbers::{Order, Type};
@@ -31,7 +34,9 @@ enum Element {
     Line,
     /// A polygon of so many corners, which are its first nodes.
     Face(usize),
-    Volume,
+    /// One that fills a volume, whose corners are its first nodes, too.
+    Cell(Kind),
+    OtherCell,
 }
 
 /// The surface in an MSH file.
@@ -224,23 +229,26 @@ impl Reader<'_> {
             return Err(malformed(self.source.place(), cause, "save it with elements of first order"));
         };
         let nodes = self.source.numbers(tag, count)?;
-        let corners = match element(kind) {
+        let element = element(kind);
+        let corners = match element {
             Element::Face(corners) => &nodes[..corners],
             Element::Line => {
                 self.grid.lines += 1;
                 return Ok(());
             }
-            Element::Volume => {
-                self.grid.volumes += 1;
+            Element::Cell(kind) => &nodes[..kind.corners()],
+            Element::OtherCell => {
+                self.grid.other_cells += 1;
                 return Ok(());
             }
             Element::Point => return Ok(()),
         };
         let vertex = |&tag: &f64| self.tags.get(&(tag as u64)).copied().ok_or(tag);
         let corners: std::result::Result<Vec<u32>, f64> = corners.iter().map(vertex).collect();
-        match corners {
-            Ok(corners) => self.grid.add_face(corners),
-            Err(tag) => return Err(self.unknown_node(tag)),
+        let corners = corners.map_err(|tag| self.unknown_node(tag))?;
+        match element {
+            Element::Cell(kind) => self.grid.cells.push(kind, corners),
+            _ => self.grid.add_face(corners),
         }
         Ok(())
     }
@@ -260,7 +268,11 @@ fn element(kind: f64) -> Element {
         1 | 8 | 26..=28 => Element::Line,
         2 | 9 | 20..=25 => Element::Face(3),
         3 | 10 | 16 => Element::Face(4),
-        _ => Element::Volume,
+        4 | 11 | 29..=31 => Element::Cell(Kind::Tetrahedron),
+        5 | 12 | 17 => Element::Cell(Kind::Hexahedron),
+        6 | 13 | 18 => Element::Cell(Kind::Prism),
+        7 | 14 | 19 => Element::Cell(Kind::Pyramid),
+        _ => Element::OtherCell,
     }
 }
 
@@ -339,6 +351,15 @@ mod tests {
     }
 
     #[test]
+    fn the_outside_of_a_volume_is_read() {
+        let elements = "2\n1 4 2 0 1 10 20 30 40\n2 15 2 0 1 10\n";
+        let text = OLD[..OLD.find("$Elements").unwrap()].to_string() + "$Elements\n" + elements + "$EndElements\n";
+        let Read { mesh, notes, .. } = parse(text.as_bytes()).unwrap();
+        assert_eq!(mesh.triangles, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]);
+        assert_eq!(notes, ["1 cell fills a volume: its outside is taken"]);
+    }
+
+    #[test]
     fn errors_have_a_place() {
         for (from, to, line, words) in [
             ("2.2 0", "4.0 0", 2, "version 4, where 2 and 4.1 are read"),
@@ -353,7 +374,8 @@ mod tests {
         ] {
             fails_at(parse(OLD.replace(from, to).as_bytes()), line, words);
         }
-        let volume = OLD.replace("3 2 2 0 1 10 20 30\n4 3 1", "3 4 2 0 1 10 20 30 40\n4 4 1");
-        assert!(fault(parse(volume.as_bytes())).1.contains("cells of volumes (2), no faces"));
+        let nodes = "10 ".repeat(64);
+        let volume = OLD.replace("$Elements\n4\n", &format!("$Elements\n1\n1 92 2 0 1 {nodes}\n"));
+        assert!(fault(parse(volume.as_bytes())).1.contains("type 92 are not known"));
     }
 }

@@ -1,8 +1,11 @@
-//! Points with cells of several dimensions over them, as programs for simulation have them: the faces are read.
+//! Points with cells of several dimensions over them, as programs for simulation have them: the faces are read, or where there are
+//! none the outside of what fills a volume.
 
 use super::bytes::{NO_LINES, malformed};
+use super::cells::Cells;
 use super::faces::Faces;
 use super::text::{left_out, small_faces};
+use crate::base::count::counted;
 use crate::base::error::{Place, Result};
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
@@ -12,9 +15,11 @@ use glam::DVec3;
 pub(super) struct Grid {
     pub positions: Vec<DVec3>,
     pub faces: Faces,
-    /// Cells of one dimension, and of three.
+    /// Cells of one dimension.
     pub lines: usize,
-    pub volumes: usize,
+    /// Cells of three dimensions, and how many of further kinds.
+    pub cells: Cells,
+    pub other_cells: usize,
     pub notes: Vec<String>,
 }
 
@@ -28,20 +33,38 @@ impl Grid {
     /// The faces as triangles, and notes of what is left out.
     ///
     /// # Errors
-    /// `Error::Format` for cells that are lines or volumes only; `remedy` says what to do about volumes.
-    pub fn into_mesh(self, remedy: &str) -> Result<(Mesh, Vec<String>)> {
-        let Grid { positions, faces, lines, volumes, mut notes } = self;
-        if faces.count() == 0 && volumes > 0 {
-            let cause = format!("it holds cells of volumes ({volumes}), no faces");
+    /// `Error::Format` for cells that are lines only, or of kinds that are not known; `remedy` says what to do about these.
+    pub fn into_mesh(mut self, remedy: &str) -> Result<(Mesh, Vec<String>)> {
+        let volumes = self.cells.count().saturating_add(self.other_cells);
+        if self.faces.count() == 0 && self.other_cells > 0 {
+            let cause = format!("it holds cells of volumes ({volumes}), no faces, and not all of kinds that are known");
             return Err(malformed(Place::Whole, cause, remedy));
         }
+        let is_outside = self.faces.count() == 0 && volumes > 0;
+        if is_outside {
+            self.add_outside();
+        }
+        let Grid { positions, faces, lines, mut notes, .. } = self;
         if faces.count() == 0 && lines > 0 {
             return Err(malformed(Place::Whole, "it holds lines, no faces", NO_LINES));
         }
         small_faces(&mut notes, faces.dropped);
         left_out(&mut notes, lines, "line", "lines");
-        left_out(&mut notes, volumes, "cell of a volume", "cells of volumes");
+        if is_outside {
+            let cells = counted(volumes, "cell fills", "cells fill");
+            notes.push(format!("{cells} a volume: its outside is taken"));
+        } else {
+            left_out(&mut notes, volumes, "cell of a volume", "cells of volumes");
+        }
         let triangles = faces.triangles(&positions);
         Ok((Mesh { positions, triangles }, notes))
+    }
+
+    /// Adds the outside of the cells of volumes.
+    fn add_outside(&mut self) {
+        let cells = std::mem::take(&mut self.cells);
+        for (_, places) in cells.outside(&self.positions).sides {
+            self.add_face(places.into_iter().map(|i| cells.corner_list()[i]));
+        }
     }
 }

@@ -2,11 +2,13 @@
 //!
 //! A text is a list of keywords, most of them followed by a count and so many lines. A binary file has numbers for the
 //! keywords and the byte where the next one is behind each; its version says how wide numbers are. Read are vertices,
-//! triangles and quadrilaterals; their references, and everything else, are left out, lines and volumes with a note.
+//! triangles and quadrilaterals, or where there are none the outside of cells of volumes; their references, and everything else, are
+//! left out, lines and volumes with a note.
 //!
 //! What a file promises is held against its length before memory is reserved.
 
 use super::bytes::{EXPORT_AGAIN, malformed, u32_at};
+use super::cells::Kind;
 use super::grid::Grid;
 use super::mixed::Mixed;
 use super::numbers::{Order, Type, index};
@@ -25,7 +27,8 @@ enum Entry {
     Edges,
     /// Polygons of so many corners.
     Faces(usize),
-    Volumes,
+    /// Cells of volumes.
+    Cells(Kind),
 }
 
 const ENTRIES: [(&str, u32, Entry); 8] = [
@@ -33,10 +36,10 @@ const ENTRIES: [(&str, u32, Entry); 8] = [
     ("edges", 5, Entry::Edges),
     ("triangles", 6, Entry::Faces(3)),
     ("quadrilaterals", 7, Entry::Faces(4)),
-    ("tetrahedra", 8, Entry::Volumes),
-    ("prisms", 9, Entry::Volumes),
-    ("hexahedra", 10, Entry::Volumes),
-    ("pyramids", 49, Entry::Volumes),
+    ("tetrahedra", 8, Entry::Cells(Kind::Tetrahedron)),
+    ("prisms", 9, Entry::Cells(Kind::Prism)),
+    ("hexahedra", 10, Entry::Cells(Kind::Hexahedron)),
+    ("pyramids", 49, Entry::Cells(Kind::Pyramid)),
 ];
 
 /// The numbers of further keywords in binary files.
@@ -81,6 +84,9 @@ struct Surface {
     grid: Grid,
     /// The corners of all faces, counted from 1, and how many each face has.
     corners: Vec<(usize, [f64; 4])>,
+    /// The kinds of all cells of volumes, and their corners, counted from 1.
+    cells: Vec<Kind>,
+    of_cells: Vec<f64>,
 }
 
 impl Surface {
@@ -101,30 +107,32 @@ impl Surface {
                 corners[..count].copy_from_slice(&numbers[..count]);
                 self.corners.push((count, corners));
             }
-            Entry::Edges | Entry::Volumes => {}
+            Entry::Cells(kind) => {
+                self.cells.push(kind);
+                self.of_cells.extend(&numbers[..kind.corners()]);
+            }
+            Entry::Edges => {}
         }
         Ok(())
     }
 
-    /// Counts entries that are not read.
-    fn leave_out(&mut self, entry: Entry, count: usize) {
-        match entry {
-            Entry::Edges => self.grid.lines = self.grid.lines.saturating_add(count),
-            Entry::Volumes => self.grid.volumes = self.grid.volumes.saturating_add(count),
-            Entry::Vertices | Entry::Faces(_) => {}
-        }
-    }
-
     fn finish(mut self) -> Parsed {
         let vertices = self.grid.positions.len();
+        let vertex = |what: &str, i: usize, corner: f64| {
+            let place = || Place::Part(format!("{what} {i}"));
+            let wrong = || format!("it uses vertex {corner}, but vertices go from 1 to {vertices}");
+            index(corner - 1.0, vertices).ok_or_else(|| malformed(place(), wrong(), EXPORT_AGAIN))
+        };
         for (i, (count, corners)) in self.corners.iter().enumerate() {
-            let mut face = [0; 4];
-            for (vertex, &corner) in face.iter_mut().zip(&corners[..*count]) {
-                let place = || Place::Part(format!("face {i}"));
-                let wrong = || format!("it uses vertex {corner}, but vertices go from 1 to {vertices}");
-                *vertex = index(corner - 1.0, vertices).ok_or_else(|| malformed(place(), wrong(), EXPORT_AGAIN))?;
-            }
-            self.grid.add_face(face.into_iter().take(*count));
+            let face: Vec<u32> = corners[..*count].iter().map(|&c| vertex("face", i, c)).collect::<Result<_>>()?;
+            self.grid.add_face(face);
+        }
+        let mut rest = &self.of_cells[..];
+        for (i, &kind) in self.cells.iter().enumerate() {
+            let (corners, others) = rest.split_at(kind.corners());
+            let cell: Vec<u32> = corners.iter().map(|&c| vertex("cell", i, c)).collect::<Result<_>>()?;
+            self.grid.cells.push(kind, cell);
+            rest = others;
         }
         let (mesh, notes) = self.grid.into_mesh(SAVE_SURFACE)?;
         Ok(Read { mesh, notes, ..Read::default() })
@@ -137,7 +145,8 @@ impl Entry {
         match self {
             Entry::Vertices => Some(dimension + 1),
             Entry::Faces(corners) => Some(corners + 1),
-            Entry::Edges | Entry::Volumes => None,
+            Entry::Cells(kind) => Some(kind.corners() + 1),
+            Entry::Edges => None,
         }
     }
 }
@@ -182,10 +191,10 @@ fn count(words: &mut Words) -> Result<usize> {
 fn read_entries(words: &mut Words, entry: Entry, surface: &mut Surface) -> Result<()> {
     let count = count(words)?;
     let Some(width) = entry.width(surface.dimension) else {
-        surface.leave_out(entry, count);
+        surface.grid.lines = surface.grid.lines.saturating_add(count);
         return Ok(());
     };
-    let mut row = [0.0; 5];
+    let mut row = [0.0; 9];
     for found in 0..count {
         for number_of_row in &mut row[..width] {
             let word = words.anywhere();
@@ -239,12 +248,12 @@ fn read_binary_entries(
 ) -> Result<()> {
     let Some(width) = entry.width(surface.dimension) else {
         let count = source.size(integer, 1)?;
-        surface.leave_out(entry, count);
+        surface.grid.lines = surface.grid.lines.saturating_add(count);
         return Ok(());
     };
     let kind = if entry == Entry::Vertices { real } else { integer };
     let count = source.size(integer, (width - 1) * kind.size() + integer.size())?;
-    let mut row = [0.0; 5];
+    let mut row = [0.0; 9];
     for _ in 0..count {
         for number in &mut row[..width - 1] {
             *number = source.number(kind)?;
@@ -312,6 +321,21 @@ mod tests {
     }
 
     #[test]
+    fn the_outside_of_a_volume_is_read() {
+        let text = "MeshVersionFormatted 2 Dimension 3 Tetrahedra 2 1 2 3 4 0 2 3 4 5 0 \
+                    Vertices 5 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 0 1 1 1 0 End";
+        let Read { mesh, notes, .. } = parse(text.as_bytes()).unwrap();
+        assert_eq!(mesh.triangles.len(), 6);
+        assert_eq!(notes, ["2 cells fill a volume: its outside is taken"]);
+        let wrong = text.replace("2 3 4 5", "2 3 4 6");
+        let (place, cause) = fault(parse(wrong.as_bytes()));
+        assert_eq!(
+            (place, cause.as_str()),
+            (Place::Part("cell 1".into()), "it uses vertex 6, but vertices go from 1 to 5")
+        );
+    }
+
+    #[test]
     fn errors_have_a_place() {
         for (from, to, line, words) in [
             ("Dimension\n3", "Dimension\n4", 4, "4 dimensions"),
@@ -328,7 +352,7 @@ mod tests {
             (place, cause.as_str()),
             (Place::Part("face 0".into()), "it uses vertex 5, but vertices go from 1 to 4")
         );
-        let volume = "MeshVersionFormatted 1 Dimension 3 Vertices 1 0 0 0 0 Tetrahedra 5";
-        assert!(fault(parse(volume.as_bytes())).1.contains("no faces"));
+        let volume = "MeshVersionFormatted 1 Dimension 3 Vertices 1 0 0 0 0 Tetrahedra 5 1 1 1";
+        assert!(fault(parse(volume.as_bytes())).1.contains("the file ends after 0 of 5 entries"));
     }
 }

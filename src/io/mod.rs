@@ -18,6 +18,7 @@ pub(crate) mod base64;
 #[cfg(feature = "fs")]
 mod beside;
 mod bytes;
+mod cells;
 mod columns;
 mod companions;
 mod content;

@@ -6,10 +6,8 @@
 //! Cost: a sort of the triangles, where there are half again as many polygons as vertices. A surface of quadrilaterals has
 //! as many as it has vertices.
 
+use crate::io::cells::{Cells, Kind, Outside};
 use glam::DVec3;
-
-/// The triangles of a tetrahedron, seen from its outside if the first three corners turn left as seen from the fourth.
-const SIDES: [[usize; 3]; 4] = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 2, 3]];
 
 /// The outer triangles of tetrahedra, each as the number of its tetrahedron and the places of its corners in `corners`, which
 /// has four corners of each; `None` if these are none.
@@ -18,30 +16,13 @@ pub(super) fn outside_of(corners: &[u32], positions: &[DVec3]) -> Option<Vec<(us
     if 2 * count < 3 * positions.len() {
         return None;
     }
-    let sides = (0..count).flat_map(|t| SIDES.map(|side| (t, side.map(|k| 4 * t + k))));
-    let mut sides: Vec<([u32; 3], usize, [usize; 3])> = sides
-        .map(|(t, side)| {
-            let mut ends = side.map(|i| corners[i]);
-            ends.sort_unstable();
-            (ends, t, side)
-        })
-        .collect();
-    sides.sort_unstable();
-    let groups = || sides.chunk_by(|a, b| a.0 == b.0);
-    let shared = groups().filter(|group| group.len() == 2).count();
-    let alone = groups().filter(|group| group.len() == 1);
-    let mut outside: Vec<(usize, [usize; 3])> = alone.map(|group| (group[0].1, group[0].2)).collect();
-    if shared < outside.len() || 2 * shared + outside.len() < sides.len() {
+    let mut cells = Cells::default();
+    corners.chunks_exact(4).for_each(|cell| cells.push(Kind::Tetrahedron, cell.iter().copied()));
+    let Outside { sides, shared } = cells.outside(positions);
+    if shared < sides.len() || 2 * shared + sides.len() < 4 * count {
         return None;
     }
-    for (t, side) in &mut outside {
-        let [a, b, c, d] = [0, 1, 2, 3].map(|k| positions[corners[4 * *t + k] as usize]);
-        if (b - a).cross(c - a).dot(d - a) > 0.0 {
-            side.swap(1, 2);
-        }
-    }
-    outside.sort_unstable();
-    Some(outside)
+    Some(sides.into_iter().map(|(cell, places)| (cell, [0, 1, 2].map(|k| places[k]))).collect())
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! VTK: legacy files in text or binary, and polygons as XML (VTP).
 //!
 //! Both forms have points, cells of several kinds over them and arrays of numbers. Read are polygons, triangle strips and,
-//! of unstructured grids, the cells of two dimensions, of which those of higher order give their corners. Arrays of points
+//! of unstructured grids, the cells of two dimensions, or where there are none the outside of those of three; cells of higher order
+//! give their corners. Arrays of points
 //! become attributes: normals and texture coordinates where the file calls them so, colours where they are three or four
 //! unsigned bytes, or called `color`.
 //!
@@ -20,6 +21,7 @@ pub(crate) use write::write;
 pub(crate) use xml::parse as parse_xml;
 
 use super::bytes::{EXPORT_AGAIN, malformed};
+use super::cells::Kind;
 use super::grid::Grid;
 use super::numbers::{Type, index};
 use crate::base::error::{Error, Place, Result};
@@ -42,7 +44,11 @@ enum Cell {
     Strip,
     /// A polygon with further vertices behind so many corners.
     Curved(usize),
-    Volume,
+    /// One that fills a volume, with further vertices behind its corners or not.
+    Solid(Kind),
+    /// The same with eight corners, row by row and layer by layer.
+    Voxel,
+    OtherSolid,
 }
 
 /// What an array of points is.
@@ -82,7 +88,12 @@ impl Cell {
             8 => Cell::Pixel,
             22 | 34 => Cell::Curved(3),
             23 | 28 | 30 => Cell::Curved(4),
-            _ => Cell::Volume,
+            10 | 24 => Cell::Solid(Kind::Tetrahedron),
+            11 => Cell::Voxel,
+            12 | 25 | 29 | 33 => Cell::Solid(Kind::Hexahedron),
+            13 | 26 | 31 | 32 => Cell::Solid(Kind::Prism),
+            14 | 27 | 37 => Cell::Solid(Kind::Pyramid),
+            _ => Cell::OtherSolid,
         }
     }
 }
@@ -107,12 +118,13 @@ impl Surface {
                 self.grid.lines += 1;
                 return Ok(());
             }
-            Cell::Volume => {
-                self.grid.volumes += 1;
+            Cell::OtherSolid => {
+                self.grid.other_cells += 1;
                 return Ok(());
             }
             Cell::Curved(count) => &corners[..count.min(corners.len())],
-            Cell::Polygon | Cell::Pixel | Cell::Strip => corners,
+            Cell::Solid(kind) => &corners[..kind.corners().min(corners.len())],
+            Cell::Polygon | Cell::Pixel | Cell::Strip | Cell::Voxel => corners,
         };
         let points = self.grid.positions.len() - base;
         let vertex = |&corner: &f64| {
@@ -130,6 +142,13 @@ impl Surface {
                 }
             }
             (Cell::Pixel, &[a, b, c, d]) => self.grid.add_face([a, b, d, c]),
+            (Cell::Voxel, &[a, b, c, d, e, f, g, h]) => {
+                self.grid.cells.push(Kind::Hexahedron, [a, b, d, c, e, f, h, g]);
+            }
+            (Cell::Solid(kind), corners) if corners.len() == kind.corners() => {
+                self.grid.cells.push(kind, corners.iter().copied());
+            }
+            (Cell::Solid(_) | Cell::Voxel, _) => self.grid.other_cells += 1,
             (_, polygon) => self.grid.add_face(polygon.iter().copied()),
         }
         Ok(())

@@ -3,6 +3,7 @@ use crate::io::base64;
 use crate::io::bytes::samples::{fails_at, fault};
 use crate::io::content::Content;
 use crate::mesh::attributes::Scalar;
+use crate::mesh::topology::topology;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use std::io::Write;
@@ -77,8 +78,32 @@ fn faces_of_grids_are_read() {
     let read = grid("CELLS 3 14\n4 0 1 2 3\n3 0 1 3\n4 0 1 2 3\nCELL_TYPES 3\n8 5 10\n").unwrap();
     assert_eq!(read.mesh.triangles, [[0, 1, 3], [0, 3, 2], [0, 1, 3]]);
     assert_eq!(read.notes, ["1 cell of a volume is left out"]);
-    assert!(fault(grid("CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\n")).1.contains("cells of volumes (1), no faces"));
+    assert!(
+        fault(grid("CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n41\n")).1.contains("cells of volumes (1), no faces, and not")
+    );
     assert!(fault(grid("CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 2\n5 5\n")).1.contains("1 cells, but 2 types"));
+}
+
+#[test]
+fn the_outside_of_a_volume_is_read() {
+    // Two voxels on each other, and the same as hexahedra, of which one is of second order.
+    let points: Vec<String> = (0..12).map(|i| format!("{} {} {}", i % 2, i / 2 % 2, i / 4)).collect();
+    let head = format!(
+        "# vtk DataFile Version 2.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 12 double\n{}\n",
+        points.join("\n")
+    );
+    let voxels = "CELLS 2 18\n8 0 1 2 3 4 5 6 7\n8 4 5 6 7 8 9 10 11\nCELL_TYPES 2\n11 11\n";
+    let curved = format!("20 4 5 7 6 8 9 11 10{}", " 0".repeat(12));
+    let hexahedra = format!("CELLS 2 30\n8 0 1 3 2 4 5 7 6\n{curved}\nCELL_TYPES 2\n12 25\n");
+    for cells in [voxels, &hexahedra] {
+        let Read { mesh, notes, .. } = parse_legacy(format!("{head}{cells}").as_bytes()).unwrap();
+        let found = topology(mesh.positions.len(), &mesh.triangles);
+        assert!(found.is_manifold() && found.is_oriented() && (found.euler, found.boundary_loops) == (2, 0));
+        assert_eq!(
+            (mesh.triangles.len(), notes),
+            (20, vec!["2 cells fill a volume: its outside is taken".to_string()])
+        );
+    }
 }
 
 #[test]
