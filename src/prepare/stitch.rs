@@ -376,7 +376,7 @@ mod tests {
         let polar = |i: u32| PI * f64::from(i) / f64::from(rows);
         let place = |i: u32, j: u32| {
             let round = TAU * f64::from(j) / f64::from(columns);
-            let radius = if i % rows == 0 { off } else { polar(i).sin() };
+            let radius = if i.is_multiple_of(rows) { off } else { polar(i).sin() };
             dvec3(radius * round.cos(), radius * round.sin(), polar(i).cos())
         };
         let at = |i: u32, j: u32| i * (columns + 1) + j;
