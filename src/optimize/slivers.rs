@@ -2,8 +2,8 @@
 //!
 //! Vertices on curves cannot leave them, so where curves come nearer to each other than the wanted length the triangles
 //! between them are bad wherever the other vertices are. The ends of a needle's short side become one, and the curve along
-//! the long side of a cap bends to the corner across. At the boundary an ear is cut off, a triangle with a corner that no other one has.
-//! Each moves a curve by less than a share of the wanted length, and where two curves meet by it there is a corner then.
+//! the long side of a cap bends to the corner across. At the boundary an ear is cut off, a triangle with a corner that no other
+//! one has. Each moves a curve by less than a share of the wanted length, and where two curves meet by it there is a corner then.
 //!
 //! Cost: linear in the triangles for each pass, and a look at those around each sliver.
 

@@ -74,7 +74,8 @@ pub struct Cracks {
 ///
 /// A seam is closed only where each of its boundary edges finds a partner: no edge gets a third face by it, and no face is
 /// folded onto another. A pinhole is closed with the faces around it that have two corners there: such needles are all that
-/// lies around the pole of a globe which was sampled by angles. [`repair_welded`](crate::prepare::repair::repair_welded) is meant to follow.
+/// lies around the pole of a globe which was sampled by angles. [`repair_welded`](crate::prepare::repair::repair_welded) is
+/// meant to follow.
 pub fn stitch(mesh: &Mesh) -> Stitched {
     let mut welded = Welded::at_places(mesh);
     let mut boundary = OpenBoundary::new(&mesh.positions, &welded);
