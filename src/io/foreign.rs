@@ -1,6 +1,7 @@
 //! Files that are no mesh of a format that is read, but are often met: what they are, and what to do about it.
 
 use super::format::HEAD;
+use super::vtk;
 
 /// A kind of file that is not read.
 pub(super) struct Foreign {
@@ -74,9 +75,9 @@ const KINDS: [Foreign; 20] = [
     },
     Foreign {
         name: "a grid of VTK",
-        endings: &["vtu", "vts", "vtr", "vti", "pvtu", "pvd", "vtm", "vtkhdf"],
+        endings: &["vts", "vtr", "vti", "pvtu", "pvd", "vtm", "vtkhdf"],
         remedy: "open it in ParaView, extract its surface and save that as VTP",
-        has_signature: |head| has(head, "<VTKFile") && !has(head, "PolyData"),
+        has_signature: |head| has(head, "<VTKFile") && !has(head, "PolyData") && !vtk::is_grid(head),
     },
     Foreign {
         name: "an HDF5 file",
@@ -167,7 +168,8 @@ mod tests {
             ("x3d", b"<?xml version='1.0'?><X3D>"),
             ("drc", b"DRACO\x02\x02"),
             ("html", b"\n<!DOCTYPE html>"),
-            ("vtu", b"<VTKFile type=\"UnstructuredGrid\">"),
+            ("vts", b"<VTKFile type=\"StructuredGrid\">"),
+            ("pvtu", b"<VTKFile type=\"PUnstructuredGrid\">"),
             ("zip", b"PK\x03\x04"),
         ] {
             let name = by_content(content).unwrap().name;
@@ -178,7 +180,14 @@ mod tests {
 
     #[test]
     fn what_is_read_is_not_foreign() {
-        for content in [&b""[..], b"ply\n", b"v 0 0 0\n", b"0 0 0\n1 1 1\n", b"<VTKFile type=\"PolyData\">"] {
+        for content in [
+            &b""[..],
+            b"ply\n",
+            b"v 0 0 0\n",
+            b"0 0 0\n1 1 1\n",
+            b"<VTKFile type=\"PolyData\">",
+            b"<VTKFile type=\"UnstructuredGrid\">",
+        ] {
             assert!(by_content(content).is_none());
         }
     }

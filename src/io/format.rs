@@ -1,6 +1,6 @@
 //! The formats by name, by ending and by content.
 
-use super::{e57, las, medit, off, pcd, ply, threemf, xyz};
+use super::{e57, las, medit, off, pcd, ply, threemf, vtk, xyz};
 use crate::base::error::{Error, Result, Setting};
 use crate::mesh::attributes::{Attribute, Attributes, Lost, MATERIALS, PARTS, TEXTURE};
 use crate::mesh::materials::{Image, Look, Materials, Texture, Use};
@@ -160,7 +160,7 @@ impl Format {
             Some(Format::ThreeMf)
         } else if head.trim_ascii_start().starts_with(b"# vtk DataFile") {
             Some(Format::Vtk)
-        } else if has("<VTKFile") && has("PolyData") {
+        } else if has("<VTKFile") && (has("PolyData") || vtk::is_grid(head)) {
             Some(Format::Vtp)
         } else if pcd::has_signature(head) {
             Some(Format::Pcd)
@@ -331,6 +331,8 @@ mod tests {
             (b"PK\x03\x04 another zip", None),
             (b"# vtk DataFile Version 3.0\n", Some(Format::Vtk)),
             (b"<?xml?>\n<VTKFile type=\"PolyData\">", Some(Format::Vtp)),
+            (b"<VTKFile type='UnstructuredGrid'>", Some(Format::Vtp)),
+            (b"<VTKFile type=\"PUnstructuredGrid\">", None),
             (b"<VTKFile type=\"ImageData\">", None),
             (b"# .PCD v.7\n", Some(Format::Pcd)),
             (b"$MeshFormat\n", Some(Format::Gmsh)),

@@ -1,4 +1,4 @@
-//! VTK: legacy files in text or binary, and polygons as XML (VTP).
+//! VTK: legacy files in text or binary, and polygons (VTP) and unstructured grids (VTU) as XML.
 //!
 //! Both forms have points, cells of several kinds over them and arrays of numbers. Read are polygons, triangle strips and,
 //! of unstructured grids, the cells of two dimensions, or where there are none the outside of those of three; cells of higher order
@@ -29,6 +29,13 @@ use crate::io::content::{Parsed, Read};
 use crate::mesh::attributes::{Attribute, Attributes, COLOR, NORMAL};
 use crate::mesh::triangle_mesh::Mesh;
 use glam::{DVec2, DVec3};
+
+/// Whether a file that begins so has an unstructured grid as XML, and not only the names of other files with its pieces.
+pub(super) fn is_grid(head: &[u8]) -> bool {
+    ["\"UnstructuredGrid", "'UnstructuredGrid"]
+        .iter()
+        .any(|kind| head.windows(kind.len()).any(|w| w == kind.as_bytes()))
+}
 
 /// What to do about a grid.
 const EXTRACT: &str = "open it in ParaView, extract its surface and save that as VTP";

@@ -107,6 +107,34 @@ fn the_outside_of_a_volume_is_read() {
 }
 
 #[test]
+fn unstructured_grids_are_read_as_xml() {
+    // A tetrahedron, and a triangle beside it or not.
+    let grid = |types: &str, ends: &str| {
+        let array = |name: &str, numbers: &str| {
+            format!("<DataArray type=\"Float64\" Name=\"{name}\" format=\"ascii\">{numbers}</DataArray>")
+        };
+        let cells = ["connectivity", "offsets", "types"].into_iter().zip(["0 1 2 3 1 2 4", ends, types]);
+        let cells: String = cells.map(|(name, numbers)| array(name, numbers)).collect();
+        let points = "<DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">\
+                      0 0 0 1 0 0 0 1 0 0 0 1 1 1 1</DataArray>";
+        let heat = array("heat", "1 2 3 4 5");
+        let piece = format!("<Points>{points}</Points><Cells>{cells}</Cells><PointData>{heat}</PointData>");
+        let text = format!(
+            "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece>{piece}</Piece></UnstructuredGrid></VTKFile>"
+        );
+        parse_xml(text.as_bytes())
+    };
+    let Read { mesh, attributes, notes } = grid("10", "4").unwrap();
+    assert_eq!(mesh.triangles, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]);
+    assert_eq!(notes, ["1 cell fills a volume: its outside is taken"]);
+    assert_eq!(attributes.numbers("heat"), Ok(vec![1.0, 2.0, 3.0, 4.0, 5.0]));
+    let Read { mesh, notes, .. } = grid("10 5", "4 7").unwrap();
+    assert_eq!((mesh.triangles, notes), (vec![[1, 2, 4]], vec!["1 cell of a volume is left out".to_string()]));
+    assert!(fault(grid("10", "4 7")).1.contains("2 cells, but 1 types"));
+    assert!(fault(grid("42", "7")).1.contains("cells of volumes (1), no faces"));
+}
+
+#[test]
 fn errors_in_legacy_files_have_a_line() {
     for (from, to, line, words) in [
         ("POLYDATA", "STRUCTURED_POINTS", 4, "'STRUCTURED_POINTS', which has no faces"),

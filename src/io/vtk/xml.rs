@@ -1,4 +1,4 @@
-//! Polygons as XML. The file is read from front to back; what is appended behind its elements need not be XML, and is
+//! Polygons and unstructured grids as XML. The file is read from front to back; what is appended behind its elements need not be XML, and is
 //! taken off before.
 
 use super::arrays::{Bytes, Packing, in_bytes, in_text};
@@ -13,7 +13,7 @@ use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 use std::mem::take;
 
-/// The polygons in a VTP file.
+/// The surface in a VTP or VTU file.
 ///
 /// # Errors
 /// `Error::Format` with the byte or part of what is malformed.
@@ -76,7 +76,15 @@ enum Section {
     Points,
     PointData,
     Cells(Cell),
+    /// Cells of several kinds, as unstructured grids have them.
+    TypedCells,
     Other,
+}
+
+/// The kinds of cells: one for all, or the type of each by its number.
+enum Kinds {
+    All(Cell),
+    Each(Vec<f64>),
 }
 
 /// A piece of the surface, with points of its own.
@@ -84,9 +92,10 @@ enum Section {
 struct Piece {
     positions: Vec<f64>,
     /// The corners of its cells, and where each cell ends in them.
-    cells: Vec<(Cell, Vec<f64>, Vec<f64>)>,
+    cells: Vec<(Kinds, Vec<f64>, Vec<f64>)>,
     corners: Vec<f64>,
     ends: Vec<f64>,
+    types: Vec<f64>,
     arrays: Vec<Array>,
     /// What the file calls normals and texture coordinates.
     roles: Vec<(String, Role)>,
@@ -136,6 +145,7 @@ impl File<'_> {
             }
             "Polys" => self.section = Section::Cells(Cell::Polygon),
             "Strips" => self.section = Section::Cells(Cell::Strip),
+            "Cells" => self.section = Section::TypedCells,
             "CellData" | "Verts" | "Lines" | "FieldData" => self.section = Section::Other,
             "DataArray" if self.section != Section::Other => self.open = Some((header(tag), String::new())),
             _ => {}
@@ -154,10 +164,14 @@ impl File<'_> {
                     self.array(header, &text)?;
                 }
             }
-            "Polys" | "Strips" => {
-                if let Section::Cells(cell) = self.section {
-                    self.piece.cells.push((cell, take(&mut self.piece.corners), take(&mut self.piece.ends)));
-                }
+            "Polys" | "Strips" | "Cells" => {
+                let kinds = match self.section {
+                    Section::Cells(cell) => Some(Kinds::All(cell)),
+                    Section::TypedCells => Some(Kinds::Each(take(&mut self.piece.types))),
+                    _ => None,
+                };
+                let Piece { cells, corners, ends, .. } = &mut self.piece;
+                cells.extend(kinds.map(|kinds| (kinds, take(corners), take(ends))));
                 self.section = Section::Other;
             }
             "Points" | "PointData" | "CellData" | "Verts" | "Lines" | "FieldData" => self.section = Section::Other,
@@ -197,9 +211,11 @@ impl File<'_> {
                 let role = role.unwrap_or(Role::Plain);
                 self.piece.arrays.push(Array { name, components, values, kind, role });
             }
-            Section::Cells(_) if name == "connectivity" => self.piece.corners = values,
-            Section::Cells(_) if name == "offsets" => self.piece.ends = values,
-            Section::Cells(_) | Section::Other => {}
+            Section::Other => {}
+            _ if name == "connectivity" => self.piece.corners = values,
+            _ if name == "offsets" => self.piece.ends = values,
+            Section::TypedCells if name == "types" => self.piece.types = values,
+            Section::Cells(_) | Section::TypedCells => {}
         }
         Ok(())
     }
@@ -211,9 +227,18 @@ impl File<'_> {
         if self.surface.grid.positions.len() >= u32::MAX as usize {
             return Err(malformed(Place::Whole, "more points than 32-bit numbers can tell apart", "split the file"));
         }
-        for (cell, corners, ends) in piece.cells {
+        for (kinds, corners, ends) in piece.cells {
+            if let Kinds::Each(types) = &kinds
+                && types.len() != ends.len()
+            {
+                return Err(wrong(Place::Whole, format!("{} cells, but {} types of cells", ends.len(), types.len())));
+            }
             let mut start = 0;
-            for end in ends.into_iter().map(|end| end as usize) {
+            for (i, end) in ends.into_iter().map(|end| end as usize).enumerate() {
+                let cell = match &kinds {
+                    Kinds::All(cell) => *cell,
+                    Kinds::Each(types) => Cell::of_type(types[i]),
+                };
                 let all = corners.get(start..end).ok_or_else(|| {
                     let cause = format!("a cell goes from corner {start} to {end} of {}", corners.len());
                     wrong(Place::Part(format!("face {}", self.surface.grid.faces.count())), cause)
@@ -234,7 +259,7 @@ impl File<'_> {
 }
 
 fn packing(tag: &BytesStart) -> Result<Packing> {
-    if let Some(kind) = attribute(tag, "type").filter(|kind| kind != "PolyData") {
+    if let Some(kind) = attribute(tag, "type").filter(|kind| !["PolyData", "UnstructuredGrid"].contains(&&kind[..])) {
         return Err(malformed(Place::Whole, format!("it is of the type {}", quote(kind.as_bytes())), EXTRACT));
     }
     let compressor = attribute(tag, "compressor").filter(|name| !name.is_empty());
