@@ -2,16 +2,16 @@
 //!
 //! Vertices on curves cannot leave them, so where curves come nearer to each other than the wanted length the triangles
 //! between them are bad wherever the other vertices are. The ends of a needle's short side become one, and the curve along
-//! the long side of a cap bends to the corner across. At the boundary an ear is cut off, a triangle with a corner that no other
-//! one has. Each moves a curve by less than a share of the wanted length, and where two curves meet by it there is a corner then.
+//! the long side of a cap bends to the corner across. Either moves a curve by less than a share of the wanted length, and
+//! where two curves meet by it there is a corner then.
 //!
 //! Cost: linear in the triangles for each pass, and a look at those around each sliver.
 
 use crate::base::math;
-use crate::geom::triangle::{area, closest_point_of_segment, smallest_angle};
+use crate::geom::triangle::{area, smallest_angle};
 use crate::manifold::Manifold;
 use crate::manifold::facing::FacingGuard;
-use crate::mesh::half_edge::{OnCurve, next, prev};
+use crate::mesh::half_edge::OnCurve;
 use glam::DVec3;
 
 /// Angle in degrees below which a triangle is a sliver.
@@ -42,10 +42,7 @@ pub fn remove_slivers(mesh: &mut Manifold, spacing: f64) {
         let is_there = |mesh: &Manifold, t: u32| mesh.connectivity.has_half_edge(3 * t);
         let mut removed = 0;
         for (_, t) in slivers {
-            let goes = |mesh: &mut Manifold| {
-                cut_ear(mesh, t, spacing) || merge_ends(mesh, t, spacing) || bend_curve(mesh, t, spacing)
-            };
-            removed += usize::from(is_there(mesh, t) && goes(mesh));
+            removed += usize::from(is_there(mesh, t) && (merge_ends(mesh, t, spacing) || bend_curve(mesh, t, spacing)));
         }
         if removed == 0 {
             break;
@@ -56,25 +53,6 @@ pub fn remove_slivers(mesh: &mut Manifold, spacing: f64) {
 /// By how many degrees the smallest angle of a triangle falls short.
 fn deficit(mesh: &Manifold, corners: [u32; 3]) -> f64 {
     (SMALLEST - smallest_angle(corners.map(|v| mesh.position(v)))).max(0.0)
-}
-
-/// Cuts off triangle `t` if it is an ear, with a corner that no other triangle has, and the boundary moves little by that; whether
-/// it does.
-fn cut_ear(mesh: &mut Manifold, t: u32, spacing: f64) -> bool {
-    let c = &mesh.connectivity;
-    let Some(h) = (3 * t..3 * t + 3).find(|&h| !c.has_twin(h) && !c.has_twin(prev(h))) else { return false };
-    let [tip, a, b] = c.triangle(h);
-    let [p, q, r] = [tip, a, b].map(|v| mesh.position(v));
-    let moved = p.distance(closest_point_of_segment(p, q, r));
-    if !c.has_twin(next(h))
-        || c.is_curve_edge(next(h))
-        || moved > FARTHEST * spacing * mesh.samples[tip as usize].size
-        || !c.can_merge(h)
-    {
-        return false;
-    }
-    mesh.merge(h);
-    true
 }
 
 /// Merges the ends of the shortest side of triangle `t`; whether that was better.
@@ -235,19 +213,6 @@ mod tests {
         remove_slivers(&mut mesh, 1.0);
         assert_eq!(mesh.connectivity.vertex_count(), 81);
         assert_eq!(mesh.edges().filter(|&h| mesh.connectivity.is_curve_edge(h)).count(), 16);
-    }
-
-    #[test]
-    fn ears_that_are_short_or_flat_are_cut_off() {
-        let left = |(width, tip): (f64, [f64; 2])| {
-            let corners = [[0.0, 0.0], [width, 0.0], tip, [0.0, -0.9], [0.9, -0.5]];
-            let mut mesh = flat(&corners.map(|[x, y]| dvec3(x, y, 0.0)), &[[0, 1, 2], [1, 0, 3], [1, 3, 4]]);
-            mesh.connectivity.put_on_curve(2, OnCurve::Corner);
-            remove_slivers(&mut mesh, 1.0);
-            mesh.triangles().count()
-        };
-        // Where the ear was, the mesh is a needle then, which goes, too.
-        assert_eq!([(0.09, [0.05, 0.29]), (0.8, [0.4, 0.01]), (0.09, [0.05, 0.5])].map(left), [1, 2, 3]);
     }
 
     #[test]
