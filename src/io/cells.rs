@@ -76,7 +76,8 @@ impl Cells {
         let sides = self.list.iter().enumerate().flat_map(|(cell, &(kind, first))| {
             kind.sides().iter().enumerate().map(move |(side, places)| (self.vertices_of(first, places), cell, side))
         });
-        let mut sides: Vec<([u32; 4], usize, usize)> = sides.collect();
+        // With two corners it is none.
+        let mut sides: Vec<([u32; 4], usize, usize)> = sides.filter(|side| side.0[2] != u32::MAX).collect();
         sides.sort_unstable();
         let groups = || sides.chunk_by(|a, b| a.0 == b.0);
         let shared = groups().filter(|group| group.len() == 2).count();
@@ -87,10 +88,17 @@ impl Cells {
         Outside { sides: sides.collect(), shared }
     }
 
-    /// The vertices at these corners of the cell that begins there, in increasing order.
+    /// The vertices at these corners of the cell that begins there, in increasing order, each once: a prism may be written as a
+    /// hexahedron that has some of its corners twice.
     fn vertices_of(&self, first: usize, places: &[usize]) -> [u32; 4] {
         let mut vertices = [u32::MAX; 4];
         vertices.iter_mut().zip(places).for_each(|(v, &k)| *v = self.corners[first + k]);
+        vertices.sort_unstable();
+        for i in (1..4).rev() {
+            if vertices[i] == vertices[i - 1] {
+                vertices[i] = u32::MAX;
+            }
+        }
         vertices.sort_unstable();
         vertices
     }
@@ -164,6 +172,20 @@ mod tests {
         let found = topology(11, &triangles);
         assert!(found.is_manifold() && found.is_oriented() && (found.euler, found.boundary_loops) == (2, 0));
         assert!((volume - (1.0 + 1.0 / 3.0 + 0.5 + 1.0 / 6.0)).abs() < 1e-12, "{volume}");
+    }
+
+    #[test]
+    fn cells_with_corners_that_are_one_share_their_sides() {
+        let mut cells = ALL;
+        // The prism, and the tetrahedron beside it.
+        cells[2] = (Kind::Hexahedron, &[1, 9, 9, 2, 5, 10, 10, 6]);
+        cells[3] = (Kind::Prism, &[5, 10, 6, 8, 8, 8]);
+        let (triangles, _, volume) = outside_of(&cells);
+        let (whole, expected): (Vec<[u32; 3]>, _) =
+            (triangles.into_iter().filter(|[a, b, c]| a != b && b != c && c != a).collect(), outside_of(&ALL));
+        let found = topology(11, &whole);
+        assert!(found.is_manifold() && found.is_oriented() && found.boundary_loops == 0, "{whole:?}");
+        assert!((volume - expected.2).abs() < 1e-12 && whole.len() == expected.0.len());
     }
 
     #[test]

@@ -21,9 +21,6 @@ use crate::io::content::{Parsed, Read};
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// What to do about a mesh of a volume.
-const SAVE_ALL: &str = "save its surface elements, too: in Gmsh with the option Mesh.SaveAll";
-
 /// Numbers of nodes of the element types from 1 on.
 const NODES: [usize; 31] =
     [2, 3, 4, 4, 8, 6, 5, 3, 6, 9, 10, 27, 18, 14, 1, 8, 20, 15, 13, 9, 10, 12, 15, 15, 21, 4, 5, 6, 20, 35, 56];
@@ -36,7 +33,6 @@ enum Element {
     Face(usize),
     /// One that fills a volume, whose corners are its first nodes, too.
     Cell(Kind),
-    OtherCell,
 }
 
 /// The surface in an MSH file.
@@ -60,7 +56,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     if !has_elements {
         return Err(malformed(reader.source.place(), "it has no $Elements", CUT_SHORT));
     }
-    let (mesh, notes) = reader.grid.into_mesh(SAVE_ALL)?;
+    let (mesh, notes) = reader.grid.into_mesh()?;
     Ok(Read { mesh, notes, ..Read::default() })
 }
 
@@ -237,10 +233,6 @@ impl Reader<'_> {
                 return Ok(());
             }
             Element::Cell(kind) => &nodes[..kind.corners()],
-            Element::OtherCell => {
-                self.grid.other_cells += 1;
-                return Ok(());
-            }
             Element::Point => return Ok(()),
         };
         let vertex = |&tag: &f64| self.tags.get(&(tag as u64)).copied().ok_or(tag);
@@ -271,8 +263,8 @@ fn element(kind: f64) -> Element {
         4 | 11 | 29..=31 => Element::Cell(Kind::Tetrahedron),
         5 | 12 | 17 => Element::Cell(Kind::Hexahedron),
         6 | 13 | 18 => Element::Cell(Kind::Prism),
-        7 | 14 | 19 => Element::Cell(Kind::Pyramid),
-        _ => Element::OtherCell,
+        // 7, 14 and 19: others have no number of nodes.
+        _ => Element::Cell(Kind::Pyramid),
     }
 }
 

@@ -17,7 +17,7 @@ pub(super) struct Grid {
     pub faces: Faces,
     /// Cells of one dimension.
     pub lines: usize,
-    /// Cells of three dimensions, and how many of further kinds.
+    /// Cells of three dimensions, and how many of kinds whose sides are not known.
     pub cells: Cells,
     pub other_cells: usize,
     pub notes: Vec<String>,
@@ -33,13 +33,9 @@ impl Grid {
     /// The faces as triangles, and notes of what is left out.
     ///
     /// # Errors
-    /// `Error::Format` for cells that are lines only, or of kinds that are not known; `remedy` says what to do about these.
-    pub fn into_mesh(mut self, remedy: &str) -> Result<(Mesh, Vec<String>)> {
-        let volumes = self.cells.count().saturating_add(self.other_cells);
-        if self.faces.count() == 0 && self.other_cells > 0 {
-            let cause = format!("it holds cells of volumes ({volumes}), no faces, and not all of kinds that are known");
-            return Err(malformed(Place::Whole, cause, remedy));
-        }
+    /// `Error::Format` for cells that are lines only.
+    pub fn into_mesh(mut self) -> Result<(Mesh, Vec<String>)> {
+        let volumes = self.cells.count() + self.other_cells;
         let is_outside = self.faces.count() == 0 && volumes > 0;
         if is_outside {
             self.add_outside();

@@ -17,9 +17,6 @@ use crate::base::error::{Error, Place, Result};
 use crate::io::content::{Parsed, Read};
 use glam::DVec3;
 
-/// What to do about a mesh of a volume.
-const SAVE_SURFACE: &str = "save the triangles of its surface, too";
-
 /// The entries that are read or counted, by their keyword and its number in binary files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Entry {
@@ -134,7 +131,7 @@ impl Surface {
             self.grid.cells.push(kind, cell);
             rest = others;
         }
-        let (mesh, notes) = self.grid.into_mesh(SAVE_SURFACE)?;
+        let (mesh, notes) = self.grid.into_mesh()?;
         Ok(Read { mesh, notes, ..Read::default() })
     }
 }

@@ -5,6 +5,7 @@ use crate::base::monitor::{Monitor, Overall};
 use crate::base::parallel;
 use crate::job::input::Input;
 use crate::job::thinning::{note, of_use_for_sampling};
+use crate::mesh::attributes::Attribute;
 use crate::pipeline::{self, ReconstructOptions, Reconstructed, SampleOptions, Sampled, Signal, points_of_mesh};
 use crate::report::noise;
 use crate::spatial::kdtree::Neighbors;
@@ -47,7 +48,8 @@ pub fn sample(input: &Input, options: &SampleOptions, monitor: &dyn Monitor) -> 
 /// of the nearest point of a cloud.
 fn with_attributes(sampled: Sampled, input: &Input) -> Sampled {
     let attributes = input.attributes();
-    if attributes.vertex.is_empty() {
+    // Samples have normals of their own.
+    if attributes.vertex.iter().all(Attribute::is_normal) {
         return sampled;
     }
     if let Some(indices) = &sampled.indices {

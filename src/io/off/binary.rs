@@ -41,7 +41,7 @@ pub(super) fn parse(bytes: &[u8], start: usize, further: Further) -> Parsed {
         read_face(&mut source, &mut grid)?;
     }
     let left = source.rest().len();
-    let (mesh, mut notes) = grid.into_mesh("")?;
+    let (mesh, mut notes) = grid.into_mesh()?;
     if left > 0 {
         notes.push(format!("{left} bytes after the last face are left out"));
     }

@@ -1,8 +1,8 @@
 //! VTK: legacy files in text or binary, and polygons (VTP) and unstructured grids (VTU) as XML.
 //!
 //! Both forms have points, cells of several kinds over them and arrays of numbers. Read are polygons, triangle strips and,
-//! of unstructured grids, the cells of two dimensions, or where there are none the outside of those of three; cells of higher order
-//! give their corners. Arrays of points
+//! of unstructured grids, the cells of two dimensions, or where there are none the outside of those of three; cells of higher
+//! order give their corners. Arrays of points
 //! become attributes: normals and texture coordinates where the file calls them so, colours where they are three or four
 //! unsigned bytes, or called `color`.
 //!
@@ -162,7 +162,12 @@ impl Surface {
     }
 
     fn finish(self) -> Parsed {
-        let (mesh, mut notes) = self.grid.into_mesh(EXTRACT)?;
+        let Grid { faces, other_cells, .. } = &self.grid;
+        if faces.count() == 0 && *other_cells > 0 {
+            let cause = format!("it holds cells of volumes, {other_cells} of kinds that are not known, and no faces");
+            return Err(malformed(Place::Whole, cause, EXTRACT));
+        }
+        let (mesh, mut notes) = self.grid.into_mesh()?;
         let attributes = attributes(self.arrays, &mesh, &mut notes);
         Ok(Read { mesh, attributes, notes })
     }

@@ -1,5 +1,5 @@
-//! Polygons and unstructured grids as XML. The file is read from front to back; what is appended behind its elements need not be XML, and is
-//! taken off before.
+//! Polygons and unstructured grids as XML. The file is read from front to back; what is appended behind its elements need not
+//! be XML, and is taken off before.
 
 use super::arrays::{Bytes, Packing, in_bytes, in_text};
 use super::{Array, Cell, EXTRACT, Role, Surface, wrong};
