@@ -4,12 +4,12 @@ use crate::base::error::{Error, Fault, Result, Setting};
 use crate::base::monitor::{Monitor, check};
 use crate::geom::eigen::{eigen, scatter};
 use crate::mesh::points::Points;
-use crate::mesh::topology::components;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::prepare::clean::{merged, wanted_by_others};
 use crate::prepare::cloud_normals::{MANY_NEIGHBORS, Neighborhood, plane_normals, sphere_normals};
 use crate::prepare::flatten::{Flatness, flatness, flattened};
 use crate::prepare::orient::{disagreement, orient, side_with};
+use crate::prepare::outside::{face_outwards, turn_outwards};
 use crate::prepare::thin::Thinned;
 use crate::spatial::kdtree::Neighbors;
 use crate::spatial::knn_graph::{DEGREE, NeighborGraph};
@@ -170,6 +170,11 @@ impl CloudSummary {
     pub fn thin(&mut self, thinned: &Thinned) {
         (self.thinned_from, self.cell) = (thinned.points, thinned.cell);
     }
+
+    /// Whether the normals that so many points have tell no outside.
+    fn tells_no_outside(&self, points: usize) -> bool {
+        SIDED * (self.estimated_normals + self.turned_normals) > points
+    }
 }
 
 /// A mesh through the points of a cloud.
@@ -237,7 +242,7 @@ impl Prepared {
 
     /// Whether none of the input's normals tells which side is outside.
     pub fn has_no_outside(&self) -> bool {
-        SIDED * (self.summary.estimated_normals + self.summary.turned_normals) > self.source.len()
+        self.summary.tells_no_outside(self.source.len())
     }
 }
 
@@ -408,6 +413,9 @@ fn normals(
     }
     let part = orient(positions, &mut normals, graph);
     summary.turned_normals = side_with(&given, &mut normals, &part);
+    if summary.tells_no_outside(positions.len()) {
+        turn_outwards(positions, &mut normals, &part, &graph.spacings(positions));
+    }
     if missing > 0 && options.fit.unwrap_or(fit) == NormalFit::Sphere {
         for _ in 0..SPHERES {
             let spheres = sphere_normals(positions, &normals, &neighborhood);
@@ -416,33 +424,4 @@ fn normals(
         }
     }
     normals
-}
-
-/// A component is a sheet, with an upper side and no outside, if at least this share of its area faces one way.
-const SHEET: f64 = 0.6;
-
-/// Turns over the components that look inwards; of those that are sheets, like ground, the ones that look down.
-pub(super) fn face_outwards(mesh: &mut Mesh) {
-    let component = components(mesh.positions.len(), &mesh.triangles);
-    let components = component.iter().max().map_or(0, |&p| p as usize + 1);
-    let mut origin = vec![DVec3::ZERO; components];
-    component.iter().zip(&mesh.positions).for_each(|(&p, x)| origin[p as usize] = *x);
-    let mut volume = vec![0.0; components];
-    let mut area = vec![(DVec3::ZERO, 0.0); components];
-    for (t, corners) in mesh.triangles.iter().enumerate() {
-        let p = component[corners[0] as usize] as usize;
-        let [a, b, c] = mesh.corners(t).map(|x| x - origin[p]);
-        volume[p] += a.dot(b.cross(c));
-        area[p].0 += mesh.area_vector(t);
-        area[p].1 += mesh.area_vector(t).length();
-    }
-    let looks_in = |p: usize| {
-        let (sum, all) = area[p];
-        let upwards = [sum.z, sum.y, sum.x].into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs()));
-        if sum.length() > SHEET * all { upwards < Some(0.0) } else { volume[p] < 0.0 }
-    };
-    let turned: Vec<bool> = (0..components).map(looks_in).collect();
-    for t in mesh.triangles.iter_mut().filter(|t| turned[component[t[0] as usize] as usize]) {
-        t.swap(1, 2);
-    }
 }

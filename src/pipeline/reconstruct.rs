@@ -7,10 +7,9 @@ use crate::contour::lattice::{BYTES_PER_VERTEX, Lattice};
 use crate::mesh::points::Points;
 use crate::mesh::topology::{Topology, topology};
 use crate::mesh::triangle_mesh::Mesh;
-use crate::pipeline::cloud::{
-    CloudOptions, CloudSummary, INTERPOLATING_SUPPORT, Prepared, face_outwards, no_surface, prepared,
-};
+use crate::pipeline::cloud::{CloudOptions, CloudSummary, INTERPOLATING_SUPPORT, Prepared, no_surface, prepared};
 use crate::pipeline::density::check_length;
+use crate::prepare::outside::face_outwards;
 use crate::prepare::repair::repair;
 use crate::surface::implicit::Rimls;
 

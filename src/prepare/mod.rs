@@ -8,6 +8,7 @@ pub mod coarsen;
 pub mod flatten;
 pub mod needles;
 pub mod orient;
+pub mod outside;
 pub mod repair;
 pub mod stitch;
 pub mod thin;

@@ -296,10 +296,10 @@ fn a_subset_of_a_cloud() {
     let ball = sphere(5, DVec3::ZERO, 1.0);
     let without = subset(&cloud(ball.positions.clone()), 400);
     assert_eq!(without.points.positions().len(), 400);
-    // Normals that are not given are estimated, all to the same side.
+    // Normals that are not given are estimated, all outwards.
     let facing = |(p, n): (&DVec3, &DVec3)| n.dot(*p);
     let sides: Vec<f64> = without.points.positions().iter().zip(without.points.normals()).map(facing).collect();
-    assert!(sides.iter().all(|side| side * sides[0] > 0.99), "{sides:?}");
+    assert!(sides.iter().all(|side| *side > 0.99), "{sides:?}");
     let with = Points::new(ball.positions.clone(), ball.positions.iter().map(|p| 3.0 * *p).collect()).unwrap();
     let options = SampleOptions { scan_only: true, sigma_n: 0.5, ..count(400) };
     let both = sample_points(&with, &options, &()).unwrap();
@@ -330,13 +330,25 @@ fn blue_noise_on_a_cloud() {
         let made = sample_points(points, &count(n), &()).unwrap();
         assert_eq!((made.points.positions().len(), made.points.normals().len(), made.wanted), (n, n, Some(n)));
         assert!(made.indices.is_none() && made.notes.is_empty(), "{:?}", made.notes);
-        let side = (made.points.positions()[0] - centre).dot(made.points.normals()[0]).signum();
         for (p, normal) in made.points.positions().iter().zip(made.points.normals()) {
             let out = (*p - centre) / 20.0;
-            assert!((out.length() - 1.0).abs() < 3e-3 && side * normal.dot(out) > 0.99, "{p} {normal}");
+            assert!((out.length() - 1.0).abs() < 3e-3 && normal.dot(out) > 0.99, "{p} {normal}");
         }
         let rho = poisson_disk_radius(&Space, made.points.positions(), ball.area());
         assert!(rho > 0.7, "{n}: {rho}");
+    }
+}
+
+#[test]
+fn samples_of_points_without_normals_look_outwards_and_upwards() {
+    let balls = [dvec3(-3.0, 0.0, 0.0), dvec3(3.0, 1.0, 0.0)].map(|centre| (centre, sphere(4, centre, 1.0)));
+    let ground = (0..900).map(|i| dvec3(f64::from(i % 30), f64::from(i / 30), f64::from(i % 7) * 0.02 - 20.0) * 0.1);
+    let positions = balls.iter().flat_map(|(_, ball)| ball.positions.clone()).chain(ground).collect();
+    let made = sample_points(&cloud(positions), &count(600), &()).unwrap();
+    for (p, normal) in made.points.positions().iter().zip(made.points.normals()) {
+        let near = balls.iter().find(|(centre, _)| p.distance(*centre) < 1.5);
+        let out = near.map_or(DVec3::Z, |(centre, _)| *p - *centre);
+        assert!(normal.dot(out) > 0.9, "{p} {normal}");
     }
 }
 

@@ -192,16 +192,12 @@ fn samples_are_like_those_of_the_whole() {
     assert_eq!((parts.points.positions().len(), tiles >= 4), (whole.points.positions().len(), true));
     let ((mean, deviation), (expected, usual)) = (nearest(parts.points.positions()), nearest(whole.points.positions()));
     assert!((mean / expected - 1.0).abs() < 0.01 && deviation < 1.3 * usual, "{mean} {expected} {deviation} {usual}");
-    // On the torus, up to a twentieth of their distance, and with normals on the side that the whole has.
+    // On the torus, up to a twentieth of their distance, and with normals that look outwards.
     let outwards = |p: DVec3| p - 3.0 * p.with_z(0.0).normalize();
     let off = parts.points.positions().iter().map(|p| (outwards(*p).length() - 1.0).abs()).fold(0.0, f64::max);
     assert!(off < 0.05 * mean, "{off} {mean}");
-    let cosines = |of: &Points| -> Vec<f64> {
-        let pairs = of.positions().iter().zip(of.normals());
-        pairs.map(|(p, n)| outwards(*p).normalize().dot(*n)).collect()
-    };
-    let side = cosines(&whole.points)[0].signum();
-    assert!(cosines(&parts.points).iter().all(|cosine| side * cosine > 0.99));
+    let looks_outwards = |(p, n): (&DVec3, &DVec3)| outwards(*p).normalize().dot(*n) > 0.99;
+    assert!(parts.points.positions().iter().zip(parts.points.normals()).all(looks_outwards));
 }
 
 #[test]
