@@ -53,8 +53,8 @@ Examples:
   remesh quality clean.ply --against scan.ply
       measure any mesh, and how far it is from another one
 
-Formats, by the ending of the file: obj, ply, stl, off, gltf, glb, 3mf, vtp; and, only read, vtk, msh,
-mesh, meshb. Points without triangles are read from most of them, from pcd, las, laz and e57, and
+Formats, by the ending of the file: obj, ply, stl, off, gltf, glb, 3mf, vtp; and, only read, vtk, vtu,
+msh, mesh, meshb. Points without triangles are read from most of them, from pcd, las, laz and e57, and
 from columns of numbers: xyz, xyzn, pts, asc, txt. Behind any of these .gz may follow.
 
 Exit status:
