@@ -33,6 +33,7 @@ def remesh(
     weld: float | None = None,
     smooth: bool | float | None = None,
     fill_holes: float = 0.0,
+    terrain: bool | None = None,
     normal_fit: Literal["plane", "sphere"] | None = None,
     normal_neighbors: int | None = None,
     normal_radius: float | None = None,
@@ -75,6 +76,8 @@ def remesh(
         smooth: Smooth noise away first: points reach as far as so many mean distances of neighbouring ones, 2.7 with ``True``;
             ``False``, or 0, smooths nothing. By default only clouds with noise are smoothed, as with ``True``.
         fill_holes: Close holes of a cloud whose bounding box has no longer a diagonal, in the units of the input.
+        terrain: Whether a cloud is of terrain: what is seen from above becomes a sheet with one height at each place; z is up.
+            By default, if it looks like that and many points would be left out otherwise.
         normal_fit: What normals of a cloud are fitted to. By default planes, or spheres with ``smooth``.
         normal_neighbors: How many neighbours they are fitted to. By default 8, or 16 with ``smooth``.
         normal_radius: How far away these neighbours may be instead, in the units of the input.
@@ -113,6 +116,7 @@ def remesh(
         "weld": weld,
         "smooth": smooth,
         "fill_holes": fill_holes,
+        "terrain": terrain,
         "normal_fit": normal_fit,
         "normal_neighbors": normal_neighbors,
         "normal_radius": normal_radius,

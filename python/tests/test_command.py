@@ -65,6 +65,7 @@ SAME = {
             "bare.xyz --points 400 --normal-fit sphere --normal-radius 0.5 --fill-holes 0.1",
             {"points": 400, "normal_fit": "sphere", "normal_radius": 0.5, "fill_holes": 0.1},
         ),
+        ("bare.xyz --points 300 --terrain", {"points": 300, "terrain": True}),
     ],
     "sample": [
         ("data/blob.obj --points 500 --seed 3 --sweeps 4 --threads 2", {"points": 500, "seed": 3, "sweeps": 4, "threads": 2}),

@@ -90,6 +90,7 @@ fn in_pieces(job: &Remeshing) -> Option<SampleOptions> {
         && surface.max_error.is_none()
         && surface.optimize
         && cloud.fill_holes == 0.0
+        && cloud.terrain != Some(true)
         && job.levels.is_empty()
         && job.sizing.is_none();
     // A base mesh is made in memory even so.

@@ -10,9 +10,9 @@ use crate::mesh::provenance::Origins;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::{
     CloudOptions, CloudSummary, Coverage, Density, Grading, LostComponents, Options, Remeshed, Remesher, Signal,
-    check_levels, mesh_of_points,
+    check_levels, mesh_of_cloud,
 };
-use crate::report::{Report, left_out, noise};
+use crate::report::{Report, left_out, noise, terrain};
 use crate::transfer::vertex::{Carried, carry};
 use glam::DVec3;
 use std::borrow::Cow;
@@ -154,7 +154,8 @@ fn finished(
     let coverage = surface.cloud.as_ref().map(|cloud| cloud.coverage(&remeshed));
     coverage.iter().for_each(|coverage| remeshed.hold_against_points(coverage));
     let of_points = surface.cloud.as_ref().zip(coverage).map(|(Cloud { summary, .. }, coverage)| {
-        left_out(summary, &coverage).into_iter().chain(noise(summary)).collect::<Vec<String>>()
+        let terrain = options.cloud.terrain.is_none().then(|| terrain(summary)).flatten();
+        [terrain, left_out(summary, &coverage), noise(summary)].into_iter().flatten().collect::<Vec<String>>()
     });
     let of_points = of_points.unwrap_or_default();
     remeshed.notes.extend(of_points.clone());
@@ -237,17 +238,20 @@ impl<'a> Surface<'a> {
         }
         resolved.grading.check(input.as_mesh().positions.len())?;
         let smooth = options.cloud.smooth.or(options.surface.smooth);
-        let mut made = mesh_of_points(&input.as_points()?, &CloudOptions { smooth, ..options.cloud.clone() }, monitor)?;
+        let cloud = CloudOptions { smooth, ..options.cloud.clone() };
+        let mut made = mesh_of_cloud(&input.as_points()?, &cloud, resolved.density, monitor)?;
         let grading = resolved.grading.of(&made.source);
         if let Some(thinned) = input.thinning() {
             made.summary.thin(thinned);
         }
+        // A sheet is smoothed like any mesh.
+        let smooth = if made.summary.plan_cell > 0.0 { smooth } else { None };
         let positions = made.surface_points.iter().map(|&p| input.as_mesh().positions[p as usize]).collect();
         Ok(Surface {
             attributes: Cow::Owned(input.attributes().of_vertices(&made.source)),
             input: input.as_mesh(),
             of_points: Some(Arc::new(made.mesh)),
-            options: Options { grading, smooth: None, of_points: true, ..resolved },
+            options: Options { grading, smooth, of_points: true, ..resolved },
             points: Some(input.numbers(made.source)),
             cloud: Some(Cloud {
                 summary: made.summary,

@@ -28,6 +28,7 @@ pub struct RemeshSettings {
     pub within: Option<Selection>,
     pub select: Option<Selection>,
     pub fill_holes: f64,
+    pub terrain: Option<bool>,
     pub normals: NormalSettings,
     pub max_error: Option<MaxError>,
     /// Whether the result gets the attributes of the input.
@@ -91,6 +92,7 @@ impl RemeshSettings {
             within,
             select,
             fill_holes,
+            terrain,
             normals,
             max_error,
             attributes,
@@ -114,7 +116,8 @@ impl RemeshSettings {
             sweeps: Options::default().sweeps,
         };
         let carry = if attributes { Carry::All } else { Carry::Nothing };
-        Ok(RemeshOptions { surface, cloud: normals.resolve(smooth, fill_holes)?, carry, without_report: false })
+        let cloud = CloudOptions { fill_holes, terrain, ..normals.resolve(smooth)? };
+        Ok(RemeshOptions { surface, cloud, carry, without_report: false })
     }
 }
 
@@ -146,7 +149,7 @@ impl SampleSettings {
                 remedy: "leave it out, or let samples move".into(),
             });
         }
-        let cloud = normals.resolve(smooth, 0.0)?;
+        let cloud = normals.resolve(smooth)?;
         let density = given.ok_or_else(not_dense)?;
         Ok(SampleOptions { density, sigma_n, signals, scan_only, levels, seed, sweeps, cloud })
     }
@@ -159,17 +162,17 @@ impl ReconstructSettings {
     /// Those of [`RemeshSettings::resolve`].
     pub fn resolve(self) -> Result<ReconstructOptions> {
         let ReconstructSettings { resolution, smooth, normals } = self;
-        Ok(ReconstructOptions { resolution, cloud: normals.resolve(smooth, 0.0)? })
+        Ok(ReconstructOptions { resolution, cloud: normals.resolve(smooth)? })
     }
 }
 
 impl NormalSettings {
-    /// What to make of a cloud, with as much smoothing and as large holes closed as are given.
-    fn resolve(self, smooth: Option<f64>, fill_holes: f64) -> Result<CloudOptions> {
+    /// What to make of a cloud, with as much smoothing as is given.
+    fn resolve(self, smooth: Option<f64>) -> Result<CloudOptions> {
         let NormalSettings { fit, neighbors, radius } = self;
         at_most_one([(Setting::NormalNeighbors, neighbors.is_some()), (Setting::NormalRadius, radius.is_some())])?;
         let neighborhood = neighbors.map(Reach::Count).or(radius.map(Reach::Radius));
-        Ok(CloudOptions { fit, neighborhood, smooth, fill_holes })
+        Ok(CloudOptions { fit, neighborhood, smooth, ..CloudOptions::default() })
     }
 }
 
@@ -240,6 +243,7 @@ mod tests {
             within: None,
             select: None,
             fill_holes: 0.0,
+            terrain: None,
             normals: NormalSettings::default(),
             max_error: None,
             attributes: true,

@@ -34,11 +34,14 @@ pub struct CloudOptions {
     /// Holes whose bounding box has at most this diagonal, in the units of the input, are closed. Default: 0, holes larger than
     /// the gaps between points stay.
     pub fill_holes: f64,
+    /// Whether the points are of terrain: those that are seen from above become a sheet with one height at each place; z is up.
+    /// Default: `None`, if they look like that and many would be left out otherwise.
+    pub terrain: Option<bool>,
 }
 
 impl Default for CloudOptions {
     fn default() -> Self {
-        CloudOptions { fit: None, neighborhood: None, smooth: None, fill_holes: 0.0 }
+        CloudOptions { fit: None, neighborhood: None, smooth: None, fill_holes: 0.0, terrain: None }
     }
 }
 
@@ -149,6 +152,12 @@ pub struct CloudSummary {
     /// How many shreds these are.
     #[serde(default)]
     pub shreds: usize,
+    /// The width of the cells of the plan of which the highest point each was used, if the points are of terrain; 0 if they are not.
+    #[serde(default)]
+    pub plan_cell: f64,
+    /// Points that are lower than another one in such a cell.
+    #[serde(default)]
+    pub below: usize,
     /// Whether there is noise that smoothing would take away.
     #[serde(default)]
     pub noisy: bool,
@@ -246,6 +255,45 @@ impl Prepared {
     }
 }
 
+/// The points of a cloud at different places that are no outliers.
+pub(super) struct Cleaned {
+    pub points: Points,
+    /// For each the point of the input that it is.
+    pub source: Vec<u32>,
+    near: Neighbors,
+    graph: NeighborGraph,
+}
+
+impl Cleaned {
+    /// Those of `points`, counted in `summary`.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] for points without an area; [`Error::Cancelled`] if the monitor asks for it.
+    pub fn of(points: &Points, summary: &mut CloudSummary, monitor: &dyn Monitor) -> Result<Cleaned> {
+        let (points, source) = merged(points);
+        summary.duplicates = summary.points - points.positions().len();
+        refuse_without_surface(points.positions())?;
+        let all = Cleaned::with_neighbors(points, source);
+        check(monitor)?;
+        let wanted = wanted_by_others(&all.graph, all.source.len());
+        summary.outliers = wanted.iter().filter(|w| !**w).count();
+        if summary.outliers == 0 {
+            return Ok(all);
+        }
+        let kept: Vec<u32> = (0..wanted.len() as u32).filter(|&p| wanted[p as usize]).collect();
+        let source = kept.iter().map(|&p| all.source[p as usize]).collect();
+        let cleaned = Cleaned::with_neighbors(all.points.pick(&kept), source);
+        check(monitor)?;
+        Ok(cleaned)
+    }
+
+    fn with_neighbors(points: Points, source: Vec<u32>) -> Cleaned {
+        let near = Neighbors::new(points.positions());
+        let graph = NeighborGraph::new(points.positions(), &near, DEGREE);
+        Cleaned { points, source, near, graph }
+    }
+}
+
 /// Cleans `points` and gives them normals.
 ///
 /// # Errors
@@ -254,22 +302,7 @@ pub(super) fn prepared(points: &Points, options: &CloudOptions, monitor: &dyn Mo
     options.validate()?;
     monitor.stage("clean");
     let mut summary = CloudSummary { points: points.positions().len(), ..CloudSummary::default() };
-    let (mut points, mut source) = merged(points);
-    summary.duplicates = summary.points - points.positions().len();
-    refuse_without_surface(points.positions())?;
-    let mut near = Neighbors::new(points.positions());
-    let mut graph = NeighborGraph::new(points.positions(), &near, DEGREE);
-    check(monitor)?;
-    let wanted = wanted_by_others(&graph, points.positions().len());
-    summary.outliers = wanted.iter().filter(|w| !**w).count();
-    if summary.outliers > 0 {
-        let kept: Vec<u32> = (0..wanted.len() as u32).filter(|&p| wanted[p as usize]).collect();
-        points = points.pick(&kept);
-        source = kept.iter().map(|&p| source[p as usize]).collect();
-        near = Neighbors::new(points.positions());
-        graph = NeighborGraph::new(points.positions(), &near, DEGREE);
-    }
-    check(monitor)?;
+    let Cleaned { mut points, source, mut near, mut graph } = Cleaned::of(points, &mut summary, monitor)?;
     let spacing = mean(&graph.spacings(points.positions()));
     let flatness = flatness(points.positions(), &near);
     summary.noisy = matches!(flatness, Flatness::NotQuite | Flatness::At(_));

@@ -33,7 +33,7 @@ pub struct Coverage {
 const FAR: f64 = 3.0;
 
 /// The share of points that may be missed: tips and shreds that a scan has only a few points of.
-const MOST_MISSED: f64 = 0.05;
+pub(super) const MOST_MISSED: f64 = 0.05;
 
 impl Coverage {
     /// That of `points` by `mesh`, which has triangles; `spacing` is the larger mean spacing of both.

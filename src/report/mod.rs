@@ -19,6 +19,6 @@ pub use crate::quality::distance::Distance;
 pub use crate::quality::shape::Shape;
 pub use failure::{FAILURE_SCHEMA, Failure};
 pub use remeshing::{
-    AttributesKept, Crossings, Measured, Report, SCHEMA, Sampling, all_to_json, all_to_text, left_out, noise,
+    AttributesKept, Crossings, Measured, Report, SCHEMA, Sampling, all_to_json, all_to_text, left_out, noise, terrain,
 };
 pub use run::{Lap, RunSummary};

@@ -326,14 +326,27 @@ pub fn noise(cloud: &CloudSummary) -> Option<String> {
     ))
 }
 
+/// That points without triangles were taken for terrain by themselves, and what else there is to do; `None` if they were not.
+pub fn terrain(cloud: &CloudSummary) -> Option<String> {
+    (cloud.plan_cell > 0.0).then(|| {
+        format!(
+            "the points look like terrain, of which a surface in space would leave many out: what is seen from above is used, \
+             the highest point of each cell {:.4e} wide; with terrain off they are joined in space",
+            cloud.plan_cell
+        )
+    })
+}
+
 /// Which points of a cloud are not on the result, and why; `None` if all are.
 pub fn left_out(cloud: &CloudSummary, coverage: &Coverage) -> Option<String> {
     let shreds = counted(cloud.shreds, "shred", "shreds");
     let shreds = format!("on {shreds} too small for a surface, which nothing joins with the rest");
+    let below = format!("below others in cells of {:.4e}", cloud.plan_cell);
     let far = format!("farther than {:.4e} from the result", coverage.within);
     let parts = [
         (cloud.outliers, "no other point's neighbours (outliers)"),
         (cloud.in_shreds, &shreds),
+        (cloud.below, &below),
         (cloud.unused, "no corner of the first mesh, since neighbours do not agree on a surface there"),
         (coverage.missed, &far),
     ];

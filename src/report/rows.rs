@@ -157,12 +157,14 @@ fn sharp_edges(report: &Report) -> Vec<String> {
 
 /// What became of the points of a cloud.
 fn points_used(cloud: &CloudSummary) -> Vec<String> {
-    let &CloudSummary { points, duplicates, outliers, in_shreds, unused, estimated_normals, turned_normals, .. } =
-        cloud;
+    let &CloudSummary {
+        points, duplicates, outliers, in_shreds, unused, estimated_normals, turned_normals, below, ..
+    } = cloud;
     let others = [
         (duplicates, "at the place of another one", "at the place of another one"),
         (outliers, "outlier", "outliers"),
         (in_shreds, "on shreds too small for a surface", "on shreds too small for a surface"),
+        (below, "below another one of terrain", "below others of terrain"),
         (unused, "other that no triangle uses", "others that no triangle uses"),
         (estimated_normals, "normal estimated", "normals estimated"),
         (turned_normals, "normal turned over", "normals turned over"),

@@ -10,6 +10,7 @@ pub mod mutual_tessellation;
 mod neighborhood;
 mod neighbors_of_patch;
 mod patch_topology;
+pub mod plan;
 pub mod points;
 pub mod rims;
 pub mod star;

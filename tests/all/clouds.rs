@@ -400,6 +400,60 @@ fn sphere_and_shred() -> Vec<DVec3> {
     sphere(3_000).into_iter().chain(shred).collect()
 }
 
+/// Points of an airborne scan: hills, and trees with points all through their crowns, over ground that is seen as well.
+fn forest() -> Vec<DVec3> {
+    let mut rng = random();
+    let ground = |x: f64, y: f64| 3.0 * (0.1 * x).sin() * (0.08 * y).cos();
+    let mut points: Vec<DVec3> = (0..9000)
+        .map(|_| [100.0 * unit(&mut rng), 90.0 * unit(&mut rng)])
+        .map(|[x, y]| dvec3(x, y, ground(x, y)))
+        .collect();
+    for tree in 0..30 {
+        let (x, y) = (f64::from(tree % 6) * 16.0 + 8.0, f64::from(tree / 6) * 17.0 + 9.0);
+        let crown = (0..80).map(|_| 2.5 * on_sphere(&mut rng) * unit(&mut rng).cbrt());
+        points.extend(crown.map(|p| p + dvec3(x, y, ground(x, y) + 9.0)));
+    }
+    points
+}
+
+#[test]
+fn terrain_with_trees_is_one_sheet_as_seen_from_above() {
+    let points: Vec<[f64; 3]> = forest().iter().map(DVec3::to_array).collect();
+    let given = Input::points(&points);
+    let surface = Options { density: Density::Points(1200), ..Options::default() };
+    let meshed = |terrain| {
+        let cloud = CloudOptions { terrain, ..CloudOptions::default() };
+        let options = RemeshOptions { surface: surface.clone(), cloud, ..RemeshOptions::default() };
+        spectral_remesh::remesh(&given, &options, &()).unwrap()
+    };
+    let by_itself = meshed(None);
+    assert!(by_itself.shortcomings.is_empty(), "{:?}", by_itself.shortcomings);
+    assert_eq!((audit(&by_itself.mesh), by_itself.mesh.positions.len()), ((1, 1, 1), 1200));
+    assert!(by_itself.warnings[0].contains("look like terrain"), "{:?}", by_itself.warnings);
+    // It looks upwards, covers all of the ground, and trees are above that.
+    let seen: f64 = (0..by_itself.mesh.triangles.len()).map(|t| by_itself.mesh.area_vector(t).z / 2.0).sum();
+    assert!((8700.0..9000.0).contains(&seen), "{seen}");
+    let trees = by_itself.mesh.positions.iter().filter(|p| p.z > 6.0).count();
+    assert!((30..300).contains(&trees), "{trees}");
+    let asked = meshed(Some(true));
+    assert_eq!(asked.mesh, by_itself.mesh);
+    assert!(!asked.warnings.iter().any(|w| w.contains("look like")));
+    assert!(audit(&meshed(Some(false)).mesh).1 > 1);
+}
+
+#[test]
+fn a_ball_is_no_terrain_unless_that_is_asked_for() {
+    let ball: Vec<[f64; 3]> = sphere(20_000).iter().map(DVec3::to_array).collect();
+    let options = RemeshOptions {
+        surface: Options { density: Density::Points(500), ..Options::default() },
+        cloud: CloudOptions { terrain: Some(true), ..CloudOptions::default() },
+        ..RemeshOptions::default()
+    };
+    let dome = spectral_remesh::remesh(&Input::points(&ball), &options, &()).unwrap();
+    assert_eq!(audit(&dome.mesh), (1, 1, 1));
+    assert!(dome.mesh.positions.iter().all(|p| p.z > -0.5));
+}
+
 #[test]
 fn points_on_shreds_are_counted_as_such() {
     let made = connect(&cloud(sphere_and_shred()));

@@ -78,6 +78,7 @@ impl Form {
             within: None,
             select: None,
             fill_holes,
+            terrain: None,
             normals: NormalSettings::default(),
             max_error: max_error.map(|word| read(MaxError, words::max_error(&word))).transpose()?,
             attributes,

@@ -245,11 +245,13 @@ mod tests {
         assert_eq!(remeshing("remesh a b --points 5 --select red").options.surface.part, mark("red", None));
         assert_eq!(remeshing("remesh a b --points 5 --select red=-1").options.surface.part, mark("red", Some(-1.0)));
         assert_eq!(remeshing("remesh a b --points 5 --select a=b=2").options.surface.part, mark("a=b", Some(2.0)));
-        let cloud = remeshing("remesh a b --points 5 --normal-fit sphere --normal-neighbors 9 --fill-holes 2 --smooth")
-            .options
-            .cloud;
+        let line = "remesh a b --points 5 --normal-fit sphere --normal-neighbors 9 --fill-holes 2 --terrain --smooth";
+        let cloud = remeshing(line).options.cloud;
         let (fit, neighborhood) = (Some(NormalFit::Sphere), Some(Reach::Count(9)));
-        assert_eq!(cloud, CloudOptions { fit, neighborhood, smooth: Some(2.7), fill_holes: 2.0 });
+        assert_eq!(cloud, CloudOptions { fit, neighborhood, smooth: Some(2.7), fill_holes: 2.0, terrain: Some(true) });
+        let terrain = |line: &str| remeshing(line).options.cloud.terrain;
+        assert_eq!(terrain("remesh a b --points 5 --terrain no"), Some(false));
+        assert_eq!(terrain("remesh a b --points 5"), None);
         let options = remeshing("remesh a b --points auto --max-error 0.5%").options.surface;
         assert_eq!((options.density, options.max_error), (Density::Auto, Some(MaxError::OfDiagonal(0.005))));
         let options = remeshing("remesh a b --points 9 --max-error 0.5").options.surface;

@@ -8,6 +8,7 @@ use crate::job::settings::RemeshSettings;
 use crate::job::words::{features, mark, max_error, points, positive};
 use crate::pipeline::{CloudOptions, Density, MaxError, Options, SMOOTHING_SUPPORT, Selection, Signal, check_levels};
 use crate::surface::features::Features;
+use clap::builder::BoolishValueParser;
 use std::path::PathBuf;
 
 /// What tells the main command from the others, which lack it.
@@ -67,6 +68,10 @@ pub(super) struct RemeshArgs {
     /// Close holes of a cloud that fit in a box with this diagonal, in the units of the input
     #[arg(long, value_name = "SIZE", default_value_t = CloudOptions::default().fill_holes, allow_negative_numbers = true)]
     fill_holes: f64,
+    /// Whether a cloud is of terrain: what is seen from above becomes a sheet with one height at each place; z is up
+    /// [default: if it looks like that and many points would be left out otherwise]
+    #[arg(long, value_name = "yes|no", num_args = 0..=1, default_missing_value = "yes", value_parser = BoolishValueParser::new())]
+    terrain: Option<bool>,
     #[command(flatten)]
     normals: NormalArgs,
     /// Remesh only what is inside this box, in the units of the input; the rest stays as it is to the last bit. --points
@@ -137,6 +142,7 @@ impl RemeshArgs {
             within,
             select,
             fill_holes,
+            terrain,
             normals,
             max_error,
             no_attributes,
@@ -171,6 +177,7 @@ impl RemeshArgs {
             within,
             select,
             fill_holes,
+            terrain,
             normals: normals.into(),
             max_error,
             attributes: !no_attributes,

@@ -1,0 +1,167 @@
+//! From points of terrain to a mesh: a sheet that has one height at each place, as seen from above. An airborne scan has
+//! points on ground and roofs, few on walls and many within trees, so that no surface in space has all of them.
+//!
+//! Of the points that are less than a vertex of the result apart in the plan, the highest is of the sheet: what is below it,
+//! like the ground under a tree, cannot be seen. z is up.
+
+use crate::base::error::{Error, Fault, Result};
+use crate::base::monitor::{Monitor, check};
+use crate::mesh::points::Points;
+use crate::mesh::triangle_mesh::Mesh;
+use crate::pipeline::cloud::{Cleaned, CloudOptions, CloudSummary, MeshOfPoints, mesh_of_points, no_surface};
+use crate::pipeline::coverage::MOST_MISSED;
+use crate::pipeline::density::Density;
+use crate::pipeline::scale::spacing_on;
+use crate::triangulate::plan::triangulate_plan;
+use glam::{DVec2, DVec3};
+use rustc_hash::FxHashMap;
+use std::collections::hash_map::Entry;
+
+/// Width of the cells of the plan of which the highest point each is of the sheet, in spacings of the vertices: finer ones have
+/// spikes between vertices, as trees are.
+const CELL: f64 = 0.8;
+
+/// Points of terrain are flat in most cells of [`IN_CELL`] points: half of them have less relief than this share of their width.
+/// Of four airborne scans it is .02 to .13, of clouds of other things .46 and more.
+const MOST_RELIEF: f64 = 0.25;
+
+/// Points in a cell of which the relief is taken, on the mean.
+const IN_CELL: f64 = 4.0;
+
+/// A sheet has gaps that the cells do not have, as between lines of a scan, if its area is more than this many times theirs.
+const MOST_GAPS: f64 = 1.5;
+
+/// Rounds in which the width of cells with [`IN_CELL`] points is found.
+const ROUNDS: usize = 6;
+
+/// The mesh that is remeshed for a cloud: through all of its points in space or, if that is asked for, or if the points are of
+/// terrain and many would be left out, through those that are seen from above.
+///
+/// # Errors
+/// Those of [`mesh_of_points`].
+pub fn mesh_of_cloud(
+    points: &Points,
+    options: &CloudOptions,
+    density: Density,
+    monitor: &dyn Monitor,
+) -> Result<MeshOfPoints> {
+    if options.terrain == Some(true) {
+        options.validate()?;
+        monitor.stage("clean");
+        return mesh_of_terrain(points, density, monitor);
+    }
+    let in_space = mesh_of_points(points, options, monitor);
+    let leaves_many_out = match &in_space {
+        Ok(MeshOfPoints { summary, surface_points, .. }) => {
+            (summary.unused + summary.in_shreds) as f64 > MOST_MISSED * surface_points.len() as f64
+        }
+        Err(error) => matches!(error, Error::Mesh { fault: Fault::NoSurface, .. }),
+    };
+    let is_terrain = || plan(points.positions()).is_some_and(|plan| plan.relief < MOST_RELIEF);
+    if options.terrain.is_none() && leaves_many_out && is_terrain() {
+        return mesh_of_terrain(points, density, monitor);
+    }
+    in_space
+}
+
+/// The sheet through the points that are seen from above.
+fn mesh_of_terrain(points: &Points, density: Density, monitor: &dyn Monitor) -> Result<MeshOfPoints> {
+    let mut summary = CloudSummary { points: points.positions().len(), ..CloudSummary::default() };
+    let Cleaned { points, source, .. } = Cleaned::of(points, &mut summary, monitor)?;
+    monitor.stage("connect");
+    let none = || no_surface(points.positions().len());
+    let mut area = plan(points.positions()).ok_or_else(none)?.area;
+    loop {
+        let sheet = Sheet::over(points.positions(), area, density).ok_or_else(none)?;
+        check(monitor)?;
+        if sheet.area > MOST_GAPS * area {
+            area = sheet.area;
+            continue;
+        }
+        let source: Vec<u32> = sheet.seen.iter().map(|&p| source[p as usize]).collect();
+        summary.plan_cell = sheet.cell;
+        summary.below = points.positions().len() - source.len();
+        let (mesh, surface_points) = (sheet.mesh, source.clone());
+        return Ok(MeshOfPoints { mesh, surface_points, source, spacing: sheet.cell, summary });
+    }
+}
+
+/// A sheet through the highest points of cells of the plan.
+struct Sheet {
+    mesh: Mesh,
+    /// For each of its vertices the point that it is.
+    seen: Vec<u32>,
+    /// The width of the cells.
+    cell: f64,
+    /// Its area as seen from above.
+    area: f64,
+}
+
+impl Sheet {
+    /// That of points that cover about this area as seen from above; `None` if they are on a line.
+    fn over(points: &[DVec3], area: f64, density: Density) -> Option<Sheet> {
+        let of_points = (area / points.len() as f64).sqrt();
+        let cell = CELL * spacing_on(area, density).unwrap_or(of_points).max(of_points);
+        let seen = highest_of_cells(points, cell);
+        let positions: Vec<DVec3> = seen.iter().map(|&p| points[p as usize]).collect();
+        let plan: Vec<DVec2> = positions.iter().map(|p| p.truncate()).collect();
+        let triangles = triangulate_plan(&plan);
+        let of_triangle = |&[a, b, c]: &[u32; 3]| {
+            let [a, b, c] = [a, b, c].map(|v| plan[v as usize]);
+            (b - a).perp_dot(c - a) / 2.0
+        };
+        let area = triangles.iter().map(of_triangle).sum();
+        (!triangles.is_empty()).then_some(Sheet { mesh: Mesh { positions, triangles }, seen, cell, area })
+    }
+}
+
+/// Points as seen from above.
+struct Plan {
+    /// The area that they cover.
+    area: f64,
+    /// The median of the differences of height within cells, as a share of their width.
+    relief: f64,
+}
+
+/// The plan of points; `None` if they have no area from above.
+fn plan(positions: &[DVec3]) -> Option<Plan> {
+    let low = positions.iter().copied().reduce(DVec3::min)?;
+    let extent = positions.iter().copied().reduce(DVec3::max)? - low;
+    let count = positions.len() as f64;
+    let mut width = (IN_CELL * extent.x * extent.y / count).sqrt();
+    let mut heights: FxHashMap<[i64; 2], [f64; 2]> = FxHashMap::default();
+    for _ in 0..ROUNDS {
+        if !(width > 0.0 && width.is_finite()) {
+            return None;
+        }
+        heights.clear();
+        for p in positions {
+            let [low, high] = heights.entry(cell_of(*p, width)).or_insert([p.z, p.z]);
+            (*low, *high) = (low.min(p.z), high.max(p.z));
+        }
+        width *= (IN_CELL * heights.len() as f64 / count).sqrt();
+    }
+    let mut reliefs: Vec<f64> = heights.values().map(|[low, high]| (high - low) / width).collect();
+    let middle = reliefs.len() / 2;
+    let relief = *reliefs.select_nth_unstable_by(middle, f64::total_cmp).1;
+    Some(Plan { area: heights.len() as f64 * width * width, relief })
+}
+
+/// For each cell of a lattice of this width the highest of the points in it, the first of equally high ones, in their order.
+fn highest_of_cells(positions: &[DVec3], width: f64) -> Vec<u32> {
+    let mut highest: FxHashMap<[i64; 2], u32> = FxHashMap::default();
+    for (i, p) in positions.iter().enumerate() {
+        match highest.entry(cell_of(*p, width)) {
+            Entry::Vacant(cell) => drop(cell.insert(i as u32)),
+            Entry::Occupied(mut cell) if positions[*cell.get() as usize].z < p.z => drop(cell.insert(i as u32)),
+            Entry::Occupied(_) => {}
+        }
+    }
+    let mut seen: Vec<u32> = highest.into_values().collect();
+    seen.sort_unstable();
+    seen
+}
+
+fn cell_of(p: DVec3, width: f64) -> [i64; 2] {
+    [p.x, p.y].map(|x| (x / width).floor() as i64)
+}
