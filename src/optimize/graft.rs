@@ -20,6 +20,7 @@ use crate::spatial::self_intersections::faces_of;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::OnceLock;
 
 /// Distance, in spacings, from corners of crossing faces within which the mesh is replaced.
 const REACH: f64 = 2.0;
@@ -44,7 +45,7 @@ pub fn graft(domain: &Domain, mesh: &mut Manifold, fine: &Manifold, missed: &Ver
         return VertexSet::EMPTY;
     }
     let first_new = mesh.connectivity.vertex_bound();
-    let source = Source::new(fine, spacing);
+    let source = Source::new(fine, spacing, first_new);
     let crossing = faces_of(crossings.avoidable.clone()).into_iter().flat_map(|t| mesh.connectivity.triangle(3 * t));
     let places: Vec<Sample> = crossing.map(|v| mesh.samples[v as usize]).collect();
     let wrong = &source.near(&places) | missed;
@@ -72,12 +73,16 @@ struct Source<'a> {
     fine: &'a Manifold,
     neighbors: Neighbors,
     spacing: f64,
+    /// For each vertex of the mesh that gets the parts its nearest one, once that was asked for.
+    nearest: Vec<OnceLock<Option<u32>>>,
 }
 
 impl Source<'_> {
-    fn new(fine: &Manifold, spacing: f64) -> Source<'_> {
+    /// Parts of `fine` for a mesh with so many `vertices`.
+    fn new(fine: &Manifold, spacing: f64, vertices: u32) -> Source<'_> {
         let positions: Vec<DVec3> = fine.samples.iter().map(|s| s.position).collect();
-        Source { fine, neighbors: Neighbors::new(&positions), spacing }
+        let nearest = (0..vertices).map(|_| OnceLock::new()).collect();
+        Source { fine, neighbors: Neighbors::new(&positions), spacing, nearest }
     }
 
     /// The vertices near `places` that face the same way.
@@ -96,11 +101,15 @@ impl Source<'_> {
         self.fine.connectivity.has_vertex(v) && self.fine.samples[v as usize].normal.dot(place.normal) > 0.0
     }
 
-    /// The nearest vertex that faces the way of `place`, if one of those that are near does.
-    fn nearest(&self, place: &Sample) -> Option<u32> {
-        let mut found = Vec::new();
-        self.neighbors.collect_nearest(place.position, NEAREST, &mut found);
-        found.into_iter().map(|n| n.point).find(|&v| self.faces(v, place))
+    /// The vertex nearest to vertex `v` of `mesh` that faces the same way, if one of those that are near does.
+    fn nearest(&self, mesh: &Manifold, v: u32) -> Option<u32> {
+        let place = &mesh.samples[v as usize];
+        let search = || {
+            let mut found = Vec::new();
+            self.neighbors.collect_nearest(place.position, NEAREST, &mut found);
+            found.into_iter().map(|n| n.point).find(|&v| self.faces(v, place))
+        };
+        self.nearest.get(v as usize).map_or_else(search, |known| *known.get_or_init(search))
     }
 
     /// The `wrong` vertices and some rings around them, in connected parts.
@@ -116,9 +125,8 @@ impl Source<'_> {
         let bounds = Aabb::of(patch.vertices(self.fine).into_iter().map(|v| self.fine.position(v)))?;
         let margin = 2.0 * REACH * self.spacing;
         let gives_way = |v: u32| {
-            let here = &mesh.samples[v as usize];
-            bounds.distance_squared(here.position) <= margin * margin
-                && self.nearest(here).is_some_and(|near| is_of_patch.contains(near))
+            bounds.distance_squared(mesh.position(v)) <= margin * margin
+                && self.nearest(mesh, v).is_some_and(|near| is_of_patch.contains(near))
         };
         let replaced = Patch::around(mesh, largest_part(mesh, &VertexSet::new(mesh, gives_way)))?;
         let rims = patch.rims.len().min(replaced.rims.len());

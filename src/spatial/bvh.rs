@@ -32,6 +32,9 @@ const LEAF: usize = 4;
 /// Subtrees of fewer triangles are sorted by one thread: distributing them would cost as much as sorting them.
 const PARALLEL_ABOVE: usize = 4096;
 
+/// Triangles that looking at all of them is as good for as a search.
+const FEW: usize = 32;
+
 /// Most nodes that a search sets aside, one for each level: a tree over 2^32 triangles has no more levels.
 const DEEPEST: usize = 33;
 
@@ -55,6 +58,19 @@ pub struct Hit {
     pub point: DVec3,
     /// Its squared distance to the query point.
     pub distance_squared: f64,
+}
+
+impl Hit {
+    /// The hit on triangle `t` instead, if that is nearer to `p`; of equally near ones that on the triangle with the lower index.
+    #[inline]
+    fn or_nearer(&mut self, mesh: &Mesh, t: u32, p: DVec3) {
+        let point = triangle::closest_point(p, mesh.corners(t as usize));
+        let distance_squared = p.distance_squared(point);
+        if distance_squared < self.distance_squared || (distance_squared == self.distance_squared && t < self.triangle)
+        {
+            *self = Hit { triangle: t, point, distance_squared };
+        }
+    }
 }
 
 /// A triangle on its way to its leaf.
@@ -122,6 +138,24 @@ impl Bvh {
         accept: impl Fn(u32) -> bool,
     ) -> Option<Hit> {
         self.closest_or_near(mesh, p, 0.0, max_distance_squared, accept)
+    }
+
+    /// [`Self::closest_where`] where `accept` holds for no others than its `own` triangles, in any order: a few of them are looked
+    /// at one by one, since a great many others may be as near.
+    pub fn closest_among(
+        &self,
+        mesh: &Mesh,
+        own: impl ExactSizeIterator<Item = u32>,
+        p: DVec3,
+        max_distance_squared: f64,
+        accept: impl Fn(u32) -> bool,
+    ) -> Option<Hit> {
+        if own.len() > FEW {
+            return self.closest_where(mesh, p, max_distance_squared, accept);
+        }
+        let mut best = Hit { triangle: u32::MAX, point: p, distance_squared: max_distance_squared };
+        own.filter(|&t| accept(t)).for_each(|t| best.or_nearer(mesh, t, p));
+        (best.triangle != u32::MAX).then_some(best)
     }
 
     /// [`Self::closest_where`], but the search ends at any triangle whose squared distance is below `near`.
@@ -288,18 +322,7 @@ impl Bvh {
 
     #[inline]
     fn search_leaf(&self, node: u32, mesh: &Mesh, p: DVec3, accept: &impl Fn(u32) -> bool, best: &mut Hit) {
-        for &t in self.leaf(node) {
-            if !accept(t) {
-                continue;
-            }
-            let point = triangle::closest_point(p, mesh.corners(t as usize));
-            let distance_squared = p.distance_squared(point);
-            if distance_squared < best.distance_squared
-                || (distance_squared == best.distance_squared && t < best.triangle)
-            {
-                *best = Hit { triangle: t, point, distance_squared };
-            }
-        }
+        self.leaf(node).iter().filter(|&&t| accept(t)).for_each(|&t| best.or_nearer(mesh, t, p));
     }
 
     #[inline]

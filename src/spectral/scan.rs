@@ -26,6 +26,7 @@ use crate::surface::domain::{Domain, Sample};
 use crate::surface::lift::Lift;
 use glam::{DVec3, IVec3};
 use rayon::slice::ParallelSliceMut;
+use rustc_hash::FxHashMap;
 
 /// The threshold ε (paper, section 6.3).
 pub const EPSILON: f64 = 0.5;
@@ -41,6 +42,9 @@ const SPAN: i32 = BLOCK + 2 * HALO;
 
 /// Squared distance, in units of σ, within which a single neighbour has s = 1 - k² at most ε: ln(1 / (1 - ε)) / 2.
 pub(super) const TOO_NEAR: f64 = std::f64::consts::LN_2 / 2.0;
+
+/// Members of a patch that looking at all of them is as good for as the cells: no more than are asked in any case.
+const FEW: usize = MOST_NEIGHBOURS;
 
 /// Marks the end of a cell's list.
 const END: u32 = u32::MAX;
@@ -278,6 +282,8 @@ struct Neighborhood<'a, const D: usize> {
     cell: f64,
     heads: Vec<u32>,
     members: Vec<Member<D>>,
+    /// The members of each patch, those of patches with many as far as [`FEW`].
+    of_patch: FxHashMap<u32, Vec<u32>>,
     measure: Measure<D>,
     found: Vec<(f64, u32)>,
 }
@@ -289,10 +295,20 @@ struct Member<const D: usize> {
     next: u32,
 }
 
+impl<const D: usize> Member<D> {
+    /// Its squared distance from `x`, which is `here`, in units of σ, if it is a neighbour on the same patch; `scale` is 1 / σ².
+    #[inline]
+    fn seen_from(&self, x: &Sample, here: &[f64; D], scale: f64) -> Option<f64> {
+        let distance = distance_squared(&self.coordinates, here) * scale;
+        (distance < RADIUS * RADIUS && self.normal.dot(x.normal) >= 0.0).then_some(distance)
+    }
+}
+
 impl<'a, const D: usize> Neighborhood<'a, D> {
     fn new(origin: IVec3, kernel: Kernel<'a>, cell: f64) -> Self {
         let heads = vec![END; (SPAN * SPAN * SPAN) as usize];
-        Neighborhood { origin, kernel, cell, heads, members: Vec::new(), measure: Measure::new(), found: Vec::new() }
+        let (members, of_patch, measure, found) = (Vec::new(), FxHashMap::default(), Measure::new(), Vec::new());
+        Neighborhood { origin, kernel, cell, heads, members, of_patch, measure, found }
     }
 
     fn cell_of(&self, p: DVec3) -> IVec3 {
@@ -303,14 +319,29 @@ impl<'a, const D: usize> Neighborhood<'a, D> {
         let c = self.cell_of(sample.position);
         if c.cmpge(IVec3::ZERO).all() && c.cmplt(IVec3::splat(SPAN)).all() {
             let head = &mut self.heads[(c.x + SPAN * (c.y + SPAN * c.z)) as usize];
-            let next = std::mem::replace(head, self.members.len() as u32);
+            let number = self.members.len() as u32;
+            let next = std::mem::replace(head, number);
+            let own = self.of_patch.entry(patch).or_default();
+            if own.len() <= FEW {
+                own.push(number);
+            }
             let coordinates = self.kernel.lift.coordinates(sample);
             self.members.push(Member { coordinates, normal: sample.normal, patch, next });
         }
     }
 
-    /// Whether s(x) > ε. The nearest cells, tested first, settle most cases; then come all in reach.
+    /// Whether s(x) > ε. The members of a patch that has a few are all asked. Else the nearest cells, tested first, settle most
+    /// cases; then come all in reach.
     fn changes_spectrum(&mut self, x: &Sample, patch: u32) -> bool {
+        let Some(own) = self.of_patch.get(&patch) else { return true };
+        if own.len() <= FEW {
+            let (here, sigma) = (self.kernel.lift.coordinates(x), self.sigma_at(x));
+            let scale = 1.0 / (sigma * sigma);
+            let seen = |&i: &u32| Some((self.members[i as usize].seen_from(x, &here, scale)?, i));
+            self.found.clear();
+            self.found.extend(own.iter().filter_map(seen));
+            return self.exceeds_epsilon(&here, sigma);
+        }
         let p = x.position / self.cell;
         let home = self.cell_of(x.position);
         let towards = (p - p.floor()).round().as_ivec3() - 1;
@@ -344,8 +375,9 @@ impl<'a, const D: usize> Neighborhood<'a, D> {
                     let mut i = self.heads[cell as usize];
                     while i != END {
                         let m = &self.members[i as usize];
-                        let d = distance_squared(&m.coordinates, here) * scale;
-                        if d < RADIUS * RADIUS && m.patch == patch && m.normal.dot(x.normal) >= 0.0 {
+                        if m.patch == patch
+                            && let Some(d) = m.seen_from(x, here, scale)
+                        {
                             self.found.push((d, i));
                         }
                         i = m.next;

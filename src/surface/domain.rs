@@ -3,6 +3,7 @@
 //!
 //! It is cut open along its sharp edges, so that walks, normals and projections stay within a smooth patch.
 
+use crate::base::csr::Csr;
 use crate::geom::aabb::Aabb;
 use crate::geom::triangle::{barycentric, closest_point};
 use crate::mesh::cut::{Cut, OfSides, cut};
@@ -50,6 +51,8 @@ pub struct Domain {
     provenance: Provenance,
     /// The connected patch of each vertex: its smooth patch.
     pub patch: Vec<u32>,
+    /// The triangles of each patch.
+    of_patch: Csr<u32>,
     /// The boundary and the sharp edges.
     pub curves: Curves,
     /// Unit normal at each vertex; zero where all its triangles are flat.
@@ -124,6 +127,8 @@ impl Domain {
         );
         let Cut { mesh, twin, across, original } = cut;
         let patch = components(mesh.positions.len(), &mesh.triangles);
+        let patches = patch.iter().max().map_or(0, |&last| last as usize + 1);
+        let of_patch = Csr::new(patches, || mesh.triangles.iter().map(|t| patch[t[0] as usize]).zip(0u32..));
         let sizes = Vec::new();
         Domain {
             mesh,
@@ -132,6 +137,7 @@ impl Domain {
             original,
             provenance,
             patch,
+            of_patch,
             curves,
             vertex_normals,
             sizes,
@@ -325,7 +331,8 @@ impl Domain {
         let here = closest_point(p, self.mesh.corners(near as usize));
         let bound = p.distance_squared(here);
         let faces = |t: u32| self.patch_of(t) == patch && self.mesh.area_vector(t as usize).dot(normal) > 0.0;
-        let hit = self.bvh.closest_where(&self.mesh, p, bound, faces);
+        let own = self.of_patch.row(patch).iter().copied();
+        let hit = self.bvh.closest_among(&self.mesh, own, p, bound, faces);
         let (t, point) = hit.map_or((near, here), |h| (h.triangle, h.point));
         self.sample(t, barycentric(point, self.mesh.corners(t as usize)))
     }

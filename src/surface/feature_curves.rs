@@ -6,7 +6,7 @@
 //!
 //! Cost: linear in the sides on curves, plus a bounding-volume hierarchy of them for the long ones.
 
-use crate::geom::triangle::{closest_point, closest_point_of_segment};
+use crate::geom::triangle::closest_point_of_segment;
 use crate::mesh::cut::{Cut, OfSides};
 use crate::mesh::half_edge::next;
 use crate::mesh::topology::NONE;
@@ -19,9 +19,6 @@ const CORNER_TURN: f64 = 0.72;
 
 /// Longest chord in lengths of the whole curve: a circle turns by 36 degrees along two such chords.
 const LONGEST_CHORD: f64 = 0.1;
-
-/// Sides of a curve that looking at all of them is as good for as the hierarchy over all curves.
-const FEW: usize = 32;
 
 /// A curve of a surface.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -114,18 +111,8 @@ impl Curves {
     /// The segment of curve `curve` closest to `p`, of equally close ones the first.
     fn closest_segment(&self, p: DVec3, curve: u32) -> Option<u32> {
         let own = self.before[curve as usize]..self.before[curve as usize + 1];
-        if own.len() > FEW {
-            let hit = self.bvh.closest_where(&self.segments, p, f64::INFINITY, |i| own.contains(&i));
-            return hit.map(|hit| hit.triangle);
-        }
-        let mut best = (None, f64::INFINITY);
-        for i in own {
-            let distance_squared = closest_point(p, self.segments.corners(i as usize)).distance_squared(p);
-            if distance_squared < best.1 {
-                best = (Some(i), distance_squared);
-            }
-        }
-        best.0
+        let hit = self.bvh.closest_among(&self.segments, own.clone(), p, f64::INFINITY, |i| own.contains(&i));
+        hit.map(|hit| hit.triangle)
     }
 }
 
@@ -334,7 +321,7 @@ mod tests {
 
     #[test]
     fn the_closest_point_of_a_curve_is_on_that_curve_whether_it_has_few_or_many_sides() {
-        for sides in [4, 2 * FEW as u32] {
+        for sides in [4, 100] {
             let (_, curves) = curves_of(sheet(sides, |_, _| 0.0), Features::Smooth);
             assert_eq!(curves.list.len(), 4);
             for curve in 0..4 {

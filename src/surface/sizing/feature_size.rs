@@ -16,6 +16,7 @@
 //!
 //! Limits: strips narrower than `SHORTEST` of the length elsewhere keep triangles that are longer than they are wide.
 
+use crate::base::csr::Csr;
 use crate::base::parallel;
 use crate::geom::triangle::closest_point_of_segment;
 use crate::mesh::half_edge::next;
@@ -68,6 +69,8 @@ pub(super) struct Sides {
     segments: Mesh,
     bvh: Bvh,
     patch: Vec<u32>,
+    /// The sides of each patch.
+    of_patch: Csr<u32>,
     along: Vec<Along>,
     /// The vertex that each side leaves.
     vertex: Vec<u32>,
@@ -100,7 +103,9 @@ impl Sides {
         }
         let triangles = (0..along.len() as u32).map(|i| [2 * i, 2 * i + 1, 2 * i + 1]).collect();
         let segments = Mesh { positions, triangles };
-        Sides { bvh: Bvh::new(&segments), segments, patch, along, vertex, curves }
+        let patches = patch.iter().max().map_or(0, |&last| last as usize + 1);
+        let of_patch = Csr::new(patches, || patch.iter().copied().zip(0u32..));
+        Sides { bvh: Bvh::new(&segments), segments, patch, of_patch, along, vertex, curves }
     }
 
     pub fn count(&self) -> usize {
@@ -118,7 +123,8 @@ impl Sides {
         let faces = |j: u32| {
             self.patch[j as usize] == self.patch[i] && self.turned_back(domain, here, i, j as usize) == Some(rim)
         };
-        let hit = self.bvh.closest_where(&self.segments, here, reach * reach, faces);
+        let own = self.of_patch.row(self.patch[i]).iter().copied();
+        let hit = self.bvh.closest_among(&self.segments, own, here, reach * reach, faces);
         hit.map_or(f64::INFINITY, |hit| hit.distance_squared.sqrt())
     }
 
