@@ -4,6 +4,7 @@
 //! others. Halving the edges mostly helps; the rest of the surface gets longer edges, so that the number of vertices stays. Where
 //! the surface has folds finer than that, edges that pass over them help.
 
+use crate::base::parallel;
 use crate::spatial::kdtree::Neighbors;
 use crate::surface::domain::Domain;
 use crate::surface::sizing::sizes_with_room;
@@ -50,7 +51,7 @@ impl Resizing {
 
     /// In how many attempts something went wrong near `p`, where edges are to have that length.
     fn times(&self, p: DVec3, length: f64) -> usize {
-        let is_near = |places: &&Neighbors| !places.within(p, REACH * length).is_empty();
+        let is_near = |places: &&Neighbors| places.has_within(p, REACH * length);
         self.unsound.iter().filter(is_near).count()
     }
 }
@@ -62,7 +63,7 @@ pub(super) fn sizes_at(places: &[DVec3], factor: f64, domain: &Domain, spacing: 
     if factor > 1.0 {
         return Some(longer_at(&places, factor, domain, spacing));
     }
-    let is_near = |p: DVec3, length: f64| !places.within(p, REACH * length).is_empty();
+    let is_near = |p: DVec3, length: f64| places.has_within(p, REACH * length);
     shorter_by(domain, spacing, |p, length| if is_near(p, length) { factor } else { f64::INFINITY })
 }
 
@@ -80,10 +81,10 @@ fn longer_at(places: &Neighbors, factor: f64, domain: &Domain, spacing: f64) -> 
 
 /// The lengths of `domain` of which that `share` is left, for a place and the length wanted there; others make up for the number of
 /// vertices.
-fn shorter_by(domain: &Domain, spacing: f64, share: impl Fn(DVec3, f64) -> f64) -> Option<Vec<f64>> {
+fn shorter_by(domain: &Domain, spacing: f64, share: impl Fn(DVec3, f64) -> f64 + Sync) -> Option<Vec<f64>> {
     let sizes = domain.sizes();
-    let wanted: Vec<f64> =
-        sizes.iter().zip(&domain.mesh.positions).map(|(size, &p)| size * share(p, size * spacing)).collect();
+    let at_vertex = |v: usize| sizes[v] * share(domain.mesh.positions[v], sizes[v] * spacing);
+    let wanted = parallel::map(0..sizes.len(), at_vertex);
     sizes_with_room(domain, &sizes, &wanted, spacing)
 }
 

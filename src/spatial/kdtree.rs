@@ -72,6 +72,13 @@ impl Neighbors {
         found.retain(|n| n.distance_squared <= radius * radius);
     }
 
+    /// Whether any point is within `radius` of `p`, `radius` included.
+    pub fn has_within(&self, p: DVec3, radius: f64) -> bool {
+        let mut nearest = Vec::new();
+        self.collect_nearest(p, 1, &mut nearest);
+        nearest.first().is_some_and(|n| n.distance_squared <= radius * radius)
+    }
+
     /// All points within `radius` of `p`, `radius` included, the nearest first; of equally near ones the smaller
     /// number.
     pub fn within(&self, p: DVec3, radius: f64) -> Vec<Neighbor> {
@@ -161,5 +168,6 @@ mod tests {
         let one = Neighbors::new(&[DVec3::X]);
         assert_eq!(one.within(DVec3::ZERO, 1.0), [Neighbor { point: 0, distance_squared: 1.0 }]);
         assert_eq!(one.within(DVec3::ZERO, 0.99), []);
+        assert!(one.has_within(DVec3::ZERO, 1.0) && !one.has_within(DVec3::ZERO, 0.99));
     }
 }
