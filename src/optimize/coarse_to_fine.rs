@@ -84,17 +84,19 @@ pub fn missed(fine: &Manifold, refined: &Manifold, spacing: f64) -> VertexSet {
     let faces = Faces::new(refined);
     let positions: Vec<DVec3> = fine.samples.iter().map(|s| s.position).collect();
     let neighbors = Neighbors::new(&positions);
-    let is_missed = |sample: &Sample| !faces.any_within(sample.position, MISSED * spacing * sample.size);
-    let mut found = Vec::new();
-    let mut missed = VertexSet::EMPTY;
-    for p in places {
-        neighbors.collect_within(p, CLEARANCE * spacing, &mut found);
-        let near = || found.iter().map(|n| n.point).filter(|&v| fine.connectivity.has_vertex(v));
-        if near().any(|v| is_missed(&fine.samples[v as usize])) {
-            near().for_each(|v| missed.insert(v));
-        }
-    }
-    missed
+    let around = |p: &DVec3| -> Vec<u32> {
+        let mut found = Vec::new();
+        neighbors.collect_within(*p, CLEARANCE * spacing, &mut found);
+        found.into_iter().map(|n| n.point).filter(|&v| fine.connectivity.has_vertex(v)).collect()
+    };
+    let asked: VertexSet = places.iter().flat_map(around).collect();
+    let is_left_alone = |v: u32| {
+        let Sample { position, size, .. } = fine.samples[v as usize];
+        asked.contains(v) && !faces.any_within(position, MISSED * spacing * size)
+    };
+    let left_alone = VertexSet::new(fine, is_left_alone);
+    let of_part = places.iter().map(around).filter(|around| around.iter().any(|&v| left_alone.contains(v)));
+    of_part.flatten().collect()
 }
 
 /// Collapses vertices so near to an edge of the interface that they see it at an obtuse angle. Nothing there can flip or
