@@ -6,6 +6,7 @@ mod base_mesh;
 mod cloud;
 mod coarse;
 mod coverage;
+mod curved_domain;
 mod density;
 mod edges;
 mod expected;

@@ -3,6 +3,7 @@
 use super::*;
 use glam::{DVec3, dvec3};
 use spectral_remesh::stages::surface::features::Features;
+use std::f64::consts::TAU;
 
 #[test]
 fn solids() {
@@ -142,6 +143,29 @@ fn many_pieces() {
     assert_eq!(made.output.components, 10);
     let dust: Vec<Mesh> = (0..300).map(|i| sphere(0, dvec3(f64::from(i), 0.0, 0.0), 0.01)).collect();
     at_all_counts("dust", &together(&dust));
+}
+
+/// A flat star with twelve tips, twice as wide as `radius`.
+fn star(radius: f64) -> Mesh {
+    let rim = (0..36).map(|i| {
+        let (sine, cosine) = (f64::from(i) * TAU / 36.0).sin_cos();
+        if i % 3 == 0 { radius * dvec3(cosine, sine, 0.0) } else { 0.1 * radius * dvec3(cosine, sine, 0.0) }
+    });
+    let positions = [DVec3::ZERO].into_iter().chain(rim).collect();
+    Mesh { positions, triangles: (0..36).map(|i| [0, 1 + i, 1 + (i + 1) % 36]).collect() }
+}
+
+#[test]
+fn stars_with_more_tips_than_there_are_vertices_leave_some_for_the_ball_between_them() {
+    let ball = sphere(4, DVec3::ZERO, 10.0);
+    let around = sphere(2, DVec3::ZERO, 12.0).positions;
+    let stars = around.iter().map(|&at| moved(star(1.0), |p| p + at));
+    let mesh = together(&[ball.clone()].into_iter().chain(stars).collect::<Vec<Mesh>>());
+    let result = remesh(&mesh, &Options { density: Density::Points(2500), ..Options::default() }, &()).unwrap();
+    assert!(result.verified(), "{:?}", result.output);
+    assert_eq!((result.mesh.positions.len(), result.output.components), (2500, 1 + around.len()));
+    let on_ball = result.mesh.positions.iter().filter(|p| p.length() < 10.4).count();
+    assert!(on_ball > 250, "{on_ball}");
 }
 
 #[test]
