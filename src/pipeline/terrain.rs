@@ -1,8 +1,8 @@
 //! From points of terrain to a mesh: a sheet that has one height at each place, as seen from above. An airborne scan has
 //! points on ground and roofs, few on walls and many within trees, so that no surface in space has all of them.
 //!
-//! Of the points that are less than a vertex of the result apart in the plan, the highest is of the sheet: what is below it,
-//! like the ground under a tree, cannot be seen. z is up.
+//! Of points that are nearer to each other in the plan than vertices of the result will be, the highest is of the sheet: what is
+//! below it, like the ground under a tree, cannot be seen. z is up.
 
 use crate::base::error::{Error, Fault, Result};
 use crate::base::monitor::{Monitor, check};
@@ -119,7 +119,7 @@ impl Sheet {
 struct Plan {
     /// The area that they cover.
     area: f64,
-    /// The median of the differences of height within cells, as a share of their width.
+    /// The median of the differences of height within cells of several points, as a share of their width.
     relief: f64,
 }
 
@@ -129,22 +129,39 @@ fn plan(positions: &[DVec3]) -> Option<Plan> {
     let extent = positions.iter().copied().reduce(DVec3::max)? - low;
     let count = positions.len() as f64;
     let mut width = (IN_CELL * extent.x * extent.y / count).sqrt();
-    let mut heights: FxHashMap<[i64; 2], [f64; 2]> = FxHashMap::default();
     for _ in 0..ROUNDS {
         if !(width > 0.0 && width.is_finite()) {
             return None;
         }
-        heights.clear();
-        for p in positions {
-            let [low, high] = heights.entry(cell_of(*p, width)).or_insert([p.z, p.z]);
-            (*low, *high) = (low.min(p.z), high.max(p.z));
-        }
-        width *= (IN_CELL * heights.len() as f64 / count).sqrt();
+        width *= (IN_CELL * heights_in_cells(positions, width).len() as f64 / count).sqrt();
     }
-    let mut reliefs: Vec<f64> = heights.values().map(|[low, high]| (high - low) / width).collect();
+    let heights = heights_in_cells(positions, width);
+    // A single point has no relief.
+    let several = heights.values().filter(|heights| heights.points > 1);
+    let mut reliefs: Vec<f64> = several.map(|heights| (heights.highest - heights.lowest) / width).collect();
     let middle = reliefs.len() / 2;
+    if reliefs.is_empty() {
+        return None;
+    }
     let relief = *reliefs.select_nth_unstable_by(middle, f64::total_cmp).1;
     Some(Plan { area: heights.len() as f64 * width * width, relief })
+}
+
+/// The heights of the points in a cell.
+struct Heights {
+    lowest: f64,
+    highest: f64,
+    points: usize,
+}
+
+/// The heights in each cell of a lattice of this width that has points.
+fn heights_in_cells(positions: &[DVec3], width: f64) -> FxHashMap<[i64; 2], Heights> {
+    let mut cells = FxHashMap::default();
+    for p in positions {
+        let cell = cells.entry(cell_of(*p, width)).or_insert(Heights { lowest: p.z, highest: p.z, points: 0 });
+        (cell.lowest, cell.highest, cell.points) = (cell.lowest.min(p.z), cell.highest.max(p.z), cell.points + 1);
+    }
+    cells
 }
 
 /// For each cell of a lattice of this width the highest of the points in it, the first of equally high ones, in their order.
@@ -164,4 +181,25 @@ fn highest_of_cells(positions: &[DVec3], width: f64) -> Vec<u32> {
 
 fn cell_of(p: DVec3, width: f64) -> [i64; 2] {
     [p.x, p.y].map(|x| (x / width).floor() as i64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points a unit apart in the plan, and so many more above each of the first `columns` of them.
+    fn with_columns(columns: u32, above: u32) -> Vec<DVec3> {
+        let ground = (0..900).map(|i| DVec3::new(f64::from(i % 30), f64::from(i / 30), 0.01 * f64::from(i % 7)));
+        let columns = ground.clone().take(columns as usize);
+        let points_above = columns.flat_map(|p| (1..=above).map(move |k| p + 3.0 * f64::from(k) * DVec3::Z));
+        ground.chain(points_above).collect()
+    }
+
+    #[test]
+    fn ground_is_flat_from_above_and_walls_are_not_beside_as_many_single_points() {
+        let relief = |columns, above| plan(&with_columns(columns, above)).unwrap().relief;
+        assert!(relief(0, 0) < 0.1 && relief(60, 3) < MOST_RELIEF, "{} {}", relief(0, 0), relief(60, 3));
+        assert!(relief(300, 12) > 1.0, "{}", relief(300, 12));
+        assert!(plan(&[DVec3::ZERO, DVec3::X, DVec3::Z]).is_none());
+    }
 }

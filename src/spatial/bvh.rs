@@ -486,7 +486,7 @@ mod tests {
         nearest.filter(|hit| hit.distance_squared <= limit)
     }
 
-    /// Compares `closest`, `closest_where` and `in_box` with a look at every triangle.
+    /// Compares `closest`, `closest_where`, `closest_among` and `in_box` with a look at every triangle.
     fn agrees_with_brute_force(mesh: &Mesh, queries: usize) {
         let mut rng = stream(9, Stage::Scan);
         for q in 0..queries {
@@ -495,6 +495,10 @@ mod tests {
             assert_eq!(bvh.closest(mesh, p), brute_force(mesh, p, f64::INFINITY, |_| true));
             let accept = |t: u32| !(t as usize + q).is_multiple_of(3);
             assert_eq!(bvh.closest_where(mesh, p, 0.01, accept), brute_force(mesh, p, 0.01, accept));
+            // The last first, so that ties are not broken by the order.
+            let own: Vec<u32> = (0..mesh.triangles.len() as u32).rev().filter(|&t| accept(t)).collect();
+            let among = bvh.closest_among(mesh, own.into_iter(), p, 0.01, accept);
+            assert_eq!(among, brute_force(mesh, p, 0.01, accept));
             let way = (random_point(&mut rng) - DVec3::splat(0.5)).normalize();
             let all = (0..mesh.triangles.len()).filter(|&t| accept(t as u32));
             let hits = all.filter_map(|t| triangle::along_ray(p, way, mesh.corners(t))).filter(|&t| t < 2.0);
