@@ -34,6 +34,11 @@ impl<T: Copy> Csr<T> {
         &self.values[self.start[row as usize] as usize..self.start[row as usize + 1] as usize]
     }
 
+    /// The number of rows.
+    pub fn rows(&self) -> usize {
+        self.start.len() - 1
+    }
+
     /// The number of values in all rows.
     pub fn len(&self) -> usize {
         self.values.len()

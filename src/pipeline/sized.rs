@@ -5,7 +5,6 @@ use crate::base::monitor::Monitor;
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::topology::{Topology, topology, twins};
 use crate::mesh::triangle_mesh::Mesh;
-use crate::pipeline::curved_domain::{Found, domain_at};
 use crate::pipeline::density::Density;
 use crate::pipeline::expected::with_curves;
 use crate::pipeline::flakes::without_flakes;
@@ -14,6 +13,7 @@ use crate::pipeline::kernel::KernelFeatures;
 use crate::pipeline::options::Grading;
 use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::resizing::{Resizing, sizes_at};
+use crate::pipeline::sampled_domain::{SampledDomain, domain_at};
 use crate::pipeline::scale::Scale;
 use crate::pipeline::sharp_edges::sharp_edges;
 use crate::pipeline::within::{Within, sampled_part};
@@ -79,7 +79,7 @@ impl SizedSurface {
         }
         let topology = if within.is_some() { topology_of(&clean) } else { of_whole };
         let suspects = (clean.triangles.len() < scale.wanted).then(|| passing_through_others(&clean));
-        let Found { mut domain, blunted, left_out, left_out_edges } =
+        let SampledDomain { mut domain, blunted, left_out, left_out_edges } =
             domain_at(clean, within.as_ref(), prepared, &scale, density, resizing);
         suspects.into_iter().for_each(|sources| domain.suspect(sources));
         let sigma = scale.sigma();

@@ -6,6 +6,7 @@
 
 use crate::base::error::{Error, Fault, Result};
 use crate::base::monitor::{Monitor, check};
+use crate::geom::aabb::Aabb;
 use crate::mesh::points::Points;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::cloud::{Cleaned, CloudOptions, CloudSummary, MeshOfPoints, mesh_of_points, no_surface};
@@ -15,7 +16,6 @@ use crate::pipeline::scale::spacing_on;
 use crate::triangulate::plan::triangulate_plan;
 use glam::{DVec2, DVec3};
 use rustc_hash::FxHashMap;
-use std::collections::hash_map::Entry;
 
 /// Width of the cells of the plan of which the highest point each is of the sheet, in spacings of the vertices: finer ones have
 /// spikes between vertices, as trees are.
@@ -125,8 +125,7 @@ struct Plan {
 
 /// The plan of points; `None` if they have no area from above.
 fn plan(positions: &[DVec3]) -> Option<Plan> {
-    let low = positions.iter().copied().reduce(DVec3::min)?;
-    let extent = positions.iter().copied().reduce(DVec3::max)? - low;
+    let extent = Aabb::of(positions.iter().copied())?.size();
     let count = positions.len() as f64;
     let mut width = (IN_CELL * extent.x * extent.y / count).sqrt();
     for _ in 0..ROUNDS {
@@ -139,10 +138,10 @@ fn plan(positions: &[DVec3]) -> Option<Plan> {
     // A single point has no relief.
     let several = heights.values().filter(|heights| heights.points > 1);
     let mut reliefs: Vec<f64> = several.map(|heights| (heights.highest - heights.lowest) / width).collect();
-    let middle = reliefs.len() / 2;
     if reliefs.is_empty() {
         return None;
     }
+    let middle = reliefs.len() / 2;
     let relief = *reliefs.select_nth_unstable_by(middle, f64::total_cmp).1;
     Some(Plan { area: heights.len() as f64 * width * width, relief })
 }
@@ -168,10 +167,9 @@ fn heights_in_cells(positions: &[DVec3], width: f64) -> FxHashMap<[i64; 2], Heig
 fn highest_of_cells(positions: &[DVec3], width: f64) -> Vec<u32> {
     let mut highest: FxHashMap<[i64; 2], u32> = FxHashMap::default();
     for (i, p) in positions.iter().enumerate() {
-        match highest.entry(cell_of(*p, width)) {
-            Entry::Vacant(cell) => drop(cell.insert(i as u32)),
-            Entry::Occupied(mut cell) if positions[*cell.get() as usize].z < p.z => drop(cell.insert(i as u32)),
-            Entry::Occupied(_) => {}
+        let seen = highest.entry(cell_of(*p, width)).or_insert(i as u32);
+        if positions[*seen as usize].z < p.z {
+            *seen = i as u32;
         }
     }
     let mut seen: Vec<u32> = highest.into_values().collect();

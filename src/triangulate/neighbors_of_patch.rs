@@ -22,7 +22,7 @@ pub(super) struct NeighborsOfPatch<'a> {
 
 impl<'a> NeighborsOfPatch<'a> {
     pub(super) fn new(domain: &Domain, samples: &'a [Sample]) -> Self {
-        let patches = domain.patch.iter().max().map_or(0, |&last| last as usize + 1);
+        let patches = domain.patch_count();
         let of_patch = Csr::new(patches, || samples.iter().map(|s| domain.patch_of(s.triangle)).zip(0u32..));
         let tree = |patch: u32| {
             let own = of_patch.row(patch);

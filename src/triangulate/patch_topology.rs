@@ -62,6 +62,6 @@ pub(super) fn kinds_of_domain(domain: &Domain) -> Vec<Kind> {
             next[corners[k] as usize] = corners[(k + 1) % 3];
         }
     }
-    let patches = domain.patch.iter().max().map_or(0, |&p| p as usize + 1);
+    let patches = domain.patch_count();
     Kind::of_patches(patches, |v| domain.patch[v as usize], &domain.mesh.triangles, &domain.patch, &next)
 }

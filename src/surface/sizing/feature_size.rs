@@ -103,8 +103,7 @@ impl Sides {
         }
         let triangles = (0..along.len() as u32).map(|i| [2 * i, 2 * i + 1, 2 * i + 1]).collect();
         let segments = Mesh { positions, triangles };
-        let patches = patch.iter().max().map_or(0, |&last| last as usize + 1);
-        let of_patch = Csr::new(patches, || patch.iter().copied().zip(0u32..));
+        let of_patch = Csr::new(domain.patch_count(), || patch.iter().copied().zip(0u32..));
         Sides { bvh: Bvh::new(&segments), segments, patch, of_patch, along, vertex, curves }
     }
 

@@ -35,7 +35,7 @@ const LONGER: f64 = 1.2;
 const TRIES: usize = 3;
 
 /// A domain and what became of its sharp edges.
-pub(super) struct Found {
+pub(super) struct SampledDomain {
     pub domain: Domain,
     /// Whether it had more of them than can be kept.
     pub blunted: bool,
@@ -53,9 +53,10 @@ pub(super) fn domain_at(
     scale: &Scale,
     density: Density,
     resizing: &Resizing,
-) -> Found {
-    let has_long_boundary = samples_on_boundary(&clean, scale.spacing) > LONG_BOUNDARY * scale.wanted as f64;
-    let again = (within.is_none() && has_long_boundary).then(|| clean.clone());
+) -> SampledDomain {
+    let has_boundary = within.is_none() && prepared.of_repaired.boundary_loops > 0;
+    let is_long = || samples_on_boundary(&clean, scale.spacing) > LONG_BOUNDARY * scale.wanted as f64;
+    let again = (has_boundary && is_long()).then(|| clean.clone());
     let mut found = domain_over(clean, within, prepared, scale, resizing);
     let Some(clean) = again else { return found };
     let mut at = *scale;
@@ -87,7 +88,7 @@ fn domain_over(
     prepared: &PreparedInput,
     scale: &Scale,
     resizing: &Resizing,
-) -> Found {
+) -> SampledDomain {
     let Scale { spacing, wanted } = *scale;
     let went_wrong = |mesh: &Mesh, t: u32| mesh.corners(t as usize).into_iter().any(|p| resizing.is_near(p, spacing));
     let (twin, found) = refined(&mut clean, prepared, scale, went_wrong);
@@ -109,7 +110,7 @@ fn domain_over(
     }
     let left_out_edges = edges_left_out(&clean, &twin, &found, &sharp);
     let domain = tried.unwrap_or_else(|| Domain::with_sharp(clean, twin, &sharp, spacing, interface));
-    Found { domain, blunted, left_out, left_out_edges }
+    SampledDomain { domain, blunted, left_out, left_out_edges }
 }
 
 /// Splits the edges on curves that are longer than `longest`, so that lengths that differ along them can be told. The side
