@@ -43,11 +43,12 @@ impl OrientedManifold {
         &mut self.mesh.positions
     }
 
-    /// Adds a vertex at the middle of an edge, given by its ends. The caller has to split the triangles at the edge.
-    pub(super) fn insert_middle(&mut self, ends: [u32; 2]) -> u32 {
+    /// Adds a vertex on an edge, given by its ends, at that share of the way from the first to the second. The caller has to split
+    /// the triangles at the edge.
+    pub(super) fn insert_on_edge(&mut self, ends: [u32; 2], along: f64) -> u32 {
         let [a, b] = ends.map(|v| self.mesh.positions[v as usize]);
-        self.mesh.positions.push((a + b) / 2.0);
-        self.provenance.insert_middle(ends);
+        self.mesh.positions.push((1.0 - along) * a + along * b);
+        self.provenance.insert_on_edge(ends, along);
         self.mesh.positions.len() as u32 - 1
     }
 

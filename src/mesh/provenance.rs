@@ -108,10 +108,10 @@ impl Provenance {
         Provenance::new(all(vertices), all(vertices), all(triangles))
     }
 
-    /// Adds a vertex midway between two of the mesh.
-    pub fn insert_middle(&mut self, [a, b]: [u32; 2]) {
+    /// Adds a vertex between two of the mesh, at that share of the way from the first to the second.
+    pub fn insert_on_edge(&mut self, [a, b]: [u32; 2], along: f64) {
         self.vertices.push((self.representatives.len() + self.inserted.len()) as u32);
-        self.inserted.push(Blend::mean([self.blend(a), self.blend(b)], [0.5; 2]));
+        self.inserted.push(Blend::mean([self.blend(a), self.blend(b)], [1.0 - along, along]));
     }
 
     /// Adds a triangle that is a part of triangle `t` of the mesh.
@@ -224,9 +224,9 @@ mod tests {
         // Vertex 3 of the source is at the place of vertex 1.
         let source = [[0, 1, 2], [2, 3, 4]];
         let mut provenance = Provenance::new(vec![0, 1, 2, 1, 4], vec![0, 1, 2, 4], vec![0, 1]);
-        provenance.insert_middle([1, 2]);
+        provenance.insert_on_edge([1, 2], 0.5);
         provenance.insert_part(1);
-        provenance.insert_middle([4, 3]);
+        provenance.insert_on_edge([4, 3], 0.5);
         // The middle between vertex 4 of the source and the middle of its other two.
         let origin = provenance.origin(2, [5, 5, 5], [0.2, 0.3, 0.5], &source);
         assert_eq!(origin, PointOnTriangle { triangle: 1, weights: [0.25, 0.25, 0.5] });
@@ -246,7 +246,7 @@ mod tests {
     fn sides_along_an_edge_are_those_of_its_parts() {
         // Vertex 3 of the source is at the place of vertex 1; the edge from 0 to 1 is split.
         let mut provenance = Provenance::new(vec![0, 1, 2, 1], vec![0, 1, 2], vec![0]);
-        provenance.insert_middle([0, 1]);
+        provenance.insert_on_edge([0, 1], 0.5);
         provenance.insert_part(0);
         let sides = provenance.sides_along(&[[0, 3, 2], [3, 1, 2]], &[[3, 0]]);
         assert_eq!(sides, [true, false, false, true, false, false]);
@@ -256,7 +256,7 @@ mod tests {
     #[test]
     fn what_is_selected_keeps_where_it_came_from() {
         let mut provenance = Provenance::identity(3, 2);
-        provenance.insert_middle([0, 2]);
+        provenance.insert_on_edge([0, 2], 0.5);
         let some = provenance.select(&[3, 1], &[1]);
         assert_eq!((some.values(&[1.0, 2.0, 5.0]), some.triangle(0)), (vec![3.0, 2.0], 1));
     }

@@ -35,41 +35,55 @@ pub fn refine_edges(mesh: &mut OrientedManifold, edges: &mut HashSet<[u32; 2]>, 
 /// Halves once every edge for whose ends and length `is_long` holds, in whatever order it gets the ends. Returns for
 /// each new vertex the ends of its edge; new vertices come after all others.
 pub fn halve_edges(mesh: &mut OrientedManifold, is_long: impl Fn(u32, u32, f64) -> bool) -> Vec<[u32; 2]> {
+    split_where(mesh, |a, b, length| is_long(a, b, length).then_some(0.5))
+}
+
+/// Splits each of `edges`, given by their ends with the lower first, at that share of the way from there. Returns for each new
+/// vertex the ends of its edge; new vertices come after all others.
+pub fn split_edges(mesh: &mut OrientedManifold, edges: &HashMap<[u32; 2], f64>) -> Vec<[u32; 2]> {
+    split_where(mesh, |a, b, _| {
+        let along = edges.get(&[a.min(b), a.max(b)]);
+        along.map(|along| if a < b { *along } else { 1.0 - along })
+    })
+}
+
+/// Splits once every edge for whose ends and length there is a share of the way from the one to the other.
+fn split_where(mesh: &mut OrientedManifold, place: impl Fn(u32, u32, f64) -> Option<f64>) -> Vec<[u32; 2]> {
     // Only looked up, never iterated: the numbers of the new vertices follow the order of the triangles.
-    let mut middles: HashMap<(u32, u32), u32> = HashMap::new();
+    let mut inner: HashMap<(u32, u32), u32> = HashMap::new();
     let mut ends = Vec::new();
     for t in 0..mesh.triangles.len() {
         let corners = mesh.triangles[t];
-        let middle = [0, 1, 2].map(|k| {
+        let on_sides = [0, 1, 2].map(|k| {
             let (a, b) = (corners[k], corners[(k + 1) % 3]);
             let length = mesh.positions[a as usize].distance(mesh.positions[b as usize]);
-            is_long(a, b, length).then(|| {
-                *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+            place(a, b, length).map(|along| {
+                *inner.entry((a.min(b), a.max(b))).or_insert_with(|| {
                     ends.push([a, b]);
-                    mesh.insert_middle([a, b])
+                    mesh.insert_on_edge([a, b], along)
                 })
             })
         });
-        split(mesh, t, middle);
+        split(mesh, t, on_sides);
     }
     ends
 }
 
-/// Splits triangle `t` at the middles of its sides.
-fn split(mesh: &mut OrientedManifold, t: usize, middle: [Option<u32>; 3]) {
+/// Splits triangle `t` at vertices on its sides.
+fn split(mesh: &mut OrientedManifold, t: usize, on_sides: [Option<u32>; 3]) {
     let corners = mesh.triangles[t];
     let at = |k: usize| corners[k % 3];
     let length = |v: u32, w: u32| mesh.positions[v as usize].distance_squared(mesh.positions[w as usize]);
-    match middle {
+    match on_sides {
         [None, None, None] => {}
         [Some(p), Some(q), Some(r)] => {
             mesh.split_triangle(t, &[[p, q, r], [at(0), p, r], [p, at(1), q], [r, q, at(2)]]);
         }
         _ => {
             // Rotate the corners so that side 0 is split and, if two sides are, side 1 is the other one.
-            let k = (0..3).find(|&k| middle[k].is_some() && middle[(k + 2) % 3].is_none()).unwrap_or(0);
+            let k = (0..3).find(|&k| on_sides[k].is_some() && on_sides[(k + 2) % 3].is_none()).unwrap_or(0);
             let (a, b, c) = (at(k), at(k + 1), at(k + 2));
-            match (middle[k], middle[(k + 1) % 3]) {
+            match (on_sides[k], on_sides[(k + 1) % 3]) {
                 (Some(p), Some(q)) if length(p, c) <= length(a, q) => {
                     mesh.split_triangle(t, &[[p, b, q], [p, q, c], [p, c, a]]);
                 }

@@ -131,8 +131,8 @@ pub(super) fn has_kind(found: &Topology, wanted: &Topology) -> bool {
 fn note_on_left_out(LeftOut { patches, deviation }: &LeftOut) -> String {
     let patches = counted(
         *patches,
-        "strip or patch is too narrow for so few vertices",
-        "strips and patches are too narrow for so few vertices",
+        "strip, patch or tip of one is too narrow for so few vertices",
+        "strips, patches and tips of them are too narrow for so few vertices",
     );
     format!(
         "{patches}: each is joined with a neighbour, without the sharp edges between them, which moves the surface by \

@@ -17,6 +17,7 @@ use crate::surface::domain::Domain;
 use crate::surface::features::sharp_sides;
 use crate::surface::narrow_patches::{LeftOut, Room, leave_out_narrow, samples_on};
 use crate::surface::sizing::has_room_between_curves;
+use crate::surface::wedges::end_wedges;
 use glam::DVec3;
 use std::collections::HashSet;
 
@@ -108,9 +109,14 @@ fn domain_over(
     if blunted {
         (tried, sharp) = (None, vec![false; sharp.len()]);
     }
-    let left_out_edges = edges_left_out(&clean, &twin, &found, &sharp);
-    let domain = tried.unwrap_or_else(|| Domain::with_sharp(clean, twin, &sharp, spacing, interface));
-    SampledDomain { domain, blunted, left_out, left_out_edges }
+    let mut left_out_edges = edges_left_out(&clean, &twin, &found, &sharp);
+    let ended = end_wedges(&mut clean, twin, sharp, spacing, went_wrong);
+    if !ended.edges.is_empty() {
+        tried = None;
+    }
+    left_out_edges.extend(&ended.edges);
+    let domain = tried.unwrap_or_else(|| Domain::with_sharp(clean, ended.twin, &ended.sharp, spacing, interface));
+    SampledDomain { domain, blunted, left_out: left_out.and(ended.left_out), left_out_edges }
 }
 
 /// Splits the edges on curves that are longer than `longest`, so that lengths that differ along them can be told. The side

@@ -366,7 +366,7 @@ fn split_repeated_edges(mesh: &mut Mesh, provenance: &mut Provenance, partner: &
             let middle = mesh.positions.len() as u32;
             let [lo, hi] = edge[0].ends().map(|v| mesh.positions[v as usize]);
             mesh.positions.push((lo + hi) / 2.0);
-            provenance.insert_middle(edge[0].ends());
+            provenance.insert_on_edge(edge[0].ends(), 0.5);
             middles.extend([side, partner[side as usize]].into_iter().filter(|&s| s != NONE).map(|s| (s, middle)));
         }
     }

@@ -13,3 +13,4 @@ pub mod sizing;
 pub mod spikes;
 pub mod submanifold;
 pub mod turns;
+pub mod wedges;

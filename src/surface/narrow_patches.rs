@@ -56,6 +56,11 @@ impl LeftOut {
     pub fn times(self, size: f64) -> LeftOut {
         LeftOut { deviation: size * self.deviation, ..self }
     }
+
+    /// What was left out altogether.
+    pub fn and(self, other: LeftOut) -> LeftOut {
+        LeftOut { patches: self.patches + other.patches, deviation: self.deviation.max(other.deviation) }
+    }
 }
 
 /// Which sides of `mesh` are on a sharp edge without those beside patches that are too narrow, of the ones that are `sharp`,

@@ -269,16 +269,32 @@ fn the_sharp_edges_that_were_kept_are_known() {
     assert_eq!((smooth.edges.sharp.len(), smooth.edges.left_out.len()), (0, 0));
 }
 
-/// A wedge of cheese whose tip is sharper than any triangle should be.
+/// A slice whose tip is sharper than any triangle should be, of that thickness.
+fn slice(thickness: f64) -> Mesh {
+    let (sin, cos) = 16f64.to_radians().sin_cos();
+    prism(&[[0.0, 0.0], [1.0, 0.0], [cos, sin]], 0.0, thickness)
+}
+
 #[test]
-fn the_angle_at_a_sharp_tip_is_told_apart() {
-    let (sin, cos) = 8f64.to_radians().sin_cos();
-    let base = [dvec3(0.0, 0.0, 0.0), dvec3(1.0, 0.0, 0.0), dvec3(cos, sin, 0.0)];
-    let positions = base.into_iter().chain(base.map(|p| p + 0.3 * DVec3::Z)).collect();
-    let sides = (0..3).flat_map(|i| [[i, (i + 1) % 3, 3 + (i + 1) % 3], [i, 3 + (i + 1) % 3, 3 + i]]);
-    let made = check(&Mesh { positions, triangles: sides.chain([[0, 2, 1], [3, 4, 5]]).collect() }, 3000);
+fn where_two_sharp_edges_meet_at_a_small_angle_no_triangle_has_it() {
+    let made = check(&slice(0.3), 3000);
     let smallest = shape(&made.mesh).unwrap().theta_min;
-    assert!(smallest < 8.01, "{smallest}");
+    assert!(smallest > 28.0, "{smallest}");
+    assert_eq!(made.left_out.patches, 2, "the tips above and below");
+    for corner in [DVec3::ZERO, 0.3 * DVec3::Z] {
+        assert!(nearest(&made.mesh, corner) < 1e-9, "{corner}");
+    }
+    assert!(made.left_out.deviation < 0.3 * made.spacing, "{:?}", made.left_out);
+}
+
+#[test]
+fn the_angle_at_a_sharp_tip_of_the_boundary_is_told_apart() {
+    let mut flat = slice(1.0);
+    flat.triangles.retain(|t| t.iter().all(|v| v % 2 == 0));
+    flat.drop_unused();
+    let made = check(&flat, 3000);
+    let smallest = shape(&made.mesh).unwrap().theta_min;
+    assert!(smallest < 16.01, "{smallest}");
     assert!(made.unforced_theta_min.unwrap() > 20.0, "{:?}", made.unforced_theta_min);
 }
 
