@@ -267,11 +267,14 @@ fn changes(domain: &Domain, around: &Neighborhood, triangles: &[u32]) -> Vec<Nei
     merged.chain(bent).chain(flipped).chain(split).collect()
 }
 
-/// Whether the origin of `h` may merge into its target. What is on the border to the rest stays there, and on its curves.
+/// Whether the origin of `h` may merge into its target. What is on the border to the rest stays there, and on its curves;
+/// a corner merges only into another one.
 fn may_merge(around: &Neighborhood, h: u32) -> bool {
     let c = &around.mesh.connectivity;
     let (origin, target) = (c.origin(h), c.target(h));
-    c.can_collapse(h) || c.can_merge(h) && !c.is_boundary(origin) && !(c.is_on_curve(origin) && c.is_boundary(target))
+    let leaves_corner = c.is_corner(origin) && !c.is_corner(target);
+    let leaves_border = c.is_boundary(origin) || c.is_on_curve(origin) && c.is_boundary(target);
+    c.can_collapse(h) || c.can_merge(h) && !leaves_corner && !leaves_border
 }
 
 #[cfg(test)]
