@@ -46,13 +46,20 @@ pub fn cross(a: Triangle, b: Triangle) -> bool {
 /// corner or side cross.
 pub fn cross_deeper_than(depth: f64, a: Triangle, b: Triangle) -> bool {
     let shared = shared_corners(a, b).count();
-    let sides = [sides_of(a, b, depth), sides_of(b, a, depth)];
-    if sides == [Some([0; 3]); 2] && shared < 3 {
+    let is_in_plane = |sides: Option<[i32; 3]>| sides == Some([0; 3]);
+    let passes = |sides: Option<[i32; 3]>| sides.is_none_or(|s| s.contains(&1) && s.contains(&-1));
+    // The first plane tells most triangles apart.
+    let of_b = sides_of(a, b, depth);
+    if shared < 3 && is_in_plane(of_b) && is_in_plane(sides_of(b, a, depth)) {
         return cross_in_plane(a, b);
     }
-    let passes = |sides: Option<[i32; 3]>| sides.is_none_or(|s| s.contains(&1) && s.contains(&-1));
-    let may = shared > 1 || sides.into_iter().all(passes);
-    may && cross(a, b) && (shared > 1 || length_in_common(a, b).is_none_or(|length| length > depth))
+    if shared > 1 {
+        return cross(a, b);
+    }
+    passes(of_b)
+        && passes(sides_of(b, a, depth))
+        && cross(a, b)
+        && length_in_common(a, b).is_none_or(|length| length > depth)
 }
 
 /// [`cross`] for triangles that share one or two corners and are in one plane but for rounding.
