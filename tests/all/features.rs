@@ -287,19 +287,15 @@ fn where_two_sharp_edges_meet_at_a_small_angle_no_triangle_has_it() {
     assert!(made.left_out.deviation < 0.3 * made.spacing, "{:?}", made.left_out);
 }
 
-/// Of slices as thin as a spacing or two, where little room is for the faces beside a tip.
+/// Faces cross at the tips of these before they are untangled.
 #[test]
-#[ignore = "slow"]
-fn slices_keep_their_corners() {
-    for degrees in [5.0, 8.0, 12.0, 20.0] {
-        for seed in 0..6 {
-            let input = slice(degrees, 0.3);
-            let made =
-                remesh(&input, &Options { density: Density::Points(3000), seed, ..Options::default() }, &()).unwrap();
-            for corner in &input.positions {
-                let off = nearest(&made.mesh, *corner);
-                assert!(off < 1e-9, "{degrees} degrees, seed {seed}: {off} from {corner}");
-            }
+fn thin_slices_keep_their_corners() {
+    for degrees in [5.0, 8.0] {
+        let input = slice(degrees, 0.3);
+        let made = check(&input, 3000);
+        for corner in &input.positions {
+            let off = nearest(&made.mesh, *corner);
+            assert!(off < 1e-9, "{degrees} degrees: {off} from {corner}");
         }
     }
 }
