@@ -162,7 +162,8 @@ class Remeshed(Mesh):
     @property
     def verified(self) -> bool:
         """Whether the result is an oriented manifold of the topology of the repaired input, without self-intersections
-        where that has none, without slivers that it does not force, and as near to it as was asked for."""
+        where that has none, without slivers that it does not force, without triangles where it has no surface, and as
+        near to it as was asked for."""
         return not self.shortcomings
 
 

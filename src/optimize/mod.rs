@@ -1,6 +1,7 @@
 //! Optimisation of a mesh over its domain: connectivity, positions of the vertices, their number, and the error.
 
 pub mod angles;
+pub mod bridges;
 pub mod coarse_to_fine;
 pub mod contacts;
 pub mod counts;

@@ -17,7 +17,7 @@ const MOST_WITH_CURVES: usize = 6;
 /// How many times as many samples there are on curves where edges cannot become shorter.
 const CLOSER: f64 = 1.4;
 
-/// If more triangles than this share, and than this number, intersect or are slivers, single places are not to blame: there are
+/// If more triangles than this share, and than this number, intersect, are slivers or bridges, single places are not to blame: there are
 /// too few vertices for walls so near to each other.
 const MOST_OF_TRIANGLES: f64 = 0.05;
 const MOST_IN_PLACES: usize = 60;
@@ -35,10 +35,12 @@ pub(super) struct Score {
     pub self_intersections: usize,
     /// Slivers of a whole result.
     pub slivers: usize,
+    /// Triangles where the surface is not.
+    pub bridges: usize,
 }
 
 impl Score {
-    pub(super) const SOUND: Score = Score { other_topology: false, self_intersections: 0, slivers: 0 };
+    pub(super) const SOUND: Score = Score { other_topology: false, self_intersections: 0, slivers: 0, bridges: 0 };
 
     /// Whether a result of so many `triangles` is unsound at places that are few enough to be mended.
     pub(super) fn is_of_places(&self, triangles: usize) -> bool {
@@ -50,7 +52,7 @@ impl Score {
     }
 
     fn found(&self) -> usize {
-        self.self_intersections.max(self.slivers)
+        self.self_intersections.max(self.slivers).max(self.bridges)
     }
 }
 

@@ -4,6 +4,7 @@ use crate::manifold::Manifold;
 use crate::manifold::small_angles::slivers;
 use crate::mesh::topology::{Topology, topology};
 use crate::mesh::triangle_mesh::Mesh;
+use crate::optimize::bridges::bridges;
 use crate::optimize::contacts::part_contacts;
 use crate::pipeline::attempts::Score;
 use crate::pipeline::prepared::PreparedInput;
@@ -28,6 +29,8 @@ pub(super) struct Finished {
     pub new_self_intersections: Vec<u32>,
     /// Triangles of `of_part` that are slivers.
     pub slivers: Vec<u32>,
+    /// Triangles of `of_part` that are bridges.
+    pub bridges: Vec<u32>,
     pub tessellated_patches: usize,
     pub score: Score,
     /// The run that made it, from 1.
@@ -56,8 +59,14 @@ impl Finished {
         let other_topology = !has_kind(&topology, &surface.of_whole);
         let new_self_intersections = new_among(&self_intersections, &mesh, prepared, surface);
         let slivers = slivers(&manifold);
+        let bridges = bridges(&surface.domain, &manifold, surface.scale.spacing);
         let of_input = if self_intersections.is_empty() { 0 } else { surface.self_intersections_of_input() };
-        let score = Score { other_topology, self_intersections: new_self_intersections.len(), slivers: slivers.len() };
+        let score = Score {
+            other_topology,
+            self_intersections: new_self_intersections.len(),
+            slivers: slivers.len(),
+            bridges: bridges.len(),
+        };
         Finished {
             manifold,
             of_part,
@@ -68,6 +77,7 @@ impl Finished {
             self_intersections_of_input: of_input,
             new_self_intersections,
             slivers,
+            bridges,
             tessellated_patches,
             score,
             run,
@@ -101,7 +111,7 @@ impl Finished {
 
     /// The triangles of the part that make it unsound.
     fn unsound(&self) -> impl Iterator<Item = u32> {
-        self.made_of(&self.new_self_intersections).chain(self.slivers.iter().copied())
+        self.made_of(&self.new_self_intersections).chain(self.slivers.iter().chain(&self.bridges).copied())
     }
 
     /// Those `triangles` of the mesh that were made, by their place in the part.

@@ -13,6 +13,7 @@ use crate::base::parallel;
 use crate::manifold::faces::Faces;
 use crate::manifold::neighborhood::Neighborhood;
 use crate::manifold::small_angles::{SLIVER, slivers, with_angles_below};
+use crate::optimize::bridges::bridges;
 use crate::optimize::exchange::{balance_count, is_near};
 use crate::optimize::resize::resize;
 use crate::optimize::self_intersections::resolve_self_intersections;
@@ -22,7 +23,6 @@ use crate::pipeline::finished::Finished;
 use crate::pipeline::optimization::fit_to_surface;
 use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::sized::SizedSurface;
-use crate::spatial::self_intersections::Inherited;
 use glam::DVec3;
 
 /// How many times as long edges become at places to mend, in turns: longer, so that they pass over folds that are finer than they
@@ -168,10 +168,9 @@ fn resized(
     let mut places = Neighborhood::around_groups(&best.manifold, &groups, RINGS);
     places.retain(|place| !tried.contains(&of_place(place)));
     let wanted = best.manifold.connectivity.vertex_count();
-    let inherited = surface.domain.inherited();
     let better = parallel::each(&places, |place| {
         let changed = changed(surface, place, prepared.limit(), monitor)?;
-        let is_better = has_fewer_faults(inherited, &changed, place, &faces);
+        let is_better = has_fewer_faults(surface, &changed, place, &faces);
         let stays = || is_near(&place.mesh, &changed.mesh, SOUND.farthest * surface.scale.spacing);
         Ok((is_better && stays()).then_some(changed))
     });
@@ -213,12 +212,14 @@ fn changed(
     Ok(changed)
 }
 
-/// Whether what `place` was `changed` to has fewer faults among these `faces`: faces that cross where the surface does not, by what
-/// is `inherited`, and slivers; all faces that cross.
-fn has_fewer_faults(inherited: &Inherited, changed: &Neighborhood, place: &Neighborhood, faces: &Faces) -> bool {
+/// Whether what `place` was `changed` to has fewer faults among these `faces`: faces that cross where the surface does not, slivers
+/// and bridges; all faces that cross.
+fn has_fewer_faults(surface: &SizedSurface, changed: &Neighborhood, place: &Neighborhood, faces: &Faces) -> bool {
+    let SizedSurface { domain, scale, .. } = surface;
+    let inherited = domain.inherited();
     let count = |(crossing, place): (Vec<[DVec3; 3]>, &Neighborhood)| {
         let new = crossing.iter().filter(|&&corners| !inherited.is_near(corners)).count();
-        (new + slivers(&place.mesh).len(), crossing.len())
+        (new + slivers(&place.mesh).len() + bridges(domain, &place.mesh, scale.spacing).len(), crossing.len())
     };
     let [before, after] = changed.self_intersections(faces);
     count((after, changed)) < count((before, place))

@@ -301,7 +301,7 @@ const MENDED: &str = "vertices and edges were changed once more where faces cros
 
 fn note_on_run(run: u64) -> String {
     format!(
-        "this is attempt {run} of at most {MOST_RUNS}, with edges of other lengths where earlier ones had self-intersections or slivers"
+        "this is attempt {run} of at most {MOST_RUNS}, with edges of other lengths where earlier ones had self-intersections, slivers or bridges"
     )
 }
 
@@ -317,7 +317,8 @@ fn remeshed(
     let unit = &prepared.unit;
     let kept = within.as_ref().zip(finished.sewn.as_ref()).map(|(within, sewn)| within.kept(sewn));
     let origins = origins(prepared, surface, &finished.manifold, &finished.of_part, finished.sewn.as_ref());
-    let slivers = finished.slivers.iter().map(|t| finished.kept_triangles() + t).collect();
+    let [slivers, bridges] = [&finished.slivers, &finished.bridges]
+        .map(|found| found.iter().map(|t| finished.kept_triangles() + t).collect::<Vec<u32>>());
     let first = kept.as_ref().map_or(0, |kept| kept.vertices.len());
     let edges = Edges::of(&finished.mesh, &finished.manifold, surface, unit, first);
     let lost = prepared.components.lost(&finished.mesh, &origins);
@@ -340,6 +341,7 @@ fn remeshed(
         self_intersections: finished.self_intersections,
         new_self_intersections: finished.new_self_intersections,
         slivers,
+        bridges,
         unforced_theta_min: smallest_unforced_angle(&finished.manifold),
         left_out: if *blunted { LeftOut::default() } else { left_out.times(unit.size) },
         blunted: *blunted,

@@ -51,6 +51,8 @@ pub struct Remeshed {
     pub self_intersections_of_input: Option<usize>,
     /// Triangles that were made, with an angle below 1 degree that the input does not force, in increasing order.
     pub slivers: Vec<u32>,
+    /// Triangles that go where the input has no surface, in increasing order.
+    pub bridges: Vec<u32>,
     /// The smallest angle of the triangles that were made, in degrees, but for those that the input forces, where
     /// sharp edges and boundaries meet or a spike ends; `None` if all are such.
     pub unforced_theta_min: Option<f64>,
@@ -196,6 +198,7 @@ pub(super) fn notes(result: &Remeshed, cracks: Option<Cracks>) -> Vec<String> {
     }
     notes.extend(notes_on_self_intersections(result));
     notes.extend(note_on_slivers(result));
+    notes.extend(note_on_bridges(result));
     notes.extend(result.deviation.as_ref().filter(|d| !d.is_allowed()).map(note_on_deviation));
     if !result.has_topology() {
         notes.push("the result does not have the topology of the input".into());
@@ -253,6 +256,16 @@ fn note_on_slivers(result: &Remeshed) -> Option<String> {
     Some(format!(
         "{} an angle below {SLIVER} degree, the first {place}: more points there may avoid that",
         counted(count, "face has", "faces have")
+    ))
+}
+
+/// How many bridges there are, and where the first one is.
+fn note_on_bridges(result: &Remeshed) -> Option<String> {
+    let (first, count) = (*result.bridges.first()?, result.bridges.len());
+    let place = near(result.mesh.corners(first as usize).into_iter().sum::<DVec3>() / 3.0);
+    Some(format!(
+        "{} where the input has no surface, the first {place}: a part of it is too thin for so few vertices; more points follow it",
+        counted(count, "face is", "faces are")
     ))
 }
 

@@ -6,17 +6,21 @@ use crate::pipeline::coverage::Coverage;
 use crate::pipeline::result::{Deviation, Remeshed};
 
 /// What keeps a result from being an oriented manifold of the Euler characteristic, components and boundary loops of
-/// `wanted`, without `crossing` faces where the input has none, without `slivers`, within the error asked for and near all
-/// points of a cloud, a phrase each; empty if it is one.
+/// `wanted`, without `crossing` faces where the input has none, without `slivers` and `bridges`, within the error asked for and
+/// near all points of a cloud, a phrase each; empty if it is one.
 pub fn shortcomings(
     found: &Topology,
     wanted: &Topology,
     crossing: usize,
     slivers: usize,
+    bridges: usize,
     deviation: Option<&Deviation>,
     coverage: Option<&Coverage>,
 ) -> Vec<String> {
-    let slivers = counts(&[(slivers, "face with an angle below 1 degree", "faces with an angle below 1 degree")]);
+    let faces = counts(&[
+        (slivers, "face with an angle below 1 degree", "faces with an angle below 1 degree"),
+        (bridges, "face where the input has no surface", "faces where the input has no surface"),
+    ]);
     let differences = [
         ("Euler characteristic", found.euler, wanted.euler),
         ("number of components", found.components as i64, wanted.components as i64),
@@ -30,7 +34,7 @@ pub fn shortcomings(
     let missed = missed.map(|Coverage { points, missed, within, .. }| {
         format!("{missed} of {points} points are farther than {within:.4e} from the result")
     });
-    topology_faults(found, crossing).into_iter().chain(slivers).chain(differences).chain(far).chain(missed).collect()
+    topology_faults(found, crossing).into_iter().chain(faces).chain(differences).chain(far).chain(missed).collect()
 }
 
 /// What keeps a mesh, `crossing` of whose faces intersect others, from being a sound oriented manifold, a phrase each.
@@ -56,13 +60,14 @@ impl Remeshed {
             &self.repaired,
             self.new_self_intersections.len(),
             self.slivers.len(),
+            self.bridges.len(),
             self.deviation.as_ref(),
             coverage,
         )
     }
 
     /// Whether the result is what it should be: of the topology of the repaired input, without faces that cross each
-    /// other where those of the input do not, without slivers, and as near to the input as was asked for.
+    /// other where those of the input do not, without slivers and bridges, and as near to the input as was asked for.
     pub fn verified(&self) -> bool {
         self.shortcomings(None).is_empty()
     }
@@ -77,7 +82,7 @@ mod tests {
     #[test]
     fn self_intersections_that_the_input_does_not_have_are_a_shortcoming() {
         let wanted = topology(4, &tetrahedron().triangles);
-        let of_new = |new: usize| shortcomings(&wanted, &wanted, new, 0, None, None);
+        let of_new = |new: usize| shortcomings(&wanted, &wanted, new, 0, 0, None, None);
         assert_eq!(of_new(2), ["2 self-intersecting faces"]);
         assert_eq!(of_new(1), ["1 self-intersecting face"]);
         assert_eq!(of_new(0), [""; 0]);

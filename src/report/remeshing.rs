@@ -33,7 +33,7 @@ pub struct Report {
     /// Version of the tool that made the report.
     pub version: String,
     /// Whether the output is an oriented manifold of the repaired input's Euler characteristic, components and boundary
-    /// loops, without self-intersections where the input has none, without slivers, and within the error asked for; `None` for
+    /// loops, without self-intersections where the input has none, without slivers and bridges, and within the error asked for; `None` for
     /// a mesh that was measured only.
     pub verified: Option<bool>,
     /// The input as it was read; for a mesh that was measured only, what it was measured against.
@@ -54,6 +54,9 @@ pub struct Report {
     /// Faces of the output with an angle below 1 degree that the input does not force, in increasing order, numbered from 0; empty for a mesh that was measured only.
     #[serde(default)]
     pub slivers: Vec<u32>,
+    /// Faces of the output that go where the input has no surface, in increasing order, numbered from 0; empty for a mesh that was measured only.
+    #[serde(default)]
+    pub bridges: Vec<u32>,
     /// The smallest angle of the output in degrees, but for those that the input forces, where sharp edges and boundaries
     /// meet or a spike ends; `None` for a mesh that was measured only, or if all are such.
     #[serde(default)]
@@ -177,6 +180,7 @@ impl Report {
             repaired: Some(remeshed.repaired),
             crossings: Crossings::of(remeshed),
             slivers: remeshed.slivers.clone(),
+            bridges: remeshed.bridges.clone(),
             unforced_theta_min: remeshed.unforced_theta_min,
             distance: distance(&remeshed.mesh, &outside(input, &remeshed.repairs), REPORT_SAMPLES, seed),
             deviation: remeshed.deviation,
@@ -257,6 +261,7 @@ impl Report {
             output,
             crossings: Crossings::default(),
             slivers: Vec::new(),
+            bridges: Vec::new(),
             unforced_theta_min: None,
             distance: None,
             deviation: None,
@@ -275,10 +280,10 @@ impl Report {
     /// Why the output is not what the input asked for, a phrase each; empty for a verified result and for a mesh that
     /// was measured only.
     pub fn shortcomings(&self) -> Vec<String> {
-        let Report { output, repaired, crossings, slivers, deviation, coverage, .. } = self;
+        let Report { output, repaired, crossings, slivers, bridges, deviation, coverage, .. } = self;
         let against = |wanted| {
-            let (crossing, slivers) = (crossings.new.len(), slivers.len());
-            shortcomings(&output.topology, wanted, crossing, slivers, deviation.as_ref(), coverage.as_ref())
+            let [crossing, slivers, bridges] = [&crossings.new, slivers, bridges].map(Vec::len);
+            shortcomings(&output.topology, wanted, crossing, slivers, bridges, deviation.as_ref(), coverage.as_ref())
         };
         repaired.as_ref().map_or_else(Vec::new, against)
     }
@@ -390,6 +395,7 @@ pub(super) mod tests {
             new_self_intersections: vec![],
             self_intersections_of_input: None,
             slivers: vec![],
+            bridges: vec![],
             unforced_theta_min: None,
             left_out: LeftOut::default(),
             smoothed_curves: 0,

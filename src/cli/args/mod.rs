@@ -59,8 +59,8 @@ from columns of numbers: xyz, xyzn, pts, asc, txt. Behind any of these .gz may f
 
 Exit status:
   0   the result is written and verified: an oriented manifold of the input's topology, without
-      self-intersections where the input has none, without slivers, and within --max-error if
-      that is given
+      self-intersections where the input has none, without slivers and triangles where the input
+      has no surface, and within --max-error if that is given
   1   a file cannot be read or written, or holds no mesh that can be remeshed
   2   wrong usage, or an option out of its range
   3   the result is written, but could not be verified; the report says why

@@ -167,7 +167,12 @@ fn tools(shown: &[Shown], farthest: Option<f64>, has_viewer: bool) -> String {
     let drawn = [
         (shown.iter().any(|s| !s.sharp.is_empty()), "line", KEPT, "sharp edges that were kept"),
         (shown.iter().any(|s| !s.left_out.is_empty()), "line", LEFT_OUT, "sharp edges that were left out"),
-        (shown.iter().any(|s| !s.marked.is_empty()), "mark", MARKED, "faces that intersect others, and slivers"),
+        (
+            shown.iter().any(|s| !s.marked.is_empty()),
+            "mark",
+            MARKED,
+            "faces that intersect others, slivers and bridges",
+        ),
     ];
     let swatch = |&(_, class, colour, what): &(bool, &str, &str, &str)| {
         let style = format!("color:{colour}{}", if class == "mark" { ";background:currentcolor" } else { "" });

@@ -20,6 +20,7 @@ pub(super) struct Kind {
 
 const CROSSING: Kind = Kind { name: "intersects another face", shown_by: None };
 const SLIVER: Kind = Kind { name: "angle below 1°", shown_by: None };
+const BRIDGE: Kind = Kind { name: "no surface of the input", shown_by: None };
 const NON_MANIFOLD: Kind = Kind { name: "at an edge with more than two faces", shown_by: None };
 const MISORIENTED: Kind = Kind { name: "turned against its neighbour", shown_by: None };
 const TOO_FAR: Kind = Kind { name: "farther than asked for", shown_by: None };
@@ -79,6 +80,7 @@ fn of_mesh(number: usize, shown: &Shown, report: &Report) -> Vec<Place> {
     let mut places = Vec::new();
     places.extend(search.faces(CROSSING, &report.crossings.faces, |_| String::new()));
     places.extend(search.faces(SLIVER, &report.slivers, angle));
+    places.extend(search.faces(BRIDGE, &report.bridges, |_| String::new()));
     places.extend(search.faces(NON_MANIFOLD, &non_manifold, |_| String::new()));
     places.extend(search.faces(MISORIENTED, &misoriented, |_| String::new()));
     if let Some(deviation) = report.deviation.filter(|d| !d.is_allowed()) {

@@ -62,7 +62,7 @@ fn verdict(mesh: usize, name: &str, report: &Report, places: &[Place]) -> String
 }
 
 const VERIFIED: &str =
-    "An oriented manifold of the input’s topology, without self-intersections or slivers of its own.";
+    "An oriented manifold of the input’s topology, without self-intersections, slivers or bridges of its own.";
 const SOUND: &str = "An oriented manifold without self-intersections.";
 
 /// What is wrong with a mesh that was only measured.

@@ -150,7 +150,7 @@ fn distances(mesh: &Mesh, other: &Mesh, input: &Mesh) -> Option<Vec<f64>> {
 }
 
 fn marked(report: &Report) -> Vec<u32> {
-    let mut faces = [&report.crossings.faces[..], &report.slivers].concat();
+    let mut faces = [&report.crossings.faces[..], &report.slivers, &report.bridges].concat();
     faces.sort_unstable();
     faces.dedup();
     faces
