@@ -110,7 +110,7 @@ fn domain_over(
         (tried, sharp) = (None, vec![false; sharp.len()]);
     }
     let mut left_out_edges = edges_left_out(&clean, &twin, &found, &sharp);
-    let ended = end_wedges(&mut clean, twin, sharp, spacing, went_wrong);
+    let ended = end_wedges(&mut clean, twin, sharp, !interface.is_empty(), spacing, went_wrong);
     if !ended.edges.is_empty() {
         tried = None;
     }

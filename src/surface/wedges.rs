@@ -1,9 +1,9 @@
-//! Ends wedges: parts of a smooth patch between two sharp edges that meet at a small angle. Every mesh has that angle there, however
-//! many vertices it has.
+//! Ends wedges: parts of a smooth patch between two sharp edges, or one and the boundary, that meet at a small angle. Every mesh has
+//! that angle there, however many vertices it has.
 //!
 //! Near its corner a wedge is as narrow as strips that are left out ([`narrow_patches`](crate::surface::narrow_patches)). That tip
 //! becomes part of the patch beside it that the surface turns least towards: one of the two edges goes on to the corner, the other
-//! ends at a new one across the wedge. A crease that fades within the tip goes.
+//! ends at a new one across the wedge. The boundary always goes on. A crease that fades within the tip goes.
 //!
 //! Cost: linear in the sharp edges and in the triangles of the tips, and in all triangles where there is a tip.
 
@@ -51,18 +51,19 @@ pub struct Ended {
     pub edges: Vec<[DVec3; 2]>,
 }
 
-/// Ends the wedges between the sides of `mesh` that are `sharp`, for samples at distance `spacing`. They stay where a triangle of the
-/// tip `is_needed`, and at the boundary. `twin` is as [`twins`] says.
+/// Ends the wedges between the sides of `mesh` that are `sharp`, and between those and the boundary unless that is an `interface`,
+/// whose edges stay, for samples at distance `spacing`. Wedges stay where a triangle of the tip `is_needed`. `twin` is as [`twins`] says.
 pub fn end_wedges(
     mesh: &mut OrientedManifold,
     twin: Vec<u32>,
     sharp: Vec<bool>,
+    interface: bool,
     spacing: f64,
     is_needed: impl Fn(&Mesh, u32) -> bool,
 ) -> Ended {
     let mut ended = Ended { twin, sharp, left_out: LeftOut::default(), edges: Vec::new() };
     for _ in 0..ROUNDS {
-        let tips = Creases { mesh, twin: &ended.twin, sharp: &ended.sharp, spacing }.tips(&is_needed);
+        let tips = Creases { mesh, twin: &ended.twin, sharp: &ended.sharp, interface, spacing }.tips(&is_needed);
         if tips.is_empty() {
             break;
         }
@@ -117,7 +118,7 @@ struct Tip {
     deviation: f64,
 }
 
-/// The corner of a patch, from a sharp side that begins there to the next one, and the unit vector midway between both.
+/// The corner of a patch, from a rim that begins there to the next one, and the unit vector midway between both.
 struct Corner {
     first: u32,
     radians: f64,
@@ -157,18 +158,20 @@ impl Plane<'_> {
     }
 }
 
-/// The sharp sides of a mesh.
+/// The sharp sides of a mesh, and its boundary.
 struct Creases<'a> {
     mesh: &'a Mesh,
     twin: &'a [u32],
     sharp: &'a [bool],
+    /// Whether the boundary is an interface.
+    interface: bool,
     spacing: f64,
 }
 
 impl Creases<'_> {
     /// The tips of wedges, no two of which have a triangle in common.
     fn tips(&self, is_needed: impl Fn(&Mesh, u32) -> bool) -> Vec<Tip> {
-        let corners: Vec<Corner> = self.sides().filter_map(|side| self.small_corner(side)).collect();
+        let corners: Vec<Corner> = self.rims().filter_map(|side| self.small_corner(side)).collect();
         if corners.is_empty() {
             return Vec::new();
         }
@@ -187,19 +190,28 @@ impl Creases<'_> {
         tips
     }
 
-    fn sides(&self) -> impl Iterator<Item = u32> {
-        (0..self.sharp.len() as u32).filter(|&side| self.sharp[side as usize])
+    /// The sides that bound patches.
+    fn rims(&self) -> impl Iterator<Item = u32> {
+        (0..self.sharp.len() as u32).filter(|&side| self.is_rim(side))
     }
 
-    /// How many sharp edges there are at each vertex.
+    fn is_rim(&self, side: u32) -> bool {
+        self.sharp[side as usize] || self.is_boundary(side) && !self.interface
+    }
+
+    fn is_boundary(&self, side: u32) -> bool {
+        self.twin[side as usize] == NONE
+    }
+
+    /// How many rims there are at each vertex, the two sides of an edge being one.
     fn degrees(&self) -> Vec<u32> {
         let mut degrees = vec![0; self.mesh.positions.len()];
-        let one_of_each = self.sides().filter(|&side| side < self.twin[side as usize]);
+        let one_of_each = self.rims().filter(|&side| side < self.twin[side as usize]);
         one_of_each.flat_map(|side| ends(self.mesh, side)).for_each(|v| degrees[v as usize] += 1);
         degrees
     }
 
-    /// The corner of a patch at which the sharp side `first` begins, if its angle is small.
+    /// The corner of a patch at which the rim `first` begins, if its angle is small.
     fn small_corner(&self, first: u32) -> Option<Corner> {
         let (mut radians, mut side) = (0.0, first);
         loop {
@@ -208,7 +220,7 @@ impl Creases<'_> {
             if radians >= SMALL.to_radians() {
                 return None;
             }
-            if self.sharp[prev(side) as usize] {
+            if self.is_rim(prev(side)) {
                 let midway = (direction(self.mesh, first) + back).normalize_or_zero();
                 return (radians > 0.0).then_some(Corner { first, radians, midway });
             }
@@ -225,9 +237,8 @@ impl Creases<'_> {
         let plane = self.plane(corner, width)?;
         let triangles = self.below(corner, &plane)?;
         let sides = || triangles.iter().flat_map(|&t| 3 * t..3 * t + 3);
-        let rims: Vec<u32> = sides()
-            .filter(|&s| self.sharp[s as usize] && ends(self.mesh, s).into_iter().any(|v| plane.is_below(v)))
-            .collect();
+        let rims: Vec<u32> =
+            sides().filter(|&s| self.is_rim(s) && ends(self.mesh, s).into_iter().any(|v| plane.is_below(v))).collect();
         let is_inside = |s: &u32| triangles.contains(&(self.twin[*s as usize] / 3));
         if rims.iter().any(is_inside) {
             let fading = rims.into_iter().filter(is_inside).collect();
@@ -236,6 +247,9 @@ impl Creases<'_> {
         let [out, back] = self.chains(corner, rims, &plane, degrees)?;
         let [turn_out, turn_back] = [&out, &back].map(|chain| self.mean_turn(chain, turns));
         let (left_out, turn) = if turn_out < turn_back { (&out, turn_out) } else { (&back, turn_back) };
+        if turn == f64::INFINITY {
+            return None;
+        }
         let crossed = |chain: &[u32]| chain.iter().map(|&s| ends(self.mesh, s)).find(|ends| plane.crosses(*ends));
         let width = plane.point(crossed(&out)?).distance(plane.point(crossed(&back)?));
         if !(NARROWEST * self.spacing..WIDEST * self.spacing).contains(&width) {
@@ -243,7 +257,8 @@ impl Creases<'_> {
         }
         let cut_at = |t: u32| (3 * t..3 * t + 3).map(|s| edge(self.mesh, s)).filter(|ends| plane.crosses(*ends));
         let cuts: BTreeSet<[u32; 2]> = triangles.iter().flat_map(|&t| cut_at(t)).collect();
-        let beside = [&out, &back].into_iter().flatten().map(|&s| self.twin[s as usize] / 3);
+        let beside =
+            [&out, &back].into_iter().flatten().filter(|&&s| !self.is_boundary(s)).map(|&s| self.twin[s as usize] / 3);
         let inside_first = |[a, b]: [u32; 2]| if plane.is_below(a) { [a, b] } else { [b, a] };
         Some(Tip {
             cuts: cuts.into_iter().map(|cut| (cut, plane.along(cut))).collect(),
@@ -301,8 +316,11 @@ impl Creases<'_> {
         Some([out, back])
     }
 
-    /// The mean turn across sides, in degrees.
+    /// The mean turn across sides, in degrees; infinite at the boundary.
     fn mean_turn(&self, sides: &[u32], turns: &[f64]) -> f64 {
+        if sides.iter().any(|&s| self.is_boundary(s)) {
+            return f64::INFINITY;
+        }
         let weighted = |s: &u32| length(self.mesh, *s) * turns[*s as usize];
         (sides.iter().map(weighted).sum::<f64>() / sides.iter().map(|&s| length(self.mesh, s)).sum::<f64>()).abs()
     }
@@ -324,17 +342,20 @@ impl Creases<'_> {
         tried.max_by(|p, q| clearance(p).total_cmp(&clearance(q)))
     }
 
-    /// The triangles of a patch around its corner with a vertex below a plane; `None` if these are too many, or at the boundary.
+    /// The triangles of a patch around its corner with a vertex below a plane; `None` if these are too many, or at an interface.
     fn below(&self, corner: &Corner, plane: &Plane) -> Option<BTreeSet<u32>> {
         let mut found = BTreeSet::from([corner.first / 3]);
         let mut open = vec![corner.first / 3];
         while let Some(t) = open.pop() {
             for side in (3 * t..3 * t + 3).filter(|&s| ends(self.mesh, s).into_iter().any(|v| plane.is_below(v))) {
+                if self.is_rim(side) {
+                    continue;
+                }
                 let across = self.twin[side as usize];
                 if across == NONE || found.len() > MOST_TRIANGLES {
                     return None;
                 }
-                if !self.sharp[side as usize] && found.insert(across / 3) {
+                if found.insert(across / 3) {
                     open.push(across / 3);
                 }
             }
@@ -383,15 +404,15 @@ mod tests {
 
     /// The smallest angle of a corner between sharp edges, if it is small.
     fn smallest(mesh: &Mesh, ended: &Ended) -> Option<f64> {
-        let creases = Creases { mesh, twin: &ended.twin, sharp: &ended.sharp, spacing: 1.0 };
-        creases.sides().filter_map(|side| creases.small_corner(side)).map(|c| c.radians).reduce(f64::min)
+        let creases = Creases { mesh, twin: &ended.twin, sharp: &ended.sharp, interface: false, spacing: 1.0 };
+        creases.rims().filter_map(|side| creases.small_corner(side)).map(|c| c.radians).reduce(f64::min)
     }
 
     #[test]
     fn a_wedge_ends_at_an_edge_across_it() {
         let mut mesh = prism(20.0);
         let (before, twin_sharp) = (mesh.clone(), sharp(&mesh));
-        let ended = end_wedges(&mut mesh, twin_sharp.0, twin_sharp.1, 1.0, |_, _| false);
+        let ended = end_wedges(&mut mesh, twin_sharp.0, twin_sharp.1, false, 1.0, |_, _| false);
         assert_eq!(smallest(&mesh, &ended), None);
         assert_eq!(ended.left_out.patches, 2, "above and below");
         assert!((0.2..0.5).contains(&ended.left_out.deviation), "{}", ended.left_out.deviation);
@@ -408,19 +429,42 @@ mod tests {
     fn wide_corners_stay_and_so_do_wedges_that_are_needed() {
         for (mesh, needed) in [(cube().try_into().unwrap(), false), (prism(35.0), false), (prism(20.0), true)] {
             let (mut after, (twin, sharp)) = (mesh.clone(), sharp(&mesh));
-            let ended = end_wedges(&mut after, twin, sharp.clone(), 1.0, |_, _| needed);
+            let ended = end_wedges(&mut after, twin, sharp.clone(), false, 1.0, |_, _| needed);
             assert!(after == mesh && ended.sharp == sharp && ended.left_out == LeftOut::default());
         }
     }
 
     #[test]
-    fn a_wedge_at_the_boundary_stays() {
+    fn a_wedge_between_a_crease_and_the_boundary_ends_the_crease_unless_that_is_an_interface() {
+        let (sin, cos) = 20f64.to_radians().sin_cos();
+        let positions = vec![DVec3::ZERO, dvec3(4.0, 0.0, 0.0), dvec3(4.0 * cos, 4.0 * sin, 0.0), dvec3(0.0, 4.0, 2.0)];
+        let folded: OrientedManifold = Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]] }.try_into().unwrap();
+        for interface in [false, true] {
+            let (mut after, twin) = (folded.clone(), twins(&folded.triangles));
+            let sharp = (0..6).map(|s| edge(&folded, s) == [0, 2]).collect();
+            let ended = end_wedges(&mut after, twin, sharp, interface, 1.0, |_, _| false);
+            assert_eq!(after == folded, interface);
+            if interface {
+                continue;
+            }
+            assert_eq!((smallest(&after, &ended), ended.left_out.patches), (None, 1));
+            let [[p, q]] = ended.edges[..] else { panic!("{:?}", ended.edges) };
+            let [near, far] = if p == DVec3::ZERO { [p, q] } else { [q, p] };
+            assert!(near == DVec3::ZERO && (0.6..0.9).contains(&far.length()) && far.y > 0.0, "{far}");
+            assert_eq!(topology(after.positions.len(), &after.triangles).boundary_loops, 1);
+            assert!((after.area() - folded.area()).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_wedge_of_the_outline_stays() {
         let mut open = prism(20.0).into_mesh();
-        open.triangles.retain(|t| t.iter().any(|&v| v < 3));
+        open.triangles.retain(|t| t.iter().all(|&v| v < 3));
+        open.drop_unused();
         let mut open: OrientedManifold = open.try_into().unwrap();
-        let (twin, sharp) = sharp(&open);
-        let ended = end_wedges(&mut open, twin, sharp, 1.0, |_, _| false);
-        assert_eq!(ended.left_out.patches, 1, "that below");
+        let (before, (twin, sharp)) = (open.clone(), sharp(&open));
+        let ended = end_wedges(&mut open, twin, sharp, false, 1.0, |_, _| false);
+        assert!(open == before && ended.left_out == LeftOut::default());
     }
 
     #[test]
@@ -440,7 +484,7 @@ mod tests {
         let twin = twins(&mesh.triangles);
         let is_sharp = |s: u32| [[0, 1], [0, 2], [0, 4]].contains(&edge(&mesh, s));
         let sharp: Vec<bool> = (0..twin.len() as u32).map(is_sharp).collect();
-        let ended = end_wedges(&mut mesh, twin, sharp, 1.0, |_, _| false);
+        let ended = end_wedges(&mut mesh, twin, sharp, false, 1.0, |_, _| false);
         let [[mut p, mut q]] = ended.edges[..] else { panic!("{:?}", ended.edges) };
         if q == DVec3::ZERO {
             std::mem::swap(&mut p, &mut q);
