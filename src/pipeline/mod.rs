@@ -27,6 +27,7 @@ mod reconstruct;
 mod remesh;
 mod resizing;
 mod result;
+mod rods;
 mod sample;
 mod sampled_domain;
 mod scale;

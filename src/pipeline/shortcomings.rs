@@ -87,4 +87,11 @@ mod tests {
         assert_eq!(of_new(1), ["1 self-intersecting face"]);
         assert_eq!(of_new(0), [""; 0]);
     }
+
+    #[test]
+    fn triangles_where_the_input_has_no_surface_are_a_shortcoming() {
+        let wanted = topology(4, &tetrahedron().triangles);
+        let found = shortcomings(&wanted, &wanted, 0, 0, 3, None, None);
+        assert_eq!(found, ["3 faces where the input has no surface"]);
+    }
 }

@@ -8,6 +8,7 @@ use crate::optimize::crossings::crossing_faces;
 use crate::pipeline::attempts::Attempt;
 use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::result::has_kind;
+use crate::pipeline::rods;
 use crate::pipeline::scale::CANDIDATES_PER_POINT;
 use crate::pipeline::sized::SizedSurface;
 use crate::spectral::candidates::candidates;
@@ -39,6 +40,8 @@ pub(super) struct Triangulation {
     pub tessellated_patches: usize,
     /// Where patches do not fit together.
     pub torn: Torn,
+    /// The samples that became no vertices.
+    lost: Vec<Sample>,
 }
 
 impl Triangulation {
@@ -55,6 +58,7 @@ impl Triangulation {
         let boundary = Boundary { sites: &curves.sites, successor: &curves.successor, spikes };
         let mut patches = triangulate(domain, &samples, boundary, scale.spacing, monitor)?;
         let tessellated_patches = patches.tessellated_patches;
+        let lost = without(&samples, &patches.source);
         let seams = Gluing { point: &curves.point, edges: &curves.edges, corners: &curves.corners, spikes };
         straighten_rims(domain, &mut patches, boundary);
         part_chords(domain, &mut patches, seams);
@@ -64,12 +68,13 @@ impl Triangulation {
             mesh.lock_boundary();
             (mesh, torn)
         });
-        Ok(Triangulation { mesh, tessellated_patches, torn })
+        Ok(Triangulation { mesh, tessellated_patches, torn, lost })
     }
 
     /// Places with too few samples, and those of them where half the length is still too long for edges: the ends of edges that are
-    /// stretched along a thin rod, and the corners of triangles that cross, unless these are so few that they can be taken apart one
-    /// by one, or so many that there is no room to be finer. A surface that was laid through points is not known well enough for rods.
+    /// stretched along a thin rod and the samples that were lost there, and the corners of triangles that cross, unless these are so few
+    /// that they can be taken apart one by one, or so many that there is no room to be finer. A surface that was laid through points is
+    /// not known well enough for rods.
     pub(super) fn sparse_places(&self, prepared: &PreparedInput, surface: &SizedSurface) -> [Vec<DVec3>; 2] {
         let mut crossing = crossing_faces(&surface.domain, &self.mesh);
         if !are_too_many(crossing.len(), self.mesh.triangles().count()) {
@@ -81,16 +86,23 @@ impl Triangulation {
         [crossing.chain(rods.iter().map(|(p, _)| *p)).collect(), very_thin]
     }
 
-    /// The ends of stretched edges along rods, and the widths of those in wanted lengths.
+    /// The ends of edges that are stretched along rods, the samples that were lost between them, and the widths of the rods there in
+    /// wanted lengths.
     fn along_rods(&self, surface: &SizedSurface) -> Vec<(DVec3, f64)> {
         let Manifold { connectivity: c, samples, .. } = &self.mesh;
-        let ends = |h: u32| [c.origin(h), c.target(h)].map(|v| &samples[v as usize]);
-        let found = self.stretched(LONGEST * surface.scale.spacing).flat_map(|h| {
-            let [a, b] = ends(h);
-            let axis = b.position - a.position;
-            [a, b].into_iter().filter_map(move |end| Some((end.position, width_of_rod(surface, end, axis)?)))
+        let (domain, spacing) = (&surface.domain, surface.scale.spacing);
+        let stretched = self.stretched(LONGEST * spacing).flat_map(|h| {
+            let [a, b] = [c.origin(h), c.target(h)].map(|v| &samples[v as usize]);
+            let axis = (b.position - a.position).normalize_or_zero();
+            let width = move |&Sample { position, normal, size, .. }: &Sample| {
+                rods::width_along(domain, position, normal, axis, size * spacing)
+            };
+            [a, b].into_iter().filter_map(move |end| Some((end.position, width(end)?)))
         });
-        found.collect()
+        let lost = self.lost.iter().filter_map(|&Sample { position, normal, size, .. }| {
+            Some((position, rods::width_at(domain, position, normal, size * spacing)?))
+        });
+        stretched.chain(lost).collect()
     }
 
     /// The edges longer than `longest`, relative to the wanted sizes at their ends, away from curves: those between narrow strips are
@@ -114,15 +126,11 @@ fn are_too_many(crossing: usize, triangles: usize) -> bool {
     CROSSED.contains(&(crossing as f64 / triangles as f64))
 }
 
-/// How wide the body is at `sample`, in wanted lengths, if it is a rod along `axis`, narrower both ways than edges are to be long.
-fn width_of_rod(surface: &SizedSurface, sample: &Sample, axis: DVec3) -> Option<f64> {
-    let domain = &surface.domain;
-    let length = sample.size * surface.scale.spacing;
-    let thickness = domain.thickness_at(sample.position, sample.normal, length)?;
-    let middle = sample.position - 0.5 * thickness * sample.normal;
-    let across = sample.normal.cross(axis).normalize_or_zero();
-    let width = domain.thickness_at(middle, across, length)? + domain.thickness_at(middle, -across, length)?;
-    (width < length).then_some(thickness.max(width) / length)
+/// Those of the `samples` whose numbers are not among `used`.
+fn without(samples: &[Sample], used: &[u32]) -> Vec<Sample> {
+    let mut is_used = vec![false; samples.len()];
+    used.iter().filter(|&&s| (s as usize) < samples.len()).for_each(|&s| is_used[s as usize] = true);
+    samples.iter().zip(is_used).filter(|(_, is_used)| !is_used).map(|(sample, _)| *sample).collect()
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::*;
 use glam::{DVec3, dvec3};
+use spectral_remesh::stages::quality::distance::distance;
 use spectral_remesh::stages::surface::features::Features;
 use std::f64::consts::TAU;
 
@@ -48,6 +49,19 @@ fn a_rod_thinner_than_the_edges_keeps_its_shape_and_good_triangles() {
         let theta_min = shape(&made.mesh).unwrap().theta_min;
         assert!(made.verified() && theta_min > 15.0, "{radius}: {theta_min}");
         covers("rod", &input, &made, 1.0);
+    }
+}
+
+/// Where samples are lost along a wire, what is left may fit together across its bend.
+#[test]
+fn a_ring_of_wire_is_not_cut_across() {
+    for (radius, n) in [(0.02, 1000), (0.03, 400)] {
+        let ring = moved(torus(120, 16, 0.8, radius), |p| p + 2.2 * DVec3::X);
+        let input = together(&[sphere(4, DVec3::ZERO, 1.0), ring]);
+        let made = check("ring", &input, n);
+        assert!(made.verified(), "{radius}: {:?}", made.notes);
+        let off = distance(&made.mesh, &input, 10_000, 0).unwrap().hausdorff;
+        assert!(off < 1.0, "{radius}: {off} % of the diagonal");
     }
 }
 
