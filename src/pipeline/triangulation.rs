@@ -99,10 +99,14 @@ impl Triangulation {
             };
             [a, b].into_iter().filter_map(move |end| Some((end.position, width(end)?)))
         });
-        let lost = self.lost.iter().filter_map(|&Sample { position, normal, size, .. }| {
-            Some((position, rods::width_at(domain, position, normal, size * spacing)?))
-        });
-        stretched.chain(lost).collect()
+        let mut found: Vec<(DVec3, f64)> = stretched.collect();
+        // At the tip of a spike samples are lost, too, and nothing is missing.
+        if !found.is_empty() {
+            found.extend(self.lost.iter().filter_map(|&Sample { position, normal, size, .. }| {
+                Some((position, rods::width_at(domain, position, normal, size * spacing)?))
+            }));
+        }
+        found
     }
 
     /// The edges longer than `longest`, relative to the wanted sizes at their ends, away from curves: those between narrow strips are
