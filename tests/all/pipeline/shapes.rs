@@ -54,14 +54,14 @@ fn a_rod_thinner_than_the_edges_keeps_its_shape_and_good_triangles() {
 
 /// Where samples are lost along a wire, what is left may fit together across its bend.
 #[test]
-fn a_ring_of_wire_is_not_cut_across() {
-    for (radius, n) in [(0.02, 1000), (0.03, 400)] {
+fn a_ring_of_wire_is_not_cut_across_without_a_word() {
+    for (radius, n, most) in [(0.01, 200, 1.2), (0.01, 400, 1.2), (0.03, 400, 1.2), (0.02, 1000, 0.3)] {
         let ring = moved(torus(120, 16, 0.8, radius), |p| p + 2.2 * DVec3::X);
         let input = together(&[sphere(4, DVec3::ZERO, 1.0), ring]);
         let made = check("ring", &input, n);
-        assert!(made.verified(), "{radius}: {:?}", made.notes);
-        let off = distance(&made.mesh, &input, 10_000, 0).unwrap().hausdorff;
-        assert!(off < 1.0, "{radius}: {off} % of the diagonal");
+        let off = 0.01 * distance(&made.mesh, &input, 10_000, 0).unwrap().hausdorff * input.diagonal() / made.spacing;
+        assert!(off < most || !made.verified(), "{radius}, {n}: {off} spacings");
+        assert!(made.verified() || n < 1000, "{:?}", made.notes);
     }
 }
 
