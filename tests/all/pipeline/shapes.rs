@@ -52,17 +52,33 @@ fn a_rod_thinner_than_the_edges_keeps_its_shape_and_good_triangles() {
     }
 }
 
+/// A sphere and a ring of wire of that radius beside it.
+fn sphere_and_ring(radius: f64) -> Mesh {
+    let ring = moved(torus(120, 16, 0.8, radius), |p| p + 2.2 * DVec3::X);
+    together(&[sphere(4, DVec3::ZERO, 1.0), ring])
+}
+
 /// Where samples are lost along a wire, what is left may fit together across its bend.
 #[test]
+#[ignore = "slow"]
 fn a_ring_of_wire_is_not_cut_across_without_a_word() {
-    for (radius, n, most) in [(0.01, 200, 1.2), (0.01, 400, 1.2), (0.03, 400, 1.2), (0.02, 1000, 0.3)] {
-        let ring = moved(torus(120, 16, 0.8, radius), |p| p + 2.2 * DVec3::X);
-        let input = together(&[sphere(4, DVec3::ZERO, 1.0), ring]);
-        let made = check("ring", &input, n);
-        let off = 0.01 * distance(&made.mesh, &input, 10_000, 0).unwrap().hausdorff * input.diagonal() / made.spacing;
-        assert!(off < most || !made.verified(), "{radius}, {n}: {off} spacings");
-        assert!(made.verified() || n < 1000, "{:?}", made.notes);
+    for (radius, n) in [(0.01, 300), (0.01, 600), (0.015, 300), (0.015, 600)] {
+        let input = sphere_and_ring(radius);
+        for seed in 1..=3 {
+            let made = check_with("ring", &input, &Options { seed, ..points(n) });
+            let off = distance(&made.mesh, &input, 10_000, 0).unwrap().hausdorff_out_to_in;
+            let off = 0.01 * off * input.diagonal() / made.spacing;
+            assert!(off < 1.2 || !made.verified(), "{radius}, {n}, seed {seed}: {off} spacings");
+        }
     }
+}
+
+#[test]
+fn a_ring_of_wire_is_followed_by_enough_vertices() {
+    let input = sphere_and_ring(0.02);
+    let made = check("ring", &input, 1000);
+    let off = distance(&made.mesh, &input, 10_000, 0).unwrap().hausdorff;
+    assert!(made.verified() && off < 1.0, "{off} % of the diagonal, {:?}", made.notes);
 }
 
 #[test]
