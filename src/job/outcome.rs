@@ -97,7 +97,8 @@ impl Outcome {
     }
 
     /// Whether the result is what it should be: an oriented manifold of the topology of the repaired input, without
-    /// self-intersections where that has none, without slivers that it does not force, without bridges, and as near to it as was asked for.
+    /// self-intersections where that has none, without slivers that it does not force, without bridges, and as near to it as was
+    /// asked for.
     pub fn verified(&self) -> bool {
         self.shortcomings.is_empty()
     }

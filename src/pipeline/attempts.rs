@@ -17,8 +17,8 @@ const MOST_WITH_CURVES: usize = 6;
 /// How many times as many samples there are on curves where edges cannot become shorter.
 const CLOSER: f64 = 1.4;
 
-/// If more triangles than this share, and than this number, intersect, are slivers or bridges, single places are not to blame: there are
-/// too few vertices for walls so near to each other.
+/// If more triangles than this share, and than this number, intersect, are slivers or bridges, single places are not to blame: there
+/// are too few vertices for walls so near to each other.
 const MOST_OF_TRIANGLES: f64 = 0.05;
 const MOST_IN_PLACES: usize = 60;
 

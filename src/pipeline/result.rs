@@ -251,22 +251,20 @@ fn note_on_cracks(Cracks { vertices, width }: Cracks) -> String {
 
 /// How many slivers there are, and where the first one is.
 fn note_on_slivers(result: &Remeshed) -> Option<String> {
-    let (first, count) = (*result.slivers.first()?, result.slivers.len());
-    let place = near(result.mesh.corners(first as usize).into_iter().sum::<DVec3>() / 3.0);
-    Some(format!(
-        "{} an angle below {SLIVER} degree, the first {place}: more points there may avoid that",
-        counted(count, "face has", "faces have")
-    ))
+    let has = ["face has", "faces have"].map(|has| format!("{has} an angle below {SLIVER} degree"));
+    note_on_faces(result, &result.slivers, &has, "more points there may avoid that")
 }
 
 /// How many bridges there are, and where the first one is.
 fn note_on_bridges(result: &Remeshed) -> Option<String> {
-    let (first, count) = (*result.bridges.first()?, result.bridges.len());
-    let place = near(result.mesh.corners(first as usize).into_iter().sum::<DVec3>() / 3.0);
-    Some(format!(
-        "{} where the input has no surface, the first {place}: a part of it is too thin for so few vertices; more points follow it",
-        counted(count, "face is", "faces are")
-    ))
+    let is = ["face is", "faces are"].map(|is| format!("{is} where the input has no surface"));
+    note_on_faces(result, &result.bridges, &is, "a part of it is too thin for so few vertices; more points follow it")
+}
+
+/// How many `faces` there are, which is said of one and of many, where the first one is, and what helps.
+fn note_on_faces(result: &Remeshed, faces: &[u32], [one, many]: &[String; 2], remedy: &str) -> Option<String> {
+    let place = near(result.mesh.corners(*faces.first()? as usize).into_iter().sum::<DVec3>() / 3.0);
+    Some(format!("{}, the first {place}: {remedy}", counted(faces.len(), one, many)))
 }
 
 /// How many faces intersect others, where the first one is, and whether the input is to blame.
