@@ -38,8 +38,9 @@ pub(super) struct Faults {
     unsound: usize,
     /// Pairs of faces that cross where the surface does.
     inherited: usize,
-    /// Triangles with small angles that are not forced.
+    /// Triangles with small angles that are not forced, and those of them that miss even the modest goal.
     small: usize,
+    very_small: usize,
     /// The smallest angle in degrees, forced or not, or the limit if that is less.
     smallest: f64,
     /// Triangles that face against the surface.
@@ -103,6 +104,7 @@ impl Faults {
             unsound: crossings.len() - as_surface + unforced(SLIVER).count(),
             inherited: if counted.inherited { as_surface } else { 0 },
             small: unforced(counted.angles_below).count(),
+            very_small: unforced(counted.angles_below.min(Goal::MODEST.smallest_angle)).count(),
             smallest: small.iter().map(|small| small.smallest).fold(counted.angles_below, f64::min),
             turned: own.iter().filter(|(t, _)| mesh.agreement(mesh.connectivity.triangle(3 * t)) < 0.0).count(),
             blades: blades(mesh),
@@ -115,8 +117,8 @@ impl Faults {
     }
 
     /// How many faults there are, the graver ones first.
-    fn number(&self) -> (usize, usize, usize) {
-        (self.unsound, self.inherited, self.small)
+    fn number(&self) -> (usize, usize, usize, usize) {
+        (self.unsound, self.inherited, self.very_small, self.small)
     }
 
     /// Whether there are fewer faults than `before`, or as many with larger angles, and, if nothing was unsound then, nothing else has

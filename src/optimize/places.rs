@@ -16,7 +16,7 @@ const RINGS: usize = 2;
 
 /// Rounds of relaxation, and passes of the search for angles, in which a place settles.
 const ROUNDS: usize = 2;
-const SEARCHES: usize = 1;
+const SEARCHES: usize = 3;
 
 /// A side of a triangle and what is around the triangle.
 pub(super) struct Place {

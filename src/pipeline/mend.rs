@@ -35,10 +35,13 @@ const MOST_ROUNDS: usize = 3;
 /// Rings of triangles around those to mend that change with them.
 const RINGS: usize = 6;
 
-/// Untangling for a sound result, and for the sake of angles, for which the surface may move less: ears would be cut off. At
-/// angles that are larger there is more to lose elsewhere.
+/// Untangling for a sound result, and for the sake of angles, for which the surface may move less: ears would be cut off.
 const SOUND: Aim = Aim { angles_below: SLIVER, most_crossing: usize::MAX, farthest: 1.0, most_at_fault: 0.1 };
-pub(super) const ANGLES: Aim = Aim { angles_below: 30.0, farthest: 0.6, ..SOUND };
+pub(super) const SMALL_ANGLES: Aim = Aim { angles_below: 30.0, farthest: 0.6, ..SOUND };
+
+/// What is a little small comes after what is small: of 55 files the median of the smallest angles is 39 degrees instead of 38, and
+/// a fifth fewer triangles have less than 30 than without. With both at once three times as many have.
+const MODEST_ANGLES: Aim = Aim { angles_below: 40.0, ..SMALL_ANGLES };
 
 /// The best of `finished` and what it becomes by mending. `surface` keeps the lengths.
 pub(super) fn mended(
@@ -50,19 +53,24 @@ pub(super) fn mended(
     if !prepared.options.optimize || finished.score.other_topology {
         return Ok(finished);
     }
-    let best = sound(prepared, surface, finished, monitor)?;
-    let most_crossing = best.self_intersections_of_input;
-    let is_worth_it = small_angles(&best) > 0 || best.self_intersections.len() > most_crossing;
+    let mut best = sound(prepared, surface, finished, monitor)?;
     // Where the distance has a limit, it counts more than angles.
-    if best.score != Score::SOUND || !is_worth_it || prepared.limit().is_some() {
+    if prepared.limit().is_some() {
         return Ok(best);
     }
-    untangled(prepared, surface, best, Aim { most_crossing, ..ANGLES }, monitor)
+    let most_crossing = best.self_intersections_of_input;
+    for aim in [SMALL_ANGLES, MODEST_ANGLES] {
+        let is_worth_it = small_angles(&best, aim) > 0 || best.self_intersections.len() > most_crossing;
+        if best.score == Score::SOUND && is_worth_it {
+            best = untangled(prepared, surface, best, Aim { most_crossing, ..aim }, monitor)?;
+        }
+    }
+    Ok(best)
 }
 
-/// How many triangles have small angles.
-fn small_angles(result: &Finished) -> usize {
-    with_angles_below(&result.manifold, ANGLES.angles_below).len()
+/// How many triangles have angles that are too small.
+fn small_angles(result: &Finished, aim: Aim) -> usize {
+    with_angles_below(&result.manifold, aim.angles_below).len()
 }
 
 /// The best of `finished` and what it becomes where faces cross and at slivers.
@@ -113,7 +121,7 @@ fn untangled(
     if best.score == Score::SOUND && next.score != Score::SOUND {
         next = with_other_edges(prepared, surface, &next, SOUND, monitor)?.unwrap_or(next);
     }
-    let rank = |result: &Finished| (result.score, result.self_intersections.len(), small_angles(result));
+    let rank = |result: &Finished| (result.score, result.self_intersections.len(), small_angles(result, aim));
     Ok(if rank(&next) < rank(&best) { next } else { best })
 }
 
@@ -301,7 +309,7 @@ mod tests {
     #[test]
     fn small_angles_are_mended_although_the_result_is_sound() {
         let (before, _, made) = mended_after_moving(0.8);
-        let smallest = |result: &Finished| with_angles_below(&result.manifold, ANGLES.angles_below).len();
+        let smallest = |result: &Finished| small_angles(result, SMALL_ANGLES);
         assert!(before.score == Score::SOUND && smallest(&before) > 0);
         assert!(made.score == Score::SOUND && made.is_mended && smallest(&made) == 0);
         assert_eq!(made.of_part.positions.len(), before.of_part.positions.len());
