@@ -205,4 +205,13 @@ mod tests {
         assert!(!is_better(&|after| (after.smallest, after.blades) = (12.0, 4)));
         assert!(is_better(&|after| (after.smallest, after.blades, after.turned) = (12.0, 4, 0)));
     }
+
+    #[test]
+    fn very_small_angles_count_before_those_that_are_a_little_small() {
+        let before = Faults { small: 3, very_small: 1, ..Faults::default() };
+        let is_better =
+            |very_small: usize, small: usize| Faults { small, very_small, ..before.clone() }.are_fewer_than(&before);
+        assert!(is_better(0, 3) && is_better(1, 2));
+        assert!(!is_better(2, 2) && !is_better(0, 4));
+    }
 }

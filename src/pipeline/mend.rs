@@ -309,9 +309,9 @@ mod tests {
     #[test]
     fn small_angles_are_mended_although_the_result_is_sound() {
         let (before, _, made) = mended_after_moving(0.8);
-        let smallest = |result: &Finished| small_angles(result, SMALL_ANGLES);
-        assert!(before.score == Score::SOUND && smallest(&before) > 0);
-        assert!(made.score == Score::SOUND && made.is_mended && smallest(&made) == 0);
+        assert!(before.score == Score::SOUND && small_angles(&before, SMALL_ANGLES) > 0);
+        assert!(made.score == Score::SOUND && made.is_mended);
+        assert_eq!([SMALL_ANGLES, MODEST_ANGLES].map(|aim| small_angles(&made, aim)), [0, 0]);
         assert_eq!(made.of_part.positions.len(), before.of_part.positions.len());
     }
 }

@@ -294,7 +294,7 @@ impl Creases<'_> {
     }
 
     /// The rims of a tip, from its corner up to the plane and back: sides each of which begins where the one before ends. `None` where
-    /// other edges meet them, or where they cross the plane more than once.
+    /// other edges meet them, where they come back to the corner, or where they cross the plane more than once.
     fn chains(&self, corner: &Corner, rims: Vec<u32>, plane: &Plane, degrees: &[u32]) -> Option<[Vec<u32>; 2]> {
         let crossing = |below: usize| {
             let leaves = |s: &&u32| plane.crosses(ends(self.mesh, **s)) && plane.is_below(ends(self.mesh, **s)[below]);
@@ -307,10 +307,12 @@ impl Creases<'_> {
         if inner.any(|v| degrees[v as usize] != 2) {
             return None;
         }
-        let beginning: HashMap<u32, u32> = rims.iter().map(|&s| (ends(self.mesh, s)[0], s)).collect();
+        // The one beyond each vertex but the apex, to which a rim comes back around a hole or a patch that has its corner there.
+        let mut beyond: HashMap<u32, u32> =
+            rims.iter().map(|&s| (ends(self.mesh, s)[0], s)).filter(|&(v, _)| v != apex).collect();
         let mut out = vec![corner.first];
         while let Some(&last) = out.last().filter(|&&last| last != last_out) {
-            out.push(*beginning.get(&ends(self.mesh, last)[1])?);
+            out.push(beyond.remove(&ends(self.mesh, last)[1])?);
         }
         let back = rims.iter().copied().filter(|s| !out.contains(s)).collect();
         Some([out, back])
@@ -467,13 +469,28 @@ mod tests {
         assert!(open == before && ended.left_out == LeftOut::default());
     }
 
+    /// The point of the plane at that angle, in degrees, and distance from the origin.
+    fn at(degrees: f64, r: f64) -> DVec3 {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        dvec3(r * cos, r * sin, 0.0)
+    }
+
+    #[test]
+    fn a_wedge_beside_a_small_patch_at_its_corner_stays() {
+        // A patch of 50 degrees whose corner is that of a small triangle with sharp edges, too.
+        let positions = vec![DVec3::ZERO, at(-25.0, 4.0), at(0.0, 4.0), at(25.0, 4.0), at(-5.0, 0.1), at(5.0, 0.1)];
+        let triangles = vec![[0, 1, 4], [1, 2, 4], [4, 2, 5], [2, 3, 5], [5, 3, 0], [0, 4, 5]];
+        let mut mesh: OrientedManifold = Mesh { positions, triangles }.try_into().unwrap();
+        let (before, twin) = (mesh.clone(), twins(&mesh.triangles));
+        let is_sharp = |s: u32| [[0, 4], [0, 5], [4, 5]].contains(&edge(&mesh, s));
+        let sharp: Vec<bool> = (0..twin.len() as u32).map(is_sharp).collect();
+        let ended = end_wedges(&mut mesh, twin, sharp.clone(), false, 1.0, |_, _| false);
+        assert!(mesh == before && ended.sharp == sharp);
+    }
+
     #[test]
     fn a_crease_that_fades_within_a_wedge_goes() {
         // A fan around a corner, with sharp edges at 0 and 60 degrees, and a short one between them.
-        let at = |degrees: f64, r: f64| {
-            let (sin, cos) = degrees.to_radians().sin_cos();
-            dvec3(r * cos, r * sin, 0.0)
-        };
         let around = (1..12).map(|k| at(30.0 * f64::from(k), 4.0));
         let positions: Vec<DVec3> = [DVec3::ZERO, at(0.0, 4.0), at(15.0, 0.2)].into_iter().chain(around).collect();
         let last = positions.len() as u32 - 1;
