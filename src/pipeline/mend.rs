@@ -39,9 +39,9 @@ const RINGS: usize = 6;
 const SOUND: Aim = Aim { angles_below: SLIVER, most_crossing: usize::MAX, farthest: 1.0, most_at_fault: 0.1 };
 pub(super) const SMALL_ANGLES: Aim = Aim { angles_below: 30.0, farthest: 0.6, ..SOUND };
 
-/// What is a little small comes after what is small: of 55 files the median of the smallest angles is 39 degrees instead of 38, and
-/// a fifth fewer triangles have less than 30 than without. With both at once three times as many have.
-const MODEST_ANGLES: Aim = Aim { angles_below: 40.0, ..SMALL_ANGLES };
+/// What is a little small comes after what is small: at once, three times as many angles stay small. The surface hardly moves for
+/// it: with as much leeway as above corners of CAD parts were cut off by 1 % of the diagonal.
+const MODEST_ANGLES: Aim = Aim { angles_below: 40.0, farthest: 0.2, ..SMALL_ANGLES };
 
 /// The best of `finished` and what it becomes by mending. `surface` keeps the lengths.
 pub(super) fn mended(
