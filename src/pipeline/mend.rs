@@ -41,7 +41,7 @@ pub(super) const SMALL_ANGLES: Aim = Aim { angles_below: 30.0, farthest: 0.6, ..
 
 /// What is a little small comes after what is small: at once, three times as many angles stay small. The surface hardly moves for
 /// it: with as much leeway as above corners of CAD parts were cut off by 1 % of the diagonal.
-const MODEST_ANGLES: Aim = Aim { angles_below: 40.0, farthest: 0.2, ..SMALL_ANGLES };
+const MODEST_ANGLES: Aim = Aim { angles_below: 40.0, farthest: 0.1, ..SMALL_ANGLES };
 
 /// The best of `finished` and what it becomes by mending. `surface` keeps the lengths.
 pub(super) fn mended(
