@@ -35,13 +35,14 @@ const MOST_ROUNDS: usize = 3;
 /// Rings of triangles around those to mend that change with them.
 const RINGS: usize = 6;
 
-/// Untangling for a sound result, and for the sake of angles, for which the surface may move less: ears would be cut off.
+/// Untangling for a sound result, and for the sake of angles, up to the modest goal, for which the surface may move less: ears would be
+/// cut off.
 const SOUND: Aim = Aim { angles_below: SLIVER, most_crossing: usize::MAX, farthest: 1.0, most_at_fault: 0.1 };
-pub(super) const SMALL_ANGLES: Aim = Aim { angles_below: 30.0, farthest: 0.6, ..SOUND };
+pub(super) const MODEST: Aim = Aim { angles_below: 30.0, farthest: 0.6, ..SOUND };
 
-/// What is a little small comes after what is small: at once, three times as many angles stay small. The surface hardly moves for
-/// it: with as much leeway as above corners of CAD parts were cut off by 1 % of the diagonal.
-const MODEST_ANGLES: Aim = Aim { angles_below: 40.0, farthest: 0.1, ..SMALL_ANGLES };
+/// Untangling up to the good goal comes after that: at once, three times as many angles stay below the modest one. The surface hardly
+/// moves for it: with as much leeway as above corners of CAD parts were cut off by 1 % of the diagonal.
+const GOOD: Aim = Aim { angles_below: 40.0, farthest: 0.1, ..MODEST };
 
 /// The best of `finished` and what it becomes by mending. `surface` keeps the lengths.
 pub(super) fn mended(
@@ -58,11 +59,10 @@ pub(super) fn mended(
     if prepared.limit().is_some() {
         return Ok(best);
     }
-    let most_crossing = best.self_intersections_of_input;
-    for aim in [SMALL_ANGLES, MODEST_ANGLES] {
-        let is_worth_it = small_angles(&best, aim) > 0 || best.self_intersections.len() > most_crossing;
+    for aim in [Aim { most_crossing: best.self_intersections_of_input, ..MODEST }, GOOD] {
+        let is_worth_it = small_angles(&best, aim) > 0 || best.self_intersections.len() > aim.most_crossing;
         if best.score == Score::SOUND && is_worth_it {
-            best = untangled(prepared, surface, best, Aim { most_crossing, ..aim }, monitor)?;
+            best = untangled(prepared, surface, best, aim, monitor)?;
         }
     }
     Ok(best)
@@ -309,9 +309,9 @@ mod tests {
     #[test]
     fn small_angles_are_mended_although_the_result_is_sound() {
         let (before, _, made) = mended_after_moving(0.8);
-        assert!(before.score == Score::SOUND && small_angles(&before, SMALL_ANGLES) > 0);
+        assert!(before.score == Score::SOUND && small_angles(&before, MODEST) > 0);
         assert!(made.score == Score::SOUND && made.is_mended);
-        assert_eq!([SMALL_ANGLES, MODEST_ANGLES].map(|aim| small_angles(&made, aim)), [0, 0]);
+        assert_eq!([MODEST, GOOD].map(|aim| small_angles(&made, aim)), [0, 0]);
         assert_eq!(made.of_part.positions.len(), before.of_part.positions.len());
     }
 }

@@ -21,7 +21,7 @@ use crate::optimize::angles::{Goal, improve_angles};
 use crate::optimize::exchange::balance_count;
 use crate::optimize::self_intersections::resolve_self_intersections;
 use crate::optimize::untangle::{Aim, untangle};
-use crate::pipeline::mend::SMALL_ANGLES;
+use crate::pipeline::mend::MODEST;
 use crate::pipeline::optimization::optimize_ordered;
 use crate::pipeline::outline::Outline;
 use crate::pipeline::scale::Scale;
@@ -111,7 +111,7 @@ pub fn optimize_piece(
     let watched = nearest_to(&domain, &whole, &selected);
     optimize_ordered(&domain, &mut mesh, &scale, disordered, watched, monitor)?;
     resolve_self_intersections(&domain, &mut mesh, monitor)?;
-    if untangle(&domain, &mut mesh, Aim { most_crossing: 0, ..SMALL_ANGLES }, scale.spacing, monitor)? {
+    if untangle(&domain, &mut mesh, Aim { most_crossing: 0, ..MODEST }, scale.spacing, monitor)? {
         balance_count(&domain, &mut mesh, scale.wanted, scale.spacing, monitor)?;
     }
     rim.part_chords(&domain, &mut mesh, &scale, monitor)?;
