@@ -15,6 +15,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from distributed import Client, Worker
 
+#: What the names of files begin with that the program has not completed.
+UNFINISHED = ".remesh-"
+
 #: What the names of files begin with that a step of a plan makes.
 OF_STEP = {"sample": "tile-", "mesh": "piece-"}
 
@@ -39,7 +42,9 @@ class Folder:
         yield self.path
 
     def done(self, home: str | os.PathLike[str]) -> None:
-        """Brings home what all workers have made."""
+        """Brings home what all workers have made, and removes what those that died left."""
+        for unfinished in Path(self.path).glob(f"{UNFINISHED}*"):
+            unfinished.unlink(missing_ok=True)
 
     def leave(self, client: Client) -> None:
         """Removes what only the workers of a cluster need."""
@@ -47,6 +52,10 @@ class Folder:
 
 def _is_made(name: str) -> bool:
     return name.startswith(tuple(OF_STEP.values()))
+
+
+def _is_part(name: str) -> bool:
+    return _is_made(name.removeprefix(".")) and not _is_made(name)
 
 
 #: The threads of a worker have one copy.
@@ -87,6 +96,9 @@ class Store(Folder):
 
     def done(self, home: str | os.PathLike[str]) -> None:
         self._fetch(Path(home), self._names())
+        system, root = self._open()
+        for name in filter(_is_part, self._all_names()):
+            system.rm_file(f"{root}/{name}")
 
     def leave(self, client: Client) -> None:
         client.run(self._remove_copy)
@@ -107,10 +119,12 @@ class Store(Folder):
 
     def _names(self) -> list[str]:
         """The names of the complete files."""
+        return [name for name in self._all_names() if name and not name.startswith(".")]
+
+    def _all_names(self) -> Iterable[str]:
         system, root = self._open()
         paths = system.ls(root, detail=False) if system.exists(root) else []
-        names = (path.rstrip("/").rsplit("/", 1)[-1] for path in paths)
-        return [name for name in names if name and not name.startswith(".")]
+        return (path.rstrip("/").rsplit("/", 1)[-1] for path in paths)
 
     def _fetch(self, copy: Path, names: Iterable[str]) -> None:
         """Copies the files of these names that are not there."""

@@ -32,7 +32,7 @@ def two_workers() -> distributed.Client:
 def test_a_worker_that_dies_changes_nothing(tmp_path):
     from spectral_remesh.distributed import COMMAND, _run, sample
 
-    cloud, shares = tmp_path / "cloud.ply", []
+    cloud, work, shares = tmp_path / "cloud.ply", tmp_path / "work", []
     torus(cloud, 150_000)
     options = {"points": 6000, "sweeps": 3}
     with two_workers() as client:
@@ -42,13 +42,14 @@ def test_a_worker_that_dies_changes_nothing(tmp_path):
             while not shares:
                 time.sleep(0.01)
             os.kill(victim, signal.SIGKILL)
+            (work / ".remesh-unfinished").touch()
 
         killer = threading.Thread(target=end)
         killer.start()
-        work = tmp_path / "work"
         sample(cloud, tmp_path / "a.ply", folder=work, client=client, tiles=8, progress=shares.append, **options)
         killer.join()
     assert shares == sorted(shares) and shares[-1] == 1 and len(shares) >= 8
+    assert not list(work.glob(".*"))
     one = tmp_path / "one"
     for words in [("plan", cloud, one, "--points", 6000, "--sweeps", 3), ("sample", one), ("merge", one, tmp_path / "b.ply")]:
         _run(COMMAND, *words)
@@ -78,8 +79,10 @@ def test_the_folder_may_be_at_an_address(tmp_path):
 
     cloud, work = tmp_path / "cloud.ply", tmp_path / "work"
     torus(cloud, 40_000)
+    work.mkdir()
     with distributed.Client(n_workers=1, threads_per_worker=2, dashboard_address=None) as client:
         for make, name in [(sample, "points.ply"), (mesh, "mesh.ply")]:
+            (work / ".tile-0-unfinished").touch()
             make(cloud, tmp_path / name, folder=work.as_uri(), client=client, tiles=2, points=3000)
             copies = client.run(lambda dask_worker: os.listdir(dask_worker.local_directory))
     # Nothing of the first plan is left, and nothing incomplete.

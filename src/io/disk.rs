@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 /// Bytes gathered before each write to a file.
 pub(super) const BUFFER: usize = 1 << 18;
 
-/// The start of the name of files that are not complete yet.
-const UNFINISHED: &str = ".remesh-";
+/// The start of the name of files that are not complete yet. A process that is killed leaves them.
+pub(crate) const UNFINISHED: &str = ".remesh-";
 
 /// Whether [`replace_file`] could write to `path` as far as can be told without trying: before a long computation.
 ///

@@ -17,6 +17,7 @@ use std::fs::{self, Metadata};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+pub(crate) use crate::io::disk::UNFINISHED;
 pub use crate::io::disk::{check_target, replace_file};
 pub use crate::io::tileset::Level;
 

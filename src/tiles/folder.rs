@@ -11,7 +11,7 @@
 //! | `piece-N` | the base mesh (0), nodes, or triangles of the mesh, written when they are complete |
 
 use crate::base::error::{Error, Result};
-use crate::io::file::{read_bytes, read_file, replace_file, write_points_file};
+use crate::io::file::{UNFINISHED, read_bytes, read_file, replace_file, write_points_file};
 use crate::io::spill::Chunk;
 use crate::io::table::Table;
 use crate::io::{dense, spill};
@@ -130,12 +130,12 @@ impl TileFolder {
         self.has_plan() && noted == made_of(input, options)
     }
 
-    /// Removes all samples and what was made of them.
+    /// Removes all samples and what was made of them, and what processes left that were killed.
     fn forget_samples(&self) -> Result<()> {
         let entries = fs::read_dir(&self.path).map_err(|e| self.error(e.to_string(), "check its permissions"))?;
         let is_made = |path: &PathBuf| {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
-            ["tile-", "piece-"].iter().any(|kind| name.starts_with(kind))
+            ["tile-", "piece-", UNFINISHED].iter().any(|kind| name.starts_with(kind))
         };
         entries.filter_map(|entry| Some(entry.ok()?.path())).filter(is_made).try_for_each(|path| self.remove(&path))
     }

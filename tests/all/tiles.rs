@@ -232,8 +232,10 @@ fn what_is_missing_in_a_folder_is_one_line() {
     let last = bytes.len() - 48;
     bytes[last..last + 8].copy_from_slice(&f64::NAN.to_le_bytes());
     fs::write(&path, &bytes).unwrap();
+    let unfinished = home.path().join("work/.remesh-unfinished");
+    fs::write(&unfinished, "of a process that was killed").unwrap();
     failed(make_plan(&path, None, &folder, &options(3000, 4), &()).map(drop), "byte ");
-    assert!(!folder.has_plan());
+    assert!(!folder.has_plan() && !unfinished.exists());
 }
 
 #[cfg(feature = "cli")]
