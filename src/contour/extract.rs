@@ -81,9 +81,8 @@ fn drop_doubtful_parts(mesh: &mut Mesh, surface: &Rimls) {
     let extent = extents(&part, &mesh.positions);
     let widest = GAP * surface.mean_spacing();
     let mut fills_gap: Vec<bool> = extent.into_iter().map(|extent| extent <= widest).collect();
-    for (side, _) in twins(&mesh.triangles).iter().enumerate().filter(|(_, twin)| **twin == NONE) {
-        let start = mesh.triangles[side / 3][side % 3];
-        fills_gap[part[start as usize] as usize] = false;
+    for (side, _) in (0..).zip(twins(&mesh.triangles)).filter(|&(_, twin)| twin == NONE) {
+        fills_gap[part[mesh.origin(side) as usize] as usize] = false;
     }
     let stays = |&v: &u32| !is_doubtful[v as usize] || fills_gap[part[v as usize] as usize];
     mesh.triangles.retain(|t| t.iter().all(stays));

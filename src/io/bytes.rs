@@ -13,6 +13,10 @@ pub(super) const EXPORT_AGAIN: &str = "export it again, or repair it with the pr
 /// What to do about a file of curves.
 pub(super) const NO_LINES: &str = "export the faces of a surface, or its points without the lines between them";
 
+/// What is wrong with a file that another program cuts short meanwhile, and what helps.
+pub(super) const BECAME_SHORTER: &str = "it became shorter while it was read";
+pub(super) const LEAVE_IT: &str = "let no other program write it meanwhile";
+
 /// The error for content that is not what the format says; the name of the file is filled in later.
 pub(super) fn malformed(place: Place, cause: impl Into<String>, remedy: &str) -> Error {
     Error::Format { file: String::new(), place, cause: cause.into(), remedy: remedy.into() }

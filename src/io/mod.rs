@@ -39,6 +39,7 @@ mod gzip;
 #[cfg(feature = "fs")]
 pub(crate) mod large;
 mod las;
+mod line_blocks;
 mod medit;
 mod mixed;
 mod named;

@@ -1,6 +1,7 @@
 //! Files that are read in blocks.
 
 use crate::base::error::{Error, Result};
+use crate::io::bytes::{BECAME_SHORTER, LEAVE_IT};
 use crate::io::disk::{file_error, read_error};
 use crate::io::format::Format;
 use crate::io::named::input_format;
@@ -91,9 +92,7 @@ impl Opened {
     /// [`Error::File`](crate::Error::File) if the file cannot be read or has become shorter.
     pub fn fill(&self, bytes: &mut [u8]) -> Result<()> {
         (&self.file).read_exact(bytes).map_err(|error| match error.kind() {
-            ErrorKind::UnexpectedEof => {
-                file_error(&self.path, "it became shorter while it was read", "let no other program write it meanwhile")
-            }
+            ErrorKind::UnexpectedEof => file_error(&self.path, BECAME_SHORTER, LEAVE_IT),
             _ => read_error(&self.path, &error),
         })
     }

@@ -101,8 +101,7 @@ mod tests {
             let p = mesh.positions[v as usize];
             p.x == 2.0 && (from..=to).contains(&p.y)
         };
-        let ends = |s: usize| [s, next(s as u32) as usize].map(|s| mesh.triangles[s / 3][s % 3]);
-        let sharp: Vec<bool> = (0..twin.len()).map(|s| ends(s).into_iter().all(on_line)).collect();
+        let sharp = (0..twin.len() as u32).map(|s| mesh.ends(s).into_iter().all(on_line)).collect::<Vec<_>>();
         cut(mesh.clone(), twin, &sharp)
     }
 

@@ -10,6 +10,7 @@
 //!
 //! Cost: four bytes a vertex and a triangle, forty for each inserted vertex.
 
+use crate::mesh::sides::lower_first;
 use crate::mesh::topology::NONE;
 use std::collections::{BTreeMap, HashSet};
 
@@ -57,10 +58,6 @@ impl Blend {
         let known = self.vertices.iter().zip(self.weights).filter(|(v, _)| **v != NONE);
         known.map(|(&v, weight)| weight * values[v as usize]).sum()
     }
-}
-
-fn in_order([a, b]: [u32; 2]) -> [u32; 2] {
-    [a.min(b), a.max(b)]
 }
 
 /// A point on a triangle.
@@ -191,7 +188,7 @@ impl Provenance {
     /// For each side of `triangles`, those of the mesh, whether it lies along one of these `edges` of the source.
     pub fn sides_along(&self, triangles: &[[u32; 3]], edges: &[[u32; 2]]) -> Vec<bool> {
         let place = |v: u32| self.representatives[v as usize];
-        let edges: HashSet<[u32; 2]> = edges.iter().map(|ends| in_order(ends.map(place))).collect();
+        let edges: HashSet<[u32; 2]> = edges.iter().map(|ends| lower_first(ends.map(place))).collect();
         // Two points of a triangle lie on one of its edges if only two corners have a weight in them.
         let is_along = |source: u32, ends: [u32; 2]| {
             let mut corners: Vec<u32> = ends.iter().flat_map(|&v| self.blend_on(source, v).corners()).collect();

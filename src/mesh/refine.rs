@@ -6,6 +6,7 @@
 //! Cost: linear in the result. Every pass halves the edges that are too long.
 
 use crate::mesh::oriented_manifold::OrientedManifold;
+use crate::mesh::sides::lower_first;
 use std::collections::{HashMap, HashSet};
 
 /// Halves the edges longer than `longest` until there are none, or until the mesh has `most` triangles.
@@ -21,12 +22,12 @@ pub fn refine(mesh: &mut OrientedManifold, longest: f64, most: usize) {
 pub fn refine_edges(mesh: &mut OrientedManifold, edges: &mut HashSet<[u32; 2]>, longest: f64, most: usize) {
     while mesh.triangles.len() < most {
         let first = mesh.positions.len() as u32;
-        let ends = halve_edges(mesh, |a, b, length| length > longest && edges.contains(&[a.min(b), a.max(b)]));
+        let ends = halve_edges(mesh, |a, b, length| length > longest && edges.contains(&lower_first([a, b])));
         if ends.is_empty() {
             break;
         }
         for (middle, [a, b]) in (first..).zip(ends) {
-            edges.remove(&[a.min(b), a.max(b)]);
+            edges.remove(&lower_first([a, b]));
             edges.extend([[a, middle], [b, middle]]);
         }
     }
@@ -42,7 +43,7 @@ pub fn halve_edges(mesh: &mut OrientedManifold, is_long: impl Fn(u32, u32, f64) 
 /// vertex the ends of its edge; new vertices come after all others.
 pub fn split_edges(mesh: &mut OrientedManifold, edges: &HashMap<[u32; 2], f64>) -> Vec<[u32; 2]> {
     split_where(mesh, |a, b, _| {
-        let along = edges.get(&[a.min(b), a.max(b)]);
+        let along = edges.get(&lower_first([a, b]));
         along.map(|along| if a < b { *along } else { 1.0 - along })
     })
 }
@@ -50,7 +51,7 @@ pub fn split_edges(mesh: &mut OrientedManifold, edges: &HashMap<[u32; 2], f64>) 
 /// Splits once every edge for whose ends and length there is a share of the way from the one to the other.
 fn split_where(mesh: &mut OrientedManifold, place: impl Fn(u32, u32, f64) -> Option<f64>) -> Vec<[u32; 2]> {
     // Only looked up, never iterated: the numbers of the new vertices follow the order of the triangles.
-    let mut inner: HashMap<(u32, u32), u32> = HashMap::new();
+    let mut inner: HashMap<[u32; 2], u32> = HashMap::new();
     let mut ends = Vec::new();
     for t in 0..mesh.triangles.len() {
         let corners = mesh.triangles[t];
@@ -58,7 +59,7 @@ fn split_where(mesh: &mut OrientedManifold, place: impl Fn(u32, u32, f64) -> Opt
             let (a, b) = (corners[k], corners[(k + 1) % 3]);
             let length = mesh.positions[a as usize].distance(mesh.positions[b as usize]);
             place(a, b, length).map(|along| {
-                *inner.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                *inner.entry(lower_first([a, b])).or_insert_with(|| {
                     ends.push([a, b]);
                     mesh.insert_on_edge([a, b], along)
                 })

@@ -12,6 +12,12 @@ use std::sync::atomic::{AtomicU32, Ordering};
 /// No neighbour across an edge: a boundary.
 pub const NONE: u32 = u32::MAX;
 
+/// The ends of an edge as its name: the lower one first, whichever way a triangle runs along it.
+#[inline]
+pub(crate) fn lower_first([a, b]: [u32; 2]) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
 /// One side of a triangle, as the triangle runs along it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Side {
@@ -22,13 +28,13 @@ pub(crate) struct Side {
 }
 
 impl Side {
-    /// End vertices, the smaller first.
+    /// End vertices, the lower first.
     #[inline]
     pub fn ends(&self) -> [u32; 2] {
-        [self.from.min(self.to), self.from.max(self.to)]
+        lower_first([self.from, self.to])
     }
 
-    /// Whether the triangle runs from the smaller end to the larger.
+    /// Whether the triangle runs from the lower end to the higher.
     #[inline]
     pub fn forward(&self) -> bool {
         self.from < self.to

@@ -33,6 +33,25 @@ impl Mesh {
         self.triangles[t].map(|v| self.positions[v as usize])
     }
 
+    /// The vertex that `side` runs from: side `3 t + k` runs from corner `k` of triangle `t` to the next one.
+    #[inline]
+    pub(crate) fn origin(&self, side: u32) -> u32 {
+        self.triangles[side as usize / 3][side as usize % 3]
+    }
+
+    /// The vertices that `side` runs from and to.
+    #[inline]
+    pub(crate) fn ends(&self, side: u32) -> [u32; 2] {
+        let [t, k] = [side as usize / 3, side as usize % 3];
+        [k, (k + 1) % 3].map(|k| self.triangles[t][k])
+    }
+
+    /// Where the ends of `side` are.
+    #[inline]
+    pub(crate) fn segment(&self, side: u32) -> [DVec3; 2] {
+        self.ends(side).map(|v| self.positions[v as usize])
+    }
+
     /// The centroid of triangle `t`.
     pub fn centroid(&self, t: usize) -> DVec3 {
         self.corners(t).into_iter().sum::<DVec3>() / 3.0

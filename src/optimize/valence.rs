@@ -29,6 +29,7 @@ use crate::manifold::Manifold;
 use crate::manifold::facing::{FacingGuard, LEAST_MENDABLE};
 use crate::manifold::vertex_set::VertexSet;
 use crate::mesh::half_edge::{Connectivity, next, prev};
+use crate::mesh::sides::lower_first;
 use glam::DVec3;
 
 /// Edges of a regular vertex inside.
@@ -267,17 +268,13 @@ fn excess_of_fan(mesh: &Manifold, h: u32) -> i32 {
     count - ((room / 60.0).round() as i32).max(1)
 }
 
-fn sorted(a: u32, b: u32) -> [u32; 2] {
-    [a.min(b), a.max(b)]
-}
-
 fn ends(c: &Connectivity, h: u32) -> [u32; 2] {
-    sorted(c.origin(h), c.target(h))
+    lower_first([c.origin(h), c.target(h)])
 }
 
 /// The ends of the edge of `h` once it is flipped.
 fn ends_after(c: &Connectivity, h: u32) -> [u32; 2] {
-    sorted(c.apex(h), c.apex(c.twin(h)))
+    lower_first([c.apex(h), c.apex(c.twin(h))])
 }
 
 /// The edges whose flip means something else after that of `h`: those at and across from its four vertices, or from three

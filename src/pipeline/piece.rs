@@ -11,9 +11,10 @@ use crate::base::monitor::Monitor;
 use crate::base::parallel;
 use crate::manifold::Manifold;
 use crate::manifold::vertex_set::VertexSet;
-use crate::mesh::half_edge::{OnCurve, next};
+use crate::mesh::half_edge::OnCurve;
 use crate::mesh::normals::vertex_normals;
 use crate::mesh::oriented_manifold::OrientedManifold;
+use crate::mesh::sides::lower_first;
 use crate::mesh::submesh::Submesh;
 use crate::mesh::topology::{NONE, twins};
 use crate::mesh::triangle_mesh::Mesh;
@@ -157,14 +158,12 @@ struct Rim {
 impl Rim {
     fn of(part: &Mesh) -> Rim {
         let twin = twins(&part.triangles);
-        let ends = |h: u32| [h, next(h)].map(|h| part.triangles[h as usize / 3][h as usize % 3]);
-        let sides = (0..twin.len() as u32).filter(|&h| twin[h as usize] == NONE);
-        let edges: Vec<[u32; 2]> = sides.map(ends).collect();
+        let sides = (0..twin.len() as u32).filter(|&side| twin[side as usize] == NONE);
+        let edges: Vec<[u32; 2]> = sides.map(|side| part.ends(side)).collect();
         let at = |v: u32| (place(part.positions[v as usize]), v);
         let vertices: FxHashMap<[u64; 3], u32> = edges.as_flattened().iter().map(|&v| at(v)).collect();
         let mut rim = Rim { edges, vertices, chords: FxHashSet::default() };
-        let places = |ends: [u32; 2]| ends.map(|v| part.positions[v as usize]);
-        rim.chords = (0..twin.len() as u32).filter_map(|h| rim.chord(places(ends(h)))).collect();
+        rim.chords = (0..twin.len() as u32).filter_map(|side| rim.chord(part.segment(side))).collect();
         rim
     }
 
@@ -176,8 +175,7 @@ impl Rim {
     /// The vertices of the rim at these places, the lower one first, if both are on it.
     fn chord(&self, ends: [DVec3; 2]) -> Option<[u32; 2]> {
         let [a, b] = ends.map(|p| self.vertex_at(p));
-        let (a, b) = (a?, b?);
-        Some([a.min(b), a.max(b)])
+        Some(lower_first([a?, b?]))
     }
 
     /// The part as a manifold over the domain.

@@ -3,6 +3,7 @@
 use crate::mesh::half_edge::next;
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::refine::{refine, refine_edges};
+use crate::mesh::sides::lower_first;
 use crate::mesh::topology::{NONE, twins};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::density::Density;
@@ -128,10 +129,7 @@ fn refined_curves(
     longest: f64,
     most: usize,
 ) -> (Vec<u32>, Vec<bool>) {
-    let ends = |mesh: &OrientedManifold, side: usize| {
-        let [a, b] = [side, next(side as u32) as usize].map(|s| mesh.triangles[s / 3][s % 3]);
-        [a.min(b), a.max(b)]
-    };
+    let ends = |mesh: &OrientedManifold, side: usize| lower_first(mesh.ends(side as u32));
     // Only looked up, never iterated.
     let edges_of = |which: &dyn Fn(usize) -> bool| -> HashSet<[u32; 2]> {
         (0..twin.len()).filter(|&s| which(s)).map(|s| ends(clean, s)).collect()

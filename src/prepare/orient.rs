@@ -25,6 +25,7 @@
 use crate::base::math;
 use crate::base::parallel;
 use crate::base::union_find::UnionFind;
+use crate::mesh::sides::lower_first;
 use crate::prepare::cloud_normals::spread;
 use crate::spatial::knn_graph::NeighborGraph;
 use glam::DVec3;
@@ -76,7 +77,7 @@ fn votes_of_neighbors(points: &[DVec3], normals: &[DVec3], graph: &NeighborGraph
         block
             .flat_map(|a| graph.of(a).iter().map(move |&b| [a, b]))
             .filter(|&[a, b]| a < b || !graph.of(b).contains(&a))
-            .map(|[a, b]| Vote { ends: [a.min(b), a.max(b)], sum: vote(a, b) as f32 })
+            .map(|[a, b]| Vote { ends: lower_first([a, b]), sum: vote(a, b) as f32 })
     })
 }
 

@@ -20,7 +20,7 @@
 
 use crate::base::math;
 use crate::base::union_find::UnionFind;
-use crate::mesh::sides::edges;
+use crate::mesh::sides::{edges, lower_first};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::prepare::welded::Welded;
 use crate::spatial::kdtree::Neighbors;
@@ -164,7 +164,7 @@ impl OpenBoundary {
     }
 
     fn are_joined(&self, a: u32, b: u32) -> bool {
-        self.edges.binary_search_by_key(&[a.min(b), a.max(b)], |edge| edge.ends).is_ok()
+        self.edges.binary_search_by_key(&lower_first([a, b]), |edge| edge.ends).is_ok()
     }
 
     /// All pairs that may belong together, the nearest first, those that an edge joins left out.
@@ -198,8 +198,7 @@ impl OpenBoundary {
         let mut groups = self.groups(reach);
         let mut edges: Vec<([u32; 2], &Edge)> = Vec::with_capacity(self.edges.len());
         for edge in &self.edges {
-            let [a, b] = edge.ends.map(|v| groups.find(v));
-            edges.push(([a.min(b), a.max(b)], edge));
+            edges.push((lower_first(edge.ends.map(|v| groups.find(v))), edge));
         }
         edges.sort_by_key(|(ends, _)| *ends);
         let mut is_crowded = vec![false; self.vertices.len()];

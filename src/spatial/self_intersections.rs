@@ -61,7 +61,7 @@ pub fn faces_passing_through_others(mesh: &Mesh, across: impl Fn(u32) -> u32 + S
 /// in a third, and the two are on different sides of it. Pair by pair these faces only touch.
 fn faces_passing_along_edges(mesh: &Mesh, across: impl Fn(u32) -> u32 + Sync, bvh: &Bvh) -> Vec<u32> {
     let depth = depth_of_contact(mesh);
-    let corner = |side: u32| mesh.positions[mesh.triangles[side as usize / 3][side as usize % 3] as usize];
+    let corner = |side: u32| mesh.positions[mesh.origin(side) as usize];
     let mut faces: Vec<u32> = parallel::collect(0..3 * mesh.triangles.len() as u32, |sides| {
         let mut found = Vec::new();
         for side in sides.filter(|&s| across(s) != NONE && s < across(s)) {

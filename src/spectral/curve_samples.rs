@@ -8,6 +8,7 @@
 //! Cost: linear in the sides on curves, and a sort of the points.
 
 use crate::mesh::half_edge::{OnCurve, next};
+use crate::mesh::sides::lower_first;
 use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::feature_curves::Curve;
@@ -77,10 +78,7 @@ pub fn sample_curves(domain: &Domain, spacing: f64) -> CurveSamples {
 fn counts(domain: &Domain, loops: &[Vec<u32>], spacing: f64) -> Vec<usize> {
     let curves = &domain.curves.list;
     let mut between: BTreeMap<[u32; 2], usize> = BTreeMap::new();
-    let key = |curve: &Curve| {
-        let [a, b] = curve_ends(domain, curve);
-        [a.min(b), a.max(b)]
-    };
+    let key = |curve: &Curve| lower_first(curve_ends(domain, curve));
     curves.iter().filter(|c| !c.closed).for_each(|c| *between.entry(key(c)).or_default() += 1);
     let fewest = |curve: &Curve| {
         if curve.closed || key(curve)[0] == key(curve)[1] { FEWEST } else { 1 + usize::from(between[&key(curve)] > 1) }
@@ -114,21 +112,16 @@ fn is_first(domain: &Domain, side: u32) -> bool {
 
 /// The length of `side`, relative to the wanted size along it.
 fn length(domain: &Domain, side: u32) -> f64 {
-    let ends = [side, next(side)].map(|s| corner(domain, s));
+    let ends = domain.mesh.ends(side);
     let [a, b] = ends.map(|v| domain.mesh.positions[v as usize]);
     let [size_a, size_b] = ends.map(|v| domain.size_at(v));
     2.0 * a.distance(b) / (size_a + size_b)
 }
 
-/// The vertex that `side` leaves.
-fn corner(domain: &Domain, side: u32) -> u32 {
-    domain.mesh.triangles[side as usize / 3][side as usize % 3]
-}
-
 /// The vertices where `curve` begins and ends, by their numbers before the cut.
 fn curve_ends(domain: &Domain, curve: &Curve) -> [u32; 2] {
     let last = curve.sides[curve.sides.len() - 1];
-    [curve.sides[0], next(last)].map(|s| domain.original[corner(domain, s) as usize])
+    [curve.sides[0], next(last)].map(|s| domain.original[domain.mesh.origin(s) as usize])
 }
 
 /// Puts `points` evenly on the sides of a curve that is divided into `count` edges.
@@ -162,7 +155,7 @@ fn sample_loop(
 ) {
     let first = result.samples.len() as u32;
     for &side in sides {
-        let at = corner(domain, side);
+        let at = domain.mesh.origin(side);
         let begin = on_sides.partition_point(|p| p.0 < side);
         let at_corner = domain.curves.is_corner(at).then(|| (side, 0.0, corner_points[&domain.original[at as usize]]));
         for (_, along, point) in

@@ -17,7 +17,7 @@ use crate::base::union_find::UnionFind;
 use crate::mesh::half_edge::{next, prev};
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::surface::turns::{direction, ends, length};
+use crate::surface::turns::{direction, length};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -83,7 +83,7 @@ pub fn on_steps(mesh: &Mesh, twin: &[u32], turns: &[f64], widest: f64) -> Vec<bo
 fn straight_curves(mesh: &Mesh, edges: &[Edge]) -> UnionFind {
     let mut at: BTreeMap<u32, Vec<(u32, DVec3)>> = BTreeMap::new();
     for (i, edge) in (0..).zip(edges) {
-        let [a, b] = ends(mesh, edge.side);
+        let [a, b] = mesh.ends(edge.side);
         let way = direction(mesh, edge.side);
         at.entry(a).or_default().push((i, way));
         at.entry(b).or_default().push((i, -way));
@@ -183,7 +183,7 @@ impl Facets<'_> {
     /// The facet that `side` bounds, up to the next side that the surface turns at straight across.
     fn across(&self, side: u32) -> Option<Facet> {
         let flat = FLAT * self.turns[side as usize].abs();
-        let place = |s: u32| self.mesh.positions[ends(self.mesh, s)[0] as usize];
+        let place = |s: u32| self.mesh.positions[self.mesh.origin(s) as usize];
         let normal = |s: u32| self.mesh.area_vector(s as usize / 3).try_normalize();
         let along = place(next(side)) - place(side);
         let mut way = normal(side)?.cross(along).try_normalize()?;

@@ -8,7 +8,6 @@
 
 use crate::geom::triangle::closest_point_of_segment;
 use crate::mesh::cut::{Cut, OfSides};
-use crate::mesh::half_edge::next;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
@@ -139,8 +138,7 @@ impl<'a> Net<'a> {
 
     /// The vertices that `side` runs from and to, as they were before the cut.
     fn ends(&self, side: u32) -> [u32; 2] {
-        let corner = |s: u32| self.cut.mesh.triangles[s as usize / 3][s as usize % 3];
-        [side, next(side)].map(|s| self.cut.original[corner(s) as usize])
+        self.cut.mesh.ends(side).map(|v| self.cut.original[v as usize])
     }
 
     fn position(&self, v: u32) -> DVec3 {

@@ -23,7 +23,7 @@ use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::surface::facets::{NOTICED, STRAIGHT, between_facets, on_steps};
 use crate::surface::planes::{Planes, planar_bodies};
-use crate::surface::turns::{direction, ends, length, turns};
+use crate::surface::turns::{direction, length, turns};
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use std::slice::SliceIndex;
@@ -143,7 +143,7 @@ fn turned(turns: &[f64], threshold: f64) -> Vec<bool> {
 fn go_on(mesh: &Mesh, twin: &[u32], turns: &[f64], sharp: &mut [bool], least: f64) {
     let mut sides_from: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for side in (0..twin.len()).filter(|&s| twin[s] != NONE && (sharp[s] || turns[s].abs() >= least)) {
-        sides_from.entry(ends(mesh, side as u32)[0]).or_default().push(side);
+        sides_from.entry(mesh.origin(side as u32)).or_default().push(side);
     }
     let mut reached: Vec<u32> = sides_from.keys().copied().collect();
     while let Some(v) = reached.pop() {
@@ -156,7 +156,7 @@ fn go_on(mesh: &Mesh, twin: &[u32], turns: &[f64], sharp: &mut [bool], least: f6
         let Some((cosine, next)) = straightest.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
         if cosine < STRAIGHT {
             (sharp[next], sharp[twin[next] as usize]) = (true, true);
-            reached.push(ends(mesh, next as u32)[1]);
+            reached.push(mesh.ends(next as u32)[1]);
         }
     }
 }
@@ -250,16 +250,16 @@ fn drop_scraps(mesh: &Mesh, sharp: &mut [bool], shortest: f64, is_needed: impl F
     let mut nets = UnionFind::new(mesh.positions.len());
     let sides = || (0u32..).zip(sharp.iter()).filter(|s| *s.1).map(|s| s.0);
     for side in sides() {
-        let [a, b] = ends(mesh, side);
+        let [a, b] = mesh.ends(side);
         nets.join(a, b);
     }
     let mut total = vec![0.0; mesh.positions.len()];
     for side in sides() {
         // Both sides of an edge are sharp.
-        total[nets.find(ends(mesh, side)[0]) as usize] += length(mesh, side) / 2.0;
+        total[nets.find(mesh.origin(side)) as usize] += length(mesh, side) / 2.0;
     }
     let scraps: Vec<(u32, usize)> =
-        sides().map(|side| (side, nets.find(ends(mesh, side)[0]) as usize)).filter(|s| total[s.1] < shortest).collect();
+        sides().map(|side| (side, nets.find(mesh.origin(side)) as usize)).filter(|s| total[s.1] < shortest).collect();
     let mut needed = vec![false; total.len()];
     for &(side, net) in &scraps {
         needed[net] = needed[net] || is_needed(side / 3);
@@ -390,9 +390,9 @@ mod tests {
         let mesh = Mesh { positions: positions.collect(), triangles };
         let twin = twins(&mesh.triangles);
         let turns = turns(&mesh, &twin, 0.1, 0.0);
-        let mut sharp: Vec<bool> = (0..twin.len()).map(|s| [[1, 4], [4, 1]].contains(&ends(&mesh, s as u32))).collect();
+        let mut sharp: Vec<bool> = (0..twin.len()).map(|s| [[1, 4], [4, 1]].contains(&mesh.ends(s as u32))).collect();
         go_on(&mesh, &twin, &turns, &mut sharp, 30.0);
-        let kept: Vec<[u32; 2]> = (0..twin.len()).filter(|&s| sharp[s]).map(|s| ends(&mesh, s as u32)).collect();
+        let kept: Vec<[u32; 2]> = (0..twin.len()).filter(|&s| sharp[s]).map(|s| mesh.ends(s as u32)).collect();
         let mut ridge: Vec<[u32; 2]> = kept.into_iter().filter(|[a, b]| a < b).collect();
         ridge.sort_unstable();
         assert_eq!(ridge, [[1, 4], [4, 7], [7, 10]]);

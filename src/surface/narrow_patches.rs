@@ -16,7 +16,7 @@ use crate::base::math;
 use crate::base::union_find::UnionFind;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::surface::turns::{ends, turns};
+use crate::surface::turns::turns;
 use std::collections::{BTreeMap, BinaryHeap};
 
 /// Deviations below which patches are joined with a neighbour, in spacings: the least is that of a chamfer whose width is a
@@ -114,7 +114,7 @@ pub fn samples_on(mesh: &Mesh, twin: &[u32], sharp: &[bool], spacing: f64) -> f6
     let mut edges_at = vec![0u32; mesh.positions.len()];
     let mut length = 0.0;
     for side in (0..sharp.len() as u32).filter(|&s| sharp[s as usize] && s < twin[s as usize]) {
-        let [a, b] = ends(mesh, side);
+        let [a, b] = mesh.ends(side);
         edges_at[a as usize] += 1;
         edges_at[b as usize] += 1;
         length += mesh.positions[a as usize].distance(mesh.positions[b as usize]);
@@ -204,7 +204,7 @@ impl Patches {
             let patch = list.entry(of_triangle.find(t)).or_default();
             patch.area += 0.5 * mesh.area_vector(t as usize).length();
             for side in (3 * t..3 * t + 3).filter(|&s| sharp[s as usize] || twin[s as usize] == NONE) {
-                let [a, b] = ends(mesh, side).map(|v| mesh.positions[v as usize]);
+                let [a, b] = mesh.segment(side);
                 let length = a.distance(b);
                 patch.rim += length;
                 if twin[side as usize] != NONE {

@@ -76,7 +76,7 @@ struct Surface<'a> {
 impl Surface<'_> {
     /// The vertex that `side` leaves, where it is, and its angle defect.
     fn vertex(&self, side: u32) -> u32 {
-        self.mesh.triangles[side as usize / 3][side as usize % 3]
+        self.mesh.origin(side)
     }
 
     fn place(&self, side: u32) -> DVec3 {
@@ -176,9 +176,7 @@ fn angle_defects(mesh: &Mesh, twin: &[u32]) -> Vec<Option<f64>> {
         }
     }
     for side in (0..twin.len() as u32).filter(|&side| twin[side as usize] == NONE) {
-        for end in [side, next(side)] {
-            defects[mesh.triangles[end as usize / 3][end as usize % 3] as usize] = None;
-        }
+        mesh.ends(side).into_iter().for_each(|v| defects[v as usize] = None);
     }
     defects
 }

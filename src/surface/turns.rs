@@ -7,7 +7,6 @@
 
 use crate::base::math;
 use crate::base::parallel;
-use crate::mesh::half_edge::next;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
@@ -89,7 +88,7 @@ pub(super) fn turns(mesh: &Mesh, twin: &[u32], spacing: f64, least: f64) -> Vec<
         if cosine > 0.0 && cosine * cosine > flat * a.length_squared() * b.length_squared() {
             return 0.0;
         }
-        let [from, to] = ends(mesh, side as u32).map(|v| mesh.positions[v as usize]);
+        let [from, to] = mesh.segment(side as u32);
         let axis = a.cross(b);
         math::atan2(axis.length(), cosine).to_degrees().copysign(axis.dot(to - from))
     };
@@ -97,17 +96,12 @@ pub(super) fn turns(mesh: &Mesh, twin: &[u32], spacing: f64, least: f64) -> Vec<
 }
 
 pub(super) fn length(mesh: &Mesh, side: u32) -> f64 {
-    let [a, b] = ends(mesh, side).map(|v| mesh.positions[v as usize]);
+    let [a, b] = mesh.segment(side);
     a.distance(b)
 }
 
 /// The unit vector along a side; zero for one without length.
 pub(super) fn direction(mesh: &Mesh, side: u32) -> DVec3 {
-    let [a, b] = ends(mesh, side).map(|v| mesh.positions[v as usize]);
+    let [a, b] = mesh.segment(side);
     (b - a).normalize_or_zero()
-}
-
-pub(super) fn ends(mesh: &Mesh, side: u32) -> [u32; 2] {
-    let corner = |s: u32| mesh.triangles[s as usize / 3][s as usize % 3];
-    [corner(side), corner(next(side))]
 }

@@ -11,10 +11,11 @@ use crate::base::math;
 use crate::mesh::half_edge::prev;
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::refine::split_edges;
+use crate::mesh::sides::lower_first;
 use crate::mesh::topology::{NONE, twins};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::surface::narrow_patches::LeftOut;
-use crate::surface::turns::{direction, ends, length, turns};
+use crate::surface::turns::{direction, length, turns};
 use glam::DVec3;
 use std::collections::{BTreeSet, HashMap, HashSet};
 
@@ -81,19 +82,19 @@ impl Ended {
         let places: HashMap<[u32; 2], f64> = tips.iter().flat_map(|tip| &tip.cuts).copied().collect();
         let first = mesh.positions.len() as u32;
         let inserted: HashMap<[u32; 2], u32> =
-            split_edges(mesh, &places).into_iter().map(in_order).zip(first..).collect();
+            split_edges(mesh, &places).into_iter().map(lower_first).zip(first..).collect();
         for tip in tips {
             for (cut, _) in &tip.cuts {
                 if sharp.remove(cut) {
-                    sharp.extend(cut.map(|v| in_order([v, inserted[cut]])));
+                    sharp.extend(cut.map(|v| lower_first([v, inserted[cut]])));
                 }
             }
-            let shortened = tip.shortened.map(|[inside, outside]| [inside, inserted[&in_order([inside, outside])]]);
+            let shortened = tip.shortened.map(|[inside, outside]| [inside, inserted[&lower_first([inside, outside])]]);
             for ends in tip.whole.iter().copied().chain(shortened) {
-                sharp.remove(&in_order(ends));
+                sharp.remove(&lower_first(ends));
                 self.edges.push(ends.map(|v| mesh.positions[v as usize]));
             }
-            sharp.extend(tip.across.iter().map(|cuts| in_order(cuts.map(|cut| inserted[&cut]))));
+            sharp.extend(tip.across.iter().map(|cuts| lower_first(cuts.map(|cut| inserted[&cut]))));
             let deviation = self.left_out.deviation.max(tip.deviation);
             self.left_out = LeftOut { patches: self.left_out.patches + 1, deviation };
         }
@@ -207,7 +208,7 @@ impl Creases<'_> {
     fn degrees(&self) -> Vec<u32> {
         let mut degrees = vec![0; self.mesh.positions.len()];
         let one_of_each = self.rims().filter(|&side| side < self.twin[side as usize]);
-        one_of_each.flat_map(|side| ends(self.mesh, side)).for_each(|v| degrees[v as usize] += 1);
+        one_of_each.flat_map(|side| self.mesh.ends(side)).for_each(|v| degrees[v as usize] += 1);
         degrees
     }
 
@@ -238,7 +239,7 @@ impl Creases<'_> {
         let triangles = self.below(corner, &plane)?;
         let sides = || triangles.iter().flat_map(|&t| 3 * t..3 * t + 3);
         let rims: Vec<u32> =
-            sides().filter(|&s| self.is_rim(s) && ends(self.mesh, s).into_iter().any(|v| plane.is_below(v))).collect();
+            sides().filter(|&s| self.is_rim(s) && self.mesh.ends(s).into_iter().any(|v| plane.is_below(v))).collect();
         let is_inside = |s: &u32| triangles.contains(&(self.twin[*s as usize] / 3));
         if rims.iter().any(is_inside) {
             let fading = rims.into_iter().filter(is_inside).collect();
@@ -250,7 +251,7 @@ impl Creases<'_> {
         if turn == f64::INFINITY {
             return None;
         }
-        let crossed = |chain: &[u32]| chain.iter().map(|&s| ends(self.mesh, s)).find(|ends| plane.crosses(*ends));
+        let crossed = |chain: &[u32]| chain.iter().map(|&s| self.mesh.ends(s)).find(|ends| plane.crosses(*ends));
         let width = plane.point(crossed(&out)?).distance(plane.point(crossed(&back)?));
         if !(NARROWEST * self.spacing..WIDEST * self.spacing).contains(&width) {
             return None;
@@ -263,7 +264,7 @@ impl Creases<'_> {
         Some(Tip {
             cuts: cuts.into_iter().map(|cut| (cut, plane.along(cut))).collect(),
             across: triangles.iter().filter_map(|&t| cut_at(t).collect::<Vec<_>>().try_into().ok()).collect(),
-            whole: left_out.iter().map(|&s| ends(self.mesh, s)).filter(|ends| !plane.crosses(*ends)).collect(),
+            whole: left_out.iter().map(|&s| self.mesh.ends(s)).filter(|ends| !plane.crosses(*ends)).collect(),
             shortened: crossed(left_out).map(inside_first),
             deviation: deviation(width, turn),
             triangles: triangles.iter().copied().chain(beside).collect(),
@@ -279,14 +280,14 @@ impl Creases<'_> {
         turns: &[f64],
         triangles: BTreeSet<u32>,
     ) -> Option<Tip> {
-        if fading.iter().any(|&s| plane.crosses(ends(self.mesh, s))) {
+        if fading.iter().any(|&s| plane.crosses(self.mesh.ends(s))) {
             return None;
         }
         let one_of_each = fading.iter().filter(|&&s| s < self.twin[s as usize]);
         Some(Tip {
             cuts: Vec::new(),
             across: Vec::new(),
-            whole: one_of_each.map(|&s| ends(self.mesh, s)).collect(),
+            whole: one_of_each.map(|&s| self.mesh.ends(s)).collect(),
             shortened: None,
             deviation: deviation(width, self.mean_turn(&fading, turns)),
             triangles,
@@ -297,22 +298,22 @@ impl Creases<'_> {
     /// other edges meet them, where they come back to the corner, or where they cross the plane more than once.
     fn chains(&self, corner: &Corner, rims: Vec<u32>, plane: &Plane, degrees: &[u32]) -> Option<[Vec<u32>; 2]> {
         let crossing = |below: usize| {
-            let leaves = |s: &&u32| plane.crosses(ends(self.mesh, **s)) && plane.is_below(ends(self.mesh, **s)[below]);
+            let leaves = |s: &&u32| plane.crosses(self.mesh.ends(**s)) && plane.is_below(self.mesh.ends(**s)[below]);
             let mut found = rims.iter().filter(leaves);
             found.next().filter(|_| found.next().is_none()).copied()
         };
         let (last_out, _) = (crossing(0)?, crossing(1)?);
-        let apex = ends(self.mesh, corner.first)[0];
-        let mut inner = rims.iter().flat_map(|&s| ends(self.mesh, s)).filter(|&v| v != apex && plane.is_below(v));
+        let apex = self.mesh.origin(corner.first);
+        let mut inner = rims.iter().flat_map(|&s| self.mesh.ends(s)).filter(|&v| v != apex && plane.is_below(v));
         if inner.any(|v| degrees[v as usize] != 2) {
             return None;
         }
         // The one beyond each vertex but the apex, to which a rim comes back around a hole or a patch that has its corner there.
         let mut beyond: HashMap<u32, u32> =
-            rims.iter().map(|&s| (ends(self.mesh, s)[0], s)).filter(|&(v, _)| v != apex).collect();
+            rims.iter().map(|&s| (self.mesh.origin(s), s)).filter(|&(v, _)| v != apex).collect();
         let mut out = vec![corner.first];
         while let Some(&last) = out.last().filter(|&&last| last != last_out) {
-            out.push(beyond.remove(&ends(self.mesh, last)[1])?);
+            out.push(beyond.remove(&self.mesh.ends(last)[1])?);
         }
         let back = rims.iter().copied().filter(|s| !out.contains(s)).collect();
         Some([out, back])
@@ -332,7 +333,7 @@ impl Creases<'_> {
         let (sin, cos) = math::sin_cos(0.5 * corner.radians);
         let at = |farther: f64| Plane {
             mesh: self.mesh,
-            corner: self.mesh.positions[ends(self.mesh, corner.first)[0] as usize],
+            corner: self.mesh.positions[self.mesh.origin(corner.first) as usize],
             normal: corner.midway,
             distance: 0.5 * width * cos / sin * (1.0 + farther),
         };
@@ -349,7 +350,7 @@ impl Creases<'_> {
         let mut found = BTreeSet::from([corner.first / 3]);
         let mut open = vec![corner.first / 3];
         while let Some(t) = open.pop() {
-            for side in (3 * t..3 * t + 3).filter(|&s| ends(self.mesh, s).into_iter().any(|v| plane.is_below(v))) {
+            for side in (3 * t..3 * t + 3).filter(|&s| self.mesh.ends(s).into_iter().any(|v| plane.is_below(v))) {
                 if self.is_rim(side) {
                     continue;
                 }
@@ -371,13 +372,9 @@ fn deviation(width: f64, turn: f64) -> f64 {
     width * math::sin_cos(turn.min(90.0).to_radians()).0
 }
 
-fn in_order([a, b]: [u32; 2]) -> [u32; 2] {
-    [a.min(b), a.max(b)]
-}
-
 /// The ends of a side, the lower one first.
 fn edge(mesh: &Mesh, side: u32) -> [u32; 2] {
-    in_order(ends(mesh, side))
+    lower_first(mesh.ends(side))
 }
 
 #[cfg(test)]

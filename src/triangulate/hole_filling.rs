@@ -10,6 +10,7 @@
 
 use crate::base::math;
 use crate::geom::triangle::angles;
+use crate::mesh::sides::lower_first;
 use crate::triangulate::star::INTERIOR;
 use glam::DVec3;
 use std::collections::HashSet;
@@ -36,11 +37,11 @@ pub fn fill_holes(
     let ends: HashSet<u32> = open.iter().flatten().copied().collect();
     let near = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
     let mut edges: HashSet<[u32; 2]> =
-        near.filter(|e| ends.contains(&e[0]) && ends.contains(&e[1])).map(undirected).collect();
-    edges.extend(open.iter().map(|&e| undirected(e)));
+        near.filter(|e| ends.contains(&e[0]) && ends.contains(&e[1])).map(lower_first).collect();
+    edges.extend(open.iter().map(|&e| lower_first(e)));
     for polygon in polygons.into_iter().filter(|p| to_fill(p)) {
         if let Some(filling) = triangulate_polygon(positions, normals, &polygon, &edges, least_facing) {
-            edges.extend(filling.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(undirected));
+            edges.extend(filling.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(lower_first));
             triangles.extend(filling);
         }
     }
@@ -54,10 +55,6 @@ pub fn boundary_loops(
     triangles: &[[u32; 3]],
 ) -> Vec<Vec<u32>> {
     chain(positions, normals, &open_sides(successor, triangles))
-}
-
-fn undirected([a, b]: [u32; 2]) -> [u32; 2] {
-    [a.min(b), a.max(b)]
 }
 
 /// Directed sides that no triangle has on its left yet, in increasing order: those across from a triangle, and those of
@@ -162,7 +159,7 @@ fn triangulate_polygon(
         return None;
     }
     let usable = |i: usize, j: usize| {
-        j == i + 1 || (i == 0 && j == n - 1) || !edges.contains(&undirected([polygon[i], polygon[j]]))
+        j == i + 1 || (i == 0 && j == n - 1) || !edges.contains(&lower_first([polygon[i], polygon[j]]))
     };
     // For diagonal i j the goodness of the best triangulation of the part from i to j, and the apex on it.
     let mut best: Vec<Option<(f64, usize)>> = vec![None; n * n];

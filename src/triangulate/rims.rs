@@ -13,6 +13,7 @@
 use crate::manifold::Manifold;
 use crate::manifold::facing::FacingGuard;
 use crate::mesh::half_edge::Connectivity;
+use crate::mesh::sides::lower_first;
 use crate::mesh::topology::{NONE, topology};
 use crate::surface::domain::Domain;
 use crate::triangulate::mutual_tessellation::merge_away;
@@ -102,11 +103,10 @@ impl Bay {
 /// between two such is as narrow as that, and would have no rim any more.
 fn without_those_on_one_edge(c: &Connectivity, mut bays: Vec<Bay>) -> Vec<Bay> {
     let is_straight = |[v, w]: [u32; 2]| c.outgoing(v).any(|h| c.target(h) == w && !c.has_twin(h));
-    let ordered = |[v, w]: [u32; 2]| [v.min(w), v.max(w)];
-    let mut edges: Vec<[u32; 2]> = bays.iter().map(|bay| ordered(bay.ends)).collect();
+    let mut edges: Vec<[u32; 2]> = bays.iter().map(|bay| lower_first(bay.ends)).collect();
     edges.sort_unstable();
     let count = |edge: [u32; 2]| edges.partition_point(|e| *e <= edge) - edges.partition_point(|e| *e < edge);
-    bays.retain(|Bay { ends: [v, w], .. }| count(ordered([*v, *w])) == 1 && !is_straight([*w, *v]));
+    bays.retain(|Bay { ends: [v, w], .. }| count(lower_first([*v, *w])) == 1 && !is_straight([*w, *v]));
     bays
 }
 

@@ -3,7 +3,7 @@
 use crate::base::union_find::UnionFind;
 use crate::manifold::Manifold;
 use crate::mesh::half_edge::OnCurve;
-use crate::mesh::sides::{edges, sorted_sides};
+use crate::mesh::sides::{edges, lower_first, sorted_sides};
 use crate::mesh::topology::NONE;
 use crate::surface::domain::Sample;
 use crate::triangulate::triangulation::Triangulated;
@@ -80,7 +80,7 @@ pub fn glue(patches: &Triangulated, seams: Gluing<'_>) -> Result<Manifold, Torn>
 /// The vertices, in order, around which `triangles` are no fan, or where an edge of the `curves` is not there. Only these may be
 /// on a boundary.
 fn torn(vertices: usize, triangles: &[[u32; 3]], curves: &[([u32; 2], OnCurve)]) -> BTreeSet<u32> {
-    let curves: BTreeSet<[u32; 2]> = curves.iter().map(|&(ends, _)| ordered(ends)).collect();
+    let curves: BTreeSet<[u32; 2]> = curves.iter().map(|&(ends, _)| lower_first(ends)).collect();
     let sides = sorted_sides(triangles);
     let mut absent = curves.clone();
     let mut torn = BTreeSet::new();
@@ -109,10 +109,6 @@ fn torn(vertices: usize, triangles: &[[u32; 3]], curves: &[([u32; 2], OnCurve)])
     }
     torn.extend((0u32..).zip(fans_at).filter(|&(_, fans)| fans != 1).map(|(v, _)| v));
     torn
-}
-
-fn ordered([a, b]: [u32; 2]) -> [u32; 2] {
-    [a.min(b), a.max(b)]
 }
 
 #[cfg(test)]

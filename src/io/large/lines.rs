@@ -1,10 +1,11 @@
 //! OBJ, read in blocks of whole lines.
 
-use super::blocks::{BLOCK, Blocks, show_triangles};
+use super::blocks::{Blocks, show_triangles};
 use super::places::Places;
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 use crate::io::content::Read;
+use crate::io::line_blocks::in_blocks;
 use crate::io::obj::{self, vertex_number};
 use crate::io::opened::Opened;
 use crate::io::text::Words;
@@ -22,40 +23,19 @@ impl Lines {
     /// Shows all lines, by their keywords.
     fn read(&self, monitor: &dyn Monitor, show: &mut dyn FnMut(&[u8], &mut Words) -> Result<()>) -> Result<()> {
         self.file.seek(0)?;
-        let (mut bytes, mut left, mut line) = (Vec::new(), self.file.length, 1);
-        loop {
-            check(monitor)?;
-            let kept = bytes.len();
-            let more = (BLOCK as u64).min(left) as usize;
-            bytes.resize(kept + more, 0);
-            self.file.fill(&mut bytes[kept..])?;
-            left -= more as u64;
-            let whole = if left == 0 { bytes.len() } else { whole_lines(&bytes, kept) };
-            let mut words = Words::new(&bytes[..whole]).starting_at(line).with_comments().with_continued_lines();
+        let fill = |bytes: &mut [u8]| check(monitor).and_then(|()| self.file.fill(bytes));
+        in_blocks(self.file.length, fill, |bytes, line| {
+            let mut words = Words::new(bytes).starting_at(line).with_comments().with_continued_lines();
             loop {
                 if let Some(keyword) = words.here() {
                     show(keyword, &mut words).map_err(|error| self.file.locate(error))?;
                 }
                 if !words.next_line() {
-                    break;
+                    return Ok(());
                 }
             }
-            if left == 0 {
-                return Ok(());
-            }
-            line += bytes[..whole].iter().filter(|&&b| b == b'\n').count();
-            bytes.drain(..whole);
-        }
+        })
     }
-}
-
-/// How many bytes end with a line that the next one does not continue. None of the first `known` bytes ends one.
-fn whole_lines(bytes: &[u8], known: usize) -> usize {
-    let is_end = |i: usize| {
-        let line = &bytes[..i];
-        bytes[i] == b'\n' && !line.strip_suffix(b"\r").unwrap_or(line).ends_with(b"\\")
-    };
-    (known..bytes.len()).rev().find(|&i| is_end(i)).map_or(0, |i| i + 1)
 }
 
 impl Blocks for Lines {
@@ -128,18 +108,5 @@ impl Blocks for Lines {
             Ok(())
         })?;
         obj::parse(&text).map_err(|error| self.file.locate(error))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn blocks_end_with_whole_lines() {
-        assert_eq!(whole_lines(b"v 1 2 3\nf 1 2", 0), 8);
-        assert_eq!(whole_lines(b"v 1 2 3\nf 1 2 \\\r\n3 4", 0), 8);
-        assert_eq!(whole_lines(b"v 1 2 3\nf 1 2 \\\r\n3 4\n\n", 15), 22);
-        assert_eq!(whole_lines(b"v 1 2 3", 0), 0);
     }
 }

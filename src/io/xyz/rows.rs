@@ -4,18 +4,16 @@
 
 use super::{Table as Columns, attributes, is_binary};
 use crate::base::error::{Place, Result};
-use crate::io::bytes::{array, malformed};
+use crate::io::bytes::{BECAME_SHORTER, LEAVE_IT, array, malformed};
 use crate::io::content::Parsed;
+use crate::io::line_blocks::{in_blocks, whole_lines};
 use crate::io::table::{Packed, Rows, Table};
 use crate::io::text::Words;
 use crate::mesh::attributes::NORMAL;
 use crate::prepare::thin::Seen;
 use glam::DVec3;
 use std::fs::File;
-use std::io::Read as _;
-
-/// Bytes of text at a time.
-const BLOCK: u64 = 1 << 20;
+use std::io::{ErrorKind, Read as _};
 
 /// The bytes of a number in a row.
 const NUMBER: usize = 8;
@@ -76,7 +74,7 @@ impl Rows for Layout {
 impl Packed for Layout {
     fn count(&self, file: &File) -> Result<Option<usize>> {
         let mut lines = 0;
-        in_blocks(file, |bytes| {
+        blocks_of(file, |bytes, _| {
             lines += lines_with_words(bytes);
             Ok(())
         })?;
@@ -85,12 +83,9 @@ impl Packed for Layout {
 
     fn unpack(&self, file: &File, show: &mut dyn FnMut(&[u8]) -> Result<()>) -> Result<()> {
         let mut columns = Columns::default();
-        let mut line = 1;
         let mut row = Vec::new();
-        in_blocks(file, |bytes| {
+        blocks_of(file, |bytes, line| {
             columns.lines(Words::new(bytes).starting_at(line))?;
-            let end = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
-            line += bytes.iter().filter(|&&byte| byte == end).count();
             for numbers in columns.values.chunks_exact(self.width) {
                 row.clear();
                 row.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
@@ -102,33 +97,14 @@ impl Packed for Layout {
     }
 }
 
-/// Shows the text of a file in blocks of whole lines.
-fn in_blocks(mut file: &File, mut show: impl FnMut(&[u8]) -> Result<()>) -> Result<()> {
-    let failed = |error: std::io::Error| malformed(Place::Whole, error.to_string(), "check that it can be read");
-    let mut left = file.metadata().map_err(failed)?.len();
-    let mut bytes = Vec::new();
-    while left > 0 {
-        let known = bytes.len();
-        let more = file.by_ref().take(BLOCK.min(left)).read_to_end(&mut bytes).map_err(failed)?;
-        if more == 0 {
-            let cause = "it became shorter while it was read";
-            return Err(malformed(Place::Whole, cause, "let no other program write it meanwhile"));
-        }
-        left -= more as u64;
-        let whole = if left == 0 { bytes.len() } else { whole_lines(&bytes, known) };
-        if whole > 0 {
-            show(&bytes[..whole])?;
-            bytes.drain(..whole);
-        }
-    }
-    Ok(())
-}
-
-/// How many bytes end with a line. None of the first `known` bytes ends one.
-fn whole_lines(bytes: &[u8], known: usize) -> usize {
-    // What ends with CR may go on with LF.
-    let ends = |i: &usize| bytes[*i] == b'\n' || bytes[*i] == b'\r' && i + 1 < bytes.len();
-    (known.saturating_sub(1)..bytes.len()).rev().find(ends).map_or(0, |i| i + 1)
+/// Shows the text of a file in blocks of whole lines, each with the number of its first one.
+fn blocks_of(mut file: &File, show: impl FnMut(&[u8], usize) -> Result<()>) -> Result<()> {
+    let failed = |error: std::io::Error| match error.kind() {
+        ErrorKind::UnexpectedEof => malformed(Place::Whole, BECAME_SHORTER, LEAVE_IT),
+        _ => malformed(Place::Whole, error.to_string(), "check that it can be read"),
+    };
+    let length = file.metadata().map_err(failed)?.len();
+    in_blocks(length, |bytes| file.read_exact(bytes).map_err(failed), show)
 }
 
 /// The lines of `bytes` with something before a comment.
@@ -194,7 +170,7 @@ mod tests {
     #[test]
     fn what_is_wrong_far_on_has_its_line() {
         let mut text: String = (0..300_000).map(|i| format!("{i} 0.5 -7\n")).collect();
-        assert!(text.len() as u64 > 3 * BLOCK);
+        assert!(text.len() > 3 << 20);
         let table = table(&text.as_bytes()[..1 << 16], text.len() as u64).unwrap();
         assert_eq!(count(&table, text.as_bytes()), 300_000);
         assert_eq!(rows_of(&table, text.as_bytes()).unwrap().len(), 300_000 * 24);

@@ -269,6 +269,7 @@ fn newton_step(mesh: &Manifold, targets: &Targets, v: u32, spacing: f64) -> DVec
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::sides::lower_first;
     use crate::mesh::triangle_mesh::Mesh;
     use crate::optimize::quadrature::{POINTS, point};
     use crate::surface::features::Features;
@@ -290,7 +291,7 @@ mod tests {
         for _ in 0..levels {
             let mut middles = BTreeMap::new();
             let mut middle = |a: u32, b: u32| {
-                *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                *middles.entry(lower_first([a, b])).or_insert_with(|| {
                     positions.push((positions[a as usize] + positions[b as usize]).normalize());
                     positions.len() as u32 - 1
                 })

@@ -19,7 +19,6 @@
 use crate::base::csr::Csr;
 use crate::base::parallel;
 use crate::geom::triangle::closest_point_of_segment;
-use crate::mesh::half_edge::next;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
 use crate::surface::domain::Domain;
@@ -80,7 +79,6 @@ pub(super) struct Sides {
 
 impl Sides {
     pub fn new(domain: &Domain) -> Sides {
-        let corner = |side: u32| domain.mesh.triangles[side as usize / 3][side as usize % 3];
         let position = |v: u32| domain.mesh.positions[v as usize];
         let (mut positions, mut patch, mut along) = (Vec::new(), Vec::new(), Vec::new());
         let (mut vertex, mut curves) = (Vec::new(), Vec::new());
@@ -89,7 +87,7 @@ impl Sides {
             let (mut arc, mut corners) = (0.0, 0);
             let mut before = sides.last().map_or(0, |&side| domain.curves.of_side(side));
             for side in sides {
-                let (from, to) = (corner(side), corner(next(side)));
+                let [from, to] = domain.mesh.ends(side);
                 corners += u32::from(domain.curves.is_corner(from));
                 along.push(Along { number, total: 0.0, arc, corners, all_corners: 0 });
                 patch.push(domain.patch_of(side / 3));

@@ -2,7 +2,6 @@
 
 use crate::base::csr::Csr;
 use crate::base::parallel;
-use crate::mesh::half_edge::next;
 use crate::mesh::topology::NONE;
 use crate::surface::domain::Domain;
 use rayon::slice::ParallelSliceMut;
@@ -24,10 +23,10 @@ impl Graph {
 
     /// Each side makes its end a neighbour of its start, and also the other way where no side across does.
     fn new(domain: &Domain, name: impl Fn(u32) -> u32, on_boundary: impl Fn(usize) -> bool) -> Graph {
-        let corner = |side: u32| name(domain.mesh.triangles[side as usize / 3][side as usize % 3]);
+        let ends = |side: u32| domain.mesh.ends(side).map(&name);
         let sides = 0..domain.twin.len() as u32;
-        let mut pairs: Vec<(u32, u32)> = sides.clone().map(|s| (corner(s), corner(next(s)))).collect();
-        pairs.extend(sides.filter(|&s| on_boundary(s as usize)).map(|s| (corner(next(s)), corner(s))));
+        let mut pairs: Vec<(u32, u32)> = sides.clone().map(|s| ends(s).into()).collect();
+        pairs.extend(sides.filter(|&s| on_boundary(s as usize)).map(ends).map(|[from, to]| (to, from)));
         pairs.par_sort_unstable();
         Graph(Csr::new(domain.mesh.positions.len(), || pairs.iter().copied()))
     }

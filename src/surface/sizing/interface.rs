@@ -16,7 +16,6 @@
 //!
 //! Cost: two passes of Dijkstra's algorithm for each gradient that is tried, and some sums over the triangles.
 
-use crate::mesh::half_edge::next;
 use crate::surface::domain::Domain;
 use crate::surface::sizing::field::{FIELD_GRADIENT, mean_density};
 use crate::surface::sizing::gradation::limited;
@@ -73,13 +72,10 @@ fn scaled_to(count: f64, domain: &Domain, lengths: impl Fn(f64) -> Vec<f64>) -> 
 
 /// For each vertex the mean length of the edges of the interface that it lies on, if it lies on any.
 fn interface_lengths(domain: &Domain) -> Vec<Option<f64>> {
-    let corner = |side: u32| domain.mesh.triangles[side as usize / 3][side as usize % 3];
     let mut sums = vec![(0.0, 0); domain.mesh.positions.len()];
     for curve in domain.curves.list.iter().filter(|curve| curve.interface) {
-        let sides = || curve.sides.iter().map(|&s| [corner(s), corner(next(s))]);
-        let length: f64 =
-            sides().map(|[a, b]| domain.mesh.positions[a as usize].distance(domain.mesh.positions[b as usize])).sum();
-        for v in sides().flatten() {
+        let length: f64 = curve.sides.iter().map(|&s| domain.mesh.segment(s)).map(|[p, q]| p.distance(q)).sum();
+        for v in curve.sides.iter().flat_map(|&s| domain.mesh.ends(s)) {
             let (sum, count) = &mut sums[domain.original[v as usize] as usize];
             *sum += length;
             *count += 1;

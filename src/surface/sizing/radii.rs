@@ -16,7 +16,6 @@
 
 use crate::base::math;
 use crate::base::parallel;
-use crate::mesh::half_edge::next;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::surface::domain::Domain;
@@ -82,7 +81,7 @@ fn curvatures(domain: &Domain, graph: &Graph, areas: &[f64], steps: usize) -> Ve
         if twin == NONE || twin < side {
             continue;
         }
-        let ends = [side, next(side)].map(|s| mesh.triangles[s as usize / 3][s as usize % 3] as usize);
+        let ends = mesh.ends(side).map(|v| v as usize);
         let along = mesh.positions[ends[1]] - mesh.positions[ends[0]];
         let e = along.normalize_or_zero();
         let [n, m] = [side, twin].map(|s| mesh.area_vector(s as usize / 3));
