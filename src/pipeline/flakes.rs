@@ -1,16 +1,26 @@
-//! Flakes: components of next to no area, which cuts and exports leave behind. No triangles of a flake have angles to compute with,
+//! Flakes and fins: components of next to no area or width, which cuts and exports leave behind. No mesh of such edges can follow them,
 //! so they are left out.
 //!
-//! A flake has less area than one triangle as long as it is, or as edges are to be, with an angle of [`SLIVER`] degrees.
+//! A flake has less area than one triangle as long as it is, or as edges are to be, with an angle of [`SLIVER`] degrees. A fin is
+//! narrow, and hangs along edges of components that are not, from which repair took it apart: the surface goes on without it.
 //!
-//! Cost: linear in the triangles, and nothing for a surface of one component.
+//! Cost: linear in the triangles, and nothing for a surface of one component; a sort of the vertices where a component is narrow.
 
 use crate::base::math;
 use crate::geom::aabb::Aabb;
 use crate::manifold::small_angles::SLIVER;
 use crate::mesh::oriented_manifold::OrientedManifold;
+use crate::mesh::sides::lower_first;
 use crate::mesh::submesh::Submesh;
 use crate::mesh::topology::components;
+use crate::mesh::weld::representatives;
+use rustc_hash::FxHashSet;
+
+/// Width below which a component is narrow, in spacings.
+const NARROW: f64 = 0.2;
+
+/// Length of its edges that others have, too, of which a narrow component hangs on them, as a share of its own length.
+const ALONG: f64 = 0.5;
 
 /// A component's size.
 #[derive(Clone)]
@@ -25,9 +35,14 @@ impl Size {
         let of_sliver = 0.5 * math::sin_cos(SLIVER.to_radians()).0 * length * length.min(spacing);
         self.area < of_sliver
     }
+
+    /// Whether a triangle as long and with that area is narrow.
+    fn is_narrow(&self, spacing: f64) -> bool {
+        2.0 * self.area < NARROW * spacing * self.bounds.diagonal()
+    }
 }
 
-/// `surface` without its flakes, where edges are to be `spacing` long; `None` if it has none, or nothing else.
+/// `surface` without its flakes and fins, where edges are to be `spacing` long; `None` if it has none, or nothing else.
 pub(super) fn without_flakes(surface: &OrientedManifold, spacing: f64) -> Option<OrientedManifold> {
     let component = components(surface.positions.len(), &surface.triangles);
     let of = |corners: &[u32; 3]| component[corners[0] as usize] as usize;
@@ -38,15 +53,38 @@ pub(super) fn without_flakes(surface: &OrientedManifold, spacing: f64) -> Option
         size.area += 0.5 * surface.area_vector(t).length();
         size.bounds = size.bounds.join(&Aabb::of_triangle(surface.corners(t)));
     }
-    let is_flake: Vec<bool> = sizes.iter().map(|size| size.is_flake(spacing)).collect();
-    if !is_flake.contains(&true) || !is_flake.contains(&false) {
+    let is_narrow: Vec<bool> = sizes.iter().map(|size| size.is_narrow(spacing)).collect();
+    let hanging = lengths_in_common(surface, &component, &is_narrow);
+    let goes = |(size, along): (&Size, f64)| size.is_flake(spacing) || along > ALONG * size.bounds.diagonal();
+    let goes: Vec<bool> = sizes.iter().zip(hanging).map(goes).collect();
+    if !goes.contains(&true) || !goes.contains(&false) {
         return None;
     }
-    let stays: Vec<bool> = surface.triangles.iter().map(|corners| !is_flake[of(corners)]).collect();
+    let stays: Vec<bool> = surface.triangles.iter().map(|corners| !goes[of(corners)]).collect();
     let triangles: Vec<u32> = (0..).zip(&stays).filter(|(_, stays)| **stays).map(|(t, _)| t).collect();
     let part = Submesh::cut_out(surface, &stays);
     let provenance = surface.provenance().clone().select(&part.source, &triangles);
     Some(OrientedManifold::trusted(part.mesh, provenance))
+}
+
+/// For each component that is narrow the length of its edges that those that are not have, too; zero for all others. `component` has
+/// the number of each vertex.
+fn lengths_in_common(surface: &OrientedManifold, component: &[u32], is_narrow: &[bool]) -> Vec<f64> {
+    let mut lengths = vec![0.0; is_narrow.len()];
+    if !is_narrow.contains(&true) || !is_narrow.contains(&false) {
+        return lengths;
+    }
+    let place = representatives(&surface.positions);
+    let of = |side: u32| component[surface.origin(side) as usize] as usize;
+    let edge = |side: u32| lower_first(surface.ends(side).map(|v| place[v as usize]));
+    let sides = |narrow: bool| (0..3 * surface.triangles.len() as u32).filter(move |&s| is_narrow[of(s)] == narrow);
+    let of_narrow: FxHashSet<[u32; 2]> = sides(true).map(edge).collect();
+    let common: FxHashSet<[u32; 2]> = sides(false).map(edge).filter(|edge| of_narrow.contains(edge)).collect();
+    for side in sides(true).filter(|&side| common.contains(&edge(side))) {
+        let [a, b] = surface.segment(side);
+        lengths[of(side)] += a.distance(b);
+    }
+    lengths
 }
 
 #[cfg(test)]
@@ -81,6 +119,24 @@ mod tests {
             assert_eq!(sources, (0..13).chain([14]).collect::<Vec<u32>>());
         }
         assert!(left(joined(whole)).is_none());
+    }
+
+    #[test]
+    fn fins_go_where_the_surface_goes_on_without_them() {
+        let at = |from: DVec3, height: f64| {
+            let positions = vec![from, from + DVec3::X, from + dvec3(0.4, -height, 0.0)];
+            Mesh { positions, triangles: vec![[0, 1, 2]] }
+        };
+        let [low, high] = [0.15, 0.5].map(|share| share * SPACING);
+        // Along an edge of the cube a narrow one and a wide one, and a narrow one aside.
+        let triangles = [at(DVec3::ZERO, low), at(DVec3::ZERO, high), at(-3.0 * DVec3::X, low)];
+        // A ribbon that hangs by its end.
+        let [a, b, c, d] = [[5.0, 0.0], [6.0, 0.0], [6.0, 1.0], [5.0, low]].map(|[x, y]| dvec3(x, y, 0.0));
+        let sheet = Mesh { positions: vec![a, b, c, d], triangles: vec![[0, 1, 2], [0, 2, 3]] };
+        let ribbon = Mesh { positions: vec![a, d, a - 3.0 * DVec3::X], triangles: vec![[0, 1, 2]] };
+        let left = left(joined([cube()].into_iter().chain(triangles).chain([sheet, ribbon]))).unwrap();
+        let sources: Vec<u32> = (0..left.triangles.len() as u32).map(|t| left.provenance().triangle(t)).collect();
+        assert_eq!(sources, (0..12).chain(13..18).collect::<Vec<u32>>());
     }
 
     #[test]

@@ -120,6 +120,23 @@ fn a_flake_beside_a_body_is_left_out_and_told() {
     assert!(made.notes.iter().any(told), "{:?}", made.notes);
 }
 
+#[test]
+fn a_fin_at_an_edge_of_a_body_is_left_out_and_told() {
+    let mut input = cuboid(DVec3::ONE);
+    let [a, b, _] = input.triangles[0];
+    let middle = input.positions[a as usize].midpoint(input.positions[b as usize]);
+    input.triangles.push([b, a, input.positions.len() as u32]);
+    input.positions.push(middle - 0.005 * dvec3(1.0, 2.0, 3.0));
+    let made = check("fin", &input, 1500);
+    assert_eq!((made.repaired.components, made.output.components, made.output.boundary_loops), (1, 1, 0));
+    assert!(
+        made.notes.iter().any(|note| note.contains("1 component of the input is not in the result")),
+        "{:?}",
+        made.notes
+    );
+    assert!(shape(&made.mesh).unwrap().theta_min > 30.0);
+}
+
 /// A solid that touches itself along an edge and at a corner, and one whose insides do.
 #[test]
 #[ignore = "slow"]
