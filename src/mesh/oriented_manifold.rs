@@ -52,6 +52,16 @@ impl OrientedManifold {
         self.mesh.positions.len() as u32 - 1
     }
 
+    /// Adds a triangle on free sides, as a part of the triangle of the source that triangle `t` there is a part of.
+    pub(crate) fn add_beside(&mut self, triangle: [u32; 3], t: u32) {
+        let beside = self.mesh.triangles[t as usize];
+        let added = self.mesh.triangles.len() as u32;
+        self.mesh.triangles.push(triangle);
+        self.provenance.insert_part(t);
+        let others = triangle.into_iter().filter(|v| !beside.contains(v));
+        others.for_each(|v| self.provenance.put_at(added, v, beside[0]));
+    }
+
     /// Replaces triangle `t` by `parts`, which cover it: the first takes its number, the others come last.
     pub(super) fn split_triangle(&mut self, t: usize, parts: &[[u32; 3]]) {
         self.mesh.triangles[t] = parts[0];

@@ -22,6 +22,7 @@ use crate::pipeline::mend::mended;
 use crate::pipeline::optimization::optimize;
 use crate::pipeline::options::{Grading, Options};
 use crate::pipeline::origins::origins;
+use crate::pipeline::pinholes::Pinholes;
 use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::resizing::{FINER, Resizing, sizes_at};
 use crate::pipeline::result::{Deviation, Remeshed, notes};
@@ -336,6 +337,7 @@ fn remeshed(
         wanted: within.as_ref().map_or(scale.wanted, |within| within.wanted(scale.wanted)),
         sharp_curves: domain.sharp_curves().count(),
         smoothed_curves: surface.smoothed_curves,
+        pinholes: Pinholes { place: unit.outwards_point(surface.pinholes.place), ..surface.pinholes },
         tessellated_patches: finished.tessellated_patches,
         self_intersections_of_input: intersects.then_some(finished.self_intersections_of_input),
         self_intersections: finished.self_intersections,

@@ -9,6 +9,7 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::coverage::Coverage;
 use crate::pipeline::edges::Edges;
 use crate::pipeline::lost::LostComponents;
+use crate::pipeline::pinholes::Pinholes;
 use crate::prepare::repair::Repairs;
 use crate::prepare::stitch::Cracks;
 use crate::surface::narrow_patches::LeftOut;
@@ -60,6 +61,8 @@ pub struct Remeshed {
     pub left_out: LeftOut,
     /// Curves along sharp edges that were smoothed over because patches beside them did not fit together.
     pub smoothed_curves: usize,
+    /// The holes that were too small for the edges and closed, in the units of the input.
+    pub pinholes: Pinholes,
     /// Whether there were more sharp edges than could be kept, so that none was.
     pub blunted: bool,
     /// Whether the input is rough where the result has far longer edges, as a scan with noise is.
@@ -127,6 +130,13 @@ impl Remeshed {
 pub(super) fn has_kind(found: &Topology, wanted: &Topology) -> bool {
     let kind = |t: &Topology| (t.euler, t.components, t.boundary_loops);
     found.is_manifold() && found.is_oriented() && kind(found) == kind(wanted)
+}
+
+/// Says how many holes were closed, and where the largest is.
+fn note_on_pinholes(Pinholes { count, place }: &Pinholes) -> String {
+    let holes = counted(*count, "hole is", "holes are");
+    let place = near(*place);
+    format!("{holes} too small for edges so long, and closed: the largest, {place}; more points keep more of them")
 }
 
 /// Says what was left out of the sharp edges.
@@ -204,6 +214,9 @@ pub(super) fn notes(result: &Remeshed, cracks: Option<Cracks>) -> Vec<String> {
         notes.push("the result does not have the topology of the input".into());
     }
     notes.extend(result.lost.as_ref().map(LostComponents::note));
+    if result.pinholes.count > 0 {
+        notes.push(note_on_pinholes(&result.pinholes));
+    }
     if result.left_out.patches > 0 {
         notes.push(note_on_left_out(&result.left_out));
     }

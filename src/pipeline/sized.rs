@@ -11,6 +11,7 @@ use crate::pipeline::flakes::without_flakes;
 use crate::pipeline::follow::follow;
 use crate::pipeline::kernel::KernelFeatures;
 use crate::pipeline::options::Grading;
+use crate::pipeline::pinholes::{Pinholes, close_pinholes};
 use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::resizing::{Resizing, sizes_at};
 use crate::pipeline::sampled_domain::{SampledDomain, domain_at};
@@ -43,6 +44,8 @@ pub(super) struct SizedSurface {
     pub smoothed_curves: usize,
     /// The ends of each sharp edge that was left out, in the pipeline's unit.
     pub left_out_edges: Vec<[DVec3; 2]>,
+    /// The holes that were closed, in the pipeline's unit.
+    pub pinholes: Pinholes,
     /// What stays of the input, if only a part of it is sampled.
     pub within: Option<Within>,
     /// The topology of what is sampled.
@@ -70,12 +73,17 @@ impl SizedSurface {
         monitor.stage("sample");
         let topology_of = |mesh: &Mesh| topology(mesh.positions.len(), &mesh.triangles);
         let mut of_whole = prepared.of_repaired;
-        if within.is_none()
-            && of_whole.components > 1
-            && let Some(left) = without_flakes(&clean, scale.spacing)
-        {
-            of_whole = topology_of(&left);
-            clean = left;
+        let mut pinholes = Pinholes::default();
+        if within.is_none() {
+            let left = (of_whole.components > 1).then(|| without_flakes(&clean, scale.spacing)).flatten();
+            let has_flakes = left.is_some();
+            clean = left.unwrap_or(clean);
+            if of_whole.boundary_loops > 0 {
+                pinholes = close_pinholes(&mut clean, scale.spacing);
+            }
+            if has_flakes || pinholes.count > 0 {
+                of_whole = topology_of(&clean);
+            }
         }
         let topology = if within.is_some() { topology_of(&clean) } else { of_whole };
         let suspects = (clean.triangles.len() < scale.wanted).then(|| passing_through_others(&clean));
@@ -92,6 +100,7 @@ impl SizedSurface {
             left_out,
             smoothed_curves,
             left_out_edges,
+            pinholes,
             within,
             topology,
             of_whole,

@@ -119,6 +119,9 @@ pub struct Sampling {
     /// Sharp edges, as curves between corners, that were smoothed over because patches beside them did not fit together.
     #[serde(default)]
     pub smoothed_curves: usize,
+    /// Holes that were too small for the edges and closed.
+    #[serde(default)]
+    pub closed_holes: usize,
     /// Whether there were more sharp edges than could be kept, so that none was.
     #[serde(default)]
     pub blunted: bool,
@@ -193,6 +196,7 @@ impl Report {
                 left_out_patches: remeshed.left_out.patches,
                 left_out_deviation: remeshed.left_out.deviation,
                 smoothed_curves: remeshed.smoothed_curves,
+                closed_holes: remeshed.pinholes.count,
                 blunted: remeshed.blunted,
                 tessellated_patches,
                 seed,
@@ -364,7 +368,7 @@ pub fn left_out(cloud: &CloudSummary, coverage: &Coverage) -> Option<String> {
 pub(super) mod tests {
     use super::*;
     use crate::mesh::provenance::Origins;
-    use crate::pipeline::Edges;
+    use crate::pipeline::{Edges, Pinholes};
     use crate::surface::narrow_patches::LeftOut;
     use crate::testing::tetrahedron;
     use glam::DVec3;
@@ -399,6 +403,7 @@ pub(super) mod tests {
             unforced_theta_min: None,
             left_out: LeftOut::default(),
             smoothed_curves: 0,
+            pinholes: Pinholes::default(),
             blunted: false,
             is_rough: false,
             lost: None,

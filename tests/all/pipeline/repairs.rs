@@ -137,6 +137,29 @@ fn a_fin_at_an_edge_of_a_body_is_left_out_and_told() {
     assert!(shape(&made.mesh).unwrap().theta_min > 30.0);
 }
 
+#[test]
+fn a_hole_far_smaller_than_edges_is_closed_and_told() {
+    // A block in one of whose faces is a triangular hole, a share of it as large.
+    let with_hole = |share: f64| {
+        let mut input = cuboid(DVec3::ONE);
+        let corners = input.triangles.pop().unwrap();
+        let centre = corners.iter().map(|&v| input.positions[v as usize]).sum::<DVec3>() / 3.0;
+        let rim = [0, 1, 2].map(|k| input.positions.len() as u32 + k);
+        input.positions.extend(corners.map(|v| centre.lerp(input.positions[v as usize], share)));
+        for (k, l) in [(0, 1), (1, 2), (2, 0)] {
+            input.triangles.extend([[corners[k], corners[l], rim[l]], [corners[k], rim[l], rim[k]]]);
+        }
+        input
+    };
+    let made = check("pinhole", &with_hole(0.001), 1500);
+    assert_eq!((made.repaired.boundary_loops, made.output.boundary_loops, made.output.euler), (0, 0, 2));
+    let told = |note: &String| note.contains("1 hole is too small for edges so long, and closed");
+    assert!(made.notes.iter().any(told), "{:?}", made.notes);
+    assert!(shape(&made.mesh).unwrap().theta_min > 30.0);
+    let made = check("hole", &with_hole(0.2), 1500);
+    assert!(made.output.boundary_loops == 1 && !made.notes.iter().any(told), "{:?}", made.notes);
+}
+
 /// A solid that touches itself along an edge and at a corner, and one whose insides do.
 #[test]
 #[ignore = "slow"]
