@@ -47,6 +47,10 @@ impl Neighborhood {
         taken: impl Fn(u32) -> bool,
     ) -> Option<Neighborhood> {
         let c = &whole.connectivity;
+        // Mostly some are.
+        if c.triangle(3 * middle).into_iter().any(|v| has_around(whole, v, rings, &taken)) {
+            return None;
+        }
         let mut found = Rings::around(whole, &c.triangle(3 * middle), rings, |_| false);
         found.fill_up(whole);
         let is_taken = found.triangles.iter().any(|&t| taken(t));
@@ -207,6 +211,12 @@ impl Neighborhood {
         touched.resize(whole.connectivity.half_edge_bound() as usize / 3, true);
         true
     }
+}
+
+/// Whether `which` is true of a triangle within `rings` rings around vertex `v`.
+fn has_around(mesh: &Manifold, v: u32, rings: usize, which: &impl Fn(u32) -> bool) -> bool {
+    let c = &mesh.connectivity;
+    c.outgoing(v).any(|h| which(h / 3)) || rings > 1 && c.ring(v).any(|w| has_around(mesh, w, rings - 1, which))
 }
 
 fn has_corner_in(mesh: &Manifold, t: u32, set: &VertexSet) -> bool {

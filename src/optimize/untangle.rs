@@ -13,6 +13,7 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
+use crate::base::parallel;
 use crate::manifold::Manifold;
 use crate::manifold::faces::Faces;
 use crate::manifold::neighborhood::Neighborhood;
@@ -199,15 +200,17 @@ impl Untangling<'_> {
         for _ in 0..in_a_row {
             let changes = followed.iter().flat_map(|(faults, around)| {
                 let changed = changes(self.domain, around, &faults.triangles);
-                changed.into_iter().map(move |changed| (self.faults(&changed, faults), changed))
+                changed.into_iter().map(move |changed| (faults, changed))
             });
-            let mut changed: Vec<Candidate> = changes.collect();
+            // In the end there are few places, each with many changes.
+            let mut changed: Vec<Candidate> =
+                parallel::each(changes, |(faults, changed)| (self.faults(&changed, faults), changed));
             changed.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let settled = changed.iter().take(MOST_SETTLED).map(|(faults, changed)| {
+            let settled = parallel::each(changed.iter().take(MOST_SETTLED), |(faults, changed)| {
                 let settled = settled(self.domain, changed.clone(), Goal::GOOD, self.spacing, self.monitor)?;
                 Ok((self.faults(&settled, faults), settled))
             });
-            let settled: Vec<Candidate> = settled.collect::<Result<_>>()?;
+            let settled: Vec<Candidate> = settled.into_iter().collect::<Result<_>>()?;
             changed.extend(settled);
             changed.sort_by(|a, b| a.0.total_cmp(&b.0));
             let is_better = |(faults, around): &Candidate| faults.are_fewer_than(&now.0) && is_near(around);
