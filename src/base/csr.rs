@@ -1,7 +1,7 @@
 //! Lists of different lengths in one array: compressed sparse rows.
 
 /// Rows of values, stored one after the other.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Csr<T> {
     /// Where each row begins in `values`; one more entry than rows.
     start: Vec<u32>,
@@ -36,7 +36,7 @@ impl<T: Copy> Csr<T> {
 
     /// The number of rows.
     pub fn rows(&self) -> usize {
-        self.start.len() - 1
+        self.start.len().saturating_sub(1)
     }
 
     /// The number of values in all rows.

@@ -32,9 +32,6 @@ const LEAF: usize = 4;
 /// Subtrees of fewer triangles are sorted by one thread: distributing them would cost as much as sorting them.
 const PARALLEL_ABOVE: usize = 4096;
 
-/// Triangles that looking at all of them is as good for as a search.
-const FEW: usize = 32;
-
 /// Most nodes that a search sets aside, one for each level: a tree over 2^32 triangles has no more levels.
 const DEEPEST: usize = 33;
 
@@ -61,9 +58,19 @@ pub struct Hit {
 }
 
 impl Hit {
+    /// No hit yet, and none farther away from `p` than that.
+    pub(super) fn none(p: DVec3, max_distance_squared: f64) -> Hit {
+        Hit { triangle: u32::MAX, point: p, distance_squared: max_distance_squared }
+    }
+
+    /// The hit, if there is one.
+    pub(super) fn found(self) -> Option<Hit> {
+        (self.triangle != u32::MAX).then_some(self)
+    }
+
     /// The hit on triangle `t` instead, if that is nearer to `p`; of equally near ones that on the triangle with the lower index.
     #[inline]
-    fn or_nearer(&mut self, mesh: &Mesh, t: u32, p: DVec3) {
+    pub(super) fn or_nearer(&mut self, mesh: &Mesh, t: u32, p: DVec3) {
         let point = triangle::closest_point(p, mesh.corners(t as usize));
         let distance_squared = p.distance_squared(point);
         if distance_squared < self.distance_squared || (distance_squared == self.distance_squared && t < self.triangle)
@@ -140,22 +147,9 @@ impl Bvh {
         self.closest_or_near(mesh, p, 0.0, max_distance_squared, accept)
     }
 
-    /// [`Self::closest_where`] where `accept` holds for no others than its `own` triangles, in any order: a few of them are looked
-    /// at one by one, since a great many others may be as near.
-    pub fn closest_among(
-        &self,
-        mesh: &Mesh,
-        own: impl ExactSizeIterator<Item = u32>,
-        p: DVec3,
-        max_distance_squared: f64,
-        accept: impl Fn(u32) -> bool,
-    ) -> Option<Hit> {
-        if own.len() > FEW {
-            return self.closest_where(mesh, p, max_distance_squared, accept);
-        }
-        let mut best = Hit { triangle: u32::MAX, point: p, distance_squared: max_distance_squared };
-        own.filter(|&t| accept(t)).for_each(|t| best.or_nearer(mesh, t, p));
-        (best.triangle != u32::MAX).then_some(best)
+    /// All triangles, those near each other in space together.
+    pub fn order(&self) -> &[u32] {
+        &self.order
     }
 
     /// [`Self::closest_where`], but the search ends at any triangle whose squared distance is below `near`.
@@ -167,7 +161,7 @@ impl Bvh {
         max_distance_squared: f64,
         accept: impl Fn(u32) -> bool,
     ) -> Option<Hit> {
-        let mut best = Hit { triangle: u32::MAX, point: p, distance_squared: max_distance_squared };
+        let mut best = Hit::none(p, max_distance_squared);
         let mut aside = [(0u32, 0.0f64); DEEPEST];
         let mut waiting = 1;
         aside[0].1 = self.boxes[0].distance_squared(p);
@@ -194,7 +188,7 @@ impl Bvh {
                 }
             }
         }
-        (best.triangle != u32::MAX).then_some(best)
+        best.found()
     }
 
     /// The distance from `origin` along the unit vector `direction` to the nearest of the triangles for which `accept`
@@ -486,7 +480,7 @@ mod tests {
         nearest.filter(|hit| hit.distance_squared <= limit)
     }
 
-    /// Compares `closest`, `closest_where`, `closest_among` and `in_box` with a look at every triangle.
+    /// Compares `closest`, `closest_where` and `in_box` with a look at every triangle.
     fn agrees_with_brute_force(mesh: &Mesh, queries: usize) {
         let mut rng = stream(9, Stage::Scan);
         for q in 0..queries {
@@ -495,10 +489,6 @@ mod tests {
             assert_eq!(bvh.closest(mesh, p), brute_force(mesh, p, f64::INFINITY, |_| true));
             let accept = |t: u32| !(t as usize + q).is_multiple_of(3);
             assert_eq!(bvh.closest_where(mesh, p, 0.01, accept), brute_force(mesh, p, 0.01, accept));
-            // The last first, so that ties are not broken by the order.
-            let own: Vec<u32> = (0..mesh.triangles.len() as u32).rev().filter(|&t| accept(t)).collect();
-            let among = bvh.closest_among(mesh, own.into_iter(), p, 0.01, accept);
-            assert_eq!(among, brute_force(mesh, p, 0.01, accept));
             let way = (random_point(&mut rng) - DVec3::splat(0.5)).normalize();
             let all = (0..mesh.triangles.len()).filter(|&t| accept(t as u32));
             let hits = all.filter_map(|t| triangle::along_ray(p, way, mesh.corners(t))).filter(|&t| t < 2.0);

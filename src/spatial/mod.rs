@@ -2,6 +2,7 @@
 
 pub mod bvh;
 pub mod foot;
+pub mod groups;
 pub mod kdtree;
 pub mod knn_graph;
 pub mod order;

@@ -11,6 +11,7 @@ use crate::mesh::cut::{Cut, OfSides};
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
+use crate::spatial::groups::Groups;
 use glam::DVec3;
 
 /// Cosine of the turn between two chords from which on the point between them is a corner: 44 degrees.
@@ -44,8 +45,8 @@ pub struct Curves {
     /// The sides of the curves, one of each edge, in the order of `list`; as triangles with two equal corners.
     sides: Vec<u32>,
     segments: Mesh,
-    /// The number of sides of all curves before each, and of all.
-    before: Vec<u32>,
+    /// The segments of each curve.
+    of_curve: Groups,
     bvh: Bvh,
 }
 
@@ -73,12 +74,9 @@ impl Curves {
         let positions = sides.iter().flat_map(|&s| net.ends(s)).map(|v| cut.mesh.positions[v as usize]).collect();
         let triangles = (0..sides.len() as u32).map(|i| [2 * i, 2 * i + 1, 2 * i + 1]).collect();
         let segments = Mesh { positions, triangles };
-        let counts = list.iter().scan(0, |sum, curve| {
-            *sum += curve.sides.len() as u32;
-            Some(*sum)
-        });
-        let before = std::iter::once(0).chain(counts).collect();
-        Curves { list, of_side, corner, sides, bvh: Bvh::new(&segments), segments, before }
+        let bvh = Bvh::new(&segments);
+        let of_curve = Groups::new((&segments, &bvh), list.len(), |segment| of_side.get(sides[segment as usize]));
+        Curves { list, of_side, corner, sides, bvh, segments, of_curve }
     }
 
     /// The length of all curves.
@@ -109,9 +107,9 @@ impl Curves {
 
     /// The segment of curve `curve` closest to `p`, of equally close ones the first.
     fn closest_segment(&self, p: DVec3, curve: u32) -> Option<u32> {
-        let own = self.before[curve as usize]..self.before[curve as usize + 1];
-        let hit = self.bvh.closest_among(&self.segments, own.clone(), p, f64::INFINITY, |i| own.contains(&i));
-        hit.map(|hit| hit.triangle)
+        let is_own = |segment: u32| self.of_side(self.sides[segment as usize]) == curve;
+        let all = (&self.segments, &self.bvh);
+        self.of_curve.closest(all, (curve, is_own), p, f64::INFINITY, |_| true).map(|hit| hit.triangle)
     }
 }
 

@@ -5,7 +5,6 @@
 
 mod projection;
 
-use crate::base::csr::Csr;
 use crate::geom::triangle::{barycentric, closest_point};
 use crate::mesh::cut::{Cut, OfSides, cut};
 use crate::mesh::half_edge::next;
@@ -15,6 +14,7 @@ use crate::mesh::provenance::{PointOnTriangle, Provenance};
 use crate::mesh::topology::{NONE, components, twins};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
+use crate::spatial::groups::Groups;
 use crate::spatial::self_intersections::{Inherited, faces_passing_through_others};
 use crate::surface::feature_curves::Curves;
 use crate::surface::features::{Features, sharp_sides};
@@ -52,7 +52,7 @@ pub struct Domain {
     /// The connected patch of each vertex: its smooth patch.
     pub patch: Vec<u32>,
     /// The triangles of each patch.
-    of_patch: Csr<u32>,
+    patches: Groups,
     /// The boundary and the sharp edges.
     pub curves: Curves,
     /// Unit normal at each vertex; zero where all its triangles are flat.
@@ -116,8 +116,8 @@ impl Domain {
         );
         let Cut { mesh, twin, across, original } = cut;
         let patch = components(mesh.positions.len(), &mesh.triangles);
-        let patches = patch.iter().max().map_or(0, |&last| last as usize + 1);
-        let of_patch = Csr::new(patches, || mesh.triangles.iter().map(|t| patch[t[0] as usize]).zip(0u32..));
+        let count = patch.iter().max().map_or(0, |&last| last as usize + 1);
+        let patches = Groups::new((&mesh, &bvh), count, |t| patch[mesh.origin(3 * t) as usize]);
         let sizes = Vec::new();
         Domain {
             mesh,
@@ -126,7 +126,7 @@ impl Domain {
             original,
             provenance,
             patch,
-            of_patch,
+            patches,
             curves,
             vertex_normals,
             sizes,
@@ -241,7 +241,7 @@ impl Domain {
 
     /// The number of patches.
     pub fn patch_count(&self) -> usize {
-        self.of_patch.rows()
+        self.patches.count()
     }
 
     /// How wide each patch is, by the number of its patch: twice its area for the length of its boundary, which is the

@@ -27,9 +27,9 @@ impl Domain {
         let patch = self.patch_of(near);
         let here = closest_point(p, self.mesh.corners(near as usize));
         let bound = p.distance_squared(here);
-        let faces = |t: u32| self.patch_of(t) == patch && self.mesh.area_vector(t as usize).dot(normal) > 0.0;
-        let own = self.of_patch.row(patch).iter().copied();
-        let hit = self.bvh.closest_among(&self.mesh, own, p, bound, faces);
+        let faces = |t: u32| self.mesh.area_vector(t as usize).dot(normal) > 0.0;
+        let hit =
+            self.patches.closest((&self.mesh, &self.bvh), (patch, |t| self.patch_of(t) == patch), p, bound, faces);
         let (t, point) = hit.map_or((near, here), |h| (h.triangle, h.point));
         self.sample(t, barycentric(point, self.mesh.corners(t as usize)))
     }

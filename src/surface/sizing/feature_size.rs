@@ -16,11 +16,11 @@
 //!
 //! Limits: strips narrower than `SHORTEST` of the length elsewhere keep triangles that are longer than they are wide.
 
-use crate::base::csr::Csr;
 use crate::base::parallel;
 use crate::geom::triangle::closest_point_of_segment;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
+use crate::spatial::groups::Groups;
 use crate::surface::domain::Domain;
 use crate::surface::sizing::room::{has_room, sizes_with_room};
 use glam::DVec3;
@@ -69,7 +69,7 @@ pub(super) struct Sides {
     bvh: Bvh,
     patch: Vec<u32>,
     /// The sides of each patch.
-    of_patch: Csr<u32>,
+    patches: Groups,
     along: Vec<Along>,
     /// The vertex that each side leaves.
     vertex: Vec<u32>,
@@ -101,8 +101,9 @@ impl Sides {
         }
         let triangles = (0..along.len() as u32).map(|i| [2 * i, 2 * i + 1, 2 * i + 1]).collect();
         let segments = Mesh { positions, triangles };
-        let of_patch = Csr::new(domain.patch_count(), || patch.iter().copied().zip(0u32..));
-        Sides { bvh: Bvh::new(&segments), segments, patch, of_patch, along, vertex, curves }
+        let bvh = Bvh::new(&segments);
+        let patches = Groups::new((&segments, &bvh), domain.patch_count(), |side| patch[side as usize]);
+        Sides { bvh, segments, patch, patches, along, vertex, curves }
     }
 
     pub fn count(&self) -> usize {
@@ -117,11 +118,10 @@ impl Sides {
     /// The distance from the start of side `i` to what faces it, as the far side of a rim or not; infinite beyond `reach`.
     pub fn distance_at(&self, domain: &Domain, i: usize, reach: f64, rim: bool) -> f64 {
         let [here, ..] = self.segments.corners(i);
-        let faces = |j: u32| {
-            self.patch[j as usize] == self.patch[i] && self.turned_back(domain, here, i, j as usize) == Some(rim)
-        };
-        let own = self.of_patch.row(self.patch[i]).iter().copied();
-        let hit = self.bvh.closest_among(&self.segments, own, here, reach * reach, faces);
+        let is_own = |j: u32| self.patch[j as usize] == self.patch[i];
+        let faces = |j: u32| self.turned_back(domain, here, i, j as usize) == Some(rim);
+        let all = (&self.segments, &self.bvh);
+        let hit = self.patches.closest(all, (self.patch[i], is_own), here, reach * reach, faces);
         hit.map_or(f64::INFINITY, |hit| hit.distance_squared.sqrt())
     }
 
