@@ -40,6 +40,11 @@ impl Field {
         Field { of_input, spacing }
     }
 
+    /// The shortest of its lengths where their mean is `spacing`.
+    pub(super) fn shortest(&self, spacing: f64) -> f64 {
+        spacing * self.of_input.iter().copied().fold(f64::INFINITY, f64::min) / self.spacing
+    }
+
     /// Gives `domain` the sizes of the field, and the scale that they have with that density.
     pub(super) fn grade(&self, domain: &mut Domain, density: Density, scale: Scale) -> Result<Scale> {
         let lengths = domain.values(&self.of_input);

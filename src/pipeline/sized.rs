@@ -75,11 +75,12 @@ impl SizedSurface {
         let mut of_whole = prepared.of_repaired;
         let mut pinholes = Pinholes::default();
         if within.is_none() {
-            let left = (of_whole.components > 1).then(|| without_flakes(&clean, scale.spacing)).flatten();
+            let shortest = prepared.field.as_ref().map_or(scale.spacing, |field| field.shortest(scale.spacing));
+            let left = (of_whole.components > 1).then(|| without_flakes(&clean, shortest)).flatten();
             let has_flakes = left.is_some();
             clean = left.unwrap_or(clean);
             if of_whole.boundary_loops > 0 {
-                pinholes = close_pinholes(&mut clean, scale.spacing);
+                pinholes = close_pinholes(&mut clean, shortest);
             }
             if has_flakes || pinholes.count > 0 {
                 of_whole = topology_of(&clean);

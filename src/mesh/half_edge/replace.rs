@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 impl Connectivity {
     /// Replaces the triangles with the increasing numbers in `old` by `triangles`, each with the curves of its sides, that have
     /// the same boundary. Vertices in `added`, each with its curve, get the next numbers; those that no triangle has any more are
-    /// removed. Returns `false`, and does nothing, if one of the new edges exists elsewhere already.
+    /// removed. Returns `false`, and does nothing, if one of the new edges exists elsewhere already, or twice among the new ones.
     pub fn replace(&mut self, old: &[u32], triangles: &[([u32; 3], [OnCurve; 3])], added: &[OnCurve]) -> bool {
         let inside = |h: u32| old.binary_search(&(h / 3)).is_ok();
         let old_sides: Vec<u32> = old.iter().flat_map(|&t| 3 * t..3 * t + 3).collect();
@@ -21,7 +21,8 @@ impl Connectivity {
                 |&([a, b, c], curves): &([u32; 3], [OnCurve; 3])| [[a, b], [b, c], [c, a]].into_iter().zip(curves);
             triangles.iter().flat_map(of_triangle)
         };
-        if edges().any(|(edge, _)| !known.contains(&edge) && self.has_edge(edge)) {
+        let mut new = BTreeSet::new();
+        if edges().any(|(edge, _)| !new.insert(edge) || !known.contains(&edge) && self.has_edge(edge)) {
             return false;
         }
         for &side in &old_sides {
@@ -127,5 +128,16 @@ mod tests {
         let mut mesh = Connectivity::new(4, &faces);
         assert!(!mesh.replace(&[0, 1], &[[1, 2, 3], [1, 3, 0]].map(on_no_curve), &[]));
         assert_eq!((audit(&mesh).euler, mesh.compact().0), (2, faces.to_vec()));
+        // A pocket of two triangles between two edges from a corner to the middle of a square.
+        let (n, triangles) = grid(4, false);
+        let mut mesh = Connectivity::new(n, &triangles);
+        let [a, b, c] = mesh.triangle(0);
+        let d = mesh.triangle(3).into_iter().find(|v| ![a, b, c].contains(v)).unwrap();
+        let [middle, inside] = [n as u32, n as u32 + 1];
+        let fan = [[a, b, middle], [b, c, middle], [c, d, middle], [d, a, middle]];
+        let pocket = [[middle, a, inside], [a, middle, inside]];
+        let both: Vec<_> = fan.into_iter().chain(pocket).map(on_no_curve).collect();
+        assert!(!mesh.replace(&[0, 1], &both, &[OnCurve::No; 2]));
+        assert_eq!((audit(&mesh).vertices, mesh.compact().0.len()), (n, triangles.len()));
     }
 }
