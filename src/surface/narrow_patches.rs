@@ -28,6 +28,10 @@ const LEAST: [f64; 5] = [0.02, 0.05, 0.08, 0.12, 0.18];
 /// lose volume.
 pub const SHARPEST: f64 = 135.0;
 
+/// Least length of the border with the neighbour that a patch is joined with, as a share of its longest one: joined across its end, a
+/// strip would stay as narrow between two curves.
+const LONG_SIDE: f64 = 0.5;
+
 /// The width of a wall that moves by a deviation, in deviations.
 const WIDTH_OF_WALL: f64 = 2.0 * std::f64::consts::SQRT_2;
 
@@ -167,6 +171,8 @@ impl Patch {
     /// rim of a plate if the surface would move by `of_plates` or more.
     fn gentlest(&self, own: u32, of_plates: f64) -> Option<Joint> {
         let others = self.beside.iter().filter(|(q, _)| **q != own && !self.needed);
+        let longest = others.clone().map(|(_, border)| border.length).fold(0.0, f64::max);
+        let others = others.filter(|(_, border)| border.length >= LONG_SIDE * longest);
         let turns = others.map(|(&q, border)| (q, border.mean(border.turned)));
         let (neighbour, turn) = turns.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))?;
         let width = 2.0 * self.area / self.rim;
@@ -238,9 +244,13 @@ impl Patches {
         let ranked = |p: u32, patch: &Patch| Some(Ranked::new(-patch.gentlest(p, of_plates)?.moved, p));
         let mut heap: BinaryHeap<Ranked> = self.list.iter().filter_map(|(&p, patch)| ranked(p, patch)).collect();
         while let Some(Ranked { rank, index: p, .. }) = heap.pop().filter(|top| -top.rank < most) {
-            // What was joined since has another rank.
             let gentlest = self.list.get(&p).and_then(|patch| patch.gentlest(p, of_plates));
-            let Some(joint) = gentlest.filter(|joint| joint.moved == -rank) else { continue };
+            let Some(joint) = gentlest else { continue };
+            if joint.moved != -rank {
+                // A neighbour was joined with another one since, or the patch itself.
+                heap.push(Ranked::new(-joint.moved, p));
+                continue;
+            }
             left_out.patches += 1;
             left_out.deviation = left_out.deviation.max(joint.moved_at_most);
             let joined = self.join(p, joint.neighbour);
@@ -315,6 +325,48 @@ mod tests {
         assert_eq!((edges, left_out.patches), (1, 1));
         assert!((0.005..0.05).contains(&left_out.deviation));
         assert_eq!(kept(&[5.0, 2.0, 5.0], 1000.0), (2, LeftOut::default()));
+    }
+
+    /// A box of these half lengths, whose edges are cut off at this distance, and its corners with them.
+    fn bevelled_box(half: DVec3, cut: f64) -> Mesh {
+        let corner = |c: usize| DVec3::from_array([0, 1, 2].map(|axis| if c >> axis & 1 == 0 { -1.0 } else { 1.0 }));
+        let at = |c: usize, axis: usize| corner(c) * (half - cut * (DVec3::ONE - DVec3::AXES[axis]));
+        let positions: Vec<DVec3> = (0..24).map(|v| at(v / 3, v % 3)).collect();
+        let vertex = |c: usize, axis: usize| (3 * c + axis) as u32;
+        let mut triangles: Vec<[u32; 3]> = (0..8).map(|c| [0, 1, 2].map(|axis| vertex(c, axis))).collect();
+        for axis in 0..3 {
+            let (u, v) = (1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
+            for c in (0..8).filter(|c| c & (u | v) == 0) {
+                let [c, d, e, f] = [c, c + u, c + u + v, c + v].map(|c| vertex(c, axis));
+                triangles.extend([[c, d, e], [c, e, f]]);
+            }
+            let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
+            for from in (0..8).filter(|from| from >> axis & 1 == 0) {
+                let to = from + (1 << axis);
+                let [p, q, r, s] = [vertex(from, b), vertex(to, b), vertex(to, c), vertex(from, c)];
+                triangles.extend([[p, q, r], [p, r, s]]);
+            }
+        }
+        for t in &mut triangles {
+            let [p, q, r] = t.map(|v| positions[v as usize]);
+            if (q - p).cross(r - p).dot(p + q + r) < 0.0 {
+                t.swap(1, 2);
+            }
+        }
+        Mesh { positions, triangles }
+    }
+
+    #[test]
+    fn of_narrow_bevels_around_a_box_one_edge_each_stays() {
+        let mesh = bevelled_box(dvec3(40.0, 10.0, 2.0), 0.1);
+        let twin = twins(&mesh.triangles);
+        let (sharp, _) = leave_out_narrow(&mesh, &twin, &found(&mesh, &twin), 1.0, |_| false, |_, _| Room::OnCurves);
+        let kept = (0..twin.len() as u32).filter(|&s| sharp[s as usize] && s < twin[s as usize]);
+        let is_long = |s: &u32| {
+            let [a, b] = mesh.segment(*s);
+            a.distance(b) > 1.0
+        };
+        assert_eq!(kept.filter(is_long).count(), 12);
     }
 
     #[test]
