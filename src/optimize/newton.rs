@@ -60,6 +60,11 @@ fn axes(mesh: &Manifold, locked: &VertexSet, v: u32) -> [DVec3; 2] {
     }
 }
 
+/// Whether vertex `v` can move along any of its axes.
+fn moves(axes: &[[DVec3; 2]], v: u32) -> bool {
+    axes[v as usize] != [DVec3::ZERO; 2]
+}
+
 /// The contribution of a triangle at one of its corners, in the axes of the vertices.
 #[derive(Clone, Copy, Default)]
 struct AtCorner {
@@ -89,12 +94,12 @@ struct Rows {
 }
 
 impl Rows {
-    /// The rows of these vertices.
-    fn new(c: &Connectivity, between: &[Between], vertices: Range<u32>) -> Rows {
+    /// The rows of these vertices; those of vertices that cannot move are empty.
+    fn new(c: &Connectivity, axes: &[[DVec3; 2]], between: &[Between], vertices: Range<u32>) -> Rows {
         let mut rows =
             Rows { end: Vec::with_capacity(vertices.len()), entries: Vec::with_capacity(7 * vertices.len()) };
         for v in vertices {
-            if c.has_vertex(v) {
+            if c.has_vertex(v) && moves(axes, v) {
                 rows.entries.extend(entries_of(c, v, between));
             }
             rows.end.push(rows.entries.len() as u32);
@@ -124,8 +129,9 @@ impl Equations {
         let chunks = at_corners.chunks_mut(CHUNK).zip(between.chunks_mut(CHUNK)).zip((0..).step_by(CHUNK));
         parallel::each(chunks, |((at_corners, between), first)| {
             for ((at_corners, between), t) in at_corners.iter_mut().zip(between).zip(first..) {
-                if c.has_half_edge(3 * t) {
-                    (*at_corners, *between) = shares(c.triangle(3 * t), axes, strain_of(c.triangle(3 * t)));
+                let corners = c.has_half_edge(3 * t).then(|| c.triangle(3 * t));
+                if let Some(corners) = corners.filter(|corners| corners.iter().any(|&v| moves(axes, v))) {
+                    (*at_corners, *between) = shares(corners, axes, strain_of(corners));
                 }
             }
         });
@@ -141,7 +147,7 @@ impl Equations {
         let (diagonal, force) = parallel::map(0..c.vertex_bound(), at_vertex).into_iter().unzip();
         // The rows take as much memory again.
         drop(at_corners);
-        let chunks = parallel::blocks(0..c.vertex_bound(), CHUNK, |vertices| Rows::new(c, &between, vertices));
+        let chunks = parallel::blocks(0..c.vertex_bound(), CHUNK, |vertices| Rows::new(c, axes, &between, vertices));
         Equations { diagonal, chunks, force }
     }
 
