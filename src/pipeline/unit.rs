@@ -13,6 +13,10 @@ pub(super) struct Unit {
     pub size: f64,
 }
 
+/// Steps of the size that the coordinates of results are rounded to, a power of two: what is computed is off by some hundredth of one,
+/// single precision by thousands of them.
+const STEPS: f64 = (1u64 << 44) as f64;
+
 impl Unit {
     pub(super) fn of(mesh: &Mesh) -> Unit {
         Unit::within(mesh.bounds().unwrap_or_default())
@@ -52,12 +56,51 @@ impl Unit {
         (p - self.centre) / self.size
     }
 
+    /// The mesh of a result. Its coordinates are rounded, so that vertices in a plane across an axis are in it to the last bit: programs
+    /// that look for faces that intersect take those that are almost in one plane for such.
     pub(super) fn outwards(&self, mut mesh: Mesh) -> Mesh {
-        mesh.positions.iter_mut().for_each(|p| *p = self.outwards_point(*p));
+        mesh.positions.iter_mut().for_each(|p| *p = self.outwards_point(*p).map(|x| self.rounded(x)));
         mesh
+    }
+
+    fn rounded(&self, x: f64) -> f64 {
+        let step = self.size / STEPS;
+        let rounded = (x / step).round() * step;
+        if rounded.is_finite() { rounded } else { x }
     }
 
     pub(super) fn outwards_point(&self, p: DVec3) -> DVec3 {
         p * self.size + self.centre
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::dvec3;
+
+    #[test]
+    fn what_is_in_a_plane_across_an_axis_stays_in_it_to_the_last_bit() {
+        for scale in [1e-9, 1.0, 1e9] {
+            let unit = Unit::within(Aabb { lo: scale * DVec3::NEG_ONE, hi: scale * dvec3(5.3, 1.7, 9.1) });
+            let in_plane = |i: i32| unit.inwards_point(scale * dvec3(4.8279, 0.01 * f64::from(i), -0.3));
+            // Each between two others, as vertices are between corners of the input.
+            let positions = (0..100).map(|i| in_plane(i).lerp(in_plane(3 * i), 0.01 * f64::from(i))).collect();
+            let made = unit.outwards(Mesh { positions, triangles: vec![] }).positions;
+            assert!(made.iter().all(|p| (p.x, p.z) == (made[0].x, made[0].z)));
+            assert!((made[0].x - scale * 4.8279).abs() <= 1e-12 * scale);
+        }
+    }
+
+    #[test]
+    fn coordinates_in_single_precision_keep_their_bits_and_those_far_from_the_origin_do() {
+        let points: Vec<DVec3> = (0..100).map(|i| DVec3::splat(f64::from(0.1 * i as f32))).collect();
+        let unit = Unit::of_points(&points);
+        let made = unit.outwards(unit.inwards(&Mesh { positions: points.clone(), triangles: vec![] }));
+        assert_eq!(made.positions, points);
+        let unit = Unit { centre: DVec3::ZERO, size: 1.0 };
+        assert!([5.4e6 + 1.0 / 1024.0, 1e300, 0.0].into_iter().all(|x| unit.rounded(x) == x));
+        let unit = Unit { centre: DVec3::ZERO, size: f64::MIN_POSITIVE };
+        assert_eq!(unit.rounded(3.0 * f64::MIN_POSITIVE), 3.0 * f64::MIN_POSITIVE);
     }
 }
