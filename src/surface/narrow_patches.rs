@@ -3,13 +3,16 @@
 //! The width of a patch is twice its area for the length of its rim, which is the width of a long strip. Without a curve
 //! that bounds a strip of width w, and across which the surface turns by θ, it moves by about w sin(θ/2) / 2, and where a
 //! triangle goes straight from the strip's other rim to a vertex far beyond the curve, by w sin θ. The patch where that is
-//! least is joined with the neighbour that it turns least towards, along all the edges between both, as long as it is less
-//! than a share of the spacing. A chamfer's two curves become one, and what stays is whole. Where the vertices do not suffice
-//! for the curves that are left, or for the short edges between them, that share grows. Then the rims of plates stay, which
-//! would become blades: a box would lose a part of its volume. Only where the vertices do not suffice for the curves alone,
-//! plates become blades, too, the thinnest first: without any curve, the two sides of a plate would be smoothed into each other.
+//! least is joined with the neighbour along a long side of it that it turns least towards, along all the edges between both,
+//! as long as it is less than a share of the spacing. A chamfer's two curves become one, and what stays is whole. Where the
+//! vertices do not suffice for the curves that are left, or for the short edges between them, that share grows. Then the rims
+//! of plates stay, which would become blades: a box would lose a part of its volume. Only where the vertices do not suffice
+//! for the curves alone, plates become blades, too, the thinnest first: without any curve, the two sides of a plate would be
+//! smoothed into each other.
 //!
 //! Cost: n log n in the patches, linear in the sides; a few times over where the share grows.
+//!
+//! Limits: where one neighbour takes up a part of a long side only, the strip stays narrow beside the others.
 
 use crate::base::heap::Ranked;
 use crate::base::math;
