@@ -5,6 +5,7 @@
 //! reader, as if they were the whole file.
 
 use crate::base::error::Result;
+use crate::base::parallel;
 use crate::io::format::Format;
 use crate::io::opened::Opened;
 use crate::io::read::{Loaded, checked};
@@ -59,11 +60,14 @@ impl PointFile {
         let Table { start, row, points, rows, packed } = &self.table;
         let mut first = 0;
         let mut take_finite = |bytes: &[u8]| {
-            let is_nowhere = |row: &[u8]| !rows.look(row).position.is_finite();
-            if let Some((i, row)) = bytes.chunks_exact(*row).enumerate().find(|(_, row)| is_nowhere(row)) {
-                return Err(self.file.locate(rows.nowhere(first + i, row)));
+            let count = bytes.len() / row;
+            let of_point = |i: usize| &bytes[row * i..row * (i + 1)];
+            let is_somewhere = |i: usize| rows.look(of_point(i)).position.is_finite();
+            if !parallel::all(count, is_somewhere) {
+                let i = (0..count).find(|&i| !is_somewhere(i)).expect("one of them is nowhere");
+                return Err(self.file.locate(rows.nowhere(first + i, of_point(i))));
             }
-            first += bytes.len() / row;
+            first += count;
             take(bytes)
         };
         let full = (BLOCK / row).max(1) * row;

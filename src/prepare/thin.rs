@@ -16,6 +16,7 @@ use crate::base::parallel;
 use crate::geom::aabb::Aabb;
 use glam::DVec3;
 use rayon::slice::ParallelSliceMut;
+use std::ops::Range;
 
 /// This many times more points than wanted are kept while points come in.
 const ROOM: usize = 4;
@@ -111,20 +112,23 @@ impl<L: Fn(&[u8]) -> Seen + Sync> Thinner<L> {
 
     /// Takes the next points, whose rows follow each other. There may be fewer than 2^32.
     pub fn push(&mut self, rows: &[u8]) {
-        for batch in rows.chunks(BATCH * self.kept.width) {
+        let width = self.kept.width;
+        let look = |i: usize| (self.look)(&rows[width * i..width * (i + 1)]);
+        let all_seen = parallel::map(0..rows.len() / width, look);
+        for (rows, all_seen) in rows.chunks(BATCH * width).zip(all_seen.chunks(BATCH)) {
             if let Some(lattice) = &self.lattice {
-                lattice.warm(&self.kept, batch, &self.look);
+                lattice.warm(&self.kept, all_seen);
             }
-            batch.chunks_exact(self.kept.width).for_each(|row| self.push_one(row));
+            rows.chunks_exact(width).zip(all_seen).for_each(|(row, &seen)| self.push_one(row, seen));
         }
     }
 
-    fn push_one(&mut self, row: &[u8]) {
+    fn push_one(&mut self, row: &[u8], seen: Seen) {
         let number = self.seen as u32;
         self.seen += 1;
         match &mut self.lattice {
             None => self.kept.put(self.kept.numbers.len(), row, number),
-            Some(lattice) => lattice.offer(&mut self.kept, row, number, &self.look),
+            Some(lattice) => lattice.offer(&mut self.kept, row, seen, number, &self.look),
         }
         if self.kept.numbers.len() > ROOM * self.wanted {
             let width = self.wider();
@@ -216,12 +220,15 @@ impl<L: Fn(&[u8]) -> Seen + Sync> Thinner<L> {
         // The slots of the lattice before go first.
         self.lattice = None;
         let mut lattice = Lattice::new(width, room);
-        let mut row = vec![0; self.kept.width];
-        for i in 0..self.kept.numbers.len() {
-            // What is kept is written at or before the row that is read.
-            row.copy_from_slice(self.kept.row(i));
-            let number = self.kept.numbers[i];
-            lattice.offer(&mut self.kept, &row, number, &self.look);
+        let all = self.kept.numbers.len();
+        for first in (0..all).step_by(BATCH) {
+            // What is kept is written at or before the rows that are read.
+            let batch = self.kept.part(first..all.min(first + BATCH));
+            let all_seen: Vec<Seen> = batch.iter().map(|(row, _)| (self.look)(row)).collect();
+            lattice.warm(&self.kept, &all_seen);
+            for ((row, number), seen) in batch.iter().zip(all_seen) {
+                lattice.offer(&mut self.kept, row, seen, number, &self.look);
+            }
         }
         self.kept.truncate(lattice.count);
         self.lattice = Some(lattice);
@@ -235,11 +242,11 @@ impl Lattice {
         Lattice { width, count: 0, slots: vec![slot; (room + room / 2 + 2).next_power_of_two()] }
     }
 
-    /// Prefetches what `rows` will be compared with, all at once instead of one after the other.
-    fn warm(&self, kept: &Rows, rows: &[u8], look: &impl Fn(&[u8]) -> Seen) {
+    /// Prefetches what points will be compared with, all at once instead of one after the other.
+    fn warm(&self, kept: &Rows, all_seen: &[Seen]) {
         let mut points = [0; BATCH];
-        for (point, row) in points.iter_mut().zip(rows.chunks_exact(kept.width)) {
-            let hash = hash(cell_of(look(row).position, self.width));
+        for (point, seen) in points.iter_mut().zip(all_seen) {
+            let hash = hash(cell_of(seen.position, self.width));
             *point = self.slots[hash as usize & (self.slots.len() - 1)].point;
         }
         let bytes = points.iter().map(|&p| u32::from(*kept.bytes.get(kept.width * p as usize).unwrap_or(&0)));
@@ -247,9 +254,8 @@ impl Lattice {
     }
 
     /// Keeps a point if it is the first of its cell or nearer to the centre than the one there.
-    fn offer(&mut self, kept: &mut Rows, row: &[u8], number: u32, look: &impl Fn(&[u8]) -> Seen) {
-        let place = look(row);
-        let cell = cell_of(place.position, self.width);
+    fn offer(&mut self, kept: &mut Rows, row: &[u8], seen: Seen, number: u32, look: &impl Fn(&[u8]) -> Seen) {
+        let cell = cell_of(seen.position, self.width);
         let hash = hash(cell);
         let (mask, tag) = (self.slots.len() - 1, (hash >> 32) as u32);
         let mut at = hash as usize & mask;
@@ -263,9 +269,9 @@ impl Lattice {
             }
             if slot.tag == tag {
                 let there = look(kept.row(slot.point as usize));
-                if cell_of(there.position, self.width) == cell && there.normal.dot(place.normal) >= 0.0 {
+                if cell_of(there.position, self.width) == cell && there.normal.dot(seen.normal) >= 0.0 {
                     let off_centre = |p: DVec3| p.distance_squared(self.width * (cell + 0.5));
-                    if off_centre(place.position) < off_centre(there.position) {
+                    if off_centre(seen.position) < off_centre(there.position) {
                         kept.put(slot.point as usize, row, number);
                     }
                     return;
@@ -279,6 +285,17 @@ impl Lattice {
 impl Rows {
     fn row(&self, i: usize) -> &[u8] {
         &self.bytes[self.width * i..self.width * (i + 1)]
+    }
+
+    /// A copy of these.
+    fn part(&self, rows: Range<usize>) -> Rows {
+        let bytes = &self.bytes[self.width * rows.start..self.width * rows.end];
+        Rows { width: self.width, bytes: bytes.to_vec(), numbers: self.numbers[rows].to_vec() }
+    }
+
+    /// Each row and its number.
+    fn iter(&self) -> impl Iterator<Item = (&[u8], u32)> {
+        self.bytes.chunks_exact(self.width).zip(self.numbers.iter().copied())
     }
 
     /// A row in place of the one at `i`, or behind the last.

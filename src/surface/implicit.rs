@@ -34,7 +34,7 @@ const SIGMA_R: f64 = 0.5;
 /// Width of wₙ: a sharp edge stays one, and noise of the normals does not (the source, section 5).
 const SIGMA_N: f64 = 0.8;
 
-/// Rounds of weighting at one place, and steps of a projection: more do not change the third digit.
+/// Rounds of weighting at one place, and steps of a projection, at most: more do not change the third digit.
 const ROUNDS: usize = 3;
 const STEPS: usize = 6;
 
@@ -47,11 +47,20 @@ const SLACK: f64 = 1.1;
 /// Shares of a step that are tried where all of it would lead past a border.
 const SHORTER: [f64; 3] = [1.0, 0.5, 0.25];
 
-/// A projection has arrived when it moves by less than this share of the reach.
-const ARRIVED: f64 = 1e-4;
+/// How exact the surface is to be.
+#[derive(Debug, Clone, Copy)]
+struct Accuracy {
+    /// A value or a projection has arrived when a round changes it by less than this share of the reach of the nearest point.
+    arrived: f64,
+    /// Points farther away than so many reaches of the nearest one do not count.
+    farthest: f64,
+}
 
-/// The same for a sample on its way.
-const PASSING: f64 = 1e-2;
+/// For what stays.
+const EXACT: Accuracy = Accuracy { arrived: 1e-4, farthest: 2.0 };
+
+/// For a sample on its way, which comes down again with the next step: half of the time.
+const PASSING: Accuracy = Accuracy { arrived: 1e-2, farthest: 1.0 };
 
 /// The implicit surface of points with normals.
 pub struct Rimls<'a> {
@@ -126,8 +135,12 @@ impl<'a> Rimls<'a> {
 
     /// f and its gradient at `x`; `None` where no point reaches. `found` is working space.
     pub fn value(&self, x: DVec3, found: &mut Found) -> Option<Value> {
-        self.collect(x, found);
-        self.value_of(x, &found.list, found.list.first()?.point)
+        self.value_until(EXACT, x, found)
+    }
+
+    fn value_until(&self, accuracy: Accuracy, x: DVec3, found: &mut Found) -> Option<Value> {
+        self.collect(accuracy, x, found);
+        self.value_of(accuracy, x, &found.list, found.list.first()?.point)
     }
 
     /// What values within `radius` of `centre` take.
@@ -156,36 +169,36 @@ impl<'a> Rimls<'a> {
         found.clear();
         found.extend(points.iter().map(neighbor));
         let nearest = *found.iter().min_by(|a, b| a.distance_squared.total_cmp(&b.distance_squared))?;
-        let radius = self.radius(nearest.point);
+        let radius = self.radius(EXACT, nearest.point);
         let counts = |n: &Neighbor| n.distance_squared < math::square(radius.min(self.reaches[n.point as usize]));
         found.retain(counts);
-        Some((self.value_of(x, found, nearest.point)?, nearest))
+        Some((self.value_of(EXACT, x, found, nearest.point)?, nearest))
     }
 
-    /// How far from a place points may be that reach it, if `nearest` is the one nearest to it: those around that one
+    /// How far from a place points may be that count there, if `nearest` is the one nearest to it: those around that one
     /// reach about as far as it does.
-    fn radius(&self, nearest: u32) -> f64 {
-        (2.0 * self.reaches[nearest as usize]).min(self.longest)
+    fn radius(&self, accuracy: Accuracy, nearest: u32) -> f64 {
+        (accuracy.farthest * self.reaches[nearest as usize]).min(self.longest)
     }
 
     /// The point of the surface near `x`, and the unit normal there; `None` if there is none within reach. `found` is
     /// working space.
     pub fn project(&self, x: DVec3, found: &mut Found) -> Option<(DVec3, DVec3)> {
-        self.project_until(ARRIVED, x, found)
+        self.project_until(EXACT, x, found)
     }
 
     /// [`Self::project`] until a step is shorter than this share of the reach.
-    fn project_until(&self, arrived: f64, x: DVec3, found: &mut Found) -> Option<(DVec3, DVec3)> {
+    fn project_until(&self, accuracy: Accuracy, x: DVec3, found: &mut Found) -> Option<(DVec3, DVec3)> {
         let mut at = x;
         let mut normal = DVec3::ZERO;
         for _ in 0..STEPS {
-            let value = self.value(at, found)?;
+            let value = self.value_until(accuracy, at, found)?;
             let Value { f, gradient, .. } = value;
             let step = f * gradient / gradient.length_squared().max(f64::MIN_POSITIVE);
             let reach = found.list.first().map_or(0.0, |n| self.reaches[n.point as usize]);
             at -= step.clamp_length_max(reach);
             normal = value.normal;
-            if step.length() < arrived * reach {
+            if step.length() < accuracy.arrived * reach {
                 break;
             }
         }
@@ -195,13 +208,12 @@ impl<'a> Rimls<'a> {
     /// The sample of the surface near `x`, whose triangle is the number of the nearest point; `None` where the cloud has
     /// ended.
     pub fn sample(&self, x: DVec3) -> Option<Sample> {
-        self.sample_until(ARRIVED, x)
+        self.sample_until(EXACT, x, &mut Found::default())
     }
 
-    fn sample_until(&self, arrived: f64, x: DVec3) -> Option<Sample> {
-        let mut found = Found::default();
-        let (position, normal) = self.project_until(arrived, x, &mut found)?;
-        let (nearest, _) = self.nearest(position, &mut found)?;
+    fn sample_until(&self, accuracy: Accuracy, x: DVec3, found: &mut Found) -> Option<Sample> {
+        let (position, normal) = self.project_until(accuracy, x, found)?;
+        let (nearest, _) = self.nearest(position, found)?;
         let farthest = BORDER * self.spacing(nearest.point);
         let sample = Sample { position, normal, triangle: nearest.point, size: 1.0 };
         (nearest.distance_squared <= farthest * farthest).then_some(sample)
@@ -240,16 +252,15 @@ impl<'a> Rimls<'a> {
     }
 
     /// The points that reach `x`, and the nearest one first.
-    fn collect(&self, x: DVec3, found: &mut Found) {
+    fn collect(&self, accuracy: Accuracy, x: DVec3, found: &mut Found) {
         found.list.clear();
         let Some(nearest) = self.nearest_point(x, found) else { return };
-        let radius = self.radius(nearest.point);
+        let radius = self.radius(accuracy, nearest.point);
         if nearest.distance_squared > radius * radius {
             return;
         }
         if found.around.distance(x) + radius > found.radius {
-            (found.around, found.radius) = (x, SLACK * radius);
-            self.near.collect_within(x, found.radius, &mut found.all);
+            self.look_around(x, SLACK * radius, found);
         }
         let counts = |n: &Neighbor| {
             let reach = self.reaches[n.point as usize].min(radius);
@@ -258,6 +269,12 @@ impl<'a> Rimls<'a> {
         found.list.extend(found.all.iter().map(|n| self.seen_from(x, n.point)).filter(counts));
         let list = &mut found.list;
         list.sort_unstable_by(|a, b| a.distance_squared.total_cmp(&b.distance_squared).then(a.point.cmp(&b.point)));
+    }
+
+    /// Finds all points within `radius` of `x`.
+    fn look_around(&self, x: DVec3, radius: f64, found: &mut Found) {
+        (found.around, found.radius) = (x, radius);
+        self.near.collect_within(x, radius, &mut found.all);
     }
 
     /// The point nearest to `x`: among those that were found before if it is for certain.
@@ -278,7 +295,7 @@ impl<'a> Rimls<'a> {
 
     /// In the first round those that face away from the nearest point do not count: they are of the other side of a thin
     /// wall, whose planes would cancel those of this one.
-    fn value_of(&self, x: DVec3, found: &[Neighbor], nearest: u32) -> Option<Value> {
+    fn value_of(&self, accuracy: Accuracy, x: DVec3, found: &[Neighbor], nearest: u32) -> Option<Value> {
         let facing = self.normals[nearest as usize];
         let mut last: Option<Value> = None;
         for _ in 0..=ROUNDS {
@@ -301,7 +318,14 @@ impl<'a> Rimls<'a> {
                 let slope = -8.0 * cube / (reach * reach) * offset;
                 sums.add(robust * share * cube, robust * slope, residual, normal);
             }
-            last = Some(sums.value()?);
+            let value = sums.value()?;
+            let is_settled = |last: Value| {
+                (value.f - last.f).abs() < accuracy.arrived * self.reaches[nearest as usize]
+                    && value.gradient.distance_squared(last.gradient) < accuracy.arrived
+            };
+            if last.replace(value).is_some_and(is_settled) {
+                break;
+            }
         }
         last
     }
@@ -312,7 +336,11 @@ impl Surface for Rimls<'_> {
     /// steps end.
     fn follow(&self, from: &Sample, way: DVec3) -> Sample {
         let way = way.reject_from_normalized(from.normal);
-        SHORTER.iter().find_map(|share| self.sample_until(PASSING, from.position + share * way)).unwrap_or(*from)
+        let mut found = Found::default();
+        // The point that was nearest before is near still, so nothing needs to be looked for twice.
+        self.look_around(from.position + way, SLACK * self.radius(PASSING, from.triangle), &mut found);
+        let place = |share: &f64| self.sample_until(PASSING, from.position + share * way, &mut found);
+        SHORTER.iter().find_map(place).unwrap_or(*from)
     }
 }
 
@@ -404,6 +432,22 @@ mod tests {
         assert_relative_eq!(f, 0.7, epsilon = 1e-12);
         assert!(gradient.distance(DVec3::Z) < 1e-9);
         assert_eq!(surface.value(DVec3::new(9.3, 8.6, 6.0), &mut Found::default()), None);
+    }
+
+    #[test]
+    fn a_step_comes_down_near_the_surface_and_not_beyond_its_border() {
+        let (positions, normals) = sphere(4000, 0.0, &mut stream(1, Stage::Scan));
+        let (positions, normals): (Vec<_>, Vec<_>) = positions.into_iter().zip(normals).filter(|p| p.0.x > 0.0).unzip();
+        let near = Neighbors::new(&positions);
+        let surface = Rimls::new(&positions, &normals, &near, &vec![0.06; positions.len()], 2.3);
+        let from = surface.sample(DVec3::new(0.6, 0.8, 0.0)).unwrap();
+        let inwards = surface.follow(&from, 0.1 * DVec3::new(0.8, -0.6, 0.0));
+        assert!(
+            (inwards.position.length() - 1.0).abs() < 2e-3 && (inwards.position.x - 0.68).abs() < 0.01,
+            "{inwards:?}"
+        );
+        let over_border = surface.follow(&from, DVec3::new(-0.8, 0.6, 0.0));
+        assert!(over_border.position.x > -0.06, "{over_border:?}");
     }
 
     #[test]
