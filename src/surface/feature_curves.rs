@@ -15,7 +15,7 @@ use crate::spatial::groups::Groups;
 use glam::DVec3;
 
 /// Cosine of the turn between two chords from which on the point between them is a corner: 44 degrees.
-const CORNER_TURN: f64 = 0.72;
+pub(super) const CORNER_TURN: f64 = 0.72;
 
 /// Longest chord in lengths of the whole curve: a circle turns by 36 degrees along two such chords.
 const LONGEST_CHORD: f64 = 0.1;

@@ -4,11 +4,12 @@
 //! that bounds a strip of width w, and across which the surface turns by θ, it moves by about w sin(θ/2) / 2, and where a
 //! triangle goes straight from the strip's other rim to a vertex far beyond the curve, by w sin θ. The patch where that is
 //! least is joined with the neighbour along a long side of it that it turns least towards, along all the edges between both,
-//! as long as it is less than a share of the spacing. A chamfer's two curves become one, and what stays is whole. Where the
-//! vertices do not suffice for the curves that are left, or for the short edges between them, that share grows. Then the rims
-//! of plates stay, which would become blades: a box would lose a part of its volume. Only where the vertices do not suffice
-//! for the curves alone, plates become blades, too, the thinnest first: without any curve, the two sides of a plate would be
-//! smoothed into each other.
+//! as long as it is less than a share of the spacing. A chamfer's two curves become one, and what stays is whole. Strips that
+//! stay and meet at an end of both lose the edges between them, too, where their long sides have no corners, and keep these: the
+//! facets of a rim. Where the vertices do not suffice for the curves that are left, or for the short edges between them, that
+//! share grows. Then the rims of plates stay, which would become blades: a box would lose a part of its volume. Only where the
+//! vertices do not suffice for the curves alone, plates become blades, too, the thinnest first: without any curve, the two sides
+//! of a plate would be smoothed into each other.
 //!
 //! Cost: n log n in the patches, linear in the sides; a few times over where the share grows.
 //!
@@ -17,10 +18,12 @@
 use crate::base::heap::Ranked;
 use crate::base::math;
 use crate::base::union_find::UnionFind;
+use crate::mesh::sides::lower_first;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
+use crate::surface::feature_curves::CORNER_TURN;
 use crate::surface::turns::turns;
-use std::collections::{BTreeMap, BinaryHeap};
+use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
 /// Deviations below which patches are joined with a neighbour, in spacings: the least is that of a chamfer whose width is a
 /// tenth, or of a wall whose width is an eighteenth. The first of these that leaves edges for which the vertices suffice is
@@ -52,7 +55,7 @@ pub enum Room {
 /// What was left out.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct LeftOut {
-    /// Patches that were joined with a neighbour.
+    /// Patches that were joined with a neighbour, and ends of strips.
     pub patches: usize,
     /// How far the surface moves by that at most, in the units of the mesh.
     pub deviation: f64,
@@ -92,9 +95,14 @@ pub fn leave_out_narrow(
     let mut left = (sharp.to_vec(), LeftOut::default());
     let mut leave_out = |before: &Patches, share: f64, of_plates: f64| {
         let mut patches = before.clone();
-        let left_out = patches.join_below(share * spacing, of_plates * spacing);
-        let mut stays = |s: usize| sharp[s] && (!parts[s] || patches.differ(s as u32, twin));
-        left = ((0..sharp.len()).map(&mut stays).collect(), left_out);
+        let joined = patches.join_below(share * spacing, of_plates * spacing);
+        let (ends, left_out) = patches.ends_below(share * spacing);
+        let mut is_left_out = |s: usize| {
+            let pair = patches.pair(s as u32, twin);
+            pair[0] == pair[1] || ends.contains(&pair)
+        };
+        let stays = |s: usize| sharp[s] && !(parts[s] && is_left_out(s));
+        left = ((0..sharp.len()).map(stays).collect(), joined.and(left_out));
         room(&left.0, WIDTH_OF_WALL * share)
     };
     let [least, .., most] = LEAST;
@@ -174,15 +182,25 @@ impl Patch {
     /// rim of a plate if the surface would move by `of_plates` or more.
     fn gentlest(&self, own: u32, of_plates: f64) -> Option<Joint> {
         let others = self.beside.iter().filter(|(q, _)| **q != own && !self.needed);
-        let longest = others.clone().map(|(_, border)| border.length).fold(0.0, f64::max);
+        let longest = self.longest(own);
         let others = others.filter(|(_, border)| border.length >= LONG_SIDE * longest);
         let turns = others.map(|(&q, border)| (q, border.mean(border.turned)));
         let (neighbour, turn) = turns.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))?;
+        let (moved, moved_at_most) = self.moved_without(turn);
+        let joint = Joint { neighbour, moved, moved_at_most };
+        (moved < of_plates || self.turn_without(own, neighbour) <= SHARPEST).then_some(joint)
+    }
+
+    /// The length of the longest border with a neighbour; `own` is the patch itself.
+    fn longest(&self, own: u32) -> f64 {
+        self.beside.iter().filter(|(q, _)| **q != own).map(|(_, border)| border.length).fold(0.0, f64::max)
+    }
+
+    /// By how much the surface moves, about and at most, without edges of the patch where it turns by that many degrees.
+    fn moved_without(&self, turn: f64) -> (f64, f64) {
         let width = 2.0 * self.area / self.rim;
         let sine = |degrees: f64| math::sin_cos(degrees.to_radians()).0;
-        let moved = 0.5 * width * sine(0.5 * turn);
-        let joint = Joint { neighbour, moved, moved_at_most: width * sine(turn.min(90.0)) };
-        (moved < of_plates || self.turn_without(own, neighbour) <= SHARPEST).then_some(joint)
+        (0.5 * width * sine(0.5 * turn), width * sine(turn.min(90.0)))
     }
 
     /// By how much the surface turns at the other edges of the patch, itself being `own`, without those to `neighbour`.
@@ -235,6 +253,11 @@ impl Patches {
         }
     }
 
+    /// The patches on both sides of an edge, the lower name first.
+    fn pair(&mut self, side: u32, twin: &[u32]) -> [u32; 2] {
+        lower_first([side, twin[side as usize]].map(|side| self.of_triangle.find(side / 3)))
+    }
+
     /// Whether the triangles on both sides of an edge are of different patches.
     fn differ(&mut self, side: u32, twin: &[u32]) -> bool {
         self.of_triangle.find(side / 3) != self.of_triangle.find(twin[side as usize] / 3)
@@ -260,6 +283,28 @@ impl Patches {
             heap.extend(ranked(joined, &self.list[&joined]));
         }
         left_out
+    }
+
+    /// The pairs of strips that meet at an end of both, where the surface moves by less than `most` without the edges between
+    /// them, and what leaving these out does.
+    fn ends_below(&self, most: f64) -> (BTreeSet<[u32; 2]>, LeftOut) {
+        let mut left_out = LeftOut::default();
+        let mut ends = BTreeSet::new();
+        for (&p, patch) in &self.list {
+            for (&q, border) in patch.beside.range(p + 1..) {
+                let both = [(p, patch), (q, &self.list[&q])];
+                let moved = both.map(|(_, patch)| patch.moved_without(border.mean(border.turned)));
+                let is_end =
+                    |(own, patch): (u32, &Patch)| !patch.needed && border.length < LONG_SIDE * patch.longest(own);
+                let has_corners = math::sin_cos(border.mean(border.turned).to_radians()).1 < CORNER_TURN;
+                if !has_corners && both.into_iter().all(is_end) && moved.iter().all(|moved| moved.0 < most) {
+                    ends.insert([p, q]);
+                    left_out.deviation = moved.iter().fold(left_out.deviation, |most, moved| most.max(moved.1));
+                }
+            }
+        }
+        left_out.patches = ends.len();
+        (ends, left_out)
     }
 
     /// Makes one patch of two; its name.
@@ -370,6 +415,42 @@ mod tests {
             a.distance(b) > 1.0
         };
         assert_eq!(kept.filter(is_long).count(), 12);
+    }
+
+    /// A prism of so many sides and this radius and height.
+    fn prism(sides: usize, radius: f64, height: f64) -> Mesh {
+        let at = |i: usize, z: f64| {
+            let (sin, cos) = (std::f64::consts::TAU * i as f64 / sides as f64).sin_cos();
+            dvec3(radius * cos, radius * sin, z)
+        };
+        let positions = (0..sides).flat_map(|i| [at(i, 0.0), at(i, height)]).collect();
+        let corner = |i: usize, upper: usize| (2 * (i % sides) + upper) as u32;
+        let around = (0..sides).flat_map(|i| {
+            let [a, b, c, d] = [corner(i, 0), corner(i + 1, 0), corner(i + 1, 1), corner(i, 1)];
+            [[a, b, c], [a, c, d]]
+        });
+        let lids = (1..sides - 1).flat_map(|i| {
+            [[corner(0, 0), corner(i + 1, 0), corner(i, 0)], [corner(0, 1), corner(i, 1), corner(i + 1, 1)]]
+        });
+        Mesh { positions, triangles: around.chain(lids).collect() }
+    }
+
+    #[test]
+    fn the_facets_of_the_rim_of_a_plate_lose_the_edges_between_them_alone() {
+        let kept = |sides: usize| {
+            let mesh = prism(sides, 5.0, 0.1);
+            let twin = twins(&mesh.triangles);
+            let (sharp, left_out) =
+                leave_out_narrow(&mesh, &twin, &found(&mesh, &twin), 1.0, |_| false, |_, _| Room::Enough);
+            let kept = (0..twin.len() as u32).filter(|&s| sharp[s as usize] && s < twin[s as usize]);
+            let is_of_lid = |s: u32| mesh.segment(s)[0].z == mesh.segment(s)[1].z;
+            let (of_lids, others): (Vec<u32>, Vec<u32>) = kept.partition(|&s| is_of_lid(s));
+            (of_lids.len(), others.len(), left_out)
+        };
+        let (of_lids, others, left_out) = kept(10);
+        assert_eq!((of_lids, others, left_out.patches), (20, 0, 10));
+        assert!((0.02..0.1).contains(&left_out.deviation), "{left_out:?}");
+        assert_eq!(kept(6), (12, 6, LeftOut::default()), "the lids have corners");
     }
 
     #[test]
