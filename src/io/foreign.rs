@@ -20,7 +20,7 @@ const ASSIMP: &str = "convert it, with Blender or by `assimp export IN OUT.glb`"
 const GMSH: &str = "it has exact surfaces: mesh it in a CAD program or by `gmsh IN -2 -o OUT.stl`";
 const UNPACK: &str = "unpack it and give the file in it";
 
-const KINDS: [Foreign; 20] = [
+const KINDS: [Foreign; 21] = [
     Foreign { name: "a COLLADA file", endings: &["dae"], remedy: ASSIMP, has_signature: |head| has(head, "<COLLADA") },
     Foreign {
         name: "an FBX file",
@@ -72,6 +72,12 @@ const KINDS: [Foreign; 20] = [
         endings: &["amf"],
         remedy: "open it in a slicer and export it as 3MF or STL",
         has_signature: |head| has(head, "<amf"),
+    },
+    Foreign {
+        name: "a GIFTI file",
+        endings: &["gii"],
+        remedy: "convert it by `mris_convert IN OUT.stl`",
+        has_signature: |head| has(head, "<GIFTI"),
     },
     Foreign {
         name: "a grid of VTK",
@@ -169,6 +175,7 @@ mod tests {
             ("drc", b"DRACO\x02\x02"),
             ("html", b"\n<!DOCTYPE html>"),
             ("vts", b"<VTKFile type=\"StructuredGrid\">"),
+            ("gii", b"<?xml version=\"1.0\"?>\n<GIFTI Version=\"1\">"),
             ("pvtu", b"<VTKFile type=\"PUnstructuredGrid\">"),
             ("zip", b"PK\x03\x04"),
         ] {

@@ -40,6 +40,10 @@ enum Element {
 /// # Errors
 /// `Error::Format` with the line or byte of what is malformed.
 pub(crate) fn parse(bytes: &[u8]) -> Parsed {
+    if is_of_mujoco(bytes) {
+        let cause = "it is a binary mesh of MuJoCo, whose files end with .msh, too";
+        return Err(malformed(Place::Byte(0), cause, "give the OBJ or STL file that it was made from"));
+    }
     let mut reader = Reader { source: Mixed::new(bytes), size: Type::U64, tags: HashMap::new(), grid: Grid::default() };
     let is_new = reader.format()?;
     let mut has_elements = false;
@@ -58,6 +62,13 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     }
     let (mesh, notes) = reader.grid.into_mesh()?;
     Ok(Read { mesh, notes, ..Read::default() })
+}
+
+/// Whether a file is as long as its first numbers say: those of vertices, normals, texture coordinates and triangles.
+fn is_of_mujoco(bytes: &[u8]) -> bool {
+    let Some((counts, rest)) = bytes.split_at_checked(16) else { return false };
+    let sizes = counts.chunks_exact(4).map(|n| u32::from_le_bytes(n.try_into().expect("four bytes")) as usize);
+    rest.len() == sizes.zip([12, 12, 8, 12]).map(|(count, size)| count * size).sum::<usize>()
 }
 
 struct Reader<'a> {
@@ -349,6 +360,13 @@ mod tests {
         let Read { mesh, notes, .. } = parse(text.as_bytes()).unwrap();
         assert_eq!(mesh.triangles, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]);
         assert_eq!(notes, ["1 cell fills a volume: its outside is taken"]);
+    }
+
+    #[test]
+    fn what_ends_like_one_but_is_of_mujoco_is_named() {
+        let counts = [3, 0, 3, 1].map(u32::to_le_bytes).concat();
+        let (_, cause) = fault(parse(&[counts, vec![7; 3 * 12 + 3 * 8 + 12]].concat()));
+        assert!(cause.contains("MuJoCo"), "{cause}");
     }
 
     #[test]
