@@ -8,6 +8,9 @@
 //!
 //! Limits: cells with a face too few or turned over leave an outside that is open, and nothing is dropped. So it is with
 //! volumes of so few cells that most of the faces are outside.
+//!
+//! Single copies lie on surfaces, too: hulls have such faces where four corners are nearly in a plane. Where the other faces are
+//! closed without them, none of the copies is of the surface.
 
 use crate::mesh::sides::{Side, edges, sorted_sides};
 use crate::mesh::triangle_mesh::Mesh;
@@ -36,6 +39,26 @@ pub fn without_faces_between_cells(mesh: &Mesh) -> Mesh {
     let between = faces_between_cells(&welded, &sorted_sides(&welded)).unwrap_or_else(|| vec![false; welded.len()]);
     let outside = numbers.into_iter().zip(between).filter(|(_, is_between)| !is_between);
     Mesh { positions: mesh.positions.clone(), triangles: outside.map(|(t, _)| mesh.triangles[t]).collect() }
+}
+
+/// For each triangle of these `groups`, which are [`coincident`], whether it lies on a surface that is closed without all of them:
+/// along two edges at least, and open along none.
+pub(super) fn on_closed_surface(triangles: &[[u32; 3]], sides: &[Side], groups: &[Vec<u32>]) -> Vec<bool> {
+    let mut is_copied = vec![false; triangles.len()];
+    groups.iter().flatten().for_each(|&t| is_copied[t as usize] = true);
+    if groups.is_empty() {
+        return is_copied;
+    }
+    let mut closed_edges = vec![0; triangles.len()];
+    let mut is_open = vec![false; triangles.len()];
+    for edge in edges(sides) {
+        let (own, others): (Vec<Side>, Vec<Side>) = edge.iter().partition(|s| is_copied[s.side as usize / 3]);
+        for t in own.into_iter().map(|s| s.side as usize / 3) {
+            closed_edges[t] += u32::from(!others.is_empty());
+            is_open[t] |= others.len() % 2 == 1;
+        }
+    }
+    (0..triangles.len()).map(|t| is_copied[t] && closed_edges[t] >= 2 && !is_open[t]).collect()
 }
 
 /// The triangles that have all three corners in common with others, those of each place together, in increasing order.

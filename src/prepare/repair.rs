@@ -3,7 +3,7 @@
 //! The treatment, in order:
 //!
 //! 1. Vertices at exactly the same place become one; triangles that lose a corner by it, faces between the cells of a
-//!    volume, and copies of a triangle are dropped. Triangles without area but with three distinct corners stay: they carry
+//!    volume, and copies of a triangle are dropped, all of them where the surface is closed without. Triangles without area but with three distinct corners stay: they carry
 //!    connectivity.
 //! 2. Faces are glued in pairs along edges. Where an edge has more than two faces, the pairs that bound a solid wedge
 //!    are glued if as many faces run along the edge as against it, else the flattest pairs, those of closed patches first;
@@ -27,7 +27,7 @@ use crate::mesh::provenance::Provenance;
 use crate::mesh::sides::{Side, edges, pairs_of_sides, sorted_sides};
 use crate::mesh::topology::{NONE, components, twins};
 use crate::mesh::triangle_mesh::Mesh;
-use crate::prepare::cells::{coincident, faces_between_cells};
+use crate::prepare::cells::{coincident, faces_between_cells, on_closed_surface};
 use crate::prepare::welded::{Counts, Welded};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -107,11 +107,11 @@ fn drop_faces_between_cells(welded: &mut Welded, repairs: &mut Repairs) {
     }
 }
 
-/// Keeps the first of the triangles that have the same three corners.
+/// Keeps the first of the triangles that have the same three corners, and none of those on a surface that is closed without them.
 fn drop_duplicates(welded: &mut Welded, repairs: &mut Repairs) {
-    let mut copy = vec![false; welded.triangles.len()];
-    coincident(&welded.triangles, &welded.sides)
-        .for_each(|group| group[1..].iter().for_each(|&t| copy[t as usize] = true));
+    let groups: Vec<Vec<u32>> = coincident(&welded.triangles, &welded.sides).collect();
+    let mut copy = on_closed_surface(&welded.triangles, &welded.sides, &groups);
+    groups.iter().for_each(|group| group[1..].iter().for_each(|&t| copy[t as usize] = true));
     repairs.duplicate_triangles = welded.drop_marked(&copy);
 }
 
@@ -531,6 +531,31 @@ mod tests {
         let (mended, repairs) = repair(&mesh);
         assert_eq!((repairs.duplicate_triangles, repairs.degenerate_triangles), (1, 2));
         assert_eq!((audit(&mended).euler, mended.triangles.len()), (2, 12));
+    }
+
+    #[test]
+    fn copies_on_a_closed_surface_go_and_a_sheet_of_them_that_sticks_out_stays() {
+        let mut mesh = cube(DVec3::ZERO);
+        let [a, b, c] = mesh.triangles[0];
+        let across = mesh.triangles.iter().flatten().copied();
+        // The fourth corner of the face, and with it the other half of the face, which no triangle is.
+        let centre = (mesh.positions[a as usize] + mesh.positions[c as usize]) * 0.5;
+        let d = across.into_iter().find(|&v| {
+            let p = mesh.positions[v as usize];
+            v != b && v != a && v != c && (p + mesh.positions[b as usize]).distance(2.0 * centre) < 1e-9
+        });
+        let d = d.expect("a face has four corners");
+        let whole = mesh.clone();
+        for copies in [[[a, b, d], [b, a, d]], [[a, b, d], [b, d, a]]] {
+            mesh = whole.clone();
+            mesh.triangles.extend(copies);
+            let (mended, repairs) = repair(&mesh);
+            assert_eq!((repairs.duplicate_triangles, repairs.cut_edges, mended.triangles.len()), (2, 0, 12));
+        }
+        let tip = mesh.positions.len() as u32;
+        mesh.positions.push(dvec3(0.5, -2.0, -2.0));
+        mesh.triangles.extend([[a, b, tip], [b, a, tip]]);
+        assert_eq!(repair(&mesh).0.triangles.len(), 13);
     }
 
     #[test]
