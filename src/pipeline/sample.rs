@@ -496,6 +496,7 @@ impl Task<'_> {
     /// Those of `choices` that the scan keeps, after ascent on `surface`.
     fn ascended<const D: usize>(&self, surface: &Rimls, choices: &[Sample]) -> Result<(f64, Vec<Sample>)> {
         let (sigma, mut kept) = self.kept_of::<_, D>(surface, &Given { samples: choices, domain: None })?;
+        // In the order of the points, what is near in space is near in memory.
         kept.sort_unstable();
         let mut samples: Vec<Sample> = kept.into_iter().map(|i| choices[i as usize]).collect();
         self.features.with_kernel(sigma, |kernel| self.ascend::<_, D>(surface, kernel, &mut samples))?;

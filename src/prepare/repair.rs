@@ -3,8 +3,8 @@
 //! The treatment, in order:
 //!
 //! 1. Vertices at exactly the same place become one; triangles that lose a corner by it, faces between the cells of a
-//!    volume, and copies of a triangle are dropped, all of them where the surface is closed without. Triangles without area but with three distinct corners stay: they carry
-//!    connectivity.
+//!    volume, and copies of a triangle are dropped, all copies where the surface is closed without them. Triangles
+//!    without area but with three distinct corners stay: they carry connectivity.
 //! 2. Faces are glued in pairs along edges. Where an edge has more than two faces, the pairs that bound a solid wedge
 //!    are glued if as many faces run along the edge as against it, else the flattest pairs, those of closed patches first;
 //!    a face left over gets a boundary there.

@@ -59,7 +59,7 @@ struct Accuracy {
 /// For what stays.
 const EXACT: Accuracy = Accuracy { arrived: 1e-4, farthest: 2.0 };
 
-/// For a sample on its way, which comes down again with the next step: half of the time.
+/// For a sample on its way, which comes down again with the next step: it takes half of the time.
 const PASSING: Accuracy = Accuracy { arrived: 1e-2, farthest: 1.0 };
 
 /// The implicit surface of points with normals.
