@@ -67,8 +67,8 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
 /// Whether a file is as long as its first numbers say: those of vertices, normals, texture coordinates and triangles.
 fn is_of_mujoco(bytes: &[u8]) -> bool {
     let Some((counts, rest)) = bytes.split_at_checked(16) else { return false };
-    let sizes = counts.chunks_exact(4).map(|n| u32::from_le_bytes(n.try_into().expect("four bytes")) as usize);
-    rest.len() == sizes.zip([12, 12, 8, 12]).map(|(count, size)| count * size).sum::<usize>()
+    let counts = counts.chunks_exact(4).map(|n| u64::from(u32::from_le_bytes(n.try_into().expect("four bytes"))));
+    !rest.is_empty() && rest.len() as u64 == counts.zip([12, 12, 8, 12]).map(|(count, size)| count * size).sum::<u64>()
 }
 
 struct Reader<'a> {

@@ -52,10 +52,11 @@ pub(super) fn on_closed_surface(triangles: &[[u32; 3]], sides: &[Side], groups: 
     let mut closed_edges = vec![0; triangles.len()];
     let mut is_open = vec![false; triangles.len()];
     for edge in edges(sides) {
-        let (own, others): (Vec<Side>, Vec<Side>) = edge.iter().partition(|s| is_copied[s.side as usize / 3]);
-        for t in own.into_iter().map(|s| s.side as usize / 3) {
-            closed_edges[t] += u32::from(!others.is_empty());
-            is_open[t] |= others.len() % 2 == 1;
+        let triangles = || edge.iter().map(|s| s.side as usize / 3);
+        let others = triangles().filter(|&t| !is_copied[t]).count();
+        for t in triangles().filter(|&t| is_copied[t]) {
+            closed_edges[t] += u32::from(others > 0);
+            is_open[t] |= others % 2 == 1;
         }
     }
     (0..triangles.len()).map(|t| is_copied[t] && closed_edges[t] >= 2 && !is_open[t]).collect()

@@ -537,14 +537,10 @@ mod tests {
     fn copies_on_a_closed_surface_go_and_a_sheet_of_them_that_sticks_out_stays() {
         let mut mesh = cube(DVec3::ZERO);
         let [a, b, c] = mesh.triangles[0];
-        let across = mesh.triangles.iter().flatten().copied();
-        // The fourth corner of the face, and with it the other half of the face, which no triangle is.
-        let centre = (mesh.positions[a as usize] + mesh.positions[c as usize]) * 0.5;
-        let d = across.into_iter().find(|&v| {
-            let p = mesh.positions[v as usize];
-            v != b && v != a && v != c && (p + mesh.positions[b as usize]).distance(2.0 * centre) < 1e-9
-        });
-        let d = d.expect("a face has four corners");
+        // The fourth corner of the face, of whose halves no triangle is the one between a, b and this.
+        let [at_a, at_b, at_c] = mesh.corners(0);
+        let fourth = mesh.positions.iter().position(|p| p.distance(at_a + at_c - at_b) < 1e-9);
+        let d = fourth.expect("a face has four corners") as u32;
         let whole = mesh.clone();
         for copies in [[[a, b, d], [b, a, d]], [[a, b, d], [b, d, a]]] {
             mesh = whole.clone();

@@ -290,14 +290,16 @@ impl Patches {
     fn ends_below(&self, most: f64) -> (BTreeSet<[u32; 2]>, LeftOut) {
         let mut left_out = LeftOut::default();
         let mut ends = BTreeSet::new();
+        let longest: BTreeMap<u32, f64> = self.list.iter().map(|(&p, patch)| (p, patch.longest(p))).collect();
         for (&p, patch) in &self.list {
             for (&q, border) in patch.beside.range(p + 1..) {
+                let turn = border.mean(border.turned);
+                let has_corners = math::sin_cos(turn.to_radians()).1 < CORNER_TURN;
                 let both = [(p, patch), (q, &self.list[&q])];
-                let moved = both.map(|(_, patch)| patch.moved_without(border.mean(border.turned)));
-                let is_end =
-                    |(own, patch): (u32, &Patch)| !patch.needed && border.length < LONG_SIDE * patch.longest(own);
-                let has_corners = math::sin_cos(border.mean(border.turned).to_radians()).1 < CORNER_TURN;
-                if !has_corners && both.into_iter().all(is_end) && moved.iter().all(|moved| moved.0 < most) {
+                let are_ends =
+                    both.iter().all(|(own, patch)| !patch.needed && border.length < LONG_SIDE * longest[own]);
+                let moved = both.map(|(_, patch)| patch.moved_without(turn));
+                if !has_corners && are_ends && moved.iter().all(|moved| moved.0 < most) {
                     ends.insert([p, q]);
                     left_out.deviation = moved.iter().fold(left_out.deviation, |most, moved| most.max(moved.1));
                 }
