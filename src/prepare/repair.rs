@@ -536,7 +536,7 @@ mod tests {
     #[test]
     fn copies_on_a_closed_surface_go_and_a_sheet_of_them_that_sticks_out_stays() {
         let mut mesh = cube(DVec3::ZERO);
-        let [a, b, c] = mesh.triangles[0];
+        let [a, b, _] = mesh.triangles[0];
         // The fourth corner of the face, of whose halves no triangle is the one between a, b and this.
         let [at_a, at_b, at_c] = mesh.corners(0);
         let fourth = mesh.positions.iter().position(|p| p.distance(at_a + at_c - at_b) < 1e-9);
