@@ -141,11 +141,13 @@ pub enum Setting {
     Levels,
     /// The number of threads.
     Threads,
+    /// The memory for files that are larger.
+    Memory,
 }
 
 impl Setting {
     /// All of them.
-    pub const ALL: [Setting; 21] = [
+    pub const ALL: [Setting; 22] = [
         Setting::Points,
         Setting::EdgeLength,
         Setting::SigmaP,
@@ -167,6 +169,7 @@ impl Setting {
         Setting::Format,
         Setting::Levels,
         Setting::Threads,
+        Setting::Memory,
     ];
 
     /// The name of the option that sets it, in words joined by hyphens: on the command line `--` stands before it, in
@@ -194,6 +197,7 @@ impl Setting {
             Setting::Format => "format",
             Setting::Levels => "levels",
             Setting::Threads => "threads",
+            Setting::Memory => "memory",
         }
     }
 }

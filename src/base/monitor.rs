@@ -2,6 +2,7 @@
 //! want a progress bar, a log or the time of each stage pass in a [`Monitor`].
 
 use crate::base::error::{Error, Result};
+use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -15,6 +16,9 @@ pub trait Monitor: Sync {
     fn cancelled(&self) -> bool {
         false
     }
+    /// Temporary files of about so many bytes go into `folder`. It is removed when the call ends, unless it is kept until a call
+    /// comes to its end.
+    fn temporary_files(&self, _folder: &Path, _bytes: u64, _is_kept: bool) {}
 }
 
 impl Monitor for () {}
@@ -99,6 +103,9 @@ impl Monitor for Overall<'_> {
     fn cancelled(&self) -> bool {
         self.inner.cancelled()
     }
+    fn temporary_files(&self, folder: &Path, bytes: u64, is_kept: bool) {
+        self.inner.temporary_files(folder, bytes, is_kept);
+    }
 }
 
 /// A monitor for a call that is a part of a larger one, from one share of the whole to another.
@@ -124,6 +131,9 @@ impl Monitor for Part<'_> {
     }
     fn cancelled(&self) -> bool {
         self.inner.cancelled()
+    }
+    fn temporary_files(&self, folder: &Path, bytes: u64, is_kept: bool) {
+        self.inner.temporary_files(folder, bytes, is_kept);
     }
 }
 
@@ -162,6 +172,9 @@ impl Monitor for Stopwatch<'_> {
     }
     fn cancelled(&self) -> bool {
         self.inner.cancelled()
+    }
+    fn temporary_files(&self, folder: &Path, bytes: u64, is_kept: bool) {
+        self.inner.temporary_files(folder, bytes, is_kept);
     }
 }
 

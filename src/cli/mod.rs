@@ -4,8 +4,6 @@
 pub mod args;
 mod files;
 mod flags;
-mod in_tiles;
-mod out_of_core;
 mod outputs;
 mod quality;
 mod reconstruct;

@@ -4,29 +4,24 @@ use crate::base::error::Result;
 use crate::base::monitor::{Monitor, Stopwatch};
 use crate::cli::args::{Remeshing, Run, Sizing, Voice, is_page};
 use crate::cli::files::{add_run, check_report, hand_out, load, name, now_writing, watched};
-use crate::cli::in_tiles::mesh_in_pieces;
-use crate::cli::out_of_core::load_coarsened;
 use crate::cli::outputs::Outputs;
 use crate::cli::status::Status;
 use crate::cli::terminal;
 use crate::io::{Loaded, file};
+use crate::job::large::{LargeFile, read_coarsened, remesh_in_pieces};
 use crate::job::{Carry, Input, Outcome, RemeshOptions, of_use_for_remeshing, remesh, remesh_levels};
 use crate::mesh::triangle_mesh::Mesh;
-use crate::pipeline::{Density, Grading, Values};
+use crate::pipeline::{Grading, Values};
 use crate::report::page::{Subject, page};
 use crate::report::{Report, all_to_json, all_to_text};
-use crate::transfer::vertex::Carried;
 
 pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
     job.options.surface.validate()?;
     let outputs = Outputs::of(job)?;
     check_report(&job.run)?;
     let (outcomes, reports, page) = watched(job.run.voice, |monitor| {
-        let Made { mut outcomes, input, notes } = match mesh_in_pieces(job, &outputs, monitor)? {
-            Some((mesh, carried)) => {
-                monitor.stage("measure");
-                Made::of_pieces(mesh, carried, job)
-            }
+        let Made { mut outcomes, input, notes } = match in_pieces(job, &outputs, monitor)? {
+            Some(outcome) => Made { outcomes: vec![outcome], input: None, notes: Vec::new() },
             None => in_memory(job, &outputs, monitor)?,
         };
         now_writing(monitor);
@@ -67,19 +62,23 @@ struct Made {
     notes: Vec<String>,
 }
 
-impl Made {
-    fn of_pieces(mesh: Mesh, carried: Carried, job: &Remeshing) -> Made {
-        let wanted = match job.options.surface.density {
-            Density::Points(wanted) => Some(wanted),
-            _ => None,
-        };
-        Made { outcomes: vec![Outcome::of_pieces(mesh, carried, wanted)], input: None, notes: Vec::new() }
+/// The file of a job that may be larger than memory.
+fn large(job: &Remeshing) -> LargeFile<'_> {
+    let Remeshing { input, output, out_of_core, .. } = job;
+    LargeFile { path: &input.path, format: input.format, output: &output.path, out_of_core }
+}
+
+/// What is made of a cloud piece by piece; `None` for what pieces cannot be.
+fn in_pieces(job: &Remeshing, outputs: &Outputs, monitor: &Stopwatch) -> Result<Option<Outcome>> {
+    if outputs.are_tiles || !job.levels.is_empty() || job.sizing.is_some() {
+        return Ok(None);
     }
+    remesh_in_pieces(&large(job), &job.options, Some(outputs.format), monitor)
 }
 
 /// What is made of an input as a whole, or of one that became coarser while it was read.
 fn in_memory(job: &Remeshing, outputs: &Outputs, monitor: &Stopwatch) -> Result<Made> {
-    let loaded = match load_coarsened(job, monitor)? {
+    let loaded = match read_coarsened(&large(job), &job.options.surface, monitor)? {
         Some(loaded) => loaded,
         None => load(&job.input, of_use(job), monitor)?,
     };

@@ -2,10 +2,10 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
-use crate::cli::args::Sampling;
+use crate::cli::args::{MeshFile, Sampling};
 use crate::cli::files::{add_run, check_targets, hand_out, load, name, now_writing, watched};
-use crate::cli::in_tiles::{is_sampled_in_tiles, sample_in_tiles};
 use crate::io::file;
+use crate::job::large::{LargeFile, sample_in_tiles};
 use crate::job::{Input, of_use_for_sampling, sample};
 use crate::pipeline::Sampled;
 use crate::report::samples::SamplesReport;
@@ -31,8 +31,10 @@ pub(super) fn sample_file(job: &Sampling) -> Result<()> {
 
 /// The samples, and what there is to say of reading.
 fn sampled(job: &Sampling, monitor: &dyn Monitor) -> Result<(Sampled, Vec<String>)> {
-    if is_sampled_in_tiles(job) {
-        return Ok((sample_in_tiles(job, monitor)?, Vec::new()));
+    let MeshFile { path, format } = &job.input;
+    let file = LargeFile { path, format: *format, output: &job.output, out_of_core: &job.out_of_core };
+    if let Some(sampled) = sample_in_tiles(&file, &job.options, monitor)? {
+        return Ok((sampled, Vec::new()));
     }
     let loaded = load(&job.input, of_use_for_sampling(&job.options), monitor)?;
     let sampled = sample(&Input::from(&loaded), &job.options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;

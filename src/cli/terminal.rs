@@ -43,13 +43,9 @@ pub fn listen_for_interrupts() {
     let _ = ctrlc::set_handler(handler);
 }
 
-/// A folder of temporary files, while there is one.
+/// A folder of temporary files that nobody needs if the process ends early, while there is one.
 static TEMPORARY: Mutex<Option<PathBuf>> = Mutex::new(None);
 
-/// Has a folder removed if the process is ended before it removes it by itself.
-pub fn remove_at_end(folder: &Path) {
-    *TEMPORARY.lock().unwrap_or_else(|e| e.into_inner()) = Some(folder.into());
-}
 
 /// Ends the process as interrupted.
 fn end() -> ! {
@@ -67,8 +63,8 @@ pub fn now_writing() {
 /// A monitor that shows the stages of a run on standard error: as a bar if that is a terminal, as lines if they are
 /// asked for, else not at all.
 pub struct Terminal {
+    voice: Voice,
     bar: Option<ProgressBar>,
-    lines: bool,
     start: Instant,
 }
 
@@ -76,7 +72,7 @@ impl Terminal {
     /// A monitor that says as much as `voice`.
     pub fn new(voice: Voice) -> Terminal {
         let wanted = voice == Voice::Normal && std::io::stderr().is_terminal();
-        Terminal { bar: wanted.then(bar), lines: voice == Voice::Verbose, start: Instant::now() }
+        Terminal { voice, bar: wanted.then(bar), start: Instant::now() }
     }
 }
 
@@ -92,7 +88,7 @@ impl Monitor for Terminal {
         if let Some(bar) = &self.bar {
             bar.set_message(name);
         }
-        if self.lines {
+        if self.voice == Voice::Verbose {
             complain(&format!("{:7.3} s {name}", self.start.elapsed().as_secs_f64()));
         }
     }
@@ -103,6 +99,15 @@ impl Monitor for Terminal {
 
     fn cancelled(&self) -> bool {
         INTERRUPTED.load(Ordering::Relaxed)
+    }
+
+    fn temporary_files(&self, folder: &Path, bytes: u64, is_kept: bool) {
+        if !is_kept {
+            *TEMPORARY.lock().unwrap_or_else(|e| e.into_inner()) = Some(folder.into());
+        }
+        if self.voice != Voice::Quiet {
+            complain(&format!("about {} MB of temporary files in {}", bytes / 1_000_000 + 1, folder.display()));
+        }
     }
 }
 

@@ -4,17 +4,15 @@ use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 use crate::cli::args::{Planning, Run, Tiling, Voice};
 use crate::cli::files::{add_run, check_targets, hand_out, name, now_writing, watched};
-use crate::cli::out_of_core::free_memory;
 use crate::cli::status::Status;
 use crate::cli::terminal;
 use crate::io::file;
-use crate::job::Outcome;
+use crate::job::Carry;
+use crate::job::large::{free_memory, merge_pieces};
 use crate::pipeline::SampleOptions;
 use crate::report::all_to_text;
 use crate::report::samples::SamplesReport;
-use crate::tiles::{
-    Plan, PlanOptions, TileFolder, make_plan, merge, merge_mesh, mesh_pieces, nearest_attributes, rounds, sample_tiles,
-};
+use crate::tiles::{PlanOptions, TileFolder, make_plan, merge, mesh_pieces, rounds, sample_tiles};
 use std::path::Path;
 
 pub(super) fn do_tiles(job: &Tiling) -> Result<Status> {
@@ -56,17 +54,12 @@ fn join_mesh(folder: &Path, output: &Path, run: &Run) -> Result<Status> {
     let format = file::output_format(output, None)?;
     check_targets(output, run)?;
     let folder = TileFolder::at(folder)?;
-    let Plan { input, wanted, .. } = folder.plan()?;
+    let input = folder.plan()?.input;
     let outcome = watched(run.voice, |monitor| {
-        monitor.stage("merge");
-        let mesh = merge_mesh(&folder)?;
-        let mut carried = nearest_attributes(&folder, &mesh, monitor)?;
-        carried.leave_out(format.cannot_hold(&carried.attributes));
+        let mut outcome = merge_pieces(&folder, &Carry::All, Some(format), monitor)?;
         check(monitor)?;
         now_writing(monitor);
-        file::write_file(output, &mesh, &carried.attributes, None)?;
-        monitor.stage("measure");
-        let mut outcome = Outcome::of_pieces(mesh, carried, wanted);
+        file::write_file(output, &outcome.mesh, &outcome.attributes, None)?;
         if let Some(report) = &mut outcome.report {
             report.add_files(&input, &output.display().to_string());
             add_run(&mut report.run, monitor);

@@ -111,7 +111,7 @@ pub fn write_tileset(path: &Path, levels: &[Level]) -> Result<()> {
 /// [`Error::File`] if `path` is not that of a file in a folder.
 pub fn level_path(path: &Path, number: usize) -> Result<PathBuf> {
     let stem = stem(path).filter(|_| is_replaced(path)).ok_or_else(|| {
-        let remedy = "give the name of a file, of which each level's is made, or --output-format glb";
+        let remedy = "give the name of a file, of which each level's is made, or write GLB, which holds all levels";
         file_error(path, "it is one stream, and each level needs a file of its own", remedy)
     })?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -330,7 +330,7 @@ mod tests {
         assert_eq!(named("a.obj").unwrap(), "a-3.obj");
         assert_eq!(named("b/a.1.ply.gz").unwrap(), "b/a.1-3.ply.gz");
         assert_eq!(named("a").unwrap(), "a-3");
-        fails(named("/dev/stdout"), Path::new("/dev/stdout"), "or --output-format glb");
+        fails(named("/dev/stdout"), Path::new("/dev/stdout"), "or write GLB");
     }
 
     #[test]

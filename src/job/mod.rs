@@ -1,9 +1,9 @@
 //! The whole job in one call: from a mesh or points with attributes to a mesh with attributes, where it came from, and a
-//! report. Nothing is read, written or printed here.
+//! report. Nothing is printed here, and nothing read or written but by [`large`].
 
-#[cfg(feature = "fs")]
-mod coarseness;
 mod input;
+#[cfg(feature = "fs")]
+pub mod large;
 mod outcome;
 mod points;
 mod remesh;
@@ -12,8 +12,6 @@ mod thinning;
 mod threads;
 pub mod words;
 
-#[cfg(feature = "fs")]
-pub(crate) use coarseness::{coarseness_within, is_far_finer, refuse_coarser};
 pub use input::Input;
 pub use outcome::{Origin, Outcome};
 pub use points::{reconstruct, sample};

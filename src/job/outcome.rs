@@ -61,7 +61,8 @@ pub struct Outcome {
 impl Outcome {
     /// A `mesh` of a cloud that was made piece by piece, `wanted` with so many vertices, and its attributes: what can be measured
     /// on it alone.
-    pub fn of_pieces(mesh: Mesh, carried: Carried, wanted: Option<usize>) -> Outcome {
+    #[cfg(feature = "fs")]
+    pub(super) fn of_pieces(mesh: Mesh, carried: Carried, wanted: Option<usize>) -> Outcome {
         let report = Report::of_pieces(&mesh, &carried, wanted);
         Outcome {
             mesh,

@@ -44,14 +44,6 @@ impl Manifold {
         Some((self.position(a) - self.position(b)).normalize_or(DVec3::X))
     }
 
-    /// The point of the domain closest to `p` for a vertex that is at `here` now, on the same curve if it is on one.
-    pub fn place_on(&self, domain: &Domain, v: u32, p: DVec3, here: &Sample) -> Sample {
-        match self.connectivity.curve_at(v) {
-            OnCurve::Curve(curve) => domain.project_on_curve(p, curve),
-            _ => domain.project(p, here.normal, here.triangle),
-        }
-    }
-
     /// Where a step `way` takes vertex `v` from `here`, along its curve if it is on one.
     pub fn place_after(&self, domain: &Domain, v: u32, way: DVec3, here: &Sample) -> Sample {
         match self.connectivity.curve_at(v) {

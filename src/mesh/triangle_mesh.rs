@@ -96,6 +96,11 @@ impl Mesh {
         self.bounds().map_or(0.0, |bounds| bounds.diagonal())
     }
 
+    /// For each vertex whether a triangle uses it.
+    pub fn used_vertices(&self) -> Vec<bool> {
+        used_vertices(&self.triangles, self.positions.len())
+    }
+
     /// Removes the vertices that no triangle uses; the others keep their order.
     pub fn drop_unused(&mut self) {
         let mut number = vec![u32::MAX; self.positions.len()];
@@ -109,4 +114,11 @@ impl Mesh {
         self.positions.truncate(kept as usize);
         self.triangles.iter_mut().flatten().for_each(|v| *v = number[*v as usize]);
     }
+}
+
+/// For each of `count` vertices whether one of the triangles uses it.
+pub fn used_vertices(triangles: &[[u32; 3]], count: usize) -> Vec<bool> {
+    let mut used = vec![false; count];
+    triangles.as_flattened().iter().for_each(|&v| used[v as usize] = true);
+    used
 }

@@ -356,8 +356,7 @@ pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Mon
     let mut mesh = Mesh { positions, triangles };
     let all = mesh.positions.len();
     let surface_points = source.clone();
-    let mut used = vec![false; all];
-    mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
+    let used = mesh.used_vertices();
     source = (0..all).filter(|&p| used[p]).map(|p| source[p]).collect();
     mesh.drop_unused();
     summary.unused = all - mesh.positions.len() - in_shreds;

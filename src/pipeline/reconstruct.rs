@@ -62,11 +62,9 @@ impl ReconstructOptions {
 
 /// The vertices of `mesh` that triangles use, with its normals there.
 pub fn points_of_mesh(mesh: &Mesh) -> Points {
-    let mut used = vec![false; mesh.positions.len()];
-    mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
-    let used: Vec<u32> = (0..used.len() as u32).filter(|&v| used[v as usize]).collect();
     let normals = mesh.vertex_area_vectors();
-    Points::from_pairs(used.into_iter().map(|v| (mesh.positions[v as usize], normals[v as usize])))
+    let vertices = mesh.positions.iter().copied().zip(normals).zip(mesh.used_vertices());
+    Points::from_pairs(vertices.filter(|(_, is_used)| *is_used).map(|(vertex, _)| vertex))
 }
 
 /// The robust implicit surface of `points` (Öztireli, Guennebaud, Gross 2009) as triangles about as large as the cells

@@ -327,8 +327,7 @@ fn candidates_for(domain: &Domain, features: &KernelFeatures, wanted: usize, see
 
 /// The vertices of `input` that triangles use, as samples, and their numbers.
 fn used_vertices(input: &Mesh, unit: &Unit, domain: &Domain) -> (Vec<Sample>, Vec<u32>) {
-    let mut used = vec![false; input.positions.len()];
-    input.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
+    let used = input.used_vertices();
     let numbers: Vec<u32> = (0..used.len() as u32).filter(|&v| used[v as usize]).collect();
     let at = |&v: &u32| {
         let position = unit.inwards_point(input.positions[v as usize]);

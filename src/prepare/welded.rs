@@ -61,8 +61,7 @@ pub(super) struct Counts {
 impl Counts {
     /// Those of vertices; no triangle counts yet.
     fn new(mesh: &Mesh, representatives: &[u32]) -> Counts {
-        let mut used = vec![false; mesh.positions.len()];
-        mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
+        let used = mesh.used_vertices();
         let unused_vertices = used.iter().filter(|&&u| !u).count();
         // An unused vertex may stand for a place of used ones.
         let mut stands = vec![false; used.len()];

@@ -104,7 +104,7 @@ impl OneWay {
         let of_samples = parallel::blocks(samples, CHUNK, squares).concat();
         let largest = of_samples.iter().copied().fold(0.0, f64::max);
         // A vertex that is nearer than a sample need not be looked at closer.
-        let used = used_vertices(from);
+        let used = from.used_vertices();
         let of_vertices = parallel::blocks((&from.positions[..], &used[..]), CHUNK, |(positions, used)| {
             let mut search = Search { bvh: &bvh, to, last: None };
             let used = positions.iter().zip(used).filter(|(_, used)| **used);
@@ -163,13 +163,6 @@ const MANY: usize = 16;
 
 /// Points that one task looks at.
 const CHUNK: usize = 256;
-
-/// For each vertex whether a triangle uses it.
-fn used_vertices(mesh: &Mesh) -> Vec<bool> {
-    let mut used = vec![false; mesh.positions.len()];
-    mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
-    used
-}
 
 #[cfg(test)]
 mod tests {

@@ -39,7 +39,7 @@ pub fn mesh_one(folder: &TileFolder, number: usize, monitor: &dyn Monitor) -> Re
     };
     if plan.is_thick {
         let cause = "the noise of its points is larger than their distance, which pieces of a mesh do not smooth away";
-        return Err(folder.error(cause, "remesh the cloud as a whole, or plan it with fewer points or with --smooth"));
+        return Err(folder.error(cause, "remesh the cloud as a whole, or plan it with fewer points or with smoothing"));
     }
     let work = Work { folder, plan: &plan, all: &all, number, monitor };
     match piece {
@@ -174,10 +174,8 @@ impl Work<'_> {
 
     /// How many nodes in a cube no triangle has: other vertices take their place.
     fn unused(&self, whole: &Mesh, cube: Cube) -> usize {
-        let mut is_used = vec![false; whole.positions.len()];
-        whole.triangles.as_flattened().iter().for_each(|&v| is_used[v as usize] = true);
         let is_own = |p: DVec3| cube.blocks().contains(place_of(p, self.plan.sampling.block()));
-        whole.positions.iter().zip(is_used).filter(|&(&p, is_used)| !is_used && is_own(p)).count()
+        whole.positions.iter().zip(whole.used_vertices()).filter(|&(&p, is_used)| !is_used && is_own(p)).count()
     }
 
     /// For each triangle whether it belongs to a cube.

@@ -115,7 +115,7 @@ fn not_in_pieces(input: &Path) -> Error {
     Error::File {
         file: input.display().to_string(),
         cause: "it cannot be read in pieces: only points in binary PLY, LAS, LAZ, E57 and text (XYZ) can".into(),
-        remedy: "convert it, or read it as a whole, without --out-of-core".into(),
+        remedy: "convert it, or read it as a whole".into(),
     }
 }
 

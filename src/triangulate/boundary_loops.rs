@@ -11,7 +11,7 @@ use crate::base::csr::Csr;
 use crate::geom::aabb::Aabb;
 use crate::geom::eigen::{eigen, scatter};
 use crate::mesh::topology::components;
-use crate::mesh::triangle_mesh::Mesh;
+use crate::mesh::triangle_mesh::{Mesh, used_vertices};
 use crate::spatial::self_intersections::self_intersections;
 use crate::triangulate::agreement::agreed_by_most;
 use crate::triangulate::hole_filling::{boundary_loops, closed_fans, closed_stars, fill_holes};
@@ -127,27 +127,20 @@ struct Pieces {
 
 impl Pieces {
     fn of(triangles: &[[u32; 3]], points: usize) -> Pieces {
-        Pieces { number: components(points, triangles), has_triangle: used(triangles, points) }
+        Pieces { number: components(points, triangles), has_triangle: used_vertices(triangles, points) }
     }
 
     /// How many of them none of `triangles` has a point of, and how many points they have.
     fn dropped(&self, triangles: &[[u32; 3]]) -> (usize, usize) {
         let points = self.number.len();
         let (mut stays, mut sizes) = (vec![false; points], vec![0; points]);
-        for (piece, is_used) in self.number.iter().zip(used(triangles, points)) {
+        for (piece, is_used) in self.number.iter().zip(used_vertices(triangles, points)) {
             stays[*piece as usize] |= is_used;
         }
         let lost = |p: &usize| self.has_triangle[*p] && !stays[self.number[*p] as usize];
         (0..points).filter(lost).for_each(|p| sizes[self.number[p] as usize] += 1);
         (sizes.iter().filter(|size| **size > 0).count(), sizes.iter().sum())
     }
-}
-
-/// For each of so many points whether it is a corner of a triangle.
-fn used(triangles: &[[u32; 3]], points: usize) -> Vec<bool> {
-    let mut used = vec![false; points];
-    triangles.iter().flatten().for_each(|&p| used[p as usize] = true);
-    used
 }
 
 /// The self-intersecting triangles around points where a loop was filled.

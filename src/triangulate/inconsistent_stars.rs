@@ -9,6 +9,7 @@
 use crate::base::csr::Csr;
 use crate::base::parallel;
 use crate::mesh::topology::NONE;
+use crate::mesh::triangle_mesh::used_vertices;
 use crate::surface::domain::{Domain, Sample};
 use crate::triangulate::mutual_tessellation::{Insertion, Tessellation, mutual_tessellation};
 use crate::triangulate::star::INTERIOR;
@@ -40,8 +41,7 @@ impl Starred {
 
     /// The samples without a triangle.
     pub fn not_used(&self, triangles: &[[u32; 3]]) -> Vec<Sample> {
-        let mut used = vec![false; self.samples.len()];
-        triangles.iter().flatten().for_each(|&s| used[s as usize] = true);
+        let used = used_vertices(triangles, self.samples.len());
         self.those(|s| !used[s])
     }
 

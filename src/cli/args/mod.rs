@@ -28,7 +28,7 @@ pub use quality::Measuring;
 pub use reconstruct::Reconstructing;
 pub use remesh::Remeshing;
 pub use sample::Sampling;
-pub use shared::{MeshFile, OutOfCore, Run, Voice, is_page};
+pub use shared::{MeshFile, Run, Voice, is_page};
 pub use stop::Stop;
 pub use tiles::{Planning, Tiling};
 pub use words::Sizing;
@@ -206,7 +206,7 @@ mod tests {
         let Remeshing { input, output, options, levels, sizing, out_of_core, run } = job;
         assert_eq!((options, levels), (RemeshOptions::default(), vec![]));
         assert_eq!((input, output, sizing), (file("a.obj"), file("b.ply"), None));
-        assert_eq!(out_of_core, OutOfCore { wanted: false, memory: None, temp: None, resume: false });
+        assert_eq!(out_of_core, OutOfCore { always: false, memory: None, temp: None, resume: false });
         assert_eq!(run, Run { threads: None, report: None, voice: Voice::Normal });
     }
 
@@ -221,7 +221,7 @@ mod tests {
         assert_eq!((job.input.format, job.output.format), (Some(Format::Ply), Some(Format::Glb)));
         assert_eq!(job.run, Run { threads: Some(3), report: Some("r.json".into()), voice: Voice::Verbose });
         let out_of_core = remeshing("remesh a b --points 5 --out-of-core --memory 2G --temp t --resume").out_of_core;
-        let given = OutOfCore { wanted: true, memory: Some(2_000_000_000), temp: Some("t".into()), resume: true };
+        let given = OutOfCore { always: true, memory: Some(2_000_000_000), temp: Some("t".into()), resume: true };
         assert_eq!(out_of_core, given);
         assert_eq!(remeshing("remesh a b --points 5 --features none").options.surface.features, Features::Smooth);
         assert_eq!(remeshing("remesh a b --points 5 --adapt 0.5").options.surface.grading, Grading::Curvature(0.5));

@@ -1,6 +1,6 @@
 //! The arguments of the main command.
 
-use crate::cli::args::shared::{FormatArgs, MemoryArgs, MeshFile, NormalArgs, OutOfCore, Run, RunArgs, smoothing_help};
+use crate::cli::args::shared::{FormatArgs, MemoryArgs, MeshFile, NormalArgs, Run, RunArgs, smoothing_help};
 use crate::cli::args::stop::{Stop, refused};
 use crate::cli::args::words::{PropertyWidth, Sizing, no_density, positive_or_zero, property_width, within};
 use crate::job::RemeshOptions;

@@ -1,6 +1,6 @@
 //! The arguments of `remesh sample`.
 
-use crate::cli::args::shared::{MemoryArgs, MeshFile, NormalArgs, OutOfCore, Run, RunArgs, reach_help};
+use crate::cli::args::shared::{MemoryArgs, MeshFile, NormalArgs, Run, RunArgs, reach_help};
 use crate::cli::args::stop::{Stop, refused};
 use crate::cli::args::words::{PropertyWidth, no_density, property_width, samples};
 use crate::io::Format;
@@ -128,8 +128,8 @@ pub struct Sampling {
 impl SampleArgs {
     pub(super) fn resolve(self) -> Result<Sampling, Stop> {
         let SampleArgs { input, output, even, sigma_n, properties, normals, levels, format, out_of_core, run } = self;
-        let OutOfCoreArgs { out_of_core: wanted, memory } = out_of_core;
-        let out_of_core = memory.resolve(wanted);
+        let OutOfCoreArgs { out_of_core: always, memory } = out_of_core;
+        let out_of_core = memory.resolve(always);
         let signals = properties.into_iter().map(Signal::from).collect();
         let settings = SampleSettings { sigma_n, signals, normals: normals.into(), levels, ..even.settings()? };
         let options = settings.resolve().map_err(|e| refused(&e))?;
@@ -137,7 +137,7 @@ impl SampleArgs {
             input: MeshFile { path: input, format },
             output,
             options,
-            out_of_core: OutOfCore { wanted: out_of_core.wanted || out_of_core.resume, ..out_of_core },
+            out_of_core: OutOfCore { always: out_of_core.always || out_of_core.resume, ..out_of_core },
             run: Run::from(run).without_page("samples")?,
         })
     }

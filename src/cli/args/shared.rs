@@ -78,24 +78,11 @@ pub(super) struct MemoryArgs {
 }
 
 impl MemoryArgs {
-    /// How what is larger than memory is treated, by itself or because it is `wanted`.
-    pub(super) fn resolve(self, wanted: bool) -> OutOfCore {
+    /// When and with what a job is done out of core.
+    pub(super) fn resolve(self, always: bool) -> OutOfCore {
         let MemoryArgs { memory, temp, resume } = self;
-        OutOfCore { wanted, memory, temp, resume }
+        OutOfCore { always, memory, temp, resume }
     }
-}
-
-/// How what is larger than memory is treated.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct OutOfCore {
-    /// Whether it is wanted in any case.
-    pub wanted: bool,
-    /// Bytes to make do with; half of what is free without.
-    pub memory: Option<u64>,
-    /// Where temporary files go.
-    pub temp: Option<PathBuf>,
-    /// Whether a run goes on from what one before has finished.
-    pub resume: bool,
 }
 
 /// Whether a report with this name is a page, and not JSON.

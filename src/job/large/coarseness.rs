@@ -1,6 +1,6 @@
 //! How coarse a mesh that is larger than memory may become while it is read for a job.
 
-use crate::base::error::{Error, Fault, Result, Setting};
+use crate::base::error::{Error, Result, Setting};
 use crate::io::large::Extent;
 use crate::pipeline::{Density, Grading, Options, Values, coarseness_for, spacing_on};
 use crate::prepare::coarsen::Coarseness;
@@ -52,7 +52,7 @@ pub fn refuse_coarser(options: &Options) -> Result<()> {
 /// vertices may be left.
 ///
 /// # Errors
-/// Those of [`refuse_coarser`]; [`Error::Mesh`] if memory does not suffice.
+/// Those of [`refuse_coarser`]; [`Error::Option`] if memory does not suffice.
 pub fn coarseness_within(memory: u64, extent: Extent, options: &Options) -> Result<(Coarseness, f64)> {
     refuse_coarser(options)?;
     let spacing = spacing_on(extent.area, options.density).unwrap_or(f64::INFINITY);
@@ -64,12 +64,12 @@ pub fn coarseness_within(memory: u64, extent: Extent, options: &Options) -> Resu
     let needed = bytes(MOST_LONGER);
     if needed > memory as f64 {
         let [needed, memory] = [needed, memory as f64].map(|bytes| (bytes / 1e6).ceil());
-        return Err(Error::Mesh {
-            fault: Fault::TooLarge,
+        return Err(Error::Option {
+            option: Setting::Memory,
             cause: format!(
-                "{result:.0} vertices of it take about {needed} MB, more than the {memory} MB that are allowed"
+                "{result:.0} vertices of this mesh take about {needed} MB, more than the {memory} MB that are allowed"
             ),
-            remedy: "allow more by --memory, or ask for fewer vertices".into(),
+            remedy: "allow more, or ask for fewer vertices".into(),
         });
     }
     if bytes(1.0) <= memory as f64 {

@@ -1,0 +1,152 @@
+//! Clouds that are sampled tile by tile, and whose meshes are made piece by piece.
+
+use crate::base::error::Result;
+use crate::base::monitor::Monitor;
+use crate::io::dense::PointFile;
+use crate::io::format::Format;
+use crate::job::large::LargeFile;
+use crate::job::large::workspace::Workspace;
+use crate::job::{Carry, Outcome, RemeshOptions};
+use crate::pipeline::{Density, Grading, MOST_OF_BASE, SampleDensity, SampleOptions, Sampled};
+use crate::surface::features::Features;
+use crate::tiles::{
+    PlanOptions, TileFolder, can_plan, make_plan, merge, merge_mesh, mesh_pieces, nearest_attributes, sample_tiles,
+};
+use crate::transfer::vertex::Carried;
+
+/// Bytes that remeshing a cloud in memory takes for each vertex of the result.
+const BYTES_PER_VERTEX: u64 = 3000;
+
+/// Fewer points for each vertex leave pieces of a mesh open.
+const POINTS_PER_VERTEX: u64 = 3;
+
+/// Bytes that temporary files have, besides those of the points, for each sample, and for each vertex of a mesh.
+const BYTES_OF_SAMPLE: u64 = 52;
+const BYTES_OF_VERTEX: u64 = 180;
+
+/// Samples the points of a file tile by tile, if it is larger than the memory for it and can be, or if that is done always; else
+/// `None`.
+///
+/// # Errors
+/// [`Error::File`](crate::Error::File) if the file or a temporary one cannot be read or written;
+/// [`Error::Option`](crate::Error::Option) for options that tiles do not know;
+/// [`Error::Cancelled`](crate::Error::Cancelled) if the monitor asks for it.
+pub fn sample_in_tiles(file: &LargeFile, options: &SampleOptions, monitor: &dyn Monitor) -> Result<Option<Sampled>> {
+    let is_done = file.out_of_core.always || file.is_large() && can_plan(file.path, file.format, options);
+    if !is_done {
+        return Ok(None);
+    }
+    let (workspace, folder) = planned(file, options, BYTES_OF_SAMPLE, monitor)?;
+    sample_tiles(&folder, &[], monitor)?;
+    monitor.stage("merge");
+    let sampled = merge(&folder, monitor)?;
+    workspace.clear();
+    Ok(Some(sampled))
+}
+
+/// Remeshes a cloud piece by piece, if its mesh is too large for the memory and can be made so; else `None`. What `format` cannot
+/// hold is left out.
+///
+/// # Errors
+/// Those of [`sample_in_tiles`].
+pub fn remesh_in_pieces(
+    file: &LargeFile,
+    options: &RemeshOptions,
+    format: Option<Format>,
+    monitor: &dyn Monitor,
+) -> Result<Option<Outcome>> {
+    let can_be = |sample: &SampleOptions| is_dense(file, sample) && can_plan(file.path, file.format, sample);
+    let Some(sample) = in_pieces(options, file.out_of_core.memory()).filter(can_be) else { return Ok(None) };
+    let (workspace, folder) = planned(file, &sample, BYTES_OF_SAMPLE + BYTES_OF_VERTEX, monitor)?;
+    if folder.plan()?.is_thick {
+        workspace.clear();
+        return Ok(None);
+    }
+    sample_tiles(&folder, &[], monitor)?;
+    mesh_pieces(&folder, &[], monitor)?;
+    let outcome = merge_pieces(&folder, &options.carry, format, monitor)?;
+    workspace.clear();
+    Ok(Some(outcome))
+}
+
+/// Joins the pieces of a mesh in a folder of tiles. What `format` cannot hold is left out.
+///
+/// # Errors
+/// [`Error::File`](crate::Error::File) if a piece is missing or a file cannot be read; [`Error::Cancelled`](crate::Error::Cancelled)
+/// if the monitor asks for it.
+pub fn merge_pieces(
+    folder: &TileFolder,
+    carry: &Carry,
+    format: Option<Format>,
+    monitor: &dyn Monitor,
+) -> Result<Outcome> {
+    monitor.stage("merge");
+    let mesh = merge_mesh(folder)?;
+    let mut carried = match carry {
+        Carry::Nothing => Carried::default(),
+        Carry::All | Carry::AllBut(_) => nearest_attributes(folder, &mesh, monitor)?,
+    };
+    if let Carry::AllBut(lost) = carry {
+        carried.leave_out(lost.clone());
+    }
+    if let Some(format) = format {
+        carried.leave_out(format.cannot_hold(&carried.attributes));
+    }
+    monitor.stage("measure");
+    Ok(Outcome::of_pieces(mesh, carried, folder.plan()?.wanted))
+}
+
+/// Whether a cloud has the points that pieces of a mesh need.
+fn is_dense(file: &LargeFile, sample: &SampleOptions) -> bool {
+    let points = PointFile::open(file.path, file.format).ok().flatten().map_or(0, |file| file.table.points);
+    points as u64 >= POINTS_PER_VERTEX * wanted(sample)
+}
+
+/// How the samples of a mesh are drawn that is too large for the memory, if pieces can be what the options ask for.
+fn in_pieces(options: &RemeshOptions, memory: u64) -> Option<SampleOptions> {
+    let (surface, cloud) = (&options.surface, &options.cloud);
+    let Density::Points(wanted) = surface.density else { return None };
+    let is_plain = surface.grading == Grading::Even
+        && matches!(surface.features, Features::Automatic | Features::Smooth)
+        && surface.part.is_none()
+        && surface.max_error.is_none()
+        && surface.optimize
+        && cloud.fill_holes == 0.0
+        && cloud.terrain != Some(true);
+    // A base mesh is made in memory even so.
+    let is_too_large = wanted > MOST_OF_BASE && BYTES_PER_VERTEX * wanted as u64 > memory;
+    (is_plain && is_too_large).then(|| SampleOptions {
+        density: SampleDensity::Points(wanted),
+        seed: surface.seed,
+        cloud: cloud.clone(),
+        ..SampleOptions::default()
+    })
+}
+
+/// How many samples are wanted, if that is known.
+fn wanted(sample: &SampleOptions) -> u64 {
+    match sample.density {
+        SampleDensity::Points(wanted) => wanted as u64,
+        _ => 0,
+    }
+}
+
+/// The folder in which tiles are planned, within the workspace of a job, whose files take so many bytes for each sample.
+fn planned(
+    file: &LargeFile,
+    sample: &SampleOptions,
+    bytes_per_sample: u64,
+    monitor: &dyn Monitor,
+) -> Result<(Workspace, TileFolder)> {
+    let options = PlanOptions { sample: sample.clone(), memory: file.out_of_core.memory(), tiles: 1 };
+    let workspace = Workspace::of(file)?;
+    let folder = workspace.folder()?;
+    let is_begun = file.out_of_core.resume && folder.is_of(file.path, &options);
+    if !is_begun {
+        let bytes = file.bytes();
+        workspace.announce(bytes + bytes / 4 + bytes_per_sample * wanted(sample), monitor);
+        make_plan(file.path, file.format, &folder, &options, monitor)?;
+        folder.note(file.path, &options)?;
+    }
+    Ok((workspace, folder))
+}
