@@ -1,4 +1,4 @@
-//! Clouds that are sampled tile by tile, and whose meshes are made piece by piece, in temporary files.
+//! Clouds that are sampled tile by tile, and meshed piece by piece, in temporary files.
 
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
@@ -17,23 +17,24 @@ use crate::transfer::vertex::Carried;
 use std::fs;
 use std::path::Path;
 
-/// Bytes that remeshing a cloud in memory takes for each vertex of the result.
+/// Memory in bytes per vertex of the result for remeshing a cloud in memory.
 const BYTES_PER_VERTEX: u64 = 3000;
 
-/// Fewer points for each vertex leave pieces of a mesh open.
+/// Minimum number of points per vertex: with fewer, pieces of a mesh would stay open.
 const POINTS_PER_VERTEX: u64 = 3;
 
-/// Bytes that temporary files have, besides those of the points, for each sample, and for each vertex of a mesh.
+/// Size of temporary files in bytes, in addition to the points: per sample, and per vertex of a mesh.
 const BYTES_OF_SAMPLE: u64 = 52;
 const BYTES_OF_VERTEX: u64 = 180;
 
-/// Whether a job is done tile by tile: if that is wanted, or if its file is larger than the memory for it and can be.
+/// Returns whether a job is done tile by tile: if requested, or if its file is larger than its memory limit and can be
+/// tiled.
 pub(super) fn is_sampled_in_tiles(job: &Sampling) -> bool {
     job.out_of_core.wanted
         || is_large(&job.input, &job.out_of_core) && can_plan(&job.input.path, job.input.format, &job.options)
 }
 
-/// Samples the file of a job tile by tile.
+/// Samples a job's file tile by tile.
 pub(super) fn sample_in_tiles(job: &Sampling, monitor: &dyn Monitor) -> Result<Sampled> {
     let work = Work { input: &job.input, output: &job.output, wanted: &job.out_of_core, voice: job.run.voice };
     let (place, folder) = work.planned(&job.options, BYTES_OF_SAMPLE, monitor)?;
@@ -44,8 +45,8 @@ pub(super) fn sample_in_tiles(job: &Sampling, monitor: &dyn Monitor) -> Result<S
     Ok(sampled)
 }
 
-/// The mesh of a job whose file is a cloud, made piece by piece, if it is too large for the memory and can be made so; else
-/// `None`.
+/// Returns the mesh of a job whose file is a cloud, made piece by piece, if it is too large for the memory and can be made
+/// this way; else `None`.
 pub(super) fn mesh_in_pieces(
     job: &Remeshing,
     outputs: &Outputs,
@@ -74,13 +75,14 @@ pub(super) fn mesh_in_pieces(
     Ok(Some((mesh, carried)))
 }
 
-/// Whether a cloud has the points that pieces of a mesh need.
+/// Returns whether a cloud has as many points as pieces of a mesh need.
 fn is_dense(input: &MeshFile, options: &SampleOptions) -> bool {
     let points = PointFile::open(&input.path, input.format).ok().flatten().map_or(0, |file| file.table.points);
     points as u64 >= POINTS_PER_VERTEX * wanted(options)
 }
 
-/// How the samples of a mesh are drawn that is too large for the memory, if pieces can be what the job asks for.
+/// Returns how to draw the samples of a mesh that is too large for the memory, if what the job asks for can be made in
+/// pieces.
 fn in_pieces(job: &Remeshing) -> Option<SampleOptions> {
     let (surface, cloud) = (&job.options.surface, &job.options.cloud);
     let Density::Points(wanted) = surface.density else { return None };
@@ -93,7 +95,7 @@ fn in_pieces(job: &Remeshing) -> Option<SampleOptions> {
         && cloud.terrain != Some(true)
         && job.levels.is_empty()
         && job.sizing.is_none();
-    // A base mesh is made in memory even so.
+    // A base mesh, which has at most this many vertices, is made in memory in any case.
     let is_too_large = wanted > MOST_OF_BASE && BYTES_PER_VERTEX * wanted as u64 > job.out_of_core.memory();
     (is_plain && is_too_large).then(|| SampleOptions {
         density: SampleDensity::Points(wanted),
@@ -103,7 +105,7 @@ fn in_pieces(job: &Remeshing) -> Option<SampleOptions> {
     })
 }
 
-/// How many samples are wanted, if that is known.
+/// Returns the target number of samples; 0 if it is not known.
 fn wanted(options: &SampleOptions) -> u64 {
     match options.density {
         SampleDensity::Points(wanted) => wanted as u64,
@@ -120,7 +122,8 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// The folder, in which the tiles are planned, and where it is. There are files of so many bytes for each sample to come.
+    /// Returns the folder with the planned tiles, and its location. Temporary files will take `bytes_per_sample` for each
+    /// sample.
     fn planned(
         &self,
         sample: &SampleOptions,

@@ -1,4 +1,4 @@
-//! What is larger than memory: meshes that become coarser while they are read, and the folder of temporary files.
+//! Inputs larger than memory: meshes that are coarsened while they are read, and the folder of temporary files.
 
 use crate::base::error::{Error, Result};
 use crate::base::monitor::Monitor;
@@ -13,20 +13,20 @@ use crate::tiles::TileFolder;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Memory that is taken to be free where the system does not tell.
+/// Memory that is assumed to be free if the system does not report it.
 const UNKNOWN: u64 = 2_000_000_000;
 
-/// Triangles that take more than this part of the memory are sorted in a file.
+/// Triangles that take more than the memory limit divided by this number are sorted in a file.
 const OF_MEMORY: u64 = 10;
 
 impl OutOfCore {
-    /// The memory to make do with, in bytes.
+    /// Returns the memory limit in bytes.
     pub(super) fn memory(&self) -> u64 {
         self.memory.unwrap_or_else(free_memory)
     }
 }
 
-/// Half of the memory that is free, in bytes.
+/// Returns half of the free memory, in bytes.
 pub(super) fn free_memory() -> u64 {
     let known = fs::read_to_string(Path::new("/proc/meminfo")).ok().and_then(|text| {
         let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:").map(str::to_string))?;
@@ -35,17 +35,17 @@ pub(super) fn free_memory() -> u64 {
     known.unwrap_or(UNKNOWN) / 2
 }
 
-/// Whether a file is larger than the memory for it.
+/// Returns whether a file is larger than its memory limit.
 pub(super) fn is_large(input: &MeshFile, wanted: &OutOfCore) -> bool {
     fs::metadata(&input.path).is_ok_and(|found| found.len() > wanted.memory())
 }
 
-/// The mesh of a job, made coarser while it is read, if it is larger than memory or far finer than the result, or if that is
-/// wanted; else `None`.
+/// Returns the mesh of a job, coarsened while it is read, if it is larger than memory or far finer than the result, or if
+/// this is requested; else `None`.
 ///
 /// # Errors
-/// [`Error::Option`] if that is wanted with options that need all of the mesh; [`Error::File`] if the file cannot be read so,
-/// or memory does not suffice.
+/// [`Error::Option`] if this is requested with options that need the whole mesh; [`Error::File`] if the file cannot be read
+/// this way, or the memory does not suffice.
 pub(super) fn load_coarsened(job: &Remeshing, monitor: &dyn Monitor) -> Result<Option<Loaded>> {
     let options = &job.options.surface;
     let is_wanted = job.out_of_core.wanted;
@@ -90,7 +90,7 @@ fn not_in_blocks(path: &Path) -> Error {
     }
 }
 
-/// Says how much room temporary files take.
+/// Reports how much space temporary files take.
 pub(super) fn announce(input: &MeshFile, place: &Place, bytes: u64, voice: Voice) {
     if voice != Voice::Quiet {
         let (name, folder) = (name(input), place.path().display());
@@ -100,14 +100,14 @@ pub(super) fn announce(input: &MeshFile, place: &Place, bytes: u64, voice: Voice
 
 /// The folder of temporary files.
 pub(super) enum Place {
-    /// One that vanishes whatever happens.
+    /// A folder that is removed in any case.
     Passing(tempfile::TempDir),
-    /// One that stays until the job is done.
+    /// A folder that is kept until the job is done.
     Kept(PathBuf),
 }
 
 impl Place {
-    /// The one for `output`.
+    /// Returns the folder for `output`.
     pub(super) fn of(output: &Path, wanted: &OutOfCore) -> Result<Place> {
         let parent = parent(wanted)?;
         if !wanted.resume {
@@ -139,7 +139,7 @@ impl Place {
         TileFolder::make(self.path())
     }
 
-    /// Takes away what was kept.
+    /// Removes a folder that was kept.
     pub(super) fn clear(&self) {
         if let Place::Kept(path) = self {
             // The job is done; a folder that cannot be removed is no reason to fail.
@@ -148,7 +148,7 @@ impl Place {
     }
 }
 
-/// Where the folder of temporary files is to be.
+/// Returns the folder in which the folder of temporary files is created.
 fn parent(wanted: &OutOfCore) -> Result<PathBuf> {
     let parent = wanted.temp.clone().unwrap_or_else(std::env::temp_dir);
     TileFolder::at(&parent)?;
