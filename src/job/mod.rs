@@ -1,5 +1,5 @@
-//! The whole job in one call: from a mesh or points with attributes to a mesh with attributes, where it came from, and a
-//! report. Nothing is read, written or printed here.
+//! Runs the whole job in one call: turns a mesh or points with attributes into a mesh with attributes, the origins of its
+//! vertices, and a report. Nothing is read, written or printed here.
 
 #[cfg(feature = "fs")]
 mod coarseness;
