@@ -1,12 +1,13 @@
-//! Every stage by itself, on a sphere with bumps of ten times as many triangles as the points that it becomes: 10,000 if
-//! nothing else is said.
+//! Benchmarks of single stages. The input is a bumpy sphere with ten times as many triangles as the result has points, which
+//! are 10,000 by default.
 //!
 //!     cargo bench                      # all
-//!     BENCH_POINTS=1000 cargo bench    # with so many points
-//!     cargo bench -- write             # those with that word in their name
+//!     BENCH_POINTS=1000 cargo bench    # with this number of points
+//!     cargo bench -- write             # only those whose names contain this word
 //!     cargo bench -- --sample-count 50
 //!
-//! Times are of the threads that `RAYON_NUM_THREADS` says, by default one a core. `benches/compare` times two commits.
+//! Times depend on the number of threads, `RAYON_NUM_THREADS`, by default one per core. `benches/compare` compares two
+//! commits.
 
 #![allow(clippy::disallowed_methods)]
 
@@ -55,7 +56,7 @@ fn main() {
     Divan::default().sample_count(10).config_with_args().main();
 }
 
-/// What each stage gets from the stages before it.
+/// The input of each stage, made by the stages before it.
 struct Inputs {
     mesh: Mesh,
     domain: Domain,
@@ -67,7 +68,7 @@ struct Inputs {
     origins: Origins,
 }
 
-/// Where on `mesh`, that of `domain`, these places lie.
+/// Returns where on `mesh`, the mesh of `domain`, these positions lie.
 fn on(domain: &Domain, mesh: &Mesh, places: &[DVec3]) -> Vec<PointOnTriangle> {
     places.iter().map(|&p| domain.origin(&domain.project_anywhere(p), 0.0, &mesh.triangles)).collect()
 }
@@ -102,7 +103,7 @@ impl Inputs {
     }
 }
 
-/// A closed surface of `2 columns (rows - 1)` triangles, narrow ones at the poles.
+/// A closed surface of `2 columns (rows - 1)` triangles, which are narrow at the poles.
 fn bumpy_sphere(rows: u32, columns: u32) -> Mesh {
     let bumps = |p: DVec3| p * (1.0 + 0.08 * (7.0 * p.x).sin() * (6.0 * p.y).sin() * (5.0 * p.z).cos());
     let place = |i: u32, j: u32| {
@@ -185,7 +186,7 @@ fn s07_triangulate(bencher: Bencher) {
     bencher.bench(|| join(&given.domain, black_box(&given.samples), given.spacing));
 }
 
-/// What [`s07_triangulate`] falls back to, for the whole surface.
+/// The fallback of [`s07_triangulate`], for the whole surface.
 #[divan::bench]
 fn s07_mutual_tessellation(bencher: Bencher) {
     let given = &*INPUTS;
@@ -213,7 +214,7 @@ fn s09_ascent(bencher: Bencher) {
     });
 }
 
-/// One of the stages of optimising, on the manifold as it comes from triangulation.
+/// Measures one of the optimisation stages on the manifold that triangulation gives.
 fn optimising(bencher: Bencher, stage: impl Fn(&Domain, &mut Manifold, f64) -> Result<()> + Sync) {
     let given = &*INPUTS;
     bencher.with_inputs(|| given.manifold.clone()).bench_values(|mut mesh| {
@@ -274,7 +275,7 @@ fn s11_report_distance(bencher: Bencher) {
     bencher.bench(|| distance(&INPUTS.result, black_box(&INPUTS.mesh), REPORT_SAMPLES, SEED));
 }
 
-/// The mesh through half of the candidates, ten a point, without their normals; smoothed or not.
+/// The mesh through half of the candidates, ten per point, without their normals; smoothed or not.
 #[divan::bench(args = [false, true])]
 fn s11_mesh_of_points(bencher: Bencher, smooth: bool) {
     let all = INPUTS.candidates.iter().step_by(2).map(|c| c.sample(&INPUTS.domain).position);
@@ -289,7 +290,7 @@ fn s12_remesh_all(bencher: Bencher) {
     bencher.bench(|| remesh(black_box(&INPUTS.mesh), &options, &()).expect("the sphere can be remeshed"));
 }
 
-/// A colour of each vertex, then texture coordinates of each corner.
+/// A colour per vertex, or texture coordinates per corner.
 #[divan::bench(args = [false, true])]
 fn s13_carry(bencher: Bencher, with_texture: bool) {
     let given = &*INPUTS;

@@ -1,8 +1,9 @@
-//! Remeshing by spectral sampling: from a triangle mesh or a point cloud as it comes to a mesh with the wanted number of
-//! vertices, evenly spread, with triangles close to equilateral, of the same shape and the same topology.
+//! Remeshing by spectral sampling: turns a triangle mesh or a point cloud, in whatever state it comes, into a mesh with the
+//! target number of vertices. The vertices are evenly spread, the triangles close to equilateral, and shape and topology are
+//! kept.
 //!
-//! The samples are those of *Spectral sampling of manifolds* (A. C. Öztireli, M. Alexa, M. Gross, 2010,
-//! [DOI 10.1145/1882261.1866190](https://doi.org/10.1145/1882261.1866190)). The whole job is one call, [`remesh()`]:
+//! The sampling method is that of *Spectral sampling of manifolds* (A. C. Öztireli, M. Alexa, M. Gross, 2010,
+//! [DOI 10.1145/1882261.1866190](https://doi.org/10.1145/1882261.1866190)). A single call, [`remesh()`], does the whole job:
 //!
 //! ```
 //! use spectral_remesh::{Input, Options, remesh};
@@ -16,7 +17,7 @@
 //! assert!(outcome.verified());
 //! assert_eq!(outcome.positions().len(), 400);
 //!
-//! // Where each vertex came from: a triangle of the input and barycentric coordinates there.
+//! // The origin of each vertex: a triangle of the input and barycentric coordinates in it.
 //! for (position, origin) in outcome.positions().iter().zip(&outcome.origins) {
 //!     let at = |k: usize| (0..3).map(|i| origin.weights[i] * positions[origin.vertices[i] as usize][k]).sum::<f64>();
 //!     assert!((0..3).all(|k| (at(k) - position[k]).abs() < 1e-9));
@@ -24,12 +25,13 @@
 //! # Ok::<(), spectral_remesh::Error>(())
 //! ```
 //!
-//! [`Input`] is a mesh or points, with [`Attributes`]; [`RemeshOptions`] say what to make of it; [`Outcome`] has the mesh, its
-//! attributes, origins and the [`report`]. [`remesh_levels()`] gives one for each level of detail, [`sample()`] gives points without triangles, [`reconstruct()`] dense triangles of
-//! a cloud, [`quality()`] the figures of any mesh. [`io`] reads and writes files.
+//! [`Input`] is a mesh or a set of points, with [`Attributes`]; [`RemeshOptions`] say what to make of it; [`Outcome`] holds
+//! the mesh, its attributes, its origins and the [`report`]. [`remesh_levels()`] makes one mesh for each level of detail,
+//! [`sample()`] points without triangles, [`reconstruct()`] dense triangles from a point cloud, and [`quality()`] the
+//! quality figures of any mesh. [`io`] reads and writes files.
 //!
-//! [`stages`] has what these calls are made of: each stage takes plain data and can be used by itself. Here it is the
-//! sampler alone:
+//! [`stages`] contains the building blocks of these calls: each stage takes plain data and can be used by itself. This is
+//! the sampler alone:
 //!
 //! ```
 //! use glam::{DVec3, dvec3};
@@ -38,7 +40,7 @@
 //! use spectral_remesh::stages::spectral::{candidates::candidates, curve_samples::sample_curves, scan::linear_scan};
 //! use spectral_remesh::stages::surface::domain::Domain;
 //!
-//! // A unit square, which is an oriented manifold already. (Others go through `prepare::repair::repair` first.)
+//! // A unit square, which already is an oriented manifold. (Other meshes go through `prepare::repair::repair` first.)
 //! let square = Mesh {
 //!     positions: vec![DVec3::ZERO, DVec3::X, dvec3(1., 1., 0.), DVec3::Y],
 //!     triangles: vec![[0, 1, 2], [0, 2, 3]],
@@ -51,9 +53,9 @@
 //! let samples = linear_scan(&domain, &candidates, &rim, sigma, seed, &())?;
 //!
 //! assert_eq!(samples[..rim.len()], rim);
-//! // At hexagonal packing that spacing means 462 points of a unit square; the rim takes a part of it.
+//! // At hexagonal packing, a unit square has 462 points at this spacing; the rim takes up some of them.
 //! assert!((350..550).contains(&samples.len()), "{}", samples.len());
-//! // With the threshold of the scan, 1/2, no two that it keeps are nearer than √(ln 2 / 2) σp.
+//! // With the scan's threshold, 1/2, no two samples that it keeps are closer than √(ln 2 / 2) σp.
 //! let nearest = |i: usize| samples[..i].iter().map(|s| s.position.distance(samples[i].position)).fold(1.0, f64::min);
 //! assert!((rim.len()..samples.len()).all(|i| nearest(i) > 0.58 * sigma));
 //! # Ok::<(), spectral_remesh::Error>(())
@@ -61,34 +63,34 @@
 //!
 //! # Conventions
 //!
-//! - Computations are in f64. Lengths are in the units of the mesh where it is not said that they are in mean spacings
-//!   or in percent of a diagonal; angles in degrees in what is reported.
-//! - Corners of triangles go counter-clockwise seen from outside. Side `k` of triangle `t` runs from its corner `k` to
-//!   the next one, and has the number `3 t + k`.
-//! - What fails is an [`Error`], which names place, cause and remedy. What is merely not as wished (a missed count, a
-//!   topology that differs) is a field of the result: ask [`Outcome::verified`].
-//! - The same input, options and seed give the same result with any number of threads. The threads are those of the
-//!   `rayon` pool that the call is made in.
+//! - Computations are in f64. Lengths are in the units of the mesh, unless stated to be in mean spacings or in percent of a
+//!   diagonal; reported angles are in degrees.
+//! - Triangle corners are in counter-clockwise order seen from outside. Side `k` of triangle `t` runs from its corner `k` to
+//!   the next one; its number is `3 t + k`.
+//! - A failure is an [`Error`], which names place, cause and remedy. Whatever merely misses a wish (the vertex count is off,
+//!   the topology differs) is a field of the result: see [`Outcome::verified`].
+//! - The same input, options and seed give the same result with any number of threads. Threads come from the `rayon` pool in
+//!   which the call is made.
 //!
 //! # What the library never does
 //!
-//! It does not print, and it reads no clock: progress, times and cancelling are for the caller's [`Monitor`] to care
-//! about (a [`Stopwatch`] is one that reads the clock for its owner). It opens no files, except in `io::file`, which is
-//! there with the feature `fs` only. It holds no state between calls.
+//! It does not print and does not read the clock: progress, timing and cancelling are up to the caller's [`Monitor`]
+//! ([`Stopwatch`] is one that reads the clock for the caller). It opens no files, except in `io::file`, which exists only
+//! with the feature `fs`. It keeps no state between calls.
 //!
 //! # Features
 //!
 //! | feature | what it adds |
 //! |---|---|
-//! | `fs` | `io::file`: meshes by the name of their file, written beside the target and renamed |
-//! | `e57` (default) | E57 files can be read |
-//! | `laz` (default) | compressed LAS files can be read |
-//! | `cli` (default) | `cli`: all of the command line tool; implies `fs` |
+//! | `fs` | `io::file`: reads and writes meshes by file name; outputs are written beside the target, then renamed |
+//! | `e57` (default) | reads E57 files |
+//! | `laz` (default) | reads compressed LAS files |
+//! | `cli` (default) | `cli`: the whole command line tool; implies `fs` |
 //!
-//! Without default features readers and writers work on bytes only.
+//! Without default features, readers and writers work on bytes only.
 
 #![warn(missing_docs)]
-// Shapes that tests build may differ in their last bits between machines.
+// The last bits of shapes built by tests may differ between machines.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 #[doc(hidden)]
@@ -133,8 +135,8 @@ pub mod transfer;
 #[doc(hidden)]
 pub mod triangulate;
 
-/// The stages, each of which can be used by itself. This module is exempt from semantic versioning: names and arguments change
-/// when a stage gets better.
+/// The stages, each of which can be used by itself. This module is exempt from semantic versioning: names and arguments
+/// change whenever a stage is improved.
 pub mod stages {
     #[doc(inline)]
     pub use crate::{
@@ -143,7 +145,7 @@ pub mod stages {
     };
 }
 
-/// The crate of vectors in which meshes and options have their coordinates.
+/// The vector crate that positions and options use.
 pub use glam;
 
 pub use base::error::{Error, Fault, Place, Result, Setting};

@@ -1,10 +1,10 @@
-//! The command `remesh`; everything is in the library's `cli`.
+//! The command `remesh`; all of it is in the library's `cli`.
 
 use std::panic::resume_unwind;
 use std::process::ExitCode;
 use std::thread;
 
-/// The bytes of stack that the command has, whatever the system gives to the first thread.
+/// Stack size of the command in bytes, independent of what the system gives the first thread.
 const STACK: usize = 8 << 20;
 
 fn main() -> ExitCode {

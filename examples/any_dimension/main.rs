@@ -1,6 +1,6 @@
-//! One sampler for manifolds of any dimension: a square, a square whose sides are joined, a cube, and a surface in ten
-//! dimensions. Random points first; then gradient ascent moves them until each is as far from the others as can be. Then
-//! the linear scan takes a subset of many random points, as even from the start.
+//! A single sampler for manifolds of any dimension: a square, a square whose opposite sides are joined, a cube, and a
+//! surface in ten dimensions. First, gradient ascent moves random points until they are as far apart as possible. Then, the
+//! linear scan selects a subset of many random points that is even from the start.
 //!
 //! `cargo run --release --example any_dimension`
 
@@ -17,11 +17,11 @@ use spectral_remesh::stages::spectral::subset::scan;
 use spectral_remesh::stages::surface::submanifold::{FlatTorus, Submanifold, UnitCube};
 use ten::FiveCircles;
 
-/// Points of each manifold, and those that the scan chooses from.
+/// Number of points on each manifold, and number of points from which the scan selects.
 const POINTS: usize = 1000;
 const CANDIDATES: usize = 20_000;
 
-/// Widths of the kernel in spacings: for moving points, and for choosing them.
+/// Kernel widths in spacings: for moving points, and for selecting them.
 const ASCENT_SIGMA: f64 = 0.94;
 const SCAN_SIGMA: f64 = 0.866;
 
@@ -30,14 +30,14 @@ fn main() -> Result<()> {
     let spacing = |area: f64| (2.0 * area / (3f64.sqrt() * POINTS as f64)).sqrt();
     show("square", &UnitCube::<2>, unit_point, spacing(1.0))?;
     show("square, sides joined", &FlatTorus::<2>, unit_point, spacing(1.0))?;
-    // Densest in three dimensions are layers like oranges, √2 balls in a volume of spacing³.
+    // The densest packing in three dimensions is that of stacked oranges: √2 balls in a volume of spacing³.
     let in_cube = (2f64.sqrt() / POINTS as f64).cbrt();
     show("cube", &UnitCube::<3>, |rng| [unit(rng), unit(rng), unit(rng)], in_cube)?;
     show("surface in ten dimensions", &FiveCircles, FiveCircles::random, spacing(FiveCircles::area()))
 }
 
-/// Samples a manifold and prints how even the samples are: the distance of the nearest two in units of `spacing`, which
-/// is that of the densest packing.
+/// Samples a manifold and prints how even the samples are: the distance of the closest pair in units of `spacing`, the
+/// distance in the densest packing.
 fn show<S: Submanifold<D>, const D: usize>(
     name: &str,
     manifold: &S,
@@ -64,7 +64,7 @@ fn show<S: Submanifold<D>, const D: usize>(
     Ok(())
 }
 
-/// The distance of the two points that are nearest to each other.
+/// Returns the distance of the closest pair of points.
 fn nearest_pair<S: Submanifold<D>, const D: usize>(manifold: &S, points: &[S::Point]) -> f64 {
     let places: Vec<[f64; D]> = points.iter().map(|point| manifold.coordinates(point)).collect();
     let mut nearest = f64::INFINITY;

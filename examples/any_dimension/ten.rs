@@ -1,6 +1,6 @@
-//! A surface in ten dimensions: (u, v) ↦ five circles, (cos kᵢ·(u, v), sin kᵢ·(u, v)) for five wave vectors kᵢ.
+//! A surface in ten dimensions that maps (u, v) to five circles, (cos kᵢ·(u, v), sin kᵢ·(u, v)) for five wave vectors kᵢ.
 //!
-//! Its metric Σ kᵢ kᵢᵗ is the same everywhere, so its area is known and even samples are evenly dense in u and v.
+//! Its metric Σ kᵢ kᵢᵗ is constant, so its area is known, and even samples have constant density in u and v.
 
 use spectral_remesh::stages::base::rng::{Random, unit};
 use spectral_remesh::stages::surface::submanifold::Submanifold;
@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 /// The wave vectors.
 const WAVES: [[f64; 2]; 5] = [[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, -1.0], [2.0, 1.0]];
 
-/// The surface; its points are (u, v).
+/// The surface. Its points are (u, v).
 pub struct FiveCircles;
 
 impl FiveCircles {
@@ -19,13 +19,13 @@ impl FiveCircles {
         [sum(0, 0), sum(0, 1), sum(1, 1)]
     }
 
-    /// The area in the ten dimensions.
+    /// The area of the surface in ten dimensions.
     pub fn area() -> f64 {
         let [uu, uv, vv] = Self::metric();
         TAU * TAU * (uu * vv - uv * uv).sqrt()
     }
 
-    /// A point at random.
+    /// A random point.
     pub fn random(rng: &mut Random) -> [f64; 2] {
         [TAU * unit(rng), TAU * unit(rng)]
     }
@@ -43,7 +43,7 @@ impl Submanifold<10> for FiveCircles {
         x
     }
 
-    /// The step in (u, v) whose image is nearest to `way`: the inverse of the metric times the derivatives along `way`.
+    /// The step in (u, v) whose image is closest to `way`: the inverse metric times the derivatives along `way`.
     fn step(&self, &[u, v]: &[f64; 2], way: &[f64; 10]) -> [f64; 2] {
         let mut along = [0.0; 2];
         for (pair, k) in way.chunks_exact(2).zip(WAVES) {

@@ -1,4 +1,5 @@
-//! A cloud of coloured points becomes a mesh whose vertices have colours, too, and know the points that they lie between.
+//! Turns a cloud of coloured points into a mesh whose vertices have colours, too, and know the points between which they
+//! lie.
 //!
 //! `cargo run --release --example colored_cloud`
 
@@ -8,7 +9,7 @@ use spectral_remesh::{Attribute, Attributes, Input, Options, Result, Scalar, rem
 use std::f64::consts::{PI, TAU};
 
 fn main() -> Result<()> {
-    // 5,000 points of a sphere, along a spiral, and how far up each is as a colour.
+    // 5,000 points on a sphere, along a spiral, with colours that depend on the height.
     let point = |i: u32| {
         let z = 1.0 - (2.0 * f64::from(i) + 1.0) / 5000.0;
         let (sin, cos) = (f64::from(i) * TAU * 2.0 / (1.0 + 5f64.sqrt())).sin_cos();

@@ -1,4 +1,4 @@
-//! Writes the models of `data/`, the same bytes every time: `cargo run --example make_data [FOLDER]`.
+//! Writes the models of `data/`, with the same bytes every time: `cargo run --example make_data [FOLDER]`.
 
 #![allow(clippy::disallowed_methods)]
 

@@ -1,11 +1,11 @@
-//! The measure s(x) of the library at points of the plane or of space, to be held against other computations of it.
+//! Evaluates the library's measure s(x) at points of the plane or of space, for comparison with other implementations.
 //!
 //! ```text
 //! cargo run --release --example measure -- NEIGHBOURS.txt QUERIES.txt
 //! ```
 //!
-//! Each line of both files is the coordinates of a point in units of σ, two or three. Prints for each query a line: s
-//! after the nearest neighbour, after the two nearest, and so on, as far as the library counts neighbours.
+//! Each line of both files contains the two or three coordinates of a point in units of σ. Prints one line per query: s
+//! after the nearest neighbour, after the two nearest, and so on, up to the library's maximum number of neighbours.
 
 use spectral_remesh::stages::geom::vector::{difference, length_squared};
 use spectral_remesh::stages::spectral::measure::{MOST_NEIGHBOURS, Measure};
@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// s(x) after each of the neighbours, the nearest first.
+/// Returns s(x) after each of the neighbours, the nearest first.
 fn measures(x: &Point, neighbours: &[Point]) -> Vec<f64> {
     let mut offsets: Vec<Point> = neighbours.iter().map(|p| difference(p, x)).collect();
     offsets.sort_by(|a, b| length_squared(a).total_cmp(&length_squared(b)));
@@ -39,7 +39,7 @@ fn read(name: &str) -> Result<Vec<Point>, Box<dyn Error>> {
     text.lines().map(|line| point(line).map_err(|e| format!("{name}: {line}: {e}").into())).collect()
 }
 
-/// A point of space; one of the plane has z = 0.
+/// Parses a point of space; a point of the plane gets z = 0.
 fn point(line: &str) -> Result<Point, Box<dyn Error>> {
     let numbers = line.split_whitespace().map(str::parse).collect::<Result<Vec<f64>, _>>()?;
     match *numbers.as_slice() {

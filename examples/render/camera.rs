@@ -1,27 +1,27 @@
-//! From space to the picture.
+//! Projection from space to the picture.
 
 use glam::{DVec2, DVec3};
 use spectral_remesh::Mesh;
 use spectral_remesh::geom::aabb::Aabb;
 use spectral_remesh::stages::picture::raster::Projected;
 
-/// How far the camera stands from the middle of the mesh, in half diagonals of its bounding box.
+/// Distance of the camera from the middle of the mesh, in half diagonals of its bounding box.
 const DISTANCE: f64 = 4.5;
 
-/// Share of the picture's longer side that stays free around the mesh.
+/// Fraction of the picture's longer side that remains free around the mesh.
 const MARGIN: f64 = 0.06;
 
-/// A camera that looks at the middle of a mesh, with z up.
+/// A camera that is directed at the middle of a mesh, with z up.
 pub struct Camera {
     middle: DVec3,
     right: DVec3,
     up: DVec3,
-    /// From the middle towards the camera.
+    /// Direction from the middle towards the camera.
     towards: DVec3,
     distance: f64,
 }
 
-/// A part of the picture, for one mesh.
+/// The part of the picture that shows one mesh.
 pub struct Panel {
     /// In pixels.
     pub width: usize,
@@ -31,12 +31,13 @@ pub struct Panel {
     middle: DVec2,
 }
 
-/// A mesh as the camera sees it.
+/// A mesh as seen by the camera.
 pub struct View {
     pub triangles: Vec<[u32; 3]>,
-    /// Where each vertex is in the picture, in samples: x to the right, y down.
+    /// The position of each vertex in the picture, in samples: x to the right, y down.
     pub places: Vec<DVec2>,
-    /// One over the distance to each vertex along the line of sight. It is linear over a triangle in the picture.
+    /// The reciprocal of the distance to each vertex along the line of sight, which is linear over a triangle in the
+    /// picture.
     pub nearness: Vec<f64>,
     /// The unit normal of each triangle in the camera's frame: right, up, towards the camera.
     pub normals: Vec<DVec3>,
@@ -45,7 +46,7 @@ pub struct View {
 }
 
 impl Camera {
-    /// A camera at an azimuth and an elevation in degrees.
+    /// A camera at this azimuth and elevation, in degrees.
     pub fn new(mesh: &Mesh, (azimuth, elevation): (f64, f64)) -> Camera {
         let Aabb { lo: low, hi: high } = mesh.bounds().unwrap_or(Aabb { lo: DVec3::ZERO, hi: DVec3::ONE });
         let (sin_a, cos_a) = azimuth.to_radians().sin_cos();
@@ -56,14 +57,14 @@ impl Camera {
         Camera { middle: 0.5 * (low + high), right, up: towards.cross(right), towards, distance }
     }
 
-    /// A point's place on the image plane through the middle, and one over its distance.
+    /// Returns a point's position on the image plane through the middle, and the reciprocal of its distance.
     fn see(&self, p: DVec3) -> (DVec2, f64) {
         let v = p - self.middle;
         let nearness = 1.0 / (self.distance - v.dot(self.towards)).max(1e-3 * self.distance);
         (DVec2::new(v.dot(self.right), v.dot(self.up)) * (self.distance * nearness), nearness)
     }
 
-    /// The mesh as seen in a panel with `samples` samples along each side of a pixel.
+    /// Projects the mesh to a panel with `samples` samples along each side of a pixel.
     pub fn project(&self, mesh: &Mesh, panel: &Panel, samples: usize) -> View {
         let scale = panel.scale * samples as f64;
         let centre = DVec2::new(panel.width as f64, panel.height as f64) * (0.5 * samples as f64);
@@ -79,14 +80,14 @@ impl Camera {
 }
 
 impl View {
-    /// What is drawn of it.
+    /// Returns the data to draw.
     pub fn projected(&self) -> Projected<'_> {
         Projected { triangles: &self.triangles, places: &self.places, nearness: &self.nearness }
     }
 }
 
 impl Panel {
-    /// A panel that `mesh` fills at zoom 1, its longer side `size` pixels.
+    /// A panel that `mesh` fills at zoom 1, with a longer side of `size` pixels.
     pub fn new(camera: &Camera, mesh: &Mesh, size: usize, zoom: f64) -> Panel {
         let seen = mesh.triangles.iter().flatten().map(|&v| camera.see(mesh.positions[v as usize]).0);
         let (low, high) = seen

@@ -1,4 +1,4 @@
-//! Draws a mesh, or two side by side, to a PNG file. No display and no graphics card are needed.
+//! Draws a mesh, or two side by side, to a PNG file. Needs neither a display nor a graphics card.
 //!
 //! `cargo run --release --example render -- MESH [MESH] OUT.png [--size 800] [--view AZIMUTH,ELEVATION] [--zoom 1]`
 
@@ -69,7 +69,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Writes pictures of one size, side by side.
+/// Writes pictures of the same size side by side.
 fn save(path: &Path, panel: &Panel, pictures: &[Vec<[u8; 3]>]) -> Result<(), Box<dyn std::error::Error>> {
     let width = panel.width * pictures.len();
     let mut encoder = png::Encoder::new(BufWriter::new(File::create(path)?), width as u32, panel.height as u32);

@@ -1,12 +1,12 @@
-//! The spectrum of the samples on a toroidal square (paper, section 7.1 and figure 11): ten distributions of random
-//! points, each after ten sweeps of gradient ascent; their mean periodogram, its radial power and its anisotropy.
+//! The spectrum of samples on a toroidal square (paper, section 7.1 and figure 11): the mean periodogram of ten random point
+//! distributions, each after ten sweeps of gradient ascent, with its radial power and its anisotropy.
 //!
 //! `cargo run --release --example spectrum -- [POINTS [FOLDER]]` writes `points-0.csv` to `points-9.csv`,
 //! `periodogram.png` and `spectrum.csv` to the folder, and prints the normalized Poisson-disk radius ρ.
 //!
-//! Periodogram P(f) = |Σ exp(-2πi f·x)|² / N at whole frequencies f, by direct summation. Radial power is its mean over
-//! rings |f| = r; anisotropy the variance over the ring by the square of that, -10 dB for a mean of ten distributions
-//! without any. R. A. Ulichney, Digital halftoning, 1987, chapter 3.
+//! The periodogram is P(f) = |Σ exp(-2πi f·x)|² / N at integer frequencies f, by direct summation. The radial power is its
+//! mean over rings |f| = r. The anisotropy is the variance over the ring divided by the square of that mean: -10 dB for the
+//! mean of ten isotropic distributions. R. A. Ulichney, Digital halftoning, 1987, chapter 3.
 
 #![allow(clippy::disallowed_methods)]
 
@@ -21,13 +21,13 @@ use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// Distributions that the periodogram is the mean of.
+/// Number of distributions over which the periodogram is averaged.
 const RUNS: u64 = 10;
 
-/// Frequencies on either side of zero, in units of √N: the power of blue noise settles at about three.
+/// Range of frequencies on either side of zero, in units of √N: the power of blue noise settles at about three.
 const FREQUENCIES: f64 = 3.0;
 
-/// The power that is white in the picture.
+/// The power that is shown as white in the picture.
 const WHITE: f64 = 3.0;
 
 type Points = Vec<[f64; 2]>;
@@ -51,7 +51,7 @@ fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Random points after ten sweeps, with the kernel of the paper: σ = 2.5 r for ρ = 0.75.
+/// Returns random points after ten sweeps, with the kernel of the paper: σ = 2.5 r for ρ = 0.75.
 fn blue_noise(count: usize, seed: u64) -> Result<Points> {
     let mut rng = stream(seed, Stage::Candidates);
     let mut points: Points = (0..count).map(|_| [unit(&mut rng), unit(&mut rng)]).collect();
@@ -60,12 +60,12 @@ fn blue_noise(count: usize, seed: u64) -> Result<Points> {
     Ok(points)
 }
 
-/// The radius of disks around so many points at hexagonal packing.
+/// The radius of disks around this number of points at hexagonal packing.
 fn largest_radius(count: usize) -> f64 {
     (1.0 / (2.0 * 3f64.sqrt() * count as f64)).sqrt()
 }
 
-/// ρ: half the distance of the nearest two points, by the largest radius that is possible.
+/// ρ: half the distance of the closest pair, divided by the largest possible radius.
 fn poisson_disk_radius(points: &Points) -> f64 {
     let distance = |i: usize, j: usize| length_squared(&FlatTorus.offset(&points[i], &points[j]));
     let pairs = (0..points.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
@@ -87,14 +87,14 @@ impl Spectrum {
         Spectrum { highest, power: all.map(mean).collect() }
     }
 
-    /// For each ring its radius, its mean power, and its anisotropy in decibels.
+    /// Returns the radius, the mean power, and the anisotropy in decibels of each ring.
     fn rings(&self) -> Vec<(i32, f64, f64)> {
         let size = 2 * self.highest + 1;
         let mut rings: Vec<Vec<f64>> = vec![Vec::new(); self.highest as usize + 1];
         for (i, &power) in (0..).zip(&self.power) {
             let [u, v] = [i % size - self.highest, i / size - self.highest];
             let radius = f64::from(u * u + v * v).sqrt().round() as usize;
-            // One of each pair of opposite frequencies: they have the same power.
+            // Use only one of each pair of opposite frequencies, since both have the same power.
             if (v, u) > (0, 0) && radius < rings.len() {
                 rings[radius].push(power);
             }
@@ -131,7 +131,7 @@ fn write_rings(path: &Path, spectrum: &Spectrum) -> std::io::Result<()> {
     out.flush()
 }
 
-/// The periodogram in shades of grey, zero frequency in the middle and black.
+/// Writes the periodogram in shades of grey, with frequency zero in the middle in black.
 fn write_picture(path: &Path, spectrum: &Spectrum) -> std::result::Result<(), Box<dyn std::error::Error>> {
     let size = 2 * spectrum.highest as usize + 1;
     let mut shades: Vec<u8> = spectrum.power.iter().map(|p| (255.0 * (p / WHITE).min(1.0)) as u8).collect();

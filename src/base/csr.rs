@@ -1,16 +1,16 @@
-//! Lists of different lengths in one array: compressed sparse rows.
+//! Lists of different lengths in one array (compressed sparse rows).
 
 /// Rows of values, stored one after the other.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Csr<T> {
-    /// Where each row begins in `values`; one more entry than rows.
+    /// Start of each row in `values`; has one more entry than there are rows.
     start: Vec<u32>,
     values: Vec<T>,
 }
 
 impl<T: Copy> Csr<T> {
-    /// A counting sort of `entries`, pairs of a row below `rows` and a value. Each row has its values in the order of
-    /// the entries. `entries` is called several times and has to return the same ones.
+    /// Builds the rows by a counting sort of `entries`, pairs of a row below `rows` and a value. Values keep the order of
+    /// the entries within each row. `entries` is called several times and must return the same entries each time.
     pub fn new<I: Iterator<Item = (u32, T)>>(rows: usize, entries: impl Fn() -> I) -> Csr<T> {
         let mut start = vec![0u32; rows + 1];
         entries().for_each(|(row, _)| start[row as usize + 1] += 1);

@@ -1,8 +1,8 @@
-//! The one error of the library. Every variant says where and what is wrong, and what to do about it.
+//! The library's single error type. Every variant says where and what is wrong, and what to do about it.
 
 use std::fmt;
 
-/// What can go wrong between a given mesh and a wanted one.
+/// Everything that can go wrong between an input mesh and its result.
 ///
 /// Outcomes that are not failures (a missed count, a result whose topology differs) are fields of the result instead.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -18,19 +18,19 @@ pub enum Error {
         /// What to do about it.
         remedy: String,
     },
-    /// The content of a file is not what its format says.
+    /// The content of a file violates its format.
     #[error("{file}{place}: {cause}; {remedy}")]
     Format {
-        /// The file's name, as it was given; empty from readers that see bytes only.
+        /// The file's name, as it was given; empty if the reader sees only bytes.
         file: String,
-        /// Where in the file.
+        /// The place in the file.
         place: Place,
         /// What is wrong.
         cause: String,
         /// What to do about it.
         remedy: String,
     },
-    /// A mesh that no stage can work on: no triangles, no area, coordinates that are not finite.
+    /// A mesh that no stage can process: it has no triangles, no area, or coordinates that are not finite.
     #[error("{cause}; {remedy}")]
     Mesh {
         /// The kind of fault.
@@ -40,10 +40,10 @@ pub enum Error {
         /// What to do about it.
         remedy: String,
     },
-    /// An option outside of its range, or two that exclude each other.
+    /// An option that is out of range, or two that exclude each other.
     #[error("{option}: {cause}; {remedy}")]
     Option {
-        /// Which option.
+        /// The option.
         option: Setting,
         /// What is wrong.
         cause: String,
@@ -56,7 +56,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// The same error with `name` as its file, for readers that see bytes and not names.
+    /// Returns the same error with `name` as its file, for readers that see bytes but no names.
     #[must_use]
     pub fn in_file(self, name: &str) -> Self {
         match self {
@@ -69,33 +69,33 @@ impl Error {
     }
 }
 
-/// What is wrong with a mesh or with points, for programs that match on an error.
+/// Kind of fault of a mesh or of points, for programs that match on an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Fault {
-    /// It has no triangles, or there are no points.
+    /// There are no triangles, or no points.
     Empty,
-    /// All of it is on a line or at one place.
+    /// Everything lies on a line or at a single place.
     NoArea,
-    /// A coordinate is not finite, or too large.
+    /// A coordinate is too large or not finite.
     Coordinates,
-    /// A triangle has a corner that does not exist.
+    /// A triangle refers to a vertex that does not exist.
     Indices,
     /// Lists that belong together differ in length.
     Lengths,
-    /// It is not an oriented manifold.
+    /// The mesh is not an oriented manifold.
     NotManifold,
-    /// The wanted vertices would be too near to each other.
+    /// The requested vertices would be too close together.
     TooNarrow,
-    /// No surface goes through the points, or the faces do not form one: cells of a volume, say.
+    /// No surface passes through the points, or the faces do not form a surface: for example, cells of a volume.
     NoSurface,
-    /// It does not have an attribute that was asked for.
+    /// An attribute that was asked for is missing.
     NoAttribute,
-    /// So many vertices of it take more memory than there is to be.
+    /// Processing this many vertices takes more memory than is allowed.
     TooLarge,
 }
 
-/// What can be set, for programs that match on an error.
+/// An option, for programs that match on an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Setting {
@@ -107,37 +107,37 @@ pub enum Setting {
     SigmaP,
     /// The kernel width σn along normals.
     SigmaN,
-    /// The properties that samples follow, and the kernel widths along these.
+    /// The properties that samples follow, and the kernel widths along them.
     Signals,
-    /// How much edge lengths follow the shape.
+    /// How strongly edge lengths adapt to the shape.
     Adaptivity,
-    /// The field of wanted edge lengths.
+    /// The field of target edge lengths.
     Field,
     /// The distance within which boundary vertices are welded.
     Weld,
-    /// Which edges are sharp.
+    /// The choice of sharp edges.
     Features,
     /// The support radius of smoothing.
     Smoothing,
-    /// The box around the part that is remeshed.
+    /// The box around the part to remesh.
     PartBox,
-    /// The marked vertices of the part that is remeshed.
+    /// The marked vertices of the part to remesh.
     PartMarks,
-    /// The bound of the error.
+    /// The error bound.
     MaxError,
-    /// What normals are fitted to.
+    /// The surface that is fitted for normals.
     NormalFit,
-    /// How many neighbours normals are fitted to.
+    /// The number of neighbours to which normals are fitted.
     NormalNeighbors,
     /// The radius within which normals are fitted.
     NormalRadius,
-    /// The size of holes that are closed.
+    /// The size of holes to close.
     FillHoles,
-    /// The edge length of cells.
+    /// The edge length of grid cells.
     Resolution,
     /// The format of a file.
     Format,
-    /// The levels, from fine to coarse or by their number.
+    /// The levels of detail, from fine to coarse or by number.
     Levels,
     /// The number of threads.
     Threads,
@@ -146,7 +146,7 @@ pub enum Setting {
 }
 
 impl Setting {
-    /// All of them.
+    /// All settings.
     pub const ALL: [Setting; 22] = [
         Setting::Points,
         Setting::EdgeLength,
@@ -172,8 +172,8 @@ impl Setting {
         Setting::Memory,
     ];
 
-    /// The name of the option that sets it, in words joined by hyphens: on the command line `--` stands before it, in
-    /// Python underscores join the words.
+    /// Returns the name of the option, in words joined by hyphens. The command line puts `--` before it; Python joins the
+    /// words by underscores.
     pub fn name(self) -> &'static str {
         match self {
             Setting::Points => "points",
@@ -230,14 +230,14 @@ impl fmt::Display for Setting {
     }
 }
 
-/// Where in a file something is wrong.
+/// The place of a fault in a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Place {
     /// No single place: the file as a whole.
     Whole,
-    /// A line of a text file, from 1.
+    /// A line of a text file, counted from 1.
     Line(usize),
-    /// A byte offset in a binary file, from 0.
+    /// A byte offset in a binary file, counted from 0.
     Byte(usize),
     /// A named part, such as `accessor 3`.
     Part(String),

@@ -1,22 +1,22 @@
-//! Queues of numbered things, the highest rank first, and their order.
+//! Priority queues of numbered items: the highest rank comes first, and ties are ordered, too.
 
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BinaryHeap};
 
-/// A numbered thing: the greater has the higher rank, or at the same rank the lower number, so that a heap has only one
-/// order.
+/// A numbered item. It is greater if its rank is higher or, at equal rank, if its number is lower, so that the order of a
+/// heap is unique.
 #[derive(Debug, Clone, Copy)]
 pub struct Ranked<T = ()> {
-    /// What things are ordered by.
+    /// Sort key.
     pub rank: f64,
-    /// The number of the thing.
+    /// Number of the item.
     pub index: u32,
-    /// What else is known of it; it does not affect the order.
+    /// Additional data, which does not affect the order.
     pub item: T,
 }
 
 impl Ranked {
-    /// Thing number `index` with a rank.
+    /// Item number `index` with a rank.
     pub fn new(rank: f64, index: u32) -> Ranked {
         Ranked { rank, index, item: () }
     }
@@ -42,31 +42,32 @@ impl<T> Ord for Ranked<T> {
     }
 }
 
-/// A queue with the order of a heap, for hundreds of thousands of things: only those of about the highest rank are in a
-/// heap, which fits into the caches of a core; the others wait unsorted in buckets, one for each range of ranks.
+/// A priority queue for hundreds of thousands of items, with the order of a heap. Only the items of about the highest rank
+/// are in a heap, which fits into the caches of a core; the others wait unsorted in buckets, one per range of ranks.
 ///
-/// Based on: R. Brown, Calendar queues, 1988, DOI 10.1145/63039.63045. Departure: the ranges follow from the digits of a rank.
+/// Based on: R. Brown, Calendar queues, 1988, DOI 10.1145/63039.63045. Departure: the ranges follow from the binary digits
+/// of a rank.
 #[derive(Default)]
 pub struct RankedQueue {
     first: BinaryHeap<Ranked>,
-    /// The lowest bucket that is in the heap; `None` before there is one.
+    /// The lowest bucket whose items are in the heap; `None` before the first.
     lowest: Option<i64>,
     waiting: BTreeMap<i64, Vec<Ranked>>,
 }
 
-/// The binary digits of a rank that do not affect its bucket: a bucket holds ranks that differ by less than a 128th.
+/// Number of low bits of a rank that do not affect its bucket: the ranks of a bucket differ by less than a 128th.
 const DIGITS_WITHIN: u32 = 45;
 
-/// The bucket of a rank: higher buckets have higher ranks.
+/// Returns the bucket of a rank: higher buckets have higher ranks.
 fn bucket(rank: f64) -> i64 {
     let bits = rank.to_bits() as i64;
-    // The bits of negative numbers rise with the absolute value.
+    // The bits of negative numbers increase with the absolute value.
     let rising = bits ^ (((bits >> 63) as u64) >> 1) as i64;
     rising >> DIGITS_WITHIN
 }
 
 impl RankedQueue {
-    /// Adds a thing.
+    /// Adds an item.
     pub fn push(&mut self, ranked: Ranked) {
         let bucket = bucket(ranked.rank);
         if self.lowest.is_some_and(|lowest| bucket >= lowest) {
@@ -76,7 +77,7 @@ impl RankedQueue {
         }
     }
 
-    /// Removes and returns the greatest thing.
+    /// Removes and returns the greatest item.
     pub fn pop(&mut self) -> Option<Ranked> {
         if self.first.is_empty()
             && let Some((bucket, things)) = self.waiting.pop_last()

@@ -1,21 +1,21 @@
-//! Elementary functions with the same bits on every processor and system.
+//! Elementary functions whose results have the same bits on every processor and system.
 //!
-//! Those of `std` call the system's C library, whose last bits differ between systems, and on one system between
-//! processors with and without fused multiply-add. Here they come from the crate `libm`, which is compiled with the
-//! program and uses only exactly rounded operations. `clippy.toml` disallows those of `std` elsewhere. Square roots,
-//! absolute values and roundings to integers are exact in `std`, too.
+//! The elementary functions of `std` call the system's C library. Their last bits differ between systems and, on the same
+//! system, between processors with and without fused multiply-add. The functions here come from the crate `libm`, which is
+//! compiled with the program and uses only exactly rounded operations. `clippy.toml` disallows those of `std` elsewhere.
+//! Square roots, absolute values and rounding to integers are exact in `std`, too.
 
-/// The sine and the cosine of an angle in radians.
+/// The sine and cosine of an angle in radians.
 pub fn sin_cos(x: f64) -> (f64, f64) {
     libm::sincos(x)
 }
 
-/// The arc sine in radians, of a number in -1..=1.
+/// The arc sine in radians of a number in -1..=1.
 pub fn asin(x: f64) -> f64 {
     libm::asin(x)
 }
 
-/// The angle in radians, in -π..=π, from the first axis to the point (x, y).
+/// The angle in radians, in -π..=π, from the x axis to the point (x, y).
 pub fn atan2(y: f64, x: f64) -> f64 {
     libm::atan2(y, x)
 }
@@ -30,7 +30,7 @@ pub fn ln(x: f64) -> f64 {
     libm::log(x)
 }
 
-/// The logarithm to the base 10.
+/// The logarithm to base 10.
 pub fn log10(x: f64) -> f64 {
     libm::log10(x)
 }
@@ -52,15 +52,15 @@ pub fn cube(x: f64) -> f64 {
     x * x * x
 }
 
-/// The smallest power of two that is at least `x`, among the normal numbers.
+/// The smallest normal power of two that is at least `x`.
 pub fn next_power_of_two(x: f64) -> f64 {
     let x = x.max(f64::MIN_POSITIVE);
     let below = f64::from_bits(x.to_bits() & f64::INFINITY.to_bits());
     if below == x { x } else { 2.0 * below }
 }
 
-/// Coefficients of the polynomial p(r) = 1 + r + r² (c₀ + c₁ r + ...), which differs from eʳ by at most 1e-17 eʳ for
-/// |r| ≤ ln 2 / 2: those with the least maximum error (E. Remez, 1934), rounded.
+/// Coefficients of the polynomial p(r) = 1 + r + r² (c₀ + c₁ r + ...), which differs from eʳ by at most 1e-17 eʳ for |r| ≤
+/// ln 2 / 2: the minimax coefficients (E. Remez, 1934), rounded.
 const EXPONENTIAL: [f64; 10] = [
     0.500_000_000_000_001,
     0.166_666_666_666_666_74,
@@ -74,21 +74,22 @@ const EXPONENTIAL: [f64; 10] = [
     2.511_006_149_615_507_5e-8,
 ];
 
-/// ln 2 in two parts. The upper one has 32 bits, so that its product with an exponent is exact.
+/// ln 2 in two parts. The upper part has 32 bits, so that its product with an exponent is exact.
 const LN_2_UPPER: f64 = 0.693_147_180_369_123_8;
 const LN_2_LOWER: f64 = 1.908_214_929_270_587_7e-10;
 
-/// Adding and subtracting this rounds to an integer, which is in the lowest bits in between: 1.5 · 2⁵².
+/// Adding and then subtracting this constant, 1.5 · 2⁵², rounds to an integer. In between, the lowest bits hold that
+/// integer.
 const ROUNDING: f64 = 6_755_399_441_055_744.0;
 
-/// The largest argument of [`gaussian`], which clamps to it: its value is still a normal number.
+/// The largest argument of [`gaussian`], which clamps to it: the value there is still a normal number.
 const FARTHEST: f64 = 707.0;
 
-/// The Gaussian e^(-d) of a squared distance d ≥ 0, within one unit in the last place up to d = 707, and not above 1e-307
-/// beyond.
+/// The Gaussian e^(-d) of a squared distance d ≥ 0. Its error is at most one unit in the last place up to d = 707; beyond,
+/// its value is at most 1e-307.
 ///
-/// A sampler spends half of its time here, so this has neither branches nor calls, and compilers vectorize it. With k
-/// the integer nearest to -d / ln 2, e^(-d) = 2ᵏ p(-d - k ln 2).
+/// The sampler spends half of its time here; there are no branches or calls, so that compilers vectorize it. With k the
+/// integer nearest to -d / ln 2, e^(-d) = 2ᵏ p(-d - k ln 2).
 #[inline]
 pub fn gaussian(d: f64) -> f64 {
     let x = -if d > FARTHEST { FARTHEST } else { d };
@@ -108,7 +109,7 @@ mod tests {
     use super::*;
     use crate::base::rng::{Stage, stream, unit};
 
-    /// The error of [`gaussian`] in units in the last place; libm's own is below one.
+    /// The error of [`gaussian`] in units in the last place; the error of libm itself is below one.
     fn error(d: f64) -> f64 {
         let exact = libm::exp(-d);
         (gaussian(d) - exact).abs() / (exact * f64::EPSILON / 2.0)
@@ -135,7 +136,7 @@ mod tests {
         assert!(gaussian(f64::NAN).is_nan());
     }
 
-    /// The bits of some values: where one differs, so do the results of the library.
+    /// The bits of some values: if one of them differs, so do the results of the library.
     #[test]
     fn the_bits_do_not_change_between_machines() {
         let (sin, cos) = sin_cos(1.2);

@@ -1,5 +1,5 @@
-//! What every layer needs: errors, progress and cancelling, elementary functions, random numbers, loops on all threads, heaps,
-//! disjoint sets, compressed rows, counts in words.
+//! Foundations of every layer: errors, progress and cancelling, elementary functions, random numbers, parallel loops, heaps,
+//! disjoint sets, compressed sparse rows, counts as words.
 
 pub(crate) mod count;
 pub(crate) mod csr;

@@ -1,56 +1,57 @@
-//! Progress and cancelling, as one argument. The library never prints and never reads a clock on its own: callers who
-//! want a progress bar, a log or the time of each stage pass in a [`Monitor`].
+//! Progress and cancelling as one argument. The library never prints and never reads a clock on its own: callers who want a
+//! progress bar, a log or the time of each stage pass in a [`Monitor`].
 
 use crate::base::error::{Error, Result};
 use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// What a long call tells its caller, and asks it. `&()` is the monitor that does nothing.
+/// Receives the progress of a long call, and tells the call whether to stop. `&()` is the monitor that does nothing.
 pub trait Monitor: Sync {
-    /// The stage with this name begins; the one before it is over.
+    /// Called when the stage with this name begins; the previous one is then over.
     fn stage(&self, _name: &'static str) {}
-    /// The share of the call that is done, in 0..=1, never falling.
+    /// Receives the fraction of the call that is done, in 0..=1; it never decreases.
     fn progress(&self, _done: f64) {}
-    /// Whether the call should end with [`Error::Cancelled`]. Once true it stays true.
+    /// Returns whether the call should end with [`Error::Cancelled`]. Once true, it stays true.
     fn cancelled(&self) -> bool {
         false
     }
-    /// Temporary files of about so many bytes go into `folder`. It is removed when the call ends, unless it is kept until a call
-    /// comes to its end.
+    /// Temporary files of about `bytes` bytes go into `folder`. The call removes the folder however it ends, or, if the folder
+    /// is kept, only when it succeeds.
     fn temporary_files(&self, _folder: &Path, _bytes: u64, _is_kept: bool) {}
 }
 
 impl Monitor for () {}
 
-/// [`Error::Cancelled`] if the monitor asks to stop.
+/// Returns [`Error::Cancelled`] if the monitor asks to stop.
 pub fn check(monitor: &dyn Monitor) -> Result<()> {
     if monitor.cancelled() { Err(Error::Cancelled) } else { Ok(()) }
 }
 
-/// A monitor for calls that are stages of a larger one: turns the share done of each into that of the whole.
+/// A monitor for the stages of a larger call: converts the progress of each stage into that of the whole.
 ///
-/// The plan says what share of the time each stage takes. A stage that comes before the current one in the plan begins
-/// another attempt, which gets what is left, so that the share never falls.
+/// The plan gives the fraction of the time that each stage takes. A stage that precedes the current one in the plan begins
+/// another attempt. The attempt gets the fraction that is left, so that the progress never decreases.
 pub struct Overall<'a> {
     inner: &'a dyn Monitor,
-    /// The end of each stage, as a share of an attempt.
+    /// The end of each stage, as a fraction of an attempt.
     ends: Vec<(&'static str, f64)>,
     state: Mutex<State>,
 }
 
-/// How far a call is.
+/// Progress of a call.
 #[derive(Default)]
 struct State {
-    /// The share that was done when the current attempt began.
+    /// The fraction that was done when the current attempt began.
     before: f64,
-    /// Begin and end of the current stage, as shares of the attempt.
+    /// Beginning and end of the current stage, as fractions of the attempt.
     stage: [f64; 2],
     done: f64,
 }
 
 impl<'a> Overall<'a> {
-    /// A monitor that reports the whole to `inner`; `plan` has the stages in their order and about how long each takes.
+    /// A monitor that reports the progress of the whole to `inner`; `plan` lists the stages in order with their approximate
+    /// durations.
     pub fn new(inner: &'a dyn Monitor, plan: &[(&'static str, f64)]) -> Self {
         let mut sum = 0.0;
         let sums: Vec<f64> = plan
@@ -65,14 +66,14 @@ impl<'a> Overall<'a> {
         Overall { inner, ends: ends.collect(), state: Mutex::default() }
     }
 
-    /// Begin and end of a stage; `None` for one that is not planned.
+    /// Returns beginning and end of a stage; `None` if it is not planned.
     fn planned(&self, name: &str) -> Option<[f64; 2]> {
         let place = self.ends.iter().position(|stage| stage.0 == name)?;
         let begin = if place == 0 { 0.0 } else { self.ends[place - 1].1 };
         Some([begin, self.ends[place].1])
     }
 
-    /// Applies `change` to the state and reports the share.
+    /// Applies `change` to the state and reports the progress.
     fn update(&self, change: impl FnOnce(&mut State)) {
         let mut state = self.state.lock().unwrap_or_else(|e| e.into_inner());
         change(&mut state);
@@ -108,7 +109,7 @@ impl Monitor for Overall<'_> {
     }
 }
 
-/// A monitor for a call that is a part of a larger one, from one share of the whole to another.
+/// A monitor for a part of a larger call, which covers the range between two fractions of the whole.
 pub struct Part<'a> {
     inner: &'a dyn Monitor,
     from: f64,
@@ -116,7 +117,7 @@ pub struct Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    /// A monitor that reports the whole to `inner`.
+    /// A monitor that reports the progress of the whole to `inner`.
     pub fn new(inner: &'a dyn Monitor, from: f64, to: f64) -> Self {
         Part { inner, from, to }
     }
@@ -137,7 +138,7 @@ impl Monitor for Part<'_> {
     }
 }
 
-/// A monitor that records how long each stage took and passes everything on to another one.
+/// A monitor that records the duration of each stage and passes everything on to another monitor.
 pub struct Stopwatch<'a> {
     inner: &'a dyn Monitor,
     starts: Mutex<Vec<(&'static str, Instant)>>,
@@ -149,14 +150,14 @@ impl<'a> Stopwatch<'a> {
         Stopwatch { inner, starts: Mutex::new(Vec::new()) }
     }
 
-    /// Each stage so far and its duration, in order; the last one runs until now.
+    /// Returns the stages so far and their durations, in order; the last one lasts until now.
     pub fn laps(&self) -> Vec<(&'static str, Duration)> {
         let starts = self.starts.lock().unwrap_or_else(|e| e.into_inner());
         let ends = starts.iter().skip(1).map(|s| s.1).chain([Instant::now()]);
         starts.iter().zip(ends).map(|(s, end)| (s.0, end - s.1)).collect()
     }
 
-    /// Forgets all stages so far.
+    /// Discards all stages so far.
     pub fn restart(&self) {
         self.starts.lock().unwrap_or_else(|e| e.into_inner()).clear();
     }
@@ -182,7 +183,7 @@ impl Monitor for Stopwatch<'_> {
 mod tests {
     use super::*;
 
-    /// Records all shares that are reported to it.
+    /// Records all progress reported to it.
     #[derive(Default)]
     struct Shares(Mutex<Vec<f64>>);
 

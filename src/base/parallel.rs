@@ -1,19 +1,19 @@
-//! Loops on all threads, over ranges and slices in blocks.
+//! Parallel loops over ranges and slices, in blocks.
 //!
-//! What is done with a block is an ordinary loop or iterator. What hands out blocks is compiled once for each type of result:
-//! rayon's own iterators are compiled anew for each use, and were a third of the whole program's code.
+//! Within a block, the work is an ordinary loop or iterator. The code that distributes blocks is compiled once for each
+//! result type: rayon's own iterators are compiled anew for each use, and made up a third of the code of the whole program.
 
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
-/// What has blocks: ranges, slices, and two of the same length side by side.
+/// Sequences that can be split into blocks: ranges, slices, and pairs of them with the same length.
 pub(crate) trait Items: Sync {
     /// The number of items.
     fn len(&self) -> usize;
 
-    /// Those with these numbers, of which the first is 0.
+    /// Returns the items with these numbers, counted from 0.
     fn block(&self, numbers: Range<usize>) -> Self;
 }
 
@@ -58,7 +58,8 @@ impl<A: Items, B: Items> Items for (A, B) {
     }
 }
 
-/// What `of_item` gives for each item, in their order. One item is little work; [`each`] is for those that take long.
+/// Returns the result of `of_item` for each item, in order. For items that each take little time; use [`each`] for long
+/// ones.
 pub(crate) fn map<I, T>(items: I, of_item: impl Fn(I::Item) -> T + Sync) -> Vec<T>
 where
     I: Items + IntoIterator,
@@ -67,7 +68,7 @@ where
     collect(items, |block| block.into_iter().map(&of_item))
 }
 
-/// The same with memory from `scratch` that `of_item` uses for one item after the other.
+/// Like [`map`], with memory from `scratch` that `of_item` reuses from one item to the next.
 pub(crate) fn map_with<I, S, T>(
     items: I,
     scratch: impl Fn() -> S + Sync,
@@ -84,8 +85,8 @@ where
     })
 }
 
-/// All that `of_block` gives for blocks of `items`, in their order. How large blocks are depends on the number of threads, so
-/// what is given for an item must not depend on the others of its block.
+/// Concatenates the results of `of_block` for blocks of `items`, in order. The block size depends on the number of threads,
+/// so the result for an item must not depend on the other items of its block.
 pub(crate) fn collect<I, R>(items: I, of_block: impl Fn(I) -> R + Sync) -> Vec<R::Item>
 where
     I: Items,
@@ -95,7 +96,7 @@ where
     joined(in_blocks(items.len(), size, &|numbers| of_block(items.block(numbers)).into_iter().collect()))
 }
 
-/// The parts, one after the other.
+/// Concatenates the parts.
 fn joined<T>(mut parts: Vec<Vec<T>>) -> Vec<T> {
     if parts.len() == 1 {
         return parts.swap_remove(0);
@@ -107,19 +108,20 @@ fn joined<T>(mut parts: Vec<Vec<T>>) -> Vec<T> {
     all
 }
 
-/// Whether each number below `count` `fits`. Blocks do not hear of each other, so all are looked at even if one does not fit.
+/// Returns whether `fits` holds for all numbers below `count`. Blocks do not communicate, so all of them are visited even if
+/// a number does not fit.
 pub(crate) fn all(count: usize, fits: impl Fn(usize) -> bool + Sync) -> bool {
     let of_blocks = in_blocks(count, block_size(count), &|mut block| block.all(&fits));
     of_blocks.into_iter().all(|fits| fits)
 }
 
-/// What `of_block` gives for each block of `size` items, in their order; the last one may have fewer. Sums over such blocks
-/// do not depend on the number of threads.
+/// Returns the result of `of_block` for each block of `size` items, in order; the last block may be smaller. Sums over such
+/// blocks do not depend on the number of threads.
 pub(crate) fn blocks<I: Items, T: Send>(items: I, size: usize, of_block: impl Fn(I) -> T + Sync) -> Vec<T> {
     in_blocks(items.len(), size, &|numbers| of_block(items.block(numbers)))
 }
 
-/// Does `work` with each item and its number.
+/// Calls `work` with each item and its number.
 pub(crate) fn for_each_mut<T: Send>(items: &mut [T], work: impl Fn(usize, &mut T) + Sync) {
     let size = block_size(items.len());
     each(items.chunks_mut(size).enumerate(), |(block, items)| {
@@ -127,13 +129,13 @@ pub(crate) fn for_each_mut<T: Send>(items: &mut [T], work: impl Fn(usize, &mut T
     });
 }
 
-/// What `of_item` gives for each of the items, one of which is enough work for a thread, in their order.
+/// Returns the result of `of_item` for each item, in order. For items that are each enough work for a thread.
 pub(crate) fn each<I: Send, T: Send>(items: impl IntoIterator<Item = I>, of_item: impl Fn(I) -> T + Sync) -> Vec<T> {
     let items: Vec<Mutex<Option<I>>> = items.into_iter().map(|item| Mutex::new(Some(item))).collect();
     in_blocks(items.len(), 1, &|number| of_item(lock(&items[number.start]).take().expect("each item has one turn")))
 }
 
-/// What `of_block` gives for each block of `size` numbers below `count`, in their order.
+/// Returns the result of `of_block` for each block of `size` numbers below `count`, in order.
 fn in_blocks<T: Send>(count: usize, size: usize, of_block: &(dyn Fn(Range<usize>) -> T + Sync)) -> Vec<T> {
     let mut results = Vec::new();
     results.resize_with(count.div_ceil(size), || Mutex::new(None));
@@ -148,7 +150,7 @@ fn in_blocks<T: Send>(count: usize, size: usize, of_block: &(dyn Fn(Range<usize>
     all
 }
 
-/// What is in `slot`, which no other thread wants at the same time.
+/// Returns the content of `slot`, which no other thread uses at the same time.
 fn lock<T>(slot: &Mutex<T>) -> MutexGuard<'_, T> {
     slot.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -161,12 +163,12 @@ fn run(count: usize, work: &(dyn Fn(usize) + Sync)) {
     }
 }
 
-/// So many blocks of `count` items that threads whose blocks take long leave others to those that wait.
+/// Returns a block size small enough for idle threads to take blocks over from threads whose own take long.
 fn block_size(count: usize) -> usize {
     count.div_ceil(BLOCKS * rayon::current_num_threads()).max(LEAST)
 }
 
-/// Blocks for each thread, and items of a block at least.
+/// Number of blocks per thread, and minimum number of items per block.
 const BLOCKS: usize = 32;
 const LEAST: usize = 64;
 

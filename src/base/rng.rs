@@ -1,16 +1,16 @@
-//! Random numbers that are the same on every machine and with every version.
+//! Random numbers that are the same on every machine and in every version.
 //!
-//! The pipelines draw all numbers by address: a number depends on the seed, the stage, the thing it is drawn for and
-//! its index there, not on earlier draws. So any thread or machine draws the same ones in any order, and a part of a
-//! surface draws what the whole would. The generator is Philox2x64-10, a bijection of counters under a key, with the
-//! seed as key and the address as counter.
+//! The pipelines draw all numbers by address: a number depends on the seed, the stage, the item that it is drawn for and its
+//! index there, not on earlier draws. So every thread or machine draws the same numbers in any order, and a part of a
+//! surface draws the same numbers as the whole would. The generator is Philox2x64-10, a bijection of counters under a key,
+//! with the seed as key and the address as counter.
 //!
 //! Based on: J. K. Salmon, M. A. Moraes, R. O. Dror, D. E. Shaw, Parallel random numbers: as easy as 1, 2, 3, 2011, DOI
-//! 10.1145/2063384.2063405. There it passes all tests of TestU01's BigCrush.
+//! 10.1145/2063384.2063405. There, it passes all tests of TestU01's BigCrush.
 //!
-//! Cost: about five nanoseconds a draw of two numbers.
+//! Cost: about five nanoseconds for a draw of two numbers.
 //!
-//! [`stream`] is a sequence of ChaCha8, for those who draw one number after the other: measurements, tests and
+//! [`stream`] returns a ChaCha8 sequence, for callers that draw one number after the other: measurements, tests and
 //! examples.
 
 use rand::RngExt;
@@ -18,60 +18,61 @@ use rand_chacha::ChaCha8Rng;
 
 pub use rand::{Rng, SeedableRng};
 
-/// The generator of sequences. `rand`'s own standard generators may change between versions; this one does not.
+/// The generator of sequences. Unlike `rand`'s own standard generators, it does not change between versions.
 pub type Random = ChaCha8Rng;
 
-/// The stream of one stage: streams of different names, and of different seeds, are independent.
+/// Returns the stream of a stage. Streams of different stages or seeds are independent.
 pub fn stream(seed: u64, stage: Stage) -> Random {
     let mut rng = Random::seed_from_u64(seed);
     rng.set_stream(stage as u64);
     rng
 }
 
-/// The stages that draw random numbers. Their numbers are part of what makes a run repeatable: do not reorder them.
+/// The stages that draw random numbers. The numbers of the stages are part of what makes a run repeatable: do not reorder
+/// them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
-    /// Where candidates lie on the surface.
+    /// Positions of candidates on the surface.
     Candidates = 1,
-    /// The order in which the scan looks at them.
+    /// The order in which the scan visits candidates.
     Scan = 2,
-    /// Where the distance between two surfaces is measured.
+    /// Positions at which the distance between two surfaces is measured.
     Distance = 3,
-    /// By how much points of a cloud are moved so that no four are on one circle.
+    /// Displacements of cloud points, so that no four are on one circle.
     Jitter = 4,
-    /// How many candidates a triangle gets.
+    /// Number of candidates of a triangle.
     Counts = 5,
-    /// Which candidates stay where edges of different lengths are wanted.
+    /// The choice of candidates to keep where target edge lengths vary.
     Thinning = 6,
 }
 
-/// What a number is drawn for: a triangle or a point, and the index of the number there.
+/// The item that a number is drawn for: a triangle or a point, and the index of the number there.
 pub type Address = (u32, u64);
 
-/// 128 random bits for an address; different stages, seeds and addresses are independent.
+/// Returns 128 random bits for an address; different stages, seeds and addresses are independent.
 #[inline]
 pub fn bits_at(seed: u64, stage: Stage, (item, number): Address) -> [u64; 2] {
     philox([number, u64::from(item) | (stage as u64) << 32], seed)
 }
 
-/// Two numbers in 0..1, 1 excluded, with 53 random bits each, for an address.
+/// Returns two numbers in 0..1, 1 excluded, with 53 random bits each, for an address.
 #[inline]
 pub fn units_at(seed: u64, stage: Stage, address: Address) -> [f64; 2] {
     bits_at(seed, stage, address).map(unit_of)
 }
 
-/// A number in 0..1, 1 excluded, with 53 random bits: one draw of 64 bits.
+/// Returns a number in 0..1, 1 excluded, with 53 random bits, from one draw of 64 bits.
 pub fn unit(rng: &mut Random) -> f64 {
     rng.random()
 }
 
-/// The upper 53 bits as a number in 0..1.
+/// Converts the upper 53 bits to a number in 0..1.
 #[inline]
 fn unit_of(bits: u64) -> f64 {
     (bits >> 11) as f64 / (1u64 << 53) as f64
 }
 
-/// The multiplier of a round, and what is added to the key between rounds: the golden ratio.
+/// The multiplier of a round, and the increment of the key between rounds: the golden ratio.
 const MULTIPLIER: u64 = 0xd2b7_4407_b1ce_6e93;
 const KEY_STEP: u64 = 0x9e37_79b9_7f4a_7c15;
 
@@ -115,7 +116,8 @@ mod tests {
         assert_eq!(philox(digits_of_pi, 0xa409_3822_299f_31d0), [0x0a5e_742c_2997_341c, 0xb0f8_83d3_8000_de5d]);
     }
 
-    /// χ² of pairs of numbers in 16 by 16 equal cells, in standard deviations from what independent ones have.
+    /// χ² of pairs of numbers in 16 by 16 equal cells, as a deviation in standard deviations from that of independent
+    /// numbers.
     fn excess(pair: impl Fn(u32) -> [f64; 2]) -> f64 {
         const DRAWS: u32 = 1 << 17;
         let mut counts = [0.0; 256];
@@ -140,7 +142,7 @@ mod tests {
             excess(|i| [Stage::Candidates, Stage::Scan].map(|stage| first(1, stage, (i, 0)))),
         ];
         assert!(found.iter().all(|deviations| deviations.abs() < 4.0), "{found:?}");
-        // A generator as bad as early ones were.
+        // A generator as bad as early ones.
         assert!(excess(|i| [i, i + 1].map(|x| unit_of(u64::from(x).wrapping_mul(KEY_STEP)))) > 100.0);
     }
 }

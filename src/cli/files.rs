@@ -1,4 +1,4 @@
-//! Files of the commands: what is read, and where results and reports go.
+//! Files of the commands: inputs, results and reports.
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, Stopwatch, check};
@@ -8,18 +8,18 @@ use crate::io::{Loaded, file};
 use crate::report::RunSummary;
 use std::path::Path;
 
-/// Refuses targets that cannot be written, before the work is done and not after.
+/// Rejects targets that cannot be written before the work starts.
 pub(super) fn check_targets(output: &Path, run: &Run) -> Result<()> {
     file::check_target(output)?;
     check_report(run)
 }
 
-/// Refuses a report that cannot be written, before the work for it is done.
+/// Rejects a report that cannot be written before the work for it starts.
 pub(super) fn check_report(run: &Run) -> Result<()> {
     run.report.iter().try_for_each(|path| file::check_target(path))
 }
 
-/// The content of a file; of a cloud about `of_use` points at most.
+/// Returns the content of a file; of a cloud, about `of_use` points at most.
 pub(super) fn load(from: &MeshFile, of_use: Option<usize>, monitor: &dyn Monitor) -> Result<Loaded> {
     monitor.stage("read");
     let loaded = file::read_at_most(&from.path, from.format, of_use)?;
@@ -27,29 +27,29 @@ pub(super) fn load(from: &MeshFile, of_use: Option<usize>, monitor: &dyn Monitor
     Ok(loaded)
 }
 
-/// The name of a file, as it was given.
+/// Returns the name of a file as it was given.
 pub(super) fn name(file: &MeshFile) -> String {
     file.path.display().to_string()
 }
 
-/// Calls `work` with a monitor that shows it on the terminal, and notes how long its stages take.
+/// Calls `work` with a monitor that shows its progress on the terminal and records the durations of its stages.
 pub(super) fn watched<T>(voice: Voice, work: impl FnOnce(&Stopwatch) -> Result<T>) -> Result<T> {
     let terminal = Terminal::new(voice);
     work(&Stopwatch::new(&terminal))
 }
 
-/// Says that files are written from now on.
+/// Announces that files are being written from now on.
 pub(super) fn now_writing(monitor: &dyn Monitor) {
     monitor.stage("write");
     terminal::now_writing();
 }
 
-/// A report to its file.
+/// Writes a report to its file.
 pub(super) fn write_report(path: &Path, report: &str) -> Result<()> {
     file::replace_file(path, &mut |out| out.write_all(report.as_bytes()))
 }
 
-/// A report to its file, as `written`, and to standard output.
+/// Writes a report to its file, as `written`, and prints it as `text` unless the run is quiet.
 pub(super) fn hand_out(written: &str, text: &str, run: &Run) -> Result<()> {
     if let Some(path) = &run.report {
         write_report(path, written)?;
@@ -57,12 +57,12 @@ pub(super) fn hand_out(written: &str, text: &str, run: &Run) -> Result<()> {
     if run.voice == Voice::Quiet { Ok(()) } else { terminal::print(text) }
 }
 
-/// Adds what the run took so far.
+/// Adds the resources that the run has used so far.
 pub(super) fn add_run(summary: &mut RunSummary, monitor: &Stopwatch) {
     summary.measure(&monitor.laps(), peak_memory_bytes(), rayon::current_num_threads());
 }
 
-/// The most memory that this process had at once, where Linux tells.
+/// Returns the peak memory of this process, if Linux reports it.
 fn peak_memory_bytes() -> Option<u64> {
     let status = std::fs::read_to_string(Path::new("/proc/self/status")).ok()?;
     let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.trim().strip_suffix("kB")?;

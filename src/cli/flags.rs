@@ -1,8 +1,8 @@
-//! What the settings of the library are called on the command line.
+//! Names of the library's settings on the command line.
 
 use crate::base::error::{Error, Setting};
 
-/// An error in the words of the command line.
+/// Returns an error in the terms of the command line.
 pub(super) fn worded(error: &Error) -> String {
     match error {
         Error::Cancelled => "interrupted; no file was changed".into(),

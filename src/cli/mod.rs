@@ -1,5 +1,5 @@
-//! The command line: what was typed ([`args`]), a file for what each command does, and how it talks to a terminal
-//! ([`terminal`]). What is done with meshes and points is in [`job`](crate::job).
+//! The command line: parsing ([`args`]), one file per command, and the interaction with the terminal ([`terminal`]). The
+//! processing of meshes and points is in [`job`](crate::job).
 
 pub mod args;
 mod files;
@@ -18,7 +18,7 @@ pub use status::Status;
 
 use std::ffi::OsString;
 
-/// The whole program, from its arguments, of which the first is its name, to its exit status.
+/// Runs the whole program, from its arguments, which begin with its name, to its exit status.
 pub fn main(words: impl IntoIterator<Item = OsString>) -> Status {
     let outcome = match args::parse(words) {
         Ok(job) => run::run(&job),

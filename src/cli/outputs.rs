@@ -1,4 +1,4 @@
-//! Where the results of a remeshing go: one file, a file for each level of detail, one file with all levels, or tiles.
+//! Destinations of the results of remeshing: one file, one file per level of detail, one file with all levels, or tiles.
 
 use crate::base::error::Result;
 use crate::cli::args::Remeshing;
@@ -13,19 +13,19 @@ use std::path::PathBuf;
 /// The files of the results.
 pub(super) struct Outputs {
     paths: Vec<PathBuf>,
-    /// The format of each; for tiles that of their content.
+    /// The format of each file; for tiles, that of their content.
     pub format: Format,
-    /// Whether the one path is that of a tileset.
+    /// Whether the single path is that of a tileset.
     pub are_tiles: bool,
-    /// What the results are called.
+    /// The names of the results.
     pub names: Vec<String>,
 }
 
 impl Outputs {
-    /// The files of a job, checked as far as is possible in advance.
+    /// Returns the files of a job, checked as far as possible in advance.
     ///
     /// # Errors
-    /// [`Error::File`](crate::Error::File) if one of them cannot, or its format is not known.
+    /// [`Error::File`](crate::Error::File) if one of them cannot be written, or its format is not known.
     pub(super) fn of(job: &Remeshing) -> Result<Outputs> {
         let path = &job.output.path;
         let are_tiles = job.output.format.is_none() && file::is_tileset(path);
@@ -48,7 +48,7 @@ impl Outputs {
     /// Writes the results.
     ///
     /// # Errors
-    /// [`Error::File`](crate::Error::File) if that fails.
+    /// [`Error::File`](crate::Error::File) if this fails.
     pub(super) fn write(&self, outcomes: &[Outcome]) -> Result<()> {
         if self.are_tiles {
             let levels: Vec<Level> = outcomes.iter().map(level).collect();
@@ -63,7 +63,7 @@ impl Outputs {
     }
 }
 
-/// A result as a level of a tileset, with its measured distance.
+/// Converts a result to a level of a tileset, with its measured distance.
 fn level(outcome: &Outcome) -> Level<'_> {
     let error = outcome.largest_distance().unwrap_or(0.0);
     Level { mesh: &outcome.mesh, attributes: &outcome.attributes, error }

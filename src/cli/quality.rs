@@ -34,7 +34,7 @@ fn load_mesh(file: &MeshFile, monitor: &dyn Monitor) -> Result<Loaded> {
     Ok(loaded)
 }
 
-/// The report on each mesh.
+/// Returns the report on each mesh.
 fn measured(job: &Measuring, meshes: &[Loaded], against: Option<&Loaded>, monitor: &Stopwatch) -> Result<Vec<Report>> {
     monitor.stage("measure");
     let mut reports = Vec::new();

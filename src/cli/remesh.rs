@@ -44,7 +44,7 @@ pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
     if !reports.is_empty() {
         hand_out(&page.unwrap_or_else(|| all_to_json(&reports)), &all_to_text(&reports), &job.run)?;
     }
-    // Without a report nothing else would say so.
+    // Without a printed report, nothing else would show the warnings.
     let mut warnings: Vec<&String> = outcomes.iter().flat_map(|outcome| &outcome.warnings).collect();
     warnings.dedup();
     for warning in warnings.into_iter().filter(|_| job.run.voice == Voice::Quiet) {
@@ -53,22 +53,22 @@ pub(super) fn remesh_file(job: &Remeshing) -> Result<Status> {
     Ok(verdict(&outcomes, &outputs.names))
 }
 
-/// What was made.
+/// The results of a job.
 struct Made {
     outcomes: Vec<Outcome>,
-    /// What it was made of; `None` if that was never in memory as a whole.
+    /// The input; `None` if it was never in memory as a whole.
     input: Option<Mesh>,
-    /// What there is to say of reading.
+    /// Notes from reading the input.
     notes: Vec<String>,
 }
 
-/// The file of a job that may be larger than memory.
+/// Returns the input of a job as a file that may be larger than memory.
 fn large(job: &Remeshing) -> LargeFile<'_> {
     let Remeshing { input, output, out_of_core, .. } = job;
     LargeFile { path: &input.path, format: input.format, output: &output.path, out_of_core }
 }
 
-/// What is made of a cloud piece by piece; `None` for what pieces cannot be.
+/// Remeshes a cloud piece by piece; returns `None` for jobs that pieces cannot do.
 fn in_pieces(job: &Remeshing, outputs: &Outputs, monitor: &Stopwatch) -> Result<Option<Outcome>> {
     if outputs.are_tiles || !job.levels.is_empty() || job.sizing.is_some() {
         return Ok(None);
@@ -76,7 +76,7 @@ fn in_pieces(job: &Remeshing, outputs: &Outputs, monitor: &Stopwatch) -> Result<
     remesh_in_pieces(&large(job), &job.options, Some(outputs.format), monitor)
 }
 
-/// What is made of an input as a whole, or of one that became coarser while it was read.
+/// Remeshes an input that is read as a whole, or that is coarsened while it is read.
 fn in_memory(job: &Remeshing, outputs: &Outputs, monitor: &Stopwatch) -> Result<Made> {
     let loaded = match read_coarsened(&large(job), &job.options.surface, monitor)? {
         Some(loaded) => loaded,
@@ -87,7 +87,7 @@ fn in_memory(job: &Remeshing, outputs: &Outputs, monitor: &Stopwatch) -> Result<
     Ok(Made { outcomes, input: Some(loaded.mesh), notes: loaded.notes })
 }
 
-/// What was made of the input: one result, or one for each level. Each report has the stages since the one before.
+/// Returns the results: one, or one for each level. Each report has the stages since the previous one.
 fn outcomes(job: &Remeshing, loaded: &Loaded, options: &RemeshOptions, monitor: &Stopwatch) -> Result<Vec<Outcome>> {
     let input = Input::from(loaded);
     if job.levels.is_empty() {
@@ -106,7 +106,7 @@ fn outcomes(job: &Remeshing, loaded: &Loaded, options: &RemeshOptions, monitor: 
     Ok(outcomes)
 }
 
-/// The reports as a page, if that is wanted.
+/// Returns the reports as a page, if one was requested.
 fn page_of(outcomes: &[Outcome], input: Option<&Mesh>, run: &Run) -> Option<String> {
     run.report.as_deref().filter(|path| is_page(path))?;
     let reference = outcomes.first().and_then(|outcome| outcome.of_points.as_deref());
@@ -122,13 +122,14 @@ fn subject<'a>(outcome: &'a Outcome, report: &'a Report) -> Subject<'a> {
     Subject { report, mesh: &outcome.mesh, edges: Some(&outcome.edges) }
 }
 
-/// How many points of a cloud are of use; `None` if that is not known, or if another file has a number for each.
+/// Returns how many points of a cloud are useful; `None` if that is not known, or if another file has a number for each
+/// point.
 fn of_use(job: &Remeshing) -> Option<usize> {
     let is_given = matches!(job.sizing, Some(Sizing::File(_)));
     of_use_for_remeshing(&job.options.surface).filter(|_| !is_given)
 }
 
-/// The options, with what other files say of them.
+/// Returns the options, completed from other files.
 fn options(job: &Remeshing, outputs: &Outputs, loaded: &Loaded) -> Result<RemeshOptions> {
     let mut options = job.options.clone();
     if let Some(Sizing::File(path)) = &job.sizing {
@@ -137,12 +138,12 @@ fn options(job: &Remeshing, outputs: &Outputs, loaded: &Loaded) -> Result<Remesh
     if options.carry == Carry::All {
         options.carry = Carry::AllBut(outputs.format.cannot_hold(&loaded.attributes));
     }
-    // Tiles say how far their level is from the input, which the report knows.
+    // Tiles state the distance of their level to the input, which the report contains.
     options.without_report = job.run.voice == Voice::Quiet && job.run.report.is_none() && !outputs.are_tiles;
     Ok(options)
 }
 
-/// The exit status of results that are written, and a line about each that is not verified.
+/// Returns the exit status of results that were written, and prints a line about each result that is not verified.
 fn verdict(outcomes: &[Outcome], names: &[String]) -> Status {
     let mut status = Status::Done;
     for (outcome, output) in outcomes.iter().zip(names).filter(|(outcome, _)| !outcome.verified()) {

@@ -1,4 +1,4 @@
-//! Does what the command line asks for.
+//! Executes the job that the command line describes.
 
 use crate::base::error::Result;
 use crate::cli::args::{Job, is_page};
@@ -15,17 +15,17 @@ use crate::job::with_threads;
 use crate::report::Failure;
 use crate::report::page::page_of_failure;
 
-/// Does a job, and says how it went. If a file is at fault, the requested report says so.
+/// Executes a job and returns its status. If a file is at fault, the requested report says so.
 ///
 /// # Errors
-/// Those of reading, remeshing and writing; a result that is not verified is not among them.
+/// Errors of reading, remeshing and writing. A result that is not verified is no error.
 pub(super) fn run(job: &Job) -> Result<Status> {
     terminal::listen_for_interrupts();
     done(job).inspect_err(|error| {
         if let Some(path) = job.report().filter(|_| Status::of(error) == Status::File) {
             let failure = Failure::new(worded(error));
             let report = if is_page(path) { page_of_failure(&failure) } else { failure.to_json() };
-            // If it cannot be written, the error of the run is still the one to tell.
+            // If the report cannot be written, the error of the run is still the one to return.
             let _ = write_report(path, &report);
         }
     })

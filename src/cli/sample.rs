@@ -29,7 +29,7 @@ pub(super) fn sample_file(job: &Sampling) -> Result<()> {
     hand_out(&report.to_json(), &report.to_text(), &job.run)
 }
 
-/// The samples, and what there is to say of reading.
+/// Returns the samples, and notes from reading the input.
 fn sampled(job: &Sampling, monitor: &dyn Monitor) -> Result<(Sampled, Vec<String>)> {
     let MeshFile { path, format } = &job.input;
     let file = LargeFile { path, format: *format, output: &job.output, out_of_core: &job.out_of_core };

@@ -3,18 +3,18 @@
 use crate::base::error::Error;
 use std::process::ExitCode;
 
-/// How the process ends.
+/// The outcome of the process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Status {
-    /// What was asked for is done; a result is verified.
+    /// The job is done; a result is verified.
     Done = 0,
-    /// A file cannot be read or written, or holds no mesh that can be worked on.
+    /// A file cannot be read or written, or contains no mesh that can be processed.
     File = 1,
-    /// The command line makes no sense.
+    /// The command line is invalid.
     Usage = 2,
     /// The result is written, but fails one of the checks.
     Unverified = 3,
-    /// Interrupted, by Ctrl-C or a signal to end.
+    /// Interrupted by Ctrl-C or a termination signal.
     Interrupted = 130,
 }
 

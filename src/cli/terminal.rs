@@ -1,4 +1,4 @@
-//! Talking to the user: the report on standard output, everything else on standard error, progress, and interrupts.
+//! Interaction with the user: the report on standard output, everything else on standard error, progress, and interrupts.
 
 use crate::base::error::{Error, Result};
 use crate::base::monitor::Monitor;
@@ -12,7 +12,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Steps of the progress bar.
+/// Number of steps of the progress bar.
 const STEPS: u64 = 1000;
 
 /// Whether the user wants the run to end.
@@ -21,11 +21,12 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// Whether files are being written.
 static WRITING: AtomicBool = AtomicBool::new(false);
 
-/// Time that a stage has to end by itself once the user wants the run to end.
+/// Time that a stage has to end by itself after the user asked to end the run.
 const PATIENCE: Duration = Duration::from_millis(800);
 
-/// From now on Ctrl-C, and on Unix the signals to terminate and to hang up, ask the run to end. A run that has not ended after
-/// `PATIENCE`, or at a second signal, is killed. On systems without handlers the signals act as usual.
+/// Installs handlers through which Ctrl-C and, on Unix, the signals to terminate and to hang up ask the run to end. A run
+/// that has not ended after `PATIENCE` or at a second signal is killed. On systems without handlers, the signals act as
+/// usual.
 pub fn listen_for_interrupts() {
     let handler = || {
         if INTERRUPTED.swap(true, Ordering::Relaxed) {
@@ -33,7 +34,7 @@ pub fn listen_for_interrupts() {
         }
         std::thread::spawn(|| {
             std::thread::sleep(PATIENCE);
-            // A file that is being written is renamed or removed soon.
+            // A file that is being written will soon be renamed or removed.
             if !WRITING.load(Ordering::Relaxed) {
                 complain(&worded(&Error::Cancelled));
                 end();
@@ -43,11 +44,11 @@ pub fn listen_for_interrupts() {
     let _ = ctrlc::set_handler(handler);
 }
 
-/// A folder of temporary files that nobody needs if the process ends early, while there is one.
+/// The folder of temporary files that is to be removed if the process ends early.
 static TEMPORARY: Mutex<Option<PathBuf>> = Mutex::new(None);
 
 
-/// Ends the process as interrupted.
+/// Ends the process with the status of an interrupt.
 fn end() -> ! {
     if let Some(folder) = TEMPORARY.lock().unwrap_or_else(|e| e.into_inner()).take() {
         let _ = std::fs::remove_dir_all(folder);
@@ -55,13 +56,13 @@ fn end() -> ! {
     std::process::exit(i32::from(Status::Interrupted as u8))
 }
 
-/// From now on files are written: an interrupt lets that come to an end.
+/// Announces that files are being written from now on, which an interrupt lets finish.
 pub fn now_writing() {
     WRITING.store(true, Ordering::Relaxed);
 }
 
-/// A monitor that shows the stages of a run on standard error: as a bar if that is a terminal, as lines if they are
-/// asked for, else not at all.
+/// A monitor that shows the stages of a run on standard error: as a bar if that is a terminal, as lines if requested,
+/// otherwise not at all.
 pub struct Terminal {
     voice: Voice,
     bar: Option<ProgressBar>,
@@ -69,14 +70,14 @@ pub struct Terminal {
 }
 
 impl Terminal {
-    /// A monitor that says as much as `voice`.
+    /// A monitor with the amount of output of `voice`.
     pub fn new(voice: Voice) -> Terminal {
         let wanted = voice == Voice::Normal && std::io::stderr().is_terminal();
         Terminal { voice, bar: wanted.then(bar), start: Instant::now() }
     }
 }
 
-/// The bar is wiped, whatever way the run ended.
+/// Clears the bar, however the run ended.
 impl Drop for Terminal {
     fn drop(&mut self) {
         self.bar.iter().for_each(ProgressBar::finish_and_clear);
@@ -118,7 +119,7 @@ fn bar() -> ProgressBar {
     bar
 }
 
-/// Prints a text on standard output. A reader that stops early is no error: `remesh quality m.obj | head -1` is fine.
+/// Prints a text on standard output. A reader that stops early is not an error: `remesh quality m.obj | head -1` is fine.
 ///
 /// # Errors
 /// [`Error::File`] if the text cannot be written for another reason, such as a full disk.
@@ -134,7 +135,8 @@ pub fn print(text: &str) -> Result<()> {
     }
 }
 
-/// Prints one line on standard error, with the program's name before it. If that fails there is nobody to tell.
+/// Prints one line on standard error, preceded by the program's name. Failures are ignored, since there is nowhere to report
+/// them.
 pub fn complain(cause: &str) {
     let line = cause.split_whitespace().collect::<Vec<_>>().join(" ");
     let _ = writeln!(std::io::stderr(), "remesh: {line}");

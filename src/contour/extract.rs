@@ -1,14 +1,15 @@
-//! All of the implicit surface of a point cloud as triangles.
+//! Triangulates the entire implicit surface of a point cloud.
 //!
-//! The zero set is contoured on a lattice ([`crate::contour::lattice`]), from the points projected on it. Not all of it
-//! means anything: the function is also zero past a border, at the rim of what points reach, and between the two sides of
-//! a thin wall. What is farther from the nearest point than its neighbours, or faces away from its normal, is in doubt. Of
-//! that stay the parts that fill a gap: small, and with what is not in doubt all around them. Pieces that are hardly
-//! larger than the distance of two points go, too.
+//! The zero set is contoured on a lattice ([`crate::contour::lattice`]), starting from the points projected onto it. Not all
+//! of it is meaningful: the function is also zero past a border, at the limit of the points' support, and between the two
+//! sides of a thin wall. A part of the surface is doubtful if it is farther from the nearest point than that point's
+//! neighbours are, or faces away from that point's normal. Doubtful parts are kept only if they fill a gap: if they are
+//! small and surrounded by parts that are not doubtful. Pieces hardly larger than the distance of two points are dropped as
+//! well.
 //!
 //! Cost: that of the lattice, where a value takes about three microseconds.
 //!
-//! Limits: where the cloud has a border, the surface goes on for up to a spacing.
+//! Limits: at a border of the cloud, the surface continues for up to a spacing.
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
@@ -20,24 +21,25 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::surface::implicit::{Found, Local, Rimls};
 use glam::DVec3;
 
-/// How far from the nearest point the surface is in doubt, in spacings there: beyond lies what is past a border.
+/// Distance from the nearest point beyond which the surface is doubtful, in local spacings: what lies beyond is past a
+/// border.
 const FARTHEST: f64 = 1.0;
 
-/// How far it goes at most, in spacings: points of a random sampling have gaps of that size.
+/// Maximum extent of the surface from the nearest point, in spacings: random sampling leaves gaps of that size.
 const WIDEST: f64 = 2.2;
 
-/// Least cosine between the normal of the surface and that of the nearest point without a doubt: at a sharp edge it may be
-/// any above zero and a little less, sheets that mean nothing face the other way.
+/// Minimum cosine between the normal of the surface and that of the nearest point without doubt: at a sharp edge it may be
+/// as low as slightly below zero, while meaningless sheets face the other way.
 const LEAST_AGREEMENT: f64 = -0.5;
 
-/// A gap is in a box with a diagonal of so many mean spacings at most.
+/// Maximum diagonal of a gap's bounding box, in mean spacings.
 const GAP: f64 = 6.0;
 
-/// Pieces in a box with a diagonal below so many mean spacings are none.
+/// Minimum diagonal of a piece's bounding box, in mean spacings.
 const TINY: f64 = 3.0;
 
-/// The part of `surface` that is near its points, as an oriented mesh. It is a manifold, but for vertices in which two
-/// parts of the boundary meet. `lattice` has room for all of it.
+/// Returns the part of `surface` near its points, as an oriented mesh. It is a manifold, except at vertices where two parts
+/// of the boundary meet. `lattice` has room for all of it.
 ///
 /// # Errors
 /// Those of [`contour`].
@@ -50,7 +52,7 @@ pub fn extract(surface: &Rimls, lattice: &Lattice, most: usize, monitor: &dyn Mo
     Ok(mesh)
 }
 
-/// The function, where cells may be of use.
+/// The function, limited to where cells may be useful.
 struct NearPoints<'a> {
     surface: &'a Rimls<'a>,
     edge: f64,
@@ -70,7 +72,7 @@ impl Field for NearPoints<'_> {
     }
 }
 
-/// Drops the parts that are in doubt, but for those that fill a gap: small, and with others all around them.
+/// Drops doubtful parts, except those that fill a gap: small ones surrounded by other parts.
 fn drop_doubtful_parts(mesh: &mut Mesh, surface: &Rimls) {
     let is_doubtful = doubtful(mesh, surface);
     let sides = || mesh.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
@@ -89,7 +91,7 @@ fn drop_doubtful_parts(mesh: &mut Mesh, surface: &Rimls) {
     mesh.drop_unused();
 }
 
-/// For each vertex whether it is in doubt that the points mean it.
+/// Returns whether each vertex is doubtful: not clearly on the surface that the points represent.
 fn doubtful(mesh: &Mesh, surface: &Rimls) -> Vec<bool> {
     let normals = mesh.vertex_area_vectors();
     let is_doubtful = |found: &mut Found, x: DVec3, normal: DVec3| {
@@ -101,7 +103,7 @@ fn doubtful(mesh: &Mesh, surface: &Rimls) -> Vec<bool> {
     parallel::map_with(0..normals.len(), Found::default, |found, v| is_doubtful(found, mesh.positions[v], normals[v]))
 }
 
-/// The diagonals of the bounding boxes of parts numbered in the order of their first vertex.
+/// Diagonals of the bounding boxes of parts, which are numbered in the order of their first vertex.
 fn extents(part: &[u32], positions: &[DVec3]) -> Vec<f64> {
     let mut boxes: Vec<Aabb> = Vec::new();
     for (&part, &p) in part.iter().zip(positions) {

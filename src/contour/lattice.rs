@@ -1,27 +1,27 @@
-//! The zero set of a function as triangles, by marching tetrahedra on a lattice near it.
+//! Triangulates the zero set of a function, by marching tetrahedra on a lattice near it.
 //!
-//! The tetrahedra are the Delaunay ones of the body-centred cubic lattice: all congruent, and as near to regular as can
-//! be that fill space. With the basis b₁ = (-1, 1, 1) / 2, b₂ = (1, -1, 1) / 2, b₃ = (1, 1, -1) / 2 they are the Kuhn split
-//! of the unit cell into six: each has the corners v, v + bᵢ, v + bᵢ + bⱼ, v + b₁ + b₂ + b₃ for an order i, j, k of the axes.
-//! So an edge leads from v to v plus a nonempty set of axes, here a mask of three bits, and the vertices of a tetrahedron
-//! are a chain of such sets.
+//! The tetrahedra are the Delaunay tetrahedra of the body-centred cubic lattice: all congruent, and as close to regular as
+//! space-filling tetrahedra can be. With the basis b₁ = (-1, 1, 1) / 2, b₂ = (1, -1, 1) / 2, b₃ = (1, 1, -1) / 2 they are
+//! the Kuhn split of the unit cell into six: each has the corners v, v + bᵢ, v + bᵢ + bⱼ, v + b₁ + b₂ + b₃ for an order i,
+//! j, k of the axes. So an edge leads from v to v plus a nonempty set of axes, represented by a three-bit mask, and the
+//! vertices of a tetrahedron form a chain of such sets.
 //!
-//! In a tetrahedron whose corners have both signs there are one or two triangles between the places where its edges cross
-//! zero. Neighbours share those places, so the result is an oriented manifold by construction; it has a boundary where
-//! values are missing. Zero counts as positive, and crossings keep away from corners, so no triangle is degenerate.
+//! A tetrahedron with both signs at its corners has one or two triangles between the zero crossings of its edges. Neighbours
+//! share these crossings, so the result is an oriented manifold by construction, with a boundary where values are missing.
+//! Zero counts as positive, and crossings keep away from corners, so no triangle is degenerate.
 //!
-//! Vertices get a value only where the surface is: from seeds on it, those of the tetrahedra around each edge that
-//! crosses zero follow, wave by wave. They are kept in the order of their keys.
+//! Only vertices near the surface get a value. Starting from seeds on the surface, the vertices of the tetrahedra around
+//! each edge that crosses zero are added wave by wave. They are kept sorted by their keys.
 //!
 //! Based on: A. Doi, A. Koide, An efficient method of triangulating equi-valued surfaces by using tetrahedral cells, IEICE
 //! Transactions E74 (1), 1991; the lattice for it: S. L. Chan, E. O. Purisima, A new tetrahedral tesselation scheme for
-//! isosurface generation, Computers & Graphics 22 (1), 1998, DOI 10.1016/S0097-8493(97)00085-X; the split: H. W. Kuhn,
-//! Some combinatorial lemmas in topology, 1960, DOI 10.1147/rd.45.0518.
+//! isosurface generation, Computers & Graphics 22 (1), 1998, DOI 10.1016/S0097-8493(97)00085-X; the split: H. W. Kuhn, Some
+//! combinatorial lemmas in topology, 1960, DOI 10.1147/rd.45.0518.
 //!
-//! Cost: one value for each lattice vertex of a tetrahedron that the surface crosses, about four for each square of an
-//! edge length, and some thirty searches for it; [`BYTES_PER_VERTEX`] for each.
+//! Cost: one value for each lattice vertex of a tetrahedron that the surface crosses, about four per square of an edge
+//! length, with some thirty searches each; [`BYTES_PER_VERTEX`] each.
 //!
-//! Limits: what is smaller than a tetrahedron may be missed, and triangles are of all shapes.
+//! Limits: features smaller than a tetrahedron may be missed, and triangles have all shapes.
 
 use crate::base::error::{Error, Result, Setting};
 use crate::base::monitor::{Monitor, check};
@@ -31,22 +31,23 @@ use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 use rayon::slice::ParallelSliceMut;
 
-/// Memory for a vertex of the lattice, at most, with its share of the triangles and of working space: measured.
+/// Maximum memory per lattice vertex, including its share of the triangles and of working space, as measured.
 pub const BYTES_PER_VERTEX: usize = 500;
 
-/// Places along each axis of the lattice: three fit in a key of 64 bits.
+/// Number of places along each axis of the lattice: three coordinates fit into a 64-bit key.
 const PLACES: f64 = (1u64 << 21) as f64;
 
-/// Vertices beside the seeds that there must be room for.
+/// Number of vertices beside the seeds for which there must be room.
 const MARGIN: f64 = 4.0;
 
-/// How near to the end of an edge its crossing may be, as a share of it.
+/// Minimum distance of a crossing from the ends of its edge, as a share of the edge.
 const NEAREST_CROSSING: f64 = 1e-3;
 
-/// All axes: the longest way in a cell.
+/// All axes: the main diagonal of a cell.
 const ALL: u32 = 7;
 
-/// The axes in each order, as the chains of sets that the corners of a tetrahedron are, and whether it is a positive one.
+/// The axes in each order, as the chains of sets that are the corners of a tetrahedron, and whether its orientation is
+/// positive.
 const CHAINS: [([u32; 4], bool); 6] = [
     ([0, 1, 3, 7], true),
     ([0, 2, 6, 7], true),
@@ -56,7 +57,7 @@ const CHAINS: [([u32; 4], bool); 6] = [
     ([0, 1, 5, 7], false),
 ];
 
-/// A body-centred cubic lattice with places for all that is near to some points.
+/// A body-centred cubic lattice that covers the surroundings of some points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lattice {
     origin: DVec3,
@@ -64,28 +65,28 @@ pub struct Lattice {
 }
 
 impl Lattice {
-    /// The lattice of cubes with edges of length `edge` that reaches as far as `reach` around `points`; `None` if that
-    /// are more places than can be numbered.
+    /// Creates the lattice of cubes of side `edge` that extends `reach` beyond `points`; `None` if it has more places than
+    /// can be numbered.
     pub fn around(points: &[DVec3], reach: f64, edge: f64) -> Option<Lattice> {
         let bounds = Aabb::of(points.iter().copied()).unwrap_or_default();
         let margin = reach + MARGIN * edge;
         let longest = bounds.size().max_element() + 2.0 * margin;
-        // Each coordinate on the lattice is the sum of two of space.
+        // Each lattice coordinate is the sum of two spatial ones.
         (2.0 * longest / edge < PLACES).then_some(Lattice { origin: bounds.lo - margin, edge })
     }
 
-    /// The length of the edges of its cubes.
+    /// Side length of its cubes.
     pub fn edge(&self) -> f64 {
         self.edge
     }
 
-    /// Where a vertex is.
+    /// Position of a vertex.
     fn place(&self, key: u64) -> DVec3 {
         let [i, j, k] = [42, 21, 0].map(|shift| (key >> shift & ((1 << 21) - 1)) as f64);
         self.origin + 0.5 * self.edge * DVec3::new(j + k - i, k + i - j, i + j - k)
     }
 
-    /// The values at vertices, block by block.
+    /// Evaluates the vertices block by block.
     fn values(&self, keys: &[u64], field: &impl Field) -> Band {
         let mut order: Vec<u64> = keys.to_vec();
         order.par_sort_unstable_by_key(|&key| (key & BLOCKS, key));
@@ -103,7 +104,7 @@ impl Lattice {
         Band { keys, values }
     }
 
-    /// The first corner of the cell that `x` is in.
+    /// Returns the first corner of the cell that contains `x`.
     fn cell(&self, x: DVec3) -> u64 {
         let p = (x - self.origin) / self.edge;
         let key = |coordinate: f64| coordinate.floor() as u64;
@@ -111,30 +112,30 @@ impl Lattice {
     }
 }
 
-/// The difference between the keys of a vertex and that beyond a set of axes.
+/// Difference between the key of a vertex and that of the vertex beyond a set of axes.
 const fn way(axes: u32) -> u64 {
     (axes as u64 & 1) << 42 | (axes as u64 >> 1 & 1) << 21 | axes as u64 >> 2
 }
 
 /// A function of space.
 pub trait Field: Sync {
-    /// What values in some ball have in common.
+    /// Data shared by the values in a ball.
     type Local;
 
-    /// What values within `radius` of `centre` have in common.
+    /// Collects the data shared by the values within `radius` of `centre`.
     fn local(&self, centre: DVec3, radius: f64) -> Self::Local;
 
-    /// The value at `x`, in the ball that `local` is for; `None` if there is none.
+    /// Returns the value at `x`, within the ball of `local`; `None` if there is none.
     fn value(&self, local: &mut Self::Local, x: DVec3) -> Option<f64>;
 }
 
-/// Bits of a coordinate that count within a block of vertices, which get their values together; the mask of the others in
-/// a key; and how far its vertices are from its middle in edge lengths: 3/2 (b₁ + b₂ - b₃).
+/// Number of low bits of a coordinate within a block of vertices, which are evaluated together; the mask of the other bits
+/// in a key; and the largest distance of its vertices from its centre in edge lengths: 3/2 (b₁ + b₂ - b₃).
 const BLOCK_BITS: u64 = 2;
 const BLOCKS: u64 = !(((1 << BLOCK_BITS) - 1) * way(ALL));
 const BLOCK_RADIUS: f64 = 2.5;
 
-/// Vertices of the lattice with their values.
+/// Lattice vertices with their values.
 #[derive(Default)]
 struct Band {
     /// In ascending order.
@@ -143,12 +144,11 @@ struct Band {
     values: Vec<f64>,
 }
 
-/// The triangles where `field` is zero, counter-clockwise seen from where it is positive, of all of the surface that is
-/// connected to the cells of `seeds` by places with values.
+/// Returns the triangles where `field` is zero, counter-clockwise seen from where it is positive. They cover all of the
+/// surface that is connected to the cells of `seeds` through places with values.
 ///
 /// # Errors
-/// [`Error::Option`] if that takes more than `most` vertices of the lattice; [`Error::Cancelled`] if the monitor asks for
-/// it.
+/// [`Error::Option`] if that takes more than `most` lattice vertices; [`Error::Cancelled`] if the monitor asks for it.
 pub fn contour(
     lattice: &Lattice,
     seeds: &[DVec3],
@@ -186,7 +186,7 @@ fn sort_and_dedup(keys: &mut Vec<u64>) {
     keys.dedup();
 }
 
-/// The other corners of the tetrahedra around the edge from `start` along `axes`.
+/// Returns the other corners of the tetrahedra around the edge from `start` along `axes`.
 fn around_edge(start: u64, axes: u32) -> impl Iterator<Item = u64> {
     let end = start + way(axes);
     let between = (1..ALL).filter(move |&s| s & axes == s && s != axes).map(move |s| start + way(s));
@@ -203,7 +203,7 @@ impl Band {
         self.find(key).map_or(f64::NAN, |i| self.values[i])
     }
 
-    /// Takes in the vertices of `other`, none of which is there yet.
+    /// Adds the vertices of `other`, none of which is present yet.
     fn merge(&mut self, other: Band) {
         let count = self.keys.len() + other.keys.len();
         let (mut keys, mut values) = (Vec::with_capacity(count), Vec::with_capacity(count));
@@ -223,7 +223,7 @@ impl Band {
         *self = Band { keys, values };
     }
 
-    /// The vertices without a value yet around edges that cross zero and have an end among the `new` ones.
+    /// Returns the vertices without a value around edges that cross zero and have an end among the `new` ones.
     fn next_wave(&self, new: &[u64]) -> Vec<u64> {
         let of_vertex = |&key: &u64| {
             let here = self.value(key);
@@ -240,7 +240,7 @@ impl Band {
         next
     }
 
-    /// The edges from vertex `i` upwards that cross zero, a bit each by their axes.
+    /// Returns the upward edges from vertex `i` that cross zero, as one bit each, indexed by their axes.
     fn crossings(&self, i: usize) -> u8 {
         let (key, here) = (self.keys[i], self.values[i]);
         let bit = |axes: u32| u8::from(crosses(here, self.value(key + way(axes)))) << axes;
@@ -264,21 +264,21 @@ impl Band {
     }
 }
 
-/// Whether both values are there, and have different signs.
+/// Returns whether both values exist and have different signs.
 fn crosses(one: f64, other: f64) -> bool {
     one < 0.0 && other >= 0.0 || one >= 0.0 && other < 0.0
 }
 
-/// The edges that cross zero; the number of each is that of a vertex of the result.
+/// The edges that cross zero; their indices are those of the vertices of the result.
 struct Edges<'a> {
     band: &'a Band,
     crossings: Vec<u8>,
-    /// The number of the first edge from each vertex.
+    /// Index of the first edge from each vertex.
     first: Vec<u32>,
 }
 
 impl Edges<'_> {
-    /// Where the edges from vertex `i` cross zero.
+    /// Returns the zero crossings of the edges from vertex `i`.
     fn places(&self, lattice: &Lattice, i: usize) -> impl Iterator<Item = DVec3> {
         let (key, here) = (self.band.keys[i], self.band.values[i]);
         let bits = self.crossings[i];
@@ -290,7 +290,7 @@ impl Edges<'_> {
         })
     }
 
-    /// The triangles in the tetrahedra whose lowest corner is vertex `i`.
+    /// Returns the triangles in the tetrahedra whose lowest corner is vertex `i`.
     fn triangles(&self, i: usize) -> Vec<[u32; 3]> {
         let mut found = Vec::new();
         // Every tetrahedron has the edge along all axes; if none of the others crosses zero, either, there is nothing.
@@ -319,7 +319,7 @@ impl Edges<'_> {
         found
     }
 
-    /// The number of the edge from a vertex along some axes.
+    /// Returns the index of the edge from a vertex along a set of axes.
     fn number(&self, start: usize, axes: u32) -> u32 {
         self.first[start] + (self.crossings[start] & ((1 << axes) - 1)).count_ones()
     }
@@ -328,10 +328,10 @@ impl Edges<'_> {
 /// An edge of a tetrahedron, by its ends.
 type Ends = (usize, usize);
 
-/// The triangles between edges of a positive tetrahedron with these values at its corners.
+/// Returns the triangles between the edges of a positively oriented tetrahedron with these values at its corners.
 fn cut(values: [f64; 4]) -> Vec<[Ends; 3]> {
     let inside: Vec<usize> = (0..4).filter(|&k| values[k] < 0.0).collect();
-    // The others in an order that keeps the tetrahedron positive.
+    // The other corners, in an order that keeps the tetrahedron positive.
     let others = |k: usize| [[1, 2, 3], [0, 3, 2], [3, 0, 1], [2, 1, 0]][k];
     match inside[..] {
         [a] => vec![others(a).map(|k| (a, k))],
@@ -383,7 +383,7 @@ mod tests {
         contour(&lattice, seeds, &Function(f), 1 << 20, &()).unwrap()
     }
 
-    /// A place of the unit sphere that is no extreme one.
+    /// A point of the unit sphere away from its extremes.
     const SEED: DVec3 = DVec3::new(0.6, 0.64, 0.48);
 
     fn volume(mesh: &Mesh) -> f64 {
@@ -394,7 +394,7 @@ mod tests {
     fn a_vertex_is_where_its_cell_begins() {
         let lattice = Lattice::around(&[DVec3::ZERO, DVec3::ONE], 0.0, 0.125).unwrap();
         let key = lattice.cell(dvec3(0.3, 0.5, 0.7));
-        // The middle of the cell, beyond half of all its axes.
+        // The centre of the cell, halfway along the diagonal over all its axes.
         let middle = 0.5 * (lattice.place(key) + lattice.place(key + way(ALL)));
         assert_eq!(lattice.cell(middle), key);
         assert!(lattice.place(key + way(ALL)).distance(lattice.place(key) + 0.0625) < 1e-15);
@@ -435,7 +435,7 @@ mod tests {
         assert!(errors[1] > 0.0 && errors[1] < 0.3 * errors[0], "{errors:?}");
     }
 
-    /// All signs that the corners of a tetrahedron can have come up in the surface of random values, zeros among them.
+    /// Random values produce all possible combinations of signs at the corners of a tetrahedron, including zeros.
     #[test]
     fn any_values_make_an_oriented_manifold_whose_boundary_is_where_values_end() {
         let noise = |x: DVec3| {

@@ -1,4 +1,4 @@
-//! Triangles all over an implicit surface.
+//! Triangulates an entire implicit surface.
 
 pub mod extract;
 pub mod lattice;

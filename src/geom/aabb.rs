@@ -2,17 +2,17 @@
 
 use glam::DVec3;
 
-/// An axis-aligned box. The default is the origin alone.
+/// An axis-aligned box. The default box contains only the origin.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Aabb {
-    /// Its smallest coordinates.
+    /// Smallest coordinates.
     pub lo: DVec3,
-    /// Its largest coordinates.
+    /// Largest coordinates.
     pub hi: DVec3,
 }
 
 impl Aabb {
-    /// The neutral element of [`Self::join`]: it contains nothing.
+    /// The neutral element of [`Self::join`], which contains nothing.
     pub(crate) const EMPTY: Aabb = Aabb { lo: DVec3::INFINITY, hi: DVec3::NEG_INFINITY };
 
     /// The bounding box of some points; `None` if there are no points.
@@ -32,37 +32,38 @@ impl Aabb {
         Aabb { lo: p, hi: p }
     }
 
-    /// The smallest box around both.
+    /// The smallest box around both boxes.
     #[inline]
     #[must_use]
     pub fn join(&self, other: &Aabb) -> Aabb {
         Aabb { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
     }
 
-    /// The lengths of its sides.
+    /// The side lengths.
     #[inline]
     pub fn size(&self) -> DVec3 {
         self.hi - self.lo
     }
 
-    /// The length of its diagonal.
+    /// The length of the diagonal.
     #[inline]
     pub fn diagonal(&self) -> f64 {
         self.size().length()
     }
 
-    /// The squared distance of `p`, zero inside. Even rounded, it is no larger than that of any point of the box.
+    /// The squared distance of the box to `p`; zero if `p` is inside. Even rounded, it never exceeds that of any point of
+    /// the box.
     #[inline]
     pub fn distance_squared(&self, p: DVec3) -> f64 {
         (self.lo - p).max(p - self.hi).max(DVec3::ZERO).length_squared()
     }
 
-    /// Whether a ray meets the box within the distance `longest`. `inverse` has the reciprocals of the components of
-    /// its unit direction.
+    /// Returns whether a ray meets the box within the distance `longest`. `inverse` has the reciprocals of the components of
+    /// the ray's unit direction.
     #[inline]
     pub fn meets_ray(&self, origin: DVec3, inverse: DVec3, longest: f64) -> bool {
         let (a, b) = ((self.lo - origin) * inverse, (self.hi - origin) * inverse);
-        // A ray along an upper side has NaN here, which does not limit it; one along a lower side is missed.
+        // For a ray along an upper side, NaN occurs here and does not limit the ray; a ray along a lower side is missed.
         let (enters, leaves) = (a.min(b), a.max(b));
         let last = |leaves: f64, so_far: f64| if leaves < so_far { leaves } else { so_far };
         let first = |enters: f64, so_far: f64| if enters > so_far { enters } else { so_far };
@@ -71,7 +72,7 @@ impl Aabb {
         enters <= leaves
     }
 
-    /// Whether two boxes have a point in common, touching included.
+    /// Returns whether two boxes have a point in common; touching counts.
     #[inline]
     pub fn meets(&self, other: &Aabb) -> bool {
         self.lo.cmple(other.hi).all() && other.lo.cmple(self.hi).all()

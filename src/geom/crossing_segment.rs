@@ -1,28 +1,29 @@
-//! The segment that two crossing triangles have in common, and how its length changes with their corners.
+//! The common segment of two crossing triangles, and the derivative of its length with respect to their corners.
 //!
-//! Each end of it is where a side of one triangle meets the other triangle, or a shared corner. If the points of the
-//! side and of the triangle there move apart by `d`, the end slides along the side until it is back in the plane:
-//! relative to the triangle, it moves by d − (n·d)/(n·e) e, for the normal n and the direction e of the side.
+//! Each end of the segment is either a shared corner or the point where a side of one triangle meets the other triangle. If
+//! the point of the side and the point of the triangle move apart by `d`, the end slides along the side until it is back in
+//! the plane: relative to the triangle, it moves by d − (n·d)/(n·e) e, for the normal n and the direction e of the side.
 //!
 //! P. Volino, N. Magnenat-Thalmann, Resolving surface collisions through intersection contour minimization, 2006, DOI
-//! 10.1145/1141911.1142007, use this to separate surfaces that have passed through each other. Departure: the
-//! derivative is that of the segment between two triangles, with respect to each of their corners.
+//! 10.1145/1141911.1142007, use this to separate surfaces that have passed through each other. Departure: the derivative
+//! here is that of the segment between two triangles, with respect to each of their corners.
 
 use crate::geom::triangle::barycentric;
 use glam::DVec3;
 
 type Triangle = [DVec3; 3];
 
-/// The segment that two triangles have in common.
+/// The common segment of two triangles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CrossingSegment {
     /// Its length.
     pub length: f64,
-    /// The gradient of the length with respect to the position of each corner, of the first triangle and of the second.
+    /// The gradient of the length with respect to the position of each corner, first for the first triangle, then for the
+    /// second.
     pub gradient: [[DVec3; 3]; 2],
 }
 
-/// An end of the segment: its place, and its barycentric coordinates in both triangles. `along` is the direction of the
+/// An end of the segment: its position and its barycentric coordinates in both triangles. `along` holds the direction of the
 /// side and the normal of the triangle that meet there; `None` at a shared corner.
 struct End {
     place: DVec3,
@@ -31,13 +32,13 @@ struct End {
 }
 
 struct Along {
-    /// Which of the two triangles has the side.
+    /// Which of the two triangles the side belongs to.
     of: usize,
     side: DVec3,
     normal: DVec3,
 }
 
-/// The segment that two crossing triangles have in common; `None` if it has no length, as for coplanar ones.
+/// Returns the common segment of two crossing triangles; `None` if it has no length, as for coplanar triangles.
 pub fn crossing_segment(a: Triangle, b: Triangle) -> Option<CrossingSegment> {
     let triangles = [a, b];
     let shared = (0..9).map(|i| (i / 3, i % 3)).find(|&(i, j)| a[i] == b[j]);
@@ -58,7 +59,8 @@ fn unit(i: usize) -> [f64; 3] {
     [0, 1, 2].map(|k| if k == i { 1.0 } else { 0.0 })
 }
 
-/// Where side `k` of triangle `of` passes through the other triangle; `None` also if they share a corner of the side.
+/// Returns where side `k` of triangle `of` passes through the other triangle; `None` also if the triangles share a corner of
+/// that side.
 fn pierced(triangles: [Triangle; 2], of: usize, k: usize) -> Option<End> {
     let (own, other) = (triangles[of], triangles[1 - of]);
     let (p, q) = (own[k], own[(k + 1) % 3]);
@@ -83,7 +85,7 @@ fn pierced(triangles: [Triangle; 2], of: usize, k: usize) -> Option<End> {
 }
 
 impl End {
-    /// The gradient of how far this end moves in `direction`, with respect to the position of each corner.
+    /// Returns the gradient of this end's movement in `direction`, with respect to the position of each corner.
     fn gradient(&self, direction: DVec3) -> [[DVec3; 3]; 2] {
         let Some(Along { of, side, normal }) = self.along else {
             return [self.weights[0].map(|w| w * direction), [DVec3::ZERO; 3]];
@@ -112,7 +114,7 @@ mod tests {
                 b[1] = a[2];
             }
             let Some(segment) = crossing_segment(a, b) else { continue };
-            // Where a side all but touches a corner, the next one takes over within the step.
+            // If a side almost touches a corner, the next side may take over within this step.
             let step = 1e-6;
             for (corner, axis) in (0..18).map(|i| (i / 3, DVec3::AXES[i % 3])) {
                 let shared = i % 2 == 0 && (corner == 2 || corner == 4);

@@ -1,24 +1,24 @@
-//! Eigenvectors of symmetric 3 × 3 matrices; the first one of a covariance is the direction in which points spread
-//! least.
+//! Eigenvectors of symmetric 3 × 3 matrices. The first eigenvector of a covariance matrix is the direction of least spread
+//! of the points.
 //!
-//! Based on: C. G. J. Jacobi, Über ein leichtes Verfahren, die in der Theorie der Säculärstörungen vorkommenden
-//! Gleichungen numerisch aufzulösen, 1846: rotations that zero one off-diagonal entry after the other.
+//! Based on: C. G. J. Jacobi, Über ein leichtes Verfahren, die in der Theorie der Säculärstörungen vorkommenden Gleichungen
+//! numerisch aufzulösen, 1846: successive rotations each zero one off-diagonal entry.
 //!
-//! Cost: about a dozen rotations. Accurate to rounding, even where eigenvalues coincide.
+//! Cost: about a dozen rotations. Accurate to rounding, even for coinciding eigenvalues.
 
 use glam::{DMat3, DVec3};
 
-/// Sweeps over the three off-diagonal entries: these converge quadratically, to rounding after five.
+/// Number of sweeps over the three off-diagonal entries. These converge quadratically: to rounding level after five sweeps.
 const SWEEPS: usize = 8;
 
-/// The mean m of points p, and Σ (p - m)(p - m)ᵀ, which is their covariance matrix times their number.
+/// Returns the mean m of points p, and Σ (p - m)(p - m)ᵀ, which is their covariance matrix times their number.
 pub fn scatter(points: impl Iterator<Item = DVec3> + Clone) -> (DVec3, DMat3) {
     let mean = points.clone().sum::<DVec3>() / points.clone().count() as f64;
     let outer = |d: DVec3| DMat3::from_cols(d.x * d, d.y * d, d.z * d);
     (mean, points.fold(DMat3::ZERO, |sum, p| sum + outer(p - mean)))
 }
 
-/// The eigenvalues of a symmetric matrix in increasing order and their unit eigenvectors.
+/// Returns the eigenvalues of a symmetric matrix in increasing order, and their unit eigenvectors.
 pub fn eigen(matrix: DMat3) -> ([f64; 3], [DVec3; 3]) {
     let mut a = matrix.to_cols_array_2d();
     let mut vectors = DMat3::IDENTITY.to_cols_array_2d();
@@ -36,7 +36,7 @@ pub fn eigen(matrix: DMat3) -> ([f64; 3], [DVec3; 3]) {
     (order.map(|i| a[i][i]), order.map(|i| DVec3::from_array(vectors[i])))
 }
 
-/// The rotation in the plane of axes `p` and `q` that makes their common entry zero. Vectors are rows.
+/// Rotates in the plane of axes `p` and `q` such that their common entry becomes zero. Vectors are rows.
 fn rotate(a: &mut [[f64; 3]; 3], vectors: &mut [[f64; 3]; 3], p: usize, q: usize) {
     if a[p][q] == 0.0 {
         return;
@@ -75,7 +75,7 @@ mod tests {
         let mut rng = stream(3, Stage::Scan);
         for case in 0..200 {
             let turn = DMat3::from_quat(DQuat::from_euler(glam::EulerRot::XYZ, unit(&mut rng), unit(&mut rng), 9.0));
-            // Every third with two equal eigenvalues, every fifth flat.
+            // Every third matrix has two equal eigenvalues; every fifth is flat.
             let wanted = DVec3::new(if case % 5 == 0 { 0.0 } else { 1e-6 }, unit(&mut rng), 2.0);
             let wanted = if case % 3 == 0 { wanted.xyy() } else { wanted };
             let matrix = turn * DMat3::from_diagonal(wanted) * turn.transpose();

@@ -1,27 +1,27 @@
-//! Whether two triangles in space intersect elsewhere than at shared corners and sides: an exact test, for any
+//! An exact test whether two triangles in space intersect anywhere other than at shared corners and sides, for any
 //! coordinates.
 //!
-//! Corners at exactly the same place are shared. Any other common point, except on the side between two shared corners,
-//! is a crossing. Touching counts. All tests come down to whether a segment meets a triangle:
+//! Corners at exactly the same position are shared. Any other common point is a crossing, unless it is on the side between
+//! two shared corners. Touching counts. All tests reduce to whether a segment meets a triangle:
 //!
-//! - Without shared corners triangles cross where a side of one meets the other.
-//! - With one, they cross where the opposite side of either meets the other: every ray from the corner that begins in
-//!   both triangles leaves the first of them through that side.
-//! - With two, they cross where they are coplanar and on the same side of their shared side.
-//! - With three they are the same.
+//! - Triangles without shared corners cross if a side of one meets the other.
+//! - Triangles with one shared corner cross if the opposite side of either meets the other triangle: every ray that starts
+//!   at the corner and runs inside both triangles leaves the first of them through that side.
+//! - Triangles with two shared corners cross if they are coplanar and lie on the same side of their shared side.
+//! - Triangles with three shared corners are the same.
 //!
 //! Bodies that stand on each other touch, but rounding puts some corners above the contact and some below.
-//! [`cross_deeper_than`] tells crossing from contact: then neither triangle lies on one side of the other's plane, and
-//! what they have in common is no point, both up to a depth.
+//! [`cross_deeper_than`] distinguishes crossing from contact: it requires that neither triangle lies on one side of the
+//! other's plane, and that their intersection is more than a point, both up to a depth.
 //!
-//! A segment that is not in the triangle's plane meets the triangle if its ends are not on the same side of the plane
-//! and its line passes the three sides of the triangle in the same sense. Coplanar figures meet in space if their
-//! shadows along all three axes meet: at least one of the projections is one-to-one.
+//! A segment that is not in the triangle's plane meets the triangle if its ends are not on the same side of the plane and
+//! its line passes the three sides of the triangle in the same sense. Coplanar figures meet in space if their projections
+//! along all three axes meet: at least one of the projections is one-to-one.
 //!
-//! Based on: P. Guigue, O. Devillers, Fast and robust triangle-triangle overlap test using orientation predicates, 2003,
-//! DOI 10.1080/10867651.2003.10487580, whose signs these are; and J. R. Shewchuk, Adaptive precision floating-point
-//! arithmetic and fast robust geometric predicates, 1997, DOI 10.1007/PL00009321, who makes them exact. Departures:
-//! shared corners, triangles without area, and no permutation of corners.
+//! Based on: P. Guigue, O. Devillers, Fast and robust triangle-triangle overlap test using orientation predicates, 2003, DOI
+//! 10.1080/10867651.2003.10487580, for the signs; and J. R. Shewchuk, Adaptive precision floating-point arithmetic and fast
+//! robust geometric predicates, 1997, DOI 10.1007/PL00009321, for their exact evaluation. Departures: shared corners,
+//! triangles without area, and no permutation of corners.
 //!
 //! Cost: constant, about ten determinants. Limits: exact as long as products of three coordinates neither overflow nor
 //! underflow.
@@ -31,7 +31,7 @@ use robust::{Coord, Coord3D};
 
 type Triangle = [DVec3; 3];
 
-/// Whether the triangles have more in common than their shared corners and the side between two of them.
+/// Returns whether the triangles have points in common other than shared corners and the side between two shared corners.
 pub fn cross(a: Triangle, b: Triangle) -> bool {
     let mut shared = shared_corners(a, b);
     let Some((i, j)) = shared.next() else { return cross_apart(a, b) };
@@ -41,14 +41,14 @@ pub fn cross(a: Triangle, b: Triangle) -> bool {
     shared.next().is_some() || i == k || j == l || folded([a[i], a[k]], a[3 - i - k], b[3 - j - l])
 }
 
-/// Whether the triangles [`cross`] rather than touch: both have corners deeper than `depth` on both sides of the other, and
-/// what they have in common is longer. Coplanar triangles without a shared corner touch. Sheets that are folded over at a shared
-/// corner or side cross.
+/// Returns whether the triangles [`cross`] rather than touch: each has corners deeper than `depth` on both sides of the
+/// other, and their common segment is longer than `depth`. Coplanar triangles without a shared corner only touch. Sheets
+/// that are folded over at a shared corner or side cross.
 pub fn cross_deeper_than(depth: f64, a: Triangle, b: Triangle) -> bool {
     let shared = shared_corners(a, b).count();
     let is_in_plane = |sides: Option<[i32; 3]>| sides == Some([0; 3]);
     let passes = |sides: Option<[i32; 3]>| sides.is_none_or(|s| s.contains(&1) && s.contains(&-1));
-    // The first plane tells most triangles apart.
+    // The first plane already separates most triangles.
     let of_b = sides_of(a, b, depth);
     if shared < 3 && is_in_plane(of_b) && is_in_plane(sides_of(b, a, depth)) {
         return cross_in_plane(a, b);
@@ -62,7 +62,7 @@ pub fn cross_deeper_than(depth: f64, a: Triangle, b: Triangle) -> bool {
         && length_in_common(a, b).is_none_or(|length| length > depth)
 }
 
-/// [`cross`] for triangles that share one or two corners and are in one plane but for rounding.
+/// [`cross`] for triangles that share one or two corners and are coplanar up to rounding.
 fn cross_in_plane(a: Triangle, b: Triangle) -> bool {
     let normal = (a[1] - a[0]).cross(a[2] - a[0]).abs();
     let axis = (0..3).max_by(|&i, &j| normal[i].total_cmp(&normal[j])).expect("space has three axes");
@@ -74,7 +74,7 @@ fn cross_in_plane(a: Triangle, b: Triangle) -> bool {
     }
 }
 
-/// The corners of `a` that are at the place of one of `b`, and that one.
+/// Returns the pairs of corners of `a` and `b` at the same position.
 fn shared_corners(a: Triangle, b: Triangle) -> impl Iterator<Item = (usize, usize)> {
     (0..9).map(|i| (i / 3, i % 3)).filter(move |&(i, j)| a[i] == b[j])
 }
@@ -84,13 +84,14 @@ fn opposite(t: Triangle, corner: usize) -> [DVec3; 2] {
     [t[(corner + 1) % 3], t[(corner + 2) % 3]]
 }
 
-/// How long the segment is that two triangles have in common, which are not coplanar and of which neither is beside the plane of the
-/// other; `None` if one has no area. Negative by the gap between them, along the line that their planes have in common.
+/// Returns the length of the common segment of two triangles that are not coplanar, where neither lies on one side of the
+/// other's plane; `None` if one has no area. If the triangles are apart, the length is negative: minus the gap along the
+/// common line of their planes.
 fn length_in_common(a: Triangle, b: Triangle) -> Option<f64> {
     let normal = |[p, q, r]: Triangle| (q - p).cross(r - p).try_normalize();
     let [of_a, of_b] = [normal(a)?, normal(b)?];
     let line = of_a.cross(of_b).try_normalize()?;
-    // Where a triangle meets the plane of the other, along the line.
+    // The interval on the line where a triangle meets the plane of the other.
     let range = |own: Triangle, [origin, ..]: Triangle, normal: DVec3| {
         let at = own.map(|p| ((p - origin).dot(normal), (p - origin).dot(line)));
         let ends = (0..3).filter_map(|k| {
@@ -100,19 +101,20 @@ fn length_in_common(a: Triangle, b: Triangle) -> Option<f64> {
         ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[from, to], s| [from.min(s), to.max(s)])
     };
     let ([a_from, a_to], [b_from, b_to]) = (range(a, b, of_b), range(b, a, of_a));
-    // Each range is told from a corner of the other triangle.
+    // Each interval is measured from a corner of the other triangle.
     let shift = (a[0] - b[0]).dot(line);
     Some(a_to.min(b_to + shift) - a_from.max(b_from + shift))
 }
 
-/// On which side of the plane of `triangle` the corners of `other` are, 0 within `depth` of it; `None` if it has no area.
+/// Returns the sides of the plane of `triangle` on which the corners of `other` lie, 0 within `depth` of it; `None` if the
+/// triangle has no area.
 fn sides_of(triangle: Triangle, other: Triangle, depth: f64) -> Option<[i32; 3]> {
     let [a, b, c] = triangle;
     let normal = (b - a).cross(c - a).try_normalize()?;
     Some(other.map(|p| (p - a).dot(normal)).map(|height| if height.abs() <= depth { 0 } else { sign(height) }))
 }
 
-/// Whether triangles without shared corners meet.
+/// Returns whether triangles without shared corners meet.
 fn cross_apart(a: Triangle, b: Triangle) -> bool {
     let beside = |t: Triangle, other: Triangle| {
         let [p, q, r] = other.map(|p| side_of_plane(t, p));
@@ -124,18 +126,18 @@ fn cross_apart(a: Triangle, b: Triangle) -> bool {
         && (sides(a).into_iter().any(|s| meets(s, b)) || sides(b).into_iter().any(|s| meets(s, a)))
 }
 
-/// Whether triangles that share a side, with `p` and `q` opposite it, lie on top of each other.
+/// Returns whether two triangles that share a side, with opposite corners `p` and `q`, lie on top of each other.
 fn folded([from, to]: [DVec3; 2], p: DVec3, q: DVec3) -> bool {
     side_of_plane([from, to, p], q) == 0 && (0..3).any(|axis| folded_along([from, to], p, q, axis))
 }
 
-/// Whether the shadows of such triangles do.
+/// Returns whether the projections of two such triangles do.
 fn folded_along(side: [DVec3; 2], p: DVec3, q: DVec3, axis: usize) -> bool {
     let turn = |r: DVec3| side_of_line(side.map(|p| shadow(p, axis)), shadow(r, axis));
     turn(p) * turn(q) > 0
 }
 
-/// Whether a segment and a triangle, ends and border included, have a point in common.
+/// Returns whether a segment and a triangle, ends and border included, have a point in common.
 fn meets(segment: [DVec3; 2], triangle: Triangle) -> bool {
     let [p, q] = segment;
     let ends = segment.map(|p| side_of_plane(triangle, p));
@@ -150,7 +152,7 @@ fn meets(segment: [DVec3; 2], triangle: Triangle) -> bool {
     around.iter().all(|&s| s >= 0) || around.iter().all(|&s| s <= 0)
 }
 
-/// [`meets`] without the coordinate along `axis`.
+/// [`meets`] for the projections along `axis`.
 fn shadows_meet(segment: [DVec3; 2], triangle: Triangle, axis: usize) -> bool {
     let segment = segment.map(|p| shadow(p, axis));
     let [a, b, c] = triangle.map(|p| shadow(p, axis));
@@ -161,7 +163,7 @@ fn shadows_meet(segment: [DVec3; 2], triangle: Triangle, axis: usize) -> bool {
         || sides.into_iter().any(|side| segments_meet(segment, side))
 }
 
-/// Whether two segments in the plane, ends included, have a point in common.
+/// Returns whether two segments in the plane, ends included, have a point in common.
 fn segments_meet(a: [Coord<f64>; 2], b: [Coord<f64>; 2]) -> bool {
     let overlap = |from: fn(&Coord<f64>) -> f64| {
         let ([p, q], [r, s]) = (a.map(|p| from(&p)), b.map(|p| from(&p)));
@@ -181,7 +183,7 @@ fn side_of_line([from, to]: [Coord<f64>; 2], p: Coord<f64>) -> i32 {
     sign(robust::orient2d(from, to, p))
 }
 
-/// On which side of the plane of a triangle `p` is; 0 on it, and for a triangle without area.
+/// The side of a triangle's plane on which `p` lies; 0 on the plane, and for a triangle without area.
 fn side_of_plane(triangle: Triangle, p: DVec3) -> i32 {
     let [a, b, c, p] = [triangle[0], triangle[1], triangle[2], p].map(|p| Coord3D { x: p.x, y: p.y, z: p.z });
     sign(robust::orient3d(a, b, c, p))
@@ -204,7 +206,7 @@ mod tests {
 
     const BASE: [[f64; 3]; 3] = [[0., 0., 0.], [4., 0., 0.], [0., 4., 0.]];
 
-    /// The answer for all orders of corners and both orders of triangles, which have to agree.
+    /// The answer for all orders of the corners and both orders of the triangles, which must agree.
     #[track_caller]
     fn all_orders(a: Triangle, b: Triangle) -> bool {
         let orders = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
@@ -216,7 +218,7 @@ mod tests {
         answer
     }
 
-    /// The answer for the base triangle and another one, in all orders and with the axes exchanged.
+    /// The answer for the base triangle and another one, in all orders and with the axes permuted.
     #[track_caller]
     fn crosses(other: [[f64; 3]; 3]) -> bool {
         let (a, b) = (triangle(BASE), triangle(other));
@@ -317,7 +319,7 @@ mod tests {
         assert!(!segments([[5., 5., 5.], [6., 6., 6.], [7., 7., 7.]]), "two segments on one line");
     }
 
-    /// The least distance between points of a segment and a triangle, by ternary search: both are convex.
+    /// The smallest distance between points of a segment and a triangle, by ternary search: both are convex.
     fn distance([p, q]: [DVec3; 2], t: Triangle) -> f64 {
         let at = |s: f64| {
             let r = p.lerp(q, s);

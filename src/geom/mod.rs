@@ -1,4 +1,4 @@
-//! Small geometry: what can be said about a few points without a mesh.
+//! Elementary geometry: properties of a few points, without a mesh.
 
 pub mod aabb;
 pub mod crossing_segment;

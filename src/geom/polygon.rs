@@ -1,37 +1,37 @@
-//! Triangulates a polygon in space over its own corners.
+//! Triangulates a polygon in space without adding vertices.
 //!
-//! A quadrilateral is split along the diagonal whose worse triangle has the better shape. Polygons with more corners
-//! are projected along the main axis of Newell's normal, n = Σ pᵢ × pᵢ₊₁, which drops one coordinate and changes no
-//! sign. Their ears are clipped until three corners are left, the one with the shortest cut first. An ear is a convex
-//! corner whose triangle has no reflex or flat corner inside or on it. A blocked corner is tested again when the one
-//! that blocks it becomes convex.
+//! A quadrilateral is split along the diagonal whose worse triangle has the better shape. Polygons with more corners are
+//! projected along the dominant axis of Newell's normal, n = Σ pᵢ × pᵢ₊₁, which drops one coordinate and changes no sign.
+//! Ears are clipped, the one with the shortest cut first, until three corners are left. An ear is a convex corner whose
+//! triangle has no reflex or flat corner inside or on it. A blocked corner is tested again when the corner that blocks it
+//! becomes convex.
 //!
-//! A polygon is first relisted from its smallest corner towards the smaller neighbour, by coordinates. So it gets the
-//! same triangles wherever its list starts and whichever way it runs, as a face between two cells has to.
+//! First, the corners are relisted from the smallest corner towards its smaller neighbour, by coordinates. So the polygon
+//! gets the same triangles wherever its list starts and whichever way it runs, as is necessary for a face between two cells.
 //!
 //! Based on: G. H. Meisters, Polygons have ears, 1975, DOI 10.2307/2319703. Departures: the order; corners at the same
-//! place as a corner of the ear do not block it (slits that join a hole to the outline); where no ear is left, as in
-//! polygons that cross themselves or have no area, the shortest cut is made anyway.
+//! position as a corner of the ear do not block it (slits that join a hole to the outline); if no ear is left, as in
+//! polygons that intersect themselves or have no area, the shortest cut is made anyway.
 //!
-//! Cost: n log n for n convex corners, n r with r reflex ones, at most `BUDGET` tests. Limits: a polygon that spends
-//! the budget has overlapping triangles, and one that meets its smallest side twice may depend on where its list
-//! starts. Even so, every polygon of n corners has n - 2 triangles whose boundary is its outline.
+//! Cost: n log n for n convex corners, n r with r reflex ones, at most `BUDGET` tests. Limits: a polygon that exhausts the
+//! budget has overlapping triangles, and one whose smallest side occurs twice may depend on where its list starts. Even
+//! then, every polygon of n corners gets n - 2 triangles whose boundary is its outline.
 
 use glam::DVec3;
 use robust::{Coord, orient2d};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Point-in-ear tests that one polygon may cost, about half a second: enough for some 20,000 corners of which half are
-/// reflex. Without this bound a hostile file of a few megabytes would take hours.
+/// Limit on the point-in-ear tests for one polygon, about half a second: enough for some 20,000 corners of which half are
+/// reflex. Without this limit, a malicious file of a few megabytes would take hours.
 const BUDGET: usize = 100_000_000;
 
-/// A diagonal must be better than the first one by this much (shapes range from -1 to 1), so that rounding does not
+/// The second diagonal must be better than the first by this much (shapes range from -1 to 1), so that rounding does not
 /// decide between the diagonals of a rectangle.
 const CLEARLY_BETTER: f64 = 1e-9;
 
-/// Triangles as indices into `corners`, in the direction of the polygon: `corners.len() - 2` of them, none for fewer
-/// than three corners, in increasing order. Every side of the polygon is a side of exactly one triangle.
+/// Returns triangles as indices into `corners`, oriented like the polygon and in increasing order: `corners.len() - 2` of
+/// them, none for fewer than three corners. Every side of the polygon is a side of exactly one triangle.
 pub fn triangulate(corners: &[DVec3]) -> Vec<[usize; 3]> {
     if corners.len() <= 3 {
         return if corners.len() == 3 { vec![[0, 1, 2]] } else { Vec::new() };
@@ -50,14 +50,14 @@ pub fn triangulate(corners: &[DVec3]) -> Vec<[usize; 3]> {
     triangles
 }
 
-/// How to list the corners of a polygon independently of its own list.
+/// An order of a polygon's corners that does not depend on how they are listed.
 struct Listing {
     first: usize,
     reversed: bool,
 }
 
 impl Listing {
-    /// From the smallest corner towards the smaller of its neighbours.
+    /// Starts at the smallest corner and runs towards the smaller of its neighbours.
     fn of(corners: &[DVec3]) -> Listing {
         let n = corners.len();
         let coordinates = |side: (usize, usize)| [corners[side.0].to_array(), corners[side.1].to_array()];
@@ -68,7 +68,7 @@ impl Listing {
     }
 }
 
-/// The same triangle, its smallest corner first.
+/// Returns the same triangle with its smallest corner first.
 fn from_least([a, b, c]: [usize; 3]) -> [usize; 3] {
     if a < b && a < c {
         [a, b, c]
@@ -90,15 +90,15 @@ fn split_quad(corners: [DVec3; 4]) -> [[usize; 3]; 2] {
     if worse(second) > worse(first) + CLEARLY_BETTER { second } else { first }
 }
 
-/// Twice the area seen along `normal` over the mean squared side: 0 without area, negative if turned over.
+/// Twice the area as seen along `normal`, divided by the mean squared side length: 0 without area, negative if turned over.
 fn shape([a, b, c]: [DVec3; 3], normal: DVec3) -> f64 {
     let sides = a.distance_squared(b) + b.distance_squared(c) + c.distance_squared(a);
     let shape = 3.0 * (b - a).cross(c - a).dot(normal) / sides;
     if shape.is_nan() { 0.0 } else { shape }
 }
 
-/// A possible ear, ordered by the squared length of its cut (as bits, which sort like the non-negative numbers that
-/// they are), then by corner; stale if the corner's `stamp` has moved on.
+/// A possible ear, ordered by the squared length of its cut, then by corner. The squared length is stored as bits, which
+/// sort like the non-negative numbers that they represent. The candidate is stale if the corner's `stamp` has changed.
 type Candidate = Reverse<(u64, usize, u32)>;
 
 struct Clipper<'a> {
@@ -149,7 +149,7 @@ impl<'a> Clipper<'a> {
         self.triangles
     }
 
-    /// The corner and its two neighbours, in the direction of the polygon.
+    /// The corner between its two neighbours, in the order of the polygon.
     fn ear(&self, i: usize) -> [usize; 3] {
         [self.previous[i], i, self.next[i]]
     }
@@ -168,7 +168,7 @@ impl<'a> Clipper<'a> {
         self.candidates.push(Reverse((self.cut(i), i, self.stamp[i])));
     }
 
-    /// The candidate with the shortest cut that is an ear; any candidate once the budget is spent.
+    /// Returns the candidate with the shortest cut that is an ear, or any candidate once the budget is exhausted.
     fn pop_ear(&mut self) -> Option<usize> {
         while let Some(Reverse((_, i, stamp))) = self.candidates.pop() {
             if !self.alive[i] || self.stamp[i] != stamp {
@@ -194,7 +194,7 @@ impl<'a> Clipper<'a> {
         self.blockers.iter().copied().find(|&b| blocks(self.flat[b], ear))
     }
 
-    /// For polygons without ears: the corner to clip anyway.
+    /// For polygons without ears: returns the corner to clip anyway.
     fn shortest_cut(&mut self) -> Option<usize> {
         self.budget = self.budget.saturating_sub(self.corners.len());
         let alive: Vec<usize> = (0..self.corners.len()).filter(|&i| self.alive[i]).collect();
@@ -219,7 +219,7 @@ impl<'a> Clipper<'a> {
         }
     }
 
-    /// Corner `i` no longer blocks any ear.
+    /// Marks corner `i` as no longer blocking any ear.
     fn release(&mut self, i: usize) {
         if let Some(place) = self.blockers.iter().position(|&b| b == i) {
             self.blockers.swap_remove(place);
@@ -232,7 +232,7 @@ impl<'a> Clipper<'a> {
     }
 }
 
-/// The corners without the coordinate in which Newell's normal is largest, counter-clockwise.
+/// Projects the corners along the axis in which Newell's normal is largest, so that they are counter-clockwise.
 fn flatten(corners: &[DVec3]) -> Vec<Coord<f64>> {
     let normal = newell_normal(corners);
     let size = normal.abs();
@@ -244,12 +244,12 @@ fn flatten(corners: &[DVec3]) -> Vec<Coord<f64>> {
     corners.iter().map(|p| Coord { x: p[x], y: p[y] }).collect()
 }
 
-/// Twice the polygon's area vector, relative to the first corner to stay accurate far from the origin.
+/// Twice the polygon's area vector. Computed relative to the first corner, so that it is accurate far from the origin.
 fn newell_normal(corners: &[DVec3]) -> DVec3 {
     corners.windows(2).map(|side| (side[0] - corners[0]).cross(side[1] - corners[0])).sum()
 }
 
-/// Whether `p` lies in or on the ear, other than at its corners.
+/// Returns whether `p` lies in or on the ear, other than at its corners.
 fn blocks(p: Coord<f64>, [a, b, c]: [Coord<f64>; 3]) -> bool {
     let outside = |lo: f64, hi: f64, at: f64| at < lo || at > hi;
     if outside(a.x.min(b.x).min(c.x), a.x.max(b.x).max(c.x), p.x)
@@ -275,7 +275,8 @@ mod tests {
         0.5 * (corners[b] - corners[a]).cross(corners[c] - corners[a])
     }
 
-    /// Each side of the outline once, all others twice and in both directions; n - 2 triangles.
+    /// Checks for n - 2 triangles in which each side of the outline occurs once, and all other sides twice, in both
+    /// directions.
     fn audit(corners: &[DVec3]) -> Vec<[usize; 3]> {
         let triangles = triangulate(corners);
         let n = corners.len();
@@ -293,7 +294,7 @@ mod tests {
         triangles
     }
 
-    /// As `audit`, and no triangle is turned over: together they cover the polygon once.
+    /// Like `audit`, and checks that no triangle is turned over: together, the triangles cover the polygon once.
     fn audit_simple(corners: &[DVec3]) {
         let normal = newell_normal(corners).normalize();
         for t in audit(corners) {
@@ -308,7 +309,7 @@ mod tests {
         assert_eq!(triangulate(&[DVec3::ZERO; 3]), [[0, 1, 2]]);
     }
 
-    /// The triangles over the places of their corners, in the direction of `corners` or against it.
+    /// The triangles as positions of their corners, in the direction of `corners` or against it.
     fn places(corners: &[DVec3], against: bool) -> BTreeSet<[[u64; 3]; 3]> {
         let oriented = |[a, b, c]: [usize; 3]| if against { [a, c, b] } else { [a, b, c] };
         let bits = |t: [usize; 3]| t.map(|i| corners[i].to_array().map(f64::to_bits));

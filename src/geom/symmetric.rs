@@ -1,9 +1,9 @@
-//! Symmetric matrices of six numbers each: summing many outer products takes two thirds of the work of full ones.
+//! Symmetric matrices stored as six numbers: summing many outer products takes two thirds of the work of full matrices.
 
 use glam::{DMat3, DVec3, Vec3Swizzles};
 use std::ops::{AddAssign, Mul};
 
-/// A symmetric matrix of three rows and columns.
+/// A symmetric 3 × 3 matrix.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Symmetric {
     /// Elements xx, yy and zz.
@@ -19,7 +19,7 @@ impl Symmetric {
         Symmetric { diagonal: a * a, mixed: a * a.yzx() }
     }
 
-    /// All nine elements.
+    /// Returns the full matrix.
     pub fn matrix(&self) -> DMat3 {
         let (d, m) = (self.diagonal, self.mixed);
         DMat3::from_cols(DVec3::new(d.x, m.x, m.z), DVec3::new(m.x, d.y, m.y), DVec3::new(m.z, m.y, d.z))

@@ -1,4 +1,4 @@
-//! One triangle in space: its closest point to another point, barycentric coordinates, angles, area.
+//! A single triangle in space: closest point, barycentric coordinates, angles, area.
 //!
 //! With b' = b - a, c' = c - a and p' = p - a, the foot of p in the plane is a + v b' + w c' where
 //!
@@ -7,24 +7,24 @@
 //! | b'·c'  c'·c' | | w | = | c'·p' |
 //! ```
 //!
-//! and the signs of v, w, 1 - v - w and of the right-hand sides tell in which of the seven regions of the plane
+//! and the signs of v, w, 1 - v - w and of the right-hand sides determine in which of the seven regions of the plane
 //! (inside, three sides, three corners) the foot lies.
 //!
-//! Based on: Christer Ericson, *Real-Time Collision Detection*, section 5.1.5, 2005, ISBN 978-1558607323. Departures:
-//! the region tests are written in the entries of the system above, whose error grows with the distance of p and not
-//! with its square; triangles whose first angle is below a ten-thousandth of a radian (or as near to 180 degrees) are
-//! solved as three segments and an interior; the result never leaves the triangle's bounding box.
+//! Based on: Christer Ericson, *Real-Time Collision Detection*, section 5.1.5, 2005, ISBN 978-1558607323. Departures: the
+//! region tests use the entries of the system above, whose error grows with the distance of p rather than with its square;
+//! triangles whose first angle is below a ten-thousandth of a radian (or as close to 180 degrees) are solved as three
+//! segments and an interior; the result never leaves the triangle's bounding box.
 //!
 //! Cost: constant. Limits: coordinates whose fourth powers overflow or vanish in f64 are not supported.
 
 use crate::base::math;
 use glam::DVec3;
 
-/// Below this squared sine of the angle at the first corner the system above has lost half of its digits, and the
-/// region tests could name the wrong region.
+/// Below this squared sine of the angle at the first corner, the system above has lost half of its digits, and the region
+/// tests could select the wrong region.
 const SLIVER_SINE_SQUARED: f64 = 1e-8;
 
-/// The point of triangle `[a, b, c]` that is closest to `p`, within the triangle's bounding box to the last bit.
+/// Returns the point of triangle `[a, b, c]` closest to `p`, within the triangle's bounding box to the last bit.
 ///
 /// A degenerate triangle counts as a segment or a point.
 pub fn closest_point(p: DVec3, triangle: [DVec3; 3]) -> DVec3 {
@@ -41,8 +41,8 @@ pub fn closest_point(p: DVec3, triangle: [DVec3; 3]) -> DVec3 {
     point.max(a.min(b).min(c)).min(a.max(b).max(c))
 }
 
-/// The barycentric coordinates of the point of `triangle` that is closest to `p`; on a side or at a corner, those of
-/// the other corners are exactly zero. `None` for a triangle so flat that it has to be solved as segments.
+/// Returns the barycentric coordinates of the point of `triangle` closest to `p`. If that point is on a side or at a corner,
+/// the coordinates of the other corners are exactly zero. `None` for a triangle so flat that it must be solved as segments.
 #[inline]
 pub fn closest_weights(p: DVec3, [a, b, c]: [DVec3; 3]) -> Option<[f64; 3]> {
     let (ab, ac, ap) = (b - a, c - a, p - a);
@@ -52,14 +52,14 @@ pub fn closest_weights(p: DVec3, [a, b, c]: [DVec3; 3]) -> Option<[f64; 3]> {
         .then(|| clamped_foot([bb, bc, cc], determinant, ab.dot(ap), ac.dot(ap)))
 }
 
-/// The barycentric coordinates of the closest point, from the entries of the system, its determinant and right-hand
-/// sides.
+/// Returns the barycentric coordinates of the closest point, given the entries of the system, its determinant and its
+/// right-hand sides.
 #[inline]
 fn clamped_foot([bb, bc, cc]: [f64; 3], determinant: f64, pb: f64, pc: f64) -> [f64; 3] {
     if pb <= 0.0 && pc <= 0.0 {
         return [1.0, 0.0, 0.0];
     }
-    // The same two right-hand sides, seen from b and from c.
+    // The same two right-hand sides relative to b and to c.
     let (pb_at_b, pc_at_b) = (pb - bb, pc - bc);
     if pb_at_b >= 0.0 && pc_at_b <= pb_at_b {
         return [0.0, 1.0, 0.0];
@@ -83,7 +83,7 @@ fn clamped_foot([bb, bc, cc]: [f64; 3], determinant: f64, pb: f64, pc: f64) -> [
     [1.0 - (v + w) / determinant, v / determinant, w / determinant]
 }
 
-/// The best of the closest points of the three sides and, where it can be told, the foot inside.
+/// Returns the best of the closest points of the three sides and, if it can be determined, the foot in the interior.
 #[cold]
 fn closest_point_of_sliver(p: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 {
     let sides = [(a, b), (b, c), (c, a)].map(|(from, to)| closest_point_of_segment(p, from, to));
@@ -93,22 +93,22 @@ fn closest_point_of_sliver(p: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 {
     sides.into_iter().skip(1).chain(inside).fold(sides[0], nearer)
 }
 
-/// The point of the segment `from`..`to` that is closest to `p`.
+/// Returns the point of the segment `from`..`to` closest to `p`.
 pub fn closest_point_of_segment(p: DVec3, from: DVec3, to: DVec3) -> DVec3 {
     from + share_along(p, from, to) * (to - from)
 }
 
-/// Where on the segment the point closest to `p` is: 0 at `from`, 1 at `to`, 0 on a segment without length.
+/// Returns the parameter of the point of the segment closest to `p`: 0 at `from`, 1 at `to`, 0 for a segment without length.
 fn share_along(p: DVec3, from: DVec3, to: DVec3) -> f64 {
     let along = to - from;
     let length_squared = along.length_squared();
     if length_squared > 0.0 { ((p - from).dot(along) / length_squared).clamp(0.0, 1.0) } else { 0.0 }
 }
 
-/// The barycentric coordinates of the foot of `p` in the plane of `triangle`: they sum to one, and are negative beyond
-/// a side.
+/// Returns the barycentric coordinates of the foot of `p` in the plane of `triangle`. They sum to one and are negative
+/// beyond a side.
 ///
-/// A triangle without area has no plane: there the coordinates are those of the closest point on its longest side.
+/// A triangle without area has no plane: its coordinates are those of the closest point on its longest side.
 pub fn barycentric(p: DVec3, triangle: [DVec3; 3]) -> [f64; 3] {
     let [a, b, c] = triangle;
     let normal = (b - a).cross(c - a);
@@ -127,11 +127,12 @@ fn barycentric_on_longest_side(p: DVec3, triangle: [DVec3; 3]) -> [f64; 3] {
     weights
 }
 
-/// How far beyond a side, in barycentric coordinates, a ray still meets a triangle, so that no ray slips between two
-/// triangles.
+/// Tolerance in barycentric coordinates by which a ray may miss a triangle's side and still meet the triangle, so that no
+/// ray slips between two triangles.
 const SIDE_WIDTH: f64 = 1e-9;
 
-/// The distance from `origin` along the unit vector `direction` to the triangle, if the ray meets it; never negative.
+/// Returns the distance from `origin` along the unit vector `direction` to the triangle, if the ray meets it; never
+/// negative.
 ///
 /// Based on: T. Möller, B. Trumbore, Fast, minimum storage ray-triangle intersection, 1997,
 /// DOI 10.1080/10867651.1997.10487468.
@@ -160,47 +161,49 @@ pub fn longest_side(triangle: [DVec3; 3]) -> f64 {
     side_lengths(triangle).into_iter().fold(0.0, f64::max)
 }
 
-/// The angles at the three corners, in degrees. Without area they are 0, 0 and 180 in the order of the corners'
-/// places on the line; where all corners coincide, all are 0.
+/// The angles at the three corners, in degrees. Without area, they are 0, 0 and 180 in the order of the corners on their
+/// line; if all corners coincide, all angles are 0.
 pub fn angles([a, b, c]: [DVec3; 3]) -> [f64; 3] {
     let twice_area = (b - a).cross(c - a).length();
     let at = |u: DVec3, w: DVec3| math::atan2(twice_area, u.dot(w)).to_degrees();
     [at(b - a, c - a), at(c - b, a - b), at(a - c, b - c)]
 }
 
-/// The smallest and the largest of [`angles`].
+/// The smallest and the largest of the [`angles`].
 pub fn extreme_angles([a, b, c]: [DVec3; 3]) -> (f64, f64) {
     let twice_area = (b - a).cross(c - a).length();
     let dots = [(b - a).dot(c - a), (c - b).dot(a - b), (a - c).dot(b - c)];
-    // The sine times the lengths of the sides is the same for all angles, so an angle falls as its dot product grows.
+    // The sine times the lengths of the adjacent sides is the same for all angles, so an angle decreases as its dot product
+    // grows.
     let angle = |dot: f64| math::atan2(twice_area, dot).to_degrees();
     (angle(dots[0].max(dots[1]).max(dots[2])), angle(dots[0].min(dots[1]).min(dots[2])))
 }
 
-/// The smallest of [`angles`].
+/// The smallest of the [`angles`].
 pub fn smallest_angle(corners: [DVec3; 3]) -> f64 {
     let (sine, cosine) = smallest_sine_cosine(corners);
     math::atan2(sine, cosine).to_degrees()
 }
 
-/// Sine and cosine of the smallest angle, times the lengths of its sides.
+/// Sine and cosine of the smallest angle, times the lengths of its adjacent sides.
 #[inline]
 pub fn smallest_sine_cosine([a, b, c]: [DVec3; 3]) -> (f64, f64) {
     let twice_area = (b - a).cross(c - a).length();
-    // The sine times the lengths of the sides is the same for all angles, so an angle falls as its dot product grows.
+    // The sine times the lengths of the adjacent sides is the same for all angles, so an angle decreases as its dot product
+    // grows.
     let dot = (b - a).dot(c - a).max((c - b).dot(a - b)).max((a - c).dot(b - c));
     (twice_area, dot)
 }
 
-/// The mean ratio 4 √3 S / (a² + b² + c²): 1 for an equilateral triangle, 0 for a flat one, and cheap.
+/// The mean ratio 4 √3 S / (a² + b² + c²): 1 for an equilateral triangle, 0 for a flat one. Cheap to compute.
 pub fn mean_ratio([a, b, c]: [DVec3; 3]) -> f64 {
     let squares = a.distance_squared(b) + b.distance_squared(c) + c.distance_squared(a);
     let ratio = 2.0 * 3f64.sqrt() * (b - a).cross(c - a).length() / squares;
     if ratio.is_finite() { ratio } else { 0.0 }
 }
 
-/// The quality 6 S / (√3 p h), with half the perimeter p and the longest side h: 1 for an equilateral triangle, 0 for a
-/// flat one.
+/// The quality 6 S / (√3 p h), with the half perimeter p and the longest side h: 1 for an equilateral triangle, 0 for a flat
+/// one.
 pub fn quality(corners: [DVec3; 3]) -> f64 {
     quality_of(side_lengths(corners), area(corners))
 }
@@ -212,7 +215,7 @@ fn quality_of(sides: [f64; 3], area: f64) -> f64 {
     if q.is_finite() { q } else { 0.0 }
 }
 
-/// [`quality`] and [`smallest_sine_cosine`] at the price of little more than one of them.
+/// [`quality`] and [`smallest_sine_cosine`] at little more than the cost of one of them.
 #[inline]
 pub fn quality_and_sine_cosine(corners: [DVec3; 3]) -> (f64, f64, f64) {
     let (twice_area, dot) = smallest_sine_cosine(corners);
@@ -238,7 +241,7 @@ mod tests {
         testing::random_point(rng) * 2.0 - DVec3::ONE
     }
 
-    /// The smallest squared distance over a grid of the triangle's points, and the grid's pitch.
+    /// The smallest distance to a grid of the triangle's points.
     fn by_grid(p: DVec3, [a, b, c]: [DVec3; 3], n: usize) -> f64 {
         let point = |i: usize, j: usize| a + (b - a) * (i as f64 / n as f64) + (c - a) * (j as f64 / n as f64);
         (0..=n)

@@ -1,4 +1,4 @@
-//! Vectors of any dimension, as plain arrays.
+//! Vectors of any dimension as plain arrays.
 
 /// a - b.
 #[inline]
@@ -34,7 +34,7 @@ pub fn distance_squared<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     length_squared(&difference(a, b))
 }
 
-/// `a`, shortened to `longest` if it is longer.
+/// Returns `a`, shortened to `longest` if it is longer.
 #[inline]
 pub fn shortened<const D: usize>(a: &[f64; D], longest: f64) -> [f64; D] {
     let length = length_squared(a).sqrt();

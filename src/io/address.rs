@@ -1,4 +1,4 @@
-//! File names inside files: only files in the same folder, or in folders below it, are followed.
+//! File names inside files. Only files in the same folder or in its subfolders are followed.
 
 use std::borrow::Cow;
 use std::path::{Component, PathBuf};
@@ -7,7 +7,7 @@ pub(super) fn not_inside(name: &str) -> String {
     format!("the file '{}' is not in the folder of the file that names it", name.escape_debug())
 }
 
-/// The path that a relative name means, if it stays in its folder: no scheme, no root, no way out by `..`.
+/// Returns a relative name as a path, if it stays inside its folder: no scheme, no root, no escape by `..`.
 pub(super) fn inside(name: &str) -> Option<PathBuf> {
     if name.contains(':') || name.contains('\0') {
         return None;
@@ -28,7 +28,7 @@ pub(super) fn inside(name: &str) -> Option<PathBuf> {
     (depth > 0).then_some(path)
 }
 
-/// `%20` and the like as the characters that they stand for; `None` if these are not UTF-8.
+/// Decodes percent escapes such as `%20`. Returns `None` if the result is not UTF-8.
 pub(super) fn percent_decoded(address: &str) -> Option<Cow<'_, str>> {
     if !address.contains('%') {
         return Some(address.into());
@@ -45,7 +45,8 @@ pub(super) fn percent_decoded(address: &str) -> Option<Cow<'_, str>> {
     String::from_utf8(decoded).ok().map(Cow::from)
 }
 
-/// A file name as an address: everything but ASCII letters, digits and `-._~` becomes `%20` and the like.
+/// Encodes a file name as an address: everything but ASCII letters, digits and `-._~` becomes a percent escape such as
+/// `%20`.
 #[cfg(feature = "fs")]
 pub(super) fn percent_encoded(name: &str) -> String {
     let encode = |byte: u8| match byte {

@@ -1,8 +1,8 @@
-//! Base64 with the standard alphabet, as the data addresses of glTF have it.
+//! Base64 with the standard alphabet, as used in the data URIs of glTF.
 
 const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
-/// `bytes` as base64, padded with `=` to a multiple of four characters.
+/// Encodes `bytes` as base64, padded with `=` to a multiple of four characters.
 pub(crate) fn encode(bytes: &[u8]) -> String {
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
     for group in bytes.chunks(3) {
@@ -15,7 +15,7 @@ pub(crate) fn encode(bytes: &[u8]) -> String {
     text
 }
 
-/// The value of each character that is a digit.
+/// Value of each character, if it is a digit.
 const VALUES: [Option<u8>; 256] = {
     let mut values = [None; 256];
     let mut value = 0;
@@ -26,7 +26,7 @@ const VALUES: [Option<u8>; 256] = {
     values
 };
 
-/// The bytes that `text` spells; the padding may be missing. `None` if a character or the length is wrong.
+/// Decodes `text`, with or without padding. Returns `None` if a character or the length is invalid.
 pub(super) fn decode(text: &str) -> Option<Vec<u8>> {
     let digits = text.trim_ascii().trim_end_matches('=').as_bytes();
     let mut bytes = Vec::with_capacity(digits.len() / 4 * 3 + 2);
@@ -39,7 +39,7 @@ pub(super) fn decode(text: &str) -> Option<Vec<u8>> {
     Some(bytes)
 }
 
-/// The one to three bytes that four characters spell, padding included, and how many they are.
+/// Decodes four characters, padding included, to one to three bytes. Returns the bytes and their number.
 #[inline]
 pub(super) fn decode_group(group: [u8; 4]) -> Option<([u8; 3], usize)> {
     let digits = 4 - group.iter().rev().take_while(|&&b| b == b'=').count();
@@ -57,7 +57,7 @@ mod tests {
 
     #[test]
     fn known_texts() {
-        // The test vectors of RFC 4648.
+        // Test vectors of RFC 4648.
         for (bytes, text) in
             [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foob", "Zm9vYg=="), ("foobar", "Zm9vYmFy")]
         {

@@ -1,4 +1,4 @@
-//! Files beside the file of a mesh on a disk: those that it names, and the library and images that are written with it.
+//! Files beside a mesh file on disk: those that it names, and the material library and images written with it.
 
 use crate::base::error::Result;
 use crate::io::companions::{Companions, companions};
@@ -12,7 +12,7 @@ use std::fs::{self, File};
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
-/// What is in the folder of the file at a path, and in the folders there.
+/// The folder of the file at a path, with its subfolders.
 pub(super) struct Beside<'a>(pub &'a Path);
 
 impl Folder for Beside<'_> {
@@ -32,8 +32,8 @@ impl Folder for Beside<'_> {
     }
 }
 
-/// The attributes as a file of `format` at `path` needs them: for OBJ with a library and images beside it, which are written
-/// here; for glTF with all images as bytes.
+/// Returns the attributes as a file of `format` at `path` needs them. For OBJ, writes the material library and the images
+/// beside the file; for glTF, replaces image files by their bytes.
 ///
 /// # Errors
 /// [`Error::File`](crate::Error::File) if the library or an image cannot be written.
@@ -47,7 +47,7 @@ pub(super) fn prepared<'a>(path: &Path, format: Format, attributes: &'a Attribut
     Ok(Cow::Owned(Attributes { materials: Some(materials), ..attributes.clone() }))
 }
 
-/// The images with the content of their files, as far as it is PNG or JPEG.
+/// Returns the images, with files replaced by their content if that is PNG or JPEG.
 fn embedded(images: &[Image]) -> Vec<Image> {
     let embed = |image: &Image| match image {
         Image::File(name) if Path::new(name).is_file() => {
@@ -59,8 +59,8 @@ fn embedded(images: &[Image]) -> Vec<Image> {
     images.iter().map(embed).collect()
 }
 
-/// Writes the library `NAME.mtl` beside `NAME.obj`, and the images that are no files yet; the materials with that library.
-/// Standard output and the like have none.
+/// Writes the library `NAME.mtl` beside `NAME.obj`, and the images that are not files yet. Returns the materials, referring
+/// to that library. Writes nothing if `path` is standard output or another stream.
 fn with_library(path: &Path, materials: &Materials) -> Result<Materials> {
     let Some(stem) = stem(path).filter(|_| is_replaced(path)) else { return Ok(materials.clone()) };
     let folder = folder_of(path);
@@ -76,14 +76,15 @@ fn with_library(path: &Path, materials: &Materials) -> Result<Materials> {
     Ok(materials)
 }
 
-/// The name of a file without its endings.
+/// Returns a file's name without its extensions.
 pub(super) fn stem(path: &Path) -> Option<String> {
     let is_gz = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gz"));
     let name = if is_gz { Path::new(path.file_stem()?) } else { path };
     Some(name.file_stem()?.to_string_lossy().into_owned())
 }
 
-/// The path to `file` from `folder`, with slashes; `file` as it is where there is none, or it does not exist.
+/// Returns the path from `folder` to `file`, with slashes; or `file` unchanged if there is no such path or the file does not
+/// exist.
 fn relative(folder: &Path, file: &Path) -> String {
     let known = fs::canonicalize(folder).ok().zip(folder_and_name(file));
     let from_folder = known.and_then(|(folder, file)| {
@@ -96,7 +97,7 @@ fn relative(folder: &Path, file: &Path) -> String {
     with_slashes(&path.to_string_lossy())
 }
 
-/// The path of a file from the root, with all links resolved but its own.
+/// Returns the absolute path of a file. All links are resolved, except the file itself if it is one.
 fn folder_and_name(file: &Path) -> Option<PathBuf> {
     Some(fs::canonicalize(folder_of(file)).ok()?.join(file.file_name()?))
 }

@@ -1,28 +1,28 @@
-//! What the readers and writers of several formats share: numbers in bytes, errors without a file.
+//! Helpers shared by the readers and writers of several formats: numbers in bytes, and errors that do not name the file yet.
 
 use crate::base::error::{Error, Place, Result};
 use glam::DVec3;
 use std::io;
 
-/// What to do about a file that ends too early.
+/// Remedy for a file that ends too early.
 pub(super) const CUT_SHORT: &str = "the file seems to be cut short: copy or export it again";
-/// What to do about a line that makes no sense.
+/// Remedy for a malformed line.
 pub(super) const CORRECT_LINE: &str = "correct that line or export the file again";
-/// What to do about a file that contradicts itself.
+/// Remedy for a file that contradicts itself.
 pub(super) const EXPORT_AGAIN: &str = "export it again, or repair it with the program that made it";
-/// What to do about a file of curves.
+/// Remedy for a file that holds only curves.
 pub(super) const NO_LINES: &str = "export the faces of a surface, or its points without the lines between them";
 
-/// What is wrong with a file that another program cuts short meanwhile, and what helps.
+/// Cause and remedy for a file that another program truncates while it is read.
 pub(super) const BECAME_SHORTER: &str = "it became shorter while it was read";
 pub(super) const LEAVE_IT: &str = "let no other program write it meanwhile";
 
-/// The error for content that is not what the format says; the name of the file is filled in later.
+/// Returns the error for content that violates its format. The name of the file is filled in later.
 pub(super) fn malformed(place: Place, cause: impl Into<String>, remedy: &str) -> Error {
     Error::Format { file: String::new(), place, cause: cause.into(), remedy: remedy.into() }
 }
 
-/// `p`, or the error at `place` if one of its coordinates is not a finite number.
+/// Returns `p`, or the error at `place` if one of its coordinates is not finite.
 pub(super) fn finite(p: DVec3, place: impl FnOnce() -> Place) -> Result<DVec3> {
     if p.is_finite() {
         return Ok(p);
@@ -31,12 +31,12 @@ pub(super) fn finite(p: DVec3, place: impl FnOnce() -> Place) -> Result<DVec3> {
     Err(malformed(place(), cause, "replace or remove this vertex"))
 }
 
-/// The error that the point of this number has coordinates that are not finite.
+/// Returns the error for point number `point` whose coordinates are not finite.
 pub(super) fn nowhere(point: usize) -> Error {
     malformed(Place::Part(format!("point {point}")), "a coordinate is not finite", EXPORT_AGAIN)
 }
 
-/// A position in single precision, for the formats that have nothing better.
+/// Rounds a position to single precision, for formats that have nothing better.
 ///
 /// # Errors
 /// `InvalidData` if a coordinate is beyond the range of `f32`.
@@ -50,34 +50,34 @@ pub(super) fn narrow(p: DVec3) -> io::Result<[f32; 3]> {
     Err(io::Error::new(io::ErrorKind::InvalidData, cause))
 }
 
-/// How many bytes one packed byte may stand for. Meshes take three to twenty; more is meant to exhaust memory.
+/// Maximum number of unpacked bytes per packed byte. Meshes need three to twenty; more is an attempt to exhaust memory.
 const MOST_PER_BYTE: usize = 256;
 
-/// What any file may unpack to.
+/// Size that any file may unpack to.
 const FEW: usize = 1 << 20;
 
-/// What a file of this many bytes may unpack to, in bytes, before it is refused.
+/// Returns the maximum size, in bytes, that a file of `packed` bytes may unpack to before it is refused.
 pub(super) fn most_unpacked(packed: usize) -> usize {
     packed.saturating_mul(MOST_PER_BYTE).max(FEW)
 }
 
-/// The error that a file would fill the memory.
+/// Returns the error for a file that would exhaust memory.
 pub(super) fn unpacks_to_too_much(remedy: &str) -> Error {
     malformed(Place::Whole, format!("it unpacks to more than {MOST_PER_BYTE} times its size"), remedy)
 }
 
-/// The first `N` bytes from `at` on, if there are that many.
+/// Returns the `N` bytes from `at` on, if there are that many.
 #[inline]
 pub(super) fn array<const N: usize>(bytes: &[u8], at: usize) -> Option<[u8; N]> {
     bytes.get(at..)?.first_chunk().copied()
 }
 
-/// The little-endian `u32` at `at`.
+/// Returns the little-endian `u32` at `at`.
 pub(super) fn u32_at(bytes: &[u8], at: usize) -> Option<u32> {
     array(bytes, at).map(u32::from_le_bytes)
 }
 
-/// The bytes after a byte order mark of UTF-8, if there is one.
+/// Returns the bytes without a leading UTF-8 byte order mark.
 pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
@@ -88,12 +88,12 @@ pub(super) mod samples {
     use crate::mesh::triangle_mesh::Mesh;
     pub use crate::testing::tetrahedron;
 
-    /// Six times the enclosed volume: positive when the faces of a closed mesh look outwards.
+    /// Six times the enclosed volume: positive if the faces of a closed mesh are oriented outwards.
     pub fn signed_volume(mesh: &Mesh) -> f64 {
         (0..mesh.triangles.len()).map(|t| mesh.corners(t)).map(|[a, b, c]| a.dot(b.cross(c))).sum()
     }
 
-    /// Where, and why, a file is not of its format.
+    /// Returns the place and the cause of a format error.
     #[track_caller]
     pub fn fault<T>(read: Result<T>) -> (Place, String) {
         match read {
@@ -103,7 +103,7 @@ pub(super) mod samples {
         }
     }
 
-    /// Holds a file to be wrong in this line, for a cause with these words.
+    /// Asserts that reading failed on this line, with a cause that contains these words.
     #[track_caller]
     pub fn fails_at<T>(read: Result<T>, line: usize, words: &str) {
         let (place, cause) = fault(read);

@@ -1,10 +1,10 @@
-//! Cells that fill a volume, and their outside: the sides that only one cell has.
+//! Volume cells and their outer surface: the sides that only one cell has.
 //!
 //! Cost: a sort of the sides.
 
 use glam::DVec3;
 
-/// A kind of cell. Its corners come in the order that VTK, Gmsh and Medit have in common: those of the base, then those above.
+/// Type of a cell. VTK, Gmsh and Medit share this order of corners: first those of the base, then those above it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Tetrahedron,
@@ -14,7 +14,7 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// How many corners it has.
+    /// Number of corners.
     pub fn corners(self) -> usize {
         match self {
             Kind::Tetrahedron => 4,
@@ -24,7 +24,7 @@ impl Kind {
         }
     }
 
-    /// The corners of its sides, which turn left as seen from outside if the base does as seen from above.
+    /// Corners of each side, counter-clockwise seen from outside if the base is counter-clockwise seen from above.
     fn sides(self) -> &'static [&'static [usize]] {
         match self {
             Kind::Tetrahedron => &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[2, 0, 3]],
@@ -40,17 +40,17 @@ impl Kind {
 /// Cells over the vertices of a file.
 #[derive(Debug, Default)]
 pub(super) struct Cells {
-    /// The kind of each, and where its corners begin.
+    /// Kind of each cell, and the index of its first corner.
     list: Vec<(Kind, usize)>,
     corners: Vec<u32>,
 }
 
-/// The sides of cells.
+/// The outer sides of cells.
 pub(super) struct Outside {
-    /// Those that only one cell has, by its number, in increasing order: the places of their corners in the list of all corners,
-    /// counter-clockwise seen from outside.
+    /// Sides that only one cell has, in increasing order of cell index: the cell, and the indices of the side's corners in
+    /// the list of all corners, counter-clockwise seen from outside.
     pub sides: Vec<(usize, Vec<usize>)>,
-    /// How many sides two cells share.
+    /// Number of sides that two cells share.
     pub shared: usize,
 }
 
@@ -61,22 +61,22 @@ impl Cells {
         self.corners.extend(corners);
     }
 
-    /// Cells so far.
+    /// Number of cells so far.
     pub fn count(&self) -> usize {
         self.list.len()
     }
 
-    /// The vertex of each corner.
+    /// Vertex of each corner.
     pub fn corner_list(&self) -> &[u32] {
         &self.corners
     }
 
-    /// The outside of all cells. The corners must be indices of `positions`.
+    /// Returns the outer sides of all cells. The corners must be indices of `positions`.
     pub fn outside(&self, positions: &[DVec3]) -> Outside {
         let sides = self.list.iter().enumerate().flat_map(|(cell, &(kind, first))| {
             kind.sides().iter().enumerate().map(move |(side, places)| (self.vertices_of(first, places), cell, side))
         });
-        // With two corners it is none.
+        // A side with only two distinct corners is degenerate.
         let mut sides: Vec<([u32; 4], usize, usize)> = sides.filter(|side| side.0[2] != u32::MAX).collect();
         sides.sort_unstable();
         let groups = || sides.chunk_by(|a, b| a.0 == b.0);
@@ -88,8 +88,8 @@ impl Cells {
         Outside { sides: sides.collect(), shared }
     }
 
-    /// The vertices at these corners of the cell that begins there, in increasing order, each once: a prism may be written as a
-    /// hexahedron that has some of its corners twice.
+    /// Returns the distinct vertices at these corners of the cell whose corners begin at `first`, in increasing order. They
+    /// may be fewer than the corners: a prism may be written as a hexahedron with repeated corners.
     fn vertices_of(&self, first: usize, places: &[usize]) -> [u32; 4] {
         let mut vertices = [u32::MAX; 4];
         vertices.iter_mut().zip(places).for_each(|(v, &k)| *v = self.corners[first + k]);
@@ -103,11 +103,12 @@ impl Cells {
         vertices
     }
 
-    /// The places of the corners of a side, counter-clockwise seen from outside, whichever way the cell is turned.
+    /// Returns the indices of a side's corners in the list of all corners, counter-clockwise seen from outside, whichever
+    /// orientation the cell has.
     fn seen_from_outside(&self, cell: usize, side: usize, positions: &[DVec3]) -> Vec<usize> {
         let (kind, first) = self.list[cell];
         let place = |k: usize| positions[self.corners[first + k] as usize];
-        // Six times the volume, from the first corner.
+        // Six times the signed volume between a side and the cell's first corner.
         let of_side = |places: &[usize]| -> f64 {
             let [a, rest @ ..] = places else { return 0.0 };
             let from_first = |k: usize| place(k) - place(0);
@@ -139,7 +140,7 @@ mod tests {
             .collect()
     }
 
-    /// A cube with a pyramid on top, a prism at a side, and a tetrahedron in the corner between them, each given by its corners.
+    /// A cube with a pyramid on top, a prism at one side, and a tetrahedron in the gap between those two.
     const ALL: [(Kind, &[u32]); 4] = [
         (Kind::Hexahedron, &[0, 1, 2, 3, 4, 5, 6, 7]),
         (Kind::Pyramid, &[4, 5, 6, 7, 8]),
@@ -177,7 +178,7 @@ mod tests {
     #[test]
     fn cells_with_corners_that_are_one_share_their_sides() {
         let mut cells = ALL;
-        // The prism, and the tetrahedron beside it.
+        // The same prism and the tetrahedron beside it.
         cells[2] = (Kind::Hexahedron, &[1, 9, 9, 2, 5, 10, 10, 6]);
         cells[3] = (Kind::Prism, &[5, 10, 6, 8, 8, 8]);
         let (triangles, _, volume) = outside_of(&cells);

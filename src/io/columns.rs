@@ -1,21 +1,21 @@
-//! Further numbers in the lines of vertices: how many there are, and what three in a row mean.
+//! Extra numbers after the coordinates of vertices: how many there are, and what three in a row mean.
 
 use super::text::{Words, number};
 use crate::mesh::attributes::{Attribute, COLOR, NORMAL, Scalar};
 
-/// How far from one the length of a normal may be: files have three digits at least.
+/// Maximum deviation of a normal's length from one: files have at least three digits.
 const UNIT: f64 = 0.01;
 
-/// Share of the rows that have to have unit length for them to be taken as normals.
+/// Minimum share of rows of unit length (or zero) for a column triple to be taken as normals.
 const MOST: f64 = 0.95;
 
-/// The numbers behind those that every vertex has. All vertices have to have as many, or they are not kept.
+/// Numbers that follow the required ones of every vertex. They are kept only if all vertices have equally many.
 #[derive(Default)]
 pub(super) struct Columns {
-    /// Numbers of a vertex, once there is one.
+    /// Numbers per vertex, once the first has been read.
     width: Option<usize>,
     values: Vec<f64>,
-    /// Whether some vertices have more of them than others, or have words that are no numbers.
+    /// Whether the vertices differ in their number of values, or have words that are not finite numbers.
     pub ragged: bool,
 }
 
@@ -45,19 +45,19 @@ impl Columns {
         }
     }
 
-    /// The numbers of all vertices and how many each has.
+    /// Returns the numbers of all vertices, and how many each vertex has.
     pub fn into_table(self) -> (Vec<f64>, usize) {
         if self.ragged { (Vec::new(), 0) } else { (self.values, self.width.unwrap_or(0)) }
     }
 }
 
-/// Numbers `from..to` of every row of `width`.
+/// Returns columns `from..to` of a table with rows of `width` numbers.
 pub(super) fn cut(table: &[f64], width: usize, from: usize, to: usize) -> Vec<f64> {
     table.chunks_exact(width).flat_map(|row| &row[from..to]).copied().collect()
 }
 
-/// The colours, of `components` numbers, that `values` are: fractions if they go from 0 to 1, else bytes or 16-bit
-/// numbers if they are whole and in range.
+/// Returns `values` as colours of `components` numbers: as fractions if all are from 0 to 1, else as bytes or 16-bit numbers
+/// if all are integers in range.
 pub(super) fn color(values: Vec<f64>, components: usize) -> Option<Attribute> {
     let all = |is: fn(&f64) -> bool| values.iter().all(is);
     let scalar = match () {
@@ -69,12 +69,12 @@ pub(super) fn color(values: Vec<f64>, components: usize) -> Option<Attribute> {
     Some(Attribute { name: COLOR.into(), components, values, scalar })
 }
 
-/// The normals, of three numbers, that `values` are.
+/// Returns `values` as normals, of three numbers each.
 pub(super) fn normal(values: Vec<f64>) -> Attribute {
     Attribute { name: NORMAL.into(), components: 3, values, scalar: Scalar::F64 }
 }
 
-/// Whether nearly all vectors of three numbers are of length one, and the others zero.
+/// Whether nearly all vectors of three numbers have unit length or are zero, and at least one has unit length.
 pub(super) fn are_unit(values: &[f64]) -> bool {
     let length = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
     let unit = values.chunks_exact(3).filter(|v| (length(v) - 1.0).abs() < UNIT).count();

@@ -1,18 +1,18 @@
-//! The files that are written with an OBJ: the library of its materials, and the images that this names.
+//! Files that are written with an OBJ: its material library, and the images that the library names.
 
 use crate::io::obj::mtl;
 use crate::mesh::materials::{Image, Materials, image_type};
 
 /// Materials whose looks are in files of their own.
 pub struct Companions {
-    /// The materials, with that library, as the OBJ names them.
+    /// Materials as the OBJ names them, with a reference to the new library.
     pub materials: Materials,
-    /// Names of files in the folder of the OBJ, and what they contain.
+    /// Names of files in the folder of the OBJ, and their content.
     pub files: Vec<(String, Vec<u8>)>,
 }
 
-/// The files that an OBJ named `stem` has to have beside it: `stem.mtl`, and the images that are no files yet. None, if no
-/// material has a look.
+/// Returns the files that an OBJ named `stem` needs beside it: `stem.mtl`, and the images that are not files yet. There are
+/// none if no material has a look.
 pub fn companions(stem: &str, materials: &Materials) -> Companions {
     let (mut materials, mut files) = (materials.clone(), Vec::new());
     if materials.list.iter().all(|material| material.look.is_none()) {

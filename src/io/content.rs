@@ -1,20 +1,20 @@
-//! What the readers of all formats give and their writers take.
+//! Input and output types of all formats' readers and writers.
 
 use crate::base::error::Result;
 use crate::mesh::attributes::Attributes;
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 
-/// Fetches an external buffer of a glTF file by its relative address; a sentence says what went wrong.
+/// Fetches an external buffer of a glTF file by its relative address. The error is a sentence that says what went wrong.
 pub type Resolve<'a> = &'a dyn Fn(&str) -> std::result::Result<Vec<u8>, String>;
 
-/// For bytes without a place: glTF files with external buffers are refused.
+/// Refuses external buffers: for glTF bytes without a folder.
 pub const NO_BUFFERS: Resolve<'static> = &|_| Err("external buffers need the file's folder".into());
 
-/// What a format's reader gives to [`parse`], or the error.
+/// Result of a format's reader, which [`parse`] passes on.
 pub(crate) type Parsed = Result<Read>;
 
-/// What a file is read as.
+/// Content read from a file.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Read {
     pub mesh: Mesh,
@@ -22,7 +22,7 @@ pub(crate) struct Read {
     pub notes: Vec<String>,
 }
 
-/// What a format's writer writes.
+/// Content that a format's writer writes.
 pub(crate) struct Content<'a> {
     pub positions: &'a [DVec3],
     pub triangles: &'a [[u32; 3]],

@@ -1,8 +1,8 @@
-//! Clouds with more points than are wanted, read in blocks and thinned while they are read, so that memory follows from the
-//! points wanted and not from the size of the file.
+//! Point clouds with more points than wanted, thinned while they are read in blocks, so that memory depends on the number of
+//! points wanted and not on the size of the file.
 //!
-//! A format takes part if its points are rows of equally many bytes, or become such. Those that are kept are read by its usual
-//! reader, as if they were the whole file.
+//! A format takes part if its points are rows of equal length, or can be unpacked to such rows. The format's usual reader
+//! then reads the rows that are kept, as if they were the whole file.
 
 use crate::base::error::Result;
 use crate::base::parallel;
@@ -14,17 +14,17 @@ use crate::io::{e57, las, ply, xyz};
 use crate::prepare::thin::{Thinned, Thinner};
 use std::path::Path;
 
-/// About the bytes of a block.
+/// Approximate size of a block, in bytes.
 const BLOCK: usize = 1 << 20;
 
-/// A file whose points are, or become, rows of equally many bytes.
+/// A file whose points are rows of equal length, or can be unpacked to such rows.
 pub(crate) struct PointFile {
     pub file: Opened,
     /// How its points are read.
     pub table: Table,
 }
 
-/// How the rows of points are read, also from other files than the one they came from.
+/// Returns how the rows of points are read, which also works for other files than the one they came from.
 pub(crate) fn table(format: Format, head: &[u8], length: u64) -> Option<Table> {
     match format {
         Format::Ply => ply::table(head, length),
@@ -36,7 +36,7 @@ pub(crate) fn table(format: Format, head: &[u8], length: u64) -> Option<Table> {
 }
 
 impl PointFile {
-    /// The file at `path`; `None` if its points are no such rows, or if it is a pipe.
+    /// Opens the file at `path`. Returns `None` if its points are not rows of equal length, or if it is a pipe.
     ///
     /// # Errors
     /// [`Error::File`](crate::Error::File) if there is no such file or it cannot be read.
@@ -51,11 +51,11 @@ impl PointFile {
         Ok((table.points < u32::MAX as usize).then_some(PointFile { file, table }))
     }
 
-    /// Shows all points to `take`, in their order and block by block. All coordinates are finite.
+    /// Passes all points to `take`, in their order and block by block, after checking that all coordinates are finite.
     ///
     /// # Errors
-    /// Those of `take`; [`Error::File`](crate::Error::File) if the file cannot be read; an error with the place in it if a point
-    /// is nowhere.
+    /// Those of `take`; [`Error::File`](crate::Error::File) if the file cannot be read; an error with the place if the
+    /// coordinates of a point are not finite.
     pub fn read(&self, take: &mut dyn FnMut(&[u8]) -> Result<()>) -> Result<()> {
         let Table { start, row, points, rows, packed } = &self.table;
         let mut first = 0;
@@ -86,7 +86,7 @@ impl PointFile {
         Ok(())
     }
 
-    /// About `wanted` of the points: which, and their rows.
+    /// Returns about `wanted` of the points: which they are, and their rows.
     ///
     /// # Errors
     /// Those of [`Self::read`].
@@ -100,7 +100,8 @@ impl PointFile {
     }
 }
 
-/// The points of the file at `path`, about `wanted` of them, if it has more and is of a kind that can be read so; else `None`.
+/// Reads about `wanted` points of the file at `path`. Returns `None` if it does not have more, or cannot be read in this
+/// way.
 pub(super) fn read_thinned(path: &Path, format: Option<Format>, wanted: usize) -> Result<Option<Loaded>> {
     let points = PointFile::open(path, format)?;
     let Some(points) = points.filter(|points| points.table.points > wanted) else { return Ok(None) };

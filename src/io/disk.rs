@@ -1,17 +1,18 @@
-//! Files on a disk: replaced only by complete ones, and errors that say what to do.
+//! Files on a disk: replaced only by complete ones, with errors that say what to do.
 
 use crate::base::error::{Error, Result};
 use std::fs::{self, OpenOptions};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-/// Bytes gathered before each write to a file.
+/// Number of bytes gathered before each write to a file.
 pub(super) const BUFFER: usize = 1 << 18;
 
-/// The start of the name of files that are not complete yet. A process that is killed leaves them.
+/// Prefix of the names of incomplete files. A process that is killed leaves them behind.
 pub(crate) const UNFINISHED: &str = ".remesh-";
 
-/// Whether [`replace_file`] could write to `path` as far as can be told without trying: before a long computation.
+/// Checks that [`replace_file`] can write to `path`, as far as can be told without trying. Meant for use before a long
+/// computation.
 ///
 /// # Errors
 /// [`Error::File`] if `path` is a folder or a file that must not be written, or its folder does not exist.
@@ -42,9 +43,9 @@ fn check_folder(path: &Path) -> Result<()> {
     }
 }
 
-/// Writes what `fill` writes to a new file beside `path`, and gives it that name once it is complete and on the disk.
-/// A failure leaves what was there before. A link is followed; permissions are those of the replaced file, or of any
-/// new file. What is not a file (`/dev/stdout`, a pipe, a device) is written to directly.
+/// Writes what `fill` writes to a new file beside `path`, and renames it to `path` once it is complete and on disk. A
+/// failure leaves the old file as it was. A link is followed. Permissions are those of the replaced file, or the defaults of
+/// a new file. A path that is not a regular file (`/dev/stdout`, a pipe, a device) is written to directly.
 ///
 /// # Errors
 /// [`Error::File`] with the cause, also for an error of `fill`.
@@ -57,9 +58,9 @@ pub fn replace_file(path: &Path, fill: &mut dyn FnMut(&mut dyn Write) -> io::Res
     result.map_err(|error| write_error(path, &error))
 }
 
-/// The target that is written as it is, not replaced, if `path` is one.
+/// Opens `path` for direct writing if it is a target that is not replaced.
 pub(super) fn direct(path: &Path) -> Option<io::Result<Box<dyn Write>>> {
-    // Where standard output is a file, opening it anew would start at its beginning and not where it is.
+    // If standard output is a file, opening it anew would start at its beginning instead of its current position.
     if path == Path::new("/dev/stdout") {
         return Some(Ok(Box::new(io::stdout())));
     }
@@ -70,7 +71,7 @@ pub(super) fn direct(path: &Path) -> Option<io::Result<Box<dyn Write>>> {
     (!is_replaced(path)).then(|| open().map(|file| Box::new(file) as Box<dyn Write>))
 }
 
-/// Whether a file at `path` is, or becomes, one of a folder that is replaced as a whole.
+/// Whether `path` is, or will become, a regular file, which is replaced as a whole.
 pub(super) fn is_replaced(path: &Path) -> bool {
     let is_stream = ["/dev/stdout", "/dev/stderr"].iter().any(|stream| path == Path::new(stream));
     !is_stream && fs::metadata(path).map_or(true, |found| found.is_file()) && !path.starts_with("/dev/fd")
@@ -80,11 +81,11 @@ fn replace(path: &Path, fill: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) 
     Complete::new(path, fill)?.take_place()
 }
 
-/// Writes several files as [`replace_file`] does it, but none gets its name before all are complete; then they do in the
-/// order of `paths`. `fill` writes the one of a number.
+/// Writes several files as [`replace_file`] does, but renames none before all are complete, and then renames them in the
+/// order of `paths`. `fill` writes the file of a given index.
 ///
 /// # Errors
-/// Those of [`replace_file`]; then nothing is left of any of them.
+/// Those of [`replace_file`]. None of the files is left then.
 pub(super) fn replace_files(
     paths: &[PathBuf],
     fill: &mut dyn FnMut(usize, &mut dyn Write) -> io::Result<()>,
@@ -97,7 +98,7 @@ pub(super) fn replace_files(
     paths.iter().zip(files).try_for_each(|(path, file)| file.take_place().map_err(|error| write_error(path, &error)))
 }
 
-/// A complete file that does not have its name yet; it vanishes if it never gets it.
+/// A complete file that does not have its final name yet. It is deleted if it never gets it.
 struct Complete {
     file: tempfile::TempPath,
     target: PathBuf,
@@ -126,7 +127,7 @@ fn fill_buffered(out: &mut dyn Write, fill: &mut dyn FnMut(&mut dyn Write) -> io
     buffered.flush()
 }
 
-/// A file that vanishes unless it is kept, with the permissions that any new file gets.
+/// Creates a file that is deleted unless it is kept, with the default permissions of a new file.
 fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(UNFINISHED);

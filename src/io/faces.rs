@@ -1,4 +1,4 @@
-//! Polygons of any number of corners, gathered while a file is read and made into triangles at its end.
+//! Polygons with any number of corners, gathered while a file is read and triangulated at its end.
 
 use crate::base::count::counted;
 use crate::geom::polygon;
@@ -9,16 +9,17 @@ use glam::DVec3;
 #[derive(Debug, Default)]
 pub(crate) struct Faces {
     corners: Vec<u32>,
-    /// Where in `corners` each polygon ends.
+    /// End of each polygon in `corners`.
     ends: Vec<usize>,
-    /// Polygons with fewer than three corners.
+    /// Number of polygons with fewer than three corners.
     pub dropped: usize,
-    /// The triangles that are left of polygons which are tetrahedra: the polygon, and its corners as [`Self::each`] has them.
+    /// If the polygons are tetrahedra, the triangles of their outer surface: the polygon, and corner indices as in
+    /// [`Self::each`].
     outside: Option<Vec<(usize, [usize; 3])>>,
 }
 
 impl Faces {
-    /// Room for `faces` triangles.
+    /// Reserves room for `faces` triangles.
     pub fn with_capacity(faces: usize) -> Self {
         Faces { corners: Vec::with_capacity(faces * 3), ends: Vec::with_capacity(faces), ..Faces::default() }
     }
@@ -40,23 +41,24 @@ impl Faces {
         }
     }
 
-    /// Corners so far.
+    /// Number of corners so far.
     #[inline]
     pub fn corners(&self) -> usize {
         self.corners.len()
     }
 
-    /// The vertex of each corner.
+    /// Vertex of each corner.
     pub fn corner_list(&self) -> &[u32] {
         &self.corners
     }
 
-    /// Polygons so far.
+    /// Number of polygons so far.
     pub fn count(&self) -> usize {
         self.ends.len()
     }
 
-    /// Keeps the outside if the polygons are the tetrahedra of a volume, and says so. The corners must be indices of `positions`.
+    /// Keeps only the outer surface if the polygons are the tetrahedra of a volume, with a note. The corners must be indices
+    /// of `positions`.
     pub fn keep_outside(&mut self, positions: &[DVec3], notes: &mut Vec<String>) {
         if self.ends.iter().zip(1..).all(|(&end, n)| end == 4 * n) {
             self.outside = outside_of(&self.corners, positions);
@@ -67,14 +69,14 @@ impl Faces {
         }
     }
 
-    /// All triangles, polygon by polygon. The corners must be indices of `positions`.
+    /// Returns all triangles, polygon by polygon. The corners must be indices of `positions`.
     pub fn triangles(&self, positions: &[DVec3]) -> Vec<[u32; 3]> {
         let mut triangles = Vec::with_capacity(self.corners.len() - 2 * self.ends.len());
         self.each(positions, |_, t| triangles.push(t.map(|i| self.corners[i])));
         triangles
     }
 
-    /// Calls `visit` for all triangles in the order of [`Self::triangles`], with the number of the polygon and those of
+    /// Calls `visit` for all triangles in the order of [`Self::triangles`], with the index of the polygon and the indices of
     /// the corners, counted over all polygons.
     pub fn each(&self, positions: &[DVec3], mut visit: impl FnMut(usize, [usize; 3])) {
         if let Some(outside) = &self.outside {

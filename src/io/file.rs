@@ -1,4 +1,4 @@
-//! Mesh files on a disk, by their path: reading and writing them.
+//! Reading and writing of mesh files on disk, by path.
 
 use crate::base::error::{Error, Place, Result};
 use crate::io::beside::{Beside, prepared, stem};
@@ -21,7 +21,7 @@ pub(crate) use crate::io::disk::UNFINISHED;
 pub use crate::io::disk::{check_target, replace_file};
 pub use crate::io::tileset::Level;
 
-/// Reads the mesh file at `path` by [`read_named`]; files that it names are read from its folder and the folders in it.
+/// Reads the mesh file at `path` by [`read_named`]. Files that it names are read from its folder and the subfolders.
 ///
 /// # Errors
 /// [`Error::File`] if there is no such file or it cannot be read; those of [`read_named`].
@@ -29,8 +29,9 @@ pub fn read_file(path: &Path, format: Option<Format>) -> Result<Loaded> {
     read_named(&path.display().to_string(), &read_bytes(path)?, format, &Beside(path))
 }
 
-/// The same, but of a cloud with many more points than about `wanted` only these, with numbers in [`Loaded::thinned`] that say
-/// which: PLY and LAS in binary without ever holding all. What cannot be read so is read as by [`read_file`].
+/// Reads a mesh file like [`read_file`], but keeps only about `wanted` points of a cloud that has many more.
+/// [`Loaded::thinned`] then says which. Binary PLY, LAS, XYZ and E57 are thinned without holding all points in memory. Files
+/// that cannot be thinned are read by [`read_file`].
 ///
 /// # Errors
 /// Those of [`read_file`].
@@ -42,7 +43,7 @@ pub fn read_at_most(path: &Path, format: Option<Format>, wanted: Option<usize>) 
 /// Reads a list of numbers from the JSON file at `path`.
 ///
 /// # Errors
-/// [`Error::File`] if it cannot be read; [`Error::Format`] with the line of what is no list of numbers.
+/// [`Error::File`] if it cannot be read; [`Error::Format`] with the line if it is not a list of numbers.
 pub fn read_numbers(path: &Path) -> Result<Vec<f64>> {
     serde_json::from_slice(&read_bytes(path)?).map_err(|e| Error::Format {
         file: path.display().to_string(),
@@ -52,12 +53,12 @@ pub fn read_numbers(path: &Path) -> Result<Vec<f64>> {
     })
 }
 
-/// Writes `mesh`, and those of its `attributes` that the format can hold, to `path` by [`replace_file`], in the format
-/// that [`output_format`] says. An OBJ with materials gets their library beside it, `NAME.mtl`, with the images that are
-/// no files yet.
+/// Writes `mesh`, and those of its `attributes` that the format can hold, to `path` by [`replace_file`], in the format of
+/// [`output_format`]. An OBJ with materials gets their library beside it, `NAME.mtl`, with the images that are not files
+/// yet.
 ///
 /// # Errors
-/// [`Error::File`] if the format is not known or the file cannot be written.
+/// [`Error::File`] if the format is unknown or the file cannot be written.
 pub fn write_file(path: &Path, mesh: &Mesh, attributes: &Attributes, format: Option<Format>) -> Result<()> {
     let format = output_format(path, format)?;
     check_target(path)?;
@@ -65,10 +66,10 @@ pub fn write_file(path: &Path, mesh: &Mesh, attributes: &Attributes, format: Opt
     replace_packed(path, &mut |out| write_with_attributes(mesh, attributes, format, out))
 }
 
-/// Writes the levels of detail of a mesh to one file at `path`, as [`write_levels`] does it, by [`replace_file`].
+/// Writes the levels of detail of a mesh to one file at `path` by [`replace_file`], as [`write_levels`] does.
 ///
 /// # Errors
-/// Those of [`write_file`], also for a format that holds one mesh.
+/// Those of [`write_file`], also for a format that holds only one mesh.
 pub fn write_levels_file(path: &Path, levels: &[(&Mesh, &Attributes)], format: Option<Format>) -> Result<()> {
     let format = output_format(path, format)?;
     check_target(path)?;
@@ -78,14 +79,13 @@ pub fn write_levels_file(path: &Path, levels: &[(&Mesh, &Attributes)], format: O
     replace_packed(path, &mut |out| write_levels(&levels, format, out))
 }
 
-/// Whether the name of an output says that it is a tileset of 3D Tiles: it ends with `.json`.
+/// Whether the name of an output denotes a tileset of 3D Tiles, which it does if it ends with `.json`.
 pub fn is_tileset(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"))
 }
 
-/// Writes a mesh, or its levels of detail from fine to coarse, as 3D Tiles: the tileset at `path`, and beside it the files of
-/// its tiles, `NAME-1-0.glb` and so on, where the first number is that of the level. None of them replaces another file
-/// before all are complete.
+/// Writes a mesh, or its levels of detail from fine to coarse, as 3D Tiles: the tileset at `path`, and beside it the files
+/// of its tiles, `NAME-1-0.glb` and so on, where the first number is the level. No file is replaced before all are complete.
 ///
 /// # Errors
 /// [`Error::File`] if one of them cannot be written.
@@ -105,10 +105,10 @@ pub fn write_tileset(path: &Path, levels: &[Level]) -> Result<()> {
     })
 }
 
-/// The path of the file of one of several levels of detail, numbered from 1: `NAME-1.obj` for `NAME.obj`.
+/// Returns the path of the file of one of several levels of detail, numbered from 1: `NAME-1.obj` for `NAME.obj`.
 ///
 /// # Errors
-/// [`Error::File`] if `path` is not that of a file in a folder.
+/// [`Error::File`] if `path` is a stream or does not name a file.
 pub fn level_path(path: &Path, number: usize) -> Result<PathBuf> {
     let stem = stem(path).filter(|_| is_replaced(path)).ok_or_else(|| {
         let remedy = "give the name of a file, of which each level's is made, or write GLB, which holds all levels";
@@ -118,17 +118,17 @@ pub fn level_path(path: &Path, number: usize) -> Result<PathBuf> {
     Ok(path.with_file_name(format!("{stem}-{number}{}", &name[stem.len()..])))
 }
 
-/// Writes `points`, and those of their `attributes` that the format can hold, to `path` by [`replace_file`], in the
-/// format that [`points_format`] says.
+/// Writes `points`, and those of their `attributes` that the format can hold, to `path` by [`replace_file`], in the format
+/// of [`points_format`].
 ///
 /// # Errors
-/// [`Error::File`] if the format is not known or the file cannot be written.
+/// [`Error::File`] if the format is unknown or the file cannot be written.
 pub fn write_points_file(path: &Path, points: &Points, attributes: &Attributes, format: Option<Format>) -> Result<()> {
     let format = points_format(path, format)?;
     replace_packed(path, &mut |out| write_points(points, attributes, format, out))
 }
 
-/// Writes what `fill` writes by [`replace_file`], packed by gzip if the name ends with `.gz`.
+/// Writes what `fill` writes by [`replace_file`], compressed by gzip if the name ends with `.gz`.
 fn replace_packed(path: &Path, fill: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> Result<()> {
     if path.extension().is_some_and(is_gz) {
         return replace_file(path, &mut |out| gzip::pack(out, fill));
@@ -136,18 +136,18 @@ fn replace_packed(path: &Path, fill: &mut dyn FnMut(&mut dyn Write) -> io::Resul
     replace_file(path, fill)
 }
 
-/// The format to write a mesh to `path` in: `format`, else what the ending says.
+/// Returns the format in which a mesh is written to `path`: `format`, else that of the file's extension.
 ///
 /// # Errors
-/// [`Error::File`] if neither says it, or if it has no triangles.
+/// [`Error::File`] if neither gives a format, or if the format has no triangles.
 pub fn output_format(path: &Path, format: Option<Format>) -> Result<Format> {
     format_among(&Format::OF_MESHES, "triangles", path, format)
 }
 
-/// The format to write points to `path` in: `format`, else what the ending says.
+/// Returns the format in which points are written to `path`: `format`, else that of the file's extension.
 ///
 /// # Errors
-/// [`Error::File`] if neither says it, or if it has no points without triangles.
+/// [`Error::File`] if neither gives a format, or if the format has no points without triangles.
 pub fn points_format(path: &Path, format: Option<Format>) -> Result<Format> {
     format_among(&Format::OF_POINTS, "points without triangles", path, format)
 }
@@ -162,7 +162,7 @@ fn format_among(known: &[Format], content: &str, path: &Path, format: Option<For
     Err(file_error(path, cause, format!("use one of {}, or say the format", Format::list(known, "."))))
 }
 
-/// All of a file that is no folder and no device.
+/// Reads a whole file, which must be neither a folder nor a device.
 pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     let found = fs::metadata(path).map_err(|error| read_error(path, &error))?;
     if found.is_dir() {
@@ -201,7 +201,7 @@ mod tests {
         write_file(path, &triangle(), &Attributes::default(), format)
     }
 
-    /// A folder that vanishes, and the path of a file in it with this content.
+    /// Creates a file with this content in a temporary folder. Returns the folder and the path of the file.
     fn file(name: &str, content: &[u8]) -> (tempfile::TempDir, PathBuf) {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(name);
@@ -287,7 +287,7 @@ mod tests {
         use std::os::unix::fs::PermissionsExt;
         let (_folder, path) = file("a.obj", OBJ);
         fs::set_permissions(&path, fs::Permissions::from_mode(0o000)).unwrap();
-        // Whoever may read everything (root) reads this too.
+        // Users who may read everything (root) can read this file, too.
         if fs::read(&path).is_err() {
             fails(read_file(&path, None), &path, "permission");
         }

@@ -1,17 +1,17 @@
-//! Files that are no mesh of a format that is read, but are often met: what they are, and what to do about it.
+//! Files of formats that are often met but not read: what they are, and what to do about them.
 
 use super::format::HEAD;
 use super::vtk;
 
 /// A kind of file that is not read.
 pub(super) struct Foreign {
-    /// What such a file is, to follow the words `it is`.
+    /// Name of the kind, to follow the words `it is`.
     pub name: &'static str,
-    /// How to get something that is read.
+    /// How to convert it to a file that can be read.
     pub remedy: &'static str,
-    /// The endings of its files.
+    /// Extensions of its files.
     endings: &'static [&'static str],
-    /// Whether a file, of which this is the start, is of this kind without doubt.
+    /// Whether a file that starts with these bytes is certainly of this kind.
     has_signature: fn(&[u8]) -> bool,
 }
 
@@ -131,13 +131,13 @@ const KINDS: [Foreign; 21] = [
     },
 ];
 
-/// The kind that a file is of by its content.
+/// Returns the kind of a file, by its content.
 pub(super) fn by_content(bytes: &[u8]) -> Option<&'static Foreign> {
     let head = &bytes[..bytes.len().min(HEAD)];
     KINDS.iter().find(|kind| (kind.has_signature)(head))
 }
 
-/// The kind whose files have this ending (without a dot, upper or lower case).
+/// Returns the kind with this file extension (without a dot, in upper or lower case).
 pub(super) fn by_ending(ending: &str) -> Option<&'static Foreign> {
     KINDS.iter().find(|kind| kind.endings.iter().any(|known| known.eq_ignore_ascii_case(ending)))
 }
@@ -150,7 +150,7 @@ fn starts_without_case(head: &[u8], word: &[u8]) -> bool {
     head.trim_ascii_start().get(..word.len()).is_some_and(|start| start.eq_ignore_ascii_case(word))
 }
 
-/// Lines of 80 characters, of which the last eight are the letter of a section and the number of the line in it.
+/// Checks for lines of 80 characters, the last eight of which are the letter of a section and the number of the line in it.
 fn is_iges(head: &[u8]) -> bool {
     let is_first = |number: &[u8]| number.trim_ascii() == b"1" || number == b"0000001";
     head.get(..80).is_some_and(|line| line.is_ascii() && line[72] == b'S' && is_first(&line[73..]))

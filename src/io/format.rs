@@ -1,4 +1,4 @@
-//! The formats by name, by ending and by content.
+//! Formats by name, by extension and by content.
 
 use super::{e57, las, medit, off, pcd, ply, threemf, vtk, xyz};
 use crate::base::error::{Error, Result, Setting};
@@ -20,15 +20,15 @@ pub enum Format {
     Stl,
     /// Object file format of Geomview, text.
     Off,
-    /// glTF 2.0 as JSON, its buffers embedded or beside it; single precision.
+    /// glTF 2.0 as JSON, its buffers embedded or in files beside it; single precision.
     Gltf,
     /// glTF 2.0 as one binary file; single precision.
     Glb,
-    /// Columns of numbers in text: points and what they have, no triangles.
+    /// Columns of numbers in text: points with attributes, no triangles.
     Xyz,
     /// LAS or, compressed, LAZ: points of laser scanners; only read.
     Las,
-    /// 3MF of printing in three dimensions.
+    /// 3MF, a format for 3D printing.
     #[serde(rename = "3mf")]
     ThreeMf,
     /// Legacy VTK: polygons, or an unstructured grid that has some; only read.
@@ -37,7 +37,7 @@ pub enum Format {
     Vtp,
     /// PCD of the Point Cloud Library: points; single precision.
     Pcd,
-    /// Gmsh's MSH, of which the surface elements are read; only read.
+    /// Gmsh's MSH, of which surface elements are read; only read.
     #[serde(rename = "msh")]
     Gmsh,
     /// Medit, text or binary, of which triangles and quadrilaterals are read; only read.
@@ -47,16 +47,16 @@ pub enum Format {
     E57,
 }
 
-/// Where a keyword that is not at the very start must appear for the content to be recognised.
+/// Length of the head of a file in which a keyword must appear for the content to be recognised, if not at the very start.
 pub(super) const HEAD: usize = 4096;
 
-/// Header and triangle count of a binary STL, and each of its triangles.
+/// Size, in bytes, of the header and triangle count of a binary STL, and of each of its triangles.
 const STL_BYTES: (usize, usize) = (84, 50);
 
-/// Further endings of files with columns of numbers.
+/// Further extensions of files with columns of numbers.
 const XYZ_ENDINGS: [&str; 4] = ["xyzn", "txt", "pts", "asc"];
 
-/// What the first statement of an OBJ may be.
+/// Possible first statements of an OBJ.
 const OBJ_STATEMENTS: [&[u8]; 12] =
     [b"v", b"vt", b"vn", b"vp", b"f", b"o", b"g", b"s", b"l", b"p", b"mtllib", b"usemtl"];
 
@@ -80,15 +80,15 @@ impl Format {
         Format::E57,
     ];
 
-    /// Those that have triangles and are written.
+    /// Formats that hold triangles and can be written.
     pub const OF_MESHES: [Format; 8] =
         [Format::Obj, Format::Ply, Format::Stl, Format::Off, Format::Gltf, Format::Glb, Format::ThreeMf, Format::Vtp];
 
-    /// Those that have points without triangles and are written.
+    /// Formats that hold points without triangles and can be written.
     pub const OF_POINTS: [Format; 8] =
         [Format::Obj, Format::Ply, Format::Off, Format::Gltf, Format::Glb, Format::Vtp, Format::Xyz, Format::Pcd];
 
-    /// The ending of its files, without a dot.
+    /// Returns the extension of its files, without a dot.
     pub fn extension(self) -> &'static str {
         match self {
             Format::Obj => "obj",
@@ -109,7 +109,7 @@ impl Format {
         }
     }
 
-    /// The name as it is written in prose.
+    /// Returns its name, as written in prose.
     pub fn name(self) -> &'static str {
         match self {
             Format::Obj => "OBJ",
@@ -130,7 +130,7 @@ impl Format {
         }
     }
 
-    /// The format whose files have this ending (without a dot, upper or lower case).
+    /// Returns the format with this file extension (without a dot, in upper or lower case).
     pub fn from_extension(extension: &str) -> Option<Format> {
         let is = |ending: &str| ending.eq_ignore_ascii_case(extension);
         let of_columns = || XYZ_ENDINGS.into_iter().any(is).then_some(Format::Xyz);
@@ -139,13 +139,13 @@ impl Format {
         known.or_else(of_columns).or_else(|| others().map(|(_, format)| format))
     }
 
-    /// The format of a file by its content: a signature, or a first statement that only one format has.
+    /// Guesses the format of a file from its content: by its signature, or by a first statement that only one format has.
     pub fn sniff(bytes: &[u8]) -> Option<Format> {
         let by_statement = || is_obj(bytes).then_some(Format::Obj);
         Format::by_signature(bytes).or_else(by_statement).or_else(|| xyz::is_table(bytes).then_some(Format::Xyz))
     }
 
-    /// The format that `bytes` are in without doubt: a file of another format does not start like this.
+    /// Returns the format of `bytes` if it is certain, because no file of another format starts like this.
     pub fn by_signature(bytes: &[u8]) -> Option<Format> {
         let head = &bytes[..bytes.len().min(HEAD)];
         let has = |word: &str| head.windows(word.len()).any(|w| w == word.as_bytes());
@@ -217,17 +217,17 @@ impl FromStr for Format {
 }
 
 impl Format {
-    /// The endings of `formats`, each after `before`, for messages.
+    /// Lists the extensions of `formats`, each preceded by `before`, for messages.
     pub(crate) fn list(formats: &[Format], before: &str) -> String {
         formats.iter().map(|f| format!("{before}{}", f.extension())).collect::<Vec<_>>().join(", ")
     }
 
-    /// Whether one file of this format holds all levels of detail of a mesh.
+    /// Whether one file of this format can hold all levels of detail of a mesh.
     pub fn holds_levels(self) -> bool {
         matches!(self, Format::Gltf | Format::Glb)
     }
 
-    /// Those of `attributes` that files of this format have no place for.
+    /// Returns those of `attributes` that files of this format cannot hold.
     pub fn cannot_hold(self, attributes: &Attributes) -> Vec<Lost> {
         let lost = |name: &str| Lost { name: name.into(), cause: format!("{self} has no place for it") };
         let vertex = attributes.vertex.iter().filter(|a| !self.holds(a)).map(|a| lost(&a.name));
@@ -245,7 +245,7 @@ impl Format {
             .collect()
     }
 
-    /// What of the looks of `materials` files of this format have no place for, if they have one for materials.
+    /// Returns what files of this format cannot hold of the looks of `materials`, if the format has materials at all.
     fn cannot_show(self, materials: &Materials) -> Option<Lost> {
         let looks = || materials.list.iter().filter_map(|material| material.look.as_ref());
         let is_left_out = |texture: &Texture| matches!(texture.of, Use::MetallicRoughness | Use::Occlusion);
@@ -264,7 +264,7 @@ impl Format {
         Some(Lost { name: name.into(), cause: cause.into() })
     }
 
-    /// Whether files have a place for an attribute of vertices.
+    /// Whether files of this format can hold this vertex attribute.
     fn holds(self, attribute: &Attribute) -> bool {
         match self {
             Format::Ply | Format::Xyz | Format::Vtp | Format::Pcd => true,

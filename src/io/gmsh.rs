@@ -1,14 +1,14 @@
 //! MSH, the format of Gmsh, versions 2 and 4.1, in text and binary.
 //!
-//! A file has sections from `$Name` to `$EndName`. Read are the nodes, by the tags that elements use, and of the elements
-//! triangles and quadrilaterals; those of higher order give their corners. Text and binary differ in the form of numbers
-//! only, but for the elements of version 2, which binary files have in blocks.
+//! A file has sections from `$Name` to `$EndName`. Nodes are read, by the tags that elements refer to, and of the elements
+//! triangles and quadrilaterals; elements of higher order are reduced to their corners. Text and binary differ only in the
+//! form of numbers, except that binary files of version 2 store elements in blocks.
 //!
-//! What a file promises is held against its length before memory is reserved.
+//! The counts in a file are compared with its length before memory is reserved.
 //!
-//! Where a file has cells of volumes and no faces, their outside is taken.
+//! If a file has volume cells and no faces, their outer surface is read.
 //!
-//! Limits: points, and lines and volumes beside faces, are left out, and so are physical groups and data of nodes.
+//! Limits: points, physical groups and node data are left out, and so are lines and volumes beside faces.
 
 use super::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed};
 use super::cells::Kind;
@@ -21,24 +21,24 @@ use crate::io::content::{Parsed, Read};
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// Numbers of nodes of the element types from 1 on.
+/// Number of nodes of the element types from 1 on.
 const NODES: [usize; 31] =
     [2, 3, 4, 4, 8, 6, 5, 3, 6, 9, 10, 27, 18, 14, 1, 8, 20, 15, 13, 9, 10, 12, 15, 15, 21, 4, 5, 6, 20, 35, 56];
 
-/// What an element is.
+/// Type of an element, as far as its reader distinguishes them.
 enum Element {
     Point,
     Line,
-    /// A polygon of so many corners, which are its first nodes.
+    /// A polygon with this number of corners, which are its first nodes.
     Face(usize),
-    /// One that fills a volume, whose corners are its first nodes, too.
+    /// A volume cell, whose corners are its first nodes, too.
     Cell(Kind),
 }
 
-/// The surface in an MSH file.
+/// Reads the surface in an MSH file.
 ///
 /// # Errors
-/// `Error::Format` with the line or byte of what is malformed.
+/// `Error::Format` with the line or byte that is malformed.
 pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     if is_of_mujoco(bytes) {
         let cause = "it is a binary mesh of MuJoCo, whose files end with .msh, too";
@@ -64,7 +64,8 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     Ok(Read { mesh, notes, ..Read::default() })
 }
 
-/// Whether a file is as long as its first numbers say: those of vertices, normals, texture coordinates and triangles.
+/// Whether the length of a file matches its first numbers, taken as counts of vertices, normals, texture coordinates and
+/// triangles.
 fn is_of_mujoco(bytes: &[u8]) -> bool {
     let Some((counts, rest)) = bytes.split_at_checked(16) else { return false };
     let counts = counts.chunks_exact(4).map(|n| u64::from(u32::from_le_bytes(n.try_into().expect("four bytes"))));
@@ -73,15 +74,15 @@ fn is_of_mujoco(bytes: &[u8]) -> bool {
 
 struct Reader<'a> {
     source: Mixed<'a>,
-    /// The type of counts and tags of version 4.
+    /// Type of counts and tags in version 4.
     size: Type,
-    /// The vertex of each tag of a node.
+    /// Vertex of each node tag.
     tags: HashMap<u64, u32>,
     grid: Grid,
 }
 
 impl Reader<'_> {
-    /// Reads the first section; whether the version is 4.1.
+    /// Reads the first section. Returns whether the version is 4.1.
     fn format(&mut self) -> Result<bool> {
         if self.source.word() != Some(b"$MeshFormat") {
             let cause = "it does not begin with $MeshFormat";
@@ -120,7 +121,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Goes behind the section that begins with the word `name`.
+    /// Skips the section that begins with the word `name`.
     fn skip_section(&mut self, name: &[u8]) -> Result<()> {
         let Some(name) = name.strip_prefix(b"$") else {
             return Err(self.source.wrong(format!("{} is not the name of a section", super::text::quote(name))));
@@ -132,7 +133,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Binary numbers begin on the line behind the name of the section.
+    /// Goes to the next line in binary files, in which numbers begin there.
     fn start(&mut self) {
         if self.source.binary.is_some() {
             self.source.line();
@@ -274,7 +275,7 @@ fn element(kind: f64) -> Element {
         4 | 11 | 29..=31 => Element::Cell(Kind::Tetrahedron),
         5 | 12 | 17 => Element::Cell(Kind::Hexahedron),
         6 | 13 | 18 => Element::Cell(Kind::Prism),
-        // 7, 14 and 19: others have no number of nodes.
+        // 7, 14 and 19: other types have no entry in `NODES`.
         _ => Element::Cell(Kind::Pyramid),
     }
 }
@@ -340,7 +341,7 @@ mod tests {
             assert_eq!(read.mesh.positions, PLACES.map(DVec3::from));
             assert_eq!(read.mesh.triangles, [[0, 1, 2], [0, 1, 2], [0, 2, 3]]);
             assert_eq!(read.notes, ["1 line is left out"]);
-            // The last line has nothing but the end of the section.
+            // The last line holds only the end of the section.
             for end in 0..bytes.len() - "$EndElements\n".len() {
                 assert!(parse(&bytes[..end]).is_err(), "{end}");
             }

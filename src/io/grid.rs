@@ -1,5 +1,5 @@
-//! Points with cells of several dimensions over them, as programs for simulation have them: the faces are read, or where there are
-//! none the outside of what fills a volume.
+//! Points with cells of several dimensions over them, as simulation programs write them. The faces are read, or, if there
+//! are none, the outer surface of the volume cells.
 
 use super::bytes::{NO_LINES, malformed};
 use super::cells::Cells;
@@ -10,30 +10,30 @@ use crate::base::error::{Place, Result};
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 
-/// What a file has, while it is read.
+/// The content of a file while it is read.
 #[derive(Default)]
 pub(super) struct Grid {
     pub positions: Vec<DVec3>,
     pub faces: Faces,
-    /// Cells of one dimension.
+    /// Number of cells of dimension one.
     pub lines: usize,
-    /// Cells of three dimensions, and how many of kinds whose sides are not known.
+    /// Cells of dimension three, and the number of such cells whose kind is not supported.
     pub cells: Cells,
     pub other_cells: usize,
     pub notes: Vec<String>,
 }
 
 impl Grid {
-    /// Adds a polygon over points that are there.
+    /// Adds a polygon over points that were added before.
     pub fn add_face(&mut self, corners: impl IntoIterator<Item = u32>) {
         corners.into_iter().for_each(|v| self.faces.push_corner(v));
         self.faces.end();
     }
 
-    /// The faces as triangles, and notes of what is left out.
+    /// Returns the faces as triangles, and notes on what is left out.
     ///
     /// # Errors
-    /// `Error::Format` for cells that are lines only.
+    /// `Error::Format` if there are only lines.
     pub fn into_mesh(mut self) -> Result<(Mesh, Vec<String>)> {
         let volumes = self.cells.count() + self.other_cells;
         let is_outside = self.faces.count() == 0 && volumes > 0;
@@ -56,7 +56,7 @@ impl Grid {
         Ok((Mesh { positions, triangles }, notes))
     }
 
-    /// Adds the outside of the cells of volumes.
+    /// Adds the outer surface of the volume cells.
     fn add_outside(&mut self) {
         let cells = std::mem::take(&mut self.cells);
         for (_, places) in cells.outside(&self.positions).sides {

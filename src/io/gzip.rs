@@ -1,6 +1,6 @@
-//! Files packed by gzip, such as `scan.ply.gz`: unpacked when they are read, packed when the name says so.
+//! Files compressed by gzip, such as `scan.ply.gz`: decompressed when read, compressed if the name of the output says so.
 //!
-//! What a packed file holds is bounded by its size, so that a small one cannot fill the memory.
+//! The decompressed size is bounded by a multiple of the file's size, so that a small file cannot exhaust memory.
 
 use super::bytes::{CUT_SHORT, malformed, most_unpacked, unpacks_to_too_much};
 use crate::base::error::{Place, Result};
@@ -9,20 +9,20 @@ use std::io::Read;
 #[cfg(feature = "fs")]
 use std::io::{self, Write};
 
-/// The ending of packed files, behind that of their format.
+/// Extension of compressed files, after that of their format.
 pub(super) const ENDING: &str = "gz";
 
-/// The first bytes of a packed file: its mark, and the one way of packing that there is.
+/// First bytes of a compressed file: the signature, and deflate, the only method of compression.
 const MAGIC: [u8; 3] = [0x1F, 0x8B, 8];
 
 pub(super) fn is_packed(bytes: &[u8]) -> bool {
     bytes.starts_with(&MAGIC)
 }
 
-/// What is in a packed file.
+/// Decompresses a file.
 ///
 /// # Errors
-/// `Error::Format` for what is damaged, or unpacks to more than its size lets expect.
+/// `Error::Format` for a damaged file, or one that decompresses to implausibly many bytes.
 pub(super) fn unpack(bytes: &[u8]) -> Result<Vec<u8>> {
     let limit = most_unpacked(bytes.len());
     let mut unpacked = Vec::new();
@@ -36,7 +36,7 @@ pub(super) fn unpack(bytes: &[u8]) -> Result<Vec<u8>> {
     Ok(unpacked)
 }
 
-/// Packs what `fill` writes.
+/// Compresses what `fill` writes.
 ///
 /// # Errors
 /// Those of `fill` and of `out`.

@@ -1,11 +1,12 @@
-//! Text that is read in blocks of whole lines.
+//! Text read in blocks of whole lines.
 
 use crate::base::error::Result;
 
-/// Bytes at a time.
+/// Number of bytes read at a time.
 const BLOCK: u64 = 1 << 20;
 
-/// Shows a text of `length` bytes, the next of which `fill` reads, in blocks of whole lines, with the number of the first line.
+/// Passes a text of `length` bytes, read by `fill`, to `show` in blocks of whole lines, with the number of each block's
+/// first line.
 ///
 /// # Errors
 /// Those of `fill` and `show`.
@@ -31,16 +32,17 @@ pub(super) fn in_blocks(
     Ok(())
 }
 
-/// How many bytes end with a line that the next one does not continue. None of the first `known` bytes ends one, but perhaps the last.
+/// Returns the length of the longest prefix that ends with a complete line that the next one does not continue. Of the first
+/// `known` bytes, only the last can end such a line.
 pub(super) fn whole_lines(bytes: &[u8], known: usize) -> usize {
     let continues = |i: usize| bytes[..i].strip_suffix(b"\r").unwrap_or(&bytes[..i]).ends_with(b"\\");
-    // What ends with CR may go on with LF.
+    // A line that ends with CR may go on with LF.
     let is_known = |i: usize| bytes[i] == b'\n' || i + 1 < bytes.len();
     let ends = |&i: &usize| ends_line(bytes, i) && is_known(i) && !continues(i);
     (known.saturating_sub(1)..bytes.len()).rev().find(ends).map_or(0, |i| i + 1)
 }
 
-/// Whether a line ends with byte `i`: LF, CR, or both.
+/// Whether a line ends at byte `i`: with LF, CR or CR LF.
 fn ends_line(bytes: &[u8], i: usize) -> bool {
     bytes[i] == b'\n' || bytes[i] == b'\r' && bytes.get(i + 1) != Some(&b'\n')
 }

@@ -1,11 +1,11 @@
-//! Medit, the format of Medit and of libMeshb: `.mesh` in text, `.meshb` in binary.
+//! Medit, the format of Medit and libMeshb: `.mesh` in text, `.meshb` in binary.
 //!
-//! A text is a list of keywords, most of them followed by a count and so many lines. A binary file has numbers for the
-//! keywords and the byte where the next one is behind each; its version says how wide numbers are. Read are vertices,
-//! triangles and quadrilaterals, or where there are none the outside of cells of volumes; their references, and everything else, are
-//! left out, lines and volumes with a note.
+//! A text file is a list of keywords, most of them followed by a count and that number of lines. A binary file has numbers
+//! instead of keywords, each followed by the offset of the next one; its version determines how wide numbers are. Vertices,
+//! triangles and quadrilaterals are read, or, if there are no faces, the outer surface of volume cells. Their references and
+//! everything else are left out, lines and volumes with a note.
 //!
-//! What a file promises is held against its length before memory is reserved.
+//! The counts in a file are compared with its length before memory is reserved.
 
 use super::bytes::{EXPORT_AGAIN, malformed, u32_at};
 use super::cells::Kind;
@@ -17,14 +17,14 @@ use crate::base::error::{Error, Place, Result};
 use crate::io::content::{Parsed, Read};
 use glam::DVec3;
 
-/// The entries that are read or counted, by their keyword and its number in binary files.
+/// An entry that is read or counted. [`ENTRIES`] has its keyword, and its number in binary files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Entry {
     Vertices,
     Edges,
-    /// Polygons of so many corners.
+    /// Polygons with this number of corners.
     Faces(usize),
-    /// Cells of volumes.
+    /// Volume cells.
     Cells(Kind),
 }
 
@@ -39,17 +39,17 @@ const ENTRIES: [(&str, u32, Entry); 8] = [
     ("pyramids", 49, Entry::Cells(Kind::Pyramid)),
 ];
 
-/// The numbers of further keywords in binary files.
+/// Numbers of further keywords in binary files.
 const DIMENSION: u32 = 3;
 const END: u32 = 54;
 
-/// Whether a file starts as one of this format does.
+/// Whether a file that starts with these bytes is in this format.
 pub(crate) fn has_signature(head: &[u8]) -> bool {
     let first = Words::new(head).with_comments().anywhere();
     binary_order(head).is_some() || first.is_some_and(|word| word.eq_ignore_ascii_case(b"MeshVersionFormatted"))
 }
 
-/// The order of a binary file, which begins with the numbers 1, a version from 1 to 4, and the first keyword.
+/// Returns the byte order of a binary file, which begins with the number 1, a version from 1 to 4, and the first keyword.
 fn binary_order(bytes: &[u8]) -> Option<Order> {
     let number = |at: usize| u32_at(bytes, at);
     let is_sound =
@@ -61,10 +61,10 @@ fn binary_order(bytes: &[u8]) -> Option<Order> {
     is_sound(one.swap_bytes(), version.swap_bytes(), keyword.swap_bytes()).then_some(Order::Big)
 }
 
-/// The surface in a Medit file.
+/// Reads the surface in a Medit file.
 ///
 /// # Errors
-/// `Error::Format` with the line or byte of what is malformed.
+/// `Error::Format` with the line or byte that is malformed.
 pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     let mut surface = Surface { dimension: 3, ..Surface::default() };
     match binary_order(bytes) {
@@ -74,20 +74,20 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     surface.finish()
 }
 
-/// What a file has, while it is read. Faces may come before vertices.
+/// The content of a file while it is read. Faces may come before vertices.
 #[derive(Default)]
 struct Surface {
     dimension: usize,
     grid: Grid,
-    /// The corners of all faces, counted from 1, and how many each face has.
+    /// Number of corners and corners of each face, counted from 1.
     corners: Vec<(usize, [f64; 4])>,
-    /// The kinds of all cells of volumes, and their corners, counted from 1.
+    /// Kinds of all volume cells, and their corners, counted from 1.
     cells: Vec<Kind>,
     of_cells: Vec<f64>,
 }
 
 impl Surface {
-    /// Adds an entry with its numbers, of which the last is its reference.
+    /// Adds an entry with its numbers, the last of which is its reference.
     fn add(&mut self, entry: Entry, numbers: &[f64]) -> std::result::Result<(), String> {
         match entry {
             Entry::Vertices => {
@@ -137,7 +137,7 @@ impl Surface {
 }
 
 impl Entry {
-    /// Numbers of each entry, and whether they are read.
+    /// Returns the number of values per entry, if they are read.
     fn width(self, dimension: usize) -> Option<usize> {
         match self {
             Entry::Vertices => Some(dimension + 1),
@@ -172,7 +172,7 @@ fn read_text(bytes: &[u8], surface: &mut Surface) -> Result<()> {
                 surface.dimension = check_dimension(dimension).map_err(|cause| words.mistake(cause))?;
             }
             (_, Some(entry)) => read_entries(&mut words, entry, surface)?,
-            // The numbers of other keywords are words here, and passed over.
+            // Numbers of other keywords are skipped as words here.
             _ => {}
         }
     }

@@ -1,4 +1,4 @@
-//! A walk over a file that has words, and numbers that are words or bytes.
+//! A cursor over a file that has words, and numbers that are words or bytes.
 
 use super::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed};
 use super::numbers::{Order, Type};
@@ -8,17 +8,17 @@ use crate::base::error::{Error, Place, Result};
 pub(super) struct Mixed<'a> {
     bytes: &'a [u8],
     at: usize,
-    /// The order of the bytes of numbers, unless these are words.
+    /// Byte order of numbers, unless they are words.
     pub binary: Option<Order>,
 }
 
 impl<'a> Mixed<'a> {
-    /// A file whose numbers are words until it is told otherwise.
+    /// Starts at the beginning of a file, with numbers as words until `binary` is set.
     pub fn new(bytes: &'a [u8]) -> Self {
         Mixed { bytes, at: 0, binary: None }
     }
 
-    /// The line, or the byte if numbers are bytes. Takes a pass over the file: for errors.
+    /// Returns the current line, or the byte if numbers are bytes. Scans the file from its start, so it is for errors only.
     pub fn place(&self) -> Place {
         if self.binary.is_some() {
             return Place::Byte(self.at);
@@ -26,7 +26,7 @@ impl<'a> Mixed<'a> {
         Place::Line(1 + self.bytes[..self.at].iter().filter(|&&b| b == b'\n').count())
     }
 
-    /// The error that the file contradicts itself here.
+    /// Returns the error that the file contradicts itself here.
     pub fn wrong(&self, cause: impl Into<String>) -> Error {
         malformed(self.place(), cause, EXPORT_AGAIN)
     }
@@ -35,22 +35,22 @@ impl<'a> Mixed<'a> {
         malformed(self.place(), cause, CUT_SHORT)
     }
 
-    /// What has not been walked over.
+    /// Returns the bytes that have not been consumed.
     pub fn rest(&self) -> &'a [u8] {
         &self.bytes[self.at..]
     }
 
-    /// Goes `count` bytes on, or to the end.
+    /// Skips `count` bytes, or to the end.
     pub fn skip(&mut self, count: usize) {
         self.at = self.at.saturating_add(count).min(self.bytes.len());
     }
 
-    /// Goes to a byte of the file, if it is there and not before this one.
+    /// Goes to byte `at` of the file, if it exists and is not before the current one.
     pub fn go_on_to(&mut self, at: usize) -> Option<()> {
         (self.at..=self.bytes.len()).contains(&at).then(|| self.at = at)
     }
 
-    /// What is left of this line.
+    /// Consumes and returns the rest of this line.
     pub fn line(&mut self) -> &'a [u8] {
         let rest = self.rest();
         let length = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
@@ -58,33 +58,33 @@ impl<'a> Mixed<'a> {
         &rest[..length]
     }
 
-    /// The next word, without going there.
+    /// Returns the next word without consuming it.
     pub fn peek_word(&self) -> Option<&'a [u8]> {
         let rest = self.rest().trim_ascii_start();
         let length = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
         (length > 0).then(|| &rest[..length])
     }
 
-    /// The next word, on this line or a later one.
+    /// Consumes and returns the next word, on this line or a later one.
     pub fn word(&mut self) -> Option<&'a [u8]> {
         let word = self.peek_word()?;
         self.at = self.bytes.len() - self.rest().trim_ascii_start().len() + word.len();
         Some(word)
     }
 
-    /// The next word, in capitals.
+    /// Consumes the next word and returns it in capitals.
     pub fn upper_word(&mut self) -> Option<String> {
         self.word().map(|word| String::from_utf8_lossy(word).to_ascii_uppercase())
     }
 
-    /// A whole number as a word.
+    /// Reads a whole number, always as a word.
     pub fn count(&mut self) -> Result<usize> {
         let word = self.word();
         let count = word.and_then(whole);
         count.ok_or_else(|| self.wrong(format!("{} is not a count", quote(word.unwrap_or_default()))))
     }
 
-    /// The next number.
+    /// Reads the next number.
     #[inline]
     pub fn number(&mut self, kind: Type) -> Result<f64> {
         let Some(order) = self.binary else { return self.spelled_number() };
@@ -102,7 +102,7 @@ impl<'a> Mixed<'a> {
         }
     }
 
-    /// The next number, if it is a whole one of things that take `least` bytes each, and these can follow.
+    /// Reads a count of items that take at least `least` bytes each, if that many can follow.
     pub fn size(&mut self, kind: Type, least: usize) -> Result<usize> {
         let number = self.number(kind)?;
         if !(number >= 0.0 && number.fract() == 0.0) {
@@ -113,7 +113,7 @@ impl<'a> Mixed<'a> {
         Ok(number as usize)
     }
 
-    /// Refuses a count of things that take `least` bytes each, if so many cannot follow.
+    /// Refuses a count of items that take at least `least` bytes each, if that many cannot follow.
     pub fn check_room(&self, count: usize, least: usize) -> Result<()> {
         // The last word needs no white space after it.
         let left = self.rest().len();
@@ -123,13 +123,13 @@ impl<'a> Mixed<'a> {
         Ok(())
     }
 
-    /// The fewest bytes that a number takes.
+    /// Returns the minimum number of bytes that a number takes.
     pub fn least(&self, kind: Type) -> usize {
         // A word takes a digit and white space.
         if self.binary.is_some() { kind.size() } else { 2 }
     }
 
-    /// The next `count` numbers.
+    /// Reads the next `count` numbers.
     pub fn numbers(&mut self, kind: Type, count: usize) -> Result<Vec<f64>> {
         self.check_room(count, self.least(kind))?;
         (0..count).map(|_| self.number(kind)).collect()

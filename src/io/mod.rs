@@ -1,4 +1,4 @@
-//! Mesh files as bytes: readers and writers of the common formats, one a file. Files of a disk are in `io::file` only.
+//! Mesh files as bytes: readers and writers of the common formats, one module each. Only `io::file` accesses files on disk.
 //!
 //! ```
 //! use spectral_remesh::io::{self, Format};

@@ -1,4 +1,4 @@
-//! Reading files by name, wherever their bytes are: which format a file has, and the files that it names.
+//! Reading of files by name, wherever their bytes are: determines the format, and reads the files that a file refers to.
 
 use crate::base::error::{Error, Result};
 use crate::io::address::{inside, not_inside, percent_decoded};
@@ -14,21 +14,21 @@ use std::collections::HashMap;
 use std::ffi::OsStr;
 use std::path::Path;
 
-/// Where the files are that a file names: its folder on a disk, or what was given together with it.
+/// Source of the files that a file refers to: its folder on a disk, or the files given together with it.
 pub trait Folder {
-    /// The bytes of a file in it; what went wrong as the end of a sentence that begins with the name.
+    /// Reads a file in it. The error is the end of a sentence that begins with the name.
     fn read(&self, name: &Path) -> std::result::Result<Vec<u8>, String>;
 
-    /// The image of that name, and whether there is one. An image that is not there keeps its name.
+    /// Returns the image of that name, and whether it exists. An image that does not exist keeps its name.
     fn image(&self, name: &str) -> (Image, bool);
 }
 
-/// Reads the mesh of a file with this name and content. Its format is `format`, else what the ending says, else what the
-/// content looks like. External buffers and images of a glTF file, and libraries of an OBJ, are read from `folder`. What gzip
-/// packed is unpacked.
+/// Reads the mesh of a file with this name and content. Its format is `format`, else that of the extension, else that of the
+/// content. External buffers and images of a glTF file, and libraries of an OBJ, are read from `folder`. Content compressed
+/// by gzip is decompressed.
 ///
 /// # Errors
-/// [`Error::File`] if the format cannot be told or is another one than the ending says; [`Error::Format`] for wrong content,
+/// [`Error::File`] if the format is unknown or differs from that of the extension; [`Error::Format`] for malformed content,
 /// with the line, byte or part.
 pub fn read_named(name: &str, bytes: &[u8], format: Option<Format>, folder: &dyn Folder) -> Result<Loaded> {
     let in_file = |error: Error| error.in_file(name);
@@ -46,7 +46,7 @@ pub fn read_named(name: &str, bytes: &[u8], format: Option<Format>, folder: &dyn
     Ok(loaded)
 }
 
-/// The bytes of a buffer that a glTF file names by a relative address.
+/// Reads a buffer that a glTF file refers to by a relative address.
 fn read_buffer(folder: &dyn Folder, address: &str) -> std::result::Result<Vec<u8>, String> {
     match percent_decoded(address) {
         Some(name) => read_inside(folder, &name),
@@ -54,14 +54,14 @@ fn read_buffer(folder: &dyn Folder, address: &str) -> std::result::Result<Vec<u8
     }
 }
 
-/// The bytes of the file `name`, which has to be in the folder or in one there.
+/// Reads the file `name`, which must be in the folder or one of its subfolders.
 fn read_inside(folder: &dyn Folder, name: &str) -> std::result::Result<Vec<u8>, String> {
     let relative = inside(name).ok_or_else(|| not_inside(name))?;
     folder.read(&relative).map_err(|cause| format!("the file '{}' {cause}", name.escape_debug()))
 }
 
-/// Reads the libraries that a file names, and finds the images that they name. Notes say which ones there are not; libraries
-/// that cannot be read stay named.
+/// Reads the libraries that a file names, and finds the images that they name. Notes list the missing ones. Libraries that
+/// cannot be read stay in the list.
 fn read_libraries(folder: &dyn Folder, materials: &mut Materials, notes: &mut Vec<String>) {
     for name in std::mem::take(&mut materials.libraries) {
         match read_inside(folder, &with_slashes(&name)).map(|bytes| mtl::parse(&bytes)) {
@@ -74,7 +74,7 @@ fn read_libraries(folder: &dyn Folder, materials: &mut Materials, notes: &mut Ve
     }
 }
 
-/// Gives the materials that `library` defines, and that are not defined yet, their looks.
+/// Sets the looks of the materials that `library` defines and that have no look yet.
 fn define(folder: &dyn Folder, materials: &mut Materials, library: mtl::Library, notes: &mut Vec<String>) {
     let mtl::Library { looks, images, .. } = library;
     let mut looks: HashMap<String, _> = looks.into_iter().collect();
@@ -98,17 +98,17 @@ fn define(folder: &dyn Folder, materials: &mut Materials, library: mtl::Library,
     }
 }
 
-/// Some programs write names with the backslashes of their system.
+/// Replaces backslashes, which some programs write in paths.
 pub(super) fn with_slashes(name: &str) -> String {
     name.replace('\\', "/")
 }
 
-/// The format that the ending of a name says.
+/// Returns the format for the extension of a path.
 pub(super) fn by_ending(path: &Path) -> Option<Format> {
     Format::from_extension(ending(path)?)
 }
 
-/// The ending of a name, before `.gz` if it has that.
+/// Returns the extension of a path, ignoring `.gz`.
 fn ending(path: &Path) -> Option<&str> {
     match path.extension()? {
         gz if is_gz(gz) => Path::new(path.file_stem()?).extension()?.to_str(),
@@ -133,7 +133,7 @@ pub(super) fn input_format(name: &str, bytes: &[u8], format: Option<Format>) -> 
     match (by_ending(path), by_content) {
         // The two forms of one format are read by one reader.
         (Some(Format::Gltf | Format::Glb), Some(content @ (Format::Gltf | Format::Glb))) => Ok(content),
-        // A file that usually has columns of numbers may hold anything.
+        // A file with an extension for columns of numbers may hold anything.
         (Some(Format::Xyz), _) => Ok(Format::sniff(bytes).unwrap_or(Format::Xyz)),
         (Some(ending), Some(content)) if ending != content => {
             let cause = format!("the ending says {ending}, but the content is {content}");
@@ -147,7 +147,7 @@ pub(super) fn input_format(name: &str, bytes: &[u8], format: Option<Format>) -> 
     }
 }
 
-/// The kind of a file that is not read, by its ending, else by its content: some are archives to look at.
+/// Returns the kind of a file that is not read, by its extension, else by its content: some kinds look like archives.
 fn foreign_kind(path: &Path, bytes: &[u8]) -> Option<&'static Foreign> {
     ending(path).and_then(foreign::by_ending).or_else(|| foreign::by_content(bytes))
 }

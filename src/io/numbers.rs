@@ -1,8 +1,8 @@
-//! Numbers in bytes, of all types that files have and in both byte orders.
+//! Numbers in bytes, of all types that occur in files, in both byte orders.
 
 use crate::mesh::attributes::Scalar;
 
-/// The type of a number in a file.
+/// Type of a number in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Type {
     I8,
@@ -17,7 +17,7 @@ pub(super) enum Type {
     F64,
 }
 
-/// Which byte of a number comes first.
+/// Byte order of a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Order {
     Little,
@@ -25,7 +25,7 @@ pub(super) enum Order {
 }
 
 impl Type {
-    /// The bytes that a number takes.
+    /// Size of a number, in bytes.
     pub fn size(self) -> usize {
         match self {
             Type::I8 | Type::U8 => 1,
@@ -35,7 +35,7 @@ impl Type {
         }
     }
 
-    /// The number in the first bytes, of which there have to be enough. Integers beyond 2^53 are rounded.
+    /// Reads the number in the first bytes, of which there must be enough. Integers beyond 2^53 are rounded.
     #[inline]
     pub fn read(self, bytes: &[u8], order: Order) -> f64 {
         let mut eight = [0; 8];
@@ -59,12 +59,13 @@ impl Type {
         }
     }
 
-    /// All numbers in `bytes`; an incomplete last one is left out.
+    /// Reads all numbers in `bytes`; an incomplete last one is left out.
     pub fn read_all(self, bytes: &[u8], order: Order) -> impl Iterator<Item = f64> {
         bytes.chunks_exact(self.size()).map(move |number| self.read(number, order))
     }
 
-    /// How attributes of these numbers are kept: 64-bit integers as floats if they need more than 32 bits.
+    /// Returns the type in which attributes of these numbers are kept. 64-bit integers become floats if they need more than
+    /// 32 bits.
     pub fn scalar(self, values: &[f64]) -> Scalar {
         let fits = |low: f64, high: f64| values.iter().all(|&x| low <= x && x <= high);
         match self {
@@ -82,7 +83,7 @@ impl Type {
     }
 }
 
-/// The number of a vertex below `vertices` that `number` is.
+/// Returns `number` as a vertex index, if it is an integer below `vertices`.
 #[inline]
 pub(super) fn index(number: f64, vertices: usize) -> Option<u32> {
     (number >= 0.0 && number < vertices as f64 && number.fract() == 0.0).then_some(number as u32)

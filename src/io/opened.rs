@@ -10,22 +10,23 @@ use std::fs::{self, File};
 use std::io::{ErrorKind, Read as _, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-/// The first bytes of a file, which must hold everything before its vertices.
+/// Length of the head of a file, in bytes. It must contain everything before the vertices.
 const HEAD: u64 = 1 << 16;
 
-/// A file whose length, first bytes and format are known.
+/// A file whose length, head and format are known.
 pub(crate) struct Opened {
     path: PathBuf,
     file: File,
     pub format: Format,
     /// Its first bytes.
     pub head: Vec<u8>,
-    /// In bytes.
+    /// Length, in bytes.
     pub length: u64,
 }
 
 impl Opened {
-    /// The file at `path`; `None` if it is a pipe, whose first bytes would be lost, or of no format that is known.
+    /// Opens the file at `path`. Returns `None` if it is a pipe, whose first bytes would be lost, or if its format is
+    /// unknown.
     ///
     /// # Errors
     /// [`Error::File`](crate::Error::File) if there is no such file or it cannot be read.
@@ -38,17 +39,17 @@ impl Opened {
         let mut file = File::open(path).map_err(failed)?;
         let mut head = Vec::new();
         file.by_ref().take(HEAD).read_to_end(&mut head).map_err(failed)?;
-        // The reader of whole files says what is wrong with a file.
+        // The reader of whole files will report what is wrong.
         let Ok(format) = input_format(&path.display().to_string(), &head, format) else { return Ok(None) };
         Ok(Some(Opened { path: path.to_path_buf(), file, format, head, length }))
     }
 
-    /// The error, with the name of the file.
+    /// Adds the name of the file to an error.
     pub fn locate(&self, error: Error) -> Error {
         error.in_file(&self.path.display().to_string())
     }
 
-    /// Goes to this byte.
+    /// Seeks to this byte.
     ///
     /// # Errors
     /// [`Error::File`](crate::Error::File) if the file cannot be read.
@@ -56,7 +57,7 @@ impl Opened {
         (&self.file).seek(SeekFrom::Start(to)).map(|_| ()).map_err(|error| read_error(&self.path, &error))
     }
 
-    /// How many rows `packed` makes of the file at most, if only the file tells.
+    /// Returns the maximum number of rows that `packed` yields from the file, if only the file tells.
     ///
     /// # Errors
     /// [`Error::Format`] if the file cannot be read.
@@ -65,10 +66,11 @@ impl Opened {
         packed.count(&self.file).map_err(|error| self.locate(error))
     }
 
-    /// Shows the rows that `packed` makes of the file in blocks of `full` bytes; the last may have fewer.
+    /// Passes the rows that `packed` yields from the file to `show`, in blocks of `full` bytes. The last block may be
+    /// shorter.
     ///
     /// # Errors
-    /// Those of `show`; what `packed` says is wrong with the file.
+    /// Those of `show`; errors of `packed` for a damaged file.
     pub fn unpack(&self, packed: &dyn Packed, full: usize, show: &mut dyn FnMut(&[u8]) -> Result<()>) -> Result<()> {
         self.seek(0)?;
         let mut block = Vec::with_capacity(full);
@@ -86,7 +88,7 @@ impl Opened {
         if block.is_empty() { Ok(()) } else { show(&block) }
     }
 
-    /// Reads the next bytes, as many as there is room for.
+    /// Fills `bytes` with the next bytes of the file.
     ///
     /// # Errors
     /// [`Error::File`](crate::Error::File) if the file cannot be read or has become shorter.

@@ -1,4 +1,4 @@
-//! Reading: the bytes of a file in any format become a mesh whose indices and coordinates are checked.
+//! Reading: converts the bytes of a file in any format to a mesh with checked indices and coordinates.
 
 use crate::base::error::{Error, Place, Result};
 use crate::io::content::{Read, Resolve};
@@ -14,22 +14,22 @@ use crate::prepare::thin::Thinned;
 pub struct Loaded {
     /// All triangles of the file over all its vertices. A file without faces gives vertices without triangles.
     pub mesh: Mesh,
-    /// What its vertices, corners and triangles have beside their places.
+    /// Attributes of its vertices, corners and triangles.
     pub attributes: Attributes,
-    /// The format that it was read as.
+    /// Format that it was read as.
     pub format: Format,
-    /// What was kept of a cloud with more points than were wanted; `None` if all were.
+    /// The kept part of a cloud with more points than were wanted; `None` if all were kept.
     pub thinned: Option<Thinned>,
-    /// What a user should know of what was left out, a sentence each.
+    /// Notes for the user on what was left out, one sentence each.
     pub notes: Vec<String>,
 }
 
-/// Reads a mesh from the bytes of a file. Indices of the result are in range and coordinates finite; vertices and
-/// triangles are those of the file, in its order, with nothing merged or repaired. If each face of it has a
-/// corner twice, the result has points only: some programs put such faces into the files of clouds.
+/// Reads a mesh from the bytes of a file. Indices of the result are in range and coordinates finite. Vertices and triangles
+/// are those of the file, in its order, with nothing merged or repaired. If every face has a repeated corner, the result has
+/// points only: some programs put such faces into files of clouds.
 ///
 /// # Errors
-/// [`Error::Format`] with an empty file name and the place, for content that is not what the format says.
+/// [`Error::Format`] with an empty file name and the place, for content that violates the format.
 pub fn parse(bytes: &[u8], format: Format, resolve: Resolve) -> Result<Loaded> {
     if bytes.is_empty() {
         return Err(whole("the file is empty", "export it again"));
@@ -53,7 +53,7 @@ pub fn parse(bytes: &[u8], format: Format, resolve: Resolve) -> Result<Loaded> {
     checked(read, format)
 }
 
-/// What was read, if it is sound.
+/// Returns the content that was read, if it is valid.
 pub(super) fn checked(read: Read, format: Format) -> Result<Loaded> {
     let Read { mesh, attributes, notes } = read;
     check(&mesh, format)?;
@@ -62,7 +62,7 @@ pub(super) fn checked(read: Read, format: Format) -> Result<Loaded> {
     Ok(Loaded { mesh, attributes, format, thinned: None, notes })
 }
 
-/// Points instead of a mesh whose faces all have a corner twice, and a note of that.
+/// Converts a mesh whose faces all have a repeated corner to points, with a note.
 fn without_empty_faces(mesh: Mesh, attributes: Attributes, mut notes: Vec<String>) -> (Mesh, Attributes, Vec<String>) {
     let faces = mesh.triangles.len();
     let is_empty = |&[a, b, c]: &[u32; 3]| a == b || b == c || c == a;
@@ -74,13 +74,13 @@ fn without_empty_faces(mesh: Mesh, attributes: Attributes, mut notes: Vec<String
     (Mesh { triangles: Vec::new(), ..mesh }, attributes, notes)
 }
 
-/// What every stage after this one relies on, whatever the reader did.
+/// Checks the guarantees that all later stages rely on, independently of the readers.
 fn check(mesh: &Mesh, format: Format) -> Result<()> {
     let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
     if vertices == 0 {
         return Err(whole(format!("there are no vertices in it, read as {format}"), "check what the file is"));
     }
-    // Three sides a triangle are numbered in u32.
+    // The three sides of each triangle are numbered in u32.
     if vertices >= u32::MAX as usize || triangles >= (u32::MAX / 3) as usize {
         let cause =
             format!("{vertices} vertices and {triangles} triangles are more than 32-bit numbers can tell apart");
@@ -99,7 +99,7 @@ fn check(mesh: &Mesh, format: Format) -> Result<()> {
     Ok(())
 }
 
-/// That there is a value for each vertex, corner and triangle.
+/// Checks that there is a value for each vertex, corner and triangle.
 fn check_attributes(mesh: &Mesh, attributes: &Attributes) -> Result<()> {
     let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
     let is_whole = |a: &Attribute| a.components > 0 && Some(a.values.len()) == a.components.checked_mul(vertices);

@@ -1,9 +1,9 @@
-//! Rows of equally many bytes in a file, those of a place together: sorting data that does not fit into memory.
+//! Rows of equal length in a file, grouped by place: sorts data that does not fit into memory.
 //!
-//! Rows gather in memory for each place, and go to the end of the file a chunk at a time. Within a place they stay in the
+//! The rows of each place gather in memory and are appended to the file a chunk at a time. Within a place they keep the
 //! order in which they came.
 //!
-//! Memory: a chunk for each place while the file is written. Limits: the number of places.
+//! Memory: a chunk per place while the file is written. Limits: the number of places.
 
 use crate::base::error::{Error, Result};
 use crate::io::disk::{file_error, read_error, write_error};
@@ -13,17 +13,17 @@ use std::fs::File;
 use std::io::{ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// Bytes of a place that are gathered.
+/// Number of bytes that are gathered for a place.
 const CHUNK: usize = 1 << 14;
 
-/// Rows of one place that follow each other in the file.
+/// Rows of one place that are contiguous in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub(crate) struct Chunk {
-    /// Whose they are.
+    /// Place of the rows.
     pub place: [i32; 3],
-    /// The byte that they begin at.
+    /// Byte at which they begin.
     pub start: u64,
-    /// How many bytes they have.
+    /// Length, in bytes.
     pub length: u32,
 }
 
@@ -33,7 +33,7 @@ pub(crate) struct SpillWriter {
     gathered: FxHashMap<[i32; 3], Vec<u8>>,
 }
 
-/// What is in the file so far.
+/// The file as written so far.
 struct Written {
     path: PathBuf,
     file: File,
@@ -42,7 +42,7 @@ struct Written {
 }
 
 impl SpillWriter {
-    /// A new file at `path`.
+    /// Creates a file at `path`.
     ///
     /// # Errors
     /// [`Error::File`] if it cannot be written.
@@ -52,10 +52,10 @@ impl SpillWriter {
         Ok(SpillWriter { written, gathered: FxHashMap::default() })
     }
 
-    /// Adds a row, in two parts, to a place.
+    /// Adds a row, given in two parts, to a place.
     ///
     /// # Errors
-    /// [`Error::File`] if it cannot be written, for want of space perhaps.
+    /// [`Error::File`] if it cannot be written, for example for lack of space.
     #[inline]
     pub fn push(&mut self, place: [i32; 3], first: &[u8], rest: &[u8]) -> Result<()> {
         let gathered = self.gathered.entry(place).or_default();
@@ -68,7 +68,7 @@ impl SpillWriter {
         Ok(())
     }
 
-    /// Where the rows of all places are, in the order of these.
+    /// Returns where the rows of all places are in the file, sorted by place.
     ///
     /// # Errors
     /// Those of [`Self::push`].
@@ -93,10 +93,10 @@ impl Written {
     }
 }
 
-/// The rows of some chunks of the file at `path`.
+/// Reads the rows of these chunks of the file at `path`.
 ///
 /// # Errors
-/// [`Error::File`] if they cannot be read, or are no longer there.
+/// [`Error::File`] if they cannot be read or no longer exist.
 pub(crate) fn read_chunks(path: &Path, chunks: &[Chunk]) -> Result<Vec<u8>> {
     let failed = |error: std::io::Error| match error.kind() {
         ErrorKind::UnexpectedEof => shorter(path),

@@ -1,8 +1,8 @@
 //! STL, ASCII and binary.
 //!
-//! A file is a list of facets, each with three corners of its own; the normals in it are not used, the order of the
-//! corners says where outside is. Many binary files begin with `solid` as ASCII files do: a file is taken as binary if
-//! its size is exactly what its facet count asks for, or if it has a zero byte near its beginning.
+//! A file is a list of facets, each with three corners of its own. The normals are not used; the order of the corners
+//! defines the outside. Many binary files begin with `solid` as ASCII files do: a file is taken as binary if its size is
+//! exactly what its facet count requires, or if it has a zero byte near its beginning.
 //!
 //! Limits: colours and the attribute bytes of binary facets are left out; several solids become one mesh.
 
@@ -15,18 +15,18 @@ use crate::mesh::weld::weld;
 use glam::{DVec3, Vec3};
 use std::io::{self, Write};
 
-/// 80 bytes of anything and the number of facets.
+/// Size of 80 arbitrary bytes and the number of facets.
 pub(super) const HEADER: usize = 84;
-/// A normal, three corners and two attribute bytes.
+/// Size of a normal, three corners and two attribute bytes.
 pub(super) const FACET: usize = 50;
-/// How far into a file a zero byte is looked for. The facet count is within, and its high byte is zero in all files
-/// below 800 MB.
+/// Number of leading bytes that are searched for a zero byte. They include the facet count, whose high byte is zero in all
+/// files below 800 MB.
 const PROBE: usize = 512;
 
-/// The mesh in an STL file. Corners of facets at exactly the same place are one vertex.
+/// Reads the mesh in an STL file. Corners of facets at exactly the same position are merged to one vertex.
 ///
 /// # Errors
-/// `Error::Format` with the line or byte of what is malformed.
+/// `Error::Format` with the line or byte that is malformed.
 pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     let read = if is_text(bytes) { parse_text(bytes) } else { parse_binary(bytes) }?;
     Ok(Read { mesh: weld(&read.mesh), ..read })
@@ -65,14 +65,14 @@ fn parse_binary(bytes: &[u8]) -> Parsed {
     Ok(Read { mesh, notes: notes.into_iter().collect(), ..Read::default() })
 }
 
-/// The facets of a file of this many bytes that begins with `head`, if it is binary and as long as they are.
+/// Returns the number of facets in a file of this length that begins with `head`, if it is binary and has exactly this size.
 #[cfg(feature = "fs")]
 pub(super) fn facets(head: &[u8], length: u64) -> Option<usize> {
     let count = u32_at(head, HEADER - 4)?;
     (HEADER as u64 + FACET as u64 * u64::from(count) == length).then_some(count as usize)
 }
 
-/// The corners of a facet, which is at byte `at` of the file.
+/// Reads the corners of a facet, which is at byte `at` of the file.
 pub(super) fn corners(facet: &[u8], at: usize) -> Result<[Vec3; 3]> {
     let mut corners = [Vec3::ZERO; 3];
     for (corner, start) in corners.iter_mut().zip([12, 24, 36]) {
@@ -83,7 +83,7 @@ pub(super) fn corners(facet: &[u8], at: usize) -> Result<[Vec3; 3]> {
     Ok(corners)
 }
 
-/// Every three vertices are a triangle.
+/// Makes a triangle of every three vertices.
 fn number_corners(mesh: &mut Mesh) -> Result<()> {
     let Ok(count) = u32::try_from(mesh.positions.len()) else {
         return Err(malformed(Place::Whole, "more than 4 294 967 295 vertices", "split the file"));
@@ -119,7 +119,8 @@ fn parse_text(bytes: &[u8]) -> Parsed {
     Ok(Read { mesh, notes: notes.into_iter().collect(), ..Read::default() })
 }
 
-/// Adds the corners of a facet, from after `facet` to its `endfacet`. More on a line that ends something is left out.
+/// Adds the corners of a facet, from after `facet` to its `endfacet`. Further words on the line of an ending keyword are
+/// ignored.
 fn push_text(mesh: &mut Mesh, words: &mut Words) -> Result<()> {
     skip_normal(words)?;
     expect(words, "loop")?;
@@ -141,7 +142,7 @@ fn push_text(mesh: &mut Mesh, words: &mut Words) -> Result<()> {
     expect(words, "endfacet")
 }
 
-/// Normals are not used, so they may be anything: some writers put `nan` there, or nothing.
+/// Skips a normal. It is not used, so it may be anything: some writers put `nan` there, or nothing.
 fn skip_normal(words: &mut Words) -> Result<()> {
     for _ in 0..5 {
         match words.anywhere() {
@@ -175,7 +176,7 @@ fn is(word: &[u8], keyword: &str) -> bool {
 /// Writes binary STL, in single precision, with the normals of the triangles.
 ///
 /// # Errors
-/// `InvalidData` for coordinates beyond single precision; else what `out` fails with.
+/// `InvalidData` for coordinates beyond single precision; else errors of `out`.
 pub(crate) fn write(content: &Content, out: &mut dyn Write) -> io::Result<()> {
     let Content { positions, triangles, .. } = content;
     // Must not begin with 'solid', or readers take it for ASCII.
@@ -207,7 +208,7 @@ mod tests {
     const ONE: &str = "solid a part\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1.5 0 0\n   \
                        vertex 0 1e0 -2\n  endloop\n endfacet\nendsolid a part\n";
 
-    /// The mesh and the notes.
+    /// Returns the mesh and the notes.
     fn parse(bytes: &[u8]) -> Result<(Mesh, Vec<String>)> {
         super::parse(bytes).map(|read| (read.mesh, read.notes))
     }

@@ -1,4 +1,4 @@
-//! Points as rows of bytes, which can be read without reading all of the file.
+//! Points as rows of bytes, which can be read without reading the whole file.
 
 use crate::base::error::{Error, Result};
 use crate::io::bytes::nowhere;
@@ -6,23 +6,23 @@ use crate::io::content::Parsed;
 use crate::prepare::thin::Seen;
 use std::fs::File;
 
-/// The points of a file that are, or become, rows of equally many bytes.
+/// The points of a file, if they are rows of equal length or can be unpacked to such rows.
 pub(crate) struct Table {
-    /// Where they begin in the file, in bytes.
+    /// Offset of the first point in the file, in bytes.
     pub start: u64,
-    /// The bytes of each.
+    /// Size of each point, in bytes.
     pub row: usize,
-    /// How many there are; at most, where they are packed.
+    /// Number of points; an upper bound if they are packed.
     pub points: usize,
-    /// What a format knows of them.
+    /// Interprets the rows for a format.
     pub rows: Box<dyn Rows>,
-    /// How the rows are made of what the file has, if it does not have them.
+    /// Unpacks the rows, if the file does not contain them as they are.
     pub packed: Option<Box<dyn Packed>>,
 }
 
-/// Rows that the file has in another form.
+/// Rows that a file contains in another form.
 pub(crate) trait Packed: Sync {
-    /// How many rows there are at most, if only the file tells.
+    /// Returns the maximum number of rows, if only the file tells.
     ///
     /// # Errors
     /// [`Error::Format`] if it cannot be read.
@@ -30,32 +30,32 @@ pub(crate) trait Packed: Sync {
         Ok(None)
     }
 
-    /// Shows all rows of the file, in their order.
+    /// Passes all rows of the file to `show`, in their order.
     ///
     /// # Errors
-    /// Those of `show`; an error with the place of what is damaged.
+    /// Those of `show`; an error with the place of the damage.
     fn unpack(&self, file: &File, show: &mut dyn FnMut(&[u8]) -> Result<()>) -> Result<()>;
 }
 
 /// The faces of a file, which are rows of different lengths.
 pub(crate) struct Faces {
-    /// Where they begin, in bytes.
+    /// Offset of the first face, in bytes.
     pub start: u64,
-    /// How many there are.
+    /// Number of faces.
     pub count: u64,
-    /// Whether they have more than corners, such as texture coordinates.
+    /// Whether they have properties besides corners, such as texture coordinates.
     pub have_more: bool,
-    /// What a format knows of them.
+    /// Interprets the rows for a format.
     pub rows: Box<dyn FaceRows>,
 }
 
-/// What a format knows of its faces.
+/// Interpretation of faces by a format.
 pub(crate) trait FaceRows: Sync {
-    /// Shows the corners of the complete faces at the start of `bytes`, `most` of them at most. Returns how many faces and bytes
-    /// these were. `at` is where the bytes are in the file.
+    /// Passes the corners of the complete faces at the start of `bytes`, at most `most` faces, to `show`. Returns the number
+    /// of these faces and of their bytes. `at` is the offset of `bytes` in the file.
     ///
     /// # Errors
-    /// Those of `show`; an error with the place of an index that no vertex has, or of a list that is longer than the file.
+    /// Those of `show`; an error with the place of an invalid vertex index, or of a list that is longer than the file.
     fn show(
         &self,
         bytes: &[u8],
@@ -64,20 +64,20 @@ pub(crate) trait FaceRows: Sync {
         show: &mut dyn FnMut(&[u32]) -> Result<()>,
     ) -> Result<(u64, usize)>;
 
-    /// The error that the file ends at this byte.
+    /// Returns the error that the file ends at this byte.
     fn cut_short(&self, end: u64) -> Error;
 }
 
-/// What a format knows of its points.
+/// Interpretation of points by a format.
 pub(crate) trait Rows: Sync {
-    /// Where the point of this row is, and its normal.
+    /// Returns the position and the normal of the point in a row.
     fn look(&self, row: &[u8]) -> Seen;
 
-    /// The error that the point of this number and row has coordinates that are not finite.
+    /// Returns the error that point number `point`, in this row, has coordinates that are not finite.
     fn nowhere(&self, point: usize, _row: &[u8]) -> Error {
         nowhere(point)
     }
 
-    /// Reads points as if they were all of the file.
+    /// Reads points as if they were the whole file.
     fn read(&self, rows: &[u8]) -> Parsed;
 }

@@ -1,16 +1,16 @@
-//! Tetrahedra that are written as polygons of four corners, as some programs save a volume: the surface is their outside.
+//! Tetrahedra written as polygons of four corners, as some programs save a volume: replaced by their outer surface.
 //!
-//! Four corners of a surface are a quadrilateral, and no three of them are corners of another one. The corners of
-//! tetrahedra that fill a volume are, three by three, mostly those of two of them.
+//! A quadrilateral of a surface shares no three of its corners with another one. In contrast, three corners of a tetrahedron
+//! in a filled volume mostly belong to a second tetrahedron, too.
 //!
-//! Cost: a sort of the triangles, where there are half again as many polygons as vertices. A surface of quadrilaterals has
-//! as many as it has vertices.
+//! Cost: a sort of the triangles, only if there are half again as many polygons as vertices. A surface of quadrilaterals has
+//! as many polygons as vertices.
 
 use crate::io::cells::{Cells, Kind, Outside};
 use glam::DVec3;
 
-/// The outer triangles of tetrahedra, each as the number of its tetrahedron and the places of its corners in `corners`, which
-/// has four corners of each; `None` if these are none.
+/// Returns the outer triangles of tetrahedra, each with the index of its tetrahedron and the indices of its corners in
+/// `corners`, which has four corners per tetrahedron. Returns `None` if these are not tetrahedra.
 pub(super) fn outside_of(corners: &[u32], positions: &[DVec3]) -> Option<Vec<(usize, [usize; 3])>> {
     let count = corners.len() / 4;
     if 2 * count < 3 * positions.len() {
@@ -32,7 +32,7 @@ mod tests {
     use crate::mesh::triangle_mesh::Mesh;
     use glam::dvec3;
 
-    /// Six tetrahedra around a diagonal of each of `n` cubes a side; every other one is turned inside out.
+    /// Six tetrahedra around a diagonal of each cell of a cube with `n` cells a side. Every other one is turned inside out.
     fn cube_of_tetrahedra(n: u32) -> (Vec<u32>, Vec<DVec3>) {
         let m = n + 1;
         let positions = (0..m * m * m).map(|i| dvec3((i % m).into(), (i / m % m).into(), (i / m / m).into())).collect();
@@ -64,7 +64,7 @@ mod tests {
 
     #[test]
     fn quadrilaterals_are_no_tetrahedra() {
-        // Each side of a cube of three by three quadrilaterals, with corners of its own and then all of them in common.
+        // A square of three by three quadrilaterals, once and then three times.
         let quads: Vec<u32> = (0..9u32).map(|i| i / 3 * 4 + i % 3).flat_map(|v| [v, v + 1, v + 5, v + 4]).collect();
         let positions: Vec<DVec3> = (0..16).map(|i| dvec3((i % 4).into(), (i / 4).into(), 0.0)).collect();
         assert!(outside_of(&quads, &positions).is_none());

@@ -5,18 +5,18 @@ use crate::base::count::counted;
 use crate::base::error::{Error, Place, Result};
 use std::io::{self, Write};
 
-/// Longer words of a broken file are cut in messages.
+/// Maximum length of a word in a message. Longer words of broken files are cut.
 const QUOTED: usize = 24;
 
-/// A walk over the words of a text between white space, after a byte order mark if there is one. Lines end with LF,
-/// CR LF or CR.
+/// A cursor over the words of a text, separated by white space, after an optional byte order mark. Lines end with LF, CR LF
+/// or CR.
 #[derive(Clone)]
 pub(super) struct Words<'a> {
     bytes: &'a [u8],
     at: usize,
-    /// The line that `at` is on.
+    /// Line of position `at`.
     line_here: usize,
-    /// The line of the last word.
+    /// Line of the last word.
     line: usize,
     comments: bool,
     continued: bool,
@@ -27,32 +27,32 @@ impl<'a> Words<'a> {
         Words { bytes: without_mark(bytes), at: 0, line_here: 1, line: 1, comments: false, continued: false }
     }
 
-    /// The same words, where `#` at the start of one makes the rest of its line a comment.
+    /// Enables comments: `#` at the start of a word makes the rest of its line a comment.
     pub fn with_comments(self) -> Self {
         Words { comments: true, ..self }
     }
 
-    /// The same words, where a backslash at the end of a line, but not of a comment, joins the next line to it.
+    /// Enables continued lines: a backslash at the end of a line, but not of a comment, joins the next line to it.
     pub fn with_continued_lines(self) -> Self {
         Words { continued: true, ..self }
     }
 
-    /// The same words, for a text that begins on line `line` of its file.
+    /// Sets the number of the line in its file on which the text begins.
     pub fn starting_at(self, line: usize) -> Self {
         Words { line_here: line, line, ..self }
     }
 
-    /// The line of the last word, from 1.
+    /// Line of the last word, from 1.
     pub fn line(&self) -> usize {
         self.line
     }
 
-    /// Bytes that have not been walked over.
+    /// Number of bytes that have not been consumed.
     pub fn remaining(&self) -> usize {
         self.bytes.len() - self.at
     }
 
-    /// The next word on this line.
+    /// Returns the next word on this line.
     #[inline]
     pub fn here(&mut self) -> Option<&'a [u8]> {
         loop {
@@ -79,13 +79,13 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// Whether this line ends at once; false if that cannot be told from the next byte.
+    /// Whether this line ends at the next byte. Returns false if that byte is not sufficient to tell.
     #[inline]
     pub fn ends_here(&self) -> bool {
         self.bytes.get(self.at).is_none_or(|&b| is_end(b))
     }
 
-    /// The next word on this line or a later one.
+    /// Returns the next word on this line or a later one.
     pub fn anywhere(&mut self) -> Option<&'a [u8]> {
         loop {
             match self.here() {
@@ -96,7 +96,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// Goes to the start of the next line; false at the end of the text.
+    /// Goes to the start of the next line. Returns false at the end of the text.
     pub fn next_line(&mut self) -> bool {
         loop {
             let rest = &self.bytes[self.at..];
@@ -119,17 +119,17 @@ impl<'a> Words<'a> {
         self.line_here += 1;
     }
 
-    /// The error that `cause` is wrong on the line of the last word.
+    /// Returns the error that the line of the last word is wrong because of `cause`.
     pub fn error(&self, cause: impl Into<String>, remedy: &str) -> Error {
         malformed(Place::Line(self.line), cause, remedy)
     }
 
-    /// The error for a line that makes no sense.
+    /// Returns the error for a malformed line.
     pub fn mistake(&self, cause: impl Into<String>) -> Error {
         self.error(cause, CORRECT_LINE)
     }
 
-    /// A finite number, from the next word that `next` finds.
+    /// Returns a finite number, from the next word that `next` finds.
     #[inline]
     pub fn coordinate(&mut self, next: impl FnOnce(&mut Self) -> Option<&'a [u8]>) -> Result<f64> {
         match next(self) {
@@ -138,7 +138,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// The finite number that a word is.
+    /// Parses a word as a finite number.
     #[inline]
     pub fn finite(&self, word: &[u8]) -> Result<f64> {
         match number(word) {
@@ -149,7 +149,7 @@ impl<'a> Words<'a> {
     }
 }
 
-/// Whether a word ends before `b`.
+/// Whether `b` ends a word.
 #[inline]
 fn is_space(b: u8) -> bool {
     // The first comparison decides for nearly all bytes.
@@ -170,23 +170,23 @@ fn has_comment(line: &[u8]) -> bool {
     line.starts_with(b"#") || line.windows(2).any(|pair| is_blank(pair[0]) && pair[1] == b'#')
 }
 
-/// The number that a word spells, which may be infinite or none.
+/// Parses a word as a number, which may be infinite or NaN.
 #[inline]
 pub(super) fn number(word: &[u8]) -> Option<f64> {
     std::str::from_utf8(word).ok()?.parse().ok()
 }
 
-/// A word as it can stand in a message: short and printable.
+/// Quotes a word for a message: short and printable.
 pub(super) fn quote(word: &[u8]) -> String {
     let short = &word[..word.len().min(QUOTED)];
     let dots = if short.len() < word.len() { "..." } else { "" };
     format!("'{}{dots}'", short.escape_ascii())
 }
 
-/// A whole number without a sign, of at most 19 digits.
+/// Parses a whole number without a sign, of at most 19 digits.
 #[inline]
 pub(super) fn whole(word: &[u8]) -> Option<usize> {
-    // Twenty digits and more do not fit in any case.
+    // Twenty digits or more never fit.
     if word.is_empty() || word.len() > 19 || !word.iter().all(u8::is_ascii_digit) {
         return None;
     }
@@ -216,14 +216,15 @@ pub(super) fn write_number(out: &mut dyn Write, number: f64) -> io::Result<()> {
     }
 }
 
-/// A note of `count` things that are left out, if there are any: `one` in words, or `many`.
+/// Adds a note on `count` items that are left out, if there are any. `one` and `many` name them in the singular and the
+/// plural.
 pub(super) fn left_out(notes: &mut Vec<String>, count: usize, one: &str, many: &str) {
     if count > 0 {
         notes.push(counted(count, &format!("{one} is left out"), &format!("{many} are left out")));
     }
 }
 
-/// A note of faces that are no polygons.
+/// Adds a note on faces with fewer than three corners.
 pub(super) fn small_faces(notes: &mut Vec<String>, count: usize) {
     left_out(notes, count, "face with fewer than three corners", "faces with fewer than three corners");
 }

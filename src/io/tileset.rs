@@ -1,20 +1,20 @@
-//! 3D Tiles: a mesh, or its levels of detail, cut into files of which a viewer loads as much as it sees.
+//! 3D Tiles: a mesh, or its levels of detail, cut into files, of which a viewer loads only those that it needs.
 //!
 //! Tiles are cells of an octree in the cube around all levels. A level is cut at the depth at which its tiles have about
-//! [`TRIANGLES`] triangles, each of which belongs to the cell of its centre; the tile of a cell has the tiles of the next
-//! finer level in that cell as children, which are shown in its place where it is not fine enough. Its geometric error says
-//! that: how far its level is from the input.
+//! [`TRIANGLES`] triangles. Each triangle belongs to the cell of its centroid. The children of a tile are the tiles of the
+//! next finer level in the same cell, which replace it where it is not fine enough. Its geometric error controls this: it is
+//! the distance of its level from the input.
 //!
-//! The coordinates of the tileset are those of the input. The GLB of a tile has its vertices relative to the middle of the
-//! cube, so that single precision does for coordinates far from zero. Viewers turn the y of glTF, which is up there, to the
-//! z of tiles; the transformation of the root turns it back.
+//! The coordinates of the tileset are those of the input. The GLB of a tile has its vertices relative to the centre of the
+//! cube, so that single precision suffices for coordinates far from zero. Viewers rotate the y axis of glTF, which points
+//! up, to the z axis of tiles; the transform of the root rotates it back.
 //!
 //! Source: 3D Tiles Specification 1.1, OGC 22-025r4.
 //!
 //! Cost: a sort of the triangles of each level by cell.
 //!
-//! Limits: levels share no vertices, so there may be cracks, no wider than the error of the coarser one, between tiles of
-//! different levels. Each tile has all images of its materials.
+//! Limits: levels share no vertices, so there may be cracks between tiles of different levels, no wider than the error of
+//! the coarser one. Each tile has all images of its materials.
 
 use crate::geom::aabb::Aabb;
 use crate::io::address::percent_encoded;
@@ -28,10 +28,10 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::mem;
 
-/// About how many triangles a tile has: some 500 KB, which a viewer loads at once.
+/// Approximate number of triangles per tile: some 500 KB, which a viewer loads at once.
 const TRIANGLES: usize = 20_000;
 
-/// The depth of the smallest cells.
+/// Depth of the smallest cells.
 const DEEPEST: u32 = 16;
 
 /// A level of detail.
@@ -41,7 +41,7 @@ pub struct Level<'a> {
     pub mesh: &'a Mesh,
     /// Their attributes.
     pub attributes: &'a Attributes,
-    /// How far the level is from the input, in its units.
+    /// Distance of the level from the input, in its units.
     pub error: f64,
 }
 
@@ -49,32 +49,32 @@ pub struct Level<'a> {
 pub(super) struct Tileset<'a> {
     /// From fine to coarse.
     levels: &'a [Level<'a>],
-    /// The middle of the cube, in the coordinates of the input.
+    /// Centre of the cube, in the coordinates of the input.
     middle: DVec3,
     diagonal: f64,
     /// Parents before their children.
     tiles: Vec<Tile>,
 }
 
-/// What a level has in a cell of the octree.
+/// The part of a level in a cell of the octree.
 struct Tile {
-    /// The number of its level.
+    /// Index of its level.
     level: usize,
-    /// The tile of the next coarser level that it is a part of.
+    /// Tile of the next coarser level that contains this one.
     parent: Option<usize>,
-    /// Triangles of its level: none where only finer levels have some.
+    /// Triangles of its level; empty if only finer levels have triangles here.
     triangles: Vec<u32>,
 }
 
-/// A cell of the octree at a certain depth.
+/// A cell of the octree at a given depth.
 type Cell = [u32; 3];
 
 impl<'a> Tileset<'a> {
-    /// Cuts `levels`, from fine to coarse.
+    /// Cuts `levels`, from fine to coarse, into tiles.
     pub(super) fn new(levels: &'a [Level<'a>]) -> Tileset<'a> {
         let all = levels.iter().filter_map(|level| level.mesh.bounds()).reduce(|a, b| a.join(&b)).unwrap_or_default();
         let mut depths: Vec<u32> = levels.iter().map(|level| depth(level.mesh.triangles.len())).collect();
-        // The cells of a level are no smaller than those of a finer one.
+        // The cells of a level are at least as large as those of a finer level.
         (1..depths.len()).rev().for_each(|i| depths[i - 1] = depths[i - 1].max(depths[i]));
         let mut octree = Octree { depths, found: vec![BTreeMap::new(); levels.len()], tiles: Vec::new() };
         for (i, level) in levels.iter().enumerate().rev() {
@@ -87,7 +87,7 @@ impl<'a> Tileset<'a> {
         Tileset { levels, middle: 0.5 * (all.lo + all.hi), diagonal: all.diagonal(), tiles: octree.tiles }
     }
 
-    /// The names of the files of the tiles of a tileset with this name, and the tile of each.
+    /// Returns the names of the tile files of a tileset with this name, and the tile of each file.
     pub(super) fn files(&self, stem: &str) -> Vec<(String, usize)> {
         let has_file = |&tile: &usize| !self.tiles[tile].triangles.is_empty();
         let name = |tile: usize| (format!("{stem}-{}-{tile}.glb", self.tiles[tile].level + 1), tile);
@@ -111,7 +111,7 @@ impl<'a> Tileset<'a> {
         write_glb(&[Content { positions: &positions, triangles: &corners, attributes: &attributes }], out)
     }
 
-    /// The tileset itself, as JSON; `files` are those of [`Self::files`].
+    /// Returns the tileset itself, as JSON. `files` are those of [`Self::files`].
     pub(super) fn json(&self, files: &[(String, usize)]) -> Value {
         let mut content = vec![None; self.tiles.len()];
         files.iter().for_each(|(name, tile)| content[*tile] = Some(percent_encoded(name)));
@@ -144,12 +144,12 @@ impl<'a> Tileset<'a> {
         })
     }
 
-    /// How far a level is from the input; nothing is finer than the finest. No coarser one may be nearer.
+    /// Returns the geometric error of a level: zero for the finest, and for a coarser one at least that of each finer one.
     fn error(&self, level: usize) -> f64 {
         self.levels[..=level].iter().skip(1).map(|level| level.error).fold(0.0, f64::max)
     }
 
-    /// The box around each tile and its children, relative to the middle.
+    /// Returns the bounding box of each tile and its children, relative to the centre.
     fn bounds(&self) -> Vec<Aabb> {
         let own = |tile: &Tile| {
             let mesh = self.levels[tile.level].mesh;
@@ -166,17 +166,17 @@ impl<'a> Tileset<'a> {
     }
 }
 
-/// The tiles while they are found.
+/// The tiles while they are created.
 struct Octree {
-    /// The depth of the cells of each level.
+    /// Depth of the cells of each level.
     depths: Vec<u32>,
-    /// The tiles of each level, by their cells.
+    /// The tiles of each level, by cell.
     found: Vec<BTreeMap<Cell, usize>>,
     tiles: Vec<Tile>,
 }
 
 impl Octree {
-    /// The tile of a level in a cell, which is made if it is not there yet.
+    /// Returns the tile of a level in a cell, which is created if it does not exist.
     fn tile(&mut self, level: usize, cell: Cell) -> usize {
         if let Some(&tile) = self.found[level].get(&cell) {
             return tile;
@@ -189,12 +189,13 @@ impl Octree {
     }
 }
 
-/// The depth at which a level of so many triangles is cut: a surface has four times as many cells one deeper.
+/// Returns the depth at which a level with this number of triangles is cut: each further depth has four times as many cells
+/// on a surface.
 fn depth(triangles: usize) -> u32 {
     (0..DEEPEST).find(|&depth| triangles <= TRIANGLES << (2 * depth)).unwrap_or(DEEPEST)
 }
 
-/// The cell of a point at a depth, in the cube around `all`.
+/// Returns the cell of a point at a depth, in the cube around `all`.
 fn cell(all: &Aabb, point: DVec3, depth: u32) -> Cell {
     let side = all.size().max_element();
     let cells = f64::from(1u32 << depth);
@@ -202,7 +203,7 @@ fn cell(all: &Aabb, point: DVec3, depth: u32) -> Cell {
     scaled.to_array().map(|x| (x * cells).floor().clamp(0.0, cells - 1.0) as u32)
 }
 
-/// A box as tiles have it, whose z is up: its middle, and half of each of its sides.
+/// Returns a box in the form of 3D Tiles, with z up: its centre and half of each of its sides.
 fn volume(bounds: &Aabb) -> Value {
     let (middle, half) = (0.5 * (bounds.lo + bounds.hi), 0.5 * bounds.size());
     json!({ "box": [middle.x, -middle.z, middle.y, half.x, 0, 0, 0, half.z, 0, 0, 0, half.y] })
@@ -215,7 +216,7 @@ mod tests {
     use crate::io::gltf;
     use crate::mesh::attributes::{Attribute, Scalar};
 
-    /// A square of so many cells a side in the plane z = 5, far from zero, and the number of each vertex as an attribute.
+    /// A square in the plane z = 5 with `side` cells a side, far from zero, and the index of each vertex as an attribute.
     fn square(side: u32) -> (Mesh, Attributes) {
         let place =
             |i: u32, j: u32| DVec3::new(f64::from(i), f64::from(j), 0.0) / f64::from(side) + DVec3::new(1e6, 0.0, 5.0);
@@ -231,7 +232,7 @@ mod tests {
         (Mesh { positions, triangles }, Attributes { vertex, ..Attributes::default() })
     }
 
-    /// All values under `tile`, with the box of each in its parent's.
+    /// Checks all tiles under `tile`, including that the box of each is in that of its parent, and collects their contents.
     fn check(tile: &Value, contents: &mut Vec<String>) {
         let children = tile["children"].as_array().cloned().unwrap_or_default();
         for child in &children {
@@ -281,7 +282,7 @@ mod tests {
             let loaded = gltf::parse(&glb, NO_BUFFERS).unwrap();
             let numbers = &loaded.attributes.get("number").unwrap_or_else(|| &loaded.attributes.vertex[0]).values;
             for (p, number) in loaded.mesh.positions.iter().zip(numbers) {
-                // What a viewer makes of the y of glTF.
+                // The coordinates after a viewer has rotated the y axis of glTF.
                 let there = of_input.transform_point3(DVec3::new(p.x, -p.z, p.y));
                 assert!(there.distance(levels[i].mesh.positions[*number as usize]) < 1e-6);
                 seen[i][*number as usize] += 1;

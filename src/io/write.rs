@@ -17,8 +17,7 @@ pub fn write(mesh: &Mesh, format: Format, out: &mut dyn std::io::Write) -> std::
     write_with_attributes(mesh, &Attributes::default(), format, out)
 }
 
-/// Writes a mesh like [`write()`], and those of `attributes`, which have to be its own, that
-/// [`Format::cannot_hold`] does not name.
+/// Writes a mesh like [`write()`], with those of its `attributes` that [`Format::cannot_hold`] does not name.
 ///
 /// # Errors
 /// Those of [`write()`].
@@ -31,7 +30,7 @@ pub fn write_with_attributes(
     write_content(&content(mesh, attributes), format, out)
 }
 
-/// Writes points with their normals, if they have some, and those of `attributes` of theirs that the format can hold.
+/// Writes points with their normals, if they have some, and those of their `attributes` that the format can hold.
 ///
 /// # Errors
 /// Those of [`write()`].
@@ -50,7 +49,7 @@ pub fn write_points(
     write_content(&Content { positions: points.positions(), triangles: &[], attributes: &attributes }, format, out)
 }
 
-/// Writes the levels of detail of a mesh, each with its attributes, from fine to coarse, as one file. Their materials have to
+/// Writes the levels of detail of a mesh, each with its attributes, from fine to coarse, as one file. Their materials must
 /// be the same.
 ///
 /// # Errors

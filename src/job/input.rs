@@ -1,4 +1,4 @@
-//! What a job works on.
+//! The input of a job.
 
 use crate::base::count::counted;
 use crate::base::error::{Error, Fault, Result};
@@ -20,36 +20,36 @@ pub struct Input<'a> {
 }
 
 impl<'a> Input<'a> {
-    /// A mesh: x, y and z of each vertex, and for each triangle the numbers of its corners from 0, counter-clockwise seen
-    /// from outside. They are copied once; a [`Mesh`] is borrowed by `Input::from`.
+    /// Makes a mesh: x, y and z of each vertex, and for each triangle the numbers of its corners from 0, counter-clockwise
+    /// seen from outside. They are copied once; `Input::from` borrows a [`Mesh`] instead.
     pub fn mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Input<'a> {
         let positions: &[DVec3] = bytemuck::cast_slice(positions);
         let mesh = Mesh { positions: positions.to_vec(), triangles: triangles.to_vec() };
         Input { mesh: Cow::Owned(mesh), ..Input::default() }
     }
 
-    /// A cloud of points: x, y and z of each. Normals, where they are known, are the attribute `normal`.
+    /// Makes a cloud of points: x, y and z of each. Known normals are the attribute `normal`.
     pub fn points(positions: &[[f64; 3]]) -> Input<'a> {
         Input::mesh(positions, &[])
     }
 
-    /// The same with attributes of its vertices, corners and triangles.
+    /// Returns the input with attributes of its vertices, corners and triangles.
     #[must_use]
     pub fn with_attributes(self, attributes: &'a Attributes) -> Input<'a> {
         Input { attributes: Cow::Borrowed(attributes), ..self }
     }
 
-    /// What is left of a cloud.
+    /// Makes the input of a thinned cloud.
     pub(super) fn thinned(mesh: Mesh, attributes: Attributes, thinned: Thinned) -> Input<'a> {
         Input { mesh: Cow::Owned(mesh), attributes: Cow::Owned(attributes), thinned: Some(Cow::Owned(thinned)) }
     }
 
-    /// What was kept of a cloud of more points.
+    /// Returns what was kept of a cloud of more points, if the input was thinned.
     pub(super) fn thinning(&self) -> Option<&Thinned> {
         self.thinned.as_deref()
     }
 
-    /// The numbers that these points have in the cloud as it was read.
+    /// Returns the numbers that these points have in the cloud as it was read.
     pub(super) fn numbers(&self, points: Vec<u32>) -> Vec<u32> {
         match self.thinning() {
             Some(thinned) => points.into_iter().map(|p| thinned.numbers[p as usize]).collect(),
@@ -57,7 +57,7 @@ impl<'a> Input<'a> {
         }
     }
 
-    /// Whether it has points and no triangles.
+    /// Returns whether it has points and no triangles.
     pub fn is_cloud(&self) -> bool {
         self.mesh.triangles.is_empty()
     }
@@ -65,7 +65,7 @@ impl<'a> Input<'a> {
     /// Refuses points without triangles.
     ///
     /// # Errors
-    /// [`Error::Mesh`] for them.
+    /// [`Error::Mesh`] for points without triangles.
     pub fn refuse_points(&self) -> Result<()> {
         if !self.is_cloud() {
             return Ok(());
@@ -74,11 +74,11 @@ impl<'a> Input<'a> {
         Err(Error::Mesh { fault: Fault::Empty, cause, remedy: "make a mesh of them first, by remeshing them".into() })
     }
 
-    /// Refuses coordinates that are not finite, corners that are not there, and attributes of another mesh. What was read
-    /// from a file has none of these.
+    /// Refuses coordinates that are not finite, corners that do not exist, and attributes that do not fit the mesh. Input
+    /// that was read from a file has none of these.
     ///
     /// # Errors
-    /// [`Error::Mesh`] with the first of them.
+    /// [`Error::Mesh`] for the first of them.
     pub(super) fn check(&self) -> Result<()> {
         if self.is_cloud() {
             refuse_bad_positions(&self.mesh.positions)?;
@@ -122,7 +122,7 @@ impl<'a> Input<'a> {
         &self.attributes
     }
 
-    /// The vertices, with their normals if they have some.
+    /// Returns the vertices, with their normals if they have any.
     pub(super) fn as_points(&self) -> Result<Points> {
         Points::new(self.mesh.positions.clone(), self.attributes.normals())
     }

@@ -1,5 +1,5 @@
-//! The whole job in one call: from a mesh or points with attributes to a mesh with attributes, where it came from, and a
-//! report. Nothing is printed here, and nothing read or written but by [`large`].
+//! Runs the whole job in one call: turns a mesh or points with attributes into a mesh with attributes, the origins of its
+//! vertices, and a report. Nothing is printed here, and only [`large`] reads and writes files.
 
 mod input;
 #[cfg(feature = "fs")]

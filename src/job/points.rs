@@ -1,4 +1,4 @@
-//! Sampling and reconstruction as one call each.
+//! Sampling and reconstruction, each as one call.
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, Overall};
@@ -12,13 +12,13 @@ use crate::spatial::kdtree::Neighbors;
 use crate::transfer::vertex::{Carried, carry_to_points};
 use glam::DVec3;
 
-/// The stages and about how much of the time each takes.
+/// Stages and their approximate shares of the time.
 const SAMPLING: [(&str, f64); 6] =
     [("clean", 0.1), ("normals", 0.1), ("repair", 0.1), ("sample", 0.4), ("ascend", 0.4), ("order", 0.2)];
 const RECONSTRUCTION: [(&str, f64); 3] = [("clean", 0.1), ("normals", 0.1), ("extract", 0.8)];
 
-/// Samples the surface of a mesh or of points: points with normals, without triangles, as the gradient ascent of the paper
-/// leaves them; or a subset of the input's points.
+/// Samples the surface of a mesh or of points. The result is points with normals and without triangles, as the gradient
+/// ascent of the paper leaves them, or a subset of the input's points.
 ///
 /// # Errors
 /// Those of [`remesh`](crate::remesh()).
@@ -33,7 +33,7 @@ pub fn sample(input: &Input, options: &SampleOptions, monitor: &dyn Monitor) -> 
         return Ok(with_attributes(pipeline::sample(input.as_mesh(), &options, monitor)?, input));
     }
     let mut sampled = with_attributes(pipeline::sample_points(&input.as_points()?, &options, monitor)?, input);
-    // Those that are points of the input stay where they are.
+    // Samples that are points of the input do not move.
     let moved = sampled.cloud.as_ref().filter(|_| !options.scan_only);
     sampled.notes.extend(moved.and_then(noise));
     if let Some(thinned) = input.thinning() {
@@ -44,8 +44,8 @@ pub fn sample(input: &Input, options: &SampleOptions, monitor: &dyn Monitor) -> 
     Ok(sampled)
 }
 
-/// `sampled` with the attributes that `input` has at its points: their own if they are points of it, else those there on a mesh, and
-/// of the nearest point of a cloud.
+/// Adds the attributes that `input` has at the samples: their own if they are points of it, otherwise those at their place
+/// on a mesh, or of the nearest point of a cloud.
 fn with_attributes(sampled: Sampled, input: &Input) -> Sampled {
     let attributes = input.attributes();
     // Samples have normals of their own.
@@ -64,7 +64,7 @@ fn with_attributes(sampled: Sampled, input: &Input) -> Sampled {
     sampled.without(lost).carrying(attributes)
 }
 
-/// The number of the point nearest to each of `places`.
+/// Returns the number of the point nearest to each of `places`.
 fn nearest(points: &[DVec3], places: &[DVec3]) -> Vec<u32> {
     let points = Neighbors::new(points);
     parallel::map_with(0..places.len(), Vec::new, |found, i| {
@@ -73,11 +73,11 @@ fn nearest(points: &[DVec3], places: &[DVec3]) -> Vec<u32> {
     })
 }
 
-/// The robust implicit surface of points, or of the vertices of a mesh, as dense triangles.
+/// Returns the robust implicit surface of points, or of the vertices of a mesh, as dense triangles.
 ///
 /// # Errors
-/// Those of [`remesh`](crate::remesh()), and [`Error::Option`](crate::Error::Option) for a resolution that takes more
-/// memory than can be meant.
+/// Those of [`remesh`](crate::remesh()), and [`Error::Option`](crate::Error::Option) for a resolution that takes more memory
+/// than can be intended.
 pub fn reconstruct(input: &Input, options: &ReconstructOptions, monitor: &dyn Monitor) -> Result<Reconstructed> {
     input.check()?;
     let monitor = &Overall::new(monitor, &RECONSTRUCTION);

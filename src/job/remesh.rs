@@ -18,12 +18,12 @@ use glam::DVec3;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// What to make of an input.
+/// Options of remeshing.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RemeshOptions {
     /// How to remesh it.
     pub surface: Options,
-    /// How points without triangles become a surface first.
+    /// How points without triangles are first turned into a surface.
     pub cloud: CloudOptions,
     /// Which attributes the result gets.
     pub carry: Carry,
@@ -43,13 +43,13 @@ pub enum Carry {
     /// All of them.
     #[default]
     All,
-    /// All but these, which the report says are lost.
+    /// All but these, which the report lists as lost.
     AllBut(Vec<Lost>),
     /// None.
     Nothing,
 }
 
-/// The stages and about how much of the time each takes.
+/// Stages and their approximate shares of the time.
 const OF_POINTS: [(&str, f64); 4] = [("clean", 0.1), ("normals", 0.1), ("smooth", 0.1), ("connect", 0.4)];
 const OF_MESH: [(&str, f64); 15] = [
     ("repair", 0.06),
@@ -69,12 +69,12 @@ const OF_MESH: [(&str, f64); 15] = [
     ("measure", 0.1),
 ];
 
-/// Remeshes a mesh or points: as many vertices as wanted, evenly spread or graded, and triangles close to equilateral, of
-/// the same shape and topology, with the attributes of the input and where each vertex came from.
+/// Remeshes a mesh or points. The result has as many vertices as wanted, evenly spread or graded, triangles close to
+/// equilateral, the same shape and topology, the attributes of the input, and the origin of each vertex.
 ///
 /// # Errors
-/// [`Error::Mesh`] for an input that has no area, bad numbers, or points that no surface goes through, and for an attribute
-/// that options name and the input does not have; [`Error::Option`] for options out of range; [`Error::Cancelled`] if the
+/// [`Error::Mesh`] for an input without area, with bad numbers, or with points through which no surface passes, and for an
+/// attribute that options name but the input lacks; [`Error::Option`] for options out of range; [`Error::Cancelled`] if the
 /// monitor asks for it.
 pub fn remesh(input: &Input, options: &RemeshOptions, monitor: &dyn Monitor) -> Result<Outcome> {
     let mut made = None;
@@ -86,12 +86,12 @@ pub fn remesh(input: &Input, options: &RemeshOptions, monitor: &dyn Monitor) -> 
     Ok(made.expect("each density has its outcome"))
 }
 
-/// Levels of detail: remeshes the same input for each of these numbers of vertices, from fine to coarse. Each result is what
-/// [`remesh()`] makes for that number, held against the input and not against the level before; `each` gets it once it is
-/// done. The input is repaired once, and points become a mesh once. The density of the options does not matter.
+/// Makes levels of detail: remeshes the same input for each of these numbers of vertices, from fine to coarse. Each result
+/// is what [`remesh()`] makes for that number, compared with the input and not with the level before; `each` gets it once it
+/// is done. The input is repaired only once, and points become a mesh only once. The density of the options is ignored.
 ///
 /// # Errors
-/// Those of [`remesh()`], and of `each`; [`Error::Option`] for no numbers, or ones that do not fall.
+/// Those of [`remesh()`] and of `each`; [`Error::Option`] if there are no numbers, or they do not decrease.
 pub fn remesh_levels(
     input: &Input,
     options: &RemeshOptions,
@@ -134,14 +134,14 @@ fn remesh_each(
     Ok(())
 }
 
-/// The share of the time after which each of the densities is done.
+/// Returns the share of the time after which each of the densities is done.
 fn shares(densities: &[Density]) -> Vec<f64> {
     let size = |density: &Density| if let Density::Points(n) = density { *n as f64 } else { 1.0 };
     let whole: f64 = densities.iter().map(size).sum();
     (1..=densities.len()).map(|i| densities[..i].iter().map(size).sum::<f64>() / whole).collect()
 }
 
-/// A result with attributes, origins and report.
+/// Completes a result with attributes, origins and report.
 fn finished(
     surface: &Surface,
     mut remeshed: Remeshed,
@@ -206,21 +206,21 @@ struct Surface<'a> {
     /// The mesh through its points, if it has no triangles.
     of_points: Option<Arc<Mesh>>,
     attributes: Cow<'a, Attributes>,
-    /// With values for what is known at the vertices of the mesh.
+    /// The options, with values of attributes given at the vertices of the mesh.
     options: Options,
-    /// For each vertex the point of the input that it is, if that has no triangles.
+    /// For each vertex, the point of the input that it is, if the input has no triangles.
     points: Option<Vec<u32>>,
     cloud: Option<Cloud>,
 }
 
-/// What is known of an input of points.
+/// What is known about an input of points.
 struct Cloud {
     summary: CloudSummary,
-    /// The places of the points that the surface should go through.
+    /// Positions of the points that the surface should pass through.
     positions: Vec<DVec3>,
     /// Their mean spacing.
     spacing: f64,
-    /// The note for points that are not used.
+    /// The note on points that are not used.
     thinned: Option<String>,
 }
 
@@ -266,7 +266,7 @@ impl<'a> Surface<'a> {
         self.of_points.as_deref().unwrap_or(self.input)
     }
 
-    /// Where on the input the vertices of a result lie, and the triangle of the input below each of its triangles.
+    /// Returns where on the input the vertices of a result lie, and the triangle of the input below each of its triangles.
     fn origins(&self, of_result: &Origins) -> (Vec<Origin>, Vec<u32>) {
         let on_mesh = |point| Origin::on_mesh(point, &self.mesh().triangles);
         let on_input = |origin: Origin| match &self.points {
@@ -280,13 +280,13 @@ impl<'a> Surface<'a> {
 }
 
 impl Cloud {
-    /// How near the result is to the points.
+    /// Measures how close the result is to the points.
     fn coverage(&self, remeshed: &Remeshed) -> Coverage {
         Coverage::of(&self.positions, &remeshed.mesh, self.spacing.max(remeshed.spacing))
     }
 }
 
-/// The options with all attributes that they name looked up.
+/// Returns the options with all attributes that they name looked up.
 fn resolved(options: &Options, attributes: &Attributes) -> Result<Options> {
     let grading = match &options.grading {
         Grading::Field(lengths) => Grading::Field(lengths.resolved(attributes)?),
@@ -302,7 +302,7 @@ fn resolved(options: &Options, attributes: &Attributes) -> Result<Options> {
     Ok(resolved)
 }
 
-/// The attributes of the surface on the result, as far as they are wanted.
+/// Carries the attributes of the surface over to the result, as far as they are wanted.
 fn carried(surface: &Surface, remeshed: &mut Remeshed, wanted: &Carry, monitor: &dyn Monitor) -> Result<Carried> {
     if *wanted == Carry::Nothing || surface.attributes.is_empty() {
         return Ok(Carried::default());

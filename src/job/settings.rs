@@ -1,5 +1,5 @@
-//! Options one by one, as users set them on the command line and in Python, and what they resolve to. `None` means not set. The
-//! conversion names every field, so a forgotten option does not compile.
+//! Individual options, as users set them on the command line and in Python, and what they resolve to. `None` means not set.
+//! The conversion names every field, so a forgotten option does not compile.
 
 use crate::base::error::{Error, Result, Setting};
 use crate::job::remesh::{Carry, RemeshOptions};
@@ -9,7 +9,7 @@ use crate::pipeline::{
 };
 use crate::surface::features::Features;
 
-/// What can be set for [`remesh`](crate::remesh()).
+/// Settings of [`remesh`](crate::remesh()).
 #[derive(Debug, Clone, PartialEq)]
 #[allow(missing_docs)]
 pub struct RemeshSettings {
@@ -22,7 +22,7 @@ pub struct RemeshSettings {
     pub adapt: Option<f64>,
     pub sigma_n: Option<f64>,
     pub signals: Vec<Signal>,
-    /// Says how dense, too, if nothing else does.
+    /// Also determines the density, if nothing else does.
     pub sizing: Option<Values>,
     pub smooth: Option<f64>,
     pub within: Option<Selection>,
@@ -36,7 +36,7 @@ pub struct RemeshSettings {
     pub optimize: bool,
 }
 
-/// What can be set for [`sample`](crate::sample()).
+/// Settings of [`sample`](crate::sample()).
 #[derive(Debug, Clone, PartialEq)]
 #[allow(missing_docs)]
 pub struct SampleSettings {
@@ -53,7 +53,7 @@ pub struct SampleSettings {
     pub sweeps: usize,
 }
 
-/// What can be set for [`reconstruct`](crate::reconstruct()).
+/// Settings of [`reconstruct`](crate::reconstruct()).
 #[derive(Debug, Clone, PartialEq)]
 #[allow(missing_docs)]
 pub struct ReconstructSettings {
@@ -72,10 +72,10 @@ pub struct NormalSettings {
 }
 
 impl RemeshSettings {
-    /// What to make of an input.
+    /// Resolves the settings to the options of remeshing.
     ///
     /// # Errors
-    /// [`Error::Option`] for settings that exclude each other, and if none says how dense the result shall be.
+    /// [`Error::Option`] for settings that exclude each other, and if none determines the density of the result.
     pub fn resolve(self) -> Result<RemeshOptions> {
         let RemeshSettings {
             points,
@@ -112,7 +112,7 @@ impl RemeshSettings {
             part: within.or(select),
             max_error,
             optimize,
-            // Nobody sets it.
+            // Not a setting.
             sweeps: Options::default().sweeps,
         };
         let carry = if attributes { Carry::All } else { Carry::Nothing };
@@ -122,7 +122,7 @@ impl RemeshSettings {
 }
 
 impl SampleSettings {
-    /// How to sample.
+    /// Resolves the settings to the options of sampling.
     ///
     /// # Errors
     /// Those of [`RemeshSettings::resolve`].
@@ -156,7 +156,7 @@ impl SampleSettings {
 }
 
 impl ReconstructSettings {
-    /// How to reconstruct.
+    /// Resolves the settings to the options of reconstruction.
     ///
     /// # Errors
     /// Those of [`RemeshSettings::resolve`].
@@ -167,7 +167,7 @@ impl ReconstructSettings {
 }
 
 impl NormalSettings {
-    /// What to make of a cloud, with as much smoothing as is given.
+    /// Resolves the settings to the options of a cloud, with as much smoothing as is given.
     fn resolve(self, smooth: Option<f64>) -> Result<CloudOptions> {
         let NormalSettings { fit, neighbors, radius } = self;
         at_most_one([(Setting::NormalNeighbors, neighbors.is_some()), (Setting::NormalRadius, radius.is_some())])?;
@@ -176,7 +176,7 @@ impl NormalSettings {
     }
 }
 
-/// The density, which may be given in one of several ways.
+/// Returns the density, which may be given in one of several ways.
 fn density<T>(points: Option<T>, edge_length: Option<T>, sigma_p: Option<T>) -> Result<Option<T>> {
     at_most_one([
         (Setting::Points, points.is_some()),
@@ -186,7 +186,7 @@ fn density<T>(points: Option<T>, edge_length: Option<T>, sigma_p: Option<T>) -> 
     Ok(points.or(edge_length).or(sigma_p))
 }
 
-/// The one thing that edge lengths follow.
+/// Returns the one thing that edge lengths follow.
 fn grading(sizing: Option<Values>, adapt: Option<f64>, sigma_n: Option<f64>, signals: Vec<Signal>) -> Result<Grading> {
     let by_kernel = if sigma_n.is_some() { Setting::SigmaN } else { Setting::Signals };
     let is_by_kernel = sigma_n.is_some() || !signals.is_empty();

@@ -1,4 +1,4 @@
-//! How many points of a cloud a job can use, and a cloud thinned to that many.
+//! Determines how many points of a cloud a job can use, and thins a cloud to that many.
 
 use crate::job::input::Input;
 use crate::mesh::triangle_mesh::Mesh;
@@ -7,18 +7,18 @@ use crate::prepare::thin::{Seen, Thinned, Thinner};
 use glam::DVec3;
 use std::borrow::Cow;
 
-/// Useful points of a cloud: this many for each vertex of the result, and a fixed number more, so that small results do not lose
-/// the details that they are fitted to.
+/// Number of useful points of a cloud: this many per vertex of the result, and a fixed number more, so that small results do
+/// not lose the details to which they are fitted.
 const OF_VERTEX: usize = 3;
 const OF_RESULT: usize = 300_000;
 
-/// The points that are of use for a result of so many.
+/// Returns the number of useful points for a result of `points` vertices.
 fn for_points(points: usize) -> usize {
     OF_VERTEX * points + OF_RESULT
 }
 
-/// How many points of a cloud are useful for remeshing it; `None` if that is not known in advance, if each point has a value of
-/// its own, or if the result is measured against all of them.
+/// Returns how many points of a cloud are useful for remeshing it; `None` if that is not known in advance, if each point has
+/// a value of its own, or if the result is measured against all points.
 pub fn of_use_for_remeshing(options: &Options) -> Option<usize> {
     let is_given = match &options.grading {
         Grading::Field(values) => is_given(values),
@@ -31,7 +31,7 @@ pub fn of_use_for_remeshing(options: &Options) -> Option<usize> {
     }
 }
 
-/// The same for sampling.
+/// Like [`of_use_for_remeshing`], for sampling.
 pub fn of_use_for_sampling(options: &SampleOptions) -> Option<usize> {
     match options.density {
         SampleDensity::Points(points) if !has_given(&options.signals) => Some(for_points(points)),
@@ -48,7 +48,7 @@ fn is_given(values: &Values) -> bool {
 }
 
 impl<'a> Input<'a> {
-    /// A cloud with no more points than about `wanted`; anything else, and what was thinned before, as it is.
+    /// Returns a cloud with at most about `wanted` points; any other input, and one that was thinned before, as it is.
     pub(super) fn thinned_to(&'a self, wanted: Option<usize>) -> Cow<'a, Input<'a>> {
         let (positions, attributes) = (&self.as_mesh().positions, self.attributes());
         let Some(wanted) = wanted.filter(|&wanted| self.is_cloud() && wanted < positions.len()) else {
@@ -64,7 +64,7 @@ impl<'a> Input<'a> {
     }
 }
 
-/// Which of the points at `positions`, with normals or without, are kept if about `wanted` are.
+/// Chooses about `wanted` of the points at `positions`, with normals or without.
 fn thinned(positions: &[DVec3], normals: &[DVec3], wanted: usize) -> Thinned {
     let look = |row: &[u8]| {
         let point = row.first_chunk().map_or(0, |bytes| u32::from_ne_bytes(*bytes)) as usize;
@@ -76,7 +76,7 @@ fn thinned(positions: &[DVec3], normals: &[DVec3], wanted: usize) -> Thinned {
     thinner.finish().0
 }
 
-/// The note on a cloud that was thinned.
+/// Returns the note on a cloud that was thinned.
 pub(super) fn note(thinned: &Thinned) -> String {
     let Thinned { points, cell, numbers } = thinned;
     let kept = numbers.len();

@@ -1,12 +1,12 @@
-//! How many threads a job has.
+//! Sets the number of threads of a job.
 
 use crate::base::error::{Error, Result, Setting};
 
-/// Calls `work` on one of rayon's threads: of a pool of the wanted size, or of the global pool. From any other thread each
-/// parallel loop would have to wake one up and wait for it.
+/// Calls `work` on a rayon thread: of a pool of the wanted size, or of the global pool. From any other thread, each parallel
+/// loop would have to wake one up and wait for it.
 ///
 /// # Errors
-/// [`Error::Option`] if the system does not give that many.
+/// [`Error::Option`] if the system does not provide that many.
 pub fn with_threads<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Send) -> Result<T> {
     let Some(threads) = threads else { return Ok(rayon::scope(|_| work())) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| Error::Option {

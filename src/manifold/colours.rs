@@ -1,15 +1,15 @@
-//! Classes of vertices that move at the same time: no two of a class are adjacent.
+//! Classes of vertices that can move at the same time: no two of a class are adjacent.
 
 use crate::base::parallel;
 use crate::manifold::Manifold;
 use crate::manifold::vertex_set::VertexSet;
 
-/// The colour of a vertex without one.
+/// The colour of a vertex that has none yet.
 const UNCOLOURED: u8 = u8::MAX;
 
 impl Manifold {
-    /// The vertices that can move and are not in `locked`, in classes without adjacent vertices, each in increasing
-    /// order. Vertices keep the colours of earlier calls, except where two adjacent ones have the same.
+    /// Returns the vertices that can move and are not in `locked`, in classes without adjacent vertices, each in increasing
+    /// order. Vertices keep the colours of earlier calls, except where two adjacent ones share a colour.
     pub fn colour_classes(&mut self, locked: &VertexSet) -> Vec<Vec<u32>> {
         self.update_colours();
         let mut classes: Vec<Vec<u32>> = Vec::new();

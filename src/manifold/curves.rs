@@ -8,8 +8,8 @@ use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 
 impl Manifold {
-    /// Puts edges, each given by its ends and its curve, on their curves along with their ends, then makes the vertices
-    /// `corners` corners. Returns whether all the edges exist.
+    /// Puts edges, each given by its ends and its curve, and their ends on these curves, then makes the vertices `corners`
+    /// corners. Returns whether all the edges exist.
     pub fn mark_curves(&mut self, edges: &[([u32; 2], OnCurve)], corners: impl IntoIterator<Item = u32>) -> bool {
         let mut all = true;
         for &([a, b], curve) in edges {
@@ -23,7 +23,7 @@ impl Manifold {
         all
     }
 
-    /// Makes all vertices on the boundary corners.
+    /// Makes all boundary vertices corners.
     pub fn lock_boundary(&mut self) {
         for v in 0..self.connectivity.vertex_bound() {
             if self.connectivity.has_vertex(v) && self.connectivity.is_boundary(v) {
@@ -32,19 +32,19 @@ impl Manifold {
         }
     }
 
-    /// Whether vertex `v` may move: it is neither `locked` nor a corner.
+    /// Returns whether vertex `v` may move: it is neither `locked` nor a corner.
     #[inline]
     pub fn can_move(&self, v: u32, locked: &VertexSet) -> bool {
         !locked.contains(v) && !self.connectivity.is_corner(v)
     }
 
-    /// The unit direction of the curve that `v` lies on, if it lies on one.
+    /// Returns the unit direction of the curve at `v`, if `v` lies on one.
     pub fn along(&self, v: u32) -> Option<DVec3> {
         let [a, b] = self.connectivity.along_curve(v)?;
         Some((self.position(a) - self.position(b)).normalize_or(DVec3::X))
     }
 
-    /// Where a step `way` takes vertex `v` from `here`, along its curve if it is on one.
+    /// Returns where a step `way` from `here` takes vertex `v`; along its curve if it is on one.
     pub fn place_after(&self, domain: &Domain, v: u32, way: DVec3, here: &Sample) -> Sample {
         match self.connectivity.curve_at(v) {
             OnCurve::Curve(curve) => domain.project_on_curve(here.position + way, curve),
@@ -52,7 +52,7 @@ impl Manifold {
         }
     }
 
-    /// The vertices along each curve; a closed one ends with its first vertex again.
+    /// Returns the vertices along each curve; a closed curve ends with its first vertex again.
     pub fn curve_chains(&self) -> Vec<Vec<u32>> {
         let c = &self.connectivity;
         let mut seen = vec![false; self.samples.len()];
@@ -81,7 +81,7 @@ impl Manifold {
         chains
     }
 
-    /// The neighbours of `v` across edges on curves.
+    /// Returns the neighbours of `v` along curve edges.
     fn neighbours_on_curves(&self, v: u32) -> Vec<u32> {
         let c = &self.connectivity;
         let last = c.outgoing(v).map(prev).find(|&h| !c.has_twin(h) && c.is_curve_edge(h));
@@ -89,7 +89,7 @@ impl Manifold {
         out.chain(last.map(|h| c.origin(h))).collect()
     }
 
-    /// Copies the curves of this mesh to one made from it by splitting edges: `number` has the number of each vertex
+    /// Copies the curves of this mesh to one made from it by splitting edges. `number` holds the number of each vertex
     /// there, `middle_of` the vertex that splits each half-edge, or [`NONE`].
     pub(super) fn copy_curves(&self, finer: &mut Manifold, number: &[u32], middle_of: &[u32]) {
         let c = &self.connectivity;

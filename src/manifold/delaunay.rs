@@ -6,9 +6,9 @@ use crate::manifold::facing::FacingGuard;
 use crate::mesh::half_edge::{next, prev};
 
 impl Manifold {
-    /// Whether the edge of `h` is not Delaunay: the two angles opposite it sum to more than 180 degrees.
+    /// Returns whether the edge of `h` is not Delaunay: the two angles opposite it sum to more than 180 degrees.
     ///
-    /// The sine of the sum is negative then; it follows from the sines and cosines of both, without computing an angle.
+    /// The sine of the sum is then negative; it follows from the sines and cosines of both, without computing an angle.
     pub fn breaks_delaunay(&self, h: u32) -> bool {
         if !self.connectivity.has_twin(h) {
             return false;
@@ -24,10 +24,10 @@ impl Manifold {
         sin_c * cos_d + cos_c * sin_d < -1e-10 * (cos_c.abs() + sin_c) * (cos_d.abs() + sin_d)
     }
 
-    /// Flips edges that are not Delaunay until there are none, beginning with those in `queue`. A flip that would
-    /// duplicate an edge or turn a triangle against the surface is left out.
+    /// Flips edges that are not Delaunay until there are none, beginning with those in `queue`. Flips that would duplicate
+    /// an edge or turn a triangle against the surface are left out.
     pub fn flip_to_delaunay(&mut self, mut queue: Vec<u32>) {
-        // In the plane flips end by themselves; on a curved surface a bound makes sure that they do.
+        // In the plane, flips end by themselves; on a curved surface, this bound makes sure that they do.
         let mut left = 20 * queue.len() + 200;
         while let Some(h) = queue.pop() {
             if left == 0 || !self.connectivity.has_half_edge(h) || !self.breaks_delaunay(h) {
@@ -42,7 +42,7 @@ impl Manifold {
         }
     }
 
-    /// Makes the edges of the triangles around `v` Delaunay, and those that the flips affect.
+    /// Makes the edges of the triangles around `v` Delaunay, and those affected by the flips.
     pub fn make_delaunay_around(&mut self, v: u32) {
         self.flip_to_delaunay(self.connectivity.outgoing(v).flat_map(|h| [h, next(h)]).collect());
     }
@@ -50,7 +50,7 @@ impl Manifold {
     /// Flips all edges that are not Delaunay.
     pub fn make_delaunay(&mut self) {
         let c = &self.connectivity;
-        // One of the angles opposite a broken edge is obtuse.
+        // One of the angles opposite an edge that is not Delaunay is obtuse.
         let has_obtuse = |h: u32| {
             let [a, b, c] = c.triangle(h).map(|v| self.position(v));
             (a - c).dot(b - c) < 0.0

@@ -16,13 +16,13 @@ use std::ops::Range;
 pub struct Faces {
     mesh: Mesh,
     bvh: Bvh,
-    /// For each triangle of the mesh the number of its face, in ascending order.
+    /// For each triangle of the mesh, the number of its face, in ascending order.
     number: Vec<u32>,
     depth_of_contact: f64,
 }
 
 impl Faces {
-    /// The faces of `mesh`.
+    /// Takes a snapshot of the faces of `mesh`.
     pub fn new(mesh: &Manifold) -> Faces {
         let number: Vec<u32> = mesh.triangles().collect();
         let triangles = number.iter().map(|&t| mesh.connectivity.triangle(3 * t)).collect();
@@ -30,8 +30,8 @@ impl Faces {
         Faces { bvh: Bvh::new(&mesh), depth_of_contact: depth_of_contact(&mesh), mesh, number }
     }
 
-    /// Updates positions and corners of the faces; those that have changed, in increasing order. `mesh` must have faces of the
-    /// same numbers as before.
+    /// Updates the positions and corners of the faces; returns those that have changed, in increasing order. `mesh` must
+    /// have faces with the same numbers as before.
     pub fn follow(&mut self, mesh: &Manifold) -> Vec<u32> {
         let has_changed =
             |(t, number): (usize, &u32)| (self.mesh.corners(t) != mesh.corners(*number)).then_some(*number);
@@ -44,22 +44,22 @@ impl Faces {
         changed
     }
 
-    /// The depth up to which faces count as touching.
+    /// Returns the depth up to which faces count as touching.
     pub fn depth_of_contact(&self) -> f64 {
         self.depth_of_contact
     }
 
-    /// The corners of each face, in the order of the faces.
+    /// Returns the corners of each face, in the order of the faces.
     pub fn iter(&self) -> impl Iterator<Item = [DVec3; 3]> {
         (0..self.number.len()).map(|t| self.mesh.corners(t))
     }
 
-    /// The corners of face `t`; `None` if no face has that number.
+    /// Returns the corners of face `t`; `None` if no face has that number.
     pub fn corners(&self, t: u32) -> Option<[DVec3; 3]> {
         self.number.binary_search(&t).ok().map(|t| self.mesh.corners(t))
     }
 
-    /// The closest point to `p` on a face whose normal makes an acute angle with `normal`, with the number of that
+    /// Returns the point closest to `p` on a face whose normal makes an acute angle with `normal`, with the number of that
     /// face, if the squared distance is below the end of `range`. If it is below the start, the point need not be the
     /// closest one.
     pub fn closest_facing(&self, p: DVec3, normal: DVec3, range: Range<f64>) -> Option<Hit> {
@@ -68,7 +68,7 @@ impl Faces {
         Some(Hit { triangle: self.number[hit.triangle as usize], ..hit })
     }
 
-    /// Whether any face is within `distance` of `p`, whatever its normal.
+    /// Returns whether any face is within `distance` of `p`, whatever its normal.
     pub fn any_within(&self, p: DVec3, distance: f64) -> bool {
         let square = distance * distance;
         self.bvh.closest_or_near(&self.mesh, p, square, square, |_| true).is_some()
@@ -79,13 +79,13 @@ impl Faces {
         self.bvh.in_box(&self.mesh, wanted, |t| visit(self.number[t as usize], self.mesh.corners(t as usize)));
     }
 
-    /// The pairs of faces that intersect, the lower number first, in increasing order.
+    /// Returns the pairs of faces that intersect, the lower number first, in increasing order.
     pub fn self_intersecting_pairs(&self) -> Vec<(u32, u32)> {
         let numbered = |(t, u): (u32, u32)| (self.number[t as usize], self.number[u as usize]);
         self_intersecting_pairs(&self.mesh, &self.bvh).into_iter().map(numbered).collect()
     }
 
-    /// Those of [`Self::self_intersecting_pairs`] that one of `faces` is in.
+    /// Returns those of [`Self::self_intersecting_pairs`] that contain one of `faces`.
     pub fn self_intersecting_pairs_of(&self, faces: &[u32]) -> Vec<(u32, u32)> {
         let depth = self.depth_of_contact();
         let mut pairs = parallel::collect(faces, |faces| {

@@ -6,10 +6,10 @@ use crate::manifold::vertex_set::VertexSet;
 use crate::surface::domain::Sample;
 use glam::DVec3;
 
-/// The least mean ratio at which other changes can still mend a triangle; those of a row sheared twice have 0.27.
+/// The minimum mean ratio at which other changes can still mend a triangle; triangles of a row sheared twice have 0.27.
 pub const LEAST_MENDABLE: f64 = 0.25;
 
-/// Decides whether a move may make a triangle, by the cosine between its normal and that of the surface.
+/// Decides whether a move may create a triangle, by the cosine of the angle between its normal and that of the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FacingGuard {
     least: f64,
@@ -19,29 +19,30 @@ impl FacingGuard {
     /// For changes that improve a mesh: at most 73 degrees between triangle and surface.
     pub const SOUND: FacingGuard = FacingGuard { least: 0.3 };
 
-    /// For the flips that keep a mesh Delaunay and for splits: at most 75 degrees. They follow other changes and so meet
-    /// worse triangles: with 73 degrees for splits a scan with holes (the bunny) got angles of 103 degrees instead of 90.
+    /// For Delaunay flips and for splits: at most 75 degrees. They follow other changes and so meet worse triangles: with 73
+    /// degrees for splits, a scan with holes (the bunny) got angles of 103 degrees instead of 90.
     pub const DELAUNAY: FacingGuard = FacingGuard { least: 0.26 };
 
-    /// For collapses and flips for the sake of the count or of valences: at most 60 degrees. There are other vertices and
+    /// For collapses and flips made for the vertex count or the valences: at most 60 degrees. There are other vertices and
     /// edges to choose from, and the vertices have yet to move.
     pub const CAREFUL: FacingGuard = FacingGuard { least: 0.5 };
 
-    /// Whether a triangle of this cosine faces the surface.
+    /// Returns whether a triangle with this cosine faces the surface.
     #[inline]
     pub fn passes(self, cosine: f64) -> bool {
         cosine >= self.least
     }
 
-    /// Whether a triangle may change to the cosine `after`: it faces the surface then, or no worse than `before`.
+    /// Returns whether a triangle may change to the cosine `after`: it then faces the surface, or does so no worse than
+    /// `before`.
     #[inline]
     pub fn allows(self, after: f64, before: impl FnOnce() -> f64) -> bool {
         self.passes(after) || after >= before()
     }
 }
 
-/// The cosine between the normal of a triangle of these corners and that of the surface at them; -1 if the triangle is
-/// degenerate.
+/// Returns the cosine of the angle between the normal of a triangle with these corners and that of the surface at them; -1
+/// if the triangle is degenerate.
 #[inline]
 pub(super) fn cosine_to_surface([a, b, c]: [&Sample; 3]) -> f64 {
     let own = (b.position - a.position).cross(c.position - a.position);
@@ -55,14 +56,14 @@ pub(super) fn cosine_to_surface([a, b, c]: [&Sample; 3]) -> f64 {
 }
 
 impl Manifold {
-    /// The cosine between the normal of a triangle of these vertices and that of the surface at them; -1 if the
-    /// triangle is degenerate.
+    /// Returns the cosine of the angle between the normal of a triangle with these vertices and that of the surface at them;
+    /// -1 if the triangle is degenerate.
     #[inline]
     pub fn agreement(&self, corners: [u32; 3]) -> f64 {
         cosine_to_surface(corners.map(|v| &self.samples[v as usize]))
     }
 
-    /// Whether `guard` allows the triangles that flipping the edge of `h` makes.
+    /// Returns whether `guard` allows the triangles that flipping the edge of `h` creates.
     pub fn flip_keeps_facing(&self, h: u32, guard: FacingGuard) -> bool {
         let g = self.connectivity.twin(h);
         let [a, b, c] = self.connectivity.triangle(h);
@@ -71,7 +72,8 @@ impl Manifold {
         guard.allows(after, || self.agreement([a, b, c]).min(self.agreement([b, a, d])))
     }
 
-    /// Whether the edge of `h`, which has two faces, can be flipped and leaves triangles that pass `guard` and can be mended.
+    /// Returns whether the edge of `h`, which has two faces, can be flipped and leaves triangles that pass `guard` and can
+    /// be mended.
     pub fn flip_leaves_mendable(&self, h: u32, guard: FacingGuard) -> bool {
         let c = &self.connectivity;
         let [a, b, top] = c.triangle(h);
@@ -81,13 +83,13 @@ impl Manifold {
         c.can_flip(h) && good([top, a, bottom]) && good([bottom, b, top])
     }
 
-    /// Whether `guard` allows the triangles around `v` if it moves to `there`.
+    /// Returns whether `guard` allows the triangles around `v` if it moves to `there`.
     pub fn move_keeps_facing(&self, v: u32, there: &Sample, guard: FacingGuard) -> bool {
         self.star_passes(v, there, guard) || self.star_is_no_worse(v, there)
     }
 
-    /// Whether all triangles around `v` would pass `guard` if it were at `there`; takes neither a root nor a division.
-    /// A triangle whose corners are all on sharp edges does not pass: it has no normal to compare with.
+    /// Returns whether all triangles around `v` would pass `guard` if it were at `there`; needs neither a root nor a
+    /// division. A triangle whose corners are all on sharp edges does not pass: it has no normal to compare with.
     pub fn star_passes(&self, v: u32, there: &Sample, guard: FacingGuard) -> bool {
         self.connectivity.outgoing(v).all(|h| {
             let [_, p, q] = self.connectivity.triangle(h);
@@ -104,7 +106,7 @@ impl Manifold {
         self.worst_facing(v, there) >= self.worst_facing(v, &self.samples[v as usize])
     }
 
-    /// The least cosine between a triangle around `v` and the surface if `v` were at `there`.
+    /// Returns the minimum cosine of the angle between a triangle around `v` and the surface if `v` were at `there`.
     fn worst_facing(&self, v: u32, there: &Sample) -> f64 {
         let facing = |h: u32| {
             let [_, p, q] = self.connectivity.triangle(h);
@@ -113,7 +115,8 @@ impl Manifold {
         self.connectivity.outgoing(v).map(facing).fold(1.0, f64::min)
     }
 
-    /// The vertices whose normal has a cosine below `cosine` with that of a vertex within two rings, not across curves.
+    /// Returns the vertices whose normal has a cosine below `cosine` with that of a vertex within two rings, not across
+    /// curves.
     pub fn bent(&self, cosine: f64) -> VertexSet {
         let c = &self.connectivity;
         let normal = |v: u32| self.samples[v as usize].normal;

@@ -1,5 +1,5 @@
-//! A mesh on its way to the result: a 2-manifold whose vertices are samples of a domain, changed by local operations
-//! that keep its topology and never turn a triangle against the surface.
+//! The mesh on its way to the result: a 2-manifold whose vertices are samples of a domain. Local operations change it, keep
+//! its topology and never turn a triangle against the surface.
 
 mod collapse;
 mod colours;
@@ -24,17 +24,17 @@ use rayon::slice::ParallelSliceMut;
 /// A 2-manifold over samples.
 #[derive(Debug, Clone)]
 pub struct Manifold {
-    /// How the vertices are joined.
+    /// The connectivity of the vertices.
     pub connectivity: Connectivity,
-    /// A sample for each vertex number, those of removed vertices included.
+    /// A sample for each vertex number, including those of removed vertices.
     pub samples: Vec<Sample>,
-    /// A cache: the colours, from 0 to 63, of the last call of [`Self::colour_classes`], from which the next one
-    /// starts. Vertices made since then have none yet.
+    /// Cache of the colours, from 0 to 63, of the last call of [`Self::colour_classes`], from which the next one starts.
+    /// Vertices created since then have none yet.
     colours: Vec<u8>,
 }
 
 impl Manifold {
-    /// The manifold of `triangles`, which have to be an oriented 2-manifold that uses all of `samples`.
+    /// Creates the manifold of `triangles`, which have to be an oriented 2-manifold that uses all of `samples`.
     pub fn new(samples: Vec<Sample>, triangles: &[[u32; 3]]) -> Self {
         Manifold { connectivity: Connectivity::new(samples.len(), triangles), samples, colours: Vec::new() }
     }
@@ -72,7 +72,7 @@ impl Manifold {
         self.position(self.connectivity.origin(h)).distance_squared(self.position(self.connectivity.target(h)))
     }
 
-    /// The squared length of the edge of `h`, relative to the wanted size at its ends; in squared mean spacings.
+    /// Returns the squared length of the edge of `h` relative to the sizes at its ends, in squared mean spacings.
     #[inline]
     pub fn relative_length_squared(&self, h: u32) -> f64 {
         let c = &self.connectivity;
@@ -80,21 +80,21 @@ impl Manifold {
         a.position.distance_squared(b.position) / (a.size * b.size)
     }
 
-    /// The mesh without gaps.
+    /// Returns the mesh without gaps in the numbering.
     pub fn to_mesh(&self) -> Mesh {
         let (triangles, old) = self.connectivity.compact();
         Mesh { positions: old.iter().map(|&v| self.position(v)).collect(), triangles }
     }
 
-    /// The manifold without the gaps that collapses leave, and the old number of each vertex. Loops over all of it are
-    /// faster.
+    /// Returns the manifold without the numbering gaps that collapses leave, and the old number of each vertex. Loops over
+    /// the whole result are faster.
     pub fn without_gaps(&self) -> (Manifold, Vec<u32>) {
         let (triangles, old) = self.connectivity.compact();
         (self.renumbered(&old, &triangles), old)
     }
 
-    /// The manifold without gaps, with vertices and triangles that are near each other also near in memory, and the old
-    /// number of each vertex. On large meshes, loops over all of it are faster.
+    /// Returns the manifold without gaps and with neighbouring vertices and triangles close in memory, and the old number of
+    /// each vertex. On large meshes, loops over the whole result are faster.
     pub fn in_spatial_order(&self) -> (Manifold, Vec<u32>) {
         let (_, old) = self.connectivity.compact();
         let positions: Vec<DVec3> = old.iter().map(|&v| self.position(v)).collect();
@@ -110,7 +110,7 @@ impl Manifold {
         (self.renumbered(&old, &triangles), old)
     }
 
-    /// The manifold of `triangles`, its own ones with the vertices `old` renumbered as 0, 1, 2...
+    /// Returns the manifold of `triangles`, which are its own with the vertices `old` renumbered as 0, 1, 2...
     fn renumbered(&self, old: &[u32], triangles: &[[u32; 3]]) -> Manifold {
         let mut mesh = Manifold::new(old.iter().map(|&v| self.samples[v as usize]).collect(), triangles);
         let unsplit = vec![NONE; self.connectivity.half_edge_bound() as usize];
@@ -118,7 +118,7 @@ impl Manifold {
         mesh
     }
 
-    /// For each vertex its new number when only those of `old` are kept, in that order.
+    /// Returns, for each vertex, its new number if only those of `old` are kept, in that order.
     fn new_numbers(&self, old: &[u32]) -> Vec<u32> {
         let mut number = vec![NONE; self.samples.len()];
         old.iter().zip(0..).for_each(|(&v, n)| number[v as usize] = n);

@@ -1,6 +1,6 @@
-//! Moves each vertex of a manifold once over its domain, by a step that a rule gives. A step is tangential and
-//! projected back onto the surface; vertices on a feature curve stay on it. A step that would turn a triangle against
-//! the surface, or leave a gap on the curve, is halved until it does not.
+//! Moves each vertex of a manifold once over its domain, by a step that a rule gives. A step is tangential and projected
+//! back onto the surface; vertices on a feature curve stay on it. A step that would turn a triangle against the surface, or
+//! leave a gap on the curve, is halved until it does not.
 //!
 //! Vertices of one colour, no two of them adjacent, move at the same time, so the result does not depend on the number of
 //! threads.
@@ -12,11 +12,11 @@ use crate::manifold::vertex_set::VertexSet;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 
-/// How often a step that would fold the mesh is halved before the vertex stays.
+/// Number of times a step that would fold the mesh is halved before the vertex stays.
 const HALVINGS: usize = 4;
 
-/// Largest ratio of the distances from a vertex on a curve to its two neighbours there after a move. A vertex beside
-/// the curve can push those on it apart; without a bound they left gaps of seven spacings.
+/// Maximum ratio of the distances from a vertex on a curve to its two neighbours there after a move. A vertex beside the
+/// curve can push those on it apart; without a bound, gaps of seven spacings opened.
 const MOST_UNEVEN: f64 = 3.0;
 
 /// Moves all vertices that are not `locked` once. `way` gives the step of each.
@@ -29,7 +29,7 @@ pub fn move_vertices(
     move_vertices_where(domain, mesh, locked, way, |_, _, _| true);
 }
 
-/// [`move_vertices`] where a vertex `may` go to a place; a step to another is halved, too.
+/// [`move_vertices`], restricted to places where a vertex `may` go; steps to other places are halved, too.
 pub fn move_vertices_where(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -42,7 +42,7 @@ pub fn move_vertices_where(
     }
 }
 
-/// Where the step `way` takes vertex `v`.
+/// Returns where the step `way` takes vertex `v`.
 fn step(domain: &Domain, mesh: &Manifold, v: u32, way: DVec3, may: impl Fn(&Manifold, u32, DVec3) -> bool) -> Sample {
     let here = mesh.samples[v as usize];
     let on_curve = mesh.connectivity.is_on_curve(v);
@@ -69,14 +69,14 @@ impl Manifold {
         }
     }
 
-    /// Whether vertex `v` may move to `there`: triangles keep facing the surface, and no gap is left on a curve, or neither
-    /// gets worse.
+    /// Returns whether vertex `v` may move to `there`: triangles keep facing the surface and no gap is left on a curve, or
+    /// neither gets worse.
     pub fn may_move(&self, v: u32, there: &Sample) -> bool {
         self.move_keeps_facing(v, there, FacingGuard::SOUND) && self.leaves_no_gap(v, there.position)
     }
 
-    /// Whether vertex `v`, if it is on a curve, is about midway between its two neighbours on it at `there`, or no
-    /// farther off than now.
+    /// Returns whether vertex `v`, if it is on a curve, is about midway between its two neighbours there with `v` at
+    /// `there`, or no farther off than now.
     fn leaves_no_gap(&self, v: u32, there: DVec3) -> bool {
         let Some(ends) = self.connectivity.along_curve(v) else { return true };
         let unevenness = |p: DVec3| {

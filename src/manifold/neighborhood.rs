@@ -1,4 +1,4 @@
-//! The neighbourhood of a vertex or of triangles as a manifold of its own, to be changed and put back.
+//! The neighbourhood of a vertex or of triangles as a separate manifold, to be changed and put back.
 
 use crate::base::union_find::UnionFind;
 use crate::geom::aabb::Aabb;
@@ -11,7 +11,7 @@ use crate::mesh::topology::NONE;
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// The triangles around a vertex or some triangles, with a border to the rest that stays.
+/// The triangles around a vertex or some triangles. Their border to the rest stays.
 #[derive(Debug, Clone)]
 pub struct Neighborhood {
     /// The triangles. Vertices on the border to the rest are corners; the middle, if it is a vertex, is vertex 0.
@@ -23,8 +23,8 @@ pub struct Neighborhood {
 }
 
 impl Neighborhood {
-    /// The triangles within `rings` rings around vertex `middle`, up to the next feature curves. `None` if `middle` is on a
-    /// curve, or a curve ends among the triangles.
+    /// Returns the triangles within `rings` rings around vertex `middle`, up to the next feature curves. `None` if `middle`
+    /// is on a curve, or a curve ends among the triangles.
     pub fn around(whole: &Manifold, middle: u32, rings: usize) -> Option<Neighborhood> {
         let c = &whole.connectivity;
         let ends = |v: u32| c.is_on_curve(v) || c.is_boundary(v);
@@ -38,8 +38,8 @@ impl Neighborhood {
         Some(neighborhood)
     }
 
-    /// The triangles within `rings` rings around triangle `middle`, across feature curves, and more where they would touch each other
-    /// at a vertex only. `None` if one of them is `taken`, or they reach an interface.
+    /// Returns the triangles within `rings` rings around triangle `middle`, across feature curves, and more where they would
+    /// touch each other only at a vertex. `None` if one of them is `taken`, or they reach an interface.
     pub fn across_curves(
         whole: &Manifold,
         middle: u32,
@@ -47,7 +47,7 @@ impl Neighborhood {
         taken: impl Fn(u32) -> bool,
     ) -> Option<Neighborhood> {
         let c = &whole.connectivity;
-        // Mostly some are.
+        // Quick check, since mostly some are.
         if c.triangle(3 * middle).into_iter().any(|v| has_around(whole, v, rings, &taken)) {
             return None;
         }
@@ -64,8 +64,8 @@ impl Neighborhood {
         Some(neighborhood)
     }
 
-    /// The triangles within `rings` rings around those of `groups`, one at least, across feature curves, in one neighborhood for
-    /// each group, or for several whose triangles meet. What is on the border to the rest is an interface.
+    /// Returns the triangles within `rings` rings, at least one, around those of `groups`, across feature curves: one
+    /// neighborhood for each group, or for several groups whose triangles meet. The border to the rest is an interface.
     pub fn around_groups(whole: &Manifold, groups: &[[u32; 2]], rings: usize) -> Vec<Neighborhood> {
         let c = &whole.connectivity;
         let middle: VertexSet = groups.iter().flatten().flat_map(|&t| c.triangle(3 * t)).collect();
@@ -91,13 +91,13 @@ impl Neighborhood {
         apart.into_values().map(|triangles| Neighborhood::with_interface(whole, triangles)).collect()
     }
 
-    /// What is to take the place of those triangles of the whole, in increasing order: `mesh`, whose first vertices are the ones on
-    /// the `border` to the rest, with these numbers in the whole, and whose others are new.
+    /// Creates a replacement for these `triangles` of the whole, given in increasing order. The first vertices of `mesh` are
+    /// those on the `border` to the rest, with these numbers in the whole; its others are new.
     pub fn in_place_of(triangles: Vec<u32>, border: Vec<u32>, mesh: Manifold) -> Neighborhood {
         Neighborhood { mesh, vertices: border, triangles }
     }
 
-    /// Those triangles of the whole, in increasing order, with an interface to the rest.
+    /// Returns these triangles of the whole, given in increasing order, with an interface to the rest.
     fn with_interface(whole: &Manifold, triangles: Vec<u32>) -> Neighborhood {
         let c = &whole.connectivity;
         let mut vertices: Vec<u32> = triangles.iter().flat_map(|&t| c.triangle(3 * t)).collect();
@@ -117,7 +117,7 @@ impl Neighborhood {
         neighborhood
     }
 
-    /// Those triangles of the whole, none of whose vertices is locked yet.
+    /// Returns these triangles of the whole, with no vertex locked yet.
     fn of(whole: &Manifold, Rings { vertices, number, triangles }: Rings) -> Neighborhood {
         let c = &whole.connectivity;
         let corners: Vec<[u32; 3]> = triangles.iter().map(|&t| c.triangle(3 * t).map(|v| number[&v])).collect();
@@ -133,34 +133,34 @@ impl Neighborhood {
         Neighborhood { mesh, vertices, triangles }
     }
 
-    /// Whether it has the triangle with number `t` in the whole.
+    /// Returns whether it has the triangle with number `t` in the whole.
     pub fn has_triangle(&self, t: u32) -> bool {
         self.triangles.binary_search(&t).is_ok()
     }
 
-    /// The vertices that are not on the boundary.
+    /// Returns the vertices that can move.
     pub fn free_vertices(&self) -> impl Iterator<Item = u32> {
         (0..self.mesh.connectivity.vertex_bound()).filter(|&v| self.mesh.can_move(v, &VertexSet::EMPTY))
     }
 
-    /// The number that half-edge `h` of the whole has here, as long as nothing has changed; `None` if it is not here.
+    /// Returns the number that half-edge `h` of the whole has here while nothing has changed; `None` if it is not here.
     pub fn own_half_edge(&self, h: u32) -> Option<u32> {
         self.triangles.binary_search(&(h / 3)).ok().map(|own| 3 * own as u32 + h % 3)
     }
 
-    /// The numbers of its triangles in the whole, in increasing order.
+    /// Returns the numbers of its triangles in the whole, in increasing order.
     pub fn triangles(&self) -> &[u32] {
         &self.triangles
     }
 
-    /// Whether the whole, with these faces, would have more self-intersections if it were put back.
+    /// Returns whether the whole, with these `faces`, would have more self-intersections if this were put back.
     pub fn adds_self_intersections(&self, faces: &Faces) -> bool {
         let [now, then] = self.self_intersections(faces).map(|crossing| crossing.len());
         then > now
     }
 
-    /// The corners of its faces now and of those that they intersect, and the same of what would be if it were put back in the
-    /// whole, which has these `faces`.
+    /// Returns the corners of its faces that intersect others, and of those others: first as they are now, then as they
+    /// would be if it were put back in the whole, which has these `faces`.
     pub fn self_intersections(&self, faces: &Faces) -> [Vec<[DVec3; 3]>; 2] {
         let new = self.mesh.to_mesh();
         let Some(bounds) = new.bounds() else { return [Vec::new(), Vec::new()] };
@@ -170,8 +170,8 @@ impl Neighborhood {
         [now, then].map(|own| crossing(&own, &around, faces.depth_of_contact()))
     }
 
-    /// Replaces its triangles in the whole, and marks them, and those that it has more, in `touched`. Returns `false`, and
-    /// does nothing, if one of the triangles is marked already or an edge would occur twice.
+    /// Replaces its triangles in the whole, and marks them, and any added ones, in `touched`. Returns `false`, and does
+    /// nothing, if one of the triangles is already marked or an edge would occur twice.
     pub fn put_back(&self, whole: &mut Manifold, touched: &mut Vec<bool>) -> bool {
         if self.triangles.iter().any(|&t| touched[t as usize]) {
             return false;
@@ -201,7 +201,7 @@ impl Neighborhood {
         for (&v, sample) in self.vertices.iter().zip(&self.mesh.samples) {
             whole.samples[v as usize] = *sample;
         }
-        // What is on the border has the curves that it has in the whole.
+        // Vertices on the border keep the curves that they have in the whole.
         for (&v, own) in self.vertices.iter().zip(0..) {
             if c.has_vertex(own) && !c.is_boundary(own) {
                 whole.connectivity.put_on_curve(v, c.curve_at(own));
@@ -213,7 +213,7 @@ impl Neighborhood {
     }
 }
 
-/// Whether `which` is true of a triangle within `rings` rings around vertex `v`.
+/// Returns whether `which` holds for a triangle within `rings` rings around vertex `v`.
 fn has_around(mesh: &Manifold, v: u32, rings: usize, which: &impl Fn(u32) -> bool) -> bool {
     let c = &mesh.connectivity;
     c.outgoing(v).any(|h| which(h / 3)) || rings > 1 && c.ring(v).any(|w| has_around(mesh, w, rings - 1, which))
@@ -223,8 +223,8 @@ fn has_corner_in(mesh: &Manifold, t: u32, set: &VertexSet) -> bool {
     mesh.connectivity.triangle(3 * t).into_iter().any(|v| set.contains(v))
 }
 
-/// Whether the triangles with an inner corner are in more than one fan around `v`, which is no such corner, or an edge from there to
-/// another vertex of theirs is outside: a new edge inside could double it.
+/// Returns whether the triangles with a corner in `inner` form more than one fan around `v`, which is not in `inner`, or an
+/// edge from `v` to another of their vertices is outside: a new edge inside could duplicate it.
 fn touches_itself(mesh: &Manifold, v: u32, inner: &VertexSet) -> bool {
     let c = &mesh.connectivity;
     let is_in = |h: u32| has_corner_in(mesh, h / 3, inner);
@@ -241,14 +241,14 @@ fn touches_itself(mesh: &Manifold, v: u32, inner: &VertexSet) -> bool {
 struct Rings {
     /// Their vertices, those in the middle first.
     vertices: Vec<u32>,
-    /// The place of each in `vertices`.
+    /// The index of each in `vertices`.
     number: BTreeMap<u32, u32>,
     /// Their numbers, in increasing order.
     triangles: Vec<u32>,
 }
 
 impl Rings {
-    /// That many rings around the vertices `middle`, which do not go on at a vertex that `ends` them.
+    /// Returns `rings` rings around the vertices `middle`. They do not continue at a vertex for which `ends` holds.
     fn around(whole: &Manifold, middle: &[u32], rings: usize, ends: impl Fn(u32) -> bool) -> Rings {
         let c = &whole.connectivity;
         let mut vertices = middle.to_vec();
@@ -278,7 +278,7 @@ impl Rings {
         Rings { vertices, number, triangles }
     }
 
-    /// Adds what is around vertices at which the triangles are in more than one fan, until there are none.
+    /// Adds what is around vertices at which the triangles form more than one fan, until there are none.
     fn fill_up(&mut self, whole: &Manifold) {
         let c = &whole.connectivity;
         let begins_fan =
@@ -312,8 +312,8 @@ impl Rings {
     }
 }
 
-/// Those of the faces `own` that intersect others, of these or `around`, deeper than `depth`, and of `around` those that one of
-/// them intersects, each by its corners.
+/// Returns the corners of those faces of `own` that intersect others, in `own` or `around`, deeper than `depth`, and of the
+/// faces in `around` that they intersect.
 fn crossing(own: &[[DVec3; 3]], around: &[[DVec3; 3]], depth: f64) -> Vec<[DVec3; 3]> {
     let all: Vec<([DVec3; 3], Aabb)> =
         own.iter().chain(around).map(|&corners| (corners, Aabb::of_triangle(corners))).collect();

@@ -8,15 +8,15 @@ use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 
-/// How far from either end the point that splits an edge may be, and how near to the corners across, in lengths of the
-/// edge.
+/// Maximum distance of the splitting point from either end, and minimum distance from the opposite corners, in lengths of
+/// the edge.
 const MIDDLE_REACH: f64 = 0.75;
 const CLEARANCE: f64 = 0.25;
 
 impl Manifold {
-    /// Splits the edge of `h` at its middle, projected onto the domain; returns the new vertex. Returns `None`, and
-    /// does nothing, if the projection is not between the ends, is close to a corner across, or would turn a triangle
-    /// against the surface, as happens where the edge cuts through a thin part.
+    /// Splits the edge of `h` at its middle, projected onto the domain; returns the new vertex. Returns `None`, and does
+    /// nothing, if the projection is not between the ends, is close to an opposite corner, or would turn a triangle against
+    /// the surface, as happens where the edge cuts through a thin part.
     pub fn split_at_middle(&mut self, domain: &Domain, h: u32) -> Option<u32> {
         let middle = self.middle(domain, h);
         let ends = [self.connectivity.origin(h), self.connectivity.target(h)].map(|v| self.position(v));
@@ -31,7 +31,7 @@ impl Manifold {
         Some(self.split_at(middle, h))
     }
 
-    /// [`Self::split_at_middle`] without these conditions.
+    /// [`Self::split_at_middle`] without its conditions.
     pub fn split_anyhow(&mut self, domain: &Domain, h: u32) -> u32 {
         self.split_at(self.middle(domain, h), h)
     }
@@ -41,14 +41,14 @@ impl Manifold {
         self.connectivity.split_edge(h)
     }
 
-    /// Whether the guard allows the halves of the triangle of `h`, split from `middle` to the corner across.
+    /// Returns whether the guard allows the halves of the triangle of `h`, split from `middle` to the opposite corner.
     fn halves_face_surface(&self, h: u32, middle: &Sample) -> bool {
         let [a, b, top] = self.connectivity.triangle(h).map(|v| &self.samples[v as usize]);
         let after = cosine_to_surface([a, middle, top]).min(cosine_to_surface([middle, b, top]));
         FacingGuard::DELAUNAY.allows(after, || cosine_to_surface([a, b, top]))
     }
 
-    /// The middle of the edge of `h`, projected onto the domain, or onto the curve that the edge lies on.
+    /// Returns the middle of the edge of `h`, projected onto the domain, or onto the curve that the edge lies on.
     fn middle(&self, domain: &Domain, h: u32) -> Sample {
         let c = &self.connectivity;
         let ends = [c.origin(h), c.target(h)];
@@ -69,9 +69,9 @@ impl Manifold {
         }
     }
 
-    /// The mesh with its `count` relatively longest edges split at their middles, projected onto the domain: a triangle
-    /// with three such edges becomes four, others become two or three or stay. Edges whose middle would turn a triangle
-    /// against the surface are left out, and the next longest are split instead.
+    /// Returns the mesh with its `count` relatively longest edges split at their middles, projected onto the domain. A
+    /// triangle with three such edges becomes four; others become two or three, or stay. Edges whose middle would turn a
+    /// triangle against the surface are left out, and the next longest are split instead.
     pub fn with_longest_split(&self, domain: &Domain, count: usize) -> Manifold {
         let (_, old) = self.connectivity.compact();
         let number = self.new_numbers(&old);
@@ -100,7 +100,7 @@ impl Manifold {
         finer
     }
 
-    /// The parts of the triangle whose first side is `h` when its sides with a middle are split.
+    /// Returns the parts of the triangle whose first side is `h` when its sides with a middle are split.
     fn parts(&self, h: u32, number: &[u32], middle_of: &[u32]) -> Vec<[u32; 3]> {
         let corners = self.connectivity.triangle(h).map(|v| number[v as usize]);
         let m = [0, 1, 2].map(|k| middle_of[h as usize + k]);
@@ -119,8 +119,8 @@ impl Manifold {
         }
     }
 
-    /// Removes the middles on the sides of triangles that have a part turned against the surface, and their samples.
-    /// The samples of middles begin at `first`.
+    /// Removes the middles, and their samples, on the sides of triangles that have a part turned against the surface. The
+    /// samples of middles begin at `first`.
     fn refuse_folds(&self, number: &[u32], samples: &mut Vec<Sample>, middle_of: &mut [u32], first: usize) {
         let faces = |t: &[u32; 3]| FacingGuard::DELAUNAY.passes(cosine_to_surface(t.map(|v| &samples[v as usize])));
         let sound = |&h: &u32| {

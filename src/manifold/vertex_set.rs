@@ -1,20 +1,20 @@
-//! Sets of vertices of a manifold: those that are locked, dense, in narrow patches.
+//! Sets of vertices of a manifold, such as those that are locked, dense, or in narrow patches.
 
 use crate::base::parallel;
 use crate::manifold::Manifold;
 use std::ops::{BitOr, Not};
 
-/// Vertices by their numbers. Vertices that are made later are not in the set.
+/// A set of vertices, by number. Vertices created later are not in it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct VertexSet {
     has: Vec<bool>,
 }
 
 impl VertexSet {
-    /// The set without vertices.
+    /// The empty set.
     pub const EMPTY: VertexSet = VertexSet { has: Vec::new() };
 
-    /// The vertices of `mesh` for which `is_in` holds; it is called only for those that have not been removed.
+    /// Returns the vertices of `mesh` for which `is_in` holds; it is not called for removed vertices.
     pub fn new(mesh: &Manifold, is_in: impl Fn(u32) -> bool + Sync) -> VertexSet {
         let c = &mesh.connectivity;
         parallel::map(0..c.vertex_bound(), |v| c.has_vertex(v) && is_in(v)).into()
@@ -25,7 +25,7 @@ impl VertexSet {
         VertexSet::new(mesh, |_| true)
     }
 
-    /// Whether vertex `v` is in the set.
+    /// Returns whether vertex `v` is in the set.
     #[inline]
     pub fn contains(&self, v: u32) -> bool {
         self.has.get(v as usize).copied().unwrap_or(false)
@@ -42,12 +42,12 @@ impl VertexSet {
         self.has.iter().filter(|has| **has).count()
     }
 
-    /// Whether the set has no vertices.
+    /// Returns whether the set has no vertices.
     pub fn is_empty(&self) -> bool {
         !self.has.contains(&true)
     }
 
-    /// The set together with that many rings of vertices of `mesh` around it.
+    /// Returns the set extended by `rings` rings of vertices of `mesh` around it.
     pub fn with_rings(self, mesh: &Manifold, rings: usize) -> VertexSet {
         let ring = |set: &VertexSet| {
             VertexSet::new(mesh, |v| set.contains(v) || mesh.connectivity.ring(v).any(|w| set.contains(w)))
@@ -55,7 +55,7 @@ impl VertexSet {
         (0..rings).fold(self, |set, _| ring(&set))
     }
 
-    /// The set after the vertices are renumbered: `old` has the former number of each.
+    /// Returns the set after the vertices are renumbered; `old` holds the former number of each.
     pub fn renumbered(&self, old: &[u32]) -> VertexSet {
         old.iter().map(|&v| self.contains(v)).collect::<Vec<bool>>().into()
     }
@@ -85,7 +85,7 @@ impl BitOr for &VertexSet {
     }
 }
 
-/// The vertices not in the set, of those that it was chosen from.
+/// The vertices that are not in the set, among those that it was chosen from.
 impl Not for &VertexSet {
     type Output = VertexSet;
 

@@ -1,7 +1,7 @@
-//! What a mesh or a cloud has besides its shape, as plain data: numbers of its vertices, texture coordinates of its
-//! corners, materials of its triangles.
+//! The data of a mesh or a cloud besides its shape, as plain data: numbers at vertices, texture coordinates at corners,
+//! materials of triangles.
 //!
-//! Two names have a meaning: [`COLOR`] and [`NORMAL`]. Other attributes keep the names from their file.
+//! Two names have a special meaning: [`COLOR`] and [`NORMAL`]. Other attributes keep the names from their file.
 
 use crate::base::error::{Error, Fault, Result};
 use crate::mesh::materials::Materials;
@@ -10,19 +10,20 @@ use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
-/// The attribute of three or four components, red, green, blue and opacity, in a range up to [`Scalar::full`].
+/// The name of the attribute with three or four components: red, green, blue and optionally opacity, in a range up to
+/// [`Scalar::full`].
 pub const COLOR: &str = "color";
 
-/// The attribute of three components that is the normal of the surface, of any length.
+/// The name of the attribute with three components that is the surface normal, of any length.
 pub const NORMAL: &str = "normal";
 
-/// What texture coordinates are called in messages.
+/// The term for texture coordinates in messages.
 pub const TEXTURE: &str = "texture coordinates";
 
-/// What materials are called in messages.
+/// The term for materials in messages.
 pub const MATERIALS: &str = "materials";
 
-/// What the names of parts are called in messages.
+/// The term for the names of parts in messages.
 pub const PARTS: &str = "names of objects";
 
 /// The type of a number in a file.
@@ -40,7 +41,7 @@ pub enum Scalar {
 }
 
 impl Scalar {
-    /// The bytes that a number takes.
+    /// Number of bytes of a value.
     pub fn size(self) -> usize {
         match self {
             Scalar::I8 | Scalar::U8 => 1,
@@ -50,12 +51,12 @@ impl Scalar {
         }
     }
 
-    /// Whether it holds whole numbers only.
+    /// Returns whether the type holds integers only.
     pub fn is_integer(self) -> bool {
         !matches!(self, Scalar::F32 | Scalar::F64)
     }
 
-    /// The number that stands for a full colour: the largest integer of the type, or 1.
+    /// The value of a full colour component: the largest integer of the type, or 1.
     pub fn full(self) -> f64 {
         match self {
             Scalar::I8 => i8::MAX.into(),
@@ -68,7 +69,7 @@ impl Scalar {
         }
     }
 
-    /// The bytes of `value` in this type, the least significant first; integers are rounded and kept in range.
+    /// Returns the little-endian bytes of `value` in this type; integers are rounded and clamped to the range.
     pub fn bytes(self, value: f64) -> ([u8; 8], usize) {
         let mut bytes = [0; 8];
         let rounded = value.round();
@@ -86,42 +87,42 @@ impl Scalar {
     }
 }
 
-/// Numbers at all vertices, the same count for each.
+/// Numbers at all vertices, the same count at each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Attribute {
-    /// Its name: [`COLOR`], [`NORMAL`], or as in its file.
+    /// Its name: [`COLOR`], [`NORMAL`], or the name in its file.
     pub name: String,
-    /// Numbers per vertex, at least one.
+    /// Number of values per vertex, at least one.
     pub components: usize,
-    /// All numbers, vertex by vertex.
+    /// All values, vertex by vertex.
     pub values: Vec<f64>,
-    /// The type that they have in the file and are written in again.
+    /// The type of the values in the file, which is also used for writing.
     pub scalar: Scalar,
 }
 
 impl Attribute {
-    /// Whether it is the colour.
+    /// Returns whether this is the colour.
     pub fn is_color(&self) -> bool {
         self.name == COLOR && matches!(self.components, 3 | 4)
     }
 
-    /// Whether it is the normal.
+    /// Returns whether this is the normal.
     pub fn is_normal(&self) -> bool {
         self.name == NORMAL && self.components == 3
     }
 
-    /// Whether its numbers are labels, which have no mean: integers that are neither colours nor normals.
+    /// Returns whether the values are labels, which cannot be averaged: integers that are neither colours nor normals.
     pub fn is_label(&self) -> bool {
         self.scalar.is_integer() && !self.is_color() && !self.is_normal()
     }
 
-    /// The numbers of vertex `v`.
+    /// The values of vertex `v`.
     #[inline]
     pub fn of(&self, v: usize) -> &[f64] {
         &self.values[v * self.components..(v + 1) * self.components]
     }
 
-    /// The red, green and blue of vertex `v`, each from 0 to 1.
+    /// The red, green and blue components of vertex `v`, each from 0 to 1.
     pub fn color(&self, v: usize) -> [f64; 3] {
         let full = self.scalar.full();
         [0, 1, 2].map(|k| self.of(v)[k] / full)
@@ -142,9 +143,9 @@ impl Attribute {
 /// All attributes of a mesh or a cloud.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Attributes {
-    /// Those of its vertices.
+    /// The vertex attributes.
     pub vertex: Vec<Attribute>,
-    /// The texture coordinates of the corners of each triangle, the origin at the lower left of the image; NaN at
+    /// The texture coordinates of the corners of each triangle, with the origin at the lower left of the image; NaN at
     /// corners that have none. Empty if there are none at all.
     pub texture: Vec<[DVec2; 3]>,
     /// The materials, if any.
@@ -158,12 +159,12 @@ pub struct Attributes {
 pub struct Lost {
     /// Its name.
     pub name: String,
-    /// Why.
+    /// The reason.
     pub cause: String,
 }
 
 impl Attributes {
-    /// Whether there are none.
+    /// Returns whether there are no attributes.
     pub fn is_empty(&self) -> bool {
         self.vertex.is_empty() && self.texture.is_empty() && self.materials.is_none() && self.parts.is_none()
     }
@@ -181,7 +182,7 @@ impl Attributes {
         self.vertex.iter().map(|a| a.name.clone()).chain(texture).chain(materials).chain(parts).collect()
     }
 
-    /// Removes what [`Self::names`] calls by this name.
+    /// Removes the attribute that [`Self::names`] lists under this name.
     pub fn remove(&mut self, name: &str) {
         self.vertex.retain(|a| a.name != name);
         if name == TEXTURE {
@@ -200,7 +201,7 @@ impl Attributes {
         self.get(COLOR).filter(|a| a.is_color())
     }
 
-    /// The attributes of the vertices `numbers`, in that order, without those of corners and triangles.
+    /// Returns the attributes of the vertices `numbers`, in that order, without those of corners and triangles.
     #[must_use]
     pub fn of_vertices(&self, numbers: &[u32]) -> Attributes {
         let pick = |a: &Attribute| {
@@ -210,7 +211,7 @@ impl Attributes {
         Attributes { vertex: self.vertex.iter().map(pick).collect(), ..Attributes::default() }
     }
 
-    /// The attributes of a part of the mesh, which has these `vertices` and `triangles` of it, in that order.
+    /// Returns the attributes of the part of the mesh that consists of these `vertices` and `triangles`, in that order.
     #[must_use]
     pub fn of_part(&self, vertices: &[u32], triangles: &[u32]) -> Attributes {
         let numbers = |all: &[u32]| triangles.iter().map(|&t| all[t as usize]).collect();
@@ -237,11 +238,11 @@ impl Attributes {
         vectors.unwrap_or_default()
     }
 
-    /// The property `name` of the vertices, one number each: an attribute of one component, or a component of one, such
-    /// as `red` or `nz`.
+    /// Returns the values of the property `name`, one number per vertex: an attribute with one component, or one component
+    /// of an attribute, such as `red` or `nz`.
     ///
     /// # Errors
-    /// [`Error::Mesh`] with the existing names, if this is none of them.
+    /// [`Error::Mesh`] with the existing names, if there is no such property.
     pub fn numbers(&self, name: &str) -> Result<Vec<f64>> {
         let mut known = Vec::new();
         for attribute in &self.vertex {
@@ -261,19 +262,20 @@ impl Attributes {
     }
 }
 
-/// Vertices together with texture coordinates: a vertex on a UV seam becomes several wedges.
+/// Vertices together with texture coordinates: a vertex on a UV seam is split into several wedges.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Wedges {
-    /// The vertex of each.
+    /// The vertex of each wedge.
     pub vertices: Vec<u32>,
-    /// Its texture coordinates.
+    /// The texture coordinates of each wedge.
     pub coordinates: Vec<DVec2>,
     /// The wedge at each corner of each triangle.
     pub corners: Vec<[u32; 3]>,
 }
 
 impl Wedges {
-    /// The wedges of `triangles`, in the order of their first use; those of a vertex differ in their coordinates.
+    /// Returns the wedges of `triangles`, in the order of their first use; wedges of the same vertex differ in their
+    /// coordinates.
     pub fn new(triangles: &[[u32; 3]], texture: &[[DVec2; 3]]) -> Wedges {
         let mut wedges = Wedges { corners: Vec::with_capacity(triangles.len()), ..Wedges::default() };
         let mut number = HashMap::new();

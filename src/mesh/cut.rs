@@ -1,6 +1,6 @@
-//! Cuts a mesh open along edges: its smooth patches come apart, and each edge of the cut becomes two boundary sides.
+//! Cuts a mesh open along edges: its smooth patches are separated, and each edge of the cut becomes two boundary sides.
 //!
-//! A cut that ends within a patch leaves a slit there, whose end stays one vertex.
+//! A cut that ends within a patch leaves a slit there, at whose end the vertex is not split.
 //!
 //! Cost: linear in the triangles.
 
@@ -9,20 +9,20 @@ use crate::mesh::half_edge::next;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 
-/// A number for some sides of a mesh. It takes no memory if no side has one, as in meshes without sharp edges.
+/// A number for some of the sides of a mesh. Takes no memory if no side has one, as in meshes without sharp edges.
 #[derive(Debug, Clone, Default)]
 pub struct OfSides {
     numbers: Vec<u32>,
 }
 
 impl OfSides {
-    /// That of a side, or [`NONE`].
+    /// Returns the number of a side, or [`NONE`].
     #[inline]
     pub fn get(&self, side: u32) -> u32 {
         if self.numbers.is_empty() { NONE } else { self.numbers[side as usize] }
     }
 
-    /// Gives one of `sides` sides a number.
+    /// Assigns a number to one of `sides` sides.
     pub fn set(&mut self, side: u32, number: u32, sides: usize) {
         if self.numbers.is_empty() {
             self.numbers = vec![NONE; sides];
@@ -31,27 +31,27 @@ impl OfSides {
     }
 }
 
-/// A mesh cut open, and how it belongs together.
+/// A mesh that was cut open, and the correspondence across the cut.
 pub struct Cut {
-    /// The mesh with the vertices on the cut doubled: the triangles are the same, one by one.
+    /// The mesh with duplicated vertices along the cut; its triangles correspond one to one to those before.
     pub mesh: Mesh,
-    /// The side across each side where both are still joined, else [`NONE`].
+    /// The twin of each side that is still joined to another, else [`NONE`].
     pub twin: Vec<u32>,
-    /// The side that was across each side before it was cut, [`NONE`] for all others.
+    /// The twin of each side before the cut if it was cut there, else [`NONE`].
     pub across: OfSides,
-    /// For each vertex the one it was before; the first copy of a vertex keeps its number.
+    /// The original of each vertex; the first copy of a vertex keeps its number.
     pub original: Vec<u32>,
 }
 
-/// Cuts `mesh` along the sides that are `sharp`, which has to hold for both sides of an edge. `twin` is as
-/// [`twins`](crate::mesh::topology::twins) says.
+/// Cuts `mesh` along the sides marked in `sharp`, in which both sides of an edge must be marked. `twin` is the result of
+/// [`twins`](crate::mesh::topology::twins).
 pub fn cut(mut mesh: Mesh, mut twin: Vec<u32>, sharp: &[bool]) -> Cut {
     let mut across = OfSides::default();
     let sides = twin.len();
     for side in (0..sides).filter(|&s| sharp[s]) {
         across.set(side as u32, std::mem::replace(&mut twin[side], NONE), sides);
     }
-    // The corners around a vertex that are still joined are one fan.
+    // Corners around a vertex that are still joined form a fan.
     let mut fans = UnionFind::new(twin.len());
     for side in 0..twin.len() as u32 {
         let other = twin[side as usize];

@@ -1,18 +1,18 @@
-//! What triangles look like, as plain data: materials modelled on those of glTF, the images that they use, and the
-//! statements of an OBJ material library as they were.
+//! The appearance of triangles as plain data: materials modelled on those of glTF, the images that they use, and the
+//! unchanged statements of an OBJ material library.
 
 use std::sync::Arc;
 
-/// Which material each triangle has.
+/// The materials of a mesh and their assignment to triangles.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Materials {
-    /// The files that define materials and were not read, as the file that was read names them.
+    /// The files that define materials but were not read, as named in the file that was read.
     pub libraries: Vec<String>,
     /// All materials.
     pub list: Vec<Material>,
-    /// The images that they use.
+    /// The images that the materials use.
     pub images: Vec<Image>,
-    /// The number of each triangle's material; [`NONE`](super::topology::NONE) for a triangle without one.
+    /// The material number of each triangle; [`NONE`](super::topology::NONE) for a triangle without material.
     pub of_triangle: Vec<u32>,
 }
 
@@ -21,7 +21,7 @@ pub struct Materials {
 pub struct Material {
     /// Its name, which may be empty.
     pub name: String,
-    /// What it looks like; `None` if that is defined in a file that was not read.
+    /// Its appearance; `None` if this is defined in a file that was not read.
     pub look: Option<Look>,
 }
 
@@ -32,7 +32,7 @@ impl Material {
     }
 }
 
-/// What a material looks like, in the quantities of glTF.
+/// The appearance of a material, in the quantities of glTF.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Look {
     /// Red, green, blue, opacity, each from 0 to 1 and linear.
@@ -43,15 +43,15 @@ pub struct Look {
     pub roughness: f64,
     /// Red, green, blue of the light that it emits, each from 0 to 1 and linear.
     pub emissive: [f64; 3],
-    /// What the opacity means.
+    /// The meaning of the opacity.
     pub alpha: Alpha,
     /// Whether its back is visible.
     pub double_sided: bool,
-    /// Whether its colour is seen as it is, without any light.
+    /// Whether its colour is shown as is, without any lighting.
     pub unlit: bool,
-    /// At most one for each use.
+    /// Textures, at most one for each use.
     pub textures: Vec<Texture>,
-    /// The statements of an OBJ material library that say all this; empty for a material from elsewhere.
+    /// The equivalent statements of an OBJ material library; empty for a material from elsewhere.
     pub statements: Vec<Statement>,
 }
 
@@ -72,18 +72,18 @@ impl Default for Look {
     }
 }
 
-/// What the opacity of a material means.
+/// The meaning of a material's opacity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Alpha {
-    /// Nothing.
+    /// The opacity is ignored.
     Opaque,
-    /// Visible where the opacity is at least this.
+    /// The material is visible where the opacity is at least this value.
     Mask(f64),
-    /// How much it covers.
+    /// The opacity is the degree of coverage.
     Blend,
 }
 
-/// What an image is used for.
+/// The purpose of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs)]
 pub enum Use {
@@ -97,26 +97,26 @@ pub enum Use {
 /// An image on a surface, placed by its texture coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texture {
-    /// What it is for.
+    /// Its purpose.
     pub of: Use,
     /// The number of its image.
     pub image: u32,
-    /// Scale of normals or strength of occlusion; 1 for all others.
+    /// Scale of normals or strength of occlusion; 1 for all other uses.
     pub strength: f64,
     /// How it is sampled.
     pub sampler: Sampler,
-    /// How texture coordinates are transformed first.
+    /// A transform that is applied to the texture coordinates first.
     pub transform: Option<Transform>,
 }
 
 /// How an image is sampled, by the OpenGL constants that glTF uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Sampler {
-    /// The filter where it is enlarged.
+    /// The magnification filter.
     pub mag_filter: Option<u32>,
-    /// The filter where it is reduced.
+    /// The minification filter.
     pub min_filter: Option<u32>,
-    /// What follows beyond its sides, horizontally and vertically.
+    /// The wrap mode beyond the sides of the image, horizontally and vertically.
     pub wrap: [u32; 2],
 }
 
@@ -132,11 +132,11 @@ impl Default for Sampler {
 /// An affine transform of texture coordinates, as in KHR_texture_transform.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transform {
-    /// Added last.
+    /// The translation, which is applied last.
     pub offset: [f64; 2],
-    /// In radians.
+    /// The rotation in radians.
     pub rotation: f64,
-    /// Multiplied first.
+    /// The scale, which is applied first.
     pub scale: [f64; 2],
 }
 
@@ -145,7 +145,7 @@ pub struct Transform {
 pub struct Statement {
     /// Its words, without the name of an image.
     pub words: String,
-    /// The number of the image whose name ends it.
+    /// The number of the image whose name ends the statement.
     pub image: Option<u32>,
 }
 
@@ -158,7 +158,7 @@ pub enum Image {
     File(String),
 }
 
-/// The media type and the file extension of an image, by its content: PNG or JPEG, since glTF has no others.
+/// Returns the media type and file extension of an image according to its content: PNG or JPEG, since glTF has no others.
 pub fn image_type(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
     match bytes {
         [0x89, b'P', b'N', b'G', ..] => Some(("image/png", "png")),

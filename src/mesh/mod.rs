@@ -1,4 +1,4 @@
-//! Meshes and clouds as data: positions, triangles, connectivity, attributes; nothing is searched here.
+//! Meshes and clouds as data: positions, triangles, connectivity, attributes. No spatial searches here.
 
 pub mod attributes;
 pub mod cut;

@@ -1,10 +1,10 @@
-//! Normals at the vertices of a mesh.
+//! Vertex normals of a mesh.
 
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 
-/// Normals with the weights of N. Max, Weights for computing vertex normals from facet normals, 1999, DOI
-/// 10.1080/10867651.1999.10487501: exact on a sphere, and slivers get no undue weight.
+/// Returns normals with the weights of N. Max, Weights for computing vertex normals from facet normals, 1999, DOI
+/// 10.1080/10867651.1999.10487501: exact on a sphere, and without undue weight for slivers.
 pub fn vertex_normals(mesh: &Mesh) -> Vec<DVec3> {
     let mut normals = vec![DVec3::ZERO; mesh.positions.len()];
     for (t, corners) in mesh.triangles.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! A mesh that is known to be an oriented 2-manifold, and where it came from.
+//! A mesh that is known to be an oriented 2-manifold, with its provenance.
 
 use crate::base::error::{Error, Fault, Result};
 use crate::mesh::provenance::Provenance;
@@ -7,10 +7,10 @@ use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 use std::ops::Deref;
 
-/// An oriented 2-manifold, with or without a boundary: every edge has at most two faces, which agree on the outside, and
-/// every vertex one fan. All its vertices are used.
+/// An oriented 2-manifold, with or without a boundary: every edge has at most two faces, which are consistently oriented,
+/// and every vertex has a single fan. All vertices are used.
 ///
-/// [`repair`](crate::prepare::repair::repair) makes one of any mesh; [`TryFrom`] accepts a mesh that is one already.
+/// [`repair`](crate::prepare::repair::repair) makes one from any mesh; [`TryFrom`] accepts a mesh that already is one.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct OrientedManifold {
     mesh: Mesh,
@@ -18,17 +18,17 @@ pub struct OrientedManifold {
 }
 
 impl OrientedManifold {
-    /// The manifold `mesh`, which is one by construction.
+    /// Wraps `mesh`, which is a manifold by construction.
     pub(crate) fn trusted(mesh: Mesh, provenance: Provenance) -> OrientedManifold {
         OrientedManifold { mesh, provenance }
     }
 
-    /// Where its vertices and triangles came from.
+    /// The origins of its vertices and triangles.
     pub fn provenance(&self) -> &Provenance {
         &self.provenance
     }
 
-    /// The mesh and where it came from.
+    /// Returns the mesh and its provenance.
     pub fn into_parts(self) -> (Mesh, Provenance) {
         (self.mesh, self.provenance)
     }
@@ -38,13 +38,13 @@ impl OrientedManifold {
         self.mesh
     }
 
-    /// Its vertex positions, for changes that leave the connectivity as it is.
+    /// Its vertex positions, for changes that do not affect the connectivity.
     pub fn positions_mut(&mut self) -> &mut [DVec3] {
         &mut self.mesh.positions
     }
 
-    /// Adds a vertex on an edge, given by its ends, at that share of the way from the first to the second. The caller has to split
-    /// the triangles at the edge.
+    /// Inserts a vertex on the edge with these ends, at the fraction `along` of the way from the first to the second. The
+    /// caller must split the triangles at the edge.
     pub(super) fn insert_on_edge(&mut self, ends: [u32; 2], along: f64) -> u32 {
         let [a, b] = ends.map(|v| self.mesh.positions[v as usize]);
         self.mesh.positions.push((1.0 - along) * a + along * b);
@@ -52,7 +52,7 @@ impl OrientedManifold {
         self.mesh.positions.len() as u32 - 1
     }
 
-    /// Adds a triangle on free sides, as a part of the triangle of the source that triangle `t` there is a part of.
+    /// Adds a triangle on free sides. It counts as a part of the source triangle that triangle `t` is a part of.
     pub(crate) fn add_beside(&mut self, triangle: [u32; 3], t: u32) {
         let beside = self.mesh.triangles[t as usize];
         let added = self.mesh.triangles.len() as u32;
@@ -62,7 +62,7 @@ impl OrientedManifold {
         others.for_each(|v| self.provenance.put_at(added, v, beside[0]));
     }
 
-    /// Replaces triangle `t` by `parts`, which cover it: the first takes its number, the others come last.
+    /// Replaces triangle `t` by `parts`, which cover it: the first gets its number, the others are appended.
     pub(super) fn split_triangle(&mut self, t: usize, parts: &[[u32; 3]]) {
         self.mesh.triangles[t] = parts[0];
         self.mesh.triangles.extend(&parts[1..]);

@@ -3,7 +3,7 @@
 use crate::base::error::{Error, Fault, Result};
 use glam::DVec3;
 
-/// Points of a surface, with or without normals.
+/// Points on a surface, with or without normals.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Points {
     positions: Vec<DVec3>,
@@ -11,10 +11,10 @@ pub struct Points {
 }
 
 impl Points {
-    /// Points at `positions`, with a normal each, of any length, or with none at all.
+    /// Points at `positions`, each with a normal of any length, or all without.
     ///
     /// # Errors
-    /// [`Error::Mesh`] for more or fewer normals than points.
+    /// [`Error::Mesh`] if the number of normals differs from that of the points.
     pub fn new(positions: Vec<DVec3>, normals: Vec<DVec3>) -> Result<Points> {
         if normals.is_empty() || normals.len() == positions.len() {
             return Ok(Points { positions, normals });
@@ -28,7 +28,7 @@ impl Points {
         Points { positions, normals: Vec::new() }
     }
 
-    /// Points with their normals, of any length.
+    /// Points with their normals, which may be of any length.
     pub fn from_pairs(pairs: impl IntoIterator<Item = (DVec3, DVec3)>) -> Points {
         let (positions, normals) = pairs.into_iter().unzip();
         Points { positions, normals }
@@ -39,7 +39,7 @@ impl Points {
         &self.positions
     }
 
-    /// A normal for each point, of any length, or none at all.
+    /// A normal for each point, of any length; empty if there are none.
     pub fn normals(&self) -> &[DVec3] {
         &self.normals
     }

@@ -1,14 +1,14 @@
-//! Where the vertices and triangles of a mesh came from: each step of preparation records what it made from what, and
-//! the composition of these records maps any point of the last mesh to a point of the first one, the source.
+//! The origins of a mesh's vertices and triangles. Each preparation step records what it made from what, and the composition
+//! of these records maps any point of the last mesh to a point of the first one, the source.
 //!
-//! A triangle is a part of one triangle of the source. A vertex is one of the source, or lies on one of its triangles:
-//! a [`Blend`] of at most three vertices. Vertices of the source at the same place count as one; the first stands for
-//! all.
+//! A triangle is a part of one triangle of the source. A vertex is a vertex of the source, or lies on one of its triangles:
+//! then it is a [`Blend`] of at most three vertices. Vertices of the source at the same position count as one, represented
+//! by the first.
 //!
-//! Where triangles of next to no height are removed, a vertex may come to a triangle of the source of which it is no corner. Where
-//! it lies there is recorded, too.
+//! When triangles of almost no height are removed, a vertex may end up in a triangle of the source of which it is not a
+//! corner. Its position on that triangle is recorded, too.
 //!
-//! Cost: four bytes a vertex and a triangle, forty for each inserted vertex.
+//! Cost: four bytes per vertex and per triangle, forty for each inserted vertex.
 
 use crate::mesh::sides::lower_first;
 use crate::mesh::topology::NONE;
@@ -18,7 +18,7 @@ use std::collections::{BTreeMap, HashSet};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blend {
     vertices: [u32; 3],
-    /// Not negative, with sum 1; zero where there are fewer than three.
+    /// Non-negative, with sum 1; zero for missing vertices.
     weights: [f64; 3],
 }
 
@@ -38,12 +38,12 @@ impl Blend {
         places.filter(|(v, _)| **v == vertex).map(|(_, weight)| weight).sum()
     }
 
-    /// The weighted mean of points on one triangle of the source.
+    /// The weighted mean of points on the same triangle of the source.
     fn mean<const N: usize>(points: [Blend; N], weights: [f64; N]) -> Blend {
         let mut mean = Blend { vertices: [NONE; 3], weights: [0.0; 3] };
         for (point, share) in points.into_iter().zip(weights) {
             for (vertex, weight) in point.vertices.into_iter().zip(point.weights).filter(|(v, _)| *v != NONE) {
-                // Points on one triangle have no fourth vertex.
+                // Points on the same triangle have no fourth vertex.
                 if let Some(slot) = mean.vertices.iter().position(|&v| v == vertex || v == NONE) {
                     mean.vertices[slot] = vertex;
                     mean.weights[slot] += share * weight;
@@ -53,7 +53,7 @@ impl Blend {
         mean
     }
 
-    /// The value at this point of a piecewise linear function, given by its values at the vertices of the source.
+    /// Evaluates at this point a piecewise linear function, given by its values at the vertices of the source.
     fn value(&self, values: &[f64]) -> f64 {
         let known = self.vertices.iter().zip(self.weights).filter(|(v, _)| **v != NONE);
         known.map(|(&v, weight)| weight * values[v as usize]).sum()
@@ -65,36 +65,37 @@ impl Blend {
 pub struct PointOnTriangle {
     /// The triangle.
     pub triangle: u32,
-    /// Its barycentric coordinates there, not negative, with sum 1.
+    /// Barycentric coordinates in the triangle, non-negative, with sum 1.
     pub weights: [f64; 3],
 }
 
-/// Where on a source the vertices and triangles of another mesh lie.
+/// The positions of a mesh's vertices and triangles on a source.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Origins {
-    /// For each vertex the closest point of the source, among those that face the same way.
+    /// For each vertex, the closest point of the source among those that face the same way.
     pub vertices: Vec<PointOnTriangle>,
-    /// The same for the centre of each triangle.
+    /// Likewise for the centre of each triangle.
     pub triangles: Vec<PointOnTriangle>,
 }
 
-/// Where a mesh came from.
+/// The origins of a mesh.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Provenance {
-    /// For each vertex of the source the one that stands for its place.
+    /// For each vertex of the source, the vertex that represents its position.
     representatives: Vec<u32>,
-    /// For each vertex its number in the source; inserted vertices are numbered after those of the source.
+    /// For each vertex, its number in the source; inserted vertices are numbered after those of the source.
     vertices: Vec<u32>,
     inserted: Vec<Blend>,
-    /// For each triangle the triangle of the source that it is a part of.
+    /// For each triangle, the triangle of the source that it is a part of.
     triangles: Vec<u32>,
-    /// Where on a triangle of the source a vertex of it lies that is none of its corners.
+    /// The positions of vertices on source triangles of which they are not corners, by triangle and vertex.
     placed: BTreeMap<[u32; 2], Blend>,
 }
 
 impl Provenance {
-    /// The provenance of a mesh of some vertices and triangles of the source. `representatives` has for each vertex of
-    /// the source the one that stands for its place, `vertices` for each vertex of the mesh one of these.
+    /// The provenance of a mesh that consists of some vertices and triangles of the source. For each vertex of the source,
+    /// `representatives` has the vertex that represents its position; for each vertex of the mesh, `vertices` has one of
+    /// these.
     pub fn new(representatives: Vec<u32>, vertices: Vec<u32>, triangles: Vec<u32>) -> Provenance {
         Provenance { representatives, vertices, inserted: Vec::new(), triangles, placed: BTreeMap::new() }
     }
@@ -105,7 +106,7 @@ impl Provenance {
         Provenance::new(all(vertices), all(vertices), all(triangles))
     }
 
-    /// Adds a vertex between two of the mesh, at that share of the way from the first to the second.
+    /// Adds a vertex between two vertices of the mesh, at the fraction `along` of the way from the first to the second.
     pub fn insert_on_edge(&mut self, [a, b]: [u32; 2], along: f64) {
         self.vertices.push((self.representatives.len() + self.inserted.len()) as u32);
         self.inserted.push(Blend::mean([self.blend(a), self.blend(b)], [1.0 - along, along]));
@@ -116,25 +117,25 @@ impl Provenance {
         self.triangles.push(self.triangles[t as usize]);
     }
 
-    /// Makes triangle `t` a part of the triangle of the source that `other` is a part of.
+    /// Makes triangle `t` a part of the source triangle that `other` is a part of.
     pub fn take_source(&mut self, t: u32, other: u32) {
         self.triangles[t as usize] = self.triangles[other as usize];
     }
 
-    /// Puts vertex `v`, one of the source, where vertex `at` lies on the source of triangle `t`.
+    /// Records that vertex `v`, a source vertex, is at the position of vertex `at` on the source triangle of `t`.
     pub fn put_at(&mut self, t: u32, v: u32, at: u32) {
         self.put_on_edge(t, v, [at, at], 0.0);
     }
 
-    /// Puts vertex `v`, one of the source, between vertices `a` and `b` of triangle `t`, where a share of `along` of the way from `a`
-    /// to `b` is done.
+    /// Records that vertex `v`, a source vertex, lies between vertices `a` and `b` of triangle `t`, at the fraction `along`
+    /// of the way from `a` to `b`.
     pub fn put_on_edge(&mut self, t: u32, v: u32, [a, b]: [u32; 2], along: f64) {
         let source = self.triangle(t);
         let place = Blend::mean([a, b].map(|v| self.blend_on(source, v)), [1.0 - along, along]);
         self.placed.insert([source, self.vertices[v as usize]], place);
     }
 
-    /// The provenance of a mesh with these vertices and triangles of this one, in the given order.
+    /// Returns the provenance of a mesh that consists of these vertices and triangles of this one, in the given order.
     #[must_use]
     pub fn select(mut self, vertices: &[u32], triangles: &[u32]) -> Provenance {
         self.vertices = vertices.iter().map(|&v| self.vertices[v as usize]).collect();
@@ -142,13 +143,13 @@ impl Provenance {
         self
     }
 
-    /// The vertex of the source that vertex `v` is; `None` for an inserted one.
+    /// Returns the source vertex that vertex `v` is; `None` for an inserted vertex.
     pub fn vertex(&self, v: u32) -> Option<u32> {
         let source = self.vertices[v as usize];
         ((source as usize) < self.representatives.len()).then_some(source)
     }
 
-    /// The triangle of the source that triangle `t` is a part of.
+    /// Returns the source triangle that triangle `t` is a part of.
     pub fn triangle(&self, t: u32) -> u32 {
         self.triangles[t as usize]
     }
@@ -161,7 +162,7 @@ impl Provenance {
         }
     }
 
-    /// Where vertex `v` lies on triangle `source` of the source.
+    /// The position of vertex `v` on triangle `source` of the source.
     fn blend_on(&self, source: u32, v: u32) -> Blend {
         let blend = self.blend(v);
         if self.placed.is_empty() {
@@ -171,13 +172,13 @@ impl Provenance {
         Blend::mean(blend.vertices.map(place), blend.weights)
     }
 
-    /// The values of a piecewise linear function at the vertices of the mesh, given those at the vertices of the
+    /// Returns the values of a piecewise linear function at the vertices of the mesh, given those at the vertices of the
     /// source.
     pub fn values(&self, of_source: &[f64]) -> Vec<f64> {
         (0..self.vertices.len() as u32).map(|v| self.blend(v).value(of_source)).collect()
     }
 
-    /// For each vertex of the mesh whether any vertex of the source at its place is marked; inserted ones are not.
+    /// Returns for each vertex of the mesh whether any source vertex at its position is marked; false for inserted vertices.
     pub fn marks(&self, of_source: &[bool]) -> Vec<bool> {
         let mut at_place = vec![false; of_source.len()];
         let marked = self.representatives.iter().zip(of_source).filter(|(_, marked)| **marked);
@@ -185,7 +186,8 @@ impl Provenance {
         (0..self.vertices.len() as u32).map(|v| self.vertex(v).is_some_and(|s| at_place[s as usize])).collect()
     }
 
-    /// For each side of `triangles`, those of the mesh, whether it lies along one of these `edges` of the source.
+    /// Returns for each side of `triangles`, which are those of the mesh, whether it lies along one of these `edges` of the
+    /// source.
     pub fn sides_along(&self, triangles: &[[u32; 3]], edges: &[[u32; 2]]) -> Vec<bool> {
         let place = |v: u32| self.representatives[v as usize];
         let edges: HashSet<[u32; 2]> = edges.iter().map(|ends| lower_first(ends.map(place))).collect();
@@ -200,8 +202,8 @@ impl Provenance {
         sides.flat_map(|(&[a, b, c], &t)| [[a, b], [b, c], [c, a]].map(|ends| is_along(t, ends))).collect()
     }
 
-    /// The point of the source at a point of triangle `t` of the mesh. `corners` are the vertices of `t`, `weights` the
-    /// barycentric coordinates of the point, `source` the triangles of the source.
+    /// Returns the point of the source at a point of triangle `t` of the mesh. `corners` are the vertices of `t`, `weights`
+    /// the barycentric coordinates of the point, `source` the triangles of the source.
     pub fn origin(&self, t: u32, corners: [u32; 3], weights: [f64; 3], source: &[[u32; 3]]) -> PointOnTriangle {
         let triangle = self.triangle(t);
         let blend = Blend::mean(corners.map(|v| self.blend_on(triangle, v)), weights.map(|weight| weight.max(0.0)));
@@ -218,13 +220,13 @@ mod tests {
 
     #[test]
     fn points_of_a_part_of_a_part_are_points_of_the_source() {
-        // Vertex 3 of the source is at the place of vertex 1.
+        // Vertex 3 of the source is at the position of vertex 1.
         let source = [[0, 1, 2], [2, 3, 4]];
         let mut provenance = Provenance::new(vec![0, 1, 2, 1, 4], vec![0, 1, 2, 4], vec![0, 1]);
         provenance.insert_on_edge([1, 2], 0.5);
         provenance.insert_part(1);
         provenance.insert_on_edge([4, 3], 0.5);
-        // The middle between vertex 4 of the source and the middle of its other two.
+        // The midpoint between vertex 4 of the source and the midpoint of its other two vertices.
         let origin = provenance.origin(2, [5, 5, 5], [0.2, 0.3, 0.5], &source);
         assert_eq!(origin, PointOnTriangle { triangle: 1, weights: [0.25, 0.25, 0.5] });
         assert_eq!(provenance.values(&[0.0, 4.0, 8.0, 4.0, 1.0]), [0.0, 4.0, 8.0, 1.0, 6.0, 3.5]);
@@ -241,7 +243,7 @@ mod tests {
 
     #[test]
     fn sides_along_an_edge_are_those_of_its_parts() {
-        // Vertex 3 of the source is at the place of vertex 1; the edge from 0 to 1 is split.
+        // Vertex 3 of the source is at the position of vertex 1; the edge from 0 to 1 is split.
         let mut provenance = Provenance::new(vec![0, 1, 2, 1], vec![0, 1, 2], vec![0]);
         provenance.insert_on_edge([0, 1], 0.5);
         provenance.insert_part(0);

@@ -1,24 +1,24 @@
 //! Splits long edges of a mesh without changing its shape.
 //!
-//! Stages that walk over triangles look at all the samples of a triangle; that is only cheap where a triangle is not
-//! much larger than the samples' spacing. CAD models have triangles as large as the part.
+//! Stages that walk over triangles visit all samples of a triangle, which is only cheap if the triangle is not much larger
+//! than the sample spacing. In CAD models, triangles may be as large as the part.
 //!
-//! Cost: linear in the result. Every pass halves the edges that are too long.
+//! Cost: linear in the result. Each pass halves the edges that are too long.
 
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::sides::lower_first;
 use std::collections::{HashMap, HashSet};
 
-/// Halves the edges longer than `longest` until there are none, or until the mesh has `most` triangles.
+/// Halves the edges longer than `longest` until none are left, or until the mesh has `most` triangles.
 ///
-/// It stays a manifold of the same topology: both faces of an edge get the same new vertex.
+/// The mesh remains a manifold of the same topology: both faces of an edge get the same new vertex.
 pub fn refine(mesh: &mut OrientedManifold, longest: f64, most: usize) {
     let is_long = |_: u32, _: u32, length: f64| length > longest;
     while mesh.triangles.len() < most && !halve_edges(mesh, is_long).is_empty() {}
 }
 
-/// Halves those of `edges`, given by their ends with the lower first, that are longer than `longest`, as [`refine`]
-/// does. The halves replace them in `edges`.
+/// Halves those of `edges` that are longer than `longest`, as [`refine`] does. Edges are given by their ends, the lower
+/// first; the halves replace them in `edges`.
 pub fn refine_edges(mesh: &mut OrientedManifold, edges: &mut HashSet<[u32; 2]>, longest: f64, most: usize) {
     while mesh.triangles.len() < most {
         let first = mesh.positions.len() as u32;
@@ -33,14 +33,14 @@ pub fn refine_edges(mesh: &mut OrientedManifold, edges: &mut HashSet<[u32; 2]>, 
     }
 }
 
-/// Halves once every edge for whose ends and length `is_long` holds, in whatever order it gets the ends. Returns for
-/// each new vertex the ends of its edge; new vertices come after all others.
+/// Halves once every edge for whose ends and length `is_long` holds, independently of the order of the ends. Returns the
+/// ends of the split edge for each new vertex; new vertices come after all others.
 pub fn halve_edges(mesh: &mut OrientedManifold, is_long: impl Fn(u32, u32, f64) -> bool) -> Vec<[u32; 2]> {
     split_where(mesh, |a, b, length| is_long(a, b, length).then_some(0.5))
 }
 
-/// Splits each of `edges`, given by their ends with the lower first, at that share of the way from there. Returns for each new
-/// vertex the ends of its edge; new vertices come after all others.
+/// Splits each of `edges`, given by their ends with the lower first, at the given fraction of the way from the lower end.
+/// Returns the ends of the split edge for each new vertex; new vertices come after all others.
 pub fn split_edges(mesh: &mut OrientedManifold, edges: &HashMap<[u32; 2], f64>) -> Vec<[u32; 2]> {
     split_where(mesh, |a, b, _| {
         let along = edges.get(&lower_first([a, b]));
@@ -48,9 +48,9 @@ pub fn split_edges(mesh: &mut OrientedManifold, edges: &HashMap<[u32; 2], f64>) 
     })
 }
 
-/// Splits once every edge for whose ends and length there is a share of the way from the one to the other.
+/// Splits once every edge for whose ends and length `place` returns a fraction of the way from the first end to the second.
 fn split_where(mesh: &mut OrientedManifold, place: impl Fn(u32, u32, f64) -> Option<f64>) -> Vec<[u32; 2]> {
-    // Only looked up, never iterated: the numbers of the new vertices follow the order of the triangles.
+    // Only used for lookups, never iterated: the numbers of new vertices follow the order of the triangles.
     let mut inner: HashMap<[u32; 2], u32> = HashMap::new();
     let mut ends = Vec::new();
     for t in 0..mesh.triangles.len() {

@@ -1,24 +1,24 @@
-//! The sides of all triangles, sorted so that those of one edge are together.
+//! The sides of all triangles, sorted such that the sides of the same edge are adjacent.
 //!
-//! The sort has two steps: blocks of triangles distribute their sides to ranges of vertices, and each range sorts its
-//! own by counting. Both steps run in parallel, and the data of a task fits into the caches of a core.
+//! The sort has two steps: blocks of triangles distribute their sides to vertex ranges, and each range sorts its own sides
+//! by counting. Both steps run in parallel, and the data of a task fits into the caches of a core.
 //!
-//! Cost: linear for meshes of bounded valence; twelve bytes a side, and four more while they are sorted.
+//! Cost: linear for meshes of bounded valence; twelve bytes per side, and four more during sorting.
 
 use crate::base::csr::Csr;
 use crate::base::parallel;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// No neighbour across an edge: a boundary.
+/// No neighbour across an edge, that is, a boundary.
 pub const NONE: u32 = u32::MAX;
 
-/// The ends of an edge as its name: the lower one first, whichever way a triangle runs along it.
+/// Returns the ends of an edge, the lower first, so that they identify the edge in either direction.
 #[inline]
 pub(crate) fn lower_first([a, b]: [u32; 2]) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
 
-/// One side of a triangle, as the triangle runs along it.
+/// One side of a triangle, in the direction of the triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Side {
     from: u32,
@@ -28,32 +28,32 @@ pub(crate) struct Side {
 }
 
 impl Side {
-    /// End vertices, the lower first.
+    /// The end vertices, the lower first.
     #[inline]
     pub fn ends(&self) -> [u32; 2] {
         lower_first([self.from, self.to])
     }
 
-    /// Whether the triangle runs from the lower end to the higher.
+    /// Returns whether the triangle runs from the lower end to the higher one.
     #[inline]
     pub fn forward(&self) -> bool {
         self.from < self.to
     }
 
-    /// The corner index at `v`, an end of this side.
+    /// The index of the corner at `v`, an end of this side.
     pub fn corner_at(&self, v: u32) -> u32 {
         let (t, k) = (self.side / 3, self.side % 3);
         if self.from == v { self.side } else { 3 * t + (k + 1) % 3 }
     }
 }
 
-/// Triangles whose sides one thread distributes at a time.
+/// Number of triangles whose sides one thread distributes at a time.
 const BLOCK: usize = 1 << 16;
 
-/// Vertices whose sides one thread sorts at a time.
+/// Number of vertices whose sides one thread sorts at a time.
 const RANGE: usize = 1 << 13;
 
-/// All sides of all triangles between two different vertices, sorted by their ends, then by their numbers.
+/// Returns all sides of all triangles between two different vertices, sorted by their ends, then by their numbers.
 pub(crate) fn sorted_sides(triangles: &[[u32; 3]]) -> Vec<Side> {
     let largest = parallel::blocks(triangles, BLOCK, |block| block.iter().flatten().max());
     let vertices = largest.into_iter().flatten().max().map_or(0, |&v| v as usize + 1);
@@ -79,12 +79,13 @@ pub(crate) fn sorted_sides(triangles: &[[u32; 3]]) -> Vec<Side> {
     sorted
 }
 
-/// The sides, edge by edge.
+/// Groups the sides by edge.
 pub(crate) fn edges(sides: &[Side]) -> impl Iterator<Item = &[Side]> + Clone {
     sides.chunk_by(|a, b| a.ends() == b.ends())
 }
 
-/// For each of `count` sides the other side of its edge if the edge has exactly two sides and these `fit`, or [`NONE`].
+/// Returns for each of `count` sides the other side of its edge if the edge has exactly two sides and `fit` holds for them,
+/// else [`NONE`].
 pub(crate) fn pairs_of_sides(sides: &[Side], count: usize, fit: impl Fn(&Side, &Side) -> bool + Sync) -> Vec<u32> {
     let partner: Vec<AtomicU32> = (0..count).map(|_| AtomicU32::new(NONE)).collect();
     let put = |side: &Side, other: &Side| partner[side.side as usize].store(other.side, Ordering::Relaxed);
@@ -109,7 +110,7 @@ impl Side {
     }
 }
 
-/// The sides of `triangles` that are between two different vertices; `first` is the number of the first side.
+/// The sides of `triangles` between two different vertices; `first` is the number of the first side.
 fn sides(triangles: &[[u32; 3]], first: u32) -> impl Iterator<Item = Side> {
     let of_triangle = move |(&[a, b, c], t): (&[u32; 3], u32)| {
         let numbered = [(a, b), (b, c), (c, a)].into_iter().zip(first + 3 * t..);
@@ -118,8 +119,7 @@ fn sides(triangles: &[[u32; 3]], first: u32) -> impl Iterator<Item = Side> {
     triangles.iter().zip(0..).flat_map(of_triangle).filter(|side| side.from != side.to)
 }
 
-/// Sorts `sides`, given in the order of their numbers, whose smaller ends are among the `count` vertices from `first`
-/// on.
+/// Sorts `sides`, given in the order of their numbers, whose lower ends are among the `count` vertices starting at `first`.
 fn sort_range(first: u32, count: usize, sides: Vec<Side>, sorted: &mut [Side]) {
     let mut place = vec![0u32; count + 1];
     sides.iter().for_each(|s| place[(s.ends()[0] - first) as usize + 1] += 1);
@@ -129,7 +129,7 @@ fn sort_range(first: u32, count: usize, sides: Vec<Side>, sorted: &mut [Side]) {
         sorted[*at as usize] = side;
         *at += 1;
     }
-    // By now each place is where the sides of the next vertex begin.
+    // Now each entry is the position where the sides of the next vertex begin.
     let mut start = 0;
     for &end in &place[..count] {
         sorted[start..end as usize].sort_unstable_by_key(|s| (s.ends()[1], s.side));
@@ -147,7 +147,7 @@ mod tests {
     fn sides_are_in_the_order_of_their_ends_and_numbers() {
         let mut rng = stream(1, Stage::Scan);
         let bound = 3 * RANGE as u32;
-        // More than a block of them, around few vertices here and there.
+        // More triangles than fit into a block, around a small number of scattered vertices.
         let triangles: Vec<[u32; 3]> =
             (0..BLOCK + 100).map(|_| [0; 3].map(|_| rng.next_u32() % bound / 7 * 7 % bound)).collect();
         let mut expected: Vec<Side> = sides(&triangles, 0).collect();

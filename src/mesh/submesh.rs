@@ -1,9 +1,9 @@
-//! A part of a mesh, cut out to be changed and sewn in again.
+//! A part of a mesh that is cut out, changed and sewn back in.
 //!
-//! The part has a boundary along the interface, with the vertices of the whole. Whatever else changes, it fits in again
-//! as long as it keeps the edges of the interface, and the rest of the whole stays as it was.
+//! The part has a boundary along the interface, with the vertices of the whole. Whatever changes inside, the part fits back
+//! in if it keeps the edges of the interface, and the rest of the whole is unaffected.
 //!
-//! A vertex at which the part touches itself becomes one vertex for each fan of its triangles, so that a part of a
+//! A vertex at which the part touches itself is split into one vertex for each fan of triangles, so that a part of a
 //! manifold is a manifold.
 //!
 //! Cost: linear in the triangles of the whole, with a logarithmic factor for the part.
@@ -16,21 +16,21 @@ use crate::mesh::triangle_mesh::Mesh;
 /// A part of an oriented manifold.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Submesh {
-    /// The part as a mesh of its own, its triangles and vertices in the order of the whole.
+    /// The part as a separate mesh, with triangles and vertices in the order of the whole.
     pub mesh: Mesh,
-    /// For each of its vertices the vertex of the whole.
+    /// For each of its vertices, the vertex of the whole.
     pub source: Vec<u32>,
-    /// The edges along which it is cut out, in increasing order, each as its ends in the direction that has the part on
-    /// its left.
+    /// The edges along which it is cut out, in increasing order; each is given by its ends, in the direction that has the
+    /// part on its left.
     pub interface: Vec<[u32; 2]>,
 }
 
-/// What a mesh has kept of the one that it was made from: its first vertices and triangles.
+/// The vertices and triangles that a mesh has kept of the mesh it was made from; they come first in it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Kept {
-    /// For each of these vertices its old number; [`NONE`] for a new one.
+    /// The old number of each of these vertices; [`NONE`] for a new one.
     pub vertices: Vec<u32>,
-    /// For each of these triangles its old number; [`NONE`] for a new one.
+    /// The old number of each of these triangles; [`NONE`] for a new one.
     pub triangles: Vec<u32>,
 }
 
@@ -45,8 +45,8 @@ pub struct Fans {
 }
 
 impl Fans {
-    /// The fans of the triangles `part`, given in increasing order; `twin` has the twin of each half-edge of the whole,
-    /// or [`NONE`].
+    /// Returns the fans of the triangles `part`, given in increasing order; `twin` has the twin of each half-edge of the
+    /// whole, or [`NONE`].
     pub fn new(part: &[u32], twin: &[u32]) -> Fans {
         let mut fans = UnionFind::new(3 * part.len());
         let mut interface = Vec::new();
@@ -56,7 +56,7 @@ impl Fans {
                 continue;
             }
             match part.binary_search(&(across / 3)) {
-                // The corners at the other end are joined when it is the other side's turn.
+                // The corners at the other end are joined when the opposite side is processed.
                 Ok(j) => {
                     fans.join(side, next(3 * j as u32 + across % 3));
                 }
@@ -91,7 +91,7 @@ impl Submesh {
         Submesh { mesh: Mesh { positions, triangles }, source: vertices.into_iter().map(|v| v.0).collect(), interface }
     }
 
-    /// The number of its vertices on the interface.
+    /// Number of its vertices on the interface.
     pub fn interface_vertices(&self) -> usize {
         let mut ends: Vec<u32> = self.interface.iter().flatten().copied().collect();
         ends.sort_unstable();
@@ -100,8 +100,8 @@ impl Submesh {
     }
 }
 
-/// `whole` with `piece` in place of its `selected` triangles. `joined` has for each vertex of `piece` its number in the
-/// whole, or [`NONE`] for a new one.
+/// Returns `whole` with `piece` in place of its `selected` triangles. For each vertex of `piece`, `joined` has its number in
+/// the whole, or [`NONE`] for a new one.
 ///
 /// The other triangles and their vertices come first, in the order of the whole.
 pub fn sew(whole: &Mesh, selected: &[bool], piece: &Mesh, joined: &[u32]) -> (Mesh, Kept) {
@@ -151,7 +151,7 @@ mod tests {
 
     #[test]
     fn a_part_that_touches_itself_at_a_vertex_is_a_manifold() {
-        // Two faces of the cube across from each other at the corner 0: a triangle of each, without a common edge.
+        // Triangles on two faces of the cube that share only the corner 0, not an edge.
         let cube = testing::cube();
         let at_corner: Vec<usize> = (0..12).filter(|&t| cube.triangles[t].contains(&0)).collect();
         let apart =

@@ -1,5 +1,5 @@
-//! What a triangle mesh is, apart from its positions: whether it is manifold and oriented, its genus, its components
-//! and its holes.
+//! The properties of a triangle mesh that do not depend on positions: whether it is manifold and oriented, its genus, its
+//! components and its holes.
 //!
 //! Cost: linear in the triangles, plus one sort of the edges.
 
@@ -9,36 +9,37 @@ use serde::{Deserialize, Serialize};
 
 pub use crate::mesh::sides::NONE;
 
-/// The topology of a mesh, counted over the vertices that triangles use.
+/// The topology of a mesh, restricted to the vertices that triangles use.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Topology {
-    /// Vertices that triangles use.
+    /// Number of vertices that triangles use.
     pub vertices: usize,
-    /// Edges, each counted once.
+    /// Number of edges.
     pub edges: usize,
-    /// Triangles.
+    /// Number of triangles.
     pub faces: usize,
     /// Euler characteristic, vertices - edges + faces.
     pub euler: i64,
-    /// Components connected through edges.
+    /// Number of components, connected through edges.
     pub components: usize,
-    /// Closed chains of boundary edges (components of the boundary that are connected through vertices).
+    /// Number of boundary loops: closed chains of boundary edges (components of the boundary that are connected through
+    /// vertices).
     pub boundary_loops: usize,
-    /// Edges with three faces or more.
+    /// Number of edges with three or more faces.
     pub nonmanifold_edges: usize,
-    /// Vertices whose faces make more than one fan.
+    /// Number of vertices with more than one fan.
     pub nonmanifold_vertices: usize,
-    /// Edges whose two faces run along it in the same direction.
+    /// Number of edges whose two faces run along them in the same direction.
     pub misoriented_edges: usize,
 }
 
 impl Topology {
-    /// Whether every edge has at most two faces and every vertex one fan.
+    /// Returns whether every edge has at most two faces and every vertex a single fan.
     pub fn is_manifold(&self) -> bool {
         self.nonmanifold_edges == 0 && self.nonmanifold_vertices == 0
     }
 
-    /// Whether neighbouring faces agree on which side is outside.
+    /// Returns whether neighbouring faces agree on which side is outside.
     pub fn is_oriented(&self) -> bool {
         self.misoriented_edges == 0
     }
@@ -46,7 +47,7 @@ impl Topology {
 
 /// The topology of `triangles` over vertices numbered below `vertex_count`.
 ///
-/// Triangles with two equal corners are counted as faces but make no edge between the equal corners.
+/// Triangles with two equal corners are counted as faces, but contribute no edge between the equal corners.
 pub fn topology(vertex_count: usize, triangles: &[[u32; 3]]) -> Topology {
     let sides = sorted_sides(triangles);
     let mut t = Topology { faces: triangles.len(), ..Topology::default() };
@@ -93,10 +94,10 @@ pub fn topology(vertex_count: usize, triangles: &[[u32; 3]]) -> Topology {
     t
 }
 
-/// For each side `3 t + k` of a manifold mesh, the side `3 u + l` of the other face that runs back along it, or
-/// [`NONE`] at a boundary. Side `k` of a triangle runs from corner `k` to corner `k + 1`.
+/// Returns for each side `3 t + k` of a manifold mesh the opposite side `3 u + l` of the other face, or [`NONE`] at a
+/// boundary. Side `k` of a triangle runs from corner `k` to corner `k + 1`.
 ///
-/// Sides of edges with more than two faces, or with two that run the same way, get [`NONE`], too.
+/// Sides of edges with more than two faces, or with two faces that run the same way, get [`NONE`], too.
 pub fn twins(triangles: &[[u32; 3]]) -> Vec<u32> {
     pairs_of_sides(&sorted_sides(triangles), 3 * triangles.len(), |a, b| a.forward() != b.forward())
 }
@@ -118,13 +119,13 @@ pub fn topology_of_manifold(triangles: &[[u32; 3]], component: &[u32], twin: &[u
         faces: triangles.len(),
         euler: vertices as i64 - edges as i64 + triangles.len() as i64,
         components: component.iter().max().map_or(0, |&last| last as usize + 1),
-        // Each vertex of a manifold's boundary begins one of its edges.
+        // Each boundary vertex of a manifold is the start of one boundary edge.
         boundary_loops: starts.iter().filter(|&&v| boundary.find(v) == v).count(),
         ..Topology::default()
     }
 }
 
-/// The component of each vertex, numbered in the order of the first vertex of each; unused vertices are components too.
+/// Returns the component of each vertex, numbered in the order of their first vertices; unused vertices are components, too.
 pub fn components(vertex_count: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
     let mut components = UnionFind::new(vertex_count);
     for &[a, b, c] in triangles {

@@ -4,23 +4,23 @@ use crate::base::parallel;
 use crate::geom::aabb::Aabb;
 use glam::DVec3;
 
-/// Triangles that one task looks at.
+/// Number of triangles that one task processes.
 const CHUNK: usize = 1 << 14;
 
-/// An indexed triangle mesh. The corners of a triangle go counter-clockwise seen from outside.
+/// An indexed triangle mesh. The corners of a triangle are in counter-clockwise order seen from outside.
 ///
-/// Nothing is promised about topology: a reader's mesh may be anything whose indices are in range and whose
+/// Nothing is guaranteed about the topology: a mesh from a reader may be anything whose indices are in range and whose
 /// coordinates are finite.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
     /// Vertex positions, in the units of the file.
     pub positions: Vec<DVec3>,
-    /// Corner indices into `positions`, three a triangle.
+    /// Corner indices into `positions`, three per triangle.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl Mesh {
-    /// Triangles that share no vertices, though corners may be at the same places.
+    /// Makes a mesh of triangles that share no vertices, even if corners are at the same position.
     pub fn soup(triangles: impl IntoIterator<Item = [DVec3; 3]>) -> Mesh {
         let positions: Vec<DVec3> = triangles.into_iter().flatten().collect();
         let triangles = (0..positions.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
@@ -33,20 +33,20 @@ impl Mesh {
         self.triangles[t].map(|v| self.positions[v as usize])
     }
 
-    /// The vertex that `side` runs from: side `3 t + k` runs from corner `k` of triangle `t` to the next one.
+    /// The vertex at which `side` begins: side `3 t + k` runs from corner `k` of triangle `t` to the next one.
     #[inline]
     pub(crate) fn origin(&self, side: u32) -> u32 {
         self.triangles[side as usize / 3][side as usize % 3]
     }
 
-    /// The vertices that `side` runs from and to.
+    /// The vertices at which `side` begins and ends.
     #[inline]
     pub(crate) fn ends(&self, side: u32) -> [u32; 2] {
         let [t, k] = [side as usize / 3, side as usize % 3];
         [k, (k + 1) % 3].map(|k| self.triangles[t][k])
     }
 
-    /// Where the ends of `side` are.
+    /// The positions of the ends of `side`.
     #[inline]
     pub(crate) fn segment(&self, side: u32) -> [DVec3; 2] {
         self.ends(side).map(|v| self.positions[v as usize])
@@ -57,14 +57,14 @@ impl Mesh {
         self.corners(t).into_iter().sum::<DVec3>() / 3.0
     }
 
-    /// Twice the area of triangle `t` times its unit normal.
+    /// The unit normal of triangle `t` times twice its area.
     #[inline]
     pub fn area_vector(&self, t: usize) -> DVec3 {
         let [a, b, c] = self.corners(t);
         (b - a).cross(c - a)
     }
 
-    /// For each vertex the sum of the area vectors of its triangles: a normal that is not of unit length.
+    /// Returns for each vertex the sum of the area vectors of its triangles: a normal that is not of unit length.
     pub fn vertex_area_vectors(&self) -> Vec<DVec3> {
         let mut sums = vec![DVec3::ZERO; self.positions.len()];
         for (t, corners) in self.triangles.iter().enumerate() {
@@ -78,7 +78,7 @@ impl Mesh {
         self.sum_over_triangles(|t| 0.5 * self.area_vector(t).length())
     }
 
-    /// The sum of `of` over all triangles; the same with any number of threads.
+    /// Returns the sum of `of` over all triangles, which is the same with any number of threads.
     pub fn sum_over_triangles(&self, of: impl Fn(usize) -> f64 + Sync) -> f64 {
         let sums: Vec<f64> = parallel::blocks(0..self.triangles.len(), CHUNK, |chunk| chunk.map(&of).sum());
         sums.into_iter().sum()
@@ -91,12 +91,12 @@ impl Mesh {
         boxes.into_iter().flatten().reduce(|one, other| one.join(&other))
     }
 
-    /// The length of the bounding box's diagonal, zero without triangles.
+    /// The length of the bounding box's diagonal; zero without triangles.
     pub fn diagonal(&self) -> f64 {
         self.bounds().map_or(0.0, |bounds| bounds.diagonal())
     }
 
-    /// For each vertex whether a triangle uses it.
+    /// Returns, for each vertex, whether a triangle uses it.
     pub fn used_vertices(&self) -> Vec<bool> {
         used_vertices(&self.triangles, self.positions.len())
     }
@@ -116,7 +116,7 @@ impl Mesh {
     }
 }
 
-/// For each of `count` vertices whether one of the triangles uses it.
+/// Returns, for each of `count` vertices, whether a triangle uses it.
 pub fn used_vertices(triangles: &[[u32; 3]], count: usize) -> Vec<bool> {
     let mut used = vec![false; count];
     triangles.as_flattened().iter().for_each(|&v| used[v as usize] = true);

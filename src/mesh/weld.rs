@@ -1,4 +1,4 @@
-//! Welding: vertices at exactly the same place become one. Files of separate triangles need it.
+//! Welding: merges vertices at exactly the same position. Files of separate triangles need it.
 //!
 //! Cost: one sort of the vertices.
 
@@ -6,10 +6,10 @@ use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 use rayon::slice::ParallelSliceMut;
 
-/// The representative of each position: for those in `numbers` the lowest of them at exactly the same place, for all
-/// others themselves. Zeros of either sign are equal.
+/// Returns the representative of each position: for those in `numbers`, the lowest of them at exactly the same position; for
+/// all others, the position itself. Zeros of either sign are equal.
 pub fn first_at_place(positions: &[DVec3], mut numbers: Vec<u32>) -> Vec<u32> {
-    // Adding zero makes -0.0 and 0.0 the same bits.
+    // Adding zero gives -0.0 and 0.0 the same bits.
     let key = |v: u32| (positions[v as usize] + DVec3::ZERO).to_array().map(f64::to_bits);
     numbers.par_sort_unstable_by_key(|&v| (key(v), v));
     let mut first: Vec<u32> = (0..positions.len() as u32).collect();
@@ -19,17 +19,17 @@ pub fn first_at_place(positions: &[DVec3], mut numbers: Vec<u32>) -> Vec<u32> {
     first
 }
 
-/// For each position the number of the first one at exactly its place.
+/// Returns for each position the number of the first one at exactly the same position.
 pub fn representatives(positions: &[DVec3]) -> Vec<u32> {
     first_at_place(positions, (0..positions.len() as u32).collect())
 }
 
-/// The same triangles over vertices that are all at different places, in the order of the first vertex at each place.
+/// Returns the same triangles over vertices at distinct positions, in the order of the first vertex at each position.
 /// Nothing else changes, so triangles may end up with equal corners.
 pub fn weld(mesh: &Mesh) -> Mesh {
     let first = representatives(&mesh.positions);
     let mut positions = Vec::new();
-    // The first vertex at a place gets its number before any other one there needs it.
+    // The first vertex at a position gets its number before any other vertex there needs it.
     let mut number = vec![0; first.len()];
     for v in 0..first.len() {
         number[v] = number[first[v] as usize];

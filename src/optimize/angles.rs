@@ -1,22 +1,22 @@
-//! Raises the smallest angles and the quality of the worst triangles only.
+//! Raises only the smallest angles and the quality of the worst triangles.
 //!
-//! The margin of a triangle is the distance of its smallest angle and quality from the goal, negative if it misses the
-//! goal; what it misses it by is its shortfall s. Vertices of triangles with a shortfall search for a place where the worst
-//! around them is no worse and the sum of this cost is less, and edges flip if that makes the worst better:
+//! The margin of a triangle is the distance of its smallest angle and quality from the goal, negative if it misses the goal;
+//! the amount by which it misses it is its shortfall s. Vertices of triangles with a shortfall search for a place where the
+//! worst triangle around them is no worse and the sum of this cost is lower; edges flip if that improves the worst triangle:
 //!
 //! ```text
 //! 4 s  +  10 max(s - 1.5, 0)²  +  160 (1 - Q)
 //! ```
 //!
-//! Nothing else moves, so the rest stays even. The part that is linear in s lets triangles reach the goal that can. Where one
-//! cannot, between near curves, those around it are spoilt for its sake by no more than it gains, which is worth the more the
-//! farther it is from the goal.
+//! Nothing else moves, so the rest stays even. The part that is linear in s lets triangles reach the goal if they can. Where
+//! one cannot, between nearby curves, those around it are spoilt for its sake by no more than it gains, and its gain is
+//! worth the more the farther it is from the goal.
 //!
-//! Based on: L. A. Freitag, C. Ollivier-Gooch, Tetrahedral mesh improvement using swapping and smoothing, 1997,
-//! DOI 10.1002/(SICI)1097-0207(19971115)40:21<3979::AID-NME251>3.0.CO;2-9. Departures: a pattern search in the tangent
-//! plane takes the place of the search along active gradients, and the sum of costs that of the worst.
+//! Based on: L. A. Freitag, C. Ollivier-Gooch, Tetrahedral mesh improvement using swapping and smoothing, 1997, DOI
+//! 10.1002/(SICI)1097-0207(19971115)40:21<3979::AID-NME251>3.0.CO;2-9. Departures: a pattern search in the tangent plane
+//! replaces the search along active gradients, and the sum of the costs replaces that of the worst.
 //!
-//! Cost: linear in the triangles for each pass, and some hundred triangles looked at for each vertex that is moved.
+//! Cost: linear in the triangles per pass, and some hundred triangles examined for each vertex that is moved.
 
 use crate::base::error::Result;
 use crate::base::math;
@@ -30,46 +30,46 @@ use crate::optimize::crossings::longest_edge;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 
-/// What triangles shall have.
+/// The angle and quality that triangles should have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Goal {
     /// The smallest angle, in degrees.
     pub smallest_angle: f64,
-    /// The tangent of that.
+    /// The tangent of the smallest angle.
     pub(super) tangent: f64,
-    /// The least quality.
+    /// The minimum quality.
     pub quality: f64,
-    /// What all of a triangle's quality costs: with 0 only the goal counts.
+    /// Weight of the quality in the cost of a triangle; with 0, only the goal counts.
     pub(super) of_quality: f64,
 }
 
 impl Goal {
-    /// A little more than 40 degrees and 0.75. With both no angle is above 86 degrees.
+    /// A little more than 40 degrees and 0.75. With both, no angle is above 86 degrees.
     pub const GOOD: Goal =
         Goal { smallest_angle: 40.5, tangent: 0.854_080_684_634_666_3, quality: 0.76, of_quality: 160.0 };
 
-    /// What is enough where some triangles cannot even have that: the mean gains more than the others lose. With it the mean Q of 60
-    /// files is 0.9605 instead of 0.9599, and the mean of their smallest angles 30.6 instead of 30.0 degrees, as vertices go to the
-    /// worst places that would have gone to others.
+    /// Goal if some triangles cannot reach even this one: the mean gains more than the others lose. With it, the mean Q of
+    /// 60 files is 0.9605 instead of 0.9599, and the mean of their smallest angles 30.6 instead of 30.0 degrees, since
+    /// vertices go to the worst places that would otherwise have gone to others.
     pub const MODEST: Goal =
         Goal { smallest_angle: 30.0, tangent: 0.577_350_269_189_625_8, quality: 0.63, ..Goal::GOOD };
 
-    /// The better goal if no angle of the mesh is below the modest one.
+    /// Returns the better goal if no angle of the mesh is below the modest one.
     pub fn within_reach(mesh: &Manifold) -> Goal {
         let misses = |t: u32| smallest_angle(mesh.corners(t)) < Goal::MODEST.smallest_angle;
         if mesh.triangles().any(misses) { Goal::MODEST } else { Goal::GOOD }
     }
 
-    /// How far inside of the goal a triangle of these corners is, in degrees of its smallest angle; negative outside.
+    /// Returns how far inside the goal a triangle with these corners is, in degrees of its smallest angle; negative outside.
     fn margin_of(self, corners: [DVec3; 3]) -> f64 {
         (DEGREES_OF_QUALITY * (quality(corners) - self.quality)).min(smallest_angle(corners) - self.smallest_angle)
     }
 
-    /// What a triangle of these corners misses the goal by, in degrees, and its quality.
+    /// Returns by how many degrees a triangle with these corners misses the goal, and its quality.
     fn shortfall_and_quality(self, corners: [DVec3; 3]) -> (f64, f64) {
         let (quality, sine, cosine) = quality_and_sine_cosine(corners);
         let of_quality = (DEGREES_OF_QUALITY * (self.quality - quality)).max(0.0);
-        // The arc is costly.
+        // The arctangent is costly.
         let of_angle = if sine >= self.tangent * cosine {
             0.0
         } else {
@@ -78,78 +78,78 @@ impl Goal {
         (of_quality.max(of_angle), quality)
     }
 
-    /// Whether the margin of a triangle is not negative: [`Self::margin_of`] without its costly arc.
+    /// Returns whether the margin of a triangle is not negative: [`Self::margin_of`] without its costly arctangent.
     fn is_met_by(self, corners: [DVec3; 3]) -> bool {
         let (quality, sine, cosine) = quality_and_sine_cosine(corners);
         sine >= self.tangent * cosine && quality >= self.quality
     }
 
-    /// The least margin of the triangles around `v` if it were at `p`, in degrees; negative outside of the goal.
+    /// Returns the minimum margin of the triangles around `v` if it were at `p`, in degrees; negative outside the goal.
     pub fn least_margin(self, mesh: &Manifold, v: u32, p: DVec3) -> f64 {
         corners_around(mesh, v, p).map(|corners| self.margin_of(corners)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether the triangles around `v` are within the goal, or no further outside, with `v` at `p`.
+    /// Returns whether the triangles around `v` are within the goal, or no further outside, with `v` at `p`.
     pub fn is_kept(self, mesh: &Manifold, v: u32, p: DVec3) -> bool {
         corners_around(mesh, v, p).all(|corners| self.is_met_by(corners))
             || self.least_margin(mesh, v, p) >= self.least_margin(mesh, v, mesh.position(v))
     }
 
-    /// The least margin of all triangles, in degrees; negative outside of the goal.
+    /// Returns the minimum margin of all triangles, in degrees; negative outside the goal.
     pub(super) fn worst_margin(self, mesh: &Manifold) -> f64 {
         mesh.triangles().map(|t| self.margin_of(mesh.corners(t))).fold(f64::INFINITY, f64::min)
     }
 
-    /// What all triangles cost.
+    /// Returns the total cost of all triangles.
     pub(super) fn cost(self, mesh: &Manifold) -> f64 {
         let of_triangle = |(shortfall, quality)| cost_of(shortfall) + self.of_quality * (1.0 - quality);
         mesh.triangles().map(|t| of_triangle(self.shortfall_and_quality(mesh.corners(t)))).sum()
     }
 
-    /// The triangles outside of the goal.
+    /// Returns the triangles outside the goal.
     pub(super) fn missed_by(self, mesh: &Manifold) -> impl Iterator<Item = u32> {
         mesh.triangles().filter(move |&t| !self.is_met_by(mesh.corners(t)))
     }
 }
 
-/// The largest angle, in degrees, that the better goal leaves.
+/// The largest angle, in degrees, within the better goal.
 const LARGEST: f64 = 86.0;
 
-/// Degrees of the smallest angle that one unit of quality counts as: 0.01 of it, or 0.8 degrees.
+/// Degrees of the smallest angle that one unit of quality counts as: 0.01 of it counts as 0.8 degrees.
 const DEGREES_OF_QUALITY: f64 = 80.0;
 
-/// What a degree of shortfall and the square of a degree beyond [`FAR`] cost. With the squares of all degrees alone the mean Q of
-/// 64 CAD parts is 0.923 instead of 0.926. With 5.5 degrees in place of 1.5 it is the same, but the median of the smallest angles
-/// of 50 other parts, which can have 40 degrees, is 37 instead of 39.
+/// Cost of a degree of shortfall, and of the square of a degree beyond [`FAR`]. With the squares of all degrees alone, the
+/// mean Q of 64 CAD parts is 0.923 instead of 0.926. With 5.5 degrees in place of 1.5 it is the same, but the median of the
+/// smallest angles of 50 other parts, which can have 40 degrees, is 37 instead of 39.
 const OF_DEGREES: f64 = 4.0;
 const OF_SQUARES: f64 = 10.0;
 
-/// Degrees of shortfall from which on their squares count, too.
+/// Degrees of shortfall beyond which the squares count, too.
 const FAR: f64 = 1.5;
 
-/// Passes over the worst triangles; most models need fewer.
+/// Maximum number of passes over the worst triangles; most models need fewer.
 const MOST_PASSES: usize = 30;
 
-/// First and last step of the search in mean spacings.
+/// First and last step of the search, in mean spacings.
 const FIRST_STEP: f64 = 0.2;
 const LAST_STEP: f64 = 0.01;
 
-/// What a step of the search has to gain, and rings of places that it looks at, so that it ends.
+/// Minimum gain of a search step, and maximum number of rings of places that are tried, so that the search ends.
 const LEAST_GAIN: f64 = 0.5;
 const MOST_TRIES: usize = 24;
 
-/// How far a vertex may come from where it was at first, in mean spacings: without that the ends of what is thin draw back,
-/// as rings of few vertices around them have better angles.
+/// Maximum distance of a vertex from its initial place, in mean spacings. Without this limit, the ends of thin parts shrink
+/// back, since rings of few vertices around them have better angles.
 const FARTHEST: f64 = 0.3;
 
-/// The most that a spacing counts as in the search, in lengths of the longest edge at a vertex: on pieces far smaller than the
-/// spacing every step would lead away from all of the surface.
+/// Upper limit of the spacing in the search, in lengths of the longest edge at a vertex. On pieces far smaller than the
+/// spacing, every step would otherwise lead away from the whole surface.
 const MOST_OF_EDGE: f64 = 2.0;
 
-/// Directions that the search tries.
+/// Number of directions that the search tries.
 const DIRECTIONS: usize = 8;
 
-/// Improves the worst triangles until none is outside of the goal or nothing helps. `spacing` is the mean edge length.
+/// Improves the worst triangles until none is outside the goal or nothing helps. `spacing` is the mean edge length.
 pub fn improve_angles(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -160,7 +160,7 @@ pub fn improve_angles(
     improve_angles_for(domain, mesh, &VertexSet::EMPTY, goal, spacing, MOST_PASSES, monitor)
 }
 
-/// [`improve_angles`] with at most that many passes, without moving the vertices in `locked`.
+/// [`improve_angles`] with at most `passes` passes, without moving the vertices in `locked`.
 pub(super) fn improve_angles_for(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -206,7 +206,7 @@ pub(super) fn improve_angles_for(
     Ok(())
 }
 
-/// What the triangles around a vertex cost, and by how many degrees the worst of them misses the goal.
+/// Cost of the triangles around a vertex, and by how many degrees the worst of them misses the goal.
 #[derive(Clone, Copy, Default)]
 struct Cost {
     sum: f64,
@@ -216,7 +216,7 @@ struct Cost {
 impl Cost {
     const INFINITE: Cost = Cost { sum: f64::INFINITY, largest_shortfall: f64::INFINITY };
 
-    /// That around `v` if it were at `p`, if it is less than `bound` and the worst no worse.
+    /// Returns the cost around `v` if it were at `p`, if that is less than `bound` and the worst triangle is no worse.
     fn below(bound: Cost, mesh: &Manifold, v: u32, p: DVec3, goal: Goal) -> Option<Cost> {
         corners_around(mesh, v, p).try_fold(Cost::default(), |cost, corners| {
             let (shortfall, quality) = goal.shortfall_and_quality(corners);
@@ -229,12 +229,12 @@ impl Cost {
     }
 }
 
-/// What that shortfall, in degrees, costs.
+/// Returns the cost of a shortfall in degrees.
 fn cost_of(shortfall: f64) -> f64 {
     OF_DEGREES * shortfall + OF_SQUARES * math::square((shortfall - FAR).max(0.0))
 }
 
-/// The corners of the triangles around `v` if it were at `p`.
+/// Returns the corners of the triangles around `v` if it were at `p`.
 pub(super) fn corners_around(mesh: &Manifold, v: u32, p: DVec3) -> impl Iterator<Item = [DVec3; 3]> {
     mesh.connectivity.outgoing(v).map(move |h| {
         let [_, a, b] = mesh.connectivity.triangle(h);
@@ -262,8 +262,8 @@ fn flip_if_better(mesh: &mut Manifold, goal: Goal, h: u32) -> bool {
     better
 }
 
-/// Whether the angles around `v` could all be within the goal with one edge less: around four edges in the plane one is
-/// at least 90 degrees.
+/// Returns whether all angles around `v` could be within the goal with one edge less: around four edges in the plane, one
+/// angle is at least 90 degrees.
 fn can_spare_an_edge(mesh: &Manifold, v: u32) -> bool {
     let c = &mesh.connectivity;
     let angle = |h: u32| angles(c.triangle(h).map(|v| mesh.position(v)))[0];
@@ -271,7 +271,8 @@ fn can_spare_an_edge(mesh: &Manifold, v: u32) -> bool {
     room <= LARGEST * (count - 1.0)
 }
 
-/// Moves `v`, which was at `first` once, to a place where the triangles around it cost less; whether there was one.
+/// Moves `v`, which was initially at `first`, to a place where the triangles around it cost less; returns whether there was
+/// one.
 fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, first: DVec3, goal: Goal, spacing: f64) -> bool {
     let here = mesh.samples[v as usize];
     let spacing = (spacing * here.size).min(MOST_OF_EDGE * longest_edge(mesh, v));
@@ -291,7 +292,7 @@ fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, first: DVec3, go
         let mut better: Vec<(f64, DVec3)> =
             tried.filter_map(|way| Some((cost_at(best.1.position + way)?.sum, way))).collect();
         better.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // The surface is searched only for what is better beside it.
+        // Only steps that are better before projection are projected onto the surface.
         let found = better.into_iter().find_map(|(_, way)| {
             let there = mesh.place_after(domain, v, way, &best.1);
             cost_at(there.position).filter(|_| may(mesh, &there)).map(|cost| (cost, there))
@@ -305,7 +306,7 @@ fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, first: DVec3, go
     best.0.sum < before.sum
 }
 
-/// Ways of length `step` from `at`, where `v` is or could be: in the tangent plane, or along the curve of a vertex there.
+/// Returns steps of length `step` from `at`, a place of `v`: in the tangent plane, or along its curve if `v` is on one.
 fn ways(mesh: &Manifold, v: u32, at: &Sample, step: f64) -> Vec<DVec3> {
     if let Some(ends) = mesh.connectivity.along_curve(v) {
         return ends.map(|w| step * (mesh.position(w) - at.position).normalize_or_zero()).to_vec();

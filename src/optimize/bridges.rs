@@ -1,19 +1,19 @@
-//! Finds bridges: triangles between vertices of the surface that go where the surface is not.
+//! Finds bridges: triangles between vertices of the surface that span places where there is no surface.
 //!
-//! Around a rod that is thinner than edges are long, and where samples miss a bend of one, what fits together may lie across the
-//! empty space beside it.
+//! Around a rod that is thinner than the edges are long, and where samples miss a bend of a rod, triangles that fit together
+//! may lie across the empty space beside it.
 //!
-//! Cost: a closest point for each long edge, of which there are few where samples follow the surface.
+//! Cost: a closest-point search for each long edge, of which there are few where samples follow the surface.
 
 use crate::manifold::Manifold;
 use crate::surface::domain::Domain;
 
-/// How far an edge of a bridge goes from the surface at least, in mean lengths. On eighty files as people have them no point of a result
-/// that follows the surface is farther than 0.7 from it.
+/// Minimum distance of a bridge's edge from the surface, in mean edge lengths. In eighty real-world files, no point of a
+/// result that follows the surface is farther than 0.7 from it.
 const FAR: f64 = 1.0;
 
-/// The triangles of `mesh`, by their place among its triangles, that are bridges. `spacing` is the mean edge length that is
-/// wanted; sizes do not count, since they change where results are mended.
+/// Returns the bridges of `mesh`, as positions among its triangles. `spacing` is the mean target edge length; sizes do not
+/// count, since they change where results are mended.
 pub fn bridges(domain: &Domain, mesh: &Manifold, spacing: f64) -> Vec<u32> {
     let c = &mesh.connectivity;
     let is_far = |h: &u32| {
@@ -39,7 +39,7 @@ mod tests {
     use glam::dvec3;
     use std::f64::consts::PI;
 
-    /// A half of a tube of radius 1, of `n` by `n` squares.
+    /// Half of a tube of radius 1, made of `n` by `n` squares.
     fn half_tube(n: u32) -> Mesh {
         grid(n, n, |u, v| {
             let (y, x) = math::sin_cos(PI * u);
@@ -47,7 +47,7 @@ mod tests {
         })
     }
 
-    /// How many bridges there are in a mesh of `n` by `n` squares over it.
+    /// Number of bridges in a mesh of `n` by `n` squares over it.
     fn found(n: u32, spacing: f64) -> usize {
         let domain = Domain::new(half_tube(60).try_into().unwrap());
         let coarse = half_tube(n);

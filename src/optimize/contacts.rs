@@ -1,7 +1,8 @@
-//! Parts vertices at one place, where bodies touch at a corner or an edge: a program that welds the result would join the bodies
-//! there.
+//! Separates coincident vertices, where bodies touch at a corner or an edge: a program that welds the result would join the
+//! bodies there.
 //!
-//! All but one step along their longest edge, by next to nothing, which keeps them on the surface.
+//! Of the vertices at one position, all but one step a tiny distance along their longest edge, which keeps them on the
+//! surface.
 //!
 //! Cost: a sort of the vertices.
 
@@ -10,13 +11,13 @@ use crate::mesh::weld::representatives;
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// How far a vertex steps, in lengths of its longest edge; a second one at the same place steps twice as far, and so on.
+/// Step of a vertex, in lengths of its longest edge. Each further vertex at the same position steps farther by this amount.
 const STEP: f64 = 1e-3;
 
-/// Longest step: of so many bodies at one place not all are parted.
+/// Longest step: if very many bodies touch at one position, not all are separated.
 const LONGEST: f64 = 0.05;
 
-/// Moves vertices whose positions are at the same place once `rounded` apart, but for those on an interface.
+/// Separates vertices whose positions coincide once `rounded`, except those on an interface.
 pub fn part_contacts(mesh: &mut Manifold, rounded: impl Fn(DVec3) -> DVec3) {
     let (_, vertices) = mesh.connectivity.compact();
     let places: Vec<DVec3> = vertices.iter().map(|&v| rounded(mesh.position(v))).collect();

@@ -1,9 +1,9 @@
 //! Brings a mesh to the wanted number of vertices: splits the longest edges or collapses the shortest, by their length
-//! relative to the one that is wanted there.
+//! relative to the local target edge length.
 //!
-//! Every step keeps the topology. If that needs more vertices than are wanted, more are left; the caller compares.
+//! Every step keeps the topology. If that needs more vertices than wanted, more are left; the caller compares.
 //!
-//! Cost: n log n in the edges once, and a queue operation for each edge changed.
+//! Cost: n log n in the edges once, and a queue operation for each changed edge.
 
 use crate::base::heap::{Ranked, RankedQueue};
 use crate::manifold::Manifold;
@@ -11,7 +11,7 @@ use crate::manifold::facing::FacingGuard;
 use crate::mesh::half_edge::next;
 use crate::surface::domain::Domain;
 
-/// Farthest that a vertex which leaves a curve may be from it, in lengths of the edge that it leaves along.
+/// Maximum distance of a vertex removed from a curve to what remains, in lengths of the collapsed edge.
 const STRAIGHT: f64 = 0.05;
 
 /// Brings `mesh` to `wanted` vertices, as far as its topology allows.
@@ -33,8 +33,8 @@ pub fn meet_count(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
     }
 }
 
-/// Collapses the edges with an end `near` that are shorter than `shortest`, relative to what is wanted there, and with no triangle
-/// at a curve, where the surface allows it: the shortest first.
+/// Collapses edges shorter than `shortest`, relative to the local target edge length, the shortest first: those with an end
+/// that is `near`, with no triangle at a curve, and where the surface allows it.
 pub(super) fn collapse_shorter(mesh: &mut Manifold, shortest: f64, near: impl Fn(u32) -> bool) {
     collapse_while(
         mesh,
@@ -48,7 +48,7 @@ pub(super) fn collapse_shorter(mesh: &mut Manifold, shortest: f64, near: impl Fn
     );
 }
 
-/// Whether no triangle at the edge of `h` has a vertex on a curve.
+/// Returns whether no triangle at the edge of `h` has a vertex on a curve.
 pub(super) fn is_away_from_curves(mesh: &Manifold, h: u32) -> bool {
     let c = &mesh.connectivity;
     c.both_sides(h).all(|h| c.triangle(h).into_iter().all(|v| !c.is_on_curve(v)))
@@ -59,7 +59,8 @@ pub fn split_longest(domain: &Domain, mesh: &mut Manifold, wanted: usize) {
     split_longest_with(mesh, wanted, |mesh, h| mesh.split_at_middle(domain, h));
 }
 
-/// Splits the longest inner edges by `split`, which returns the new vertex if it splits one, until there are `wanted` vertices.
+/// Splits the longest inner edges with `split`, which returns the new vertex if it splits one, until there are `wanted`
+/// vertices.
 fn split_longest_with(mesh: &mut Manifold, wanted: usize, split: impl Fn(&mut Manifold, u32) -> Option<u32>) {
     let is_missing = |mesh: &Manifold| mesh.connectivity.vertex_count() < wanted;
     if is_missing(mesh) {
@@ -67,8 +68,8 @@ fn split_longest_with(mesh: &mut Manifold, wanted: usize, split: impl Fn(&mut Ma
     }
 }
 
-/// Splits the inner edges with an end `near` that are longer than `longest`, relative to what is wanted there: the longest first,
-/// until there are `most` vertices. In flat triangles that lie on each other edges need not become shorter by that.
+/// Splits inner edges longer than `longest`, relative to the local target edge length, that have an end that is `near`, the
+/// longest first, until there are `most` vertices. In flat triangles that lie on each other, splits need not shorten edges.
 pub(super) fn split_longer(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -88,8 +89,8 @@ pub(super) fn split_longer(
     );
 }
 
-/// Splits inner edges by `split`, which returns the new vertex if it splits one, as long as `goes_on` holds for the mesh and the
-/// square of the relative length of the longest one.
+/// Splits inner edges with `split`, which returns the new vertex if it splits one, the longest first, while `goes_on` holds
+/// for the mesh and the squared relative length of the longest edge.
 fn split_while(
     mesh: &mut Manifold,
     goes_on: impl Fn(&Manifold, f64) -> bool,
@@ -110,7 +111,7 @@ fn split_while(
     }
 }
 
-/// Collapses the shortest of the edges that `may` be until there are `wanted` vertices.
+/// Collapses the shortest of the edges that `may` collapse until there are `wanted` vertices.
 pub(super) fn collapse_shortest(mesh: &mut Manifold, wanted: usize, may: impl Fn(&Manifold, u32) -> bool) {
     let is_surplus = |mesh: &Manifold| mesh.connectivity.vertex_count() > wanted;
     if is_surplus(mesh) {
@@ -118,7 +119,8 @@ pub(super) fn collapse_shortest(mesh: &mut Manifold, wanted: usize, may: impl Fn
     }
 }
 
-/// Collapses edges that `may` be as long as `goes_on` holds for the mesh and the square of the relative length of the shortest one.
+/// Collapses edges that `may` collapse, the shortest first, while `goes_on` holds for the mesh and the squared relative
+/// length of the shortest edge.
 fn collapse_while(mesh: &mut Manifold, goes_on: impl Fn(&Manifold, f64) -> bool, may: impl Fn(&Manifold, u32) -> bool) {
     let entry = |mesh: &Manifold, h: u32| Ranked::new(-mesh.relative_length_squared(h), h);
     let mut queue: RankedQueue = mesh.half_edges().map(|h| entry(mesh, h)).collect();

@@ -1,4 +1,4 @@
-//! The self-intersecting faces of a mesh that changes: which faces cross, which would, and how far vertices may move to avoid it.
+//! Self-intersecting faces of a changing mesh: which faces cross, which would, and how far vertices may move to avoid it.
 
 use crate::geom::aabb::Aabb;
 use crate::geom::intersection::cross_deeper_than;
@@ -11,10 +11,10 @@ use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// How far a vertex may step away from its place on the surface, in lengths of its longest edge.
+/// Maximum distance of a vertex from its foot on the surface, in lengths of its longest edge.
 pub(super) const FARTHEST: f64 = 0.14;
 
-/// The length that counts for faces without a segment in common, as a share of their longest side.
+/// Common length assigned to crossing faces without a common segment, as a share of their longest side.
 const FOLDED: f64 = 0.1;
 
 /// The corners of a face.
@@ -24,19 +24,20 @@ pub(super) type Corners = [DVec3; 3];
 pub(super) struct Crossings {
     pub faces: Faces,
     pub all: Vec<(u32, u32)>,
-    /// Those at places where the surface does not intersect itself.
+    /// Pairs at places where the surface does not intersect itself.
     pub avoidable: Vec<(u32, u32)>,
 }
 
 impl Crossings {
-    /// Those of `mesh`, of the surface `domain`.
+    /// Finds the crossings of `mesh`, a mesh of the surface `domain`.
     pub fn new(domain: &Domain, mesh: &Manifold) -> Crossings {
         let faces = Faces::new(mesh);
         let all = faces.self_intersecting_pairs();
         Crossings { avoidable: avoidable(&all, domain, mesh), all, faces }
     }
 
-    /// Follows the mesh, whose vertices have moved and whose edges were flipped: pairs of faces that stay are not looked at again.
+    /// Updates the crossings after vertices have moved and edges have flipped; pairs of unchanged faces are not tested
+    /// again.
     pub fn follow(&mut self, domain: &Domain, mesh: &Manifold) {
         let changed = self.faces.follow(mesh);
         let stays = |t: u32| changed.binary_search(&t).is_err();
@@ -46,7 +47,7 @@ impl Crossings {
         self.avoidable = avoidable(&self.all, domain, mesh);
     }
 
-    /// Looks anew at a mesh of which the `touched` triangles have been replaced.
+    /// Updates the crossings after the `touched` triangles of the mesh have been replaced.
     pub fn renew(&mut self, domain: &Domain, mesh: &Manifold, touched: &[bool]) {
         self.faces = Faces::new(mesh);
         let is_touched = |t: u32| touched.get(t as usize).is_some_and(|touched| *touched);
@@ -58,34 +59,34 @@ impl Crossings {
     }
 }
 
-/// The triangles of `mesh` that cross others at places where the surface does not intersect itself, in increasing order.
+/// Returns the triangles of `mesh` that cross others where the surface does not intersect itself, in increasing order.
 pub fn crossing_faces(domain: &Domain, mesh: &Manifold) -> Vec<u32> {
     faces_of(Crossings::new(domain, mesh).avoidable)
 }
 
-/// The `pairs` at places where the surface does not intersect itself.
+/// Returns the `pairs` at places where the surface does not intersect itself.
 fn avoidable(pairs: &[(u32, u32)], domain: &Domain, mesh: &Manifold) -> Vec<(u32, u32)> {
     let crossing = faces_of(pairs.to_vec()).into_iter();
     let need_not: BTreeMap<u32, bool> = crossing.map(|t| (t, !domain.inherited().is_near(mesh.corners(t)))).collect();
     pairs.iter().copied().filter(|(t, u)| need_not[t] || need_not[u]).collect()
 }
 
-/// The faces of a mesh that changes: a snapshot, and those that have changed since.
+/// The faces of a changing mesh: a snapshot, and those that have changed since.
 pub(super) struct Surroundings<'a> {
     faces: &'a Faces,
     pub changed: BTreeSet<u32>,
-    /// Up to which faces touch.
+    /// Depth up to which faces merely touch.
     depth: f64,
 }
 
 impl Surroundings<'_> {
-    /// Those of a mesh that has not changed.
+    /// Creates the surroundings of a mesh that has not changed.
     pub fn new(faces: &Faces) -> Surroundings<'_> {
         Surroundings { depth: faces.depth_of_contact(), faces, changed: BTreeSet::new() }
     }
 
-    /// How many pairs of faces would cross, of those that `new` is in, if it were there in place of the faces `old`; some
-    /// number above `most` if they are more than that.
+    /// Returns how many pairs of faces with one of `new` would cross if `new` replaced the faces `old`; some number above
+    /// `most` if there are more than that.
     pub fn count(&self, mesh: &Manifold, new: &[Corners], old: &[u32], most: usize) -> usize {
         let among: usize = (1..new.len()).map(|i| new[..i].iter().filter(|&&t| self.cross(t, new[i])).count()).sum();
         let mut count = among;
@@ -98,7 +99,7 @@ impl Surroundings<'_> {
         count
     }
 
-    /// Calls `visit` with each face that crosses a triangle, and its corners.
+    /// Calls `visit` with each face that crosses `triangle`, and its corners.
     pub fn each_across(&self, mesh: &Manifold, triangle: Corners, mut visit: impl FnMut(u32, Corners)) {
         let wanted = Aabb::of_triangle(triangle);
         self.faces.in_box(&wanted, |t, corners| {
@@ -118,12 +119,12 @@ impl Surroundings<'_> {
     }
 }
 
-/// The length of what faces have in common that cross without a segment, folded over or coplanar.
+/// Returns the common length assigned to faces that cross without a common segment, folded over or coplanar.
 pub(super) fn length_of_fold(a: Corners, b: Corners) -> f64 {
     FOLDED * longest_side(a).max(longest_side(b))
 }
 
-/// The triangles around `v` if it were at `there`.
+/// Returns the triangles around `v` if it were at `there`.
 pub(super) fn fan(mesh: &Manifold, v: u32, there: DVec3) -> Vec<Corners> {
     let triangle = |h: u32| {
         let [_, p, q] = mesh.connectivity.triangle(h);
@@ -132,7 +133,7 @@ pub(super) fn fan(mesh: &Manifold, v: u32, there: DVec3) -> Vec<Corners> {
     mesh.connectivity.outgoing(v).map(triangle).collect()
 }
 
-/// Whether the triangles around `v` are no worse, or such that others can mend them, with `v` at `there`.
+/// Returns whether the triangles around `v` are no worse, or other changes can mend them, with `v` at `there`.
 pub(super) fn acceptable(mesh: &Manifold, v: u32, there: &Sample) -> bool {
     let shapes = |p: DVec3| fan(mesh, v, p).into_iter().map(mean_ratio);
     mesh.may_move(v, there)
@@ -141,17 +142,17 @@ pub(super) fn acceptable(mesh: &Manifold, v: u32, there: &Sample) -> bool {
             .all(|(after, before)| after >= before.min(LEAST_MENDABLE))
 }
 
-/// The place on the surface of what lies off it.
+/// Returns the foot on the surface of a sample that lies off it.
 pub(super) fn foot(domain: &Domain, off: &Sample) -> Sample {
     domain.project(off.position, off.normal, off.triangle)
 }
 
-/// Whether `there` is a place for `v` that is not too far from the surface.
+/// Returns whether `there` is a place for `v` that is not too far from the surface.
 pub(super) fn is_near_surface(domain: &Domain, mesh: &Manifold, v: u32, there: &Sample) -> bool {
     foot(domain, there).position.distance(there.position) <= FARTHEST * longest_edge(mesh, v)
 }
 
-/// The length of the longest edge at `v`.
+/// Returns the length of the longest edge at `v`.
 pub(super) fn longest_edge(mesh: &Manifold, v: u32) -> f64 {
     let here = mesh.position(v);
     mesh.connectivity.ring(v).map(|w| mesh.position(w).distance(here)).fold(0.0, f64::max)
@@ -173,7 +174,7 @@ mod tests {
         let samples = input.positions.iter().map(|&p| domain.project_anywhere(p)).collect();
         let mut mesh = Manifold::new(samples, &input.triangles);
         assert!(!Crossings::new(&domain, &mesh).all.is_empty() && crossing_faces(&domain, &mesh).is_empty());
-        // The one in the middle of the floor, far from the wall, goes through the ceiling.
+        // The vertex in the middle of the floor, far from the wall, passes through the ceiling.
         let v = 12 * 13 + 6;
         mesh.samples[v].position.z = 0.6;
         let found = crossing_faces(&domain, &mesh);
@@ -188,11 +189,11 @@ mod tests {
         let domain = Domain::new(input.clone().try_into().unwrap());
         let samples = input.positions.iter().map(|&p| domain.project_anywhere(p)).collect();
         let mut mesh = Manifold::new(samples, &input.triangles);
-        // Two of the lower sheet go through the upper one.
+        // Two vertices of the lower sheet pass through the upper one.
         let through = [4 * 13 + 4, 7 * 13 + 8];
         through.iter().for_each(|&v| mesh.samples[v].position.z = 0.6);
         let mut crossings = Crossings::new(&domain, &mesh);
-        // One comes back, one goes on, another goes through, and an edge beside it flips.
+        // One comes back, one moves on, another passes through, and an edge beside it flips.
         mesh.samples[through[0]].position.z = 0.0;
         mesh.samples[through[1]].position.z = 0.8;
         mesh.samples[9 * 13 + 3].position.z = 0.5;

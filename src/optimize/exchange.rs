@@ -1,16 +1,16 @@
-//! Takes vertices away and puts them where small angles and poor triangles need another number of them.
+//! Exchanges vertices: changes their number where small angles and poor triangles need it, and makes up for that elsewhere.
 //!
-//! Between curves that are near each other, and beside their corners, no place of the vertices and no flip gives good triangles
-//! if there is one vertex too many or too few. At each small angle an edge near it collapses or splits, the triangles around
-//! settle, and the change that costs least by the measure of [`angles`](crate::optimize::angles) stays, of those that leave the
-//! worst triangle no worse and the surface where it is. In the end as many vertices as that took or gave come from places that
-//! remain good, or go there. Narrow strips between curves get their number of vertices before the rest is ordered: an ordered mesh
-//! has no place where it would stay as good without a vertex, or with one more.
+//! Between curves that are near each other, and beside their corners, no vertex positions and no flip give good triangles if
+//! there is one vertex too many or too few. At each small angle, a nearby edge collapses or splits, and the triangles around
+//! are relaxed. Of the changes that leave the worst triangle no worse and the surface in place, the one with the lowest cost
+//! by the measure of [`angles`](crate::optimize::angles) is kept. In the end, as many vertices as this added or removed are
+//! removed or added at places that remain good. Narrow strips between curves get their number of vertices before the rest is
+//! ordered: an ordered mesh has no place that would stay as good with one vertex less or more.
 //!
 //! Based on: B. M. Klingner, J. R. Shewchuk, Aggressive tetrahedral mesh improvement, 2007,
 //! DOI 10.1007/978-3-540-75103-8_1. Departure: the number of vertices is kept.
 //!
-//! Cost: some thousand triangles looked at for each small angle and each vertex that is exchanged; nothing where all are good.
+//! Cost: some thousand triangles examined for each small angle and each exchanged vertex; nothing if all triangles are good.
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
@@ -27,39 +27,42 @@ use crate::optimize::places::{GivenUp, Place, disjoint, put_back, settled, split
 use crate::surface::domain::Domain;
 use glam::DVec3;
 
-/// Angle, in degrees, or quality of a triangle below which an edge near it may collapse or split. With the angle alone the mean Q of
-/// 48 CAD parts is 0.925 instead of 0.927; with 45 degrees and no quality it is 0.928, but smooth models take longer.
+/// Angle, in degrees, and quality of a triangle; below either, a nearby edge may collapse or split. With the angle alone,
+/// the mean Q of 48 CAD parts is 0.925 instead of 0.927; with 45 degrees and no quality it is 0.928, but smooth models take
+/// longer.
 const SMALL: f64 = 40.0;
 const POOR: f64 = 0.8;
 
-/// Changes at a small angle that settle: those that cost least before.
+/// Number of changes at a small angle that are relaxed: those with the lowest cost before.
 const MOST_SETTLED: usize = 4;
 
-/// Passes over all small angles.
+/// Maximum number of passes over all small angles.
 const MOST_PASSES: usize = 8;
 
-/// How far a vertex that goes may be from the triangles that are left, and one on a curve, in wanted lengths.
+/// Maximum distance of a removed vertex, and of one on a curve, from the remaining triangles, in target edge lengths.
 const FARTHEST: f64 = 0.05;
 const FARTHEST_FROM_CURVE: f64 = 0.01;
 
-/// How far vertices and the middles of edges may be from the triangles after a change, in lengths of the edge. Without a bound
-/// the tips of ears and thin ridges get lower.
+/// Maximum distance of vertices and edge midpoints from the triangles after a change, in lengths of the edge. Without this
+/// bound, the tips of ears and thin ridges lose height.
 const FARTHEST_AFTER: f64 = 0.1;
 
-/// Angle, in degrees, below which a place may move by so much, in wanted lengths, whatever the lengths of its edges: at a narrow
-/// strip or a notch edges are short, and the surface that is missed is less than what is missed between vertices elsewhere.
+/// Angle, in degrees, below which the surface may move by [`LEEWAY`] at a place, in target edge lengths, whatever its edge
+/// lengths. At a narrow strip or a notch, edges are short, and less of the surface is missed than between vertices
+/// elsewhere.
 const VERY_SMALL: f64 = 25.0;
 const LEEWAY: f64 = 0.12;
 
-/// What a change has to gain: as much as two or three degrees of an angle of 40 degrees.
+/// Minimum gain of a change: as much as two or three degrees of an angle of 40 degrees.
 const LEAST_GAIN: f64 = 10.0;
 
-/// Places that are tried for each vertex that comes or goes elsewhere, and so many times as many where none of them will do; as
-/// small a share of the places is changed at once, so that the worst ones stay; and the fewest places that are tried.
+/// Number of places tried for each vertex to be added or removed elsewhere, and the factor by which it grows if none of them
+/// will do. At most one in this many places is changed at once, so that the worst ones stay. Then, the minimum number of
+/// places tried.
 const CHOICES: usize = 4;
 const FEWEST_CHOICES: usize = 16;
 
-/// Exchanges vertices between small angles and other places; their number stays. `spacing` is the mean edge length.
+/// Exchanges vertices between small angles and other places, keeping their number. `spacing` is the mean edge length.
 pub fn exchange_vertices(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -75,15 +78,15 @@ pub fn exchange_vertices(
     let wanted = mesh.connectivity.vertex_count();
     exchange.change_counts(mesh, |_, _| true)?;
     exchange.balance(mesh, wanted)?;
-    // Of few vertices there may be none to give or take.
+    // With few vertices, there may be none to add or remove.
     if mesh.connectivity.vertex_count() != wanted || goal.cost(mesh) > goal.cost(&before) {
         *mesh = before;
     }
     Ok(())
 }
 
-/// Gives the triangles along curves in `narrow` patches the number of vertices that they need; as many come from the shortest edges
-/// away from curves, around which the mesh is still to be ordered.
+/// Gives the triangles along curves in `narrow` patches the number of vertices that they need. To make up for these, the
+/// shortest edges away from curves collapse; the mesh around them is still to be ordered.
 pub fn fill_narrow(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -104,7 +107,7 @@ pub fn fill_narrow(
     Ok(())
 }
 
-/// Brings the mesh to `wanted` vertices where it remains good, away from curves.
+/// Brings the mesh to `wanted` vertices, changing it only away from curves and where it remains good.
 pub fn balance_count(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -123,7 +126,7 @@ struct Exchange<'a> {
 }
 
 impl Exchange<'_> {
-    /// Gives the surroundings of small angles, of the triangles that `may` change, the number of vertices that they need.
+    /// Gives the surroundings of small angles the number of vertices that they need, at the triangles that `may` change.
     fn change_counts(&self, mesh: &mut Manifold, may: impl Fn(&Manifold, u32) -> bool) -> Result<()> {
         let mut given_up = GivenUp::default();
         for _ in 0..MOST_PASSES {
@@ -139,7 +142,7 @@ impl Exchange<'_> {
         Ok(())
     }
 
-    /// A side of each triangle with a small angle or poor quality that `may` change, the smallest angle first.
+    /// Returns a side of each triangle that has a small angle or poor quality and `may` change, the smallest angle first.
     fn small_angles(&self, mesh: &Manifold, may: impl Fn(u32) -> bool) -> Vec<u32> {
         let angles = mesh.triangles().filter(|&t| may(t)).map(|t| (smallest_angle(mesh.corners(t)), t));
         let is_small = |&(angle, t): &(f64, u32)| angle < SMALL || quality(mesh.corners(t)) < POOR;
@@ -148,7 +151,8 @@ impl Exchange<'_> {
         small.into_iter().map(|(_, t)| 3 * t).collect()
     }
 
-    /// What is around a small angle after the change that helps most without new self-intersections, if one does.
+    /// Returns the surroundings of a small angle after the change that helps most without new self-intersections, if there
+    /// is one.
     fn better(&self, place: &Place, faces: &Faces) -> Result<Option<Neighborhood>> {
         let mesh = &place.around.mesh;
         let c = &mesh.connectivity;
@@ -171,7 +175,8 @@ impl Exchange<'_> {
         Ok(better.into_iter().map(|(_, changed)| changed).find(is_sound))
     }
 
-    /// What is around `place` with the origin of `h` merged into its target, if it can be and the surface hardly moves.
+    /// Returns the surroundings of `place` with the origin of `h` merged into its target, if that is allowed and hardly
+    /// moves the surface.
     fn collapsed(&self, place: &Place, h: u32) -> Option<Neighborhood> {
         let mesh = &place.around.mesh;
         let c = &mesh.connectivity;
@@ -187,14 +192,14 @@ impl Exchange<'_> {
         })
     }
 
-    /// What `around` costs after its vertices have settled, and how it is then.
+    /// Relaxes `around`; returns the cost afterwards and the result.
     fn settled(&self, around: Neighborhood) -> Result<(f64, Neighborhood)> {
         let settled = settled(self.domain, around, self.goal, self.spacing, self.monitor)?;
         Ok((self.goal.cost(&settled.mesh), settled))
     }
 
-    /// Brings the mesh to `wanted` vertices where it remains good: splits and collapses edges away from curves, of the
-    /// relatively longest or shortest those around which triangles cost least once they have settled.
+    /// Brings the mesh to `wanted` vertices where it remains good. Splits or collapses edges away from curves: among the
+    /// relatively longest or shortest, those that add the least cost once the triangles around are relaxed.
     fn balance(&self, mesh: &mut Manifold, wanted: usize) -> Result<()> {
         let mut choices = CHOICES;
         while mesh.connectivity.vertex_count() != wanted {
@@ -230,8 +235,8 @@ impl Exchange<'_> {
     }
 }
 
-/// Whether the vertices of the mesh `before`, and the middles of its edges, are near the triangles of the one `after`, where
-/// the surface may move by `leeway` at least, times the sizes of samples.
+/// Returns whether the vertices and edge midpoints of the mesh `before` are near the triangles of `after`. The surface may
+/// move at least by `leeway` times the sizes of samples.
 pub fn is_near(before: &Manifold, after: &Manifold, leeway: f64) -> bool {
     let triangles: Vec<[DVec3; 3]> = after.triangles().map(|t| after.corners(t)).collect();
     let c = &before.connectivity;
@@ -243,13 +248,13 @@ pub fn is_near(before: &Manifold, after: &Manifold, leeway: f64) -> bool {
     })
 }
 
-/// How far the surface may move at a place at least, in wanted lengths.
+/// Returns how far the surface may move at a place, in target edge lengths, even if its edges are short.
 fn leeway(place: &Place) -> f64 {
     let mesh = &place.around.mesh;
     if smallest_angle(mesh.corners(place.own_side() / 3)) < VERY_SMALL { LEEWAY } else { 0.0 }
 }
 
-/// The edges with no triangle at a curve: the relatively longest first if they are to be split, else the shortest.
+/// Returns the edges away from curves: the relatively longest first if they are to be split, else the shortest first.
 fn edges_to_change(mesh: &Manifold, to_split: bool) -> Vec<u32> {
     let sign = if to_split { -1.0 } else { 1.0 };
     let free = mesh.edges().filter(|&h| is_away_from_curves(mesh, h));
@@ -269,7 +274,7 @@ mod tests {
 
     const SPACING: f64 = 0.1;
 
-    /// A flat square, and a mesh of even triangles over it whose boundary has some edges of a quarter of the others' length.
+    /// A flat square, and a mesh of even triangles over it that has some boundary edges a quarter as long as the others.
     fn with_short_edges() -> (Domain, Manifold) {
         let domain = Domain::new(sheet(20, |_, _| 0.0).try_into().unwrap());
         let even = sheet(10, |_, _| 0.0);

@@ -1,6 +1,6 @@
-//! What is wrong with a place of a mesh: faces that cross, above all where the surface does not, and small angles.
+//! Faults of a place of a mesh: faces that cross, above all where the surface does not, and small angles.
 //!
-//! Of a place that changes step by step only the faces that are new are held against the others.
+//! When a place changes step by step, only its new faces are tested against the others.
 
 use crate::base::math;
 use crate::geom::aabb::Aabb;
@@ -16,40 +16,40 @@ use crate::spatial::self_intersections::Inherited;
 use crate::surface::narrow_patches::SHARPEST;
 use std::cmp::Ordering;
 
-/// How much larger the smallest angle has to become, in degrees, if as many are too small as before.
+/// Minimum growth of the smallest angle, in degrees, if as many angles are too small as before.
 const LEAST_GAIN: f64 = 1.0;
 
 /// What counts as a fault besides faces that cross although the surface does not, and slivers.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Counted {
-    /// Angles below that, in degrees, which are not forced.
+    /// Angle, in degrees, below which unforced angles count.
     pub angles_below: f64,
-    /// Whether faces that cross where the surface does, too, are counted.
+    /// Whether faces that cross where the surface does, too, count.
     pub inherited: bool,
 }
 
-/// What is wrong with the triangles of a place.
+/// The faults of the triangles of a place.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Faults {
-    /// Its faces, in the order of their numbers.
+    /// The faces of the place, in the order of their numbers.
     faces: Vec<(u32, Corners)>,
     crossings: Vec<Crossing>,
-    /// Pairs of faces that cross although the surface does not, and slivers.
+    /// Number of pairs of faces that cross although the surface does not, and of slivers.
     unsound: usize,
-    /// Pairs of faces that cross where the surface does.
+    /// Number of pairs of faces that cross where the surface does, too.
     inherited: usize,
-    /// Triangles with small angles that are not forced, and those of them that miss even the modest goal.
+    /// Number of triangles with small unforced angles, and of those that miss even the modest goal.
     small: usize,
     very_small: usize,
-    /// The smallest angle in degrees, forced or not, or the limit if that is less.
+    /// The smallest angle in degrees, forced or not; at most the limit.
     smallest: f64,
-    /// Triangles that face against the surface.
+    /// Number of triangles that face against the surface.
     turned: usize,
-    /// Edges at which the faces turn by more than [`SHARPEST`], as at the rim of a plate whose two sides meet.
+    /// Number of edges at which the faces turn by more than [`SHARPEST`], as at the rim of a plate whose two sides meet.
     blades: usize,
-    /// The length that faces which are counted have in common.
+    /// Total common length of the pairs of faces that count.
     length: f64,
-    /// What the triangles cost by the measure of [`angles`](crate::optimize::angles).
+    /// Cost of the triangles by the measure of [`angles`](crate::optimize::angles).
     cost: f64,
     /// The triangles at fault, in increasing order.
     pub triangles: Vec<u32>,
@@ -59,9 +59,9 @@ pub(super) struct Faults {
 #[derive(Debug, Clone, Copy)]
 struct Crossing {
     face: u32,
-    /// The other one, if it is of the place.
+    /// The other face, if it belongs to the place.
     other: Option<u32>,
-    /// The length that they have in common.
+    /// Their common length.
     length: f64,
     /// Whether the surface crosses there, too.
     is_inherited: bool,
@@ -79,8 +79,8 @@ impl Crossing {
 }
 
 impl Faults {
-    /// The faults of the mesh with these `faces` if `around` were put back. `before` are the faults that it had before some of it
-    /// changed, or none. `inherited` says where the surface crosses.
+    /// Returns the faults of the mesh with these `faces` if `around` were put back. `before` are the faults that it had
+    /// before some of it changed, or none. `inherited` says where the surface crosses.
     pub fn new(
         inherited: &Inherited,
         faces: &Faces,
@@ -116,13 +116,13 @@ impl Faults {
         }
     }
 
-    /// How many faults there are, the graver ones first.
+    /// Returns the numbers of faults, the graver ones first.
     fn number(&self) -> (usize, usize, usize, usize) {
         (self.unsound, self.inherited, self.very_small, self.small)
     }
 
-    /// Whether there are fewer faults than `before`, or as many with larger angles, and, if nothing was unsound then, nothing else has
-    /// become worse.
+    /// Returns whether there are fewer faults than `before`, or as many with larger angles, and nothing else has become
+    /// worse. If something was unsound before, fewer faults suffice.
     pub fn are_fewer_than(&self, before: &Faults) -> bool {
         let loses_nothing = self.crossings.len() <= before.crossings.len()
             && self.small <= before.small
@@ -135,19 +135,19 @@ impl Faults {
         }
     }
 
-    /// The order by their number, and by what makes it likely that another change helps.
+    /// Orders by the numbers of faults, then by what makes it likely that another change helps.
     pub fn total_cmp(&self, other: &Faults) -> Ordering {
         let numbers = (self.number(), self.turned).cmp(&(other.number(), other.turned));
         numbers.then(self.length.total_cmp(&other.length)).then(self.cost.total_cmp(&other.cost))
     }
 
-    /// Whether it has this face.
+    /// Returns whether the place has this face.
     fn has(&self, (t, corners): &(u32, Corners)) -> bool {
         self.faces.binary_search_by_key(t, |face| face.0).is_ok_and(|place| self.faces[place].1 == *corners)
     }
 }
 
-/// How many edges are blades.
+/// Returns the number of edges that are blades.
 fn blades(mesh: &Manifold) -> usize {
     let c = &mesh.connectivity;
     let (_, least) = math::sin_cos(SHARPEST.to_radians());
@@ -158,7 +158,7 @@ fn blades(mesh: &Manifold) -> usize {
     mesh.edges().filter(|&h| c.has_twin(h) && normal(h).dot(normal(c.twin(h))) < least).count()
 }
 
-/// Those of the faces that `around` has of its `own`, among them and with the `faces` around it.
+/// Returns the crossings of the `own` faces of `around`, among themselves and with the `faces` around it.
 fn crossings(
     inherited: &Inherited,
     faces: &Faces,

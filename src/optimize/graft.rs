@@ -1,13 +1,13 @@
-//! Puts parts of a refined mesh back as they were before it was made coarse.
+//! Restores parts of a refined mesh to what they were before coarsening.
 //!
-//! A coarse mesh may go past an ear, or through a wall that is thinner than its triangles, and what is refined from it is wrong
-//! there. The vertices of the mesh that it was made from are right: those around such a place, with their triangles, take the
-//! place of what is there, and a strip of triangles joins them to the rest.
+//! A coarse mesh may miss an ear, or pass through a wall that is thinner than its triangles, and the mesh refined from it is
+//! wrong there. The vertices of the mesh that it was made from are right. Around such a place, they and their triangles
+//! replace what is there, and a strip of triangles joins them to the rest.
 //!
 //! Based on: H. Fuchs, Z. M. Kedem, S. P. Uselton, Optimal surface reconstruction from planar contours, 1977,
 //! DOI 10.1145/359842.359846 (the strip between two loops, by the shortest path).
 //!
-//! Cost: a test for self-intersections, and the product of the lengths of the two loops at each place.
+//! Cost: a test for self-intersections, and at each place the product of the lengths of the two loops.
 
 use crate::base::union_find::UnionFind;
 use crate::geom::aabb::Aabb;
@@ -25,20 +25,21 @@ use std::sync::OnceLock;
 /// Distance, in spacings, from corners of crossing faces within which the mesh is replaced.
 const REACH: f64 = 2.0;
 
-/// Rings of vertices around what is wrong that are replaced, too.
+/// Number of rings of vertices around the wrong ones that are replaced, too.
 const RINGS: usize = 2;
 
-/// Vertices among which the nearest one that faces the same way is looked for: more than are near from both sides of a wall.
+/// Number of nearest vertices among which one that faces the same way is sought: more than both sides of a wall have nearby.
 const NEAREST: usize = 12;
 
-/// Most vertices around a hole of one part that is filled where the other has none.
+/// Maximum number of vertices around a hole of one part that is filled where the other part has none.
 const MOST_OF_HOLE: usize = 16;
 
-/// Most pairs of vertices of two loops that are joined.
+/// Maximum number of vertex pairs of two loops that are joined.
 const MOST_PAIRS: usize = 1 << 22;
 
-/// Replaces parts of `mesh`, which was refined from a coarser one of `fine`, by those of `fine`, where faces cross that need not
-/// and around the vertices of `fine` that were `missed`. `spacing` is the mean edge length. The vertices that are new in `mesh`.
+/// Replaces parts of `mesh`, which was refined from a coarsened `fine`, by those of `fine`: where faces cross avoidably, and
+/// around the vertices of `fine` that were `missed`. `spacing` is the mean edge length. Returns the vertices that are new in
+/// `mesh`.
 pub fn graft(domain: &Domain, mesh: &mut Manifold, fine: &Manifold, missed: &VertexSet, spacing: f64) -> VertexSet {
     let crossings = Crossings::new(domain, mesh);
     if crossings.avoidable.is_empty() && missed.is_empty() {
@@ -60,7 +61,7 @@ pub fn graft(domain: &Domain, mesh: &mut Manifold, fine: &Manifold, missed: &Ver
     VertexSet::new(mesh, |v| v >= first_new)
 }
 
-/// Whether no more faces cross with `grafted` in its place.
+/// Returns whether no more faces cross with `grafted` in place.
 fn crosses_no_more(grafted: &Neighborhood, mesh: &Manifold, crossings: &Crossings) -> bool {
     let now = crossings.all.iter().filter(|(t, u)| grafted.has_triangle(*t) || grafted.has_triangle(*u)).count();
     let new: Vec<Corners> = grafted.mesh.triangles().map(|t| grafted.mesh.corners(t)).collect();
@@ -73,19 +74,19 @@ struct Source<'a> {
     fine: &'a Manifold,
     neighbors: Neighbors,
     spacing: f64,
-    /// For each vertex of the mesh that gets the parts its nearest one, once that was asked for.
+    /// For each vertex of the mesh that receives the parts, the nearest vertex of `fine`, once it has been looked up.
     nearest: Vec<OnceLock<Option<u32>>>,
 }
 
 impl Source<'_> {
-    /// Parts of `fine` for a mesh with so many `vertices`.
+    /// Creates a source for a mesh with this number of `vertices`.
     fn new(fine: &Manifold, spacing: f64, vertices: u32) -> Source<'_> {
         let positions: Vec<DVec3> = fine.samples.iter().map(|s| s.position).collect();
         let nearest = (0..vertices).map(|_| OnceLock::new()).collect();
         Source { fine, neighbors: Neighbors::new(&positions), spacing, nearest }
     }
 
-    /// The vertices near `places` that face the same way.
+    /// Returns the vertices near `places` that face the same way.
     fn near(&self, places: &[Sample]) -> VertexSet {
         let mut found = Vec::new();
         let mut near = VertexSet::EMPTY;
@@ -96,12 +97,12 @@ impl Source<'_> {
         near
     }
 
-    /// Whether vertex `v` is there and faces the way of `place`.
+    /// Returns whether vertex `v` exists and faces the same way as `place`.
     fn faces(&self, v: u32, place: &Sample) -> bool {
         self.fine.connectivity.has_vertex(v) && self.fine.samples[v as usize].normal.dot(place.normal) > 0.0
     }
 
-    /// The vertex nearest to vertex `v` of `mesh` that faces the same way, if one of those that are near does.
+    /// Returns the vertex nearest to vertex `v` of `mesh` that faces the same way, if one of those nearby does.
     fn nearest(&self, mesh: &Manifold, v: u32) -> Option<u32> {
         let place = &mesh.samples[v as usize];
         let search = || {
@@ -112,13 +113,13 @@ impl Source<'_> {
         self.nearest.get(v as usize).map_or_else(search, |known| *known.get_or_init(search))
     }
 
-    /// The `wrong` vertices and some rings around them, in connected parts.
+    /// Returns the `wrong` vertices and some rings around them, in connected parts.
     fn parts(&self, wrong: &VertexSet) -> Vec<Vec<u32>> {
         connected_parts(self.fine, &wrong.clone().with_rings(self.fine, RINGS))
     }
 
-    /// The triangles around the vertices of `part`, and the strips that join them to `mesh`, in place of what is there; `None` if
-    /// that has another topology, or one of the two is on a curve.
+    /// Returns the triangles around the vertices of `part`, with strips that join them to `mesh`, as a replacement for what
+    /// is there. `None` if the two differ in topology, or one of them touches a curve.
     fn grafted(&self, mesh: &Manifold, part: &[u32]) -> Option<Neighborhood> {
         let patch = Patch::around(self.fine, part.iter().copied().collect())?;
         let is_of_patch: VertexSet = patch.vertices(self.fine).into_iter().collect();
@@ -134,7 +135,8 @@ impl Source<'_> {
         (replaced.euler == patch.euler).then(|| self.joined(mesh, patch, replaced))?
     }
 
-    /// `patch` and the strips between it and what is around `replaced`, of `mesh`, in place of that.
+    /// Returns `patch` with strips that join it to the surroundings of `replaced` in `mesh`, as a replacement for
+    /// `replaced`.
     fn joined(&self, mesh: &Manifold, patch: Patch, mut replaced: Patch) -> Option<Neighborhood> {
         let border = replaced.rims.concat();
         let vertices = patch.vertices(self.fine);
@@ -164,15 +166,16 @@ impl Source<'_> {
 struct Patch {
     /// Its triangles, in increasing order.
     triangles: Vec<u32>,
-    /// The loops of vertices around it, in the order of its half-edges there; none touches itself or another one.
+    /// The boundary loops as vertices, in the direction of the half-edges of the patch. No loop touches itself or another
+    /// one.
     rims: Vec<Vec<u32>>,
-    /// Vertices less edges plus triangles.
+    /// Euler characteristic: vertices minus edges plus triangles.
     euler: i64,
 }
 
 impl Patch {
-    /// The triangles of `mesh` around those vertices, and around more where they would touch each other at a vertex only; `None` if
-    /// they are on a curve.
+    /// Returns the triangles of `mesh` around these vertices, and around more where triangles would touch each other only at
+    /// a vertex; `None` if they touch a curve.
     fn around(mesh: &Manifold, mut inner: BTreeSet<u32>) -> Option<Patch> {
         let c = &mesh.connectivity;
         loop {
@@ -198,7 +201,8 @@ impl Patch {
         }
     }
 
-    /// The patch with its smallest holes filled until it has no more than so many rims; `None` if one of them is no small hole.
+    /// Fills the smallest holes of the patch until it has no more than `rims` rims; `None` if one of these holes is not
+    /// small.
     fn filled(mut self, mesh: &Manifold, rims: usize) -> Option<Patch> {
         while self.rims.len() > rims {
             let hole = self.rims.iter().min_by_key(|rim| rim.len()).filter(|rim| rim.len() <= MOST_OF_HOLE)?;
@@ -208,13 +212,13 @@ impl Patch {
         Some(self)
     }
 
-    /// Its vertices that are not on a rim.
+    /// Returns the vertices that are not on a rim.
     fn inner(&self, mesh: &Manifold) -> BTreeSet<u32> {
         let rims: BTreeSet<u32> = self.rims.iter().flatten().copied().collect();
         self.vertices(mesh).into_iter().filter(|v| !rims.contains(v)).collect()
     }
 
-    /// Its vertices in increasing order.
+    /// Returns the vertices in increasing order.
     fn vertices(&self, mesh: &Manifold) -> Vec<u32> {
         let corners = |&t: &u32| mesh.connectivity.triangle(3 * t);
         let mut vertices: Vec<u32> = self.triangles.iter().flat_map(corners).collect();
@@ -223,7 +227,7 @@ impl Patch {
         vertices
     }
 
-    /// Takes the rim away that comes nearest to `p`.
+    /// Removes and returns the rim closest to `p`.
     fn take_rim_near(&mut self, mesh: &Manifold, p: DVec3) -> Vec<u32> {
         let distance =
             |rim: &Vec<u32>| rim.iter().map(|&v| mesh.position(v).distance_squared(p)).fold(f64::INFINITY, f64::min);
@@ -232,7 +236,7 @@ impl Patch {
     }
 }
 
-/// The loops in which each vertex is followed by another one.
+/// Splits the map from each vertex to the following one into loops.
 fn loops(mut following: BTreeMap<u32, u32>) -> Vec<Vec<u32>> {
     let mut loops = Vec::new();
     while let Some((first, mut v)) = following.pop_first() {
@@ -246,7 +250,7 @@ fn loops(mut following: BTreeMap<u32, u32>) -> Vec<Vec<u32>> {
     loops
 }
 
-/// The vertices of `set` in parts that edges connect, each in increasing order.
+/// Returns the parts of `set` that are connected by edges, each in increasing order.
 fn connected_parts(mesh: &Manifold, set: &VertexSet) -> Vec<Vec<u32>> {
     let c = &mesh.connectivity;
     let all: Vec<u32> = (0..c.vertex_bound()).filter(|&v| set.contains(v)).collect();
@@ -259,12 +263,12 @@ fn connected_parts(mesh: &Manifold, set: &VertexSet) -> Vec<Vec<u32>> {
     parts.into_values().collect()
 }
 
-/// The largest of the parts of `set` that edges connect.
+/// Returns the largest part of `set` that is connected by edges.
 fn largest_part(mesh: &Manifold, set: &VertexSet) -> BTreeSet<u32> {
     connected_parts(mesh, set).into_iter().max_by_key(Vec::len).unwrap_or_default().into_iter().collect()
 }
 
-/// A triangle of a strip between two loops: on a side of the one, with a vertex of the other.
+/// A triangle of a strip between two loops: a side on one loop and a vertex of the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Step {
     Outer([usize; 2], usize),
@@ -272,7 +276,7 @@ enum Step {
 }
 
 impl Step {
-    /// The triangle, by the numbers of the vertices of the two loops.
+    /// Returns the triangle, given the vertex numbers of the two loops.
     fn triangle(self, outer: &[u32], inner: &[u32]) -> [u32; 3] {
         match self {
             Step::Outer([i, after], j) => [outer[i], outer[after], inner[j]],
@@ -281,14 +285,14 @@ impl Step {
     }
 }
 
-/// The triangles between two loops that run the same way, such that the squares of the edges that join them have the least sum;
-/// `None` if the loops are too long.
+/// Returns the triangles between two loops that run in the same direction, with the least sum of squared lengths of the
+/// joining edges; `None` if the loops are too long.
 fn strip(outer: &[DVec3], inner: &[DVec3]) -> Option<Vec<Step>> {
     let (n, m) = (outer.len(), inner.len());
     if n * m > MOST_PAIRS {
         return None;
     }
-    // From the vertex of the outer loop that is nearest to the first one of the inner loop on.
+    // Start at the vertex of the outer loop that is nearest to the first one of the inner loop.
     let start =
         (0..n).min_by(|&i, &j| outer[i].distance_squared(inner[0]).total_cmp(&outer[j].distance_squared(inner[0])))?;
     let of_outer = |i: usize| (start + i) % n;
@@ -331,7 +335,7 @@ mod tests {
 
     const WIDTH: f64 = 30.0;
 
-    /// A square sheet with edges of a length of about 1, so many squares wide.
+    /// A square sheet of `squares` by `squares` cells, with edges of a length of about 1.
     fn sheet(squares: u32, height: impl Fn(f64, f64) -> f64) -> Mesh {
         grid(squares, squares, |u, v| dvec3(WIDTH * u, WIDTH * v, height(WIDTH * u, WIDTH * v)))
     }
@@ -345,7 +349,7 @@ mod tests {
         Manifold::new(mesh.positions.iter().map(|&p| domain.project_anywhere(p)).collect(), &mesh.triangles)
     }
 
-    /// Euler characteristic, components, boundary loops and edges that are wrong.
+    /// Euler characteristic, and the numbers of components, boundary loops and faulty edges.
     fn shape(mesh: &Manifold) -> (i64, usize, usize, usize) {
         let mesh = mesh.to_mesh();
         let t = topology(mesh.positions.len(), &mesh.triangles);

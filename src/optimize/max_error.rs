@@ -1,21 +1,21 @@
-//! Reduces the maximum (Hausdorff) error: the distance between mesh and surface at the few places where it is still
-//! large, ends of spikes and ridges without a vertex.
+//! Reduces the maximum (Hausdorff) error: the distance between mesh and surface at the few places where it is still large,
+//! such as ends of spikes and ridges without a vertex.
 //!
-//! Relaxation leaves few vertices at the end of a spike, and least squares do not reach it if none is near. So the
-//! triangles around each place are copied as a neighborhood, and one of the nearest vertices is put at the place. The
-//! neighborhood relaxes with that vertex locked, its worst angles are improved, and it is fitted to the surface again. If
-//! the error is then large at another place of it, that gets a vertex, too. The neighborhood replaces the triangles if
-//! its distance from the surface is smaller, in both directions, and no triangle is far outside of the goal for angles.
+//! Relaxation leaves few vertices at the end of a spike, and least squares do not reach it if none is near. So the triangles
+//! around each such place are copied as a neighborhood, and one of the nearest vertices is moved to the place. The
+//! neighborhood is relaxed with that vertex locked, its worst angles are improved, and it is fitted to the surface again. If
+//! the error is then large at another place of it, a vertex is moved there, too. The neighborhood replaces the triangles if
+//! its distance from the surface is smaller in both directions and no triangle is far outside the goal for angles.
 //!
-//! Steps of single vertices often do not reach what one such jump does, because the flips around it change the
-//! connectivity. A neighborhood that would add self-intersections is not taken.
+//! One such jump often achieves what steps of single vertices do not, because the flips around it change the connectivity. A
+//! neighborhood that would add self-intersections is rejected.
 //!
 //! The distance is measured from points of the surface to the mesh, and from points of the triangles to the surface. The
-//! largest errors come first. Errors smaller than one that could not be reduced are left alone, since they do not change
-//! the maximum. In the end the largest ones are tried again with wider neighborhoods and more vertices.
+//! largest errors come first. Errors smaller than one that could not be reduced are left alone, since they do not change the
+//! maximum. In the end, the largest remaining ones are tried again with wider neighborhoods and more vertices.
 //!
-//! Cost: some milliseconds for each place; most models have ten to forty. Limits: vertices on feature curves stay, and so
-//! do errors that only those could reduce.
+//! Cost: some milliseconds per place; most models have ten to forty. Limits: vertices on feature curves stay, and so do
+//! errors that only those could reduce.
 
 use crate::base::error::Result;
 use crate::base::math;
@@ -33,18 +33,18 @@ use crate::optimize::relax::{Flips, relax};
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 
-/// Rounds over the places of large error: reducing one may leave another beside it the largest.
+/// Maximum number of rounds over the places of large error: reducing one error may make another beside it the largest.
 const MOST_ROUNDS: usize = 12;
 
-/// Most places that a round treats, those of the largest errors.
+/// Maximum number of places treated in a round: those with the largest errors.
 const MOST_PLACES: usize = 32;
 
-/// Distance from which on an error is large: in spacings, and in root mean squares.
+/// Distance from which on an error is large, in spacings and in root mean squares.
 const LARGE: f64 = 0.16;
 const LARGE_OF_MEAN: f64 = 6.5;
 
-/// Least distance, as a share of the large one, from triangles that face another way: at the bottom of a slit that is
-/// narrower than the triangles, those of its sides are near.
+/// Minimum distance, as a share of the large one, from triangles that face another way: at the bottom of a slit narrower
+/// than the triangles, those of its sides are near.
 const HIDDEN: f64 = 0.5;
 
 /// Errors below this share of the largest one that could not be reduced are left alone.
@@ -53,37 +53,37 @@ const OF_GIVEN_UP: f64 = 0.9;
 /// Distance from the place, in spacings, within which errors are measured.
 const MEASURED: f64 = 2.5;
 
-/// What is done for a place.
+/// The effort spent on a place.
 #[derive(Clone, Copy, PartialEq)]
 struct Effort {
-    /// Rings of triangles that are taken out.
+    /// Number of rings of triangles that are taken out.
     rings: usize,
-    /// Vertices that are tried, the nearest first.
+    /// Number of vertices that are tried, the nearest first.
     tried: usize,
-    /// Rounds of relaxation with the vertices locked that were put at places: with more of them triangles are good enough more
-    /// often, but what is thin draws back.
+    /// Number of rounds of relaxation with the moved vertices locked. With more rounds, triangles are good enough more
+    /// often, but thin parts shrink back.
     rounds: usize,
-    /// Passes over the worst triangles: what needs more is mostly beyond them.
+    /// Number of passes over the worst triangles; places that need more are mostly beyond help.
     passes: usize,
 }
 
-/// For all places, and in the end for the largest errors that are left: they are the maximum error.
+/// Effort for all places, and in the end for the largest remaining errors, which are the maximum error.
 const FIRST: Effort = Effort { rings: 5, tried: 3, rounds: 2, passes: 8 };
 const LAST: Effort = Effort { rings: 7, tried: 9, rounds: 8, passes: 30 };
 
-/// Share of the largest error from which on places are given the last effort.
+/// Share of the largest error from which on places get the last effort.
 const FARTHEST: f64 = 0.9;
 
-/// Vertices that are put at places in a neighborhood, one after the other.
+/// Maximum number of vertices moved to places in a neighborhood, one after the other.
 const MOST_PLACED: usize = 2;
 
-/// The goal without any cost of quality: where it is met nothing has to be better.
+/// The goal without any cost of quality: once it is met, nothing has to improve.
 const ONLY_ANGLES: Goal = Goal { of_quality: 0.0, ..Goal::GOOD };
 
-/// Triangles outside of the goal that relaxation may leave: more are rarely all improved.
+/// Maximum number of triangles outside the goal after relaxation: if there are more, they can rarely all be improved.
 const MOST_BAD: usize = 24;
 
-/// Degrees that the worst triangle may be outside of the goal, which is a little more than is asked for.
+/// Degrees by which the worst triangle may be outside the goal, which is slightly stricter than required.
 const LEEWAY: f64 = 0.4;
 
 /// Share of the error that may be left.
@@ -139,19 +139,20 @@ pub fn reduce_max_error(
     Ok(())
 }
 
-/// Whether a place is nearest to a triangle along an interface, which stays: beyond it there may be surface without mesh.
+/// Returns whether a place is nearest to a triangle along an interface, which stays: beyond it there may be surface without
+/// mesh.
 fn is_at_interface(mesh: &Manifold, place: &Place) -> bool {
     let c = &mesh.connectivity;
     c.triangle(3 * place.triangle).into_iter().any(|v| c.is_on_interface(v))
 }
 
-/// A place of large error: a point of the surface and its distance to the mesh, or to the point of the mesh that it is
-/// closest to.
+/// A place of large error: a point of the surface and its distance to the mesh, or to the point of the mesh of which it is
+/// the foot.
 #[derive(Clone, Copy)]
 struct Place {
     probe: Probe,
     distance: f64,
-    /// The triangle on the side of the mesh.
+    /// The triangle at the other end of the distance.
     triangle: u32,
 }
 
@@ -166,7 +167,7 @@ struct Task<'a> {
 }
 
 impl Task<'_> {
-    /// All places of large error in a mesh that was `fitted`.
+    /// Returns all places of large error in a mesh that was `fitted`.
     fn places(&self, faces: &Faces, fitted: &Fitted) -> Vec<Place> {
         let triangles = 0..self.domain.mesh.triangles.len() as u32;
         let at_vertices = parallel::collect(&fitted.vertices[..], |vertices| {
@@ -176,8 +177,8 @@ impl Task<'_> {
         [at_vertices, inside, self.places_of_triangles(faces, &fitted.triangles)].concat()
     }
 
-    /// The places of large error inside of triangle `t` of the surface. What is near to one probe mostly is to the next, and no
-    /// search is needed then.
+    /// Returns the places of large error inside triangle `t` of the surface. A face near one probe is mostly also near the
+    /// next one, which then needs no search.
     fn places_inside(&self, faces: &Faces, t: u32) -> impl Iterator<Item = Place> {
         let mut last = None;
         Probe::inside(self.domain, t, self.spacing).filter_map(move |probe| {
@@ -190,7 +191,7 @@ impl Task<'_> {
         })
     }
 
-    /// The place where the point of triangle `t` of the mesh farthest from the surface is closest to it.
+    /// Returns the foot of the point of mesh triangle `t` that is farthest from the surface, if that distance is large.
     fn place_of_triangle(&self, faces: &Faces, t: u32) -> Option<Place> {
         let corners = faces.corners(t)?;
         let mut farthest = None;
@@ -204,7 +205,7 @@ impl Task<'_> {
         Some(Place { probe: Probe { position, normal }, distance, triangle: t })
     }
 
-    /// The places of large error around the points `changed`, where triangles were `touched`.
+    /// Returns the places of large error around the points `changed`, where triangles were `touched`.
     fn places_around(&self, faces: &Faces, changed: &[DVec3], touched: &[bool]) -> Vec<Place> {
         let of_surface = parallel::each(changed, |&at| {
             let probes = Probes::near(self.domain, at, self.reach(), self.spacing);
@@ -222,7 +223,8 @@ impl Task<'_> {
         self.place_at(faces, probe, self.closest_to(faces, &probe)?)
     }
 
-    /// The distance to the closest face that looks the way of `probe`, or any that is not large, and the number of that face.
+    /// Returns the distance to the closest face that faces the same way as `probe`, or to any such face within a distance
+    /// that is not large, and the number of that face.
     fn closest_to(&self, faces: &Faces, probe: &Probe) -> Option<(f64, u32)> {
         distance(faces, probe, self.least, BEYOND * self.spacing)
     }
@@ -232,13 +234,13 @@ impl Task<'_> {
         is_large.then_some(Place { probe, distance, triangle })
     }
 
-    /// The distance from its place within which a neighborhood may change.
+    /// Returns the distance from its place within which a neighborhood may change.
     fn reach(&self) -> f64 {
         (self.effort.rings + 1) as f64 * self.spacing
     }
 
-    /// Those of `far` whose neighborhoods are disjoint, the largest errors first, without those near to a place that was
-    /// given up or much smaller than the error there.
+    /// Returns those of `far` whose neighborhoods are disjoint, the largest errors first. Leaves out those near a place that
+    /// was given up, and those with a much smaller error than the largest one given up unless they are beside it.
     fn disjoint(&self, far: &mut [Place], given_up: &[Place]) -> Vec<Place> {
         let by_position = |a: DVec3, b: DVec3| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z));
         far.sort_by(|a, b| {
@@ -247,7 +249,7 @@ impl Task<'_> {
         let worth = OF_GIVEN_UP * given_up.iter().map(|place| place.distance).fold(0.0, f64::max);
         let worst: Vec<DVec3> = given_up.iter().filter(|p| p.distance >= worth).map(|p| p.probe.position).collect();
         let is_beside = |p: DVec3| worst.iter().any(|q| p.distance(*q) < self.reach());
-        // Rings are at most about a spacing high.
+        // Rings are at most about a spacing wide.
         let apart = 2.0 * self.effort.rings as f64 * self.spacing;
         let mut places: Vec<Place> = Vec::new();
         for place in far.iter().filter(|place| place.distance >= worth || is_beside(place.probe.position)) {
@@ -262,7 +264,7 @@ impl Task<'_> {
         places
     }
 
-    /// The neighborhood of `place` with a smaller error; `None` if no way was found.
+    /// Returns the neighborhood of `place` with a smaller error; `None` if no way was found.
     fn reduced(&self, mesh: &Manifold, faces: &Faces, place: &Place) -> Option<Neighborhood> {
         let p = place.probe.position;
         let by_distance = |mesh: &Manifold, a: u32, b: u32| {
@@ -285,7 +287,7 @@ impl Task<'_> {
         None
     }
 
-    /// The attempt with the smallest error of those that put one of the nearest vertices at the place of the largest.
+    /// Tries each of the nearest vertices at the place of the largest error; returns the attempt with the smallest error.
     fn place_nearest(&self, from: &Attempt, measured: &Measured, margin: f64) -> Option<Attempt> {
         let away = |v: u32| from.neighborhood.mesh.position(v).distance_squared(from.place);
         let mut nearest: Vec<u32> = from.neighborhood.free_vertices().filter(|v| !from.placed.contains(v)).collect();
@@ -301,11 +303,11 @@ impl Task<'_> {
         tries.into_iter().flatten().min_by(|a, b| a.farthest.total_cmp(&b.farthest))
     }
 
-    /// Arranges the vertices around those that were `placed`. Whether the margin of every triangle is at least `margin`
-    /// then.
+    /// Arranges the vertices around those that were `placed`. Returns whether the margin of every triangle is at least
+    /// `margin` afterwards.
     fn arrange(&self, mesh: &mut Manifold, placed: &[u32], measured: &Measured, margin: f64) -> Result<bool> {
         let improve = |mesh: &mut Manifold, locked: &VertexSet| {
-            // What is outside of the goal is not taken, so quality does not count here.
+            // A result outside the goal is rejected, so quality does not count here.
             improve_angles_for(self.domain, mesh, locked, ONLY_ANGLES, self.spacing, self.effort.passes, &())?;
             Ok(Goal::GOOD.worst_margin(mesh) >= margin)
         };
@@ -319,10 +321,10 @@ impl Task<'_> {
     }
 }
 
-/// A neighborhood that has been changed, and its largest error.
+/// A changed neighborhood, and its largest error.
 struct Attempt {
     neighborhood: Neighborhood,
-    /// The vertices that were put at places.
+    /// The vertices that were moved to places.
     placed: Vec<u32>,
     farthest: f64,
     /// The point of the surface with that error.
@@ -337,7 +339,7 @@ struct Measured<'a> {
 }
 
 impl<'a> Measured<'a> {
-    /// Those around `place` that are closest to a triangle of `neighborhood`.
+    /// Returns the probes around `place` that are closest to a triangle of `neighborhood`.
     fn new(task: &'a Task<'a>, faces: &Faces, neighborhood: &Neighborhood, place: DVec3) -> Measured<'a> {
         let belongs = |probe: &Probe| {
             distance(faces, probe, 0.0, BEYOND * task.spacing).is_some_and(|(_, t)| neighborhood.has_triangle(t))
@@ -348,7 +350,7 @@ impl<'a> Measured<'a> {
         Measured { task, place, probes }
     }
 
-    /// `neighborhood` with its largest error, in both directions.
+    /// Returns `neighborhood` with its largest error, in both directions.
     fn attempt(&self, neighborhood: Neighborhood, placed: Vec<u32>) -> Attempt {
         let Task { domain, spacing, .. } = *self.task;
         let faces = Faces::new(&neighborhood.mesh);
@@ -376,7 +378,7 @@ mod tests {
     use super::*;
     use crate::mesh::triangle_mesh::Mesh;
 
-    /// A triangular grid with `n` edges of length 1/n to a side, over the rhombus of side 1, at the given heights.
+    /// A triangular grid over the rhombus of side 1, with `n` edges of length 1/n per side, at the given heights.
     fn sheet(n: u32, height: impl Fn(f64, f64) -> f64) -> Mesh {
         let at = |i: u32, j: u32| i * (n + 1) + j;
         let place = |i: u32, j: u32| {
@@ -392,16 +394,16 @@ mod tests {
         }
     }
 
-    /// Edges to a side of the coarse sheet.
+    /// Number of edges per side of the coarse sheet.
     const COARSE: u32 = 15;
 
-    /// The middle of a triangle of the coarse sheet, about its middle.
+    /// The centroid of a triangle near the middle of the coarse sheet.
     fn middle() -> DVec3 {
         let flat = sheet(COARSE, |_, _| 0.0);
         flat.corners((COARSE * COARSE - 1) as usize).into_iter().sum::<DVec3>() / 3.0
     }
 
-    /// A fine sheet with a spike there, as high as half a coarse edge, and a coarse one laid on it.
+    /// A fine sheet with a spike there, half a coarse edge high, and a coarse sheet laid on it.
     fn spike() -> (Domain, Manifold) {
         let (middle, spacing) = (middle(), 1.0 / f64::from(COARSE));
         let spike = |x: f64, y: f64| 0.5 * (spacing - 1.2 * (x - middle.x).hypot(y - middle.y)).max(0.0);
@@ -413,12 +415,12 @@ mod tests {
         (domain, mesh)
     }
 
-    /// As from a fit that has all vertices watched.
+    /// The result of a fit with all vertices watched.
     fn fitted(domain: &Domain, mean_square: f64) -> Fitted {
         Fitted { mean_square, vertices: (0..domain.mesh.positions.len() as u32).collect(), triangles: Vec::new() }
     }
 
-    /// The largest distance of a vertex of the domain to the mesh.
+    /// Largest distance of a vertex of the domain from the mesh.
     fn farthest(domain: &Domain, mesh: &Manifold) -> f64 {
         let faces = Faces::new(mesh);
         let distance = |v| distance(&faces, &Probe::at_vertex(domain, v), 0.0, 1.0).map_or(1.0, |d| d.0);

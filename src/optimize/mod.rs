@@ -1,4 +1,4 @@
-//! Optimisation of a mesh over its domain: connectivity, positions of the vertices, their number, and the error.
+//! Optimisation of a mesh over its domain: connectivity, vertex positions, vertex count, and error.
 
 pub mod angles;
 pub mod bridges;

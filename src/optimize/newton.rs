@@ -1,13 +1,13 @@
 //! One Gauss-Newton step for all vertices of a mesh at once.
 //!
-//! Each vertex has two unknowns, its step along two axes of its tangent plane; on a curve one, along the curve; none
-//! where it is locked. The energy's gradient is the sum of those of the triangles, its Hessian the sum of the squares of
-//! linear forms that the triangles give. The equations are solved by conjugate gradients, preconditioned by the 2 x 2
-//! blocks of the vertices.
+//! Each vertex has two unknowns, its step along two axes of its tangent plane. On a curve it has one, along the curve; if
+//! locked, it has none. The gradient of the energy is the sum of those of the triangles, its Hessian the sum of the squares
+//! of linear forms that the triangles contribute. The equations are solved by conjugate gradients, preconditioned with the
+//! blocks of the vertices, 2 x 2 each.
 //!
 //! Based on: J. Nocedal, S. J. Wright, Numerical Optimization, 2006, chapters 5 and 10, DOI 10.1007/978-0-387-40065-5.
 //!
-//! Cost: about a microsecond a vertex to set up, a tenth of one for each of some ten to twenty iterations.
+//! Cost: about a microsecond per vertex to set up, and a tenth of that for each of some ten to twenty iterations.
 
 use crate::base::parallel;
 use crate::manifold::Manifold;
@@ -20,24 +20,25 @@ use std::ops::Range;
 pub(super) struct Strain {
     /// The gradient at each corner.
     pub gradient: [DVec3; 3],
-    /// Three linear forms, the sum of whose squares is the Hessian, each as what it multiplies the steps of the corners
-    /// with.
+    /// Three linear forms, whose squares sum to the Hessian; each is given by its coefficients for the steps of the corners.
     pub forms: [[DVec3; 3]; 3],
 }
 
-/// Added to the Hessian at each vertex, as a share of what six equilateral triangles of the wanted size give it.
+/// Damping added to the Hessian at each vertex, as a share of the contribution of six equilateral triangles of the target
+/// size.
 const DAMPING: f64 = 0.02;
 const OF_REGULAR: f64 = 8.0;
 
-/// Iterations at most, and the share of the first residual at which they end: the next round starts from a better place.
+/// Maximum number of iterations, and the share of the first residual at which they end: the next round starts from a better
+/// place.
 const MOST_ITERATIONS: usize = 25;
 const TOLERANCE: f64 = 0.05;
 
-/// Vertices that one task works on.
+/// Number of vertices per task.
 const CHUNK: usize = 1024;
 
-/// The step of each vertex, by its number; zero for those in `locked`. `strain_of` has the strain of each triangle, by its
-/// vertices; `spacing` is the edge length that is wanted where the size of samples is 1.
+/// Returns the step of each vertex, by number; zero for those in `locked`. `strain_of` returns the strain of a triangle,
+/// given its vertices; `spacing` is the target edge length at samples of size 1.
 pub(super) fn newton_step(
     mesh: &Manifold,
     locked: &VertexSet,
@@ -49,7 +50,7 @@ pub(super) fn newton_step(
     steps.iter().zip(axes).map(|(step, axes)| step.x * axes[0] + step.y * axes[1]).collect()
 }
 
-/// The axes along which vertex `v` can move; zero for what it cannot.
+/// Returns the axes along which vertex `v` can move, with zero in place of those along which it cannot.
 fn axes(mesh: &Manifold, locked: &VertexSet, v: u32) -> [DVec3; 2] {
     if !mesh.connectivity.has_vertex(v) || !mesh.can_move(v, locked) {
         return [DVec3::ZERO; 2];
@@ -60,7 +61,7 @@ fn axes(mesh: &Manifold, locked: &VertexSet, v: u32) -> [DVec3; 2] {
     }
 }
 
-/// Whether vertex `v` can move along any of its axes.
+/// Returns whether vertex `v` can move along any of its axes.
 fn moves(axes: &[[DVec3; 2]], v: u32) -> bool {
     axes[v as usize] != [DVec3::ZERO; 2]
 }
@@ -74,27 +75,27 @@ struct AtCorner {
     own: DMat2,
 }
 
-/// What triangles contribute to the blocks between origin and target of their half-edges.
+/// Contributions of a triangle to the blocks between the origin and the target of each half-edge.
 type Between = [DMat2; 3];
 
 /// The Hessian as a sparse matrix of 2 x 2 blocks, and the negative gradient.
 struct Equations {
     diagonal: Vec<DMat2>,
-    /// The blocks off the diagonal, [`CHUNK`] rows together.
+    /// The off-diagonal blocks, [`CHUNK`] rows together.
     chunks: Vec<Rows>,
     force: Vec<DVec2>,
 }
 
 /// Rows of a sparse matrix.
 struct Rows {
-    /// For each row where its entries end.
+    /// For each row, the end of its entries.
     end: Vec<u32>,
     /// The blocks, each with the vertex that it multiplies.
     entries: Vec<(u32, DMat2)>,
 }
 
 impl Rows {
-    /// The rows of these vertices; those of vertices that cannot move are empty.
+    /// Returns the rows of these vertices; those of vertices that cannot move are empty.
     fn new(c: &Connectivity, axes: &[[DVec3; 2]], between: &[Between], vertices: Range<u32>) -> Rows {
         let mut rows =
             Rows { end: Vec::with_capacity(vertices.len()), entries: Vec::with_capacity(7 * vertices.len()) };
@@ -108,7 +109,7 @@ impl Rows {
         rows
     }
 
-    /// The blocks of each row.
+    /// Returns the blocks of each row.
     fn iter(&self) -> impl Iterator<Item = &[(u32, DMat2)]> {
         let begin = std::iter::once(0).chain(self.end.iter().copied());
         begin.zip(&self.end).map(|(begin, &end)| &self.entries[begin as usize..end as usize])
@@ -145,13 +146,13 @@ impl Equations {
             })
         };
         let (diagonal, force) = parallel::map(0..c.vertex_bound(), at_vertex).into_iter().unzip();
-        // The rows take as much memory again.
+        // Freed now, since the rows take as much memory again.
         drop(at_corners);
         let chunks = parallel::blocks(0..c.vertex_bound(), CHUNK, |vertices| Rows::new(c, axes, &between, vertices));
         Equations { diagonal, chunks, force }
     }
 
-    /// The solution, by conjugate gradients from zero.
+    /// Returns the solution, by conjugate gradients starting from zero.
     fn solve(&self) -> Vec<DVec2> {
         let inverse: Vec<DMat2> = parallel::map(&self.diagonal[..], DMat2::inverse);
         let mut image = vec![DVec2::ZERO; self.force.len()];
@@ -170,7 +171,7 @@ impl Equations {
         at.x
     }
 
-    /// Writes the Hessian times `x` to `image`, and gives the product of that and `x`.
+    /// Writes the Hessian times `x` to `image`; returns the dot product of `image` and `x`.
     fn times(&self, x: &[DVec2], image: &mut [DVec2]) -> f64 {
         let chunks = image.chunks_mut(CHUNK).zip(&self.chunks).enumerate();
         let products = parallel::each(chunks, |(i, (image, rows))| {
@@ -185,16 +186,17 @@ impl Equations {
     }
 }
 
-/// Where the conjugate gradients are.
+/// The state of the conjugate gradients.
 struct Iterate {
     x: Vec<DVec2>,
     residual: Vec<DVec2>,
-    /// The direction to go in.
+    /// The search direction.
     way: Vec<DVec2>,
 }
 
 impl Iterate {
-    /// Goes a step along the way, of which this is the image; the preconditioned square of the residual then.
+    /// Takes a step along the search direction, whose product with the Hessian is `image`; returns the preconditioned square
+    /// of the new residual.
     fn advance(&mut self, step: f64, image: &[DVec2], inverse: &[DMat2]) -> f64 {
         let Iterate { x, residual, way } = self;
         let at = x.chunks_mut(CHUNK).zip(residual.chunks_mut(CHUNK)).zip(way.chunks(CHUNK));
@@ -211,7 +213,7 @@ impl Iterate {
         squares.into_iter().sum()
     }
 
-    /// Turns the way to the preconditioned residual, together with that share of what it was.
+    /// Sets the search direction to the preconditioned residual plus this share of the previous direction.
     fn turn(&mut self, share: f64, inverse: &[DMat2]) {
         let residual = self.residual.chunks(CHUNK).zip(inverse.chunks(CHUNK));
         parallel::each(self.way.chunks_mut(CHUNK).zip(residual), |(way, (residual, inverse))| {
@@ -222,13 +224,13 @@ impl Iterate {
     }
 }
 
-/// What belongs to half-edge `h`, or to its origin.
+/// Returns the value that belongs to half-edge `h`, or to its origin.
 #[inline]
 fn of_half_edge<T: Copy>(of_triangles: &[[T; 3]], h: u32) -> T {
     of_triangles[h as usize / 3][h as usize % 3]
 }
 
-/// What a triangle contributes at its corners, and between them.
+/// Returns the contributions of a triangle at its corners, and between them.
 fn shares(corners: [u32; 3], axes: &[[DVec3; 2]], strain: Strain) -> ([AtCorner; 3], Between) {
     let in_axes = |k: usize, v: DVec3| {
         let [x, y] = axes[corners[k] as usize];
@@ -244,14 +246,14 @@ fn shares(corners: [u32; 3], axes: &[[DVec3; 2]], strain: Strain) -> ([AtCorner;
     )
 }
 
-/// The blocks between `v` and its neighbours: each edge has one from the triangle on either side.
+/// Returns the blocks between `v` and its neighbours: each edge has a contribution from the triangle on either side.
 fn entries_of<'a>(c: &'a Connectivity, v: u32, between: &'a [Between]) -> impl Iterator<Item = (u32, DMat2)> + 'a {
     let back = |h: u32| of_half_edge(between, h).transpose();
     let outwards = c.outgoing(v).map(move |h| {
         let other = if c.has_twin(h) { back(c.twin(h)) } else { DMat2::ZERO };
         (c.target(h), of_half_edge(between, h) + other)
     });
-    // The last edge around a vertex of the boundary has a triangle on its right only.
+    // The last edge around a boundary vertex has a triangle only on its right.
     let last = c.outgoing(v).map(prev).find(|&h| !c.has_twin(h));
     outwards.chain(last.map(move |h| (c.origin(h), back(h))))
 }
@@ -261,7 +263,7 @@ mod tests {
     use super::*;
     use crate::surface::domain::Sample;
 
-    /// A flat ring of six triangles around the origin whose middle is at `middle`.
+    /// A flat ring of six triangles around the origin, with the central vertex at `middle`.
     fn ring(middle: DVec3) -> Manifold {
         let corner = |i: u32| {
             let (sin, cos) = (f64::from(i) * std::f64::consts::FRAC_PI_3).sin_cos();
@@ -273,7 +275,7 @@ mod tests {
         Manifold::new(samples, &triangles)
     }
 
-    /// Springs of no rest length: half the squares of the sides from the first corner.
+    /// Springs of zero rest length: half the squared lengths of the sides at the first corner.
     fn springs(mesh: &Manifold, [a, b, c]: [u32; 3]) -> Strain {
         let [a, b, c] = [a, b, c].map(|v| mesh.position(v));
         let gradient = [2.0 * a - b - c, b - a, c - a];

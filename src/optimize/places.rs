@@ -1,4 +1,4 @@
-//! Places of a mesh that change one by one: triangles and what is around them, disjoint, changed at the same time and put back.
+//! Places of a mesh: disjoint triangles with their surroundings, which are changed at the same time and put back.
 
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
@@ -11,31 +11,31 @@ use crate::optimize::coarse_to_fine::tips;
 use crate::optimize::relax::{Flips, relax};
 use crate::surface::domain::Domain;
 
-/// Rings of triangles around a triangle that change with it.
+/// Number of rings of triangles around a triangle that change with it.
 const RINGS: usize = 2;
 
-/// Rounds of relaxation, and passes of the search for angles, in which a place settles.
+/// Rounds of relaxation, and passes of the search for better angles, at a place.
 const ROUNDS: usize = 2;
 const SEARCHES: usize = 3;
 
-/// A side of a triangle and what is around the triangle.
+/// A side of a triangle, and the surroundings of the triangle.
 pub(super) struct Place {
     side: u32,
     pub around: Neighborhood,
 }
 
 impl Place {
-    /// The triangle, by its number in the whole.
+    /// Returns the number of the triangle in the whole mesh.
     pub fn triangle(&self) -> u32 {
         self.side / 3
     }
 
-    /// The number of the side in what is around it.
+    /// Returns the number of the side in `around`.
     pub fn own_side(&self) -> u32 {
         self.around.own_half_edge(self.side).expect("a place has its own side")
     }
 
-    /// The sides of the triangle, and those beside it of the triangles across them.
+    /// Returns the sides of the triangle, and the other sides of the triangles adjacent to it.
     pub fn sides_near(&self) -> Vec<u32> {
         let c = &self.around.mesh.connectivity;
         let h = self.own_side();
@@ -45,7 +45,7 @@ impl Place {
     }
 }
 
-/// The places of `sides` that share no triangle with one before, at most so many.
+/// Returns the places of `sides` that share no triangle with an earlier one, at most `most`.
 pub(super) fn disjoint(mesh: &Manifold, sides: &[u32], most: usize) -> Vec<Place> {
     let mut taken = vec![false; triangle_bound(mesh)];
     let free = sides.iter().filter_map(|&side| {
@@ -59,7 +59,7 @@ pub(super) fn disjoint(mesh: &Manifold, sides: &[u32], most: usize) -> Vec<Place
     free.take(most).collect()
 }
 
-/// Puts those of `changed` that can be back in `mesh`, at most so many; how many were.
+/// Puts those of `changed` that can be back into `mesh`, at most `most`; returns how many were.
 pub(super) fn put_back<'a>(
     mesh: &mut Manifold,
     changed: impl IntoIterator<Item = &'a Neighborhood>,
@@ -74,7 +74,7 @@ pub(super) fn put_back<'a>(
 pub(super) struct GivenUp(Vec<bool>);
 
 impl GivenUp {
-    /// Whether nothing helped at triangle `t`.
+    /// Returns whether nothing helped at triangle `t`.
     pub fn has(&self, t: u32) -> bool {
         self.0.get(t as usize).is_some_and(|given_up| *given_up)
     }
@@ -85,8 +85,8 @@ impl GivenUp {
         self.0[t as usize] = true;
     }
 
-    /// Changes `places` to what `better` makes of them, and gives up those of which it makes nothing until something changes near
-    /// them; the triangles that have changed.
+    /// Replaces each of `places` by what `better` returns for it. Places for which it returns nothing are given up until
+    /// something changes near them. Returns which triangles changed.
     pub fn change(
         &mut self,
         mesh: &mut Manifold,
@@ -101,16 +101,16 @@ impl GivenUp {
             let is_better = changed.is_some_and(|changed| changed.put_back(mesh, &mut touched));
             self.0[place.triangle() as usize] |= !is_better;
         }
-        // What has changed may have another way now.
+        // Triangles that changed may be improved in another way now.
         self.0.iter_mut().zip(&touched).for_each(|(given_up, touched)| *given_up &= !touched);
         Ok(touched)
     }
 }
 
-/// `around` with the edge of `h` split, if it can be.
+/// Returns `around` with the edge of `h` split, if it can be.
 pub(super) fn split(domain: &Domain, around: &Neighborhood, h: u32) -> Option<Neighborhood> {
     let c = &around.mesh.connectivity;
-    // Not on the border to the rest, whose vertices are corners.
+    // Edges on the border to the rest, whose vertices are corners, must stay.
     let is_inside = c.has_twin(h) || !c.is_corner(c.origin(h)) || !c.is_corner(c.target(h));
     if !is_inside || !c.can_split(h) {
         return None;
@@ -121,7 +121,7 @@ pub(super) fn split(domain: &Domain, around: &Neighborhood, h: u32) -> Option<Ne
     Some(changed)
 }
 
-/// `around` after its vertices have settled, with triangles as good as the `goal` if they can be. `spacing` is the mean edge length.
+/// Relaxes `around` and brings its triangles to the `goal` as far as possible. `spacing` is the mean edge length.
 pub(super) fn settled(
     domain: &Domain,
     mut around: Neighborhood,

@@ -1,5 +1,4 @@
-//! Points of the surface at which its distance to the mesh is measured: its vertices, and points inside of large
-//! triangles.
+//! Points of the surface at which its distance to the mesh is measured: its vertices, and points inside large triangles.
 
 use crate::geom::triangle::closest_point;
 use crate::manifold::faces::Faces;
@@ -7,7 +6,7 @@ use crate::optimize::quadrature::{POINTS, point};
 use crate::surface::domain::Domain;
 use glam::DVec3;
 
-/// Longest side, in spacings, of the triangles of the surface whose insides need no probes.
+/// Longest side, in spacings, of a surface triangle that needs no probes inside.
 const LONG_SIDE: f64 = 0.6;
 
 /// A point of the surface at which the distance to the mesh is measured.
@@ -22,7 +21,7 @@ impl Probe {
         Probe { position: domain.mesh.positions[v as usize], normal: domain.vertex_normal(v) }
     }
 
-    /// The probes inside of triangle `t` of the surface, if that is so large that its corners are not enough.
+    /// Returns the probes inside triangle `t` of the surface if it is so large that its corners do not suffice.
     pub(super) fn inside(domain: &Domain, t: u32, spacing: f64) -> impl Iterator<Item = Probe> + use<> {
         let corners = domain.mesh.corners(t as usize);
         let [a, b, c] = corners;
@@ -37,12 +36,12 @@ impl Probe {
 pub(super) struct Probes {
     /// Vertices of the surface, in increasing order.
     pub vertices: Vec<u32>,
-    /// Points inside of large triangles.
+    /// Points inside large triangles.
     pub inside: Vec<Probe>,
 }
 
 impl Probes {
-    /// The probes nearer to `p` than `reach`; `spacing` is the mean edge length of the mesh.
+    /// Returns the probes closer to `p` than `reach`; `spacing` is the mean edge length of the mesh.
     pub(super) fn near(domain: &Domain, p: DVec3, reach: f64, spacing: f64) -> Probes {
         let triangles = domain.triangles_near(p, reach);
         let is_near = |q: DVec3| q.distance_squared(p) < reach * reach;
@@ -55,26 +54,26 @@ impl Probes {
         Probes { vertices, inside }
     }
 
-    /// How many there are.
+    /// Number of probes.
     pub(super) fn count(&self) -> usize {
         self.vertices.len() + self.inside.len()
     }
 
-    /// All of them, the vertices first.
+    /// Returns all probes, the vertices first.
     pub(super) fn all(&self, domain: &Domain) -> impl Iterator<Item = Probe> {
         let at_vertices = self.vertices.iter().map(|&v| Probe::at_vertex(domain, v));
         at_vertices.chain(self.inside.iter().copied())
     }
 }
 
-/// The distance of `probe` to the closest of the faces that look its way, and the number of that, if it is below `most`.
-/// Below `near` any such face will do.
+/// Returns the distance from `probe` to the closest face that faces the same way, and the number of that face, if the
+/// distance is below `most`. Below `near`, any such face will do.
 pub(super) fn distance(faces: &Faces, probe: &Probe, near: f64, most: f64) -> Option<(f64, u32)> {
     let hit = faces.closest_facing(probe.position, probe.normal, near * near..most * most)?;
     Some((hit.distance_squared.sqrt(), hit.triangle))
 }
 
-/// Whether face `t` looks the way of `probe` and is nearer to it than `distance`.
+/// Returns whether face `t` faces the same way as `probe` and is closer to it than `distance`.
 pub(super) fn is_nearer(faces: &Faces, t: u32, probe: &Probe, distance: f64) -> bool {
     faces.corners(t).is_some_and(|corners| {
         let [a, b, c] = corners;

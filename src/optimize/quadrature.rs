@@ -1,4 +1,4 @@
-//! A rule for integrals over a triangle that is exact up to degree four.
+//! Quadrature rule for a triangle, exact up to degree four.
 //!
 //! Based on: D. A. Dunavant, High degree efficient symmetrical Gaussian quadrature rules for the triangle, 1985,
 //! DOI 10.1002/nme.1620210612.
@@ -19,7 +19,7 @@ pub(super) const POINTS: [([f64; 3], f64); 6] = {
     ]
 };
 
-/// The point with barycentric coordinates `at` in the triangle of corners `x`.
+/// Returns the point with barycentric coordinates `at` in the triangle with corners `x`.
 #[inline]
 pub(super) fn point(x: [DVec3; 3], at: [f64; 3]) -> DVec3 {
     at[0] * x[0] + at[1] * x[1] + at[2] * x[2]

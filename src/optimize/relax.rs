@@ -1,4 +1,4 @@
-//! Relaxation: all vertices move tangentially, together, to where the triangles as a whole are best.
+//! Relaxation: moves all vertices tangentially, all at once, to where the triangles as a whole are best.
 //!
 //! The energy of a triangle of area A and sides a, b, c is
 //!
@@ -6,24 +6,24 @@
 //! 2 √(ε (E + ε))  +  κ/2 E²  +  λ/2 (A / A₀ + A₀ / A)        E = (a² + b² + c²) / (4 √3 A) - 1
 //! ```
 //!
-//! E is 0 for an equilateral triangle of any size and grows with the square of its strain. The root makes that linear,
-//! as quality and angles are, except for the smallest strains: strain gathers at the unavoidable irregular vertices, and
-//! the rows between them are straight. The square keeps it from gathering in a few triangles alone. The
-//! last part is least at the area A₀ of an equilateral triangle of the mean edge length: without it the vertices would
-//! drain from the end of every spike of the surface, as in conformal maps.
+//! E is 0 for an equilateral triangle of any size and grows with the square of its strain. The root makes the energy linear
+//! in the strain, as quality and angles are, except for the smallest strains: strain concentrates at the unavoidable
+//! irregular vertices, and the rows between them are straight. The square keeps it from concentrating in a few triangles
+//! only. The last term is smallest at the area A₀ of an equilateral triangle with the mean edge length. Without it, vertices
+//! would drain from the end of every spike of the surface, as in conformal maps.
 //!
-//! Each round is a Gauss-Newton step for all vertices at once (`newton.rs`): strain evens out over hundreds of
-//! edges, which steps of single vertices take as many rounds for. With the corners z₀, z₁, z₂ of a triangle as complex
-//! numbers in its plane and ω a third root of one, E = |β|² / (2 √3 A) for β = z₀ + ω z₁ + ω² z₂.
+//! Each round is a Gauss-Newton step for all vertices at once (`newton.rs`): strain evens out over hundreds of edges, which
+//! would take as many rounds with steps of single vertices. With the corners z₀, z₁, z₂ of a triangle as complex numbers in
+//! its plane and ω a cube root of unity, E = |β|² / (2 √3 A) for β = z₀ + ω z₁ + ω² z₂.
 //!
 //! Based on: P. M. Knupp, Algebraic mesh quality metrics, 2001, DOI 10.1137/S1064827500371499 (shape and size of a
 //! triangle); B. Lévy, S. Petitjean, N. Ray, J. Maillot, Least squares conformal maps, 2002, DOI 10.1145/566654.566590
 //! (the square of β). Departures: shape and size are added instead of multiplied, so that their weights can be chosen;
 //! the root.
 //!
-//! Vertices on a curve, of the boundary or a sharp edge, move along it.
+//! Vertices on a feature curve (boundary or sharp edge) move along it.
 //!
-//! Cost: a few microseconds a vertex and round.
+//! Cost: a few microseconds per vertex and round.
 
 use crate::base::error::Result;
 use crate::base::math;
@@ -37,38 +37,39 @@ use crate::optimize::valence::Defects;
 use crate::surface::domain::Domain;
 use glam::DVec3;
 
-/// The flips after each round of relaxation.
+/// Edge flips after each round of relaxation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Flips {
-    /// All edges that are not Delaunay flip.
+    /// Flips all edges that are not Delaunay.
     Delaunay,
-    /// Only edges flip that are not Delaunay and whose flip does not raise the energy of irregular vertices, so that
+    /// Flips only those edges that are not Delaunay and whose flip does not raise the energy of irregular vertices, so that
     /// vertices find the room that a changed valence needs.
     KeepValence,
 }
 
-/// λ: less makes triangles better and edge lengths less even. Mean Q and edge CV of the horse with 8,600 vertices: 0.967
-/// and 0.091 with 0.2, 0.969 and 0.095 with 0.1, 0.971 and 0.099 with 0.05.
+/// λ, weight of the size term. Less makes triangles better and edge lengths less even. Mean Q and edge CV of the horse with
+/// 8,600 vertices: 0.967 and 0.091 with 0.2, 0.969 and 0.095 with 0.1, 0.971 and 0.099 with 0.05.
 const SIZE_WEIGHT: f64 = 0.05;
 
-/// κ: more makes the worst triangles better and the mean worse. Mean Q of 64 CAD parts and of 17 other models: 0.921 and 0.9788
-/// with 1, 0.923 and 0.9796 with 0.1, 0.924 and 0.9797 with 0, where single triangles are left to themselves.
+/// κ, weight of the square term. More makes the worst triangles better and the mean worse. Mean Q of 64 CAD parts and of 17
+/// other models: 0.921 and 0.9788 with 1, 0.923 and 0.9796 with 0.1, 0.924 and 0.9797 with 0, where single bad triangles are
+/// neglected.
 const SQUARE_WEIGHT: f64 = 0.1;
 
-/// ε: strains of less count with their square, larger ones linearly. More leaves lengths less even, less takes longer.
+/// ε: smaller strains count quadratically, larger ones linearly. More makes lengths less even, less takes longer.
 const SMALL_STRAIN: f64 = 0.003;
 
-/// Least area of a triangle in the energy, as a share of A₀, so that steps stay finite.
+/// Minimum area of a triangle in the energy, as a share of A₀; keeps steps finite.
 const LEAST_AREA: f64 = 0.03;
 
-/// Rounds within a goal.
+/// Number of rounds in [`relax_within`].
 const ROUNDS_WITHIN: usize = 6;
 
-/// Longest step of a vertex in spacings; with twice as much neighbours get in each other's way.
+/// Longest step of a vertex, in spacings. With twice as much, neighbours get in each other's way.
 const LONGEST_STEP: f64 = 0.25;
 
-/// Relaxes all vertices of `mesh` that are not `locked` for `rounds` rounds, with flips after each. `spacing` is the edge
-/// length that is wanted where the size of samples is 1.
+/// Relaxes all vertices of `mesh` that are not `locked` for `rounds` rounds, with flips after each. `spacing` is the target
+/// edge length at samples of size 1.
 pub fn relax(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -88,7 +89,7 @@ pub fn relax(
     Ok(())
 }
 
-/// Relaxes all vertices of `mesh` that are not `locked`, without flips, as far as triangles stay within the `goal`, or get no further
+/// Relaxes all vertices of `mesh` that are not `locked`, without flips. Triangles stay within the `goal`, or get no further
 /// outside.
 pub fn relax_within(
     domain: &Domain,
@@ -106,7 +107,7 @@ pub fn relax_within(
     Ok(())
 }
 
-/// The steps of all vertices that are not `locked` towards the least energy, by their numbers.
+/// Returns the steps of all vertices towards the minimum of the energy, by vertex number; zero for `locked` vertices.
 pub(super) fn relaxing_steps(mesh: &Manifold, locked: &VertexSet, spacing: f64) -> Vec<DVec3> {
     let mut steps = newton_step(mesh, locked, spacing, |t| strain_of(mesh, t, spacing));
     for (step, sample) in steps.iter_mut().zip(&mesh.samples) {
@@ -122,7 +123,8 @@ fn flip(mesh: &mut Manifold, flips: Flips) {
     }
 }
 
-/// The gradient at `v` of the energy of the triangles around it, and the mean second derivative along the surface.
+/// Returns the gradient, with respect to `v`, of the energy of the triangles around it, and the mean second derivative along
+/// the surface.
 pub(super) fn shape_gradient(mesh: &Manifold, v: u32, spacing: f64) -> (DVec3, f64) {
     let strains = mesh.connectivity.outgoing(v).map(|h| strain_of(mesh, mesh.connectivity.triangle(h), spacing));
     strains.fold((DVec3::ZERO, 0.0), |(gradient, stiffness), strain| {
@@ -137,7 +139,8 @@ fn strain_of(mesh: &Manifold, corners: [u32; 3], spacing: f64) -> Strain {
     strain(corners.map(|v| mesh.position(v)), spacing * size)
 }
 
-/// The derivatives of the energy of a triangle by its corners. Inlined, so that a caller who needs one corner pays for no more.
+/// Returns the derivatives of the energy of a triangle with respect to its corners. Inlined, so that a caller that needs
+/// only one corner does not pay for the others.
 #[inline(always)]
 fn strain([p, q, r]: [DVec3; 3], spacing: f64) -> Strain {
     let sides = [r - q, p - r, q - p];
@@ -146,7 +149,8 @@ fn strain([p, q, r]: [DVec3; 3], spacing: f64) -> Strain {
     let ideal = 0.25 * 3f64.sqrt() * spacing * spacing;
     let area = area_vector.length().max(LEAST_AREA * ideal);
     let to_area = sides.map(|side| 0.5 * normal.cross(side));
-    // The real and the imaginary part of what β takes from each corner, turned by a third from one to the next.
+    // Real and imaginary parts of the derivative of β with respect to each corner; each is rotated by a third of a turn from
+    // the one before.
     let x = sides[2].normalize_or_zero();
     let y = normal.cross(x);
     let (sin, cos) = (0.75f64.sqrt(), -0.5);

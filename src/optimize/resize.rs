@@ -1,7 +1,7 @@
-//! Gives a part of a mesh edges of the lengths that are wanted now: splits those that are too long, and collapses those that are
-//! too short.
+//! Adapts a part of a mesh to new target edge lengths: splits edges that are too long, and collapses those that are too
+//! short.
 //!
-//! Cost: that of the vertices which change, and a sort of the edges.
+//! Cost: that of the changed vertices, and a sort of the edges.
 
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
@@ -13,22 +13,24 @@ use crate::optimize::relax::{Flips, relax};
 use crate::optimize::slivers::remove_slivers;
 use crate::surface::domain::Domain;
 
-/// Share of its length before from which on a length is shorter, or that before of one which is longer.
+/// Ratio of new to old target edge length below which the length became shorter; ratio of old to new below which it became
+/// longer.
 const SHORTER: f64 = 0.9;
 
-/// Longest edge that is left, in wanted lengths: the halves of a longer one are nearer to that. And the shortest: half of it.
+/// Longest edge that is left, in target edge lengths: the halves of a longer one are closer to the target. Also the
+/// shortest, half of it.
 const LONGEST: f64 = std::f64::consts::SQRT_2;
 const SHORTEST: f64 = 0.5 * LONGEST;
 
-/// The most vertices after, in those before: more are too many to make up for elsewhere.
+/// Maximum number of vertices afterwards, as a multiple of that before; more would be too many to make up for elsewhere.
 const MOST: usize = 4;
 
-/// Rings around what has changed that are relaxed, and rounds of it.
+/// Number of rings around changed vertices that are relaxed, and rounds of relaxation.
 const RINGS: usize = 2;
 const ROUNDS: usize = 4;
 
-/// Gives the edges of `mesh` the lengths that `domain` wants now. `spacing` is the length that is wanted where the size of samples
-/// is 1.
+/// Gives the edges of `mesh` the current target edge lengths of `domain`. `spacing` is the target edge length at samples of
+/// size 1.
 pub fn resize(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
     let [shorter, longer] = take_sizes(domain, mesh);
     let before = valences(mesh);
@@ -43,8 +45,8 @@ pub fn resize(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dyn 
     improve_angles(domain, mesh, Goal::GOOD, spacing, monitor)
 }
 
-/// Gives the samples of `mesh` the sizes that `domain` has at their places; those whose size has become shorter, and those where
-/// it has become longer.
+/// Gives the samples of `mesh` the sizes that `domain` has at their positions. Returns the vertices whose size became
+/// smaller, and those whose size became larger.
 fn take_sizes(domain: &Domain, mesh: &mut Manifold) -> [VertexSet; 2] {
     let [mut shorter, mut longer] = [VertexSet::EMPTY, VertexSet::EMPTY];
     for (sample, v) in mesh.samples.iter_mut().zip(0..) {
@@ -59,7 +61,7 @@ fn take_sizes(domain: &Domain, mesh: &mut Manifold) -> [VertexSet; 2] {
     [shorter, longer]
 }
 
-/// The number of edges at each vertex; 0 for those that have been removed.
+/// Returns the valence of each vertex; 0 for removed ones.
 fn valences(mesh: &Manifold) -> Vec<usize> {
     let c = &mesh.connectivity;
     (0..c.vertex_bound()).map(|v| if c.has_vertex(v) { c.valence(v) } else { 0 }).collect()

@@ -1,21 +1,20 @@
 //! Resolves self-intersections of the mesh.
 //!
-//! They have two causes: sheets of the surface that are nearer to each other than the faces are to the surface, and folds
-//! at narrow rims, where one or two faces lie wrong. So there are four remedies, in turns.
+//! They have two causes: sheets of the surface that are closer to each other than the faces are to the surface, and folds at
+//! narrow rims, where one or two faces lie wrong. So there are four remedies, in turns.
 //!
-//! - The corners of faces that intersect go back to the surface, which the fit has moved them off.
-//! - Sheets part: the corners of faces that intersect those of another sheet step away from that sheet along the normal,
-//!   outwards where there is a wall between the sheets and inwards where there is a gap, by shares of the distance
-//!   between face and surface. All step at once, since at a thin shell every face intersects many.
-//! - Single edges flip and single vertices move to where fewer faces intersect, of several such places to the one with the
-//!   best triangles.
-//! - Where neither helps, the corners move such that the segments which faces have in common become shorter, see
-//!   `optimize/shorten.rs`.
+//! - The corners of intersecting faces move back to the surface, from which the fit has moved them.
+//! - Sheets separate: the corners of faces that intersect those of another sheet step away from that sheet along the normal,
+//!   outwards if there is a wall between the sheets and inwards if there is a gap, by shares of the distance between face
+//!   and surface. All step at once, since in a thin shell every face intersects many.
+//! - Single edges flip and single vertices move to where fewer faces intersect; of several such places, the one with the
+//!   best triangles is chosen.
+//! - Where neither helps, the corners move so that the segments shared by faces become shorter, see `optimize/shorten.rs`.
 //!
-//! A turn that does not reduce the number of intersecting pairs is taken back, and is the last. Self-intersections of the
-//! input are left alone: the sheets belong there. The report counts those that are left.
+//! A turn that does not reduce the number of intersecting pairs is undone and is the last. Self-intersections of the input
+//! are left alone: the sheets belong there. The report counts those that remain.
 //!
-//! Cost: one search for self-intersections if there are none. Otherwise one more among the faces that change for each step of
+//! Cost: one search for self-intersections if there are none. Otherwise, one more among the changed faces for each step of
 //! the sheets, and some ten local searches for each corner of an intersecting face.
 //!
 //! Limits: vertices that step away from the surface stay off it, by at most `FARTHEST`. Some self-intersections cannot be
@@ -37,28 +36,28 @@ use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Turns of both means; most places need one or two.
+/// Maximum number of turns; most places need one or two.
 const TURNS: usize = 6;
 
-/// Steps of the sheets in a turn, and the share of the distance between face and surface that each makes: in the end
-/// the face is clear of the surface.
+/// Number of steps of the sheets in a turn, and the share of the distance between face and surface that each step covers: in
+/// the end, the face is clear of the surface.
 const STEPS: usize = 6;
 const STEP: f64 = 0.35;
 
-/// Distances, in lengths of the longest edge there, at which a vertex looks for a better place.
+/// Distances, in lengths of the longest edge there, at which a vertex searches for a better place.
 const REACHES: [f64; 4] = [0.06, 0.12, 0.25, 0.5];
 
-/// Directions in which it looks.
+/// Number of directions in which it searches.
 const DIRECTIONS: usize = 8;
 
-/// Most faces treated one by one in a turn: where more intersect, only parting the sheets helps, if anything.
+/// Maximum number of faces treated one by one in a turn: if more intersect, only separating the sheets helps, if anything.
 const MOST_TREATED: usize = 150;
 
-/// If more intersect than that, a turn that leaves a larger share of the pairs is the last.
+/// If more than [`MOST_TREATED`] intersect, a turn that leaves more than this share of the pairs is the last.
 const LEAST_PROGRESS: f64 = 0.8;
 
-/// Moves vertices and flips edges until no avoidable self-intersection is left, or nothing helps: parts sheets and treats single
-/// faces in turns, as long as the number of intersecting pairs falls.
+/// Moves vertices and flips edges until no avoidable self-intersection is left or nothing helps: separates sheets and treats
+/// single faces in turns, while the number of intersecting pairs falls.
 pub fn resolve_self_intersections(domain: &Domain, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<()> {
     let mut crossings = Crossings::new(domain, mesh);
     for _ in 0..TURNS {
@@ -86,7 +85,7 @@ pub fn resolve_self_intersections(domain: &Domain, mesh: &mut Manifold, monitor:
     Ok(())
 }
 
-/// Takes the corners of faces that cross back to the surface, which the fit moves them off, if fewer cross then.
+/// Moves the corners of crossing faces back to the surface, from which the fit has moved them, if fewer faces cross then.
 fn take_back(domain: &Domain, mesh: &mut Manifold, crossings: &mut Crossings) {
     let faces = crossings.avoidable.iter().flat_map(|&(t, u)| [t, u]);
     let corners: BTreeSet<u32> = faces.flat_map(|t| mesh.connectivity.triangle(3 * t)).collect();
@@ -104,7 +103,7 @@ fn take_back(domain: &Domain, mesh: &mut Manifold, crossings: &mut Crossings) {
     }
 }
 
-/// Moves the sheets that cross apart, step by step, and keeps the step with the fewest crossings.
+/// Moves crossing sheets apart, step by step, and keeps the step with the fewest crossings.
 fn part_sheets(domain: &Domain, mesh: &mut Manifold, crossings: &mut Crossings) {
     let mut best = (crossings.avoidable.len(), mesh.samples.clone());
     for _ in 0..STEPS {
@@ -122,7 +121,7 @@ fn part_sheets(domain: &Domain, mesh: &mut Manifold, crossings: &mut Crossings) 
     crossings.follow(domain, mesh);
 }
 
-/// For each corner of the faces that cross the longest step away from a sheet in its way.
+/// Returns, for each corner of the crossing faces, the longest step away from a sheet in its way.
 fn ways_apart(domain: &Domain, mesh: &Manifold, pairs: &[(u32, u32)]) -> BTreeMap<u32, DVec3> {
     let faces: BTreeSet<u32> = pairs.iter().flat_map(|&(t, u)| [t, u]).collect();
     let heights: BTreeMap<u32, f64> = faces.iter().map(|&t| (t, height(domain, mesh, t))).collect();
@@ -145,7 +144,7 @@ fn ways_apart(domain: &Domain, mesh: &Manifold, pairs: &[(u32, u32)]) -> BTreeMa
     ways
 }
 
-/// How far the middle of a face is from the surface that it stands for.
+/// Returns the distance of the centroid of a face from the surface that the face represents.
 fn height(domain: &Domain, mesh: &Manifold, face: u32) -> f64 {
     let corners = mesh.connectivity.triangle(3 * face).map(|v| &mesh.samples[v as usize]);
     let middle = corners.iter().map(|s| s.position).sum::<DVec3>() / 3.0;
@@ -153,8 +152,8 @@ fn height(domain: &Domain, mesh: &Manifold, face: u32) -> f64 {
     domain.project(middle, normal, on_patch(corners).triangle).position.distance(middle)
 }
 
-/// The direction, along the normal at `v`, away from the sheet of the surface that face `other` stands for; zero if `v`
-/// is on it. The place of `v` on the surface is `foot`.
+/// Returns the direction, along the normal at `v`, away from the sheet of the surface that face `other` represents; zero if
+/// `v` is on it. `foot` is the foot of `v` on the surface.
 fn away_from(domain: &Domain, mesh: &Manifold, v: u32, foot: DVec3, other: u32) -> DVec3 {
     let corners = mesh.connectivity.triangle(3 * other);
     if corners.contains(&v) {
@@ -168,13 +167,13 @@ fn away_from(domain: &Domain, mesh: &Manifold, v: u32, foot: DVec3, other: u32) 
     if ahead == 0.0 { DVec3::ZERO } else { -ahead.signum() * here.normal }
 }
 
-/// Of the corners of a face one that is not on a sharp edge, if there is one: it knows the patch.
+/// Returns a corner of a face that is not on a sharp edge, if there is one: it knows the patch.
 fn on_patch(corners: [&Sample; 3]) -> &Sample {
     corners.into_iter().find(|s| s.normal != DVec3::ZERO).unwrap_or(corners[0])
 }
 
-/// Moves `v`, without putting it back on the surface, unless it would be too far away, or turn a triangle over or
-/// spoil it.
+/// Moves `v` without projecting it back onto the surface, unless it would be too far away, or turn a triangle over or spoil
+/// it. Returns whether it moved.
 fn step_off(domain: &Domain, mesh: &mut Manifold, v: u32, way: DVec3) -> bool {
     let here = mesh.samples[v as usize];
     let there = Sample { position: here.position + way, ..here };
@@ -188,11 +187,11 @@ fn step_off(domain: &Domain, mesh: &mut Manifold, v: u32, way: DVec3) -> bool {
     may
 }
 
-/// Flips edges and moves vertices of faces that cross, one by one, where that leaves fewer crossings.
+/// Flips edges and moves vertices of crossing faces, one by one, where that leaves fewer crossings.
 fn treat_faces(domain: &Domain, mesh: &mut Manifold, Crossings { faces, avoidable, .. }: &Crossings) {
     let crossing: BTreeSet<u32> = avoidable.iter().flat_map(|&(t, u)| [t, u]).collect();
     let mut around = Surroundings::new(faces);
-    // What did not help will not help either until something has changed.
+    // What did not help will not help until something has changed.
     let (mut edges, mut vertices) = (BTreeSet::new(), BTreeSet::new());
     for face in crossing.into_iter().take(MOST_TREATED) {
         let h = 3 * face;
@@ -211,7 +210,7 @@ fn treat_faces(domain: &Domain, mesh: &mut Manifold, Crossings { faces, avoidabl
 }
 
 impl Surroundings<'_> {
-    /// Flips an edge if fewer faces cross then; whether it did.
+    /// Flips an edge if fewer faces cross then; returns whether it did.
     fn flip_if_fewer(&mut self, mesh: &mut Manifold, h: u32) -> bool {
         if !mesh.connectivity.can_flip(h) || !mesh.flip_keeps_facing(h, FacingGuard::SOUND) {
             return false;
@@ -233,7 +232,7 @@ impl Surroundings<'_> {
         helps
     }
 
-    /// Moves `v` to the nearest places at which fewer faces cross, as long as there are such places; whether there was one.
+    /// Moves `v` to the nearest places at which fewer faces cross, while there are any; returns whether there was one.
     fn move_if_fewer(&mut self, domain: &Domain, mesh: &mut Manifold, v: u32) -> bool {
         let old: Vec<u32> = mesh.connectivity.outgoing(v).map(|h| h / 3).collect();
         let before = self.count(mesh, &fan(mesh, v, mesh.position(v)), &old, usize::MAX);
@@ -265,7 +264,8 @@ impl Surroundings<'_> {
     }
 }
 
-/// Places around `v` at a distance: on the surface, and a little above and below it; along the curve of a vertex on one.
+/// Returns places around `v` at `distance`: on the surface, and a little above and below it; for a vertex on a curve, along
+/// the curve.
 fn places(domain: &Domain, mesh: &Manifold, v: u32, distance: f64) -> Vec<Sample> {
     let here = mesh.samples[v as usize];
     if let Some(along) = mesh.along(v) {

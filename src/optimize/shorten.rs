@@ -1,15 +1,15 @@
-//! Shortens the segments that crossing faces have in common, until there are none.
+//! Shortens the segments that crossing faces have in common until there are none.
 //!
 //! Where a sheet or a fold has passed through a face, the curve along which they cross ends where one of them does. The
 //! corners of all faces along the curve step down the gradient of its length, each by no more than a share of its longest
-//! edge, and it shrinks towards that end. It is known what the length would be after each step, so a step that is too long
-//! is halved, and one that does not help is the last.
+//! edge, and the curve shrinks towards that end. The length after each step is known, so a step that is too long is
+//! shortened, and one that does not help is the last.
 //!
 //! Based on: P. Volino, N. Magnenat-Thalmann, Resolving surface collisions through intersection contour minimization,
 //! 2006, DOI 10.1145/1141911.1142007. Departures: vertices stay near the surface, triangles stay good, and the gradient is
 //! that of [`crossing_segment`].
 //!
-//! Cost: some ten local searches for each face around a cluster of crossing faces, in each of `STEPS` steps at most.
+//! Cost: some ten local searches for each face around a cluster of crossing faces, in each of at most `STEPS` steps.
 
 use crate::base::union_find::UnionFind;
 use crate::geom::crossing_segment::crossing_segment;
@@ -23,15 +23,16 @@ use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Most steps for one cluster, and how far a vertex moves in each at most, in lengths of its longest edge.
+/// Maximum number of steps per cluster, and maximum distance that a vertex moves in each, in lengths of its longest edge.
 const STEPS: usize = 40;
 const REACH: f64 = 0.05;
 
-/// Shares of a step that are tried, and the share of the length that one may leave.
+/// Shares of a step that are tried, and the maximum share of the length that a step may leave.
 const SHARES: [f64; 4] = [1.0, 0.5, 0.25, 0.1];
 const LEAST_PROGRESS: f64 = 0.99;
 
-/// Shortens what faces have in common where the input has no self-intersection, one cluster of crossing faces after the other.
+/// Shortens the segments that faces have in common where the input has no self-intersection, one cluster of crossing faces
+/// at a time.
 pub(super) fn shorten_crossings(domain: &Domain, mesh: &mut Manifold, crossings: &Crossings) {
     let clusters = clusters(mesh, &crossings.avoidable);
     let mut around = Surroundings::new(&crossings.faces);
@@ -40,7 +41,7 @@ pub(super) fn shorten_crossings(domain: &Domain, mesh: &mut Manifold, crossings:
     }
 }
 
-/// The faces of pairs that have corners in common.
+/// Groups the faces of the pairs into clusters that are connected by common corners.
 fn clusters(mesh: &Manifold, pairs: &[(u32, u32)]) -> Vec<BTreeSet<u32>> {
     let corners = |t: u32| mesh.connectivity.triangle(3 * t);
     let mut parts = UnionFind::new(mesh.samples.len());
@@ -55,7 +56,7 @@ fn clusters(mesh: &Manifold, pairs: &[(u32, u32)]) -> Vec<BTreeSet<u32>> {
     clusters.into_values().collect()
 }
 
-/// What some faces have in common with others: the length of the segments, and its gradient by the vertices.
+/// What some faces have in common with others: the length of the segments, and its gradient with respect to the vertices.
 #[derive(Default)]
 struct Common {
     pairs: BTreeSet<(u32, u32)>,
@@ -64,7 +65,7 @@ struct Common {
 }
 
 impl Common {
-    /// What `faces` have in common with others, except near self-intersections of the input.
+    /// Returns what `faces` have in common with others, except near self-intersections of the input.
     fn of(faces: &BTreeSet<u32>, inherited: &Inherited, mesh: &Manifold, around: &Surroundings) -> Common {
         let mut common = Common::default();
         for &t in faces {
@@ -93,13 +94,13 @@ impl Common {
         }
     }
 
-    /// The faces of the pairs.
+    /// Returns the faces of the pairs.
     fn faces(&self) -> BTreeSet<u32> {
         self.pairs.iter().flat_map(|&(t, u)| [t, u]).collect()
     }
 }
 
-/// Steps down the gradient of what the faces of a cluster have in common, as long as that becomes less.
+/// Steps down the gradient of the length that the faces of a cluster have in common, while that decreases.
 fn shorten(domain: &Domain, mesh: &mut Manifold, around: &mut Surroundings, mut cluster: BTreeSet<u32>) {
     let inherited = domain.inherited();
     for _ in 0..STEPS {
@@ -132,7 +133,7 @@ fn shorten(domain: &Domain, mesh: &mut Manifold, around: &mut Surroundings, mut 
     }
 }
 
-/// Moves the vertices by a share of the step at whose end the length would be zero, were it linear; each as far as it may.
+/// Moves the vertices by a share of the step that would make the length zero if it were linear, each as far as it may.
 fn step(domain: &Domain, mesh: &mut Manifold, common: &Common, share: f64) {
     let squared: f64 = common.gradient.values().map(|g| g.length_squared()).sum();
     for (&v, gradient) in &common.gradient {
@@ -147,7 +148,7 @@ fn step(domain: &Domain, mesh: &mut Manifold, common: &Common, share: f64) {
     }
 }
 
-/// Where `v` is after it has gone `way`, and come back to where it is not too far from the surface.
+/// Returns where the step `way` takes `v`, pulled back to where it is not too far from the surface.
 fn place_after(domain: &Domain, mesh: &Manifold, v: u32, way: DVec3) -> Sample {
     let here = mesh.samples[v as usize];
     let there = Sample { position: here.position + way, ..here };
@@ -177,7 +178,7 @@ mod tests {
         let domain = Domain::new(input.clone().try_into().unwrap());
         let samples = input.positions.iter().map(|&p| domain.project_anywhere(p)).collect();
         let mut mesh = Manifold::new(samples, &input.triangles);
-        // The one in the middle of the lower sheet.
+        // The vertex in the middle of the lower sheet.
         mesh.samples[6 * 13 + 6].position.z = 0.1;
         let mut crossings = Crossings::new(&domain, &mesh);
         assert!(crossings.avoidable.len() > 5);

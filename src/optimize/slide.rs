@@ -1,8 +1,9 @@
-//! Slides vertices within flat parts of a mesh and along its straight edges, where that leaves its surface as it is.
+//! Slides vertices within flat parts of a mesh and along its straight edges, where that leaves its surface unchanged.
 //!
-//! The search for good angles moves vertices at the worst triangles only, one after the other, which costs quality on average, and
-//! so do exchanged vertices. Here all vertices that are free to move do so together, down the energy of relaxation, with the worst
-//! triangle as a bound for all: none gets worse than that, or than the modest goal, whichever is more.
+//! The search for good angles moves only vertices of the worst triangles, one after the other, which costs quality on
+//! average, and so does exchanging vertices. Here, all vertices that are free to move do so together, down the energy of
+//! relaxation. The worst triangle is a bound for all: none gets worse than that, or than the modest goal, whichever is
+//! higher.
 //!
 //! Cost: that of relaxation.
 
@@ -18,21 +19,21 @@ use crate::optimize::relax::relaxing_steps;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 
-/// Sine of the largest angle between the way of a vertex and the triangles around it.
+/// Sine of the largest angle between the step of a vertex and the triangles around it.
 const FLAT: f64 = 0.01;
 
-/// Largest distance of a vertex that slides from the surface, in lengths of its longest edge: a mesh of few triangles may be flat where
-/// the surface is not.
+/// Maximum distance of a sliding vertex from the surface, in lengths of its longest edge: a mesh of few triangles may be
+/// flat where the surface is not.
 const FARTHEST: f64 = 0.05;
 
-/// Rounds, after which vertices move by less than a hundredth of an edge.
+/// Number of rounds, after which vertices move by less than a hundredth of an edge.
 const ROUNDS: usize = 8;
 
-/// How often a step that would spoil a triangle is halved before the vertex stays.
+/// Number of times a step that would spoil a triangle is halved before the vertex stays.
 const HALVINGS: usize = 4;
 
-/// Slides the vertices of `mesh` that can; whether there are any. `spacing` is the edge length that is wanted where the size of
-/// samples is 1.
+/// Slides those vertices of `mesh` that can; returns whether there are any. `spacing` is the target edge length at samples
+/// of size 1.
 pub fn slide(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -64,7 +65,7 @@ pub fn slide(
     Ok(any)
 }
 
-/// The smallest angle of some triangles, in degrees, and their least quality.
+/// The smallest angle of some triangles, in degrees, and their minimum quality.
 #[derive(Clone, Copy)]
 struct Least {
     angle: f64,
@@ -79,7 +80,7 @@ impl Least {
             .fold(most, Least::min)
     }
 
-    /// The lesser of both, each by itself.
+    /// Returns the lesser of each.
     fn min(self, other: Least) -> Least {
         Least { angle: self.angle.min(other.angle), quality: self.quality.min(other.quality) }
     }
@@ -89,18 +90,18 @@ impl Least {
     }
 }
 
-/// The ways in which a vertex can go without moving the triangles around it out of their planes.
+/// How a vertex can move without taking the triangles around it out of their planes.
 #[derive(Clone, Copy, PartialEq)]
 enum Free {
     Not,
-    /// Along an edge with that unit direction.
+    /// Along an edge with this unit direction.
     Along(DVec3),
-    /// In the plane with that normal.
+    /// In the plane with this normal.
     Within(DVec3),
 }
 
 impl Free {
-    /// What is left of a step.
+    /// Returns the part of a step that is allowed.
     fn part_of(self, way: DVec3) -> DVec3 {
         match self {
             Free::Not => DVec3::ZERO,
@@ -110,8 +111,8 @@ impl Free {
     }
 }
 
-/// How `v` can slide: in the plane of the triangles around it, or along the line that two such planes share, which is the curve if
-/// it is on one.
+/// Returns how `v` can slide: in the plane of the triangles around it, or along the line that two such planes share, which
+/// is the curve if `v` is on one.
 fn free(mesh: &Manifold, v: u32, locked: &VertexSet) -> Free {
     if !mesh.connectivity.has_vertex(v) || !mesh.can_move(v, locked) {
         return Free::Not;
@@ -134,11 +135,11 @@ fn free(mesh: &Manifold, v: u32, locked: &VertexSet) -> Free {
     if off(farthest) <= FLAT * FLAT {
         return Free::Within(normal);
     }
-    // The mean of the normals of two planes is across the line that they share, as both are.
+    // The mean of the normals of two planes is perpendicular to the line that they share, as both normals are.
     along(normal.cross(farthest).normalize_or_zero())
 }
 
-/// Where `v` slides to by a step `way`.
+/// Returns where the step `way` takes `v`.
 fn slid(domain: &Domain, mesh: &Manifold, v: u32, mut way: DVec3, least: Least) -> Sample {
     let here = mesh.samples[v as usize];
     if way == DVec3::ZERO || !way.is_finite() {
@@ -168,7 +169,7 @@ mod tests {
 
     const SPACING: f64 = 0.1;
 
-    /// A mesh of uneven triangles over a sheet of that height above the unit square, whose boundary is locked.
+    /// A mesh of uneven triangles over a sheet of this height above the unit square, with a locked boundary.
     fn uneven(height: impl Fn(f64, f64) -> f64 + Copy) -> (Domain, Manifold) {
         let domain = Domain::new(sheet(20, height).try_into().unwrap());
         let mut made = sheet(10, height);
@@ -176,7 +177,7 @@ mod tests {
         for (i, p) in made.positions.iter_mut().enumerate() {
             if is_inside(p.x) && is_inside(p.y) {
                 let (sin, cos) = (i as f64 * 2.4).sin_cos();
-                // Those on the ridge in the middle remain there.
+                // Vertices on the ridge in the middle remain there.
                 let x = if (p.x - 0.5).abs() < 0.01 { 0.5 } else { p.x + 0.3 * SPACING * cos };
                 let y = p.y + 0.3 * SPACING * sin;
                 *p = dvec3(x, y, height(x, y));

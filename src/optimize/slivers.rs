@@ -1,11 +1,11 @@
-//! Removes slivers that feature curves make: needles, with a short side, and caps, with a corner near the side across.
+//! Removes slivers caused by feature curves: needles, with a short side, and caps, with a corner near the opposite side.
 //!
-//! Vertices on curves cannot leave them, so where curves come nearer to each other than the wanted length the triangles
-//! between them are bad wherever the other vertices are. The ends of a needle's short side become one, and the curve along
-//! the long side of a cap bends to the corner across. Either moves a curve by less than a share of the wanted length, and
-//! where two curves meet by it there is a corner then.
+//! Vertices on curves cannot leave them, so where curves are closer together than the target edge length, the triangles
+//! between them are bad wherever the other vertices are. The ends of a needle's short side are merged, and the curve along
+//! the long side of a cap bends to the opposite corner. Either moves a curve by less than a share of the target edge length.
+//! Where two curves meet as a result, there is a corner afterwards.
 //!
-//! Cost: linear in the triangles for each pass, and a look at those around each sliver.
+//! Cost: linear in the triangles per pass, plus a look at those around each sliver.
 
 use crate::base::math;
 use crate::geom::triangle::{area, smallest_angle};
@@ -17,23 +17,24 @@ use glam::DVec3;
 /// Angle in degrees below which a triangle is a sliver.
 const SMALLEST: f64 = 20.0;
 
-/// How far a vertex may merge or a curve bend, in wanted lengths.
+/// Maximum distance by which a vertex may merge or a curve bend, in target edge lengths.
 const FARTHEST: f64 = 0.3;
 
-/// The same across the rim of a wall: its two sides would meet in an edge, here and there if some of it is thicker.
+/// The same across the rim of a wall: its two sides would meet in an edge, but only in places if parts of the wall are
+/// thicker.
 const FARTHEST_OF_WALL: f64 = 0.1;
 
-/// Cosine between the sides of a wall: 120 degrees.
+/// Cosine of the angle between the sides of a wall: 120 degrees.
 const OPPOSITE: f64 = -0.5;
 
-/// Degrees by which the angles below the smallest have to grow, all in all; where a curve bends, the squares of what they
-/// lack count, so that two small angles are better than none and one that is good.
+/// Minimum total growth, in degrees, of the angles below [`SMALLEST`]. Where a curve bends, the squares of the deficits
+/// count, so that two small angles are better than one of zero and a good one.
 const LEAST_GAIN: f64 = 1.0;
 
-/// Passes at most: a sliver may come free once another one is gone.
+/// Maximum number of passes: a sliver may be freed by removing another one.
 const MOST_PASSES: usize = 4;
 
-/// Removes slivers where that leaves better triangles. `spacing` is the wanted length.
+/// Removes slivers where that leaves better triangles. `spacing` is the target edge length.
 pub fn remove_slivers(mesh: &mut Manifold, spacing: f64) {
     for _ in 0..MOST_PASSES {
         let angles = mesh.triangles().map(|t| (smallest_angle(mesh.corners(t)), t));
@@ -50,12 +51,12 @@ pub fn remove_slivers(mesh: &mut Manifold, spacing: f64) {
     }
 }
 
-/// By how many degrees the smallest angle of a triangle falls short.
+/// Returns by how many degrees the smallest angle of a triangle falls short of [`SMALLEST`].
 fn deficit(mesh: &Manifold, corners: [u32; 3]) -> f64 {
     (SMALLEST - smallest_angle(corners.map(|v| mesh.position(v)))).max(0.0)
 }
 
-/// Merges the ends of the shortest side of triangle `t`; whether that was better.
+/// Merges the ends of the shortest side of triangle `t` if that is better; returns whether it was.
 fn merge_ends(mesh: &mut Manifold, t: u32, spacing: f64) -> bool {
     let length = |h: u32| mesh.relative_length_squared(h);
     let h = (3 * t..3 * t + 3).min_by(|&g, &h| length(g).total_cmp(&length(h))).expect("a triangle has sides");
@@ -73,8 +74,8 @@ fn merge_ends(mesh: &mut Manifold, t: u32, spacing: f64) -> bool {
     true
 }
 
-/// Whether the edge of `h` leads from one curve along the rim of a wall to the other: what lies around one end faces against
-/// what lies around the other.
+/// Returns whether the edge of `h` leads across the rim of a wall, from one curve to the other: the faces around one end are
+/// turned against those around the other.
 fn is_across_wall(mesh: &Manifold, h: u32) -> bool {
     let c = &mesh.connectivity;
     let [a, b] = [c.origin(h), c.target(h)];
@@ -84,7 +85,7 @@ fn is_across_wall(mesh: &Manifold, h: u32) -> bool {
         && normal_without(mesh, a, &[b]).dot(normal_without(mesh, b, &[a])) < OPPOSITE
 }
 
-/// The normal of the faces around `v` that have none of the vertices `others`.
+/// Returns the normal of the faces around `v` that have none of the vertices `others`.
 fn normal_without(mesh: &Manifold, v: u32, others: &[u32]) -> DVec3 {
     let c = &mesh.connectivity;
     let own = c.outgoing(v).map(|out| c.triangle(out)).filter(|corners| !corners.iter().any(|v| others.contains(v)));
@@ -95,7 +96,8 @@ fn normal_without(mesh: &Manifold, v: u32, others: &[u32]) -> DVec3 {
     areas.sum::<DVec3>().normalize_or_zero()
 }
 
-/// By how many degrees the small angles around grow if the origin of `h` merges into its target; `None` if it must not.
+/// Returns by how many degrees the small angles around grow if the origin of `h` merges into its target; `None` if it must
+/// not.
 fn gain_of_merging(mesh: &Manifold, h: u32) -> Option<f64> {
     let c = &mesh.connectivity;
     let rank = |v: u32| match c.curve_at(v) {
@@ -117,7 +119,7 @@ fn gain_of_merging(mesh: &Manifold, h: u32) -> Option<f64> {
     Some(before - after)
 }
 
-/// Bends the curve along the longest side of triangle `t` to the corner across; whether that was better.
+/// Bends the curve along the longest side of triangle `t` to the opposite corner if that is better; returns whether it was.
 fn bend_curve(mesh: &mut Manifold, t: u32, spacing: f64) -> bool {
     let c = &mesh.connectivity;
     let length = |h: u32| mesh.length_squared(h);
@@ -161,7 +163,7 @@ mod tests {
         mesh.triangles().map(|t| smallest_angle(mesh.corners(t))).fold(180.0, f64::min)
     }
 
-    /// A square of unit cells with two curves along its middle, that far from each other.
+    /// A square of unit cells with two curves along its middle, at the distance `apart`.
     fn with_curves(apart: f64) -> Manifold {
         let row = |v: f64| (8.0 * v).round();
         let y = |v: f64| if row(v) < 5.0 { row(v) } else { row(v) - 1.0 + apart };

@@ -1,13 +1,13 @@
-//! Untangles a mesh: changes how many vertices there are at faces that cross and at small angles, and how they are joined.
+//! Untangles a mesh: changes the number and the connectivity of vertices at crossing faces and at small angles.
 //!
-//! Where curves come near each other, at the rim of a hole in a thin wall or in a fold, no place of the vertices takes the faces
-//! apart, or makes their angles larger, if there is one vertex too many or too few. At each face that crosses another one, and at
-//! each triangle with a small angle, an edge near it collapses, splits, flips, or lets a curve pass through the corner across, and
-//! the triangles around settle. Of these changes the one that leaves the fewest faults stays. Where no single one helps, those that
-//! leave the shortest segments in common are followed by others.
-//! No edge becomes too long, and points of the surface stay near the triangles, whatever changed there before.
+//! Where curves come close to each other, at the rim of a hole in a thin wall or in a fold, no vertex positions separate the
+//! faces, or enlarge their angles, if there is one vertex too many or too few. At each face that crosses another one, and at
+//! each triangle with a small angle, a nearby edge collapses, splits, flips, or lets a curve pass through the opposite
+//! corner, and the triangles around are relaxed. Of these changes, the one that leaves the fewest faults is kept. Where no
+//! single change helps, those that leave the shortest common segments are followed by others. No edge becomes too long, and
+//! points of the surface stay near the triangles, whatever changed there before.
 //!
-//! Cost: a search for self-intersections, and for each fault a hundred to a thousand looks at the faces around it.
+//! Cost: a search for self-intersections, and a hundred to a thousand examinations of the surrounding faces per fault.
 //!
 //! Limits: the number of vertices changes; the caller makes up for that elsewhere.
 
@@ -30,41 +30,44 @@ use glam::DVec3;
 use std::cell::OnceCell;
 use std::collections::BTreeSet;
 
-/// Passes over all faults: of those near each other one is looked at in each.
+/// Maximum number of passes over all faults. Each pass handles one fault of a cluster of neighbouring ones.
 const MOST_PASSES: usize = 30;
 
-/// Places that are looked at in a pass at least, where only so many faces are to be taken apart as are too many.
+/// Minimum number of places per pass if only the excess of crossing faces is to be removed.
 const FEWEST_AT_ONCE: usize = 8;
 
-/// Changes in a row that are looked for, and how many are followed by others.
+/// Maximum number of changes in a row, and number of candidates that are followed by others.
 const MOST_IN_A_ROW: usize = 3;
 const MOST_FOLLOWED: usize = 3;
 
-/// How many settle, of those that leave the fewest faults before.
+/// Number of candidates that are relaxed: those with the fewest faults before.
 const MOST_SETTLED: usize = 3;
 
-/// How long an edge may become by a change, in wanted lengths. Without a limit, one change after the other takes a rod apart that is
-/// thinner than its edges are long.
+/// Maximum edge length after a change, in target edge lengths. Without this limit, successive changes would dissolve rods
+/// thinner than the target edge length.
 const LONGEST: f64 = 2.0;
 
-/// Points of the surface that are watched at a place: of a dense surface not all.
+/// Maximum number of surface points watched at a place; a dense surface has more.
 const MOST_PROBES: usize = 200;
 
 /// What is untangled besides faces that cross although the surface does not, and how far the surface may move.
 #[derive(Debug, Clone, Copy)]
 pub struct Aim {
-    /// Angles below that, in degrees, are too small, unless they are forced.
+    /// Angle, in degrees, below which angles are too small unless they are forced.
     pub angles_below: f64,
-    /// If more faces than these cross where the surface does, too, they are untangled until they are no more.
+    /// Number of faces that may cross where the surface does, too. If there are more, they are untangled until there are
+    /// not.
     pub most_crossing: usize,
-    /// How far the surface may move at a place, in wanted lengths.
+    /// Maximum distance by which the surface may move at a place, in target edge lengths.
     pub farthest: f64,
-    /// The share of the triangles up to which they are untangled: of more, too many stay for the time that it takes.
+    /// Maximum share of the triangles at fault. If there are more, none is untangled: too many would remain for the time it
+    /// takes.
     pub most_at_fault: f64,
 }
 
-/// Changes the mesh where faces cross although the surface does not, and at small angles, until there is no such fault or nothing
-/// helps, and then where too many cross as the surface does. `spacing` is the mean edge length. Whether anything has changed.
+/// Changes the mesh where faces cross although the surface does not, and at small angles, until no such fault is left or
+/// nothing helps. Then does the same where too many faces cross as the surface does. `spacing` is the mean edge length.
+/// Returns whether anything changed.
 pub fn untangle(domain: &Domain, mesh: &mut Manifold, aim: Aim, spacing: f64, monitor: &dyn Monitor) -> Result<bool> {
     let of = |inherited: bool| Counted { angles_below: aim.angles_below, inherited };
     let is_better = untangle_counted(domain, mesh, aim, of(false), spacing, monitor)?;
@@ -72,7 +75,7 @@ pub fn untangle(domain: &Domain, mesh: &mut Manifold, aim: Aim, spacing: f64, mo
     Ok(is_better || is_freer)
 }
 
-/// Changes the mesh at one kind of faults; whether it has.
+/// Changes the mesh at one kind of fault; returns whether it did.
 fn untangle_counted(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -91,7 +94,7 @@ fn untangle_counted(
         if counted.inherited && excess == 0 {
             break;
         }
-        // Each change takes two faces apart at least, but not at each place there is one that helps.
+        // Each change separates at least two faces, but not every place has one that helps.
         let most = if counted.inherited { excess.div_ceil(2).max(FEWEST_AT_ONCE) } else { usize::MAX };
         let faults = faults(mesh, &crossings, counted);
         let at_fault = if counted.inherited { excess } else { faults.len() };
@@ -113,7 +116,7 @@ fn untangle_counted(
         crossings.renew(domain, mesh, &touched);
         has_changed |= touched.contains(&true);
         if in_a_row > 1 {
-            // All faults of a place were looked at together.
+            // All faults of a place were examined together.
             let in_vain: Vec<&Place> = places.iter().filter(|place| given_up.has(place.triangle())).collect();
             let is_in_vain = |t: u32| in_vain.iter().any(|place| place.around.has_triangle(t));
             faults.into_iter().filter(|&t| is_in_vain(t)).for_each(|t| given_up.add(t));
@@ -122,7 +125,8 @@ fn untangle_counted(
     Ok(has_changed)
 }
 
-/// The triangles at fault, in increasing order: those that cross as the surface does, or all others.
+/// Returns the triangles at fault, in increasing order: all that cross if inherited crossings count, or else those that
+/// cross avoidably or have small angles.
 fn faults(mesh: &Manifold, crossings: &Crossings, counted: Counted) -> BTreeSet<u32> {
     let faces = |pairs: &[(u32, u32)]| pairs.iter().flat_map(|&(t, u)| [t, u]).collect();
     if counted.inherited {
@@ -134,37 +138,38 @@ fn faults(mesh: &Manifold, crossings: &Crossings, counted: Counted) -> BTreeSet<
 
 struct Untangling<'a> {
     domain: &'a Domain,
-    /// Where the surface crosses.
+    /// Where the surface crosses itself.
     inherited: &'a Inherited,
     /// The faces of the mesh.
     faces: &'a Faces,
     counted: Counted,
-    /// How far the surface may move times the sizes of samples.
+    /// How far the surface may move, to be multiplied by the sizes of samples.
     farthest: f64,
     spacing: f64,
     monitor: &'a dyn Monitor,
 }
 
-/// The part of the surface that a place is near to: it has to stay so, whatever became of the place before.
+/// The part of the surface near a place. It has to stay near, whatever changed at the place before.
 struct Watched {
     probes: Vec<Probe>,
     farthest: f64,
 }
 
 impl Watched {
-    /// Whether all of it is near the triangles of `mesh` that look its way.
+    /// Returns whether all of it is near the triangles of `mesh` that face the same way.
     fn is_kept_by(&self, mesh: &Manifold) -> bool {
         let faces = Faces::new(mesh);
         self.probes.iter().all(|probe| distance(&faces, probe, self.farthest, self.farthest).is_some())
     }
 }
 
-/// What may become of a place.
+/// A possible new state of a place, with its faults.
 type Candidate = (Faults, Neighborhood);
 
 impl Untangling<'_> {
-    /// What is around `place` after changes that leave fewer and fewer faults there, up to `in_a_row` of them at a time; `None`
-    /// if there are none. If only one is made at a time, the first one is made at the triangle of the place.
+    /// Returns the surroundings of `place` after changes that leave fewer and fewer faults there, up to `in_a_row` of them
+    /// at a time; `None` if there are none. If only one is made at a time, the first one is made at the triangle of the
+    /// place.
     fn better(&self, place: &Place, in_a_row: usize) -> Result<Option<Neighborhood>> {
         let mut now = (self.faults(&place.around, &Faults::default()), place.around.clone());
         if in_a_row == 1 {
@@ -174,7 +179,7 @@ impl Untangling<'_> {
         while !now.0.triangles.is_empty() {
             let Some(next) = self.improved(place, &watched, &now, in_a_row)? else { break };
             (now, is_better) = (next, true);
-            // Of faces that cross as the surface does only those in excess are taken apart.
+            // Of the faces that cross as the surface does, only the excess is separated.
             if self.counted.inherited {
                 break;
             }
@@ -182,7 +187,7 @@ impl Untangling<'_> {
         Ok(is_better.then_some(now.1))
     }
 
-    /// What `place`, which is `now` so, becomes by the fewest changes in a row after which it has fewer faults.
+    /// Returns the state of `place`, which is `now`, after the fewest changes in a row that leave it with fewer faults.
     fn improved(
         &self,
         place: &Place,
@@ -202,7 +207,7 @@ impl Untangling<'_> {
                 let changed = changes(self.domain, around, &faults.triangles);
                 changed.into_iter().map(move |changed| (faults, changed))
             });
-            // In the end there are few places, each with many changes.
+            // Done in parallel, since in the end there are few places, each with many changes.
             let mut changed: Vec<Candidate> =
                 parallel::each(changes, |(faults, changed)| (self.faults(&changed, faults), changed));
             changed.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -223,7 +228,7 @@ impl Untangling<'_> {
         Ok(None)
     }
 
-    /// What of the surface is near `place`.
+    /// Returns the part of the surface that is near `place`.
     fn watched(&self, place: &Place) -> Watched {
         let mesh = &place.around.mesh;
         let middle = mesh.samples.iter().map(|sample| sample.position).sum::<DVec3>() / mesh.samples.len() as f64;
@@ -238,18 +243,18 @@ impl Untangling<'_> {
         Watched { probes: probes.all(self.domain).step_by(each).filter(belongs).collect(), farthest }
     }
 
-    /// The faults of the mesh if `around` were put back, which had those `before` some of it changed.
+    /// Returns the faults of the mesh if `around` were put back; `before` are those that it had before some of it changed.
     fn faults(&self, around: &Neighborhood, before: &Faults) -> Faults {
         Faults::new(self.inherited, self.faces, self.counted, around, before)
     }
 }
 
-/// The longest edge of a mesh, relative to the wanted sizes at its ends.
+/// Returns the length of the longest edge of a mesh, relative to the sizes at its ends.
 fn longest(mesh: &Manifold) -> f64 {
     mesh.edges().map(|h| mesh.relative_length_squared(h)).fold(0.0, f64::max).sqrt()
 }
 
-/// What becomes of `around` by each change of one edge around some of its triangles.
+/// Returns `around` after each possible change of one edge around these triangles.
 fn changes(domain: &Domain, around: &Neighborhood, triangles: &[u32]) -> Vec<Neighborhood> {
     let c = &around.mesh.connectivity;
     let corners = triangles.iter().flat_map(|&t| c.triangle(3 * t));
@@ -270,8 +275,8 @@ fn changes(domain: &Domain, around: &Neighborhood, triangles: &[u32]) -> Vec<Nei
     merged.chain(bent).chain(flipped).chain(split).collect()
 }
 
-/// Whether the origin of `h` may merge into its target. What is on the border to the rest stays there, and on its curves;
-/// a corner merges only into another one.
+/// Returns whether the origin of `h` may merge into its target. Vertices on the border to the rest stay there, and on their
+/// curves; a corner merges only into another corner.
 fn may_merge(around: &Neighborhood, h: u32) -> bool {
     let c = &around.mesh.connectivity;
     let (origin, target) = (c.origin(h), c.target(h));

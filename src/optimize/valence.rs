@@ -1,28 +1,27 @@
-//! Fewer irregular vertices, by flips, glides and collapses.
+//! Reduces irregular vertices by flips, glides and collapses.
 //!
-//! A vertex inside that has not six edges is a defect; its excess e is the number of edges too many. A vertex on a
-//! curve, of the boundary or a sharp edge, has a fan of triangles on each side of the curve, with as many triangles as
-//! angles of 60 degrees fit between: each fan has an excess of its own. The energy is the sum of e². Three kinds of
-//! moves lower it:
+//! An inner vertex with a number of edges other than six is a defect; its excess e is the number of edges too many. A vertex
+//! on a curve (boundary or sharp edge) has a fan of triangles on each side of the curve, ideally with as many triangles as
+//! angles of 60 degrees fit into it: each fan has its own excess. The energy is the sum of e². Three kinds of moves lower
+//! it:
 //!
-//! 1. *Flips* of an edge from a to b between c and d change it by 4 + 2 (e_c + e_d - e_a - e_b).
-//! 2. *Glides*: flips that leave the energy as it is move a pair of a 5 and a 7 along its row. A bounded search follows
-//!    them to where the pair meets another defect and a flip lowers the energy; if it finds none, all is undone.
-//! 3. *Collapses* of an edge, where the number of vertices is not settled yet. They do what no glide can: end a row.
+//! 1. *Flips* of an edge from a to b, with c and d opposite, change it by 4 + 2 (e_c + e_d - e_a - e_b).
+//! 2. *Glides*: flips that keep the energy unchanged move a pair of a 5 and a 7 along its row. A bounded search follows them
+//!    to where the pair meets another defect and a flip lowers the energy; if it finds none, everything is undone.
+//! 3. *Collapses* of edges, while the number of vertices is not final. They do what no glide can: end a row.
 //!
-//! The rows that a pair has gone along are sheared and need room to straighten before they are Delaunay again, so
-//! relaxation has to follow with flips that add nothing to the energy (`Flips::KeepValence` in `relax.rs`).
+//! The rows along which a pair has moved are sheared and need room to straighten before they are Delaunay again. So
+//! relaxation has to follow, with flips that add nothing to the energy (`Flips::KeepValence` in `relax.rs`).
 //!
-//! On a coarse mesh only what is next to each other should meet: long glides there take away pairs that ease strain, and
-//! every triangle around is the worse for it.
+//! On a coarse mesh, only adjacent defects should meet: long glides there remove pairs that ease strain, and every triangle
+//! around is the worse for it.
 //!
-//! Based on: Y. Li, E. Zhang, Y. Kobayashi, P. Wonka, Editing operations for irregular vertices in triangle meshes,
-//! 2010, DOI 10.1145/1882261.1866179. Departure: what is edited there by hand or along chosen paths is searched for
-//! here.
+//! Based on: Y. Li, E. Zhang, Y. Kobayashi, P. Wonka, Editing operations for irregular vertices in triangle meshes, 2010,
+//! DOI 10.1145/1882261.1866179. Departure: edits made there by hand or along chosen paths are searched for here.
 //!
-//! Cost: linear in the edges for each pass, and some hundred flips tried for each defect.
+//! Cost: linear in the edges per pass, and some hundred flips tried for each defect.
 //!
-//! Limits: defects that curvature asks for stay, and so do those next to locked vertices.
+//! Limits: defects required by curvature stay, and so do those next to locked vertices.
 
 use crate::geom::triangle::angles;
 use crate::manifold::Manifold;
@@ -32,33 +31,34 @@ use crate::mesh::half_edge::{Connectivity, next, prev};
 use crate::mesh::sides::lower_first;
 use glam::DVec3;
 
-/// Edges of a regular vertex inside.
+/// Valence of a regular inner vertex.
 const REGULAR: i32 = 6;
 
-/// Flips of one glide, and flips that the search for one may try: a pair has one way to go, sometimes two.
+/// Maximum number of flips in a glide, and of flips that the search for one may try: a pair has one way to go, sometimes
+/// two.
 const LONGEST_GLIDE: usize = 12;
 const MOST_TRIES: usize = 40;
 
-/// Flips for each edge after which flipping ends at the latest.
+/// Number of flips per edge after which flipping ends at the latest.
 const FLIPS_PER_EDGE: usize = 20;
 
-/// Least cosine between the normals at the ends of an edge that a pair glides over or a vertex is removed from: 60
+/// Minimum cosine of the angle between the normals at the ends of an edge that a pair glides over or at a removed vertex: 60
 /// degrees. Glides around the end of a spike would shorten it.
 const FLAT: f64 = 0.5;
 
-/// Largest distance, in spacings, of a removed vertex from the mesh.
+/// Maximum distance, in spacings, of a removed vertex from the mesh.
 const TOLERANCE: f64 = 0.25;
 
-/// Lowers the energy of the fine mesh by flips, and by glides of up to a dozen flips that begin at vertices where
-/// in `wide`. Between near curves they would shear rows that have no room to straighten.
+/// Lowers the energy of the fine mesh by flips, and by glides of up to a dozen flips that begin at vertices in `wide`.
+/// Between nearby curves, glides would shear rows that have no room to straighten.
 pub fn remove_defects(mesh: &mut Manifold, locked: &VertexSet, wide: &VertexSet) {
     let mut defects = Defects::new(mesh);
     defects.flip_down(mesh.edges().collect(), mesh);
     defects.glide_all(mesh, locked, wide);
 }
 
-/// Lowers the energy of a mesh whose number of vertices is not settled yet: by flips, and by collapses of vertices that
-/// are not `locked`.
+/// Lowers the energy of a mesh whose number of vertices is not final: by flips, and by collapses of vertices that are not
+/// `locked`.
 pub fn remove_near_defects(mesh: &mut Manifold, locked: &VertexSet, spacing: f64) {
     let mut defects = Defects::new(mesh);
     defects.flip_down(mesh.edges().collect(), mesh);
@@ -68,8 +68,9 @@ pub fn remove_near_defects(mesh: &mut Manifold, locked: &VertexSet, spacing: f64
 /// The excess of each vertex that is not on a curve, kept up to date with the mesh.
 pub(super) struct Defects {
     excess: Vec<i32>,
-    /// Flips that may still lower the energy. Each takes two of it at least, so there are no more than half of what there
-    /// was; but the angles of a fan change with its triangles, and where they do, what one flip lowers another may raise.
+    /// Number of flips that may still be made to lower the energy. Each lowers it by at least two, so there can be no more
+    /// than half of the initial energy. But the angles of a fan change with its triangles, and then a flip may raise what
+    /// another lowers.
     flips_left: usize,
 }
 
@@ -82,14 +83,14 @@ impl Defects {
         Defects { excess, flips_left: energy / 2 + c.half_edge_bound() as usize }
     }
 
-    /// The excess at the origin of `h`, on the side of the curve that the triangle of `h` is on.
+    /// Returns the excess at the origin of `h`, on the side of the curve where the triangle of `h` is.
     #[inline]
     fn at(&self, mesh: &Manifold, h: u32) -> i32 {
         let v = mesh.connectivity.origin(h);
         if mesh.connectivity.is_on_curve(v) { excess_of_fan(mesh, h) } else { self.excess[v as usize] }
     }
 
-    /// What flipping the edge of `h`, which has two faces, adds to the energy.
+    /// Returns the change in energy if the edge of `h`, which has two faces, is flipped.
     #[inline]
     fn rise(&self, mesh: &Manifold, h: u32) -> i32 {
         let g = mesh.connectivity.twin(h);
@@ -105,7 +106,7 @@ impl Defects {
         c.flip(h);
     }
 
-    /// Takes back the flip of `h`: with three more flips even the numbers of the half-edges are what they were.
+    /// Undoes the flip of `h`: with three more flips, even the numbers of the half-edges are the same as before.
     fn flip_back(&mut self, c: &mut Connectivity, h: u32) {
         (0..3).for_each(|_| self.flip(c, h));
     }
@@ -126,7 +127,7 @@ impl Defects {
         }
     }
 
-    /// Flips edges that are not Delaunay unless that raises the energy.
+    /// Flips edges that are not Delaunay, unless that raises the energy.
     pub(super) fn flip_level(&mut self, mesh: &mut Manifold) {
         let mut queue: Vec<u32> = mesh.edges().collect();
         let mut left = FLIPS_PER_EDGE * queue.len();
@@ -163,7 +164,7 @@ impl Defects {
         }
     }
 
-    /// Flips `h` and further edges until the energy is lower; none if that cannot be reached.
+    /// Flips `h` and further edges until the energy is lower; flips none if that cannot be reached.
     fn glide(&mut self, mesh: &mut Manifold, h: u32, glide: &mut Glide<'_>) -> bool {
         glide.tries -= 1;
         let lower = self.rise(mesh, h) < 0;
@@ -194,7 +195,7 @@ impl Defects {
         ways.into_iter().any(|(_, g)| glide.tries > 0 && may_glide(mesh, glide.locked, g) && self.glide(mesh, g, glide))
     }
 
-    /// Collapses edges, those first that lower the energy most.
+    /// Collapses edges that lower the energy, those that lower it most first.
     fn collapse_down(&mut self, mesh: &mut Manifold, locked: &VertexSet, spacing: f64) {
         let rise = |h| (self.rise_of_collapse(mesh, h), h);
         let mut falls: Vec<(i32, u32)> = mesh.half_edges().map(rise).filter(|(rise, _)| *rise < 0).collect();
@@ -209,7 +210,7 @@ impl Defects {
         }
     }
 
-    /// What merging the origin of `h` into its target adds to the energy.
+    /// Returns the change in energy if the origin of `h` merges into its target.
     fn rise_of_collapse(&self, mesh: &Manifold, h: u32) -> i32 {
         let c = &mesh.connectivity;
         if !c.has_twin(h) {
@@ -232,7 +233,7 @@ impl Defects {
     }
 }
 
-/// The flips of a glide so far and the edges that they took away, which must not come back.
+/// The flips of a glide so far, and the edges that they removed, which must not come back.
 struct Glide<'a> {
     /// No glide goes past these vertices.
     locked: &'a VertexSet,
@@ -241,8 +242,8 @@ struct Glide<'a> {
     tries: usize,
 }
 
-/// How many more triangles there are around the origin of `h` than angles of 60 degrees fit, between the curves on
-/// either side of the triangle of `h`.
+/// Returns how many triangles there are around the origin of `h`, between the curves on either side of the triangle of `h`,
+/// in excess of the number of angles of 60 degrees that fit.
 fn excess_of_fan(mesh: &Manifold, h: u32) -> i32 {
     let c = &mesh.connectivity;
     let ends = |h: u32| c.is_curve_edge(h) || !c.has_twin(h);
@@ -272,26 +273,26 @@ fn ends(c: &Connectivity, h: u32) -> [u32; 2] {
     lower_first([c.origin(h), c.target(h)])
 }
 
-/// The ends of the edge of `h` once it is flipped.
+/// Returns the ends of the edge of `h` after a flip.
 fn ends_after(c: &Connectivity, h: u32) -> [u32; 2] {
     lower_first([c.apex(h), c.apex(c.twin(h))])
 }
 
-/// The edges whose flip means something else after that of `h`: those at and across from its four vertices, or from three
-/// if later flips have put it on the boundary.
+/// Returns the edges whose flip has another effect after that of `h`: those at and opposite its four vertices, or three if
+/// later flips have put it on the boundary.
 fn touched(c: &Connectivity, h: u32) -> impl Iterator<Item = u32> {
     let across = c.has_twin(h).then(|| c.apex(c.twin(h)));
     let corners = c.triangle(h).into_iter().chain(across);
     corners.flat_map(move |v| c.outgoing(v).flat_map(|h| [h, next(h)]))
 }
 
-/// The cosine of the angle between the normals of two vertices; 1 if one is on a sharp edge and has no normal.
+/// Returns the cosine of the angle between the normals of two vertices; 1 if one is on a sharp edge and has no normal.
 fn normal_cosine(mesh: &Manifold, v: u32, w: u32) -> f64 {
     let [n, m] = [v, w].map(|v| mesh.samples[v as usize].normal);
     if n == DVec3::ZERO || m == DVec3::ZERO { 1.0 } else { n.dot(m) }
 }
 
-/// Whether a pair may glide over the edge of `h`: the surface is flat enough, and the vertices are free to move
+/// Returns whether a pair may glide over the edge of `h`: the surface is flat enough, and the vertices are free to move
 /// afterwards.
 fn may_glide(mesh: &Manifold, locked: &VertexSet, h: u32) -> bool {
     let c = &mesh.connectivity;
@@ -302,7 +303,7 @@ fn may_glide(mesh: &Manifold, locked: &VertexSet, h: u32) -> bool {
         && mesh.flip_leaves_mendable(h, FacingGuard::CAREFUL)
 }
 
-/// Whether the origin of `h` is free and not missed if it merges into the target.
+/// Returns whether the origin of `h` is free, and the surface does not miss it if it merges into the target.
 fn may_collapse(mesh: &Manifold, locked: &VertexSet, h: u32, spacing: f64) -> bool {
     let c = &mesh.connectivity;
     let a = c.origin(h);
@@ -344,7 +345,7 @@ mod tests {
         mesh
     }
 
-    /// The sum of the squares of all excesses inside.
+    /// Sum of the squared excesses of all inner vertices.
     fn energy(mesh: &Manifold) -> i32 {
         let c = &mesh.connectivity;
         (0..c.vertex_bound())
@@ -353,13 +354,13 @@ mod tests {
             .sum()
     }
 
-    /// Flips the edge between these two.
+    /// Flips the edge between these two vertices.
     fn flip(mesh: &mut Manifold, v: u32, w: u32) {
         let h = mesh.connectivity.outgoing(v).find(|&h| mesh.connectivity.target(h) == w).unwrap();
         mesh.connectivity.flip(h);
     }
 
-    /// Flipping edges side by side along a row drives two pairs apart, which only a glide brings together again.
+    /// Flipping adjacent edges along a row drives two pairs apart, and only a glide brings them together again.
     #[test]
     fn pairs_that_were_driven_apart_meet_again() {
         for length in 1..6 {
@@ -385,7 +386,7 @@ mod tests {
         assert_eq!(mesh.connectivity.compact(), before.compact());
     }
 
-    /// A vertex put on an edge has four edges, and goes again.
+    /// A vertex inserted on an edge has four edges, and is removed again.
     #[test]
     fn an_inserted_vertex_is_collapsed() {
         let mut mesh = sheet();

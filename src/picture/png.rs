@@ -9,10 +9,10 @@ const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 /// Eight bits for each of red, green, blue and opacity; deflated, filtered, not interlaced.
 const KIND: [u8; 5] = [8, 6, 0, 0, 0];
 
-/// The filter that stores each byte as its difference from that of the pixel to the left.
+/// The filter that stores each byte as its difference from the same byte of the pixel to the left.
 const SUB: u8 = 1;
 
-/// A picture as a PNG file: the pixels row by row from the top, `width` in a row, red, green, blue and opacity of each.
+/// Encodes a picture as a PNG file. Pixels are red, green, blue and opacity, row by row from the top, `width` per row.
 pub fn encode(pixels: &[[u8; 4]], width: usize) -> Vec<u8> {
     let mut rows = ZlibEncoder::new(Vec::new(), Compression::default());
     for row in pixels.chunks_exact(width) {
@@ -33,7 +33,7 @@ pub fn encode(pixels: &[[u8; 4]], width: usize) -> Vec<u8> {
     file
 }
 
-/// Adds a chunk: its length, its name, its content, and a checksum of name and content.
+/// Appends a chunk: its length, its name, its content, and a checksum of name and content.
 fn add(file: &mut Vec<u8>, name: &[u8; 4], content: &[u8]) {
     let mut sum = Crc::new();
     sum.update(name);

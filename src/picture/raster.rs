@@ -1,4 +1,4 @@
-//! Which triangle is in front at each sample of a picture.
+//! Rasterises triangles: determines which triangle is in front at each sample of a picture.
 //!
 //! Cost: linear in the triangles and in the samples that they cover.
 
@@ -7,28 +7,29 @@ use glam::DVec2;
 /// No triangle at a sample.
 pub const NOTHING: u32 = u32::MAX;
 
-/// What is in front at each sample, row by row from the top.
+/// The visible triangle at each sample, row by row from the top.
 pub struct Hits {
-    /// Samples in a row.
+    /// Number of samples per row.
     pub width: usize,
     /// The triangle, or [`NOTHING`].
     pub triangle: Vec<u32>,
-    /// One over the distance to it, 0 where there is nothing.
+    /// The reciprocal of the distance to it; 0 where there is no triangle.
     pub nearness: Vec<f32>,
 }
 
-/// Triangles as a camera sees them.
+/// Triangles projected by a camera.
 #[derive(Clone, Copy)]
 pub struct Projected<'a> {
     /// The corners of each triangle.
     pub triangles: &'a [[u32; 3]],
-    /// Where each vertex is in the picture, in samples: x to the right, y down.
+    /// The position of each vertex in the picture, in samples: x to the right, y down.
     pub places: &'a [DVec2],
-    /// One over the distance to each vertex along the line of sight, which is linear over a triangle in the picture.
+    /// The reciprocal of the distance to each vertex along the line of sight, which is linear over a triangle in the
+    /// picture.
     pub nearness: &'a [f64],
 }
 
-/// Draws all triangles on `width` times `height` samples.
+/// Draws all triangles on `width` × `height` samples.
 pub fn draw(seen: Projected, width: usize, height: usize) -> Hits {
     let mut hits = Hits { width, triangle: vec![NOTHING; width * height], nearness: vec![0.0; width * height] };
     for t in 0..seen.triangles.len() {

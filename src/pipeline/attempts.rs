@@ -1,48 +1,55 @@
-//! Which attempts are made at a sound result, one after the other.
+//! Sequence of attempts at a sound result.
 //!
-//! Two things go wrong, and each has its remedy. Samples on sharp edges that are too few leave patches that do not fit
-//! together: edges become shorter there, or, where there is no room for that, samples on all sharp edges closer; then the sharp
-//! edges there are smoothed over, at last all. Samples of the two sides of a thin wall may be joined so that triangles intersect,
-//! and those along a thin rod be too few to go around it: they are drawn again, closer there. Where the result is unsound even so it
-//! is mended (`pipeline/mend.rs`); only if that does not help, or there are too many such places, everything is done again, finer
-//! there and with the short sharp edges and narrow patches that were left out there.
+//! Two things can go wrong, each with its own remedy.
+//!
+//! First, patches may not fit together because there are too few samples on sharp edges. Edges then become shorter there or,
+//! where there is no room for that, all sharp edges are sampled more densely. If that fails, the sharp edges there are
+//! smoothed over, and finally all of them.
+//!
+//! Second, samples on the two sides of a thin wall may be joined so that triangles intersect, or those along a thin rod may
+//! be too few to go around it. Samples are then drawn again, more densely there.
+//!
+//! A result that is still unsound is mended (`pipeline/mend.rs`). Only if that does not help, or if there are too many such
+//! places, does everything start over, with finer edges there and with the short sharp edges and narrow patches that had
+//! been left out there.
 
-/// Runs up to a whole result.
+/// Maximum number of complete runs.
 pub(super) const MOST_RUNS: u64 = 3;
 
-/// Attempts in a run at patches that fit together with all sharp edges, and further ones without those where they do not.
+/// Maximum number of attempts per run that keep all sharp edges, and that keep any. Attempts in between smooth over the
+/// sharp edges along which patches do not fit together.
 const MOST_WITH_ALL_CURVES: usize = 3;
 const MOST_WITH_CURVES: usize = 6;
 
-/// How many times as many samples there are on curves where edges cannot become shorter.
+/// Factor by which the samples on curves increase where edges cannot become shorter.
 const CLOSER: f64 = 1.4;
 
-/// If more triangles than this share, and than this number, intersect, are slivers or bridges, single places are not to blame: there
-/// are too few vertices for walls so near to each other.
+/// If more triangles than this share, and than this number, intersect, are slivers or are bridges, isolated places are not
+/// to blame: there are too few vertices for walls so close together.
 const MOST_OF_TRIANGLES: f64 = 0.05;
 const MOST_IN_PLACES: usize = 60;
 
-/// The share of the triangles up to which places are mended, and a third run is made: with more the places grow together, and hardly
-/// one gets better.
+/// Largest share of faulty triangles for which places are mended and a third run is made. Above it, the places merge and
+/// hardly any of them improves.
 const MOST_TO_MEND: f64 = 0.01;
 
-/// How good the outcome of an attempt is: less is better, and topology counts first.
+/// Score of the outcome of an attempt: lower is better, and topology counts first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Score {
-    /// Whether its topology is not the wanted one.
+    /// Whether the topology differs from the expected one.
     pub other_topology: bool,
     /// Triangles that intersect others where the surface does not.
     pub self_intersections: usize,
-    /// Slivers of a whole result.
+    /// Slivers of the whole mesh.
     pub slivers: usize,
-    /// Triangles where the surface is not.
+    /// Triangles where the input has no surface.
     pub bridges: usize,
 }
 
 impl Score {
     pub(super) const SOUND: Score = Score { other_topology: false, self_intersections: 0, slivers: 0, bridges: 0 };
 
-    /// Whether a result of so many `triangles` is unsound at places that are few enough to be mended.
+    /// Returns whether a result with `triangles` triangles is unsound at few enough places to be mended.
     pub(super) fn is_of_places(&self, triangles: usize) -> bool {
         self.found() > 0 && !self.is_more_than(MOST_TO_MEND, triangles)
     }
@@ -56,19 +63,19 @@ impl Score {
     }
 }
 
-/// What an attempt goes by.
+/// Parameters of an attempt.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Attempt {
-    /// The seed of its random numbers.
+    /// Seed of the random numbers.
     pub seed: u64,
-    /// Samples on feature curves for each spacing of their length.
+    /// Number of samples on feature curves per spacing of their length.
     pub curve_density: f64,
 }
 
-/// What is done where patches do not fit together.
+/// Remedy for patches that do not fit together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Remedy {
-    /// Edges become shorter there, or all curves are sampled more closely.
+    /// Edges become shorter there, or all curves are sampled more densely.
     Finer,
     /// The sharp edges there are smoothed over.
     WithoutTornCurves,
@@ -81,34 +88,34 @@ pub(super) enum Remedy {
 pub(super) struct Attempts {
     seed: u64,
     run: u64,
-    /// Attempts of this run at patches that fit together, and the samples on curves for each spacing.
+    /// Attempts so far in this run at making patches fit together, and the number of samples on curves per spacing.
     with_curves: usize,
     curve_density: f64,
     keeps_curves: bool,
-    /// Whether samples were drawn again, closer where they were too few.
+    /// Whether samples were drawn again, more densely where there were too few.
     are_closer: bool,
 }
 
 impl Attempts {
-    /// The attempts with the random numbers of `seed`, for a surface with or without sharp edges.
+    /// Starts the attempts with the random numbers of `seed`, for a surface with or without sharp edges.
     pub(super) fn new(seed: u64, has_curves: bool) -> Attempts {
         Attempts { seed, run: 0, with_curves: 1, curve_density: 1.0, keeps_curves: has_curves, are_closer: false }
     }
 
-    /// The one to make now.
+    /// Returns the parameters of the current attempt.
     pub(super) fn current(&self) -> Attempt {
-        // Far from the seeds that people give.
+        // Far from the seeds that users choose.
         let seed = self.seed.wrapping_add(self.run << 48);
         Attempt { seed, curve_density: self.curve_density }
     }
 
-    /// Whether sharp edges are kept at all.
+    /// Returns whether any sharp edges are kept.
     pub(super) fn keeps_curves(&self) -> bool {
         self.keeps_curves
     }
 
-    /// What to do after patches did not fit together, if anything. `are_curves_torn` says whether it is known along which sharp
-    /// edges.
+    /// Returns the next remedy for patches that did not fit together, if any is left. `are_curves_torn` says whether the
+    /// sharp edges at fault are known.
     pub(super) fn remedy(&mut self, are_curves_torn: bool) -> Option<Remedy> {
         if !self.keeps_curves {
             return None;
@@ -122,24 +129,24 @@ impl Attempts {
         Some(if self.keeps_curves { Remedy::WithoutTornCurves } else { Remedy::Smooth })
     }
 
-    /// Samples curves more closely from now on.
+    /// Samples curves more densely from now on.
     pub(super) fn sample_curves_closer(&mut self) {
         self.curve_density *= CLOSER;
     }
 
-    /// Whether samples may be drawn again, closer where they are too few: the first ones may, once.
+    /// Returns whether samples may be drawn again, more densely where there are too few: once, in the first run.
     pub(super) fn may_draw_again(&self) -> bool {
         self.run == 0 && !self.are_closer
     }
 
-    /// Draws samples again. Patches of other samples get as many attempts.
+    /// Draws samples again. The patches of the new samples get the full number of attempts.
     pub(super) fn draw_again(&mut self) {
         (self.are_closer, self.with_curves) = (true, 1);
     }
 
-    /// Whether to make another run after a result of so many `triangles`; `best` is the best score of all.
+    /// Returns whether to make another run after a result with `triangles` triangles; `best` is the best score so far.
     pub(super) fn after_run(&mut self, best: Score, triangles: usize) -> bool {
-        // What one run more has not brought near, another one will not either.
+        // If the second run has not come close, a third one will not either.
         let most = if self.run == 0 { MOST_OF_TRIANGLES } else { MOST_TO_MEND };
         let is_done = best == Score::SOUND || best.is_more_than(most, triangles);
         if is_done || self.run + 1 == MOST_RUNS {
@@ -149,7 +156,7 @@ impl Attempts {
         true
     }
 
-    /// The run that is being made, from 1.
+    /// Number of the current run, from 1.
     pub(super) fn run(&self) -> u64 {
         self.run + 1
     }

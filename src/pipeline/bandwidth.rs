@@ -1,23 +1,24 @@
-//! The width of the kernel for a number of samples, by search.
+//! Search for the kernel width that gives a wanted number of samples (the bandwidth).
 //!
-//! If only the position counts, the area gives it; in more dimensions the area is not known. If a width σ leaves M samples where
-//! N are wanted, the next width is σ (M / N)^(1/e). The exponent e is 2 at first, and then the one that the last two widths show.
+//! If only the position counts, the width follows from the area; in more dimensions the area is not known. If a width σ
+//! leaves M samples where N are wanted, the next width is σ (M / N)^(1/e). The exponent e is 2 at first, then the one
+//! estimated from the last two widths.
 //!
-//! Cost: two or three scans, mostly.
+//! Cost: usually two or three scans.
 
 use crate::base::error::Result;
 use crate::base::math;
 use crate::pipeline::scale::SMALLEST_SPACING;
 
-/// Scans at most for one width, and how near to the count is near enough.
+/// Maximum number of scans per search, and the relative error of the count at which it ends.
 const MOST_SCANS: usize = 12;
 const NEAR_ENOUGH: f64 = 0.02;
 
-/// The most that a width changes from one scan to the next, and the range of plausible exponents.
+/// Maximum factor between the widths of successive scans, and the range of plausible exponents.
 const LARGEST_STEP: f64 = 8.0;
 const EXPONENTS: [f64; 2] = [0.5, 3.0];
 
-/// The width for about `wanted` samples, and the samples: the nearest of all that were tried.
+/// Returns the width that gives about `wanted` samples, and these samples: the closest count of all that were tried.
 pub(super) fn find_bandwidth<T>(
     first: f64,
     wanted: usize,
@@ -55,7 +56,7 @@ pub(super) fn find_bandwidth<T>(
 mod tests {
     use super::*;
 
-    /// The width that is found if a scan keeps `count` samples, those, and the scans that it took.
+    /// Returns the width found if a scan keeps `count` samples, the number of samples, and the number of scans.
     fn found(wanted: usize, count: impl Fn(f64) -> f64) -> (f64, usize, usize) {
         let mut scans = 0;
         let mut scan = |sigma: f64| {

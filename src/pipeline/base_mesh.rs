@@ -1,8 +1,9 @@
-//! A base mesh: a few vertices in good order all over a cloud. When each of its triangles is split evenly, the vertices have that
-//! order everywhere, also where pieces meet that are made by themselves: most have six neighbours.
+//! Base mesh: a few well-arranged vertices that cover a whole cloud. When its triangles are split evenly, the vertices are
+//! well arranged everywhere, even where separately made pieces meet: most have six neighbours.
 //!
-//! M. Eck, T. DeRose, T. Duchamp, H. Hoppe, M. Lounsbery, W. Stuetzle, Multiresolution analysis of arbitrary meshes, 1995, DOI
-//! 10.1145/218380.218440, remesh so. Here a base mesh says only where vertices begin, and nothing about triangles.
+//! Based on: M. Eck, T. DeRose, T. Duchamp, H. Hoppe, M. Lounsbery, W. Stuetzle, Multiresolution analysis of arbitrary
+//! meshes, 1995, DOI 10.1145/218380.218440, who remesh this way. Departure: here the base mesh only gives the initial
+//! vertices, not the triangles.
 
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
@@ -17,37 +18,37 @@ use crate::pipeline::remesh::remesh;
 use crate::surface::features::Features;
 use glam::DVec3;
 
-/// About the most vertices of a base mesh: an outline has five points for each.
+/// Approximate maximum number of vertices of a base mesh: an outline has five points for each.
 pub const MOST_OF_BASE: usize = 20_000;
 
-/// In how many parts the edges of a base mesh are split for about so many vertices.
+/// Returns the number of parts into which each edge of a base mesh is split to give about `wanted` vertices.
 fn parts(wanted: usize) -> usize {
     (wanted as f64 / MOST_OF_BASE as f64).sqrt().ceil().max(1.0) as usize
 }
 
-/// The base mesh for `wanted` vertices on the surface through an outline.
+/// Returns the base mesh for `wanted` vertices on the surface through an outline.
 ///
 /// # Errors
 /// Those of [`mesh_of_points`] and [`remesh`].
 pub fn base_mesh(outline: &Outline, wanted: usize, seed: u64, monitor: &dyn Monitor) -> Result<Mesh> {
     let through = mesh_of_points(outline.points(), &CloudOptions::default(), monitor)?;
-    // Each triangle becomes the square of that.
+    // Each triangle is split into the square of this number of triangles.
     let density = Density::Points((wanted / parts(wanted).pow(2)).max(FEWEST_POINTS));
     let options = Options { density, seed, features: Features::Smooth, of_points: true, ..Options::default() };
     Ok(remesh(&through.mesh, &options, monitor)?.mesh)
 }
 
-/// A vertex of a base mesh that was split: its place on the flat triangles, and the unit normal there.
+/// Vertex of a split base mesh: its position on the flat triangles, and the unit normal there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Node {
-    /// Where it is.
+    /// Position on the base mesh.
     pub position: DVec3,
-    /// The normal there.
+    /// Unit normal at the position.
     pub normal: DVec3,
 }
 
-/// The vertices of `base` and those at which it is split for `wanted` ones, where triangles are `near`. Any two of them are in the
-/// same order wherever they are asked for.
+/// Returns the vertices of `base`, and those that split its edges and triangles for `wanted` vertices, of the triangles for
+/// which `near` holds. The relative order of any two nodes is the same in every call.
 pub fn nodes(base: &Mesh, wanted: usize, near: impl Fn([DVec3; 3]) -> bool) -> Vec<Node> {
     let normals = vertex_normals(base);
     let twin = twins(&base.triangles);
@@ -63,7 +64,7 @@ pub fn nodes(base: &Mesh, wanted: usize, near: impl Fn([DVec3; 3]) -> bool) -> V
         for [i, j] in (0..=parts).flat_map(|i| (0..=parts - i).map(move |j| [i, j])) {
             let weights = [parts - i - j, i, j];
             let is_own = match weights.map(|w| w == 0) {
-                // Corners are taken below, with all that are near.
+                // Corners are added below, for all selected triangles.
                 [true, true, _] | [true, _, true] | [_, true, true] => continue,
                 [_, _, true] => owns(0),
                 [true, ..] => owns(1),
@@ -96,7 +97,7 @@ mod tests {
         let (v, t) = (base.positions.len(), base.triangles.len());
         for (wanted, parts) in [(20_000, 1), (20_001, 2), (300_000, 4)] {
             let all = nodes(&base, wanted, |_| true);
-            // Three edges for two triangles.
+            // There are three edges for every two triangles.
             assert_eq!(all.len(), v + 3 * t / 2 * (parts - 1) + t * (parts - 1) * parts.saturating_sub(2) / 2);
             let mut places: Vec<[u64; 3]> = all.iter().map(|node| node.position.to_array().map(f64::to_bits)).collect();
             places.sort_unstable();
@@ -113,7 +114,7 @@ mod tests {
         let part = nodes(&base, 60_000, |corners| corners.iter().any(|p| p.x < 0.4));
         let mut rest = all.iter();
         assert!(part.iter().all(|node| rest.any(|other| other == node)));
-        // Where the whole has one, the part has it, too.
+        // Every node of the whole that lies in the part is also in the part's list.
         let there = |nodes: &[Node]| nodes.iter().filter(|node| node.position.x < 0.4).count();
         assert!(part.len() < all.len() && there(&part) == there(&all));
     }

@@ -1,4 +1,4 @@
-//! From a point cloud to a mesh through its points, which is then remeshed like any other.
+//! Pipeline from a point cloud to a mesh through its points, which is then remeshed like any other.
 
 use crate::base::error::{Error, Fault, Result, Setting};
 use crate::base::monitor::{Monitor, check};
@@ -20,22 +20,22 @@ use crate::triangulate::surroundings::Surroundings;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// What to make of a cloud.
+/// Options for turning a cloud into a mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CloudOptions {
-    /// What normals are fitted to, where there are none. Default: planes, or spheres if noise is smoothed.
+    /// Shape fitted to estimate missing normals. Default: planes, or spheres if noise is smoothed.
     pub fit: Option<NormalFit>,
-    /// The neighbours that they are fitted to. Default: the nearest eight, or the nearest sixteen if noise is smoothed.
+    /// Neighbours to which it is fitted. Default: the nearest eight, or the nearest sixteen if noise is smoothed.
     pub neighborhood: Option<Reach>,
-    /// How far points reach on the implicit surface that they are projected on, in mean distances of neighbouring
-    /// points: the larger, the smoother; with zero points stay where they are. Default: `None`, [`SMOOTHING_SUPPORT`] where
-    /// there is noise, else zero.
+    /// Support radius of the implicit surface onto which points are projected, in mean distances of neighbouring points: the
+    /// larger, the smoother. With zero, points stay where they are. Default: `None`, which is [`SMOOTHING_SUPPORT`] if there
+    /// is noise and zero otherwise.
     pub smooth: Option<f64>,
-    /// Holes whose bounding box has at most this diagonal, in the units of the input, are closed. Default: 0, holes larger than
-    /// the gaps between points stay.
+    /// Largest bounding-box diagonal of holes that are closed, in the units of the input. Default: 0, which keeps all holes
+    /// larger than the gaps between points.
     pub fill_holes: f64,
-    /// Whether the points are of terrain: those that are seen from above become a sheet with one height at each place; z is up.
-    /// Default: `None`, if they look like that and many would be left out otherwise.
+    /// Whether the points are of terrain: those visible from above become a sheet with one height at each place; z is up.
+    /// Default: `None`, which means yes if they look like terrain and many would otherwise be left out.
     pub terrain: Option<bool>,
 }
 
@@ -70,7 +70,7 @@ impl CloudOptions {
 }
 
 impl CloudOptions {
-    /// The same for points whose coordinates were divided by `size`.
+    /// Returns the same options for points whose coordinates were divided by `size`.
     pub(super) fn within_unit(&self, size: f64) -> CloudOptions {
         let neighborhood = self.neighborhood.map(|reach| match reach {
             Reach::Radius(radius) => Reach::Radius(radius / size),
@@ -80,7 +80,7 @@ impl CloudOptions {
     }
 }
 
-/// Refuses a reach of points that is out of range.
+/// Refuses a support radius that is out of range.
 pub(super) fn check_smooth(reach: Option<f64>) -> Result<()> {
     let refuse = |reach: f64| {
         let cause = format!("{reach} spacings are out of range");
@@ -93,25 +93,25 @@ pub(super) fn check_smooth(reach: Option<f64>) -> Result<()> {
     smoothing(reach).filter(|r| !(1.5..=20.0).contains(r)).map_or(Ok(()), refuse)
 }
 
-/// How far points reach if anything is smoothed: zero asks for nothing.
+/// Returns the support radius if anything is smoothed; zero means no smoothing.
 pub(super) fn smoothing(reach: Option<f64>) -> Option<f64> {
     reach.filter(|&reach| reach != 0.0)
 }
 
-/// What normals are fitted to.
+/// Shape that is fitted to estimate normals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NormalFit {
-    /// Planes: the sharpest where there is little noise.
+    /// Planes: the sharpest choice where there is little noise.
     Plane,
-    /// Algebraic spheres, after planes: smoother, and right where the surface bends evenly.
+    /// Algebraic spheres, after planes: smoother, and exact where the surface bends evenly.
     Sphere,
 }
 
 impl NormalFit {
-    /// All of them.
+    /// All variants.
     pub const ALL: [NormalFit; 2] = [NormalFit::Plane, NormalFit::Sphere];
 
-    /// Its name as an option.
+    /// Name of the variant as an option.
     pub fn name(self) -> &'static str {
         match self {
             NormalFit::Plane => "plane",
@@ -120,152 +120,154 @@ impl NormalFit {
     }
 }
 
-/// Which points are neighbours of another one.
+/// Neighbours of a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Reach {
-    /// So many of the nearest.
+    /// This number of nearest points.
     Count(usize),
-    /// Those within this distance, in the units of the input.
+    /// All points within this distance, in the units of the input.
     Radius(f64),
 }
 
-/// What a mesh through the points of a cloud was made of.
+/// Summary of how the points of a cloud were used for a mesh.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct CloudSummary {
-    /// Points of the input, or those of them that were kept.
+    /// Number of points of the input, or of those kept after thinning.
     pub points: usize,
-    /// Points of the input, if these were more than are of use; 0 if they were not.
+    /// Number of points of the input if they were thinned because there were more than are of use; otherwise 0.
     #[serde(default)]
     pub thinned_from: usize,
-    /// The width of the cells, one point of each of which was kept then.
+    /// Width of the cells of the thinning, each of which kept one point.
     #[serde(default)]
     pub cell: f64,
-    /// Points at exactly the place of another one.
+    /// Points that coincide with another one.
     pub duplicates: usize,
-    /// Points that are no other point's neighbours.
+    /// Points that are no other point's neighbour.
     pub outliers: usize,
-    /// Other points that no triangle of the mesh has as a corner.
+    /// Other points that are not vertices of the mesh.
     pub unused: usize,
-    /// Points of small shreds that nothing joins with a surface.
+    /// Points of small shreds that are not connected to any surface.
     #[serde(default)]
     pub in_shreds: usize,
-    /// How many shreds these are.
+    /// Number of these shreds.
     #[serde(default)]
     pub shreds: usize,
-    /// The width of the cells of the plan of which the highest point each was used, if the points are of terrain; 0 if they are not.
+    /// Width of the grid cells in plan view, each of which contributed its highest point, if the points are of terrain;
+    /// otherwise 0.
     #[serde(default)]
     pub plan_cell: f64,
-    /// Points that are lower than another one in such a cell.
+    /// Points lower than another one in such a cell.
     #[serde(default)]
     pub below: usize,
-    /// Whether there is noise that smoothing would take away.
+    /// Whether there is noise that smoothing would remove.
     #[serde(default)]
     pub noisy: bool,
-    /// How far points reached on the implicit surface that they were moved onto because of noise, unasked; 0 if they were not
-    /// moved.
+    /// Support radius of the implicit surface that points were projected onto because of noise, without being asked; 0 if
+    /// they were not moved.
     #[serde(default)]
     pub smoothed_by_itself: f64,
-    /// Neighbours of each point whose planes the points were moved onto, since fewer are not flat for noise; 0 without.
+    /// Number of neighbours whose fitted planes the points were projected onto, because noise hides the surface in fewer; 0
+    /// if that was not necessary.
     #[serde(default)]
     pub flattened_neighbors: usize,
     /// Normals that were estimated.
     pub estimated_normals: usize,
-    /// Normals that were given and turned over.
+    /// Given normals that were reversed.
     pub turned_normals: usize,
 }
 
 impl CloudSummary {
-    /// Records that these points are what was kept of more.
+    /// Records that the points were thinned.
     pub fn thin(&mut self, thinned: &Thinned) {
         (self.thinned_from, self.cell) = (thinned.points, thinned.cell);
     }
 
-    /// Whether the normals that so many points have tell no outside.
+    /// Returns whether the normals of `points` points fail to tell which side is outside.
     fn tells_no_outside(&self, points: usize) -> bool {
         SIDED * (self.estimated_normals + self.turned_normals) > points
     }
 }
 
-/// A mesh through the points of a cloud.
+/// Mesh through the points of a cloud.
 #[derive(Debug, Clone)]
 pub struct MeshOfPoints {
-    /// An oriented manifold, closed where the cloud is.
+    /// Oriented manifold, closed where the cloud is.
     pub mesh: Mesh,
-    /// For each of its vertices the point that it is.
+    /// For each vertex, the input point that it is.
     pub source: Vec<u32>,
-    /// The points that it should go through: all at different places that are no outliers.
+    /// Points that the mesh should pass through: at distinct places, without outliers.
     pub surface_points: Vec<u32>,
-    /// The mean distance of neighbouring points.
+    /// Mean distance of neighbouring points.
     pub spacing: f64,
-    /// What it was made of.
+    /// Summary of how the points were used.
     pub summary: CloudSummary,
 }
 
-/// Neighbours that planes are fitted to where there is no noise: as few as possible keep to what is sharp.
+/// Number of neighbours to which planes are fitted where there is no noise: as few as possible, to preserve sharp features.
 pub const FEW_NEIGHBORS: usize = 8;
 
-/// Times that spheres are fitted, each time to the normals of the time before.
+/// Number of times that spheres are fitted, each time using the previous normals.
 const SPHERES: usize = 2;
 
-/// Support radius of the implicit surface of points without noise, in their spacings: no more than it takes to have no
-/// holes between them.
+/// Support radius of the implicit surface of points without noise, in their spacings: just large enough to leave no holes
+/// between them.
 pub const INTERPOLATING_SUPPORT: f64 = 2.3;
 
-/// Support radius that smooths the noise of a usual scan away, in the spacings of its points.
+/// Support radius that smooths away the noise of a typical scan, in spacings of its points.
 pub const SMOOTHING_SUPPORT: f64 = 2.7;
 
-/// The area of a point in squares of its spacing, which is the distance of the sixth neighbour.
+/// Area per point, in squares of its spacing, which is the distance to the sixth neighbour.
 const AREA_OF_SPACING: f64 = 0.6;
 
-/// Share of neighbours with normals to other sides from which on normals that were given are not believed.
+/// Share of neighbouring pairs with opposite normals above which given normals are not trusted.
 const MOST_DISAGREEMENT: f64 = 0.01;
 
-/// If more than one normal in this many does not tell its side, the others are not trusted to.
+/// If more than one in this many normals has no reliable side, the sides of the others are not trusted either.
 const SIDED: usize = 4;
 
-/// Points that a cloud must have.
+/// Minimum number of points of a cloud.
 const FEWEST_POINTS: usize = 8;
 
-/// The points of a cloud that are of use, with normals and what is known of their neighbours.
+/// Usable points of a cloud, with normals and neighbour information.
 pub(super) struct Prepared {
-    /// Points at different places, with unit normals on a common side.
+    /// Points at distinct places, with unit normals on a common side.
     pub points: Points,
-    /// For each the point of the input that it is.
+    /// For each point, its number in the input.
     pub source: Vec<u32>,
     pub near: Neighbors,
     pub graph: NeighborGraph,
-    /// How far apart the points are around each.
+    /// Local spacing at each point.
     pub spacings: Vec<f64>,
-    /// How far apart the points of the input are, on the mean.
+    /// Mean spacing of the input points.
     pub spacing: f64,
-    /// How far points reach where noise is to be smoothed away.
+    /// Support radius if noise is to be smoothed away.
     pub smooth: Option<f64>,
     pub summary: CloudSummary,
 }
 
 impl Prepared {
-    /// About the area of their surface, in squared units of the input.
+    /// Approximate area of the surface, in squared units of the input.
     pub fn area(&self) -> f64 {
         self.spacings.iter().map(|s| AREA_OF_SPACING * s * s).sum()
     }
 
-    /// Whether none of the input's normals tells which side is outside.
+    /// Returns whether the input's normals fail to tell which side is outside.
     pub fn has_no_outside(&self) -> bool {
         self.summary.tells_no_outside(self.source.len())
     }
 }
 
-/// The points of a cloud at different places that are no outliers.
+/// Points of a cloud at distinct places, without outliers.
 pub(super) struct Cleaned {
     pub points: Points,
-    /// For each the point of the input that it is.
+    /// For each point, its number in the input.
     pub source: Vec<u32>,
     near: Neighbors,
     graph: NeighborGraph,
 }
 
 impl Cleaned {
-    /// Those of `points`, counted in `summary`.
+    /// Removes duplicates and outliers from `points` and counts them in `summary`.
     ///
     /// # Errors
     /// [`Error::Mesh`] for points without an area; [`Error::Cancelled`] if the monitor asks for it.
@@ -333,7 +335,7 @@ pub(super) fn prepared(points: &Points, options: &CloudOptions, monitor: &dyn Mo
     Ok(Prepared { points, source, near, graph, spacings, spacing, smooth, summary })
 }
 
-/// The mesh through the points of a cloud.
+/// Builds a mesh through the points of a cloud.
 ///
 /// # Errors
 /// [`Error::Mesh`] for points that no surface goes through: too few, all in one place or on a line;
@@ -374,14 +376,14 @@ fn mean(numbers: &[f64]) -> f64 {
     numbers.iter().sum::<f64>() / numbers.len().max(1) as f64
 }
 
-/// The error for points that are as thick as they are wide everywhere.
+/// Error for points that are as thick as they are wide everywhere.
 pub fn volume(points: usize) -> Error {
     let cause = format!("no surface goes through these {points} points: they fill a volume");
     let remedy = "give points of a surface, or less noisy ones".into();
     Error::Mesh { fault: Fault::NoSurface, cause, remedy }
 }
 
-/// The error for points whose surface has no triangles.
+/// Error for points whose surface has no triangles.
 pub(super) fn no_surface(points: usize) -> Error {
     let cause = format!("no surface goes through these {points} points: neighbours do not agree on one");
     Error::Mesh {
@@ -412,7 +414,7 @@ fn refuse_without_surface(positions: &[DVec3]) -> Result<()> {
     Ok(())
 }
 
-/// Unit normals on a common side: those that are given, as far as they are of use, and estimates.
+/// Returns unit normals on a common side: the given ones where they are usable, and estimates elsewhere.
 fn normals(
     points: &Points,
     near: &Neighbors,

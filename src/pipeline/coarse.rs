@@ -1,4 +1,4 @@
-//! How coarse the sampled surface may be: an input far finer than the wanted triangles can lose much.
+//! Decides how coarse the sampled surface may be: an input far finer than the target triangles can be decimated.
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
@@ -17,28 +17,29 @@ use crate::spatial::foot::Foot;
 use crate::surface::features::{Features, sharp_sides};
 use glam::DVec3;
 
-/// The shortest edges of what is sampled, in mean spacings: the error that triangles of such edges make is a tenth of that of the
-/// result, or less.
+/// Shortest edges of the sampled surface, in mean spacings. Triangles with such edges add an error of at most a tenth of
+/// that of the result.
 const SHORTEST: f64 = 0.2;
 
-/// The largest distance of removed vertices from what is left, in mean spacings.
+/// Maximum distance of removed vertices from the remaining surface, in mean spacings.
 const TOLERANCE: f64 = 0.01;
 
-/// Coarsening pays if this share of all edges (`MANY`) is shorter than that share of the shortest one (`FAR_SHORTER`).
+/// Coarsening pays if at least this share of all edges (`MANY`) is shorter than this share of the shortest one
+/// (`FAR_SHORTER`).
 const FAR_SHORTER: f64 = 0.5;
 const MANY: f64 = 0.5;
 
-/// It pays from this many vertices for each wanted one on. In a part with fewer, the short edges belong to fillets and text
-/// beside wide faces.
+/// Minimum number of vertices per wanted vertex for which coarsening pays. In a part with fewer, the short edges belong to
+/// fillets and text beside wide faces.
 const MANY_TIMES: usize = 8;
 
-/// How coarse a surface may be that is sampled with this mean spacing.
+/// Returns how coarse a surface may be that is sampled with this mean spacing.
 pub fn coarseness_for(spacing: f64) -> Coarseness {
     Coarseness { shortest: SHORTEST * spacing, tolerance: TOLERANCE * spacing }
 }
 
-/// The spacing of the result if `repaired` is much finer than that; `None` if it is not, or must not become coarser: if lengths
-/// follow something, the error is bounded, or only a part is remeshed.
+/// Returns the spacing of the result if `repaired` is much finer; `None` if it is not or must not become coarser: if lengths
+/// are graded, the error is bounded, or only a part is remeshed.
 pub(super) fn far_wider_spacing(
     prepared: &PreparedInput,
     repaired: &OrientedManifold,
@@ -53,7 +54,8 @@ pub(super) fn far_wider_spacing(
     Ok(is_finer.then_some(spacing))
 }
 
-/// `repaired` in spatial order, made as coarse as suffices for results of this spacing, and the sharp edges of that.
+/// Puts `repaired` in spatial order, coarsens it as far as results of this spacing permit, and returns it with its sharp
+/// edges.
 pub(super) fn coarse(
     prepared: &PreparedInput,
     repaired: OrientedManifold,
@@ -76,9 +78,10 @@ fn may_be_coarser(options: &Options) -> bool {
         && !options.of_points
 }
 
-/// The origins of `mesh`, in the pipeline's unit, on `input`: through the closest points of `repaired` that face its way.
+/// Returns the origins of `mesh`, in the pipeline's unit, on `input`: through the closest points of `repaired` that face the
+/// same way.
 pub(super) fn origins_through(repaired: &OrientedManifold, mesh: &Mesh, input: &Mesh) -> Origins {
-    // In spatial order, as `coarse` has made it, and there are few questions.
+    // `coarse` left the triangles in spatial order, and there are few queries.
     let bvh = Bvh::in_order_of(repaired);
     let origin = |p: DVec3, normal: DVec3| {
         let faces = |t: u32| repaired.area_vector(t as usize).dot(normal) > 0.0;

@@ -1,9 +1,9 @@
-//! How near a result comes to the points of the cloud that it was made of.
+//! Distance between the points of a cloud and the result made from it.
 //!
-//! The distance of a cloud to a mesh is that of its points, each to the closest point of the mesh. The mesh that was first
-//! laid through the points is no measure: points that it left out are far from it, too.
+//! The distance of a cloud to a mesh is that of each point to the closest point of the mesh. The initial mesh through the
+//! points is not a valid reference: points that it left out are far from it, too.
 //!
-//! Cost: a hierarchy, and one closest-point query for each point, in parallel.
+//! Cost: one hierarchy, and one closest-point query per point, in parallel.
 
 use crate::base::parallel;
 use crate::mesh::triangle_mesh::Mesh;
@@ -11,32 +11,32 @@ use crate::spatial::bvh::Bvh;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// How near the points of a cloud, outliers aside, are to a result, in their units.
+/// Distances of the points of a cloud, without outliers, to a result, in their units.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Coverage {
-    /// The points at different places that are no outliers.
+    /// Number of points at distinct places, without outliers.
     pub points: usize,
-    /// Those of them that are farther than `within`.
+    /// Number of these that are farther away than `within`.
     pub missed: usize,
-    /// Three times the mean spacing of the points, or of the vertices of the result if that is larger.
+    /// Three times the mean spacing of the points or of the vertices of the result, whichever is larger.
     pub within: f64,
-    /// Root of the mean of the squared distances of the points to the result.
+    /// Root mean square of the distances of the points to the result.
     pub rms: f64,
-    /// The largest of the distances.
+    /// Largest of these distances.
     pub largest: f64,
-    /// The point that is so far: x, y and z.
+    /// Position of the farthest point: x, y and z.
     #[serde(default)]
     pub place: [f64; 3],
 }
 
-/// Points this many spacings away from a surface do not belong to it.
+/// Points more than this many spacings away from a surface do not belong to it.
 const FAR: f64 = 3.0;
 
-/// The share of points that may be missed: tips and shreds that a scan has only a few points of.
+/// Share of points that may be missed: tips and shreds of which a scan has only a few points.
 pub(super) const MOST_MISSED: f64 = 0.05;
 
 impl Coverage {
-    /// That of `points` by `mesh`, which has triangles; `spacing` is the larger mean spacing of both.
+    /// Measures how well `mesh`, which has triangles, covers `points`; `spacing` is the larger of their mean spacings.
     pub fn of(points: &[DVec3], mesh: &Mesh, spacing: f64) -> Coverage {
         let hierarchy = Bvh::new(mesh);
         let squared = |p: &DVec3| hierarchy.closest(mesh, *p).map_or(f64::INFINITY, |hit| hit.distance_squared);
@@ -53,7 +53,7 @@ impl Coverage {
         }
     }
 
-    /// Whether all points but a few are on the result.
+    /// Returns whether all points except a few are close to the result.
     pub fn is_enough(&self) -> bool {
         self.missed as f64 <= MOST_MISSED * self.points as f64
     }

@@ -1,8 +1,8 @@
-//! How dense a result shall be, and what numbers and lengths make sense.
+//! Density of a result, and the valid ranges of counts and lengths.
 
 use crate::base::error::{Error, Result, Setting};
 
-/// How dense the result shall be. Each variant says it all.
+/// Density of a result. Each variant is complete by itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Density {
     /// The number of vertices of the result.
@@ -11,9 +11,9 @@ pub enum Density {
     EdgeLength(f64),
     /// The kernel width σp of the sampler, in the units of the input.
     SigmaP(f64),
-    /// As many vertices as the lengths of [`Grading::Field`](super::Grading::Field) ask for.
+    /// The number of vertices that the lengths of [`Grading::Field`](super::Grading::Field) require.
     OfField,
-    /// As many vertices as [`Options::max_error`](super::Options::max_error) needs, and hardly more.
+    /// The fewest vertices that satisfy [`Options::max_error`](super::Options::max_error), approximately.
     Auto,
 }
 
@@ -27,7 +27,7 @@ impl From<SampleDensity> for Density {
     }
 }
 
-/// How dense samples shall be. Each variant says it all.
+/// Density of samples. Each variant is complete by itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SampleDensity {
     /// The number of samples.
@@ -38,13 +38,13 @@ pub enum SampleDensity {
     SigmaP(f64),
 }
 
-/// Fewest vertices that can be asked for: those of a triangle.
+/// Minimum number of vertices: those of a triangle.
 pub const FEWEST_POINTS: usize = 3;
 
-/// Most vertices that can be asked for: the candidates for so many take some four gigabytes.
+/// Maximum number of vertices: the candidates for that many take about four gigabytes.
 pub const MOST_POINTS: usize = 5_000_000;
 
-/// The vertices that the search for as few as needed begins with.
+/// Number of vertices at which the search for the fewest necessary ones begins.
 pub(super) const FIRST_POINTS: usize = 2_000;
 
 /// Refuses a length that is not positive and finite.
@@ -56,10 +56,10 @@ pub(super) fn check_length(option: Setting, value: f64) -> Result<()> {
     Err(Error::Option { option, cause: format!("{value} is not a length"), remedy })
 }
 
-/// Refuses numbers of vertices that are no levels of detail, from fine to coarse.
+/// Refuses numbers of vertices that are not levels of detail, from fine to coarse.
 ///
 /// # Errors
-/// [`Error::Option`] for no numbers, ones out of range, and ones that do not fall.
+/// [`Error::Option`] for an empty list, numbers out of range, and numbers that do not decrease.
 pub fn check_levels(counts: &[usize]) -> Result<()> {
     let refuse =
         |cause: String, remedy: &str| Err(Error::Option { option: Setting::Levels, cause, remedy: remedy.into() });

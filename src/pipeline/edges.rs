@@ -1,5 +1,5 @@
-//! What a mesh alone does not tell of the edges of a result: which of them are sharp edges of the input, which of those were
-//! left out, and how long edges were to be. Reports draw it.
+//! Information on the edges of a result that the mesh alone does not contain: which of them are sharp edges of the input,
+//! which sharp edges were left out, and the target lengths. Reports show it.
 
 use crate::manifold::Manifold;
 use crate::mesh::half_edge::OnCurve;
@@ -9,21 +9,21 @@ use crate::pipeline::sized::SizedSurface;
 use crate::pipeline::unit::Unit;
 use glam::DVec3;
 
-/// Sharp edges and wanted lengths.
+/// Sharp edges and target lengths.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Edges {
-    /// The ends of each edge of the result that lies on a sharp edge of the input.
+    /// Ends of each edge of the result that lies on a sharp edge of the input.
     pub sharp: Vec<[u32; 2]>,
-    /// The ends of each sharp edge of the repaired input that was left out, in the coordinates of the input.
+    /// Ends of each sharp edge of the repaired input that was left out, in the coordinates of the input.
     pub left_out: Vec<[DVec3; 2]>,
-    /// The edge length wanted at each of the last vertices of the result, in the units of the input: at all of them, or,
-    /// if only a part was remeshed, at those within it.
+    /// Target edge length at the last vertices of the result, in the units of the input: at all vertices or, if only a part
+    /// was remeshed, at those inside it.
     pub wanted: Vec<f64>,
 }
 
 impl Edges {
-    /// Those of `result`, whose last triangles are those of `made`, a mesh on `surface`, and of which so many `first` vertices
-    /// were kept.
+    /// Collects the edges of `result`, whose last triangles are those of `made`, a mesh on `surface`, and whose first
+    /// `first` vertices were kept.
     pub(super) fn of(result: &Mesh, made: &Manifold, surface: &SizedSurface, unit: &Unit, first: usize) -> Edges {
         let (triangles, old) = made.connectivity.compact();
         let mut number = vec![NONE; made.connectivity.vertex_bound() as usize];

@@ -1,11 +1,11 @@
-//! How many vertices a triangulation of the wanted lengths has.
+//! Estimates the number of vertices of a triangulation with the target lengths.
 //!
-//! Samples on curves are as dense as their length asks for, also where what lies between them is too narrow for triangles of
-//! that length, and those on the boundary have triangles on one side only. With V inner vertices and R on its rim, a disk
-//! has F = 2 V + R - 2 triangles, each of area √3/4 h²: what the area of a patch means, less half of its rim, is left for its
-//! inside.
+//! Samples on curves are as dense as the target length requires, even where the space between the curves is too narrow for
+//! triangles of that size, and samples on the boundary have triangles on one side only. With V inner vertices and R on its
+//! rim, a disk has F = 2 V + R - 2 triangles, each of area √3/4 h². So the number of inner vertices of a patch is what its
+//! area implies, minus half the number on its rim.
 //!
-//! Cost: a sampling of the curves for each spacing that is tried, and some sums over the triangles.
+//! Cost: one sampling of the curves for each spacing that is tried, and some sums over the triangles.
 
 use crate::base::math;
 use crate::pipeline::density::Density;
@@ -13,11 +13,12 @@ use crate::pipeline::scale::Scale;
 use crate::spectral::curve_samples::sample_curves;
 use crate::surface::domain::Domain;
 
-/// Between which factors the spacing is searched for, and the steps of that.
+/// Maximum factor, up and down, of the search for the spacing, and its number of steps.
 const LARGEST_FACTOR: f64 = 4.0;
 const STEPS: usize = 16;
 
-/// `scale` with the spacing that meets its number of vertices, or, if lengths are given, with the number that they mean.
+/// Returns `scale` with the spacing that gives its number of vertices or, if lengths are given, with the number of vertices
+/// that they imply.
 pub(super) fn with_curves(domain: &Domain, scale: Scale, density: Density) -> Scale {
     if domain.curves.list.is_empty() {
         return scale;
@@ -35,10 +36,10 @@ pub(super) fn with_curves(domain: &Domain, scale: Scale, density: Density) -> Sc
     Scale { spacing: most, ..scale }
 }
 
-/// The smooth patches of a domain.
+/// Smooth patches of a domain.
 struct Patches<'a> {
     domain: &'a Domain,
-    /// For each patch the integral of 1 / h² over its area, of lengths h relative to the spacing.
+    /// For each patch, the integral of 1 / h² over its area, with lengths h relative to the spacing.
     relative_area: Vec<f64>,
 }
 
@@ -53,7 +54,7 @@ impl Patches<'_> {
         Patches { domain, relative_area }
     }
 
-    /// About how many vertices there are on the curves and inside of the patches.
+    /// Returns the approximate number of vertices on the curves and inside the patches.
     fn vertices(&self, scale: Scale) -> f64 {
         let curves = sample_curves(self.domain, scale.curve_spacing(self.domain));
         let mut inside: Vec<f64> =
@@ -80,7 +81,7 @@ mod tests {
 
     #[test]
     fn triangles_on_one_side_of_the_boundary_are_larger() {
-        // A band, 1 wide and 100 long: with three rows, 300 by 4 vertices have 1800 triangles, not 2400.
+        // The band is 1 wide and 100 long: with three rows, 300 by 4 vertices have 1800 triangles, not 2400.
         let band = Domain::new(grid(200, 2, |u, v| dvec3(100.0 * u, v, 0.0)).try_into().unwrap());
         let ratio = spacing(&band, 1200);
         assert!((ratio - (4.0f64 / 3.0).sqrt()).abs() < 0.02, "{ratio}");

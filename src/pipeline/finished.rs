@@ -1,4 +1,4 @@
-//! A result as it is held against the input: what is wrong with it, and where.
+//! Compares a result with the input: what is wrong with it, and where.
 
 use crate::manifold::Manifold;
 use crate::manifold::small_angles::slivers;
@@ -14,18 +14,18 @@ use crate::pipeline::within::Sewn;
 use crate::spatial::self_intersections::{Inherited, self_intersections};
 use glam::DVec3;
 
-/// The mesh of an attempt, optimised, in the coordinates of the input and joined to what was to stay of it.
+/// Optimised mesh of an attempt, in the coordinates of the input and joined to the part of the input that stays.
 pub(super) struct Finished {
     pub manifold: Manifold,
-    /// In the pipeline's unit, before it is joined.
+    /// The new mesh in the pipeline's unit, before joining.
     pub of_part: Mesh,
     pub sewn: Option<Sewn>,
     pub mesh: Mesh,
     pub topology: Topology,
     pub self_intersections: Vec<u32>,
-    /// Triangles of the repaired input that intersect others, if any of the mesh do.
+    /// Number of triangles of the repaired input that intersect others; 0 if none of the mesh do.
     pub self_intersections_of_input: usize,
-    /// The triangles among them where the surface does not intersect itself.
+    /// Self-intersecting triangles of the mesh where the input does not intersect itself.
     pub new_self_intersections: Vec<u32>,
     /// Triangles of `of_part` that are slivers.
     pub slivers: Vec<u32>,
@@ -33,14 +33,14 @@ pub(super) struct Finished {
     pub bridges: Vec<u32>,
     pub tessellated_patches: usize,
     pub score: Score,
-    /// The run that made it, from 1.
+    /// Number of the run that made it, from 1.
     pub run: u64,
-    /// Whether vertices and edges were changed once more where it went wrong.
+    /// Whether vertices and edges were changed again at faulty places.
     pub is_mended: bool,
 }
 
 impl Finished {
-    /// Holds `manifold`, made by that run over `surface`, against the input.
+    /// Compares `manifold`, which the given run made over `surface`, with the input.
     pub(super) fn new(
         prepared: &PreparedInput,
         surface: &SizedSurface,
@@ -48,7 +48,7 @@ impl Finished {
         tessellated_patches: usize,
         run: u64,
     ) -> Finished {
-        // Files have positions in single precision.
+        // Files store positions in single precision.
         part_contacts(&mut manifold, |p| prepared.unit.outwards_point(p).as_vec3().as_dvec3());
         let of_part = manifold.to_mesh();
         let outwards = prepared.unit.outwards(of_part.clone());
@@ -85,23 +85,24 @@ impl Finished {
         }
     }
 
-    /// Triangles of the mesh that was there before it was joined to what stays; they come first.
+    /// Number of triangles that were kept from the input; they come first.
     pub(super) fn kept_triangles(&self) -> u32 {
         (self.mesh.triangles.len() - self.of_part.triangles.len()) as u32
     }
 
-    /// The corners of the triangles that make it unsound, in the pipeline's unit.
+    /// Returns the corners of the triangles that make the result unsound, in the pipeline's unit.
     pub(super) fn unsound_places(&self) -> Vec<DVec3> {
         self.unsound().flat_map(|t| self.of_part.corners(t as usize)).collect()
     }
 
-    /// The triangles of the manifold that make it unsound.
+    /// Returns the triangles of the manifold that make the result unsound.
     pub(super) fn unsound_triangles(&self) -> Vec<u32> {
         let numbers: Vec<u32> = self.manifold.triangles().collect();
         self.unsound().map(|place| numbers[place as usize]).collect()
     }
 
-    /// The triangles of the manifold that intersect others, but for those that do in `other`, of the same connectivity.
+    /// Returns the triangles of the manifold that intersect others, without those that also do in `other`, which has the
+    /// same connectivity.
     pub(super) fn crossing_unlike(&self, other: &Finished) -> Vec<u32> {
         let numbers: Vec<u32> = self.manifold.triangles().collect();
         let do_not_there = |t: &&u32| other.self_intersections.binary_search(t).is_err();
@@ -109,18 +110,18 @@ impl Finished {
         self.made_of(&crossing).map(|place| numbers[place as usize]).collect()
     }
 
-    /// The triangles of the part that make it unsound.
+    /// Returns the triangles of the part that make the result unsound.
     fn unsound(&self) -> impl Iterator<Item = u32> {
         self.made_of(&self.new_self_intersections).chain(self.slivers.iter().chain(&self.bridges).copied())
     }
 
-    /// Those `triangles` of the mesh that were made, by their place in the part.
+    /// Returns those `triangles` of the mesh that are new, by their numbers in the part.
     fn made_of(&self, triangles: &[u32]) -> impl Iterator<Item = u32> {
         triangles.iter().filter_map(|t| t.checked_sub(self.kept_triangles()))
     }
 }
 
-/// Those `faces` of `mesh`, which intersect others, that are not where the repaired input does.
+/// Returns those self-intersecting `faces` of `mesh` that are not where the repaired input intersects itself.
 fn new_among(faces: &[u32], mesh: &Mesh, prepared: &PreparedInput, surface: &SizedSurface) -> Vec<u32> {
     if faces.is_empty() {
         return Vec::new();

@@ -1,10 +1,12 @@
-//! Flakes and fins: components of next to no area or width, which cuts and exports leave behind. No mesh of such edges can follow them,
-//! so they are left out.
+//! Removes flakes and fins: components of negligible area or width that cuts and exports leave behind. No mesh with the
+//! target edges can follow them.
 //!
-//! A flake has less area than one triangle as long as it is, or as edges are to be, with an angle of [`SLIVER`] degrees. A fin is
-//! narrow, and hangs along edges of components that are not, from which repair took it apart: the surface goes on without it.
+//! A flake has less area than a triangle with an angle of [`SLIVER`] degrees that is as long as the flake or as the target
+//! edges. A fin is narrow and attached along edges of wider components, from which repair separated it: the surface
+//! continues without it.
 //!
-//! Cost: linear in the triangles, and nothing for a surface of one component; a sort of the vertices where a component is narrow.
+//! Cost: linear in the triangles, and nothing for a surface of one component; one sort of the vertices if a component is
+//! narrow.
 
 use crate::base::math;
 use crate::geom::aabb::Aabb;
@@ -19,10 +21,11 @@ use rustc_hash::FxHashSet;
 /// Width below which a component is narrow, in spacings.
 const NARROW: f64 = 0.2;
 
-/// Length of its edges that others have, too, of which a narrow component hangs on them, as a share of its own length.
+/// Minimum length of the edges that a narrow component shares with wider ones to count as a fin, as a share of its own
+/// length.
 const ALONG: f64 = 0.5;
 
-/// A component's size.
+/// Size of a component.
 #[derive(Clone)]
 struct Size {
     area: f64,
@@ -36,13 +39,14 @@ impl Size {
         self.area < of_sliver
     }
 
-    /// Whether a triangle as long and with that area is narrow.
+    /// Returns whether a triangle of the same length and area is narrow.
     fn is_narrow(&self, spacing: f64) -> bool {
         2.0 * self.area < NARROW * spacing * self.bounds.diagonal()
     }
 }
 
-/// `surface` without its flakes and fins, where edges are to be `spacing` long; `None` if it has none, or nothing else.
+/// Returns `surface` without its flakes and fins, for edges of length `spacing`; `None` if it has none or consists of
+/// nothing else.
 pub(super) fn without_flakes(surface: &OrientedManifold, spacing: f64) -> Option<OrientedManifold> {
     let component = components(surface.positions.len(), &surface.triangles);
     let of = |corners: &[u32; 3]| component[corners[0] as usize] as usize;
@@ -67,8 +71,8 @@ pub(super) fn without_flakes(surface: &OrientedManifold, spacing: f64) -> Option
     Some(OrientedManifold::trusted(part.mesh, provenance))
 }
 
-/// For each component that is narrow the length of its edges that those that are not have, too; zero for all others. `component` has
-/// the number of each vertex.
+/// Returns, for each narrow component, the length of its edges that wider components also have; zero for all others.
+/// `component` holds the component number of each vertex.
 fn lengths_in_common(surface: &OrientedManifold, component: &[u32], is_narrow: &[bool]) -> Vec<f64> {
     let mut lengths = vec![0.0; is_narrow.len()];
     if !is_narrow.contains(&true) || !is_narrow.contains(&false) {
@@ -96,7 +100,7 @@ mod tests {
 
     const SPACING: f64 = 0.1;
 
-    /// A triangle that long and high.
+    /// Returns a triangle of the given length and height.
     fn triangle(length: f64, height: f64) -> Mesh {
         let positions = vec![DVec3::ZERO, length * DVec3::X, dvec3(0.5 * length, height, 0.0)];
         Mesh { positions, triangles: vec![[0, 1, 2]] }
@@ -109,7 +113,7 @@ mod tests {
     #[test]
     fn flakes_go_and_what_has_a_shape_stays() {
         let narrow = (0.5 * SPACING, 0.0005 * SPACING);
-        // As long as an edge or longer, and small all over.
+        // As long as an edge or longer, and small in every direction.
         let whole = [(3.0 * SPACING, 0.03 * SPACING), (1e-6, 1e-6)].map(|(length, height)| triangle(length, height));
         for (length, height) in [narrow, (8.0 * SPACING, 0.005 * SPACING), (1e-6, 1e-9)] {
             let [shape, small] = whole.clone();
@@ -128,9 +132,9 @@ mod tests {
             Mesh { positions, triangles: vec![[0, 1, 2]] }
         };
         let [low, high] = [0.15, 0.5].map(|share| share * SPACING);
-        // Along an edge of the cube a narrow one and a wide one, and a narrow one aside.
+        // Along an edge of the cube, a narrow one and a wide one; and a narrow one elsewhere.
         let triangles = [at(DVec3::ZERO, low), at(DVec3::ZERO, high), at(-3.0 * DVec3::X, low)];
-        // A ribbon that hangs by its end.
+        // A ribbon attached by its end.
         let [a, b, c, d] = [[5.0, 0.0], [6.0, 0.0], [6.0, 1.0], [5.0, low]].map(|[x, y]| dvec3(x, y, 0.0));
         let sheet = Mesh { positions: vec![a, b, c, d], triangles: vec![[0, 1, 2], [0, 2, 3]] };
         let ribbon = Mesh { positions: vec![a, d, a - 3.0 * DVec3::X], triangles: vec![[0, 1, 2]] };

@@ -1,9 +1,9 @@
-//! Vertices that follow a kernel in more dimensions: the density of its samples becomes the wanted edge length.
+//! Makes vertices follow a kernel in more dimensions: the density of its samples becomes the target edge length.
 //!
-//! The scan in six dimensions or more says how many samples each part of the surface gets. The pipeline then goes on with
-//! those lengths as with any others: samples, triangles and optimiser keep to them, and triangles are close to
-//! equilateral, where the kernel's own samples would be farther apart along a ridge than across it. Without optimising,
-//! the ascent is that of the kernel in all its dimensions, and leaves vertices as it wants them.
+//! The scan in six dimensions or more determines how many samples each part of the surface gets. The pipeline then treats
+//! these lengths like any others: samples, triangles and the optimiser respect them, and triangles are nearly equilateral,
+//! whereas the kernel's own samples would be farther apart along a ridge than across it. Without optimisation, the ascent
+//! uses the kernel in all its dimensions and leaves the vertices where it moves them.
 
 use crate::base::error::{Result, Setting};
 use crate::base::monitor::Monitor;
@@ -22,17 +22,17 @@ use crate::spectral::spacing::spacings;
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::sizing::field_sizes;
 
-/// What following a kernel means for the pipeline.
+/// Pipeline parameters that result from following a kernel.
 pub(super) struct Followed {
-    /// As many vertices as are wanted, or as the kernel keeps if its width is given.
+    /// Scale with the wanted number of vertices, or with the number that the kernel keeps if its width is given.
     pub scale: Scale,
-    /// The width of the kernel.
+    /// Width of the kernel.
     pub sigma: f64,
-    /// For each vertex of the domain the edge length that is wanted there, relative to the mean one.
+    /// Target edge length at each vertex of the domain, relative to the mean one.
     pub sizes: Vec<f64>,
 }
 
-/// Follows the kernel over `domain`.
+/// Derives the edge lengths from a scan with the kernel over `domain`.
 pub(super) fn follow(
     domain: &Domain,
     features: &KernelFeatures,
@@ -74,7 +74,7 @@ fn scan_of(
     Ok(chosen.into_iter().map(|i| choices.sample(i)).collect())
 }
 
-/// The paper's ascent on `mesh` with the kernel of width `sigma` in all its dimensions.
+/// Runs the paper's ascent on `mesh` with the kernel of width `sigma` in all its dimensions.
 pub(super) fn ascend_as_asked(
     domain: &Domain,
     mesh: &mut Manifold,

@@ -1,4 +1,4 @@
-//! What counts in the kernel beside the position, as it is asked for, and as a domain has it.
+//! Kernel features besides the position: as they are requested, and as a domain has them.
 
 use crate::base::error::{Error, Result, Setting};
 use crate::geom::triangle::barycentric;
@@ -8,26 +8,26 @@ use crate::spectral::scan::Kernel;
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::lift::{Lift, MOST_SIGNALS, Signals};
 
-/// A property of the input that samples follow.
+/// Property of the input that samples follow.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Signal {
-    /// Its value at each vertex of the input.
+    /// Value at each vertex of the input.
     pub values: Values,
-    /// The width σc of the kernel along it, in its own units: samples come denser where it changes by more than this
+    /// Width σc of the kernel along the property, in its own units: samples are denser where it changes by more than this
     /// within a spacing.
     pub sigma: f64,
 }
 
 impl Signal {
-    /// The signal with an attribute looked up.
+    /// Returns the signal with its attribute looked up.
     ///
     /// # Errors
-    /// [`Error::Mesh`] for an attribute that is not there.
+    /// [`Error::Mesh`] for an attribute that does not exist.
     pub fn resolved(&self, attributes: &Attributes) -> Result<Signal> {
         Ok(Signal { values: self.values.resolved(attributes)?, sigma: self.sigma })
     }
 
-    /// The signal at some of the points.
+    /// Returns the signal at some of the points.
     pub(super) fn of(&self, points: &[u32]) -> Signal {
         Signal { values: self.values.of(points), sigma: self.sigma }
     }
@@ -37,7 +37,7 @@ impl Signal {
     }
 }
 
-/// Refuses widths that are not positive, values that are not finite, and more signals than there is room for.
+/// Refuses widths that are not positive, values that are not finite, and too many signals.
 pub(super) fn check_kernel(sigma_n: f64, signals: &[Signal]) -> Result<()> {
     let error = |option, cause, remedy: &str| Err(Error::Option { option, cause, remedy: remedy.into() });
     if sigma_n.is_nan() || sigma_n <= 0.0 {
@@ -62,32 +62,32 @@ pub(super) fn check_kernel(sigma_n: f64, signals: &[Signal]) -> Result<()> {
     Ok(())
 }
 
-/// Refuses a signal of another number of values than there are `vertices`.
+/// Refuses signals whose number of values differs from `vertices`.
 pub(super) fn check_signals(signals: &[Signal], vertices: usize) -> Result<()> {
     signals.iter().try_for_each(|signal| signal.values.check(Setting::Signals, vertices))
 }
 
-/// What counts in the kernel beside the position, over a domain or over bare points.
+/// Kernel features besides the position, over a domain or over bare points.
 pub(super) struct KernelFeatures<'a> {
     sigma_n: f64,
     domain: Option<&'a Domain>,
-    /// For each signal its value at each vertex of the domain, or at each point, in units of its σ.
+    /// For each signal, its value at each vertex of the domain, or at each point, in units of its σ.
     signals: Vec<Vec<f64>>,
 }
 
 impl<'a> KernelFeatures<'a> {
-    /// `signals` over a domain that was made of the mesh whose vertices have them.
+    /// Evaluates `signals` over a domain that was made from the mesh whose vertices have them.
     pub(super) fn over(domain: &'a Domain, sigma_n: f64, signals: &[Signal]) -> Self {
         let over_domain = |signal: &Signal| domain.values(&signal.in_sigmas());
         KernelFeatures { sigma_n, domain: Some(domain), signals: signals.iter().map(over_domain).collect() }
     }
 
-    /// `signals` at bare points. What is [`Sample::triangle`] elsewhere is the number of the point for them.
+    /// Evaluates `signals` at bare points. For these, [`Sample::triangle`] is the number of the point.
     pub(super) fn of_points(sigma_n: f64, signals: &[Signal]) -> Self {
         KernelFeatures { sigma_n, domain: None, signals: signals.iter().map(Signal::in_sigmas).collect() }
     }
 
-    /// The dimensions that the kernel needs: 3, 6, or 6 + [`MOST_SIGNALS`].
+    /// Number of dimensions of the kernel: 3, 6, or 6 + [`MOST_SIGNALS`].
     pub(super) fn dimensions(&self) -> usize {
         match (self.sigma_n.is_infinite(), self.signals.is_empty()) {
             (true, true) => 3,
@@ -96,7 +96,7 @@ impl<'a> KernelFeatures<'a> {
         }
     }
 
-    /// Whether anything counts.
+    /// Returns whether anything besides the position counts.
     pub(super) fn counts(&self) -> bool {
         self.dimensions() > 3
     }
@@ -113,7 +113,7 @@ impl<'a> KernelFeatures<'a> {
         work(Kernel { sigma, lift: Lift { normals: sigma / self.sigma_n, signals } })
     }
 
-    /// The vertices that `sample` is between, and their weights.
+    /// Returns the vertices around `sample` and their weights.
     fn place(&self, sample: &Sample) -> ([u32; 3], [f64; 3]) {
         let t = sample.triangle;
         match self.domain {

@@ -1,7 +1,8 @@
-//! Components of the input that a result has hardly anything of, because they are smaller than its edges.
+//! Components of the input that are nearly absent from a result because they are smaller than its edges.
 //!
 //! A component keeps its topology, so a small one becomes a tetrahedron or an octahedron and loses its shape. Only its area
-//! tells: an octahedron has half the area of the sphere around it, while a flat sheet of two triangles keeps all of its own.
+//! reveals this: an octahedron has half the area of its circumscribed sphere, whereas a flat sheet of two triangles keeps
+//! its full area.
 //!
 //! Cost: linear in the triangles of both meshes.
 
@@ -11,34 +12,34 @@ use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 
-/// A component has lost its shape if it has no more triangles than an octahedron, and less of its area than this share, which
-/// is that of an icosahedron in a sphere.
+/// A component has lost its shape if it has no more triangles than an octahedron and less than this share of its area, which
+/// is the share of an icosahedron in a sphere.
 const OCTAHEDRON: usize = 8;
 const LEAST_AREA: f64 = 0.75;
 
-/// What became of components that a result has no room for.
+/// Components for which a result has no room.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LostComponents {
-    /// Those that have no triangle in the result.
+    /// Number of components without a triangle in the result.
     pub gone: usize,
-    /// Those that have a few triangles and not their shape.
+    /// Number of components that have a few triangles but lost their shape.
     pub shrunk: usize,
-    /// Triangles of the input in the largest of both.
+    /// Number of input triangles in the largest of all these.
     pub triangles: usize,
     /// Its share of the area of the input.
     pub share: f64,
-    /// A point of it: x, y and z.
+    /// Position of a point of it: x, y and z.
     pub place: [f64; 3],
 }
 
-/// The components of an input.
+/// Components of an input.
 pub(super) struct Components {
-    /// For each triangle of the input the number of its component; [`NONE`] for one that repair has removed.
+    /// For each triangle of the input, the number of its component; [`NONE`] if repair removed the triangle.
     of_triangle: Vec<u32>,
     list: Vec<Component>,
 }
 
-/// A component of the input.
+/// Component of an input.
 #[derive(Clone, Default)]
 struct Component {
     triangles: usize,
@@ -46,7 +47,7 @@ struct Component {
     place: DVec3,
 }
 
-/// What is left of a component in a result.
+/// Remainder of a component in a result.
 #[derive(Clone, Default)]
 struct Left {
     triangles: usize,
@@ -60,7 +61,8 @@ impl Component {
 }
 
 impl Components {
-    /// Those of `input`, which was made `repaired`, for whose vertices `number` has the number of the component.
+    /// Collects the components of `input`, which became `repaired`; `number` holds the component of each vertex of the
+    /// latter.
     pub(super) fn new(input: &Mesh, repaired: &OrientedManifold, number: &[u32]) -> Components {
         let mut list = vec![Component::default(); number.iter().max().map_or(0, |&last| last as usize + 1)];
         let mut of_triangle = vec![NONE; input.triangles.len()];
@@ -77,7 +79,8 @@ impl Components {
         Components { of_triangle, list }
     }
 
-    /// Those that are lost in `result`, whose vertices and triangles have these origins; `None` if there are none.
+    /// Returns the components that are lost in `result`, whose vertices and triangles have these origins; `None` if there
+    /// are none.
     pub(super) fn lost(&self, result: &Mesh, origins: &Origins) -> Option<LostComponents> {
         let mut all_left = vec![Left::default(); self.list.len()];
         for (t, corners) in result.triangles.iter().enumerate() {

@@ -1,11 +1,12 @@
-//! Mends a result where it went wrong, in place: faces that cross and slivers are untangled, edges around those that are left
-//! become longer or shorter, and then small angles are untangled, and faces that cross as those of the input do, but are more. As many
-//! vertices as that gives or takes go elsewhere or come from there.
+//! Mends a result in place where it is faulty. First, intersecting faces and slivers are untangled, and edges around the
+//! remaining ones become longer or shorter. Then small angles are untangled, and inherited self-intersections if there are
+//! more of them than in the input. The number of vertices is restored elsewhere.
 //!
-//! Chance decides, at each place separately, whether samples at a thin wall are joined well. Drawing all of them again would lose
-//! the good places along with the bad ones; here each place changes by itself, only if that makes it better, and the rest stays.
+//! Whether samples at a thin wall are joined well is decided by chance, at each place separately. Drawing all of them again
+//! would lose the good places along with the bad ones. Here each place changes by itself, only if that improves it, and the
+//! rest stays.
 //!
-//! Cost: for each round that of the places, and a search for self-intersections.
+//! Cost: for each round, that of the faulty places and a search for self-intersections.
 
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
@@ -25,26 +26,27 @@ use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::sized::SizedSurface;
 use glam::DVec3;
 
-/// How many times as long edges become at places to mend, in turns: longer, so that they pass over folds that are finer than they
-/// are, which takes few vertices from elsewhere, and shorter, so that triangles follow a thin wall.
+/// Factors by which edges at faulty places are lengthened or shortened, in turn. Longer edges pass over folds that are finer
+/// than the edges, which takes few vertices from elsewhere; shorter ones let triangles follow a thin wall.
 const FACTORS: [f64; 4] = [2.0, 0.5, 4.0, 0.25];
 
-/// The most rounds through all of them.
+/// Maximum number of rounds through all factors.
 const MOST_ROUNDS: usize = 3;
 
-/// Rings of triangles around those to mend that change with them.
+/// Rings of triangles around faulty ones that change with them.
 const RINGS: usize = 6;
 
-/// Untangling for a sound result, and for the sake of angles, up to the modest goal, for which the surface may move less: ears would be
-/// cut off.
+/// Aims of untangling: a sound result, and angles that meet the modest goal. For the latter the surface may move less, or
+/// ears would be cut off.
 const SOUND: Aim = Aim { angles_below: SLIVER, most_crossing: usize::MAX, farthest: 1.0, most_at_fault: 0.1 };
 pub(super) const MODEST: Aim = Aim { angles_below: 30.0, farthest: 0.6, ..SOUND };
 
-/// Untangling up to the good goal comes after that: at once, three times as many angles stay below the modest one. The surface hardly
-/// moves for it: with as much leeway as above corners of CAD parts were cut off by 1 % of the diagonal.
+/// Aim of untangling for the good goal, after the modest one: done in one step, three times as many angles would stay below
+/// the modest goal. The surface may hardly move: with as much leeway as above, corners of CAD parts were cut off by 1 % of
+/// the diagonal.
 const GOOD: Aim = Aim { angles_below: 40.0, farthest: 0.1, ..MODEST };
 
-/// The best of `finished` and what it becomes by mending. `surface` keeps the lengths.
+/// Mends `finished` and returns the best result. `surface` keeps the changed lengths.
 pub(super) fn mended(
     prepared: &PreparedInput,
     surface: &mut SizedSurface,
@@ -55,7 +57,7 @@ pub(super) fn mended(
         return Ok(finished);
     }
     let mut best = sound(prepared, surface, finished, monitor)?;
-    // Where the distance has a limit, it counts more than angles.
+    // If the distance is limited, it takes precedence over angles.
     if prepared.limit().is_some() {
         return Ok(best);
     }
@@ -68,12 +70,12 @@ pub(super) fn mended(
     Ok(best)
 }
 
-/// How many triangles have angles that are too small.
+/// Number of triangles with an angle below that of `aim`.
 fn small_angles(result: &Finished, aim: Aim) -> usize {
     with_angles_below(&result.manifold, aim.angles_below).len()
 }
 
-/// The best of `finished` and what it becomes where faces cross and at slivers.
+/// Mends `finished` at intersecting faces, slivers and bridges, and returns the best result.
 fn sound(
     prepared: &PreparedInput,
     surface: &mut SizedSurface,
@@ -107,8 +109,8 @@ fn sound(
     Ok(best)
 }
 
-/// The better of `best` and what it becomes with more, fewer or other edges at its faults: by what makes it unsound, by all faces
-/// that cross, and by small angles.
+/// Untangles `best` at its faults and returns the better of both results: by what makes it unsound, then by all intersecting
+/// faces, then by small angles.
 fn untangled(
     prepared: &PreparedInput,
     surface: &SizedSurface,
@@ -117,7 +119,7 @@ fn untangled(
     monitor: &dyn Monitor,
 ) -> Result<Finished> {
     let Some(mut next) = with_other_edges(prepared, surface, &best, aim, monitor)? else { return Ok(best) };
-    // Places that changed at the same time may cross.
+    // Places that changed at the same time may intersect each other.
     if best.score == Score::SOUND && next.score != Score::SOUND {
         next = with_other_edges(prepared, surface, &next, SOUND, monitor)?.unwrap_or(next);
     }
@@ -125,7 +127,7 @@ fn untangled(
     Ok(if rank(&next) < rank(&best) { next } else { best })
 }
 
-/// `result` with more, fewer or other edges at its faults, and the number of vertices that it had; `None` if nothing helps.
+/// Untangles `result` at its faults and restores its number of vertices; `None` if nothing helps.
 fn with_other_edges(
     prepared: &PreparedInput,
     surface: &SizedSurface,
@@ -145,12 +147,12 @@ fn with_other_edges(
     Ok(Some(Finished { is_mended: true, ..next }))
 }
 
-/// The factors that did not help at a place, which is known by the triangles to mend there.
+/// Factors that did not help at a place, which is identified by its faulty triangles.
 #[derive(Default)]
 struct Tried(Vec<(f64, Vec<[DVec3; 3]>)>);
 
-/// `best` with edges `factor` times as long where it is unsound, if that is better; `None` if it is nowhere. Places where it did
-/// not help before are left alone.
+/// Makes edges `factor` times as long where `best` is unsound and that improves it; `None` if it improves nowhere. Skips
+/// places where the factor failed before.
 fn resized(
     prepared: &PreparedInput,
     surface: &mut SizedSurface,
@@ -204,7 +206,7 @@ fn resized(
     Ok(Some(Finished { is_mended: true, ..next }))
 }
 
-/// `place` with edges of the lengths that are wanted now, on the surface.
+/// Gives `place` edges of the current target lengths, on the surface.
 fn changed(
     surface: &SizedSurface,
     place: &Neighborhood,
@@ -214,14 +216,14 @@ fn changed(
     let SizedSurface { domain, scale, .. } = surface;
     let mut changed = place.clone();
     resize(domain, &mut changed.mesh, scale.spacing, monitor)?;
-    // What was relaxed lies on the surface, of which its triangles are on the inner side.
+    // Relaxed vertices lie on the surface, so the triangles between them lie on its inner side.
     fit_to_surface(domain, &mut changed.mesh, Vec::new(), scale.spacing, limit, monitor)?;
     resolve_self_intersections(domain, &mut changed.mesh, monitor)?;
     Ok(changed)
 }
 
-/// Whether what `place` was `changed` to has fewer faults among these `faces`: faces that cross where the surface does not, slivers
-/// and bridges; all faces that cross.
+/// Returns whether `changed` has fewer faults among `faces` than `place`: self-intersections that the surface does not have,
+/// slivers and bridges; then all self-intersections.
 fn has_fewer_faults(surface: &SizedSurface, changed: &Neighborhood, place: &Neighborhood, faces: &Faces) -> bool {
     let SizedSurface { domain, scale, .. } = surface;
     let inherited = domain.inherited();
@@ -249,7 +251,7 @@ mod tests {
     use crate::triangulate::{Boundary, triangulate};
     use glam::{DVec3, dvec3};
 
-    /// Two spheres beside each other.
+    /// Returns two spheres side by side.
     fn spheres() -> Mesh {
         let one = testing::sphere();
         let count = one.positions.len() as u32;
@@ -261,8 +263,8 @@ mod tests {
         }
     }
 
-    /// What a mesh of 10,000 vertices becomes by mending after one of them was moved to a neighbour, up to this share of the way: that
-    /// before, the place, and the mesh mended.
+    /// Returns a mesh of 10,000 vertices after one of them was moved to a neighbour by this share of the way, the original
+    /// place of the vertex, and the mended mesh.
     fn mended_after_moving(share: f64) -> (Finished, DVec3, Finished) {
         let input = spheres();
         let options = Options::default();

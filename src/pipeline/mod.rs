@@ -1,4 +1,4 @@
-//! The pipelines: the only places that know the order of the stages.
+//! Pipelines: the only modules that know the order of the stages.
 
 mod attempts;
 mod bandwidth;

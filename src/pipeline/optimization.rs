@@ -1,4 +1,4 @@
-//! Optimisation of a triangulation: coarse levels first, then all the vertices, good angles, and the fit to the surface.
+//! Optimises a triangulation: coarse levels first, then all vertices, angles, and the fit to the surface.
 
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
@@ -22,8 +22,8 @@ use crate::pipeline::scale::Scale;
 use crate::spectral::ascent::{AscentParameters, LONG_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA, ascend};
 use crate::surface::domain::Domain;
 
-/// Optimises the mesh of the samples, coarse to fine, at the wanted count, with good angles, and fitted to the surface: to
-/// within `limit`, in the pipeline's unit, if possible.
+/// Optimises the mesh of the samples: arranges vertices coarse to fine, restores the wanted count, improves angles, and fits
+/// the mesh to the surface, within `limit` (in the pipeline's unit) if possible.
 pub(super) fn optimize(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -38,8 +38,8 @@ pub(super) fn optimize(
     finish(domain, mesh, scale, all, limit, monitor)
 }
 
-/// [`optimize`] for the mesh of a part of the surface, that around the vertices of it that are `watched`. It is in good order but
-/// for its `disordered` vertices, which are ordered with those around them.
+/// Variant of [`optimize`] for the mesh of a part of the surface, the part around its `watched` vertices. The mesh is well
+/// arranged except at its `disordered` vertices, which are rearranged together with those around them.
 pub(super) fn optimize_ordered(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -57,7 +57,7 @@ pub(super) fn optimize_ordered(
     finish(domain, mesh, scale, watched, None, monitor)
 }
 
-/// Makes the angles of an ordered mesh good, and fits it to the surface.
+/// Improves the angles of a well-arranged mesh and fits it to the surface.
 fn finish(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -73,8 +73,9 @@ fn finish(
     reduce_max_error(domain, mesh, scale.spacing, &fitted, monitor)
 }
 
-/// Fits a mesh, or a part of it, with good angles to the surface and the vertices of that which are `watched`: to within
-/// `limit`, in the pipeline's unit, if possible. Before and after, vertices go where angles are small even so.
+/// Fits a mesh, or a part of one, with good angles to the surface and its `watched` vertices, within `limit` (in the
+/// pipeline's unit) if possible. Before and after the fit, vertices are exchanged between remaining small angles and other
+/// places.
 pub(super) fn fit_to_surface(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -84,20 +85,20 @@ pub(super) fn fit_to_surface(
     monitor: &dyn Monitor,
 ) -> Result<Fitted> {
     exchange_vertices(domain, mesh, Goal::GOOD, spacing, monitor)?;
-    // Where not all triangles can be good, the others need not be better than that takes.
+    // If some triangles cannot be good, the goal for all is the modest one.
     let goal = Goal::within_reach(mesh);
     if goal == Goal::MODEST {
         relax_within(domain, mesh, &tips(mesh), goal, spacing, monitor)?;
     }
     let fitted = fit(domain, mesh, watched, goal, spacing, limit, monitor)?;
-    // The fit may have spoilt triangles of vertices that it took back to the surface.
+    // The fit may have spoilt triangles of vertices that it moved back to the surface.
     improve_angles(domain, mesh, goal, spacing, monitor)?;
     exchange_vertices(domain, mesh, goal, spacing, monitor)?;
     Ok(fitted)
 }
 
-/// Brings the mesh to the wanted number of vertices with as few irregular ones as possible, coarse to fine. Where that goes past a
-/// part of the surface that cannot be mended, it is done once more with all vertices there.
+/// Brings the mesh to the wanted number of vertices with as few irregular ones as possible, coarse to fine. If the result
+/// misses a part of the surface and mending fails, the process is repeated once with all vertices there kept.
 fn order(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
     monitor.stage("ascend");
     arrange_narrow(domain, mesh, scale, monitor)?;
@@ -115,7 +116,7 @@ fn order(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Moni
     }
 }
 
-/// Orders a quarter of the vertices of the mesh and the `kept` ones, and splits edges up to the wanted number.
+/// Arranges a quarter of the vertices and the `kept` ones, then splits edges until the wanted number is reached.
 fn coarse_to_fine(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -131,7 +132,8 @@ fn coarse_to_fine(
     Ok(())
 }
 
-/// Orders the patches that are too narrow for a coarser mesh, and gives them the number of vertices that they need along curves.
+/// Arranges the patches that are too narrow for a coarser mesh, and gives them the number of vertices that they need along
+/// curves.
 fn arrange_narrow(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
     let Scale { wanted, spacing } = *scale;
     remove_encroaching_vertices(mesh);
@@ -139,7 +141,7 @@ fn arrange_narrow(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: 
     if narrow(domain, mesh, spacing).is_empty() {
         return Ok(());
     }
-    // What is missing comes before there is an order.
+    // Missing vertices are added before the rest is arranged.
     split_longest(domain, mesh, wanted);
     let patches = narrow(domain, mesh, spacing);
     let ascent = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: COARSE_SWEEPS / 2 };
@@ -150,10 +152,10 @@ fn arrange_narrow(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: 
     ascend(domain, mesh, &(&!&patches | &on_curves), ascent, monitor)
 }
 
-/// Reduces a mesh of that scale to a quarter of the vertices, in good order, and leaves all of them where a coarser mesh could not
-/// follow the surface, and those that are `settled`, which stay where they are. A mesh that is large enough is ordered by a coarser
-/// one first, which this function makes, too. The `kept` vertices are some of those it needs. The dense vertices, and the old
-/// number of each vertex.
+/// Reduces a mesh of the given scale to a quarter of its vertices, well arranged. Keeps all vertices where a coarser mesh
+/// could not follow the surface, and the `settled` ones, which do not move. If the mesh is large enough, it is first
+/// arranged by a still coarser one, which this function also makes. The `kept` vertices are some of those that the coarse
+/// mesh needs. Returns the dense vertices and the old number of each vertex.
 fn arrange_coarse(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -166,7 +168,7 @@ fn arrange_coarse(
     let (mut dense, mut old) = reduce(domain, mesh, scale.spacing, settled, kept, monitor)?;
     let mut sweeps = COARSE_SWEEPS;
     let count = mesh.connectivity.vertex_count();
-    // On a rough surface hardly any edge can collapse, and a still coarser mesh would be the same.
+    // On a rough surface hardly any edge can collapse, so a still coarser mesh would be the same.
     let is_coarser = count as f64 <= MOST_LEFT * before as f64;
     if is_coarser && count - dense.len() >= FEWEST_TO_COARSEN {
         let half = Scale { wanted: count, spacing: 2.0 * scale.spacing };
@@ -180,8 +182,8 @@ fn arrange_coarse(
     Ok((dense, old))
 }
 
-/// Orders the vertices that no coarser mesh can do without, but for the `settled` ones, and collapses the mesh to a quarter of
-/// the others. These dense vertices, and the old number of each vertex.
+/// Arranges the vertices that no coarser mesh can do without, except the `settled` ones, and collapses the mesh to a quarter
+/// of the others. Returns these dense vertices and the old number of each vertex.
 fn reduce(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -195,7 +197,8 @@ fn reduce(
     Ok(coarsen(domain, mesh, spacing, kept))
 }
 
-/// Spreads the coarse vertices of a mesh evenly by ascent, beside the `dense` ones, as many as lead to the wanted number.
+/// Spreads the coarse vertices of a mesh evenly by ascent, without moving the `dense` ones, and adjusts their number so that
+/// refinement gives the wanted count.
 fn spread(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -213,8 +216,8 @@ fn spread(
     Ok(())
 }
 
-/// Makes a mesh of that scale from a `coarser` one that it was reduced to, whose dense vertices and old numbers these are,
-/// without moving the `settled` vertices. The number that each vertex had before it was reduced.
+/// Refines a `coarser` mesh, given by its dense vertices and old numbers, back to the given scale without moving the
+/// `settled` vertices. Returns the number that each vertex had before the reduction.
 fn refine_from(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -229,15 +232,15 @@ fn refine_from(
     Ok(renumbered(&old, &split))
 }
 
-/// Removes defects that are beside each other from a coarse mesh of that spacing, and relaxes it, all but the `dense` vertices.
+/// Removes neighbouring defects from a coarse mesh of that spacing and relaxes all but the `dense` vertices.
 fn settle(domain: &Domain, mesh: &mut Manifold, dense: &VertexSet, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
     remove_near_defects(mesh, dense, spacing);
     relax(domain, mesh, dense, spacing, Flips::KeepValence, SETTLING_ROUNDS, monitor)?;
     relax(domain, mesh, dense, spacing, Flips::Delaunay, ROUNDS, monitor)
 }
 
-/// Splits the longest edges of a coarse mesh, up to the wanted number of vertices, and orders those around the `dense` vertices
-/// anew, without the ones that are `settled`. The old number of each vertex.
+/// Splits the longest edges of a coarse mesh until the wanted number of vertices is reached, and rearranges those around the
+/// `dense` vertices except the `settled` ones. Returns the old number of each vertex.
 fn refine(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -254,7 +257,7 @@ fn refine(
     Ok(old)
 }
 
-/// Orders the vertices `anew` and those around them by ascent, without the ones that are `settled`.
+/// Rearranges the vertices `anew` and those around them by ascent, except the `settled` ones.
 fn order_around(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -271,7 +274,7 @@ fn order_around(
     ascend(domain, mesh, &(&!&transition | settled), ascent, monitor)
 }
 
-/// Puts the parts of the mesh that the coarse one went past, or in which faces cross, back as they were in the `fine` one.
+/// Restores the parts of the `fine` mesh that the coarse one missed or where faces intersect.
 fn mend_refined(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -284,12 +287,12 @@ fn mend_refined(
     order_around(domain, mesh, grafted, &VertexSet::EMPTY, spacing, monitor)
 }
 
-/// The old number of each vertex after it was numbered anew twice.
+/// Returns the original number of each vertex after two renumberings.
 fn renumbered(first: &[u32], second: &[u32]) -> Vec<u32> {
     second.iter().map(|&v| first.get(v as usize).copied().unwrap_or(NONE)).collect()
 }
 
-/// Relaxes a refined mesh, at the wanted number of vertices, with as few irregular ones as possible.
+/// Relaxes a refined mesh at the wanted number of vertices, with as few irregular ones as possible.
 fn relax_to_count(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
     let Scale { wanted, spacing } = *scale;
     let locked = tips(mesh);
@@ -306,29 +309,30 @@ fn relax_to_count(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: 
     relax(domain, mesh, &locked, spacing, Flips::KeepValence, 2 * ROUNDS, monitor)
 }
 
-/// Untangling before anything moves: what is joined well then can be spread evenly. Where the surface has thin walls everywhere
-/// most faces come apart later without it.
+/// Untangling before vertices move, because only a well-connected mesh can be spread evenly. Without it, most faces of a
+/// surface with thin walls everywhere come apart later.
 const CROSSING: Aim = Aim { angles_below: 0.0, most_crossing: usize::MAX, farthest: 1.0, most_at_fault: 0.01 };
 
-/// From this many vertices on, dense ones aside, it pays to order a mesh by a coarser one first. Smooth models gain from 1,000
-/// on, but triangles of four spacings cross curves that are near each other.
+/// Number of vertices, without dense ones, from which a mesh is first arranged by a coarser one. Smooth models benefit from
+/// 1,000 vertices on, but triangles of four spacings intersect curves that are close together.
 const FEWEST_TO_COARSEN: usize = 2000;
 
-/// Most vertices, of those of a mesh, that a coarser one has: where hardly any edge can collapse there is none.
+/// Largest share of the vertices that a reduced mesh may have for a still coarser one to be made: above it, hardly any edge
+/// can collapse.
 const MOST_LEFT: f64 = 0.9;
 
-/// Sweeps of ascent in the places that no coarser mesh can follow, those over the coarsest mesh, in two halves, those over one
-/// that was ordered by a coarser one, which only makes its edges even, and those where dense and coarse vertices meet: with
-/// more there are fewer irregular vertices, though less and less so.
+/// Numbers of ascent sweeps: where no coarser mesh can follow the surface; over the coarsest mesh, in two halves; over a
+/// mesh arranged by a coarser one, which only evens out its edges; and where dense and coarse vertices meet. More sweeps
+/// leave fewer irregular vertices, with diminishing returns.
 const FINE_SWEEPS: usize = 11;
 const COARSE_SWEEPS: usize = 120;
 const ORDERED_SWEEPS: usize = 40;
 const TRANSITION_SWEEPS: usize = 30;
 
-/// Kernel width of the ascent over the coarse mesh, in its spacings: a little narrower than elsewhere ([`ASCENT_SIGMA`]).
+/// Kernel width of the ascent over the coarse mesh, in its spacings: slightly narrower than elsewhere ([`ASCENT_SIGMA`]).
 const COARSE_SIGMA: f64 = 0.9;
 
-/// Rounds of relaxation at each level: after three, vertices move by a hundredth of an edge. Those after defects have
-/// gone only give the rows room.
+/// Rounds of relaxation per level: after three, vertices move by a hundredth of an edge. The settling rounds, after defects
+/// are removed, only give the rows room.
 const ROUNDS: usize = 3;
 const SETTLING_ROUNDS: usize = 2;

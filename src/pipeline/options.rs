@@ -1,4 +1,4 @@
-//! What can be asked of remeshing, and what is refused at once.
+//! Options of remeshing, and validation of their values.
 
 use crate::base::error::{Error, Result, Setting};
 use crate::pipeline::cloud::{INTERPOLATING_SUPPORT, check_smooth, smoothing};
@@ -8,21 +8,21 @@ use crate::pipeline::selection::Selection;
 use crate::pipeline::values::Values;
 use crate::surface::features::Features;
 
-/// What edge lengths follow.
+/// Criterion that edge lengths follow.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Grading {
-    /// Nothing: they are even.
+    /// Even lengths.
     #[default]
     Even,
-    /// The shape: they are short where the surface bends or is thin, in proportion to the root of the radius with 1, less so
-    /// with less; from 0 to 1.
+    /// The shape: edges are short where the surface is curved or thin. From 0 to 1: with 1, in proportion to the square root
+    /// of the radius; with less, less so.
     Curvature(f64),
-    /// A field: the edge length wanted at each vertex of the input, in its units. With a density other than
-    /// [`Density::OfField`] all are scaled by one factor to meet that.
+    /// A field: the target edge length at each vertex of the input, in its units. With a density other than
+    /// [`Density::OfField`], all lengths are scaled by one factor to meet it.
     Field(Values),
-    /// A kernel that more than the position counts in: vertices gather where the other things change.
+    /// A kernel in which more than the position counts: vertices gather where the other features change.
     Kernel {
-        /// The width σn along unit normals (paper, section 3 and figure 10): with 0.5 to 1 vertices gather where the surface
+        /// Width σn along unit normals (paper, section 3 and figure 10): with 0.5 to 1, vertices gather where the surface
         /// bends. Infinite: normals do not count.
         sigma_n: f64,
         /// Properties of the input that count.
@@ -30,12 +30,12 @@ pub enum Grading {
     },
 }
 
-/// How far the result may be from the input.
+/// Maximum distance of the result from the input.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MaxError {
-    /// A length, in the units of the input.
+    /// Length, in the units of the input.
     Length(f64),
-    /// A share of the diagonal of the input's bounding box: 0.001 is a tenth of a per cent.
+    /// Share of the diagonal of the input's bounding box: 0.001 is a tenth of a per cent.
     OfDiagonal(f64),
 }
 
@@ -48,39 +48,39 @@ impl MaxError {
     }
 }
 
-/// What to make of a mesh.
+/// Options for remeshing a mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
-    /// How dense the result shall be. Default: 10,000 points.
+    /// Density of the result. Default: 10,000 points.
     pub density: Density,
     /// Seed of all random numbers: same seed, same input, same result. Default: 0.
     pub seed: u64,
-    /// Boundary vertices as near as this to each other, in the units of the input, become one, which closes cracks; with
-    /// zero only vertices at exactly the same place. Default: `None`, those too that rounding parted along a seam, by a
-    /// millionth of the diagonal of the bounding box at most.
+    /// Distance, in the units of the input, within which boundary vertices are welded, which closes cracks. With zero, only
+    /// vertices at exactly the same place are welded. Default: `None`, which also welds those that rounding separated along
+    /// a seam, by at most a millionth of the bounding-box diagonal.
     pub weld: Option<f64>,
     /// Which edges of the input are kept sharp. Default: decided from the input.
     pub features: Features,
-    /// What edge lengths follow. Default: nothing.
+    /// Criterion that edge lengths follow. Default: none.
     pub grading: Grading,
-    /// Noise is smoothed away first: vertices move to the implicit surface of all of them, on which each reaches as far as
-    /// so many mean distances of neighbouring ones. Default: `None`, they stay where they are, as with zero.
+    /// Support radius, in mean distances of neighbouring vertices, for smoothing noise away first: vertices move to the
+    /// implicit surface of all of them. Default: `None`, which leaves them where they are, as zero does.
     pub smooth: Option<f64>,
-    /// The input goes through points, as [`mesh_of_points`](crate::stages::pipeline::mesh_of_points) makes it: where its edges are longer than those of the
-    /// result, what lies between its vertices is their implicit surface, and not the flat triangles. So it is with `smooth`,
-    /// too. Default: false.
+    /// Whether the input interpolates points, as made by [`mesh_of_points`](crate::stages::pipeline::mesh_of_points): where
+    /// its edges are longer than those of the result, the surface between its vertices is their implicit surface, not the
+    /// flat triangles. The same holds with `smooth`. Default: false.
     pub of_points: bool,
-    /// The part that is remeshed; everything else stays as it is, and the density is that of the part: [`Density::Points`]
-    /// counts the vertices strictly inside of it, those on its interface with the rest not included. Default: `None`, all.
+    /// Part to be remeshed; everything else stays as it is, and the density is that of the part: [`Density::Points`] counts
+    /// the vertices strictly inside it, without those on its interface with the rest. Default: `None`, everything.
     pub part: Option<Selection>,
-    /// How far any point of the result may be from the repaired input, and any point of that from the result. Default:
-    /// `None`, as near as the vertices allow on average.
+    /// Maximum distance of any point of the result from the repaired input, and vice versa. Default: `None`, as close as the
+    /// vertices allow on average.
     pub max_error: Option<MaxError>,
-    /// Whether the triangles are optimised after sampling. Default: true. Without, the vertices are where the paper's
+    /// Whether the triangles are optimised after sampling. Default: true. Otherwise the vertices stay where the paper's
     /// gradient ascent leaves them: blue noise.
     pub optimize: bool,
-    /// Sweeps of gradient ascent over all samples if nothing is optimised. Default: 10, as in the paper (section 6.3);
-    /// more make the triangles a little better.
+    /// Sweeps of gradient ascent over all samples if nothing is optimised. Default: 10, as in the paper (section 6.3); more
+    /// make the triangles slightly better.
     pub sweeps: usize,
 }
 
@@ -103,7 +103,7 @@ impl Default for Options {
 }
 
 impl Options {
-    /// The default, with so many vertices.
+    /// Returns the default options with `n` vertices.
     pub fn points(n: usize) -> Options {
         Options { density: Density::Points(n), ..Options::default() }
     }
@@ -158,12 +158,12 @@ impl Options {
 }
 
 impl Options {
-    /// The support radius of the implicit surface that vertices move to, if they do.
+    /// Support radius of the implicit surface onto which vertices are moved, if any.
     pub(super) fn smoothing(&self) -> Option<f64> {
         smoothing(self.smooth)
     }
 
-    /// The support radius of the implicit surface that lies between the vertices, if one does.
+    /// Support radius of the implicit surface between the vertices, if there is one.
     pub(super) fn support(&self) -> Option<f64> {
         self.smoothing().or(self.of_points.then_some(INTERPOLATING_SUPPORT))
     }
@@ -184,7 +184,7 @@ impl Grading {
         }
     }
 
-    /// The same for some of the points that it has values at.
+    /// Returns the same grading for some of the points at which it has values.
     pub(crate) fn of(&self, points: &[u32]) -> Grading {
         match self {
             Grading::Field(lengths) => Grading::Field(lengths.of(points)),
@@ -195,7 +195,7 @@ impl Grading {
         }
     }
 
-    /// Refuses a field or a signal of another number of values than there are `vertices`.
+    /// Refuses a field or a signal whose number of values differs from `vertices`.
     pub(crate) fn check(&self, vertices: usize) -> Result<()> {
         match self {
             Grading::Even | Grading::Curvature(_) => Ok(()),
@@ -204,7 +204,7 @@ impl Grading {
         }
     }
 
-    /// The lengths of a field.
+    /// Returns the lengths of a field.
     pub(super) fn field(&self) -> Option<&[f64]> {
         match self {
             Grading::Field(lengths) => lengths.given(),

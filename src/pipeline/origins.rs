@@ -1,9 +1,9 @@
-//! Where on the input the vertices and triangles of a result lie.
+//! Origins of the vertices and triangles of a result on the input.
 //!
-//! Each vertex knows a triangle of the sampled surface near to it, from which a short walk finds the closest point; the
-//! provenance of the surface tells what that is of the input.
+//! Each vertex knows a nearby triangle of the sampled surface, from which a short walk finds the closest point; the
+//! provenance of the surface maps that point to the input.
 //!
-//! Cost: about a microsecond a vertex and a triangle, in parallel.
+//! Cost: about a microsecond per vertex and per triangle, in parallel.
 
 use crate::base::parallel;
 use crate::manifold::Manifold;
@@ -17,7 +17,7 @@ use crate::pipeline::sized::SizedSurface;
 use crate::pipeline::within::{Sewn, Within};
 use crate::surface::domain::Sample;
 
-/// The origins of the mesh `of_part` that `made` is, in the pipeline's unit, and of what was joined to it.
+/// Returns the origins of `of_part`, the mesh of `made` in the pipeline's unit, and of what was joined to it.
 pub(super) fn origins(
     prepared: &PreparedInput,
     surface: &SizedSurface,
@@ -38,7 +38,7 @@ pub(super) fn origins(
     let triangle = |t: usize| {
         let centre = of_part.centroid(t);
         let normal = of_part.area_vector(t);
-        // A corner that is on no curve knows the smooth patch.
+        // A corner that is not on a curve identifies the smooth patch.
         let mut corners = of_part.triangles[t].iter().map(|&v| old[v as usize]);
         match corners.find(|&v| made.connectivity.curve_at(v) == OnCurve::No) {
             Some(v) => {
@@ -57,7 +57,7 @@ pub(super) fn origins(
     }
 }
 
-/// The origins of the whole, whose kept vertices and triangles come first.
+/// Returns the origins of the whole, whose kept vertices and triangles come first.
 fn joined(within: &Within, sewn: &Sewn, of_part: Origins, input: &Mesh) -> Origins {
     let kept = sewn.mesh.positions.len() - sewn.new.len();
     let mut vertices = vec![PointOnTriangle { triangle: NONE, weights: [0.0; 3] }; kept];

@@ -1,5 +1,5 @@
-//! The outline of a large cloud: a few of its points, which say for all of it what its parts cannot know: on which side of
-//! the surface outside is, and how wide the kernel has to be for a number of samples.
+//! Outline of a large cloud: a few of its points that provide what its parts cannot know by themselves: which side of the
+//! surface is outside, and the kernel width for a number of samples.
 
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
@@ -14,10 +14,10 @@ use crate::spectral::scan::{Given, Kernel, scan_lifted};
 use crate::surface::lift::Lift;
 use glam::DVec3;
 
-/// Points of the outline that say on which side a normal is.
+/// Number of outline points that decide the side of a normal.
 const ASKED: usize = 8;
 
-/// Points for each sample when the outline itself is sampled.
+/// Points per sample when the outline itself is sampled.
 const CHOICES: usize = 5;
 
 /// Points of a cloud with unit normals on a common side.
@@ -26,19 +26,19 @@ pub struct Outline {
     near: Neighbors,
 }
 
-/// What some points of a cloud say of all of it.
+/// Global properties of a cloud, derived from some of its points.
 pub struct Survey {
-    /// They, with unit normals on a common side.
+    /// These points, with unit normals on a common side.
     pub outline: Points,
-    /// Whether the normals that all points have are on a common side as they are.
+    /// Whether the given normals are already on a common side.
     pub is_sided: bool,
-    /// Whether noise is larger than the distance of neighbours: no few of them are flat.
+    /// Whether the noise is larger than the distance of neighbours, so that small neighbourhoods are not flat.
     pub is_thick: bool,
-    /// About the width of the kernel for what is wanted.
+    /// Approximate width of the kernel for the wanted density.
     pub sigma: f64,
 }
 
-/// Looks at some points of a cloud, spread all over it.
+/// Examines some points of a cloud, spread all over it.
 ///
 /// # Errors
 /// Those of [`mesh_of_points`](crate::pipeline::mesh_of_points).
@@ -61,7 +61,7 @@ pub fn survey(
             let choices = bare_samples(&cloud.points);
             let given = Given { samples: &choices, domain: None };
             let kept = scan_lifted::<3>(&given, &[], Kernel { sigma, lift: Lift::NONE }, seed, monitor)?;
-            // On a surface the number of samples goes with the inverse square of the width.
+            // On a surface, the number of samples is inversely proportional to the square of the width.
             sigma * (kept.len() as f64 / wanted as f64).sqrt()
         }
     };
@@ -69,13 +69,13 @@ pub fn survey(
 }
 
 impl Outline {
-    /// The outline that a [`Survey`] has found.
+    /// Makes the outline that a [`Survey`] found.
     pub fn new(points: Points) -> Outline {
         let near = Neighbors::new(points.positions());
         Outline { points, near }
     }
 
-    /// Where its points are.
+    /// Positions of its points.
     pub fn positions(&self) -> &[DVec3] {
         self.points.positions()
     }
@@ -85,7 +85,7 @@ impl Outline {
         &self.points
     }
 
-    /// The normal of a point of the cloud, or its opposite: that on the common side.
+    /// Returns the normal of a point of the cloud or its opposite, whichever is on the common side.
     pub fn sided(&self, position: DVec3, normal: DVec3) -> DVec3 {
         let mut found = Vec::new();
         self.near.collect_nearest_within(position, ASKED, f64::INFINITY, &mut found);

@@ -1,10 +1,10 @@
-//! A piece of the mesh of a cloud: nodes in a part of it, triangulated, and optimised over the points around them.
+//! Piece of the mesh of a cloud: nodes in a part of it, triangulated, and optimised over the points around them.
 //!
-//! Which triangles there are between nodes depends only on those around them, so that pieces that are made by themselves fit
-//! together. Then each piece is optimised within its rim, which stays: what lies along rims is optimised as a piece of its own.
+//! The triangles between nodes depend only on the surrounding nodes, so separately made pieces fit together. Then each piece
+//! is optimised within its rim, which stays fixed; the strips along rims are optimised as separate pieces.
 //!
-//! Departures from remeshing a whole cloud: the order of the vertices comes from a base mesh
-//! ([`base_mesh`](crate::pipeline::base_mesh)), sharp edges are rounded like everything else, and a boundary is that of the nodes.
+//! Departures from remeshing a whole cloud: a base mesh ([`base_mesh`](crate::pipeline::base_mesh)) determines the
+//! arrangement of the vertices, sharp edges are rounded like everything else, and the boundary is that of the nodes.
 
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
@@ -38,32 +38,32 @@ use crate::triangulate::surroundings::Surroundings;
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Rounds in which edges between vertices of the rim are split: what is done about angles then may make others.
+/// Maximum number of rounds that split edges between rim vertices: improving the angles afterwards may create new ones.
 const MOST_ROUNDS: usize = 3;
 
-/// A part of a mesh that is to be made better.
+/// Part of a mesh that is to be improved.
 pub struct PartOfMesh<'a> {
-    /// The mesh.
+    /// The whole mesh.
     pub whole: &'a Mesh,
-    /// For each of its triangles whether it is of the part.
+    /// For each triangle of the mesh, whether it belongs to the part.
     pub selected: &'a [bool],
-    /// For each of its vertices whether those around it are in no order.
+    /// For each vertex of the mesh, whether the vertices around it are poorly arranged.
     pub disordered: Vec<bool>,
-    /// How many vertices less there shall be, or more if that is negative.
+    /// Number of vertices to remove, or to add if negative.
     pub spare: i64,
 }
 
-/// What takes the place of a part of a mesh: it fits where the part was.
+/// Replacement for a part of a mesh, with the same rim.
 #[derive(Debug, Clone, Default)]
 pub struct MadeAnew {
-    /// Its triangles.
+    /// The new triangles.
     pub mesh: Mesh,
-    /// For each of its vertices on the rim the vertex of the whole that it is; [`NONE`] for others.
+    /// For each vertex on the rim, its number in the whole mesh; [`NONE`] for others.
     pub source: Vec<u32>,
 }
 
-/// The triangles between `nodes`, counter-clockwise seen from where normals point. What is a few spacings from their border is the
-/// same whatever else there is.
+/// Triangulates `nodes`, counter-clockwise as seen from where normals point. Triangles more than a few spacings from the
+/// border do not depend on what lies beyond it.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
@@ -73,7 +73,7 @@ pub fn triangulate_nodes(nodes: &[TilePoint], monitor: &dyn Monitor) -> Result<V
     triangles_between(&positions, &normals, monitor)
 }
 
-/// A part of a mesh, optimised over the surface of `points`, which are those around it. `options` are those of the sampling.
+/// Optimises a part of a mesh over the surface of `points`, which are those around it. `options` are those of the sampling.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
@@ -119,7 +119,7 @@ pub fn optimize_piece(
     Ok(piece(mesh.to_mesh()))
 }
 
-/// The surface through `points`.
+/// Builds the surface through `points`.
 fn surface_of(
     points: Vec<TilePoint>,
     options: &TileOptions,
@@ -129,7 +129,8 @@ fn surface_of(
     let Part { samples, spacings, near, .. } = Part::new(points, options, outline);
     let positions: Vec<DVec3> = samples.iter().map(|s| s.position).collect();
     let normals: Vec<DVec3> = samples.iter().map(|s| s.normal).collect();
-    // The nodes lie on this surface. Without noise it hardly differs from the points, but no noise is not known for sure.
+    // The nodes lie on this surface. Without noise it hardly differs from the points, but the absence of noise is not
+    // certain.
     let (positions, normals) = Rimls::new(&positions, &normals, &near, &spacings, options.reach).smoothed();
     let triangles = triangles_between(&positions, &normals, monitor)?;
     let mut mesh = Mesh { positions, triangles };
@@ -145,13 +146,13 @@ fn triangles_between(positions: &[DVec3], normals: &[DVec3], monitor: &dyn Monit
     triangulate_part(surroundings, monitor)
 }
 
-/// The boundary of a part, which stays as it is.
+/// Boundary of a part, which stays fixed.
 struct Rim {
-    /// Its edges, by their ends.
+    /// Boundary edges, by their ends.
     edges: Vec<[u32; 2]>,
-    /// A vertex at each place of it: the part may touch itself.
+    /// One vertex at each position on the boundary: the part may touch itself.
     vertices: FxHashMap<[u64; 3], u32>,
-    /// The edges of the part between these vertices, the lower one first.
+    /// Edges of the part between these vertices, the lower vertex first.
     chords: FxHashSet<[u32; 2]>,
 }
 
@@ -167,18 +168,18 @@ impl Rim {
         rim
     }
 
-    /// The vertex of the part that is on the rim at `p`.
+    /// Returns the vertex of the part that is on the rim at `p`.
     fn vertex_at(&self, p: DVec3) -> Option<u32> {
         self.vertices.get(&place(p)).copied()
     }
 
-    /// The vertices of the rim at these places, the lower one first, if both are on it.
+    /// Returns the rim vertices at these positions, the lower one first, if both are on the rim.
     fn chord(&self, ends: [DVec3; 2]) -> Option<[u32; 2]> {
         let [a, b] = ends.map(|p| self.vertex_at(p));
         Some(lower_first([a?, b?]))
     }
 
-    /// The part as a manifold over the domain.
+    /// Lays the part on the domain as a manifold.
     fn laid_on(&self, domain: &Domain, part: &Mesh) -> Manifold {
         let facing = part.positions.iter().zip(vertex_normals(part));
         let mut samples: Vec<Sample> = facing.map(|(&p, normal)| domain.project_facing(p, normal)).collect();
@@ -190,7 +191,7 @@ impl Rim {
         mesh
     }
 
-    /// Splits the edges between vertices of the rim that the part did not have: what is beyond the rim may have them, too.
+    /// Splits edges between rim vertices that the part did not have: the mesh beyond the rim may also have them.
     fn part_chords(&self, domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: &dyn Monitor) -> Result<()> {
         for _ in 0..MOST_ROUNDS {
             let new = self.new_chords(mesh);
@@ -206,7 +207,7 @@ impl Rim {
         Ok(())
     }
 
-    /// A half-edge of each edge between vertices of the rim that the part did not have.
+    /// Returns a half-edge of each edge between rim vertices that the part did not have.
     fn new_chords(&self, mesh: &Manifold) -> Vec<u32> {
         let c = &mesh.connectivity;
         let chord = |h: u32| self.chord([c.origin(h), c.target(h)].map(|v| mesh.position(v)));
@@ -214,12 +215,12 @@ impl Rim {
     }
 }
 
-/// What tells a place from all others.
+/// Returns a key that identifies a position exactly.
 fn place(p: DVec3) -> [u64; 3] {
     p.to_array().map(f64::to_bits)
 }
 
-/// The vertices of the domain that are nearest to the `selected` triangles of `whole`.
+/// Returns the vertices of the domain whose closest triangle of `whole` is `selected`.
 fn nearest_to(domain: &Domain, whole: &Mesh, selected: &[bool]) -> Vec<u32> {
     let bvh = Bvh::new(whole);
     let is_near = |p: DVec3| bvh.closest(whole, p).is_some_and(|hit| selected[hit.triangle as usize]);
@@ -234,7 +235,8 @@ mod tests {
 
     #[test]
     fn an_edge_across_a_corner_of_the_rim_is_split() {
-        // A quadrilateral with a vertex inside, joined with all of its corners; then two of these with each other.
+        // A quadrilateral with an inner vertex connected to all of its corners; then two of the corners are connected to
+        // each other.
         let corners = [[0.0, 0.0], [1.0, -0.6], [2.0, 0.0], [1.0, 2.0], [1.0, 0.6]];
         let positions = corners.map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec();
         let part = Mesh { positions, triangles: vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]] };

@@ -1,7 +1,7 @@
-//! Pinholes: holes that are so small beside the edges that no triangles at them have angles to compute with. Repair leaves them where it
-//! takes knots of tiny faces apart. They are closed.
+//! Closes pinholes: holes so small compared with the edges that triangles at them would have no computable angles. Repair
+//! leaves them where it takes apart knots of tiny faces.
 //!
-//! Cost: linear in the triangles where there is a boundary.
+//! Cost: linear in the triangles if there is a boundary.
 
 use crate::mesh::half_edge::next;
 use crate::mesh::oriented_manifold::OrientedManifold;
@@ -11,19 +11,19 @@ use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 use rustc_hash::FxHashSet;
 
-/// Length below which the rim of a hole is that of a pinhole, in spacings: samples on it would be a twentieth apart.
+/// Rim length below which a hole is a pinhole, in spacings: samples on it would be a twentieth apart.
 const RIM: f64 = 0.15;
 
-/// The pinholes that were closed.
+/// Pinholes that were closed.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Pinholes {
-    /// How many.
+    /// Number of pinholes.
     pub count: usize,
-    /// A point of the one with the longest rim, in the units of the mesh.
+    /// Point of the one with the longest rim, in the units of the mesh.
     pub place: DVec3,
 }
 
-/// Closes the pinholes of `surface`, where edges are to be `spacing` long.
+/// Closes the pinholes of `surface`, for edges of length `spacing`.
 pub(super) fn close_pinholes(surface: &mut OrientedManifold, spacing: f64) -> Pinholes {
     let mut rims = short_rims(surface, RIM * spacing);
     if rims.is_empty() {
@@ -44,15 +44,15 @@ pub(super) fn close_pinholes(surface: &mut OrientedManifold, spacing: f64) -> Pi
     closed
 }
 
-/// The rim of a hole: sides each of which begins where the one before ends.
+/// Rim of a hole: each side begins where the previous one ends.
 struct Rim {
     sides: Vec<u32>,
     length: f64,
 }
 
 impl Rim {
-    /// Triangles that close the hole, around the first vertex of its rim that no edge, of these, joins to another one but its
-    /// neighbours; `None` if there is none.
+    /// Returns triangles that close the hole, as a fan around the first rim vertex that none of these `edges` connects to
+    /// another rim vertex except its neighbours; `None` if there is none.
     fn filling(&self, mesh: &Mesh, edges: &FxHashSet<[u32; 2]>) -> Option<Vec<[u32; 3]>> {
         let vertices: Vec<u32> = self.sides.iter().map(|&side| mesh.origin(side)).collect();
         let count = vertices.len();
@@ -63,7 +63,7 @@ impl Rim {
     }
 }
 
-/// The rims that are shorter than `most`.
+/// Returns the rims that are shorter than `most`.
 fn short_rims(mesh: &Mesh, most: f64) -> Vec<Rim> {
     let twin = twins(&mesh.triangles);
     let mut is_seen = vec![false; twin.len()];
@@ -88,7 +88,7 @@ fn short_rims(mesh: &Mesh, most: f64) -> Vec<Rim> {
     rims
 }
 
-/// Removes rims around a whole component: those whose component has less area than a square on the rim.
+/// Removes rims around whole components: those whose component has less area than a square with a side as long as the rim.
 fn without_outlines(mesh: &Mesh, rims: &mut Vec<Rim>) {
     let component = components(mesh.positions.len(), &mesh.triangles);
     let mut areas = vec![0.0; component.iter().max().map_or(0, |&last| last as usize + 1)];
@@ -98,7 +98,7 @@ fn without_outlines(mesh: &Mesh, rims: &mut Vec<Rim>) {
     rims.retain(|rim| areas[component[mesh.origin(rim.sides[0]) as usize] as usize] > rim.length * rim.length);
 }
 
-/// The edges of `mesh` both of whose ends are origins of `sides`.
+/// Returns the edges of `mesh` whose ends are both origins of `sides`.
 fn edges_between<'a>(mesh: &Mesh, sides: impl Iterator<Item = &'a u32>) -> FxHashSet<[u32; 2]> {
     let mut is_on_rim = vec![false; mesh.positions.len()];
     sides.for_each(|&side| is_on_rim[mesh.origin(side) as usize] = true);
@@ -115,7 +115,7 @@ mod tests {
 
     const SPACING: f64 = 0.1;
 
-    /// A sphere with a hole whose rim has that length, of three sides or more.
+    /// Returns a sphere with a hole whose rim has the given length and `sides` sides, at least three.
     fn with_hole(length: f64, sides: usize) -> Mesh {
         let mut mesh = sphere();
         let [a, b, c] = mesh.triangles.pop().unwrap();
@@ -158,7 +158,7 @@ mod tests {
             assert_eq!((found.euler, found.boundary_loops), (2, 0));
             let last = mesh.triangles.len() as u32 - 1;
             assert!(mesh.segment(3 * last).into_iter().all(|p| p.distance(pinholes.place) < 0.1 * SPACING));
-            // What was added came from a triangle at the hole.
+            // The added triangles come from a triangle at the hole.
             let source = mesh.provenance().triangle(last) as usize;
             assert!(mesh.corners(source).into_iter().any(|p| p.distance(pinholes.place) < 0.1 * SPACING));
         }
@@ -178,7 +178,7 @@ mod tests {
 
     #[test]
     fn no_edge_is_made_twice() {
-        // A triangle that stands into the hole has an edge from one corner of what is left of it to another.
+        // A triangle that protrudes into the hole has an edge between two corners of the remaining hole.
         let mesh = with_hole(0.1 * SPACING, 3);
         let last = mesh.positions.len() as u32;
         let [a, b, c] = [3, 2, 1].map(|k| mesh.positions[(last - k) as usize]);

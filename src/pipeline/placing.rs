@@ -1,4 +1,4 @@
-//! Where the vertices of a piece begin: at the nodes of a base mesh, and at samples where that is too coarse for the surface.
+//! Initial vertices of a piece: the nodes of a base mesh, and samples where the base mesh is too coarse for the surface.
 
 use crate::base::parallel;
 use crate::mesh::topology::NONE;
@@ -11,25 +11,25 @@ use crate::surface::domain::Sample;
 use crate::surface::implicit::Rimls;
 use glam::DVec3;
 
-/// How far the surface may be from a node, in spacings of the wanted mesh.
+/// Maximum distance of the surface from a node, in spacings of the target mesh.
 const FAR: f64 = 2.0;
 
-/// Points that a node asks for the surface near it, and how often.
+/// Number of points by which a node finds the surface nearby, and number of rounds.
 const ASKED: usize = 12;
 const ROUNDS: usize = 3;
 
-/// Cosine of the angle between the normals of a node and of the surface, above which they are of the same side.
+/// Cosine of the angle between the normals of a node and of the surface above which both are on the same side.
 const FACING: f64 = 0.3;
 
 /// Distance between nodes, in spacings, below which one of them is left out: the base mesh is folded there.
 const NEAR: f64 = 0.5;
 
-/// Distance, in spacings, of a sample from all nodes above which it stays: in even triangles no place is farther than 0.58 from the
-/// nearest corner.
+/// Distance, in spacings, from all nodes above which a sample stays: in even triangles no point is farther than 0.58 from
+/// the nearest corner.
 const UNCOVERED: f64 = 0.75;
 
-/// The vertices that the mesh of a part of a cloud begins with, all with unit normals: `nodes`, moved onto the surface of `points`,
-/// whose number is [`NONE`], and after them those of the `samples` that none is near.
+/// Returns the initial vertices for the mesh of a part of a cloud, all with unit normals: `nodes` moved onto the surface of
+/// `points`, numbered [`NONE`], followed by those of the `samples` that are not near any node.
 pub fn place_nodes(
     nodes: &[Node],
     points: Vec<TilePoint>,
@@ -63,7 +63,7 @@ pub fn place_nodes(
     kept.samples.iter().map(of_node).chain(uncovered).collect()
 }
 
-/// Samples, and which of them are near a place.
+/// Samples with a search for those near a position.
 struct Crowd {
     samples: Vec<Sample>,
     near: Neighbors,
@@ -76,7 +76,7 @@ impl Crowd {
         Crowd { samples, near, spacing }
     }
 
-    /// Whether one of the samples before that number is within so many spacings of a place, on the same side.
+    /// Returns whether a sample with a lower number is within so many spacings of a position, on the same side.
     fn has_before(&self, number: u32, p: DVec3, normal: DVec3, within: f64, found: &mut Vec<Neighbor>) -> bool {
         self.near.collect_within(p, within * self.spacing, found);
         let faces = |n: &Neighbor| self.samples[n.point as usize].normal.dot(normal) > FACING;
@@ -84,7 +84,8 @@ impl Crowd {
     }
 }
 
-/// Where the planes of the points around a node that face its way take it, if there are some within `far`.
+/// Returns where the tangent planes of nearby points with similar normals take a node, if there are such points within
+/// `far`.
 fn tangent_to(part: &Part, node: &Node, far: f64, found: &mut Vec<Neighbor>) -> Option<DVec3> {
     let mut position = node.position;
     for _ in 0..ROUNDS {
@@ -102,7 +103,7 @@ mod tests {
     use crate::mesh::points::Points;
     use crate::testing::grid;
 
-    /// Nodes of a lattice a hair above the plane from -1 to 1, where `is_there` holds, on a cloud of that plane.
+    /// Places nodes of a lattice slightly above the plane from -1 to 1, where `is_there` holds, on a cloud of that plane.
     fn placed(is_there: impl Fn(DVec3) -> bool, more: &[Node], samples: &[TilePoint]) -> Vec<TilePoint> {
         let plane = |n: u32, z: f64| grid(n, n, move |u, v| DVec3::new(2.0 * u - 1.0, 2.0 * v - 1.0, z)).positions;
         let points: Vec<TilePoint> = (0..)

@@ -1,4 +1,4 @@
-//! What a run goes by: the input, repaired the same way for every attempt, and what is asked of the result.
+//! Prepared input of a run: the input, repaired in the same way for every attempt, and the requirements on the result.
 
 use crate::base::error::{Error, Fault, Result};
 use crate::base::monitor::{Monitor, check};
@@ -16,42 +16,42 @@ use crate::prepare::stitch::{Cracks, Stitched, close_cracks, stitch};
 use crate::surface::features::Features;
 use glam::DVec3;
 
-/// What a run goes by, whatever the number of vertices.
+/// Data that all runs share, whatever the number of vertices.
 pub(super) struct PreparedInput<'a> {
     pub input: &'a Mesh,
     pub options: &'a Options,
     pub unit: Unit,
-    /// The edge lengths that are wanted, if the options have some.
+    /// Target edge lengths, if the options have some.
     pub field: Option<Field>,
-    /// How far the result may be from the input, in the units of that.
+    /// Maximum distance of the result from the input, in the units of the input.
     pub allowed: Option<f64>,
     pub repairs: Repairs,
-    /// What may be cracks in the repaired input, in the units of the input.
+    /// Possible cracks in the repaired input, in the units of the input.
     pub cracks: Option<Cracks>,
-    /// The topology of the input.
+    /// Topology of the input.
     pub of_input: Topology,
-    /// The topology after repairs.
+    /// Topology after repairs.
     pub of_repaired: Topology,
-    /// The components after repairs.
+    /// Components after repairs.
     pub components: Components,
-    /// The surface that the one which is sampled was made of, if that is coarser.
+    /// Finer surface from which the sampled one was made, if that was coarsened.
     pub fine: Option<Fine>,
 }
 
-/// A surface that is finer than the one which is sampled.
+/// Surface that is finer than the sampled one.
 pub(super) struct Fine {
-    /// The input, repaired and smoothed.
+    /// Input, repaired and smoothed.
     pub mesh: OrientedManifold,
     /// Its sharp edges, as far as the coarser surface has them.
     pub features: Features,
 }
 
 impl<'a> PreparedInput<'a> {
-    /// What a run goes by, and the input repaired and smoothed: in the pipeline's unit, or in that of the input if only a
-    /// part of it is remeshed, so that the rest stays as it is to the last bit.
+    /// Prepares the input, and returns it repaired and smoothed: in the pipeline's unit, or in that of the input if only a
+    /// part of it is remeshed, so that the rest stays unchanged to the last bit.
     ///
     /// # Errors
-    /// Those of [`super::remesh`] that the input and its fields can have.
+    /// Those of [`super::remesh`] that the input and its fields can cause.
     pub(super) fn new(
         input: &'a Mesh,
         options: &'a Options,
@@ -97,17 +97,17 @@ impl<'a> PreparedInput<'a> {
         Ok((prepared, repaired))
     }
 
-    /// Which edges of the surface that is sampled are kept sharp.
+    /// Sharp edges of the sampled surface that are kept.
     pub(super) fn features(&self) -> &Features {
         self.fine.as_ref().map_or(&self.options.features, |fine| &fine.features)
     }
 
-    /// How far the result may be from the repaired input, in the pipeline's unit, if that is bounded.
+    /// Maximum distance of the result from the repaired input, in the pipeline's unit, if it is bounded.
     pub(super) fn limit(&self) -> Option<f64> {
         self.allowed.map(|allowed| allowed / self.unit.size)
     }
 
-    /// The input, repaired and smoothed as [`PreparedInput::new`] does it.
+    /// Repairs and smooths the input again as [`PreparedInput::new`] does.
     pub(super) fn repaired_again(&self) -> OrientedManifold {
         let (Repaired { mesh: mut repaired, .. }, _) = repaired(self.input, self.options, &self.unit);
         if let Some(support) = self.options.smoothing() {
@@ -117,7 +117,8 @@ impl<'a> PreparedInput<'a> {
     }
 }
 
-/// The input made a manifold, in the unit that [`PreparedInput::new`] says; what that took, and what may be cracks in it.
+/// Makes the input a manifold, in the unit that [`PreparedInput::new`] specifies. Also returns the repairs and possible
+/// cracks.
 fn repaired(input: &Mesh, options: &Options, unit: &Unit) -> (Repaired, Option<Cracks>) {
     match options.part {
         Some(_) => made_manifold(input.clone(), options.weld),
@@ -128,8 +129,8 @@ fn repaired(input: &Mesh, options: &Options, unit: &Unit) -> (Repaired, Option<C
     }
 }
 
-/// The mesh made a manifold, what that took, and what may be cracks in it. Without a distance to weld within only what
-/// rounding opened is closed.
+/// Makes the mesh a manifold. Also returns the repairs and possible cracks. Without a weld distance, only seams that
+/// rounding opened are closed.
 fn made_manifold(mesh: Mesh, weld: Option<f64>) -> (Repaired, Option<Cracks>) {
     let Stitched { welded, cracks } = match weld {
         Some(tolerance) => Stitched { welded: close_cracks(&mesh, tolerance), cracks: None },
@@ -139,13 +140,13 @@ fn made_manifold(mesh: Mesh, weld: Option<f64>) -> (Repaired, Option<Cracks>) {
     (repair_welded(mesh.positions, welded), cracks)
 }
 
-/// Largest coordinate that can be worked with: squares of differences must stay finite.
+/// Largest permitted coordinate: squares of differences must stay finite.
 const LARGEST_COORDINATE: f64 = 1e150;
 
-/// Refuses a mesh without faces, coordinates that are not finite or too large, and corners that are not there.
+/// Refuses a mesh without faces, coordinates that are not finite or too large, and corners that do not exist.
 ///
 /// # Errors
-/// [`Error::Mesh`] with the first of them.
+/// [`Error::Mesh`] for the first of these.
 pub fn refuse_bad_numbers(mesh: &Mesh) -> Result<()> {
     let refuse = |fault, cause: String, remedy: &str| Err(Error::Mesh { fault, cause, remedy: remedy.into() });
     if mesh.triangles.is_empty() {
@@ -165,9 +166,9 @@ pub fn refuse_bad_numbers(mesh: &Mesh) -> Result<()> {
     Ok(())
 }
 
-/// Edges with more than two faces, in all and for each face, above which a mesh is no surface: one of sheets that meet has a
-/// twentieth for each face at most, the cells of a volume or all triangles between near points have half of one. It would
-/// fall apart into as many patches as it has faces.
+/// Number of edges with more than two faces, in total and per face, above which a mesh is not a surface. Where sheets meet
+/// there are at most a twentieth per face; the cells of a volume, or all triangles between near points, have half an edge
+/// per face. Such a mesh would fall apart into as many patches as it has faces.
 const MANY_CUT_EDGES: usize = 1000;
 const MOST_CUT_EDGES: f64 = 0.25;
 
@@ -187,7 +188,7 @@ fn refuse_no_surface(repairs: &Repairs, faces: usize) -> Result<()> {
 /// Refuses coordinates that are not finite or too large.
 ///
 /// # Errors
-/// [`Error::Mesh`] with the first of them.
+/// [`Error::Mesh`] for the first of these.
 pub fn refuse_bad_positions(positions: &[DVec3]) -> Result<()> {
     let bad = positions.iter().position(|p| !p.abs().cmplt(DVec3::splat(LARGEST_COORDINATE)).all());
     bad.map_or(Ok(()), |v| {
@@ -203,7 +204,7 @@ mod tests {
 
     #[test]
     fn what_is_repaired_again_is_the_same() {
-        // Every triangle by itself, and one of them twice.
+        // Every triangle separate, and one of them twice.
         let sphere = testing::sphere();
         let corners = |t: usize| sphere.corners(t);
         let positions: Vec<DVec3> = (0..sphere.triangles.len()).chain([0]).flat_map(corners).collect();

@@ -1,12 +1,11 @@
-//! Samples in progressive order: whatever part of them comes first is a good sampling, too (paper, section 6.4, from fine to
-//! coarse).
+//! Progressive order of samples: every first part of them is a good sampling, too (paper, section 6.4, from fine to coarse).
 //!
-//! The kernel gets wider step by step. What the scan would not keep with it goes, the sample that changes the spectrum least
-//! first; what goes last is the first in the order. So each sample stands where it is worth most.
+//! The kernel is widened step by step. Samples that the scan would not keep with the wider kernel are removed, those that
+//! change the spectrum least first; the order is the reverse of the removal. So each sample comes where it is worth most.
 //!
-//! Departures from the paper: it scans what is left in random order with a kernel much wider than before, which leaves the
-//! samples between two levels without an order. Samples that know nothing of each other, such as those of two components or
-//! of two sides of a plate, would both stay for ever; in the end they are ordered by their positions alone.
+//! Departures from the paper: the paper scans the remaining samples in random order with a much wider kernel, which leaves
+//! the samples between two levels unordered. Samples that do not influence each other, such as those of two components or of
+//! the two sides of a plate, would never be removed; in the end they are ordered by their positions alone.
 //!
 //! Cost: a few times that of measuring all samples once; the steps are a geometric series.
 
@@ -24,24 +23,24 @@ use crate::surface::submanifold::Submanifold;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// By how much the kernel gets wider in a step: half of the samples of a surface go.
+/// Factor by which the kernel is widened per step: it removes half of the samples of a surface.
 const WIDER: f64 = std::f64::consts::SQRT_2;
 
-/// How many times as many points the next finer level has: on a surface those of half the spacing.
+/// Factor between the numbers of points of successive levels: on a surface it halves the spacing.
 const POINTS_PER_LEVEL: usize = 4;
 
-/// The first samples of a progressive order, as a sampling of its own.
+/// First samples of a progressive order, as a sampling of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SampleLevel {
-    /// How many they are.
+    /// Number of samples.
     pub points: usize,
-    /// The mean distance of each to the nearest other one, in the units of the input.
+    /// Mean distance of each sample to its nearest neighbour, in the units of the input.
     pub spacing: f64,
-    /// The smallest of these distances.
+    /// Smallest of these distances.
     pub smallest_distance: f64,
 }
 
-/// The numbers of `samples` in progressive order. `sigma` is the width of the kernel that they are samples for.
+/// Returns the numbers of `samples` in progressive order. `sigma` is the kernel width of the samples.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
@@ -74,7 +73,7 @@ pub(super) fn progressive_order<S: Surface, const D: usize>(
     Ok(left.into_iter().chain(from_last.into_iter().rev()).collect())
 }
 
-/// Samples of which only the position counts, whatever sheet they are on.
+/// Samples of which only the position counts, regardless of the sheet.
 struct Places;
 
 impl Submanifold<3> for Places {
@@ -89,7 +88,7 @@ impl Submanifold<3> for Places {
     }
 }
 
-/// The levels, `wanted` at most, of points in progressive order, from coarse to fine.
+/// Returns at most `wanted` levels of points in progressive order, from coarse to fine.
 pub(super) fn sample_levels(positions: &[DVec3], wanted: usize) -> Vec<SampleLevel> {
     let finer =
         |&points: &usize| (points >= POINTS_PER_LEVEL * FEWEST_POINTS).then(|| points.div_ceil(POINTS_PER_LEVEL));

@@ -1,4 +1,4 @@
-//! From points to triangles all over their robust implicit surface: densely, and without a wanted number of vertices.
+//! Dense triangulation of the robust implicit surface of points, without a wanted number of vertices.
 
 use crate::base::error::{Error, Result, Setting};
 use crate::base::monitor::{Monitor, check};
@@ -13,44 +13,44 @@ use crate::prepare::outside::face_outwards;
 use crate::prepare::repair::repair;
 use crate::surface::implicit::Rimls;
 
-/// How to reconstruct.
+/// Options of reconstruction.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ReconstructOptions {
-    /// The length of the edges of cells, in the units of the input. Default: half the mean spacing of the points.
+    /// Edge length of the cells, in the units of the input. Default: half the mean spacing of the points.
     pub resolution: Option<f64>,
-    /// What to make of the points. Where nothing is smoothed they reach [`INTERPOLATING_SUPPORT`];
-    /// [`CloudOptions::fill_holes`] does not matter.
+    /// How to treat the points. Where nothing is smoothed, the support radius is [`INTERPOLATING_SUPPORT`];
+    /// [`CloudOptions::fill_holes`] has no effect.
     pub cloud: CloudOptions,
 }
 
-/// The edge length of a cell, in mean spacings of the points, if nothing else is asked for.
+/// Default edge length of a cell, in mean spacings of the points.
 const DEFAULT_RESOLUTION: f64 = 0.5;
 
-/// Vertices of the lattice that a run may have: those of 10 GB.
+/// Maximum number of lattice vertices: those of 10 GB.
 const MOST_VERTICES: usize = 20_000_000;
 
-/// Vertices of the lattice for a square of the edge length: measured.
+/// Number of lattice vertices per square of the edge length: measured.
 const VERTICES_PER_SQUARE: f64 = 4.0;
 
-/// A surface made of points.
+/// Surface reconstructed from points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reconstructed {
-    /// An oriented manifold, closed where the cloud is.
+    /// Oriented manifold, closed where the cloud is.
     pub mesh: Mesh,
-    /// Its topology.
+    /// Topology of the mesh.
     pub topology: Topology,
-    /// What became of the points.
+    /// Summary of how the points were used.
     pub cloud: CloudSummary,
-    /// The mean spacing of the points, in their units.
+    /// Mean spacing of the points, in their units.
     pub spacing: f64,
-    /// The length of the edges of cells that was used, in the units of the input.
+    /// Edge length of the cells that was used, in the units of the input.
     pub resolution: f64,
-    /// How far points reach, in their spacings.
+    /// Support radius of the points, in their spacings.
     pub reach: f64,
 }
 
 impl ReconstructOptions {
-    /// Refuses what no surface can be made with.
+    /// Refuses options with which no surface can be made.
     ///
     /// # Errors
     /// [`Error::Option`] for a resolution that is not positive, and those of [`CloudOptions::validate`].
@@ -60,20 +60,20 @@ impl ReconstructOptions {
     }
 }
 
-/// The vertices of `mesh` that triangles use, with its normals there.
+/// Returns the vertices of `mesh` that triangles use, with its normals there.
 pub fn points_of_mesh(mesh: &Mesh) -> Points {
     let normals = mesh.vertex_area_vectors();
     let vertices = mesh.positions.iter().copied().zip(normals).zip(mesh.used_vertices());
     Points::from_pairs(vertices.filter(|(_, is_used)| *is_used).map(|(vertex, _)| vertex))
 }
 
-/// The robust implicit surface of `points` (Öztireli, Guennebaud, Gross 2009) as triangles about as large as the cells
-/// that it is extracted with.
+/// Reconstructs the robust implicit surface of `points` (Öztireli, Guennebaud, Gross 2009) as triangles about as large as
+/// the cells from which it is extracted.
 ///
 /// # Errors
-/// [`Error::Mesh`] for points that no surface goes through: too few, all in one place or on a line;
-/// [`Error::Option`] for options out of range, and a resolution that takes more memory than can be meant;
-/// [`Error::Cancelled`] if the monitor asks for it.
+/// [`Error::Mesh`] for points that no surface goes through: too few, all in one place or on a line; [`Error::Option`] for
+/// options out of range, and for a resolution that would take an unreasonable amount of memory; [`Error::Cancelled`] if the
+/// monitor asks for it.
 pub fn reconstruct(points: &Points, options: &ReconstructOptions, monitor: &dyn Monitor) -> Result<Reconstructed> {
     options.validate()?;
     let prepared = prepared(points, &options.cloud, monitor)?;
@@ -93,7 +93,7 @@ pub fn reconstruct(points: &Points, options: &ReconstructOptions, monitor: &dyn 
     let lattice = lattice.ok_or_else(|| too_small(resolution, f64::INFINITY))?;
     let mesh = extract(&surface, &lattice, MOST_VERTICES, monitor)?;
     check(monitor)?;
-    // Where two parts of the boundary meet in a vertex, each gets its own.
+    // Where two parts of the boundary meet at a vertex, each gets its own vertex.
     let mut mesh = repair(&mesh).0.into_mesh();
     if mesh.triangles.is_empty() {
         return Err(no_surface(count));
@@ -105,7 +105,7 @@ pub fn reconstruct(points: &Points, options: &ReconstructOptions, monitor: &dyn 
     Ok(Reconstructed { mesh, topology, cloud: summary, spacing, resolution, reach })
 }
 
-/// Refuses cells of which more are needed than there is room for.
+/// Refuses cells so small that too many are needed.
 fn refuse_too_small(resolution: f64, area: f64) -> Result<()> {
     let vertices = VERTICES_PER_SQUARE * area / (resolution * resolution);
     if vertices > MOST_VERTICES as f64 { Err(too_small(resolution, vertices)) } else { Ok(()) }

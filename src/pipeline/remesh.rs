@@ -1,4 +1,4 @@
-//! The pipeline from mesh to mesh.
+//! Pipeline from mesh to mesh.
 
 use crate::base::error::Result;
 use crate::base::math;
@@ -33,19 +33,21 @@ use crate::surface::features::is_rough;
 use crate::surface::narrow_patches::LeftOut;
 use crate::triangulate::stitch::Torn;
 
-/// Errors below this fraction of the bound are not resolved further.
+/// Distances below this fraction of the allowed one are not resolved further.
 const OF_INTEREST: f64 = 0.25;
 
-/// How often vertices slide at most, each time without those where faces crossed after the last.
+/// Maximum number of slides, each without the vertices whose faces intersected after the previous one.
 const MOST_SLIDES: usize = 4;
 
-/// Remeshes `input`: as many vertices as wanted, evenly spread over its surface, and triangles of its topology.
+/// Remeshes `input`: returns the wanted number of vertices, evenly spread over its surface, and triangles of the same
+/// topology.
 ///
-/// An input that is not an oriented manifold is made one first; [`Remeshed::repairs`] says what that took.
+/// An input that is not an oriented manifold is repaired first; [`Remeshed::repairs`] says how.
 ///
-/// With [`Density::Auto`] the input is remeshed several times. The error falls about as one over the number of vertices,
-/// so the next number follows from the last error, between the largest one that did not do and the smallest one that
-/// did. The result is the latter, once both are within a tenth of each other.
+/// With [`Density::Auto`] the input is remeshed several times. The error is roughly inversely proportional to the number of
+/// vertices, so the next number follows from the last error, between the largest number that was insufficient and the
+/// smallest that sufficed. The search ends when both are within a tenth of each other, and returns the result for the
+/// latter.
 ///
 /// # Errors
 /// [`Error::Mesh`] for an input without triangles or without area, or with bad numbers; [`Error::Option`] for options
@@ -58,10 +60,10 @@ pub fn remesh(input: &Mesh, options: &Options, monitor: &dyn Monitor) -> Result<
     Remesher::new(input, options, monitor)?.remesh(options.density, true, monitor)
 }
 
-/// An input that is repaired once, to be remeshed for one density after the other.
+/// Input that is repaired once and remeshed at several densities.
 pub struct Remesher<'a> {
     prepared: PreparedInput<'a>,
-    /// None while it is remeshed, so that no copy takes memory beside it, and after the last density.
+    /// `None` while it is being remeshed, so that no copy takes memory beside it, and after the last density.
     repaired: Option<OrientedManifold>,
 }
 
@@ -76,8 +78,8 @@ impl<'a> Remesher<'a> {
         Ok(Remesher { prepared, repaired: Some(repaired) })
     }
 
-    /// What [`remesh`] makes of the input with this density. `is_last` says that no other follows, for which a copy of the
-    /// repaired input would have to be kept.
+    /// Remeshes the input at this density, like [`remesh`]. `is_last` says that no other density follows, which saves
+    /// keeping a copy of the repaired input.
     ///
     /// # Errors
     /// Those of [`remesh`].
@@ -97,23 +99,23 @@ impl<'a> Remesher<'a> {
         if !is_last {
             *kept = Some(repaired.clone());
         }
-        // Mostly one run does; another one repairs the input again.
+        // One run usually suffices; another one repairs the input again.
         let mut first = Some(repaired);
         let repaired = || first.take().unwrap_or_else(|| prepared.repaired_again());
         remesh_to(prepared, repaired, density, monitor)
     }
 }
 
-/// The tries that the search for as few vertices as needed takes at most, and the factor between two numbers at which it
-/// ends.
+/// Maximum number of tries of the search for the fewest vertices, and the ratio of the two bounds at which it ends.
 const MOST_TRIES: usize = 8;
 const NEAR_ENOUGH: f64 = 1.1;
 
-/// The most that the number of vertices changes from one try to the next: one place with a large error says little about others.
+/// Maximum factor between the numbers of vertices of successive tries: one place with a large error says little about the
+/// others.
 const LARGEST_CHANGE: f64 = 8.0;
 
-/// The verified result with the fewest vertices, of those that were tried; if none is, the last that keeps to the error
-/// asked for, or the last.
+/// Returns the verified result with the fewest vertices among those tried; if there is none, the last one within the allowed
+/// error, or else the last one.
 fn with_fewest_points(
     prepared: &PreparedInput,
     repaired: &OrientedManifold,
@@ -147,8 +149,8 @@ fn with_fewest_points(
     Ok(best.or(last).expect("at least one try was made"))
 }
 
-/// The result for one density: the first that is sound, or, if none is, the one with the best score. `repaired` gives the
-/// repaired input for each run.
+/// Remeshes at one density: returns the first sound result or, if there is none, the one with the best score. `repaired`
+/// returns the repaired input for each run.
 fn remesh_to(
     prepared: &PreparedInput,
     mut repaired: impl FnMut() -> OrientedManifold,
@@ -180,7 +182,7 @@ fn remesh_to(
             best = Some((made_of, finished));
         }
         let (made_of, best) = best.as_ref().expect("a result was made");
-        // Where the topology takes more vertices than are wanted, edges cannot be shorter anywhere.
+        // If the topology requires more vertices than are wanted, edges cannot become shorter anywhere.
         let has_room = best.manifold.connectivity.vertex_count() <= made_of.scale.wanted;
         if !has_room || !is_better || !attempts.after_run(best.score, best.mesh.triangles.len()) {
             break;
@@ -192,7 +194,7 @@ fn remesh_to(
     remeshed(prepared, &surface, finished, monitor)
 }
 
-/// A triangulation of samples of a surface, and the surface, which comes back without those sharp edges that could not be kept.
+/// Triangulates samples of a surface. Returns the surface, too, without the sharp edges that could not be kept.
 fn triangulated(
     mut surface: SizedSurface,
     attempts: &mut Attempts,
@@ -222,7 +224,7 @@ fn triangulated(
     }
 }
 
-/// The triangulation of an attempt, optimised, without the self-intersections that can be resolved.
+/// Optimises the triangulation of an attempt and resolves self-intersections where possible.
 fn arranged(
     prepared: &PreparedInput,
     surface: &SizedSurface,
@@ -237,7 +239,7 @@ fn arranged(
     Ok(Finished::new(prepared, surface, manifold, tessellated_patches, run))
 }
 
-/// Optimises the mesh, or, if that is not wanted, gives it the wanted count and leaves it where the paper's ascent does.
+/// Optimises the mesh or, if that is not wanted, gives it the wanted count and leaves it as the paper's ascent arranges it.
 fn arrange(prepared: &PreparedInput, surface: &SizedSurface, mesh: &mut Manifold, monitor: &dyn Monitor) -> Result<()> {
     let SizedSurface { domain, scale, sigma, .. } = surface;
     let Options { grading, sweeps, .. } = prepared.options;
@@ -253,8 +255,8 @@ fn arrange(prepared: &PreparedInput, surface: &SizedSurface, mesh: &mut Manifold
     ascend_as_asked(domain, mesh, &features, *sigma, *sweeps, monitor)
 }
 
-/// `finished` with vertices where mean quality is best, of the places that leave the surface as it is. Vertices stay where faces
-/// would cross then that do not now.
+/// Slides vertices of `finished` to the best mean quality among the positions that leave the surface unchanged. Vertices
+/// stay where faces would intersect that do not now.
 fn slid(
     prepared: &PreparedInput,
     surface: &SizedSurface,
@@ -283,7 +285,7 @@ fn slid(
     Ok(finished)
 }
 
-/// How far the result is from the surface, if that is asked for.
+/// Bounds the distance of the result from the surface, if requested.
 fn deviation(
     prepared: &PreparedInput,
     surface: &SizedSurface,
@@ -297,7 +299,7 @@ fn deviation(
     Some(Deviation { allowed, reached: unit.size * upper, place: unit.outwards_point(place).to_array() })
 }
 
-/// What is said of a result that was mended.
+/// Note on a result that was mended.
 const MENDED: &str = "vertices and edges were changed once more where faces crossed or angles were small";
 
 fn note_on_run(run: u64) -> String {
@@ -306,7 +308,7 @@ fn note_on_run(run: u64) -> String {
     )
 }
 
-/// The result and what there is to say about it.
+/// Assembles the result and its notes.
 fn remeshed(
     prepared: &PreparedInput,
     surface: &SizedSurface,
@@ -347,7 +349,7 @@ fn remeshed(
         unforced_theta_min: smallest_unforced_angle(&finished.manifold),
         left_out: if *blunted { LeftOut::default() } else { left_out.times(unit.size) },
         blunted: *blunted,
-        // Clouds are smoothed by themselves, or are not on purpose.
+        // Clouds are smoothed automatically, or deliberately not.
         is_rough: !prepared.options.of_points && is_rough(&domain.mesh, &domain.twin, scale.spacing),
         lost,
         deviation,

@@ -1,8 +1,8 @@
-//! Where a result gets longer or shorter edges than the one before.
+//! Places where a result gets longer or shorter edges than the previous one.
 //!
-//! Triangles intersect where sheets are nearer to each other than the edges are long, and where narrow patches were joined with
-//! others. Halving the edges mostly helps; the rest of the surface gets longer edges, so that the number of vertices stays. Where
-//! the surface has folds finer than that, edges that pass over them help.
+//! Triangles intersect where sheets are closer together than the edges are long, and where narrow patches were joined with
+//! others. Halving the edges usually helps; the rest of the surface gets longer edges, so that the number of vertices stays.
+//! Where the surface has finer folds, edges that pass over them help.
 
 use crate::base::parallel;
 use crate::spatial::kdtree::Neighbors;
@@ -10,30 +10,31 @@ use crate::surface::domain::Domain;
 use crate::surface::sizing::sizes_with_room;
 use glam::DVec3;
 
-/// How far around a place the surface is finer, in lengths of the edges there, and the share of the length that is left there
-/// after each attempt.
+/// Distance from a place within which the surface becomes finer, in edge lengths, and the factor of the edge length per
+/// attempt.
 const REACH: f64 = 1.0;
 pub(super) const FINER: f64 = 0.5;
 
-/// Places where the lengths of edges change, in the pipeline's unit.
+/// Places where the edge lengths change, in the pipeline's unit.
 #[derive(Default)]
 pub(super) struct Resizing {
-    /// Where attempts went wrong, those of each: edges become shorter.
+    /// Places where attempts failed, one set per attempt: edges become shorter there.
     unsound: Vec<Neighbors>,
 }
 
 impl Resizing {
-    /// Makes edges shorter at the places where an attempt went wrong.
+    /// Shortens edges at the places where an attempt failed.
     pub(super) fn shorten_at(&mut self, places: &[DVec3]) {
         self.unsound.push(Neighbors::new(places));
     }
 
-    /// Whether something went wrong near `p`.
+    /// Returns whether an attempt failed near `p`.
     pub(super) fn is_near(&self, p: DVec3, spacing: f64) -> bool {
         self.times(p, spacing) > 0
     }
 
-    /// The lengths of `domain`, relative to `spacing`, that are shorter where something went wrong; `None` if nothing did.
+    /// Returns the lengths of `domain`, relative to `spacing`, shortened where attempts failed; `None` if there are no such
+    /// places or there is no room.
     pub(super) fn shorter(&self, domain: &Domain, spacing: f64) -> Option<Vec<f64>> {
         if self.unsound.is_empty() {
             return None;
@@ -41,7 +42,7 @@ impl Resizing {
         shorter_by(domain, spacing, |p, length| self.share(p, length))
     }
 
-    /// The share of that length, the one wanted at `p`, which is left there; elsewhere lengths may be anything.
+    /// Returns the factor of the target length at `p`, which is `length`; infinite where the length is free.
     fn share(&self, p: DVec3, length: f64) -> f64 {
         match self.times(p, length) {
             0 => f64::INFINITY,
@@ -49,15 +50,15 @@ impl Resizing {
         }
     }
 
-    /// In how many attempts something went wrong near `p`, where edges are to have that length.
+    /// Returns the number of attempts that failed near `p`, where the target length is `length`.
     fn times(&self, p: DVec3, length: f64) -> usize {
         let is_near = |places: &&Neighbors| places.has_within(p, REACH * length);
         self.unsound.iter().filter(is_near).count()
     }
 }
 
-/// The lengths of `domain`, relative to `spacing`, that are `factor` times as long around `places`; `None` if there is no room for
-/// shorter ones.
+/// Returns the lengths of `domain`, relative to `spacing`, multiplied by `factor` around `places`; `None` if there is no
+/// room for shorter ones.
 pub(super) fn sizes_at(places: &[DVec3], factor: f64, domain: &Domain, spacing: f64) -> Option<Vec<f64>> {
     let places = Neighbors::new(places);
     if factor > 1.0 {
@@ -67,7 +68,7 @@ pub(super) fn sizes_at(places: &[DVec3], factor: f64, domain: &Domain, spacing: 
     shorter_by(domain, spacing, |p, length| if is_near(p, length) { factor } else { f64::INFINITY })
 }
 
-/// The lengths of `domain`, `factor` times as long within a length of `places`, and less and less so up to two.
+/// Returns the lengths of `domain`, multiplied by `factor` within one length of `places`, fading out up to two lengths.
 fn longer_at(places: &Neighbors, factor: f64, domain: &Domain, spacing: f64) -> Vec<f64> {
     let longer = |size: f64, p: DVec3| {
         let length = size * spacing;
@@ -79,8 +80,8 @@ fn longer_at(places: &Neighbors, factor: f64, domain: &Domain, spacing: f64) -> 
     domain.sizes().into_iter().zip(&domain.mesh.positions).map(|(size, &p)| longer(size, p)).collect()
 }
 
-/// The lengths of `domain` of which that `share` is left, for a place and the length wanted there; others make up for the number of
-/// vertices.
+/// Returns the lengths of `domain` shortened by `share`, a function of position and target length; lengths elsewhere
+/// compensate for the number of vertices.
 fn shorter_by(domain: &Domain, spacing: f64, share: impl Fn(DVec3, f64) -> f64 + Sync) -> Option<Vec<f64>> {
     let sizes = domain.sizes();
     let at_vertex = |v: usize| sizes[v] * share(domain.mesh.positions[v], sizes[v] * spacing);

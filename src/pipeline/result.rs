@@ -1,4 +1,4 @@
-//! What the pipeline gives back: the mesh, whether it is what was asked for, and what a user should know about it.
+//! Result of the pipeline: the mesh, whether it meets the requirements, and what a user should know about it.
 
 use crate::base::count::{counted, counts};
 use crate::manifold::small_angles::SLIVER;
@@ -16,93 +16,94 @@ use crate::surface::narrow_patches::LeftOut;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// A remeshed surface and what there is to say about it.
+/// Remeshed surface and information about it.
 #[derive(Debug, Clone)]
 pub struct Remeshed {
-    /// The result, in the coordinates of the input.
+    /// The resulting mesh, in the coordinates of the input.
     pub mesh: Mesh,
-    /// Where on the input its vertices and triangles lie.
+    /// Origins of its vertices and triangles on the input.
     pub origins: Origins,
-    /// The input as it came, before repairs.
+    /// Topology of the input, before repairs.
     pub input: Topology,
-    /// The input after repairs, without components of next to no area: what the result's topology is held against.
+    /// Topology of the input after repairs, without components of negligible area: the reference for the topology of the
+    /// result.
     pub repaired: Topology,
-    /// The result.
+    /// Topology of the result.
     pub output: Topology,
-    /// What was mended in the input.
+    /// Repairs of the input.
     pub repairs: Repairs,
     /// Kernel width used, in the units of the input.
     pub sigma_p: f64,
-    /// The distance that the wanted vertices have at hexagonal packing on the input's area, in the units of the input.
+    /// Distance of neighbours if the wanted vertices were packed hexagonally on the input's area, in the units of the input.
     pub spacing: f64,
-    /// The smallest and the largest of the distances wanted, both the spacing where nothing is graded.
+    /// Smallest and largest target distance; both equal the spacing if nothing is graded.
     pub spacing_range: [f64; 2],
-    /// Vertices wanted, as the density says.
+    /// Number of vertices that the density implies.
     pub wanted: usize,
-    /// Sharp edges that were kept, as curves between corners.
+    /// Number of sharp edges that were kept, counted as curves between corners.
     pub sharp_curves: usize,
-    /// Smooth patches whose samples did not settle even with parts of them tessellated from the input, and that were
-    /// tessellated as a whole.
+    /// Number of smooth patches that were tessellated from the input as a whole, because their samples did not settle even
+    /// with parts of them tessellated.
     pub tessellated_patches: usize,
-    /// Faces of the result that cross or touch another one where they are not joined, in increasing order.
+    /// Faces of the result that intersect or touch another one away from shared corners and edges, in increasing order.
     pub self_intersections: Vec<u32>,
-    /// Those of them that have no intersecting faces of the repaired input within their length, in increasing order.
+    /// Those of them without self-intersecting faces of the repaired input within their own length, in increasing order.
     pub new_self_intersections: Vec<u32>,
-    /// How many faces of the repaired input do; `None` where the result has none, since then nobody needs to know.
+    /// Number of self-intersecting faces of the repaired input; `None` if the result has none, since then it is not needed.
     pub self_intersections_of_input: Option<usize>,
-    /// Triangles that were made, with an angle below 1 degree that the input does not force, in increasing order.
+    /// New triangles with an angle below 1 degree that the input does not force, in increasing order.
     pub slivers: Vec<u32>,
-    /// Triangles that go where the input has no surface, in increasing order.
+    /// Triangles where the input has no surface, in increasing order.
     pub bridges: Vec<u32>,
-    /// The smallest angle of the triangles that were made, in degrees, but for those that the input forces, where
-    /// sharp edges and boundaries meet or a spike ends; `None` if all are such.
+    /// Smallest angle of the new triangles, in degrees, without those that the input forces where sharp edges and boundaries
+    /// meet or a spike ends; `None` if all are forced.
     pub unforced_theta_min: Option<f64>,
-    /// What was left out of the sharp edges, in the units of the input.
+    /// Sharp edges that were left out, in the units of the input.
     pub left_out: LeftOut,
-    /// Curves along sharp edges that were smoothed over because patches beside them did not fit together.
+    /// Number of curves along sharp edges that were smoothed over because the patches beside them did not fit together.
     pub smoothed_curves: usize,
-    /// The holes that were too small for the edges and closed, in the units of the input.
+    /// Holes that were closed because they were too small for the edges, in the units of the input.
     pub pinholes: Pinholes,
-    /// Whether there were more sharp edges than could be kept, so that none was.
+    /// Whether no sharp edge was kept because there were too many.
     pub blunted: bool,
-    /// Whether the input is rough where the result has far longer edges, as a scan with noise is.
+    /// Whether the input is rough at the scale of the result's much longer edges, as a noisy scan is.
     pub is_rough: bool,
-    /// The components of the input of which the result has next to nothing; `None` if there are none.
+    /// Components of the input that are nearly absent from the result; `None` if there are none.
     pub lost: Option<LostComponents>,
-    /// How far the result is from the repaired input; `None` if no bound was asked for.
+    /// Distance of the result from the repaired input; `None` if no bound was requested.
     pub deviation: Option<Deviation>,
-    /// Its sharp edges, those that were left out, and the lengths wanted.
+    /// Sharp edges of the result, those that were left out, and the target lengths.
     pub edges: Edges,
-    /// What of the input came through untouched, if only a part of it was remeshed: its vertices and triangles are the
+    /// Parts of the input that came through untouched, if only a part of it was remeshed: its vertices and triangles are the
     /// first ones of the result.
     pub kept: Option<Kept>,
-    /// Things a user should know, a sentence each.
+    /// Notes for the user, one sentence each.
     pub notes: Vec<String>,
 }
 
-/// How far a result is from what it was made of, and may be.
+/// Distance of a result from its input, and its allowed maximum.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Deviation {
-    /// How far it may be, in the units of the input.
+    /// Maximum allowed distance, in the units of the input.
     pub allowed: f64,
-    /// No point of the result is farther from the repaired input, and none of that or of a cloud from the result, but for
-    /// rounding: an upper bound, mostly within a tenth of the Hausdorff distance or a quarter of `allowed`, in the units of
-    /// the input.
+    /// Upper bound of the distance of any point of the result from the repaired input, and of any point of that or of a
+    /// cloud from the result, up to rounding. It is usually within a tenth of the Hausdorff distance or a quarter of
+    /// `allowed`. In the units of the input.
     pub reached: f64,
-    /// A point that is about as far: x, y and z.
+    /// Point at about this distance: x, y and z.
     pub place: [f64; 3],
 }
 
 impl Deviation {
-    /// Whether the result is as near as it has to be.
+    /// Returns whether the result is as close as required.
     pub fn is_allowed(&self) -> bool {
         self.reached <= self.allowed
     }
 }
 
 impl Remeshed {
-    /// Holds an error that was asked for against the points of a cloud, too, through which the input was laid: it may have left
-    /// some out.
+    /// Includes the points of the cloud in a requested deviation: the input, which was laid through them, may have left some
+    /// out.
     pub fn hold_against_points(&mut self, coverage: &Coverage) {
         let Some(before) = self.deviation.filter(|d| d.reached < coverage.largest) else { return };
         let deviation = Deviation { reached: coverage.largest, place: coverage.place, ..before };
@@ -113,33 +114,34 @@ impl Remeshed {
         }
     }
 
-    /// Whether the result is of the topology of the repaired input, without faces that cross each other where those of the
-    /// input do not.
+    /// Returns whether the result has the topology of the repaired input and no faces that intersect each other where those
+    /// of the input do not.
     pub fn is_sound(&self) -> bool {
         self.has_topology() && self.new_self_intersections.is_empty()
     }
 
-    /// Whether the result is an oriented manifold of the repaired input's Euler characteristic, components and
-    /// boundary loops.
+    /// Returns whether the result is an oriented manifold with the repaired input's Euler characteristic, number of
+    /// components and number of boundary loops.
     pub fn has_topology(&self) -> bool {
         has_kind(&self.output, &self.repaired)
     }
 }
 
-/// Whether a topology is that of an oriented manifold of the wanted Euler characteristic, components and boundary loops.
+/// Returns whether a topology is that of an oriented manifold with the wanted Euler characteristic, components and boundary
+/// loops.
 pub(super) fn has_kind(found: &Topology, wanted: &Topology) -> bool {
     let kind = |t: &Topology| (t.euler, t.components, t.boundary_loops);
     found.is_manifold() && found.is_oriented() && kind(found) == kind(wanted)
 }
 
-/// Says how many holes were closed, and where the largest is.
+/// Notes how many holes were closed, and where the largest is.
 fn note_on_pinholes(Pinholes { count, place }: &Pinholes) -> String {
     let holes = counted(*count, "hole is", "holes are");
     let place = near(*place);
     format!("{holes} too small for edges so long, and closed: the largest, {place}; more points keep more of them")
 }
 
-/// Says what was left out of the sharp edges.
+/// Notes which sharp edges were left out.
 fn note_on_left_out(LeftOut { patches, deviation }: &LeftOut) -> String {
     let patches = counted(
         *patches,
@@ -152,7 +154,7 @@ fn note_on_left_out(LeftOut { patches, deviation }: &LeftOut) -> String {
     )
 }
 
-/// What repair did to the input.
+/// Notes what repair did to the input.
 fn notes_on_repairs(r: &Repairs) -> impl Iterator<Item = String> {
     let dropped = r.degenerate_triangles + r.duplicate_triangles;
     let done = [
@@ -189,7 +191,7 @@ fn notes_on_repairs(r: &Repairs) -> impl Iterator<Item = String> {
     any.map(|(count, [one, many], done)| format!("{} {done}", counted(count, one, many)))
 }
 
-/// What a user should know about a result.
+/// Collects the notes on a result.
 pub(super) fn notes(result: &Remeshed, cracks: Option<Cracks>) -> Vec<String> {
     let mut notes: Vec<String> = notes_on_repairs(&result.repairs).collect();
     notes.extend(cracks.map(note_on_cracks));
@@ -230,7 +232,7 @@ pub(super) fn notes(result: &Remeshed, cracks: Option<Cracks>) -> Vec<String> {
 }
 
 impl LostComponents {
-    /// How many they are, and what and where the largest is.
+    /// Notes how many components were lost, and the size and position of the largest.
     pub fn note(&self) -> String {
         let &LostComponents { gone, shrunk, triangles, share, place } = self;
         let parts = [
@@ -251,9 +253,9 @@ impl LostComponents {
     }
 }
 
-/// Which boundaries may be cracks, and what closes them.
+/// Notes which boundaries may be cracks, and what would close them.
 fn note_on_cracks(Cracks { vertices, width }: Cracks) -> String {
-    // The rounded number must not be smaller.
+    // Rounding must not make the number smaller.
     let width = format!("{:.2e}", 1.01 * width);
     let vertices = counted(vertices, "boundary vertex lies", "boundary vertices lie");
     format!(
@@ -262,25 +264,25 @@ fn note_on_cracks(Cracks { vertices, width }: Cracks) -> String {
     )
 }
 
-/// How many slivers there are, and where the first one is.
+/// Notes how many slivers there are, and where the first one is.
 fn note_on_slivers(result: &Remeshed) -> Option<String> {
     let has = ["face has", "faces have"].map(|has| format!("{has} an angle below {SLIVER} degree"));
     note_on_faces(result, &result.slivers, &has, "more points there may avoid that")
 }
 
-/// How many bridges there are, and where the first one is.
+/// Notes how many bridges there are, and where the first one is.
 fn note_on_bridges(result: &Remeshed) -> Option<String> {
     let is = ["face is", "faces are"].map(|is| format!("{is} where the input has no surface"));
     note_on_faces(result, &result.bridges, &is, "a part of it is too thin for so few vertices; more points follow it")
 }
 
-/// How many `faces` there are, which is said of one and of many, where the first one is, and what helps.
+/// Notes how many `faces` there are, with a phrase for one and for many, where the first one is, and what helps.
 fn note_on_faces(result: &Remeshed, faces: &[u32], [one, many]: &[String; 2], remedy: &str) -> Option<String> {
     let place = near(result.mesh.corners(*faces.first()? as usize).into_iter().sum::<DVec3>() / 3.0);
     Some(format!("{}, the first {place}: {remedy}", counted(faces.len(), one, many)))
 }
 
-/// How many faces intersect others, where the first one is, and whether the input is to blame.
+/// Notes how many faces intersect others, where the first one is, and whether the input is to blame.
 fn notes_on_self_intersections(result: &Remeshed) -> Vec<String> {
     let place = |t: u32| near(result.mesh.corners(t as usize).into_iter().sum::<DVec3>() / 3.0);
     let intersect = |count: usize| counted(count, "face intersects others", "faces intersect others");
@@ -302,7 +304,7 @@ fn notes_on_self_intersections(result: &Remeshed) -> Vec<String> {
     of_new.into_iter().chain(inherited).collect()
 }
 
-/// By how much the error that was asked for is exceeded, and where.
+/// Notes by how much the requested error bound is exceeded, and where.
 fn note_on_deviation(deviation: &Deviation) -> String {
     let Deviation { allowed, reached, place } = deviation;
     let place = near(DVec3::from_array(*place));

@@ -1,10 +1,11 @@
-//! Rods: bodies that are thinner than edges are long, two ways. Samples at the wanted distance are too few to go around them.
+//! Detects rods: bodies that are thinner than edges are long in two directions. Samples at the target distance are too few
+//! to go around them.
 
 use crate::surface::domain::Domain;
 use glam::DVec3;
 
-/// How wide the body is at `p`, in lengths of `length`, if it is a rod along the unit vector `axis`: narrower than that both ways.
-/// `normal` is that of the surface at `p`.
+/// Returns the width of the body at `p`, in units of `length`, if it is a rod along the unit vector `axis`: narrower than
+/// `length` in both directions. `normal` is the surface normal at `p`.
 pub(super) fn width_along(domain: &Domain, p: DVec3, normal: DVec3, axis: DVec3, length: f64) -> Option<f64> {
     let thickness = domain.thickness_at(p, normal, length)?;
     let middle = p - 0.5 * thickness * normal;
@@ -13,7 +14,7 @@ pub(super) fn width_along(domain: &Domain, p: DVec3, normal: DVec3, axis: DVec3,
     (width < length).then_some(thickness.max(width) / length)
 }
 
-/// The same of a rod along any axis: of two at right angles, one is within 45 degrees of it.
+/// Returns the same for a rod along any axis: of two perpendicular axes, one is within 45 degrees of it.
 pub(super) fn width_at(domain: &Domain, p: DVec3, normal: DVec3, length: f64) -> Option<f64> {
     let axis = normal.any_orthonormal_vector();
     let widths = [axis, normal.cross(axis)].map(|axis| width_along(domain, p, normal, axis, length));

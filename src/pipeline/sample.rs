@@ -1,7 +1,7 @@
-//! Samples without triangles: blue noise on a surface by scan and ascent, or a subset of given points by the scan alone.
+//! Sampling without triangles: blue noise on a surface by scan and ascent, or a subset of given points by the scan alone.
 //!
-//! The width of the kernel, found by search, gives about the wanted count. Missing samples are added where s is largest, surplus
-//! ones removed where it is smallest.
+//! A search finds the kernel width that gives about the wanted count. Then missing samples are added where s is largest, and
+//! surplus ones removed where it is smallest.
 
 use crate::base::count::counted;
 use crate::base::error::{Error, Fault, Result, Setting};
@@ -40,29 +40,28 @@ use crate::surface::submanifold::Submanifold;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// How to sample.
+/// Options of sampling.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampleOptions {
-    /// How dense the samples shall be. An edge length
-    /// means as many samples as have it at hexagonal packing on the input's area; with [`Self::scan_only`] it means the
-    /// width of the kernel that would leave it. Default: 10,000 points.
+    /// Density of the samples. An edge length means the number of samples that have it at hexagonal packing on the input's
+    /// area; with [`Self::scan_only`] it means the kernel width that would result in it. Default: 10,000 points.
     pub density: SampleDensity,
-    /// The width σn of the kernel along unit normals: samples gather where the surface turns by more than this within a
-    /// spacing. Default: infinite, samples are even.
+    /// Kernel width σn along unit normals: samples gather where the surface turns by more than this within a spacing.
+    /// Default: infinite, samples are even.
     pub sigma_n: f64,
     /// Properties of the input that samples follow. Default: none.
     pub signals: Vec<Signal>,
     /// Whether the samples are a subset of the input's points, as the scan leaves them. Default: false.
     pub scan_only: bool,
-    /// In how many levels: samples then are in progressive order, such that any first part of them is a good sampling of
-    /// the whole, too, and each level has a quarter of those of the next one. Default: none, in no such order.
+    /// Number of levels. If given, samples are in progressive order, such that every first part of them is a good sampling
+    /// of the whole, too, and each level has a quarter of the samples of the next one. Default: none, no such order.
     pub levels: Option<usize>,
     /// Seed of all random numbers. Default: 0.
     pub seed: u64,
     /// Sweeps of gradient ascent. Default: 10, as in the paper (section 6.3).
     pub sweeps: usize,
-    /// What to make of a cloud: its normals, and how far its points reach on the implicit surface that samples move on:
-    /// [`INTERPOLATING_SUPPORT`] where nothing is smoothed. Holes do not matter.
+    /// How to treat a cloud: its normals, and the support radius of the implicit surface on which samples move, which is
+    /// [`INTERPOLATING_SUPPORT`] if nothing is smoothed. Options on holes have no effect.
     pub cloud: CloudOptions,
 }
 
@@ -101,34 +100,34 @@ impl SampleOptions {
     }
 }
 
-/// Samples and what there is to say about them.
+/// Samples and information about them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sampled {
-    /// The samples in the coordinates of the input, with unit normals if the input has some.
+    /// Samples in the coordinates of the input, with unit normals if the input has some.
     pub points: Points,
-    /// With [`SampleOptions::scan_only`] the number of each sample among the input's points.
+    /// With [`SampleOptions::scan_only`], the number of each sample among the input's points.
     pub indices: Option<Vec<u32>>,
-    /// Where on the triangles of the input they lie; empty if it has none, and with [`SampleOptions::scan_only`].
+    /// Positions on the triangles of the input; empty if it has none, and with [`SampleOptions::scan_only`].
     pub origins: Vec<PointOnTriangle>,
-    /// What the samples have beside positions and normals; empty until it is given ([`carrying`](Self::carrying)).
+    /// Attributes other than positions and normals; empty until they are set by [`carrying`](Self::carrying).
     pub carried: Attributes,
-    /// Points of the input, or candidates on its surface, that were looked at.
+    /// Number of points of the input, or of candidates on its surface, that were examined.
     pub candidates: usize,
     /// Kernel width used, in the units of the input.
     pub sigma_p: f64,
-    /// Samples wanted; `None` if the width of the kernel was to decide.
+    /// Wanted number of samples; `None` if the kernel width determined it.
     pub wanted: Option<usize>,
-    /// The levels, from coarse to fine: each is that many of the first samples. Empty if none were wanted.
+    /// Levels, from coarse to fine: each consists of that many of the first samples. Empty if none were requested.
     pub levels: Vec<SampleLevel>,
-    /// What became of the points of a cloud that were looked at as a surface; `None` for a mesh.
+    /// Summary of how the points of a cloud were used as a surface; `None` for a mesh.
     pub cloud: Option<CloudSummary>,
-    /// Things a user should know, a sentence each.
+    /// Notes for the user, one sentence each.
     pub notes: Vec<String>,
 }
 
 impl Sampled {
-    /// What the samples have beside positions and normals: if they are points of the input, their numbers in it, as `index`, and what
-    /// was carried over.
+    /// Returns the attributes of the samples other than positions and normals: their numbers in the input, as `index`, if
+    /// they are points of it, and the attributes that were carried over.
     pub fn attributes(&self) -> Attributes {
         let attribute = |indices: &Vec<u32>| Attribute {
             name: INDEX.into(),
@@ -140,7 +139,7 @@ impl Sampled {
         Attributes { vertex: self.indices.iter().map(attribute).chain(carried).collect(), ..Attributes::default() }
     }
 
-    /// The same samples without some attributes, which are told.
+    /// Removes some attributes, and notes which.
     #[must_use]
     pub fn without(mut self, lost: Vec<Lost>) -> Sampled {
         for Lost { name, cause } in lost {
@@ -150,7 +149,7 @@ impl Sampled {
         self
     }
 
-    /// The same samples, which have these attributes at the same places, but their own normals and numbers.
+    /// Adds attributes at the same positions, except normals and numbers, of which the samples have their own.
     #[must_use]
     pub fn carrying(self, mut attributes: Attributes) -> Sampled {
         [NORMAL, INDEX].iter().for_each(|name| attributes.remove(name));
@@ -158,16 +157,16 @@ impl Sampled {
     }
 }
 
-/// What the number of a sample among the input's points is called.
+/// Name of the attribute with the number of a sample among the input's points.
 const INDEX: &str = "index";
 
-/// Kernel width of the ascent for that of the scan.
+/// Ratio of the kernel width of the ascent to that of the scan.
 pub(super) const ASCENT_OF_SCAN: f64 = ASCENT_SIGMA / SIGMA_OF_SPACING;
 
-/// As many times more candidates where more than the position counts: samples gather there.
+/// Factor of the number of candidates if more than the position counts, because samples are then unevenly dense.
 const MORE_CANDIDATES: usize = 3;
 
-/// Samples the surface of `input`; with [`SampleOptions::scan_only`] its vertices.
+/// Samples the surface of `input` or, with [`SampleOptions::scan_only`], its vertices.
 ///
 /// # Errors
 /// [`Error::Mesh`] for an input without triangles or without area, or with bad numbers; [`Error::Option`] for options
@@ -188,7 +187,7 @@ pub fn sample(input: &Mesh, options: &SampleOptions, monitor: &dyn Monitor) -> R
     }
 }
 
-/// Samples of the surface `clean`, `input` repaired and in `unit`.
+/// Samples the surface `clean`, which is `input` repaired and in `unit`.
 fn sample_surface(
     input: &Mesh,
     mut clean: OrientedManifold,
@@ -215,7 +214,7 @@ fn sample_surface(
     Ok(Sampled { origins, ..task.sampled(points, None, candidates.len(), unit.size * sigma) })
 }
 
-/// A subset of the vertices of `input`, which are on the surface `clean`.
+/// Chooses a subset of the vertices of `input`, which lie on the surface `clean`.
 fn sample_vertices(
     input: &Mesh,
     clean: OrientedManifold,
@@ -233,8 +232,8 @@ fn sample_vertices(
     task.subset(&domain, &Given { samples: &vertices, domain: Some(&domain) }, &input.positions, Some(&numbers), unit)
 }
 
-/// Samples the implicit surface of the points `input`; with [`SampleOptions::scan_only`] the points themselves, which have
-/// to be no surface then if normals do not count.
+/// Samples the implicit surface of the points `input` or, with [`SampleOptions::scan_only`], the points themselves. These
+/// need not form a surface if normals do not count.
 ///
 /// # Errors
 /// [`Error::Mesh`] for an input without points, with bad numbers, or that no surface goes through; [`Error::Option`] for
@@ -274,7 +273,7 @@ pub fn sample_points(input: &Points, options: &SampleOptions, monitor: &dyn Moni
     Ok(Sampled { cloud: Some(cloud.summary), ..sampled })
 }
 
-/// A subset of points that are no surface.
+/// Chooses a subset of points that do not form a surface.
 fn sample_bare_points(input: &Points, unit: &Unit, options: &SampleOptions, monitor: &dyn Monitor) -> Result<Sampled> {
     let positions = input.positions().iter().map(|&p| unit.inwards_point(p)).collect();
     let bare = bare_samples(&Points::new(positions, input.normals().to_vec())?);
@@ -289,16 +288,16 @@ fn sample_bare_points(input: &Points, unit: &Unit, options: &SampleOptions, moni
     Ok(sampled)
 }
 
-/// Points to choose from for each sample wanted on a cloud. If the cloud has fewer there are more between its points, in a
-/// disk of this radius in spacings around each.
+/// Number of points to choose from per wanted sample on a cloud. If the cloud has fewer, more are placed between its points,
+/// in a disk of this radius, in spacings, around each point.
 const CHOICES_PER_POINT: usize = 4;
 const DISK: f64 = 0.6;
 
-/// With so many points for each sample wanted there is enough to choose from.
+/// Number of points per wanted sample that is enough to choose from.
 const FEWER_CHOICES: usize = 3;
 
-/// The points of a cloud as samples: as they are if there are many for each one `wanted`, since those that are chosen get onto
-/// the surface later; else on its surface, with more between them.
+/// Returns the candidates for `wanted` samples of a cloud: its points as they are if there are enough, since the chosen ones
+/// are projected onto the surface later; otherwise points on its surface, with more between them.
 fn choices_on(surface: &Rimls, cloud: &Prepared, wanted: usize, seed: u64) -> Vec<Sample> {
     let (positions, normals) = (cloud.points.positions(), cloud.points.normals());
     let each = (CHOICES_PER_POINT * wanted).div_ceil(positions.len()).max(1);
@@ -316,16 +315,16 @@ fn choices_on(surface: &Rimls, cloud: &Prepared, wanted: usize, seed: u64) -> Ve
     parallel::collect(&places[..], |block| block.iter().filter_map(|&place| surface.sample(place)))
 }
 
-/// The dimensions of a kernel with signals.
+/// Number of dimensions of a kernel with signals.
 pub(super) const MOST_DIMENSIONS: usize = 6 + MOST_SIGNALS;
 
-/// Candidates on `domain` for so many samples.
+/// Draws candidates on `domain` for `wanted` samples.
 fn candidates_for(domain: &Domain, features: &KernelFeatures, wanted: usize, seed: u64) -> Vec<Candidate> {
     let more = if features.counts() { MORE_CANDIDATES } else { 1 };
     candidates(domain, more * CANDIDATES_PER_POINT * wanted, seed)
 }
 
-/// The vertices of `input` that triangles use, as samples, and their numbers.
+/// Returns the vertices of `input` that triangles use, as samples, and their numbers.
 fn used_vertices(input: &Mesh, unit: &Unit, domain: &Domain) -> (Vec<Sample>, Vec<u32>) {
     let used = input.used_vertices();
     let numbers: Vec<u32> = (0..used.len() as u32).filter(|&v| used[v as usize]).collect();
@@ -336,7 +335,8 @@ fn used_vertices(input: &Mesh, unit: &Unit, domain: &Domain) -> (Vec<Sample>, Ve
     (parallel::map(&numbers[..], at), numbers)
 }
 
-/// The points as samples whose triangle is their number; without normals these are zero, which all are neighbours of.
+/// Returns the points as samples whose triangle is their number. Points without normals get a zero normal, for which all
+/// points count as neighbours.
 pub(super) fn bare_samples(input: &Points) -> Vec<Sample> {
     let sample = |(i, &position): (usize, &DVec3)| Sample {
         position,
@@ -347,16 +347,16 @@ pub(super) fn bare_samples(input: &Points) -> Vec<Sample> {
     input.positions().iter().enumerate().map(sample).collect()
 }
 
-/// Half the area of the bounding box: about that of a surface whose area is not known.
+/// Returns half the area of the bounding box: roughly that of a surface of unknown area.
 fn area_of_box(samples: &[Sample]) -> f64 {
     let size = Aabb::of(samples.iter().map(|s| s.position)).unwrap_or_default().size();
     size.x * size.y + size.y * size.z + size.z * size.x
 }
 
-/// Smallest area per sample that a search for the width begins with: points may be on a line, or all at one place.
+/// Smallest area per sample with which a search for the width begins: points may lie on a line or all at one place.
 const SMALLEST_AREA: f64 = 1e-12;
 
-/// The width to begin with for a subset of points of about `area`, and the samples wanted.
+/// Returns the initial width for a subset of points of about the given area, and the wanted number of samples.
 fn first_sigma(density: SampleDensity, area: f64, unit: &Unit) -> (f64, Option<usize>) {
     match density {
         SampleDensity::SigmaP(sigma) => ((sigma / unit.size).max(SMALLEST_SPACING), None),
@@ -365,7 +365,7 @@ fn first_sigma(density: SampleDensity, area: f64, unit: &Unit) -> (f64, Option<u
     }
 }
 
-/// What sampling needs to know, whatever is sampled.
+/// Sampling parameters that do not depend on what is sampled.
 struct Task<'a> {
     features: &'a KernelFeatures<'a>,
     first_sigma: f64,
@@ -375,8 +375,8 @@ struct Task<'a> {
 }
 
 impl Task<'_> {
-    /// The result for points of the input at `positions` that the scan keeps of `given`; these are points of the input by
-    /// `numbers`, if not all were given.
+    /// Returns the result for the points of the input at `positions` that the scan keeps of `given`; `numbers` maps these to
+    /// points of the input, if not all were given.
     fn subset<S: Surface>(
         &self,
         surface: &S,
@@ -395,7 +395,8 @@ impl Task<'_> {
         Ok(self.sampled(Points::from_pairs(pairs), Some(indices), given.samples.len(), unit.size * sigma))
     }
 
-    /// Those of `given` that the scan keeps: in progressive order if levels are wanted, else in their own.
+    /// Returns the points of `given` that the scan keeps: in progressive order if levels are requested, otherwise in their
+    /// original order.
     fn subset_of<S: Surface, const D: usize>(&self, surface: &S, given: &Given) -> Result<(f64, Vec<u32>)> {
         let (sigma, mut kept) = self.kept_of::<S, D>(surface, given)?;
         kept.sort_unstable();
@@ -404,7 +405,7 @@ impl Task<'_> {
         Ok((sigma, order.map_or(kept.clone(), |order| order.into_iter().map(|i| kept[i as usize]).collect())))
     }
 
-    /// The progressive order of `samples`, if levels are wanted.
+    /// Returns the progressive order of `samples`, if levels are requested.
     fn order<S: Surface, const D: usize>(
         &self,
         surface: &S,
@@ -415,7 +416,7 @@ impl Task<'_> {
         self.options.levels.map(|_| order()).transpose()
     }
 
-    /// The samples in progressive order if levels are wanted, else as they are.
+    /// Returns the samples in progressive order if levels are requested, otherwise unchanged.
     fn in_order<S: Surface, const D: usize>(
         &self,
         surface: &S,
@@ -426,7 +427,7 @@ impl Task<'_> {
         Ok(order.map_or(samples.clone(), |order| order.into_iter().map(|i| samples[i as usize]).collect()))
     }
 
-    /// The result for samples of which so many candidates were looked at; `sigma_p` is in the units of the input.
+    /// Assembles the result from the samples and the number of examined candidates; `sigma_p` is in the units of the input.
     fn sampled(&self, points: Points, indices: Option<Vec<u32>>, candidates: usize, sigma_p: f64) -> Sampled {
         let levels = self.options.levels.map_or(Vec::new(), |wanted| sample_levels(points.positions(), wanted));
         let mut notes = count_notes(points.positions().len(), candidates, self.wanted);
@@ -457,7 +458,7 @@ impl Task<'_> {
         Ok((sigma, kept))
     }
 
-    /// Samples of `domain` after ascent.
+    /// Samples `domain` by scan and ascent.
     fn on_surface<const D: usize>(&self, domain: &Domain, candidates: &[Candidate]) -> Result<(f64, Vec<Sample>)> {
         let choices = OnDomain { domain, candidates };
         let (sigma, samples) = self.search(candidates.len(), |kernel| {
@@ -475,7 +476,7 @@ impl Task<'_> {
         })
     }
 
-    /// Samples of the surface of a cloud after ascent.
+    /// Samples the surface of a cloud by scan and ascent.
     fn on_cloud(&self, cloud: &Prepared, unit: &Unit) -> Result<Sampled> {
         let reach = cloud.smooth.unwrap_or(INTERPOLATING_SUPPORT);
         let surface = Rimls::new(cloud.points.positions(), cloud.points.normals(), &cloud.near, &cloud.spacings, reach);
@@ -492,10 +493,10 @@ impl Task<'_> {
         Ok(self.sampled(points, None, choices.len(), unit.size * sigma))
     }
 
-    /// Those of `choices` that the scan keeps, after ascent on `surface`.
+    /// Returns those of `choices` that the scan keeps, after ascent on `surface`.
     fn ascended<const D: usize>(&self, surface: &Rimls, choices: &[Sample]) -> Result<(f64, Vec<Sample>)> {
         let (sigma, mut kept) = self.kept_of::<_, D>(surface, &Given { samples: choices, domain: None })?;
-        // In the order of the points, what is near in space is near in memory.
+        // In the order of the points, samples close in space are close in memory.
         kept.sort_unstable();
         let mut samples: Vec<Sample> = kept.into_iter().map(|i| choices[i as usize]).collect();
         self.features.with_kernel(sigma, |kernel| self.ascend::<_, D>(surface, kernel, &mut samples))?;
@@ -510,8 +511,8 @@ impl Task<'_> {
         ascend_freely::<_, D>(&Lifted { surface, lift: kernel.lift }, samples, ascent, self.monitor)
     }
 
-    /// The width of the kernel with which a scan of `most` candidates keeps about as many as are wanted, and what it
-    /// keeps; with the first width if nobody says how many.
+    /// Returns the kernel width with which a scan of `most` candidates keeps about the wanted number, and the points that it
+    /// keeps; if no number is wanted, uses the first width.
     fn search<T>(&self, most: usize, mut scan: impl FnMut(Kernel) -> Result<Vec<T>>) -> Result<(f64, Vec<T>)> {
         let mut scan = |sigma: f64| self.features.with_kernel(sigma, &mut scan);
         let Some(wanted) = self.wanted else { return Ok((self.first_sigma, scan(self.first_sigma)?)) };
@@ -519,10 +520,10 @@ impl Task<'_> {
     }
 }
 
-/// Candidates that come into question for each sample that is missing.
+/// Number of candidates considered for each missing sample.
 const SPARE_PER_MISSING: usize = 256;
 
-/// Exactly `wanted` samples: some go, or others of the candidates come.
+/// Returns exactly `wanted` samples by removing some or adding other candidates.
 fn exactly<S: Submanifold<D, Point = Sample>, const D: usize>(
     surface: &S,
     domain: &Domain,
@@ -540,10 +541,10 @@ fn exactly<S: Submanifold<D, Point = Sample>, const D: usize>(
     kept.into_iter().map(|i| samples[i as usize]).collect()
 }
 
-/// Samples that are but a handful.
+/// Number of samples up to which they are only a handful.
 const HANDFUL: usize = 12;
 
-/// What a user should know about `kept` of `candidates`.
+/// Returns the notes on the number of samples `kept` out of `candidates`.
 pub fn count_notes(kept: usize, candidates: usize, wanted: Option<usize>) -> Vec<String> {
     match wanted {
         Some(wanted) if kept < wanted => {

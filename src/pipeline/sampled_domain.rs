@@ -1,4 +1,4 @@
-//! The domain that is sampled for a number of vertices: refined, with the curves that so many vertices can follow.
+//! Domain that is sampled for a number of vertices: refined, with the feature curves that so many vertices can follow.
 
 use crate::mesh::half_edge::next;
 use crate::mesh::oriented_manifold::OrientedManifold;
@@ -22,32 +22,33 @@ use crate::surface::wedges::end_wedges;
 use glam::DVec3;
 use std::collections::HashSet;
 
-/// Steps up to this width, in mean distances of neighbouring points, come from sampling and not from the surface: in a lattice a
-/// cell's diagonal is half as long again as its side.
+/// Steps up to this width, in mean distances of neighbouring points, come from sampling and not from the surface: in a
+/// lattice, the diagonal of a cell is one and a half times its side.
 const STEP: f64 = 1.5;
 
-/// Largest share of the vertices that may lie on sharp edges.
+/// Maximum share of the vertices on sharp edges.
 const MOST_ON_EDGES: f64 = 0.6;
 
-/// Share of the vertices from which on a boundary is long: it may take so many that edges get much longer.
+/// Share of the vertices above which a boundary is long: it may take so many that edges become much longer.
 const LONG_BOUNDARY: f64 = 0.2;
 
-/// How many times as long edges may get for that without the curves being found anew, and how often they are.
+/// Factor by which edges may become longer for that reason before the curves are found again, and the maximum number of
+/// times that they are.
 const LONGER: f64 = 1.2;
 const TRIES: usize = 3;
 
-/// A domain and what became of its sharp edges.
+/// Domain, and information on sharp edges that were left out.
 pub(super) struct SampledDomain {
     pub domain: Domain,
-    /// Whether it had more of them than can be kept.
+    /// Whether it had more sharp edges than can be kept.
     pub blunted: bool,
     pub left_out: LeftOut,
-    /// The ends of the edges that were left out.
+    /// Ends of the edges that were left out.
     pub left_out_edges: Vec<[DVec3; 2]>,
 }
 
-/// [`domain_over`] `clean` at the spacing that its boundary leaves for that number of vertices: of corners nearer to each other
-/// than vertices will be, only one counts. Sharp edges give way by themselves.
+/// Calls [`domain_over`] for `clean` at the spacing that its boundary leaves for the number of vertices: of corners closer
+/// together than vertices will be, only one counts. Sharp edges are left out by `domain_over` itself.
 pub(super) fn domain_at(
     clean: OrientedManifold,
     within: Option<&Within>,
@@ -73,7 +74,7 @@ pub(super) fn domain_at(
     found
 }
 
-/// How many samples `spacing` apart there are on the boundary of `mesh`.
+/// Returns the number of samples `spacing` apart on the boundary of `mesh`.
 fn samples_on_boundary(mesh: &Mesh, spacing: f64) -> f64 {
     let twin = twins(&mesh.triangles);
     let length = |side: usize| {
@@ -83,7 +84,7 @@ fn samples_on_boundary(mesh: &Mesh, spacing: f64) -> f64 {
     (0..twin.len()).filter(|&side| twin[side] == NONE).map(length).sum::<f64>() / spacing
 }
 
-/// The domain over `clean`, refined for that scale.
+/// Makes the domain over `clean`, refined for the given scale.
 fn domain_over(
     mut clean: OrientedManifold,
     within: Option<&Within>,
@@ -120,8 +121,8 @@ fn domain_over(
     SampledDomain { domain, blunted, left_out: left_out.and(ended.left_out), left_out_edges }
 }
 
-/// Splits the edges on curves that are longer than `longest`, so that lengths that differ along them can be told. The side
-/// across each side then, and whether it is sharp.
+/// Splits the edges on curves that are longer than `longest`, so that differing lengths along them can be resolved. Returns
+/// the new twin of each side, and whether it is sharp.
 fn refined_curves(
     clean: &mut OrientedManifold,
     twin: &[u32],
@@ -142,7 +143,7 @@ fn refined_curves(
     (twins(&clean.triangles), sharp)
 }
 
-/// The mean length of the edges of `mesh`.
+/// Returns the mean edge length of `mesh`.
 fn mean_edge_length(mesh: &OrientedManifold) -> f64 {
     let of_triangle = |t: usize| {
         let [a, b, c] = mesh.corners(t);
@@ -152,8 +153,8 @@ fn mean_edge_length(mesh: &OrientedManifold) -> f64 {
     (0..count).map(of_triangle).sum::<f64>() / (3 * count) as f64
 }
 
-/// Splits the long edges of `clean`, and bends it where its vertices are points of a smooth surface. The side across each of
-/// its sides then, and whether it is sharp. Sharp edges beside triangles that `went_wrong` are needed.
+/// Splits the long edges of `clean`, and bends it if its vertices are points of a smooth surface. Returns the new twin of
+/// each side, and whether it is sharp. Sharp edges beside triangles that `went_wrong` are kept.
 fn refined(
     clean: &mut OrientedManifold,
     prepared: &PreparedInput,
@@ -161,7 +162,7 @@ fn refined(
     went_wrong: impl Fn(&Mesh, u32) -> bool,
 ) -> (Vec<u32>, Vec<bool>) {
     let features = prepared.features();
-    // What lies between points is not known any better.
+    // Detail between the points is not known.
     let finest = if prepared.options.of_points { STEP * mean_edge_length(clean) } else { 0.0 };
     let longest = LONGEST_EDGE * scale.spacing;
     let most = 4 * clean.triangles.len() + 16 * scale.wanted;

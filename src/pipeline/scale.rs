@@ -1,4 +1,4 @@
-//! How many vertices are wanted and how far apart, given a density or a field of lengths.
+//! Number and spacing of vertices for a density or a field of lengths.
 
 use crate::base::error::{Error, Fault, Result, Setting};
 use crate::mesh::triangle_mesh::Mesh;
@@ -11,41 +11,41 @@ use crate::surface::sizing::{field_lengths, field_sizes, mean_density};
 /// closed models at 5,000 to 20,000 points, where it met the count within 1 %.
 pub(super) const SIGMA_OF_SPACING: f64 = 0.866;
 
-/// Samples of curves for each wanted point: the boundary of a narrow band has two, that of a heap of needles might have
-/// thousands.
+/// Maximum number of curve samples per wanted point: the boundary of a narrow band has two, that of a heap of needles might
+/// have thousands.
 const MOST_ON_CURVES: f64 = 4.0;
 
-/// Candidates for each wanted point: with fewer the scan leaves gaps, with more it only takes longer.
+/// Number of candidates per wanted point: with fewer, the scan leaves gaps; with more, it only takes longer.
 pub(super) const CANDIDATES_PER_POINT: usize = 20;
 
-/// Longest edge of the domain in mean spacings, for the sake of the walks over it.
+/// Longest edge of the domain in mean spacings, to keep walks over it short.
 pub(super) const LONGEST_EDGE: f64 = 2.0;
 
-/// The same for edges on curves: the distance between curves is measured at their ends.
+/// Longest edge on curves in mean spacings: the distance between curves is measured at the ends of edges.
 pub(super) const LONGEST_ON_CURVES: f64 = 0.5;
 
-/// A field of wanted edge lengths, in the pipeline's unit.
+/// Field of target edge lengths, in the pipeline's unit.
 pub(super) struct Field {
-    /// For each vertex of the input.
+    /// Length at each vertex of the input.
     of_input: Vec<f64>,
-    /// The spacing of as many vertices as the lengths ask for.
+    /// Spacing of the number of vertices that the lengths require.
     spacing: f64,
 }
 
 impl Field {
-    /// `lengths` at the vertices of `input`.
+    /// Makes a field of `lengths` at the vertices of `input`.
     pub(super) fn new(lengths: &[f64], input: &Mesh, unit: &Unit) -> Field {
         let of_input: Vec<f64> = lengths.iter().map(|length| length / unit.size).collect();
         let spacing = mean_density(input, &of_input).sqrt().recip();
         Field { of_input, spacing }
     }
 
-    /// The shortest of its lengths where their mean is `spacing`.
+    /// Shortest of its lengths after scaling to a mean of `spacing`.
     pub(super) fn shortest(&self, spacing: f64) -> f64 {
         spacing * self.of_input.iter().copied().fold(f64::INFINITY, f64::min) / self.spacing
     }
 
-    /// Gives `domain` the sizes of the field, and the scale that they have with that density.
+    /// Gives `domain` the sizes of the field, and returns the resulting scale at the given density.
     pub(super) fn grade(&self, domain: &mut Domain, density: Density, scale: Scale) -> Result<Scale> {
         let lengths = domain.values(&self.of_input);
         if density != Density::OfField {
@@ -61,12 +61,13 @@ impl Field {
     }
 }
 
-/// How many vertices at distance `spacing` cover `area` at hexagonal packing: √3 / 2 d² each.
+/// Number of vertices at distance `spacing` that cover `area` at hexagonal packing: √3 / 2 d² each.
 fn count(area: f64, spacing: f64) -> usize {
     (2.0 * area / (3f64.sqrt() * spacing * spacing)).round() as usize
 }
 
-/// The mean spacing that a density means on `area`, in the units of the input; `None` if lengths or an error decide.
+/// Returns the mean spacing that a density implies on `area`, in the units of the input; `None` if lengths or an error bound
+/// determine it.
 pub fn spacing_on(area: f64, density: Density) -> Option<f64> {
     match density {
         Density::Points(n) => Some(Scale::of_points(n, area).spacing),
@@ -76,14 +77,14 @@ pub fn spacing_on(area: f64, density: Density) -> Option<f64> {
     }
 }
 
-/// The lengths that a density means on a surface, in the pipeline's unit.
+/// Number and spacing of vertices that a density implies on a surface, in the pipeline's unit.
 #[derive(Clone, Copy)]
 pub(super) struct Scale {
     pub wanted: usize,
     pub spacing: f64,
 }
 
-/// Refuses a mesh that is nothing but a line.
+/// Refuses a mesh without area.
 pub(super) fn refuse_no_area(clean: &Mesh, unit: &Unit) -> Result<()> {
     if clean.area() > unit.area_of_rounding(clean) {
         return Ok(());
@@ -92,7 +93,7 @@ pub(super) fn refuse_no_area(clean: &Mesh, unit: &Unit) -> Result<()> {
     Err(Error::Mesh { fault: Fault::NoArea, cause: "the triangles have no area".into(), remedy })
 }
 
-/// Smallest spacing that can be worked with, in the pipeline's unit: cells of the sampler are numbered in 32 bits.
+/// Smallest permitted spacing, in the pipeline's unit: cells of the sampler are numbered in 32 bits.
 pub(super) const SMALLEST_SPACING: f64 = 1e-8;
 
 impl Scale {
@@ -128,8 +129,8 @@ impl Scale {
         }
     }
 
-    /// The spacing along curves: wider where they are so long, for the area, that they would take many times the wanted
-    /// vertices.
+    /// Spacing along curves: wider if they are so long, relative to the area, that they would take many times the wanted
+    /// number of vertices.
     pub(super) fn curve_spacing(&self, domain: &Domain) -> f64 {
         self.spacing.max(domain.curves.length() / (MOST_ON_CURVES * self.wanted as f64))
     }
@@ -138,12 +139,12 @@ impl Scale {
         Scale::sigma_of_spacing(self.spacing)
     }
 
-    /// `wanted` vertices on `area`.
+    /// Scale of `wanted` vertices on `area`.
     pub(super) fn of_points(wanted: usize, area: f64) -> Scale {
         Scale { wanted, spacing: (2.0 * area / (3f64.sqrt() * wanted as f64)).sqrt() }
     }
 
-    /// How many samples a kernel of width `sigma` leaves of `area`.
+    /// Number of samples that a kernel of width `sigma` leaves on `area`.
     pub(super) fn count_of_sigma(sigma: f64, area: f64) -> usize {
         count(area, Scale::spacing_of_sigma(sigma))
     }
@@ -153,7 +154,7 @@ impl Scale {
         SIGMA_OF_SPACING * spacing
     }
 
-    /// The distance of samples for σp.
+    /// Distance of samples for σp.
     pub(super) fn spacing_of_sigma(sigma: f64) -> f64 {
         sigma / SIGMA_OF_SPACING
     }

@@ -1,4 +1,4 @@
-//! Which part of the input is remeshed.
+//! Selection of the part of the input that is remeshed.
 
 use crate::base::count::counted;
 use crate::base::error::{Error, Result, Setting};
@@ -8,34 +8,34 @@ use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 
-/// Which part of the input is remeshed: the triangles with all three corners in it.
+/// Part of the input that is remeshed: the triangles with all three corners in it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Selection {
-    /// What is inside a box, its faces included: its lowest and its highest x, y and z, in the units of the input.
+    /// The inside of a box, including its faces, given by its lowest and its highest x, y and z, in the units of the input.
     Box([f64; 3], [f64; 3]),
-    /// So much of the vertices of the input.
+    /// The vertices of the input that are marked.
     Vertices(Vec<bool>),
-    /// The vertices with a value of an attribute.
+    /// The vertices with a given value of an attribute.
     Marked {
-        /// The name of the attribute, or of a component of one.
+        /// Name of the attribute, or of a component of one.
         attribute: String,
-        /// The value that it has to have; `None` for any but zero.
+        /// Value that marks a vertex; `None` for any but zero.
         value: Option<f64>,
     },
 }
 
 impl Selection {
-    /// The selection with an attribute looked up.
+    /// Returns the selection with its attribute looked up.
     ///
     /// # Errors
-    /// [`Error::Mesh`] for an attribute that is not there.
+    /// [`Error::Mesh`] for an attribute that does not exist.
     pub fn resolved(&self, attributes: &Attributes) -> Result<Selection> {
         let Selection::Marked { attribute, value } = self else { return Ok(self.clone()) };
         let is_marked = |number: f64| value.map_or(number != 0.0 && !number.is_nan(), |value| number == value);
         Ok(Selection::Vertices(attributes.numbers(attribute)?.into_iter().map(is_marked).collect()))
     }
 
-    /// The setting that it is.
+    /// Setting that corresponds to the selection.
     pub(crate) fn setting(&self) -> Setting {
         if matches!(self, Selection::Box(..)) { Setting::PartBox } else { Setting::PartMarks }
     }
@@ -44,7 +44,7 @@ impl Selection {
         Err(Error::Option { option: self.setting(), cause, remedy: remedy.into() })
     }
 
-    /// Refuses what no input has a part in.
+    /// Refuses a selection that is empty for every input.
     pub(super) fn validate(&self) -> Result<()> {
         let Selection::Box(lowest, highest) = self else { return Ok(()) };
         let wrong = (0..3).find(|&k| !lowest[k].is_finite() || !highest[k].is_finite() || lowest[k] > highest[k]);
@@ -54,7 +54,7 @@ impl Selection {
         })
     }
 
-    /// Refuses marks that are not one for each of so many vertices.
+    /// Refuses marks whose number differs from `vertices`.
     pub(super) fn check(&self, vertices: usize) -> Result<()> {
         match self {
             Selection::Vertices(selected) if selected.len() != vertices => {
@@ -70,7 +70,7 @@ impl Selection {
         }
     }
 
-    /// For each triangle of the repaired input whether it is in the part.
+    /// Returns, for each triangle of the repaired input, whether it is in the part.
     pub(super) fn triangles(&self, repaired: &OrientedManifold) -> Vec<bool> {
         let inside: Vec<bool> = match self {
             Selection::Box(lowest, highest) => {
@@ -83,7 +83,7 @@ impl Selection {
         repaired.triangles.iter().map(|t| t.iter().all(|&v| inside[v as usize])).collect()
     }
 
-    /// Says that no triangle of `repaired` is in the part.
+    /// Returns the error that no triangle of `repaired` is in the part.
     pub(super) fn refuse_nothing<T>(&self, repaired: &Mesh) -> Result<T> {
         let Aabb { lo, hi } = repaired.bounds().unwrap_or_default();
         let list = |p: [f64; 3]| p.map(|x| x.to_string()).join(",");

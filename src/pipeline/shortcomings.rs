@@ -1,13 +1,13 @@
-//! What keeps a result from being what was asked for. A result without any of these is verified.
+//! Shortcomings of a result compared with the requirements. A result without any is verified.
 
 use crate::base::count::counts;
 use crate::mesh::topology::Topology;
 use crate::pipeline::coverage::Coverage;
 use crate::pipeline::result::{Deviation, Remeshed};
 
-/// What keeps a result from being an oriented manifold of the Euler characteristic, components and boundary loops of
-/// `wanted`, without `crossing` faces where the input has none, without `slivers` and `bridges`, within the error asked for and
-/// near all points of a cloud, a phrase each; empty if it is one.
+/// Returns the shortcomings of a result, a phrase each; empty if it is an oriented manifold with the Euler characteristic,
+/// components and boundary loops of `wanted`, without `crossing` faces where the input has none, without `slivers` and
+/// `bridges`, within the requested error bound, and close to all points of a cloud.
 pub fn shortcomings(
     found: &Topology,
     wanted: &Topology,
@@ -37,7 +37,7 @@ pub fn shortcomings(
     topology_faults(found, crossing).into_iter().chain(faces).chain(differences).chain(far).chain(missed).collect()
 }
 
-/// What keeps a mesh, `crossing` of whose faces intersect others, from being a sound oriented manifold, a phrase each.
+/// Returns the faults of a mesh as an oriented manifold, a phrase each; `crossing` of its faces intersect others.
 pub fn topology_faults(found: &Topology, crossing: usize) -> Vec<String> {
     counts(&[
         (found.nonmanifold_edges, "edge with more than two faces", "edges with more than two faces"),
@@ -52,8 +52,8 @@ pub fn topology_faults(found: &Topology, crossing: usize) -> Vec<String> {
 }
 
 impl Remeshed {
-    /// What keeps the result from being what was asked for, a phrase each, held against the points of a cloud, too, where it
-    /// is known how near it is to them.
+    /// Returns the shortcomings of the result, a phrase each. They include points of a cloud that it misses, if its
+    /// `coverage` is known.
     pub fn shortcomings(&self, coverage: Option<&Coverage>) -> Vec<String> {
         shortcomings(
             &self.output,
@@ -66,8 +66,8 @@ impl Remeshed {
         )
     }
 
-    /// Whether the result is what it should be: of the topology of the repaired input, without faces that cross each
-    /// other where those of the input do not, without slivers and bridges, and as near to the input as was asked for.
+    /// Returns whether the result meets the requirements: it has the topology of the repaired input, no faces that intersect
+    /// each other where those of the input do not, no slivers and no bridges, and it is as close to the input as requested.
     pub fn verified(&self) -> bool {
         self.shortcomings(None).is_empty()
     }

@@ -1,4 +1,4 @@
-//! The surface that is sampled for a number of vertices, with the edge lengths that are wanted on it.
+//! Surface that is sampled for a number of vertices, with its target edge lengths.
 
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
@@ -26,37 +26,37 @@ use crate::surface::narrow_patches::LeftOut;
 use crate::surface::sizing::{adapted_sizes, sizes_between_curves, sizes_with_whole_rows};
 use glam::DVec3;
 
-/// Rounds in which the lengths that fit whole rows and the spacing adapt to each other.
+/// Number of rounds in which lengths that fit whole rows and the spacing are adapted to each other.
 const FITS_OF_ROWS: usize = 3;
 
-/// The domain of sampling, its scale, and the width of the kernel.
+/// Domain of sampling, its scale, and the kernel width.
 pub(super) struct SizedSurface {
     /// In the pipeline's unit.
     pub domain: Domain,
     pub scale: Scale,
-    /// The width σp of the kernel, in the pipeline's unit.
+    /// Width σp of the kernel, in the pipeline's unit.
     pub sigma: f64,
     /// Whether there were sharp edges that could not be kept.
     pub blunted: bool,
-    /// What was left out of the sharp edges beside narrow patches.
+    /// Sharp edges beside narrow patches that were left out.
     pub left_out: LeftOut,
-    /// Curves along sharp edges that were smoothed over because patches beside them did not fit together.
+    /// Number of curves along sharp edges that were smoothed over because the patches beside them did not fit together.
     pub smoothed_curves: usize,
-    /// The ends of each sharp edge that was left out, in the pipeline's unit.
+    /// Ends of each sharp edge that was left out, in the pipeline's unit.
     pub left_out_edges: Vec<[DVec3; 2]>,
-    /// The holes that were closed, in the pipeline's unit.
+    /// Holes that were closed, in the pipeline's unit.
     pub pinholes: Pinholes,
-    /// What stays of the input, if only a part of it is sampled.
+    /// The rest of the input, if only a part of it is sampled.
     pub within: Option<Within>,
-    /// The topology of what is sampled.
+    /// Topology of the sampled surface.
     pub topology: Topology,
-    /// The topology that a whole result is to have: that of the repaired input without what is left out of it.
+    /// Expected topology of a whole result: that of the repaired input without the parts that are left out.
     pub of_whole: Topology,
 }
 
 impl SizedSurface {
-    /// The surface of `repaired`, the repaired input, for that density. `resizing` has the places where a result before is to
-    /// have edges of other lengths.
+    /// Makes the surface of `repaired`, the repaired input, for the given density. `resizing` holds the places where a
+    /// previous result needs edges of other lengths.
     pub(super) fn new(
         prepared: &PreparedInput,
         repaired: OrientedManifold,
@@ -65,7 +65,7 @@ impl SizedSurface {
         monitor: &dyn Monitor,
     ) -> Result<SizedSurface> {
         let (mut clean, within) = sampled_part(prepared, repaired, density)?;
-        // The interface of a part is known by the numbers of its vertices.
+        // The interface of a part is identified by vertex numbers.
         if within.is_none() {
             clean = in_spatial_order(clean);
         }
@@ -114,7 +114,7 @@ impl SizedSurface {
         Ok(surface)
     }
 
-    /// Gives the domain the lengths that the options, the curves, places that went wrong, and the interface want.
+    /// Gives the domain the lengths required by the options, the curves, faulty places, and the interface.
     fn grade(
         &mut self,
         prepared: &PreparedInput,
@@ -166,8 +166,8 @@ impl SizedSurface {
         Ok(())
     }
 
-    /// Changes the lengths between curves so that whole rows of triangles fit. That changes the spacing for the number of
-    /// vertices, and the other way round.
+    /// Adjusts the lengths between curves so that whole rows of triangles fit. This changes the spacing for the number of
+    /// vertices, and vice versa.
     fn fit_rows(&mut self, density: Density) {
         let before = self.domain.sizes();
         for _ in 0..FITS_OF_ROWS {
@@ -176,7 +176,7 @@ impl SizedSurface {
         }
     }
 
-    /// Makes edges `factor` times as long around `places`; whether there is room for that.
+    /// Makes edges `factor` times as long around `places`. Returns whether there is room for that.
     pub(super) fn resize_at(&mut self, places: &[DVec3], factor: f64) -> bool {
         let sizes = sizes_at(places, factor, &self.domain, self.scale.spacing);
         let has_room = sizes.is_some();
@@ -184,7 +184,7 @@ impl SizedSurface {
         has_room
     }
 
-    /// The same surface with its sharp edges smoothed over.
+    /// Returns the same surface with all sharp edges smoothed over.
     pub(super) fn smooth(self) -> SizedSurface {
         SizedSurface {
             blunted: true,
@@ -194,7 +194,7 @@ impl SizedSurface {
         }
     }
 
-    /// The same surface with its sharp edges smoothed over that are on curves whose number `is_left_out`.
+    /// Returns the same surface with the sharp edges on curves whose number `is_left_out` smoothed over.
     pub(super) fn without_curves(mut self, is_left_out: impl Fn(u32) -> bool) -> SizedSurface {
         self.smoothed_curves += self.domain.sharp_curves().filter(|&curve| is_left_out(curve)).count();
         self.left_out_edges.extend(sharp_edges(&self.domain, &is_left_out));
@@ -203,15 +203,15 @@ impl SizedSurface {
         self
     }
 
-    /// How many triangles of the repaired input intersect others.
+    /// Number of triangles of the repaired input that intersect others.
     pub(super) fn self_intersections_of_input(&self) -> usize {
         let of_whole = self.within.as_ref().map(|within| self_intersections(&within.whole).len());
         of_whole.unwrap_or_else(|| self.domain.self_intersections().len())
     }
 }
 
-/// For each triangle of what `clean` came from whether it passes through others. Refined for many vertices it would be far more
-/// triangles to look at.
+/// Returns, for each triangle of the mesh that `clean` came from, whether it passes through others. This is done before
+/// refinement for many vertices, which would give far more triangles to test.
 fn passing_through_others(clean: &OrientedManifold) -> Vec<bool> {
     let twin = twins(&clean.triangles);
     let faces = faces_passing_through_others(clean, |side| twin[side as usize], &Bvh::new(clean));
@@ -230,7 +230,7 @@ mod tests {
     #[test]
     fn self_intersections_are_those_of_the_whole_refined_surface() {
         let moved = |by: DVec3| Mesh { positions: cube().positions.iter().map(|&p| p + by).collect(), ..cube() };
-        // Two that cross, and one aside.
+        // Two that intersect, and a separate one.
         let input = joined([DVec3::ZERO, DVec3::new(0.3, 0.4, 0.6), DVec3::new(4.0, 0.1, 0.2)].map(moved));
         let options = Options::default();
         let (prepared, repaired) = PreparedInput::new(&input, &options, &()).unwrap();
@@ -261,7 +261,7 @@ mod tests {
 
     #[test]
     fn a_narrow_chamfer_stays_where_an_attempt_went_wrong() {
-        // A block with one edge cut off, by a twelfth of the spacing.
+        // A block with one edge cut off by a twelfth of the spacing.
         let outline = [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.05, 10.0], [0.0, 9.95]];
         let positions = outline.iter().flat_map(|&[x, y]| [DVec3::new(x, y, 0.0), DVec3::new(x, y, 10.0)]).collect();
         let sides = (0..5).map(|i| (2 * i, 2 * ((i + 1) % 5))).flat_map(|(a, b)| [[a, b, b + 1], [a, b + 1, a + 1]]);

@@ -1,8 +1,8 @@
-//! From points of terrain to a mesh: a sheet that has one height at each place, as seen from above. An airborne scan has
-//! points on ground and roofs, few on walls and many within trees, so that no surface in space has all of them.
+//! From points of terrain to a mesh: a sheet with one height at each place, as seen from above. An airborne scan has points
+//! on ground and roofs, few on walls and many within trees, so that no surface in space contains all of them.
 //!
-//! Of points that are nearer to each other in the plan than vertices of the result will be, the highest is of the sheet: what is
-//! below it, like the ground under a tree, cannot be seen. z is up.
+//! Where points are closer together in plan view than the vertices of the result will be, only the highest belongs to the
+//! sheet: whatever is below it, like the ground under a tree, is not visible. z is up.
 
 use crate::base::error::{Error, Fault, Result};
 use crate::base::monitor::{Monitor, check};
@@ -17,25 +17,26 @@ use crate::triangulate::plan::triangulate_plan;
 use glam::{DVec2, DVec3};
 use rustc_hash::FxHashMap;
 
-/// Width of the cells of the plan of which the highest point each is of the sheet, in spacings of the vertices: finer ones have
-/// spikes between vertices, as trees are.
+/// Width of the grid cells in plan view that contribute their highest point to the sheet, in spacings of the vertices: finer
+/// cells leave spikes between vertices, such as trees.
 const CELL: f64 = 0.8;
 
-/// Points of terrain are flat in most cells of [`IN_CELL`] points: half of them have less relief than this share of their width.
-/// Of four airborne scans it is .02 to .13, of clouds of other things .46 and more.
+/// Points are of terrain if most cells of [`IN_CELL`] points are flat: half of them have less relief than this share of
+/// their width. It is .02 to .13 for four airborne scans, and .46 or more for other clouds.
 const MOST_RELIEF: f64 = 0.25;
 
-/// Points in a cell of which the relief is taken, on the mean.
+/// Mean number of points in a cell whose relief is measured.
 const IN_CELL: f64 = 4.0;
 
-/// A sheet has gaps that the cells do not have, as between lines of a scan, if its area is more than this many times theirs.
+/// If the area of a sheet is more than this many times that of the cells, it spans gaps that the cells do not cover, as
+/// between scan lines.
 const MOST_GAPS: f64 = 1.5;
 
-/// Rounds in which the width of cells with [`IN_CELL`] points is found.
+/// Number of rounds in which the width of cells with [`IN_CELL`] points is found.
 const ROUNDS: usize = 6;
 
-/// The mesh that is remeshed for a cloud: through all of its points in space or, if that is asked for, or if the points are of
-/// terrain and many would be left out, through those that are seen from above.
+/// Builds the mesh of a cloud that is then remeshed: through all of its points in space or, if that is requested or if the
+/// points are of terrain and many would be left out, through those visible from above.
 ///
 /// # Errors
 /// Those of [`mesh_of_points`].
@@ -64,7 +65,7 @@ pub fn mesh_of_cloud(
     in_space
 }
 
-/// The sheet through the points that are seen from above.
+/// Builds the sheet through the points visible from above.
 fn mesh_of_terrain(points: &Points, density: Density, monitor: &dyn Monitor) -> Result<MeshOfPoints> {
     let mut summary = CloudSummary { points: points.positions().len(), ..CloudSummary::default() };
     let Cleaned { points, source, .. } = Cleaned::of(points, &mut summary, monitor)?;
@@ -86,19 +87,19 @@ fn mesh_of_terrain(points: &Points, density: Density, monitor: &dyn Monitor) -> 
     }
 }
 
-/// A sheet through the highest points of cells of the plan.
+/// Sheet through the highest points of the grid cells in plan view.
 struct Sheet {
     mesh: Mesh,
-    /// For each of its vertices the point that it is.
+    /// For each vertex, the point that it is.
     seen: Vec<u32>,
-    /// The width of the cells.
+    /// Width of the cells.
     cell: f64,
-    /// Its area as seen from above.
+    /// Area as seen from above.
     area: f64,
 }
 
 impl Sheet {
-    /// That of points that cover about this area as seen from above; `None` if they are on a line.
+    /// Builds the sheet of points that cover about this area as seen from above; `None` if they are on a line.
     fn over(points: &[DVec3], area: f64, density: Density) -> Option<Sheet> {
         let of_points = (area / points.len() as f64).sqrt();
         let cell = CELL * spacing_on(area, density).unwrap_or(of_points).max(of_points);
@@ -117,13 +118,13 @@ impl Sheet {
 
 /// Points as seen from above.
 struct Plan {
-    /// The area that they cover.
+    /// Area that they cover.
     area: f64,
-    /// The median of the differences of height within cells of several points, as a share of their width.
+    /// Median of the height differences within cells of several points, as a share of the cell width.
     relief: f64,
 }
 
-/// The plan of points; `None` if they have no area from above.
+/// Measures points in plan view; `None` if they have no area as seen from above.
 fn plan(positions: &[DVec3]) -> Option<Plan> {
     let extent = Aabb::of(positions.iter().copied())?.size();
     let count = positions.len() as f64;
@@ -146,14 +147,14 @@ fn plan(positions: &[DVec3]) -> Option<Plan> {
     Some(Plan { area: heights.len() as f64 * width * width, relief })
 }
 
-/// The heights of the points in a cell.
+/// Heights of the points in a cell.
 struct Heights {
     lowest: f64,
     highest: f64,
     points: usize,
 }
 
-/// The heights in each cell of a lattice of this width that has points.
+/// Returns the heights in each cell, of a grid of this width, that has points.
 fn heights_in_cells(positions: &[DVec3], width: f64) -> FxHashMap<[i64; 2], Heights> {
     let mut cells = FxHashMap::default();
     for p in positions {
@@ -163,7 +164,8 @@ fn heights_in_cells(positions: &[DVec3], width: f64) -> FxHashMap<[i64; 2], Heig
     cells
 }
 
-/// For each cell of a lattice of this width the highest of the points in it, the first of equally high ones, in their order.
+/// Returns the highest point in each cell of a grid of this width, the first of equally high ones, in the order of the
+/// points.
 fn highest_of_cells(positions: &[DVec3], width: f64) -> Vec<u32> {
     let mut highest: FxHashMap<[i64; 2], u32> = FxHashMap::default();
     for (i, p) in positions.iter().enumerate() {
@@ -185,7 +187,7 @@ fn cell_of(p: DVec3, width: f64) -> [i64; 2] {
 mod tests {
     use super::*;
 
-    /// Points a unit apart in the plan, and so many more above each of the first `columns` of them.
+    /// Returns points a unit apart in plan view, with `above` more points above each of the first `columns` of them.
     fn with_columns(columns: u32, above: u32) -> Vec<DVec3> {
         let ground = (0..900).map(|i| DVec3::new(f64::from(i % 30), f64::from(i / 30), 0.01 * f64::from(i % 7)));
         let columns = ground.clone().take(columns as usize);

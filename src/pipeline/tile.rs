@@ -1,12 +1,12 @@
-//! The samples of a part of a cloud, the same as within a run over all of it.
+//! Samples of a part of a cloud, identical to those of a run over all of it.
 //!
-//! Everything is local and reaches no farther than a known number of kernel widths: neighbours beyond that do not count, and a
-//! point with too few within it is an outlier. The scan goes block by block, and a box depends on a known number of blocks around
-//! it (see [`lattice`](crate::spectral::lattice)); the ascent moves all samples at once. What is global comes from the
-//! [`Outline`].
+//! All computations are local and have a bounded reach in kernel widths: neighbours beyond it do not count, and a point with
+//! too few neighbours within it is an outlier. The scan proceeds block by block, and a box depends on a known number of
+//! blocks around it (see [`lattice`](crate::spectral::lattice)); the ascent moves all samples at once. Global information
+//! comes from the [`Outline`].
 //!
-//! Departures from sampling a whole cloud: normals are those of planes, the spacing of points has a limit where they are
-//! sparse, and the number of samples is about the wanted one only.
+//! Departures from sampling a whole cloud: normals are those of planes, the spacing of points is limited where they are
+//! sparse, and the number of samples meets the wanted one only approximately.
 
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
@@ -29,59 +29,59 @@ use crate::surface::lift::{Lift, Lifted};
 use glam::{DVec3, IVec3};
 use serde::{Deserialize, Serialize};
 
-/// Neighbours of a point are within so many kernel widths; with fewer than [`FEW_NEIGHBORS`] there it is an outlier.
+/// Radius of a neighbourhood, in kernel widths; a point with fewer than [`FEW_NEIGHBORS`] neighbours in it is an outlier.
 const NEIGHBORHOOD: f64 = 5.0;
 
-/// Points are taken to be no farther apart than so many kernel widths, so that none reaches far on the surface.
+/// Upper limit for the local spacing of points, in kernel widths, so that no point reaches far on the surface.
 const SPARSE: f64 = 2.0;
 
-/// Blocks around the samples of a tile whose points take part in its surface, or in their normals.
+/// Number of blocks around the samples of a tile whose points contribute to its surface or to their normals.
 const MARGIN: i32 = 2;
 
-/// Step of the ascent: all samples move at once, so two that meet go twice as far as one.
+/// Step of the ascent: all samples move at once, so two that approach each other move twice as far as one.
 const STEP: f64 = 0.45;
 
-/// How the tiles of a cloud are sampled: the same for all of them.
+/// Options of sampling that are the same for all tiles of a cloud.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TileOptions {
     /// Width of the kernel, in the units of the cloud.
     pub sigma: f64,
-    /// Width of a cell, at least half of what the kernel reaches.
+    /// Width of a cell, at least half of the reach of the kernel.
     pub cell: f64,
     /// Seed of all random numbers.
     pub seed: u64,
-    /// Sweeps of gradient ascent; `None` if samples are points of the cloud as the scan leaves them.
+    /// Sweeps of gradient ascent; `None` if samples are points of the cloud, as the scan leaves them.
     pub sweeps: Option<usize>,
-    /// How far points reach on the surface, in their spacings.
+    /// Support radius of points on the surface, in their spacings.
     pub reach: f64,
-    /// Whether normals that points have are on a common side.
+    /// Whether given normals are on a common side.
     pub is_sided: bool,
 }
 
-/// A point of a cloud.
+/// Point of a cloud.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TilePoint {
-    /// Its number in the cloud.
+    /// Number in the cloud.
     pub number: u32,
-    /// Where it is.
+    /// Position of the point.
     pub position: DVec3,
-    /// Its normal, of any length; zero where none is known.
+    /// Normal, of any length; zero if it is not known.
     pub normal: DVec3,
 }
 
 impl TileOptions {
-    /// The width of a block, in the units of the cloud.
+    /// Width of a block, in the units of the cloud.
     pub fn block(&self) -> f64 {
         self.cell * f64::from(BLOCK)
     }
 
-    /// The blocks around a tile whose samples its own depend on while they move.
+    /// Number of blocks around a tile whose samples influence its own while they move.
     fn ascent_halo(&self) -> IVec3 {
         let sweeps = self.sweeps.unwrap_or(0);
         IVec3::splat((reach_of(sweeps) * ASCENT_OF_SCAN * self.sigma / self.block()).ceil() as i32)
     }
 
-    /// The blocks whose points are needed for the samples of `tile`.
+    /// Blocks whose points are needed for the samples of `tile`.
     pub fn needed(&self, tile: BlockBox) -> BlockBox {
         let scanned = tile.grown(self.ascent_halo());
         let around = scanned.grown(IVec3::splat(MARGIN));
@@ -90,8 +90,8 @@ impl TileOptions {
     }
 }
 
-/// The samples of the blocks of `tile`: each has the number of the point that it was at first. `points` are those of
-/// [`TileOptions::needed`] blocks, in an order that any two of them have in all tiles.
+/// Returns the samples in the blocks of `tile`, each with the number of the point from which it started. `points` are those
+/// of the [`TileOptions::needed`] blocks, in a relative order that is the same in all tiles.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
@@ -120,7 +120,8 @@ pub fn sample_tile(
     Ok(parallel::map(&own[..], settled))
 }
 
-/// How many samples the scan leaves in the blocks of `tile`, about: what is beyond the given points is not heard.
+/// Returns the approximate number of samples that the scan keeps in the blocks of `tile`: the influence of points that are
+/// not given is ignored.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
@@ -136,10 +137,10 @@ pub fn count_in_tile(
     Ok(kept.into_iter().filter(|&i| tile.contains(part.place(i))).count())
 }
 
-/// Points of a part of a cloud, without outliers, and what is known of their neighbours.
+/// Points of a part of a cloud, without outliers, with neighbour information.
 pub(super) struct Part<'a> {
     options: &'a TileOptions,
-    /// With unit normals; their triangles are their places in this list.
+    /// Samples with unit normals; their triangle is their index in this list.
     pub samples: Vec<Sample>,
     numbers: Vec<u32>,
     pub spacings: Vec<f64>,
@@ -178,12 +179,12 @@ impl<'a> Part<'a> {
         place_of(self.samples[i as usize].position, self.options.block())
     }
 
-    /// What became of point `i`.
+    /// Returns point `i` at the position and normal of `sample`.
     fn point(&self, i: u32, sample: &Sample) -> TilePoint {
         TilePoint { number: self.numbers[i as usize], position: sample.position, normal: sample.normal }
     }
 
-    /// What the scan keeps in the blocks of `scanned`, in the order of the points.
+    /// Returns the points that the scan keeps in the blocks of `scanned`, in their original order.
     fn scan(&self, scanned: BlockBox, monitor: &dyn Monitor) -> Result<Vec<u32>> {
         let heard = (0..self.samples.len() as u32).filter(|&i| scanned.hears(self.place(i))).collect();
         let candidates = Candidates { part: self, heard };
@@ -196,7 +197,7 @@ impl<'a> Part<'a> {
     }
 }
 
-/// The unit normal of a point, whose nearest neighbours, itself first, are `found`.
+/// Returns the unit normal of a point, whose nearest neighbours, itself first, are `found`.
 fn normal(
     point: &TilePoint,
     p: usize,
@@ -224,7 +225,7 @@ fn normal(
     outline.sided(point.position, normal)
 }
 
-/// The points that a scan looks at.
+/// Points that a scan considers.
 struct Candidates<'a> {
     part: &'a Part<'a>,
     heard: Vec<u32>,

@@ -1,4 +1,4 @@
-//! Samples of a surface, triangulated, and where they are too few.
+//! Triangulation of samples of a surface, and the places where there are too few samples.
 
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
@@ -22,30 +22,30 @@ use crate::triangulate::{Boundary, triangulate};
 use glam::DVec3;
 use std::ops::RangeInclusive;
 
-/// The shares of the triangles between which samples are too few for those that cross: fewer can be taken apart one by one, and of
-/// more there is no room to be finer.
+/// Shares of intersecting triangles for which samples are too few: fewer can be separated one by one, and with more there is
+/// no room for finer edges.
 const CROSSED: RangeInclusive<f64> = 0.01..=0.1;
 
-/// How long edges away from curves become where samples follow the surface, in wanted lengths: those of smooth models stay below
-/// two. Along a rod that is thinner than that with fewer than three samples around, they are longer.
+/// Maximum length of edges away from curves where samples follow the surface, in target lengths: those of smooth models stay
+/// below two. Along a rod thinner than the target length with fewer than three samples around, they are longer.
 const LONGEST: f64 = 2.5;
 
-/// The thickness of a rod, in wanted lengths, below which edges half as long are too few to go around it.
+/// Thickness of a rod, in target lengths, below which even edges of half the length are too few to go around it.
 const VERY_THIN: f64 = 0.6;
 
-/// Samples of a surface, triangulated.
+/// Triangulated samples of a surface.
 pub(super) struct Triangulation {
     pub mesh: Manifold,
-    /// Smooth patches that were tessellated from the input as a whole.
+    /// Number of smooth patches that were tessellated from the input as a whole.
     pub tessellated_patches: usize,
-    /// Where patches do not fit together.
+    /// Places where patches do not fit together.
     pub torn: Torn,
-    /// The samples that became no vertices.
+    /// Samples that did not become vertices.
     lost: Vec<Sample>,
 }
 
 impl Triangulation {
-    /// That of an attempt at `surface`.
+    /// Triangulates the samples of an attempt on `surface`.
     pub(super) fn new(surface: &SizedSurface, attempt: Attempt, monitor: &dyn Monitor) -> Result<Triangulation> {
         let SizedSurface { domain, scale, .. } = surface;
         let curves = sample_curves(domain, scale.curve_spacing(domain) / attempt.curve_density);
@@ -71,10 +71,10 @@ impl Triangulation {
         Ok(Triangulation { mesh, tessellated_patches, torn, lost })
     }
 
-    /// Places with too few samples, and those of them where half the length is still too long for edges: the ends of edges that are
-    /// stretched along a thin rod and the samples that were lost there, and the corners of triangles that cross, unless these are so few
-    /// that they can be taken apart one by one, or so many that there is no room to be finer. A surface that was laid through points is
-    /// not known well enough for rods.
+    /// Returns the places with too few samples, and those of them where half the edge length is still too long: the ends of
+    /// edges stretched along a thin rod and the samples lost there, and the corners of intersecting triangles, unless these
+    /// are so few that they can be separated one by one, or so many that there is no room for finer edges. A surface laid
+    /// through points is not known well enough for rods.
     pub(super) fn sparse_places(&self, prepared: &PreparedInput, surface: &SizedSurface) -> [Vec<DVec3>; 2] {
         let mut crossing = crossing_faces(&surface.domain, &self.mesh);
         if !are_too_many(crossing.len(), self.mesh.triangles().count()) {
@@ -86,8 +86,8 @@ impl Triangulation {
         [crossing.chain(rods.iter().map(|(p, _)| *p)).collect(), very_thin]
     }
 
-    /// The ends of edges that are stretched along rods, the samples that were lost between them, and the widths of the rods there in
-    /// wanted lengths.
+    /// Returns the ends of edges that are stretched along rods and the samples that were lost between them, with the widths
+    /// of the rods there in target lengths.
     fn along_rods(&self, surface: &SizedSurface) -> Vec<(DVec3, f64)> {
         let Manifold { connectivity: c, samples, .. } = &self.mesh;
         let (domain, spacing) = (&surface.domain, surface.scale.spacing);
@@ -100,7 +100,7 @@ impl Triangulation {
             [a, b].into_iter().filter_map(move |end| Some((end.position, width(end)?)))
         });
         let mut found: Vec<(DVec3, f64)> = stretched.collect();
-        // At the tip of a spike samples are lost, too, and nothing is missing.
+        // Samples are also lost at the tip of a spike, where nothing is missing.
         if !found.is_empty() {
             found.extend(self.lost.iter().filter_map(|&Sample { position, normal, size, .. }| {
                 Some((position, rods::width_at(domain, position, normal, size * spacing)?))
@@ -109,15 +109,15 @@ impl Triangulation {
         found
     }
 
-    /// The edges longer than `longest`, relative to the wanted sizes at their ends, away from curves: those between narrow strips are
-    /// what curves make them.
+    /// Returns the edges away from curves that are longer than `longest`, relative to the target sizes at their ends: the
+    /// lengths of those between narrow strips are determined by the curves.
     fn stretched(&self, longest: f64) -> impl Iterator<Item = u32> {
         let c = &self.mesh.connectivity;
         let is_free = |h: u32| !c.is_on_curve(c.origin(h)) && !c.is_on_curve(c.target(h));
         self.mesh.edges().filter(move |&h| is_free(h) && self.mesh.relative_length_squared(h) > longest * longest)
     }
 
-    /// Whether it is torn, or of another topology than `surface`.
+    /// Returns whether the mesh is torn, or has another topology than `surface`.
     pub(super) fn has_other_topology(&self, surface: &SizedSurface) -> bool {
         let made = self.mesh.to_mesh();
         let kind = topology(made.positions.len(), &made.triangles);
@@ -125,12 +125,12 @@ impl Triangulation {
     }
 }
 
-/// Whether samples are to be drawn again where so many of `triangles` cross others.
+/// Returns whether to draw samples again if `crossing` of `triangles` intersect others.
 fn are_too_many(crossing: usize, triangles: usize) -> bool {
     CROSSED.contains(&(crossing as f64 / triangles as f64))
 }
 
-/// Those of the `samples` whose numbers are not among `used`.
+/// Returns the `samples` whose numbers are not among `used`.
 fn without(samples: &[Sample], used: &[u32]) -> Vec<Sample> {
     let mut is_used = vec![false; samples.len()];
     used.iter().filter(|&&s| (s as usize) < samples.len()).for_each(|&s| is_used[s as usize] = true);
@@ -148,7 +148,7 @@ mod tests {
     use crate::testing::{joined, revolved, sphere};
     use glam::dvec3;
 
-    /// A unit sphere and a rod of that radius beside it.
+    /// Returns a unit sphere and a rod of the given radius beside it.
     fn sphere_and_rod(radius: f64) -> Mesh {
         let profile: Vec<(f64, f64)> = (0..=60).map(|i| (radius, -1.5 + 0.05 * f64::from(i))).collect();
         let mut rod = revolved([-1.5, 1.5], &profile, 24);
@@ -156,7 +156,7 @@ mod tests {
         joined([sphere(), rod])
     }
 
-    /// The sparse places of the samples for 1000 vertices, in the input's unit.
+    /// Returns the sparse places of the samples for 1000 vertices, in the input's unit.
     fn sparse_places(input: &Mesh, of_points: bool) -> [Vec<DVec3>; 2] {
         let options = Options { of_points, ..Options::default() };
         let (prepared, repaired) = PreparedInput::new(input, &options, &()).unwrap();

@@ -1,20 +1,20 @@
-//! The coordinates that the pipeline works in.
+//! Coordinates in which the pipeline works.
 
 use crate::base::math;
 use crate::geom::aabb::Aabb;
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 
-/// The pipeline's own coordinates: around the origin and about one in size, so that neither the scale of the input nor
-/// its distance from the origin matters.
+/// Coordinate system of the pipeline: centred at the origin and of size about one, so that neither the scale of the input
+/// nor its distance from the origin matters.
 pub(super) struct Unit {
     centre: DVec3,
     /// A power of two, so that scaling is exact.
     pub size: f64,
 }
 
-/// Steps of the size that the coordinates of results are rounded to, a power of two: what is computed is off by some hundredth of one,
-/// single precision by thousands of them.
+/// Number of steps per unit size to which the coordinates of results are rounded, a power of two: computations are off by
+/// some hundredths of a step, single precision by thousands of steps.
 const STEPS: f64 = (1u64 << 44) as f64;
 
 impl Unit {
@@ -32,8 +32,8 @@ impl Unit {
         Unit { centre: bounds.lo + bounds.size() / 2.0, size }
     }
 
-    /// The area that `mesh`, in this unit, could have if all its corners were on one line but for the rounding of their
-    /// coordinates.
+    /// Returns the area that `mesh`, in this unit, could have merely by the rounding of its coordinates if all its corners
+    /// were on one line.
     pub(super) fn area_of_rounding(&self, mesh: &Mesh) -> f64 {
         let longest = |t: usize| {
             let [a, b, c] = mesh.corners(t);
@@ -56,8 +56,8 @@ impl Unit {
         (p - self.centre) / self.size
     }
 
-    /// The mesh of a result. Its coordinates are rounded, so that vertices in a plane across an axis are in it to the last bit: programs
-    /// that look for faces that intersect take those that are almost in one plane for such.
+    /// Transforms the mesh of a result back. Its coordinates are rounded, so that vertices in a plane perpendicular to an
+    /// axis lie in it to the last bit: programs that search for intersecting faces report those that are almost coplanar.
     pub(super) fn outwards(&self, mut mesh: Mesh) -> Mesh {
         mesh.positions.iter_mut().for_each(|p| *p = self.outwards_point(*p).map(|x| self.rounded(x)));
         mesh
@@ -65,7 +65,7 @@ impl Unit {
 
     fn rounded(&self, x: f64) -> f64 {
         let step = self.size / STEPS;
-        // There is one zero, without a sign.
+        // Adding zero removes the sign of a negative zero.
         let rounded = (x / step).round() * step + 0.0;
         if rounded.is_finite() { rounded } else { x }
     }
@@ -85,7 +85,7 @@ mod tests {
         for scale in [1e-9, 1.0, 1e9] {
             let unit = Unit::within(Aabb { lo: scale * DVec3::NEG_ONE, hi: scale * dvec3(5.3, 1.7, 9.1) });
             let in_plane = |i: i32| unit.inwards_point(scale * dvec3(4.8279, 0.01 * f64::from(i), 0.0));
-            // Each between two others, as vertices are between corners of the input.
+            // Each point between two others, as vertices are between corners of the input.
             let positions = (0..100).map(|i| in_plane(i).lerp(in_plane(3 * i), 0.01 * f64::from(i))).collect();
             let made = unit.outwards(Mesh { positions, triangles: vec![] }).positions;
             assert!(made.iter().all(|p| p.x == made[0].x && p.z.to_bits() == 0));

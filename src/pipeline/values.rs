@@ -1,23 +1,23 @@
-//! A number at each vertex of the input.
+//! Values at the vertices of the input.
 
 use crate::base::count::counted;
 use crate::base::error::{Error, Result, Setting};
 use crate::mesh::attributes::Attributes;
 
-/// A number at each vertex of a mesh or at each point of a cloud.
+/// One number per vertex of a mesh or per point of a cloud.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
-    /// These, in the order of the vertices.
+    /// The numbers themselves, in the order of the vertices.
     Given(Vec<f64>),
-    /// Those of the attribute of this name, or of a component of one, such as `red` or `nz`.
+    /// An attribute, or a component of one, by its name, such as `red` or `nz`.
     Attribute(String),
 }
 
 impl Values {
-    /// The values, with an attribute looked up.
+    /// Returns the values with an attribute looked up.
     ///
     /// # Errors
-    /// [`Error::Mesh`] for an attribute that is not there.
+    /// [`Error::Mesh`] for an attribute that does not exist.
     pub fn resolved(&self, attributes: &Attributes) -> Result<Values> {
         match self {
             Values::Given(values) => Ok(Values::Given(values.clone())),
@@ -25,7 +25,7 @@ impl Values {
         }
     }
 
-    /// Those of some of the points.
+    /// Returns the values of some of the points.
     pub(super) fn of(&self, points: &[u32]) -> Values {
         match self {
             Values::Given(values) => Values::Given(points.iter().map(|&p| values[p as usize]).collect()),
@@ -33,7 +33,7 @@ impl Values {
         }
     }
 
-    /// The values, if they are given.
+    /// Returns the numbers, if they are given.
     pub(super) fn given(&self) -> Option<&[f64]> {
         match self {
             Values::Given(values) => Some(values),
@@ -41,7 +41,7 @@ impl Values {
         }
     }
 
-    /// Refuses values that are not one for each of so many vertices.
+    /// Refuses values whose number differs from `vertices`.
     pub(super) fn check(&self, option: Setting, vertices: usize) -> Result<()> {
         let refuse = |cause: String, remedy: &str| Err(Error::Option { option, cause, remedy: remedy.into() });
         match self {

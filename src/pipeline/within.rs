@@ -1,12 +1,12 @@
-//! Local resampling: a part of the input is remeshed and everything else stays as it is, to the last bit.
+//! Local resampling: a part of the input is remeshed, and everything else stays as it is, to the last bit.
 //!
-//! The part is cut out, remeshed as a surface with a boundary whose vertices and edges along the interface are given, and sewn
-//! in again. Edge lengths go over from those of the interface to the wanted ones.
+//! The part is cut out, remeshed as a surface with a boundary whose vertices and edges along the interface are fixed, and
+//! sewn in again. Edge lengths change gradually from those of the interface to the target ones.
 //!
 //! Based on: the future work in C. Öztireli, M. Alexa, M. Gross, Spectral sampling of manifolds, 2010,
 //! DOI 10.1145/1882261.1866190.
 //!
-//! Limits: triangles at the interface are as good as its edges allow, and where an interface zigzags that is not very good.
+//! Limits: triangles at the interface are as good as its edges allow; where an interface zigzags, this is not very good.
 
 use crate::base::error::{Error, Result, Setting};
 use crate::manifold::Manifold;
@@ -22,24 +22,24 @@ use crate::prepare::repair::Repairs;
 use crate::surface::domain::Domain;
 use crate::surface::sizing::{lengths_from_interface, mean_density, vertices};
 
-/// The repaired input and the part of it that is remeshed.
+/// Repaired input and the part of it that is remeshed.
 pub(super) struct Within {
-    /// The input after repairs, in its own coordinates.
+    /// Input after repairs, in its own coordinates.
     pub whole: OrientedManifold,
-    /// The part, in the coordinates of the input.
+    /// Part to be remeshed, in the coordinates of the input.
     pub part: Submesh,
-    /// Whether each triangle of the whole is in the part.
+    /// For each triangle of the whole, whether it is in the part.
     selected: Vec<bool>,
-    /// Components of the selection that are too small.
+    /// Number of components of the selection that are too small.
     left: usize,
-    /// Whether the whole is not the input as it came.
+    /// Whether repair changed the input.
     was_repaired: bool,
 }
 
-/// What is sampled of the repaired input, in the pipeline's unit, and, if that is not all of it, what stays.
+/// Returns the surface to be sampled, in the pipeline's unit, and the rest of the repaired input if it is only a part.
 ///
 /// # Errors
-/// [`Error::Option`] if no triangle is in the part that is asked for, or there is no room in it.
+/// [`Error::Option`] if no triangle is in the requested part, or if there is no room in it.
 pub(super) fn sampled_part(
     prepared: &PreparedInput,
     mut repaired: OrientedManifold,
@@ -73,7 +73,7 @@ impl Within {
         Ok(within)
     }
 
-    /// The part, in the pipeline's unit.
+    /// Returns the part, in the pipeline's unit.
     fn part(&self, prepared: &PreparedInput) -> OrientedManifold {
         let triangles: Vec<u32> =
             (0..).zip(&self.selected).filter(|(_, selected)| **selected).map(|(t, _)| t).collect();
@@ -81,7 +81,7 @@ impl Within {
         OrientedManifold::trusted(prepared.unit.inwards(&self.part.mesh), provenance)
     }
 
-    /// Leaves components that have no room for a point as they are.
+    /// Leaves components unchanged that have no room for a point.
     fn leave_small_components(&mut self, spacing: f64) {
         let mesh = &self.part.mesh;
         let component = components(mesh.positions.len(), &mesh.triangles);
@@ -104,8 +104,8 @@ impl Within {
         self.part = Submesh::cut_out(&self.whole, &self.selected);
     }
 
-    /// Gives `domain`, that of the part, lengths that go over from those of the interface, and the scale that they have.
-    /// Vertices on the interface are counted by half: the other half of the surface around them is not in the part.
+    /// Gives `domain`, that of the part, lengths that change gradually from those of the interface, and returns their scale.
+    /// Vertices on the interface count by half: the other half of the surface around them is not in the part.
     pub(super) fn grade(&self, domain: &mut Domain, density: Density, scale: &Scale) -> Scale {
         let on_interface = self.part.interface_vertices();
         let wanted: Vec<f64> =
@@ -118,7 +118,7 @@ impl Within {
         Scale { wanted: inside + on_interface, spacing }
     }
 
-    /// The vertices that the whole is to have, with so many `wanted` of the part and its interface.
+    /// Returns the wanted number of vertices of the whole, given the number `wanted` of the part including its interface.
     pub(super) fn wanted(&self, wanted: usize) -> usize {
         let mut stays = vec![false; self.whole.positions.len()];
         let corners = self.whole.triangles.iter().zip(&self.selected).filter(|t| !*t.1).flat_map(|t| t.0);
@@ -126,7 +126,7 @@ impl Within {
         stays.iter().filter(|stays| **stays).count() + wanted - self.part.interface_vertices()
     }
 
-    /// The whole with `mesh`, that of `made`, whose vertices lie on `domain`, in the place of the part.
+    /// Sews `mesh`, which is the mesh of `made` and whose vertices lie on `domain`, into the whole in place of the part.
     pub(super) fn sew(&self, mesh: &Mesh, made: &Manifold, domain: &Domain) -> Sewn {
         let (_, old) = made.connectivity.compact();
         let joined: Vec<u32> = old
@@ -138,7 +138,7 @@ impl Within {
         Sewn { mesh, kept_vertices: vertices, kept_triangles: triangles, new }
     }
 
-    /// What of the input the kept vertices and triangles are.
+    /// Returns the numbers in the input of the kept vertices and triangles.
     pub(super) fn kept(&self, sewn: &Sewn) -> Kept {
         let provenance = self.whole.provenance();
         let vertex = |&v: &u32| provenance.vertex(v).unwrap_or(NONE);
@@ -150,12 +150,12 @@ impl Within {
         }
     }
 
-    /// The point of the input that is at share `weights` of triangle `t` of the whole.
+    /// Returns the point of the input at barycentric coordinates `weights` of triangle `t` of the whole.
     pub(super) fn origin(&self, t: u32, weights: [f64; 3], input: &Mesh) -> PointOnTriangle {
         self.whole.provenance().origin(t, self.whole.triangles[t as usize], weights, &input.triangles)
     }
 
-    /// What a user should know about it.
+    /// Returns the notes on the part.
     pub(super) fn notes(&self, mesh: &Mesh, kept: &Kept) -> Vec<String> {
         let new = mesh.positions.len() - kept.vertices.len();
         let of_input = if self.was_repaired { "the input, once repaired," } else { "the input" };
@@ -174,17 +174,17 @@ impl Within {
 
 /// The whole with a new part.
 pub(super) struct Sewn {
-    /// The kept vertices and triangles come first.
+    /// Kept vertices and triangles come first.
     pub mesh: Mesh,
-    /// For each kept vertex and triangle that of the whole.
+    /// For each kept vertex, and each kept triangle, its number in the whole.
     kept_vertices: Vec<u32>,
     pub kept_triangles: Vec<u32>,
-    /// For each vertex after the kept ones its number in the part.
+    /// For each vertex after the kept ones, its number in the part.
     pub new: Vec<u32>,
 }
 
-/// The vertex of the part, before it was cut along sharp edges, that vertex `v` of what was made of it is, if that is on
-/// the interface. A vertex there is a corner of the triangle of the domain that it lies on.
+/// Returns the vertex of the part, before it was cut along sharp edges, that vertex `v` of the new mesh corresponds to, if
+/// `v` is on the interface. Such a vertex is a corner of the triangle of the domain on which it lies.
 fn corner_of_interface(made: &Manifold, domain: &Domain, v: u32) -> Option<u32> {
     if !made.connectivity.is_on_interface(v) {
         return None;

@@ -1,13 +1,15 @@
-//! The implicit surface of a mesh's vertices: where they are without their noise, and what lies between them.
+//! Moves the vertices of a mesh onto their implicit surface to remove noise, and adds vertices where that surface bends
+//! between them.
 //!
-//! Points that are farther apart than the vertices of the result say where the surface goes between them only together
-//! with their normals. The triangles between them are split where it bends, and the new vertices projected on the implicit
-//! surface. That misses the points by a little; by how much is given back, between them as at them, so that they stay where
-//! they are. What is projected on later is the split mesh, which is that surface but for a share of the spacing.
+//! Where points are farther apart than the vertices of the result, the surface between them is known only from the points
+//! together with their normals. Triangles are split where it bends, and the new vertices are projected onto the implicit
+//! surface. That surface misses the points by a little. This error is subtracted at the points and, interpolated, between
+//! them, so that the points stay in place. Later projections use the split mesh, which is that surface up to a fraction of
+//! the spacing.
 //!
-//! Cost: linear in the triangles; some ten microseconds for each new vertex and each point at one.
+//! Cost: linear in the triangles; about ten microseconds for each new vertex and for each point next to one.
 //!
-//! Limits: sharp edges, the boundary, triangles over gaps, and places where the result would fold or cross itself stay
+//! Limits: sharp edges, the boundary, triangles over gaps, and places where the result would fold or intersect itself stay
 //! flat.
 
 use crate::base::parallel;
@@ -24,25 +26,26 @@ use crate::spatial::self_intersections::self_intersections;
 use crate::surface::implicit::{Found, Rimls};
 use glam::DVec3;
 
-/// How far from the surface its triangles may be, and the shortest edge that is split for it, in mean spacings of the
+/// Maximum distance of triangles from the surface, and minimum length of an edge split for its sake, in mean spacings of the
 /// result.
 const TOLERANCE: f64 = 0.02;
 const SHORTEST_SPLIT: f64 = 0.75;
 
-/// Longest edge over which the surface is taken to bend, in distances of the points there: longer ones are over gaps.
+/// Maximum length, in local point spacings, of an edge over which the surface is assumed to bend: longer edges span gaps.
 const LONGEST_CHORD: f64 = 2.0;
 
-/// Highest that a new vertex rises over the triangle that it was on, as a share of the edge between points there times the
-/// angle between their normals, up to one: an arc rises by an eighth.
+/// Maximum rise of a new vertex above its triangle, as a share of the edge length between points there times the angle
+/// between their normals, capped at one: an arc rises by one eighth.
 const HIGHEST_RISE: f64 = 0.25;
 
-/// Cosine of the most that a split triangle is turned by.
+/// Cosine of the largest angle by which a split triangle may turn.
 const MOST_TURN: f64 = 0.5;
 
-/// Rings around a new vertex with all the points that it depends on: as far as one reaches, and its normal's neighbours.
+/// Number of rings around a new vertex that contain all points it depends on: the reach of a point plus the neighbours of
+/// its normal.
 const RINGS: usize = 5;
 
-/// Points with normals, and what their implicit surface takes.
+/// Points with normals, and the data that their implicit surface needs.
 struct Cloud {
     positions: Vec<DVec3>,
     normals: Vec<DVec3>,
@@ -51,7 +54,7 @@ struct Cloud {
 }
 
 impl Cloud {
-    /// The vertices `of_mesh`, which look as the triangles there do.
+    /// Makes a cloud of the vertices `of_mesh`, which face the same way as their triangles.
     fn new(mesh: &Mesh, of_mesh: &[u32]) -> Cloud {
         let normals: Vec<DVec3> = mesh.vertex_area_vectors().into_iter().map(DVec3::normalize_or_zero).collect();
         let pick = |list: &[DVec3]| of_mesh.iter().map(|&v| list[v as usize]).collect::<Vec<DVec3>>();
@@ -68,26 +71,26 @@ impl Cloud {
     }
 }
 
-/// Moves the vertices of `mesh` to the implicit surface of their own places and normals, with a support radius of `support`
-/// times how far apart they are.
+/// Moves the vertices of `mesh` onto the implicit surface of their own positions and normals, with a support radius of
+/// `support` times their spacing.
 pub fn smooth(mesh: &mut OrientedManifold, support: f64) {
     let all: Vec<u32> = (0..mesh.positions.len() as u32).collect();
     let (positions, _) = Cloud::new(mesh, &all).surface(support).smoothed();
     mesh.positions_mut().copy_from_slice(&positions);
 }
 
-/// A mesh whose edges were split where its vertices say that the surface bends.
+/// A mesh whose edges were split where its vertices indicate that the surface bends.
 pub struct Split {
-    /// For each new vertex the two that it is in the middle of. New ones come after all others.
+    /// For each new vertex, the ends of the edge whose midpoint it is. New vertices come after all others.
     ends: Vec<[u32; 2]>,
     /// Unit normals at all vertices; zero at sharp edges.
     normals: Vec<DVec3>,
 }
 
 impl Split {
-    /// Splits the edges of `mesh` that are longer than `longest` or that the surface bends away from by more than the
-    /// tolerance, at most to `most` triangles. `sharp` says of each side `3 t + k` whether the edge is sharp, `spacing` is
-    /// that of the result.
+    /// Splits the edges of `mesh` that are longer than `longest`, or from which the surface deviates by more than the
+    /// tolerance, until there are `most` triangles. `sharp` says for each side `3 t + k` whether its edge is sharp;
+    /// `spacing` is that of the result.
     pub fn new(mesh: &mut OrientedManifold, sharp: &[bool], longest: f64, spacing: f64, most: usize) -> Split {
         let mut split = Split { ends: Vec::new(), normals: steady_normals(mesh, sharp) };
         while mesh.triangles.len() < most {
@@ -108,20 +111,20 @@ impl Split {
         split
     }
 
-    /// Whether no edge was split.
+    /// Returns whether no edge was split.
     pub fn is_empty(&self) -> bool {
         self.ends.is_empty()
     }
 
-    /// About the angle between the normals at two vertices; zero at sharp edges.
+    /// Returns approximately the angle between the normals at two vertices; zero at sharp edges.
     fn turn(&self, a: u32, b: u32) -> f64 {
         let [a, b] = [a, b].map(|v| self.normals[v as usize]);
         if a == DVec3::ZERO || b == DVec3::ZERO { 0.0 } else { a.distance(b) }
     }
 
-    /// Puts the new vertices of `mesh` on the implicit surface of those before them, each of which reaches as far as
-    /// `reach` times how far apart they are. What is at a boundary stays, and at a sharp edge, where points do not say how
-    /// the surface lies beside them. `twin` and `sharp` are as [`Domain::with_sharp`] takes them.
+    /// Moves the new vertices of `mesh` onto the implicit surface of the original ones, each of which reaches as far as
+    /// `reach` times its spacing. Vertices at a boundary stay, and so do those at a sharp edge, where points do not
+    /// determine how the surface lies beside them. `twin` and `sharp` are as in [`Domain::with_sharp`].
     ///
     /// [`Domain::with_sharp`]: crate::surface::domain::Domain::with_sharp
     pub fn bend(&self, mesh: &mut OrientedManifold, twin: &[u32], sharp: &[bool], reach: f64) {
@@ -145,8 +148,8 @@ impl Split {
         raise(mesh, count, rises);
     }
 
-    /// For each vertex of `mesh` by how much the surface misses it, and how high it may rise if it is a new one. Of the
-    /// points only those count that an edge was split at, and not those `at_sharp` edges.
+    /// Returns, for each vertex of `mesh`, by how much the surface misses it, and how far it may rise if it is new. Only
+    /// points at which an edge was split count, and none `at_sharp` edges.
     fn at_ends(&self, mesh: &Mesh, surface: &Rimls, at_sharp: &[bool]) -> (Vec<DVec3>, Vec<f64>) {
         let count = mesh.positions.len() - self.ends.len();
         let mut is_end = vec![false; mesh.positions.len()];
@@ -179,7 +182,8 @@ impl Split {
     }
 }
 
-/// Unit normals at the vertices, zero at sharp edges. They are those of more triangles than meet there: noise is no bend.
+/// Returns unit normals at the vertices, zero at sharp edges. They average over more triangles than those at the vertex, so
+/// that noise is not taken for bending.
 fn steady_normals(mesh: &Mesh, sharp: &[bool]) -> Vec<DVec3> {
     let at_sharp = corners_of_sides(mesh, |side| sharp[side]);
     let mut own = mesh.vertex_area_vectors();
@@ -192,7 +196,7 @@ fn steady_normals(mesh: &Mesh, sharp: &[bool]) -> Vec<DVec3> {
     around.into_iter().map(DVec3::normalize_or_zero).collect()
 }
 
-/// The vertices among the first `count` of `mesh` that the others depend on.
+/// Returns the vertices among the first `count` of `mesh` on which the others depend.
 fn points_around(mesh: &Mesh, count: usize) -> Vec<u32> {
     let mut is_near: Vec<bool> = (0..mesh.positions.len()).map(|v| v >= count).collect();
     for _ in 0..RINGS {
@@ -203,7 +207,7 @@ fn points_around(mesh: &Mesh, count: usize) -> Vec<u32> {
     (0..count as u32).filter(|&v| is_near[v as usize]).collect()
 }
 
-/// For each vertex of `mesh` whether one of these sides begins or ends there.
+/// Returns, for each vertex of `mesh`, whether a side for which `is_one` holds begins or ends there.
 fn corners_of_sides(mesh: &Mesh, is_one: impl Fn(usize) -> bool) -> Vec<bool> {
     let mut corners = vec![false; mesh.positions.len()];
     for side in (0..3 * mesh.triangles.len()).filter(|&side| is_one(side)) {
@@ -214,7 +218,7 @@ fn corners_of_sides(mesh: &Mesh, is_one: impl Fn(usize) -> bool) -> Vec<bool> {
     corners
 }
 
-/// Moves the vertices from number `first` on, but for those of triangles that would turn over or cross others.
+/// Moves the vertices from number `first` on, except those of triangles that would turn too far or intersect others.
 fn raise(mesh: &mut OrientedManifold, first: usize, mut rises: Vec<Option<DVec3>>) {
     let flat = mesh.clone();
     loop {
@@ -240,7 +244,7 @@ fn raise(mesh: &mut OrientedManifold, first: usize, mut rises: Vec<Option<DVec3>
     }
 }
 
-/// The `triangles` that cross others of the mesh, and those others.
+/// Returns those of `triangles` that intersect others of the mesh, and these others.
 fn crossing_among(mesh: &Mesh, triangles: &[u32]) -> Vec<u32> {
     let soup = |of: &[u32]| Mesh::soup(of.iter().map(|&t| mesh.corners(t as usize)));
     let some = soup(triangles);

@@ -1,23 +1,24 @@
-//! Volumes that are listed cell by cell: their faces inside are there twice, once for the cell on either side.
+//! Volumes that are listed cell by cell: each inner face occurs twice, once for the cell on either side.
 //!
 //! A face and one with the same corners in the opposite direction are a pair. If pairs are at least half of all faces, and
-//! what is left without them is closed, they are the faces between the cells of a volume, and what is left is its outside.
-//! A sheet that was modelled from both sides leaves nothing, and a body with a few such sheets in it has other faces mostly.
+//! the other faces are closed, the pairs are the faces between the cells of a volume, and the rest is its outside. A sheet
+//! that was modelled from both sides leaves nothing, and in a body that contains a few such sheets most faces are not in
+//! pairs.
 //!
 //! Cost: linear in the sides, once these are sorted.
 //!
-//! Limits: cells with a face too few or turned over leave an outside that is open, and nothing is dropped. So it is with
-//! volumes of so few cells that most of the faces are outside.
+//! Limits: if a cell lacks a face or has one turned over, the outside is open, and nothing is dropped. The same holds for
+//! volumes of so few cells that most faces are outside.
 //!
-//! Single copies lie on surfaces, too: hulls have such faces where four corners are nearly in a plane. Where the other faces are
-//! closed without them, none of the copies is of the surface.
+//! Single copies also occur on surfaces: hulls have such faces where four corners are nearly coplanar. Where the other faces
+//! are closed without them, none of the copies belongs to the surface.
 
 use crate::mesh::sides::{Side, edges, sorted_sides};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::mesh::weld::representatives;
 
-/// For each triangle whether it lies between two cells of a volume; `None` if the triangles are no such volume. `sides` are
-/// the [`sorted_sides`] of all triangles, none of which may have a corner twice.
+/// Returns, for each triangle, whether it lies between two cells of a volume; `None` if the triangles are not such a volume.
+/// `sides` are the [`sorted_sides`] of all triangles, none of which may have a corner twice.
 pub(super) fn faces_between_cells(triangles: &[[u32; 3]], sides: &[Side]) -> Option<Vec<bool>> {
     let mut between = vec![false; triangles.len()];
     for group in coincident(triangles, sides) {
@@ -30,7 +31,7 @@ pub(super) fn faces_between_cells(triangles: &[[u32; 3]], sides: &[Side]) -> Opt
     (is_volume && is_closed(sides.iter().filter(|s| !between[s.side as usize / 3]).copied())).then_some(between)
 }
 
-/// `mesh` without the triangles between the cells of a volume, if it is one; its vertices stay.
+/// Returns `mesh` without the triangles between the cells of a volume, if it is one; its vertices stay.
 pub fn without_faces_between_cells(mesh: &Mesh) -> Mesh {
     let first = representatives(&mesh.positions);
     let welded = mesh.triangles.iter().map(|t| t.map(|v| first[v as usize]));
@@ -41,8 +42,8 @@ pub fn without_faces_between_cells(mesh: &Mesh) -> Mesh {
     Mesh { positions: mesh.positions.clone(), triangles: outside.map(|(t, _)| mesh.triangles[t]).collect() }
 }
 
-/// For each triangle of these `groups`, which are [`coincident`], whether it lies on a surface that is closed without all of them:
-/// along two edges at least, and open along none.
+/// Returns, for each triangle of these `groups`, which are [`coincident`], whether it lies on a surface that is closed
+/// without all of them: along at least two of its edges, and open along none.
 pub(super) fn on_closed_surface(triangles: &[[u32; 3]], sides: &[Side], groups: &[Vec<u32>]) -> Vec<bool> {
     let mut is_copied = vec![false; triangles.len()];
     groups.iter().flatten().for_each(|&t| is_copied[t as usize] = true);
@@ -62,7 +63,7 @@ pub(super) fn on_closed_surface(triangles: &[[u32; 3]], sides: &[Side], groups: 
     (0..triangles.len()).map(|t| is_copied[t] && closed_edges[t] >= 2 && !is_open[t]).collect()
 }
 
-/// The triangles that have all three corners in common with others, those of each place together, in increasing order.
+/// Iterates over the groups of triangles that have all three corners in common, each group in increasing order.
 pub(super) fn coincident<'a>(triangles: &'a [[u32; 3]], sides: &'a [Side]) -> impl Iterator<Item = Vec<u32>> + 'a {
     let apex = |s: &Side| triangles[s.side as usize / 3][(s.side as usize + 2) % 3];
     let is_alone = move |edge: &[Side]| match edge {
@@ -70,7 +71,7 @@ pub(super) fn coincident<'a>(triangles: &'a [[u32; 3]], sides: &'a [Side]) -> im
         _ => edge.len() < 2,
     };
     edges(sides).filter(move |edge| !is_alone(edge)).flat_map(move |edge| {
-        // Each triangle is looked at once: at the edge across from its last corner.
+        // Each triangle is visited once: at the edge opposite its highest corner.
         let across = edge.iter().filter(|s| apex(s) > s.ends()[1]);
         let mut faces: Vec<(u32, u32)> = across.map(|s| (apex(s), s.side / 3)).collect();
         faces.sort_unstable();
@@ -79,12 +80,13 @@ pub(super) fn coincident<'a>(triangles: &'a [[u32; 3]], sides: &'a [Side]) -> im
     })
 }
 
-/// Whether the corners increase but for where the list starts: of two triangles with the same corners one direction does.
+/// Returns whether the corners increase cyclically: of two triangles with the same corners in opposite directions, exactly
+/// one does.
 fn is_even([a, b, c]: [u32; 3]) -> bool {
     usize::from(a < b) + usize::from(b < c) + usize::from(c < a) == 2
 }
 
-/// Whether each edge has as many sides in one direction as in the other.
+/// Returns whether each edge has as many sides in one direction as in the other.
 fn is_closed(sides: impl Iterator<Item = Side>) -> bool {
     let sides: Vec<Side> = sides.collect();
     let balance = |edge: &[Side]| 2 * edge.iter().filter(|s| s.forward()).count() == edge.len();
@@ -97,7 +99,7 @@ mod tests {
     use crate::testing::{cube, sheet};
     use glam::{DVec3, dvec3};
 
-    /// `n` cubes a side, each listed with all its faces and vertices of its own.
+    /// A block of `n` cubes along each axis, each listed with all its faces and with vertices of its own.
     fn volume(n: u32) -> Mesh {
         let cells = (0..n * n * n).map(|i| dvec3((i % n).into(), (i / n % n).into(), (i / n / n).into()));
         together(cells.map(|at| moved(&cube(), at)))

@@ -1,4 +1,4 @@
-//! The points of a cloud in an order near to memory, without copies, and which of them are outliers.
+//! Sorts the points of a cloud for memory locality, removes copies, and finds outliers.
 
 use crate::mesh::points::Points;
 use crate::mesh::weld::first_at_place;
@@ -6,9 +6,9 @@ use crate::spatial::knn_graph::NeighborGraph;
 use crate::spatial::order::spatial_order;
 use glam::DVec3;
 
-/// One point for each place, in a [`spatial_order`]: the number of the lowest point there, and the points with the sum of
-/// the unit normals of all points at their places, so that one at a sharp edge that was given the normal of each of its
-/// faces is of both.
+/// Merges points at the same place and sorts the rest by [`spatial_order`]. Returns the points and, for each, the number of
+/// the lowest point at its place. The normal of a point is the sum of the unit normals of all points there, so a point on a
+/// sharp edge that was given with the normal of each adjacent face counts for both.
 pub fn merged(points: &Points) -> (Points, Vec<u32>) {
     let order = spatial_order(points.positions());
     let first = first_at_place(points.positions(), order.clone());
@@ -19,7 +19,7 @@ pub fn merged(points: &Points) -> (Points, Vec<u32>) {
     (points.pick(&distinct).with_normals(normals), distinct)
 }
 
-/// For each point whether it is a neighbour of its neighbours, or of any other point: outliers are not.
+/// Returns, for each point, whether it is a neighbour of any other point: outliers are not.
 pub fn wanted_by_others(graph: &NeighborGraph, points: usize) -> Vec<bool> {
     let mut wanted = vec![false; points];
     (0..points as u32).flat_map(|p| graph.of(p)).for_each(|&n| wanted[n as usize] = true);

@@ -1,10 +1,10 @@
-//! Normals of the points of a cloud, from fits to their neighbours.
+//! Estimates the normals of a cloud's points by fits to their neighbours.
 //!
-//! - A plane: the direction in which the neighbours of a point spread least. It has no outside yet. Neighbours on a line say
-//!   nothing, so more of them are asked.
-//! - An algebraic sphere, u₀ + u·x + u₄ x·x = 0, whose gradient follows the normals of the neighbours best: with weights w
-//!   that sum to one, u₄ = ½ (Σ w x·n - Σ w x · Σ w n) / (Σ w x·x - Σ w x · Σ w x), u = Σ w n - 2 u₄ Σ w x. With the point
-//!   at the origin its normal is u. Only neighbours that face its way count, so the other side of a thin sheet does not.
+//! - A plane: its normal is the direction in which the neighbours of a point spread least. It is not oriented yet.
+//!   Neighbours on a line do not determine a plane, so more of them are used.
+//! - An algebraic sphere, u₀ + u·x + u₄ x·x = 0, whose gradient fits the normals of the neighbours best: with weights w that
+//!   sum to one, u₄ = ½ (Σ w x·n - Σ w x · Σ w n) / (Σ w x·x - Σ w x · Σ w x), u = Σ w n - 2 u₄ Σ w x. With the point at the
+//!   origin its normal is u. Only neighbours that face the same way count, so the other side of a thin sheet does not.
 //!
 //! Based on: H. Hoppe, T. DeRose, T. Duchamp, J. McDonald, W. Stuetzle, Surface reconstruction from unorganized points,
 //! 1992, DOI 10.1145/133994.134011 (planes); G. Guennebaud, M. Germann, M. Gross, Dynamic sampling and rendering of
@@ -20,19 +20,19 @@ use crate::spatial::knn_graph::NeighborGraph;
 use glam::DVec3;
 use std::borrow::Cow;
 
-/// Neighbours that steady a fit where there is noise, or few points.
+/// Number of neighbours that stabilise a fit where there is noise, or where points are few.
 pub const MANY_NEIGHBORS: usize = 16;
 
-/// Neighbours are on a line if they spread across it by less than this share of how they spread along it: half a disc, as at a
-/// boundary, spreads by half.
+/// Neighbours are on a line if their spread across it is less than this share of their spread along it. For half a disc, as
+/// at a boundary, the share is one half.
 const LINE: f64 = 0.3;
 
-/// Up to this many times more neighbours than wanted are looked at before a line is accepted as one.
+/// Maximum factor by which the number of neighbours grows before a line is accepted as one.
 pub const MOST_ON_LINE: usize = 8;
 
-/// The neighbours of each point that its normal follows from.
+/// The neighbours of each point that determine its normal.
 pub enum Neighborhood<'a> {
-    /// So many of the nearest ones.
+    /// This many of the nearest ones.
     Nearest(&'a NeighborGraph, usize),
     /// All within a radius.
     Within(&'a Neighbors, f64),
@@ -53,9 +53,9 @@ impl Neighborhood<'_> {
     }
 }
 
-/// The `nearest` neighbours of point `p`, or as many times more as it takes for them not to be on a line, through which there
-/// are many planes: the points of a scanner's rows, and the vertices of many a mesh, are nearer to each other one way than
-/// the other.
+/// Returns the `nearest` neighbours of point `p`, or as many more as it takes for them not to lie on a line, through which
+/// there are many planes. The points of a scanner's rows, and the vertices of many meshes, are closer to each other in one
+/// direction than in the other.
 fn off_line<'a>(points: &[DVec3], near: &Neighbors, p: u32, nearest: &'a [u32]) -> Cow<'a, [u32]> {
     let mut taken = Cow::Borrowed(nearest);
     let mut found = Vec::new();
@@ -71,7 +71,7 @@ fn others(found: Vec<Neighbor>, p: u32) -> Vec<u32> {
     found.into_iter().map(|n| n.point).filter(|&n| n != p).collect()
 }
 
-/// The unit normal, on no side, of the plane that fits a point and its neighbours, and whether these are on a line.
+/// Returns the unoriented unit normal of the plane that fits a point and its neighbours, and whether these are on a line.
 pub fn plane_normal(points: &[DVec3], p: u32, neighbors: &[u32]) -> (DVec3, bool) {
     let ([_, across, along], [normal, ..]) = spread(points, p, neighbors);
     (normal, across <= math::square(LINE) * along)
@@ -81,20 +81,20 @@ fn is_line(points: &[DVec3], p: u32, neighbors: &[u32]) -> bool {
     plane_normal(points, p, neighbors).1
 }
 
-/// The principal values and directions of a point and its neighbours.
+/// Returns the principal values and directions of a point and its neighbours.
 pub(super) fn spread(points: &[DVec3], p: u32, neighbors: &[u32]) -> ([f64; 3], [DVec3; 3]) {
     let here = points[p as usize];
     let offsets = neighbors.iter().map(|&n| points[n as usize] - here);
     eigen(scatter(std::iter::once(DVec3::ZERO).chain(offsets)).1)
 }
 
-/// Unit normals without a common side, from planes through each point's neighbours; through more of them, which `near` knows,
-/// where these are on a line.
+/// Returns unoriented unit normals of planes through each point's neighbours; where these are on a line, through more of
+/// them, which `near` finds.
 pub fn plane_normals(points: &[DVec3], near: &Neighbors, neighborhood: &Neighborhood) -> Vec<DVec3> {
     neighborhood.map(points, |p, neighbors| spread(points, p, &off_line(points, near, p, neighbors)).1[0])
 }
 
-/// Unit normals from spheres that fit to the neighbours and their normals, on the side of `normals`.
+/// Returns unit normals of spheres fitted to the neighbours and their normals, with the orientation of `normals`.
 pub fn sphere_normals(points: &[DVec3], normals: &[DVec3], neighborhood: &Neighborhood) -> Vec<DVec3> {
     neighborhood.map(points, |p, neighbors| sphere_normal(points, normals, p, neighbors))
 }
@@ -113,7 +113,7 @@ fn sphere_normal(points: &[DVec3], normals: &[DVec3], p: u32, neighbors: &[u32])
     fit.gradient_at_origin().try_normalize().filter(|g| g.dot(normal) > 0.0).unwrap_or(normal)
 }
 
-/// Weighted sums over points x with normals n that an algebraic sphere follows from.
+/// Weighted sums over points x with normals n that determine an algebraic sphere.
 #[derive(Default)]
 struct SphereFit {
     weight: f64,
@@ -132,7 +132,7 @@ impl SphereFit {
         self.x_dot_n += weight * x.dot(n);
     }
 
-    /// u: where the sphere through the origin faces.
+    /// Returns u, the gradient of the sphere at the origin.
     fn gradient_at_origin(&self) -> DVec3 {
         let (x, n) = (self.x / self.weight, self.n / self.weight);
         let spread = self.x_dot_x / self.weight - x.length_squared();

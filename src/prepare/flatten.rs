@@ -1,60 +1,62 @@
-//! How thick a cloud is, and noise that is stronger than its spacing taken out of it.
+//! Measures the thickness of a cloud, and removes noise that is stronger than its spacing.
 //!
-//! The thickness of some neighbouring points is how far they spread along the direction of their least spread, as a share
-//! of the second least. For points of a surface without noise the nearest neighbours are flat and more of them less so,
-//! since the surface bends. For noisy ones it is the other way: the nearest are a ball, and the more there are the more
-//! they are a sheet again. Points that fill a volume are a ball at any number. So the least number of neighbours that are
-//! flat is the scale at which there is a surface.
+//! The thickness of some neighbouring points is their spread in the direction of least spread, relative to the second least.
+//! On a surface without noise, the nearest neighbours are flat, and larger neighbourhoods less so, since the surface bends.
+//! On a noisy one it is the other way round: the nearest neighbours form a ball, and the more there are, the more they
+//! resemble a sheet again. Points that fill a volume form a ball at any number. So the smallest flat neighbourhood is the
+//! scale at which there is a surface.
 //!
-//! Noise goes by moving each point onto the plane through so many neighbours, as moving least squares of degree one do,
-//! from where it then is once more, since those far from the surface have neighbours on their side only at first. What
-//! bends is moved inwards by about the same in each round, so what a third round takes is given back for both.
+//! Noise is removed by moving each point onto the plane through that many neighbours, as in moving least squares of degree
+//! one. This is repeated once from the new positions, since points far from the surface have neighbours only on their side
+//! at first. Each round moves curved regions inwards by about the same amount, so the displacement of a third round is given
+//! back for both.
 //!
 //! Based on: M. Alexa et al., Computing and rendering point set surfaces, 2003, DOI 10.1109/TVCG.2003.1175093 (projection);
 //! M. Pauly, M. Gross, L. Kobbelt, Efficient simplification of point-sampled surfaces, 2002,
 //! DOI 10.1109/VISUAL.2002.1183771 (surface variation over growing neighbourhoods).
 //!
-//! Cost: a look at a thousand points for each number of neighbours; a query for each point in each round. Limits: details
-//! smaller than the neighbourhoods go with the noise.
+//! Cost: a thousand points are examined for each number of neighbours; one query per point and round. Limits: details
+//! smaller than the neighbourhoods are removed with the noise.
 
 use crate::base::parallel;
 use crate::geom::eigen::{eigen, scatter};
 use crate::spatial::kdtree::Neighbors;
 use glam::DVec3;
 
-/// At what number of neighbours a cloud is a surface.
+/// Number of neighbours at which a cloud is a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Flatness {
-    /// With the nearest few neighbours, or it cannot be told.
+    /// The nearest few, or it cannot be told.
     AtOnce,
-    /// With these, too, but more neighbours are flatter: there is some noise.
+    /// The nearest few, but more neighbours are flatter: there is some noise.
     NotQuite,
-    /// With this many: the noise is larger than the spacing.
+    /// This many: the noise is larger than the spacing.
     At(usize),
-    /// With no number: the points fill a volume.
+    /// None: the points fill a volume.
     Never,
 }
 
-/// Numbers of neighbours that are looked at: this one, twice as many and so on.
+/// Numbers of neighbours examined: the first one, doubled up to the second.
 const FEWEST: usize = 8;
 const MOST: usize = 512;
 
-/// Neighbours are at most this share of all points: more bend with the whole of it.
+/// At most one in this many of all points is a neighbour: larger neighbourhoods bend with the whole cloud.
 const SHARE: usize = 4;
 
-/// Points whose neighbours are looked at.
+/// Number of points whose neighbours are examined.
 const LOOKED_AT: usize = 1000;
 
-/// Neighbours of at most this thickness are flat. Eight points of a surface with noise of a third of their spacing have it.
+/// Maximum thickness of flat neighbours: that of eight points of a surface with noise of a third of their spacing.
 const FLAT: f64 = 0.4;
 
-/// Eight points of a surface with noise of an eighth of their spacing have this thickness.
+/// Thickness of eight points of a surface with noise of an eighth of their spacing.
 const NOISE: f64 = 0.2;
 
-/// A larger thickness at any number is that of a volume: eight random points of one have 0.65, and more of them more.
+/// Points whose thickness is larger at every number of neighbours fill a volume: eight random points of one have 0.65, and
+/// more of them more.
 const SOLID: f64 = 0.55;
 
-/// The least number of neighbours that are flat, around half of the points.
+/// Finds the smallest number of neighbours that are flat, around half of the points.
 pub fn flatness(points: &[DVec3], near: &Neighbors) -> Flatness {
     let most = MOST.min(points.len() / SHARE);
     let mut least = 0.0f64;
@@ -75,7 +77,7 @@ pub fn flatness(points: &[DVec3], near: &Neighbors) -> Flatness {
     if least > SOLID { Flatness::Never } else { Flatness::AtOnce }
 }
 
-/// The median thickness of the `count` nearest neighbours of points.
+/// Returns the median thickness of the `count` nearest neighbours, over some of the points.
 fn thickness(points: &[DVec3], near: &Neighbors, count: usize) -> f64 {
     let step = points.len().div_ceil(LOOKED_AT);
     let of_point = |i: usize| {
@@ -87,7 +89,7 @@ fn thickness(points: &[DVec3], near: &Neighbors, count: usize) -> f64 {
     found[found.len() / 2]
 }
 
-/// The mean of the `count` points nearest to `p`, and the principal values and directions of their spread.
+/// Returns the mean of the `count` points nearest to `p`, and the principal values and directions of their spread.
 fn plane(points: &[DVec3], near: &Neighbors, p: DVec3, count: usize) -> (DVec3, ([f64; 3], [DVec3; 3])) {
     let mut found = Vec::new();
     near.collect_nearest(p, count, &mut found);
@@ -95,7 +97,7 @@ fn plane(points: &[DVec3], near: &Neighbors, p: DVec3, count: usize) -> (DVec3, 
     (p + offset, eigen(scatter))
 }
 
-/// The points on the surface that so many neighbours are flat around.
+/// Moves the points onto the surface at the scale at which `count` neighbours are flat.
 pub fn flattened(points: &[DVec3], count: usize) -> Vec<DVec3> {
     let once = onto_planes(points, count);
     let twice = onto_planes(&once, count);
@@ -103,7 +105,7 @@ pub fn flattened(points: &[DVec3], count: usize) -> Vec<DVec3> {
     twice.iter().zip(&again).map(|(twice, again)| *twice + 2.0 * (*twice - *again)).collect()
 }
 
-/// Each point moved onto the plane through the `count` points around it.
+/// Moves each point onto the plane through the `count` points nearest to it.
 fn onto_planes(points: &[DVec3], count: usize) -> Vec<DVec3> {
     let near = Neighbors::new(points);
     let moved = |p: &DVec3| {

@@ -1,4 +1,4 @@
-//! What is done to an input before it is sampled: repairs, refinement, smoothing; and for clouds normals and their sides.
+//! Prepares an input for sampling: repairs, refinement, smoothing; for clouds, normals and their orientation.
 
 pub mod bend;
 pub mod cells;

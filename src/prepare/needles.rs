@@ -1,16 +1,19 @@
-//! Needles and caps: triangles of next to no height. A needle has two corners at all but one place, the corner of a cap lies all
-//! but on the edge across from it.
+//! Removes needles and caps: triangles with almost no height. Two corners of a needle almost coincide; the corner of a cap
+//! lies almost on the opposite edge.
 //!
-//! Rounding makes them where a program cuts one surface with another. They have no normal to go by: sharp edges run along them
-//! to and fro, and what is sampled between these has no area either. A needle goes by the collapse of its shortest edge, a cap by
-//! a flip of its longest one, so that its corner divides the triangle across. The surface moves by no more than they are high.
+//! Rounding makes them where a program cuts one surface with another. They have no reliable normal: sharp edges run to and
+//! fro along them, and what is sampled between these edges has no area either. A needle is removed by collapsing its
+//! shortest edge, a cap by flipping its longest edge, so that its corner divides the triangle across. The surface moves by
+//! no more than their height.
 //!
-//! Based on: M. Botsch, L. Kobbelt, A robust procedure to eliminate degenerate faces from triangle meshes, Vision, Modeling, and
-//! Visualization 2001. Departure: flips instead of slices, the longest edge first; so no vertex is added.
+//! Based on: M. Botsch, L. Kobbelt, A robust procedure to eliminate degenerate faces from triangle meshes, Vision, Modeling,
+//! and Visualization 2001. Departure: flips instead of slices, the longest edge first, so that no vertex is added.
 //!
-//! Cost: a look at each triangle; where one is a needle or a cap, the connectivity of the mesh, and some queue operations for it.
+//! Cost: one test per triangle; where one is a needle or a cap, the connectivity of the mesh, and some queue operations for
+//! it.
 //!
-//! Limits: caps whose longest edge is on the boundary stay, and what has no other neighbours: flips and collapses keep the topology.
+//! Limits: caps whose longest edge is on the boundary stay, and so do those without other neighbours: flips and collapses
+//! keep the topology.
 
 use crate::base::heap::Ranked;
 use crate::base::parallel;
@@ -23,12 +26,12 @@ use crate::prepare::repair::Repaired;
 use glam::DVec3;
 use std::collections::BinaryHeap;
 
-/// The least height of a triangle that counts: in diagonals of the bounding box some units in the last place of single precision, and
-/// a share of its longest edge, so that small triangles of good shape stay however large the mesh is.
+/// Maximum height of a needle or cap: in diagonals of the bounding box (some units in the last place of single precision),
+/// and as a share of its longest edge, so that small triangles of good shape stay however large the mesh is.
 const HEIGHT: f64 = 1e-6;
 const OF_LONGEST: f64 = 0.01;
 
-/// `repaired` without needles and caps; they count as repairs.
+/// Removes needles and caps from `repaired`; they count as repairs.
 pub fn without_needles(repaired: Repaired) -> Repaired {
     let Repaired { mesh, mut repairs, twins: twin } = repaired;
     let height = HEIGHT * mesh.diagonal();
@@ -45,9 +48,9 @@ pub fn without_needles(repaired: Repaired) -> Repaired {
     Repaired { twins: twins(&mesh.triangles), mesh, repairs }
 }
 
-/// The sides of a triangle, and its height above the longest one.
+/// Side lengths of a triangle, and its height above the longest side.
 struct Height {
-    /// The corner that the longest and the shortest side leave.
+    /// Corners at which the longest and the shortest side begin.
     longest: usize,
     shortest: usize,
     lengths: [f64; 3],
@@ -69,7 +72,7 @@ impl Height {
     }
 }
 
-/// A mesh of which needles and caps are removed.
+/// A mesh from which needles and caps are removed.
 struct Removal {
     positions: Vec<DVec3>,
     connectivity: Connectivity,
@@ -78,7 +81,8 @@ struct Removal {
 }
 
 impl Removal {
-    /// Removes these triangles, and those that become needles or caps by it, if they can go; how many went.
+    /// Removes these triangles, and those that become needles or caps in the process, where possible. Returns how many were
+    /// removed.
     fn remove(&mut self, low: Vec<u32>) -> usize {
         let mut count = 0;
         let mut queue: BinaryHeap<Ranked> = low.into_iter().map(|t| self.ranked(t)).collect();
@@ -93,7 +97,8 @@ impl Removal {
         count
     }
 
-    /// The triangles around what the shortest edge of `t` has become, if `t` is a needle and can go.
+    /// Collapses the shortest edge of `t`, if `t` is a needle that can be removed. Returns the triangles around the
+    /// remaining vertex.
     fn collapsed(&mut self, t: u32) -> Option<Vec<u32>> {
         let Height { shortest, longest, lengths, .. } = self.height_of(t);
         if lengths[shortest] > self.height.min(OF_LONGEST * lengths[longest]) {
@@ -110,8 +115,8 @@ impl Removal {
         Some(self.connectivity.outgoing(left).map(|h| h / 3).collect())
     }
 
-    /// The two triangles that a flip of the longest edge of `t` makes, if it can be flipped and that helps: fewer of them are low,
-    /// or as many with a shorter edge.
+    /// Flips the longest edge of `t`, if that is possible and helps: fewer of the two triangles are low afterwards, or as
+    /// many with a shorter edge. Returns the two triangles.
     fn flipped(&mut self, t: u32) -> Option<Vec<u32>> {
         let Height { longest, lengths, .. } = self.height_of(t);
         let h = 3 * t + longest as u32;
@@ -138,7 +143,7 @@ impl Removal {
         Some(vec![t, g / 3])
     }
 
-    /// Whether one of these is no vertex of the source.
+    /// Returns whether one of these is not a vertex of the source.
     fn is_inserted(&self, vertices: [u32; 3]) -> bool {
         vertices.into_iter().any(|v| self.provenance.vertex(v).is_none())
     }
@@ -155,13 +160,13 @@ impl Removal {
         self.height_of(t).is_low(self.height)
     }
 
-    /// Triangle `t` by the length of its longest edge.
+    /// Ranks triangle `t` by the length of its longest edge.
     fn ranked(&self, t: u32) -> Ranked {
         let Height { longest, lengths, .. } = self.height_of(t);
         Ranked::new(lengths[longest], t)
     }
 
-    /// What is left.
+    /// Returns the remaining mesh.
     fn finish(self) -> OrientedManifold {
         let c = &self.connectivity;
         let live: Vec<u32> = (0..c.half_edge_bound() / 3).filter(|&t| c.has_half_edge(3 * t)).collect();
@@ -189,8 +194,8 @@ mod tests {
         (0..mesh.triangles.len()).map(|t| Height::of(mesh.corners(t)).height).fold(f64::INFINITY, f64::min)
     }
 
-    /// A unit cube with vertices on one of its edges, off it by `off` in turns, which the triangle on one side alone is divided at: the
-    /// one on the other side has caps along it, fanned from an end of the edge.
+    /// A unit cube with `count` vertices along one of its edges, offset from it by `off` to either side in turn. Only the
+    /// triangle on one side is divided at them; on the other side are caps, fanned from an end of the edge.
     fn cube_with_caps(count: u32, off: f64) -> Mesh {
         let Mesh { mut positions, mut triangles } = cube();
         let [a, b, top] = triangles[0];

@@ -1,15 +1,16 @@
-//! A common side for the normals of a cloud: neighbours vote on it, and those between two parts of the cloud together.
+//! Orients the normals of a cloud consistently: neighbours vote, and the votes between two parts of the cloud are added up.
 //!
-//! Two points at an offset e belong to a surface that bends evenly if the normal of one, mirrored in the plane across e,
-//! is that of the other: n' = n - 2 (n·e) e / e·e. So their normals agree if n' and the other normal do, also around a
-//! narrow rim and between the two sides of a thin sheet, where normals themselves point apart. Two neighbours vote with
-//! the cube of the cosine, so that the clear ones decide.
+//! Two points at an offset e lie on an evenly bent surface if the normal of one, mirrored in the plane perpendicular to e,
+//! is that of the other: n' = n - 2 (n·e) e / e·e. So their normals agree if n' and the other normal do. This also holds
+//! around a narrow rim and between the two sides of a thin sheet, where the normals themselves point apart. The vote of two
+//! neighbours is the cube of the cosine, so that the clear votes decide.
 //!
-//! A normal is trusted the less the thicker its neighbours are: where they are of both sides of a thin wall, or none of a
-//! surface, it may be anything, and half a wall would turn over with it.
+//! The thicker the neighbourhood of a point, the less its normal is trusted. Where neighbours lie on both sides of a thin
+//! wall, or on no surface, the normal may point anywhere, and half a wall would turn over with it.
 //!
-//! At first every point is a part. In each round every part joins the one that it has the clearest votes with, as they
-//! say, until nothing is left to join. At last points turn over that all of their neighbours together outvote.
+//! At first, every point is a part of its own. In each round, every part joins the one with which it has the clearest votes,
+//! oriented as these say, until nothing is left to join. Finally, points that all of their neighbours together outvote are
+//! turned over.
 //!
 //! Based on: H. Hoppe et al., Surface reconstruction from unorganized points, 1992, DOI 10.1145/133994.134011 (a spanning
 //! tree of the neighbour graph); O. Borůvka, O jistém problému minimálním, 1926 (the rounds); S. König, S. Gumhold,
@@ -17,8 +18,8 @@
 //! reconstruction of noisy point clouds via local implicit quadric regression, 2003, DOI 10.1109/VISUAL.2003.1250359 (the
 //! mirror).
 //!
-//! Departure: in a spanning tree one pair of neighbours decides for all that is behind it, and where there is noise a
-//! single one is clearly wrong now and then. Votes of all pairs between two parts are not.
+//! Departure: in a spanning tree, a single pair of neighbours decides for everything behind it, and in noisy regions a
+//! single pair is clearly wrong now and then. The votes of all pairs between two parts together are not.
 //!
 //! Cost: sorting the edges of the graph, about twice.
 
@@ -31,20 +32,20 @@ use crate::spatial::knn_graph::NeighborGraph;
 use glam::DVec3;
 use rayon::slice::ParallelSliceMut;
 
-/// What the neighbours between two parts, at first two points, say of their sides.
+/// Votes of the neighbours between two parts (at first, two points) on their relative orientation.
 #[derive(Clone, Copy)]
 struct Vote {
-    /// The lowest points of both, in order.
+    /// Lowest points of both parts, in increasing order.
     ends: [u32; 2],
-    /// Positive if they are on the same side; the larger, the clearer.
+    /// Positive if both have the same orientation; the larger its magnitude, the clearer.
     sum: f32,
 }
 
-/// Rounds of turning over points that are outvoted: hardly any is left after the first.
+/// Rounds of turning over outvoted points: hardly any are left after the first.
 const ROUNDS: usize = 5;
 
-/// Turns over some of `normals` so that all of a connected part of the graph agree. For each point the number of its
-/// part: the lowest point in it.
+/// Turns over some of `normals` so that they agree within each connected part of the graph. Returns the part of each point:
+/// the number of the lowest point in it.
 pub fn orient(points: &[DVec3], normals: &mut [DVec3], graph: &NeighborGraph) -> Vec<u32> {
     let trust = trust(points, graph);
     let sides = sides(votes_of_neighbors(points, normals, graph, &trust), points.len());
@@ -53,9 +54,10 @@ pub fn orient(points: &[DVec3], normals: &mut [DVec3], graph: &NeighborGraph) ->
     sides.into_iter().map(|side| side / 2).collect()
 }
 
-/// For each of so many points twice the lowest point of its part, and one more if it is not on the side of that one.
+/// Returns, for each of the points, twice the lowest point of its part, plus one if its orientation is opposite to that of
+/// the lowest point.
 fn sides(mut votes: Vec<Vote>, points: usize) -> Vec<u32> {
-    // Two nodes for each point, one for each of its sides. The root of a set is its lowest node.
+    // Two nodes for each point, one per orientation. The root of a set is its lowest node.
     let mut sets = UnionFind::new(2 * points);
     let mut sides: Vec<u32> = (0..points as u32).map(|p| 2 * p).collect();
     while !votes.is_empty() {
@@ -70,7 +72,7 @@ fn sides(mut votes: Vec<Vote>, points: usize) -> Vec<u32> {
     sides
 }
 
-/// The votes of all pairs of neighbours.
+/// Returns the votes of all pairs of neighbours.
 fn votes_of_neighbors(points: &[DVec3], normals: &[DVec3], graph: &NeighborGraph, trust: &[f64]) -> Vec<Vote> {
     let vote = |a: u32, b: u32| trust[a as usize] * trust[b as usize] * vote(points, normals, a, b);
     parallel::collect(0..points.len() as u32, |block| {
@@ -81,7 +83,7 @@ fn votes_of_neighbors(points: &[DVec3], normals: &[DVec3], graph: &NeighborGraph
     })
 }
 
-/// For each part the clearest of its votes, the first of equally clear ones.
+/// Returns the clearest vote of each part, the first of equally clear ones.
 fn clearest(votes: &[Vote], points: usize) -> impl Iterator<Item = Vote> {
     let mut best: Vec<Option<Vote>> = vec![None; points];
     for vote in votes {
@@ -95,7 +97,7 @@ fn clearest(votes: &[Vote], points: usize) -> impl Iterator<Item = Vote> {
     best.into_iter().flatten()
 }
 
-/// The votes between the parts that are left, which `sides` tell: those between the same two are added up.
+/// Returns the votes between the remaining parts, which `sides` gives; votes between the same two parts are added up.
 fn between_parts(votes: &[Vote], sides: &[u32]) -> Vec<Vote> {
     let renamed = |vote: &Vote| {
         let [a, b] = vote.ends.map(|end| sides[end as usize]);
@@ -116,7 +118,7 @@ fn turn_outvoted(points: &[DVec3], normals: &mut [DVec3], graph: &NeighborGraph,
     for _ in 0..ROUNDS {
         let all = 0..points.len() as u32;
         let outvoted = parallel::collect(all, |block| block.filter(|&p| is_outvoted(normals, p)));
-        // Once one is turned over, another may no longer need to be.
+        // After one point is turned over, another may no longer need to be.
         for p in outvoted {
             if is_outvoted(normals, p) {
                 normals[p as usize] = -normals[p as usize];
@@ -125,14 +127,14 @@ fn turn_outvoted(points: &[DVec3], normals: &mut [DVec3], graph: &NeighborGraph,
     }
 }
 
-/// The nearest neighbours of a point that say how far to trust its normal.
+/// Number of nearest neighbours that determine how far a normal is trusted.
 const NEAREST: usize = 8;
 
-/// Neighbours that spread across their plane by this share of how they spread in it halve the trust: those of noise of an eighth
-/// of the spacing do.
+/// Ratio of the spread of neighbours across their plane to that within it at which trust is halved: noise of an eighth of
+/// the spacing has it.
 const DOUBTFUL: f64 = 0.2;
 
-/// How far the normal of each point is to be trusted, from 0 to 1.
+/// Returns how far the normal of each point is to be trusted, from 0 to 1.
 fn trust(points: &[DVec3], graph: &NeighborGraph) -> Vec<f64> {
     let of_point = |p: u32| {
         let ([least, middle, _], _) = spread(points, p, &graph.of(p)[..NEAREST.min(graph.degree())]);
@@ -142,13 +144,13 @@ fn trust(points: &[DVec3], graph: &NeighborGraph) -> Vec<f64> {
     parallel::map(0..points.len() as u32, of_point)
 }
 
-/// How clearly the normals of `a` and `b` are on the same side: from -1, if they are not, to 1.
+/// Returns how clearly the normals of `a` and `b` have the same orientation: from -1 (opposite) to 1.
 fn vote(points: &[DVec3], normals: &[DVec3], a: u32, b: u32) -> f64 {
     math::cube(agreement(points, normals, a, b))
 }
 
-/// Turns over the normals of each part of the points that disagrees, on the whole, with those that are `given`, which
-/// are zero where none is. How many of these were turned against what was given.
+/// Turns over the normals of each part that mostly disagrees with the `given` normals, which are zero where unknown. Returns
+/// the number of points whose normal is then opposite to the given one.
 pub fn side_with(given: &[DVec3], normals: &mut [DVec3], part: &[u32]) -> usize {
     let mut votes = vec![0i64; normals.len()];
     for ((n, g), part) in normals.iter().zip(given).zip(part) {
@@ -158,7 +160,7 @@ pub fn side_with(given: &[DVec3], normals: &mut [DVec3], part: &[u32]) -> usize 
     normals.iter().zip(given).filter(|(n, g)| n.dot(**g) < 0.0).count()
 }
 
-/// The share of neighbours, among those whose normals can be compared, that look to other sides.
+/// Returns the share of neighbours with opposite orientation, among those whose normals can be compared.
 pub fn disagreement(points: &[DVec3], normals: &[DVec3], graph: &NeighborGraph) -> f64 {
     let add = |a: (usize, usize), b: (usize, usize)| (a.0 + b.0, a.1 + b.1);
     let of_blocks = parallel::collect(0..points.len() as u32, |block| {
@@ -172,7 +174,7 @@ pub fn disagreement(points: &[DVec3], normals: &[DVec3], graph: &NeighborGraph) 
     turned as f64 / clear.max(1) as f64
 }
 
-/// An agreement that leaves no doubt.
+/// Agreement above which there is no doubt.
 const CLEAR: f64 = 0.8;
 
 fn agreement(points: &[DVec3], normals: &[DVec3], a: u32, b: u32) -> f64 {
@@ -180,14 +182,15 @@ fn agreement(points: &[DVec3], normals: &[DVec3], a: u32, b: u32) -> f64 {
     agreement_across(points[b] - points[a], normals[a], normals[b])
 }
 
-/// The cosine between the normal of one point, mirrored in the plane half-way to another one at `offset`, and that of the
-/// other.
+/// Returns the cosine between the normal of one point, mirrored in the plane half-way to another one at `offset`, and the
+/// normal of the other.
 fn agreement_across(offset: DVec3, normal: DVec3, other: DVec3) -> f64 {
     let mirrored = normal - 2.0 * normal.project_onto(offset);
     if mirrored.is_finite() { mirrored.dot(other) } else { normal.dot(other) }
 }
 
-/// The normal of a point at `position`, or its opposite: as points around it, with normals on a common side, have it.
+/// Returns the normal of a point at `position`, turned over if the consistently oriented normals of the points around it
+/// require that.
 pub fn sided(position: DVec3, normal: DVec3, around: impl Iterator<Item = (DVec3, DVec3)>) -> DVec3 {
     let votes = around.map(|(other, of_other)| math::cube(agreement_across(position - other, of_other, normal)));
     if votes.sum::<f64>() < 0.0 { -normal } else { normal }
@@ -221,7 +224,7 @@ mod tests {
     #[test]
     fn a_single_wrong_pair_is_outvoted_by_the_others_between_two_parts() {
         let vote = |a, b, sum| Vote { ends: [a, b], sum };
-        // Two pairs on a side each; the clearest neighbours between them say otherwise.
+        // Two pairs, each with a common orientation; the clearest vote between them contradicts the sum of the others.
         let votes = vec![vote(0, 1, 1.0), vote(2, 3, 1.0), vote(0, 2, 0.9), vote(0, 3, -0.6), vote(1, 3, -0.6)];
         assert_eq!(sides(votes, 5), [0, 0, 1, 1, 8]);
     }

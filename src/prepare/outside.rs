@@ -1,5 +1,5 @@
-//! On which side of a surface outside is, where nothing tells: a surface encloses a positive volume, and of a sheet, which
-//! encloses none, the upper side is outside.
+//! Decides which side of a surface is outside where nothing else tells: a surface encloses a positive volume; of a sheet,
+//! which encloses none, the upper side is outside.
 
 use crate::base::math;
 use crate::mesh::topology::components;
@@ -7,13 +7,13 @@ use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
-/// A surface is a sheet, like ground, if at least this share of its area faces one way.
+/// A surface is a sheet, like ground, if at least this share of its area faces the same way.
 const SHEET: f64 = 0.6;
 
-/// A piece of one of several surfaces: the number of its surface, a place on it and its area vector.
+/// A piece of one of several surfaces: the number of the surface, a point on the piece and its area vector.
 type Piece = (u32, DVec3, DVec3);
 
-/// What the pieces of a surface add up to.
+/// Sums over the pieces of a surface.
 struct Sums {
     origin: DVec3,
     /// Three times the volume between the origin and the surface.
@@ -30,7 +30,7 @@ impl Sums {
     }
 }
 
-/// Turns over the components of `mesh` that look inwards.
+/// Turns over the components of `mesh` that face inwards.
 pub fn face_outwards(mesh: &mut Mesh) {
     let component = components(mesh.positions.len(), &mesh.triangles);
     let surface = |t: &[u32; 3]| component[t[0] as usize];
@@ -42,8 +42,8 @@ pub fn face_outwards(mesh: &mut Mesh) {
     }
 }
 
-/// Turns over the `normals` of each part of the points that looks inwards. `part` tells the number of its part for each
-/// point, and `spacings` how far apart points are around it.
+/// Turns over the `normals` of each part of the points that faces inwards. `part` is the number of each point's part,
+/// `spacings` the local point spacing.
 pub fn turn_outwards(points: &[DVec3], normals: &mut [DVec3], part: &[u32], spacings: &[f64]) {
     let pieces = (0..points.len()).map(|p| (part[p], points[p], math::square(spacings[p]) * normals[p]));
     let sums = sums(pieces);

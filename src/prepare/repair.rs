@@ -1,17 +1,17 @@
-//! From triangles as they are found to an oriented 2-manifold.
+//! Turns arbitrary triangles into an oriented 2-manifold.
 //!
-//! The treatment, in order:
+//! Steps, in order:
 //!
-//! 1. Vertices at exactly the same place become one; triangles that lose a corner by it, faces between the cells of a
-//!    volume, and copies of a triangle are dropped, all copies where the surface is closed without them. Triangles
-//!    without area but with three distinct corners stay: they carry connectivity.
-//! 2. Faces are glued in pairs along edges. Where an edge has more than two faces, the pairs that bound a solid wedge
-//!    are glued if as many faces run along the edge as against it, else the flattest pairs, those of closed patches first;
-//!    a face left over gets a boundary there.
-//! 3. Orientation spreads over the glued pairs; each component keeps the orientation that most of its area had. Where the
-//!    surface cannot be oriented (a Möbius strip) it is cut open.
-//! 4. Every fan of glued faces around a vertex becomes a vertex of its own, which takes bow ties apart.
-//! 5. Pieces without area are dropped.
+//! 1. Vertices at exactly the same place are merged. Triangles that lose a corner by this, faces between the cells of a
+//!    volume, and copies of a triangle are dropped; all copies are dropped where the surface is closed without them.
+//!    Triangles without area but with three distinct corners stay: they carry connectivity.
+//! 2. Faces are glued in pairs along edges. Where an edge has more than two faces, the pairs that bound a solid wedge are
+//!    glued if as many faces run along the edge as against it; otherwise the flattest pairs are glued, those of closed
+//!    patches first. A face left over gets a boundary there.
+//! 3. Orientation spreads across the glued pairs; each component keeps the orientation that most of its area had. A surface
+//!    that cannot be oriented (a Möbius strip) is cut open.
+//! 4. Every fan of glued faces around a vertex gets a vertex of its own, which separates bow ties.
+//! 5. Components without area are dropped.
 //!
 //! Based on: A. Guéziec, G. Taubin, F. Lazarus, W. Horn, Cutting and stitching: converting sets of polygons to manifold
 //! surfaces, 2001, DOI 10.1109/2945.928166. Departure: gluing by wedge and flatness instead of by snapping boundaries.
@@ -32,53 +32,53 @@ use crate::prepare::welded::{Counts, Welded};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// What was done to an input so that it became an oriented manifold. All zero: nothing had to be done.
+/// What was done to an input to make it an oriented manifold. All zero if nothing had to be done.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Repairs {
     /// Vertices merged with another one (texture and normal seams).
     pub welded_vertices: usize,
-    /// Vertices merged with one at another place: seams that rounding opened, or cracks within a tolerance.
+    /// Vertices merged with one at a different place: seams that rounding opened, or cracks within a tolerance.
     #[serde(default)]
     pub seam_vertices: usize,
     /// Vertices that no triangle uses.
     pub unused_vertices: usize,
-    /// Triangles with two corners at one place, or in a component that has no area.
+    /// Triangles with two corners at the same place, or in a component without area.
     pub degenerate_triangles: usize,
-    /// Triangles between two cells of a volume, each of which has them: the outside is left.
+    /// Triangles between two cells of a volume, both of which list them: only the outside is kept.
     #[serde(default)]
     pub faces_between_cells: usize,
-    /// Triangles of next to no height that rounding made: needles were collapsed, caps flipped.
+    /// Triangles with almost no height, made by rounding: needles were collapsed, caps flipped.
     #[serde(default)]
     pub needles: usize,
     /// Triangles with the same three corners as another one.
     pub duplicate_triangles: usize,
-    /// Triangles turned over so that neighbours agree on the outside.
+    /// Triangles turned over so that neighbours are consistently oriented.
     pub flipped_triangles: usize,
-    /// Edges with three faces or more that were taken apart into sheets.
+    /// Edges with three or more faces that were separated into sheets.
     pub cut_edges: usize,
     /// Edges along which a surface that cannot be oriented (a Möbius strip) was cut open.
     pub unorientable_edges: usize,
-    /// Vertices doubled so that each has one fan of faces.
+    /// Vertices duplicated so that each has a single fan of faces.
     pub split_vertices: usize,
 }
 
-/// The oriented 2-manifold made of `mesh`, and what it took.
+/// Returns the oriented 2-manifold made of `mesh`, and what was done.
 pub fn repair(mesh: &Mesh) -> (OrientedManifold, Repairs) {
     let Repaired { mesh, repairs, .. } = repair_welded(mesh.positions.clone(), Welded::at_places(mesh));
     (mesh, repairs)
 }
 
-/// A mesh made an oriented 2-manifold.
+/// A mesh that was made an oriented 2-manifold.
 pub struct Repaired {
     /// The manifold.
     pub mesh: OrientedManifold,
-    /// What it took.
+    /// What was done.
     pub repairs: Repairs,
     /// The [`twins`] of its triangles.
     pub twins: Vec<u32>,
 }
 
-/// [`repair`] of vertices at `positions` that were welded before.
+/// Like [`repair`], for vertices at `positions` that are welded already.
 pub fn repair_welded(positions: Vec<DVec3>, mut welded: Welded) -> Repaired {
     let Counts { unused_vertices, welded_vertices, seam_vertices, degenerate_triangles } = welded.counts;
     let mut repairs =
@@ -100,14 +100,14 @@ pub fn repair_welded(positions: Vec<DVec3>, mut welded: Welded) -> Repaired {
     Repaired { mesh, repairs, twins }
 }
 
-/// Keeps the outside of a volume that is listed cell by cell.
+/// Keeps only the outside of a volume that is listed cell by cell.
 fn drop_faces_between_cells(welded: &mut Welded, repairs: &mut Repairs) {
     if let Some(between) = faces_between_cells(&welded.triangles, &welded.sides) {
         repairs.faces_between_cells = welded.drop_marked(&between);
     }
 }
 
-/// Keeps the first of the triangles that have the same three corners, and none of those on a surface that is closed without them.
+/// Keeps the first of several triangles with the same three corners, and none if the surface is closed without them.
 fn drop_duplicates(welded: &mut Welded, repairs: &mut Repairs) {
     let groups: Vec<Vec<u32>> = coincident(&welded.triangles, &welded.sides).collect();
     let mut copy = on_closed_surface(&welded.triangles, &welded.sides, &groups);
@@ -115,7 +115,7 @@ fn drop_duplicates(welded: &mut Welded, repairs: &mut Repairs) {
     repairs.duplicate_triangles = welded.drop_marked(&copy);
 }
 
-/// For each side the one that is the same edge of the manifold, or [`NONE`].
+/// Returns, for each side, the side that it is glued to, or [`NONE`].
 fn glue(positions: &[DVec3], triangles: &[[u32; 3]], sides: &[Side], repairs: &mut Repairs) -> Vec<u32> {
     let mut partner = pairs_of_sides(sides, 3 * triangles.len(), |_, _| true);
     let crowded = || edges(sides).filter(|e| e.len() > 2);
@@ -132,12 +132,13 @@ fn glue(positions: &[DVec3], triangles: &[[u32; 3]], sides: &[Side], repairs: &m
     partner
 }
 
-/// Each pair of sides that are one edge, once.
+/// Iterates over the pairs of glued sides, each pair once.
 fn glued(partner: &[u32]) -> impl Iterator<Item = [u32; 2]> {
     (0u32..).zip(partner).filter(|(side, other)| **other != NONE && side < other).map(|(side, &other)| [side, other])
 }
 
-/// Whether each triangle lies in a patch, bounded by edges with more than two faces, that has an open boundary too.
+/// Returns, for each triangle, whether its patch, which is bounded by edges with more than two faces, also has an open
+/// boundary.
 fn reaches_boundary<'a>(partner: &[u32], edges: impl Iterator<Item = &'a [Side]>) -> Vec<bool> {
     let count = partner.len() / 3;
     let mut patches = UnionFind::new(count);
@@ -151,8 +152,8 @@ fn reaches_boundary<'a>(partner: &[u32], edges: impl Iterator<Item = &'a [Side]>
     (0..count as u32).map(|t| open[patches.find(t) as usize]).collect()
 }
 
-/// Which of the three or more faces at an edge belong together, as pairs of indices into `sheets`. A solid must not be
-/// opened for the sake of a fin, so faces of patches that are open elsewhere (`loose`) come last.
+/// Decides which of the three or more faces at an edge belong together. Returns pairs of indices into `sheets`. A solid must
+/// not be opened for the sake of a fin, so faces of patches that are open elsewhere (`loose`) come last.
 fn pair_sheets(positions: &[DVec3], triangles: &[[u32; 3]], sheets: &[Side], loose: &[bool]) -> Vec<(usize, usize)> {
     let [lo, hi] = sheets[0].ends().map(|v| positions[v as usize]);
     let axis = (hi - lo).normalize_or_zero();
@@ -175,8 +176,8 @@ fn pair_sheets(positions: &[DVec3], triangles: &[[u32; 3]], sheets: &[Side], loo
     flattest_pairs(&angles, sheets, loose)
 }
 
-/// The pairs that bound wedges, one within the other, as brackets do: so no two sheets cross at the edge. A face that runs
-/// along the axis has its inside at smaller angles, so it closes the wedge of one before it. `order` is by angle.
+/// Returns the pairs that bound wedges, nested like brackets, so that no two sheets cross at the edge. A face that runs
+/// along the axis has its inside at smaller angles, so it closes the wedge of a preceding face. `order` is by angle.
 fn nested_pairs(order: &[usize], sheets: &[Side]) -> Vec<(usize, usize)> {
     let (mut open, mut closed, mut pairs) = (Vec::new(), vec![false; sheets.len()], Vec::new());
     for &i in order.iter().chain(order) {
@@ -212,7 +213,7 @@ fn flattest_pairs(angles: &[f64], sheets: &[Side], loose: &[bool]) -> Vec<(usize
     all
 }
 
-/// Turns triangles over so that all glued pairs agree, and unglues those that cannot.
+/// Turns triangles over so that all glued pairs agree, and unglues the pairs that cannot agree.
 fn orient(positions: &[DVec3], triangles: &mut [[u32; 3]], partner: &mut Vec<u32>, repairs: &mut Repairs) {
     let agree = |triangles: &[[u32; 3]], side: u32, other: u32| {
         triangles[side as usize / 3][side as usize % 3] != triangles[other as usize / 3][other as usize % 3]
@@ -222,7 +223,7 @@ fn orient(positions: &[DVec3], triangles: &mut [[u32; 3]], partner: &mut Vec<u32
         return;
     }
     let flipped = spread_orientation(positions, triangles, partner, |side, other| agree(triangles, side, other));
-    // A turned triangle [a, b, c] becomes [a, c, b]: side 0 (ab) is its side 2 then, side 1 (bc) stays, side 2 is 0.
+    // A turned triangle [a, b, c] becomes [a, c, b]: side 0 (ab) becomes side 2, side 1 (bc) stays, side 2 becomes side 0.
     let turned = |s: u32| if flipped[s as usize / 3] { s / 3 * 3 + 2 - s % 3 } else { s };
     let mut after = vec![NONE; partner.len()];
     for [a, b] in glued(partner) {
@@ -240,7 +241,7 @@ fn orient(positions: &[DVec3], triangles: &mut [[u32; 3]], partner: &mut Vec<u32
     }
 }
 
-/// Whether each triangle has to be turned over, found breadth first over the glued pairs.
+/// Returns, for each triangle, whether it has to be turned over, by a breadth-first search over the glued pairs.
 fn spread_orientation(
     positions: &[DVec3],
     triangles: &[[u32; 3]],
@@ -283,8 +284,8 @@ fn spread_orientation(
     flipped
 }
 
-/// One vertex for each fan of glued faces, numbered as the vertices were and then by corner, and which vertex each was;
-/// unused ones are gone.
+/// Makes one vertex for each fan of glued faces, ordered by original vertex, then by corner. Returns the mesh and the
+/// original of each vertex; unused vertices are dropped.
 fn separate_fans(
     mut positions: Vec<DVec3>,
     mut triangles: Vec<[u32; 3]>,
@@ -303,7 +304,7 @@ fn separate_fans(
     (Mesh { positions, triangles }, used)
 }
 
-/// The vertices that triangles use, if each of them has one fan.
+/// Returns the vertices that triangles use, or `None` if one of them has several fans.
 fn used_with_one_fan(vertices: usize, triangles: &[[u32; 3]], partner: &[u32]) -> Option<Vec<u32>> {
     let mut corner = vec![NONE; vertices];
     let mut corners = vec![0u32; vertices];
@@ -315,7 +316,7 @@ fn used_with_one_fan(vertices: usize, triangles: &[[u32; 3]], partner: &[u32]) -
     parallel::all(vertices, one_fan).then(|| (0..vertices as u32).filter(|&v| corner[v as usize] != NONE).collect())
 }
 
-/// How many corners are in the fan of corner `first`.
+/// Returns the number of corners in the fan of corner `first`.
 fn corners_of_fan(partner: &[u32], first: u32) -> u32 {
     let onwards = |c: u32| Some(partner[c as usize]).filter(|&side| side != NONE).map(next);
     let back = |c: u32| Some(partner[prev(c) as usize]).filter(|&side| side != NONE);
@@ -333,7 +334,7 @@ fn corners_of_fan(partner: &[u32], first: u32) -> u32 {
     count
 }
 
-/// [`separate_fans`] where vertices have several.
+/// [`separate_fans`] for vertices with several fans.
 fn split_fans(positions: &[DVec3], triangles: &[[u32; 3]], partner: &[u32], repairs: &mut Repairs) -> (Mesh, Vec<u32>) {
     let mut fans = UnionFind::new(3 * triangles.len());
     for [a, b] in glued(partner) {
@@ -354,13 +355,13 @@ fn split_fans(positions: &[DVec3], triangles: &[[u32; 3]], partner: &[u32], repa
     (Mesh { positions: vertices.iter().map(|&v| positions[v as usize]).collect(), triangles }, vertices)
 }
 
-/// Where a surface touches itself along an edge and both ends are in one fan, the edge is still there twice: all but
-/// one of its copies, each a glued pair of sides or a boundary, get a vertex in the middle.
+/// Splits repeated edges: where a surface touches itself along an edge and each end is in one fan, the edge still occurs
+/// twice. All of its copies but one, each a glued pair of sides or a boundary, get a vertex in the middle.
 fn split_repeated_edges(mesh: &mut Mesh, provenance: &mut Provenance, partner: &[u32]) {
     let sides = sorted_sides(&mesh.triangles);
     let mut middles: Vec<(u32, u32)> = Vec::new();
     for edge in edges(&sides) {
-        // Sides of an edge come in increasing order: of a pair the first one speaks for both.
+        // Sides of an edge are in increasing order, so the first of a pair represents both.
         let copies = edge.iter().map(|s| s.side).filter(|&s| partner[s as usize] > s);
         for side in copies.skip(1) {
             let middle = mesh.positions.len() as u32;
@@ -379,7 +380,7 @@ fn split_repeated_edges(mesh: &mut Mesh, provenance: &mut Provenance, partner: &
             ring.push(corner);
             ring.extend(of_triangle.iter().filter(|m| m.0 as usize % 3 == k).map(|m| m.1));
         }
-        // A fan from a middle has no flat triangle.
+        // A fan around an edge midpoint has no flat triangle.
         ring.rotate_left(of_triangle[0].0 as usize % 3 + 1);
         mesh.triangles[t] = [ring[0], ring[1], ring[2]];
         for i in 2..ring.len() - 1 {
@@ -389,7 +390,7 @@ fn split_repeated_edges(mesh: &mut Mesh, provenance: &mut Provenance, partner: &
     }
 }
 
-/// The manifold without its components that have no area.
+/// Returns the manifold without its components that have no area.
 fn drop_flat_components(mut mesh: Mesh, provenance: Provenance, repairs: &mut Repairs) -> OrientedManifold {
     if parallel::all(mesh.triangles.len(), |t| mesh.area_vector(t) != DVec3::ZERO) {
         return OrientedManifold::trusted(mesh, provenance);
@@ -499,7 +500,7 @@ mod tests {
 
     #[test]
     fn sheets_at_an_edge_do_not_cross_there() {
-        // Like a plus sign, two of its arms along the edge and two against it.
+        // A plus sign: two of its arms run along the edge, two against it.
         let arms = [DVec3::Y, DVec3::Z, -DVec3::Y, -DVec3::Z];
         let positions = [DVec3::ZERO, DVec3::X].into_iter().chain(arms).collect();
         let (mesh, repairs) = repair(&Mesh { positions, triangles: vec![[0, 1, 2], [1, 0, 3], [1, 0, 4], [0, 1, 5]] });
@@ -537,7 +538,7 @@ mod tests {
     fn copies_on_a_closed_surface_go_and_a_sheet_of_them_that_sticks_out_stays() {
         let mut mesh = cube(DVec3::ZERO);
         let [a, b, _] = mesh.triangles[0];
-        // The fourth corner of the face, of whose halves no triangle is the one between a, b and this.
+        // The fourth corner of the square face; the triangle of a, b and this corner is neither of its halves.
         let [at_a, at_b, at_c] = mesh.corners(0);
         let fourth = mesh.positions.iter().position(|p| p.distance(at_a + at_c - at_b) < 1e-9);
         let d = fourth.expect("a face has four corners") as u32;
@@ -567,7 +568,7 @@ mod tests {
         }
     }
 
-    /// Edges whose copies begin and end in the same two fans are told apart by what is glued to what.
+    /// Copies of an edge whose ends are in the same two fans are told apart by their glued sides.
     #[test]
     fn heaps_of_triangles_between_few_places_become_manifolds() {
         for seed in 0..3000 {

@@ -1,22 +1,22 @@
-//! Open seams: boundaries that lie along each other because vertices that should be one differ by rounding.
+//! Closes open seams: boundaries that run along each other because vertices that should be one differ by rounding.
 //!
-//! Exports of separate triangles or patches have them. Welding of exactly equal places leaves them open, and the result
-//! gets boundaries along them. [`stitch`] closes what rounding opened and tells of wider cracks; [`close_cracks`] closes
-//! those within a tolerance.
+//! Exports of separate triangles or patches have them. Welding exactly equal places leaves them open, and the result gets
+//! boundaries along them. [`stitch`] closes what rounding opened and reports wider cracks; [`close_cracks`] closes cracks
+//! within a tolerance.
 //!
-//! Two boundary vertices may belong together if they are within a tolerance of each other and within a share of the shortest
-//! boundary edge at either. The second condition keeps a tolerance that is too large from eating a finely divided
-//! boundary: vertices that follow each other on it are a whole edge apart. A seam is where two boundary edges become one by
-//! that, and no other edge does; where more would meet, or where two sheets lie on each other, nothing is a seam. Where a whole
-//! loop of the boundary is one place but for rounding, it is closed, too.
+//! Two boundary vertices may belong together if their distance is within a tolerance and within a share of the shortest
+//! boundary edge at either. The second condition keeps too large a tolerance from consuming a finely divided boundary, on
+//! which consecutive vertices are a whole edge apart. A seam is where exactly two boundary edges, and no other edge, become
+//! one in this way. Where more would meet, or where two sheets lie on each other, there is no seam. A whole boundary loop
+//! that is a single place but for rounding is closed, too.
 //!
 //! Based on: A. Guéziec, G. Taubin, F. Lazarus, W. Horn, Cutting and stitching: converting sets of polygons to manifold
 //! surfaces, 2001, DOI 10.1109/2945.928166. Departure: edges are matched by the places of their ends.
 //!
-//! Cost: one sort of the edges, twice where a seam is closed, and a k-d tree over the boundary vertices with one query for
+//! Cost: one sort of the edges, two where a seam is closed, and a k-d tree over the boundary vertices with one query for
 //! each.
 //!
-//! Limits: vertices are welded to vertices. A vertex that lies on the middle of an edge across the seam stays.
+//! Limits: vertices are welded only to vertices. A vertex that lies in the middle of an edge across the seam stays.
 
 use crate::base::math;
 use crate::base::union_find::UnionFind;
@@ -26,27 +26,27 @@ use crate::prepare::welded::Welded;
 use crate::spatial::kdtree::Neighbors;
 use glam::DVec3;
 
-/// How near two boundary vertices have to be to belong together: within `distance`, in units of the mesh, and within
-/// `of_edge` times the shortest boundary edge at either.
+/// Maximum distance of two boundary vertices that belong together: `distance`, in units of the mesh, and `of_edge` times the
+/// shortest boundary edge at either.
 #[derive(Clone, Copy)]
 struct Reach {
     distance: f64,
     of_edge: f64,
 }
 
-/// What rounding opens, in diagonals of the bounding box: some units in the last place of single precision.
+/// Gaps that rounding opens, in diagonals of the bounding box: a few units in the last place of single precision.
 const ROUNDING: Reach = Reach { distance: 1e-6, of_edge: 0.1 };
 
-/// Boundary vertices this near are suspicious: far below any intended edge. Along a seam they are suspicious at a larger
-/// distance, too.
+/// Boundary vertices this close are suspicious: far below any intended edge length. Along a seam, a larger distance is
+/// suspicious, too.
 const SUSPICIOUS: Reach = Reach { distance: 1e-5, of_edge: 0.5 };
 const SUSPICIOUS_SEAM: Reach = Reach { distance: 2e-3, of_edge: 0.25 };
 
-/// Cosine of the angle between two faces at an edge, above which they lie on each other: one degree.
+/// Cosine of the angle between two faces at an edge above which they lie on each other: one degree.
 const FOLDED: f64 = 0.9998;
 
 impl Reach {
-    /// The same in units of a mesh with this diagonal.
+    /// Returns the reach in units of a mesh with this diagonal.
     fn of(self, diagonal: f64) -> Reach {
         Reach { distance: diagonal * self.distance, ..self }
     }
@@ -54,28 +54,28 @@ impl Reach {
 
 /// A mesh without the seams that rounding opened.
 pub struct Stitched {
-    /// Its triangles over the vertices that are left.
+    /// Its triangles over the remaining vertices.
     pub welded: Welded,
-    /// What may be cracks, and wider than rounding opens.
+    /// Suspected cracks, wider than what rounding opens.
     pub cracks: Option<Cracks>,
 }
 
 /// Boundary vertices across a gap from others.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cracks {
-    /// How many there are.
+    /// Number of these vertices.
     pub vertices: usize,
-    /// The widest gap between two of them, in units of the mesh: a tolerance that closes all.
+    /// Widest gap between two of them, in units of the mesh: a tolerance that closes all gaps.
     pub width: f64,
 }
 
-/// Welds the vertices of `mesh` at exactly one place, and those along seams and around pinholes that rounding opened: boundary
-/// vertices within a millionth of the mesh's diagonal and a tenth of the edges there.
+/// Welds the vertices of `mesh` at exactly the same place, and those along seams and around pinholes that rounding opened:
+/// boundary vertices within a millionth of the mesh's diagonal and a tenth of the edges there.
 ///
-/// A seam is closed only where each of its boundary edges finds a partner: no edge gets a third face by it, and no face is
-/// folded onto another. A pinhole is closed with the faces around it that have two corners there: such needles are all that
-/// lies around the pole of a globe which was sampled by angles. [`repair_welded`](crate::prepare::repair::repair_welded) is
-/// meant to follow.
+/// A seam is closed only where each of its boundary edges finds a partner, so that no edge gets a third face and no face is
+/// folded onto another. A pinhole is closed together with the faces around it that have two corners there: all faces around
+/// the pole of a globe sampled by angles are such needles. [`repair_welded`](crate::prepare::repair::repair_welded) is meant
+/// to follow.
 pub fn stitch(mesh: &Mesh) -> Stitched {
     let mut welded = Welded::at_places(mesh);
     let mut boundary = OpenBoundary::new(&mesh.positions, &welded);
@@ -96,13 +96,12 @@ pub fn stitch(mesh: &Mesh) -> Stitched {
     Stitched { welded, cracks: boundary.cracks(diagonal) }
 }
 
-/// `mesh` with cracks closed: boundary vertices within `tolerance` of each other, in units of
-/// the mesh, are welded, the nearest pairs first, and so are all vertices at exactly one place. The one with the smallest
-/// number stands for all.
+/// Closes the cracks of `mesh`: welds boundary vertices within `tolerance` of each other, in units of the mesh, nearest
+/// pairs first, and all vertices at exactly the same place. The vertex with the smallest number represents all.
 ///
-/// No two ends of an edge are ever welded, so no triangle is lost. With a tolerance of zero, or one that is not a
-/// number, only exact places are welded. The patches on both sides of a crack may differ in orientation, and more than
-/// two faces may meet there now: [`repair_welded`](crate::prepare::repair::repair_welded) is meant to follow.
+/// The two ends of an edge are never welded, so no triangle is lost. With a tolerance of zero or NaN, only exactly equal
+/// places are welded. The patches on both sides of a crack may differ in orientation, and more than two faces may now meet
+/// there: [`repair_welded`](crate::prepare::repair::repair_welded) is meant to follow.
 pub fn close_cracks(mesh: &Mesh, tolerance: f64) -> Welded {
     let exact = Welded::at_places(mesh);
     let boundary = OpenBoundary::new(&mesh.positions, &exact);
@@ -110,33 +109,33 @@ pub fn close_cracks(mesh: &Mesh, tolerance: f64) -> Welded {
     Welded::new(mesh, boundary.welded(exact.representatives, &mut groups))
 }
 
-/// The vertices at edges with one face.
+/// Vertices of edges with only one face.
 struct OpenBoundary {
-    /// In increasing order; everything else here counts by their place in it.
+    /// In increasing order; all other fields use indices into this list.
     vertices: Vec<u32>,
     positions: Vec<DVec3>,
-    /// The shortest boundary edge at each.
+    /// Length of the shortest boundary edge at each vertex.
     shortest: Vec<f64>,
-    /// Edges of the mesh between two of them, in increasing order.
+    /// Edges of the mesh between two of these vertices, in increasing order.
     edges: Vec<Edge>,
 }
 
 /// An edge between two boundary vertices.
 struct Edge {
-    /// The smaller first.
+    /// The lower one first.
     ends: [u32; 2],
-    /// Where the third corner of its face is, if it has but one.
+    /// Position of the third corner of its face, if it has exactly one face.
     apex: Option<DVec3>,
 }
 
-/// Two boundary vertices that are near each other, the smaller one first.
+/// Two boundary vertices that are close to each other, the lower one first.
 struct Pair {
     ends: [u32; 2],
     distance_squared: f64,
 }
 
 impl OpenBoundary {
-    /// That of welded triangles over vertices at `positions`.
+    /// Finds the open boundary of welded triangles over vertices at `positions`.
     fn new(positions: &[DVec3], welded: &Welded) -> Self {
         let Welded { triangles, sides, .. } = welded;
         let edges = || edges(sides);
@@ -167,7 +166,7 @@ impl OpenBoundary {
         self.edges.binary_search_by_key(&lower_first([a, b]), |edge| edge.ends).is_ok()
     }
 
-    /// All pairs that may belong together, the nearest first, those that an edge joins left out.
+    /// Returns all pairs that may belong together, nearest first, without those that an edge connects.
     fn pairs(&self, reach: Reach) -> Vec<Pair> {
         let set = Neighbors::new(&self.positions);
         let radius = |i: u32| (reach.of_edge * self.shortest[i as usize]).min(reach.distance);
@@ -184,7 +183,7 @@ impl OpenBoundary {
         pairs
     }
 
-    /// The vertices that pairs join, but for those that an edge joins.
+    /// Groups the vertices of all pairs, except where an edge connects two members.
     fn groups(&self, reach: Reach) -> UnionFind {
         let mut groups = Groups::new(self.vertices.len());
         for pair in self.pairs(reach) {
@@ -193,7 +192,7 @@ impl OpenBoundary {
         groups.sets
     }
 
-    /// The vertices across a seam from each other: the ends of two boundary edges, and of no other, that become one edge.
+    /// Returns pairs of vertices across a seam: the ends of two boundary edges that become one edge, without any other edge.
     fn seams(&self, reach: Reach) -> Vec<[u32; 2]> {
         let mut groups = self.groups(reach);
         let mut edges: Vec<([u32; 2], &Edge)> = Vec::with_capacity(self.edges.len());
@@ -218,7 +217,8 @@ impl OpenBoundary {
         seams.into_iter().map(|(_, pair)| pair).collect()
     }
 
-    /// The ends of the boundary edges around pinholes: a whole part of the boundary within a distance, at which all faces are needles.
+    /// Returns the ends of the boundary edges around pinholes. A pinhole is a whole connected part of the boundary within
+    /// the distance, at which all faces are needles.
     fn pinholes(&self, reach: Reach) -> Vec<[u32; 2]> {
         let open = || self.edges.iter().filter_map(|edge| Some((edge.ends, edge.apex?)));
         let mut parts = UnionFind::new(self.vertices.len());
@@ -236,7 +236,7 @@ impl OpenBoundary {
         open().map(|(ends, _)| ends).filter(|ends| !is_wide[parts.find(ends[0]) as usize]).collect()
     }
 
-    /// Whether two edges at one place have one face each, and these do not lie on each other.
+    /// Returns whether two edges at one place have one face each, and these do not lie on each other.
     fn are_halves(&self, one: &Edge, other: &Edge) -> bool {
         let [Some(p), Some(q)] = [one.apex, other.apex] else { return false };
         let [a, b] = one.ends.map(|v| self.positions[v as usize]);
@@ -245,7 +245,7 @@ impl OpenBoundary {
         p.dot(q) < FOLDED
     }
 
-    /// For each vertex the one that it is one with: its representative so far, or the first vertex of the set of that.
+    /// Returns the representative of each vertex: the one so far, or the first vertex of the set that contains it.
     fn welded(&self, representatives: Vec<u32>, sets: &mut UnionFind) -> Vec<u32> {
         let mut number: Vec<u32> = (0..representatives.len() as u32).collect();
         for (i, &v) in (0..).zip(&self.vertices) {
@@ -254,7 +254,7 @@ impl OpenBoundary {
         representatives.into_iter().map(|v| number[v as usize]).collect()
     }
 
-    /// The vertices that are suspiciously near to others.
+    /// Returns the cracks: the vertices that are suspiciously close to others.
     fn cracks(&self, diagonal: f64) -> Option<Cracks> {
         let near = self.pairs(SUSPICIOUS.of(diagonal)).into_iter().map(|pair| pair.ends);
         let pairs: Vec<[u32; 2]> = near.chain(self.seams(SUSPICIOUS_SEAM.of(diagonal))).collect();
@@ -267,7 +267,7 @@ impl OpenBoundary {
     }
 }
 
-/// Disjoint sets that know their members.
+/// Disjoint sets with lists of their members.
 struct Groups {
     sets: UnionFind,
     members: Vec<Vec<u32>>,
@@ -300,12 +300,12 @@ mod tests {
     use glam::dvec3;
     use std::f64::consts::{PI, TAU};
 
-    /// The mesh once its cracks are closed.
+    /// Closes the cracks of a mesh and repairs it.
     fn closed(mesh: &Mesh, tolerance: f64) -> Mesh {
         repair_welded(mesh.positions.clone(), close_cracks(mesh, tolerance)).mesh.into_mesh()
     }
 
-    /// The mesh once what rounding opened is closed.
+    /// Closes what rounding opened in a mesh and repairs it.
     fn stitched(mesh: &Mesh) -> Mesh {
         repair_welded(mesh.positions.clone(), stitch(mesh).welded).mesh.into_mesh()
     }
@@ -324,8 +324,8 @@ mod tests {
         all
     }
 
-    /// A sphere of radius 1 between poles that all meridians share, with a cut along one whose vertices on one side lie off
-    /// by `gap`.
+    /// A sphere of radius 1 with poles that all meridians share, cut along one meridian, with the vertices on one side of
+    /// the cut offset by `gap`.
     fn cut_sphere(gap: f64) -> Mesh {
         let (rows, columns) = (24u32, 48u32);
         let place = |i: u32, j: u32| {
@@ -369,8 +369,8 @@ mod tests {
         }
     }
 
-    /// A globe of radius 1, sampled by angles: each row has as many vertices as the equator, those at the poles `off` these, and each
-    /// meridian but the first one vertex for both sides.
+    /// A globe of radius 1, sampled by angles: each row has as many vertices as the equator, those at the poles at a
+    /// distance of `off` from them, and each meridian but the first has one vertex for both sides.
     fn globe(off: f64) -> Mesh {
         let (rows, columns) = (12u32, 36u32);
         let polar = |i: u32| PI * f64::from(i) / f64::from(rows);
@@ -407,7 +407,7 @@ mod tests {
     fn slits_and_sheets_that_are_meant_stay() {
         let slit = cut_sphere(0.03);
         assert!(stitch(&slit).cracks.is_none() && boundary_loops(&stitched(&slit)) == 1);
-        // Sheets on each other, in either direction, and three along a line.
+        // Sheets lying on each other, in either orientation, and three sheets that meet along a line.
         let sheet_at = |z: f64, y: DVec3| sheet(4, dvec3(0.0, 0.0, z), DVec3::X, y);
         let mut behind = sheet_at(1e-8, DVec3::Y);
         for _ in 0..2 {
@@ -422,7 +422,7 @@ mod tests {
         assert_eq!(boundary_loops(&stitched(&two)), 1);
     }
 
-    /// A sheet of n by n squares over the parallelogram of `x` and `y` at `origin`.
+    /// A sheet of n by n squares over the parallelogram that `x` and `y` span at `origin`.
     fn sheet(n: u32, origin: DVec3, x: DVec3, y: DVec3) -> Mesh {
         let at = |i: u32, j: u32| i * (n + 1) + j;
         let positions = (0..=n).flat_map(|i| (0..=n).map(move |j| (i, j)));
@@ -472,7 +472,7 @@ mod tests {
         assert_eq!(stitch(&open).cracks, None);
         assert!(stitch(&open).welded.representatives.into_iter().eq(0..21 * 21));
         assert!(close_cracks(&open, 100.0).representatives.into_iter().eq(0..21 * 21));
-        // A second one far off: the edges of the first are shorter than what is suspicious.
+        // A second sheet far away: the edges of the first are shorter than the suspicious distance.
         let mut far = sheet(2, dvec3(1e7, 0.0, 0.0), DVec3::X, DVec3::Y);
         far.triangles.iter_mut().flatten().for_each(|v| *v += open.positions.len() as u32);
         let mut both = open;
@@ -483,7 +483,7 @@ mod tests {
 
     #[test]
     fn a_slit_is_closed_up_to_its_end() {
-        // Twelve squares around a corner, the last ones not glued to the first.
+        // Twelve triangles around a corner, the last one not glued to the first.
         let fan = |k: u32| {
             let angle = std::f64::consts::TAU * f64::from(k) / 12.0;
             dvec3(angle.cos(), angle.sin(), 0.0)

@@ -1,14 +1,15 @@
-//! A cloud with more points than are of use, thinned while it comes in: one point for each cell of a lattice.
+//! Thins a cloud with more points than are useful while it is read: one point per cell of a lattice.
 //!
-//! A cell keeps the point that is nearest to its centre, the first of equally near ones; of points that face apart, as on
-//! the two sides of a thin wall, one for each side. Cells are anchored at the origin, and their width is a power of two,
-//! doubled when more than four times the wanted points are kept; so each cell is one of eight of a cell twice as wide,
-//! and what is kept depends on the points and their order alone. At the end a lattice of any width leaves about as many as
-//! are wanted. Points are not averaged: each one kept is a point of the input, with its number, its normal and its colour.
+//! A cell keeps the point nearest to its centre, and the first among equally near ones; where points face opposite ways, as
+//! on the two sides of a thin wall, it keeps one per side. Cells are anchored at the origin. Their width is a power of two
+//! and doubles whenever more than four times the wanted number of points are kept; so each cell is one of the eight parts of
+//! a cell twice as wide, and what is kept depends only on the points and their order. At the end, a lattice of arbitrary
+//! width reduces them to about the wanted number. Points are not averaged: each one kept is a point of the input, with its
+//! number, normal and colour.
 //!
-//! A point is a row of bytes, whatever is in it, so a file can be thinned before it is understood.
+//! A point is an opaque row of bytes, so a file can be thinned before it is parsed.
 //!
-//! Cost: a look into a table for each point. Memory: four rows, twelve bytes each beside, for each point wanted.
+//! Cost: one table look-up per point. Memory: four rows per wanted point, and twelve bytes for each of these rows.
 //!
 //! Limits: isolated points are alone in their cells and stay, so their share grows.
 
@@ -18,61 +19,61 @@ use glam::DVec3;
 use rayon::slice::ParallelSliceMut;
 use std::ops::Range;
 
-/// This many times more points than wanted are kept while points come in.
+/// Factor by which the number of points kept during reading may exceed the wanted one.
 const ROOM: usize = 4;
 
-/// The share of the room that a wider lattice may fill.
+/// Share of that room that a wider lattice may fill.
 const FILLED: f64 = 0.875;
 
-/// A lattice that leaves this share of what is wanted is good enough.
+/// A lattice that leaves at least this share of the wanted points is good enough.
 const ENOUGH: f64 = 0.95;
 
-/// Lattices that are tried at most for the last one.
+/// Maximum number of lattices tried for the last one.
 const TRIES: usize = 16;
 
-/// Above this many points, cells are counted from one point in [`SHARE`].
+/// Above this many points, only one in [`SHARE`] cells is counted.
 const MANY: usize = 1 << 18;
 const SHARE: u64 = 16;
 
-/// The narrowest cells, as a share of the extent of the points, and their width where these have none.
+/// Minimum cell width as a share of the first one, and the width used where the points have no extent.
 const NARROWEST: f64 = 1.0 / (1 << 24) as f64;
 const UNKNOWN: f64 = 1.0 / (1 << 30) as f64;
 
-/// Points that are looked at together.
+/// Number of points processed together.
 const BATCH: usize = 32;
 
-/// No point in a slot.
+/// Marks an empty slot.
 const EMPTY: u32 = u32::MAX;
 
-/// What a row says of its point.
+/// Position and normal of a point, as its row gives them.
 #[derive(Debug, Clone, Copy)]
 pub struct Seen {
-    /// Where it is: finite.
+    /// Its position, finite.
     pub position: DVec3,
     /// Its normal, of any length; zero where none is known.
     pub normal: DVec3,
 }
 
-/// What was kept of a cloud.
+/// The points kept of a cloud.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Thinned {
-    /// How many points there were.
+    /// Number of points of the whole cloud.
     pub points: usize,
-    /// The width of the cells, one point of each of which is kept, in the units of the points; 0 if all were kept.
+    /// Width of the cells that keep one point each, in the units of the points; 0 if all points were kept.
     pub cell: f64,
-    /// The numbers of the points that were kept, in ascending order.
+    /// Numbers of the kept points, in ascending order.
     pub numbers: Vec<u32>,
 }
 
 impl Thinned {
-    /// How far a point that was not kept may be from one that was, at most: a diagonal of a cell, and where cells became
-    /// wider in the end half of one more.
+    /// Returns an upper bound on the distance from a dropped point to a kept one: two cell diagonals, one for the last
+    /// lattice and one for those before it.
     pub fn reach(&self) -> f64 {
         2.0 * 3f64.sqrt() * self.cell
     }
 }
 
-/// A cloud that comes in row by row.
+/// Thins a cloud that arrives row by row.
 pub struct Thinner<L> {
     wanted: usize,
     look: L,
@@ -81,7 +82,7 @@ pub struct Thinner<L> {
     lattice: Option<Lattice>,
 }
 
-/// Rows of equally many bytes, and their numbers.
+/// Rows of equal length in bytes, and the numbers of their points.
 struct Rows {
     width: usize,
     bytes: Vec<u8>,
@@ -90,27 +91,28 @@ struct Rows {
 
 struct Lattice {
     width: f64,
-    /// The points that it has: the first so many rows.
+    /// Number of its points: they are the first rows.
     count: usize,
-    /// Where the points of cells are, in a power of two of slots.
+    /// Hash table of the points of cells; its length is a power of two.
     slots: Vec<Slot>,
 }
 
 #[derive(Clone, Copy)]
 struct Slot {
-    /// Bits of the cell that tell it from most others.
+    /// Bits of the cell's hash, which tell it from most other cells.
     tag: u32,
     point: u32,
 }
 
 impl<L: Fn(&[u8]) -> Seen + Sync> Thinner<L> {
-    /// About `wanted` points at most are to be kept of a cloud whose rows have `width` bytes; `look` understands them.
+    /// Makes a thinner that keeps at most about `wanted` points of a cloud whose rows have `width` bytes; `look` reads a
+    /// row.
     pub fn new(wanted: usize, width: usize, look: L) -> Self {
         let kept = Rows { width, bytes: Vec::new(), numbers: Vec::new() };
         Thinner { wanted, look, seen: 0, kept, lattice: None }
     }
 
-    /// Takes the next points, whose rows follow each other. There may be fewer than 2^32.
+    /// Adds the next points, as consecutive rows. Their total number must be below 2^32.
     pub fn push(&mut self, rows: &[u8]) {
         let width = self.kept.width;
         let look = |i: usize| (self.look)(&rows[width * i..width * (i + 1)]);
@@ -136,7 +138,7 @@ impl<L: Fn(&[u8]) -> Seen + Sync> Thinner<L> {
         }
     }
 
-    /// The points that are kept, and their rows, in the order in which they came.
+    /// Returns the kept points and their rows, in input order.
     pub fn finish(mut self) -> (Thinned, Vec<u8>) {
         let mut cell = 0.0;
         if self.kept.numbers.len() > self.wanted {
@@ -149,7 +151,7 @@ impl<L: Fn(&[u8]) -> Seen + Sync> Thinner<L> {
         (Thinned { points: self.seen, cell, numbers }, rows)
     }
 
-    /// The width of the next lattice: the least, doubled, that leaves room for more points.
+    /// Returns the width of the next lattice: the smallest one, by doubling, that leaves room for more points.
     fn wider(&self) -> f64 {
         let most = (FILLED * (ROOM * self.wanted) as f64) as usize;
         let mut width = match &self.lattice {
@@ -169,14 +171,14 @@ impl<L: Fn(&[u8]) -> Seen + Sync> Thinner<L> {
         width
     }
 
-    /// A power of two, about the width of cells that a surface as wide as the points has as many of as are wanted.
+    /// Returns a power of two: about the cell width at which a surface as wide as the points has the wanted number of cells.
     fn first_width(&self) -> f64 {
         let places = (0..self.kept.numbers.len()).map(|i| (self.look)(self.kept.row(i)).position);
         let extent = Aabb::of(places).unwrap_or_default().size().max_element();
         if extent > 0.0 { power_of_two(extent / (self.wanted.max(1) as f64).sqrt()) } else { UNKNOWN }
     }
 
-    /// The width of cells of which about as many as are wanted have points, hardly more.
+    /// Returns the cell width at which about the wanted number of cells, and hardly more, contain points.
     fn last_width(&self) -> f64 {
         let most = self.wanted;
         let mut width = self.lattice.as_ref().map_or_else(|| self.first_width(), |lattice| lattice.width);
@@ -204,7 +206,7 @@ impl<L: Fn(&[u8]) -> Seen + Sync> Thinner<L> {
         if wide.is_finite() { wide } else { width }
     }
 
-    /// About how many cells of this width have points.
+    /// Returns approximately how many cells of this width contain points.
     fn cells(&self, width: f64) -> usize {
         let points = self.kept.numbers.len();
         let share = if points > MANY { SHARE } else { 1 };
@@ -215,14 +217,14 @@ impl<L: Fn(&[u8]) -> Seen + Sync> Thinner<L> {
         share as usize * found.len()
     }
 
-    /// Keeps one of the points that are kept so far for each cell of this width, with room for so many.
+    /// Reduces the points kept so far to one per cell of this width, with room for `room` points.
     fn bin(&mut self, width: f64, room: usize) {
-        // The slots of the lattice before go first.
+        // Free the slots of the previous lattice first.
         self.lattice = None;
         let mut lattice = Lattice::new(width, room);
         let all = self.kept.numbers.len();
         for first in (0..all).step_by(BATCH) {
-            // What is kept is written at or before the rows that are read.
+            // Kept rows are written at or before the rows that are being read.
             let batch = self.kept.part(first..all.min(first + BATCH));
             let all_seen: Vec<Seen> = batch.iter().map(|(row, _)| (self.look)(row)).collect();
             lattice.warm(&self.kept, &all_seen);
@@ -236,13 +238,13 @@ impl<L: Fn(&[u8]) -> Seen + Sync> Thinner<L> {
 }
 
 impl Lattice {
-    /// Cells of this width, without points, with room for so many.
+    /// Makes an empty lattice with cells of this width and room for `room` points.
     fn new(width: f64, room: usize) -> Lattice {
         let slot = Slot { tag: 0, point: EMPTY };
         Lattice { width, count: 0, slots: vec![slot; (room + room / 2 + 2).next_power_of_two()] }
     }
 
-    /// Prefetches what points will be compared with, all at once instead of one after the other.
+    /// Prefetches the rows that points will be compared with, all at once instead of one after the other.
     fn warm(&self, kept: &Rows, all_seen: &[Seen]) {
         let mut points = [0; BATCH];
         for (point, seen) in points.iter_mut().zip(all_seen) {
@@ -253,7 +255,7 @@ impl Lattice {
         std::hint::black_box(bytes.sum::<u32>());
     }
 
-    /// Keeps a point if it is the first of its cell or nearer to the centre than the one there.
+    /// Keeps a point if it is the first in its cell or nearer to the centre than the one there.
     fn offer(&mut self, kept: &mut Rows, row: &[u8], seen: Seen, number: u32, look: &impl Fn(&[u8]) -> Seen) {
         let cell = cell_of(seen.position, self.width);
         let hash = hash(cell);
@@ -287,18 +289,18 @@ impl Rows {
         &self.bytes[self.width * i..self.width * (i + 1)]
     }
 
-    /// A copy of these.
+    /// Copies a range of rows.
     fn part(&self, rows: Range<usize>) -> Rows {
         let bytes = &self.bytes[self.width * rows.start..self.width * rows.end];
         Rows { width: self.width, bytes: bytes.to_vec(), numbers: self.numbers[rows].to_vec() }
     }
 
-    /// Each row and its number.
+    /// Iterates over the rows and their numbers.
     fn iter(&self) -> impl Iterator<Item = (&[u8], u32)> {
         self.bytes.chunks_exact(self.width).zip(self.numbers.iter().copied())
     }
 
-    /// A row in place of the one at `i`, or behind the last.
+    /// Replaces row `i`, or appends the row if `i` is one past the last.
     fn put(&mut self, i: usize, row: &[u8], number: u32) {
         if i == self.numbers.len() {
             self.bytes.extend_from_slice(row);
@@ -314,7 +316,7 @@ impl Rows {
         self.numbers.truncate(count);
     }
 
-    /// The numbers in ascending order, and the rows of them.
+    /// Returns the numbers in ascending order, and the rows in the same order.
     fn in_order(self) -> (Vec<u32>, Vec<u8>) {
         let mut order: Vec<u32> = (0..self.numbers.len() as u32).collect();
         order.par_sort_unstable_by_key(|&i| self.numbers[i as usize]);
@@ -323,14 +325,14 @@ impl Rows {
     }
 }
 
-/// The cell that a point is in: whole numbers, as far as there are some so large.
+/// Returns the cell that contains a point, in whole numbers as far as f64 can represent them.
 fn cell_of(position: DVec3, width: f64) -> DVec3 {
     (position / width).floor()
 }
 
-/// A number for a cell that spreads over all bits.
+/// Hashes a cell, spreading it over all bits.
 fn hash(cell: DVec3) -> u64 {
-    // Minus zero is zero.
+    // Adding zero turns -0.0 into 0.0.
     let mixed =
         cell.to_array().iter().fold(0u64, |sum, x| (sum.rotate_left(21) ^ (x + 0.0).to_bits()).wrapping_mul(FACTOR));
     let folded = mixed ^ mixed >> 29;
@@ -340,7 +342,7 @@ fn hash(cell: DVec3) -> u64 {
 /// 2^64 over the golden ratio, odd.
 const FACTOR: u64 = 0x9E37_79B9_7F4A_7C15;
 
-/// The power of two at or below `x`, which is positive and normal.
+/// Returns the largest power of two that is not above `x`, which must be positive and normal.
 fn power_of_two(x: f64) -> f64 {
     f64::from_bits(x.max(f64::MIN_POSITIVE).to_bits() & 0x7FF0_0000_0000_0000)
 }
@@ -350,7 +352,7 @@ mod tests {
     use super::*;
     use crate::base::rng::{Stage, stream, unit};
 
-    /// Three coordinates and a normal along one axis.
+    /// Makes a row of each point: three coordinates and the normal.
     fn rows(points: &[DVec3], normal: DVec3) -> Vec<u8> {
         points.iter().flat_map(|p| [p.to_array(), normal.to_array()]).flatten().flat_map(f64::to_ne_bytes).collect()
     }
@@ -366,7 +368,7 @@ mod tests {
         thinner.finish()
     }
 
-    /// Random points of a unit square that is lifted to a saddle, a thousandth of them far above it.
+    /// Random points on a unit square lifted to a saddle, one in a thousand far above it.
     fn saddle(count: usize) -> Vec<DVec3> {
         let mut rng = stream(3, Stage::Candidates);
         let point = |i: usize| {
@@ -400,14 +402,14 @@ mod tests {
             near.collect_nearest(*p, 1, &mut found);
             assert!(found[0].distance_squared.sqrt() <= kept.reach());
         }
-        // Cells are about as wide as points are apart.
+        // Cells are about as wide as the spacing of the points.
         assert!(kept.cell < 2.0 / (kept.numbers.len() as f64).sqrt(), "{}", kept.cell);
         assert!(thinned(2000, &all, 1).0 == kept && thinned(2000, &all, 60_000).0 == kept);
     }
 
     #[test]
     fn what_comes_first_does_not_decide_how_wide_cells_are() {
-        // A corner of the whole comes first, and many points at one place before it.
+        // One corner of the cloud comes first, and before it many points at one place.
         let mut points = saddle(60_000);
         points.sort_by(|a, b| a.length().total_cmp(&b.length()));
         let first = vec![DVec3::ZERO; 10_000];

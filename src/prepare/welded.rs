@@ -1,4 +1,4 @@
-//! Triangles over vertices of which some are one, and their sides edge by edge: what repair and the search for seams start from.
+//! Welded triangles and their sides edge by edge: the input of repair and of the search for seams.
 //!
 //! Cost: one sort of the sides.
 
@@ -6,22 +6,22 @@ use crate::mesh::sides::{Side, sorted_sides};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::mesh::weld::representatives;
 
-/// The triangles of a mesh some of whose vertices are one, without those that lose a corner by it.
+/// Triangles of a mesh after welding vertices, without those that lose a corner by it.
 pub struct Welded {
-    /// For each vertex of the mesh the first of those that it is one with.
+    /// For each vertex of the mesh, the first of the vertices that it is welded to.
     pub representatives: Vec<u32>,
-    /// What became of vertices and triangles.
+    /// Numbers of welded and dropped vertices and triangles.
     pub(super) counts: Counts,
-    /// Over the vertices that stand for others.
+    /// Triangles over the representatives.
     pub(super) triangles: Vec<[u32; 3]>,
-    /// Which of the mesh's triangles each is.
+    /// For each triangle, its number in the mesh.
     pub(super) sources: Vec<u32>,
     /// The [`sorted_sides`] of the triangles.
     pub(super) sides: Vec<Side>,
 }
 
 impl Welded {
-    /// The triangles of `mesh` once its vertices are one with their `representatives`.
+    /// Welds the vertices of `mesh` to their `representatives`.
     pub fn new(mesh: &Mesh, representatives: Vec<u32>) -> Welded {
         let mut counts = Counts::new(mesh, &representatives);
         let welded = mesh.triangles.iter().map(|t| t.map(|v| representatives[v as usize]));
@@ -32,12 +32,12 @@ impl Welded {
         Welded { representatives, counts, triangles, sources, sides }
     }
 
-    /// Those of `mesh` once all vertices at exactly one place are one.
+    /// Welds all vertices of `mesh` at exactly the same place.
     pub fn at_places(mesh: &Mesh) -> Welded {
         Welded::new(mesh, representatives(&mesh.positions))
     }
 
-    /// Drops the marked triangles, if there are any; how many.
+    /// Drops the marked triangles, if any. Returns how many there were.
     pub(super) fn drop_marked(&mut self, marked: &[bool]) -> usize {
         let count = marked.iter().filter(|is| **is).count();
         if count > 0 {
@@ -49,7 +49,7 @@ impl Welded {
     }
 }
 
-/// How many vertices and triangles of a mesh are gone in it, as [`Repairs`](crate::prepare::repair::Repairs) names them.
+/// Numbers of unused and welded vertices and of lost triangles, named as in [`Repairs`](crate::prepare::repair::Repairs).
 #[derive(Clone, Copy)]
 pub(super) struct Counts {
     pub unused_vertices: usize,
@@ -59,11 +59,11 @@ pub(super) struct Counts {
 }
 
 impl Counts {
-    /// Those of vertices; no triangle counts yet.
+    /// Counts the vertices only; triangles are still zero.
     fn new(mesh: &Mesh, representatives: &[u32]) -> Counts {
         let used = mesh.used_vertices();
         let unused_vertices = used.iter().filter(|&&u| !u).count();
-        // An unused vertex may stand for a place of used ones.
+        // An unused vertex may be the representative of used ones.
         let mut stands = vec![false; used.len()];
         representatives.iter().zip(&used).filter(|v| *v.1).for_each(|(&first, _)| stands[first as usize] = true);
         let places = stands.iter().filter(|stands| **stands).count();
@@ -77,7 +77,7 @@ impl Counts {
     }
 }
 
-/// Keeps the entries whose numbers `keeps` holds for.
+/// Keeps the entries for whose index `keeps` holds.
 fn retain<T>(list: &mut Vec<T>, keeps: impl Fn(usize) -> bool) {
     let mut numbers = 0..;
     list.retain(|_| numbers.next().is_some_and(&keeps));

@@ -1,22 +1,22 @@
-//! Bounds of the Hausdorff distance between two meshes: samples alone only bound it from below.
+//! Bounds of the Hausdorff distance between two meshes: samples alone only give a lower bound.
 //!
-//! The distance to one triangle f is convex, so on another triangle T it is largest at a corner; and no distance changes by more
-//! than the way gone. With m the centroid of T, f the triangle of the other mesh that is closest to m, and d the distance to that
-//! mesh,
+//! The distance to one triangle f is convex, so its maximum over another triangle T is at a corner; and the distance at two
+//! points differs by at most the distance between them. With m the centroid of T, f the triangle of the other mesh that is
+//! closest to m, and d the distance to that mesh,
 //!
 //! ```text
 //! d(m)  ≤  max d on T  ≤  min( max over the corners of the distance to f,  d(m) + distance of the farthest corner to m )
 //! ```
 //!
-//! T is split in four until both ends are close, or the upper one is below what is known to be there elsewhere, or below
+//! T is split in four until both bounds are close, or the upper one is below a distance known to occur elsewhere, or below
 //! what is of interest.
 //!
-//! Based on: M. Tang, M. Lee, Y. J. Kim, Interactive Hausdorff distance computation for general polygonal models, 2009,
-//! DOI 10.1145/1531326.1531380. Departure: no pairs of boxes are culled; triangles are as small as the distance matters.
+//! Based on: M. Tang, M. Lee, Y. J. Kim, Interactive Hausdorff distance computation for general polygonal models, 2009, DOI
+//! 10.1145/1531326.1531380. Departure: no pairs of boxes are culled; triangles are as small as the distance matters.
 //!
-//! Cost: two hierarchies, and some twenty closest-point queries for each triangle. Limits: the upper bound is one up to
-//! the rounding of the closest points; where triangles are
-//! more than a hundred times as long as the distance, it may be several times as large as that.
+//! Cost: two hierarchies, and some twenty closest-point queries per triangle. Limits: the upper bound holds up to the
+//! rounding of the closest points; where triangles are more than a hundred times as long as the distance, it may be several
+//! times as large as the distance.
 
 use crate::base::parallel;
 use crate::geom::triangle::closest_point;
@@ -24,25 +24,25 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
 use glam::DVec3;
 
-/// How much larger the upper bound may be than what is known to be there.
+/// Maximum ratio of the upper bound to the distance known to occur.
 const CLOSE: f64 = 1.05;
 
-/// How often a triangle is split in four.
+/// Maximum number of times that a triangle is split in four.
 const DEEPEST: u32 = 7;
 
-/// The bounds of a Hausdorff distance, in the units of the meshes.
+/// Bounds of a Hausdorff distance, in the units of the meshes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
-    /// The distance at `place`.
+    /// Distance at `place`.
     pub lower: f64,
-    /// No point of either mesh is farther from the other one.
+    /// Upper bound of the distance of any point of either mesh from the other one.
     pub upper: f64,
-    /// A point of one of the meshes about as far from the other one as any.
+    /// Point of one of the meshes that is about as far from the other one as any.
     pub place: DVec3,
 }
 
-/// Bounds of the Hausdorff distance, both ways, between two meshes, `enough`, in their units, is an upper bound that need not be
-/// improved. `None` if one of them has no triangles.
+/// Bounds the two-sided Hausdorff distance between two meshes. An upper bound of `enough`, in their units, need not be
+/// improved. `None` if one of the meshes has no triangles.
 pub fn hausdorff_bounds(a: &Mesh, b: &Mesh, enough: f64) -> Option<Bounds> {
     if a.triangles.is_empty() || b.triangles.is_empty() {
         return None;
@@ -54,7 +54,7 @@ pub fn hausdorff_bounds(a: &Mesh, b: &Mesh, enough: f64) -> Option<Bounds> {
 }
 
 impl Bounds {
-    /// Those of two sets of points together.
+    /// Returns the bounds of the union of two point sets.
     fn join(self, other: Bounds) -> Bounds {
         let (lower, place) =
             if other.lower > self.lower { (other.lower, other.place) } else { (self.lower, self.place) };
@@ -70,24 +70,24 @@ struct Side<'a> {
 }
 
 impl Side<'_> {
-    /// What `of` makes of each triangle.
+    /// Applies `of` to each triangle.
     fn of_triangles<T: Send>(&self, of: impl Fn([DVec3; 3]) -> T + Sync) -> Vec<T> {
         parallel::map(0..self.mesh.triangles.len(), |t| of(self.mesh.corners(t)))
     }
 
-    /// The largest distance of a triangle's centroid to the other mesh.
+    /// Returns the largest distance of a triangle's centroid to the other mesh.
     fn farthest_centroid(&self, other: &Side) -> f64 {
         self.of_triangles(|t| other.bounds_on(t).lower).into_iter().fold(0.0, f64::max)
     }
 
-    /// Bounds of the largest distance to the other mesh, where distances below `known` do not matter.
+    /// Bounds the largest distance to the other mesh, where distances below `known` do not matter.
     fn bounds(&self, other: &Side, known: f64) -> Bounds {
         let none = Bounds { lower: f64::NEG_INFINITY, upper: 0.0, place: DVec3::ZERO };
         let all = self.of_triangles(|t| other.split_bounds(t, known, DEEPEST));
         all.into_iter().fold(none, Bounds::join)
     }
 
-    /// Bounds of the distance to this mesh on a triangle, which is split where they are not close.
+    /// Bounds the distance to this mesh on a triangle, which is split where the bounds are not close.
     fn split_bounds(&self, triangle: [DVec3; 3], known: f64, depth: u32) -> Bounds {
         let whole = self.bounds_on(triangle);
         if depth == 0 || whole.upper <= CLOSE * known.max(whole.lower) {
@@ -102,7 +102,7 @@ impl Side<'_> {
         Bounds { upper: parts.upper.min(whole.upper), ..parts }
     }
 
-    /// Bounds of the distance to this mesh on a triangle.
+    /// Bounds the distance to this mesh on a triangle.
     fn bounds_on(&self, triangle: [DVec3; 3]) -> Bounds {
         let middle = triangle.iter().sum::<DVec3>() / 3.0;
         let Some(hit) = self.bvh.closest(self.mesh, middle) else {
@@ -124,7 +124,7 @@ mod tests {
 
     #[test]
     fn the_truth_is_between_the_bounds_and_they_are_close() {
-        // A single vertex stands out, and no sample hits it.
+        // A single vertex protrudes, and no sample hits it.
         for height in [0.01, 0.03, 0.1] {
             let mut spike = sheet(20, |_, _| 0.0);
             spike.positions[21 * 10 + 10].z = height;

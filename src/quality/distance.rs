@@ -1,17 +1,17 @@
-//! How far two surfaces are apart.
+//! Distance between two surfaces.
 //!
-//! From each mesh, points are taken evenly by area, and each has its exact distance to the closest point of the other
-//! mesh. With d the distances one way,
+//! Points are sampled on each mesh, evenly by area, and each has its exact distance to the closest point of the other mesh.
+//! With d the distances in one direction,
 //!
 //! ```text
 //! RMS = √(mean of d²)      Hausdorff = max d
 //! ```
 //!
-//! both in percent of the diagonal of the reference's bounding box. The Hausdorff distance looks at all vertices, too.
+//! both in percent of the diagonal of the reference's bounding box. The Hausdorff distance includes all vertices, too.
 //!
-//! Cost: two hierarchies, and one closest-point query for each sample and each vertex; in parallel, with the same bits
-//! for any number of threads. Limits: both figures are those of the points looked at. The true Hausdorff distance is
-//! never smaller, and may be larger where a triangle's inside is farther off than its corners and every sample.
+//! Cost: two hierarchies, and one closest-point query per sample and per vertex; in parallel, with the same bits for any
+//! number of threads. Limits: both figures are those of the points examined. The true Hausdorff distance is never smaller,
+//! and may be larger where the interior of a triangle is farther away than its corners and every sample.
 
 use crate::base::math;
 use crate::base::parallel;
@@ -23,21 +23,21 @@ use crate::spatial::bvh::Bvh;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// Samples each way that the tool takes for its reports. Between surfaces of 97,000 and 17,000 triangles the whole
-/// measurement then takes 0.08 s on two cores, and the RMS differs between seeds by less than half a percent of
-/// itself; 20,000 samples took 0.05 s for twice the noise, 200,000 took 0.2 s.
+/// Number of samples in each direction for the tool's reports. Between surfaces of 97,000 and 17,000 triangles the whole
+/// measurement then takes 0.08 s on two cores, and the relative difference of the RMS between seeds is less than half a
+/// percent; 20,000 samples took 0.05 s for twice the noise, 200,000 took 0.2 s.
 pub const REPORT_SAMPLES: usize = 50_000;
 
 /// Distances between a mesh and a reference, in percent of the diagonal of the reference's bounding box.
 ///
-/// "Out" is the mesh that is measured, "in" the reference: the output and the input of a remeshing.
+/// "Out" is the measured mesh, "in" the reference: the output and the input of remeshing.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Distance {
-    /// Root of the mean of the squared distances of the samples of the mesh to the reference.
+    /// Root mean square distance of the samples of the mesh to the reference.
     pub rms_out_to_in: f64,
     /// The same from the reference to the mesh.
     pub rms_in_to_out: f64,
-    /// Root of the mean of both squares.
+    /// Root mean square of both.
     pub rms: f64,
     /// Largest distance of the samples and vertices of the mesh to the reference.
     pub hausdorff_out_to_in: f64,
@@ -45,12 +45,12 @@ pub struct Distance {
     pub hausdorff_in_to_out: f64,
     /// The larger of both.
     pub hausdorff: f64,
-    /// Samples taken on each of the two.
+    /// Number of samples on each of the two.
     pub samples: usize,
 }
 
 impl Distance {
-    /// The same with the figures from the reference to the mesh replaced.
+    /// Returns the same distances with the figures from the reference to the mesh replaced.
     #[must_use]
     pub fn with_way_back(self, rms: f64, hausdorff: f64) -> Distance {
         Distance {
@@ -63,9 +63,9 @@ impl Distance {
     }
 }
 
-/// The distances between `mesh` and `reference`, from `samples` points on each.
+/// Returns the distances between `mesh` and `reference`, from `samples` points on each.
 ///
-/// `None` if one of them has no triangles or the reference no extent.
+/// `None` if one of them has no triangles or the reference has no extent.
 pub fn distance(mesh: &Mesh, reference: &Mesh, samples: usize, seed: u64) -> Option<Distance> {
     let unit = 100.0 / reference.diagonal();
     if mesh.triangles.is_empty() || !unit.is_finite() {
@@ -103,7 +103,7 @@ impl OneWay {
         };
         let of_samples = parallel::blocks(samples, CHUNK, squares).concat();
         let largest = of_samples.iter().copied().fold(0.0, f64::max);
-        // A vertex that is nearer than a sample need not be looked at closer.
+        // A vertex that is closer than some sample need not be measured exactly.
         let used = from.used_vertices();
         let of_vertices = parallel::blocks((&from.positions[..], &used[..]), CHUNK, |(positions, used)| {
             let mut search = Search { bvh: &bvh, to, last: None };
@@ -117,25 +117,25 @@ impl OneWay {
     }
 }
 
-/// Finds the squared distances of points one after the other, each mostly near the one before.
+/// Finds the squared distances of successive points, each usually near the previous one.
 struct Search<'a> {
     bvh: &'a Bvh,
     to: &'a Mesh,
-    /// The triangle that was closest to the last point.
+    /// Triangle that was closest to the previous point.
     last: Option<u32>,
 }
 
 impl Search<'_> {
-    /// The squared distance of `p`; 0 where there is nothing to be near to.
+    /// Returns the squared distance of `p`; 0 if there are no triangles.
     fn closest(&mut self, p: DVec3) -> f64 {
         let to_last = self.to_last(p);
         let hit = self.bvh.closest_where(self.to, p, to_last.unwrap_or(f64::INFINITY), |_| true);
         self.last = hit.map(|hit| hit.triangle).or(self.last);
-        // A box may be farther than its triangle by rounding: then even the last one is not found again.
+        // By rounding, a box may be farther away than its triangle: then not even the previous triangle is found again.
         hit.map(|hit| hit.distance_squared).or(to_last).unwrap_or(0.0)
     }
 
-    /// The squared distance of `p` if it is above `square`; the search ends early if it is not.
+    /// Returns the squared distance of `p` if it exceeds `square`; otherwise the search ends early.
     fn beyond(&mut self, p: DVec3, square: f64) -> Option<f64> {
         if self.to_last(p).is_some_and(|to_last| to_last <= square) {
             return None;
@@ -150,18 +150,18 @@ impl Search<'_> {
     }
 }
 
-/// The distance of each vertex of `mesh` to the closest point of `reference`, in the units of the meshes; `None` if that has
-/// no triangles.
+/// Returns the distance of each vertex of `mesh` to the closest point of `reference`, in the units of the meshes; `None` if
+/// the latter has no triangles.
 pub fn vertex_distances(mesh: &Mesh, reference: &Mesh) -> Option<Vec<f64>> {
     let bvh = (!reference.triangles.is_empty()).then(|| Bvh::new(reference))?;
     let distance = |&p: &DVec3| bvh.closest(reference, p).map_or(0.0, |hit| hit.distance_squared.sqrt());
     Some(parallel::map(&mesh.positions[..], distance))
 }
 
-/// From this many triangles for each query on, a hierarchy that is built faster pays.
+/// Number of triangles per query from which a hierarchy that is faster to build pays.
 const MANY: usize = 16;
 
-/// Points that one task looks at.
+/// Number of points per task.
 const CHUNK: usize = 256;
 
 #[cfg(test)]
@@ -170,7 +170,7 @@ mod tests {
     use crate::testing::sheet;
     use approx::assert_relative_eq;
 
-    /// The unit square at height `z`, as `n` by `n` squares.
+    /// Returns the unit square at height `z`, as `n` by `n` squares.
     fn square(n: u32, z: f64) -> Mesh {
         sheet(n, |_, _| z)
     }
@@ -201,7 +201,7 @@ mod tests {
         let found = distance(&part, &whole, 20_000, 0).unwrap();
         assert!(found.rms_out_to_in < 1e-12 && found.hausdorff_out_to_in < 1e-12);
         assert_relative_eq!(found.hausdorff_in_to_out, 100.0 * 0.5 / 2f64.sqrt(), epsilon = 1e-9);
-        // Half of the area is at distances spread evenly over 0 to 1/2.
+        // Half of the area is at distances distributed evenly over 0 to 1/2.
         assert_relative_eq!(found.rms_in_to_out, 100.0 * (1.0f64 / 24.0).sqrt() / 2f64.sqrt(), max_relative = 0.01);
     }
 

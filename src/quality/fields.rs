@@ -1,4 +1,4 @@
-//! Figures of each triangle and of each side of a mesh, for pictures and histograms; those of vertices are
+//! Figures per triangle and per side of a mesh, for pictures and histograms; those per vertex are
 //! [`valences`](crate::quality::shape::valences) and [`vertex_distances`](crate::quality::distance::vertex_distances).
 
 use crate::base::parallel;
@@ -6,7 +6,7 @@ use crate::geom::triangle::{angles, quality, side_lengths};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::quality::shape::extreme_angles;
 
-/// The smallest angle of each triangle, in degrees; 0 without area.
+/// Smallest angle of each triangle, in degrees; 0 if it has no area.
 pub fn smallest_angles(mesh: &Mesh) -> Vec<f64> {
     parallel::map(0..mesh.triangles.len(), |t| extreme_angles(mesh.corners(t)).0)
 }
@@ -21,13 +21,13 @@ pub fn all_angles(mesh: &Mesh) -> Vec<[f64; 3]> {
     parallel::map(0..mesh.triangles.len(), |t| angles(mesh.corners(t)))
 }
 
-/// The length of each side over the one wanted there, the mean of what `wanted` says of its ends; an edge of two triangles
-/// counts twice, and sides with an end of which nothing is wanted are left out.
+/// Ratio of the length of each side to its target length, which is the mean of `wanted` at its ends. An edge of two
+/// triangles counts twice; sides with an end without a target length are left out.
 pub fn lengths_over(mesh: &Mesh, wanted: impl Fn(u32) -> Option<f64>) -> Vec<f64> {
     let mut ratios = Vec::with_capacity(3 * mesh.triangles.len());
     for (t, corners) in mesh.triangles.iter().enumerate() {
         let at = corners.map(&wanted);
-        // A side's length stands at the corner across it.
+        // The length of a side is stored at the opposite corner.
         for (k, length) in side_lengths(mesh.corners(t)).into_iter().enumerate() {
             if let (Some(a), Some(b)) = (at[(k + 1) % 3], at[(k + 2) % 3]) {
                 ratios.push(2.0 * length / (a + b));

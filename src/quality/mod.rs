@@ -1,4 +1,4 @@
-//! How good a mesh is: the shape of its triangles, and its distance to another mesh.
+//! Quality of a mesh: the shape of its triangles, and its distance to another mesh.
 
 pub mod bound;
 pub mod distance;

@@ -5,11 +5,11 @@ use crate::geom::triangle;
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 
-/// `count` points of the surface, uniform by area: point k has a random place in the k-th of `count` equal shares of
-/// the area, in the order of the triangles.
+/// Samples `count` points of the surface, uniformly by area: point k has a random position in the k-th of `count` equal
+/// shares of the area, in the order of the triangles.
 ///
-/// Taking one point a share instead of `count` independent ones lowers the variance of sums over the points and visits
-/// the mesh in its own order. Without area every triangle has the same share. None without triangles.
+/// Compared with `count` independent points, one point per share lowers the variance of sums over the points and visits the
+/// mesh in its own order. If the mesh has no area, every triangle has the same share. Empty if there are no triangles.
 pub fn by_area(mesh: &Mesh, count: usize, rng: &mut Random) -> Vec<DVec3> {
     if mesh.triangles.is_empty() {
         return Vec::new();
@@ -33,7 +33,7 @@ pub fn by_area(mesh: &Mesh, count: usize, rng: &mut Random) -> Vec<DVec3> {
         .collect()
 }
 
-/// A point that is uniform in a triangle: the square root makes equal areas of equal shares of the unit interval.
+/// Samples a point uniformly in a triangle: the square root maps equal shares of the unit interval to equal areas.
 fn in_triangle([a, b, c]: [DVec3; 3], rng: &mut Random) -> DVec3 {
     let away = unit(rng).sqrt();
     let across = unit(rng);
@@ -45,7 +45,7 @@ mod tests {
     use super::*;
     use crate::base::rng::{Stage, stream};
 
-    /// A unit square of a large triangle and two small ones, and a triangle without area.
+    /// A unit square of one large triangle and two small ones, and a triangle without area.
     fn square() -> Mesh {
         let points = [[0., 0.], [1., 0.], [1., 1.], [0., 1.], [0.5, 0.5]];
         Mesh {

@@ -1,4 +1,4 @@
-//! Figures of the shape of a mesh's triangles.
+//! Shape figures of a mesh's triangles.
 //!
 //! With S the area of a triangle, p half its perimeter and h its longest edge,
 //!
@@ -7,9 +7,9 @@
 //! ```
 //!
 //! is 1 for an equilateral triangle and 0 for one without area (Frey and Borouchaki, *Surface mesh quality evaluation*,
-//! 1999, doi:10.1002/(SICI)1097-0207(19990510)45:1<101::AID-NME582>3.0.CO;2-4, as section 7.1 of *Spectral Sampling of
-//! Manifolds* has it). θmin is the smallest angle over all triangles, "mean θmin" the mean over the triangles of the
-//! smallest angle of each.
+//! 1999, doi:10.1002/(SICI)1097-0207(19990510)45:1<101::AID-NME582>3.0.CO;2-4, as used in section 7.1 of *Spectral Sampling
+//! of Manifolds*). θmin is the smallest angle of all triangles, "mean θmin" the mean of the smallest angles of the
+//! triangles.
 //!
 //! Cost: linear, in parallel over fixed chunks, so the figures have the same bits with any number of threads.
 
@@ -20,10 +20,10 @@ use crate::mesh::triangle_mesh::Mesh;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Triangles that are summed by one thread: fixed, because the order of a sum is part of its result.
+/// Number of triangles per sum of one thread: fixed, because the order of summation affects the result.
 const CHUNK: usize = 4096;
 
-/// The shape of a mesh's triangles. Angles in degrees, lengths in the units of the mesh.
+/// Shape figures of a mesh's triangles. Angles are in degrees, lengths in the units of the mesh.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Shape {
     /// Smallest angle of all triangles.
@@ -46,18 +46,17 @@ pub struct Shape {
     pub edge_min: f64,
     /// Longest side.
     pub edge_max: f64,
-    /// Coefficient of variation of the sides: standard deviation over mean; 0 if all sides have no length.
+    /// Coefficient of variation of the sides: standard deviation over mean; 0 if all sides have zero length.
     pub edge_cv: f64,
-    /// For each number of edges at a vertex, how many interior vertices have it. Interior are the vertices all of whose
-    /// edges have exactly two triangles.
+    /// Number of interior vertices of each valence. Interior vertices are those whose edges all have exactly two triangles.
     pub valence: BTreeMap<u32, usize>,
     /// Interior vertices of valence 6, in percent; `None` if no vertex is interior.
     pub percent_valence_6: Option<f64>,
 }
 
-/// The figures of all triangles of `mesh`, as they are; `None` without triangles.
+/// Returns the figures of all triangles of `mesh`, as they are; `None` if there are no triangles.
 ///
-/// A triangle without area counts as one of the angles 0, 0 and 180 degrees and of Q = 0.
+/// A triangle without area counts as having the angles 0, 0 and 180 degrees and Q = 0.
 pub fn shape(mesh: &Mesh) -> Option<Shape> {
     let sum = |chunk: &[[u32; 3]]| -> Sums { chunk.iter().map(|t| Sums::of(mesh, *t)).sum() };
     let sums: Sums = parallel::blocks(&mesh.triangles[..], CHUNK, sum).into_iter().sum();
@@ -85,7 +84,7 @@ pub fn shape(mesh: &Mesh) -> Option<Shape> {
     })
 }
 
-/// What one pass over the triangles gathers.
+/// Figures gathered in one pass over the triangles.
 struct Sums {
     triangles: usize,
     theta_min: f64,
@@ -101,7 +100,7 @@ struct Sums {
 }
 
 impl Sums {
-    /// Of no triangle.
+    /// Figures of no triangles.
     const NONE: Sums = Sums {
         triangles: 0,
         theta_min: f64::INFINITY,
@@ -116,7 +115,7 @@ impl Sums {
         edge_max: 0.0,
     };
 
-    /// Of one triangle.
+    /// Figures of one triangle.
     fn of(mesh: &Mesh, triangle: [u32; 3]) -> Sums {
         let corners = triangle.map(|v| mesh.positions[v as usize]);
         let (smallest, largest) = extreme_angles(corners);
@@ -160,7 +159,7 @@ impl std::iter::Sum for Sums {
     }
 }
 
-/// The smallest and the largest angle, in degrees; 0 and 180 without area.
+/// Returns the smallest and the largest angle, in degrees; 0 and 180 if there is no area.
 pub fn extreme_angles(corners: [glam::DVec3; 3]) -> (f64, f64) {
     if triangle::area(corners) <= 0.0 {
         return (0.0, 180.0);
@@ -168,7 +167,7 @@ pub fn extreme_angles(corners: [glam::DVec3; 3]) -> (f64, f64) {
     triangle::extreme_angles(corners)
 }
 
-/// The sum over all sides of the squared difference to `mean`.
+/// Returns the sum over all sides of the squared difference to `mean`.
 fn squared_deviations(mesh: &Mesh, mean: f64) -> f64 {
     let of = |t: &[u32; 3]| -> f64 {
         let sides = triangle::side_lengths(t.map(|v| mesh.positions[v as usize]));
@@ -177,7 +176,7 @@ fn squared_deviations(mesh: &Mesh, mean: f64) -> f64 {
     parallel::blocks(&mesh.triangles[..], CHUNK, |chunk| chunk.iter().map(of).sum::<f64>()).iter().sum()
 }
 
-/// The number of distinct edges at each vertex that is interior; `None` at the others, and at those that no triangle uses.
+/// Returns the valence of each interior vertex; `None` for other vertices and for those that no triangle uses.
 pub fn valences(mesh: &Mesh) -> Vec<Option<u32>> {
     let mut valence = vec![0u32; mesh.positions.len()];
     let mut interior = vec![true; mesh.positions.len()];
@@ -190,7 +189,7 @@ pub fn valences(mesh: &Mesh) -> Vec<Option<u32>> {
     valence.into_iter().zip(interior).map(|(valence, interior)| (interior && valence > 0).then_some(valence)).collect()
 }
 
-/// How many interior vertices have each number of distinct edges.
+/// Returns the number of interior vertices of each valence.
 fn valence_histogram(mesh: &Mesh) -> BTreeMap<u32, usize> {
     let mut histogram = BTreeMap::new();
     for valence in valences(mesh).into_iter().flatten() {
@@ -199,7 +198,7 @@ fn valence_histogram(mesh: &Mesh) -> BTreeMap<u32, usize> {
     histogram
 }
 
-/// The share of `valence` in a histogram, in percent.
+/// Returns the share of `valence` in a histogram, in percent.
 fn percent_of(histogram: &BTreeMap<u32, usize>, valence: u32) -> Option<f64> {
     let all: usize = histogram.values().sum();
     (all > 0).then(|| 100.0 * *histogram.get(&valence).unwrap_or(&0) as f64 / all as f64)

@@ -1,7 +1,7 @@
-//! What a run did and how good its result is: as JSON of a fixed schema, and as text for a terminal.
+//! Reports on what a run did and how good its result is, as JSON with a fixed schema and as text for a terminal.
 //!
-//! `docs/report.md` describes every member. Within a version of a schema members are only ever added, so a reader that
-//! ignores what it does not know keeps working.
+//! `docs/report.md` describes every member. Within a version of a schema, members are only ever added, so a reader that
+//! ignores unknown members keeps working.
 
 mod failure;
 pub mod page;

@@ -1,9 +1,9 @@
-//! The report on a remeshing, or on any mesh as it is.
+//! The report on a remeshing, or on an existing mesh.
 //!
-//! The schema is [`SCHEMA`]. Every member is always there: what a report cannot know (the distance to an input that was
-//! not given) is `null`.
+//! The schema is [`SCHEMA`]. Every member is always present: values that a report cannot know (the distance to an input that
+//! was not given) are `null`.
 //!
-//! Cost: the shapes of both meshes, and their distance from [`REPORT_SAMPLES`] points each way.
+//! Cost: the shapes of both meshes, and their distance, measured from [`REPORT_SAMPLES`] points in each direction.
 
 use crate::base::count::{counted, counts};
 use crate::geom::triangle::smallest_angle;
@@ -25,49 +25,51 @@ use std::borrow::{Borrow, Cow};
 /// Name and version of the JSON schema.
 pub const SCHEMA: &str = "spectral-remesh/report/2";
 
-/// A report. The members are those of the JSON text.
+/// A report. Its members are those of the JSON text.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// [`SCHEMA`].
     pub schema: String,
     /// Version of the tool that made the report.
     pub version: String,
-    /// Whether the output is an oriented manifold of the repaired input's Euler characteristic, components and boundary
-    /// loops, without self-intersections where the input has none, without slivers and bridges, and within the error asked for; `None` for
-    /// a mesh that was measured only.
+    /// Whether the output is an oriented manifold with the Euler characteristic, components and boundary loops of the
+    /// repaired input, without self-intersections where the input has none, without slivers and bridges, and within the
+    /// requested error; `None` for a mesh that was only measured.
     pub verified: Option<bool>,
-    /// The input as it was read; for a mesh that was measured only, what it was measured against.
+    /// The input as it was read; for a mesh that was only measured, the mesh that it was measured against.
     pub input: Option<Measured>,
-    /// What the mesh of an input of points was made of; `None` for an input with triangles.
+    /// How the mesh of a point cloud was made; `None` for an input with triangles.
     pub cloud: Option<CloudSummary>,
-    /// How near the points of such an input are to the output; `None` for an input with triangles.
+    /// The distances of the points of such an input to the output; `None` for an input with triangles.
     #[serde(default)]
     pub coverage: Option<Coverage>,
-    /// What was done to the input before it was sampled.
+    /// The changes to the input before it was sampled.
     pub repairs: Option<Repairs>,
-    /// The topology after those repairs: what the output's is held against.
+    /// The topology after those repairs, with which that of the output is compared.
     pub repaired: Option<Topology>,
     /// The output, or the mesh that was measured.
     pub output: Measured,
     /// Self-intersecting faces.
     pub crossings: Crossings,
-    /// Faces of the output with an angle below 1 degree that the input does not force, in increasing order, numbered from 0; empty for a mesh that was measured only.
+    /// Faces of the output with an angle below 1 degree that the input does not force, in increasing order, numbered from 0;
+    /// empty for a mesh that was only measured.
     #[serde(default)]
     pub slivers: Vec<u32>,
-    /// Faces of the output that go where the input has no surface, in increasing order, numbered from 0; empty for a mesh that was measured only.
+    /// Faces of the output where the input has no surface, in increasing order, numbered from 0; empty for a mesh that was
+    /// only measured.
     #[serde(default)]
     pub bridges: Vec<u32>,
-    /// The smallest angle of the output in degrees, but for those that the input forces, where sharp edges and boundaries
-    /// meet or a spike ends; `None` for a mesh that was measured only, or if all are such.
+    /// The smallest angle of the output in degrees, excluding those that the input forces, where sharp edges and boundaries
+    /// meet or a spike ends; `None` for a mesh that was only measured, or if all angles are forced.
     #[serde(default)]
     pub unforced_theta_min: Option<f64>,
     /// Distances between output and input, in percent of the diagonal of the input's bounding box.
     pub distance: Option<Distance>,
-    /// How far the output is from the repaired input, and may be; `None` if no bound was asked for.
+    /// The deviation of the output from the repaired input, and its bound; `None` if no bound was requested.
     pub deviation: Option<Deviation>,
     /// How the output was sampled.
     pub sampling: Option<Sampling>,
-    /// What became of the attributes of the input; `None` if they were not wanted.
+    /// The attributes that were carried over or lost; `None` if they were not requested.
     pub attributes: Option<AttributesKept>,
     /// Notes, times, memory and threads.
     #[serde(flatten)]
@@ -77,66 +79,67 @@ pub struct Report {
 /// A mesh and its figures.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
-    /// The name of its file; empty for a mesh that is in none.
+    /// The name of its file; empty for a mesh without a file.
     pub file: String,
-    /// Counts over the vertices that triangles use.
+    /// Counts, restricted to the vertices that triangles use.
     pub topology: Topology,
     /// `None` without triangles.
     pub shape: Option<Shape>,
 }
 
-/// Self-intersecting faces: those that cross or touch another one where they are not joined.
+/// Self-intersecting faces: those that cross or touch another face to which they are not joined.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Crossings {
-    /// Those of the output, in increasing order, numbered from 0.
+    /// The faces of the output, in increasing order, numbered from 0.
     pub faces: Vec<u32>,
-    /// Those of them that have none of the repaired input's within their length: the output's own.
+    /// Those of `faces` that have no self-intersection of the repaired input within their length: the output's own.
     #[serde(default)]
     pub new: Vec<u32>,
-    /// How many the repaired input has; `None` where the output has none, and for a mesh that was measured only.
+    /// Their number in the repaired input; `None` if the output has none, and for a mesh that was only measured.
     pub repaired: Option<usize>,
 }
 
 /// How a result was sampled.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Sampling {
-    /// Vertices wanted.
+    /// Target number of vertices.
     pub wanted: usize,
     /// Kernel width σp, in the units of the input.
     pub sigma_p: f64,
-    /// The spacing that so many points have on the input's area at hexagonal packing, in the units of the input.
+    /// The spacing of this number of points on the input's area at hexagonal packing, in the units of the input.
     pub spacing: f64,
-    /// The smallest and the largest spacing wanted anywhere; both are `spacing` where nothing is graded.
+    /// The smallest and the largest target spacing; both equal `spacing` if there is no grading.
     pub spacing_range: [f64; 2],
-    /// Sharp edges that were kept, as curves between corners.
+    /// Number of curves of sharp edges, from corner to corner, that were kept.
     pub sharp_curves: usize,
-    /// Smooth patches that were too narrow and joined with a neighbour, without the sharp edges between them.
+    /// Number of smooth patches that were too narrow and were joined with a neighbour, without the sharp edges between them.
     #[serde(default)]
     pub left_out_patches: usize,
-    /// About how far the surface moves by that at most, in the units of the input.
+    /// Approximate upper bound of the movement of the surface caused by that, in the units of the input.
     #[serde(default)]
     pub left_out_deviation: f64,
-    /// Sharp edges, as curves between corners, that were smoothed over because patches beside them did not fit together.
+    /// Number of curves of sharp edges, from corner to corner, that were smoothed over because the patches beside them did
+    /// not fit together.
     #[serde(default)]
     pub smoothed_curves: usize,
-    /// Holes that were too small for the edges and closed.
+    /// Number of holes that were too small for the edges and were closed.
     #[serde(default)]
     pub closed_holes: usize,
-    /// Whether there were more sharp edges than could be kept, so that none was.
+    /// Whether no sharp edges were kept because there were too many.
     #[serde(default)]
     pub blunted: bool,
-    /// Smooth patches whose stars contradicted each other and that were tessellated from the input.
+    /// Number of smooth patches that were tessellated from the input because their stars were inconsistent.
     pub tessellated_patches: usize,
     /// Seed of all random numbers.
     pub seed: u64,
 }
 
-/// What became of attributes such as colours.
+/// The attributes, such as colours, that were carried over or lost.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct AttributesKept {
-    /// Names of those that the output has.
+    /// Names of the attributes that the output has.
     pub carried: Vec<String>,
-    /// Attributes of the input that it lacks, and why.
+    /// Attributes of the input that the output lacks, and why.
     pub lost: Vec<Lost>,
 }
 
@@ -147,7 +150,7 @@ impl From<&Carried> for AttributesKept {
 }
 
 impl Measured {
-    /// The figures of a mesh, as it is.
+    /// Measures a mesh.
     pub fn of(mesh: &Mesh) -> Measured {
         let topology = topology(mesh.positions.len(), &mesh.triangles);
         Measured { file: String::new(), topology, shape: shape(mesh) }
@@ -166,14 +169,14 @@ impl Crossings {
 }
 
 impl Report {
-    /// The same report without the time, memory and threads of its run: the same run has the same one.
+    /// Returns the same report without time, memory and threads, so that the same run gives the same report.
     #[must_use]
     pub fn without_run(&self) -> Report {
         Report { run: RunSummary::of_notes(self.run.notes.clone()), ..self.clone() }
     }
 
-    /// The report on a remeshing of `input` with `seed`. The names of files are the caller's to add, by
-    /// [`Report::add_files`], and stages, memory and threads by [`RunSummary::measure`].
+    /// Returns the report on a remeshing of `input` with `seed`. The caller adds file names by [`Report::add_files`], and
+    /// stages, memory and threads by [`RunSummary::measure`].
     pub fn of_remesh(remeshed: &Remeshed, input: &Mesh, seed: u64) -> Report {
         let &Remeshed { sigma_p, spacing, spacing_range, wanted, sharp_curves, tessellated_patches, .. } = remeshed;
         Report {
@@ -210,7 +213,7 @@ impl Report {
         }
     }
 
-    /// The report on any mesh, as it is, and on its distance to another one.
+    /// Returns the report on an existing mesh and on its distance to another one.
     pub fn of_mesh(mesh: &Mesh, against: Option<&Mesh>) -> Report {
         Report {
             input: against.map(Measured::of),
@@ -220,7 +223,7 @@ impl Report {
         }
     }
 
-    /// The report on a mesh that was made piece by piece, for so many vertices, and on its attributes.
+    /// Returns the report on a mesh that was made piece by piece with a target number of vertices, and on its attributes.
     pub fn of_pieces(mesh: &Mesh, carried: &Carried, wanted: Option<usize>) -> Report {
         let mut report = Report { attributes: Some(carried.into()), ..Report::of_mesh(mesh, None) };
         let is_sliver = |t: &u32| smallest_angle(mesh.corners(*t as usize)) < SLIVER;
@@ -235,7 +238,7 @@ impl Report {
         report
     }
 
-    /// What keeps a mesh that was only measured from being a sound oriented manifold, a phrase each.
+    /// Returns the reasons why a mesh that was only measured is not a sound oriented manifold, one phrase each.
     pub fn faults(&self) -> Vec<String> {
         let slivers = [(self.slivers.len(), "face with an angle below 1 degree", "faces with an angle below 1 degree")];
         let empty = (self.output.topology.faces == 0).then(|| "no triangles".to_string());
@@ -243,7 +246,8 @@ impl Report {
         empty.into_iter().chain(faults).chain(counts(&slivers)).collect()
     }
 
-    /// The same for points through which the reported input was laid: their distance to the output replaces that of `input`.
+    /// Adapts the report to points from which its input mesh was reconstructed: their distance to the output replaces that
+    /// of `input`.
     #[must_use]
     pub fn of_points(self, coverage: Coverage, input: &Mesh) -> Report {
         let unit = 100.0 / input.diagonal();
@@ -275,14 +279,14 @@ impl Report {
         }
     }
 
-    /// Adds the names of the files of the input and the output.
+    /// Adds the file names of input and output.
     pub fn add_files(&mut self, input: &str, output: &str) {
         self.input.iter_mut().for_each(|mesh| mesh.file = input.into());
         self.output.file = output.into();
     }
 
-    /// Why the output is not what the input asked for, a phrase each; empty for a verified result and for a mesh that
-    /// was measured only.
+    /// Returns the reasons why the output is not what was asked for, one phrase each; empty for a verified result and for a
+    /// mesh that was only measured.
     pub fn shortcomings(&self) -> Vec<String> {
         let Report { output, repaired, crossings, slivers, bridges, deviation, coverage, .. } = self;
         let against = |wanted| {
@@ -292,13 +296,13 @@ impl Report {
         repaired.as_ref().map_or_else(Vec::new, against)
     }
 
-    /// The report as indented JSON that ends with a line break.
+    /// Returns the report as indented JSON that ends with a line break.
     pub fn to_json(&self) -> String {
         to_json(self)
     }
 }
 
-/// One report as JSON, or a list of several.
+/// Returns one report as JSON, or several as a list.
 pub fn all_to_json(reports: &[impl Borrow<Report> + Serialize]) -> String {
     match reports {
         [report] => report.borrow().to_json(),
@@ -306,14 +310,15 @@ pub fn all_to_json(reports: &[impl Borrow<Report> + Serialize]) -> String {
     }
 }
 
-/// The table of each report, with a line between. Those that follow each other and are of one run tell its time and memory once.
+/// Returns the table of each report, separated by empty lines. Consecutive reports of the same run state its time and memory
+/// once.
 pub fn all_to_text(reports: &[Report]) -> String {
     let run = |i: usize| reports.get(i).map(|report| &report.run.stages);
     let tables = reports.iter().enumerate().map(|(i, report)| report.text(run(i) != run(i + 1)));
     tables.collect::<Vec<_>>().join("\n")
 }
 
-/// The surface that a result should be near: the input without the faces between cells that repairs removed.
+/// Returns the surface that a result should be close to: the input without the faces between cells that repairs removed.
 pub(super) fn outside<'a>(input: &'a Mesh, repairs: &Repairs) -> Cow<'a, Mesh> {
     match repairs.faces_between_cells {
         0 => Cow::Borrowed(input),
@@ -321,7 +326,7 @@ pub(super) fn outside<'a>(input: &'a Mesh, repairs: &Repairs) -> Cow<'a, Mesh> {
     }
 }
 
-/// What was done about a cloud's noise unasked, and what else can be done; `None` without noise.
+/// Describes how a cloud's noise was handled automatically, and the alternatives; `None` without noise.
 pub fn noise(cloud: &CloudSummary) -> Option<String> {
     let done = match cloud.flattened_neighbors {
         0 if cloud.smoothed_by_itself > 0.0 => {
@@ -335,7 +340,7 @@ pub fn noise(cloud: &CloudSummary) -> Option<String> {
     ))
 }
 
-/// That points without triangles were taken for terrain by themselves, and what else there is to do; `None` if they were not.
+/// Explains that points without triangles were recognised as terrain, and the alternatives; `None` if they were not.
 pub fn terrain(cloud: &CloudSummary) -> Option<String> {
     (cloud.plan_cell > 0.0).then(|| {
         format!(
@@ -346,7 +351,7 @@ pub fn terrain(cloud: &CloudSummary) -> Option<String> {
     })
 }
 
-/// Which points of a cloud are not on the result, and why; `None` if all are.
+/// Describes which points of a cloud are not on the result, and why; `None` if all are.
 pub fn left_out(cloud: &CloudSummary, coverage: &Coverage) -> Option<String> {
     let shreds = counted(cloud.shreds, "shred", "shreds");
     let shreds = format!("on {shreds} too small for a surface, which nothing joins with the rest");
@@ -418,7 +423,7 @@ pub(super) mod tests {
         report
     }
 
-    /// The same with what a run of one stage took.
+    /// The same report with the resources of a run that had one stage.
     pub(in crate::report) fn failed_run(stage: &'static str, milliseconds: u64, bytes: Option<u64>) -> Report {
         let mut report = failed();
         report.run.measure(&[(stage, Duration::from_millis(milliseconds))], bytes, 2);

@@ -1,4 +1,4 @@
-//! What a report says, as names and texts: the same words for the table of the terminal and for the page.
+//! The content of a report as names and texts: the same words for the table in the terminal and for the page.
 
 use crate::base::count::{counted, counts};
 use crate::base::math;
@@ -10,19 +10,19 @@ use crate::quality::shape::Shape;
 use crate::report::remeshing::{Measured, Report};
 use crate::report::run::RunSummary;
 
-/// The name of a row and how its figure is told.
+/// The name of a row and the function that formats its figure.
 type Row<T> = (&'static str, fn(&T) -> String);
 
 /// The name of a row and its figure for each mesh.
 pub(super) type Figures = (&'static str, Vec<String>);
 
-/// A subject's name, and phrases about it.
+/// The name of a subject, and phrases about it.
 pub(super) type Fact = (&'static str, Vec<String>);
 
-/// Where there is no figure.
+/// Placeholder for a missing figure.
 const NOTHING: &str = "-";
 
-/// Counts of each mesh.
+/// The counts of each mesh.
 pub(super) fn topology_rows(columns: &[&Measured]) -> Vec<Figures> {
     let rows: [Row<Topology>; 7] = [
         ("vertices", |t| t.vertices.to_string()),
@@ -36,7 +36,8 @@ pub(super) fn topology_rows(columns: &[&Measured]) -> Vec<Figures> {
     rows.map(|(name, figure)| (name, columns.iter().map(|m| figure(&m.topology)).collect())).into()
 }
 
-/// How many faces cross; those of the input are counted after its repairs, and only where the output has some.
+/// The numbers of self-intersecting faces; those of the input are counted after its repairs, and only if the output has
+/// some.
 pub(super) fn crossings(report: &Report) -> Vec<String> {
     let output = report.crossings.faces.len().to_string();
     let repaired = |_| report.crossings.repaired.map_or(NOTHING.into(), |n| n.to_string());
@@ -46,7 +47,7 @@ pub(super) fn crossings(report: &Report) -> Vec<String> {
 /// The name of the row of [`crossings`].
 pub(super) const CROSSINGS: &str = "self-intersecting faces";
 
-/// Figures of the triangles of each mesh.
+/// The figures of each mesh's triangles.
 pub(super) fn shape_rows(columns: &[&Measured]) -> Vec<Figures> {
     let rows: [Row<Shape>; 16] = [
         ("θ min", |s| degrees(s.theta_min)),
@@ -70,7 +71,7 @@ pub(super) fn shape_rows(columns: &[&Measured]) -> Vec<Figures> {
     rows.map(|(name, figure)| (name, columns.iter().map(|m| told(m, figure)).collect())).into()
 }
 
-/// Distances from the output, from the input, and both.
+/// The distances from the output, from the input, and in both directions.
 pub(super) fn distance_rows(d: &Distance) -> [Figures; 2] {
     [
         ("RMS", [d.rms_out_to_in, d.rms_in_to_out, d.rms].map(hundredths).into()),
@@ -78,7 +79,7 @@ pub(super) fn distance_rows(d: &Distance) -> [Figures; 2] {
     ]
 }
 
-/// What is no figure of a mesh: the sampling, the points, the repairs, the attributes. Facts without phrases are left out.
+/// Everything that is not a figure of a mesh: sampling, points, repairs, attributes. Facts without phrases are omitted.
 pub(super) fn facts(report: &Report) -> Vec<Fact> {
     let attributes = report.attributes.as_ref();
     let lost = attributes.map(|kept| kept.lost.iter().map(|l| format!("{}: {}", l.name, l.cause)).collect());
@@ -97,14 +98,14 @@ pub(super) fn facts(report: &Report) -> Vec<Fact> {
     facts.into_iter().filter(|(_, phrases)| !phrases.is_empty()).collect()
 }
 
-/// How long a run took, and with what memory.
+/// The time and memory that a run took.
 pub(super) fn run_facts(run: &RunSummary) -> Vec<Fact> {
     let memory = run.peak_memory_bytes.map(|bytes| format!("{:.0} MB", bytes as f64 / 1e6));
     let facts = [("seconds", seconds(run)), ("memory, at most", memory.into_iter().collect())];
     facts.into_iter().filter(|(_, phrases)| !phrases.is_empty()).collect()
 }
 
-/// The total and each stage.
+/// The total time and that of each stage.
 fn seconds(run: &RunSummary) -> Vec<String> {
     if run.stages.is_empty() {
         return Vec::new();
@@ -135,13 +136,13 @@ fn sampling(report: &Report) -> Vec<String> {
     ]
 }
 
-/// The smallest angle away from corners that the input forces, if that is another one.
+/// The smallest angle away from corners that the input forces, if it differs from the smallest of all.
 fn unforced_angle(report: &Report) -> Vec<String> {
     let all = report.output.shape.as_ref().map(|shape| degrees(shape.theta_min));
     report.unforced_theta_min.map(degrees).filter(|angle| Some(angle) != all.as_ref()).into_iter().collect()
 }
 
-/// How many sharp edges were kept and left out, if there are any.
+/// The numbers of sharp edges that were kept and left out, if there are any.
 fn sharp_edges(report: &Report) -> Vec<String> {
     let Some(s) = &report.sampling else { return Vec::new() };
     let curves = counted(s.sharp_curves, "curve kept", "curves kept");
@@ -155,7 +156,7 @@ fn sharp_edges(report: &Report) -> Vec<String> {
     parts.into_iter().filter(|(is_so, _)| *is_so).map(|(_, phrase)| phrase).collect()
 }
 
-/// What became of the points of a cloud.
+/// The numbers of a cloud's points by what was done with them.
 fn points_used(cloud: &CloudSummary) -> Vec<String> {
     let &CloudSummary {
         points, duplicates, outliers, in_shreds, unused, estimated_normals, turned_normals, below, ..
@@ -172,7 +173,7 @@ fn points_used(cloud: &CloudSummary) -> Vec<String> {
     [counted(points, "point", "points")].into_iter().chain(counts(&others)).collect()
 }
 
-/// How many points of a cloud are near to the output.
+/// The number of a cloud's points that are close to the output.
 fn covered(Coverage { points, missed, within, .. }: &Coverage) -> Vec<String> {
     vec![format!("{} of {points} points within {}", points - missed, significant(*within))]
 }
@@ -207,7 +208,7 @@ fn repairs_made(repairs: &Repairs) -> Vec<String> {
     counts(&made)
 }
 
-/// The most self-intersecting faces that are named; the JSON report has all.
+/// Maximum number of self-intersecting faces that are listed; the JSON report lists all.
 const FACES_NAMED: usize = 20;
 
 /// The numbers of the first faces, and how many more there are.
@@ -229,12 +230,12 @@ pub(super) fn percent(share: f64) -> String {
     format!("{share:.2} %")
 }
 
-/// A share in percent, to the hundredth.
+/// A percentage with four decimals.
 pub(super) fn hundredths(share: f64) -> String {
     format!("{share:.4}")
 }
 
-/// Four significant digits.
+/// Formats a number with four significant digits.
 pub(super) fn significant(x: f64) -> String {
     if x == 0.0 || !x.is_finite() {
         return x.to_string();
@@ -243,7 +244,7 @@ pub(super) fn significant(x: f64) -> String {
     if (-5..6).contains(&magnitude) { format!("{x:.*}", (3 - magnitude).max(0) as usize) } else { format!("{x:.3e}") }
 }
 
-/// The share of interior vertices whose valence is in a range.
+/// The percentage of interior vertices whose valence is in a range.
 fn valence_share(shape: &Shape, range: std::ops::RangeInclusive<u32>) -> String {
     let all: usize = shape.valence.values().sum();
     let within: usize = shape.valence.range(range).map(|(_, count)| count).sum();

@@ -1,4 +1,4 @@
-//! What a run that only samples did: as JSON of a fixed schema, and as a few lines for a terminal.
+//! Reports on runs that only sample, as JSON with a fixed schema and as a few lines for a terminal.
 
 use crate::pipeline::{CloudSummary, SampleLevel, SampleOptions, Sampled};
 use crate::report::rows::significant;
@@ -9,22 +9,22 @@ use std::fmt::Write;
 /// Name and version of the JSON schema.
 pub const SAMPLES_SCHEMA: &str = "spectral-remesh/samples/1";
 
-/// A report on samples. The members are those of the JSON text.
+/// A report on samples. Its members are those of the JSON text.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SamplesReport {
     /// [`SAMPLES_SCHEMA`].
     pub schema: String,
     /// Version of the tool that made the report.
     pub version: String,
-    /// The file that was sampled, as it was named.
+    /// The name of the file that was sampled, as it was given.
     pub input: String,
-    /// The file that the samples went to, as it was named.
+    /// The name of the file that the samples were written to, as it was given.
     pub output: String,
-    /// The samples.
+    /// Number of samples.
     pub samples: usize,
-    /// Samples wanted; `None` if the width of the kernel was to decide.
+    /// Target number of samples; `None` if the kernel width was given instead.
     pub wanted: Option<usize>,
-    /// Points of the input, or candidates on its surface, that were looked at.
+    /// Number of points of the input, or of candidates on its surface, that were considered.
     pub candidates: usize,
     /// Whether the samples are a subset of the input's points.
     pub scan_only: bool,
@@ -32,14 +32,14 @@ pub struct SamplesReport {
     pub sigma_p: f64,
     /// Kernel width σn along unit normals; `None` if it is infinite.
     pub sigma_n: Option<f64>,
-    /// The levels, from coarse to fine, each the first so many samples; empty if none were asked for.
+    /// The levels, from coarse to fine, each a prefix of the samples; empty if none were requested.
     #[serde(default)]
     pub levels: Vec<SampleLevel>,
     /// Seed of all random numbers.
     pub seed: u64,
-    /// Sweeps of ascent that were made.
+    /// Number of gradient ascent sweeps that were made.
     pub sweeps: usize,
-    /// What became of the points of a cloud; `None` for a mesh, or for points that are no surface.
+    /// How the points of a cloud were used; `None` for a mesh, or for points that do not form a surface.
     pub cloud: Option<CloudSummary>,
     /// Notes, times, memory and threads.
     #[serde(flatten)]
@@ -47,7 +47,7 @@ pub struct SamplesReport {
 }
 
 impl SamplesReport {
-    /// The report on samples of the file `input` that went to the file `output`.
+    /// The report on samples of the file `input` that were written to the file `output`.
     pub fn new(sampled: &Sampled, options: &SampleOptions, input: String, output: String) -> SamplesReport {
         SamplesReport {
             schema: SAMPLES_SCHEMA.into(),
@@ -68,12 +68,12 @@ impl SamplesReport {
         }
     }
 
-    /// The report as indented JSON that ends with a line break.
+    /// Returns the report as indented JSON that ends with a line break.
     pub fn to_json(&self) -> String {
         to_json(self)
     }
 
-    /// The report as a few lines for people.
+    /// Returns the report as a few lines of text.
     pub fn to_text(&self) -> String {
         let of = if self.scan_only { "points" } else { "candidates" };
         let mut out = format!(

@@ -1,4 +1,4 @@
-//! What a reconstruction did: as JSON of a fixed schema, and as a few lines for a terminal.
+//! Reports on reconstructions, as JSON with a fixed schema and as a few lines for a terminal.
 
 use crate::base::count::{counted, counts};
 use crate::mesh::topology::Topology;
@@ -10,18 +10,18 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the JSON schema.
 pub const SURFACE_SCHEMA: &str = "spectral-remesh/surface/1";
 
-/// A report on a surface made of points. The members are those of the JSON text.
+/// A report on a surface that was reconstructed from points. Its members are those of the JSON text.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceReport {
     /// [`SURFACE_SCHEMA`].
     pub schema: String,
     /// Version of the tool that made the report.
     pub version: String,
-    /// The file that had the points, as it was named.
+    /// The name of the file with the points, as it was given.
     pub input: String,
-    /// The file that the surface went to, as it was named.
+    /// The name of the file that the surface was written to, as it was given.
     pub output: String,
-    /// What became of the points.
+    /// How the points were used.
     pub cloud: CloudSummary,
     /// The topology of the surface.
     pub surface: Topology,
@@ -29,7 +29,7 @@ pub struct SurfaceReport {
     pub spacing: f64,
     /// Edge length of the cells, in the units of the input.
     pub resolution: f64,
-    /// How far points reach, in their spacings.
+    /// Support radius of the points, in their spacings.
     pub reach: f64,
     /// Notes, times, memory and threads.
     #[serde(flatten)]
@@ -37,8 +37,8 @@ pub struct SurfaceReport {
 }
 
 impl SurfaceReport {
-    /// The report on the surface of the points in the file `input`, whose reading gave `notes`; the surface went to the file
-    /// `output`.
+    /// The report on the surface of the points in the file `input`, whose reading gave `notes`; the surface was written to
+    /// the file `output`.
     pub fn new(made: &Reconstructed, mut notes: Vec<String>, input: String, output: String) -> SurfaceReport {
         notes.extend(noise(&made.cloud));
         SurfaceReport {
@@ -55,12 +55,12 @@ impl SurfaceReport {
         }
     }
 
-    /// The report as indented JSON that ends with a line break.
+    /// Returns the report as indented JSON that ends with a line break.
     pub fn to_json(&self) -> String {
         to_json(self)
     }
 
-    /// The report as a few lines for people.
+    /// Returns the report as a few lines of text.
     pub fn to_text(&self) -> String {
         let (s, cloud) = (&self.surface, &self.cloud);
         let points = counts(&[

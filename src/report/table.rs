@@ -1,23 +1,23 @@
-//! The report as a table for a terminal: a row for each figure, the input beside the output.
+//! The report as a table for a terminal: one row per figure, the input next to the output.
 
 use crate::report::remeshing::{Measured, Report};
 use crate::report::rows::{CROSSINGS, Figures, crossings, distance_rows, facts, run_facts, shape_rows, topology_rows};
 use std::fmt::Write;
 
-/// Width of the names of the rows, and of each column of figures.
+/// Width of the row names, and of each column of figures.
 const NAME: usize = 24;
 const COLUMN: usize = 14;
 
-/// Characters of a line before its list goes on in the next one.
+/// Maximum number of characters in a line before its list continues on the next one.
 const LINE: usize = 80;
 
 impl Report {
-    /// The report as a table for people, lines of at most 80 characters unless a name or note is longer.
+    /// Returns the report as a table, with lines of at most 80 characters unless a name or note is longer.
     pub fn to_text(&self) -> String {
         self.text(true)
     }
 
-    /// [`Self::to_text`] with or without time and memory, which several reports of one run share.
+    /// [`Self::to_text`] with or without time and memory, which several reports of the same run share.
     pub(super) fn text(&self, with_resources: bool) -> String {
         let mut out = String::new();
         let columns: Vec<&Measured> = self.input.iter().chain([&self.output]).collect();
@@ -34,7 +34,7 @@ impl Report {
     }
 }
 
-/// A name and its figures, right-aligned.
+/// Writes a name and its figures, right-aligned.
 fn row(out: &mut String, name: &str, figures: impl IntoIterator<Item = String>) {
     let mut line = format!("{name:NAME$}");
     for figure in figures {
@@ -57,7 +57,7 @@ fn heading(out: &mut String, columns: &[&Measured]) {
     }
 }
 
-/// What is no figure of a mesh: facts, notes, times, and the verdict last.
+/// Writes everything that is not a figure of a mesh: facts, notes, times, and finally the verdict.
 fn remarks(out: &mut String, report: &Report, with_resources: bool) {
     facts(report).into_iter().for_each(|(name, phrases)| list(out, name, &phrases));
     report.run.notes.iter().for_each(|note| list(out, "note", std::slice::from_ref(note)));
@@ -73,7 +73,8 @@ fn remarks(out: &mut String, report: &Report, with_resources: bool) {
     }
 }
 
-/// A name and phrases with commas between, broken between phrases where a line gets full; nothing without phrases.
+/// Writes a name and phrases separated by commas, with line breaks between phrases where a line gets full; nothing without
+/// phrases.
 fn list(out: &mut String, name: &str, phrases: &[String]) {
     let mut line = format!("{name:NAME$}");
     for (k, phrase) in phrases.iter().enumerate() {

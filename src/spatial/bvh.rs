@@ -1,20 +1,19 @@
-//! A hierarchy of bounding boxes over a mesh's triangles, for exact closest points and rays.
+//! A bounding-volume hierarchy over a mesh's triangles, for exact closest points and rays.
 //!
-//! The tree is a complete binary tree in heap order: the children of node i are 2i + 1 and 2i + 2, and with n triangles
-//! the node at place j of level l holds the triangles from ⌊j n / 2^l⌋ up to ⌊(j + 1) n / 2^l⌋ of an order that the
-//! build makes. So a node is only its box, and the shape of the tree depends on n alone: triangles that coincide cannot
-//! unbalance it. The order comes from splitting at the median of the centroids along the axis on which they spread
-//! most.
+//! The tree is a complete binary tree in heap order: the children of node i are 2i + 1 and 2i + 2. With n triangles, node j
+//! of level l holds the triangles from ⌊j n / 2^l⌋ up to ⌊(j + 1) n / 2^l⌋ of an order determined by the build. So a node
+//! consists only of its box, and the shape of the tree depends on n alone: coincident triangles cannot unbalance it. The
+//! order results from splitting at the median of the centroids along the axis of their largest spread.
 //!
-//! Based on: the median split of Jon Louis Bentley, *Multidimensional binary search trees used for associative
-//! searching*, 1975, doi:10.1145/361002.361007, over boxes; the search visits the nearer child first and skips boxes
+//! Based on: the median split of Jon Louis Bentley, *Multidimensional binary search trees used for associative searching*,
+//! 1975, doi:10.1145/361002.361007, applied to boxes; the search visits the nearer child first and skips boxes that are
 //! farther away than the best point so far.
 //!
-//! Cost: n log n to build, in parallel; 48 bytes a node and about 0.7 nodes a triangle. A query near the surface is
-//! logarithmic in practice; from a point equally far from everything (the centre of a sphere) it visits everything.
+//! Cost: n log n to build, in parallel; 48 bytes per node and about 0.7 nodes per triangle. A query near the surface is
+//! logarithmic in practice; a query from a point equally far from everything (the centre of a sphere) visits everything.
 //!
-//! Limits: medians ignore areas, so triangles of very different sizes give more overlap than a surface-area heuristic
-//! would.
+//! Limits: medians ignore areas, so triangles of very different sizes lead to more overlap than with a surface-area
+//! heuristic.
 
 use crate::base::parallel;
 use crate::geom::aabb::Aabb;
@@ -26,30 +25,30 @@ use rayon::slice::ParallelSliceMut;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Most triangles in a leaf. Fewer mean more boxes to test, more mean more triangles to test.
+/// Maximum number of triangles in a leaf. Fewer mean more box tests, more mean more triangle tests.
 const LEAF: usize = 4;
 
-/// Subtrees of fewer triangles are sorted by one thread: distributing them would cost as much as sorting them.
+/// Subtrees with fewer triangles are sorted by one thread: distributing them would cost as much as sorting them.
 const PARALLEL_ABOVE: usize = 4096;
 
-/// Most nodes that a search sets aside, one for each level: a tree over 2^32 triangles has no more levels.
+/// Maximum number of nodes that a search sets aside, one per level: a tree over 2^32 triangles has no more levels.
 const DEEPEST: usize = 33;
 
-/// A bounding-volume hierarchy. It holds no positions: queries take the mesh that it was built over, unchanged.
+/// A bounding-volume hierarchy. It stores no positions: queries take the mesh that it was built for, unchanged.
 #[derive(Debug, Clone, Default)]
 pub struct Bvh {
     /// Boxes of all nodes, in heap order.
     boxes: Vec<Aabb>,
-    /// All triangles, in the order of the leaves.
+    /// All triangles in leaf order.
     order: Vec<u32>,
     /// Level of the leaves; the root's is zero.
     depth: u32,
 }
 
-/// A point of a mesh that is closest to another one.
+/// The point of a mesh closest to a query point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
-    /// The triangle that the point is on.
+    /// The triangle on which the point lies.
     pub triangle: u32,
     /// The closest point.
     pub point: DVec3,
@@ -58,7 +57,7 @@ pub struct Hit {
 }
 
 impl Hit {
-    /// No hit yet, and none farther away from `p` than that.
+    /// No hit yet; hits must be within this squared distance of `p`.
     pub(super) fn none(p: DVec3, max_distance_squared: f64) -> Hit {
         Hit { triangle: u32::MAX, point: p, distance_squared: max_distance_squared }
     }
@@ -68,7 +67,8 @@ impl Hit {
         (self.triangle != u32::MAX).then_some(self)
     }
 
-    /// The hit on triangle `t` instead, if that is nearer to `p`; of equally near ones that on the triangle with the lower index.
+    /// Replaces this by the hit on triangle `t` if that is nearer to `p` or, at equal distance, has the lower triangle
+    /// index.
     #[inline]
     pub(super) fn or_nearer(&mut self, mesh: &Mesh, t: u32, p: DVec3) {
         let point = triangle::closest_point(p, mesh.corners(t as usize));
@@ -80,7 +80,7 @@ impl Hit {
     }
 }
 
-/// A triangle on its way to its leaf.
+/// A triangle during the build.
 #[derive(Clone, Copy)]
 struct Item {
     /// Three times the centroid.
@@ -88,11 +88,11 @@ struct Item {
     triangle: u32,
 }
 
-/// With this many pairs of nodes, the pairs below them are searched in parallel.
+/// Once there are this many pairs of nodes, the pairs below them are searched in parallel.
 const PAIRS_IN_PARALLEL: usize = 1024;
 
 impl Bvh {
-    /// The hierarchy over all triangles of `mesh`. The same mesh gives the same hierarchy with any number of threads.
+    /// Builds the hierarchy over all triangles of `mesh`. The same mesh gives the same hierarchy with any number of threads.
     pub fn new(mesh: &Mesh) -> Bvh {
         let n = mesh.triangles.len();
         let item = |t: usize| Item { place: mesh.corners(t).into_iter().sum(), triangle: t as u32 };
@@ -101,14 +101,14 @@ impl Bvh {
         Bvh::of_order(mesh, items.into_iter().map(|item| item.triangle).collect())
     }
 
-    /// A hierarchy over all triangles of `mesh` in their own order, in which those near in space should be near each
-    /// other. Building it takes a fraction of the time of [`Self::new`]. The answers are the same, but take longer,
-    /// since boxes overlap more.
+    /// Builds a hierarchy over all triangles of `mesh` in their existing order, in which triangles near in space should be
+    /// near each other. Building takes a fraction of the time of [`Self::new`]. Queries give the same answers, but take
+    /// longer, since boxes overlap more.
     pub fn in_order_of(mesh: &Mesh) -> Bvh {
         Bvh::of_order(mesh, (0..mesh.triangles.len() as u32).collect())
     }
 
-    /// [`Self::in_order_of`] with the triangles in spatial order, for a few queries over many of them.
+    /// [`Self::in_order_of`] with the triangles in spatial order; for few queries over many triangles.
     pub fn for_few_questions(mesh: &Mesh) -> Bvh {
         let bounds = mesh.bounds().unwrap_or_default();
         Bvh::of_order(
@@ -122,21 +122,21 @@ impl Bvh {
         Bvh { boxes: tree.boxes(mesh, &order), order, depth: tree.depth }
     }
 
-    /// Updates the boxes to where the triangles of `mesh` are now; their number must be the same as before. The order
-    /// stays, so the more they have moved, the slower queries get.
+    /// Updates the boxes to the current positions of the triangles of `mesh`, whose number must be unchanged. The order is
+    /// kept, so queries get slower the farther the triangles have moved.
     pub fn refit(&mut self, mesh: &Mesh) {
         self.boxes = Tree { count: self.order.len(), depth: self.depth }.boxes(mesh, &self.order);
     }
 
-    /// The closest point to `p` on all triangles; of equally close triangles the one with the lower index.
+    /// Returns the closest point to `p` on all triangles; among equally close triangles, the one with the lower index wins.
     ///
     /// `None` without triangles, or if `p` is not finite.
     pub fn closest(&self, mesh: &Mesh, p: DVec3) -> Option<Hit> {
         self.closest_where(mesh, p, f64::INFINITY, |_| true)
     }
 
-    /// The closest point to `p` on the triangles for which `accept` holds, if its squared distance is at most
-    /// `max_distance_squared`; of equally close triangles the one with the lower index.
+    /// Returns the closest point to `p` on the triangles for which `accept` holds, if its squared distance is at most
+    /// `max_distance_squared`; among equally close triangles, the one with the lower index wins.
     pub fn closest_where(
         &self,
         mesh: &Mesh,
@@ -147,7 +147,7 @@ impl Bvh {
         self.closest_or_near(mesh, p, 0.0, max_distance_squared, accept)
     }
 
-    /// All triangles, those near each other in space together.
+    /// All triangles, such that those near in space are together.
     pub fn order(&self) -> &[u32] {
         &self.order
     }
@@ -191,7 +191,7 @@ impl Bvh {
         best.found()
     }
 
-    /// The distance from `origin` along the unit vector `direction` to the nearest of the triangles for which `accept`
+    /// Returns the distance from `origin` along the unit vector `direction` to the nearest triangle for which `accept`
     /// holds; `None` if there is none nearer than `longest`.
     pub fn along_ray(
         &self,
@@ -223,7 +223,7 @@ impl Bvh {
         (nearest < longest).then_some(nearest)
     }
 
-    /// Calls `visit` with every triangle whose bounding box meets the `wanted` one, touching included.
+    /// Calls `visit` with every triangle whose bounding box meets the box `wanted`; touching counts.
     pub fn in_box(&self, mesh: &Mesh, wanted: &Aabb, mut visit: impl FnMut(u32)) {
         let mut aside = [0u32; DEEPEST];
         let mut waiting = 1;
@@ -244,16 +244,16 @@ impl Bvh {
         }
     }
 
-    /// The pairs of triangles, the lower index first and in increasing order, whose bounding boxes meet and for which
-    /// `accept` holds. In parallel; the same pairs with any number of threads.
+    /// Returns the pairs of triangles whose bounding boxes meet and for which `accept` holds, in increasing order and with
+    /// the lower index first. Runs in parallel; the pairs are the same with any number of threads.
     pub fn pairs_that_meet(&self, mesh: &Mesh, accept: impl Fn(u32, u32) -> bool + Sync) -> Vec<(u32, u32)> {
         let mut pairs = self.of_pairs(mesh, |t, u| accept(t, u).then_some((t, u)));
         pairs.par_sort_unstable();
         pairs
     }
 
-    /// The triangles of the pairs of [`Self::pairs_that_meet`], in increasing order. Pairs whose triangles are both
-    /// known already are skipped, which bounds time and memory where a great many triangles are in one place.
+    /// Returns the triangles of the pairs of [`Self::pairs_that_meet`], in increasing order. Pairs whose triangles are both
+    /// known already are skipped, which bounds time and memory if very many triangles are at the same position.
     pub fn triangles_that_meet(&self, mesh: &Mesh, accept: impl Fn(u32, u32) -> bool + Sync) -> Vec<u32> {
         let known: Vec<AtomicBool> = mesh.triangles.iter().map(|_| AtomicBool::new(false)).collect();
         let is_known = |t: u32| known[t as usize].load(Ordering::Relaxed);
@@ -266,8 +266,8 @@ impl Bvh {
         (0..mesh.triangles.len() as u32).filter(|&t| is_known(t)).collect()
     }
 
-    /// What `of` makes of the pairs of triangles, the lower index first, whose bounding boxes meet; in no particular
-    /// order.
+    /// Returns the results of `of` for the pairs of triangles whose bounding boxes meet, the lower index first; in no
+    /// particular order.
     fn of_pairs<T: Send>(&self, mesh: &Mesh, of: impl Fn(u32, u32) -> Option<T> + Sync) -> Vec<T> {
         let meet = |&(a, b): &(u32, u32)| self.boxes[a as usize].meets(&self.boxes[b as usize]);
         let mut nodes = vec![(0, 0)];
@@ -291,7 +291,7 @@ impl Bvh {
         parallel::each(nodes, below).into_iter().flatten().collect()
     }
 
-    /// [`Self::of_pairs`] for pairs of a triangle of leaf `a` and one of leaf `b`.
+    /// [`Self::of_pairs`] for pairs of a triangle of leaf `a` and a triangle of leaf `b`.
     fn of_leaves<T>(&self, mesh: &Mesh, (a, b): (u32, u32), of: impl Fn(u32, u32) -> Option<T>, made: &mut Vec<T>) {
         for &t in self.leaf(a) {
             let around = box_of(mesh, t);
@@ -301,7 +301,7 @@ impl Bvh {
         }
     }
 
-    /// The children of `node` and their squared distances to `p`, the nearer first; `None` for a leaf.
+    /// Returns the children of `node` and their squared distances to `p`, the nearer first; `None` for a leaf.
     #[inline]
     fn children(&self, node: u32, p: DVec3) -> Option<((u32, f64), (u32, f64))> {
         if self.is_leaf(node) {
@@ -331,13 +331,13 @@ impl Bvh {
     }
 }
 
-/// The pairs of children of two nodes, or of one node and itself, each once.
+/// Returns the pairs of children of two nodes, or of one node and itself, each pair once.
 fn pairs_below((a, b): (u32, u32)) -> [Option<(u32, u32)>; 4] {
     let [(k, l), (m, n)] = [a, b].map(|node| (2 * node + 1, 2 * node + 2));
     [Some((k, m)), Some((k, n)), (a != b).then_some((l, m)), Some((l, n))]
 }
 
-/// The shape of a hierarchy, which follows from the number of triangles.
+/// The shape of a hierarchy, which depends only on the number of triangles.
 #[derive(Clone, Copy)]
 struct Tree {
     count: usize,
@@ -350,14 +350,14 @@ impl Tree {
         Tree { count, depth: count.div_ceil(LEAF).next_power_of_two().trailing_zeros() }
     }
 
-    /// The places in the order that the node at `place` of `level` holds.
+    /// The range of the order that the node at `place` of `level` holds.
     #[inline]
     fn range(self, level: u32, place: usize) -> Range<usize> {
         let start = |place: usize| ((place as u64 * self.count as u64) >> level) as usize;
         start(place)..start(place + 1)
     }
 
-    /// Puts the items of a node into the order of its leaves.
+    /// Arranges the items of a node in leaf order.
     fn arrange(self, items: &mut [Item], level: u32, place: usize) {
         if level == self.depth {
             return;
@@ -376,7 +376,8 @@ impl Tree {
         }
     }
 
-    /// The boxes of all nodes: those of the leaves from the triangles, each level above from the one below.
+    /// Computes the boxes of all nodes: those of the leaves from the triangles, those of each level above from the level
+    /// below.
     fn boxes(self, mesh: &Mesh, order: &[u32]) -> Vec<Aabb> {
         let mut boxes = vec![Aabb::EMPTY; (2 << self.depth) - 1];
         let leaves = &mut boxes[(1 << self.depth) - 1..];
@@ -395,7 +396,7 @@ impl Tree {
     }
 }
 
-/// The axis along which the items spread most.
+/// The axis along which the items have the largest spread.
 fn widest_axis(items: &[Item]) -> usize {
     let spread = items.iter().fold(Aabb::EMPTY, |all, item| all.join(&Aabb::at(item.place)));
     let size = spread.size();
@@ -418,7 +419,7 @@ mod tests {
     use crate::base::rng::{Stage, stream, unit};
     use crate::testing::{random_point, sheet};
 
-    /// `n` triangles without common corners, of about the size `size`.
+    /// `n` triangles without common corners, of approximately this `size`.
     fn soup(n: usize, size: f64, seed: u64) -> Mesh {
         let mut rng = stream(seed, Stage::Candidates);
         let mut mesh = Mesh::default();
@@ -480,7 +481,7 @@ mod tests {
         nearest.filter(|hit| hit.distance_squared <= limit)
     }
 
-    /// Compares `closest`, `closest_where` and `in_box` with a look at every triangle.
+    /// Compares `closest`, `closest_where` and `in_box` with a search over all triangles.
     fn agrees_with_brute_force(mesh: &Mesh, queries: usize) {
         let mut rng = stream(9, Stage::Scan);
         for q in 0..queries {

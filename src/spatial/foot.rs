@@ -1,16 +1,16 @@
-//! The foot of a point on a mesh: the point of one of its triangles that is closest to it.
+//! The foot of a point on a mesh: the closest point on one of its triangles.
 
 use crate::geom::triangle::{barycentric, closest_weights};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Hit;
 use glam::DVec3;
 
-/// The point of a triangle that is closest to another point.
+/// The point of a triangle closest to another point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Foot {
-    /// The triangle of the mesh that the foot lies on.
+    /// The triangle of the mesh on which the foot lies.
     pub triangle: u32,
-    /// Barycentric coordinates of the foot on its triangle, not negative, with sum 1.
+    /// Barycentric coordinates of the foot on its triangle, non-negative, with sum 1.
     pub weights: [f64; 3],
     /// The foot itself.
     pub point: DVec3,
@@ -19,8 +19,8 @@ pub struct Foot {
 }
 
 impl Foot {
-    /// The foot of `p` on triangle `t`; on a side or at a corner, the weights of the other corners are exactly zero.
-    /// `None` on a triangle that is too thin to tell.
+    /// Returns the foot of `p` on triangle `t`. If the foot is on a side or at a corner, the weights of the other corners
+    /// are exactly zero. `None` if the triangle is too thin for a reliable answer.
     #[inline]
     pub fn on_triangle(mesh: &Mesh, p: DVec3, t: u32) -> Option<Foot> {
         let corners = mesh.corners(t as usize);
@@ -29,7 +29,7 @@ impl Foot {
         Some(Foot { triangle: t, weights, point, distance_squared: p.distance_squared(point) })
     }
 
-    /// The foot that a search in `mesh` found.
+    /// Converts a hit found by a search in `mesh`.
     pub fn of_hit(mesh: &Mesh, hit: Hit) -> Foot {
         let Hit { triangle, point, distance_squared } = hit;
         let weights = barycentric(point, mesh.corners(triangle as usize)).map(|w| w.clamp(0.0, 1.0));

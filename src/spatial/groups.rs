@@ -1,9 +1,10 @@
-//! Groups of the triangles of a mesh, such as its smooth patches, and the closest point of one of them.
+//! Groups of a mesh's triangles, such as its smooth patches, and the closest point on one group.
 //!
-//! A great many triangles of others may be nearer, in a crowd of thousands of pieces, and a search in the hierarchy of all would look
-//! at them. So each group is kept in short runs with a bounding box each, up to a size from which on the hierarchy is faster.
+//! In a cluster of thousands of pieces, very many triangles of other groups may be nearer, and a search in the hierarchy of
+//! all triangles would visit them. So each group is stored as short runs with a bounding box each, up to a size above which
+//! the hierarchy is faster.
 //!
-//! Cost: four bytes a triangle, and six for a box. A search takes as many looks at boxes as there are runs, and some ten at triangles.
+//! Cost: four bytes per triangle, and six for a box. A search tests one box per run, and some ten triangles.
 
 use crate::base::csr::Csr;
 use crate::geom::aabb::Aabb;
@@ -11,8 +12,8 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::{Bvh, Hit};
 use glam::DVec3;
 
-/// Triangles of a group up to which all are looked at, those of a run, and those of a group from which on the hierarchy of all is
-/// searched.
+/// Number of triangles up to which all triangles of a group are tested; number of triangles in a run; number of triangles
+/// above which a group is searched in the hierarchy of all triangles.
 const FEW: usize = 32;
 const RUN: usize = 8;
 const MANY: usize = 256;
@@ -21,14 +22,14 @@ const MANY: usize = 256;
 #[derive(Default)]
 pub struct Groups {
     triangles: Csr<u32>,
-    /// The box of each run of a group that is searched by them.
+    /// The boxes of the runs of each group that is searched by runs.
     boxes: Csr<Aabb>,
 }
 
 impl Groups {
-    /// `count` of them, of which each triangle of `mesh`, with the hierarchy `bvh`, is in one.
+    /// Builds `count` groups; each triangle of `mesh`, with the hierarchy `bvh`, belongs to one.
     pub fn new((mesh, bvh): (&Mesh, &Bvh), count: usize, group_of: impl Fn(u32) -> u32) -> Groups {
-        // In the order of the hierarchy the triangles of a run are near each other.
+        // In the order of the hierarchy, the triangles of a run are near each other.
         let triangles = Csr::new(count, || bvh.order().iter().map(|&t| (group_of(t), t)));
         let bounds = |run: &[u32]| {
             run.iter().flat_map(|&t| mesh.corners(t as usize)).fold(Aabb::EMPTY, |all, p| all.join(&Aabb::at(p)))
@@ -45,8 +46,8 @@ impl Groups {
         self.triangles.rows()
     }
 
-    /// The closest point to `p` on the triangles of `group`, for which `is_own` holds, that `accept` holds for, too, as
-    /// [`Bvh::closest_where`] gives it in the hierarchy `bvh` of all triangles of `mesh`.
+    /// Returns the closest point to `p` on the triangles of `group` for which `accept` holds, like [`Bvh::closest_where`] in
+    /// the hierarchy `bvh` of all triangles of `mesh`. `is_own` holds for the triangles of the group.
     pub fn closest(
         &self,
         (mesh, bvh): (&Mesh, &Bvh),
@@ -70,7 +71,7 @@ impl Groups {
         let boxes = self.boxes.row(group);
         let distance = |k: usize| boxes[k].distance_squared(p);
         let run = |k: usize| &own[RUN * k..own.len().min(RUN * (k + 1))];
-        // After the nearest run most others are too far away.
+        // After the nearest run, most other runs are too far away.
         let nearest = (1..boxes.len()).fold(0, |nearest, k| if distance(k) < distance(nearest) { k } else { nearest });
         look_at(run(nearest), &mut best);
         for k in (0..boxes.len()).filter(|&k| k != nearest) {

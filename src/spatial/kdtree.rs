@@ -1,42 +1,42 @@
-//! Nearest neighbours among points: the only file that knows the k-d tree behind it.
+//! Nearest neighbours among points. This is the only file that depends on the k-d tree's implementation.
 //!
-//! Answers are in a total order, by distance and then by number, so they do not depend on how the tree was built.
+//! Results are in a total order, by distance and then by number, so they do not depend on how the tree was built.
 //!
-//! Cost: n log n to build; a query is logarithmic in n and linear in what it finds.
+//! Cost: n log n to build; a query is logarithmic in n and linear in the number of results.
 //!
-//! Limits: coordinates have to be finite, and small enough that their squares are, too.
+//! Limits: coordinates and their squares must be finite.
 
 use glam::DVec3;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use std::num::NonZeroUsize;
 
-/// A set of points to search for neighbours. Any points will do: planar ones, coincident ones, none.
+/// A set of points in which neighbours are searched. Any points are allowed: coplanar ones, coincident ones, none.
 pub struct Neighbors {
     /// `None` without points.
     tree: Option<ImmutableKdTree<f64, 3>>,
 }
 
-/// A point of the set, as seen from the query point.
+/// A point of the set in relation to the query point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Neighbor {
-    /// Its number: the place in the slice that the set was made from.
+    /// Its number: the index in the slice from which the set was made.
     pub point: u32,
     /// The squared distance to it, in squared units of the points.
     pub distance_squared: f64,
 }
 
 impl Neighbors {
-    /// The set of `points`, fewer than 2^32 of them.
+    /// Builds the set of `points`, which must be fewer than 2^32.
     ///
     /// # Panics
-    /// If there are more points than 32-bit numbers can tell apart.
+    /// If there are more points than 32-bit numbers can distinguish.
     pub fn new(points: &[DVec3]) -> Self {
         let coordinates: Vec<[f64; 3]> = points.iter().map(DVec3::to_array).collect();
         let build = || ImmutableKdTree::new_from_slice(&coordinates).expect("fewer than 2^32 points");
         Neighbors { tree: (!points.is_empty()).then(build) }
     }
 
-    /// All points within `radius` of `p`, `radius` included, in no particular order.
+    /// Collects all points within `radius` of `p`, `radius` included, in no particular order.
     pub fn collect_within(&self, p: DVec3, radius: f64, found: &mut Vec<Neighbor>) {
         found.clear();
         let Some(tree) = &self.tree else { return };
@@ -45,8 +45,8 @@ impl Neighbors {
         found.extend(all.into_iter().map(|f| Neighbor { point: f.item, distance_squared: f.distance }));
     }
 
-    /// The `count` points nearest to `p`, the nearest first, all of them if there are fewer. Of equally near ones the
-    /// smaller number comes first, but which of the farthest are included is up to the tree.
+    /// Collects the `count` points nearest to `p`, or all if there are fewer, the nearest first. Among equally near points,
+    /// the lower number comes first, but which of the farthest are included depends on the tree.
     pub fn collect_nearest(&self, p: DVec3, count: usize, found: &mut Vec<Neighbor>) {
         found.clear();
         let (Some(tree), Some(count)) = (&self.tree, NonZeroUsize::new(count)) else { return };
@@ -56,15 +56,15 @@ impl Neighbors {
         sort(found);
     }
 
-    /// The `count` points nearest to `p` that are within `radius`, the nearest first, of equally near ones those with
-    /// the smaller numbers. So what else is in the set, farther away, does not matter.
+    /// Collects the `count` points nearest to `p` within `radius`, the nearest first; among equally near points, those with
+    /// the lower numbers. So points of the set that are farther away have no influence.
     pub fn collect_nearest_within(&self, p: DVec3, count: usize, radius: f64, found: &mut Vec<Neighbor>) {
         self.collect_nearest(p, count + 1, found);
         if let [.., last, next] = found[..]
             && found.len() > count
             && last.distance_squared == next.distance_squared
         {
-            // The root may be rounded down.
+            // The square root may be rounded down.
             self.collect_within(p, last.distance_squared.sqrt() * (1.0 + f64::EPSILON), found);
             sort(found);
         }
@@ -72,15 +72,15 @@ impl Neighbors {
         found.retain(|n| n.distance_squared <= radius * radius);
     }
 
-    /// Whether any point is within `radius` of `p`, `radius` included.
+    /// Returns whether any point is within `radius` of `p`, `radius` included.
     pub fn has_within(&self, p: DVec3, radius: f64) -> bool {
         let mut nearest = Vec::new();
         self.collect_nearest(p, 1, &mut nearest);
         nearest.first().is_some_and(|n| n.distance_squared <= radius * radius)
     }
 
-    /// All points within `radius` of `p`, `radius` included, the nearest first; of equally near ones the smaller
-    /// number.
+    /// Returns all points within `radius` of `p`, `radius` included, the nearest first; among equally near points, the lower
+    /// number comes first.
     pub fn within(&self, p: DVec3, radius: f64) -> Vec<Neighbor> {
         let mut found = Vec::new();
         self.collect_within(p, radius, &mut found);
@@ -99,7 +99,7 @@ mod tests {
     use crate::base::rng::{Stage, stream, unit};
     use proptest::prelude::*;
 
-    /// What [`Neighbors::within`] promises, by looking at all points.
+    /// The result that [`Neighbors::within`] promises, by testing all points.
     fn by_hand(points: &[DVec3], p: DVec3, radius: f64) -> Vec<u32> {
         let mut all: Vec<(f64, u32)> = points.iter().map(|q| q.distance_squared(p)).zip(0..).collect();
         all.retain(|f| f.0 <= radius * radius);
@@ -113,7 +113,7 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(32))]
-        /// Random points whose coordinates along some axes are all the same: boxes, planes, lines, one place.
+        /// Random points that share the same coordinate along some axes: boxes, planes, lines, a single position.
         #[test]
         fn all_within_the_radius_and_in_order(seed in any::<u64>(), flat in 0u32..8, count in 0usize..500) {
             let mut rng = stream(seed, Stage::Scan);

@@ -1,30 +1,30 @@
 //! The nearest neighbours of every point of a cloud, and the spacing of its points.
 //!
-//! Cost: a query of a k-d tree for each point, in parallel; four bytes a neighbour.
+//! Cost: one k-d tree query per point, in parallel; four bytes per neighbour.
 
 use crate::base::parallel;
 use crate::spatial::kdtree::Neighbors;
 use glam::DVec3;
 
-/// Neighbours that the spacing at a point is taken from: as many as surround a point of an even sampling.
+/// Number of neighbours from which the spacing at a point is derived: as many as surround a point of an even sampling.
 const RING: usize = 6;
 
-/// Neighbours of each point that are found first: those of a star, and some to spare.
+/// Number of neighbours of each point that are found first: those of a star, and some to spare.
 pub const DEGREE: usize = 16;
 
-/// The nearest neighbours of points, the same number for each.
+/// The nearest neighbours of points, the same number for each point.
 pub struct NeighborGraph {
     degree: usize,
-    /// Those of the first point, the nearest first, then those of the second, and so on.
+    /// The neighbours of the first point, the nearest first, then those of the second, and so on.
     neighbors: Vec<u32>,
 }
 
-/// Points whose neighbours one task finds.
+/// Number of points whose neighbours one task finds.
 const CHUNK: usize = 256;
 
 impl NeighborGraph {
-    /// The `degree` nearest neighbours of each of `points`, which are those of `near`; fewer if there are not enough
-    /// points.
+    /// Finds the `degree` nearest neighbours of each of `points`, which are the points of `near`; fewer if there are not
+    /// enough points.
     pub fn new(points: &[DVec3], near: &Neighbors, degree: usize) -> Self {
         let degree = degree.min(points.len().saturating_sub(1));
         let mut neighbors = vec![0; degree * points.len()];
@@ -33,7 +33,7 @@ impl NeighborGraph {
             let mut found = Vec::new();
             for (own, p) in rows.chunks_mut(degree).zip(first..) {
                 near.collect_nearest(points[p as usize], degree + 1, &mut found);
-                // Where many points are at the same place the point itself may not be among the nearest.
+                // If many points coincide, the point itself may not be among the nearest.
                 let others = found.iter().map(|n| n.point).filter(|&n| n != p);
                 own.iter_mut().zip(others).for_each(|(own, n)| *own = n);
             }
@@ -51,8 +51,8 @@ impl NeighborGraph {
         &self.neighbors[self.degree * p as usize..self.degree * (p as usize + 1)]
     }
 
-    /// The spacing around each of `points`: the distance of the sixth neighbour, estimated from that of the last one as
-    /// if points were equally dense all around.
+    /// Returns the spacing around each of `points`: the distance to the sixth neighbour, estimated from the distance to the
+    /// last one under the assumption of constant point density.
     pub fn spacings(&self, points: &[DVec3]) -> Vec<f64> {
         let spacing = |p: usize| {
             self.of(p as u32).last().map_or(0.0, |&n| spacing_of(self.degree, points[p].distance(points[n as usize])))
@@ -61,7 +61,7 @@ impl NeighborGraph {
     }
 }
 
-/// The spacing around a point with this many neighbours, the farthest at distance `last`.
+/// The spacing around a point with this number of neighbours, the farthest at distance `last`.
 pub fn spacing_of(neighbors: usize, last: f64) -> f64 {
     (RING as f64 / neighbors.max(RING) as f64).sqrt() * last
 }

@@ -1,4 +1,4 @@
-//! Searches in space: hierarchies of boxes over triangles, k-d trees over points, and what is found with them.
+//! Spatial searches: bounding-volume hierarchies over triangles, k-d trees over points, and what is built on them.
 
 pub mod bvh;
 pub mod foot;

@@ -1,12 +1,12 @@
-//! An order of points in which those near in space are near in memory.
+//! An order of points in which points near in space are near in memory.
 
 use crate::base::parallel;
 use crate::geom::aabb::Aabb;
 use glam::DVec3;
 use rayon::slice::ParallelSliceMut;
 
-/// The numbers of all positions along a Z-order curve, which sorts them by the interleaved bits of their three
-/// coordinates, so that neighbours are mostly near each other in memory, too.
+/// Returns the numbers of all positions along a Z-order curve, which sorts them by the interleaved bits of their three
+/// coordinates, so that neighbours in space are mostly near each other in memory, too.
 ///
 /// Based on: G. M. Morton, A computer oriented geodetic data base and a new technique in file sequencing, 1966.
 pub fn spatial_order(positions: &[DVec3]) -> Vec<u32> {
@@ -14,8 +14,8 @@ pub fn spatial_order(positions: &[DVec3]) -> Vec<u32> {
     spatial_order_in(bounds, positions.len(), |i| positions[i])
 }
 
-/// [`spatial_order`] of `count` positions within `bounds`, which decide which positions are far apart in the order
-/// though near in space.
+/// [`spatial_order`] of `count` positions within `bounds`. The bounds determine which positions are far apart in the order
+/// although they are near in space.
 pub fn spatial_order_in(bounds: Aabb, count: usize, position: impl Fn(usize) -> DVec3 + Sync) -> Vec<u32> {
     let scale = f64::from(1 << BITS) / bounds.size().max_element().max(f64::MIN_POSITIVE);
     let key = |p: DVec3| {
@@ -27,10 +27,10 @@ pub fn spatial_order_in(bounds: Aabb, count: usize, position: impl Fn(usize) -> 
     keyed.into_iter().map(|k| k.1).collect()
 }
 
-/// Bits used of each coordinate: three coordinates fill 63.
+/// Number of bits used of each coordinate: three coordinates fill 63.
 const BITS: u32 = 21;
 
-/// The lowest 21 bits of `x`, with two zeros after each.
+/// The lowest 21 bits of `x`, each followed by two zero bits.
 fn spread(x: u64) -> u64 {
     let x = (x | x << 32) & 0x001f_0000_0000_ffff;
     let x = (x | x << 16) & 0x001f_0000_ff00_00ff;
@@ -48,7 +48,7 @@ mod tests {
         let corner = |i: u32| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2));
         let points: Vec<DVec3> = (0..8).rev().flat_map(|i| [corner(i), corner(i) * 0.9 + 0.01]).collect();
         let order = spatial_order(&points);
-        // Both points of a corner, then those of the next one along x, then y, then z.
+        // Both points of a corner, then those of the next corner along x, then y, then z.
         let corners: Vec<u32> = order.iter().map(|i| 7 - i / 2).collect();
         assert_eq!(corners, (0..8).flat_map(|i| [i, i]).collect::<Vec<u32>>());
         assert!(spatial_order(&[]).is_empty());

@@ -1,14 +1,13 @@
 //! Self-intersections of a mesh.
 //!
-//! Two faces intersect where they pass through each other, or where they share a side and are folded over; see
-//! [`crate::geom::intersection`]. Corners at the same place are one corner here, whatever their numbers are, so UV
-//! seams do not intersect. Surfaces that only touch, at corners, along edges or with whole faces, do not intersect
-//! either: what is no deeper than `CONTACT` is contact.
+//! Two faces intersect if they pass through each other, or if they share a side and are folded over; see
+//! [`crate::geom::intersection`]. Corners at the same position count as one corner, whatever their numbers, so UV seams do
+//! not intersect. Surfaces that only touch, at corners, along edges or with whole faces, do not intersect either: anything
+//! up to the depth `CONTACT` is contact.
 //!
 //! Cost: n log n to build the hierarchy, then near-linear for surfaces, whose boxes meet few others; in parallel.
 //!
-//! Limits: n faces that are all in one place (copies in a soup) form n² pairs; these are only stored if pairs are asked
-//! for.
+//! Limits: n faces at the same position (copies in a soup) form n² pairs; these are only stored if pairs are requested.
 
 use crate::base::parallel;
 use crate::geom::aabb::Aabb;
@@ -21,7 +20,7 @@ use crate::spatial::bvh::Bvh;
 use glam::DVec3;
 use rayon::slice::ParallelSliceMut;
 
-/// Depth up to which faces count as touching, as a share of the diagonal of their mesh: coordinates in single precision
+/// Depth up to which faces count as touching, as a fraction of the diagonal of their mesh: coordinates in single precision
 /// are off by up to a tenth of it.
 const CONTACT: f64 = 1e-6;
 
@@ -30,25 +29,26 @@ pub fn depth_of_contact(mesh: &Mesh) -> f64 {
     CONTACT * mesh.diagonal()
 }
 
-/// The pairs of faces of `mesh` that intersect, the lower index first, in increasing order. `bvh` is the hierarchy over it.
+/// Returns the pairs of intersecting faces of `mesh`, in increasing order, the lower index first. `bvh` is the hierarchy
+/// over `mesh`.
 pub fn self_intersecting_pairs(mesh: &Mesh, bvh: &Bvh) -> Vec<(u32, u32)> {
     let depth = depth_of_contact(mesh);
     bvh.pairs_that_meet(mesh, |t, u| cross_deeper_than(depth, mesh.corners(t as usize), mesh.corners(u as usize)))
 }
 
-/// The self-intersecting faces of `mesh`, in increasing order.
+/// Returns the self-intersecting faces of `mesh`, in increasing order.
 pub fn self_intersections(mesh: &Mesh) -> Vec<u32> {
     self_intersections_by(mesh, &Bvh::new(mesh))
 }
 
-/// [`self_intersections`] by the hierarchy over `mesh`.
+/// [`self_intersections`] with the hierarchy over `mesh`.
 fn self_intersections_by(mesh: &Mesh, bvh: &Bvh) -> Vec<u32> {
     let depth = depth_of_contact(mesh);
     bvh.triangles_that_meet(mesh, |t, u| cross_deeper_than(depth, mesh.corners(t as usize), mesh.corners(u as usize)))
 }
 
-/// The faces of `mesh` that pass through each other, pair by pair or with an edge that lies in one, in increasing order. `across`
-/// gives the side across each side, or [`NONE`]; `bvh` is the hierarchy over the mesh.
+/// Returns the faces of `mesh` that pass through each other, in increasing order, including those where an edge lies in
+/// another face. `across` gives the twin of each side, or [`NONE`]; `bvh` is the hierarchy over the mesh.
 pub fn faces_passing_through_others(mesh: &Mesh, across: impl Fn(u32) -> u32 + Sync, bvh: &Bvh) -> Vec<u32> {
     let mut faces = self_intersections_by(mesh, bvh);
     faces.extend(faces_passing_along_edges(mesh, across, bvh));
@@ -57,8 +57,8 @@ pub fn faces_passing_through_others(mesh: &Mesh, across: impl Fn(u32) -> u32 + S
     faces
 }
 
-/// The faces of `mesh` that pass through each other along a whole edge, in increasing order: an edge of two faces lies
-/// in a third, and the two are on different sides of it. Pair by pair these faces only touch.
+/// Returns the faces of `mesh` that pass through each other along a whole edge, in increasing order: an edge of two faces
+/// lies in a third face, and the two are on different sides of it. Taken pair by pair, these faces only touch.
 fn faces_passing_along_edges(mesh: &Mesh, across: impl Fn(u32) -> u32 + Sync, bvh: &Bvh) -> Vec<u32> {
     let depth = depth_of_contact(mesh);
     let corner = |side: u32| mesh.positions[mesh.origin(side) as usize];
@@ -82,8 +82,8 @@ fn faces_passing_along_edges(mesh: &Mesh, across: impl Fn(u32) -> u32 + Sync, bv
     faces
 }
 
-/// Whether a part of an edge lies in a face, and the corners opposite the edge, `tops`, on different sides of it, each
-/// deeper than `depth`.
+/// Returns whether a part of an edge lies in a face, and the corners opposite the edge, `tops`, lie on different sides of
+/// that face, each deeper than `depth`.
 fn lies_in(face: [DVec3; 3], edge: [DVec3; 2], tops: [DVec3; 2], depth: f64) -> bool {
     let normal = (face[1] - face[0]).cross(face[2] - face[0]).normalize_or_zero();
     let height = |p: DVec3| (p - face[0]).dot(normal);
@@ -91,7 +91,7 @@ fn lies_in(face: [DVec3; 3], edge: [DVec3; 2], tops: [DVec3; 2], depth: f64) -> 
     if above.abs() <= depth || above * below > -depth * depth || edge.into_iter().any(|p| height(p).abs() > depth) {
         return false;
     }
-    // The share of the edge that is on the inner side of all sides of the face.
+    // The range of the edge that is on the inner side of all sides of the face.
     let (mut from, mut to) = (0.0f64, 1.0f64);
     for k in 0..3 {
         let inwards = normal.cross(face[(k + 1) % 3] - face[k]).normalize_or_zero();
@@ -109,7 +109,7 @@ fn lies_in(face: [DVec3; 3], edge: [DVec3; 2], tops: [DVec3; 2], depth: f64) -> 
     (to - from) * edge[0].distance(edge[1]) > depth
 }
 
-/// The triangles of a surface that intersect others: where they are, any mesh of the surface intersects itself, too.
+/// The self-intersecting triangles of a surface. Near them, any mesh of the surface intersects itself, too.
 pub struct Inherited {
     mesh: Mesh,
     bvh: Bvh,
@@ -122,7 +122,7 @@ impl Inherited {
         Inherited { bvh: Bvh::new(&mesh), mesh }
     }
 
-    /// Whether any of them is within the longest side of `triangle` of its centre.
+    /// Returns whether any of them is at most the longest side of `triangle` away from its centre.
     pub fn is_near(&self, triangle: [DVec3; 3]) -> bool {
         let (middle, length) = (triangle.iter().sum::<DVec3>() / 3.0, longest_side(triangle));
         let squared = length * length;
@@ -131,7 +131,7 @@ impl Inherited {
     }
 }
 
-/// The faces of these pairs, each once, in increasing order.
+/// Returns the faces of these pairs, each once, in increasing order.
 pub fn faces_of(pairs: Vec<(u32, u32)>) -> Vec<u32> {
     let mut faces: Vec<u32> = pairs.into_iter().flat_map(|(t, u)| [t, u]).collect();
     faces.sort_unstable();
@@ -161,7 +161,7 @@ mod tests {
     fn a_surface_does_not_cross_itself_and_a_tangled_one_does() {
         assert!(self_intersections(&band(100, 1.0)).is_empty());
         assert!(self_intersections(&band(100, 0.1)).is_empty());
-        // Turned through its axis: each of the triangles crosses those on the other side.
+        // Turned through its axis: each triangle crosses those on the other side.
         assert_eq!(self_intersections(&band(9, -1.0)).len(), 18);
     }
 
@@ -208,7 +208,7 @@ mod tests {
     #[test]
     fn random_triangles_between_few_points_as_by_looking_at_all_pairs() {
         let mut rng = stream(11, Stage::Distance);
-        // On a grid of a few places, so that triangles share corners, touch, are coplanar and have no area.
+        // On a coarse grid of positions, so that triangles share corners, touch, are coplanar or have no area.
         for (count, places) in [(40, 4.0), (200, 30.0), (300, 1e9)] {
             let mut at = || ((unit(&mut rng) * places).floor() / places, unit(&mut rng));
             let mut mesh = Mesh::default();

@@ -1,16 +1,16 @@
 //! Gradient ascent on the measure (paper, section 6.2): each sample moves to where it contributes more, x ← x + ½ ∇s(x)
 //! in the units of the kernel, tangentially, and then back onto the surface.
 //!
-//! Departures from the paper: the samples are the vertices of a manifold already. Their two-rings are the
-//! neighbourhoods, so no search is needed, and a step that would turn a triangle against the surface is halved, so the
-//! topology stays. Flips after each sweep keep the mesh Delaunay. Steps may be longer than the paper's.
+//! Departures from the paper: the samples are already the vertices of a manifold. Their two-rings are the neighbourhoods, so
+//! no search is needed, and a step that would turn a triangle against the surface is halved, so the topology stays. Flips
+//! after each sweep keep the mesh Delaunay. Steps may be longer than the paper's.
 //!
-//! Cost: about a microsecond a vertex and sweep.
+//! Cost: about a microsecond per vertex and sweep.
 //!
 //! Where more than the position counts (a [`Lift`]), kernel and gradient have more dimensions, and a vertex moves along
 //! the first three, those of space.
 //!
-//! Vertices on a curve, of the boundary or a sharp edge, move along it; corners stay where they are.
+//! Vertices on a curve (the boundary or a sharp edge) move along it; corners do not move.
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
@@ -39,10 +39,10 @@ pub struct AscentParameters {
 /// The paper's step.
 pub const PAPER_STEP: f64 = 0.5;
 
-/// A step with which two sweeps order the vertices as well as three with the paper's. With 1 the vertices oscillate.
+/// A longer step, with which two sweeps order the vertices as well as three with the paper's. With 1 the vertices oscillate.
 pub const LONG_STEP: f64 = 0.75;
 
-/// The longest move of a vertex in one sweep, in kernel widths.
+/// Maximum move of a vertex in one sweep, in kernel widths.
 pub(super) const MOST_STEP: f64 = 0.5;
 
 /// Kernel width of the ascent in mean spacings: narrower ones leave clusters, wider ones blur the gradient.
@@ -59,7 +59,7 @@ pub fn ascend(
     ascend_lifted::<3>(domain, mesh, locked, Lift::NONE, ascent, monitor)
 }
 
-/// [`ascend`] with a kernel of as many dimensions D as `lift` needs.
+/// Like [`ascend`], with a kernel of as many dimensions D as `lift` needs.
 pub fn ascend_lifted<const D: usize>(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -78,7 +78,7 @@ pub fn ascend_lifted<const D: usize>(
     Ok(())
 }
 
-/// The step of vertex `v`, up the gradient.
+/// Returns the step of vertex `v`, up the gradient.
 fn way_up<const D: usize>(
     mesh: &Manifold,
     lift: Lift,
@@ -99,15 +99,15 @@ fn way_up<const D: usize>(
     mesh.along(v).map_or(way, |along| way.project_onto_normalized(along))
 }
 
-/// The kernel width between two samples, the mean of theirs. If it were that of one of them, all would move to where
-/// kernels are wider.
+/// Returns the kernel width between two samples, the mean of theirs. With the width of only one of them, all would move to
+/// where kernels are wider.
 #[inline]
 fn mean_width<const D: usize>(lift: Lift, one: &Sample, other: &Sample) -> f64 {
     0.5 * (lift.width::<D>(one) + lift.width::<D>(other))
 }
 
-/// The nearest vertices in the two-ring of `v`, by distance relative to the kernel width; of the second ring only those
-/// that face the same way.
+/// Returns the nearest vertices in the two-ring of `v`, by distance relative to the kernel width; of the second ring, only
+/// those that face the same way.
 fn nearest<const D: usize>(mesh: &Manifold, lift: Lift, v: u32) -> Nearest {
     let (c, here) = (&mesh.connectivity, &mesh.samples[v as usize]);
     let mut found = Nearest::default();
@@ -132,7 +132,7 @@ fn nearest<const D: usize>(mesh: &Manifold, lift: Lift, v: u32) -> Nearest {
             c.ring(w).filter(|&w| w != v).for_each(&mut add_facing);
             continue;
         }
-        // Around `w`, from beyond the triangle on the left of `out` to that on its right.
+        // Goes around `w`, from beyond the triangle on the left of `out` to the one on its right.
         let last = c.apex(c.twin(out));
         let mut across = c.twin(next(out));
         while c.apex(across) != last {

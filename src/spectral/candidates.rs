@@ -1,12 +1,13 @@
-//! Candidates for the linear scan: points on a mesh of the same density everywhere, relative to the wanted edge length.
+//! Draws candidates for the linear scan: points on a mesh with the same density everywhere, relative to the wanted edge
+//! length.
 //!
-//! The vertices of a mesh are poor candidates (a CAD part has none on its flat sides), so the surface is covered
-//! evenly: a triangle whose share is n candidates gets ⌊n + u⌋, u random, uniformly distributed in it. Where edges of
-//! relative length h are wanted, area counts 1 / h² times: candidates are drawn as densely as the smallest h of their
-//! triangle requires, and kept with probability (smallest h / h)².
+//! The vertices of a mesh are poor candidates (a CAD part has none on its flat sides), so the surface is covered evenly: a
+//! triangle whose share is n candidates gets ⌊n + u⌋, with u random, uniformly distributed in it. Where edges of relative
+//! length h are wanted, area counts 1 / h² times: candidates are drawn as densely as the smallest h of their triangle
+//! requires, and kept with probability (smallest h / h)².
 //!
-//! Everything is drawn by address: what a triangle gets depends only on the triangle, its number, the density and the
-//! seed, and a higher density only adds to it.
+//! Random numbers are drawn by address: the candidates of a triangle depend only on the triangle, its number, the density
+//! and the seed, and a higher density only adds to them.
 //!
 //! Cost: linear in candidates and triangles, on all threads.
 
@@ -25,7 +26,7 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// The candidate as a point of the surface.
+    /// Returns the candidate as a point of the surface.
     #[inline]
     pub fn sample(&self, domain: &Domain) -> Sample {
         let [a, b] = self.weights.map(f64::from);
@@ -34,7 +35,7 @@ impl Candidate {
         domain.sample(self.triangle, [a, b, 1.0 - a - b])
     }
 
-    /// The address that its random numbers are drawn for: the input triangle, and its place in the part of that
+    /// Returns the address for which its random numbers are drawn: the input triangle, and its place in the part of that
     /// triangle.
     #[inline]
     pub(super) fn address(&self, domain: &Domain) -> Address {
@@ -43,7 +44,7 @@ impl Candidate {
     }
 }
 
-/// About `count` points on the surface, in the order of its triangles.
+/// Returns about `count` points on the surface, in the order of its triangles.
 pub fn candidates(domain: &Domain, count: usize, seed: u64) -> Vec<Candidate> {
     let density = count as f64 / domain.mesh.area();
     let parts = part_numbers(domain);
@@ -52,7 +53,7 @@ pub fn candidates(domain: &Domain, count: usize, seed: u64) -> Vec<Candidate> {
     })
 }
 
-/// For each triangle, which part of its input triangle it is, counted from 0.
+/// Returns, for each triangle, which part of its input triangle it is, counted from 0.
 fn part_numbers(domain: &Domain) -> Vec<u32> {
     let sources = || (0..domain.mesh.triangles.len() as u32).map(|t| domain.source_triangle(t) as usize);
     let mut parts = vec![0; sources().max().map_or(0, |last| last + 1)];
@@ -63,8 +64,8 @@ fn part_numbers(domain: &Domain) -> Vec<u32> {
     sources().map(next).collect()
 }
 
-/// The candidates of triangle `t`, which is part number `part` of an input triangle. `density` is their number on a
-/// unit of area where the wanted size is 1.
+/// Returns the candidates of triangle `t`, which is part number `part` of an input triangle. `density` is their number per
+/// unit area where the wanted size is 1.
 fn in_triangle(domain: &Domain, t: u32, part: u32, density: f64, seed: u64) -> impl Iterator<Item = Candidate> {
     let source = domain.source_triangle(t);
     let units = move |stage: Stage, k: u64| units_at(seed, stage, (source, u64::from(part) << 32 | k));

@@ -1,4 +1,4 @@
-//! Points in the cells of a grid, added and removed, and searched for neighbours in any dimension.
+//! A grid of cells to which points can be added, removed and searched for neighbours, in any dimension.
 //!
 //! Cells divide the first three coordinates, or as many as there are; further coordinates only make distances larger.
 //!
@@ -17,7 +17,7 @@ pub(super) struct Cells<const D: usize> {
 }
 
 impl<const D: usize> Cells<D> {
-    /// No points, in cells of `width`.
+    /// Makes an empty grid with cells of `width`.
     pub fn new(width: f64) -> Self {
         Cells { width, lists: FxHashMap::default() }
     }

@@ -1,11 +1,11 @@
-//! Samples along the curves of a surface, its boundary and its sharp edges. They are evenly spaced, as the measure
-//! (paper, section 3) makes them in one dimension; lengths are relative to the wanted size.
+//! Samples the curves of a surface: its boundary and its sharp edges. The samples are evenly spaced, as the measure (paper,
+//! section 3) makes them in one dimension; lengths are relative to the wanted size.
 //!
-//! Corners become points as they are, and edges of an interface get no points between their ends. Every smooth patch
-//! gets its own samples of the points along its rim, so that it is sampled and triangulated by itself;
-//! [`CurveSamples::point`] says which samples are the same point.
+//! Corners become points as they are, and interface edges get no points between their ends. Every smooth patch gets its own
+//! samples of the points along its boundary, so that it is sampled and triangulated by itself; [`CurveSamples::point`] says
+//! which samples are the same point.
 //!
-//! Cost: linear in the sides on curves, and a sort of the points.
+//! Cost: linear in the sides on curves, and one sort of the points.
 
 use crate::mesh::half_edge::{OnCurve, next};
 use crate::mesh::sides::lower_first;
@@ -17,21 +17,21 @@ use std::collections::BTreeMap;
 /// Samples on the curves of a surface.
 #[derive(Debug, Clone, Default)]
 pub struct CurveSamples {
-    /// The samples of each patch, loop by loop, in the order along each.
+    /// Samples of each patch, loop by loop, in the order along each loop.
     pub samples: Vec<Sample>,
-    /// For each sample the side `3 t + k` of the domain that it lies on and how far along, in 0..1.
+    /// For each sample, the side `3 t + k` of the domain that it lies on, and how far along, in 0..1.
     pub sites: Vec<(u32, f64)>,
-    /// For each sample the next one on its loop; the patch is to the left of the way there.
+    /// For each sample, the next one on its loop; the patch is to the left of the way there.
     pub successor: Vec<u32>,
-    /// For each sample the number of its point.
+    /// For each sample, the number of its point.
     pub point: Vec<u32>,
-    /// Pairs of points next to each other along a curve, and the curve or interface.
+    /// Pairs of consecutive points along a curve, and the curve or interface.
     pub edges: Vec<([u32; 2], OnCurve)>,
     /// Points that are corners.
     pub corners: Vec<u32>,
 }
 
-/// Fewest points of a closed curve, and fewest samples of a loop: with fewer it would enclose nothing.
+/// Minimum number of points of a closed curve, and of samples of a loop: with fewer it would enclose nothing.
 const FEWEST: usize = 3;
 
 /// A point on a side of the domain: the side, how far along, and the number of the point.
@@ -73,8 +73,8 @@ pub fn sample_curves(domain: &Domain, spacing: f64) -> CurveSamples {
     result
 }
 
-/// The number of edges that each curve becomes: its relative length in spacings, but enough that no two curves become
-/// the same edge and every loop encloses something.
+/// Returns the number of edges that each curve becomes: its relative length in spacings, but enough that no two curves
+/// become the same edge and every loop encloses something.
 fn counts(domain: &Domain, loops: &[Vec<u32>], spacing: f64) -> Vec<usize> {
     let curves = &domain.curves.list;
     let mut between: BTreeMap<[u32; 2], usize> = BTreeMap::new();
@@ -92,7 +92,7 @@ fn counts(domain: &Domain, loops: &[Vec<u32>], spacing: f64) -> Vec<usize> {
     };
     let mut counts: Vec<usize> = curves.iter().map(wanted).collect();
     for sides in loops {
-        // Each curve, as many times as the loop runs along it.
+        // Each curve, as often as the loop runs along it.
         let starts = sides.iter().filter(|&&s| is_first(domain, s)).map(|&s| domain.curves.of_side(s) as usize);
         let along: Vec<usize> = starts.collect();
         let may_grow = along.iter().any(|&c| !curves[c].interface);
@@ -103,14 +103,14 @@ fn counts(domain: &Domain, loops: &[Vec<u32>], spacing: f64) -> Vec<usize> {
     counts
 }
 
-/// Whether `side` is the first one on its curve along a loop.
+/// Returns whether `side` is the first one on its curve along a loop.
 fn is_first(domain: &Domain, side: u32) -> bool {
     let curve = &domain.curves.list[domain.curves.of_side(side) as usize];
     let last = curve.sides[curve.sides.len() - 1];
     side == curve.sides[0] || domain.across.get(last) == side
 }
 
-/// The length of `side`, relative to the wanted size along it.
+/// Returns the length of `side`, relative to the wanted size along it.
 fn length(domain: &Domain, side: u32) -> f64 {
     let ends = domain.mesh.ends(side);
     let [a, b] = ends.map(|v| domain.mesh.positions[v as usize]);
@@ -118,13 +118,13 @@ fn length(domain: &Domain, side: u32) -> f64 {
     2.0 * a.distance(b) / (size_a + size_b)
 }
 
-/// The vertices where `curve` begins and ends, by their numbers before the cut.
+/// Returns the vertices where `curve` begins and ends, by their numbers before the cut.
 fn curve_ends(domain: &Domain, curve: &Curve) -> [u32; 2] {
     let last = curve.sides[curve.sides.len() - 1];
     [curve.sides[0], next(last)].map(|s| domain.original[domain.mesh.origin(s) as usize])
 }
 
-/// Puts `points` evenly on the sides of a curve that is divided into `count` edges.
+/// Places `points` evenly on the sides of a curve that is divided into `count` edges.
 fn place(domain: &Domain, curve: &Curve, count: usize, points: &[u32], on_sides: &mut Vec<OnSide>) {
     let lengths: Vec<f64> = curve.sides.iter().map(|&s| length(domain, s)).collect();
     let total: f64 = lengths.iter().sum();
@@ -145,7 +145,7 @@ fn place(domain: &Domain, curve: &Curve, count: usize, points: &[u32], on_sides:
     }
 }
 
-/// Adds the samples of the patch on the left of the loop `sides`.
+/// Adds the samples of the patch to the left of the loop `sides`.
 fn sample_loop(
     domain: &Domain,
     sides: &[u32],

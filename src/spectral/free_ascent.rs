@@ -5,10 +5,10 @@
 //! the same for any number of threads; neighbour lists are rebuilt every few sweeps; crowds are broken up, so the
 //! ascent may start from random points.
 //!
-//! Cost: about three microseconds a point and sweep on a mesh, a third of that for the lists.
+//! Cost: about three microseconds per point and sweep on a mesh, a third of that for the lists.
 //!
-//! Limits: nothing holds points together. Those next to a boundary end up on it, and only [`Submanifold::joined`] tells
-//! the two sides of a thin sheet apart.
+//! Limits: nothing holds points together. Points next to a boundary end up on it, and only [`Submanifold::joined`] tells the
+//! two sides of a thin sheet apart.
 
 use crate::base::error::Result;
 use crate::base::math;
@@ -24,15 +24,15 @@ use crate::surface::submanifold::Submanifold;
 /// Sweeps between rebuilds of the neighbour lists.
 const SWEEPS_OF_LISTS: usize = 3;
 
-/// Neighbours in a list: more than a gradient uses, since points move between rebuilds.
+/// Maximum number of neighbours in a list: more than a gradient uses, since points move between rebuilds.
 const LISTED: usize = 24;
 
-/// If the nearest neighbour is nearer than this, in units of σ, only that one counts. In a crowd of m points of size δ,
-/// s is of the order δ^(2m - 2), so flat that they would hardly separate; from one neighbour alone a point moves away
-/// by twice their distance.
+/// Distance of the nearest neighbour, in units of σ, below which only that one counts. In a crowd of m points of size δ, s
+/// is of the order δ^(2m - 2), so flat that they would hardly separate; from one neighbour alone a point moves away by twice
+/// their distance.
 const CROWDED: f64 = 0.25;
 
-/// The share of its last move that a point repeats in the next sweep, where all move at once.
+/// Share of its last move that a point repeats in the next sweep of [`ascend_at_once`].
 const AGAIN: f64 = 0.45;
 
 /// Moves all `points`. `ascent.sigma` is in the units of the coordinates.
@@ -64,8 +64,8 @@ pub fn ascend_freely<S: Submanifold<D>, const D: usize>(
     Ok(())
 }
 
-/// [`ascend_freely`] with all points moved at once in each sweep. So a point depends only on those within [`reach_of`],
-/// and a part of the points moves as it would among all. Two neighbours both give way, so the step has to be shorter;
+/// Like [`ascend_freely`], but moves all points at once in each sweep. So a point depends only on those within [`reach_of`],
+/// and a part of the points moves as it would among all. Since two neighbours both give way, the step has to be shorter;
 /// repeating a part of each move in the next sweep makes up for that (B. T. Polyak, Some methods of speeding up the
 /// convergence of iteration methods, 1964, DOI 10.1016/0041-5553(64)90137-5).
 ///
@@ -99,13 +99,13 @@ pub fn ascend_at_once<S: Submanifold<D>, const D: usize>(
     Ok(())
 }
 
-/// The distance up to which a point can affect another one in [`ascend_at_once`], in units of σ: each sweep adds the
-/// radius of a neighbourhood and a step of both neighbours.
+/// Returns the distance, in units of σ, up to which a point can affect another one in [`ascend_at_once`]: each sweep adds
+/// the radius of a neighbourhood and a step of both neighbours.
 pub fn reach_of(sweeps: usize) -> f64 {
     sweeps as f64 * (RADIUS + 2.0 * MOST_STEP)
 }
 
-/// Where the step `way` takes point `v`.
+/// Returns where the step `way` takes point `v`.
 fn stepped<S: Submanifold<D>, const D: usize>(
     manifold: &S,
     points: &[S::Point],
@@ -116,7 +116,7 @@ fn stepped<S: Submanifold<D>, const D: usize>(
     manifold.step(&points[v as usize], &shortened(&way, MOST_STEP * ascent.sigma))
 }
 
-/// The step of point `v`, up the gradient.
+/// Returns the step of point `v`, up the gradient.
 fn way_up<S: Submanifold<D>, const D: usize>(
     manifold: &S,
     points: &[S::Point],
@@ -137,7 +137,7 @@ fn way_up<S: Submanifold<D>, const D: usize>(
     scaled(&gradient(&offsets[..counting]), step * sigma)
 }
 
-/// For each point its neighbours, at most the nearest [`LISTED`].
+/// Returns the neighbours of each point, at most the nearest [`LISTED`].
 fn neighbours<S: Submanifold<D>, const D: usize>(manifold: &S, points: &[S::Point], sigma: f64) -> Vec<Vec<u32>> {
     let radius = RADIUS * sigma;
     let mut cells = Cells::new(radius / 2.0);

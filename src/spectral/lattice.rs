@@ -1,23 +1,23 @@
-//! The blocks of space that the scan works by: a lattice anchored at the origin, so that points are in the same blocks
-//! whether a part of them is scanned or all.
+//! The lattice of blocks by which the scan proceeds. It is anchored at the origin, so that points are in the same blocks
+//! whether all of them are scanned or only a part.
 //!
-//! A block hears the blocks that touch it and have an earlier turn, these hear others, and so on. The turn is the
-//! three-bit number of the parities of x, y and z, so such a chain reaches as many blocks along an axis as the axis's
-//! bit changes between the turns: at most seven along x, three along y, one along z. So a box of blocks, scanned
-//! together with those it hears, gets the samples that it would get within any larger scan.
+//! A block hears the blocks that touch it and have an earlier turn: its samples depend on theirs. These blocks hear others,
+//! and so on. The turn is the three-bit number of the parities of x, y and z, so such a chain reaches as many blocks along
+//! an axis as the axis's bit changes between the turns: at most seven along x, three along y, one along z. So a box of
+//! blocks, scanned together with those it hears, gets the same samples as within any larger scan.
 
 use glam::{DVec3, IVec3, ivec3};
 
 /// The number of turns.
 pub const TURNS: i32 = 8;
 
-/// The block that contains `p`, of blocks of this width.
+/// Returns the block, of blocks of this width, that contains `p`.
 #[inline]
 pub fn place_of(p: DVec3, width: f64) -> IVec3 {
     (p / width).floor().as_ivec3()
 }
 
-/// The turn of a block. Blocks of one turn do not touch each other.
+/// Returns the turn of a block. Blocks of the same turn do not touch each other.
 pub fn turn_of(place: IVec3) -> i32 {
     (place.x & 1) | (place.y & 1) << 1 | (place.z & 1) << 2
 }
@@ -32,28 +32,28 @@ pub struct BlockBox {
 }
 
 impl BlockBox {
-    /// The box with `by` more blocks on each side.
+    /// Returns the box with `by` more blocks on each side.
     pub fn grown(self, by: IVec3) -> BlockBox {
         BlockBox { lo: self.lo - by, hi: self.hi + by }
     }
 
-    /// Whether the box contains a block.
+    /// Returns whether the box contains a block.
     pub fn contains(&self, place: IVec3) -> bool {
         place.cmpge(self.lo).all() && place.cmplt(self.hi).all()
     }
 
-    /// Whether the two boxes have a block in common.
+    /// Returns whether the two boxes have a block in common.
     pub fn touches(&self, other: BlockBox) -> bool {
         self.lo.cmplt(other.hi).all() && other.lo.cmplt(self.hi).all()
     }
 
-    /// Whether the samples kept in the box can depend on those kept in this block.
+    /// Returns whether the samples kept in the box can depend on those kept in this block.
     pub fn hears(&self, place: IVec3) -> bool {
         let turn = turn_of(place);
         self.grown(ivec3(TURNS - 1 - turn, 3 - turn / 2, 1 - turn / 4)).contains(place)
     }
 
-    /// The box around all blocks that it hears.
+    /// Returns the box around all blocks that it hears.
     pub fn heard(self) -> BlockBox {
         self.grown(ivec3(TURNS - 1, 3, 1))
     }
@@ -66,7 +66,7 @@ mod tests {
 
     #[test]
     fn a_block_hears_what_chains_of_earlier_turns_lead_to() {
-        // From a box with one block of each turn, step by step to all touching blocks of earlier turns.
+        // Starts with a box of one block of each turn and goes step by step to all touching blocks of earlier turns.
         let seed = BlockBox { lo: IVec3::ZERO, hi: IVec3::splat(2) };
         let mut open: Vec<IVec3> = (0..8).map(|i| ivec3(i & 1, i >> 1 & 1, i >> 2)).collect();
         let mut found = BTreeSet::new();

@@ -34,7 +34,7 @@ pub struct Measure<const D: usize> {
 }
 
 impl<const D: usize> Measure<D> {
-    /// No neighbours: s = 1.
+    /// Starts without neighbours: s = 1.
     pub fn new() -> Self {
         Measure {
             factor: [0.0; MOST_NEIGHBOURS * (MOST_NEIGHBOURS + 1) / 2],
@@ -51,7 +51,7 @@ impl<const D: usize> Measure<D> {
         self.value = 1.0;
     }
 
-    /// s(x) with the neighbours so far, in 0..=1.
+    /// Returns s(x) with the neighbours so far, in 0..=1.
     pub fn value(&self) -> f64 {
         self.value
     }
@@ -94,10 +94,10 @@ impl<const D: usize> Default for Measure<D> {
     }
 }
 
-/// Neighbours that the gradient uses, nearest first: more would not change where samples go.
+/// Number of neighbours that the gradient uses, nearest first: more would not change where samples go.
 pub const GRADIENT_NEIGHBOURS: usize = 12;
 
-/// ∇s(x) with respect to x in units of σ: 4 Σ aᵢ kᵢ (x - xᵢ), a = K⁻¹ k, for neighbours at `offsets` from x, at most
+/// Returns ∇s(x) with respect to x in units of σ: 4 Σ aᵢ kᵢ (x - xᵢ), a = K⁻¹ k, for neighbours at `offsets` from x, at most
 /// [`GRADIENT_NEIGHBOURS`]. It is the paper's double sum (section 6.2) with the symmetric half carried out.
 ///
 /// K = L D Lᵀ is computed column by column, with k as an extra row, on whole columns of a fixed length, the part above
@@ -136,7 +136,7 @@ pub fn gradient<const D: usize>(offsets: &[[f64; D]]) -> [f64; D] {
     pull.map(|x| -4.0 * x)
 }
 
-/// The Gaussian kernel of a squared distance in units of σ.
+/// Returns the Gaussian kernel of a squared distance in units of σ.
 #[inline]
 pub fn kernel(distance_squared: f64) -> f64 {
     gaussian(distance_squared)
@@ -162,7 +162,7 @@ mod tests {
         m
     }
 
-    /// s(x) by Gaussian elimination with pivoting on the whole matrix.
+    /// Computes s(x) by Gaussian elimination with pivoting on the whole matrix.
     fn dense<const D: usize>(x: &[f64; D], others: &[[f64; D]]) -> f64 {
         let n = others.len();
         let k: Vec<f64> = others.iter().map(|p| kernel(distance_squared(p, x))).collect();

@@ -1,4 +1,4 @@
-//! The nearest points, which a gradient takes into account, kept sorted as they are found.
+//! Keeps the nearest points, which a gradient takes into account, sorted as they are found.
 
 use crate::spectral::measure::GRADIENT_NEIGHBOURS;
 
@@ -28,7 +28,7 @@ impl Nearest {
         }
     }
 
-    /// Squared distances and numbers, nearest first.
+    /// Returns squared distances and numbers, nearest first.
     pub fn list(&self) -> &[(f64, u32)] {
         &self.list[..self.count]
     }

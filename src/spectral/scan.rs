@@ -1,8 +1,8 @@
-//! The randomized linear scan (paper, algorithm 1): every candidate is looked at once, in random order, and kept if it
+//! The randomized linear scan (paper, algorithm 1): every candidate is examined once, in random order, and kept if it
 //! changes the spectrum of those kept so far by more than ε.
 //!
-//! Space is divided into blocks, whose candidates are scanned in random order. Blocks are scanned in eight turns, those
-//! of one turn farther apart than the kernel reaches. So the blocks of a turn run in parallel, the result does not
+//! Space is divided into blocks, whose candidates are scanned in random order. Blocks are scanned in eight turns; blocks of
+//! the same turn are farther apart than the kernel reaches. So the blocks of a turn run in parallel, the result does not
 //! depend on the number of threads, and look-ups stay in the cache however many points there are.
 //!
 //! The width of a candidate's kernel is proportional to the wanted size there; cells fit the widest kernel. Where more
@@ -31,28 +31,28 @@ use rustc_hash::FxHashMap;
 /// The threshold ε (paper, section 6.3).
 pub const EPSILON: f64 = 0.5;
 
-/// Cells of a block along each axis. A block of eight holds about a hundred samples, enough to outweigh its halo.
+/// Number of cells of a block along each axis. A block of eight holds about a hundred samples, enough to outweigh its halo.
 pub const BLOCK: i32 = 8;
 
-/// Cells around a block within the kernel's reach: a cell is half of [`RADIUS`] wide, in units of the widest σ.
+/// Number of cells around a block within the kernel's reach: a cell is half of [`RADIUS`] wide, in units of the widest σ.
 const HALO: i32 = 2;
 
-/// Cells of a block and its halo along each axis.
+/// Number of cells of a block and its halo along each axis.
 const SPAN: i32 = BLOCK + 2 * HALO;
 
-/// Squared distance, in units of σ, within which a single neighbour has s = 1 - k² at most ε: ln(1 / (1 - ε)) / 2.
+/// Squared distance, in units of σ, within which a single neighbour makes s = 1 - k² at most ε: ln(1 / (1 - ε)) / 2.
 pub(super) const TOO_NEAR: f64 = std::f64::consts::LN_2 / 2.0;
 
-/// Members of a patch that looking at all of them is as good for as the cells: no more than are asked in any case.
+/// Number of members of a patch up to which all are examined instead of the cells: no more than the measure uses in any
+/// case.
 const FEW: usize = MOST_NEIGHBOURS;
 
 /// Marks the end of a cell's list.
 const END: u32 = u32::MAX;
 
-/// The samples that the scan keeps: `fixed` first, which are kept in any case, then candidates.
+/// Returns the samples that the scan keeps: first `fixed`, which are always kept, then candidates.
 ///
-/// `sigma` is σp where the wanted size is 1, in the units of the domain. The result is the same for
-/// any number of threads.
+/// `sigma` is σp where the wanted size is 1, in the units of the domain. The result is the same for any number of threads.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
@@ -78,13 +78,13 @@ pub struct Kernel<'a> {
     pub lift: Lift<'a>,
 }
 
-/// What a scan chooses from.
+/// The points that a scan chooses from.
 pub trait Choices: Sync {
     /// The number of choices.
     fn count(&self) -> usize;
     /// The choice with this number.
     fn sample(&self, number: u32) -> Sample;
-    /// The address that its random numbers are drawn for.
+    /// The address for which its random numbers are drawn.
     fn address(&self, number: u32) -> Address;
     /// The patch of the surface that a sample lies on: only samples of the same patch are neighbours.
     fn patch_of(&self, sample: &Sample) -> u32;
@@ -159,8 +159,8 @@ impl Choices for Given<'_> {
     }
 }
 
-/// [`linear_scan`] of any choices, with a kernel of as many dimensions D as `kernel.lift` needs. Returns the numbers of
-/// those that it keeps besides `fixed`.
+/// Like [`linear_scan`], for any choices, with a kernel of as many dimensions D as `kernel.lift` needs. Returns the numbers
+/// of the choices that it keeps besides `fixed`.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
@@ -198,7 +198,7 @@ struct Blocks<'a, C> {
 }
 
 struct Block {
-    /// Its candidates in `order`.
+    /// Range of its candidates in `order`.
     candidates: std::ops::Range<usize>,
     /// Samples kept so far, the fixed ones first.
     kept: Vec<Sample>,
@@ -237,12 +237,12 @@ impl<'a, C: Choices> Blocks<'a, C> {
         }
     }
 
-    /// The blocks of each turn, those whose places have the same parities.
+    /// Returns the blocks of each turn: those whose places have the same parities.
     fn turns(&self) -> Vec<Vec<usize>> {
         (0..TURNS).map(|turn| (0..self.list.len()).filter(|&b| turn_of(self.places[b]) == turn).collect()).collect()
     }
 
-    /// The candidates that block `b` keeps.
+    /// Returns the candidates that block `b` keeps.
     fn scan<const D: usize>(&self, b: usize) -> Vec<(u32, Sample)> {
         let block = &self.list[b];
         if block.candidates.is_empty() {
@@ -264,7 +264,7 @@ impl<'a, C: Choices> Blocks<'a, C> {
         kept
     }
 
-    /// Block `b` and those that touch it.
+    /// Iterates over block `b` and those that touch it.
     fn around(&self, b: usize) -> impl Iterator<Item = usize> {
         let place = self.places[b];
         (0..27).filter_map(move |i| {
@@ -282,7 +282,7 @@ struct Neighborhood<'a, const D: usize> {
     cell: f64,
     heads: Vec<u32>,
     members: Vec<Member<D>>,
-    /// The members of each patch, those of patches with many as far as [`FEW`].
+    /// The members of each patch; of patches with many members, only enough to exceed [`FEW`].
     of_patch: FxHashMap<u32, Vec<u32>>,
     measure: Measure<D>,
     found: Vec<(f64, u32)>,
@@ -296,7 +296,8 @@ struct Member<const D: usize> {
 }
 
 impl<const D: usize> Member<D> {
-    /// Its squared distance from `x`, which is `here`, in units of σ, if it is a neighbour on the same patch; `scale` is 1 / σ².
+    /// Returns its squared distance from `x`, whose coordinates are `here`, in units of σ, if it is a neighbour, given that
+    /// both are on the same patch; `scale` is 1 / σ².
     #[inline]
     fn seen_from(&self, x: &Sample, here: &[f64; D], scale: f64) -> Option<f64> {
         let distance = distance_squared(&self.coordinates, here) * scale;
@@ -330,8 +331,8 @@ impl<'a, const D: usize> Neighborhood<'a, D> {
         }
     }
 
-    /// Whether s(x) > ε. The members of a patch that has a few are all asked. Else the nearest cells, tested first, settle most
-    /// cases; then come all in reach.
+    /// Returns whether s(x) > ε. If the patch has few members, all of them are examined. Otherwise the nearest cells, tested
+    /// first, settle most cases; then all cells within reach follow.
     fn changes_spectrum(&mut self, x: &Sample, patch: u32) -> bool {
         let Some(own) = self.of_patch.get(&patch) else { return true };
         if own.len() <= FEW {
@@ -387,7 +388,7 @@ impl<'a, const D: usize> Neighborhood<'a, D> {
         }
     }
 
-    /// Whether s(x) > ε over the samples found. Adds the nearest first, until the answer is known.
+    /// Returns whether s(x) > ε over the samples found. Adds the nearest first, until the answer is known.
     fn exceeds_epsilon(&mut self, here: &[f64; D], sigma: f64) -> bool {
         self.found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         self.measure.clear();

@@ -1,12 +1,12 @@
-//! The distance between the samples of a scan, over the whole domain: the edge lengths that keep their density.
+//! Computes the spacing of the samples of a scan over the whole domain: the edge lengths that keep their density.
 //!
-//! Candidates are evenly distributed, so the share of them nearest to a sample is the sample's share of the area. At
-//! hexagonal packing a sample of area a has its neighbours at distance √(2a / √3). A vertex of the domain takes the
-//! geometric mean over the samples around it, which averages out the randomness of their places.
+//! Candidates are evenly distributed, so the share of candidates nearest to a sample is its share of the area. At hexagonal
+//! packing, a sample of area a has its neighbours at distance √(2a / √3). A vertex of the domain gets the geometric mean
+//! over the samples around it, which averages out the randomness of their places.
 //!
-//! Limits: next to a boundary samples have less area than others, and distances come out up to a quarter too short.
+//! Limits: next to a boundary, samples have less area than others, and distances come out up to a quarter too short.
 //!
-//! Cost: a search among the samples for each candidate and each vertex.
+//! Cost: one search among the samples for each candidate and each vertex.
 
 use crate::base::math;
 use crate::base::parallel;
@@ -14,14 +14,14 @@ use crate::spatial::kdtree::Neighbors;
 use crate::spectral::candidates::Candidate;
 use crate::surface::domain::{Domain, Sample};
 
-/// No candidate is farther from all samples than this, in units of σ: the scan would have kept it.
+/// Maximum distance, in units of σ, of a candidate from the nearest sample: the scan would have kept a farther one.
 const FARTHEST: f64 = 1.5;
 
 /// Number of samples averaged at a vertex.
 const AVERAGED: usize = 7;
 
-/// The distance between the samples at each vertex of `domain`, in its units. `samples` were chosen from `candidates`
-/// with a kernel of width `sigma`.
+/// Returns the spacing of the samples at each vertex of `domain`, in its units. `samples` were chosen from `candidates` with
+/// a kernel of width `sigma`.
 pub fn spacings(domain: &Domain, candidates: &[Candidate], samples: &[Sample], sigma: f64) -> Vec<f64> {
     let positions: Vec<_> = samples.iter().map(|s| s.position).collect();
     let set = Neighbors::new(&positions);
@@ -46,7 +46,7 @@ pub fn spacings(domain: &Domain, candidates: &[Candidate], samples: &[Sample], s
     parallel::map(0..domain.mesh.positions.len() as u32, at_vertex)
 }
 
-/// The distance of neighbours at hexagonal packing if each has this area.
+/// Returns the distance of neighbours at hexagonal packing if each has this area.
 fn length_of(area: f64) -> f64 {
     (2.0 * area / 3f64.sqrt()).sqrt()
 }
@@ -91,7 +91,7 @@ mod tests {
         let domain = square();
         let all = candidates(&domain, 40_000, 1);
         let samples = linear_scan(&domain, &all, &[], 0.03, 1, &()).unwrap();
-        // Keep a quarter of them on the right.
+        // Keep a quarter of the samples on the right.
         let thinned: Vec<Sample> = (samples.iter().enumerate())
             .filter(|(i, s)| s.position.x < 0.5 || i % 4 == 0)
             .map(|(_, &sample)| sample)

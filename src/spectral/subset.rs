@@ -26,10 +26,10 @@ use std::collections::BinaryHeap;
 /// Points between two checks of the monitor.
 const CHUNK: usize = 4096;
 
-/// With no more measure than this, a point differs from the samples only by rounding.
+/// Measure at or below which a point differs from the samples only by rounding.
 const LEAST_NEWS: f64 = 1e-9;
 
-/// Points to look at for each missing sample, and the fewest to look at.
+/// Number of points to examine for each missing sample, and the minimum.
 const POINTS_PER_MISSING: usize = 32;
 const FEWEST_POINTS: usize = 1024;
 
@@ -64,7 +64,7 @@ pub fn scan<S: Submanifold<D>, const D: usize>(
     Ok(kept.numbers)
 }
 
-/// Chooses `wanted` of `points`, or fewer if no more of them differ, beginning with those numbered in `chosen`: removes
+/// Chooses `wanted` of `points`, or fewer if no more of them differ, starting from those numbered in `chosen`: removes
 /// surplus samples where s is smallest, or adds missing ones where it is largest.
 pub fn thin_or_fill<S: Submanifold<D>, const D: usize>(
     manifold: &S,
@@ -80,8 +80,8 @@ pub fn thin_or_fill<S: Submanifold<D>, const D: usize>(
     samples.numbers
 }
 
-/// Removes the points numbered in `chosen` that the scan would not keep among the others, the least important first.
-/// Returns those removed, in this order.
+/// Removes the points numbered in `chosen` that the scan would not keep among the others, the least important first. Returns
+/// the removed ones in this order.
 pub fn thin_to_scan<S: Submanifold<D>, const D: usize>(
     manifold: &S,
     points: &[S::Point],
@@ -95,7 +95,7 @@ pub fn thin_to_scan<S: Submanifold<D>, const D: usize>(
     removed
 }
 
-/// Some of the given points.
+/// The points chosen so far.
 struct Samples<'a, S: Submanifold<D>, const D: usize> {
     manifold: &'a S,
     points: &'a [S::Point],
@@ -118,13 +118,13 @@ impl<'a, S: Submanifold<D>, const D: usize> Samples<'a, S, D> {
         self.numbers.push(point);
     }
 
-    /// Whether s > ε at `point`, which is not a sample yet. The nearest samples, tested first, settle most cases.
+    /// Returns whether s > ε at `point`, which is not a sample yet. The nearest samples, tested first, settle most cases.
     fn changes_spectrum(&self, point: u32) -> bool {
         let nearest = self.near(point, TOO_NEAR.sqrt() * self.sigma);
         nearest.is_empty() && self.measure(point, EPSILON) > EPSILON
     }
 
-    /// The measure at `point` among the other samples; if it is at most `least`, any number up to that.
+    /// Returns the measure at `point` among the other samples; if that is at most `least`, any value up to `least`.
     fn measure(&self, point: u32, least: f64) -> f64 {
         let mut measure = Measure::new();
         for (_, _, offset) in self.near(point, RADIUS * self.sigma).into_iter().take(MOST_NEIGHBOURS) {
@@ -135,8 +135,8 @@ impl<'a, S: Submanifold<D>, const D: usize> Samples<'a, S, D> {
         measure.value()
     }
 
-    /// The other samples that count as neighbours of `point` within `radius`, nearest first: squared distance, number
-    /// and offset.
+    /// Returns the other samples that count as neighbours of `point` within `radius`, nearest first: squared distance,
+    /// number and offset.
     fn near(&self, point: u32, radius: f64) -> Vec<(f64, u32, [f64; D])> {
         let here = self.coordinates(point);
         let mut found = Vec::new();
@@ -162,8 +162,8 @@ impl<'a, S: Submanifold<D>, const D: usize> Samples<'a, S, D> {
         }
     }
 
-    /// Removes the sample with the smallest s as long as `goes` holds for the number of samples and that s. Returns
-    /// those removed, in this order.
+    /// Removes the sample with the smallest s while `goes` holds for the number of samples and that s. Returns the removed
+    /// samples in this order.
     fn thin_while(&mut self, goes: impl Fn(usize, f64) -> bool) -> Vec<u32> {
         let ranked: Vec<Ranked> = parallel::map(&self.numbers[..], |&i| Ranked::new(-self.measure(i, 0.0), i));
         let mut heap = BinaryHeap::from(ranked);
@@ -186,7 +186,7 @@ impl<'a, S: Submanifold<D>, const D: usize> Samples<'a, S, D> {
         removed
     }
 
-    /// Adds samples, from a part of the points first, until there are `wanted` or no points are left that differ.
+    /// Adds samples, first from a part of the points, until there are `wanted` or no remaining point differs.
     fn fill_to(&mut self, wanted: usize) {
         let missing = wanted.saturating_sub(self.numbers.len());
         let part = (self.points.len() / (POINTS_PER_MISSING * missing + FEWEST_POINTS)).max(1);
@@ -240,7 +240,7 @@ mod tests {
         assert!((0..3000).all(|i| kept.contains(&i) || samples.measure(i, 0.0) <= EPSILON + 1e-12));
     }
 
-    /// One by one, with all measures recomputed each time.
+    /// Thins one by one, with all measures recomputed each time.
     fn thinned_by_hand(points: &[[f64; 2]], sigma: f64, wanted: usize) -> Vec<u32> {
         let mut numbers: Vec<u32> = (0..points.len() as u32).collect();
         while numbers.len() > wanted {
@@ -257,7 +257,7 @@ mod tests {
         let (points, sigma) = (points(60), 0.15);
         let all: Vec<u32> = (0..60).collect();
         assert_eq!(thin_or_fill(&UnitCube, &points, &all, sigma, 40), thinned_by_hand(&points, sigma, 40));
-        // The first has the lowest number, as good as any; the second is the one least determined by it.
+        // The first one has the lowest number, since all are equally good; the second is the one least determined by it.
         let two = thin_or_fill(&UnitCube, &points, &[], 10.0, 2);
         let distance = |i: u32| length(&points[two[0] as usize], &points[i as usize]);
         assert_eq!((two[0], two.len()), (0, 2));

@@ -1,16 +1,17 @@
-//! Edges between the facets of a curved surface: a pillar of twenty sides is meant round.
+//! Edges between the facets of a curved surface: a pillar of twenty sides is meant to be round.
 //!
-//! An edge is one between facets if the surface goes on turning, the same way and about as much, at the next edges on both
-//! sides, straight across from its middle; or if such an edge is on one side, and the curved part ends here. None turns by
-//! more than a pillar of nine sides.
+//! An edge is a facet edge if the next edges on both sides, straight across from its midpoint, turn the surface in the same
+//! direction and by a similar angle; or if one of them is such an edge, and the curved part ends here. No facet edge has a
+//! larger dihedral angle than a pillar of nine sides.
 //!
-//! A step between points on a lattice, no wider than their distance, is no edge of the surface either: the surface turns back at
-//! once by as much as it turned.
+//! The edges of a step between points on a lattice, no wider than their distance, are no edges of the surface either: the
+//! surface turns back immediately by as much as it turned.
 //!
-//! Facets that are many samples wide are flat at their scale, and a surface that turns by much from one sample to the next is
-//! sharp at their scale. Edges that go on straight are held to that as a whole, so that none is sharp in parts.
+//! Facets many samples wide are flat at the scale of the samples, and a surface that turns strongly from one sample to the
+//! next is sharp at that scale. Both criteria apply to a whole chain of edges that continue straight, so that no chain is
+//! sharp in parts.
 //!
-//! Cost: a walk over some triangles for each edge that turns.
+//! Cost: a walk over a few triangles for each edge that is not flat.
 
 use crate::base::parallel;
 use crate::base::union_find::UnionFind;
@@ -21,34 +22,35 @@ use crate::surface::turns::{direction, length};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// Turns in degrees between which an edge may be one between facets.
+/// Smallest and largest dihedral angle of a facet edge, in degrees.
 const LEAST: f64 = 5.0;
 const MOST: f64 = 41.0;
 
-/// Between which multiples of the turn at an edge those at the next ones are.
+/// Range of the dihedral angles of the next edges, relative to that of the edge itself.
 const ALIKE: [f64; 2] = [0.45, 2.2];
 
-/// Largest mean width of the facets along a curve, and widest of all, in spacings of the samples.
+/// Largest mean width of the facets along a curve, and largest width of a single one, in spacings of the samples.
 const WIDE: f64 = 4.0;
 const WIDEST: f64 = 8.0;
 
-/// Most degrees that the surface turns by from one sample to the next, in the mean along a curve.
+/// Largest mean turn of the surface from one sample to the next along a curve, in degrees.
 const MOST_PER_SPACING: f64 = 20.0;
 
-/// Cosine between two edges, as seen from their common vertex, below which the one goes on straight from the other.
+/// Cosine between two edges, both directed away from their common vertex, below which one continues the other.
 pub const STRAIGHT: f64 = -0.8;
 
-/// The share of an edge's turn up to which others are not noticed on the way across a facet.
+/// Largest dihedral angle that is ignored on the way across a facet, as a share of that of the edge where the walk begins.
 const FLAT: f64 = 0.2;
 
-/// The smallest turn, in degrees, that is ever noticed.
+/// Smallest dihedral angle, in degrees, that is ever taken into account.
 pub const NOTICED: f64 = FLAT * LEAST;
 
-/// Most triangles on the way across a facet.
+/// Maximum number of triangles on the way across a facet.
 const LONGEST_WALK: usize = 64;
 
-/// For each side of `mesh` whether it is on an edge between facets. `turns` are those across the sides in degrees, negative
-/// where the surface is concave, and may be zero below [`NOTICED`]; `twin` is as [`twins`](crate::mesh::topology::twins) says, `spacing` that of the samples.
+/// Returns whether each side of `mesh` is on an edge between facets. `turns` has the dihedral angle across each side in
+/// degrees, negative where the surface is concave; it may be zero below [`NOTICED`]. `twin` is the result of
+/// [`twins`](crate::mesh::topology::twins), `spacing` that of the samples.
 pub fn between_facets(mesh: &Mesh, twin: &[u32], turns: &[f64], spacing: f64) -> Vec<bool> {
     let facets = Facets { mesh, twin, turns, widest: WIDEST * spacing };
     let edges = facets.edges();
@@ -66,7 +68,7 @@ pub fn between_facets(mesh: &Mesh, twin: &[u32], turns: &[f64], spacing: f64) ->
     result
 }
 
-/// For each side of `mesh` whether it is on an edge of a step no wider than `widest`. The other arguments are those of
+/// Returns whether each side of `mesh` is on an edge of a step no wider than `widest`. The other arguments are those of
 /// [`between_facets`].
 pub fn on_steps(mesh: &Mesh, twin: &[u32], turns: &[f64], widest: f64) -> Vec<bool> {
     let facets = Facets { mesh, twin, turns, widest };
@@ -79,7 +81,7 @@ pub fn on_steps(mesh: &Mesh, twin: &[u32], turns: &[f64], widest: f64) -> Vec<bo
     (0..twin.len()).map(|s| back[s] || twin[s] != NONE && back[twin[s] as usize]).collect()
 }
 
-/// The edges, by their number, that go on straight from one to the other.
+/// Groups the indices of edges that continue each other straight.
 fn straight_curves(mesh: &Mesh, edges: &[Edge]) -> UnionFind {
     let mut at: BTreeMap<u32, Vec<(u32, DVec3)>> = BTreeMap::new();
     for (i, edge) in (0..).zip(edges) {
@@ -101,7 +103,7 @@ fn straight_curves(mesh: &Mesh, edges: &[Edge]) -> UnionFind {
     curves
 }
 
-/// Sums over the edges of a curve, each weighted with its length.
+/// Sums over the edges of a curve, weighted by their length.
 #[derive(Default)]
 struct Sums {
     length: f64,
@@ -116,27 +118,27 @@ impl Sums {
         self.width += length * width;
     }
 
-    /// Whether the surface is round there at the scale of samples at this distance.
+    /// Returns whether the surface is round along the curve at the scale of samples with this spacing.
     fn is_round(&self, spacing: f64) -> bool {
         self.width <= WIDE * spacing * self.length && self.turn * spacing <= MOST_PER_SPACING * self.width
     }
 }
 
-/// A facet beside an edge that turns: the edge across it, which turns alike, and how wide it is.
+/// A facet beside an edge: the edge on its far side, and its width.
 #[derive(Clone, Copy)]
 struct Facet {
     other: u32,
     width: f64,
 }
 
-/// An edge between facets, by one of its sides, and those on both sides of it that go on turning.
+/// An edge between facets, by one of its sides, and the facets beside it that continue its turn.
 struct Edge {
     side: u32,
     beside: [Option<Facet>; 2],
 }
 
 impl Edge {
-    /// The mean width of its facets.
+    /// Mean width of its facets.
     fn width(&self) -> f64 {
         let widths = || self.beside.iter().flatten().map(|facet| facet.width);
         widths().sum::<f64>() / widths().count() as f64
@@ -147,12 +149,12 @@ struct Facets<'a> {
     mesh: &'a Mesh,
     twin: &'a [u32],
     turns: &'a [f64],
-    /// Width of the widest facet that is walked across.
+    /// Width of the widest facet to walk across.
     widest: f64,
 }
 
 impl Facets<'_> {
-    /// The edges between facets: those with one that turns alike on both sides, or such an edge on one side.
+    /// Returns the facet edges: those with a similar edge on both sides, or with such an edge on one side.
     fn edges(&self) -> Vec<Edge> {
         let Facets { twin, turns, .. } = self;
         let mut edges: Vec<Edge> = parallel::collect(0..twin.len() as u32, |sides| {
@@ -172,7 +174,7 @@ impl Facets<'_> {
         edges
     }
 
-    /// The facet that `side` bounds, if the surface turns at its other end as at `side`.
+    /// Returns the facet that `side` bounds, if its far edge has a dihedral angle similar to that of `side`.
     fn beside(&self, side: u32) -> Option<Facet> {
         let facet = self.across(side)?;
         let [here, there] = [side, facet.other].map(|s| self.turns[s as usize]);
@@ -180,7 +182,7 @@ impl Facets<'_> {
         is_alike.then_some(facet)
     }
 
-    /// The facet that `side` bounds, up to the next side that the surface turns at straight across.
+    /// Returns the facet that `side` bounds, up to the next edge straight across that is not flat.
     fn across(&self, side: u32) -> Option<Facet> {
         let flat = FLAT * self.turns[side as usize].abs();
         let place = |s: u32| self.mesh.positions[self.mesh.origin(s) as usize];
@@ -218,7 +220,7 @@ mod tests {
     use crate::testing::grid;
     use glam::{DVec2, dvec2, dvec3};
 
-    /// How many edges along it, of one row, a roof over a profile has between facets.
+    /// Number of edges between facets of a roof over a profile, one row of faces wide.
     fn facets(profile: &[DVec2], spacing: f64) -> usize {
         let n = profile.len() as u32 - 1;
         let mesh = grid(n, 1, |u, v| {
@@ -230,7 +232,7 @@ mod tests {
         found.iter().filter(|f| **f).count() / 2
     }
 
-    /// A profile of steps of `length`, each turned by the next angle in degrees.
+    /// A profile of steps of `length`, each turned against the one before by the next angle, in degrees.
     fn bent(length: f64, turns: &[f64]) -> Vec<DVec2> {
         let (mut way, mut profile) = (dvec2(length, 0.0), vec![DVec2::ZERO, dvec2(length, 0.0)]);
         for turn in turns {

@@ -1,10 +1,10 @@
 //! The curves of a surface: its boundary and its sharp edges, from corner to corner.
 //!
-//! A corner is a vertex where curves meet or end, or where one turns sharply. How sharply is seen at the scale of the
-//! samples, from the chords of one spacing on both sides: the zigzag of a scan's rim has no corners. A curve without a
+//! A corner is a vertex where curves meet or end, or where a curve turns sharply. The turn is measured at the scale of the
+//! samples, between the chords of one spacing on both sides, so the zigzag of a scan's rim has no corners. A curve without a
 //! corner is closed.
 //!
-//! Cost: linear in the sides on curves, plus a bounding-volume hierarchy of them for the long ones.
+//! Cost: linear in the sides on curves, plus a bounding-volume hierarchy for long curves.
 
 use crate::geom::triangle::closest_point_of_segment;
 use crate::mesh::cut::{Cut, OfSides};
@@ -14,35 +14,36 @@ use crate::spatial::bvh::Bvh;
 use crate::spatial::groups::Groups;
 use glam::DVec3;
 
-/// Cosine of the turn between two chords from which on the point between them is a corner: 44 degrees.
+/// Cosine of the angle between two chords, 44 degrees, from which the point between them is a corner.
 pub(super) const CORNER_TURN: f64 = 0.72;
 
-/// Longest chord in lengths of the whole curve: a circle turns by 36 degrees along two such chords.
+/// Longest chord, relative to the length of the whole curve: a circle turns by 36 degrees between two such chords.
 const LONGEST_CHORD: f64 = 0.1;
 
 /// A curve of a surface.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Curve {
-    /// The sides `3 t + k` of the cut surface along it, each from its first to its second end. Those of a boundary have
-    /// the surface on their left; a sharp edge has another side across each.
+    /// The sides `3 t + k` of the cut surface along it, from its first end to its second. Those of a boundary have the
+    /// surface on their left; each of those of a sharp edge has an opposite side.
     pub sides: Vec<u32>,
-    /// Whether it has no ends.
+    /// Whether it is a closed curve.
     pub closed: bool,
-    /// Whether it is an edge of the interface, along which the surface is cut out of a larger one: it is one edge of every
-    /// mesh, too.
+    /// Whether it is an edge of the interface, along which the surface is cut out of a larger one. Every mesh keeps it as a
+    /// single edge.
     pub interface: bool,
 }
 
 /// All curves of a surface.
 #[derive(Default)]
 pub struct Curves {
-    /// The curves, each known by its place here.
+    /// The curves, identified by their index here.
     pub list: Vec<Curve>,
     /// The curve of each side, [`NONE`] off the curves.
     of_side: OfSides,
-    /// Whether a vertex of the cut surface is a corner.
+    /// Whether each vertex of the cut surface is a corner.
     corner: Vec<bool>,
-    /// The sides of the curves, one of each edge, in the order of `list`; as triangles with two equal corners.
+    /// The sides of the curves, one for each edge, in the order of `list`; `segments` has them as triangles with two equal
+    /// corners.
     sides: Vec<u32>,
     segments: Mesh,
     /// The segments of each curve.
@@ -51,9 +52,9 @@ pub struct Curves {
 }
 
 impl Curves {
-    /// The curves of a surface that is cut open along its sharp edges. `spacing` is that of the samples; `interface` has the
-    /// ends of each edge of the interface, in increasing order, with the surface on the left of the way between them. On the
-    /// boundary that way may be several sides.
+    /// Finds the curves of a surface that is cut along its sharp edges. `spacing` is that of the samples. `interface` has
+    /// the ends of each edge of the interface, sorted, with the surface on the left of the direction between them. On the
+    /// boundary, several sides may lie between them.
     pub fn new(cut: &Cut, spacing: f64, interface: &[[u32; 2]]) -> Self {
         let mut net = Net::new(cut);
         interface.iter().flatten().for_each(|&v| net.corner[v as usize] = true);
@@ -79,25 +80,25 @@ impl Curves {
         Curves { list, of_side, corner, sides, bvh, segments, of_curve }
     }
 
-    /// The length of all curves.
+    /// Total length of all curves.
     pub fn length(&self) -> f64 {
         let length = |t: usize| self.segments.corners(t)[0].distance(self.segments.corners(t)[1]);
         (0..self.sides.len()).map(length).sum()
     }
 
-    /// The curve of `side`, or [`NONE`].
+    /// Returns the curve of `side`, or [`NONE`].
     #[inline]
     pub fn of_side(&self, side: u32) -> u32 {
         self.of_side.get(side)
     }
 
-    /// Whether vertex `v` of the cut surface is a corner.
+    /// Returns whether vertex `v` of the cut surface is a corner.
     #[inline]
     pub fn is_corner(&self, v: u32) -> bool {
         self.corner[v as usize]
     }
 
-    /// The point of curve `curve` closest to `p`: a side of the curve and how far along it, in 0..=1.
+    /// Returns the point of curve `curve` closest to `p`: a side of the curve, and the position along it in 0..=1.
     pub fn closest(&self, p: DVec3, curve: u32) -> Option<(u32, f64)> {
         let closest = self.closest_segment(p, curve)? as usize;
         let [a, b, _] = self.segments.corners(closest);
@@ -105,7 +106,7 @@ impl Curves {
         Some((self.sides[closest], along.min(1.0)))
     }
 
-    /// The segment of curve `curve` closest to `p`, of equally close ones the first.
+    /// Returns the segment of curve `curve` closest to `p`; the first one of several equally close.
     fn closest_segment(&self, p: DVec3, curve: u32) -> Option<u32> {
         let is_own = |segment: u32| self.of_side(self.sides[segment as usize]) == curve;
         let all = (&self.segments, &self.bvh);
@@ -113,10 +114,10 @@ impl Curves {
     }
 }
 
-/// The sides on curves and how they follow each other around the vertices of the surface before it was cut.
+/// The sides on curves, and how they are connected at the vertices of the surface before the cut.
 struct Net<'a> {
     cut: &'a Cut,
-    /// Each side on a curve after the vertex it leaves, in increasing order.
+    /// Each side on a curve, preceded by the vertex that it leaves; sorted.
     out: Vec<(u32, u32)>,
     /// Whether each vertex is a corner.
     corner: Vec<bool>,
@@ -134,7 +135,7 @@ impl<'a> Net<'a> {
         net
     }
 
-    /// The vertices that `side` runs from and to, as they were before the cut.
+    /// Returns the start and the end vertex of `side`, numbered as before the cut.
     fn ends(&self, side: u32) -> [u32; 2] {
         self.cut.mesh.ends(side).map(|v| self.cut.original[v as usize])
     }
@@ -143,7 +144,8 @@ impl<'a> Net<'a> {
         self.cut.mesh.positions[v as usize]
     }
 
-    /// Whether one curve goes on through the vertex that these sides leave: one side of a boundary, or two sharp ones.
+    /// Returns whether a single curve continues through the vertex that these sides leave: one side of a boundary, or two
+    /// sharp ones.
     fn goes_on(&self, leaving: &[(u32, u32)]) -> bool {
         let boundary = |s: u32| self.cut.across.get(s) == NONE;
         match *leaving {
@@ -153,7 +155,7 @@ impl<'a> Net<'a> {
         }
     }
 
-    /// The side of the same curve after `side`, unless it ends there.
+    /// Returns the side of the same curve after `side`, unless it ends there.
     fn following(&self, side: u32) -> Option<u32> {
         let at = self.ends(side)[1];
         let back = self.cut.across.get(side);
@@ -162,11 +164,11 @@ impl<'a> Net<'a> {
         if self.corner[at as usize] { None } else { on.next() }
     }
 
-    /// All curves between vertices where they meet or end, and the closed ones.
+    /// Returns all curves between vertices where they meet or end, and the closed ones.
     fn curves(&self, interface: &[[u32; 2]]) -> Vec<Curve> {
         let mut used = vec![false; self.cut.twin.len()];
         let mut curves = Vec::new();
-        // Those that begin at a corner first; what is left after them is closed.
+        // Curves that begin at a corner come first; those left after them are closed.
         let (first, rest): (Vec<_>, Vec<_>) = self.out.iter().partition(|o| self.corner[o.0 as usize]);
         for (_, begin) in first.into_iter().chain(rest) {
             let mut curve = Curve { closed: true, ..Curve::default() };
@@ -190,7 +192,7 @@ impl<'a> Net<'a> {
         curves
     }
 
-    /// The parts of a curve between the vertices where it turns sharply, which become corners.
+    /// Splits a curve at the vertices where it turns sharply, which become corners.
     fn split_at_turns(&mut self, mut curve: Curve, spacing: f64) -> Vec<Curve> {
         let turns = if curve.interface { Vec::new() } else { Polyline::new(self, &curve).turns(spacing) };
         let Some(&first) = turns.first() else { return vec![curve] };
@@ -210,10 +212,10 @@ impl<'a> Net<'a> {
     }
 }
 
-/// A curve as points.
+/// A curve as a sequence of points.
 struct Polyline {
     points: Vec<DVec3>,
-    /// The length of the curve up to each point.
+    /// Arc length of the curve up to each point.
     arc: Vec<f64>,
     closed: bool,
 }
@@ -230,7 +232,7 @@ impl Polyline {
         Polyline { points, arc, closed: curve.closed }
     }
 
-    /// The point at length `at` along, around a closed curve, up to the ends of an open one.
+    /// Returns the point at arc length `at`: wrapped around a closed curve, clamped to the ends of an open one.
     fn point(&self, at: f64) -> DVec3 {
         let total = self.arc[self.arc.len() - 1];
         let at = if self.closed { at.rem_euclid(total) } else { at.clamp(0.0, total) };
@@ -239,7 +241,7 @@ impl Polyline {
         self.points[i - 1].lerp(self.points[i], share.clamp(0.0, 1.0))
     }
 
-    /// The points, ends not included, where the curve turns sharply and more than at any other within a chord.
+    /// Returns the points, except ends, where the curve turns sharply, and more than at any other point within a chord.
     fn turns(&self, spacing: f64) -> Vec<usize> {
         let count = self.points.len() - 1;
         let total = self.arc[count];

@@ -1,17 +1,17 @@
 //! Sharp edges of a mesh.
 //!
-//! An edge is sharp where the surface turns across it by a threshold or more. Asked for none, the threshold comes from
-//! the mesh: the smallest at which the turns fall apart into two groups. On a part from a CAD system nearly all edges
-//! are either almost flat or clearly sharp. On a scan there are ever fewer edges of ever larger turns and no gap
-//! between; there, none is sharp but on bodies that are mostly bounded by planes ([`planes`](crate::surface::planes)). Where
-//! hardly any edge is flat, and they are far shorter than the samples are apart, the surface is rough, and none is sharp
-//! either. Or edges are given one by one; those that were split are sharp in all their parts.
+//! An edge is sharp if its dihedral angle reaches a threshold. If none is given, it is derived from the mesh: the smallest
+//! threshold that separates the dihedral angles into two groups. On a CAD part, nearly all edges are either almost flat or
+//! clearly sharp. On a scan, the number of edges decreases steadily with their angle, without a gap; there, edges are sharp
+//! only on bodies that are mostly bounded by planes ([`planes`](crate::surface::planes)), or if they are far steeper than
+//! most. Where hardly any edge is flat, and edges are far shorter than the spacing, the surface is rough, and no edge is
+//! sharp. Sharp edges can also be given one by one; if such an edge was split, all its parts are sharp.
 //!
-//! Edges between the facets of what is meant round do not count, nor do the steps of points on a lattice
+//! Edges between the facets of a surface meant to be round do not count, nor do the steps of points on a lattice
 //! ([`facets`](crate::surface::facets)).
 //!
-//! Short scraps, shorter than a few spacings of the samples in all, are left out: at that spacing they are noise, or rims that a
-//! mesh can do without, unless it turned out that it cannot.
+//! Nets of sharp edges with a total length of less than a few spacings are dropped: at that spacing they are noise, or rims
+//! that a mesh can do without. They are kept where they turned out to be needed.
 //!
 //! Cost: linear in the triangles.
 
@@ -28,25 +28,25 @@ use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use std::slice::SliceIndex;
 
-/// Which edges of the input are kept sharp.
+/// Edges of the input to keep sharp.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Features {
-    /// Decided from the turns of the input's edges.
+    /// Derived from the dihedral angles of the input.
     #[default]
     Automatic,
-    /// Those across which the surface turns by at least so many degrees.
+    /// Edges with at least this dihedral angle, in degrees.
     Degrees(f64),
-    /// These, by their ends.
+    /// These edges, by their end vertices.
     Edges(Vec<[u32; 2]>),
     /// None.
     Smooth,
 }
 
 impl Features {
-    /// Refuses ends that are none of so many vertices.
+    /// Checks that all ends are less than the number of `vertices`.
     ///
     /// # Errors
-    /// [`Error::Option`] with the first of them.
+    /// [`Error::Option`] with the first edge for which this fails.
     pub fn check(&self, vertices: usize) -> Result<()> {
         let Features::Edges(edges) = self else { return Ok(()) };
         let wrong = edges.iter().find(|ends| ends.iter().any(|&v| v as usize >= vertices));
@@ -57,40 +57,41 @@ impl Features {
     }
 }
 
-/// Thresholds that are tried, in degrees, the smallest first.
+/// Thresholds to try, in degrees, in ascending order.
 const THRESHOLDS: RangeInclusive<usize> = 15..=60;
 
-/// The smallest turn that any of them asks about.
+/// Smallest dihedral angle that any of them depends on.
 const SMALLEST: usize = *THRESHOLDS.start() / 2;
 
-/// The threshold has to part the edges such that those from half of it up to it have at most this share of the length of
-/// those above it. Fifteen scans and sculpts have between 1.5 and 40 at every threshold, CAD parts 0.1 and less.
+/// Largest total length of the edges between half the threshold and the threshold, relative to that of the edges above it.
+/// Fifteen scans and sculpts have between 1.5 and 40 at every threshold, CAD parts 0.1 and less.
 const GAP: f64 = 0.2;
 
-/// Steeper thresholds, for surfaces that none of those parts: what is round hardly ever turns by so much at one edge, and a larger
-/// share tells. Of 216 models, parts from CAD that were decimated mostly have .65 and less, scans, sculpts and game assets more
-/// than 1, and a chair of wire .78.
+/// Steeper thresholds and their ratio, for surfaces without a gap at the others. Round surfaces hardly ever have such large
+/// dihedral angles, so a larger ratio is conclusive. Of 216 models, decimated CAD parts mostly have .65 and less; scans,
+/// sculpts and game assets more than 1; and a wire chair .78.
 const STEEP: RangeInclusive<usize> = 61..=85;
 const STEEP_GAP: f64 = 0.7;
 
-/// A surface is rough if its flat edges have less than this share of the length of those that turn by the smallest threshold or more,
-/// and these are shorter, in spacings, in the mean over their length. Noise of a half and of a whole edge has .14 to .31 and .16
-/// at six edges a spacing; of 300 scans, sculpts, game assets, and parts from CAD those with as few flat edges have .8 and more.
+/// A surface is rough if the total length of its flat edges is less than `FLAT` times that of the edges from the smallest
+/// threshold up, and the length-weighted mean length of the latter is less than `SHORT` spacings. Noise of a half and of a
+/// whole edge length gives a ratio of .14 to .31 and, at six edges a spacing, a mean length of .16; of 300 scans, sculpts,
+/// game assets and CAD parts, those with as few flat edges have mean lengths of .8 and more.
 const FLAT: f64 = 0.35;
 const SHORT: f64 = 0.5;
 
-/// The most triangles whose edges tell whether a surface is rough.
+/// Maximum number of triangles examined to tell whether a surface is rough.
 const LOOKED_AT: usize = 4000;
 
-/// From this turn on, in degrees, an edge between two planes is sharp whatever the other edges are.
+/// Dihedral angle, in degrees, from which an edge between two planes is sharp, whatever the other edges are.
 const BETWEEN_PLANES: f64 = 30.0;
 
-/// Least length of a connected net of sharp edges, in spacings.
+/// Minimum total length of a connected net of sharp edges, in spacings.
 const SHORTEST: f64 = 3.0;
 
-/// For each side `3 t + k` of the triangles whether it is on a sharp edge. `twin` is as
-/// [`twins`](crate::mesh::topology::twins) says, `spacing` that of the samples, in the units of the mesh; steps no wider than
-/// `finest` are none of the surface. Scraps beside a triangle that `is_needed` stay.
+/// Returns whether each side `3 t + k` of the triangles is on a sharp edge. `twin` is the result of
+/// [`twins`](crate::mesh::topology::twins), `spacing` that of the samples, in the units of the mesh. Edges of steps no wider
+/// than `finest` do not count. Short nets beside a triangle that `is_needed` are kept.
 pub fn sharp_sides(
     mesh: &OrientedManifold,
     twin: &[u32],
@@ -124,7 +125,8 @@ pub fn sharp_sides(
     sharp
 }
 
-/// The turn across each side, none across edges between the facets of what is meant round, and on steps that are too fine.
+/// Returns the dihedral angle across each side; zero on edges between facets of a round surface and on steps that are too
+/// fine.
 fn without_facets(mesh: &Mesh, twin: &[u32], spacing: f64, finest: f64) -> Vec<f64> {
     let mut turns = turns(mesh, twin, spacing, NOTICED);
     let steps = if finest > 0.0 { on_steps(mesh, twin, &turns, finest) } else { vec![false; turns.len()] };
@@ -138,8 +140,8 @@ fn turned(turns: &[f64], threshold: f64) -> Vec<bool> {
     turns.iter().map(|&turn| turn.abs() >= threshold).collect()
 }
 
-/// Lets curves that end go straight on, as long as the surface turns the same way there and by `least` degrees or more: a rim
-/// that is steeper here than there stays whole.
+/// Extends curves straight beyond their ends, where the surface turns in the same direction by `least` degrees or more, so
+/// that a rim whose steepness varies stays whole.
 fn go_on(mesh: &Mesh, twin: &[u32], turns: &[f64], sharp: &mut [bool], least: f64) {
     let mut sides_from: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for side in (0..twin.len()).filter(|&s| twin[s] != NONE && (sharp[s] || turns[s].abs() >= least)) {
@@ -161,8 +163,8 @@ fn go_on(mesh: &Mesh, twin: &[u32], turns: &[f64], sharp: &mut [bool], least: f6
     }
 }
 
-/// The same on each body that is mostly bounded by planes, by a threshold of its own, or where it has none only between two
-/// planes: bodies of an assembly may be round, and small ones fill the gap.
+/// Returns the sharp sides of bodies that are mostly bounded by planes, each by its own threshold or, if it has none, only
+/// those between two planes. In an assembly, other bodies may be round, and small ones may fill the gap.
 fn turned_on_planar_bodies(mesh: &OrientedManifold, twin: &[u32], turns: &[f64], spacing: f64) -> Vec<bool> {
     let planes = Planes::new(mesh, twin, spacing, |t| mesh.provenance().triangle(t));
     let is_between = |side: u32| {
@@ -180,21 +182,23 @@ fn turned_on_planar_bodies(mesh: &OrientedManifold, twin: &[u32], turns: &[f64],
     sharp
 }
 
-/// The sides along these edges of what the mesh came from, seen from either triangle. A boundary is a curve without that.
+/// Returns whether each side lies along one of these edges of the source mesh, on either face. Boundary edges are curves
+/// anyway.
 fn along(mesh: &OrientedManifold, twin: &[u32], edges: &[[u32; 2]]) -> Vec<bool> {
     let sides = mesh.provenance().sides_along(&mesh.triangles, edges);
     let is_along = |(&side, &across): (&bool, &u32)| across != NONE && (side || sides[across as usize]);
     sides.iter().zip(twin).map(is_along).collect()
 }
 
-/// The length of edges by their turn in whole degrees, and the sum of the squares of the lengths of those that may be sharp.
+/// Total length of the edges by their dihedral angle in whole degrees, and the sum of the squared lengths of those that may
+/// be sharp.
 struct Histogram {
     lengths: [f64; 181],
     squares: f64,
 }
 
 impl Histogram {
-    /// That of these sides of `mesh`, each with its turn.
+    /// Builds the histogram of the given sides of `mesh`, each with its dihedral angle.
     fn new(mesh: &Mesh, sides: impl Iterator<Item = (u32, f64)>) -> Histogram {
         let mut histogram = Histogram { lengths: [0.0; 181], squares: 0.0 };
         for (side, turn) in sides {
@@ -211,12 +215,13 @@ impl Histogram {
         self.lengths[degrees].iter().sum()
     }
 
-    /// The smallest threshold that parts the turns in two groups, if there is one.
+    /// Returns the smallest threshold that separates the dihedral angles into two groups, if any does.
     fn gap(&self) -> Option<f64> {
         self.threshold(THRESHOLDS, GAP)
     }
 
-    /// The first of these thresholds with edges below it, from half of it up, that are at most this share of those above it.
+    /// Returns the first threshold for which the edges between its half and itself have at most this share of the length of
+    /// those above.
     fn threshold(&self, mut thresholds: RangeInclusive<usize>, share: f64) -> Option<f64> {
         let parts = |&threshold: &usize| {
             let above = self.length(threshold..);
@@ -225,15 +230,15 @@ impl Histogram {
         thresholds.find(parts).map(|degrees| degrees as f64)
     }
 
-    /// Whether hardly any edge is flat, and those that are not are far shorter than the `spacing` of the samples.
+    /// Returns whether hardly any edge is flat, and the other edges are far shorter than the `spacing` of the samples.
     fn is_rough(&self, spacing: f64) -> bool {
         let steep = self.length(*THRESHOLDS.start()..);
         self.length(..SMALLEST) < FLAT * steep && self.squares < SHORT * spacing * steep
     }
 }
 
-/// Whether a surface is rough, as a scan with noise is, for samples that are `spacing` apart, by the edges of some of its triangles.
-/// `twin` is as [`twins`](crate::mesh::topology::twins) says.
+/// Returns whether a surface is rough, as a noisy scan is, at this `spacing` of the samples, judging by the edges of some of
+/// its triangles. `twin` is the result of [`twins`](crate::mesh::topology::twins).
 pub fn is_rough(mesh: &Mesh, twin: &[u32], spacing: f64) -> bool {
     let step = mesh.triangles.len().div_ceil(LOOKED_AT).max(1);
     let sides = (0..mesh.triangles.len() as u32).step_by(step).flat_map(|t| 3 * t..3 * t + 3);
@@ -245,7 +250,7 @@ pub fn is_rough(mesh: &Mesh, twin: &[u32], spacing: f64) -> bool {
     Histogram::new(mesh, inner.map(|side| (side, turn(side)))).is_rough(spacing)
 }
 
-/// Takes connected nets of sharp edges that are not as long as `shortest` out, but for those beside a triangle that `is_needed`.
+/// Drops connected nets of sharp edges shorter than `shortest`, except those beside a triangle that `is_needed`.
 fn drop_scraps(mesh: &Mesh, sharp: &mut [bool], shortest: f64, is_needed: impl Fn(u32) -> bool) {
     let mut nets = UnionFind::new(mesh.positions.len());
     let sides = || (0u32..).zip(sharp.iter()).filter(|s| *s.1).map(|s| s.0);
@@ -275,7 +280,7 @@ mod tests {
     use crate::testing::grid;
     use glam::DVec3;
 
-    /// A prism over a regular polygon of `n` corners, radius 1, with its caps fanned from their middles.
+    /// A prism over a regular polygon with `n` corners and radius 1, its caps fanned from their centres.
     fn prism(n: u32, height: f64) -> Mesh {
         let rim = |z: f64| {
             (0..n).map(move |i| {
@@ -333,7 +338,7 @@ mod tests {
     #[test]
     fn given_edges_are_sharp_and_no_others() {
         let rim = (0..8).map(|i| [(i + 1) % 8, i]);
-        // From the middle of a cap to its rim, and two vertices that no edge joins.
+        // An edge from the centre of a cap to its rim, and two vertices that no edge joins.
         let others = [[16, 0], [0, 4]];
         assert_eq!(sharp_edges(&prism(8, 1.0), Features::Edges(rim.chain(others).collect()), 0.1), 9);
         assert!(Features::Edges(others.to_vec()).check(17).is_ok());
@@ -351,7 +356,7 @@ mod tests {
         assert_eq!(sharp_edges(&roof, Features::Automatic, 0.4), 0, "too short for the spacing");
     }
 
-    /// A needle in a flat sheet whose tip rounding has lifted by a tenth of its width stands at 45 degrees to it.
+    /// A needle in a flat sheet: rounding has lifted its tip by a tenth of its width, and so tilts it by 45 degrees.
     #[test]
     fn a_needle_makes_no_edge_sharp() {
         let p = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
@@ -378,7 +383,7 @@ mod tests {
 
     #[test]
     fn a_curve_goes_straight_on_where_the_surface_turns_by_less() {
-        // A ridge whose sides become less steep, with a step across it at its end.
+        // A ridge with sides that become less steep, and a step across it at its end.
         let rows = [[0.0, 1.0], [1.0, 1.0], [2.0, 0.5], [3.0, 0.3], [3.0, 0.3]];
         let below = |row: usize| if row == 4 { 1.0 } else { 0.0 };
         let positions = (0..rows.len()).flat_map(|i| {

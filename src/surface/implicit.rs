@@ -1,25 +1,25 @@
 //! The robust implicit surface of a point cloud.
 //!
-//! With the residuals fᵢ = nᵢᵀ(x - pᵢ) of the planes at its points, the surface is where
+//! Let fᵢ = nᵢᵀ(x - pᵢ) be the residuals of the planes at the points. The surface is the zero set
 //!
 //! f(x) = Σ fᵢ φᵢ(x) w(rᵢ) wₙ(Δnᵢ) / Σ φᵢ(x) w(rᵢ) wₙ(Δnᵢ) = 0,
 //!
-//! rᵢ = fᵢ - f and Δnᵢ = |nᵢ - ∇f| being those of the round before, w and wₙ Gaussians, and φᵢ = (1 - |x - pᵢ|² / hᵢ²)⁴
-//! within the reach hᵢ of a point. Outliers, and the points beyond a sharp edge, lose their say from round to round. The
-//! gradient takes w and wₙ as constants, as in the source. Unlike there, the first round leaves out the points that face
-//! away from the nearest one: the other side of a thin wall.
+//! where rᵢ = fᵢ - f and Δnᵢ = |nᵢ - ∇f| are those of the previous round, w and wₙ are Gaussians, and
+//! φᵢ = (1 - |x - pᵢ|² / hᵢ²)⁴ within the support radius hᵢ of a point. Outliers, and points beyond a sharp edge, lose their
+//! weight from round to round. The gradient treats w and wₙ as constants, as in the source. Departure: the first round
+//! leaves out points that face away from the nearest one, which lie on the other side of a thin wall.
 //!
 //! Based on: A. C. Öztireli, G. Guennebaud, M. Gross, Feature preserving point set surfaces based on non-linear kernel
 //! regression, 2009, DOI 10.1111/j.1467-8659.2009.01388.x, equations 5 to 8 and its pseudo-code; J. W. Tukey, Exploratory
 //! data analysis, 1977 (twicing).
 //!
-//! Points that are to stay near the surface that noise has moved them from are projected twice: what the second time takes
-//! away more was not noise, so about as much was lost the first time, and that is given back ("twicing").
+//! Points that must stay close to the surface under the noise are projected twice. What the second projection removes was
+//! not noise; since the first one removed about as much of it, that is added back ("twicing").
 //!
-//! Cost: a query and some forty points for a value, a few times; a projection takes a few values.
+//! Cost: a query and a sum over some forty points for each round of a value, a few rounds; a projection takes a few values.
 //!
-//! Limits: where no point reaches there is no surface. Planes lie outside of what is convex, so the surface does by about
-//! (h/4)² over the radius of curvature.
+//! Limits: there is no surface outside the support of all points. Tangent planes lie outside a convex surface, so the
+//! implicit one does, by about (h/4)² over the radius of curvature.
 
 use crate::base::math;
 use crate::base::parallel;
@@ -28,79 +28,80 @@ use crate::surface::domain::Sample;
 use crate::surface::lift::Surface;
 use glam::DVec3;
 
-/// Width of w in reaches: about the noise that is to be smoothed away counts (the source, section 5).
+/// Width of w, in support radii: about the level of the noise to be smoothed away (the source, section 5).
 const SIGMA_R: f64 = 0.5;
 
-/// Width of wₙ: a sharp edge stays one, and noise of the normals does not (the source, section 5).
+/// Width of wₙ: sharp edges are kept, and noise of the normals is smoothed (the source, section 5).
 const SIGMA_N: f64 = 0.8;
 
-/// Rounds of weighting at one place, and steps of a projection, at most: more do not change the third digit.
+/// Maximum number of weighting rounds at one place, and of steps of a projection. More do not change the third digit.
 const ROUNDS: usize = 3;
 const STEPS: usize = 6;
 
-/// How far from the nearest point the cloud is taken to go on, in spacings there.
+/// Distance from the nearest point up to which the cloud is assumed to continue, in local spacings.
 const BORDER: f64 = 0.9;
 
-/// Points are looked for a little farther away than is needed, since the next place is near by as a rule.
+/// Factor by which the search radius exceeds what is needed, since the next query is usually nearby.
 const SLACK: f64 = 1.1;
 
-/// Shares of a step that are tried where all of it would lead past a border.
+/// Shares of a step to try, the longest first, where the full step would cross a border.
 const SHORTER: [f64; 3] = [1.0, 0.5, 0.25];
 
-/// How exact the surface is to be.
+/// Accuracy of values and projections.
 #[derive(Debug, Clone, Copy)]
 struct Accuracy {
-    /// A value or a projection has arrived when a round changes it by less than this share of the reach of the nearest point.
+    /// A value or a projection has converged when a round changes it by less than this share of the nearest point's support
+    /// radius.
     arrived: f64,
-    /// Points farther away than so many reaches of the nearest one do not count.
+    /// Points farther away than this multiple of the nearest point's support radius do not count.
     farthest: f64,
 }
 
-/// For what stays.
+/// For final positions.
 const EXACT: Accuracy = Accuracy { arrived: 1e-4, farthest: 2.0 };
 
-/// For a sample on its way, which comes down again with the next step: it takes half of the time.
+/// For a sample in motion, which is projected again after its next step. It takes half the time.
 const PASSING: Accuracy = Accuracy { arrived: 1e-2, farthest: 1.0 };
 
 /// The implicit surface of points with normals.
 pub struct Rimls<'a> {
-    /// Where they are.
+    /// Positions of the points.
     positions: &'a [DVec3],
     /// Their unit normals.
     normals: &'a [DVec3],
-    /// How far each reaches.
+    /// Support radius of each point.
     reaches: Vec<f64>,
-    /// The same in spacings.
+    /// Support radius in spacings.
     reach: f64,
     near: &'a Neighbors,
     longest: f64,
 }
 
-/// The points around the place that was asked about last: working space of questions to one surface.
+/// The points around the last place queried: working space for queries of one surface.
 #[derive(Debug, Default)]
 pub struct Found {
     /// All points within `radius` of `around`.
     all: Vec<Neighbor>,
     around: DVec3,
     radius: f64,
-    /// Those that count at the place, the nearest first.
+    /// The points that count at the place, the nearest first.
     list: Vec<Neighbor>,
 }
 
-/// f and ∇f at some place.
+/// f and ∇f at a place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Value {
-    /// The signed distance to the surface, about: positive where normals point.
+    /// Approximate signed distance to the surface, positive on the side that normals point to.
     pub f: f64,
-    /// Its gradient, of about unit length near the surface.
+    /// Gradient of f, of about unit length near the surface.
     pub gradient: DVec3,
-    /// The unit mean of the normals that count there: steadier than the gradient where there is noise.
+    /// Weighted unit mean of the normals there: steadier than the gradient where there is noise.
     pub normal: DVec3,
 }
 
 impl<'a> Rimls<'a> {
-    /// The surface of points that reach as far as `reach` times how far apart they are: `spacings`, one each. `near`
-    /// knows the positions.
+    /// Creates the surface of points, each with a support radius of `reach` times its spacing. `spacings` has the distance
+    /// of each point to its neighbours; `near` indexes the positions.
     pub fn new(
         positions: &'a [DVec3],
         normals: &'a [DVec3],
@@ -113,27 +114,27 @@ impl<'a> Rimls<'a> {
         Rimls { positions, normals, reaches, reach, near, longest }
     }
 
-    /// How far apart points are around point `p`.
+    /// Returns the spacing of the points around point `p`.
     pub fn spacing(&self, p: u32) -> f64 {
         self.reaches[p as usize] / self.reach
     }
 
-    /// The mean of [`Self::spacing`].
+    /// Mean of [`Self::spacing`].
     pub fn mean_spacing(&self) -> f64 {
         self.reaches.iter().sum::<f64>() / (self.reach * self.reaches.len() as f64)
     }
 
-    /// The farthest that any point reaches.
+    /// Largest support radius of any point.
     pub fn largest_support(&self) -> f64 {
         self.longest
     }
 
-    /// The point nearest to `x` and its normal; `None` without points. `found` is working space.
+    /// Returns the point nearest to `x` and its normal; `None` without points. `found` is working space.
     pub fn nearest(&self, x: DVec3, found: &mut Found) -> Option<(Neighbor, DVec3)> {
         self.nearest_point(x, found).map(|n| (n, self.normals[n.point as usize]))
     }
 
-    /// f and its gradient at `x`; `None` where no point reaches. `found` is working space.
+    /// Returns f and its gradient at `x`; `None` outside the support of all points. `found` is working space.
     pub fn value(&self, x: DVec3, found: &mut Found) -> Option<Value> {
         self.value_until(EXACT, x, found)
     }
@@ -143,13 +144,13 @@ impl<'a> Rimls<'a> {
         self.value_of(accuracy, x, &found.list, found.list.first()?.point)
     }
 
-    /// What values within `radius` of `centre` take.
+    /// Collects the points that values within `radius` of `centre` depend on.
     pub fn local(&self, centre: DVec3, radius: f64) -> Local {
         let mut local = Local::default();
         let found = &mut local.found;
         self.near.collect_nearest(centre, 1, found);
         let Some(distance) = found.first().map(|n| n.distance_squared.sqrt()) else { return local };
-        // The nearest point of any place in the ball is among these.
+        // These include the nearest point of any place in the ball.
         self.near.collect_within(centre, distance + 2.0 * radius, found);
         let longest = found.iter().map(|n| self.reaches[n.point as usize]).fold(0.0, f64::max);
         let reach = (2.0 * longest).min(self.longest);
@@ -161,7 +162,7 @@ impl<'a> Rimls<'a> {
         local
     }
 
-    /// [`Self::value`] at a place that `local` is for, and the nearest point.
+    /// Returns [`Self::value`] at a place in the ball of `local`, and the nearest point.
     pub fn value_in(&self, local: &mut Local, x: DVec3) -> Option<(Value, Neighbor)> {
         let Local { points, found } = local;
         let neighbor =
@@ -175,19 +176,19 @@ impl<'a> Rimls<'a> {
         Some((self.value_of(EXACT, x, found, nearest.point)?, nearest))
     }
 
-    /// How far from a place points may be that count there, if `nearest` is the one nearest to it: those around that one
-    /// reach about as far as it does.
+    /// Maximum distance of the points that count at a place whose nearest point is `nearest`. The points around that one
+    /// have support radii close to its own.
     fn radius(&self, accuracy: Accuracy, nearest: u32) -> f64 {
         (accuracy.farthest * self.reaches[nearest as usize]).min(self.longest)
     }
 
-    /// The point of the surface near `x`, and the unit normal there; `None` if there is none within reach. `found` is
-    /// working space.
+    /// Projects `x` onto the surface; returns the point and the unit normal there, or `None` outside the support of all
+    /// points. `found` is working space.
     pub fn project(&self, x: DVec3, found: &mut Found) -> Option<(DVec3, DVec3)> {
         self.project_until(EXACT, x, found)
     }
 
-    /// [`Self::project`] until a step is shorter than this share of the reach.
+    /// [`Self::project`], until a step is shorter than the given share of the support radius.
     fn project_until(&self, accuracy: Accuracy, x: DVec3, found: &mut Found) -> Option<(DVec3, DVec3)> {
         let mut at = x;
         let mut normal = DVec3::ZERO;
@@ -205,8 +206,8 @@ impl<'a> Rimls<'a> {
         Some((at, normal))
     }
 
-    /// The sample of the surface near `x`, whose triangle is the number of the nearest point; `None` where the cloud has
-    /// ended.
+    /// Returns the sample of the surface near `x`, with the index of the nearest point as its triangle; `None` beyond the
+    /// border of the cloud.
     pub fn sample(&self, x: DVec3) -> Option<Sample> {
         self.sample_until(EXACT, x, &mut Found::default())
     }
@@ -219,7 +220,7 @@ impl<'a> Rimls<'a> {
         (nearest.distance_squared <= farthest * farthest).then_some(sample)
     }
 
-    /// For each point a place near it that is on the surface to first order.
+    /// Returns, for each point, a nearby place that is on the surface to first order.
     pub fn seeds(&self) -> Vec<DVec3> {
         let seed = |found: &mut Found, &x: &DVec3| {
             let value = self.value(x, found).filter(|v| v.gradient != DVec3::ZERO);
@@ -228,8 +229,8 @@ impl<'a> Rimls<'a> {
         parallel::map_with(self.positions, Found::default, seed)
     }
 
-    /// The points without their noise, and their unit normals: projected, and moved back by what projecting them again
-    /// takes away, so that what is no noise stays.
+    /// Returns the denoised points and their unit normals: projected, and moved back by what a second projection removes,
+    /// which is not noise.
     pub fn smoothed(&self) -> (Vec<DVec3>, Vec<DVec3>) {
         let (once, normals) = self.projected();
         let near = Neighbors::new(&once);
@@ -242,7 +243,7 @@ impl<'a> Rimls<'a> {
         (positions, sharper)
     }
 
-    /// All points projected; where one has lost the surface it stays, with its normal.
+    /// Projects all points. A point outside the support of the surface keeps its place and normal.
     fn projected(&self) -> (Vec<DVec3>, Vec<DVec3>) {
         let project = |found: &mut Found, p: usize| {
             self.project(self.positions[p], found).unwrap_or((self.positions[p], self.normals[p]))
@@ -251,7 +252,7 @@ impl<'a> Rimls<'a> {
         projected.into_iter().unzip()
     }
 
-    /// The points that reach `x`, and the nearest one first.
+    /// Collects the points whose support includes `x`, and the nearest one, in order of distance.
     fn collect(&self, accuracy: Accuracy, x: DVec3, found: &mut Found) {
         found.list.clear();
         let Some(nearest) = self.nearest_point(x, found) else { return };
@@ -277,7 +278,7 @@ impl<'a> Rimls<'a> {
         self.near.collect_within(x, radius, &mut found.all);
     }
 
-    /// The point nearest to `x`: among those that were found before if it is for certain.
+    /// Returns the point nearest to `x`, from the points found before if it is certain to be among them.
     fn nearest_point(&self, x: DVec3, found: &mut Found) -> Option<Neighbor> {
         let known = found.all.iter().map(|n| self.seen_from(x, n.point));
         let nearest =
@@ -293,8 +294,8 @@ impl<'a> Rimls<'a> {
         Neighbor { point, distance_squared: self.positions[point as usize].distance_squared(x) }
     }
 
-    /// In the first round those that face away from the nearest point do not count: they are of the other side of a thin
-    /// wall, whose planes would cancel those of this one.
+    /// The first round leaves out points that face away from the nearest one: they are on the other side of a thin wall, and
+    /// their planes would cancel those of this side.
     fn value_of(&self, accuracy: Accuracy, x: DVec3, found: &[Neighbor], nearest: u32) -> Option<Value> {
         let facing = self.normals[nearest as usize];
         let mut last: Option<Value> = None;
@@ -332,19 +333,19 @@ impl<'a> Rimls<'a> {
 }
 
 impl Surface for Rimls<'_> {
-    /// A step over the border of the cloud is shorter, or none. It ends near the surface: [`Rimls::sample`] is for where
-    /// steps end.
+    /// Shortens a step that crosses the border of the cloud, or leaves it out. The result lies only near the surface;
+    /// [`Rimls::sample`] gives final positions.
     fn follow(&self, from: &Sample, way: DVec3) -> Sample {
         let way = way.reject_from_normalized(from.normal);
         let mut found = Found::default();
-        // The point that was nearest before is near still, so nothing needs to be looked for twice.
+        // The point that was nearest before is still near, so one search suffices.
         self.look_around(from.position + way, SLACK * self.radius(PASSING, from.triangle), &mut found);
         let place = |share: &f64| self.sample_until(PASSING, from.position + share * way, &mut found);
         SHORTER.iter().find_map(place).unwrap_or(*from)
     }
 }
 
-/// The points that values in some ball take, found once for all of them.
+/// The points that values in a ball depend on, collected once for all of them.
 #[derive(Debug, Default)]
 pub struct Local {
     /// In ascending order.
@@ -353,7 +354,7 @@ pub struct Local {
     found: Vec<Neighbor>,
 }
 
-/// Weighted sums over points that a value follows from.
+/// Weighted sums over points, from which a value is computed.
 #[derive(Default)]
 struct Sums {
     weight: f64,
@@ -386,7 +387,7 @@ mod tests {
     use crate::base::rng::{Random, Stage, stream, unit};
     use approx::assert_relative_eq;
 
-    /// Points of the unit sphere by the golden angle, moved along their normals by up to `noise`.
+    /// Points of the unit sphere, arranged by the golden angle and moved along their normals by up to `noise`.
     fn sphere(count: u32, noise: f64, rng: &mut Random) -> (Vec<DVec3>, Vec<DVec3>) {
         (0..count)
             .map(|i| {

@@ -1,9 +1,9 @@
-//! Surfaces in space as manifolds in more dimensions: x = [p, (σp/σn) n, (σp/σc) c], so that one kernel of width σp
-//! works on positions p, normals n and further signals c at once (paper, section 3).
+//! Surfaces in space as manifolds in more dimensions: x = [p, (σp/σn) n, (σp/σc) c]. A single kernel of width σp then covers
+//! positions p, normals n and further signals c (paper, section 3).
 //!
-//! A step goes along its first three coordinates only. To first order in the step nothing is lost: offsets between
-//! neighbours are tangential to the lifted surface, the lift of a tangential step is that step with what it takes in the
-//! other dimensions, and so the gradient, a sum of such offsets, is the lift of its first three coordinates.
+//! A step uses only its first three coordinates. To first order in the step, nothing is lost: offsets between neighbours are
+//! tangential to the lifted surface, and the lift of a tangential step is that step with the resulting changes in the other
+//! dimensions. So the gradient, a sum of such offsets, is the lift of its first three coordinates.
 //!
 //! Based on: Y.-K. Lai, Q.-Y. Zhou, S.-M. Hu, J. Wallner, H. Pottmann, Robust feature classification and editing, IEEE
 //! Transactions on Visualization and Computer Graphics 13 (1), 2007 (the six dimensions).
@@ -15,10 +15,10 @@ use glam::DVec3;
 
 /// A surface in space.
 pub trait Surface: Sync {
-    /// Where a step of `way` from `from`, tangential or about so, comes down on the surface.
+    /// Moves `from` by `way`, which is tangential or nearly so, and projects the result back onto the surface.
     fn follow(&self, from: &Sample, way: DVec3) -> Sample;
 
-    /// Whether two samples count as neighbours if they are near: those that face the same way.
+    /// Returns whether two nearby samples count as neighbours: only if they face the same way.
     fn joined(&self, one: &Sample, other: &Sample) -> bool {
         one.normal.dot(other.normal) >= 0.0
     }
@@ -34,7 +34,7 @@ impl Surface for Domain {
     }
 }
 
-/// Points of which nothing is known but themselves: they stay where they are.
+/// Points without a known surface: they stay where they are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BarePoints;
 
@@ -44,27 +44,26 @@ impl Surface for BarePoints {
     }
 }
 
-/// Most signals beside position and normal.
+/// Maximum number of signals besides position and normal.
 pub const MOST_SIGNALS: usize = 4;
 
-/// Gives the signals at a sample, in units of their σ over σp: fills the slice, whose rest is zero.
+/// Writes the signals at a sample, multiplied by σp over their σ, to the slice, which is zero at the start.
 pub type Signals<'a> = &'a (dyn Fn(&Sample, &mut [f64]) + Sync);
 
-/// What counts in the kernel beside the position.
+/// The quantities in the kernel besides the position.
 #[derive(Clone, Copy, Default)]
 pub struct Lift<'a> {
-    /// σp/σn: a length; 0 for σn = ∞.
+    /// σp/σn, a length; 0 for σn = ∞.
     pub normals: f64,
     /// Further signals, if there are any.
     pub signals: Option<Signals<'a>>,
 }
 
 impl Lift<'_> {
-    /// Only the position counts.
+    /// Position only.
     pub const NONE: Lift<'static> = Lift { normals: 0.0, signals: None };
 
-    /// The first D coordinates of `sample`: the position, then the normal, then the signals. D is 3, 6 or
-    /// 6 + [`MOST_SIGNALS`].
+    /// Returns the first D coordinates of `sample`: position, normal, signals. D is 3, 6 or 6 + [`MOST_SIGNALS`].
     #[inline]
     pub fn coordinates<const D: usize>(&self, sample: &Sample) -> [f64; D] {
         let mut x = [0.0; D];
@@ -78,7 +77,8 @@ impl Lift<'_> {
         x
     }
 
-    /// The way from one sample to another. A point of a sharp edge has no normal, and turns with whoever looks at it.
+    /// Returns the offset from one sample to another. A point on a sharp edge has no normal: it takes that of the other
+    /// sample.
     #[inline]
     pub fn offset<const D: usize>(&self, from: &Sample, to: &Sample) -> [f64; D] {
         let mut offset = difference(&self.coordinates::<D>(to), &self.coordinates(from));
@@ -88,19 +88,19 @@ impl Lift<'_> {
         offset
     }
 
-    /// How much wider than σp the kernel is at `sample`: as its wanted edge length says, if only the position counts;
-    /// else the other dimensions say how dense samples are.
+    /// Kernel width at `sample`, relative to σp: the target edge length if only the position counts; otherwise 1, since the
+    /// other dimensions determine the density of the samples.
     #[inline]
     pub fn width<const D: usize>(&self, sample: &Sample) -> f64 {
         if D == 3 { sample.size } else { 1.0 }
     }
 }
 
-/// A surface, lifted.
+/// A lifted surface.
 pub struct Lifted<'a, S> {
     /// The surface.
     pub surface: &'a S,
-    /// What counts beside the position.
+    /// The quantities in the kernel besides the position.
     pub lift: Lift<'a>,
 }
 

@@ -1,5 +1,5 @@
-//! The surfaces that are sampled and projected on: a mesh cut open along its feature curves, or the implicit surface of
-//! points; and the edge lengths that are wanted on them.
+//! Surfaces to sample and to project onto (a mesh cut along its feature curves, or the implicit surface of a point cloud),
+//! and the target edge lengths on them.
 
 pub mod domain;
 pub mod facets;

@@ -1,19 +1,19 @@
 //! Leaves out sharp edges beside smooth patches that are too narrow for the samples: chamfers, engraved text, threads.
 //!
-//! The width of a patch is twice its area for the length of its rim, which is the width of a long strip. Without a curve
-//! that bounds a strip of width w, and across which the surface turns by θ, it moves by about w sin(θ/2) / 2, and where a
-//! triangle goes straight from the strip's other rim to a vertex far beyond the curve, by w sin θ. The patch where that is
-//! least is joined with the neighbour along a long side of it that it turns least towards, along all the edges between both,
-//! as long as it is less than a share of the spacing. A chamfer's two curves become one, and what stays is whole. Strips that
-//! stay and meet at an end of both lose the edges between them, too, where their long sides have no corners, and keep these: the
-//! facets of a rim. Where the vertices do not suffice for the curves that are left, or for the short edges between them, that
-//! share grows. Then the rims of plates stay, which would become blades: a box would lose a part of its volume. Only where the
-//! vertices do not suffice for the curves alone, plates become blades, too, the thinnest first: without any curve, the two sides
-//! of a plate would be smoothed into each other.
+//! The width of a patch is estimated as twice its area over the length of its rim, which is exact for a long strip. Leaving
+//! out a curve with dihedral angle θ that bounds a strip of width w moves the surface by about w sin(θ/2) / 2, and by w sin
+//! θ where a triangle goes straight from the strip's other rim to a vertex far beyond the curve. The patch with the least
+//! deviation is joined to one of the neighbours along its long sides, the one with the smallest dihedral angle, along all
+//! edges between both, as long as the deviation is less than a share of the spacing. So the two curves of a chamfer become
+//! one, and the remaining curves stay whole. Strips that stay and meet at their ends lose the edges between them, if their
+//! long sides have no corners there, and keep their long sides: the facets of a rim. If the vertices do not suffice for the
+//! remaining curves, or for the short edges between them, that share grows. The rims of plates still stay then, since plates
+//! would become blades and a box would lose part of its volume. Only if the vertices do not suffice for the curves alone do
+//! plates become blades, the thinnest first: without any curve, the two sides of a plate would be smoothed into each other.
 //!
-//! Cost: n log n in the patches, linear in the sides; a few times over where the share grows.
+//! Cost: n log n in the patches, linear in the sides; repeated a few times where the share grows.
 //!
-//! Limits: where one neighbour takes up a part of a long side only, the strip stays narrow beside the others.
+//! Limits: if a neighbour takes up only part of a long side, the strip stays narrow beside the others.
 
 use crate::base::heap::Ranked;
 use crate::base::math;
@@ -25,20 +25,20 @@ use crate::surface::feature_curves::CORNER_TURN;
 use crate::surface::turns::turns;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
-/// Deviations below which patches are joined with a neighbour, in spacings: the least is that of a chamfer whose width is a
-/// tenth, or of a wall whose width is an eighteenth. The first of these that leaves edges for which the vertices suffice is
+/// Deviations, in spacings, below which patches are joined to a neighbour. The least is that of a chamfer with a width of a
+/// tenth, or of a wall with a width of an eighteenth. The first one that leaves edges for which the vertices suffice is
 /// taken, or the last. Plates become blades below the same deviations.
 const LEAST: [f64; 5] = [0.02, 0.05, 0.08, 0.12, 0.18];
 
-/// Degrees by which the surface may turn at the edge that is left of a strip's two. Beyond, it would be a blade, and a body would
-/// lose volume.
+/// Largest dihedral angle, in degrees, at the edge that remains of a strip's two. Beyond it, the edge would be a blade, and
+/// a body would lose volume.
 pub const SHARPEST: f64 = 135.0;
 
-/// Least length of the border with the neighbour that a patch is joined with, as a share of its longest one: joined across its end, a
-/// strip would stay as narrow between two curves.
+/// Minimum length of the border with the neighbour that a patch is joined to, relative to its longest border: joined across
+/// its end, a strip would stay as narrow between two curves.
 const LONG_SIDE: f64 = 0.5;
 
-/// The width of a wall that moves by a deviation, in deviations.
+/// Width of a wall, relative to its deviation.
 const WIDTH_OF_WALL: f64 = 2.0 * std::f64::consts::SQRT_2;
 
 /// What the vertices suffice for.
@@ -55,28 +55,28 @@ pub enum Room {
 /// What was left out.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct LeftOut {
-    /// Patches that were joined with a neighbour, and ends of strips.
+    /// Number of patches joined to a neighbour, and of ends of strips.
     pub patches: usize,
-    /// How far the surface moves by that at most, in the units of the mesh.
+    /// Maximum distance that the surface moves as a result, in the units of the mesh.
     pub deviation: f64,
 }
 
 impl LeftOut {
-    /// The same of a mesh that is `size` times as large.
+    /// Scales to a mesh that is `size` times as large.
     pub fn times(self, size: f64) -> LeftOut {
         LeftOut { deviation: size * self.deviation, ..self }
     }
 
-    /// What was left out altogether.
+    /// Combines both.
     pub fn and(self, other: LeftOut) -> LeftOut {
         LeftOut { patches: self.patches + other.patches, deviation: self.deviation.max(other.deviation) }
     }
 }
 
-/// Which sides of `mesh` are on a sharp edge without those beside patches that are too narrow, of the ones that are `sharp`,
-/// and what was left out. As little is left out as leaves `room` for what stays, which is asked with the sides that stay and
-/// the least width of a wall, in spacings. Patches with a triangle that `is_needed` stay, unless there is no room even on
-/// curves. `twin` is as [`twins`](crate::mesh::topology::twins) says.
+/// Drops from the `sharp` sides of `mesh` those beside patches that are too narrow; returns the remaining ones and what was
+/// left out. It leaves out as little as gives `room` for the rest; `room` is called with the remaining sides and the minimum
+/// width of a wall, in spacings. Patches with a triangle that `is_needed` stay, unless there is no room even on curves.
+/// `twin` is the result of [`twins`](crate::mesh::topology::twins).
 pub fn leave_out_narrow(
     mesh: &Mesh,
     twin: &[u32],
@@ -90,7 +90,7 @@ pub fn leave_out_narrow(
     }
     let mut before = Patches::new(mesh, twin, sharp, spacing);
     before.need((0..mesh.triangles.len() as u32).filter(|&t| is_needed(t)));
-    // A crease that fades within a patch parts nothing, and stays.
+    // A crease that fades within a patch separates nothing, and stays.
     let parts: Vec<bool> = (0..sharp.len()).map(|s| sharp[s] && before.differ(s as u32, twin)).collect();
     let mut left = (sharp.to_vec(), LeftOut::default());
     let mut leave_out = |before: &Patches, share: f64, of_plates: f64| {
@@ -123,8 +123,7 @@ pub fn leave_out_narrow(
     left
 }
 
-/// About how many samples the edges of `mesh` that are `sharp` take at distance `spacing`: one for each corner and each
-/// spacing.
+/// Approximate number of samples on the `sharp` edges of `mesh` at this `spacing`: one for each corner and each spacing.
 pub fn samples_on(mesh: &Mesh, twin: &[u32], sharp: &[bool], spacing: f64) -> f64 {
     let mut edges_at = vec![0u32; mesh.positions.len()];
     let mut length = 0.0;
@@ -138,7 +137,7 @@ pub fn samples_on(mesh: &Mesh, twin: &[u32], sharp: &[bool], spacing: f64) -> f6
     corners as f64 + length / spacing
 }
 
-/// The edges between two patches: their length, and the same times the turn there, without and with its sign.
+/// The edges between two patches: their total length, and the sums of length times dihedral angle, unsigned and signed.
 #[derive(Debug, Clone, Copy, Default)]
 struct Border {
     length: f64,
@@ -153,13 +152,13 @@ impl Border {
         self.signed += other.signed;
     }
 
-    /// The mean of such a sum over its edges.
+    /// Mean over the edges for such a sum.
     fn mean(&self, sum: f64) -> f64 {
         sum / self.length.max(f64::MIN_POSITIVE)
     }
 }
 
-/// What joining a patch with a neighbour does: which one, and by how much the surface moves, about and at most.
+/// The effect of joining a patch to a neighbour: which one, and how far the surface moves, about and at most.
 #[derive(Clone, Copy, PartialEq)]
 struct Joint {
     neighbour: u32,
@@ -173,13 +172,13 @@ struct Patch {
     area: f64,
     rim: f64,
     beside: BTreeMap<u32, Border>,
-    /// Whether it must not be joined with a neighbour for its own narrowness.
+    /// Whether it must not be joined to a neighbour on account of its own narrowness.
     needed: bool,
 }
 
 impl Patch {
-    /// With the neighbour that it turns least towards; `own` is the patch itself. `None` for a patch that is needed, and for the
-    /// rim of a plate if the surface would move by `of_plates` or more.
+    /// Returns the joint with the neighbour of smallest dihedral angle; `own` is the patch itself. `None` for a needed
+    /// patch, and for the rim of a plate if the surface would move by `of_plates` or more.
     fn gentlest(&self, own: u32, of_plates: f64) -> Option<Joint> {
         let others = self.beside.iter().filter(|(q, _)| **q != own && !self.needed);
         let longest = self.longest(own);
@@ -191,19 +190,19 @@ impl Patch {
         (moved < of_plates || self.turn_without(own, neighbour) <= SHARPEST).then_some(joint)
     }
 
-    /// The length of the longest border with a neighbour; `own` is the patch itself.
+    /// Length of the longest border with a neighbour; `own` is the patch itself.
     fn longest(&self, own: u32) -> f64 {
         self.beside.iter().filter(|(q, _)| **q != own).map(|(_, border)| border.length).fold(0.0, f64::max)
     }
 
-    /// By how much the surface moves, about and at most, without edges of the patch where it turns by that many degrees.
+    /// Returns how far the surface moves, about and at most, without the patch's edges of dihedral angle `turn`, in degrees.
     fn moved_without(&self, turn: f64) -> (f64, f64) {
         let width = 2.0 * self.area / self.rim;
         let sine = |degrees: f64| math::sin_cos(degrees.to_radians()).0;
         (0.5 * width * sine(0.5 * turn), width * sine(turn.min(90.0)))
     }
 
-    /// By how much the surface turns at the other edges of the patch, itself being `own`, without those to `neighbour`.
+    /// Dihedral angle at the remaining edges of the patch, which is `own` itself, without those to `neighbour`.
     fn turn_without(&self, own: u32, neighbour: u32) -> f64 {
         let mut others = Border::default();
         self.beside.iter().filter(|(q, _)| ![own, neighbour].contains(q)).for_each(|(_, border)| others.add(*border));
@@ -212,7 +211,7 @@ impl Patch {
     }
 }
 
-/// The smooth patches of a mesh, known by one of their triangles.
+/// The smooth patches of a mesh, each identified by one of its triangles.
 #[derive(Clone)]
 struct Patches {
     of_triangle: UnionFind,
@@ -253,18 +252,18 @@ impl Patches {
         }
     }
 
-    /// The patches on both sides of an edge, the lower name first.
+    /// Returns the patches on both sides of an edge, the lower one first.
     fn pair(&mut self, side: u32, twin: &[u32]) -> [u32; 2] {
         lower_first([side, twin[side as usize]].map(|side| self.of_triangle.find(side / 3)))
     }
 
-    /// Whether the triangles on both sides of an edge are of different patches.
+    /// Returns whether the triangles on both sides of an edge belong to different patches.
     fn differ(&mut self, side: u32, twin: &[u32]) -> bool {
         self.of_triangle.find(side / 3) != self.of_triangle.find(twin[side as usize] / 3)
     }
 
-    /// Joins patches with a neighbour where that moves the surface by less than `most`, or by less than `of_plates` where a plate
-    /// becomes a blade, the least first.
+    /// Joins patches to a neighbour where the surface moves by less than `most`, or by less than `of_plates` if a plate
+    /// becomes a blade; the least movement first.
     fn join_below(&mut self, most: f64, of_plates: f64) -> LeftOut {
         let mut left_out = LeftOut::default();
         let ranked = |p: u32, patch: &Patch| Some(Ranked::new(-patch.gentlest(p, of_plates)?.moved, p));
@@ -273,7 +272,7 @@ impl Patches {
             let gentlest = self.list.get(&p).and_then(|patch| patch.gentlest(p, of_plates));
             let Some(joint) = gentlest else { continue };
             if joint.moved != -rank {
-                // A neighbour was joined with another one since, or the patch itself.
+                // Since then, a neighbour or the patch itself was joined to another one.
                 heap.push(Ranked::new(-joint.moved, p));
                 continue;
             }
@@ -285,8 +284,8 @@ impl Patches {
         left_out
     }
 
-    /// The pairs of strips that meet at an end of both, where the surface moves by less than `most` without the edges between
-    /// them, and what leaving these out does.
+    /// Returns the pairs of strips that meet at their ends, where the surface moves by less than `most` without the edges
+    /// between them, and the effect of leaving these out.
     fn ends_below(&self, most: f64) -> (BTreeSet<[u32; 2]>, LeftOut) {
         let mut left_out = LeftOut::default();
         let mut ends = BTreeSet::new();
@@ -309,7 +308,7 @@ impl Patches {
         (ends, left_out)
     }
 
-    /// Makes one patch of two; its name.
+    /// Merges two patches into one, and returns its identifier.
     fn join(&mut self, p: u32, q: u32) -> u32 {
         self.of_triangle.join(p, q);
         let name = self.of_triangle.find(p);
@@ -340,7 +339,7 @@ mod tests {
     use crate::testing::cube;
     use glam::{DVec3, dvec3};
 
-    /// A roof of long strips that each turn by 45 degrees, of these widths.
+    /// A roof of long strips with these widths, each turned by 45 degrees against the one before.
     fn strips(widths: &[f64]) -> Mesh {
         let mut at = DVec3::ZERO;
         let mut profile = vec![at];
@@ -354,7 +353,7 @@ mod tests {
         Mesh { positions, triangles: quads.flat_map(|v| [[v, v + 2, v + 1], [v + 1, v + 2, v + 3]]).collect() }
     }
 
-    /// How many edges are left of those strips if there may be so many samples on them, and what is left out.
+    /// Number of edges kept of those strips if at most `most` samples may lie on them, and what is left out.
     fn kept(widths: &[f64], most: f64) -> (usize, LeftOut) {
         let mesh = strips(widths);
         let twin = twins(&mesh.triangles);
@@ -377,7 +376,7 @@ mod tests {
         assert_eq!(kept(&[5.0, 2.0, 5.0], 1000.0), (2, LeftOut::default()));
     }
 
-    /// A box of these half lengths, whose edges are cut off at this distance, and its corners with them.
+    /// A box with these half lengths, with its edges cut off at this distance, and its corners with them.
     fn bevelled_box(half: DVec3, cut: f64) -> Mesh {
         let corner = |c: usize| DVec3::from_array([0, 1, 2].map(|axis| if c >> axis & 1 == 0 { -1.0 } else { 1.0 }));
         let at = |c: usize, axis: usize| corner(c) * (half - cut * (DVec3::ONE - DVec3::AXES[axis]));
@@ -419,7 +418,7 @@ mod tests {
         assert_eq!(kept.filter(is_long).count(), 12);
     }
 
-    /// A prism of so many sides and this radius and height.
+    /// A prism with this number of sides, radius and height.
     fn prism(sides: usize, radius: f64, height: f64) -> Mesh {
         let at = |i: usize, z: f64| {
             let (sin, cos) = (std::f64::consts::TAU * i as f64 / sides as f64).sin_cos();

@@ -1,10 +1,10 @@
-//! The planes of a mesh; which of them touch, and which bodies are mostly bounded by planes, as parts from CAD systems are, and
-//! scans and sculpts are not.
+//! The planes of a mesh, which of them touch, and which bodies are mostly bounded by planes. CAD parts are; scans and
+//! sculpts are not.
 //!
-//! A plane is a connected region of triangles across whose edges the surface does not turn. Two triangles may be a
-//! square of a sculpt, so a plane has at least three.
+//! A plane is a connected region of triangles with flat edges between them. Two triangles may be a square of a sculpt, so a
+//! plane has at least three.
 //!
-//! Cost: linear in the triangles; a search for each that lies in a plane to tell which touch.
+//! Cost: linear in the triangles, plus a search for each triangle in a plane to find those that touch.
 
 use crate::base::parallel;
 use crate::base::union_find::UnionFind;
@@ -16,32 +16,32 @@ use crate::surface::turns::turns;
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Largest turn in degrees across an edge within a plane: rounding to single precision turns small triangles by less.
+/// Largest dihedral angle within a plane, in degrees: rounding to single precision turns small triangles by less.
 const FLAT: f64 = 0.1;
 
-/// Fewest triangles of the input in a plane, and its least area in squares of the spacing: in a scan a few triangles may lie in
-/// one by chance.
+/// Minimum number of input triangles in a plane, and its minimum area in squared spacings: in a scan, a few triangles may be
+/// coplanar by chance.
 const FEWEST: usize = 3;
 const LEAST_AREA: f64 = 4.0;
 
-/// Least share of the area of a plane's triangles that its area vectors sum up to: one that bends is none.
+/// Minimum length of the sum of a plane's area vectors, relative to its area. A region that bends has less.
 const STRAIGHT: f64 = 0.99;
 
-/// Least cosine between the normals of planes that touch.
+/// Minimum cosine between the normals of planes that touch, regardless of sign.
 const PARALLEL: f64 = 0.99;
 
-/// Least share of the area of a body that lies in planes.
+/// Minimum share of a body's area that lies in planes.
 const MOSTLY: f64 = 0.5;
 
 /// The planes of a mesh.
 pub struct Planes {
-    /// For each triangle the plane that it lies in, known by its first triangle.
+    /// The plane that each triangle lies in, identified by a representative triangle.
     of_triangle: Vec<Option<u32>>,
 }
 
 impl Planes {
-    /// Those of `mesh`. `twin` is as [`twins`](crate::mesh::topology::twins) says, `spacing` that of the samples; `source` gives
-    /// the triangle of the input that a triangle is a part of.
+    /// Finds the planes of `mesh`. `twin` is the result of [`twins`](crate::mesh::topology::twins), `spacing` that of the
+    /// samples; `source` returns the input triangle that a triangle is a part of.
     pub fn new(mesh: &Mesh, twin: &[u32], spacing: f64, source: impl Fn(u32) -> u32) -> Planes {
         let turns = turns(mesh, twin, spacing, FLAT);
         let mut region = UnionFind::new(mesh.triangles.len());
@@ -56,12 +56,12 @@ impl Planes {
         Planes { of_triangle: (0..mesh.triangles.len() as u32).map(plane).collect() }
     }
 
-    /// Whether triangle `t` lies in a plane.
+    /// Returns whether triangle `t` lies in a plane.
     pub fn contain(&self, t: u32) -> bool {
         self.of_triangle[t as usize].is_some()
     }
 
-    /// For each triangle whether it lies in a plane that touches another: parts that stand on each other.
+    /// Returns whether each triangle lies in a plane that touches another, as where parts stand on each other.
     pub fn in_contact(&self, mesh: &Mesh, bvh: &Bvh) -> Vec<bool> {
         let depth = depth_of_contact(mesh);
         let normal = |t: u32| mesh.area_vector(t as usize).normalize_or_zero();
@@ -79,7 +79,7 @@ impl Planes {
     }
 }
 
-/// The sides of each body of which most lies in `planes`.
+/// Returns the sides of each body that lies mostly in `planes`.
 pub fn planar_bodies(mesh: &Mesh, planes: &Planes) -> Vec<Vec<u32>> {
     let component = components(mesh.positions.len(), &mesh.triangles);
     let mut bodies: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
@@ -95,13 +95,13 @@ pub fn planar_bodies(mesh: &Mesh, planes: &Planes) -> Vec<Vec<u32>> {
     bodies.into_values().filter(is_planar).map(sides).collect()
 }
 
-/// What the triangles of a connected region are together.
+/// Sums over the triangles of a connected region.
 #[derive(Clone, Default)]
 struct Region {
-    /// The sum of the lengths of their area vectors, and that of these.
+    /// Sum of the lengths of their area vectors, and of the vectors themselves.
     area: f64,
     vector: DVec3,
-    /// The triangles of the input that they are parts of, up to the fewest of a plane.
+    /// The input triangles that they are parts of; no more than the minimum number of a plane.
     sources: Vec<u32>,
 }
 

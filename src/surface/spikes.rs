@@ -1,12 +1,12 @@
-//! The spikes of a surface: narrow cones that no feature curve leads to the end of. Samples drawn by chance cut them off.
+//! The spikes of a surface: narrow cones without a feature curve that leads to their end. Random samples cut them off.
 //!
-//! A cone whose side is at angle α to its axis has the curvature 2π (1 - sin α) in its apex, and however its tip is rounded or
-//! tessellated, the angle defects of the tip's vertices, 2π less the sum of the angles around each, come to that (Gauss and
-//! Bonnet). So a spike is where the defects of the vertices within a spacing come to a large part of 2π. Where they are spread
-//! farther than triangles could tell, the tip is round, and samples fit it better that are free to move. Next to a boundary or a
-//! feature curve the samples on these keep the shape.
+//! A cone whose side makes an angle α with its axis has the curvature 2π (1 - sin α) at its apex. However its tip is rounded
+//! or tessellated, the angle defects of the tip's vertices (2π minus the sum of the angles around each) add up to that
+//! (Gauss-Bonnet). So there is a spike where the defects of the vertices within a spacing add up to a large part of 2π.
+//! Where they are spread too far for triangles to resolve, the tip is round, and free samples fit it better. Next to a
+//! boundary or a feature curve, the samples on it keep the shape.
 //!
-//! Cost: linear in the triangles. The middles of the balls that are looked at lie some share of a spacing apart.
+//! Cost: linear in the triangles. The centres of the balls that are examined lie a certain share of a spacing apart.
 
 use crate::base::parallel;
 use crate::geom::triangle::{angles, area};
@@ -17,36 +17,36 @@ use glam::DVec3;
 use rustc_hash::FxHashSet;
 use std::ops::RangeInclusive;
 
-/// The curvature of the tip of a spike, in turns of 2π: α is below 24 degrees. That of a needle is 1, that of a body of
-/// its own 2.
+/// Curvature of the tip of a spike, in multiples of 2π: α is below 24 degrees. A needle has 1, a separate body 2.
 const CURVATURE: RangeInclusive<f64> = 0.6..=1.02;
 
-/// The least angle defect, in turns, of the vertices around which tips are looked for: no tip that is not round has thirty
-/// vertices that share its curvature evenly, in a mesh of thirty vertices for one sample.
+/// Minimum angle defect, in multiples of 2π, of the vertices around which tips are sought: in a mesh with thirty vertices
+/// per sample, no tip that is not round has thirty vertices with equal shares of its curvature.
 const LEAST_DEFECT: f64 = 0.02;
 
-/// How far from the vertex of the largest angle defect a tip reaches, and what of the spike is looked at, in spacings.
+/// Radius of a tip around its vertex of largest angle defect, and of the part of the spike that is examined, in spacings.
 const TIP: f64 = 0.7;
 const SPIKE: f64 = 3.0;
 
-/// The part of a tip, from its vertex of the largest angle defect on, in which no other tip is looked for.
+/// Share of the tip's radius, around its vertex of largest angle defect, within which no other tip is sought.
 const LOOKED_AT: f64 = 0.5;
 
-/// Least distance between the ends of two spikes, in spacings: nearer ones leave each other no room for triangles.
+/// Minimum distance between the ends of two spikes, in spacings: closer ones leave no room for triangles between them.
 const APART: f64 = 2.0;
 
-/// The root mean square distance, in spacings, of a tip's curvature from its middle above which the tip is round. Claws and
+/// Root mean square distance of a tip's curvature from its centre, in spacings, above which the tip is round. Claws and
 /// fingers of scans begin at 0.35.
 const ROUND: f64 = 0.3;
 
-/// Triangles whose angles are in memory at once.
+/// Number of triangles whose angles are in memory at once.
 const BLOCK: usize = 1 << 16;
 
-/// Least height of its end over the centre of a spike, in spacings: that of a cone is two, that of a scrap of surface is less.
+/// Minimum height of the end above the centre of mass of the spike, in spacings: two for a cone, less for a scrap of
+/// surface.
 const LEAST_HEIGHT: f64 = 1.2;
 
-/// The spikes of `mesh` for samples whose distance is `spacing` at each vertex, each as a side `3 t + k` that leaves its end. `twin`
-/// has the side across each side, or [`NONE`].
+/// Returns the spikes of `mesh` for samples whose distance at each vertex is `spacing`, each as a side `3 t + k` that leaves
+/// its end. `twin` has the opposite side of each side, or [`NONE`].
 pub fn spikes(mesh: &Mesh, twin: &[u32], spacing: impl Fn(u32) -> f64) -> Vec<u32> {
     let surface = Surface { mesh, twin, defects: angle_defects(mesh, twin) };
     let mut is_done = vec![false; mesh.positions.len()];
@@ -74,7 +74,7 @@ struct Surface<'a> {
 }
 
 impl Surface<'_> {
-    /// The vertex that `side` leaves, where it is, and its angle defect.
+    /// The vertex that `side` leaves, its position, and its angle defect.
     fn vertex(&self, side: u32) -> u32 {
         self.mesh.origin(side)
     }
@@ -87,7 +87,7 @@ impl Surface<'_> {
         self.defects[self.vertex(side) as usize]
     }
 
-    /// A side that leaves each vertex whose angle defect may be a part of a tip's, the largest defects first.
+    /// Returns a side that leaves each vertex whose angle defect may belong to a tip, the largest defects first.
     fn seeds(&self) -> Vec<u32> {
         let mut is_seen = vec![false; self.mesh.positions.len()];
         let sides = (0..self.twin.len() as u32).map(|side| (self.defect(side).unwrap_or(0.0), side));
@@ -100,7 +100,7 @@ impl Surface<'_> {
         seeds.into_iter().map(|(_, side)| side).collect()
     }
 
-    /// The end of the spike whose tip is around the vertex that `seed` leaves, if there is one.
+    /// Returns the end of the spike whose tip is around the vertex that `seed` leaves, if there is one.
     fn end_of_spike(&self, seed: u32, spacing: f64) -> Option<u32> {
         let tip = self.sides_within(seed, TIP * spacing);
         let curvature: f64 = tip.iter().map(|&side| self.defect(side)).sum::<Option<f64>>()?;
@@ -114,7 +114,7 @@ impl Surface<'_> {
         (height(end) > LEAST_HEIGHT * spacing).then_some(end)
     }
 
-    /// The root mean square distance of the curvature of a tip from its middle. `tip` has a side for each of its vertices.
+    /// Root mean square distance of a tip's curvature from its centre. `tip` has a side for each of its vertices.
     fn spread(&self, tip: &[u32]) -> f64 {
         let weighted = || tip.iter().map(|&side| (self.defect(side).unwrap_or(0.0).max(0.0), self.place(side)));
         let sum: f64 = weighted().map(|(weight, _)| weight).sum();
@@ -122,7 +122,8 @@ impl Surface<'_> {
         (weighted().map(|(weight, p)| weight * p.distance_squared(middle)).sum::<f64>() / sum).sqrt()
     }
 
-    /// The triangles connected with that of `seed` over edges that reach into the ball around the vertex which `seed` leaves.
+    /// Returns the triangles connected to that of `seed` by edges that reach into the ball around the vertex that `seed`
+    /// leaves.
     fn ball(&self, seed: u32, radius: f64) -> Vec<u32> {
         let middle = self.place(seed);
         let mut found = vec![seed / 3];
@@ -142,7 +143,7 @@ impl Surface<'_> {
         found
     }
 
-    /// A side that leaves each vertex in that ball.
+    /// Returns a side that leaves each vertex in that ball.
     fn sides_within(&self, seed: u32, radius: f64) -> Vec<u32> {
         let middle = self.place(seed);
         let mut is_found = FxHashSet::default();
@@ -151,7 +152,7 @@ impl Surface<'_> {
         sides.filter(is_within).filter(|&side| is_found.insert(self.vertex(side))).collect()
     }
 
-    /// The centre of mass of `triangles`.
+    /// Centre of mass of `triangles`.
     fn center(&self, triangles: &[u32]) -> DVec3 {
         let mut moment = DVec3::ZERO;
         let mut mass = 0.0;
@@ -164,7 +165,7 @@ impl Surface<'_> {
     }
 }
 
-/// One less the sum of the angles around each vertex, in turns; `None` on the boundary and on feature curves.
+/// One minus the sum of the angles around each vertex, in full turns; `None` on the boundary and on feature curves.
 fn angle_defects(mesh: &Mesh, twin: &[u32]) -> Vec<Option<f64>> {
     let mut defects = vec![Some(1.0); mesh.positions.len()];
     let count = mesh.triangles.len();
@@ -188,13 +189,13 @@ mod tests {
     use crate::testing::{joined, revolved, sphere};
     use glam::dvec3;
 
-    /// Where spikes end, for samples at a distance of 0.1.
+    /// Ends of the spikes, for samples at a distance of 0.1.
     fn spikes_of(mesh: &Mesh) -> Vec<DVec3> {
         let surface = Surface { mesh, twin: &[], defects: Vec::new() };
         spikes(mesh, &twins(&mesh.triangles), |_| 0.1).into_iter().map(|side| surface.place(side)).collect()
     }
 
-    /// A cone of height 1 over a circle of that radius, whose tip is cut flat where its radius is `blunt`.
+    /// A cone of height 1 over a circle of this radius, truncated where its radius is `blunt`.
     fn cone(radius: f64, blunt: f64) -> Mesh {
         let rings = 40;
         let at = |i: i32| f64::from(i) / f64::from(rings);

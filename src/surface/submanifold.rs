@@ -1,36 +1,36 @@
-//! What samples lie on, in any dimension: a manifold in a space of D dimensions, as the sampler sees it.
+//! The manifolds that samples lie on, in any dimension, as the sampler sees them.
 
 use crate::geom::vector::difference;
 
-/// A manifold in D dimensions. Distances between points of it, a few kernel widths apart at most, are those of the space
-/// around it.
+/// A manifold embedded in D dimensions. Distances between its points, at most a few kernel widths apart, are those of the
+/// embedding space.
 pub trait Submanifold<const D: usize>: Sync {
-    /// A point of it, with what is needed to find back to the manifold from nearby.
+    /// A point of the manifold, with the data needed to project a nearby place back.
     type Point: Copy + Send + Sync;
 
-    /// Where `point` is in the D dimensions of the kernel.
+    /// Returns the coordinates of `point` in the D dimensions of the kernel.
     fn coordinates(&self, point: &Self::Point) -> [f64; D];
 
-    /// Where a step of `way` from `from` comes down: its tangential part, and back on the manifold.
+    /// Moves `from` by the tangential part of `way`, and projects the result back onto the manifold.
     fn step(&self, from: &Self::Point, way: &[f64; D]) -> Self::Point;
 
-    /// The way between two places: shorter than their difference where the space is periodic.
+    /// Returns the offset between two places: shorter than their difference where the space is periodic.
     fn offset(&self, from: &[f64; D], to: &[f64; D]) -> [f64; D] {
         difference(to, from)
     }
 
-    /// `x`, and what it repeats as in a periodic space: all of them that come within `reach` of where points are.
+    /// Returns `x` and its periodic images, as far as these are within `reach` of the space that contains the points.
     fn images(&self, x: &[f64; D], _reach: f64) -> Vec<[f64; D]> {
         vec![*x]
     }
 
-    /// Whether two points count as neighbours if they are near: not those of two sheets that nearly touch.
+    /// Returns whether two nearby points count as neighbours; points of two sheets that nearly touch do not.
     fn joined(&self, _one: &Self::Point, _other: &Self::Point) -> bool {
         true
     }
 }
 
-/// The unit square, cube and so on: at its border a step ends.
+/// The unit square, cube and so on. A step ends at its border.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct UnitCube<const D: usize>;
 
@@ -48,7 +48,7 @@ impl<const D: usize> Submanifold<D> for UnitCube<D> {
 
 /// The unit square, cube and so on with opposite sides joined: a flat torus.
 ///
-/// Its kernel must not reach around it: [`Submanifold::offset`] knows the shortest way only.
+/// Its kernel must not reach around it: [`Submanifold::offset`] only gives the shortest offset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FlatTorus<const D: usize>;
 

@@ -1,7 +1,7 @@
-//! By how much a mesh turns across its edges.
+//! Dihedral angles across the edges of a mesh.
 //!
-//! The normal of a needle or a cap that is narrower than the samples can tell is not to be trusted: rounding turns it. It
-//! is taken from the triangle across its longest side. Strips as narrow as that become one edge.
+//! The normal of a needle or cap that is too narrow for the samples cannot be trusted, since rounding turns it. It is
+//! replaced by that of the triangle across the longest side. Strips this narrow become one edge.
 //!
 //! Cost: linear in the triangles.
 
@@ -11,15 +11,15 @@ use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 
-/// Height of a triangle, in lengths of its longest side and in spacings, below which its normal is not trusted.
+/// Height of a triangle, relative to its longest side and to the spacing, below which its normal is not trusted.
 const NARROW: f64 = 0.05;
 
-/// Longest chain of narrow triangles that is followed to one that is not.
+/// Maximum length of a chain of narrow triangles to follow to one that is not narrow.
 const LONGEST_CHAIN: usize = 16;
 
-/// A vector along the normal of triangle `first`, or along that of the one across its longest side, and so on, if it is so
-/// narrow, for samples at distance `spacing`, that its own cannot be trusted. Of two narrow ones whose longest side is the
-/// same it is that of both.
+/// Returns a vector along the normal of triangle `first`. If the triangle is so narrow for samples with this `spacing` that
+/// its normal cannot be trusted, that of the triangle across its longest side is taken, and so on. For two narrow triangles
+/// with the same longest side, it is the sum of both.
 pub(super) fn trusted_normal(mesh: &Mesh, twin: &[u32], spacing: f64, first: u32) -> DVec3 {
     let seen = |t: u32| Seen::new(mesh, t, spacing);
     let mut own = seen(first);
@@ -37,7 +37,7 @@ pub(super) fn trusted_normal(mesh: &Mesh, twin: &[u32], spacing: f64, first: u32
     mesh.area_vector(first as usize)
 }
 
-/// What is to be known of a triangle.
+/// Properties of a triangle.
 struct Seen {
     normal: DVec3,
     longest_side: u32,
@@ -49,7 +49,7 @@ impl Seen {
         let normal = mesh.area_vector(t as usize);
         let [a, b, c] = mesh.corners(t as usize);
         let lengths = [a.distance(b), b.distance(c), c.distance(a)];
-        // The first of several that are as long.
+        // The first of several equally long sides.
         let k = (1..3).fold(0, |k, l| if lengths[l] > lengths[k] { l } else { k });
         let longest = lengths[k];
         let is_narrow = normal.length() < NARROW * longest * longest.min(spacing);
@@ -57,7 +57,8 @@ impl Seen {
     }
 }
 
-/// The triangles that are narrow and folded over, each with a vector along the normal that is trusted instead of its own.
+/// Returns the narrow triangles that are folded over, each with a vector along the normal that is trusted instead of its
+/// own.
 pub(super) fn folded_over(mesh: &Mesh, twin: &[u32], spacing: f64) -> Vec<(u32, DVec3)> {
     let folded = |t: u32| {
         let trusted = trusted_normal(mesh, twin, spacing, t);
@@ -66,11 +67,11 @@ pub(super) fn folded_over(mesh: &Mesh, twin: &[u32], spacing: f64) -> Vec<(u32, 
     parallel::collect(0..mesh.triangles.len() as u32, |block| block.filter_map(folded))
 }
 
-/// The share of the smallest turn that is told, below which turns are not looked at closer: more than rounding takes.
+/// Share of the smallest angle to report, below which angles are set to zero. The margin exceeds rounding errors.
 const CLEARLY: f64 = 0.999;
 
-/// The turn of the surface across each side, in degrees, negative where it is concave; zero at the boundary and next to triangles
-/// without area. Turns below `least` degrees may be reported as zero.
+/// Returns the dihedral angle across each side, in degrees, negative where the surface is concave; zero at the boundary and
+/// next to triangles without area. Angles below `least` degrees may be reported as zero.
 pub(super) fn turns(mesh: &Mesh, twin: &[u32], spacing: f64, least: f64) -> Vec<f64> {
     let flat = math::square(math::sin_cos((CLEARLY * least).to_radians()).1);
     let trusted = |t: u32| trusted_normal(mesh, twin, spacing, t);
@@ -100,7 +101,7 @@ pub(super) fn length(mesh: &Mesh, side: u32) -> f64 {
     a.distance(b)
 }
 
-/// The unit vector along a side; zero for one without length.
+/// Unit vector along a side; zero for a side without length.
 pub(super) fn direction(mesh: &Mesh, side: u32) -> DVec3 {
     let [a, b] = mesh.segment(side);
     (b - a).normalize_or_zero()

@@ -1,11 +1,12 @@
-//! Ends wedges: parts of a smooth patch between two sharp edges, or one and the boundary, that meet at a small angle. Every mesh has
-//! that angle there, however many vertices it has.
+//! Ends wedges: parts of a smooth patch between two sharp edges, or a sharp edge and the boundary, that meet at a small
+//! angle. Every mesh has that angle there, however many vertices it has.
 //!
-//! Near its corner a wedge is as narrow as strips that are left out ([`narrow_patches`](crate::surface::narrow_patches)). That tip
-//! becomes part of the patch beside it that the surface turns least towards: one of the two edges goes on to the corner, the other
-//! ends at a new one across the wedge. The boundary always goes on. A crease that fades within the tip goes.
+//! Near its corner, a wedge is as narrow as the strips that are left out
+//! ([`narrow_patches`](crate::surface::narrow_patches)). This tip is joined to the adjacent patch across the edge with the
+//! smaller dihedral angle. The other edge then continues to the corner, and the first one ends at a new edge across the
+//! wedge. A boundary always continues. A crease that fades within the tip is dropped.
 //!
-//! Cost: linear in the sharp edges and in the triangles of the tips, and in all triangles where there is a tip.
+//! Cost: linear in the sharp edges and in the triangles of the tips, and in all triangles if there is a tip.
 
 use crate::base::math;
 use crate::mesh::half_edge::prev;
@@ -19,41 +20,43 @@ use crate::surface::turns::{direction, length, turns};
 use glam::DVec3;
 use std::collections::{BTreeSet, HashMap, HashSet};
 
-/// Degrees below which two sharp edges enclose a wedge: a little more than angles of triangles are wanted to have, which differ from
-/// those of the edges where these are curved.
+/// Largest angle of a wedge, in degrees: a little more than the wanted minimum angle of triangles, which differs from the
+/// angle between the edges where these are curved.
 const SMALL: f64 = 33.0;
 
-/// Widths at which a wedge with straight sides ends, in spacings: the first one at which it can.
+/// Widths at which a wedge with straight sides may end, in spacings; the first possible one is taken.
 const WIDTHS: [f64; 3] = [0.24, 0.12, 0.06];
 
-/// Between which widths one with curved sides may end.
+/// Range of widths at which a wedge with curved sides may end, in spacings.
 const NARROWEST: f64 = 0.05;
 const WIDEST: f64 = 0.45;
 
-/// How much farther from its corner a wedge may end, as a share, so that no vertex is near the end, and how many places are tried.
+/// How much farther from its corner a wedge may end, as a share, to keep the end away from vertices; and the number of
+/// places to try.
 const FARTHER: f64 = 0.25;
 const TRIES: u32 = 6;
 
-/// Most triangles of a tip.
+/// Maximum number of triangles in a tip.
 const MOST_TRIANGLES: usize = 500;
 
-/// How often wedges are ended: of those that have a triangle in common, one each time.
+/// Number of rounds. Of wedges that share a triangle, each round ends one.
 const ROUNDS: usize = 3;
 
-/// The sharp edges of a mesh whose wedges end, and what was left out.
+/// The sharp edges of a mesh after its wedges were ended, and what was left out.
 pub struct Ended {
-    /// The side across each side, or [`NONE`].
+    /// The opposite side of each side, or [`NONE`].
     pub twin: Vec<u32>,
     /// Whether each side is sharp.
     pub sharp: Vec<bool>,
-    /// The tips, and how far the surface moves without their edges.
+    /// Number of tips, and how far the surface moves without their edges.
     pub left_out: LeftOut,
-    /// The ends of the edges that were left out.
+    /// Ends of the edges that were left out.
     pub edges: Vec<[DVec3; 2]>,
 }
 
-/// Ends the wedges between the sides of `mesh` that are `sharp`, and between those and the boundary unless that is an `interface`,
-/// whose edges stay, for samples at distance `spacing`. Wedges stay where a triangle of the tip `is_needed`. `twin` is as [`twins`] says.
+/// Ends the wedges between the `sharp` sides of `mesh`, and between those and the boundary, for samples with this `spacing`.
+/// An `interface` keeps its edges: it bounds no wedge. Wedges stay where a triangle of the tip `is_needed`. `twin` is the
+/// result of [`twins`].
 pub fn end_wedges(
     mesh: &mut OrientedManifold,
     twin: Vec<u32>,
@@ -74,7 +77,7 @@ pub fn end_wedges(
 }
 
 impl Ended {
-    /// Cuts `mesh` where the tips end, and leaves their edges out.
+    /// Cuts `mesh` where the tips end, and leaves out their edges.
     fn leave_out(&mut self, mesh: &mut OrientedManifold, tips: &[Tip]) {
         let sides = (0..self.sharp.len() as u32).filter(|&s| self.sharp[s as usize]);
         // These are only looked up, never iterated.
@@ -105,21 +108,21 @@ impl Ended {
 
 /// The tip of a wedge.
 struct Tip {
-    /// Its triangles, and those beside its rims.
+    /// Its triangles, and those across its rims.
     triangles: BTreeSet<u32>,
-    /// The edges that its end crosses, the lower vertex first, and the share of the way from there.
+    /// Edges that its end crosses, the lower vertex first, and the crossing as a share of the way from there.
     cuts: Vec<([u32; 2], f64)>,
-    /// The two edges that its end crosses in each triangle there.
+    /// The two edges that its end crosses, for each triangle there.
     across: Vec<[[u32; 2]; 2]>,
-    /// The sharp edges that are left out.
+    /// Sharp edges that are left out entirely.
     whole: Vec<[u32; 2]>,
-    /// The one that is left out from its first vertex up to the end of the tip.
+    /// The edge that is left out from its first vertex up to the end of the tip.
     shortened: Option<[u32; 2]>,
-    /// How far the surface moves by that at most.
+    /// Maximum distance that the surface moves as a result.
     deviation: f64,
 }
 
-/// The corner of a patch, from a rim that begins there to the next one, and the unit vector midway between both.
+/// A corner of a patch, from the rim that begins there to the previous one, and the unit vector midway between them.
 struct Corner {
     first: u32,
     radians: f64,
@@ -135,7 +138,7 @@ struct Plane<'a> {
 }
 
 impl Plane<'_> {
-    /// How far vertex `v` is from the corner, seen along the wedge.
+    /// Distance of vertex `v` from the corner, measured along the wedge.
     fn height(&self, v: u32) -> f64 {
         (self.mesh.positions[v as usize] - self.corner).dot(self.normal)
     }
@@ -148,7 +151,7 @@ impl Plane<'_> {
         self.is_below(a) != self.is_below(b)
     }
 
-    /// The share of the way from `a` to `b` at which it crosses their edge.
+    /// Returns where it crosses the edge from `a` to `b`, as a share of the way.
     fn along(&self, [a, b]: [u32; 2]) -> f64 {
         (self.distance - self.height(a)) / (self.height(b) - self.height(a))
     }
@@ -170,7 +173,7 @@ struct Creases<'a> {
 }
 
 impl Creases<'_> {
-    /// The tips of wedges, no two of which have a triangle in common.
+    /// Returns the tips of wedges, no two of which share a triangle.
     fn tips(&self, is_needed: impl Fn(&Mesh, u32) -> bool) -> Vec<Tip> {
         let corners: Vec<Corner> = self.rims().filter_map(|side| self.small_corner(side)).collect();
         if corners.is_empty() {
@@ -191,7 +194,7 @@ impl Creases<'_> {
         tips
     }
 
-    /// The sides that bound patches.
+    /// Returns the sides that bound patches.
     fn rims(&self) -> impl Iterator<Item = u32> {
         (0..self.sharp.len() as u32).filter(|&side| self.is_rim(side))
     }
@@ -204,7 +207,7 @@ impl Creases<'_> {
         self.twin[side as usize] == NONE
     }
 
-    /// How many rims there are at each vertex, the two sides of an edge being one.
+    /// Number of rims at each vertex, counting the two sides of an edge once.
     fn degrees(&self) -> Vec<u32> {
         let mut degrees = vec![0; self.mesh.positions.len()];
         let one_of_each = self.rims().filter(|&side| side < self.twin[side as usize]);
@@ -212,7 +215,7 @@ impl Creases<'_> {
         degrees
     }
 
-    /// The corner of a patch at which the rim `first` begins, if its angle is small.
+    /// Returns the corner of a patch at which the rim `first` begins, if its angle is small.
     fn small_corner(&self, first: u32) -> Option<Corner> {
         let (mut radians, mut side) = (0.0, first);
         loop {
@@ -232,8 +235,8 @@ impl Creases<'_> {
         }
     }
 
-    /// The tip of the wedge at a corner, if it can end where it is about so wide. `degrees` and `turns` are those of the vertices and of
-    /// the sides.
+    /// Returns the tip of the wedge at a corner, if it can end at about this width. `degrees` has a value for each vertex,
+    /// `turns` for each side.
     fn tip(&self, corner: &Corner, width: f64, degrees: &[u32], turns: &[f64]) -> Option<Tip> {
         let plane = self.plane(corner, width)?;
         let triangles = self.below(corner, &plane)?;
@@ -271,7 +274,8 @@ impl Creases<'_> {
         })
     }
 
-    /// The tip that has no edges but those on the `fading` sides, of a crease that ends in it; `None` for one that leaves it again.
+    /// Returns a tip whose only sharp edges are the `fading` sides of a crease that ends in it; `None` if the crease leaves
+    /// the tip again.
     fn tip_without_crease(
         &self,
         fading: Vec<u32>,
@@ -294,8 +298,8 @@ impl Creases<'_> {
         })
     }
 
-    /// The rims of a tip, from its corner up to the plane and back: sides each of which begins where the one before ends. `None` where
-    /// other edges meet them, where they come back to the corner, or where they cross the plane more than once.
+    /// Returns the rims of a tip, from its corner to the plane and from there back, each as a chain of sides. `None` where
+    /// other edges meet them, where they return to the corner, or where they cross the plane more than once.
     fn chains(&self, corner: &Corner, rims: Vec<u32>, plane: &Plane, degrees: &[u32]) -> Option<[Vec<u32>; 2]> {
         let crossing = |below: usize| {
             let leaves = |s: &&u32| plane.crosses(self.mesh.ends(**s)) && plane.is_below(self.mesh.ends(**s)[below]);
@@ -308,7 +312,8 @@ impl Creases<'_> {
         if inner.any(|v| degrees[v as usize] != 2) {
             return None;
         }
-        // The one beyond each vertex but the apex, to which a rim comes back around a hole or a patch that has its corner there.
+        // The side that leaves each vertex except the apex, where a rim may return around a hole or a patch with a corner
+        // there.
         let mut beyond: HashMap<u32, u32> =
             rims.iter().map(|&s| (self.mesh.origin(s), s)).filter(|&(v, _)| v != apex).collect();
         let mut out = vec![corner.first];
@@ -319,7 +324,7 @@ impl Creases<'_> {
         Some([out, back])
     }
 
-    /// The mean turn across sides, in degrees; infinite at the boundary.
+    /// Mean dihedral angle across sides, in degrees; infinite at the boundary.
     fn mean_turn(&self, sides: &[u32], turns: &[f64]) -> f64 {
         if sides.iter().any(|&s| self.is_boundary(s)) {
             return f64::INFINITY;
@@ -328,7 +333,8 @@ impl Creases<'_> {
         (sides.iter().map(weighted).sum::<f64>() / sides.iter().map(|&s| length(self.mesh, s)).sum::<f64>()).abs()
     }
 
-    /// The plane across a wedge where that is so wide, or a little wider, that is farthest from all vertices.
+    /// Returns the plane across a wedge where it has this width or slightly more; of those tried, the one farthest from all
+    /// vertices.
     fn plane(&self, corner: &Corner, width: f64) -> Option<Plane<'_>> {
         let (sin, cos) = math::sin_cos(0.5 * corner.radians);
         let at = |farther: f64| Plane {
@@ -345,7 +351,8 @@ impl Creases<'_> {
         tried.max_by(|p, q| clearance(p).total_cmp(&clearance(q)))
     }
 
-    /// The triangles of a patch around its corner with a vertex below a plane; `None` if these are too many, or at an interface.
+    /// Returns the triangles of a patch around its corner that have a vertex below a plane; `None` if there are too many, or
+    /// at an interface.
     fn below(&self, corner: &Corner, plane: &Plane) -> Option<BTreeSet<u32>> {
         let mut found = BTreeSet::from([corner.first / 3]);
         let mut open = vec![corner.first / 3];
@@ -367,12 +374,12 @@ impl Creases<'_> {
     }
 }
 
-/// How far the surface moves at most without an edge across which it turns by so many degrees, beside a strip of that width.
+/// Maximum movement of the surface without an edge of dihedral angle `turn`, in degrees, beside a strip of this width.
 fn deviation(width: f64, turn: f64) -> f64 {
     width * math::sin_cos(turn.min(90.0).to_radians()).0
 }
 
-/// The ends of a side, the lower one first.
+/// Returns the ends of a side, the lower one first.
 fn edge(mesh: &Mesh, side: u32) -> [u32; 2] {
     lower_first(mesh.ends(side))
 }
@@ -384,7 +391,7 @@ mod tests {
     use crate::testing::cube;
     use glam::dvec3;
 
-    /// A prism over a triangle with that angle, in degrees, between two sides of length 4.
+    /// A prism over a triangle with two sides of length 4 that enclose this angle, in degrees.
     fn prism(degrees: f64) -> OrientedManifold {
         let (sin, cos) = degrees.to_radians().sin_cos();
         let base = [[0.0, 0.0], [4.0, 0.0], [4.0 * cos, 4.0 * sin]];
@@ -415,7 +422,7 @@ mod tests {
         assert_eq!(smallest(&mesh, &ended), None);
         assert_eq!(ended.left_out.patches, 2, "above and below");
         assert!((0.2..0.5).contains(&ended.left_out.deviation), "{}", ended.left_out.deviation);
-        // An edge of each triangle is left out up to where that is .3 to .4 wide.
+        // An edge of each triangle is left out up to a width of .3 to .4.
         assert!(ended.edges.iter().all(|[p, q]| (0.8..1.2).contains(&p.distance(*q))) && ended.edges.len() == 2);
         let edges = ended.sharp.iter().filter(|s| **s).count() / 2;
         assert_eq!(edges, 9 + 2 * 2, "one across each wedge, and the other in two parts");
@@ -466,7 +473,7 @@ mod tests {
         assert!(open == before && ended.left_out == LeftOut::default());
     }
 
-    /// The point of the plane at that angle, in degrees, and distance from the origin.
+    /// The point of the plane with this polar angle, in degrees, and distance from the origin.
     fn at(degrees: f64, r: f64) -> DVec3 {
         let (sin, cos) = degrees.to_radians().sin_cos();
         dvec3(r * cos, r * sin, 0.0)
@@ -474,7 +481,7 @@ mod tests {
 
     #[test]
     fn a_wedge_beside_a_small_patch_at_its_corner_stays() {
-        // A patch of 50 degrees whose corner is that of a small triangle with sharp edges, too.
+        // A patch with an angle of 50 degrees, whose corner is also a corner of a small triangle with sharp edges.
         let positions = vec![DVec3::ZERO, at(-25.0, 4.0), at(0.0, 4.0), at(25.0, 4.0), at(-5.0, 0.1), at(5.0, 0.1)];
         let triangles = vec![[0, 1, 4], [1, 2, 4], [4, 2, 5], [2, 3, 5], [5, 3, 0], [0, 4, 5]];
         let mut mesh: OrientedManifold = Mesh { positions, triangles }.try_into().unwrap();

@@ -1,9 +1,9 @@
-//! The folder that tiles are sampled in: its files and what is in them.
+//! The folder in which tiles are sampled: its files and their contents.
 //!
 //! | file | content |
 //! |---|---|
 //! | `plan.json` | the [`Plan`], written last |
-//! | `head` | the beginning of the input, which says what its rows are |
+//! | `head` | the beginning of the input, which describes its rows |
 //! | `points` | number and row of each point, sorted by place |
 //! | `outline.ply` | a few points with normals on a common side |
 //! | `made-of` | what the plan was made from |
@@ -27,17 +27,17 @@ use std::path::{Path, PathBuf};
 /// Bytes of a sample: its number, its position, its normal.
 const SAMPLE: usize = 4 + 2 * 24;
 
-/// A folder that tiles are sampled in.
+/// A folder in which tiles are sampled.
 #[derive(Debug, Clone)]
 pub struct TileFolder {
     path: PathBuf,
 }
 
 impl TileFolder {
-    /// The folder at `path`, which has to exist.
+    /// Opens the folder at `path`, which must exist.
     ///
     /// # Errors
-    /// [`Error::File`] if it is not.
+    /// [`Error::File`] if it does not exist or is not a folder.
     pub fn at(path: &Path) -> Result<TileFolder> {
         let folder = TileFolder { path: path.into() };
         match fs::metadata(path) {
@@ -47,7 +47,7 @@ impl TileFolder {
         }
     }
 
-    /// The folder at `path`, which is created if it does not exist.
+    /// Opens the folder at `path`, and creates it if it does not exist.
     ///
     /// # Errors
     /// [`Error::File`] if that fails.
@@ -77,15 +77,15 @@ impl TileFolder {
         Error::File { file: self.path.display().to_string(), cause: cause.into(), remedy: remedy.into() }
     }
 
-    /// Whether there is a plan.
+    /// Returns whether there is a plan.
     pub fn has_plan(&self) -> bool {
         self.file("plan.json").is_file()
     }
 
-    /// The plan.
+    /// Reads the plan.
     ///
     /// # Errors
-    /// [`Error::File`] if there is none, or none that this version understands.
+    /// [`Error::File`] if there is none, or none that this version can read.
     pub fn plan(&self) -> Result<Plan> {
         if !self.has_plan() {
             return Err(self.error("there is no plan in it", "run 'remesh tiles plan' first"));
@@ -96,7 +96,7 @@ impl TileFolder {
         serde_json::from_slice(&text).map_err(unreadable)
     }
 
-    /// Writes what each tile needs to know besides the plan.
+    /// Writes what each tile needs besides the plan.
     pub(super) fn write_context(&self, head: &[u8], outline: &Points) -> Result<()> {
         replace_file(&self.file("head"), &mut |out| out.write_all(head))?;
         write_points_file(&self.file("outline.ply"), outline, &Attributes::default(), None)
@@ -124,13 +124,13 @@ impl TileFolder {
         replace_file(&self.file("made-of"), &mut |out| out.write_all(made_of.as_bytes()))
     }
 
-    /// Whether there is a plan that was made from this file, as it is now, with these options.
+    /// Returns whether there is a plan that was made from this file, in its current state, with these options.
     pub fn is_of(&self, input: &Path, options: &PlanOptions) -> bool {
         let noted = fs::read_to_string(self.file("made-of")).unwrap_or_default();
         self.has_plan() && noted == made_of(input, options)
     }
 
-    /// Removes all samples and what was made of them, and what processes left that were killed.
+    /// Removes all samples, what was made of them, and the leftovers of killed processes.
     fn forget_samples(&self) -> Result<()> {
         let entries = fs::read_dir(&self.path).map_err(|e| self.error(e.to_string(), "check its permissions"))?;
         let is_made = |path: &PathBuf| {
@@ -147,19 +147,19 @@ impl TileFolder {
         }
     }
 
-    /// How the rows of points are read.
+    /// Returns the table that describes the rows of points.
     pub(super) fn table(&self, plan: &Plan) -> Result<Table> {
         let head = read_bytes(&self.file("head"))?;
         let broken = || self.error("its file 'head' is damaged", "make the plan again");
         dense::table(plan.format, &head, plan.length).ok_or_else(broken)
     }
 
-    /// The rows of some chunks.
+    /// Reads the rows of some chunks.
     pub(super) fn rows(&self, chunks: &[Chunk]) -> Result<Vec<u8>> {
         spill::read_chunks(&self.points(), chunks)
     }
 
-    /// The outline.
+    /// Reads the outline.
     ///
     /// # Errors
     /// [`Error::File`] if it cannot be read.
@@ -168,7 +168,7 @@ impl TileFolder {
         Ok(Outline::new(Points::new(loaded.mesh.positions, loaded.attributes.normals())?))
     }
 
-    /// Whether a tile is sampled.
+    /// Returns whether a tile is sampled.
     pub fn has_samples(&self, number: usize) -> bool {
         self.tile(number).is_file()
     }
@@ -178,7 +178,7 @@ impl TileFolder {
         write_rows(&self.tile(number), &samples)
     }
 
-    /// How many samples a tile has.
+    /// Returns the number of samples of a tile.
     pub(super) fn count_samples(&self, number: usize) -> Result<usize> {
         self.check_sampled(number)?;
         self.count_rows(&self.tile(number))
@@ -196,13 +196,13 @@ impl TileFolder {
         self.read_rows(&self.tile(number))
     }
 
-    /// The rows of a file of samples or nodes.
+    /// Reads the rows of a file of samples or nodes.
     fn read_rows(&self, path: &Path) -> Result<Vec<TilePoint>> {
         self.count_rows(path)?;
         Ok(read_bytes(path)?.chunks_exact(SAMPLE).map(sample_of).collect())
     }
 
-    /// How many there are.
+    /// Returns the number of rows of a file of samples or nodes.
     fn count_rows(&self, path: &Path) -> Result<usize> {
         let length = fs::metadata(path).map_err(|e| self.error(e.to_string(), "check its permissions"))?.len();
         if length % SAMPLE as u64 == 0 { Ok(length as usize / SAMPLE) } else { Err(self.damaged(path)) }
@@ -217,7 +217,7 @@ impl TileFolder {
         self.file(&format!("piece-{number}"))
     }
 
-    /// Whether that piece of the mesh is made.
+    /// Returns whether that piece of the mesh is made.
     pub fn has_piece(&self, number: usize) -> bool {
         self.piece(number).is_file()
     }
@@ -248,7 +248,7 @@ impl TileFolder {
         self.read_rows(&self.piece(number))
     }
 
-    /// How many nodes a piece has.
+    /// Returns the number of nodes of a piece.
     pub(super) fn count_nodes(&self, number: usize) -> Result<usize> {
         self.check_made(number)?;
         self.count_rows(&self.piece(number))
@@ -264,7 +264,7 @@ fn write_rows(path: &Path, rows: &[TilePoint]) -> Result<()> {
     })
 }
 
-/// What identifies the input and the options of a plan.
+/// Returns what identifies the input and the options of a plan.
 fn made_of(input: &Path, PlanOptions { sample, .. }: &PlanOptions) -> String {
     let path = fs::canonicalize(input).unwrap_or_else(|_| input.into());
     let found = fs::metadata(input).ok().map(|found| (found.len(), found.modified().ok()));

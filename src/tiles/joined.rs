@@ -1,4 +1,4 @@
-//! Pieces of a mesh, joined.
+//! Joins the pieces of a mesh.
 
 use crate::geom::triangle::smallest_angle;
 use crate::mesh::triangle_mesh::Mesh;
@@ -6,11 +6,11 @@ use crate::tiles::made::{MadePiece, piece_of};
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Rings of triangles around rims that are made anew. Six do as well where the surface is smooth: the mean of the smallest angles
-/// along rims is 58.92 degrees with six and 58.94 with ten.
+/// Number of rings of triangles around rims that are made anew. Six do as well where the surface is smooth: the mean of the
+/// smallest angles along rims is 58.92 degrees with six and 58.94 with ten.
 const RINGS: usize = 10;
 
-/// The angle, in degrees, below which a triangle is made anew: those along rims could not be better before.
+/// Angle, in degrees, below which a triangle is made anew: triangles along rims could not be improved before.
 const SMALL: f64 = 40.0;
 
 /// Pieces of a mesh, joined by the keys of their vertices.
@@ -19,12 +19,12 @@ pub(super) struct Joined {
     pub mesh: Mesh,
     /// The key of each vertex.
     pub keys: Vec<u64>,
-    /// For each triangle the number of its piece, and its own one in that.
+    /// For each triangle, the number of its piece, and its own number in that piece.
     pub sources: Vec<[u32; 2]>,
 }
 
 impl Joined {
-    /// The pieces with their numbers; those that take the place of triangles of others come after these.
+    /// Joins the pieces, given with their numbers; those that replace triangles of others come after these.
     pub fn new(pieces: &[(usize, MadePiece)]) -> Joined {
         let replaced: FxHashSet<[u32; 2]> = pieces.iter().flat_map(|(_, piece)| &piece.replaced).copied().collect();
         let mut joined = Joined::default();
@@ -47,14 +47,14 @@ impl Joined {
         joined
     }
 
-    /// Adds a vertex; its number.
+    /// Adds a vertex and returns its number.
     fn add(&mut self, key: u64, position: DVec3) -> u32 {
         self.keys.push(key);
         self.mesh.positions.push(position);
         self.keys.len() as u32 - 1
     }
 
-    /// For each vertex whether a triangle with a small angle has it.
+    /// Returns, for each vertex, whether it is a corner of a triangle with a small angle.
     pub fn at_small_angles(&self) -> Vec<bool> {
         let mut are_there = vec![false; self.keys.len()];
         let is_small = |t: &usize| smallest_angle(self.mesh.corners(*t)) < SMALL;
@@ -63,8 +63,8 @@ impl Joined {
         are_there
     }
 
-    /// For each triangle whether it is to be made anew: near a vertex that was on a rim whenever a piece was made, and so is still
-    /// the node of a piece before the `first` one with triangles, or near a small angle.
+    /// Returns, for each triangle, whether it is to be made anew: near a small angle, or near a vertex that was on a rim
+    /// whenever a piece was made and so is still the node of a piece before the `first` one with triangles.
     pub fn to_be_made_anew(&self, first: usize) -> Vec<bool> {
         let mut near = self.at_small_angles();
         near.iter_mut().zip(&self.keys).for_each(|(near, &key)| *near |= piece_of(key) < first);
@@ -83,7 +83,7 @@ mod tests {
     use crate::testing::grid;
     use crate::tiles::made::new_key;
 
-    /// A flat grid of 60 by 60 even cells as piece 1, the middle vertex a node of piece 0.
+    /// A flat grid of 60 by 60 even cells as piece 1, whose middle vertex is a node of piece 0.
     fn piece() -> MadePiece {
         let Mesh { positions, triangles } = grid(60, 60, |u, v| DVec3::new(u, v, 0.0));
         let middle = positions.iter().position(|p| p.distance(DVec3::new(0.5, 0.5, 0.0)) < 1e-9).unwrap();
@@ -94,7 +94,7 @@ mod tests {
     #[test]
     fn a_piece_takes_the_place_of_triangles_of_others() {
         let first = piece();
-        // The first triangle with a vertex in its middle.
+        // The first triangle, split at a vertex in its middle.
         let corners = first.triangles[0];
         let middle = corners.map(|v| first.positions[v as usize]).iter().sum::<DVec3>() / 3.0;
         let of_first = |values: &[u64]| corners.map(|v| values[v as usize]);
@@ -119,7 +119,7 @@ mod tests {
                 joined.mesh.corners(t).map(far).into_iter().fold(f64::INFINITY, f64::min)
             };
             let anew = joined.to_be_made_anew(1);
-            // A ring is a cell wide along the axes and along one diagonal, half of that along the other one.
+            // A ring is a cell wide along the axes and along one diagonal, and half a cell along the other diagonal.
             let near = (0..anew.len()).filter(|&t| anew[t]).map(cells).fold(0.0, f64::max);
             let far = (0..anew.len()).filter(|&t| !anew[t]).map(cells).fold(f64::INFINITY, f64::min);
             (near, far)

@@ -1,32 +1,33 @@
-//! A finished piece of a mesh, and its bytes.
+//! A finished piece of a mesh, and its conversion to and from bytes.
 
 use glam::DVec3;
 
 /// A finished piece of a mesh.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct MadePiece {
-    /// What its vertices are known by in all pieces ([`new_key`]): those that have always been on a rim are nodes.
+    /// Keys that identify its vertices in all pieces ([`new_key`]); vertices that have always been on a rim have the keys of
+    /// nodes.
     pub keys: Vec<u64>,
-    /// Where its vertices are.
+    /// Positions of its vertices.
     pub positions: Vec<DVec3>,
-    /// The vertices of its triangles.
+    /// Vertices of its triangles.
     pub triangles: Vec<[u32; 3]>,
-    /// The triangles of other pieces whose place it takes, each by the number of the piece and its own.
+    /// Triangles of other pieces that it replaces, each given by the number of its piece and its own number there.
     pub replaced: Vec<[u32; 2]>,
 }
 
-/// The key of vertex or node `v`, made for that piece.
+/// Returns the key of vertex or node `v` that is made for this piece.
 pub(super) fn new_key(piece: usize, v: u32) -> u64 {
     (piece as u64 + 1) << 32 | u64::from(v)
 }
 
-/// The piece that the vertex of that key was made for.
+/// Returns the piece for which the vertex with this key was made.
 pub(super) fn piece_of(key: u64) -> usize {
     (key >> 32) as usize - 1
 }
 
 impl MadePiece {
-    /// How many vertices, triangles and replaced triangles there are, and then these, all of them little-endian.
+    /// Returns the numbers of vertices, triangles and replaced triangles, and then their data, all little-endian.
     pub fn to_bytes(&self) -> Vec<u8> {
         let counts = [self.keys.len(), self.triangles.len(), self.replaced.len()].map(|count| count as u64);
         let keys = counts.iter().chain(&self.keys).flat_map(|key| key.to_le_bytes());
@@ -35,7 +36,7 @@ impl MadePiece {
         keys.chain(coordinates).chain(numbers.flat_map(|number| number.to_le_bytes())).collect()
     }
 
-    /// The piece of those bytes; `None` if they are damaged.
+    /// Returns the piece that these bytes hold; `None` if they are damaged.
     pub fn from_bytes(mut bytes: &[u8]) -> Option<MadePiece> {
         let mut counts = [0; 3];
         for count in &mut counts {

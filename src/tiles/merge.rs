@@ -1,4 +1,4 @@
-//! The samples of all tiles, joined.
+//! Joins the samples of all tiles, and the pieces of a mesh.
 
 use crate::base::count::counted;
 use crate::base::error::Result;
@@ -15,12 +15,12 @@ use crate::tiles::joined::Joined;
 use crate::tiles::nearest::attributes_near;
 use crate::tiles::pieces::{Piece, pieces};
 
-/// Joins the samples of all tiles, in the order of the input. As a rule there are a few more than wanted; the least
-/// important are removed. Each has the attributes of the nearest point of the input, which in a subset is itself.
+/// Joins the samples of all tiles, in the order of the input. There are usually a few more than wanted; the least important
+/// are removed. Each has the attributes of the nearest point of the input, which in a subset is the sample itself.
 ///
 /// # Errors
-/// [`Error::File`](crate::Error::File) if a tile is not sampled yet, or cannot be read; [`Error::Cancelled`](crate::Error::Cancelled)
-/// if the monitor asks for it.
+/// [`Error::File`](crate::Error::File) if a tile is not sampled yet, or cannot be read;
+/// [`Error::Cancelled`](crate::Error::Cancelled) if the monitor asks for it.
 pub fn merge(folder: &TileFolder, monitor: &dyn Monitor) -> Result<Sampled> {
     let plan = folder.plan()?;
     let mut all: Vec<TilePoint> = Vec::new();
@@ -62,7 +62,7 @@ pub fn merge_mesh(folder: &TileFolder) -> Result<Mesh> {
     Ok(Joined::new(&made).mesh)
 }
 
-/// `wanted` of the samples, without those that change the spectrum least.
+/// Returns `wanted` of the samples, without those that change the spectrum least.
 fn most_important(all: &[TilePoint], sigma: f64, wanted: usize) -> Vec<TilePoint> {
     let sample = |p: &TilePoint| Sample { position: p.position, normal: p.normal, triangle: 0, size: 1.0 };
     let samples: Vec<Sample> = all.iter().map(sample).collect();

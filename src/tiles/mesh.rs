@@ -18,14 +18,15 @@ use crate::tiles::points::points_of;
 use crate::tiles::watch::{OfTile, one_by_one};
 use glam::{DVec3, IVec3};
 
-/// Blocks around a cube whose samples, nodes and points take part in it: what the border of these changes is nearer to it.
+/// Number of blocks around a cube whose samples, nodes and points take part in it: the effects of the border of this region
+/// do not reach the cube.
 const HALO: i32 = 2;
 
-/// How far from what is made anew points take part in it, in widths of the kernel.
+/// Maximum distance, in kernel widths, from the triangles made anew to the points that take part in them.
 const NEAR: f64 = 4.0;
 
-/// Makes the piece of the mesh with this number, counted from 0, and writes it to the folder. Those of later rounds need those of
-/// earlier ones around them.
+/// Makes the piece of the mesh with this number, counted from 0, and writes it to the folder. Pieces of later rounds need
+/// those of earlier rounds around them.
 ///
 /// # Errors
 /// [`Error::File`](crate::Error::File) if the folder lacks something or cannot be written, or there is no such piece;
@@ -50,7 +51,7 @@ pub fn mesh_one(folder: &TileFolder, number: usize, monitor: &dyn Monitor) -> Re
     }
 }
 
-/// Makes the pieces with these numbers, one after the other; without any, all that are not made yet.
+/// Makes the pieces with these numbers, one after the other; if `numbers` is empty, all that are not made yet.
 ///
 /// # Errors
 /// Those of [`mesh_one`].
@@ -61,7 +62,7 @@ pub fn mesh_pieces(folder: &TileFolder, numbers: &[usize], monitor: &dyn Monitor
     one_by_one(numbers, missing, |number| mesh_one(folder, number, monitor), monitor)
 }
 
-/// The making of a piece.
+/// What is needed to make a piece.
 struct Work<'a> {
     folder: &'a TileFolder,
     plan: &'a Plan,
@@ -73,13 +74,13 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// How many vertices the mesh is to have.
+    /// Returns the number of vertices that the mesh is to have.
     fn wanted(&self) -> Result<usize> {
         let samples = || (0..self.plan.tiles.len()).map(|tile| self.folder.count_samples(tile)).sum();
         self.plan.wanted.map_or_else(samples, Ok)
     }
 
-    /// The base mesh; none if no surface goes through the outline.
+    /// Makes the base mesh; it is empty if no surface passes through the outline.
     fn base(&self) -> Result<MadePiece> {
         let monitor = OfTile(self.monitor);
         let made = base_mesh(&self.folder.outline()?, self.wanted()?, self.plan.sampling.seed, &monitor);
@@ -91,7 +92,7 @@ impl Work<'_> {
         Ok(MadePiece { keys, positions, triangles, replaced: Vec::new() })
     }
 
-    /// The nodes in a cube.
+    /// Makes the nodes in a cube.
     fn nodes(&self, cube: Cube) -> Result<Vec<TilePoint>> {
         let (around, block) = (around(cube), self.plan.sampling.block());
         let MadePiece { positions, triangles, .. } = self.folder.read_piece(0)?;
@@ -107,7 +108,7 @@ impl Work<'_> {
         Ok(placed)
     }
 
-    /// The triangles of a cube between its nodes.
+    /// Makes the triangles of a cube between its nodes.
     fn of_nodes(&self, cube: Cube) -> Result<MadePiece> {
         let (keys, nodes) = self.nodes_around(cube)?;
         let triangles = triangulate_nodes(&nodes, &OfTile(self.monitor))?;
@@ -124,7 +125,7 @@ impl Work<'_> {
         Ok(self.keyed(piece, &keys, Vec::new()))
     }
 
-    /// The triangles that take the place of what is along the rims of the pieces that were made in the rounds before.
+    /// Makes the triangles that replace those along the rims of the pieces of earlier rounds.
     fn of_rims(&self, cube: Cube) -> Result<MadePiece> {
         let around = around(cube);
         let is_there = |piece: &Piece| match piece {
@@ -146,7 +147,7 @@ impl Work<'_> {
         Ok(self.keyed(piece, &joined.keys, replaced))
     }
 
-    /// The samples in some blocks, in the order of their numbers.
+    /// Returns the samples in some blocks, in the order of their numbers.
     fn samples(&self, blocks: BlockBox) -> Result<Vec<TilePoint>> {
         let mut samples = Vec::new();
         for tile in 0..self.plan.tiles.len() {
@@ -159,7 +160,7 @@ impl Work<'_> {
         Ok(samples)
     }
 
-    /// The nodes in a cube and around it, and their keys.
+    /// Returns the keys and the nodes in and around a cube.
     fn nodes_around(&self, cube: Cube) -> Result<(Vec<u64>, Vec<TilePoint>)> {
         let (around, block) = (around(cube), self.plan.sampling.block());
         let mut all = Vec::new();
@@ -172,19 +173,19 @@ impl Work<'_> {
         Ok(all.into_iter().filter(|(_, node)| around.contains(place_of(node.position, block))).unzip())
     }
 
-    /// How many nodes in a cube no triangle has: other vertices take their place.
+    /// Returns the number of nodes in a cube that no triangle uses: other vertices take their place.
     fn unused(&self, whole: &Mesh, cube: Cube) -> usize {
         let is_own = |p: DVec3| cube.blocks().contains(place_of(p, self.plan.sampling.block()));
         whole.positions.iter().zip(whole.used_vertices()).filter(|&(&p, is_used)| !is_used && is_own(p)).count()
     }
 
-    /// For each triangle whether it belongs to a cube.
+    /// Returns, for each triangle, whether it belongs to a cube.
     fn owned(&self, mesh: &Mesh, cube: Cube) -> Vec<bool> {
         let block = self.plan.sampling.block();
         (0..mesh.triangles.len()).map(|t| cube.owns(mesh.corners(t), block)).collect()
     }
 
-    /// The points near the `selected` triangles of a cube.
+    /// Returns the points near the `selected` triangles of a cube.
     fn near(&self, cube: Cube, mesh: &Mesh, selected: &[bool]) -> Result<Vec<TilePoint>> {
         let corners = mesh.triangles.iter().zip(selected).filter(|t| *t.1).flat_map(|t| t.0);
         let mut corners: Vec<u32> = corners.copied().collect();
@@ -204,7 +205,7 @@ impl Work<'_> {
         Ok(points)
     }
 
-    /// How many vertices the triangles of a cube leave out, so that the mesh has as many as are wanted.
+    /// Returns how many vertices the triangles of a cube leave out, so that the mesh has the wanted number.
     fn spare(&self, cube: Cube) -> Result<i64> {
         let Some(wanted) = self.plan.wanted else { return Ok(0) };
         let nodes = self.all.iter().enumerate().filter(|(_, piece)| matches!(piece, Piece::Nodes(_)));
@@ -214,7 +215,7 @@ impl Work<'_> {
         Ok(own.map_or(0, |own| spare(own, &counts, wanted as u64)))
     }
 
-    /// What takes the place of a part of a mesh.
+    /// Optimises a part of a mesh, and returns what replaces it.
     fn optimized(&self, part: &PartOfMesh, points: Vec<TilePoint>) -> Result<MadeAnew> {
         check(self.monitor)?;
         if !part.selected.contains(&true) {
@@ -224,7 +225,7 @@ impl Work<'_> {
         optimize_piece(part, points, &self.plan.sampling, &outline, &OfTile(self.monitor))
     }
 
-    /// The piece whose vertices are known by those `keys` if they are of what it takes the place of.
+    /// Makes a piece of `made`: vertices of the replaced mesh keep their `keys`, all others get new ones.
     fn keyed(&self, made: MadeAnew, keys: &[u64], replaced: Vec<[u32; 2]>) -> MadePiece {
         let MadeAnew { mesh: Mesh { positions, triangles }, source } = made;
         let key =
@@ -233,7 +234,7 @@ impl Work<'_> {
     }
 }
 
-/// The blocks in and around a cube of what takes part in it.
+/// Returns the blocks in and around a cube that take part in it.
 fn around(cube: Cube) -> BlockBox {
     cube.blocks().grown(IVec3::splat(HALO))
 }

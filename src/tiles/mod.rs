@@ -1,14 +1,15 @@
-//! Clouds of any size, sampled tile by tile and meshed piece by piece: on one machine out of core, or on many over a shared folder.
+//! Samples clouds of any size tile by tile and meshes them piece by piece: on one machine out of core, or on many over a
+//! shared folder.
 //!
 //! A folder is the interface. [`make_plan`] reads the file once, sorts its points by place into the folder and decides
-//! what is global; then each tile can be sampled by itself, by any process on any machine, any number of times
-//! ([`sample_one`]); [`merge()`] joins the samples. Space is divided into the blocks of the scan, which are anchored at
-//! the origin at multiples of the kernel width. The samples of a tile depend only on the points around it, so the
-//! result is the same for any tiling.
+//! everything global; then each tile can be sampled by itself, by any process on any machine, any number of times
+//! ([`sample_one`]); [`merge()`] joins the samples. Space is divided into the blocks of the scan, which are anchored at the
+//! origin at multiples of the kernel width. The samples of a tile depend only on the points around it, so the result is the
+//! same for any tiling.
 //!
-//! The mesh is made in pieces ([`mesh_one`]), which are no tiles but cubes of a size that only the width of the kernel decides, so
-//! that it, too, is the same for any tiling. [`merge_mesh`] joins them, and [`nearest_attributes`] says what the points have at the
-//! vertices.
+//! The mesh is made in pieces ([`mesh_one`]). These are not tiles but cubes whose size depends only on the kernel width, so
+//! that the mesh, too, is the same for any tiling. [`merge_mesh`] joins them, and [`nearest_attributes`] gives their
+//! vertices the attributes of the points.
 
 mod folder;
 mod joined;

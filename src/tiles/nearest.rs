@@ -1,4 +1,4 @@
-//! The attributes of samples, and of a mesh that was made in pieces: those of the nearest points.
+//! Gives samples, and a mesh that was made in pieces, the attributes of the nearest points.
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
@@ -15,10 +15,11 @@ use crate::tiles::points::{NUMBER, kept_in};
 use crate::transfer::vertex::{Carried, carry_at_vertices};
 use glam::{DVec3, IVec3};
 
-/// Blocks around a cube in which the points nearest to its vertices are.
+/// Number of blocks around a cube that contain the points nearest to its vertices.
 const HALO: i32 = 2;
 
-/// The attributes of `mesh`, that of all pieces: each vertex has those of the point nearest to it, but its own normal.
+/// Returns the attributes of `mesh`, that of all pieces: each vertex has those of the point nearest to it, but its own
+/// normal.
 ///
 /// # Errors
 /// [`Error::File`](crate::Error::File) if the points cannot be read; [`Error::Cancelled`](crate::Error::Cancelled) if the monitor
@@ -28,7 +29,7 @@ pub fn nearest_attributes(folder: &TileFolder, mesh: &Mesh, monitor: &dyn Monito
     Ok(carry_at_vertices(attributes_near(folder, &folder.plan()?, &mesh.positions, monitor)?, mesh))
 }
 
-/// The attributes of the point nearest to each of `positions`; of any point if they are normals only.
+/// Returns the attributes of the point nearest to each of `positions`; if there are only normals, those of the first point.
 ///
 /// # Errors
 /// Those of [`nearest_attributes`].
@@ -42,14 +43,14 @@ pub(super) fn attributes_near(
     let read = |rows: &[u8]| table.rows.read(rows).map_err(|error| error.in_file(&plan.input));
     let first = Chunk { length: (NUMBER + table.row) as u32, ..plan.chunks[0] };
     let of_first = read(&folder.rows(&[first])?[NUMBER..])?.attributes;
-    // Normals are no one's but the mesh's own.
+    // Normals are not carried over: a mesh has its own.
     if of_first.vertex.iter().all(Attribute::is_normal) {
         return Ok(of_first);
     }
     Ok(read(&nearest_rows(folder, plan, positions, table.row, monitor)?)?.attributes)
 }
 
-/// The row of the point nearest to each of `positions`, all of `size` bytes.
+/// Returns the row, of `size` bytes, of the point nearest to each of `positions`.
 fn nearest_rows(
     folder: &TileFolder,
     plan: &Plan,

@@ -1,9 +1,9 @@
-//! What a mesh is made of, piece by piece: a base mesh, the nodes at which vertices begin, and the triangles, in cubes of space, the
-//! same for any number of tiles.
+//! The pieces of a mesh: a base mesh, the nodes at which vertices begin, and the triangles. Nodes and triangles are made in
+//! cubes of space that are the same for any number of tiles.
 //!
-//! A triangle belongs to the lowest of the cubes that its corners lie in. First each cube's triangles are made within their rim, which
-//! stays. Then what is along the rims is made anew, in cubes of a second lattice, and what is around the vertices on rims that are
-//! left even so, where rims of both meet, in cubes of a third one.
+//! A triangle belongs to the lowest of the cubes that contain its corners. First, the triangles of each cube are made within
+//! their rim, which stays. Then the mesh along the rims is made anew, in cubes of a second lattice. Finally, where rims of
+//! both lattices meet, some vertices are still on a rim; the mesh around these is made anew in cubes of a third lattice.
 
 use crate::spectral::lattice::{BlockBox, place_of};
 use crate::tiles::plan::{BUCKET, Plan};
@@ -12,29 +12,29 @@ use glam::{DVec3, IVec3};
 use std::iter::once;
 use std::ops::Range;
 
-/// Blocks of a piece along each axis, about 240 spacings: with fewer more of the surface lies along rims, and with more a piece takes
-/// more memory, 300 MB so if the surface goes through it once.
+/// Number of blocks of a piece along each axis, about 240 spacings. With fewer, more of the surface lies along rims; with
+/// more, a piece takes more memory: 300 MB at this size if the surface passes through it once.
 const SIDE: i32 = 4 * BUCKET;
 
-/// How far samples may move out of the bucket where they were drawn, in blocks.
+/// Maximum distance, in blocks, that samples may move out of the bucket in which they were drawn.
 pub(super) const MOVED: i32 = 1;
 
-/// Rounds in which triangles are made: those of the second and the third make anew what the ones before have left along rims.
+/// Number of rounds in which triangles are made: the second and the third make anew what earlier rounds left along rims.
 const ROUNDS: i32 = 3;
 
-/// What is made in one go.
+/// What is made at once.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Piece {
     /// The base mesh.
     Base,
-    /// The vertices that the triangles of a cube begin with.
+    /// The initial vertices of the triangles of a cube.
     Nodes(Cube),
     /// Triangles.
     Triangles(Cube),
 }
 
 impl Piece {
-    /// The round in which it is made.
+    /// Returns the round in which it is made.
     fn round(self) -> i32 {
         match self {
             Piece::Base => 0,
@@ -44,7 +44,7 @@ impl Piece {
     }
 }
 
-/// A part of space.
+/// A cube of space.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) struct Cube {
     /// The round in which its triangles are made, from 0.
@@ -52,23 +52,23 @@ pub(super) struct Cube {
     place: IVec3,
 }
 
-/// How far the cubes of a round begin below the multiples of their width, in blocks.
+/// Returns how far, in blocks, the cubes of a round begin below the multiples of their width.
 fn shift(round: i32) -> i32 {
     [0, SIDE / 2, SIDE / 4][round as usize]
 }
 
-/// The place of the cube of a round that a block lies in.
+/// Returns the place of the cube of a round that contains a block.
 fn cube_of(round: i32, block: IVec3) -> IVec3 {
     (block + shift(round)).div_euclid(IVec3::splat(SIDE))
 }
 
-/// All pieces of a plan's mesh, those of each round after the ones before.
+/// Returns all pieces of a plan's mesh, round by round.
 pub(super) fn pieces(plan: &Plan) -> Vec<Piece> {
     let triangles = (0..ROUNDS).flat_map(|round| cubes(plan, round)).map(Piece::Triangles);
     once(Piece::Base).chain(cubes(plan, 0).map(Piece::Nodes)).chain(triangles).collect()
 }
 
-/// The numbers of the pieces of a plan's mesh in each round; those of a round need the ones before.
+/// Returns the numbers of the pieces of a plan's mesh in each round; the pieces of a round need those of earlier rounds.
 pub fn rounds(plan: &Plan) -> Vec<Range<usize>> {
     let all = pieces(plan);
     let ranges = all.chunk_by(|a, b| a.round() == b.round()).scan(0, |end, round| {
@@ -78,7 +78,7 @@ pub fn rounds(plan: &Plan) -> Vec<Range<usize>> {
     ranges.collect()
 }
 
-/// The cubes of a round in which samples of the plan can be, in increasing order.
+/// Returns the cubes of a round that may contain samples of the plan, in increasing order.
 fn cubes(plan: &Plan, round: i32) -> impl Iterator<Item = Cube> {
     let around = plan.buckets().flat_map(|chunks| {
         let BlockBox { lo, hi } = blocks_of(chunks[0].place.into()).grown(IVec3::splat(MOVED));
@@ -92,26 +92,27 @@ fn cubes(plan: &Plan, round: i32) -> impl Iterator<Item = Cube> {
 }
 
 impl Cube {
-    /// The cube of the first round that a block lies in.
+    /// Returns the cube of the first round that contains a block.
     pub fn first_around(block: IVec3) -> Cube {
         Cube { round: 0, place: cube_of(0, block) }
     }
 
-    /// Its blocks.
+    /// Returns its blocks.
     pub fn blocks(self) -> BlockBox {
         let lo = SIDE * self.place - shift(self.round);
         BlockBox { lo, hi: lo + SIDE }
     }
 
-    /// Whether the triangle of these corners belongs to it, where blocks have this width.
+    /// Returns whether the triangle with these corners belongs to it; `block` is the width of a block.
     pub fn owns(self, corners: [DVec3; 3], block: f64) -> bool {
         let lowest = corners.map(|p| cube_of(self.round, place_of(p, block)).to_array()).into_iter().min();
         lowest == Some(self.place.to_array())
     }
 }
 
-/// How many vertices the triangles of cube `own` leave out, or have more if that is negative, so that all of `counts`, the nodes of
-/// all cubes, are `wanted`. They are shared by the fullest cubes, since others may have no triangles of their own.
+/// Returns how many vertices cube `own` leaves out, or adds if negative, so that the mesh has `wanted` vertices; `counts`
+/// are the numbers of nodes of all cubes. Only the fullest cubes share the difference, since others may have no triangles of
+/// their own.
 pub(super) fn spare(own: usize, counts: &[u64], wanted: u64) -> i64 {
     let most = counts.iter().copied().max().unwrap_or(0);
     let surplus = i128::from(counts.iter().sum::<u64>()) - i128::from(wanted);

@@ -1,4 +1,4 @@
-//! Makes a plan: decides once what is global, and sorts the points by place.
+//! Makes a plan: decides once everything that is global, and sorts the points by place.
 
 use crate::base::error::{Error, Result, Setting};
 use crate::base::monitor::{Monitor, check};
@@ -25,35 +25,36 @@ use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
 use std::path::Path;
 
-/// Points of the outline.
+/// Number of points of the outline.
 const OUTLINE: usize = 100_000;
 
-/// How much wider blocks are than the first guess of the kernel width requires, so that the kernel may grow.
+/// Factor by which blocks are wider than the first guess of the kernel width requires, so that the kernel may grow.
 const ROOM: f64 = 1.1;
 
-/// Before all points are scanned, about this many samples are counted, in at most this many rounds, until the count is
-/// this near to the wanted one.
+/// Before all points are scanned, about this many samples are counted, in at most this many rounds, until the count is this
+/// close to the wanted one.
 const COUNTED: f64 = 50_000.0;
 const ROUNDS: usize = 3;
 const NEAR_ENOUGH: f64 = 0.05;
 
-/// Slightly more samples than wanted: in the end some can be removed, none added.
+/// Factor for slightly more samples than wanted: in the end some can be removed, but none added.
 const MORE: f64 = 1.004;
 
-/// About how many points for each sample a cloud has once it is thinned, and the bytes that each takes in the end.
+/// Approximate number of points per sample once a cloud is thinned, and the bytes that each of these points takes in the
+/// end.
 const POINTS_PER_SAMPLE: f64 = 4.4;
 const BYTES_PER_POINT: f64 = 290.0;
 
-/// The fewest buckets along each axis to which a memory limit shrinks a tile: with fewer, nearly all work would be for
-/// the blocks around it.
+/// Minimum number of buckets along each axis to which a memory limit shrinks a tile: with fewer, nearly all work would be
+/// for the blocks around it.
 const SMALLEST: i32 = 2;
 
 /// Reads the file at `input` and makes a plan for it in `folder`.
 ///
 /// # Errors
 /// [`Error::File`] if a file cannot be read or written, or cannot be read in pieces; [`Error::Format`] with the place of
-/// what is wrong in it; [`Error::Mesh`] if no surface goes through its points; [`Error::Option`] for what is not possible
-/// tile by tile; [`Error::Cancelled`] if the monitor asks for it.
+/// what is wrong in it; [`Error::Mesh`] if no surface passes through its points; [`Error::Option`] for options that are not
+/// possible tile by tile; [`Error::Cancelled`] if the monitor asks for it.
 pub fn make_plan(
     input: &Path,
     format: Option<Format>,
@@ -106,7 +107,7 @@ pub fn make_plan(
     Ok(plan)
 }
 
-/// Whether [`make_plan`] can make a plan for the file at `input` with these options.
+/// Returns whether [`make_plan`] can make a plan for the file at `input` with these options.
 pub fn can_plan(input: &Path, format: Option<Format>, options: &SampleOptions) -> bool {
     refuse_impossible(options).is_ok() && matches!(PointFile::open(input, format), Ok(Some(_)))
 }
@@ -141,7 +142,7 @@ fn refuse_impossible(options: &SampleOptions) -> Result<()> {
     Ok(())
 }
 
-/// Some points of a file, spread all over it.
+/// Returns some points of a file, spread over all of it.
 fn some_points(file: &PointFile) -> Result<Points> {
     let (_, rows) = file.thinned(OUTLINE)?;
     let table = &file.table;
@@ -151,7 +152,7 @@ fn some_points(file: &PointFile) -> Result<Points> {
     Points::new(seen().map(|s| s.position).collect(), if has_normals { normals } else { Vec::new() })
 }
 
-/// The points of a file, sorted by bucket, and how many there are.
+/// Writes the points of a file to the folder, sorted by bucket. Returns their chunks and their number.
 fn sorted(file: &PointFile, folder: &TileFolder, block: f64, monitor: &dyn Monitor) -> Result<(Vec<Chunk>, usize)> {
     let mut spill = SpillWriter::create(&folder.points())?;
     let (row, mut number) = (file.table.row, 0u32);
@@ -168,7 +169,7 @@ fn sorted(file: &PointFile, folder: &TileFolder, block: f64, monitor: &dyn Monit
     Ok((spill.finish()?, number as usize))
 }
 
-/// Finds the kernel width by scanning a part of the buckets, and whether there is noise.
+/// Finds the kernel width by scanning some of the buckets, and whether there is noise.
 fn calibrate(plan: &mut Plan, folder: &TileFolder, may_smooth: bool, monitor: &dyn Monitor) -> Result<()> {
     let outline = folder.outline()?;
     let counts = outline_counts(outline.positions(), plan.sampling.block());
@@ -197,7 +198,7 @@ fn calibrate(plan: &mut Plan, folder: &TileFolder, may_smooth: bool, monitor: &d
     Ok(())
 }
 
-/// How many points of the outline each bucket has.
+/// Returns the number of outline points in each bucket.
 fn outline_counts(outline: &[DVec3], block: f64) -> FxHashMap<[i32; 3], usize> {
     let mut counts = FxHashMap::default();
     for &p in outline {
@@ -206,7 +207,7 @@ fn outline_counts(outline: &[DVec3], block: f64) -> FxHashMap<[i32; 3], usize> {
     counts
 }
 
-/// Randomly drawn buckets with enough of the samples to estimate how many there will be in all.
+/// Draws random buckets that contain enough of the samples to estimate the total number.
 fn chosen_buckets(plan: &Plan, counts: &FxHashMap<[i32; 3], usize>) -> Vec<IVec3> {
     let mut buckets: Vec<[i32; 3]> = counts.keys().copied().collect();
     let lot = |place: &[i32; 3]| {
@@ -225,7 +226,7 @@ fn chosen_buckets(plan: &Plan, counts: &FxHashMap<[i32; 3], usize>) -> Vec<IVec3
     buckets.into_iter().take_while(is_missing).map(IVec3::from).collect()
 }
 
-/// Finds out how noisy some of the points are, and how far points have to reach for that.
+/// Determines how noisy some of the points are, and how far points have to reach because of that.
 fn look_for_noise(plan: &mut Plan, folder: &TileFolder, blocks: BlockBox, monitor: &dyn Monitor) -> Result<()> {
     let positions: Vec<DVec3> = points_of(folder, plan, blocks, monitor)?.iter().map(|p| p.position).collect();
     match flatness(&positions, &Neighbors::new(&positions)) {
@@ -238,7 +239,7 @@ fn look_for_noise(plan: &mut Plan, folder: &TileFolder, blocks: BlockBox, monito
     Ok(())
 }
 
-/// Cuts the plan into tiles: as large as memory allows, and no fewer than wanted.
+/// Cuts the plan into tiles that are as large as memory allows, and no fewer than wanted.
 fn cut(plan: &mut Plan, outline: &Points, options: &PlanOptions) {
     let counts = outline_counts(outline.positions(), plan.sampling.block());
     let all: usize = counts.values().sum();
@@ -267,7 +268,7 @@ fn cut(plan: &mut Plan, outline: &Points, options: &PlanOptions) {
     }
 }
 
-/// The error for an option that is not possible tile by tile.
+/// Returns the error for an option that is not possible tile by tile.
 fn impossible(option: Setting, cause: &str) -> Error {
     Error::Option { option, cause: cause.into(), remedy: "leave it out, or sample in memory".into() }
 }

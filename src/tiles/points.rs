@@ -1,7 +1,7 @@
-//! The points of a part of a cloud that may become samples: one for each cell of a lattice.
+//! Selects the points of a part of a cloud that may become samples: one per cell of a lattice.
 //!
-//! A cell keeps the point nearest to its centre, of equally near ones the first in the input; where points face
-//! opposite ways, one for each side. So it does not matter which other points are read, nor in which order.
+//! A cell keeps the point nearest to its centre, and among equally near ones the first in the input; where points face
+//! opposite ways, it keeps one per side. So the result does not depend on which other points are read, or in which order.
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
@@ -15,27 +15,27 @@ use crate::tiles::plan::{BUCKET, Plan};
 use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
 
-/// Cells of a block along each axis: on a surface, four to five points for each sample.
+/// Number of cells of a block along each axis: on a surface, four to five points for each sample.
 const CELLS: i32 = 16;
 
-/// Bytes of the number before each row.
+/// Number of bytes of the point number before each row.
 pub(super) const NUMBER: usize = 4;
 
-/// The sign of normals along this direction tells the two sides of a thin wall apart, however the wall is turned, and
+/// Direction along which the sign of normals tells the two sides of a thin wall apart, however the wall is turned, and
 /// splits few of the other cells.
 const ACROSS: DVec3 = DVec3::new(0.48, 0.6, 0.64);
 
-/// The bucket of a block.
+/// Returns the bucket of a block.
 pub(super) fn bucket_of(block: IVec3) -> IVec3 {
     block.div_euclid(IVec3::splat(BUCKET))
 }
 
-/// The blocks of a bucket.
+/// Returns the blocks of a bucket.
 pub(super) fn blocks_of(bucket: IVec3) -> BlockBox {
     BlockBox { lo: BUCKET * bucket, hi: BUCKET * (bucket + 1) }
 }
 
-/// The points of some blocks. Any two of them are in the same order wherever they are read.
+/// Returns the points of some blocks. Any two of them are in the same order wherever they are read.
 ///
 /// # Errors
 /// [`Error::File`](crate::Error::File) if they cannot be read; [`Error::Cancelled`](crate::Error::Cancelled) if the
@@ -49,7 +49,7 @@ pub(super) fn points_of(
     kept_in(folder, plan, blocks, monitor, |point, _| point)
 }
 
-/// What `keep` makes of the points of some blocks and their rows, in the order of [`points_of`].
+/// Returns what `keep` makes of the points of some blocks and their rows, in the order of [`points_of`].
 ///
 /// # Errors
 /// Those of [`points_of`].
@@ -74,7 +74,7 @@ pub(super) fn kept_in<T: Send>(
     Ok(kept.into_iter().flatten().collect())
 }
 
-/// The points in `blocks` that the cells of a bucket keep of its rows, and the rows of these, along a curve through the cells.
+/// Returns the points in `blocks` that the cells of a bucket keep, and their rows, in the order of the cells along a curve.
 fn thinned<'a>(
     rows: &'a [u8],
     bucket: IVec3,
@@ -105,7 +105,7 @@ fn thinned<'a>(
     kept.into_iter().map(|(_, (_, point, row))| (point, row)).collect()
 }
 
-/// The place of a cell of a bucket along a Z-order curve.
+/// Returns the place of a cell of a bucket along a Z-order curve.
 fn morton(cell: IVec3) -> u32 {
     let spread = |x: i32| (0..7).fold(0, |sum, bit| sum | (x as u32 >> bit & 1) << (3 * bit));
     spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2

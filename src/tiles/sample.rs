@@ -1,4 +1,4 @@
-//! Sampling the tiles of a plan, one or all.
+//! Samples one or all tiles of a plan.
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
@@ -26,7 +26,7 @@ pub fn sample_one(folder: &TileFolder, number: usize, monitor: &dyn Monitor) -> 
     folder.write_samples(number, samples)
 }
 
-/// Samples the tiles with these numbers, one after the other; without any, all that are not sampled yet.
+/// Samples the tiles with these numbers, one after the other; if `numbers` is empty, all that are not sampled yet.
 ///
 /// # Errors
 /// Those of [`sample_one`].

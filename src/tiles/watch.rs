@@ -1,9 +1,9 @@
-//! Work on one tile after the other, and the monitor of one of many.
+//! Runs work on one tile after the other, with a monitor for each of them.
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 
-/// A monitor of one tile of many: it passes on cancelling only.
+/// Monitor of one of many tiles: it only passes on cancellation.
 pub(super) struct OfTile<'a>(pub &'a dyn Monitor);
 
 impl Monitor for OfTile<'_> {
@@ -12,7 +12,7 @@ impl Monitor for OfTile<'_> {
     }
 }
 
-/// Does `work` for each of the `numbers`, or without any for all that are `missing`.
+/// Runs `work` for each of `numbers`, or for all `missing` ones if `numbers` is empty.
 pub(super) fn one_by_one(
     numbers: &[usize],
     missing: Vec<usize>,

@@ -1,4 +1,4 @@
-//! Carries attributes of one mesh over to another one of the same surface.
+//! Transfers attributes from one mesh to another mesh of the same surface.
 
 mod texture;
 pub mod vertex;

@@ -1,16 +1,16 @@
-//! Carries texture coordinates of one mesh over to another one.
+//! Transfers texture coordinates from one mesh to another.
 //!
-//! Texture coordinates jump at UV seams, so each output triangle has to be on one side of a seam as a whole: the side
-//! of the input triangle below its centre. From there a walk covers the input as far as the output triangle reaches,
-//! without crossing seams. A corner above a triangle that the walk has met gets the coordinates there, as in all its
-//! triangles on this side. A corner beyond a seam gets those of the closest point that the walk has met, extrapolated
-//! by the affine map that best fits the coordinates of the triangles met (least squares, weighted by area).
+//! Texture coordinates jump at UV seams, so each output triangle has to lie on one side of a seam as a whole: the side of
+//! the input triangle below its centre. From there a walk covers the input as far as the output triangle extends, without
+//! crossing seams. A corner above a visited triangle gets the coordinates there, the same as in all its other triangles on
+//! this side. A corner beyond a seam gets the coordinates of the closest visited point, extrapolated by the affine map that
+//! best fits the coordinates of the visited triangles (least squares, weighted by area).
 //!
-//! Cost: for each output triangle the input triangles below it.
+//! Cost: for each output triangle, the input triangles below it.
 //!
 //! Limits: next to a seam shorter than an output edge, or in a chart narrower than one, coordinates are distorted. A
 //! triangle at a seam counts as distorted if all its corners are beyond the seam, or if one of its sides in the texture
-//! differs from what the affine map says by more than half of the longest.
+//! differs from that under the affine map by more than half of the longest.
 
 use crate::base::parallel;
 use crate::geom::triangle::{area, barycentric, closest_point, longest_side};
@@ -22,24 +22,24 @@ use crate::mesh::weld::weld;
 use glam::{DMat2, DVec2, DVec3};
 use std::collections::HashSet;
 
-/// How far sides in the texture may be from those of the affine map, in longest sides there.
+/// Maximum deviation of the sides in the texture from those of the affine map, in longest sides there.
 const DISTORTED: f64 = 0.5;
 
-/// How far beyond seams, in longest sides, all corners of a triangle may be.
+/// Distance beyond seams, in longest sides: a triangle with all corners farther beyond counts as distorted.
 const BEYOND: f64 = 0.1;
 
-/// A mesh with texture coordinates.
+/// Mesh with texture coordinates.
 pub(super) struct Atlas<'a> {
     mesh: &'a Mesh,
     texture: &'a [[DVec2; 3]],
-    /// The side across each side; [`NONE`] at seams and at the boundary.
+    /// Twin of each side; [`NONE`] at seams and at the boundary.
     twin: Vec<u32>,
 }
 
-/// The triangles around a place that can be reached without crossing a seam.
+/// Triangles around a place that can be reached without crossing a seam.
 struct Patch {
     triangles: Vec<u32>,
-    /// Whether a seam or the boundary is among its sides.
+    /// Whether any of their sides is a seam or on the boundary.
     at_seam: bool,
 }
 
@@ -49,8 +49,8 @@ impl<'a> Atlas<'a> {
         Atlas { mesh, texture, twin: twins(&wedges.corners) }
     }
 
-    /// The coordinates of all corners of `output`, which has these `origins` on this mesh, NaN where this mesh has
-    /// none; and the number of distorted triangles.
+    /// Transfers the coordinates to all corners of `output`, which has these `origins` on this mesh; NaN where this mesh has
+    /// none. Also returns the number of distorted triangles.
     pub fn carry(&self, output: &Mesh, origins: &Origins) -> (Vec<[DVec2; 3]>, usize) {
         let of_triangle = |t: usize| {
             let feet = output.triangles[t].map(|v| origins.vertices[v as usize]);
@@ -66,7 +66,7 @@ impl<'a> Atlas<'a> {
         a * weights[0] + b * weights[1] + c * weights[2]
     }
 
-    /// The coordinates at three corners, given their feet and that of their centre on the mesh, and whether they are
+    /// Returns the coordinates at three corners, given their feet and that of their centre on the mesh, and whether they are
     /// distorted.
     fn triangle(&self, corners: [DVec3; 3], feet: [PointOnTriangle; 3], centre: PointOnTriangle) -> ([DVec2; 3], bool) {
         if !self.texture[centre.triangle as usize].iter().all(|at| at.is_finite()) {
@@ -90,8 +90,8 @@ impl<'a> Atlas<'a> {
         (coordinates, is_beyond || is_distorted(coordinates, corners.map(|p| map * frame.flat(p))))
     }
 
-    /// The triangles that a walk from that of `centre` meets within `radius`; ends early once it has met all `wanted`
-    /// ones.
+    /// Returns the triangles that a walk from that of `centre` visits within `radius`; ends early once it has visited all
+    /// `wanted` ones.
     fn patch(&self, centre: PointOnTriangle, radius: f64, wanted: [u32; 3]) -> Patch {
         let middle = self.position(centre);
         let mut patch = Patch { triangles: vec![centre.triangle], at_seam: false };
@@ -116,13 +116,13 @@ impl<'a> Atlas<'a> {
         centre.distance_squared(closest_point(centre, self.mesh.corners(t as usize))) <= radius * radius
     }
 
-    /// The coordinates at a point.
+    /// Returns the coordinates at a point.
     fn at(&self, PointOnTriangle { triangle, weights }: PointOnTriangle) -> DVec2 {
         let [a, b, c] = self.texture[triangle as usize];
         a * weights[0] + b * weights[1] + c * weights[2]
     }
 
-    /// The coordinates at `p`, which lies beyond a seam of the patch, and how far beyond.
+    /// Returns the coordinates at `p`, which lies beyond a seam of the patch, and its distance from the patch.
     fn beyond(&self, p: DVec3, patch: &Patch, frame: &Frame, map: DMat2) -> (DVec2, f64) {
         let foot = |&t: &u32| {
             let point = closest_point(p, self.mesh.corners(t as usize));
@@ -135,8 +135,8 @@ impl<'a> Atlas<'a> {
         (at + map * (frame.flat(p) - frame.flat(point)), distance)
     }
 
-    /// The linear part of the affine map from the frame to the texture that fits the patch best; zero if the patch is
-    /// too thin to tell.
+    /// Returns the linear part of the affine map from the frame to the texture that best fits the patch; zero if the patch
+    /// is too thin to determine it.
     fn affine_map(&self, patch: &Patch, frame: &Frame) -> DMat2 {
         let corners = |t: u32| {
             let places = self.mesh.corners(t as usize);
@@ -161,14 +161,14 @@ impl<'a> Atlas<'a> {
     }
 }
 
-/// Whether the sides of a triangle in the texture are far from those `expected`.
+/// Returns whether the sides of a triangle in the texture are far from those `expected`.
 fn is_distorted(found: [DVec2; 3], expected: [DVec2; 3]) -> bool {
     let side = |p: [DVec2; 3], k: usize| p[(k + 1) % 3] - p[k];
     let longest = (0..3).map(|k| side(expected, k).length()).fold(0.0, f64::max);
     (0..3).any(|k| side(found, k).distance(side(expected, k)) > DISTORTED * longest)
 }
 
-/// Coordinates in the plane of a triangle.
+/// Coordinate frame in the plane of a triangle.
 struct Frame {
     origin: DVec3,
     axes: [DVec3; 2],

@@ -1,9 +1,9 @@
-//! Carries attributes of one mesh over to another one of the same surface.
+//! Transfers attributes from one mesh to another mesh of the same surface.
 //!
-//! Each output vertex takes the attributes of its origin, the point of the input that it lies on: numbers are
-//! interpolated in the triangle there; labels, which have no mean, are those of the nearest corner. A triangle takes
-//! the material of the input below its centre. Texture coordinates belong to corners; `texture.rs` carries them over.
-//! Normals are not carried over but recomputed, if the input had some.
+//! Each output vertex takes the attributes at its origin, the point of the input on which it lies. Numbers are interpolated
+//! in the triangle there; labels, which have no mean, are those of the nearest corner. A triangle takes the material of the
+//! input below its centre. Texture coordinates belong to corners; `texture.rs` transfers them. Normals are not transferred
+//! but recomputed, if the input has any.
 //!
 //! Cost: linear in the output; in parallel, with the same result for any number of threads.
 
@@ -20,19 +20,19 @@ use crate::transfer::texture::Atlas;
 use glam::DVec2;
 use glam::DVec3;
 
-/// What was carried over, and what was lost.
+/// Attributes that were transferred, and those that were lost.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Carried {
-    /// The attributes of the output.
+    /// Attributes of the output.
     pub attributes: Attributes,
     /// Attributes of the input that the output does not have.
     pub lost: Vec<Lost>,
-    /// What else a user should know, a sentence each.
+    /// Other notes for the user, one sentence each.
     pub notes: Vec<String>,
 }
 
-/// The `attributes` of `input` on `output`, whose vertices and triangles have these `origins` on it. Vertex attributes
-/// that do not cover all vertices of `input`, or are not finite, are lost.
+/// Transfers the `attributes` of `input` to `output`, whose vertices and triangles have these `origins` on it. Vertex
+/// attributes that do not cover all vertices of `input`, or are not finite, are lost.
 pub fn carry(input: &Mesh, attributes: &Attributes, output: &Mesh, origins: &Origins) -> Carried {
     let mut carried = Carried::default();
     if attributes.is_empty() {
@@ -46,8 +46,8 @@ pub fn carry(input: &Mesh, attributes: &Attributes, output: &Mesh, origins: &Ori
     carried
 }
 
-/// The `attributes` of the vertices of `input` at these `points` of it, but its normals. Those that do not cover all vertices, or are
-/// not finite, are lost.
+/// Transfers the `attributes` of the vertices of `input`, except its normals, to these `points` of it. Those that do not
+/// cover all vertices, or are not finite, are lost.
 pub fn carry_to_points(input: &Mesh, attributes: &Attributes, points: &[PointOnTriangle]) -> Carried {
     let mut carried = Carried::default();
     let others = attributes.vertex.iter().filter(|attribute| !attribute.is_normal());
@@ -55,7 +55,8 @@ pub fn carry_to_points(input: &Mesh, attributes: &Attributes, points: &[PointOnT
     carried
 }
 
-/// The `attributes` that points have, one for each vertex of `output`, on these vertices. What is not finite is lost.
+/// Transfers the `attributes` of points to the vertices of `output`, one point per vertex. Attributes that are not finite
+/// are lost.
 pub fn carry_at_vertices(attributes: Attributes, output: &Mesh) -> Carried {
     let mut carried = Carried::default();
     for attribute in attributes.vertex {
@@ -71,7 +72,7 @@ pub fn carry_at_vertices(attributes: Attributes, output: &Mesh) -> Carried {
     carried
 }
 
-/// Why an attribute of so many vertices cannot be carried over, if it cannot.
+/// Returns why an attribute of `vertices` vertices cannot be transferred, if it cannot.
 fn flaw(Attribute { components, values, .. }: &Attribute, vertices: usize) -> Option<String> {
     if values.len() != components * vertices {
         return Some("it does not cover all vertices".into());
@@ -81,14 +82,14 @@ fn flaw(Attribute { components, values, .. }: &Attribute, vertices: usize) -> Op
 }
 
 impl Carried {
-    /// Leaves out some attributes, which are lost.
+    /// Removes some attributes, which are lost.
     pub fn leave_out(&mut self, lost: Vec<Lost>) {
         lost.iter().for_each(|lost| self.attributes.remove(&lost.name));
         self.lost.extend(lost);
     }
 
-    /// Gives the vertices and triangles that `output` kept from `input` their `attributes` there, as far as the output
-    /// has such attributes.
+    /// Restores the original `attributes` of the vertices and triangles that `output` kept from `input`, as far as the
+    /// output has such attributes.
     pub fn keep(&mut self, input: &Mesh, attributes: &Attributes, output: &Mesh, kept: &Kept) {
         let vertices = || (0..).zip(&kept.vertices).filter(|v| *v.1 != NONE).map(|(new, &old)| (new, old as usize));
         let triangles = || (0..).zip(&kept.triangles).filter(|t| *t.1 != NONE).map(|(new, &old)| (new, old as usize));
@@ -110,7 +111,7 @@ impl Carried {
             return;
         }
         for (new, old) in triangles() {
-            // The corners may begin elsewhere, or run the other way.
+            // The corners may start at another vertex, or run in the opposite direction.
             let own = input.corners(old);
             let same = |p: DVec3| own.iter().position(|&q| q == p).map_or(DVec2::NAN, |k| attributes.texture[old][k]);
             self.attributes.texture[new] = output.corners(new).map(same);
@@ -145,7 +146,7 @@ impl Carried {
     }
 }
 
-/// The values of an attribute at the vertices of the output, or why it has none.
+/// Returns the values of an attribute at the vertices of the output, or why it has none.
 fn of_vertices(
     attribute: &Attribute,
     input: &Mesh,
@@ -172,19 +173,19 @@ fn of_vertices(
     Ok(parallel::collect(origins, |block| block.iter().flat_map(at)))
 }
 
-/// The materials of triangles whose centres are these points of the input.
+/// Returns the materials of triangles whose centres are these points of the input.
 fn materials(of: &Materials, centres: &[PointOnTriangle]) -> Materials {
     let Materials { libraries, list, images, of_triangle } = of;
     let of_triangle = below(of_triangle, centres);
     Materials { libraries: libraries.clone(), list: list.clone(), images: images.clone(), of_triangle }
 }
 
-/// The parts of triangles whose centres are these points of the input.
+/// Returns the parts of triangles whose centres are these points of the input.
 fn parts(of: &Parts, centres: &[PointOnTriangle]) -> Parts {
     Parts { list: of.list.clone(), of_triangle: below(&of.of_triangle, centres) }
 }
 
-/// The entries of `of_triangle` for the triangles that these points are on.
+/// Returns the entries of `of_triangle` for the triangles on which these points lie.
 fn below(of_triangle: &[u32], centres: &[PointOnTriangle]) -> Vec<u32> {
     centres.iter().map(|centre| of_triangle.get(centre.triangle as usize).copied().unwrap_or(NONE)).collect()
 }

@@ -1,25 +1,25 @@
-//! From stars to triangles: what the stars of all three corners contain is taken.
+//! Turns stars into triangles: those in the stars of all three of their corners.
 //!
-//! Such triangles fit together by themselves. In the star of a vertex every directed edge has one triangle, so no edge
-//! gets a third face, and what is taken at a vertex is part of one fan.
+//! Such triangles fit together automatically. In the star of a vertex, every directed edge has one triangle. So no edge gets
+//! a third face, and the triangles taken at a vertex are part of one fan.
 
 use rayon::slice::ParallelSliceMut;
 use std::collections::HashSet;
 
-/// The triangles that occur three times in `stars`, once from each corner, in increasing order of corners; the corner
-/// of the lowest number first.
+/// Returns the triangles that occur three times in `stars`, once from each corner, sorted by their corners, the lowest one
+/// first.
 pub fn agreed(stars: &[[u32; 3]]) -> Vec<[u32; 3]> {
     let stars = sorted(stars);
     with_votes(&stars, 3).collect()
 }
 
-/// The triangles that all three corners say, and those of the ones that two say, and after them one, which fit between
-/// them: all their directed edges are free, and their `rank` is at most the `highest`. Of two that do not fit together the
-/// first in increasing order of rank is taken, then the first in the order of corners. `stars` are in the order of their
+/// Returns the triangles in the stars of all three corners and, among those with two votes and then those with one, the ones
+/// that fit between them: all their directed edges are free, and their `rank` is at most `highest`. Of two triangles that do
+/// not fit together, the one of lower rank is taken, then the first in the order of corners. `stars` are sorted by their
 /// centres, which come first in each triangle.
 ///
-/// Where four points are on a circle, as on a lattice that bends a little, every one of them may see the diagonal that does
-/// not end at it: each of the four triangles then has one vote, and counts. No other triangle with one vote does.
+/// If four points are cocircular, as on a slightly curved lattice, each of them may see the diagonal that does not end at
+/// it. Each of the four triangles then has one vote, and counts. No other triangle with one vote does.
 pub fn agreed_by_most(stars: &[[u32; 3]], highest: f64, rank: impl Fn([u32; 3]) -> f64) -> Vec<[u32; 3]> {
     let by_corners = sorted(stars);
     let mut triangles: Vec<[u32; 3]> = with_votes(&by_corners, 3).collect();
@@ -44,7 +44,7 @@ pub fn agreed_by_most(stars: &[[u32; 3]], highest: f64, rank: impl Fn([u32; 3]) 
     triangles
 }
 
-/// Whether `triangle` and a fourth point are a quad whose corners each see the diagonal that does not end there.
+/// Returns whether `triangle` and a fourth point form a quad whose corners each see the diagonal that does not end there.
 fn is_of_four(stars: &[[u32; 3]], triangle: [u32; 3]) -> bool {
     let star = |p: u32| {
         let begin = stars.partition_point(|t| t[0] < p);
@@ -57,7 +57,7 @@ fn is_of_four(stars: &[[u32; 3]], triangle: [u32; 3]) -> bool {
     across.any(|s| says([s, r, q]) && says([r, p, s]))
 }
 
-/// All triangles, the corner of the lowest number first, in increasing order of corners.
+/// Returns all triangles, sorted by their corners, the lowest one first.
 fn sorted(stars: &[[u32; 3]]) -> Vec<[u32; 3]> {
     let mut stars = stars.to_vec();
     for t in &mut stars {
@@ -68,7 +68,7 @@ fn sorted(stars: &[[u32; 3]]) -> Vec<[u32; 3]> {
     stars
 }
 
-/// Those that occur so many times.
+/// Returns the triangles that occur exactly `votes` times.
 fn with_votes(sorted: &[[u32; 3]], votes: usize) -> impl Iterator<Item = [u32; 3]> {
     sorted.chunk_by(|a, b| a == b).filter(move |same| same.len() == votes).map(|same| same[0])
 }

@@ -1,9 +1,9 @@
-//! The boundary loops between the stars of the points of a cloud: holes of the scan stay open, all other loops are filled.
+//! The boundary loops between the stars of a cloud's points: holes of the scan stay open, all other loops are filled.
 //!
-//! A loop is no hole if the stars around it are complete and only contradict each other, if it has only a few sides, or
-//! if it bounds a flat face, which needs no points inside. Points with several fans of triangles keep the largest one, so
-//! every loop is a simple polygon, which is triangulated. Where that fails, the triangles around the loop are removed, and
-//! the larger loop is tried.
+//! A loop is no hole if the stars around it are complete and merely inconsistent, if it has only a few sides, or if it
+//! bounds a flat face, which needs no points inside. Points with several fans of triangles keep the largest one, so every
+//! loop is a simple polygon, which is triangulated. If that fails, the triangles around the loop are removed, and the larger
+//! loop is tried.
 //!
 //! Cost: a few sorts of the sides of the triangles.
 
@@ -20,18 +20,18 @@ use crate::triangulate::surroundings::Surroundings;
 use glam::DVec3;
 use std::collections::HashSet;
 
-/// Which boundary loops are holes.
+/// Criteria for which boundary loops are holes.
 #[derive(Debug, Clone, Copy)]
 pub struct HoleCriteria {
     /// Triangles with a larger circumradius, in spacings of their corners, span a hole.
     pub largest_circumradius: f64,
-    /// Loops of at most so many sides, of about a spacing each, are no holes.
+    /// Loops with at most this many sides, each about a spacing long, are no holes.
     pub most_sides: usize,
-    /// Largest distance, in spacings, of points from the plane that they lie in.
+    /// Largest distance of points from the plane that they lie in, in spacings.
     pub noise: f64,
     /// Loops whose bounding box has at most this diagonal are no holes.
     pub smallest_diagonal: f64,
-    /// Whether flat faces need no points inside, so that loops around them are no holes.
+    /// Whether flat faces need no points inside, which makes loops around them no holes.
     pub flat_are_closed: bool,
 }
 
@@ -39,49 +39,50 @@ pub struct HoleCriteria {
 pub struct Filled {
     /// The triangles.
     pub triangles: Vec<[u32; 3]>,
-    /// The number of holes that were left open.
+    /// Number of holes left open.
     pub holes: usize,
-    /// Components that were dropped because they have too few points for a surface.
+    /// Number of components dropped because they have too few points for a surface.
     pub shreds: usize,
-    /// The points that had triangles in them.
+    /// Number of points that had triangles in them.
     pub in_shreds: usize,
 }
 
-/// A triangle in the stars of only two of its corners is taken if its circumradius is at most so many spacings: larger ones
-/// lie beside a hole.
+/// Largest circumradius, in spacings, of a triangle that is accepted although it is in the stars of only two of its corners:
+/// larger ones lie beside a hole.
 const DOUBTFUL: f64 = 0.65;
 
-/// Least cosine between a triangle that fills a loop and the mean normal of its corners, where that is possible.
+/// Minimum cosine between a triangle that fills a loop and the mean normal of its corners, where that is possible.
 const LEAST_COSINE: f64 = 0.2;
 
-/// Rounds of filling loops and widening those that cannot be filled.
+/// Number of rounds of filling loops and widening those that cannot be filled.
 const ROUNDS: usize = 6;
 
-/// Components of fewer points than this are no surface; those with a boundary need more.
+/// Components with fewer points than this are no surface; those with a boundary need more.
 const FEWEST_POINTS: usize = 8;
 const FEWEST_POINTS_OF_OPEN: usize = 64;
 
-/// One in so many points, at least, around a hole has a star that ends there.
+/// At least one in this many points around a hole has a star that is not closed.
 const ENDS: usize = 2;
 
-/// The share of points around a flat place that lie in its plane, and how far off they may be: as a share of its width,
-/// or in spacings, where [`HoleCriteria::noise`] says so.
+/// Minimum share of the points around a flat place that lie in its plane, and the largest distance from it, as a share of
+/// its width; [`HoleCriteria::noise`] may allow more.
 const IN_PLANE: f64 = 0.8;
 const THICKNESS: f64 = 0.03;
 
-/// The share of points around it that do not have the normal of a flat place at least, and the cosines that tell.
+/// Minimum share of the points around a flat place whose normals clearly differ from its own; the cosines from which normals
+/// agree, and up to which they clearly differ.
 const MANY_APART: f64 = 0.05;
 const ALIKE: f64 = 0.98;
 const APART: f64 = 0.94;
 
-/// The share of these that lean the same way, outwards or inwards: all around a face there are walls, and around a hole in
-/// what bends a little normals lean to either side.
+/// Minimum share of the points with differing normals that lean the same way, outwards or inwards: all around a face there
+/// are walls, while around a hole in a slightly curved surface normals lean either way.
 const ONE_WAY: f64 = 0.8;
 
-/// Mean cosine between the normals around a loop and its own below which the loop is the outer boundary of a surface.
+/// Mean cosine between the normals around a loop and its own, below which the loop is the outer boundary of a surface.
 const OUTSIDE: f64 = -0.5;
 
-/// The triangles that stars agree on and those that fill the boundary loops which are no holes.
+/// Returns the triangles on which stars agree, and those that fill the boundary loops which are no holes.
 pub fn fill_boundary_loops(points: Surroundings<'_>, stars: &[[u32; 3]], criteria: HoleCriteria) -> Filled {
     let stars: Vec<[u32; 3]> =
         stars.iter().copied().filter(|t| points.relative_circumradius(*t) <= criteria.largest_circumradius).collect();
@@ -118,9 +119,9 @@ pub fn fill_boundary_loops(points: Surroundings<'_>, stars: &[[u32; 3]], criteri
     Filled { triangles, holes, shreds, in_shreds }
 }
 
-/// The components of the triangles that stars agree on.
+/// The components of the triangles on which stars agree.
 struct Pieces {
-    /// For each point its component.
+    /// Component of each point.
     number: Vec<u32>,
     has_triangle: Vec<bool>,
 }
@@ -130,7 +131,7 @@ impl Pieces {
         Pieces { number: components(points, triangles), has_triangle: used_vertices(triangles, points) }
     }
 
-    /// How many of them none of `triangles` has a point of, and how many points they have.
+    /// Returns how many of them have no point in `triangles`, and how many points those have.
     fn dropped(&self, triangles: &[[u32; 3]]) -> (usize, usize) {
         let points = self.number.len();
         let (mut stays, mut sizes) = (vec![false; points], vec![0; points]);
@@ -143,7 +144,7 @@ impl Pieces {
     }
 }
 
-/// The self-intersecting triangles around points where a loop was filled.
+/// Returns the self-intersecting triangles around points where a loop was filled.
 fn self_intersecting(points: Surroundings<'_>, triangles: &[[u32; 3]], is_filled: &[bool]) -> HashSet<[u32; 3]> {
     let is_near = |t: &&[u32; 3]| t.iter().any(|&p| is_filled[p as usize]);
     let near: Vec<[u32; 3]> = triangles.iter().filter(is_near).copied().collect();
@@ -152,7 +153,7 @@ fn self_intersecting(points: Surroundings<'_>, triangles: &[[u32; 3]], is_filled
     self_intersections(&mesh).into_iter().map(|t| near[t as usize]).collect()
 }
 
-/// The points whose stars are not closed, or that have none.
+/// Returns whether each point has no star, or one that is not closed.
 fn ends(stars: &[[u32; 3]], points: usize) -> Vec<bool> {
     let mut ends = vec![true; points];
     let closed = closed_stars(points, stars.iter().copied());
@@ -177,14 +178,14 @@ fn is_hole(points: Surroundings<'_>, ends: &[bool], criteria: HoleCriteria, poly
     facing < OUTSIDE || !is_flat && !is_small
 }
 
-/// Twice the area of a polygon times its normal, wherever it is flat.
+/// Area vector of a polygon: twice its area times its normal, if it is flat.
 fn area_vector(rim: &[DVec3]) -> DVec3 {
     let origin = rim[0];
     rim.windows(2).map(|side| (side[0] - origin).cross(side[1] - origin)).sum()
 }
 
-/// Whether a loop bounds a flat face, as of a machine part, that has points at its sharp rim only: most points of the loop
-/// lie in one plane; some have its normal, and those that do not all lean the same way.
+/// Returns whether a loop bounds a flat face, as of a machine part, with points on its sharp rim only: most points of the
+/// loop lie in one plane, some have its normal, and the others lean the same way.
 fn is_flat_place(points: Surroundings<'_>, criteria: HoleCriteria, polygon: &[u32]) -> bool {
     let mut rim: Vec<DVec3> = polygon.iter().map(|&p| points.positions[p as usize]).collect();
     let (mut mean, mut normal, width) = plane(&rim);
@@ -207,14 +208,15 @@ fn is_flat_place(points: Surroundings<'_>, criteria: HoleCriteria, polygon: &[u3
         && one_way as f64 >= ONE_WAY * turned.len() as f64
 }
 
-/// The mean of points, the normal of the plane that fits them best, and how far they spread across their longest extent.
+/// Returns the mean of points, the normal of their best-fit plane, and their standard deviation in the direction of the
+/// second largest extent.
 fn plane(points: &[DVec3]) -> (DVec3, DVec3, f64) {
     let (mean, scatter) = scatter(points.iter().copied());
     let (values, vectors) = eigen(scatter);
     (mean, vectors[0], (values[1] / points.len() as f64).max(0.0).sqrt())
 }
 
-/// Removes triangles until every point has one fan of them, its largest.
+/// Removes triangles until every point has a single fan of them, its largest.
 fn keep_largest_fans(triangles: &mut Vec<[u32; 3]>, points: usize) {
     let corners = Csr::new(points, || triangles.iter().flatten().copied().zip(0u32..));
     let mut gone = vec![false; triangles.len()];
@@ -226,7 +228,7 @@ fn keep_largest_fans(triangles: &mut Vec<[u32; 3]>, points: usize) {
     triangles.retain(|_| !gone.next().unwrap_or(false));
 }
 
-/// Calls `remove` with the triangles outside of the largest fan among those with `corners` at one point.
+/// Calls `remove` with the triangles outside the largest fan among those with `corners` at one point.
 fn beside_largest_fan(triangles: &[[u32; 3]], corners: &[u32], mut remove: impl FnMut(usize)) {
     let from = |c: u32| triangles[c as usize / 3][(c as usize + 1) % 3];
     let to = |c: u32| triangles[c as usize / 3][(c as usize + 2) % 3];
@@ -234,7 +236,7 @@ fn beside_largest_fan(triangles: &[[u32; 3]], corners: &[u32], mut remove: impl 
     let mut fan = vec![usize::MAX; corners.len()];
     let mut sizes: Vec<usize> = Vec::new();
     let begins = |i: &usize| !corners.iter().any(|&d| to(d) == from(corners[*i]));
-    // Fans with two ends first, then those that go around.
+    // Open fans first, then closed ones.
     for first in (0..corners.len()).filter(begins).chain(0..corners.len()) {
         let mut at = Some(first);
         let mut size = 0;
@@ -253,7 +255,7 @@ fn beside_largest_fan(triangles: &[[u32; 3]], corners: &[u32], mut remove: impl 
     }
 }
 
-/// Removes the triangles of patches of a few points; of those that have some of the `holes`, a few more.
+/// Removes the triangles of patches with few points; patches with `holes` need more points to stay.
 fn drop_islands(triangles: &mut Vec<[u32; 3]>, holes: &[Vec<u32>], points: usize) {
     let patch = components(points, triangles);
     let mut sizes = vec![0usize; points];
@@ -272,7 +274,7 @@ mod tests {
 
     #[test]
     fn a_point_keeps_its_largest_fan() {
-        // A fan of two and one of one at point 0, and a closed one at point 9.
+        // Point 0 has a fan of two and a fan of one; point 9 has a closed one.
         let mut triangles = vec![[0, 1, 2], [0, 2, 3], [0, 4, 5], [9, 6, 7], [9, 7, 8], [9, 8, 6]];
         keep_largest_fans(&mut triangles, 10);
         assert_eq!(triangles, [[0, 1, 2], [0, 2, 3], [9, 6, 7], [9, 7, 8], [9, 8, 6]]);

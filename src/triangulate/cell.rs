@@ -1,34 +1,33 @@
-//! The Delaunay neighbours of a point among others in the plane: those that its Voronoi cell has a side with.
+//! The Delaunay neighbours of a point among others in the plane: those that share a side with its Voronoi cell.
 //!
-//! The cell begins as a square and is cut by the bisector towards each neighbour, the nearest first. A neighbour more
-//! than twice as far as the farthest corner of the cell cannot cut it any more, nor can those after it. The corners of
-//! the cell are the circumcentres of the Delaunay triangles of the point.
+//! The cell begins as a square and is cut by the bisector towards each neighbour, the nearest first. A neighbour more than
+//! twice as far as the farthest corner of the cell cannot cut it any more, and neither can those after it. The corners of
+//! the cell are the circumcentres of the point's Delaunay triangles.
 //!
-//! Based on: B. Lévy, N. Bonneel, Variational anisotropic surface meshing with Voronoi parallel linear enumeration,
-//! 2013, DOI 10.1007/978-3-642-33573-0_21, which names that radius of security.
+//! Based on: B. Lévy, N. Bonneel, Variational anisotropic surface meshing with Voronoi parallel linear enumeration, 2013,
+//! DOI 10.1007/978-3-642-33573-0_21 (the radius of security).
 //!
-//! Cost: about six corners are tested for each of about fifteen neighbours; no memory.
+//! Cost: tests of about six corners for each of about fifteen neighbours; no memory.
 //!
-//! Limits: floating point decides which of four neighbours on one circle are adjacent, and each of them may see it in
-//! another way.
+//! Limits: rounding decides which of four cocircular neighbours are adjacent, and each of them may see it differently.
 
 use crate::triangulate::unfold::PlacedNeighbor;
 use glam::DVec2;
 
-/// A side of the square that the cell begins as.
+/// A side of the initial square.
 const WALL: u32 = u32::MAX;
 
-/// How far, as a share of the squared distance of a neighbour, a corner must lie beyond the bisector to be cut off.
+/// How far a corner must lie beyond the bisector to be cut off, as a share of the neighbour's squared distance.
 const TOUCH: f64 = 1e-10;
 
-/// A corner of the cell and the neighbour across the side that begins there, counter-clockwise.
+/// A corner of the cell, and the neighbour across the side that begins there, counter-clockwise.
 #[derive(Clone, Copy)]
 struct Corner {
     place: DVec2,
     across: u32,
 }
 
-/// The Voronoi cell of the origin; keeps its memory from one cell to the next.
+/// The Voronoi cell of the origin. Reuses its memory for the next cell.
 #[derive(Default)]
 pub struct Cell {
     corners: Vec<Corner>,
@@ -36,8 +35,8 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// Cuts the cell out of the square of half width `extent`. `found` is ordered by distance. The distance of the
-    /// farthest corner, infinite if neighbours do not bound the cell.
+    /// Cuts the cell from the square of half width `extent`. `found` is sorted by distance. Returns the distance of the
+    /// farthest corner, infinite if the neighbours do not bound the cell.
     pub fn cut(&mut self, found: &[PlacedNeighbor], extent: f64) -> f64 {
         let square = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
         self.corners.clear();
@@ -56,20 +55,20 @@ impl Cell {
         if bounded { reach_squared.sqrt() } else { f64::INFINITY }
     }
 
-    /// The neighbours across the sides, counter-clockwise.
+    /// Returns the neighbours across the sides, counter-clockwise.
     pub fn ring(&self) -> impl ExactSizeIterator<Item = u32> + Clone {
         self.corners.iter().map(|c| c.across)
     }
 
-    /// The neighbours across each two sides that meet, counter-clockwise, and where they do: the circumcentre of their
-    /// triangle with the origin. Corners of the square are left out.
+    /// Returns the neighbours across each two adjacent sides, counter-clockwise, and the corner between these: the
+    /// circumcentre of their triangle with the origin. Corners of the square are left out.
     pub fn wedges(&self) -> impl Iterator<Item = ([u32; 2], DVec2)> {
         let before = self.corners.iter().cycle().skip(self.corners.len().saturating_sub(1));
         let wedges = before.zip(&self.corners).map(|(from, to)| ([from.across, to.across], to.place));
         wedges.filter(|(sides, _)| !sides.contains(&WALL))
     }
 
-    /// Takes off what is nearer to the neighbour at `place` than to the origin; whether that is anything.
+    /// Cuts off the part closer to the neighbour at `place` than to the origin; returns whether there is any.
     fn cut_by(&mut self, place: DVec2, sample: u32) -> bool {
         let middle = 0.5 * place.length_squared();
         let beyond = |c: &Corner| c.place.dot(place) - middle;
@@ -109,7 +108,7 @@ mod tests {
         found
     }
 
-    /// The ring from its lowest number on.
+    /// The ring, starting from its lowest index.
     fn from_lowest(mut ring: Vec<u32>) -> Vec<u32> {
         let lowest = (0..ring.len()).min_by_key(|&i| ring[i]).unwrap();
         ring.rotate_left(lowest);

@@ -1,10 +1,10 @@
-//! Parts the chords of patches that would become one edge.
+//! Separates the chords of patches that would become one edge.
 //!
-//! A chord is an inner edge of a patch between two points on its rim. Where patches are narrow two of them can have a chord
-//! between the same points, or one a chord between neighbours on a curve: glued together, that edge would have four
-//! triangles. The second such chord is flipped if that leaves triangles that can be mended, else split. So it is with a chord from
-//! a point to itself, and with edges to one inner vertex from a point that is on the rim of the patch twice, on both sides of a
-//! slit.
+//! A chord is an inner edge of a patch between two points on its rim. Where patches are narrow, two of them can have a chord
+//! between the same points, or one can have a chord between adjacent points on a curve: glued together, that edge would have
+//! four triangles. The second such chord is flipped if that leaves triangles that can be mended; otherwise it is split. The
+//! same applies to a chord from a point to itself, and to edges to one inner vertex from a point that is on the rim of the
+//! patch twice, on both sides of a slit.
 //!
 //! Cost: linear in the edges.
 
@@ -15,7 +15,7 @@ use crate::triangulate::stitch::Gluing;
 use crate::triangulate::triangulation::Triangulated;
 use std::collections::{HashSet, VecDeque};
 
-/// Flips or splits chords of `patches`, which lie on `domain`, such that no two are one edge once they are glued.
+/// Flips or splits chords of `patches`, which lie on `domain`, so that no two of them become one edge when they are glued.
 pub fn part_chords(domain: &Domain, patches: &mut Triangulated, seams: Gluing<'_>) {
     let Triangulated { mesh, source, .. } = patches;
     let points = seams.point.iter().max().map_or(0, |&p| p + 1);
@@ -27,7 +27,7 @@ pub fn part_chords(domain: &Domain, patches: &mut Triangulated, seams: Gluing<'_
     let mut joined: HashSet<[u32; 2]> = seams.edges.iter().map(|&([p, q], _)| [p.min(q), p.max(q)]).collect();
     let is_new = |joined: &mut HashSet<[u32; 2]>, [p, q]: [u32; 2]| p >= points || p != q && joined.insert([p, q]);
     let inner = mesh.edges().filter(|&h| mesh.connectivity.has_twin(h));
-    // Flips give half-edges other numbers.
+    // Flips renumber half-edges.
     let mut ends: VecDeque<[u32; 2]> =
         inner.map(|h| [mesh.connectivity.origin(h), mesh.connectivity.target(h)]).collect();
     while let Some([v, w]) = ends.pop_front() {
@@ -57,7 +57,7 @@ mod tests {
     use crate::triangulate::stitch::glue;
     use glam::{DVec3, dvec3};
 
-    /// Both sides of a square plate without thickness, whose rim is a curve through its corners. `across` are the ends of
+    /// Both sides of a square plate without thickness, whose rim is a curve through its corners. `across` has the ends of
     /// the diagonal of its lower side, `last` its fourth corner.
     fn plate(across: [u32; 2], last: (f64, f64)) -> (Domain, Triangulated) {
         let domain = Domain::new(grid(4, 4, |u, v| dvec3(u, v, 0.0)).try_into().unwrap());
@@ -85,8 +85,8 @@ mod tests {
         assert_eq!(glued([1, 3], (0.0, 1.0)), (4, true));
     }
 
-    /// A square with a slit from its left side, along which a point has an edge to the vertex `x` beyond the end from both sides, or
-    /// to itself.
+    /// A square with a slit from its left side. A point on both sides of the slit has edges to the vertex `x` beyond its
+    /// end, or to itself.
     fn glued_slit(around_end: [[u32; 3]; 2]) -> bool {
         let domain = Domain::new(grid(4, 4, |u, v| dvec3(6.0 * u - 3.0, 6.0 * v - 3.0, 0.0)).try_into().unwrap());
         let slit = [(-2.0, 0.0), (-1.0, 0.3), (0.0, 0.0), (-1.0, -0.3), (-2.0, 0.0)];

@@ -1,12 +1,11 @@
-//! Fills the holes between the agreed triangles: mostly quadruples of samples on one circle, where either diagonal is
-//! right, and now and then a place that the samples do not resolve.
+//! Fills the holes between the agreed triangles: mostly quadrilaterals of cocircular samples, in which either diagonal is
+//! right, and occasionally a place that the samples do not resolve.
 //!
-//! The sides that still need a triangle are chained into polygons, each side followed by the next one around its end,
-//! and each polygon is triangulated such that the smallest angle is largest and, if possible, no triangle faces away from
-//! the surface. An existing edge is never made again. Polygons that cannot be filled stay open, and the verification that
-//! follows sees them.
+//! The sides that still need a triangle are chained into polygons, each side followed by the next one around its end. Each
+//! polygon is triangulated so that the smallest angle is maximal and, if possible, no triangle faces away from the surface.
+//! No existing edge is created again. Polygons that cannot be filled stay open, which the subsequent verification detects.
 //!
-//! Cost: cubic in the sides of a polygon, of which there are four or five nearly always.
+//! Cost: cubic in the sides of a polygon, of which there are nearly always four or five.
 
 use crate::base::math;
 use crate::geom::triangle::angles;
@@ -15,12 +14,12 @@ use crate::triangulate::star::INTERIOR;
 use glam::DVec3;
 use std::collections::HashSet;
 
-/// Polygons of more sides are left open: they would take a second each.
+/// Polygons with more sides stay open: they would take a second each.
 const MOST_SIDES: usize = 200;
 
-/// Adds to `triangles` those that fill the boundary loops `to_fill`: polygons with the hole on their left.
-/// `successor` is the next sample on a boundary. Triangles should have at least this cosine with the mean normal of their
-/// corners.
+/// Appends to `triangles` those that fill the boundary loops `to_fill`, which are polygons with the hole on their left.
+/// `successor` has the next sample on a boundary. Triangles should have at least the cosine `least_facing` with the mean
+/// normal of their corners.
 pub fn fill_holes(
     positions: &[DVec3],
     normals: &[DVec3],
@@ -47,7 +46,7 @@ pub fn fill_holes(
     }
 }
 
-/// The boundary loops of `triangles`, as polygons with the hole on their left.
+/// Returns the boundary loops of `triangles`, as polygons with the hole on their left.
 pub fn boundary_loops(
     positions: &[DVec3],
     normals: &[DVec3],
@@ -57,8 +56,8 @@ pub fn boundary_loops(
     chain(positions, normals, &open_sides(successor, triangles))
 }
 
-/// Directed sides that no triangle has on its left yet, in increasing order: those across from a triangle, and those of
-/// the boundary.
+/// Returns the directed sides without a triangle on their left, sorted: those with one on their right, and those of the
+/// boundary.
 fn open_sides(successor: &[u32], triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
     let closed = closed_fans(successor.len(), triangles);
     let is_open = |v: u32| !closed[v as usize] || successor[v as usize] != INTERIOR;
@@ -74,14 +73,14 @@ fn open_sides(successor: &[u32], triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
     open
 }
 
-/// For each of so many vertices whether its triangles go all around it.
+/// Returns whether each vertex has triangles all around it.
 pub(super) fn closed_fans(vertices: usize, triangles: &[[u32; 3]]) -> Vec<bool> {
     closed_stars(vertices, triangles.iter().flat_map(|&[a, b, c]| [[a, b, c], [b, c, a], [c, a, b]]))
 }
 
-/// For each of so many vertices whether those of the triangles whose first corner it is go all around it, as no triangles
-/// do, too. Around a closed star every neighbour is once the second and once the third corner, so that sums of any
-/// numbers of theirs are the same.
+/// Returns whether the triangles with each vertex as their first corner go all around it; also true without any. Around a
+/// closed star, every neighbour is once the second and once the third corner, so any numbers assigned to them have the same
+/// sum over both.
 pub(super) fn closed_stars(vertices: usize, triangles: impl Iterator<Item = [u32; 3]>) -> Vec<bool> {
     let mut sums_of_fans = vec![0u64; vertices];
     for [v, from, to] in triangles {
@@ -91,7 +90,7 @@ pub(super) fn closed_stars(vertices: usize, triangles: impl Iterator<Item = [u32
     sums_of_fans.into_iter().map(|sum| sum == 0).collect()
 }
 
-/// A number of 64 bits that looks random (the mixing of SplitMix64), so that no two open fans cancel each other.
+/// A 64-bit number that looks random (the mixing of SplitMix64), so that no two open fans cancel each other.
 fn scrambled(v: u32) -> u64 {
     let mut x = u64::from(v).wrapping_add(0x9e37_79b9_7f4a_7c15);
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -121,7 +120,7 @@ fn chain(positions: &[DVec3], normals: &[DVec3], open: &[[u32; 2]]) -> Vec<Vec<u
     polygons
 }
 
-/// The open side to go on with from the end of `from`: the first one clockwise around it, seen from outside.
+/// Returns the open side that continues from the end of `from`: the first one clockwise around it, seen from outside.
 fn following(
     positions: &[DVec3],
     normals: &[DVec3],
@@ -144,8 +143,8 @@ fn following(
     out.min_by(|&i, &j| clockwise(i).total_cmp(&clockwise(j)).then(i.cmp(&j)))
 }
 
-/// The triangulation of a polygon with the largest smallest angle, without diagonals that are edges already; `None` if
-/// there is none, or if the polygon meets itself or is too large.
+/// Returns the triangulation of a polygon with the largest minimum angle, without diagonals that are edges already; `None`
+/// if there is none, or if the polygon touches itself or is too large.
 fn triangulate_polygon(
     positions: &[DVec3],
     normals: &[DVec3],
@@ -161,7 +160,8 @@ fn triangulate_polygon(
     let usable = |i: usize, j: usize| {
         j == i + 1 || (i == 0 && j == n - 1) || !edges.contains(&lower_first([polygon[i], polygon[j]]))
     };
-    // For diagonal i j the goodness of the best triangulation of the part from i to j, and the apex on it.
+    // For diagonal i j, the goodness of the best triangulation of the part from i to j, and the apex of its triangle on the
+    // diagonal.
     let mut best: Vec<Option<(f64, usize)>> = vec![None; n * n];
     for length in 1..n {
         for i in 0..n - length {
@@ -190,7 +190,7 @@ fn triangulate_polygon(
     Some(filling)
 }
 
-/// The smallest angle of a triangle; negative for a triangle that faces away from the surface.
+/// Smallest angle of a triangle; negative for a triangle that faces away from the surface.
 fn goodness(triangle: [usize; 3], positions: &[DVec3], normals: &[DVec3], least_facing: f64) -> f64 {
     let corners = triangle.map(|v| positions[v]);
     let [a, b, c] = corners;

@@ -1,10 +1,10 @@
-//! Places where stars do not fit together, and stars for them that do.
+//! Finds inconsistent stars, and replaces them by consistent ones.
 //!
-//! Where a surface is thinner or more bent than the samples resolve, stars contradict each other. Of the domain around
-//! such a place a mutual tessellation is made, which is a manifold whatever the samples are, and the samples well inside
-//! take their stars from it. Among themselves these agree; towards the rest they are Delaunay like all others, and
-//! agree as those do. If that was too narrow a place it is done again with a wider one, and at last with the whole
-//! connected patch, so that all of the patch is a manifold of the topology of the domain.
+//! Where a surface is thinner or more strongly curved than the samples resolve, stars contradict each other. The domain
+//! around such a place gets a mutual tessellation, which is a manifold whatever the samples are, and samples well inside
+//! take their stars from it. Among themselves, these stars are consistent; towards the rest they are Delaunay like all
+//! others, and agree just as well. If that region was too small, the process is repeated with a larger one, and finally with
+//! the whole connected patch, which thereby becomes a manifold with the topology of the domain.
 
 use crate::base::csr::Csr;
 use crate::base::parallel;
@@ -17,7 +17,7 @@ use crate::triangulate::triangulation::Boundary;
 use crate::triangulate::unfold::SamplesByTriangle;
 use std::collections::VecDeque;
 
-/// Edges between a place where a part was cut out of the domain and the nearest samples that take their stars from it.
+/// Number of edges between the border of a part cut out of the domain and the nearest samples that take their stars from it.
 const RIM: u32 = 3;
 
 /// Samples and their stars.
@@ -31,22 +31,22 @@ pub struct Starred {
 }
 
 impl Starred {
-    /// The samples at which `triangles` are neither one closed fan nor, on the boundary, one from its successor to its
-    /// predecessor.
+    /// Returns the samples whose `triangles` are neither one closed fan nor, on the boundary, one fan from their successor
+    /// to their predecessor.
     pub fn at_open_fans(&self, triangles: &[[u32; 3]]) -> Vec<Sample> {
         let sides = || triangles.iter().flat_map(|&[a, b, c]| [(a, [b, c]), (b, [c, a]), (c, [a, b])]);
         let fans = Csr::new(self.samples.len(), sides);
         self.those(|s| !is_settled(fans.row(s as u32), s as u32, &self.successor))
     }
 
-    /// The samples without a triangle.
+    /// Returns the samples without a triangle.
     pub fn not_used(&self, triangles: &[[u32; 3]]) -> Vec<Sample> {
         let used = used_vertices(triangles, self.samples.len());
         self.those(|s| !used[s])
     }
 
-    /// The corners of triangles that face away from the surface at one of them. Other limits of the cosine between -0.5 and
-    /// 0.3 gave the same meshes, and took more or less work.
+    /// Returns the corners of triangles that face away from the surface at one of their corners. Other limits of the cosine
+    /// between -0.5 and 0.3 gave the same meshes at more or less cost.
     pub fn turned_away(&self, triangles: &[[u32; 3]]) -> Vec<Sample> {
         let mut away = vec![false; self.samples.len()];
         for t in triangles.iter().filter(|t| self.facing(**t) < 0.0) {
@@ -59,7 +59,7 @@ impl Starred {
         (0..self.samples.len()).filter(|&s| which(s)).map(|s| self.samples[s]).collect()
     }
 
-    /// The least cosine between a triangle and the surface at its corners.
+    /// Smallest cosine between a triangle and the surface at its corners.
     fn facing(&self, triangle: [u32; 3]) -> f64 {
         let [a, b, c] = triangle.map(|s| self.samples[s as usize]);
         let normal = (b.position - a.position).cross(c.position - a.position).normalize_or_zero();
@@ -67,8 +67,8 @@ impl Starred {
     }
 }
 
-/// Whether the fan of vertex `v`, the sides across from it, is closed or, on the boundary, runs from its successor to its
-/// predecessor. A vertex without triangles is settled.
+/// Returns whether the fan of vertex `v`, given as the sides opposite it, is closed or, on the boundary, runs from its
+/// successor to its predecessor. A vertex without triangles counts as settled.
 fn is_settled(fan: &[[u32; 2]], v: u32, successor: &[u32]) -> bool {
     let Some(first) = fan.first() else { return true };
     let next = successor[v as usize];
@@ -84,8 +84,8 @@ fn is_settled(fan: &[[u32; 2]], v: u32, successor: &[u32]) -> bool {
     next != INTERIOR && successor[at as usize] == v
 }
 
-/// Gives the samples around `centres` the stars of a mutual tessellation of the domain within `radius` times
-/// their size of them, or of all of their patches if `radius` is infinite.
+/// Gives the samples around `centres` the stars of a mutual tessellation of the domain. It covers the domain within `radius`
+/// times their size of them, or all of their patches if `radius` is infinite.
 pub fn tessellate_around(
     domain: &Domain,
     starred: &mut Starred,
@@ -116,14 +116,14 @@ pub fn tessellate_around(
         tessellation.insertion.iter().filter(|s| **s != NONE).for_each(|&s| left_out[s as usize] = false);
         starred.transplant(&tessellation, &mut replaced, &mut stars);
     }
-    // Samples that were left out agree among themselves only.
+    // Samples that were left out agree only among themselves.
     let is_gone = |s: u32| replaced[s as usize] || left_out[s as usize];
     starred.stars.retain(|t| !replaced[t[0] as usize] && !t.iter().all(|&s| is_gone(s)));
     starred.stars.extend(stars);
 }
 
 impl Starred {
-    /// Takes over the stars well inside a tessellation; what it left of the vertices of the domain there become samples.
+    /// Takes over the stars well inside a tessellation. Vertices of the domain that remained there become samples.
     fn transplant(&mut self, from: &Tessellation, replaced: &mut [bool], stars: &mut Vec<[u32; 3]>) {
         let c = &from.mesh.connectivity;
         let inside: Vec<bool> = rings_from_border(from).into_iter().map(|ring| ring >= RIM).collect();
@@ -146,7 +146,7 @@ impl Starred {
     }
 }
 
-/// For each vertex the number of edges to the nearest one on the border, [`RIM`] at most.
+/// Number of edges from each vertex to the nearest one on the border, at most [`RIM`].
 fn rings_from_border(from: &Tessellation) -> Vec<u32> {
     let c = &from.mesh.connectivity;
     let mut rings: Vec<u32> = (0..c.vertex_bound()).map(|v| if from.border.contains(v) { 0 } else { RIM }).collect();
@@ -160,8 +160,8 @@ fn rings_from_border(from: &Tessellation) -> Vec<u32> {
     rings
 }
 
-/// The connected parts of the domain that are reached from the samples `centres` without leaving the ball of `radius`
-/// times their size around them, each as its triangles in increasing order.
+/// Returns the connected parts of the domain that are reached from the samples `centres` without leaving the balls of
+/// `radius` times their size around them, each as its sorted triangles.
 fn parts(domain: &Domain, centres: &[Sample], radius: f64) -> Vec<Vec<u32>> {
     let mut reached = vec![false; domain.mesh.triangles.len()];
     let mut queue = VecDeque::new();
@@ -208,14 +208,14 @@ mod tests {
 
     const NO_BOUNDARY: Boundary = Boundary { sites: &[], successor: &[], spikes: 0 };
 
-    /// A square of `n` by `n` unit cells, slightly vaulted.
+    /// A slightly vaulted square of `n` by `n` unit cells.
     fn sheet(n: u32) -> Domain {
         let place = |u: f64, v: f64| f64::from(n) * dvec3(u, v, 0.0);
         let vaulted = |p: DVec3| dvec3(p.x, p.y, 0.01 * (p.x * p.y).sin());
         Domain::new(grid(n, n, |u, v| vaulted(place(u, v))).try_into().unwrap())
     }
 
-    /// A sample in the middle of every second triangle, without stars.
+    /// A sample in the centre of every second triangle, without stars.
     fn without_stars(domain: &Domain) -> Starred {
         let count = domain.mesh.triangles.len() as u32;
         let samples: Vec<Sample> = (0..count).step_by(2).map(|t| domain.sample(t, [1.0 / 3.0; 3])).collect();

@@ -1,4 +1,4 @@
-//! From samples on a surface to an oriented 2-manifold with the surface's topology.
+//! Turns samples on a surface into an oriented 2-manifold with the topology of the surface.
 
 pub mod agreement;
 pub mod boundary_loops;

@@ -1,13 +1,13 @@
-//! Mutual tessellation: the samples become vertices of the input mesh, and the input's own vertices are taken away.
+//! Mutual tessellation: the samples become vertices of the input mesh, whose own vertices are then removed.
 //!
-//! Every step keeps the link condition, so the result has the topology of the input whatever the samples are. It serves
-//! the patches whose stars do not settle, because they are thinner or more bent than the samples resolve. A vertex that
-//! cannot go without turning a triangle against the surface stays as a sample of its own.
+//! Every step preserves the link condition, so the result has the topology of the input, whatever the samples are. It is
+//! used for patches whose stars remain inconsistent because they are thinner or more strongly curved than the samples
+//! resolve. A vertex that cannot be removed without turning a triangle against the surface remains as an additional sample.
 //!
-//! Based on: G. Turk, Re-tiling polygonal surfaces, 1992, DOI 10.1145/142920.134008. Departures: vertices go by edge
-//! collapses, and every collapse is followed by Delaunay flips around it.
+//! Based on: G. Turk, Re-tiling polygonal surfaces, 1992, DOI 10.1145/142920.134008. Departures: vertices are removed by
+//! edge collapses, and Delaunay flips follow each collapse around it.
 //!
-//! Cost: linear in the triangles of the patch, with a large constant: some microseconds a vertex.
+//! Cost: linear in the triangles of the patch, with a large constant: some microseconds per vertex.
 
 use crate::geom::triangle::barycentric;
 use crate::manifold::Manifold;
@@ -19,33 +19,33 @@ use crate::mesh::topology::NONE;
 use crate::surface::domain::{Domain, Sample};
 use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
 
-/// A sample to insert: on a triangle, or on a side of it if that is on the boundary.
+/// A sample to insert: on a triangle, or on one of its sides if that is on the boundary.
 #[derive(Debug, Clone, Copy)]
 pub struct Insertion {
     /// The sample.
     pub sample: Sample,
-    /// The side `3 t + k` and how far along, for a sample on the boundary.
+    /// For a sample on the boundary, the side `3 t + k` and the position along it.
     pub on_side: Option<(u32, f64)>,
-    /// Whether it is the end of a spike, which stays even where it is turned against the surface.
+    /// Whether it is the end of a spike, which is kept even where it is turned against the surface.
     pub is_spike: bool,
 }
 
-/// A part of the domain with other vertices.
+/// A part of the domain with new vertices.
 #[derive(Debug, Clone)]
 pub struct Tessellation {
-    /// Its vertices are insertions and what could not be removed of the domain's own.
+    /// Its vertices are the insertions and those vertices of the domain that could not be removed.
     pub mesh: Manifold,
-    /// The vertices along which the part was cut out of the domain; they are as they were.
+    /// The vertices along which the part was cut out of the domain, which are unchanged.
     pub border: VertexSet,
-    /// For each vertex the number of its insertion, or [`NONE`].
+    /// The index of the insertion at each vertex, or [`NONE`].
     pub insertion: Vec<u32>,
 }
 
-/// Least cosine between a triangle and the surface in each round of removals: what is stuck at first may come loose once
-/// its surroundings are coarser.
+/// Minimum cosine between a triangle and the surface in each round of removals: a vertex that is stuck at first may become
+/// removable once its surroundings are coarser.
 const ROUNDS: [f64; 6] = [0.7, 0.7, 0.5, 0.3, 0.1, -1.0];
 
-/// The part of the domain made of the triangles `part`, in increasing order, over `insertions` on them.
+/// Tessellates the part of the domain with the triangles `part`, sorted, over `insertions` on them.
 ///
 /// Insertions that coincide with another one are left out.
 pub fn mutual_tessellation(domain: &Domain, part: &[u32], insertions: &[Insertion]) -> Tessellation {
@@ -74,8 +74,8 @@ pub fn mutual_tessellation(domain: &Domain, part: &[u32], insertions: &[Insertio
     Tessellation { mesh: left, border: border.renumbered(&old), insertion }
 }
 
-/// Merges `v` into the neighbour that leaves the best triangles, if there is one that leaves none whose cosine to the surface
-/// does not pass.
+/// Merges `v` into the neighbour that leaves the best triangles, among those that leave no triangle whose cosine to the
+/// surface fails `passes`.
 pub(super) fn merge_away(mesh: &mut Manifold, v: u32, passes: impl Fn(f64) -> bool) {
     let c = &mesh.connectivity;
     let mut best = None;
@@ -91,8 +91,8 @@ pub(super) fn merge_away(mesh: &mut Manifold, v: u32, passes: impl Fn(f64) -> bo
     }
 }
 
-/// Merges `v` into the neighbour that leaves the least turned triangles if one at it is turned against the surface: a
-/// fold smaller than the samples resolve is left out, samples on it included.
+/// If a triangle at `v` is turned against the surface, merges `v` into the neighbour that leaves the least turned triangles.
+/// This leaves out a fold smaller than the samples resolve, including samples on it.
 fn straighten(mesh: &mut Manifold, v: u32) {
     let c = &mesh.connectivity;
     if c.is_boundary(v) || c.outgoing(v).all(|h| FacingGuard::SOUND.passes(mesh.agreement(c.triangle(h)))) {
@@ -104,7 +104,7 @@ fn straighten(mesh: &mut Manifold, v: u32) {
     }
 }
 
-/// A point of a triangle in affine coordinates, so that points on its sides are on them exactly.
+/// A point of a triangle in affine coordinates, in which points on its sides lie on them exactly.
 struct Site {
     place: Point2<f64>,
     vertex: u32,
@@ -119,8 +119,7 @@ impl HasPosition for Site {
     }
 }
 
-/// The mesh of the part with the insertions in it, which are its first vertices, and the vertices along which it was cut
-/// out.
+/// Returns the mesh of the part with the insertions as its first vertices, and the vertices along which it was cut out.
 fn insert(domain: &Domain, part: &[u32], insertions: &[Insertion]) -> (Manifold, VertexSet) {
     let mut by_triangle: Vec<(u32, u32)> =
         insertions.iter().enumerate().map(|(i, p)| (p.sample.triangle, i as u32)).collect();
@@ -146,7 +145,7 @@ fn insert(domain: &Domain, part: &[u32], insertions: &[Insertion]) -> (Manifold,
     (Manifold::new(samples, &triangles), border.collect())
 }
 
-/// Adds the Delaunay triangles of the points of triangle `t`, whose corners have the numbers `ends`.
+/// Appends the Delaunay triangles of the points on triangle `t`, whose corners have the indices `ends`.
 fn split<'a>(
     domain: &Domain,
     t: u32,
@@ -176,7 +175,7 @@ fn split<'a>(
     });
     for site in corners.chain(points).collect::<Vec<_>>() {
         if plane.locate_vertex(site.place).is_none() {
-            // Places are finite and between 0 and 1: nothing that spade refuses.
+            // Places are finite and between 0 and 1, so spade refuses none.
             let _ = plane.insert(site);
         }
     }
@@ -188,7 +187,7 @@ fn split<'a>(
     }
 }
 
-/// A point along side `k`.
+/// Returns a point along side `k`.
 fn on_side(k: u32, along: f64) -> Point2<f64> {
     let along = along.clamp(1e-9, 1.0 - 1e-9);
     match k {
@@ -198,7 +197,7 @@ fn on_side(k: u32, along: f64) -> Point2<f64> {
     }
 }
 
-/// A point kept off the sides by a margin.
+/// Returns a point kept away from the sides by a margin.
 fn inside(domain: &Domain, t: u32, sample: &Sample) -> Point2<f64> {
     const MARGIN: f64 = 1e-6;
     let w = barycentric(sample.position, domain.mesh.corners(t as usize));

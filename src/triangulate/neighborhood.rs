@@ -1,11 +1,11 @@
-//! The points around a point in its tangent plane, and its Voronoi cell among them.
+//! The neighbourhood of a point in its tangent plane, and its Voronoi cell there.
 
 use crate::spatial::kdtree::Neighbor;
 use crate::triangulate::cell::Cell;
 use crate::triangulate::unfold::PlacedNeighbor;
 use glam::DVec2;
 
-/// The neighbours of one point after the other; keeps its memory from one to the next.
+/// Finds the neighbours of one point at a time, and reuses its memory for the next one.
 #[derive(Default)]
 pub(super) struct Neighborhood {
     ball: Vec<Neighbor>,
@@ -15,7 +15,7 @@ pub(super) struct Neighborhood {
 }
 
 impl Neighborhood {
-    /// Finds the points but `centre`, of those that `collect` finds, that `place` gives a place in the plane.
+    /// Finds the points that `collect` finds, except `centre` and those to which `place` gives no place in the plane.
     pub fn find(
         &mut self,
         centre: u32,
@@ -29,15 +29,15 @@ impl Neighborhood {
         self.found.extend(placed);
     }
 
-    /// Brings the neighbours into the order of their distance.
+    /// Sorts the neighbours by distance.
     pub fn sort(&mut self) {
         self.found.sort_unstable_by(|a, b| {
             a.place.length_squared().total_cmp(&b.place.length_squared()).then(a.sample.cmp(&b.sample))
         });
     }
 
-    /// Cuts the cell among the neighbours, which are in order, out of the square of half width `extent`; the distance of
-    /// its farthest corner.
+    /// Cuts the cell from the square of half width `extent` by the sorted neighbours; returns the distance of its farthest
+    /// corner.
     pub fn cut(&mut self, extent: f64) -> f64 {
         self.cell.cut(&self.found, extent)
     }

@@ -1,22 +1,22 @@
-//! The neighbours of a sample within its own smooth patch: a k-d tree for each patch of many samples, and all samples of a
-//! patch of few. A surface in a great many small pieces has most samples around a place on other patches.
+//! The neighbours of a sample within its own smooth patch: from a k-d tree for a patch with many samples, and from all
+//! samples of one with few. On a surface in very many small pieces, most samples around a place are on other patches.
 //!
-//! Cost: n log n to build; a query is linear in what it finds, or in `FEW`.
+//! Cost: n log n to build; a query is linear in its results, or in `FEW`.
 
 use crate::base::csr::Csr;
 use crate::spatial::kdtree::{Neighbor, Neighbors};
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 
-/// Samples of a patch that looking at all of them is as good for as a tree.
+/// Number of samples in a patch up to which looking at all of them is as good as a tree.
 const FEW: usize = 32;
 
-/// Samples by their patch.
+/// Samples grouped by patch.
 pub(super) struct NeighborsOfPatch<'a> {
     samples: &'a [Sample],
     /// The samples of each patch.
     of_patch: Csr<u32>,
-    /// The trees of patches with more than a few samples.
+    /// Trees of the patches with more than a few samples.
     trees: Vec<Option<Neighbors>>,
 }
 
@@ -33,7 +33,7 @@ impl<'a> NeighborsOfPatch<'a> {
         NeighborsOfPatch { samples, of_patch, trees }
     }
 
-    /// Collects into `found` the samples of `patch` within `radius` of `p`, in no order that means anything.
+    /// Collects the samples of `patch` within `radius` of `p` into `found`, in arbitrary order.
     pub(super) fn collect_within(&self, patch: u32, p: DVec3, radius: f64, found: &mut Vec<Neighbor>) {
         let own = self.of_patch.row(patch);
         if let Some(tree) = &self.trees[patch as usize] {

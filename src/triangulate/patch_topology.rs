@@ -4,7 +4,7 @@ use crate::mesh::topology::NONE;
 use crate::surface::domain::Domain;
 use crate::triangulate::star::INTERIOR;
 
-/// Counts of a connected patch, or of its mesh, that tell its topology.
+/// Counts of a connected patch, or of its mesh, that determine its topology.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Kind {
     pub vertices: usize,
@@ -15,8 +15,8 @@ pub(super) struct Kind {
 }
 
 impl Kind {
-    /// Those of each of `patches` patches. `component` is the connected component of
-    /// each vertex, `next` the vertex after it on the boundary, or [`INTERIOR`].
+    /// Counts each of `patches` patches. `component` is the connected component of each vertex, `next` the next vertex on
+    /// the boundary, or [`INTERIOR`].
     pub fn of_patches(
         patches: usize,
         patch: impl Fn(u32) -> u32,
@@ -54,7 +54,7 @@ impl Kind {
     }
 }
 
-/// The patches of the domain.
+/// Counts of the patches of the domain.
 pub(super) fn kinds_of_domain(domain: &Domain) -> Vec<Kind> {
     let mut next = vec![INTERIOR; domain.mesh.positions.len()];
     for (t, corners) in domain.mesh.triangles.iter().enumerate() {

@@ -1,8 +1,8 @@
-//! Points in a plane as one sheet: their Delaunay triangulation without the long triangles at its outline.
+//! Triangulates points in a plane as one sheet: their Delaunay triangulation without the long triangles at its outline.
 //!
-//! The hull of points spans bays with long triangles. From the longest edge on, a triangle goes whose edge on the outline is
-//! too long, unless its third corner is on the outline already: so the sheet stays one piece, without a hole, and has all
-//! points.
+//! The convex hull spans bays with long triangles. Triangles whose edge on the outline is too long are removed, the longest
+//! edge first, unless their third corner is already on the outline. So the sheet stays in one piece, without a hole, and
+//! contains all points.
 //!
 //! Based on: M. Duckham, L. Kulik, M. Worboys, A. Galton, Efficient generation of simple polygons for characterizing the
 //! shape of a set of points in the plane, 2008, DOI 10.1016/j.patcog.2008.03.023 (the χ-shape).
@@ -15,10 +15,10 @@ use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// Edges this many times as long as the median edge are too long for the outline.
+/// Maximum length of an edge on the outline, relative to the median edge.
 const LONG: f64 = 5.0;
 
-/// A point of the plane and its number.
+/// A point of the plane and its index.
 struct Site(Point2<f64>, u32);
 
 impl HasPosition for Site {
@@ -31,7 +31,7 @@ impl HasPosition for Site {
 
 type Edge<'a> = DirectedEdgeHandle<'a, Site, (), (), ()>;
 
-/// An edge on the outline, with the sheet to its left; the longest is the greatest, the lowest of equally long ones.
+/// An edge on the outline, with the sheet to its left. Ordered by length; of equally long ones, the lowest is the greatest.
 #[derive(PartialEq)]
 struct OnOutline {
     length: f64,
@@ -52,8 +52,8 @@ impl Ord for OnOutline {
     }
 }
 
-/// Triangles, counter-clockwise, between `points` at different places; none if these are on a line, or so many orders of
-/// magnitude apart that floating point does not tell them apart.
+/// Returns counter-clockwise triangles between `points` at different places; none if these are collinear, or so many orders
+/// of magnitude apart that floating point cannot distinguish them.
 pub fn triangulate_plan(points: &[DVec2]) -> Vec<[u32; 3]> {
     let sites = points.iter().enumerate().map(|(i, p)| Site(Point2::new(p.x, p.y), i as u32)).collect();
     let Ok(sheet) = DelaunayTriangulation::<Site>::bulk_load_stable(sites) else { return Vec::new() };
@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn a_bay_is_not_spanned_and_the_sheet_stays_in_one_piece() {
-        // A horseshoe of 30 by 30 with a bay of 20 by 10, and a single point far off.
+        // A horseshoe of 30 by 30 with a bay of 20 by 10, and a single point far away.
         let grid = (0..900).map(|i| DVec2::new(f64::from(i % 30), f64::from(i / 30)));
         let mut points: Vec<DVec2> = grid.filter(|p| !(p.x >= 10.0 && (10.0..20.0).contains(&p.y))).collect();
         points.push(DVec2::new(60.0, 0.3));

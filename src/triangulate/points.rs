@@ -1,8 +1,8 @@
-//! A triangulation of the points of a cloud, all of them where they can be.
+//! Triangulates the points of a cloud, all of them if possible.
 //!
-//! The stars are those of samples of a mesh, with the neighbour graph in the place of the mesh: neighbours are points
-//! nearby whose normals, and the way to them, are those of a surface that bends evenly. A triangle whose circumcircle is
-//! large, measured by how far apart its corners are from their neighbours, spans a hole of the scan and is left out.
+//! The stars are like those of samples on a mesh, with the neighbour graph in place of the mesh: neighbours are nearby
+//! points whose normals and offsets are those of an evenly curved surface. A triangle with a circumcircle that is large for
+//! the spacing of its corners spans a hole of the scan, and is left out.
 //!
 //! Cost: as for stars of samples.
 
@@ -18,17 +18,17 @@ use crate::triangulate::surroundings::Surroundings;
 use crate::triangulate::unfold::PlacedNeighbor;
 use glam::DVec3;
 
-/// The largest circumradius of a triangle in the star of a point, in spacings of its corners.
+/// Largest circumradius of a triangle in the star of a point, in spacings of its corners.
 const LARGEST_CIRCUMRADIUS: f64 = 2.5;
 
-/// How much a neighbourhood grows when it was too small.
+/// Growth factor of a neighbourhood that was too small.
 const GROWTH: f64 = 1.5;
 
-/// The triangles between the points, counter-clockwise seen from where normals point. Each point has one fan of them at
-/// most. Holes whose loops have a bounding box with a diagonal of up to `close_up_to` are closed.
+/// Returns the triangles between the points, counter-clockwise seen from the side that normals point to. Each point has at
+/// most one fan of them. Holes are closed if the bounding box of their loop has a diagonal of up to `close_up_to`.
 ///
-/// If lenient criteria find holes, the scan is open, and strict criteria are applied to find its smaller holes, too; in a
-/// closed scan these would be places that are only sparse.
+/// If lenient criteria find holes, the scan is open, and strict criteria are applied to find its smaller holes as well. In a
+/// closed scan, those would merely be sparse places.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
@@ -46,8 +46,8 @@ pub fn triangulate_points(points: Surroundings<'_>, close_up_to: f64, monitor: &
     Ok(fill_boundary_loops(points, &stars, HoleCriteria { smallest_diagonal: close_up_to, ..STRICT }))
 }
 
-/// The same for the points of a part of a cloud: the triangles a few spacings from its border are the same whatever else there
-/// is. Holes of a few sides are closed.
+/// [`triangulate_points`] for a part of a cloud: the triangles more than a few spacings from its border do not depend on the
+/// rest of the cloud. Holes with few sides are closed.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
@@ -58,7 +58,7 @@ pub fn triangulate_part(points: Surroundings<'_>, monitor: &dyn Monitor) -> Resu
     Ok(fill_boundary_loops(points, &stars, HoleCriteria { flat_are_closed: false, ..STRICT }).triangles)
 }
 
-/// The triangles in the stars of all points, the centre of the star first in each.
+/// Returns the triangles in the stars of all points, each with the centre of its star first.
 fn stars(points: Surroundings<'_>) -> Vec<[u32; 3]> {
     let jittered = jittered(points);
     let moved = Surroundings { positions: &jittered, ..points };
@@ -68,7 +68,7 @@ fn stars(points: Surroundings<'_>) -> Vec<[u32; 3]> {
     })
 }
 
-/// Hole criteria for a closed scan, whose loops may lie where it is only sparse.
+/// Hole criteria for a closed scan, with loops where it is merely sparse.
 const LENIENT: HoleCriteria = HoleCriteria {
     largest_circumradius: LARGEST_CIRCUMRADIUS,
     most_sides: 16,
@@ -77,17 +77,17 @@ const LENIENT: HoleCriteria = HoleCriteria {
     flat_are_closed: true,
 };
 
-/// Loops whose bounding box has a diagonal below this fraction of the cloud's do not make a scan an open one.
+/// Loops do not make a scan an open one if the diagonal of their bounding box is below this share of the cloud's.
 const SMALL_HOLE: f64 = 0.08;
 
-/// Hole criteria for a scan that has holes.
+/// Hole criteria for a scan with holes.
 const STRICT: HoleCriteria = HoleCriteria { largest_circumradius: 1.2, most_sides: 7, noise: 0.0, ..LENIENT };
 
-/// How far points are moved, in spacings, so that no four of them are on one circle: those of a grid are, and each would
-/// see another two of them as neighbours.
+/// How far points are moved, in spacings, so that no four are cocircular: those of a grid are, and each would see a
+/// different pair of them as neighbours.
 const JITTER: f64 = 1e-4;
 
-/// The positions, each a little aside.
+/// Returns the positions, each slightly displaced.
 fn jittered(points: Surroundings<'_>) -> Vec<DVec3> {
     let aside = |i: u32| {
         let ([x, y], [z, _]) = (units_at(0, Stage::Jitter, (i, 0)), units_at(0, Stage::Jitter, (i, 1)));
@@ -97,7 +97,7 @@ fn jittered(points: Surroundings<'_>) -> Vec<DVec3> {
     positions.map(|((p, spacing), i)| p + JITTER * spacing * aside(i)).collect()
 }
 
-/// Makes stars; keeps its memory from one to the next.
+/// Makes stars, and reuses its memory for the next one.
 struct StarMaker<'a> {
     points: Surroundings<'a>,
     around: Neighborhood,
@@ -108,7 +108,7 @@ impl<'a> StarMaker<'a> {
         StarMaker { points, around: Neighborhood::default() }
     }
 
-    /// The triangles of the star of `centre`, which comes first in each.
+    /// Returns the triangles of the star of `centre`, which comes first in each.
     fn star(&mut self, centre: u32) -> Vec<[u32; 3]> {
         let points = self.points;
         let nearest = points.graph.of(centre);

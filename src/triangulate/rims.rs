@@ -1,14 +1,15 @@
-//! Straightens the rims of patches where vertices of the domain stayed on them.
+//! Straightens the rims of patches on which vertices of the domain have remained.
 //!
-//! A mutual tessellation cannot always take a vertex of the domain away. One that stays on the rim parts two samples that
-//! are next to each other on a curve, and the patch on the other side knows nothing of it. Where these two have an edge
-//! behind it, the triangles before that go. Else a triangle between the three, all but flat, makes it an inner vertex, which
-//! merges into the neighbour that leaves the best triangles if there is one that it may merge into. An edge that these two have
-//! elsewhere is split before.
+//! A mutual tessellation cannot always remove a vertex of the domain. If one remains on the rim, it separates two samples
+//! that are adjacent on a curve, and the patch on the other side does not have it. If these two are joined by an edge behind
+//! it, the triangles in front of that edge are removed. Otherwise, an almost flat triangle between the three makes it an
+//! inner vertex, which merges into the neighbour that leaves the best triangles, if there is one that it may merge into. An
+//! edge that joins the two elsewhere is split before.
 //!
-//! A place where that would leave no manifold stays as it is.
+//! A place where the result would not be a manifold stays as it is.
 //!
-//! Cost: linear in the triangles if there is such a place, else in the rims; n log k more for each of k that cannot be straightened.
+//! Cost: linear in the triangles if there is such a place, otherwise in the rims; plus n log k for each of k places that
+//! cannot be straightened.
 
 use crate::manifold::Manifold;
 use crate::manifold::facing::FacingGuard;
@@ -20,11 +21,11 @@ use crate::triangulate::mutual_tessellation::merge_away;
 use crate::triangulate::triangulation::{Boundary, Triangulated};
 use std::collections::BTreeSet;
 
-/// Vertices that may have stayed between two samples.
+/// Maximum number of vertices that may have remained between two samples.
 const MOST_BETWEEN: usize = 8;
 
-/// Joins samples next to each other on `boundary` by an edge where vertices of the domain are between them on the rim of
-/// `patches`, which lie on `domain`.
+/// Joins samples adjacent on `boundary` by an edge where vertices of the domain lie between them on the rim of `patches`,
+/// which lie on `domain`.
 pub fn straighten_rims(domain: &Domain, patches: &mut Triangulated, boundary: Boundary<'_>) {
     let bays = without_those_on_one_edge(&patches.mesh.connectivity, bays(patches, boundary));
     if bays.is_empty() {
@@ -50,13 +51,13 @@ pub fn straighten_rims(domain: &Domain, patches: &mut Triangulated, boundary: Bo
     *source = old.into_iter().map(|v| source[v as usize]).collect();
 }
 
-/// Two vertices that are samples next to each other on a curve, and the vertices of the domain on the rim between them.
+/// Two vertices that are adjacent samples on a curve, and the vertices of the domain on the rim between them.
 struct Bay {
     ends: [u32; 2],
     between: Vec<u32>,
 }
 
-/// `triangles` of so many `vertices` with edges along as many of `bays` as leave a manifold, and these bays.
+/// Returns `triangles` over this many `vertices`, with edges along as many `bays` as a manifold permits, and these bays.
 fn straightened(vertices: usize, triangles: Vec<[u32; 3]>, bays: &[Bay]) -> (Vec<[u32; 3]>, Vec<&Bay>) {
     let mut made = triangles.clone();
     bays.iter().for_each(|bay| bay.straighten(&mut made));
@@ -74,12 +75,13 @@ fn straightened(vertices: usize, triangles: Vec<[u32; 3]>, bays: &[Bay]) -> (Vec
 }
 
 impl Bay {
-    /// Whether `v` is one of its vertices.
+    /// Returns whether `v` is one of its vertices.
     fn has(&self, v: u32) -> bool {
         self.ends.contains(&v) || self.between.contains(&v)
     }
 
-    /// The half-edge between its ends, if there is one with more between it and the rim than triangles of its vertices.
+    /// Returns the half-edge between its ends, if there is one with more than triangles of its own vertices between it and
+    /// the rim.
     fn edge_elsewhere(&self, c: &Connectivity) -> Option<u32> {
         let [v, w] = self.ends;
         let h = c.outgoing(v).find(|&h| c.target(h) == w && c.has_twin(h))?;
@@ -89,7 +91,7 @@ impl Bay {
         (before.len() != self.between.len()).then_some(h)
     }
 
-    /// Makes the edge between its ends one of the rim.
+    /// Makes the edge between its ends part of the rim.
     fn straighten(&self, triangles: &mut Vec<[u32; 3]>) {
         let Bay { ends: [v, w], between } = self;
         triangles.retain(|t| !t.iter().all(|&v| self.has(v)));
@@ -99,8 +101,8 @@ impl Bay {
     }
 }
 
-/// Those of `bays` of a mesh with this connectivity that would not become one edge with another, or with one on the rim: the patch
-/// between two such is as narrow as that, and would have no rim any more.
+/// Returns the `bays` of a mesh with this connectivity that would not coincide with another one, or with an edge of the rim,
+/// once straightened: the patch between the two is so narrow that it would have no rim any more.
 fn without_those_on_one_edge(c: &Connectivity, mut bays: Vec<Bay>) -> Vec<Bay> {
     let is_straight = |[v, w]: [u32; 2]| c.outgoing(v).any(|h| c.target(h) == w && !c.has_twin(h));
     let mut edges: Vec<[u32; 2]> = bays.iter().map(|bay| lower_first(bay.ends)).collect();
@@ -143,7 +145,7 @@ mod tests {
         Sample { position: dvec3(x, y, 0.0), normal: DVec3::Z, triangle: 0, size: 1.0 }
     }
 
-    /// A square, for what is on it.
+    /// A square to serve as the surface.
     fn domain() -> Domain {
         Domain::new(grid(2, 2, |u, v| dvec3(u, v, 0.0)).try_into().unwrap())
     }
@@ -192,7 +194,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_straightened_keeps_nothing_else_from_it() {
-        // The ends of the first way are next to each other on the rim already.
+        // The ends of the first bay are adjacent on the rim already.
         let disc = [[0, 6, 7], [6, 1, 7], [1, 0, 7]];
         let other = [[2, 5, 4], [5, 3, 4]];
         let xs = [0.0, 1.0, 5.0, 6.0, 5.0, 5.5, 0.5, 0.5];
@@ -208,7 +210,7 @@ mod tests {
 
     #[test]
     fn a_patch_whose_rims_would_be_one_edge_stays() {
-        // Two curves between the same two samples, and a vertex of the domain on each.
+        // Two curves between the same two samples, each with a vertex of the domain.
         let samples = vec![at(0.0, 0.0), at(1.0, 0.0), at(0.5, -0.1), at(0.5, 0.1)];
         let triangles = [[0, 2, 3], [2, 1, 3]];
         let mesh = Manifold::new(samples, &triangles);

@@ -1,14 +1,14 @@
 //! The star of a sample: its one-ring in the Delaunay triangulation of its neighbours, unrolled into its tangent plane.
 //!
-//! A Delaunay triangle has a circumcircle without samples. All triangles of the star are right once the neighbourhood
+//! A Delaunay triangle has a circumcircle without samples. All triangles of the star are correct if the neighbourhood
 //! reaches twice as far as the largest of their circumradii, so it grows until it does.
 //!
-//! Where all samples in question face about the same way a ball is the neighbourhood; where they do not, the surface is
-//! walked. The star is read off the sample's Voronoi cell; near a boundary, whose edges are constraints, off a
+//! Where all samples concerned face about the same way, the neighbourhood is a ball; elsewhere, it is found by walking over
+//! the surface. The star is read from the sample's Voronoi cell or, near a boundary, whose edges are constraints, from a
 //! constrained Delaunay triangulation.
 //!
-//! Cost: a query for some fifteen points and their bisectors; in bent or thin places a walk, near boundaries a
-//! triangulation instead.
+//! Cost: a query for some fifteen points and their bisectors; a walk in strongly curved or thin places; a triangulation
+//! instead of the cell near boundaries.
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
@@ -21,19 +21,20 @@ use crate::triangulate::unfold::{SamplesByTriangle, Unfolding, along_gentle_bend
 use glam::DVec2;
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
 
-/// First radius of a neighbourhood in mean spacings. Circumradii of samples that the scan leaves are mostly below one.
+/// Initial radius of a neighbourhood, in mean spacings. Circumradii of samples that the scan keeps are mostly below
+/// one.
 const FIRST_RADIUS: f64 = 2.0;
 
-/// How much a neighbourhood grows when it was too small, and how often.
+/// Growth factor of a neighbourhood that was too small, and maximum number of attempts.
 const GROWTH: f64 = 1.5;
 const MOST_ATTEMPTS: usize = 3;
 
-/// Samples within that radius, of which some fifteen are expected, above which there is no star: samples on curves are so
-/// much denser than the spacing there that only a tessellation of the patch has room for all of them.
+/// Maximum number of samples in a neighbourhood, where some fifteen are expected. Beyond it there is no star: samples on
+/// curves are so much denser than the spacing there that only a tessellation of the patch has room for all of them.
 const MOST_NEIGHBOURS: usize = 150;
 
-/// Blocks of samples for each thread, and the fewest samples of a block: enough to outweigh the memory that its walks need, which
-/// is in proportion to the domain.
+/// Blocks of samples for each thread, and minimum number of samples in a block: enough to outweigh the memory of its walks,
+/// which is proportional to the domain.
 const BLOCKS: usize = 8;
 const SMALLEST_BLOCK: usize = 512;
 
@@ -54,7 +55,7 @@ impl HasPosition for Site {
     }
 }
 
-/// The samples that stars are made of.
+/// The samples from which stars are made.
 #[derive(Clone, Copy)]
 struct Cloud<'a> {
     domain: &'a Domain,
@@ -65,8 +66,9 @@ struct Cloud<'a> {
     near: &'a NeighborsOfPatch<'a>,
 }
 
-/// The stars of all samples, as triangles that begin with the centre of the star. `successor` has for each sample the next
-/// one on the boundary, or [`INTERIOR`]; `spacing` is the mean distance of neighbouring samples where their size is 1.
+/// Returns the stars of all samples, as triangles that begin with the centre of the star. `successor` has the next sample on
+/// the boundary for each sample, or [`INTERIOR`]; `spacing` is the mean distance of neighbouring samples where their size is
+/// 1.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
@@ -91,7 +93,7 @@ pub fn stars(
     Ok(of_blocks.concat())
 }
 
-/// Makes stars; keeps its memory from one to the next.
+/// Makes stars, and reuses its memory for the next one.
 struct StarMaker<'a> {
     cloud: Cloud<'a>,
     unfolding: Unfolding<'a>,
@@ -104,7 +106,7 @@ impl<'a> StarMaker<'a> {
         StarMaker { cloud, unfolding, around: Neighborhood::default() }
     }
 
-    /// Adds the triangles of the star of sample `centre` to `triangles`, counter-clockwise, the centre first.
+    /// Appends the triangles of the star of sample `centre` to `triangles`, counter-clockwise, the centre first.
     fn star(&mut self, centre: u32, triangles: &mut Vec<[u32; 3]>) {
         let mut radius = FIRST_RADIUS * self.spacing_at(centre);
         let begin = triangles.len();
@@ -127,14 +129,14 @@ impl<'a> StarMaker<'a> {
         }
     }
 
-    /// The distance at which sample `s` should have its neighbours.
+    /// Target distance between sample `s` and its neighbours.
     fn spacing_at(&self, s: u32) -> f64 {
         self.cloud.spacing * self.cloud.samples[s as usize].size
     }
 
-    /// Finds the samples of the patch of `centre` within `radius` of it, as if the surface were a single layer. Gives the
+    /// Finds the samples of the patch of `centre` within `radius` of it, as if the surface were a single layer. Returns the
     /// distance of the nearest sample that may belong to another layer because it faces another way. (The two sides of a
-    /// thin wall do, and between two layers that face the same way there is one that does not.)
+    /// thin wall face different ways, and between two layers that face the same way there is one that does not.)
     fn find_in_ball(&mut self, centre: u32, radius: f64) -> f64 {
         let Cloud { domain, samples, near, .. } = self.cloud;
         let here = &samples[centre as usize];
@@ -151,7 +153,8 @@ impl<'a> StarMaker<'a> {
         doubtful
     }
 
-    /// The star among the samples found; the largest circumradius, infinite if the star is open where no boundary is.
+    /// Makes the star among the samples found; returns the largest circumradius, infinite if the star is open away from a
+    /// boundary.
     fn star_of_found(&mut self, centre: u32, radius: f64, triangles: &mut Vec<[u32; 3]>) -> f64 {
         self.around.sort();
         let at_boundary = |s: u32| self.cloud.successor[s as usize] != INTERIOR;
@@ -162,7 +165,8 @@ impl<'a> StarMaker<'a> {
         }
     }
 
-    /// The star of a sample without boundaries around it; the largest circumradius, infinite if the star is open.
+    /// Makes the star of a sample without boundaries around it; returns the largest circumradius, infinite if the star is
+    /// open.
     fn star_of_cell(&mut self, centre: u32, radius: f64, triangles: &mut Vec<[u32; 3]>) -> f64 {
         let reach = self.around.cut(radius);
         if reach.is_finite() {
@@ -173,7 +177,7 @@ impl<'a> StarMaker<'a> {
         reach
     }
 
-    /// The star among boundaries; the largest circumradius, infinite if the star is open where no boundary is.
+    /// Makes the star among boundaries; returns the largest circumradius, infinite if the star is open away from a boundary.
     fn constrained_star(&self, centre: u32, triangles: &mut Vec<[u32; 3]>) -> f64 {
         let Some(plane) = self.triangulation(centre) else { return f64::INFINITY };
         let Some(hub) = plane.fixed_vertices().next().map(|v| plane.vertex(v)) else { return f64::INFINITY };
@@ -182,7 +186,7 @@ impl<'a> StarMaker<'a> {
         let next = self.cloud.successor[centre as usize];
         let mut wedges = ring.len();
         if next != INTERIOR {
-            // From the next sample on the boundary counter-clockwise to the one before.
+            // From the next sample on the boundary counter-clockwise to the previous one.
             let Some(first) = ring.iter().position(|s| s.sample == next) else { return f64::INFINITY };
             ring.rotate_left(first);
             let last = ring.iter().position(|s| self.cloud.successor[s.sample as usize] == centre);
@@ -200,7 +204,7 @@ impl<'a> StarMaker<'a> {
         reach * self.spacing_at(centre)
     }
 
-    /// The neighbours in units of the spacing, triangulated; the centre is the first vertex.
+    /// Triangulates the neighbours in units of the spacing; the centre is the first vertex.
     fn triangulation(&self, centre: u32) -> Option<ConstrainedDelaunayTriangulation<Site>> {
         let mut plane = ConstrainedDelaunayTriangulation::<Site>::new();
         let hub = plane.insert(Site { place: Point2::new(0.0, 0.0), sample: centre }).ok()?;
@@ -212,7 +216,7 @@ impl<'a> StarMaker<'a> {
         for n in &self.around.found {
             let DVec2 { x, y } = n.place / spacing;
             let before = plane.num_vertices();
-            // Places too small to be told apart are taken by the sample that came first.
+            // Of places too close to tell apart, the sample that came first keeps its own.
             let clean = |c: f64| if c.abs() < 1e-9 { 0.0 } else { c };
             let place = Point2::new(clean(x), clean(y));
             if plane.locate_vertex(place).is_some() {
@@ -234,7 +238,7 @@ impl<'a> StarMaker<'a> {
     }
 }
 
-/// Circumradius of the triangle of the origin, `a` and `b`.
+/// Circumradius of the triangle with corners `a`, `b` and the origin.
 fn circumradius(a: Point2<f64>, b: Point2<f64>) -> f64 {
     let (a, b) = (DVec2::new(a.x, a.y), DVec2::new(b.x, b.y));
     a.length() * b.length() * (a - b).length() / (2.0 * a.perp_dot(b).abs()).max(f64::MIN_POSITIVE)

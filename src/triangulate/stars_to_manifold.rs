@@ -1,5 +1,5 @@
-//! Triangulates samples: the triangles that their Delaunay stars agree on, with the gaps between them filled. Where stars
-//! contradict each other or give another topology than the domain's, a mutual tessellation takes their place.
+//! Triangulates samples: takes the triangles on which their Delaunay stars agree, and fills the gaps between them. Where
+//! stars are inconsistent or give another topology than the domain's, a mutual tessellation takes their place.
 
 use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
@@ -14,17 +14,18 @@ use crate::triangulate::star::{INTERIOR, stars};
 use crate::triangulate::triangulation::{Boundary, Triangulated};
 use glam::DVec3;
 
-/// How far around samples that do not settle the domain is tessellated, in mean spacings, in one attempt after the
-/// other. The first also goes to where triangles are possible but not good, the last is of the whole patch.
+/// Radius around unsettled samples within which the domain is tessellated, in mean spacings, for one attempt after the
+/// other. The first one also covers places where triangles are possible but not good, the last one covers whole patches.
 const REACHES: [f64; 3] = [6.0, 12.0, f64::INFINITY];
 
-/// Gaps between samples are too small for triangles in them to be held to a direction.
+/// Gaps between samples are too small to require a direction of their triangles.
 const ANY_FACING: f64 = f64::NEG_INFINITY;
 
-/// Gaps of more sides than this are no ambiguity but a failure.
+/// Gaps with more sides than this are failures, not ambiguities.
 const MOST_SIDES: usize = 48;
 
-/// The oriented 2-manifold over `samples`, of the topology of the domain. `spacing` is the mean distance of neighbours.
+/// Returns the oriented 2-manifold over `samples` with the topology of the domain. `spacing` is the mean distance of
+/// neighbours.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
@@ -61,7 +62,7 @@ pub fn triangulate(
     Ok(triangulated(&starred, &triangles, tessellated_patches))
 }
 
-/// The triangles that stars agree on and those that fill the gaps between them.
+/// Returns the triangles on which stars agree, and those that fill the gaps between them.
 fn joined(starred: &Starred) -> Vec<[u32; 3]> {
     let mut triangles = agreed(&starred.stars);
     let positions: Vec<DVec3> = starred.samples.iter().map(|s| s.position).collect();
@@ -77,8 +78,8 @@ fn joined(starred: &Starred) -> Vec<[u32; 3]> {
     triangles
 }
 
-/// Adds to `unsettled` a point of each further patch whose triangles, although they fit together everywhere, are not of
-/// the topology wanted or do not use most of its samples.
+/// Adds to `unsettled` a point of each further patch whose triangles fit together everywhere, but have another topology than
+/// wanted or leave out too many of its samples.
 fn add_patches_of_wrong_kind(
     domain: &Domain,
     starred: &Starred,
@@ -102,7 +103,7 @@ fn add_patches_of_wrong_kind(
     unsettled.extend(further.map(|p| domain.sample(triangle_of[p], [1.0, 0.0, 0.0])));
 }
 
-/// The patches that `samples` are of, in increasing order.
+/// Returns the patches of `samples`, sorted.
 fn patches_of(domain: &Domain, samples: &[Sample]) -> Vec<u32> {
     let mut patches: Vec<u32> = samples.iter().map(|s| domain.patch_of(s.triangle)).collect();
     patches.sort_unstable();
@@ -113,7 +114,7 @@ fn patches_of(domain: &Domain, samples: &[Sample]) -> Vec<u32> {
 /// A patch may lose one sample in this many to holes that were filled across it.
 const LEAST_USED: usize = 50;
 
-/// The manifold of `triangles` over the samples that they use.
+/// Returns the manifold of `triangles` over the samples that they use.
 fn triangulated(starred: &Starred, triangles: &[[u32; 3]], tessellated_patches: usize) -> Triangulated {
     let mut number = vec![NONE; starred.samples.len()];
     triangles.iter().flatten().for_each(|&v| number[v as usize] = 0);

@@ -1,4 +1,4 @@
-//! Glues the smooth patches of a surface along its curves: the samples of one point become one vertex.
+//! Glues the smooth patches of a surface together along its curves: the samples at one point become one vertex.
 
 use crate::base::union_find::UnionFind;
 use crate::manifold::Manifold;
@@ -10,25 +10,25 @@ use crate::triangulate::triangulation::Triangulated;
 use glam::DVec3;
 use std::collections::BTreeSet;
 
-/// How the samples on curves belong together.
+/// How the samples on curves correspond.
 #[derive(Debug, Clone, Copy)]
 pub struct Gluing<'a> {
-    /// For each of the samples on curves, the first of all samples, the point that it is.
+    /// The point of each sample on curves, which come first among all samples.
     pub point: &'a [u32],
-    /// The points next to each other along a curve, and the curve.
+    /// Pairs of adjacent points along a curve, and the curve.
     pub edges: &'a [([u32; 2], OnCurve)],
     /// Points that are corners.
     pub corners: &'a [u32],
-    /// The number of samples after those on curves that are ends of spikes, corners by themselves.
+    /// Number of samples, after those on curves, at ends of spikes. Each of them is a corner.
     pub spikes: usize,
 }
 
-/// Where patches do not fit together: the points on the curves there are too few.
+/// Where patches do not fit together, since there are too few points on the curves.
 #[derive(Debug, Default)]
 pub struct Torn {
-    /// The points where triangles are no fan, or where an edge is not there.
+    /// Points whose triangles are no single fan, or where an edge is missing.
     pub places: Vec<DVec3>,
-    /// The curves, by their numbers, with an edge between two of these.
+    /// Indices of the curves with an edge between two of these points.
     pub curves: BTreeSet<u32>,
 }
 
@@ -43,10 +43,10 @@ impl Torn {
     }
 }
 
-/// The manifold of `patches` with the curves laid on it.
+/// Glues `patches` into a manifold, with the curves marked on it.
 ///
 /// # Errors
-/// Where it is torn.
+/// [`Torn`] if patches do not fit together.
 pub fn glue(patches: &Triangulated, seams: Gluing<'_>) -> Result<Manifold, Torn> {
     let points = seams.point.iter().max().map_or(0, |&p| p + 1);
     let on_curves = patches.source.partition_point(|&s| (s as usize) < seams.point.len());
@@ -55,7 +55,7 @@ pub fn glue(patches: &Triangulated, seams: Gluing<'_>) -> Result<Manifold, Torn>
     let mut samples = vec![none; points as usize];
     for (sample, &source) in patches.mesh.samples.iter().zip(&patches.source[..on_curves]) {
         let point = &mut samples[seams.point[source as usize] as usize];
-        // A point of more than one patch is on a sharp edge, which has no normal.
+        // A point on more than one patch is on a sharp edge, which has no normal.
         let sharp = point.triangle != NONE;
         *point = Sample { normal: if sharp { DVec3::ZERO } else { sample.normal }, ..*sample };
     }
@@ -77,8 +77,8 @@ pub fn glue(patches: &Triangulated, seams: Gluing<'_>) -> Result<Manifold, Torn>
     Ok(mesh)
 }
 
-/// The vertices, in order, around which `triangles` are no fan, or where an edge of the `curves` is not there. Only these may be
-/// on a boundary.
+/// Returns the vertices, in order, whose `triangles` are no single fan, or where an edge of the `curves` is missing. Only
+/// such edges may be on a boundary.
 fn torn(vertices: usize, triangles: &[[u32; 3]], curves: &[([u32; 2], OnCurve)]) -> BTreeSet<u32> {
     let curves: BTreeSet<[u32; 2]> = curves.iter().map(|&(ends, _)| lower_first(ends)).collect();
     let sides = sorted_sides(triangles);
@@ -115,7 +115,7 @@ fn torn(vertices: usize, triangles: &[[u32; 3]], curves: &[([u32; 2], OnCurve)])
 mod tests {
     use super::*;
 
-    /// Two triangles beside each other, each with its own samples of the two points they share.
+    /// Two adjacent triangles, each with its own samples of the two points they share.
     fn two_patches() -> Triangulated {
         let at = |x: f64, y: f64, triangle: u32| Sample {
             position: DVec3::new(x, y, 0.0),

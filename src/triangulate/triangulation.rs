@@ -1,16 +1,16 @@
-//! The input and the output of a triangulation of samples.
+//! Input and output of a triangulation of samples.
 
 use crate::manifold::Manifold;
 
-/// Samples that have to become vertices, the first ones of all samples: those on the boundary of a domain, then those at the ends of its
-/// spikes.
+/// Samples that must become vertices, which come first among all samples: those on the boundary of a domain, then those at
+/// the ends of its spikes.
 #[derive(Debug, Clone, Copy)]
 pub struct Boundary<'a> {
-    /// The side `3 t + k` of the domain that each lies on, and how far along in 0..1.
+    /// The side `3 t + k` of the domain that each sample lies on, and its position along it in 0..1.
     pub sites: &'a [(u32, f64)],
-    /// The next one on its loop; the surface is on the left of the way there.
+    /// The next sample on the boundary loop of each, with the surface to the left of the edge between them.
     pub successor: &'a [u32],
-    /// The number of spikes.
+    /// Number of spikes.
     pub spikes: usize,
 }
 
@@ -19,8 +19,8 @@ pub struct Boundary<'a> {
 pub struct Triangulated {
     /// The mesh.
     pub mesh: Manifold,
-    /// For each of its vertices the sample that it is; vertices of the domain come after all samples.
+    /// The sample that each vertex is; the indices of vertices of the domain follow those of all samples.
     pub source: Vec<u32>,
-    /// Smooth patches whose stars contradicted each other and that were tessellated from the input as a whole.
+    /// Number of smooth patches that were tessellated from the input as a whole since their stars were inconsistent.
     pub tessellated_patches: usize,
 }

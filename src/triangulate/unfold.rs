@@ -1,18 +1,18 @@
 //! The neighbourhood of a sample along the surface, unrolled into a plane.
 //!
-//! From the sample's own triangle the surface is walked edge by edge, nearest edge first, and every triangle reached is
-//! laid flat beside the one it was reached from. Lengths and angles along the way stay what they are on the surface, so
-//! the samples found have the places of a discrete exponential map: a thin sheet is unrolled around its rim, and the
-//! far side of a gap is not reached at all.
+//! From the sample's own triangle, the surface is walked edge by edge, the nearest edge first, and every triangle reached is
+//! laid flat beside its predecessor. Lengths and angles along the path stay those of the surface, so the samples found have
+//! the places of a discrete exponential map: a thin sheet is unrolled around its rim, and the far side of a gap is not
+//! reached at all.
 //!
-//! Based on: the unfolding step of J. S. B. Mitchell, D. M. Mount, C. H. Papadimitriou, The discrete geodesic problem,
-//! 1987, DOI 10.1137/0216045, along one path a triangle instead of all.
+//! Based on: the unfolding step of J. S. B. Mitchell, D. M. Mount, C. H. Papadimitriou, The discrete geodesic problem, 1987,
+//! DOI 10.1137/0216045. Departure: it follows one path to each triangle instead of all.
 //!
 //! Cost: n log n in the triangles within the radius.
 //!
-//! Limits: a triangle has one place, that of the nearest way to it; beyond a spike's tip ways to both sides of it
-//! compete. On a rough surface ways curl back to the origin in the plane. No way is shorter than the straight line in space, so
-//! about that bounds the walk, too.
+//! Limits: a triangle has a single place, that of the shortest path found to it; beyond the tip of a spike, paths around
+//! both sides compete. On a rough surface, paths curl back to the origin in the plane. Since no path is shorter than the
+//! straight line in space, that distance also bounds the walk, approximately.
 
 use crate::base::csr::Csr;
 use crate::base::heap::Ranked;
@@ -23,22 +23,23 @@ use crate::surface::domain::{Domain, Sample};
 use glam::{DVec2, DVec3};
 use std::collections::BinaryHeap;
 
-/// Cosine of the largest angle between two normals for which a chord tells the length of the bend.
+/// Cosine of the largest angle between two normals for which the chord determines the arc length of the bend.
 const LEAST_AGREEMENT: f64 = 0.2;
 
-/// How far a walk goes in space, in radii: where the surface bends places in the plane are a little nearer than they should be.
+/// Maximum distance of a walk in space, in radii: where the surface is curved, places in the plane are slightly closer than
+/// they should be.
 const FARTHEST: f64 = 2.0;
 
-/// Samples by the triangle that they lie on.
+/// Samples grouped by the triangle that they lie on.
 pub struct SamplesByTriangle(Csr<u32>);
 
 impl SamplesByTriangle {
-    /// The samples by triangle, of `triangle_count` triangles.
+    /// Groups the samples by triangle, of `triangle_count` triangles.
     pub fn new(triangle_count: usize, samples: &[Sample]) -> Self {
         SamplesByTriangle(Csr::new(triangle_count, || samples.iter().map(|s| s.triangle).zip(0u32..)))
     }
 
-    /// The samples on triangle `t`, in increasing order.
+    /// Returns the samples on triangle `t`, sorted.
     pub fn on(&self, t: u32) -> &[u32] {
         self.0.row(t)
     }
@@ -47,35 +48,35 @@ impl SamplesByTriangle {
 /// A sample near another one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlacedNeighbor {
-    /// Its number.
+    /// Its index.
     pub sample: u32,
-    /// Its place in the plane; the sample that was asked about is at the origin, the surface seen from outside.
+    /// Its place in the plane, with the queried sample at the origin and the surface seen from outside.
     pub place: DVec2,
 }
 
-/// A side of a triangle not walked yet that the walk has reached, the nearest to the origin first, and the places of its
-/// two ends.
+/// A side of a triangle not visited yet that the walk has reached, ordered with the one nearest to the origin first, and the
+/// places of its two ends.
 type Front = Ranked<[DVec2; 2]>;
 
-/// Walks over a domain; keeps its memory from one walk to the next.
+/// Walks over a domain, and reuses its memory for the next walk.
 pub struct Unfolding<'a> {
     domain: &'a Domain,
     samples: &'a [Sample],
     by_triangle: &'a SamplesByTriangle,
-    /// The last walk that came to each triangle.
+    /// The last walk that reached each triangle.
     walked: Vec<u32>,
     walk: u32,
     front: BinaryHeap<Front>,
 }
 
 impl<'a> Unfolding<'a> {
-    /// Walks over `domain` between `samples`.
+    /// Prepares walks over `domain` between `samples`.
     pub fn new(domain: &'a Domain, samples: &'a [Sample], by_triangle: &'a SamplesByTriangle) -> Self {
         let walked = vec![0; domain.mesh.triangles.len()];
         Unfolding { domain, samples, by_triangle, walked, walk: 0, front: BinaryHeap::new() }
     }
 
-    /// Collects into `found` the samples within `radius` of sample `centre` along the surface, itself not included.
+    /// Collects the samples within `radius` of sample `centre` along the surface into `found`, except `centre` itself.
     pub fn neighbours(&mut self, centre: u32, radius: f64, found: &mut Vec<PlacedNeighbor>) {
         found.clear();
         self.front.clear();
@@ -98,7 +99,7 @@ impl<'a> Unfolding<'a> {
         }
     }
 
-    /// Places of the corners of triangle `t` with the sample, which lies on it, at the origin.
+    /// Returns the places of the corners of triangle `t`, which contains the sample, with the sample at the origin.
     fn lay_down(&self, t: u32, sample: &Sample) -> [DVec2; 3] {
         let normal = self.domain.mesh.area_vector(t as usize).normalize_or(sample.normal);
         let x =
@@ -110,7 +111,7 @@ impl<'a> Unfolding<'a> {
         })
     }
 
-    /// Notes the samples of a triangle laid flat, and the sides to go on from.
+    /// Collects the samples of a triangle laid flat, and queues the sides from which to continue.
     fn visit(
         &mut self,
         t: u32,
@@ -133,7 +134,7 @@ impl<'a> Unfolding<'a> {
         }
         for k in (0..3).filter(|&k| from[k].is_none()) {
             let side = self.domain.twin[3 * t as usize + k];
-            // Seen from the other face the side runs the other way.
+            // Seen from the other face, the side has the opposite direction.
             let ends = [corners[(k + 1) % 3], corners[k]];
             let distance = distance_to_origin(ends[0], ends[1]);
             if side != NONE
@@ -146,14 +147,14 @@ impl<'a> Unfolding<'a> {
         }
     }
 
-    /// Whether `side` is no farther than `radius` from `p` in space.
+    /// Returns whether `side` is at most `radius` from `p` in space.
     fn is_within(&self, radius: f64, p: DVec3, side: u32) -> bool {
         let corners = self.domain.mesh.corners(side as usize / 3);
         let k = side as usize % 3;
         closest_point_of_segment(p, corners[k], corners[(k + 1) % 3]).distance_squared(p) <= radius * radius
     }
 
-    /// Where the corner opposite `side` comes to lie, with the side's ends at `p` and `q` and the triangle on its left.
+    /// Returns the place of the corner opposite `side`, whose ends are at `p` and `q` with the triangle on its left.
     fn apex(&self, side: u32, p: DVec2, q: DVec2) -> DVec2 {
         let k = side as usize % 3;
         let corners = self.domain.mesh.corners(side as usize / 3);
@@ -168,15 +169,15 @@ impl<'a> Unfolding<'a> {
     }
 }
 
-/// The place of `there` in the tangent plane of `here`, see [`along_bend`]; `None` where the normals differ too much.
+/// Returns the place of `there` in the tangent plane of `here`, see [`along_bend`]; `None` if the normals differ too much.
 pub fn along_gentle_bend(here: &Sample, there: &Sample) -> Option<DVec2> {
     let is_gentle = here.normal.dot(there.normal) >= LEAST_AGREEMENT;
     is_gentle.then(|| along_bend(here.normal, there.normal, there.position - here.position))
 }
 
-/// The place at `offset` in the tangent plane across `here` if the surface bends evenly on the way: the direction is the
-/// one to it, the length that of the arc whose chord is the offset and whose ends have the unit normals `here` and
-/// `there`.
+/// Returns the place of the point at `offset` in the tangent plane with normal `here`, if the surface bends evenly in
+/// between: in the direction of the offset, at the length of the arc that has the offset as its chord and the unit normals
+/// `here` and `there` at its ends.
 pub fn along_bend(here: DVec3, there: DVec3, offset: DVec3) -> DVec2 {
     let (x, y) = here.any_orthonormal_pair();
     let half_sine = 0.5 * here.distance(there);

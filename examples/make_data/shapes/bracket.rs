@@ -1,30 +1,30 @@
-//! An angle bracket as a CAD program would export it: sharp edges, a fillet, two through holes, and triangles that are
-//! as large, long and thin as flat and singly curved faces allow.
+//! An angle bracket as a CAD program would export it, with sharp edges, a fillet and two through holes. Its triangles are as
+//! large, long and thin as flat and singly curved faces allow.
 
 use super::build::Builder;
 use glam::{DVec2, DVec3};
 use spectral_remesh::Mesh;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Millimetres: the plates' thickness and width, the fillet's radius.
+/// Thickness and width of the plates and radius of the fillet, in millimetres.
 const THICKNESS: f64 = 6.0;
 const WIDTH: f64 = 40.0;
 const FILLET: f64 = 8.0;
 const FILLET_STEPS: usize = 8;
 
-/// One of the two plates. It begins at the corner of the bracket and ends round about its hole.
+/// One of the two plates. It starts at the corner of the bracket and ends in a semicircle around its hole.
 struct Plate {
-    /// From the corner to the middle of the hole, in millimetres.
+    /// Distance from the corner to the centre of the hole, in millimetres.
     reach: f64,
     hole_radius: f64,
-    /// Segments of the half circle at the end and of the hole.
+    /// Numbers of segments of the semicircle at the end and of the hole.
     end_steps: usize,
     hole_steps: usize,
-    /// From along the plate, across it, and up from its outer face to space.
+    /// Maps coordinates along the plate, across it, and upwards from its outer face to space.
     place: fn(f64, f64, f64) -> DVec3,
 }
 
-/// The lying plate, finely tessellated.
+/// The horizontal plate, finely tessellated.
 const BASE: Plate =
     Plate { reach: 48.0, hole_radius: 11.0, end_steps: 40, hole_steps: 64, place: |u, v, w| DVec3::new(u, v, w) };
 
@@ -45,7 +45,7 @@ pub fn bracket() -> Mesh {
     b.mesh
 }
 
-/// The outer and the inner face of a plate, each around the hole.
+/// The outer and the inner face of a plate, each with its hole.
 fn faces(b: &mut Builder, plate: &Plate) {
     let outward = (plate.place)(0.0, 0.0, 1.0);
     for (start, height, normal) in [(0.0, 0.0, -outward), (THICKNESS + FILLET, THICKNESS, outward)] {
@@ -69,7 +69,7 @@ fn hole(b: &mut Builder, plate: &Plate) {
     wall(b, plate, &rim, -1.0);
 }
 
-/// The wall over a curve around the middle of a hole, which faces away from it (`side` 1) or towards it (-1).
+/// The wall along a curve around the centre of a hole; it faces away from the centre (`side` 1) or towards it (-1).
 fn wall(b: &mut Builder, plate: &Plate, curve: &[DVec2], side: f64) {
     for w in curve.windows(2) {
         let at = |p: DVec2, height| (plate.place)(p.x, p.y, height);
@@ -79,7 +79,7 @@ fn wall(b: &mut Builder, plate: &Plate, curve: &[DVec2], side: f64) {
     }
 }
 
-/// The hollow quarter cylinder between the plates.
+/// The concave quarter cylinder between the plates.
 fn fillet(b: &mut Builder) {
     let across = DVec3::Y * WIDTH;
     for w in fillet_arc().windows(2) {
@@ -87,7 +87,7 @@ fn fillet(b: &mut Builder) {
     }
 }
 
-/// The two flat L-shaped sides, as fans from the outer corner.
+/// The two flat L-shaped sides, as triangle fans around the outer corner.
 fn flanks(b: &mut Builder) {
     let mut outline = vec![DVec3::new(BASE.reach, 0.0, 0.0), DVec3::new(BASE.reach, 0.0, THICKNESS)];
     outline.extend(fillet_arc());
@@ -99,12 +99,12 @@ fn flanks(b: &mut Builder) {
     }
 }
 
-/// The middle of a plate's hole and of its round end.
+/// The common centre of a plate's hole and of its round end.
 fn middle(plate: &Plate) -> DVec2 {
     DVec2::new(plate.reach, 0.5 * WIDTH)
 }
 
-/// The half circle at the end of a plate, from one flank to the other.
+/// The semicircle at the end of a plate, from one flank to the other.
 fn end_arc(plate: &Plate) -> Vec<DVec2> {
     let angle = |k| PI * k as f64 / plate.end_steps as f64 - FRAC_PI_2;
     (0..=plate.end_steps).map(|k| middle(plate) + 0.5 * WIDTH * DVec2::from_angle(angle(k))).collect()
@@ -123,8 +123,8 @@ fn fillet_arc() -> Vec<DVec3> {
     (0..=FILLET_STEPS).map(|k| at(FRAC_PI_2 * k as f64 / FILLET_STEPS as f64)).collect()
 }
 
-/// Triangles between two closed curves that run counter-clockwise around `centre`, begin in about the same direction,
-/// and are seen whole from it. At each step the curve whose next segment comes first goes ahead.
+/// Triangulates between two closed curves that run counter-clockwise around `centre`, start in about the same direction, and
+/// are completely visible from it. Each step advances on the curve whose next segment comes first.
 fn ring(outer: &[DVec2], inner: &[DVec2], centre: DVec2) -> Vec<[DVec2; 3]> {
     let start = (outer[0] - centre).to_angle();
     let mean_angle = |curve: &[DVec2], k: usize| {

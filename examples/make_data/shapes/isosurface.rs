@@ -1,9 +1,9 @@
-//! Marching cubes without a table: in every cell of a grid the surface is traced around the cell's six sides.
+//! Marching cubes without a table: in each cell of a grid, the surface is traced around the six sides of the cell.
 //!
-//! On a side, seen from outside the cell, the corners are walked counter-clockwise. Each run of corners inside of the
-//! surface is cut off by one segment, from where the walk enters the run to where it leaves it. The two cells at a side agree
-//! on these segments, so the surface has no gaps; in a cell the segments close to loops, which become fans.
-//! Where the surface passes close to a grid point the fans have slivers, as is the custom of the method.
+//! The corners of a side are visited counter-clockwise, as seen from outside the cell. Each run of corners inside the
+//! surface is cut off by one segment, from where the walk enters the run to where it leaves it. The two cells at a side
+//! agree on these segments, so the surface has no gaps. Within a cell, the segments form closed loops, which become triangle
+//! fans. Where the surface passes close to a grid point, the fans have slivers, as is usual for this method.
 
 use super::build::snap;
 use glam::{DVec3, UVec3};
@@ -13,23 +13,23 @@ use std::collections::BTreeMap;
 /// A box of cubic cells.
 pub struct Grid {
     pub origin: DVec3,
-    /// Side of a cell.
+    /// Edge length of a cell.
     pub cell: f64,
-    /// Cells along x, y and z.
+    /// Numbers of cells along x, y and z.
     pub cells: UVec3,
 }
 
-/// The corners of a cell are numbered by bits: x + 2 y + 4 z. Its sides, counter-clockwise seen from outside.
+/// The sides of a cell, counter-clockwise seen from outside. Corners are numbered by bits: x + 2 y + 4 z.
 const SIDES: [[usize; 4]; 6] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
 
-/// How close to a grid point the surface may cross an edge of the grid, in cells.
-/// Smaller makes longer slivers; zero lets vertices coincide.
+/// Minimum distance between a grid point and a crossing of the surface with a grid edge, in cells. Smaller values lead to
+/// longer slivers; zero lets vertices coincide.
 const MARGIN: f64 = 0.02;
 
-/// An edge of the grid, by the numbers of its two grid points, the smaller first.
+/// An edge of the grid, given by the numbers of its two grid points, the lower first.
 type Edge = [usize; 2];
 
-/// The surface on which `field` is zero, with the outside where it is positive.
+/// Returns the surface on which `field` is zero; it is positive outside.
 pub fn isosurface(grid: &Grid, field: impl Fn(DVec3) -> f64) -> Mesh {
     let nodes = grid.cells + 1;
     let [nx, ny, nz] = nodes.to_array().map(|n| n as usize);
@@ -63,7 +63,7 @@ pub fn isosurface(grid: &Grid, field: impl Fn(DVec3) -> f64) -> Mesh {
     mesh
 }
 
-/// The loops in which the surface cuts one cell, each as the grid edges that it crosses.
+/// Returns the loops in which the surface intersects a cell, each as the grid edges that it crosses.
 fn loops(corners: &[usize; 8], value: &[f64]) -> Vec<Vec<Edge>> {
     let mut next: BTreeMap<Edge, Edge> = SIDES.iter().flat_map(|side| segments(side, corners, value)).collect();
     let mut found = Vec::new();
@@ -78,7 +78,8 @@ fn loops(corners: &[usize; 8], value: &[f64]) -> Vec<Vec<Edge>> {
     found
 }
 
-/// The segments on one side of a cell, each from the edge where the walk enters the inside to the one where it leaves.
+/// Returns the segments on one side of a cell, each from the edge where the walk enters the inside to the edge where it
+/// leaves it.
 fn segments(side: &[usize; 4], corners: &[usize; 8], value: &[f64]) -> Vec<(Edge, Edge)> {
     let inside = |k: usize| value[corners[side[k % 4]]] < 0.0;
     let edge = |k: usize| {

@@ -1,4 +1,4 @@
-//! The models of `data/`: what they are, and what must be true of them.
+//! The models of `data/`, with the properties that they must have.
 
 mod blob;
 mod bracket;
@@ -12,18 +12,18 @@ use spectral_remesh::Mesh;
 use spectral_remesh::io::{Format, write};
 use spectral_remesh::stages::mesh::topology::topology;
 
-/// One model and what is promised of it.
+/// A model and its guaranteed properties.
 pub struct Model {
-    /// Its file in `data/`; the ending says the format.
+    /// Its file in `data/`, whose ending determines the format.
     pub file: &'static str,
     pub mesh: Mesh,
-    /// Handles of the surface: a sphere and a disk have none, a torus has one.
+    /// Number of handles of the surface: none for a sphere or a disk, one for a torus.
     pub genus: i64,
-    /// Zero: the surface is closed.
+    /// Number of boundary loops; zero if the surface is closed.
     pub boundary_loops: usize,
 }
 
-/// All models, in the order of their names.
+/// Returns all models, sorted by name.
 pub fn all() -> Vec<Model> {
     vec![
         Model { file: "blob.obj", mesh: blob::blob(), genus: 3, boundary_loops: 0 },
@@ -35,8 +35,8 @@ pub fn all() -> Vec<Model> {
 }
 
 impl Model {
-    /// Panics unless the mesh is one oriented manifold of the promised topology, without degenerate triangles,
-    /// and with its outside outside (of a closed surface) or on top (of an open one).
+    /// Panics unless the mesh is a single oriented manifold with the expected topology, without degenerate triangles, whose
+    /// normals point outwards (of a closed surface) or upwards (of an open one).
     pub fn audit(&self) {
         let t = topology(self.mesh.positions.len(), &self.mesh.triangles);
         assert!(t.is_manifold() && t.is_oriented(), "{}: {t:?}", self.file);
@@ -52,7 +52,7 @@ impl Model {
         }
     }
 
-    /// The file's content.
+    /// Returns the content of the file.
     pub fn bytes(&self) -> std::io::Result<Vec<u8>> {
         let format = match self.file.rsplit('.').next() {
             Some("obj") => Format::Obj,
@@ -66,7 +66,7 @@ impl Model {
     }
 }
 
-/// The volume inside of a closed surface, negative where the surface is inside out.
+/// Returns the volume inside a closed surface, which is negative if the surface is inside out.
 fn signed_volume(mesh: &Mesh) -> f64 {
     let six_times = |t| {
         let [a, b, c] = mesh.corners(t);

@@ -1,20 +1,20 @@
-//! A lumpy ball as a cheap scanner sees it: vertices are off by a quarter of the mean edge length.
+//! A lumpy ball as a cheap scanner would see it: vertices are displaced by a quarter of the mean edge length.
 
 use super::build::{Builder, gauss, signed, snap};
 use glam::DVec3;
 use spectral_remesh::Mesh;
 use spectral_remesh::stages::base::rng::{Stage, stream};
 
-/// Parts into which each edge of the icosahedron is cut.
+/// Number of segments into which each edge of the icosahedron is split.
 const FREQUENCY: usize = 24;
 
 /// Standard deviation of the noise, in mean edge lengths.
 const NOISE: f64 = 0.25;
 
-/// Lumps and dents on the ball.
+/// Number of lumps and dents on the ball.
 const LUMPS: usize = 14;
 
-/// The model: 5,762 vertices, radius about 1.
+/// The model: 5,762 vertices, with a radius of about 1.
 pub fn noisy() -> Mesh {
     let mut mesh = lumpy_ball();
     let sigma = NOISE * mean_edge(&mesh);
@@ -26,7 +26,7 @@ pub fn noisy() -> Mesh {
     mesh
 }
 
-/// The ball before the noise.
+/// The ball without noise.
 fn lumpy_ball() -> Mesh {
     let mut rng = stream(21, Stage::Candidates);
     let lumps: Vec<(DVec3, f64)> = (0..LUMPS)
@@ -44,14 +44,14 @@ fn lumpy_ball() -> Mesh {
     mesh
 }
 
-/// The unit sphere: an icosahedron with its faces cut into small triangles.
+/// The unit sphere: an icosahedron with subdivided faces.
 fn ball() -> Mesh {
     let mut b = Builder::default();
     let corners = icosahedron();
     for (i, j, k) in faces(&corners) {
         let at = |a: usize, c: usize| {
             let weight = [FREQUENCY - a - c, a, c].map(|n| n as f64 / FREQUENCY as f64);
-            // Corners in the order of their numbers: both faces at an edge come to the same bits.
+            // Corners are in the order of their numbers, so that both faces at an edge get the same bits.
             (corners[i] * weight[0] + corners[j] * weight[1] + corners[k] * weight[2]).normalize()
         };
         let outward = corners[i] + corners[j] + corners[k];
@@ -67,7 +67,7 @@ fn ball() -> Mesh {
     b.mesh
 }
 
-/// The twelve corners of an icosahedron with edges of length 2.
+/// The twelve vertices of an icosahedron with edge length 2.
 fn icosahedron() -> Vec<DVec3> {
     let golden = (1.0 + 5f64.sqrt()) / 2.0;
     let signs = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
@@ -78,7 +78,7 @@ fn icosahedron() -> Vec<DVec3> {
     signs.into_iter().flat_map(cyclic).collect()
 }
 
-/// The twenty faces: the triples of corners that are pairwise neighbours.
+/// The twenty faces: triples of vertices that are pairwise neighbours.
 fn faces(corners: &[DVec3]) -> Vec<(usize, usize, usize)> {
     let near = |i: usize, j: usize| corners[i].distance(corners[j]) < 2.5;
     let n = corners.len();
@@ -86,7 +86,7 @@ fn faces(corners: &[DVec3]) -> Vec<(usize, usize, usize)> {
     triples.filter(|&(i, j, k)| near(i, j) && near(j, k) && near(i, k)).collect()
 }
 
-/// The mean length of the triangles' sides.
+/// The mean side length of the triangles.
 fn mean_edge(mesh: &Mesh) -> f64 {
     let perimeter = |t| {
         let [a, b, c] = mesh.corners(t);
@@ -95,7 +95,7 @@ fn mean_edge(mesh: &Mesh) -> f64 {
     (0..mesh.triangles.len()).map(perimeter).sum::<f64>() / (3 * mesh.triangles.len()) as f64
 }
 
-/// Unit normals of the vertices, weighted by area.
+/// Area-weighted unit normals of the vertices.
 fn normals(mesh: &Mesh) -> Vec<DVec3> {
     let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
     for (t, corners) in mesh.triangles.iter().enumerate() {

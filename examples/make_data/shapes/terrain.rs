@@ -5,16 +5,16 @@ use glam::{DVec2, DVec3};
 use spectral_remesh::Mesh;
 use spectral_remesh::stages::base::rng::{Random, Stage, stream, unit};
 
-/// Vertices along a side.
+/// Number of vertices along a side.
 const SIDE: usize = 72;
 
-/// How far a vertex outliers from its place in the grid, in cells. Below 0.25 no triangle can turn over.
+/// Maximum displacement of a vertex from its grid position along each axis, in cells. Below 0.25, no triangle can turn over.
 const STRAY: f64 = 0.24;
 
-/// Octaves of the relief, each of half the height and half the width of the one before it.
+/// Number of octaves of the relief, each with half the height and half the width of the previous one.
 const OCTAVES: i32 = 4;
 
-/// The model: a square of side 10 that is pulled out of shape, with hills of height 2.
+/// The model: a distorted square of side length 10, with hills of height 2.
 pub fn terrain() -> Mesh {
     let mut rng = stream(20, Stage::Candidates);
     let relief: Vec<Lattice> = (0..OCTAVES).map(|_| Lattice::new(&mut rng)).collect();
@@ -33,7 +33,7 @@ pub fn terrain() -> Mesh {
     mesh
 }
 
-/// Draws the middle of the square -1..1 together and bends its sides.
+/// Contracts the middle of the square -1..1 and bends its sides.
 fn warp(p: DVec2) -> DVec2 {
     let tighter = p * (0.55 + 0.45 * (0.5 * p.length_squared()).min(1.0));
     tighter + 0.09 * DVec2::new((3.1 * p.y).sin(), (2.6 * p.x + 0.7).cos())
@@ -48,7 +48,7 @@ fn height(p: DVec2, relief: &[Lattice]) -> f64 {
     1.3 * relief.iter().enumerate().map(octave).sum::<f64>()
 }
 
-/// Random values at whole coordinates, smooth between them, repeating every `Lattice::PERIOD`.
+/// Random values at integer coordinates, smoothly interpolated, with period `Lattice::PERIOD`.
 struct Lattice(Vec<f64>);
 
 impl Lattice {

@@ -1,7 +1,7 @@
-//! What was typed, as clap reads it, and what it resolves to: each command's in a file of its own.
+//! Parses the command line with clap and resolves it into jobs; each command has a file of its own.
 //!
-//! `Args` and what is flattened into it have the words of the command line, [`Job`] what there is to do. Between them
-//! every field is named, so a flag or an option that is added to one and forgotten in the other does not compile.
+//! `Args` and the structs flattened into it hold the words of the command line; [`Job`] holds the work to do. The conversion
+//! names every field, so a flag or option that is added to one and forgotten in the other does not compile.
 
 mod manual;
 mod quality;
@@ -33,7 +33,7 @@ pub use stop::Stop;
 pub use tiles::{Planning, Tiling};
 pub use words::Sizing;
 
-/// Examples and exit statuses, below the help.
+/// Examples and exit statuses that follow the help.
 pub const AFTER_HELP: &str = "\
 Examples:
   remesh scan.ply clean.ply --points 20000
@@ -111,25 +111,25 @@ enum Command {
     },
 }
 
-/// What there is to do.
+/// The work to do.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Job {
-    /// Remesh this.
+    /// Remesh a file.
     Remesh(Box<Remeshing>),
-    /// Sample this.
+    /// Sample a file.
     Sample(Sampling),
-    /// Sample tiles of this.
+    /// Plan, sample, mesh or merge tiles.
     Tiles(Tiling),
-    /// Reconstruct this.
+    /// Reconstruct a surface.
     Reconstruct(Reconstructing),
-    /// Measure this.
+    /// Measure meshes.
     Measure(Measuring),
-    /// Print this.
+    /// Print a text.
     Print(String),
 }
 
 impl Job {
-    /// Where its report goes, if it is wanted in a file.
+    /// Returns the file for the report, if one was requested.
     pub fn report(&self) -> Option<&Path> {
         let path = match self {
             Job::Remesh(job) => &job.run.report,
@@ -143,7 +143,7 @@ impl Job {
     }
 }
 
-/// What the words of a command line, the program's name first, ask for.
+/// Parses the words of a command line, which begins with the name of the program.
 pub fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Job, Stop> {
     let Args { command, files, remesh } = Args::try_parse_from(words).map_err(|e| stop(&e))?;
     match (command, files) {

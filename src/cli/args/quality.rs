@@ -33,18 +33,18 @@ pub(super) struct QualityArgs {
     threads: Option<u16>,
 }
 
-/// Measure files.
+/// A job that measures files.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measuring {
-    /// What to measure, at least one.
+    /// The meshes to measure, at least one.
     pub meshes: Vec<MeshFile>,
-    /// What to measure the distance to, if to anything.
+    /// The mesh to which distances are measured, if any.
     pub against: Option<MeshFile>,
-    /// Whether to print JSON and not a table.
+    /// Whether to print JSON instead of a table.
     pub json: bool,
-    /// Where the report goes, if it is wanted in a file.
+    /// The file for the report, if one was requested.
     pub report: Option<PathBuf>,
-    /// As many as there are cores without.
+    /// Number of threads; by default, one per core.
     pub threads: Option<usize>,
 }
 

@@ -35,16 +35,16 @@ pub(super) struct ReconstructArgs {
     run: RunArgs,
 }
 
-/// Reconstruct a file into another one.
+/// A job that reconstructs a surface from one file and writes it to another.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reconstructing {
-    /// What to read.
+    /// The file to read.
     pub input: MeshFile,
-    /// What to write.
+    /// The file to write.
     pub output: MeshFile,
-    /// What to make of it.
+    /// How to reconstruct.
     pub options: ReconstructOptions,
-    /// How it goes on meanwhile.
+    /// Settings of the run.
     pub run: Run,
 }
 

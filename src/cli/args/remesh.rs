@@ -105,22 +105,22 @@ pub(super) struct RemeshArgs {
     run: RunArgs,
 }
 
-/// Remesh a file into another one.
+/// A job that remeshes one file and writes the result to another.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Remeshing {
-    /// What to read.
+    /// The file to read.
     pub input: MeshFile,
-    /// What to write.
+    /// The file to write.
     pub output: MeshFile,
-    /// What to make of it; lengths that are in a file of their own are still to be read.
+    /// How to remesh; target lengths from a separate file have not been read yet.
     pub options: RemeshOptions,
-    /// The numbers of vertices of the levels, if it is to be more than one mesh.
+    /// The numbers of vertices of the levels of detail, if several meshes are requested.
     pub levels: Vec<usize>,
-    /// Where the wanted lengths are, if there are any.
+    /// The source of the target edge lengths, if there are any.
     pub sizing: Option<Sizing>,
-    /// How it is read if it is larger than memory.
+    /// How an input larger than memory is read.
     pub out_of_core: OutOfCore,
-    /// How it goes on meanwhile.
+    /// Settings of the run.
     pub run: Run,
 }
 

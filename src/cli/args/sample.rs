@@ -77,7 +77,7 @@ pub(super) struct EvenArgs {
 }
 
 impl EvenArgs {
-    /// What they set, and nothing else.
+    /// Returns these settings, and defaults for all others.
     pub(super) fn settings(self) -> Result<SampleSettings, Stop> {
         let EvenArgs { points, edge_length, sigma_p, smooth, scan_only, seed, sweeps } = self;
         if points.is_none() && edge_length.is_none() && sigma_p.is_none() {
@@ -110,18 +110,18 @@ struct OutOfCoreArgs {
     memory: MemoryArgs,
 }
 
-/// Sample a file into another one.
+/// A job that samples one file and writes the samples to another.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sampling {
-    /// What to read.
+    /// The file to read.
     pub input: MeshFile,
-    /// What to write.
+    /// The file to write.
     pub output: PathBuf,
     /// How to sample.
     pub options: SampleOptions,
-    /// How it is sampled if it is larger than memory.
+    /// How an input larger than memory is sampled.
     pub out_of_core: OutOfCore,
-    /// How it goes on meanwhile.
+    /// Settings of the run.
     pub run: Run,
 }
 

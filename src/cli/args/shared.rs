@@ -1,4 +1,4 @@
-//! Arguments that several commands have, and what they resolve to.
+//! Arguments shared by several commands, and what they resolve to.
 
 use crate::cli::args::stop::{Stop, wrong};
 use crate::cli::args::words::bytes;
@@ -27,14 +27,14 @@ pub(super) struct RunArgs {
     verbose: bool,
 }
 
-/// How a command goes on, whatever it does.
+/// Settings of a run, for any command.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Run {
-    /// As many as there are cores without.
+    /// Number of threads; by default, one per core.
     pub threads: Option<usize>,
-    /// Where the report goes, if it is wanted in a file.
+    /// The file for the report, if one was requested.
     pub report: Option<PathBuf>,
-    /// How much to say meanwhile.
+    /// Amount of output during the run.
     pub voice: Voice,
 }
 
@@ -51,7 +51,7 @@ impl From<RunArgs> for Run {
 }
 
 impl Run {
-    /// Refuses a page as the report of a command that has none.
+    /// Rejects a page as the report of a command that has no page.
     pub(super) fn without_page(self, of: &str) -> Result<Run, Stop> {
         match self.report.as_deref().filter(|path| is_page(path)) {
             None => Ok(self),
@@ -78,26 +78,26 @@ pub(super) struct MemoryArgs {
 }
 
 impl MemoryArgs {
-    /// When and with what a job is done out of core.
+    /// Resolves how files larger than memory are processed; `always` requests it for all files.
     pub(super) fn resolve(self, always: bool) -> OutOfCore {
         let MemoryArgs { memory, temp, resume } = self;
         OutOfCore { always, memory, temp, resume }
     }
 }
 
-/// Whether a report with this name is a page, and not JSON.
+/// Returns whether a report with this name is a page rather than JSON.
 pub fn is_page(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("html"))
 }
 
-/// How much is said.
+/// Amount of output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Voice {
-    /// Errors only.
+    /// Only errors.
     Quiet,
-    /// The report, and a progress bar on a terminal.
+    /// The report, and a progress bar if there is a terminal.
     Normal,
-    /// The report, and a line for each stage.
+    /// The report, and one line per stage.
     Verbose,
 }
 
@@ -114,7 +114,7 @@ pub(super) struct NormalArgs {
     normal_radius: Option<f64>,
 }
 
-/// The help of options with defaults that the library has.
+/// The help texts of options whose defaults are defined in the library.
 fn neighbors_help() -> String {
     format!(
         "How many neighbours they are fitted to [default: {FEW_NEIGHBORS}, or {MANY_NEIGHBORS} where noise is smoothed]"
@@ -154,18 +154,18 @@ pub(super) struct FormatArgs {
 }
 
 impl FormatArgs {
-    /// The input and the output.
+    /// Returns the input and the output.
     pub(super) fn resolve(self, input: PathBuf, output: PathBuf) -> (MeshFile, MeshFile) {
         let FormatArgs { format, output_format } = self;
         (MeshFile { path: input, format }, MeshFile { path: output, format: output_format })
     }
 }
 
-/// A file and the format that it is said to have.
+/// A file and the format it was declared to have.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MeshFile {
     /// Its path, as it was given.
     pub path: PathBuf,
-    /// The format, where its ending or content are not to decide.
+    /// The format, if it does not follow from the file's ending or content.
     pub format: Option<Format>,
 }

@@ -1,28 +1,28 @@
-//! Why a command line leaves nothing to do.
+//! Reasons why a command line leaves nothing to do.
 
 use crate::base::error::Error;
 use crate::cli::flags::worded;
 
-/// Why there is nothing to do.
+/// The reason why there is nothing to do.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Stop {
-    /// Help or version was asked for: this is it.
+    /// Help or version was requested; this is its text.
     Shown(String),
-    /// The arguments make no sense: one line that says why.
+    /// The arguments are invalid; one line that says why.
     Wrong(String),
 }
 
-/// What a person is told who typed what makes no sense.
+/// Reports invalid arguments to the user.
 pub(super) fn wrong(cause: &str) -> Stop {
     Stop::Wrong(format!("{cause}; see remesh --help"))
 }
 
-/// What a person is told whose options the library refuses.
+/// Reports options that the library rejects to the user.
 pub(super) fn refused(error: &Error) -> Stop {
     wrong(&worded(error))
 }
 
-/// Clap's answer: what it shows as it is, what is wrong as one line without the usage.
+/// Converts clap's answer: help texts are kept, errors become a single line without the usage.
 pub(super) fn stop(error: &clap::Error) -> Stop {
     let text = error.to_string();
     if !error.use_stderr() {

@@ -90,61 +90,61 @@ pub(super) struct PlanArgs {
     run: RunArgs,
 }
 
-/// What there is to do with tiles.
+/// A job on tiles.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Tiling {
     /// Make a plan.
     Plan(Planning),
-    /// Sample tiles of these numbers, or all that are not sampled yet.
+    /// Sample the tiles with these numbers, or all that have not been sampled yet.
     Sample {
         /// The folder of the plan.
         folder: PathBuf,
         /// The numbers of the tiles.
         numbers: Vec<usize>,
-        /// How it goes on meanwhile.
+        /// Settings of the run.
         run: Run,
     },
-    /// Make pieces of the mesh of these numbers, or all that are not made yet.
+    /// Make the pieces of the mesh with these numbers, or all that have not been made yet.
     Mesh {
         /// The folder of the plan.
         folder: PathBuf,
         /// The numbers of the pieces.
         numbers: Vec<usize>,
-        /// How it goes on meanwhile.
+        /// Settings of the run.
         run: Run,
     },
     /// Join the samples, or the pieces of the mesh.
     Merge {
         /// The folder of the plan.
         folder: PathBuf,
-        /// What to write.
+        /// The file to write.
         output: PathBuf,
-        /// Whether that is the mesh.
+        /// Whether to join the mesh rather than the samples.
         mesh: bool,
-        /// How it goes on meanwhile.
+        /// Settings of the run.
         run: Run,
     },
 }
 
-/// Make a plan of a cloud.
+/// A job that makes a plan for a cloud.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Planning {
-    /// What to read.
+    /// The file to read.
     pub input: MeshFile,
     /// The folder of the plan.
     pub folder: PathBuf,
     /// How to sample.
     pub options: SampleOptions,
-    /// The fewest tiles.
+    /// Minimum number of tiles.
     pub tiles: usize,
-    /// Bytes for a tile; half of what is free without.
+    /// Memory limit for a tile in bytes; by default, half of the free memory.
     pub memory: Option<u64>,
-    /// How it goes on meanwhile.
+    /// Settings of the run.
     pub run: Run,
 }
 
 impl Tiling {
-    /// How it goes on meanwhile.
+    /// Returns the settings of the run.
     pub fn run(&self) -> &Run {
         match self {
             Tiling::Plan(Planning { run, .. })

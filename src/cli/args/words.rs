@@ -1,4 +1,4 @@
-//! Single words of the command line, read as what they stand for.
+//! Parsers of single words of the command line.
 
 use crate::cli::args::stop::{Stop, wrong};
 use crate::io::Format;
@@ -8,12 +8,12 @@ use clap::ValueEnum;
 use clap::builder::PossibleValue;
 use std::path::PathBuf;
 
-/// Where the wanted edge lengths are.
+/// The source of the target edge lengths.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Sizing {
-    /// In the input, as the property of this name.
+    /// The input's property of this name.
     Property(String),
-    /// In a JSON file.
+    /// A JSON file.
     File(PathBuf),
 }
 
@@ -33,7 +33,7 @@ impl From<PropertyWidth> for Signal {
 }
 
 impl Sizing {
-    /// The lengths; none yet of those that are in a file.
+    /// Returns the lengths; still empty for those in a file.
     pub(super) fn values(&self) -> Values {
         match self {
             Sizing::Property(name) => Values::Attribute(name.clone()),
@@ -60,18 +60,18 @@ impl From<String> for Sizing {
     }
 }
 
-/// What somebody is told who did not say how dense the result shall be.
+/// The error if no density was given.
 pub(super) fn no_density() -> Stop {
     wrong("how dense? give one of --points N, --edge-length L and --sigma-p S")
 }
 
-/// A number of samples; what is too few or too many for a surface is for the library to say.
+/// Parses a number of samples; the library decides what is too few or too many for a surface.
 pub(super) fn samples(word: &str) -> Result<SampleDensity, String> {
     let count = word.parse().ok().filter(|&n| n > 0).map(SampleDensity::Points);
     count.ok_or_else(|| "it must be a whole number of at least 1".into())
 }
 
-/// A box by its lowest and its highest corner; what boxes make sense is for the library to say.
+/// Parses a box given by its lowest and highest corner; the library decides which boxes are valid.
 pub(super) fn within(word: &str) -> Result<Selection, String> {
     let numbers: Option<Vec<f64>> = word.split(',').map(|number| number.trim().parse().ok()).collect();
     match numbers.as_deref() {
@@ -80,20 +80,20 @@ pub(super) fn within(word: &str) -> Result<Selection, String> {
     }
 }
 
-/// `NAME=VALUE`, a name that may have a = in it.
+/// Parses `NAME=VALUE`, in which the name may contain `=`.
 pub(super) fn property_width(word: &str) -> Result<PropertyWidth, String> {
     let parts = word.rsplit_once('=').filter(|(name, _)| !name.is_empty());
     let (name, sigma) = parts.ok_or("it must be the name of a property, = and a width, as in quality=0.5")?;
     Ok(PropertyWidth { name: name.into(), sigma: positive(sigma)? })
 }
 
-/// A length that makes sense, or zero for none.
+/// Parses a positive length, or zero for none.
 pub(super) fn positive_or_zero(word: &str) -> Result<f64, String> {
     let is_zero = word.parse::<f64>() == Ok(0.0);
     if is_zero { Ok(0.0) } else { positive(word).map_err(|_| "it must be a positive number, or 0".into()) }
 }
 
-/// A number of bytes, as in `400M` or `2G`, each unit a thousand times the one before.
+/// Parses a number of bytes, as in `400M` or `2G`; each unit is a thousand times the previous one.
 pub(super) fn bytes(word: &str) -> Result<u64, String> {
     let digits = word.trim_end_matches(|c: char| c.is_ascii_alphabetic());
     let unit = match word[digits.len()..].to_ascii_uppercase().trim_end_matches('B') {

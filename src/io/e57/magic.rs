@@ -1,4 +1,4 @@
-//! How a file is told.
+//! Signature of E57 files.
 
-/// The first bytes of a file.
+/// First bytes of a file.
 pub(crate) const MAGIC: &[u8] = b"ASTM-E57";

@@ -1,12 +1,12 @@
 //! E57, a format of laser scanners: points with colour and intensity, in several scans.
 //!
-//! The crate `e57` reads it, with the feature of that name. All scans are read, each put into its place; directions in
-//! which nothing was seen are left out. Colours are fractions of the range that the scan gives them.
+//! The crate `e57` reads it, with the feature of that name. All scans are read, each transformed to its pose; directions in
+//! which nothing was seen are left out. Colours are fractions of the range that the scan declares.
 //!
-//! Cost: one pass. A file that promises more points than sixteen a byte is refused before any is read.
+//! Cost: one pass. A file that promises more than sixteen points per byte is refused before any point is read.
 //!
-//! Limits: normals, times, rows and columns, and pictures are left out. What is damaged is found by the crate, mostly by
-//! its check sums; should it panic, that is caught, but a panic hook still hears of it.
+//! Limits: normals, times, rows, columns and pictures are left out. The crate detects damage, mostly by checksums. Should it
+//! panic, the panic is caught, but a panic hook is still called.
 
 mod magic;
 #[cfg(all(feature = "e57", feature = "fs"))]
@@ -41,7 +41,7 @@ mod tests {
     use glam::DVec3;
     use std::io::Cursor;
 
-    /// Two scans, one of them moved, with a direction in which nothing was seen.
+    /// Two scans, one of them translated, each with a direction in which nothing was seen.
     pub(super) fn file() -> Vec<u8> {
         let mut bytes = Cursor::new(Vec::new());
         let mut file = E57Writer::new(&mut bytes, "file").unwrap();

@@ -1,4 +1,4 @@
-//! The points of a file as rows of numbers: x, y, z, red, green, blue and intensity, not a number where there is none.
+//! Points of a file as rows of numbers: x, y, z, red, green, blue and intensity; NaN where a number is missing.
 
 use super::MAGIC;
 use super::scans::{Cloud, Point, each_point, promised};
@@ -13,17 +13,17 @@ use std::io::BufReader;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// The numbers of a row, and the bytes of each.
+/// Numbers per row, and bytes per number.
 const NUMBERS: usize = 7;
 const NUMBER: usize = 8;
 
-/// What is known of all points: in how many directions nothing was seen, once they were shown.
+/// Data shared by all points: the number of directions in which nothing was seen, known once all points were shown.
 #[derive(Default)]
 struct Scans {
     nowhere: Arc<AtomicUsize>,
 }
 
-/// The points of a file that begins with `head`.
+/// Returns the table of points of a file that begins with `head`.
 pub(crate) fn table(head: &[u8]) -> Option<Table> {
     let rows = Scans::default();
     let packed = Scans { nowhere: Arc::clone(&rows.nowhere) };

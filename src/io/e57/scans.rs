@@ -1,4 +1,4 @@
-//! The points of all scans of a file, one after the other.
+//! The points of all scans of a file, one scan after the other.
 
 use super::MAGIC;
 use crate::base::error::{Place, Result};
@@ -12,13 +12,13 @@ use glam::DVec3;
 use std::io::{self, Seek, SeekFrom};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Points for each byte of a file: real ones take more than a byte each.
+/// Maximum number of points per byte of a file: real points take more than a byte each.
 const MOST_PER_BYTE: u64 = 16;
 
-/// The bytes of the smallest packet of points.
+/// Size of the smallest packet of points, in bytes.
 const LEAST_PACKET: u64 = 4;
 
-/// The bytes of the header.
+/// Size of the header, in bytes.
 const HEADER: usize = 48;
 
 pub(crate) fn parse(bytes: &[u8]) -> Parsed {
@@ -39,7 +39,7 @@ pub(super) struct Point {
     pub intensity: Option<f64>,
 }
 
-/// How many points the file promises.
+/// Returns the number of points that the file promises.
 ///
 /// # Errors
 /// An error that says what is damaged.
@@ -48,7 +48,7 @@ pub(super) fn promised<R: io::Read + Seek>(source: R) -> Result<u64> {
     guarded(source, |source, length| open(source, length).map(|(_, promised)| promised))
 }
 
-/// Shows all points; how many directions there are in which nothing was seen.
+/// Passes all points to `show`. Returns the number of directions in which nothing was seen.
 ///
 /// # Errors
 /// Those of `show`; an error that says what is damaged.
@@ -63,8 +63,8 @@ pub(super) fn each_point<R: io::Read + Seek>(source: R, show: &mut dyn FnMut(Poi
     refused.and(nowhere)
 }
 
-/// What `read` makes of a file, which is given with its length and is at its beginning. The crate reserves memory for what the
-/// file promises, and may panic at what is damaged.
+/// Returns what `read` makes of a file. `read` gets the file, rewound to its beginning, and its length. Guards against the
+/// crate, which reserves as much memory as the file promises, and may panic on damaged data.
 fn guarded<R: io::Read + Seek, T>(
     mut source: R,
     read: impl FnOnce(R, u64) -> std::result::Result<T, String>,
@@ -81,7 +81,7 @@ fn guarded<R: io::Read + Seek, T>(
     read.map_err(|_| malformed(Place::Whole, "the file is damaged", EXPORT_AGAIN))?.map_err(damaged)
 }
 
-/// A file and how many points it promises, which are no more than so many bytes can hold.
+/// Opens a file. Returns it with the number of points that it promises, unless its length cannot hold so many.
 fn open<R: io::Read + Seek>(source: R, length: u64) -> std::result::Result<(E57Reader<R>, u64), String> {
     let file = E57Reader::new(source).map_err(|e| e.to_string())?;
     let promised = file.pointclouds().iter().fold(0u64, |sum, scan| sum.saturating_add(scan.records));
@@ -102,7 +102,8 @@ fn has_sound_header<R: io::Read + Seek>(source: &mut R, length: u64) -> bool {
     is_read && header.starts_with(MAGIC) && within(32) && within(40)
 }
 
-/// Shows points until there are no more, or `show` returns false; how many are nowhere.
+/// Passes points to `show` until there are no more or `show` returns false. Returns the number of points without a valid
+/// position.
 fn each_valid<R: io::Read + Seek>(
     source: R,
     length: u64,
@@ -156,7 +157,8 @@ impl Cloud {
         self.intensity.extend(point.intensity);
     }
 
-    /// The points, with what all of them have, beside so many directions in which nothing was seen.
+    /// Returns the points with the attributes that all of them have. `nowhere` is the number of directions in which nothing
+    /// was seen.
     pub(super) fn finish(self, nowhere: usize) -> Read {
         let count = self.positions.len();
         let all = [(COLOR, 3, self.color), ("intensity", 1, self.intensity)];

@@ -1,4 +1,4 @@
-//! The binary container of glTF: a header, a chunk of JSON and perhaps a chunk of bytes.
+//! The binary container of glTF: a header, a chunk of JSON and an optional chunk of binary data.
 
 use crate::base::error::{Error, Place, Result};
 use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed, u32_at};
@@ -7,20 +7,20 @@ use std::io::{self, Write};
 pub(super) const MAGIC: &[u8; 4] = b"glTF";
 const JSON: u32 = u32::from_le_bytes(*b"JSON");
 const BIN: u32 = u32::from_le_bytes(*b"BIN\0");
-/// Magic, version and length.
+/// Size of magic, version and length.
 const HEADER: usize = 12;
-/// Length and type of a chunk.
+/// Size of the length and type of a chunk.
 const CHUNK: usize = 8;
 
 /// The chunks of a GLB file.
 pub(super) struct Chunks<'a> {
     pub json: &'a [u8],
     pub bin: Option<&'a [u8]>,
-    /// Bytes after the length that the header gives.
+    /// Number of bytes beyond the length that the header gives.
     pub extra: usize,
 }
 
-/// Takes a GLB file apart. Chunks of other types are left out, as the specification asks.
+/// Splits a GLB file into its chunks. Chunks of other types are ignored, as the specification requires.
 pub(super) fn split(bytes: &[u8]) -> Result<Chunks<'_>> {
     let version = u32_at(bytes, 4).ok_or_else(|| ends(bytes))?;
     if version != 2 {
@@ -44,7 +44,7 @@ fn ends(bytes: &[u8]) -> Error {
     malformed(Place::Byte(bytes.len()), "the file ends before the length in its header", CUT_SHORT)
 }
 
-/// The content of the chunk at `at`, which must be of type `kind` if one is given, and where the next one begins.
+/// Returns the content of the chunk at `at`, which must be of type `kind` if one is given, and the start of the next chunk.
 fn chunk(file: &[u8], at: usize, kind: Option<u32>) -> Result<(&[u8], usize)> {
     let header = u32_at(file, at).zip(u32_at(file, at + 4));
     let (length, found) = header.ok_or_else(|| malformed(Place::Byte(at), "a chunk without a header", CUT_SHORT))?;
@@ -59,10 +59,10 @@ fn chunk(file: &[u8], at: usize, kind: Option<u32>) -> Result<(&[u8], usize)> {
     Ok((content, at + CHUNK + content.len()))
 }
 
-/// Puts a GLB file together. The length of `bin` is a multiple of four.
+/// Assembles a GLB file. The length of `bin` must be a multiple of four.
 ///
 /// # Errors
-/// If the file would be larger than 4 GB, else what `out` fails with.
+/// If the file would be larger than 4 GB; else errors of `out`.
 pub(super) fn join(mut json: Vec<u8>, bin: &[u8], out: &mut dyn Write) -> io::Result<()> {
     json.resize(json.len().next_multiple_of(4), b' ');
     let bin_chunk = if bin.is_empty() { 0 } else { CHUNK + bin.len() };

@@ -1,8 +1,8 @@
-//! Materials of a glTF file, with the textures and the images that they use.
+//! Materials of a glTF file, with their textures and images.
 //!
-//! Kept are the metallic-roughness model with its five textures, samplers, KHR_materials_unlit and
-//! KHR_texture_transform. All other extensions are left out with a note, and so are textures by other coordinates than
-//! TEXCOORD_0 and images that are neither PNG nor JPEG. Images are taken as they are and not decoded.
+//! Read are the metallic-roughness model with its five textures, samplers, KHR_materials_unlit and KHR_texture_transform.
+//! All other extensions are left out with a note, and so are textures that use other coordinates than TEXCOORD_0, and images
+//! that are neither PNG nor JPEG. Images are copied without decoding.
 
 use super::store::{Store, wrong};
 use crate::base::error::{Place, Result};
@@ -17,18 +17,18 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 pub(super) const UNLIT: &str = "KHR_materials_unlit";
 pub(super) const TRANSFORM: &str = "KHR_texture_transform";
 
-/// How many bytes the images of views may have that are more than those of the file's buffers: a view may be used many
-/// times.
+/// Total size of images in buffer views, in bytes, that is allowed even if the file's buffers are smaller: several images
+/// may use the same view.
 const REPEATED: usize = 1 << 26;
-/// How many bytes all images may have, which is what a GLB file can hold.
+/// Maximum total size of all images, in bytes: the size that a GLB file can hold.
 const MOST: usize = u32::MAX as usize;
 
-/// The numbers of OpenGL that a sampler may have.
+/// OpenGL constants that a sampler may have.
 const MAG_FILTERS: [u64; 2] = [9728, 9729];
 const MIN_FILTERS: [u64; 6] = [9728, 9729, 9984, 9985, 9986, 9987];
 const WRAPS: [u64; 3] = [33_071, 33_648, 10_497];
 
-/// The lists of a file that say what materials look like, as they are in the JSON.
+/// The JSON lists of a file that describe its materials.
 pub(super) struct Lists {
     pub materials: Value,
     pub textures: Value,
@@ -37,14 +37,14 @@ pub(super) struct Lists {
 }
 
 impl Lists {
-    /// The number of materials.
+    /// Number of materials.
     pub fn count(&self) -> usize {
         self.materials.as_array().map_or(0, Vec::len)
     }
 }
 
-/// The materials that triangles use, in the order of the file, and notes of what is left out. `of_triangle` has the
-/// number in the file of each triangle's material, which exists, or [`NONE`].
+/// Returns the materials that triangles use, in the order of the file, and notes on what is left out. `of_triangle` has the
+/// index in the file of each triangle's material, which must exist, or [`NONE`].
 ///
 /// # Errors
 /// `Error::Format` with the material, texture or image that is malformed.
@@ -73,11 +73,11 @@ struct Reader<'a, 's> {
     lists: &'a Lists,
     store: &'a Store<'s>,
     images: Vec<Image>,
-    /// What the images of the file have become; `None` for those that are left out.
+    /// Index of each image of the file in `images`; `None` for an image that is left out.
     known: BTreeMap<usize, Option<u32>>,
-    /// Those of files by their address.
+    /// The same for images with an address, by that address.
     of_address: HashMap<&'a str, Option<u32>>,
-    /// Bytes of all images so far.
+    /// Total size of all images so far, in bytes.
     bytes: usize,
     notes: BTreeSet<String>,
 }
@@ -123,7 +123,7 @@ impl Reader<'_, '_> {
         Ok(Material { name, look: Some(look) })
     }
 
-    /// The texture that `info` of material `material` means; `None` if it is left out.
+    /// Returns the texture that `info` of material `material` refers to; `None` if it is left out.
     fn texture(&mut self, material: usize, of: Use, info: &Value, strength: f64) -> Result<Option<Texture>> {
         let fail = |cause: String| wrong("material", material, cause);
         let index = entry(&info["index"], &self.lists.textures, "texture").map_err(fail)?;
@@ -172,7 +172,7 @@ impl Reader<'_, '_> {
         Ok(number)
     }
 
-    /// The file that an image is; `None` if it cannot be read.
+    /// Returns the content of an image; `None` if it cannot be read.
     fn image_bytes(&mut self, index: usize) -> Result<Option<Vec<u8>>> {
         let image = &self.lists.images[index];
         let fail = |cause: &str| wrong("image", index, cause);
@@ -193,7 +193,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// The `bytes` of image `index`, if all images so far are not more than `most` with it.
+    /// Returns a copy of the `bytes` of image `index`, unless the images so far exceed `most` bytes with it.
     fn within(&mut self, most: usize, index: usize, bytes: &[u8]) -> Result<Vec<u8>> {
         self.bytes = self.bytes.saturating_add(bytes.len());
         if self.bytes > most {
@@ -203,14 +203,14 @@ impl Reader<'_, '_> {
         Ok(bytes.to_vec())
     }
 
-    /// Notes all `extensions` of materials or textures but the one that is read.
+    /// Adds a note for each of the `extensions` of materials or textures except the one that is read.
     fn note_extensions(&mut self, extensions: &Value, read: &str, of: &str) {
         let others = extensions.as_object().into_iter().flat_map(|e| e.keys()).filter(|name| *name != read);
         self.notes.extend(others.map(|name| format!("the extension {name} of {of} is left out")));
     }
 }
 
-/// The number that `index` is, of a part of `list` that exists.
+/// Returns `index` as a number, if `list` has an entry with this index.
 fn entry(index: &Value, list: &Value, kind: &str) -> std::result::Result<usize, String> {
     let count = list.as_array().map_or(0, Vec::len);
     let number = index.as_u64().and_then(|i| usize::try_from(i).ok());
@@ -229,7 +229,7 @@ fn numbers<const N: usize>(value: &Value, default: [f64; N]) -> std::result::Res
     numbers.and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| format!("has a factor that is not {N} numbers"))
 }
 
-/// A factor in the range that all but the strengths of textures have.
+/// Clamps a factor to the range 0 to 1, which applies to all factors except the strengths of textures.
 fn share(factor: f64) -> f64 {
     factor.clamp(0.0, 1.0)
 }
@@ -242,7 +242,7 @@ fn transform(value: &Value) -> std::result::Result<Transform, String> {
     })
 }
 
-/// A sampler; numbers that glTF does not have are as if they were not there.
+/// Returns a sampler. Values that glTF does not define are ignored.
 fn sampler(value: &Value) -> Sampler {
     let one_of = |key: &str, known: &[u64]| value[key].as_u64().filter(|n| known.contains(n)).map(|n| n as u32);
     Sampler {

@@ -1,17 +1,17 @@
 //! glTF 2.0 and GLB.
 //!
-//! The JSON is read with the types of the gltf crate; buffers, views and accessors are read here, because every range in
-//! a file has to be checked (`store`). `scene` walks the nodes, `materials` reads what triangles look like. What
-//! has no part in either (animations, cameras) is dropped before the JSON gets its types, so that nothing in it can be in
-//! the way.
+//! The JSON is read with the types of the gltf crate. Buffers, views and accessors are read here, because every range in a
+//! file has to be checked (`store`). `scene` walks the nodes, `materials` reads the looks of triangles. Parts that
+//! contribute to neither (animations, cameras) are dropped before the JSON is converted to these types, so that errors in
+//! them do not matter.
 //!
 //! Read are points, triangles, strips and fans, indexed or not, positions in floats or quantized (KHR_mesh_quantization),
-//! sparse accessors, data in GLB chunks, in base64 addresses and in files beside. Of the attributes of vertices NORMAL,
-//! COLOR_0, TEXCOORD_0 and those whose names begin with an underscore are read, if all primitives have them. Colours
-//! keep their numbers: between files that have them linear, as glTF, and others nothing is converted.
+//! sparse accessors, data in GLB chunks, in base64 URIs and in files beside. Of the vertex attributes, NORMAL, COLOR_0,
+//! TEXCOORD_0 and those whose names begin with an underscore are read, if all primitives have them. Colours keep their
+//! values: nothing is converted between formats with linear colours, such as glTF, and others.
 //!
-//! Limits: no compressed meshes (Draco, meshopt); lines are left out; skins and morph targets are
-//! not applied. A node's mirroring transform turns its triangles, so that outside stays outside.
+//! Limits: compressed meshes (Draco, meshopt) are not read; lines are left out; skins and morph targets are not applied. A
+//! mirroring transform of a node reverses its triangles, so that the outside stays outside.
 
 mod glb;
 mod materials;
@@ -31,9 +31,9 @@ use materials::Lists;
 use serde_json::Value;
 use store::{COMPRESSIONS, DECOMPRESS, Store};
 
-/// What is not read.
+/// Parts of the JSON that are not read.
 const UNUSED: [&str; 5] = ["animations", "cameras", "extensions", "extras", "skins"];
-/// Required extensions that can be ignored, because they say nothing about geometry, or that are read.
+/// Prefixes of required extensions that can be ignored, because they do not affect geometry, or that are read.
 const HARMLESS: [&str; 9] = [
     "EXT_lights_",
     "EXT_texture_",
@@ -46,11 +46,11 @@ const HARMLESS: [&str; 9] = [
     "MSFT_texture_",
 ];
 
-/// The triangles and points of the default scene (of the first one, if none is the default; of all meshes, if there is
-/// no scene). `resolve` is given the addresses of buffers in other files as they are in the JSON.
+/// Reads the triangles and points of the default scene (of the first one if none is the default, of all meshes if there are
+/// no scenes). `resolve` gets the addresses of buffers in other files as they are in the JSON.
 ///
 /// # Errors
-/// `Error::Format` with the line, byte or part of what is malformed or not supported.
+/// `Error::Format` with the line, byte or part that is malformed or not supported.
 pub(crate) fn parse(bytes: &[u8], resolve: Resolve) -> Parsed {
     if !bytes.starts_with(glb::MAGIC) {
         return read(bytes, None, resolve, Place::Line);
@@ -75,7 +75,7 @@ fn read(json: &[u8], bin: Option<&[u8]>, resolve: Resolve, place: impl Fn(usize)
     scene::collect(&root, &Store::new(&root, bin, resolve), &looks)
 }
 
-/// The JSON as the gltf crate's types, and what materials look like as it is. Indices in both may be anything.
+/// Parses the JSON to the gltf crate's types, and to the raw lists of looks. Indices in both are unchecked.
 fn document(json: &[u8], place: impl Fn(usize) -> Place) -> Result<(Root, Lists)> {
     let mut value: Value = serde_json::from_slice(without_mark(json)).map_err(|e| {
         let cause = format!("neither GLB nor JSON: {e}");
@@ -93,7 +93,7 @@ fn document(json: &[u8], place: impl Fn(usize) -> Place) -> Result<(Root, Lists)
         UNUSED.iter().for_each(|key| drop(object.remove(*key)));
     }
     for scene in value.get_mut("scenes").and_then(Value::as_array_mut).into_iter().flatten() {
-        // An empty scene need not have a list of nodes, but the type wants one.
+        // An empty scene need not have a list of nodes, but the gltf crate's type requires one.
         if let Some(scene) = scene.as_object_mut() {
             scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
         }

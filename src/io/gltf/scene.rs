@@ -15,10 +15,10 @@ use ::gltf::json::{Node, Root};
 use glam::{DMat3, DMat4, DQuat, DVec3};
 use std::collections::BTreeMap;
 
-/// How many vertices and indices a scene may have that is larger than its data: meshes may be used many times.
+/// Number of vertices and indices that a scene may have even if its data is smaller: meshes may be used many times.
 const REPEATED: usize = 1 << 26;
 
-/// What is in the scene: all its triangles, what they look like, and the points of its clouds.
+/// Reads a scene: all its triangles, their looks, and the points of its clouds.
 pub(super) fn collect(root: &Root, store: &Store, looks: &Lists) -> Result<Read> {
     let (mesh, columns, left_out) = (Mesh::default(), Columns::default(), LeftOut::default());
     let (materials, materials_of, parts_of) = (looks.count(), Vec::new(), Vec::new());
@@ -51,19 +51,19 @@ pub(super) fn collect(root: &Root, store: &Store, looks: &Lists) -> Result<Read>
 struct Collector<'a, 's> {
     root: &'a Root,
     store: &'a Store<'s>,
-    /// How many materials there are.
+    /// Number of materials in the file.
     materials: usize,
     mesh: Mesh,
     columns: Columns,
-    /// The numbers, in the file, of each triangle's material and, among those of the scene, of its instance.
+    /// For each triangle, the index of its material in the file, and of its instance in the scene.
     materials_of: Vec<u32>,
     parts_of: Vec<u32>,
-    /// Vertices and indices read or asked for so far.
+    /// Number of vertices and indices read or budgeted so far.
     read: usize,
     left_out: LeftOut,
 }
 
-/// Counts of what is no triangle.
+/// Counts of what is left out or incomplete.
 #[derive(Default)]
 struct LeftOut {
     lines: usize,
@@ -87,7 +87,7 @@ impl LeftOut {
 }
 
 impl Collector<'_, '_> {
-    /// Adds all instances. The budget for all uses of a mesh is asked for at its first one.
+    /// Adds all instances. The budget for all uses of a mesh is claimed at its first use.
     fn instances(&mut self, instances: &[Instance]) -> Result<()> {
         let mut uses = vec![0usize; self.root.meshes.len()];
         for instance in instances {
@@ -106,7 +106,7 @@ impl Collector<'_, '_> {
         Ok(())
     }
 
-    /// Adds a mesh that exists. Primitives over the same positions share their vertices.
+    /// Adds a mesh, which must exist. Primitives with the same positions share their vertices.
     fn mesh(&mut self, index: usize, transform: DMat4) -> Result<()> {
         let mesh = &self.root.meshes[index];
         let mut bases = BTreeMap::new();
@@ -129,7 +129,7 @@ impl Collector<'_, '_> {
         Ok(())
     }
 
-    /// The number of a primitive's material, [`NONE`] if it has none.
+    /// Returns the index of a primitive's material, [`NONE`] if it has none.
     fn material(&self, mesh: usize, primitive: &Primitive) -> Result<u32> {
         match primitive.material.map(|m| m.value()) {
             None => Ok(NONE),
@@ -141,7 +141,7 @@ impl Collector<'_, '_> {
         }
     }
 
-    /// Adds a primitive. `bases` has the first vertex and the number of vertices for the accessors added before.
+    /// Adds a primitive. `bases` has the first vertex and the number of vertices of each set of accessors added before.
     fn primitive(
         &mut self,
         primitive: &Primitive,
@@ -170,7 +170,7 @@ impl Collector<'_, '_> {
         };
         self.budget(corners.len())?;
         self.left_out.incomplete += usize::from(mode == Mode::Triangles && !corners.len().is_multiple_of(3));
-        // A mirrored triangle looks the other way.
+        // A mirroring transform reverses the orientation of triangles.
         let mirrored = transform.determinant() < 0.0;
         let place = |[a, b, c]: [u32; 3]| {
             if mirrored { [base + a, base + c, base + b] } else { [base + a, base + b, base + c] }
@@ -179,7 +179,7 @@ impl Collector<'_, '_> {
         Ok(())
     }
 
-    /// Adds the transformed positions of an accessor; returns the first vertex and their number.
+    /// Adds the transformed positions of an accessor. Returns the first vertex and their number.
     fn vertices(&mut self, accessor: usize, transform: DMat4) -> Result<(u32, u32)> {
         let positions = self.store.positions(accessor)?;
         self.budget(positions.len())?;
@@ -192,7 +192,7 @@ impl Collector<'_, '_> {
         range.filter(|(base, count)| base.checked_add(*count).is_some()).ok_or_else(too_large)
     }
 
-    /// Counts `more` vertices or indices. A scene may be larger than its data, but not beyond all bounds.
+    /// Claims `more` vertices or indices of the budget. A scene may be larger than its data, but only within a limit.
     fn budget(&mut self, more: usize) -> Result<()> {
         self.read = self.read.saturating_add(more);
         if self.read > REPEATED.max(self.store.loaded()) { Err(too_large()) } else { Ok(()) }
@@ -209,11 +209,11 @@ struct Instance<'a> {
     mesh: usize,
     transform: DMat4,
     skinned: bool,
-    /// That of the node.
+    /// Name of the node.
     name: Option<&'a str>,
 }
 
-/// The parts that triangles of these instances are, if one of them has a name: that of the node, else that of the mesh.
+/// Returns the parts of these instances' triangles, if one has a name: that of the node, else that of the mesh.
 fn parts(root: &Root, instances: &[Instance], of_triangle: Vec<u32>) -> Option<Parts> {
     let name = |i: &Instance| part_name(i.name.or(root.meshes[i.mesh].name.as_deref()).unwrap_or_default());
     let list: Vec<Part> = instances.iter().map(|i| Part { object: name(i), group: String::new() }).collect();
@@ -221,8 +221,8 @@ fn parts(root: &Root, instances: &[Instance], of_triangle: Vec<u32>) -> Option<P
     (is_named && !of_triangle.is_empty()).then_some(Parts { list, of_triangle })
 }
 
-/// The meshes of the nodes of scene `index`, parents before their children. The specification wants trees, so a node
-/// that is met twice is an error, which takes care of cycles too.
+/// Returns the meshes of the nodes of scene `index`, parents before their children. The specification requires trees, so a
+/// node that is met twice is an error, which also rules out cycles.
 fn scene_instances(root: &Root, index: usize) -> Result<Vec<Instance<'_>>> {
     let scene = root.scenes.get(index).ok_or_else(|| wrong("scene", index, "does not exist"))?;
     let mut met = vec![false; root.nodes.len()];
@@ -249,14 +249,14 @@ fn scene_instances(root: &Root, index: usize) -> Result<Vec<Instance<'_>>> {
     Ok(instances)
 }
 
-/// The transform of a node relative to its parent.
+/// Returns the transform of a node relative to its parent.
 fn local_transform(node: &Node) -> DMat4 {
     if let Some(matrix) = node.matrix {
         return DMat4::from_cols_array(&matrix.map(f64::from));
     }
     let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
     let rotation = DQuat::from_array(node.rotation.unwrap_or_default().0.map(f64::from));
-    // The specification wants unit quaternions; normalizing takes the rounding to single precision away.
+    // The specification requires unit quaternions. Normalizing removes the rounding to single precision.
     DMat4::from_scale_rotation_translation(
         vector(node.scale.unwrap_or([1.0; 3])),
         DQuat::from_vec4(glam::DVec4::from(rotation).normalize()),
@@ -264,8 +264,8 @@ fn local_transform(node: &Node) -> DMat4 {
     )
 }
 
-/// The triangles that a row of vertices means. Triangles of strips and fans with a vertex twice are left out, as they
-/// only join pieces.
+/// Returns the triangles of a sequence of vertices. Triangles of strips and fans with a repeated vertex are left out, as
+/// they only join pieces.
 fn triangles(mode: Mode, corners: &[u32]) -> Box<dyn Iterator<Item = [u32; 3]> + '_> {
     let proper = |t: &[u32; 3]| t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
     match mode {

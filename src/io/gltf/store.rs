@@ -1,5 +1,5 @@
-//! Buffers, views and accessors of a glTF file, with every range checked: a file that says something impossible gets an
-//! error that names the part, and no memory is reserved on the word of a count.
+//! Buffers, views and accessors of a glTF file. Every range is checked: an impossible one gives an error that names the
+//! part, and no memory is reserved on the word of a count.
 
 use crate::base::error::{Error, Place, Result};
 use crate::io::base64;
@@ -13,21 +13,21 @@ use glam::DVec3;
 use std::borrow::Cow;
 use std::cell::OnceCell;
 
-/// How many elements an accessor may have for each one that is in the file, when it consists of zeros with exceptions.
+/// Maximum number of elements per stored element of an accessor that consists of zeros with exceptions.
 const SPARSITY: u64 = 64;
-/// How many elements it may have in any case.
+/// Number of elements that such an accessor may have in any case.
 const FEW: u64 = 1 << 16;
 
-/// Extensions that compress meshes, and what to do about them.
+/// Extensions that compress meshes, and the remedy.
 pub(super) const COMPRESSIONS: [&str; 3] =
     ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
 pub(super) const DECOMPRESS: &str =
     "decompress it by `gltf-transform copy IN OUT.glb`, or export it without compression";
 
-/// The data of a file. Buffers are fetched when they are first needed, so that those of textures are not.
+/// The data of a file. Buffers are fetched when they are first needed, so that those used only by textures may never be.
 pub(super) struct Store<'a> {
     root: &'a Root,
-    /// The bytes in a GLB file.
+    /// Binary chunk of a GLB file.
     bin: Option<&'a [u8]>,
     resolve: Resolve<'a>,
     buffers: Vec<OnceCell<Cow<'a, [u8]>>>,
@@ -35,13 +35,13 @@ pub(super) struct Store<'a> {
 
 /// The elements of an accessor.
 pub(super) struct Vectors {
-    /// Numbers of an element.
+    /// Numbers per element.
     pub components: usize,
     pub scalar: Scalar,
     pub values: Vec<f64>,
 }
 
-/// The error that `cause` is wrong with part number `index` of its kind.
+/// Returns the error that part number `index` of its kind is wrong because of `cause`.
 pub(super) fn wrong(kind: &str, index: usize, cause: impl Into<String>) -> Error {
     malformed(Place::Part(format!("{kind} {index}")), cause, EXPORT_AGAIN)
 }
@@ -52,12 +52,12 @@ impl<'a> Store<'a> {
         Store { root, bin, resolve, buffers }
     }
 
-    /// The bytes of all buffers that were needed so far.
+    /// Total size of all buffers fetched so far, in bytes.
     pub fn loaded(&self) -> usize {
         self.buffers.iter().filter_map(OnceCell::get).map(|b| b.len()).sum()
     }
 
-    /// The positions of accessor `index`. Integers are taken as they are, or as fractions of their range if the
+    /// Reads the positions of accessor `index`. Integers are used as they are, or as fractions of their range if the
     /// accessor is normalized.
     pub fn positions(&self, index: usize) -> Result<Vec<DVec3>> {
         let accessor = self.accessor(index)?;
@@ -76,8 +76,8 @@ impl<'a> Store<'a> {
         }
     }
 
-    /// The numbers of accessor `index`, so many an element. Those of an attribute that is `raw`, and others that are not
-    /// normalized, are as they are stored; the others are fractions.
+    /// Reads the elements of accessor `index`. Numbers that are normalized become fractions, unless the attribute is `raw`;
+    /// all others are returned as stored.
     pub fn vectors(&self, index: usize, raw: bool) -> Result<Vectors> {
         let accessor = self.accessor(index)?;
         let components = match shape(accessor) {
@@ -98,7 +98,7 @@ impl<'a> Store<'a> {
         Ok(Vectors { components, scalar, values })
     }
 
-    /// The numbers of accessor `index`, of which each is less than `vertices`.
+    /// Reads the indices in accessor `index`, each of which must be less than `vertices`.
     pub fn indices(&self, index: usize, vertices: usize) -> Result<Vec<u32>> {
         let accessor = self.accessor(index)?;
         let read = component(accessor).filter(|_| shape(accessor) == Some(Type::Scalar)).and_then(index_reader);
@@ -119,7 +119,7 @@ impl<'a> Store<'a> {
         self.root.accessors.get(index).ok_or_else(|| wrong("accessor", index, "does not exist"))
     }
 
-    /// All elements of an accessor, each of `size` bytes.
+    /// Reads all elements of an accessor, each of `size` bytes.
     fn decode<T: Copy>(
         &self,
         index: usize,
@@ -141,7 +141,7 @@ impl<'a> Store<'a> {
         Ok(values)
     }
 
-    /// The error that an accessor has no data, which are elsewhere in files that are compressed.
+    /// Returns the error that an accessor has no data. In compressed files they are elsewhere.
     fn without_data(&self, index: usize) -> Error {
         match self.root.extensions_used.iter().find(|name| COMPRESSIONS.contains(&name.as_str())) {
             Some(name) => {
@@ -152,7 +152,7 @@ impl<'a> Store<'a> {
         }
     }
 
-    /// Puts the exceptions of a sparse accessor in their places.
+    /// Writes the exceptions of a sparse accessor to their places.
     fn replace<T>(
         &self,
         sparse: &Sparse,
@@ -178,7 +178,7 @@ impl<'a> Store<'a> {
         Ok(())
     }
 
-    /// `count` rows of `size` bytes in a view, from `offset` on.
+    /// Returns `count` rows of `size` bytes of a view, from `offset` on.
     fn rows(
         &self,
         view: usize,
@@ -200,7 +200,7 @@ impl<'a> Store<'a> {
         Ok(bytes.chunks(stride).take(count as usize).map(move |row| &row[..size]))
     }
 
-    /// The bytes of a view and its stride.
+    /// Returns the bytes of a view and its stride.
     pub fn view(&self, index: usize) -> Result<(&[u8], Option<usize>)> {
         let fail = |cause: &str| wrong("buffer view", index, cause);
         let view: &View = self.root.buffer_views.get(index).ok_or_else(|| fail("does not exist"))?;
@@ -213,7 +213,7 @@ impl<'a> Store<'a> {
         Ok((bytes, view.byte_stride.map(|s| s.0)))
     }
 
-    /// The bytes of a buffer, exactly as many as it says.
+    /// Returns the bytes of a buffer, exactly as many as the file declares.
     fn buffer(&self, index: usize) -> Result<&[u8]> {
         let Some((cell, buffer)) = self.buffers.get(index).zip(self.root.buffers.get(index)) else {
             return Err(wrong("buffer", index, "does not exist"));
@@ -243,7 +243,8 @@ impl<'a> Store<'a> {
         })
     }
 
-    /// The bytes at an address: in it, or in another file. A sentence says what went wrong.
+    /// Returns the bytes at an address: embedded in it, or in another file. The error is a sentence that says what went
+    /// wrong.
     pub fn file(&self, uri: &str) -> std::result::Result<Cow<'a, [u8]>, String> {
         if let Some(data) = uri.strip_prefix("data:") {
             let text = data.split_once(',').filter(|(kind, _)| kind.ends_with(";base64")).map(|(_, text)| text);
@@ -254,7 +255,7 @@ impl<'a> Store<'a> {
     }
 }
 
-/// The base of a sparse accessor without a view of its own.
+/// Returns the base values of a sparse accessor without a view of its own.
 fn zeros<T: Copy>(accessor: &Accessor, zero: T) -> Option<Vec<T>> {
     let sparse = accessor.sparse.as_ref()?;
     let count = accessor.count.0;
@@ -278,7 +279,7 @@ fn shape(accessor: &Accessor) -> Option<Type> {
     }
 }
 
-/// The type of numbers as they are read; `None` for one that no attribute may have.
+/// Returns the scalar type of numbers as they are read; `None` for a type that attributes must not have.
 fn scalar(component: ComponentType, normalized: bool) -> Option<Scalar> {
     Some(match component {
         _ if normalized => Scalar::F32,
@@ -294,7 +295,7 @@ fn scalar(component: ComponentType, normalized: bool) -> Option<Scalar> {
 type ReadCoordinate = fn(&[u8], usize) -> f64;
 type ReadIndex = fn(&[u8]) -> u32;
 
-/// The bytes of a coordinate and how to read one. Rows have been checked to be long enough.
+/// Returns the size of a coordinate in bytes, and a function that reads one. Rows must have been checked to be long enough.
 fn reader(component: ComponentType, normalized: bool) -> Option<(usize, ReadCoordinate)> {
     let read: ReadCoordinate = match (component, normalized) {
         (ComponentType::F32, _) => |b, at| array(b, at).map_or(f32::NAN, f32::from_le_bytes).into(),
@@ -313,7 +314,7 @@ fn reader(component: ComponentType, normalized: bool) -> Option<(usize, ReadCoor
     Some((component.size(), read))
 }
 
-/// The bytes of an index and how to read one.
+/// Returns the size of an index in bytes, and a function that reads one.
 fn index_reader(component: ComponentType) -> Option<(usize, ReadIndex)> {
     let read: ReadIndex = match component {
         ComponentType::U8 => |b| b[0].into(),

@@ -1,4 +1,4 @@
-//! The attributes of the vertices of all primitives, as one list each.
+//! Vertex attributes of all primitives, concatenated to one list per attribute.
 
 use super::store::{Store, Vectors};
 use crate::base::error::Error;
@@ -8,19 +8,19 @@ use ::gltf::json::validation::Checked;
 use glam::{DMat3, DVec2, DVec3};
 use std::collections::BTreeSet;
 
-/// What texture coordinates are called until they are those of corners.
+/// Name of texture coordinates until they are assigned to corners.
 const TEXTURE: &str = "TEXCOORD_0";
 
-/// The attributes of the vertices read so far.
+/// Attributes of the vertices read so far.
 #[derive(Default)]
 pub(super) struct Columns {
     columns: Vec<Attribute>,
-    /// Names of attributes that are left out, and why.
+    /// Notes on attributes that are left out, with the reason.
     left_out: BTreeSet<String>,
 }
 
-/// The accessors of what is read of a primitive's vertices beside their positions: primitives that have the same ones
-/// have the same vertices.
+/// Returns the accessors of a primitive's vertex attributes that are read, apart from positions. Primitives with the same
+/// accessors share their vertices.
 pub(super) fn accessors(primitive: &Primitive) -> Vec<usize> {
     named(primitive).map(|(_, accessor)| accessor).collect()
 }
@@ -38,7 +38,7 @@ fn named(primitive: &Primitive) -> impl Iterator<Item = (String, usize)> {
     })
 }
 
-/// Names of the attributes that are never read.
+/// Returns notes on the attributes that are never read.
 fn unread(primitive: &Primitive) -> impl Iterator<Item = String> {
     primitive.attributes.keys().filter_map(|semantic| match semantic {
         Checked::Valid(
@@ -54,8 +54,8 @@ fn unread(primitive: &Primitive) -> impl Iterator<Item = String> {
 }
 
 impl Columns {
-    /// Adds the attributes of a primitive, whose vertices are those from `base` up to `base + count`, and whose normals
-    /// are turned by `turn`. Those that cannot be read are left out with a note.
+    /// Adds the attributes of a primitive, whose vertices are those from `base` up to `base + count`. Normals are
+    /// transformed by `turn`. Attributes that cannot be read are left out with a note.
     pub fn add(&mut self, store: &Store, primitive: &Primitive, base: usize, count: usize, turn: DMat3) {
         self.left_out.extend(unread(primitive));
         for (name, accessor) in named(primitive) {
@@ -84,7 +84,7 @@ impl Columns {
                 let turned = |n: &mut [f64]| (turn * DVec3::from_slice(n)).normalize_or_zero().write_to_slice(n);
                 values.chunks_exact_mut(3).for_each(turned);
             }
-            // From the upper left of the image to the lower left.
+            // Moves the origin from the upper left of the image to the lower left.
             TEXTURE => values.iter_mut().skip(1).step_by(2).for_each(|v| *v = 1.0 - *v),
             _ => {}
         }
@@ -94,18 +94,18 @@ impl Columns {
         });
         let column = &mut self.columns[known];
         if column.name == TEXTURE && components == column.components {
-            // Vertices of primitives without them, such as those of a plain material, have none.
+            // Vertices of primitives without texture coordinates, such as those of a plain material, get NaN.
             column.values.resize(base * components, f64::NAN);
             column.values.append(&mut values);
             return;
         }
-        // An attribute that is incomplete so far stays so.
+        // An attribute that some vertices lack stays incomplete.
         if (column.components, column.scalar) == (components, scalar) && column.values.len() == base * components {
             column.values.append(&mut values);
         }
     }
 
-    /// Those that all of `count` vertices have, and notes on the others.
+    /// Returns the attributes that all of `count` vertices have, and notes on the others.
     pub fn finish(mut self, count: usize, triangles: &[[u32; 3]]) -> (Attributes, Vec<String>) {
         let mut attributes = Attributes::default();
         for mut column in std::mem::take(&mut self.columns) {

@@ -1,8 +1,8 @@
-//! Writing glTF and GLB: a node and a mesh for each part, a primitive for each of its materials; one buffer of vertices,
-//! which all primitives share, then indices, then images. Of several levels of detail each has its own, and the node of
-//! the finest one names those of the others (MSFT_lod).
+//! Writing of glTF and GLB: a node and a mesh for each part, and a primitive for each of its materials. One buffer holds the
+//! vertices, which all primitives share, then the indices, then the images. Several levels of detail each have these of
+//! their own, and the node of the finest one refers to those of the others (MSFT_lod).
 //!
-//! Vertices on seams of the texture are written once for each pair of texture coordinates, as the format wants it.
+//! Vertices on UV seams are written once for each pair of texture coordinates, as the format requires.
 
 use super::glb;
 use super::write_materials::Written;
@@ -26,13 +26,13 @@ const ELEMENT_ARRAY_BUFFER: u32 = 34_963;
 const POINTS: u32 = 0;
 const TRIANGLES: u32 = 4;
 
-/// The extension of nodes with levels of detail.
+/// Extension for nodes with levels of detail.
 const LEVELS: &str = "MSFT_lod";
 
-/// Writes glTF 2.0 with its data in the file, in single precision.
+/// Writes glTF 2.0 with embedded data, in single precision.
 ///
 /// # Errors
-/// `InvalidData` for coordinates beyond single precision; else what `out` fails with.
+/// `InvalidData` for coordinates beyond single precision; else errors of `out`.
 pub(crate) fn write_gltf(levels: &[Content], out: &mut dyn Write) -> io::Result<()> {
     let Document { mut root, bin } = document(levels)?;
     if !bin.is_empty() {
@@ -45,19 +45,19 @@ pub(crate) fn write_gltf(levels: &[Content], out: &mut dyn Write) -> io::Result<
 /// Writes GLB, in single precision.
 ///
 /// # Errors
-/// `InvalidData` for coordinates beyond single precision; else what `out` fails with, or more than 4 GB.
+/// `InvalidData` for coordinates beyond single precision; else errors of `out`, or of a file larger than 4 GB.
 pub(crate) fn write_glb(levels: &[Content], out: &mut dyn Write) -> io::Result<()> {
     let Document { root, bin } = document(levels)?;
     glb::join(serde_json::to_vec(&root)?, &bin, out)
 }
 
-/// The JSON of a file and the buffer that goes with it.
+/// The JSON of a file, and its buffer.
 struct Document {
     root: Value,
     bin: Vec<u8>,
 }
 
-/// Views and accessors, one of each for every list of numbers, and the buffer that they are in.
+/// Views and accessors, one of each per list of numbers, and the buffer that holds these lists.
 #[derive(Default)]
 struct Lists {
     views: Vec<Value>,
@@ -65,8 +65,9 @@ struct Lists {
     bin: Vec<u8>,
 }
 
-/// The whole file: one mesh, or its levels of detail from fine to coarse, which have the same materials. A mesh without
-/// vertices is a file without scenes, because no list in glTF may be empty; one without triangles is a cloud of points.
+/// Builds the whole file: one mesh, or its levels of detail from fine to coarse, which must have the same materials. A mesh
+/// without vertices becomes a file without scenes, because no list in glTF may be empty; one without triangles becomes a
+/// cloud of points.
 fn document(levels: &[Content]) -> io::Result<Document> {
     let asset = json!({ "version": "2.0", "generator": "spectral-remesh" });
     if levels.iter().any(|content| content.positions.is_empty()) {
@@ -105,7 +106,7 @@ fn document(levels: &[Content]) -> io::Result<Document> {
     Ok(Document { root, bin })
 }
 
-/// What the materials of all levels look like, if they have some.
+/// Returns the looks of the materials that all levels share, if they have any.
 fn looks(levels: &[Content], has_coordinates: bool, lists: &mut Lists) -> io::Result<Option<Written>> {
     let mut materials = levels.iter().map(|content| content.attributes.materials.as_ref());
     let first = materials.next().flatten();
@@ -117,8 +118,8 @@ fn looks(levels: &[Content], has_coordinates: bool, lists: &mut Lists) -> io::Re
     Ok(first.map(|m| Written::new(m, has_coordinates, |image| lists.image(image))))
 }
 
-/// Joins the nodes of all levels to one of the finest level, and gives its number. Each level is for a screen of which the
-/// whole covers so little that its vertices are as dense there as those of the finest level on a full one.
+/// Joins the nodes of all levels to one node of the finest level, and returns its index. The screen coverage of a level is
+/// such that its vertices are as dense on the screen as those of the finest level at full coverage.
 fn join_levels(levels: &[Content], of_level: &[Range<usize>], nodes: &mut Vec<Value>) -> usize {
     let mut heads = Vec::new();
     for of_level in of_level {
@@ -135,7 +136,7 @@ fn join_levels(levels: &[Content], of_level: &[Range<usize>], nodes: &mut Vec<Va
     heads[0]
 }
 
-/// A part of the JSON with its name, unless that is empty.
+/// Adds a name to a part of the JSON, unless the name is empty.
 fn named(mut value: Value, name: &str) -> Value {
     if !name.is_empty() {
         value["name"] = name.into();
@@ -143,8 +144,8 @@ fn named(mut value: Value, name: &str) -> Value {
     value
 }
 
-/// The primitives of each part, and its name: one for each of its materials, all over the same vertices. `corners` are
-/// those of the triangles.
+/// Returns each part's name and primitives: one per material, all over the same vertices. `corners` has the vertices of the
+/// triangles.
 fn meshes(
     content: &Content,
     corners: &[[u32; 3]],
@@ -177,7 +178,7 @@ fn meshes(
     meshes.into_iter().map(|(part, primitives)| (name(part), primitives)).collect()
 }
 
-/// The vertices to write where texture coordinates make more of them. Corners without any get some.
+/// Returns the vertices to write, split where texture coordinates differ. Corners without texture coordinates get zeros.
 fn wedges(content: &Content) -> Option<Wedges> {
     let mut texture = Cow::Borrowed(&content.attributes.texture);
     if texture.is_empty() {
@@ -189,7 +190,7 @@ fn wedges(content: &Content) -> Option<Wedges> {
     Some(Wedges::new(content.triangles, &texture))
 }
 
-/// Adds positions and attributes; the names of the latter with the numbers of their accessors.
+/// Adds positions and attributes. Returns the attributes' names with the indices of their accessors.
 fn vertices(content: &Content, wedges: Option<&Wedges>, lists: &mut Lists) -> io::Result<Map<String, Value>> {
     let count = wedges.map_or(content.positions.len(), |w| w.vertices.len());
     let vertex = |i: usize| wedges.map_or(i, |w| w.vertices[i] as usize);
@@ -202,7 +203,7 @@ fn vertices(content: &Content, wedges: Option<&Wedges>, lists: &mut Lists) -> io
     }
     if let Some(wedges) = wedges {
         names.insert("TEXCOORD_0".into(), lists.accessors.len().into());
-        // From the lower left of the image to the upper left.
+        // Moves the origin from the lower left of the image to the upper left.
         let values = wedges.coordinates.iter().flat_map(|at| [at.x, 1.0 - at.y]).collect();
         let texture = Attribute { name: String::new(), components: 2, values, scalar: Scalar::F32 };
         lists.attribute(&texture, 0..count);
@@ -210,7 +211,7 @@ fn vertices(content: &Content, wedges: Option<&Wedges>, lists: &mut Lists) -> io
     Ok(names)
 }
 
-/// The name of an attribute: one of the format's own, or one that begins with an underscore.
+/// Returns the glTF name of an attribute: a predefined one, or one that begins with an underscore.
 fn semantic(attribute: &Attribute) -> String {
     match attribute.name.as_str() {
         _ if attribute.is_normal() => "NORMAL".into(),
@@ -236,7 +237,7 @@ impl Lists {
         Ok(())
     }
 
-    /// The numbers of `vertices`, each beginning at a multiple of four bytes.
+    /// Adds an attribute of `vertices`. The values of each vertex are aligned to four bytes.
     fn attribute(&mut self, attribute: &Attribute, vertices: impl ExactSizeIterator<Item = usize>) {
         let (count, start) = (vertices.len(), self.bin.len());
         let (component, scalar) = component(attribute.scalar);
@@ -273,7 +274,7 @@ impl Lists {
         self.end(start, json!({ "target": ELEMENT_ARRAY_BUFFER }), accessor);
     }
 
-    /// Adds the content of an image, up to a multiple of four bytes; the number of its view.
+    /// Adds the content of an image, padded to a multiple of four bytes. Returns the index of its view.
     fn image(&mut self, bytes: &[u8]) -> usize {
         let start = self.bin.len();
         self.bin.extend_from_slice(bytes);
@@ -282,7 +283,7 @@ impl Lists {
         self.views.len() - 1
     }
 
-    /// Ends the list of the bytes from `start` on.
+    /// Ends a list of numbers: adds the view and the accessor for the bytes from `start` on.
     fn end(&mut self, start: usize, mut view: Value, mut accessor: Value) {
         view["buffer"] = 0.into();
         view["byteOffset"] = start.into();
@@ -293,7 +294,7 @@ impl Lists {
     }
 }
 
-/// The number of the type that numbers are written in, which is their own if the format has it.
+/// Returns the glTF component type in which numbers are written: their own if glTF has it, else float.
 fn component(scalar: Scalar) -> (u32, Scalar) {
     match scalar {
         Scalar::I8 => (5120, Scalar::I8),

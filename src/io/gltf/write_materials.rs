@@ -1,11 +1,11 @@
-//! Materials as the JSON of glTF, and their images as views of its buffer.
+//! Materials as glTF JSON, and their images as views of its buffer.
 
 use super::materials::{TRANSFORM, UNLIT};
 use crate::mesh::materials::{Alpha, Image, Look, Material, Materials, Sampler, Texture, Use, image_type};
 use serde_json::{Map, Value, json};
 use std::collections::{HashMap, HashSet};
 
-/// The lists of a file that say what its materials look like.
+/// The JSON lists of a file that describe its materials.
 #[derive(Default)]
 pub(super) struct Written {
     materials: Vec<Value>,
@@ -13,16 +13,16 @@ pub(super) struct Written {
     samplers: Vec<Value>,
     images: Vec<Value>,
     extensions: Vec<&'static str>,
-    /// The texture of an image by a sampler, and the samplers so far.
+    /// Index of the texture for an image and a sampler, and the samplers so far.
     texture_numbers: HashMap<(usize, usize), usize>,
     sampler_numbers: HashMap<Sampler, usize>,
-    /// What the images of the mesh have become.
+    /// Index of each image of the mesh in `images`, if it is written.
     image_numbers: Vec<Option<usize>>,
 }
 
 impl Written {
-    /// All materials, with textures if there are `coordinates` for them. `store` puts an image into the buffer and gives
-    /// the number of its view. Images in files are left out.
+    /// Converts all materials, with textures if there are `coordinates` for them. `store` puts an image into the buffer and
+    /// returns the index of its view. Images in files are left out.
     pub fn new(materials: &Materials, coordinates: bool, mut store: impl FnMut(&[u8]) -> usize) -> Written {
         let mut written = Written { image_numbers: vec![None; materials.images.len()], ..Written::default() };
         if coordinates {
@@ -35,7 +35,7 @@ impl Written {
         written
     }
 
-    /// Puts those lists that are not empty into the JSON of a file.
+    /// Puts the lists that are not empty into the JSON of a file.
     pub fn put(self, root: &mut Value) {
         let extensions = self.extensions.into_iter().map(Value::from).collect();
         for (key, list) in [
@@ -63,7 +63,7 @@ impl Written {
     }
 
     fn material(&mut self, material: &Material) -> Value {
-        // For a material of which only the name is known.
+        // For a material known only by name.
         let usual = Look { metallic: 0.0, ..Look::default() };
         let look = material.look.as_ref().unwrap_or(&usual);
         let mut pbr = json!({
@@ -100,7 +100,7 @@ impl Written {
         value
     }
 
-    /// The key of a texture in its material, and what stands there.
+    /// Returns the key of a texture in its material, and the value for that key.
     fn info(&mut self, texture: &Texture) -> Option<(&'static str, Value)> {
         let image = self.image_numbers.get(texture.image as usize).copied().flatten()?;
         let (key, strength) = match texture.of {
@@ -122,7 +122,7 @@ impl Written {
         Some((key, info))
     }
 
-    /// The number of the texture that is this image, sampled like this.
+    /// Returns the index of the texture for this image, with the sampler of `texture`.
     fn texture(&mut self, image: usize, texture: &Texture) -> usize {
         let sampler = self.sampler(texture.sampler);
         let textures = &mut self.textures;

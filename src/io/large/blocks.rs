@@ -1,4 +1,4 @@
-//! What the reader of large meshes asks of a format.
+//! What a format must provide to the reader of large meshes.
 
 use super::places::Places;
 use crate::base::error::Result;
@@ -7,21 +7,21 @@ use crate::geom::polygon::triangulate;
 use crate::io::content::Read;
 use glam::DVec3;
 
-/// About the bytes of a block.
+/// Approximate size of a block, in bytes.
 pub(super) const BLOCK: usize = 1 << 20;
 
 /// A mesh file that can be read in blocks.
 pub(super) trait Blocks {
-    /// How many faces it has.
+    /// Number of faces.
     fn faces(&self) -> u64;
 
-    /// Whether vertices have all that it has beside its shape.
+    /// Whether all attributes that the file has belong to vertices, so that none is lost.
     fn keeps_attributes(&self) -> bool;
 
-    /// Where its vertices are.
+    /// Reads the positions of the vertices.
     fn places(&mut self, monitor: &dyn Monitor) -> Result<Places>;
 
-    /// Shows all triangles, once the places are known.
+    /// Passes all triangles to `take`, once the positions are known.
     fn triangles(
         &mut self,
         places: &Places,
@@ -29,11 +29,11 @@ pub(super) trait Blocks {
         take: &mut dyn FnMut([u32; 3]) -> Result<()>,
     ) -> Result<()>;
 
-    /// The vertices of these numbers, in ascending order, with their attributes.
+    /// Reads the vertices of these indices, in ascending order, with their attributes.
     fn vertices(&self, numbers: &[u32], places: &Places) -> Result<Read>;
 }
 
-/// Shows the triangles of a face.
+/// Triangulates a face and passes its triangles to `take`.
 pub(super) fn show_triangles(
     corners: &[u32],
     places: &Places,

@@ -11,16 +11,16 @@ use crate::mesh::triangle_mesh::Mesh;
 use glam::{DVec3, Vec3};
 use rustc_hash::FxHashMap;
 
-/// A file of facets. Corners at one place are one vertex.
+/// A file of facets. Corners at the same position are one vertex.
 pub(super) struct Facets {
     pub file: Opened,
     pub count: usize,
-    /// The vertex at each place, by its bits.
+    /// Vertex at each position, by the bits of the position.
     pub vertices: FxHashMap<[u32; 3], u32>,
 }
 
 impl Facets {
-    /// Shows the corners of all facets, in their order.
+    /// Passes the corners of all facets to `show`, in their order.
     fn read(&self, monitor: &dyn Monitor, show: &mut dyn FnMut([Vec3; 3]) -> Result<()>) -> Result<()> {
         self.file.seek(HEADER as u64)?;
         let mut block = vec![0; BLOCK / FACET * FACET];
@@ -38,7 +38,7 @@ impl Facets {
     }
 }
 
-/// The bits of a place. Both zeros are one.
+/// Returns the bits of a position. Positive and negative zero give the same bits.
 fn bits(p: Vec3) -> [u32; 3] {
     (p + Vec3::ZERO).to_array().map(f32::to_bits)
 }
@@ -75,7 +75,7 @@ impl Blocks for Facets {
         take: &mut dyn FnMut([u32; 3]) -> Result<()>,
     ) -> Result<()> {
         let vertices = std::mem::take(&mut self.vertices);
-        // A file that changes meanwhile may have places that were not there.
+        // If the file changes meanwhile, it may contain positions that were not there before.
         let number = |p: Vec3| vertices.get(&bits(p)).copied();
         self.read(monitor, &mut |corners| match corners.map(number) {
             [Some(a), Some(b), Some(c)] => take([a, b, c]),

@@ -11,7 +11,7 @@ use crate::io::opened::Opened;
 use crate::io::text::Words;
 use glam::DVec3;
 
-/// Bytes of a file for each of its triangles, about: a line of a face, and half of one of a vertex.
+/// Approximate number of bytes in a file per triangle: the line of a face, and half the line of a vertex.
 const OF_TRIANGLE: u64 = 40;
 
 /// A file of lines.
@@ -20,7 +20,7 @@ pub(super) struct Lines {
 }
 
 impl Lines {
-    /// Shows all lines, by their keywords.
+    /// Passes all lines to `show`, by their keywords.
     fn read(&self, monitor: &dyn Monitor, show: &mut dyn FnMut(&[u8], &mut Words) -> Result<()>) -> Result<()> {
         self.file.seek(0)?;
         let fill = |bytes: &mut [u8]| check(monitor).and_then(|()| self.file.fill(bytes));
@@ -43,7 +43,7 @@ impl Blocks for Lines {
         self.file.length / OF_TRIANGLE
     }
 
-    /// Only all of the file tells.
+    /// Only reading the whole file would tell.
     fn keeps_attributes(&self) -> bool {
         false
     }
@@ -89,7 +89,7 @@ impl Blocks for Lines {
         })
     }
 
-    /// With their colours.
+    /// The vertices include their colours.
     fn vertices(&self, numbers: &[u32], _: &Places) -> Result<Read> {
         let mut text = Vec::new();
         let (mut wanted, mut known) = (numbers.iter().peekable(), 0);

@@ -1,11 +1,11 @@
-//! Meshes larger than memory, read in blocks and made coarser while they are read.
+//! Meshes larger than memory, read in blocks and coarsened while they are read.
 //!
-//! A file is read once for its vertices, whose places stay in memory; once for its triangles, which are sorted by place, in memory
-//! or in a temporary file; and where vertices have attributes, once more for those that are left. The triangles become coarser
-//! place by place, and in the end along the borders between places.
+//! A file is read once for its vertices, whose positions stay in memory; once for its triangles, which are sorted by cell,
+//! in memory or in a temporary file; and, if vertices have attributes, once more for the vertices that remain. The triangles
+//! are coarsened cell by cell, and finally along the borders between cells.
 //!
-//! Memory: twelve bytes a vertex of the file, 24 if its coordinates are not in single precision, as much again for the map
-//! from places to vertices of STL, twelve bytes a triangle unless these are in a file, and what is left.
+//! Memory: twelve bytes per vertex of the file, 24 if its coordinates are not in single precision; as much again for the map
+//! from positions to vertices of STL; twelve bytes per triangle unless these are in a file; and the coarsened mesh.
 
 mod blocks;
 mod facets;
@@ -34,20 +34,20 @@ use polygons::Polygons;
 use sorted::{OfPlace, ROW, Sorter};
 use std::path::Path;
 
-/// About the triangles that become coarser together.
+/// Approximate number of triangles that are coarsened together.
 const OF_PLACE: usize = 1 << 18;
 
-/// Triangles that are sorted together.
+/// Number of triangles that are sorted together.
 const BATCH: usize = 1 << 16;
 
-/// What is known of a large mesh before it becomes coarser.
+/// Size of a large mesh, known before it is coarsened.
 #[derive(Debug, Clone, Copy)]
 pub struct Extent {
-    /// Its vertices.
+    /// Number of vertices.
     pub vertices: usize,
-    /// Its triangles.
+    /// Number of triangles.
     pub triangles: usize,
-    /// Their area, in square units of the file.
+    /// Total area of the triangles, in square units of the file.
     pub area: f64,
 }
 
@@ -59,8 +59,8 @@ pub(crate) struct LargeMesh {
 }
 
 impl LargeMesh {
-    /// The file at `path`; `None` if it cannot be read in blocks: only faces in OBJ, binary PLY and binary STL can, and not from
-    /// a pipe.
+    /// Opens the file at `path`. Returns `None` if it cannot be read in blocks, which only works for faces in OBJ, binary
+    /// PLY and binary STL, and not from a pipe.
     ///
     /// # Errors
     /// [`Error::File`](crate::Error::File) if there is no such file or it cannot be read.
@@ -76,35 +76,36 @@ impl LargeMesh {
                 Some(count) => Box::new(Facets { file, count, vertices: Default::default() }),
                 None => return Ok(None),
             },
-            // In lines that end otherwise there may be no end of a block.
+            // With other line ends, there may be no place where a block can end.
             Format::Obj if file.head.contains(&b'\n') => Box::new(Lines { file }),
             _ => return Ok(None),
         };
         Ok(Some(LargeMesh { blocks, format, name }))
     }
 
-    /// How many faces it has.
+    /// Returns the number of faces.
     pub fn faces(&self) -> u64 {
         self.blocks.faces()
     }
 
-    /// Whether all that it has beside its shape arrives: not what belongs to corners and faces.
+    /// Whether all attributes are read. Those of corners and faces are not.
     pub fn keeps_attributes(&self) -> bool {
         self.blocks.keeps_attributes()
     }
 
-    /// The bytes that its triangles take while they are sorted.
+    /// Size of its triangles while they are sorted, in bytes.
     pub fn bytes_of_triangles(&self) -> u64 {
         ROW as u64 * self.blocks.faces()
     }
 
-    /// The mesh, made as coarse as `coarseness` says, and with no more than about so many vertices; `None` if it has no
-    /// triangle with an area. Its triangles are sorted in memory, or in a new file at `temporary`.
+    /// Reads the mesh, made as coarse as the function `coarseness` says, with at most about the number of vertices that it
+    /// returns. Returns `None` if no triangle has an area. The triangles are sorted in memory, or in a new file at
+    /// `temporary`.
     ///
     /// # Errors
-    /// Those of `coarseness`; [`Error::File`](crate::Error::File) and [`Error::Format`](crate::Error::Format) if one of the
-    /// files cannot be read or written, with the place; [`Error::Cancelled`](crate::Error::Cancelled) if the monitor asks
-    /// for it.
+    /// Those of `coarseness`; [`Error::File`](crate::Error::File) and [`Error::Format`](crate::Error::Format), with the
+    /// place, if one of the files cannot be read or written; [`Error::Cancelled`](crate::Error::Cancelled) if the monitor
+    /// requests it.
     pub fn coarsened(
         mut self,
         temporary: Option<&Path>,
@@ -144,7 +145,7 @@ impl LargeMesh {
         Ok(Some(loaded))
     }
 
-    /// The triangles, sorted, and what is known of them.
+    /// Returns the triangles, sorted by cell, and the size of the mesh.
     fn sorted(
         &mut self,
         temporary: Option<&Path>,
@@ -160,7 +161,7 @@ impl LargeMesh {
             let corners = triangle.map(|v| places.at(v));
             (((corners[0] - origin) / cell).floor().as_ivec3().to_array(), area(corners))
         };
-        // Corners of a triangle may be far apart in memory, so all threads wait for them.
+        // Corners of a triangle may be far apart in memory, so all threads share the waiting.
         let mut put = |triangles: &[[u32; 3]]| {
             let looks: Vec<([i32; 3], f64)> = parallel::map(triangles, look);
             extent.triangles += triangles.len();
@@ -182,8 +183,8 @@ impl LargeMesh {
     }
 }
 
-/// The width of cells that have about [`OF_PLACE`] triangles each: a surface goes through about twice the square of as many
-/// as there are along an axis, and has twice as many triangles as vertices.
+/// Returns the width of cells that have about [`OF_PLACE`] triangles each. With n cells along an axis, a surface passes
+/// through about 2n² of them, and has twice as many triangles as vertices.
 fn cell_size(bounds: Aabb, vertices: usize) -> f64 {
     let along = (vertices as f64 / OF_PLACE as f64).sqrt().ceil().max(1.0);
     // A flat sheet has no extent along one axis.

@@ -1,9 +1,9 @@
-//! Where the vertices of a large mesh are.
+//! Positions of the vertices of a large mesh.
 
 use crate::geom::aabb::Aabb;
 use glam::{DVec3, Vec3};
 
-/// Places in single precision, as long as that is exact: twelve bytes each instead of 24.
+/// Positions in single precision while that is exact: twelve bytes each instead of 24.
 pub(super) enum Places {
     Single(Vec<Vec3>),
     Double(Vec<DVec3>),

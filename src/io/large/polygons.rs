@@ -8,14 +8,14 @@ use crate::io::content::Read;
 use crate::io::dense::PointFile;
 use crate::io::table::Faces;
 
-/// A file of vertices, which are rows of equally many bytes, and after them faces.
+/// A file of vertices, which are rows of equal length, followed by faces.
 pub(super) struct Polygons {
     pub vertices: PointFile,
     pub faces: Faces,
 }
 
 impl Polygons {
-    /// Shows the corners of all faces, in their order.
+    /// Passes the corners of all faces to `show`, in their order.
     fn read(&self, monitor: &dyn Monitor, show: &mut dyn FnMut(&[u32]) -> Result<()>) -> Result<()> {
         let Faces { start, count, rows, .. } = &self.faces;
         let file = &self.vertices.file;
@@ -25,7 +25,7 @@ impl Polygons {
         while left > 0 {
             check(monitor)?;
             let kept = bytes.len();
-            // A face that is longer than a block is looked at again each time that it has doubled.
+            // A face longer than a block is looked at again each time the buffer has doubled.
             let more = (BLOCK.max(kept) as u64).min(file.length - at - kept as u64) as usize;
             if more == 0 {
                 return Err(file.locate(rows.cut_short(file.length)));

@@ -1,27 +1,27 @@
-//! The triangles of a large mesh, those of a place together: in memory, or in a temporary file.
+//! The triangles of a large mesh, grouped by cell, in memory or in a temporary file.
 
 use crate::base::error::Result;
 use crate::io::spill::{Chunk, SpillWriter, read_chunks};
 use rustc_hash::FxHashMap;
 use std::path::{Path, PathBuf};
 
-/// Bytes of the three corners of a triangle.
+/// Size of the three corners of a triangle, in bytes.
 pub(super) const ROW: usize = 12;
 
-/// Takes triangles in any order.
+/// Groups triangles, given in any order, by cell.
 pub(super) enum Sorter {
     Memory(FxHashMap<[i32; 3], Vec<[u32; 3]>>),
     Disk(PathBuf, SpillWriter),
 }
 
-/// The triangles of one place, in the order in which they came.
+/// The triangles of one cell, in the order in which they came.
 pub(super) enum OfPlace {
     Memory(Vec<[u32; 3]>),
     Disk(PathBuf, Vec<Chunk>),
 }
 
 impl Sorter {
-    /// One that keeps triangles in memory, or in a new file at this path.
+    /// Creates a sorter that keeps triangles in memory, or in a new file at this path.
     ///
     /// # Errors
     /// [`Error::File`](crate::Error::File) if it cannot be written.
@@ -32,7 +32,7 @@ impl Sorter {
         })
     }
 
-    /// Adds a triangle to a place.
+    /// Adds a triangle to a cell.
     ///
     /// # Errors
     /// Those of [`Self::new`].
@@ -47,7 +47,7 @@ impl Sorter {
         }
     }
 
-    /// All places, in their order.
+    /// Returns all cells, in their order.
     ///
     /// # Errors
     /// Those of [`Self::new`].
@@ -68,7 +68,7 @@ impl Sorter {
 }
 
 impl OfPlace {
-    /// The triangles.
+    /// Returns the triangles.
     ///
     /// # Errors
     /// [`Error::File`](crate::Error::File) if they cannot be read from the file.

@@ -1,16 +1,16 @@
-//! What stands before the points.
+//! The header of a LAS file.
 
 use crate::base::error::{Place, Result};
 use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, array, malformed, u32_at};
 use glam::DVec3;
 
-/// The first bytes of a file.
+/// First bytes of a file.
 pub(crate) const MAGIC: &[u8] = b"LASF";
 
-/// The bytes of a header of version 1.0, and of one with a count in 64 bits.
+/// Size of a header of version 1.0, and of one with a 64-bit count, in bytes.
 pub(super) const HEADERS: [usize; 2] = [227, 375];
 
-/// The bytes of a point and where in it its colour is, in each layout.
+/// For each layout, the size of a point, and the offset of its colour, in bytes.
 pub(super) const LAYOUTS: [(usize, Option<usize>); 11] = [
     (20, None),
     (28, None),
@@ -25,27 +25,27 @@ pub(super) const LAYOUTS: [(usize, Option<usize>); 11] = [
     (67, Some(30)),
 ];
 
-/// The first layout that has its class in a byte of its own.
+/// First layout that stores the class in a byte of its own.
 pub(super) const WIDE: usize = 6;
 
-/// Set in the number of the layout of compressed points.
+/// Bit that is set in the layout number of compressed points.
 pub(super) const COMPRESSED: u8 = 0x80;
 
-/// What the header says.
+/// Content of the header.
 #[derive(Clone, Copy)]
 pub(super) struct Header {
     pub layout: usize,
     pub compressed: bool,
-    /// Bytes of a point.
+    /// Size of a point, in bytes.
     pub length: usize,
     pub count: usize,
-    /// Where the points begin.
+    /// Offset of the first point.
     pub start: usize,
     pub scale: DVec3,
     pub offset: DVec3,
 }
 
-/// The header of a file that begins with `bytes`.
+/// Reads the header of a file that begins with `bytes`.
 pub(super) fn header(bytes: &[u8]) -> Result<Header> {
     let wrong = |at: usize, cause: String| malformed(Place::Byte(at), cause, EXPORT_AGAIN);
     if !bytes.starts_with(MAGIC) || bytes.len() < HEADERS[0] {

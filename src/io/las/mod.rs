@@ -1,17 +1,17 @@
 //! LAS and LAZ, the formats of laser scanners: points with intensity, class and colour.
 //!
-//! A file is a header, records of variable length, and the points in one of eleven layouts, in integers that are scaled
-//! and shifted to coordinates. Those of LAZ are compressed; the crate `laz` decompresses them, with the feature of that
-//! name. Numbers that are zero for all points are taken as missing. Colours in 16 bits of which only eight are used, as
-//! some programs write them, are taken as bytes.
+//! A file has a header, records of variable length, and the points in one of eleven layouts, with integers that are scaled
+//! and shifted to coordinates. The points of LAZ are compressed; the crate `laz` decompresses them, with the feature of that
+//! name. An attribute that is zero at all points is taken as missing. 16-bit colours that use only eight bits, which some
+//! programs write, are taken as bytes.
 //!
-//! Read are versions 1.0 to 1.4. Left out are returns, times, angles, waveforms and extra bytes.
+//! Versions 1.0 to 1.4 are read. Returns, times, angles, waveforms and extra bytes are left out.
 //!
-//! Cost: one pass. A header that promises more points than there can be is refused before memory is reserved; of LAZ,
-//! which may hold any number of equal points in few bytes, at most sixteen a byte are read.
+//! Cost: one pass. A header that promises more points than the file can hold is refused before memory is reserved. LAZ,
+//! which can hold any number of equal points in a few bytes, is limited to sixteen points per byte.
 //!
-//! Limits: what is damaged inside of compressed points is found by the crate, which may panic at it; that is caught, but
-//! a panic hook still hears of it.
+//! Limits: the crate detects damage inside of compressed points, and may panic; the panic is caught, but a panic hook is
+//! still called.
 
 mod header;
 #[cfg(feature = "laz")]
@@ -52,13 +52,13 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     cloud.finish()
 }
 
-/// The whole numbers that the position of a point is made of.
+/// Returns the integer coordinates of a point.
 fn position(row: &[u8]) -> DVec3 {
     let long = |at: usize| f64::from(array(row, at).map_or(0, i32::from_le_bytes));
     DVec3::new(long(0), long(4), long(8))
 }
 
-/// The error that the file ends before its points.
+/// Returns the error that the file ends before its points do.
 fn ends_early(count: usize, found: usize, end: usize) -> Error {
     let cause = format!("the header says {count} points, but the file ends after {found}");
     malformed(Place::Byte(end), cause, CUT_SHORT)
@@ -202,11 +202,11 @@ mod tests {
         compressed(2, &rows(), 50_000)
     }
 
-    /// What says that chunks are of different sizes.
+    /// Chunk size that stands for chunks of different sizes.
     #[cfg(feature = "laz")]
     const VARIABLE: u32 = u32::MAX;
 
-    /// Compressed points of a layout, so many in a chunk.
+    /// Compressed points of a layout, in chunks of `chunk` points.
     #[cfg(feature = "laz")]
     fn compressed<const N: usize>(layout: u8, rows: &[[u8; N]], chunk: u32) -> Vec<u8> {
         use laz::{LasZipCompressor, LazItemRecordBuilder, LazVlr, LazVlrBuilder};
@@ -281,7 +281,7 @@ mod tests {
             let mut bytes = good.clone();
             bytes[first_layer..first_layer + 4].fill(0xFF);
             assert!(parse(&bytes).unwrap_err().to_string().contains("a chunk of them is longer than the file"));
-            // More points than the chunks have: what follows them is none.
+            // More points than the chunks hold: the bytes after the chunks must not be taken for one.
             let mut bytes = good;
             bytes[107..111].copy_from_slice(&(COUNT as u32 + 200).to_le_bytes());
             assert!(parse(&bytes).is_err());

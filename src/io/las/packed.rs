@@ -1,7 +1,7 @@
 //! Compressed points, from memory or from a file.
 //!
-//! Cost: one pass, in which the crate `laz` holds a chunk at most, some 50,000 points. What the crate would reserve memory for is
-//! compared with the size of the file first.
+//! Cost: one pass, in which the crate `laz` holds at most one chunk, some 50,000 points. Sizes for which the crate would
+//! reserve memory are first compared with the size of the file.
 
 use super::header::{HEADERS, Header};
 use crate::base::error::{Place, Result};
@@ -10,29 +10,29 @@ use laz::{LasZipDecompressor, LazItem, LazVlr};
 use std::io::{Read, Seek, SeekFrom};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Points for each byte of a compressed file: real ones take more than a byte each.
+/// Maximum number of points per byte of a compressed file: real points take more than a byte each.
 const MOST_PER_BYTE: u64 = 16;
 
 /// Whether compressed points can be read at all.
 #[cfg(feature = "fs")]
 pub(super) const CAN_UNPACK: bool = true;
 
-/// The bytes before the first chunk, and of the number of points in front of a chunk's layers.
+/// Number of bytes before the first chunk, and size of the number of points before a chunk's layers.
 const BEFORE_CHUNKS: u64 = 8;
 const COUNT: usize = 4;
 
-/// A file, or a part of one, that ends where it is told to.
+/// A file that appears to end at `end`.
 struct Bytes<R> {
     source: R,
-    /// Where the next byte is. To ask the file takes a call of the system.
+    /// Position of the next byte. Asking the file for it would take a system call.
     place: u64,
     end: u64,
 }
 
-/// Shows each point of a LAZ file as the row of bytes that LAS has.
+/// Passes each point of a LAZ file to `show`, as a row of bytes as in LAS.
 ///
 /// # Errors
-/// Those of `show`; an error with the place of what is damaged.
+/// Those of `show`; an error with the place of the damage.
 pub(super) fn unpack<R: Read + Seek + Send + Sync>(
     mut source: R,
     header: &Header,
@@ -52,7 +52,7 @@ pub(super) fn unpack<R: Read + Seek + Send + Sync>(
         refused = show(row);
         refused.is_ok()
     };
-    // The crate assumes that a sound program compressed the data.
+    // The crate assumes that the data was compressed by a correct program.
     let unpacked = catch_unwind(AssertUnwindSafe(|| bytes.unpack(header, &record, &mut shown)));
     refused?;
     match unpacked {
@@ -63,7 +63,7 @@ pub(super) fn unpack<R: Read + Seek + Send + Sync>(
 }
 
 impl<R: Read + Seek + Send + Sync> Bytes<R> {
-    /// The bytes at this place, if there are so many.
+    /// Returns `count` bytes at this offset, if there are that many.
     fn at(&mut self, place: u64, count: usize) -> Option<Vec<u8>> {
         let is_there = place.checked_add(count as u64).is_some_and(|end| end <= self.end);
         let mut bytes = vec![0; if is_there { count } else { return None }];
@@ -76,7 +76,7 @@ impl<R: Read + Seek + Send + Sync> Bytes<R> {
         self.at(place, N)?.try_into().ok()
     }
 
-    /// Shows points until there are no more, or `show` returns false.
+    /// Passes points to `show` until there are no more or `show` returns false.
     fn unpack(
         mut self,
         header: &Header,
@@ -98,7 +98,7 @@ impl<R: Read + Seek + Send + Sync> Bytes<R> {
         self.seek(SeekFrom::Start(start)).map_err(|e| e.to_string())?;
         let mut points = LasZipDecompressor::new(self, record).map_err(|e| e.to_string())?;
         if layers > 0 {
-            // Nothing behind what was looked at is taken for a chunk.
+            // Ensures that nothing after the checked range is taken for a chunk.
             points.get_mut().end = end_of_chunks;
         }
         let mut row = vec![0; header.length];
@@ -111,14 +111,14 @@ impl<R: Read + Seek + Send + Sync> Bytes<R> {
         Ok(())
     }
 
-    /// Whether all layers, for which the crate reserves memory at once, are before the end of the last chunk. A chunk is a point,
-    /// the number of points, the sizes of the layers in 32 bits, and the layers.
+    /// Whether all layers, for which the crate reserves memory at once, end before the last chunk does. A chunk consists of
+    /// a point, the number of points, the sizes of the layers in 32 bits, and the layers.
     fn has_sound_layers(&mut self, end: u64, header: &Header, layers: usize) -> bool {
         let mut at = header.start as u64 + BEFORE_CHUNKS;
         let before = (header.length + COUNT) as u64;
         let whole = std::mem::replace(&mut self.end, end);
         let mut is_sound = true;
-        // What ends before its layers is found by the crate.
+        // A chunk that ends before its layers is detected by the crate.
         while let Some(sizes) = self.at(at + before, 4 * layers).filter(|_| is_sound) {
             let size = |bytes: &[u8]| bytes.try_into().map_or(0, u32::from_le_bytes);
             let size: u64 = sizes.chunks_exact(4).map(|bytes| u64::from(size(bytes))).sum();
@@ -130,7 +130,7 @@ impl<R: Read + Seek + Send + Sync> Bytes<R> {
         is_sound
     }
 
-    /// Where the table of chunks begins, at which the points end.
+    /// Returns the offset of the chunk table, at which the points end.
     fn table_of_chunks(&mut self, start: u64) -> Option<u64> {
         let table = match self.array(start).map(i64::from_le_bytes) {
             Some(-1) => self.end.checked_sub(8).and_then(|at| self.array(at)).map(i64::from_le_bytes),
@@ -139,14 +139,14 @@ impl<R: Read + Seek + Send + Sync> Bytes<R> {
         table.and_then(|at| at.try_into().ok())
     }
 
-    /// Whether the table of chunks, for which the crate reserves memory at once, has fewer of them than the file bytes.
+    /// Whether the chunk table, for which the crate reserves memory at once, has no more chunks than the file has bytes.
     fn has_sound_chunks(&mut self, start: u64) -> bool {
         let table = self.table_of_chunks(start).and_then(|at| at.checked_add(4));
         let chunks = table.and_then(|at| self.array(at)).map(u32::from_le_bytes);
         chunks.is_none_or(|chunks| u64::from(chunks) <= self.end)
     }
 
-    /// The record that says how points are compressed.
+    /// Returns the record that describes the compression of points.
     fn record_of_laszip(&mut self) -> Option<Vec<u8>> {
         const RECORD_HEADER: usize = 54;
         let mut at = u64::from(u16::from_le_bytes(self.array(94)?));
@@ -163,7 +163,7 @@ impl<R: Read + Seek + Send + Sync> Bytes<R> {
     }
 }
 
-/// The layers that a part of a point is kept in, in each chunk; none in the layouts below 6.
+/// Returns the number of layers per chunk for a part of a point; zero in layouts below 6.
 fn layers_of(item: &LazItem) -> usize {
     use laz::LazItemType::{Byte14, Point14, RGB14, RGBNIR14, WavePacket14};
     match item.item_type() {

@@ -11,7 +11,7 @@ use glam::DVec3;
 use std::fs::File;
 use std::io::BufReader;
 
-/// The points of a file of this many bytes that begins with `head`.
+/// Returns the table of points of a file with this length that begins with `head`.
 pub(crate) fn table(head: &[u8], length: u64) -> Option<Table> {
     let header = header(head).ok()?;
     let Header { start, length: row, count: points, compressed, .. } = header;

@@ -1,4 +1,4 @@
-//! Compressed points, for programs that cannot decompress them.
+//! Stand-in for compressed points, for builds that cannot decompress them.
 
 use super::header::Header;
 use crate::base::error::{Place, Result};

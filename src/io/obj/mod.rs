@@ -1,11 +1,11 @@
 //! Wavefront OBJ: the polygons of all objects and groups over all vertices, in the order of the file.
 //!
-//! Texture and normal seams split nothing: texture coordinates are kept corner by corner, and the normals of the corners
-//! at a vertex are added up. Three or four numbers behind the coordinates of every vertex are its colour. Materials are
-//! kept by name, and so are objects and groups. Weights and smoothing groups are skipped; points and lines beside polygons, and
-//! free-form curves and surfaces are left out with a note. A face may use vertices that come later in the file.
+//! UV seams and normal seams split no vertices: texture coordinates are kept per corner, and the normals of the corners at a
+//! vertex are added up. Three or four numbers after the coordinates of every vertex are its colour. Materials, objects and
+//! groups are kept by name. Weights and smoothing groups are skipped; points and lines beside polygons, and free-form curves
+//! and surfaces, are left out with a note. A face may use vertices that come later in the file.
 //!
-//! Cost: one pass; memory for the polygons beside that of the mesh.
+//! Cost: one pass; memory for the polygons in addition to that of the mesh.
 
 pub(super) mod mtl;
 mod write;
@@ -26,11 +26,11 @@ use crate::mesh::triangle_mesh::Mesh;
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 
-/// Statements that say nothing about the shape of polygons.
+/// Statements that do not affect the shape of polygons.
 const SKIPPED: &[&str] =
     &["s", "mg", "usemap", "maplib", "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "call", "csh"];
 
-/// Numbers of a colour, the last of which is the opacity.
+/// Maximum number of values of a colour; the fourth is the opacity.
 const COLOR_COLUMNS: usize = 4;
 
 /// Statements of free-form curves and surfaces.
@@ -39,7 +39,7 @@ const FREE_FORM: &[&str] = &[
     "ctech", "stech", "bsp", "bzp", "cdc", "cdp", "res",
 ];
 
-/// What to do with a file of [`FREE_FORM`] geometry.
+/// Remedy for a file of [`FREE_FORM`] geometry.
 const NO_FREE_FORM: &str = "mesh the surfaces in the program that made them, and export that mesh";
 
 pub(crate) fn parse(bytes: &[u8]) -> Parsed {
@@ -58,29 +58,28 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
 struct Reader<'a> {
     words: Words<'a>,
     positions: Vec<DVec3>,
-    /// What follows the coordinates.
+    /// Numbers after the coordinates of vertices.
     columns: Columns,
     texture: Vec<DVec2>,
     normals: Vec<DVec3>,
     faces: Faces,
-    /// For each corner of a face the numbers of its texture coordinates and of its normal; they end with the last corner
-    /// that has one.
+    /// Texture coordinate index and normal index of each corner. Each list ends with the last corner that has one.
     corner_texture: Vec<u32>,
     corner_normal: Vec<u32>,
     materials: Materials,
     material_numbers: HashMap<String, u32>,
-    /// The material that faces have from here on.
+    /// Current material, for the faces that follow.
     material: u32,
-    /// The material of each face; ends with the last face before the first material.
+    /// Material of each face, up to the last face before the latest `usemtl`.
     face_material: Vec<u32>,
     parts: Parts,
-    /// The numbers of the parts so far.
+    /// Index of each part so far.
     part_numbers: HashMap<Part, u32>,
-    /// The part that faces are of from here on, and its number.
+    /// Current part, for the faces that follow, and its index.
     part: (Part, u32),
-    /// The part of each face; ends with the last face before the first part.
+    /// Part of each face, up to the last face before the latest `o` or `g`.
     face_part: Vec<u32>,
-    /// The largest vertex number that a face uses, and the line that it is first used on.
+    /// Largest vertex number that a face uses, and the line on which it is first used.
     largest: (usize, usize),
     points: usize,
     lines: usize,
@@ -158,7 +157,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Three numbers, not a number where there is none.
+    /// Reads three numbers; NaN for each that is missing.
     fn vector(&mut self) -> [f64; 3] {
         [0; 3].map(|_| self.words.here().and_then(number).unwrap_or(f64::NAN))
     }
@@ -209,7 +208,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// The vertex of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`, counted from 0.
+    /// Returns the vertex of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`, counted from 0.
     fn corner(&mut self, corner: &[u8]) -> Result<u32> {
         let (number, length) =
             vertex_number(corner, self.positions.len()).map_err(|cause| self.words.mistake(cause))?;
@@ -219,11 +218,11 @@ impl<'a> Reader<'a> {
         if length < corner.len() {
             self.further_of_corner(&corner[length + 1..]);
         }
-        // Numbers too large for u32 fail `check_indices` in any case: a file has fewer vertices.
+        // Numbers too large for u32 always fail `check_indices`, because a file has fewer vertices.
         Ok(u32::try_from(number - 1).unwrap_or(u32::MAX))
     }
 
-    /// Keeps what follows the vertex of the next corner: `vt`, `/vn` or `vt/vn`.
+    /// Stores the indices that follow the vertex of the next corner: `vt`, `/vn` or `vt/vn`.
     fn further_of_corner(&mut self, words: &[u8]) {
         let at = self.faces.corners();
         let mut words = words.split(|&b| b == b'/');
@@ -259,7 +258,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Refuses lines and free-form geometry by themselves: their vertices are no points of a surface.
+    /// Refuses a file that has only lines or free-form geometry: their vertices are not points of a surface.
     fn refuse_curves(&self) -> Result<()> {
         if self.points > 0 || self.faces.count() > 0 {
             return Ok(());
@@ -273,7 +272,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// What was read, once all of it has been.
+    /// Builds the result, once the whole file has been read.
     fn finish(mut self) -> Read {
         let mut notes = self.notes();
         self.faces.keep_outside(&self.positions, &mut notes);
@@ -299,8 +298,8 @@ impl<'a> Reader<'a> {
         colors
     }
 
-    /// For a cloud the normals as they are, if there are as many as points; for a mesh the sum of those of the corners
-    /// at each vertex.
+    /// Returns the vertex normals. For a cloud these are the normals of the file, if there are as many as points; for a
+    /// mesh, the normalized sum of the corner normals at each vertex.
     fn vertex_normals(&self, triangles: &[[u32; 3]], notes: &mut Vec<String>) -> Option<Attribute> {
         let count = self.positions.len();
         let mut sums = vec![DVec3::ZERO; if self.corner_normal.is_empty() { 0 } else { count }];
@@ -365,7 +364,7 @@ impl<'a> Reader<'a> {
     fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         small_faces(&mut notes, self.faces.dropped);
-        // Without faces all vertices are points.
+        // Without faces, all vertices are points.
         let points = if self.faces.count() > 0 { self.points } else { 0 };
         left_out(&mut notes, points + self.lines, "point or line element", "point or line elements");
         if self.free_form > 0 {
@@ -381,8 +380,8 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The number, from 1, of the vertex of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`, after `known` vertices of the file, and how
-/// many bytes name it; or what is wrong.
+/// Parses a corner `v`, `v/vt`, `v//vn` or `v/vt/vn` after `known` vertices of the file. Returns the vertex number, from 1,
+/// and the number of bytes that spell it; the error says what is wrong.
 pub(super) fn vertex_number(corner: &[u8], known: usize) -> std::result::Result<(usize, usize), String> {
     let length = corner.iter().position(|&b| b == b'/').unwrap_or(corner.len());
     let (back, digits) = match &corner[..length] {
@@ -400,7 +399,7 @@ pub(super) fn vertex_number(corner: &[u8], known: usize) -> std::result::Result<
     Ok((if back { known + 1 - number } else { number }, length))
 }
 
-/// The number, from 0, that a word counts from 1 or, below zero, from the last of the `known` ones.
+/// Returns the index, from 0, for a word that counts from 1 or, if negative, backwards from the last of `known` entries.
 fn relative(word: &[u8], known: usize) -> Option<u32> {
     let from_last = word.strip_prefix(b"-").and_then(whole);
     let number = from_last.map_or_else(|| whole(word)?.checked_sub(1), |back| known.checked_sub(back.max(1)));

@@ -1,7 +1,7 @@
-//! Libraries of materials (MTL): statements are kept as they are, and some are understood, for other formats.
+//! Material libraries (MTL). Statements are kept verbatim, and some are interpreted for other formats.
 //!
-//! Understood are `Kd d Tr Ke Ns Pm Pr` and the images `map_Kd map_Ke norm`. A material with an image of colours is white
-//! below it.
+//! Interpreted are `Kd d Tr Ke Ns Pm Pr` and the images `map_Kd map_Ke norm`. A material with an image of colours gets a
+//! white base colour.
 
 use super::write::plain;
 use crate::io::text::number;
@@ -9,24 +9,24 @@ use crate::mesh::materials::{Alpha, Image, Look, Material, Materials, Sampler, S
 use std::collections::{HashMap, HashSet};
 use std::io::{self, Write};
 
-/// Statements that end with the name of an image, beside those that begin with `map_`.
+/// Statements that end with the name of an image, besides those that begin with `map_`.
 const MAPS: [&str; 5] = ["bump", "disp", "decal", "refl", "norm"];
 
-/// Options of such a statement that more than one word follows, at most so many; numbers only.
+/// Options of such a statement that may have several values, and how many at most; numbers only.
 const LONG_OPTIONS: [(&str, usize); 4] = [("-mm", 2), ("-o", 3), ("-s", 3), ("-t", 3)];
 
-/// What a library defines.
+/// Content of a library.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Library {
-    /// Materials by name; images in them are numbers of `images`.
+    /// Looks by material name. Images in them are indices of `images`.
     pub looks: Vec<(String, Look)>,
-    /// The names of images, as the library has them.
+    /// Names of images, as the library has them.
     pub images: Vec<String>,
-    /// Their numbers.
+    /// Index of each name.
     numbers: HashMap<String, u32>,
 }
 
-/// Reads a library. What is before the first material, and comments, are left out.
+/// Reads a library. Comments and everything before the first material are left out.
 pub(crate) fn parse(bytes: &[u8]) -> Library {
     let text = String::from_utf8_lossy(bytes);
     let mut library = Library::default();
@@ -76,12 +76,12 @@ impl Library {
     }
 }
 
-/// Takes over what a statement without an image says, if it is understood.
+/// Applies a statement without an image to a look, if it is one of those that are interpreted.
 fn understand(look: &mut Look, keyword: &str, rest: &str) {
     let numbers: Vec<f64> =
         rest.split_whitespace().map_while(|word| number(word.as_bytes())).filter(|x| x.is_finite()).collect();
     let Some(&first) = numbers.first() else { return };
-    // One number stands for three.
+    // A single number stands for all three.
     let three = [0, 1, 2].map(|k| numbers.get(k).unwrap_or(&first).clamp(0.0, 1.0));
     let has = |of: Use| look.textures.iter().any(|texture| texture.of == of);
     match keyword {
@@ -100,7 +100,7 @@ fn understand(look: &mut Look, keyword: &str, rest: &str) {
     }
 }
 
-/// The options of a statement that ends with the name of an image, and that name, which may have spaces.
+/// Splits a statement that ends with the name of an image into its options and that name, which may have spaces.
 fn options(text: &str) -> (&str, &str) {
     let mut rest = text;
     while rest.starts_with('-') {
@@ -118,13 +118,13 @@ fn options(text: &str) -> (&str, &str) {
     (text[..text.len() - rest.len()].trim_end(), rest)
 }
 
-/// The first word, and what follows it.
+/// Returns the first word, and the text after it.
 fn word(text: &str) -> (&str, &str) {
     let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
     (word, rest.trim_start())
 }
 
-/// Gives each material a name of its own that a library can have.
+/// Gives each material a unique name that is valid in a library.
 pub(crate) fn name_apart(list: &mut [Material]) {
     let mut taken = HashSet::new();
     for (material, number) in list.iter_mut().zip(1..) {
@@ -135,7 +135,7 @@ pub(crate) fn name_apart(list: &mut [Material]) {
     }
 }
 
-/// Writes a library of all materials that are known by more than their names; of their images, those that are files.
+/// Writes a library of all materials that have a look. Only images that are files are written.
 pub(crate) fn write(materials: &Materials, out: &mut dyn Write) -> io::Result<()> {
     let file = |image: u32| match materials.images.get(image as usize) {
         Some(Image::File(name)) => Some(name),
@@ -156,7 +156,7 @@ pub(crate) fn write(materials: &Materials, out: &mut dyn Write) -> io::Result<()
     Ok(())
 }
 
-/// How a library says what a look of another origin is.
+/// Returns the library statements for a look of another origin.
 fn statements(look: &Look) -> Vec<Statement> {
     let ([r, g, b, opacity], [er, eg, eb]) = (look.base_color, look.emissive);
     let mut all = vec![format!("Kd {r} {g} {b}"), format!("Pr {}", look.roughness), format!("Pm {}", look.metallic)];

@@ -135,7 +135,7 @@ fn numbers_behind_all_coordinates_are_colours() {
         assert!(attributes(none).is_empty());
         assert!(notes(none)[0].starts_with("the numbers behind the coordinates"), "{none}");
     }
-    // Weights.
+    // A fourth number alone is a weight.
     assert!(attributes("v 0 0 0 1\nv 1 0 0 1\n").is_empty() && notes("v 0 0 0 1\nv 1 0 0 1\n").is_empty());
 }
 
@@ -191,11 +191,11 @@ fn objects_and_groups_keep_their_names() {
         "{written}"
     );
     assert_eq!(attributes(&written).parts.unwrap().of_triangle, [NONE, 0, 0, 0, 1, 2]);
-    // One part is no reason to name it where it has no name.
+    // A single part without a name is not kept.
     assert_eq!(attributes(&format!("{SQUARE}o\nf 1 2 3\n")).parts, None);
 }
 
-/// The corner places of all faces, as tobj reads them.
+/// The corner positions of all faces, as tobj reads them.
 fn by_tobj(text: &str) -> Vec<Vec<[f32; 3]>> {
     let options = tobj::LoadOptions::default();
     let no_materials = |_: &std::path::Path| Err(tobj::LoadError::OpenFileFailed);
@@ -248,10 +248,10 @@ proptest! {
 
 #[test]
 fn tetrahedra_as_polygons_are_read_as_their_outside() {
-    // An octahedron around its middle, a tetrahedron for each side.
+    // An octahedron, split into one tetrahedron per face at its centre.
     let corners = "v 0 0 0\nv 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n";
     let sides = [[2, 4, 6], [4, 3, 6], [3, 5, 6], [5, 2, 6], [4, 2, 7], [3, 4, 7], [5, 3, 7], [2, 5, 7]];
-    // A second shell around it, so that most of the triangles are between two of them.
+    // A second shell around it, so that most triangles lie between two tetrahedra.
     let outer = "v 3 0 0\nv -3 0 0\nv 0 3 0\nv 0 -3 0\nv 0 0 3\nv 0 0 -3\n";
     let mut text = [corners, outer].concat();
     for [a, b, c] in sides {

@@ -1,4 +1,4 @@
-//! Writing OBJ. Triangles of a part are together, and in it those of a material.
+//! Writing of OBJ. Triangles are grouped by part, and within a part by material.
 
 use crate::io::content::Content;
 use crate::io::text::write_line;
@@ -21,7 +21,7 @@ pub(crate) fn write(content: &Content, out: &mut dyn Write) -> io::Result<()> {
     }
     let wedges = Wedges::new(triangles, &attributes.texture);
     for at in &wedges.coordinates {
-        // Corners without coordinates are not written with them.
+        // Faces with corners that lack coordinates are written without them.
         write_line(out, "vt", if at.is_finite() { at.to_array() } else { [0.0; 2] })?;
     }
     let mut before = (NONE, NONE);
@@ -36,11 +36,11 @@ pub(crate) fn write(content: &Content, out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-/// The triangles by part and by material, those of none first.
+/// Returns the triangles sorted by part and material, those with neither first.
 fn order(triangles: usize, attributes: &Attributes) -> Vec<usize> {
     let mut order: Vec<usize> = (0..triangles).collect();
     if attributes.parts.is_some() || attributes.materials.is_some() {
-        // `NONE` is the largest number.
+        // `NONE` is the largest number, so it wraps around to zero.
         order.sort_by_key(|&t| {
             let (part, material) = labels(attributes, t);
             (part.wrapping_add(1), material.wrapping_add(1))
@@ -49,12 +49,12 @@ fn order(triangles: usize, attributes: &Attributes) -> Vec<usize> {
     order
 }
 
-/// The numbers of the part and of the material of triangle `t`.
+/// Returns the indices of the part and of the material of triangle `t`.
 fn labels(Attributes { parts, materials, .. }: &Attributes, t: usize) -> (u32, u32) {
     (parts.as_ref().map_or(NONE, |p| p.of_triangle[t]), materials.as_ref().map_or(NONE, |m| m.of_triangle[t]))
 }
 
-/// The names of the part and the material `here`, where they are not those of the triangle `before`.
+/// Writes the names of the part and the material `here` if they differ from those of the triangle `before`.
 fn write_labels(attributes: &Attributes, before: (u32, u32), here: (u32, u32), out: &mut dyn Write) -> io::Result<()> {
     let part = |number: u32| attributes.parts.as_ref().and_then(|parts| parts.list.get(number as usize));
     if before.0 != here.0 {
@@ -64,7 +64,7 @@ fn write_labels(attributes: &Attributes, before: (u32, u32), here: (u32, u32), o
         if is_other {
             writeln!(out, "o {}", plain(&new.object))?;
         }
-        // An object begins without a group.
+        // A new object begins without a group.
         if new.group != if is_other { "" } else { &old.group } {
             writeln!(out, "g {}", plain(&new.group))?;
         }
@@ -76,12 +76,13 @@ fn write_labels(attributes: &Attributes, before: (u32, u32), here: (u32, u32), o
     Ok(())
 }
 
-/// A name as a line can have it: one space between words, and nothing that would continue the line.
+/// Returns a name in a form that fits on a line: single spaces between words, and no backslash at the end that would
+/// continue the line.
 pub(super) fn plain(name: &str) -> String {
     name.split_whitespace().collect::<Vec<_>>().join(" ").trim_end_matches('\\').replace(char::is_control, "_")
 }
 
-/// A triangle with its texture coordinates, if it has some, and the normals of its vertices.
+/// Writes a triangle with its texture coordinates, if it has some, and the normals of its vertices if `normals`.
 fn write_face(triangle: &[u32; 3], wedge: Option<&[u32; 3]>, normals: bool, out: &mut dyn Write) -> io::Result<()> {
     let [a, b, c] = triangle.map(|v| u64::from(v) + 1);
     match (wedge.map(|w| w.map(|w| u64::from(w) + 1)), normals) {

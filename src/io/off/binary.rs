@@ -1,4 +1,4 @@
-//! The binary form of OFF: three counts, vertices and faces in numbers of four bytes, the most significant first.
+//! The binary form of OFF: three counts, vertices and faces, in four-byte numbers, most significant byte first.
 
 use super::further::Further;
 use crate::base::error::Result;
@@ -8,7 +8,7 @@ use crate::io::mixed::Mixed;
 use crate::io::numbers::{Order, Type, index};
 use glam::DVec3;
 
-/// Reads what begins at byte `start`.
+/// Reads the content from byte `start` on.
 pub(super) fn parse(bytes: &[u8], start: usize, further: Further) -> Parsed {
     let mut source = Mixed::new(bytes);
     source.binary = Some(Order::Big);
@@ -35,7 +35,7 @@ pub(super) fn parse(bytes: &[u8], start: usize, further: Further) -> Parsed {
         }
         grid.positions.push(position);
     }
-    // The counts of corners and of colours.
+    // Each face has at least a count of corners and a count of colours.
     source.check_room(faces, 8)?;
     for _ in 0..faces {
         read_face(&mut source, &mut grid)?;

@@ -1,10 +1,10 @@
-//! What follows the position of each vertex, and the attributes that it makes.
+//! Values after the position of each vertex, and the attributes that they form.
 
 use crate::io::columns::{Columns, color, cut, normal};
 use crate::mesh::attributes::Attributes;
 use glam::DVec2;
 
-/// What follows the position of each vertex.
+/// The attributes whose values follow the position of each vertex.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Further {
     pub normals: bool,
@@ -18,7 +18,7 @@ impl Further {
         Further { normals: has(b"N"), colors: has(b"C"), texture: has(b"ST") }
     }
 
-    /// The numbers of a vertex behind its position in a binary file.
+    /// Returns the number of values per vertex after its position in a binary file.
     pub fn width(self) -> usize {
         3 * usize::from(self.normals) + 4 * usize::from(self.colors) + 2 * usize::from(self.texture)
     }
@@ -27,13 +27,13 @@ impl Further {
         !(self.normals || self.colors || self.texture)
     }
 
-    /// What the numbers of vertices are; a note if they are not what the keyword announces.
+    /// Converts the numbers of vertices to attributes. Adds a note if they are not what the keyword announces.
     pub fn attributes(self, columns: Columns, triangles: &[[u32; 3]], notes: &mut Vec<String>) -> Attributes {
         let (values, width) = columns.into_table();
         self.attributes_of(values, width, triangles, notes)
     }
 
-    /// What `values` are, `width` for each vertex.
+    /// Converts `values`, `width` per vertex, to attributes.
     pub fn attributes_of(
         self,
         values: Vec<f64>,

@@ -1,13 +1,13 @@
 //! OFF, the Object File Format of Geomview: vertices and polygons in text.
 //!
-//! The keyword is `OFF` with any of the prefixes `ST`, `C` and `N`, or missing. They announce that normals, colours and
-//! texture coordinates follow the position of each vertex, in this order; what else follows it, and colours of faces, are
-//! skipped up to the end of the line. The number of vertices and of faces must be on one line with or without the
-//! keyword; the number of edges is not read. The word `BINARY` behind the keyword announces the same in numbers of four
-//! bytes, the most significant first; colours of vertices have four components there, and those of faces a count of
+//! The keyword is `OFF` with any of the prefixes `ST`, `C` and `N`, or missing. The prefixes announce that normals, colours
+//! and texture coordinates follow the position of each vertex, in this order; anything else that follows it, and colours of
+//! faces, are skipped up to the end of the line. The numbers of vertices and of faces must be on one line, with or without
+//! the keyword; the number of edges is not read. The word `BINARY` after the keyword announces the same content in four-byte
+//! numbers, most significant byte first; there, colours of vertices have four components, and those of faces a count of
 //! their own. Not supported: the forms with other dimensions (`4OFF`, `nOFF`).
 //!
-//! Cost: one pass; what a header promises is held against the length of the file before memory is reserved.
+//! Cost: one pass. The counts in the header are compared with the length of the file before memory is reserved.
 
 mod binary;
 mod further;
@@ -22,18 +22,18 @@ use further::Further;
 use glam::DVec3;
 use std::io::{self, Write};
 
-/// The shortest vertex is `0 0 0` and an end of line.
+/// Bytes of the shortest vertex, `0 0 0` and a line end.
 const VERTEX_BYTES: usize = 6;
 
-/// The shortest face with an area is `3 0 1 2` and an end of line; without one it is `0` and an end of line.
+/// Bytes of the shortest face with an area, `3 0 1 2` and a line end, and of the shortest one without, `0` and a line end.
 const FACE_BYTES: (usize, usize) = (8, 2);
 
-/// Numbers of a vertex behind its position: a normal, a colour with opacity, texture coordinates.
+/// Maximum number of values of a vertex after its position: a normal, a colour with opacity, texture coordinates.
 const MOST_COLUMNS: usize = 3 + 4 + 2;
 
-/// What a file says before its first vertex.
+/// Content of a file before its first vertex.
 struct Header {
-    /// The numbers of vertices and of faces; none in text if the file is binary.
+    /// Numbers of vertices and faces; `None` if the file is binary, which has them in bytes.
     counts: Option<(usize, usize)>,
     further: Further,
 }
@@ -78,8 +78,8 @@ pub(crate) fn has_keyword(bytes: &[u8]) -> bool {
     Words::new(bytes).with_comments().anywhere().is_some_and(|word| keyword(word).is_some())
 }
 
-/// The prefixes of the keyword that a word starts with, and what follows the keyword in the same word: `OFF8 6 12`, a
-/// keyword and a count run together, is found in some collections.
+/// Returns the prefixes of the keyword that a word starts with, and the rest of the word after the keyword. `OFF8 6 12`,
+/// with the keyword and a count run together, occurs in some collections.
 fn keyword(word: &[u8]) -> Option<(&[u8], &[u8])> {
     if word.eq_ignore_ascii_case(b"OFF") {
         return Some((b"", b""));

@@ -1,13 +1,13 @@
-//! LZF, the compression of LibLZF by Marc Lehmann: runs of bytes as they are, and copies of bytes before them.
+//! LZF, the compression of LibLZF by Marc Lehmann: literal runs, and copies of earlier bytes.
 //!
-//! A byte below 32 says how many bytes follow as they are, less one. Any other has in its upper three bits the length of
-//! a copy, less two, to which the next byte is added if all three are set; its lower five bits and one more byte are the
+//! A control byte below 32 is the length of a literal run, less one. Any other has in its upper three bits the length of a
+//! copy, less two, to which the next byte is added if all three bits are set; its lower five bits and one more byte are the
 //! distance, less one.
 
-/// The most bytes that a compressed one may stand for: three make a copy of 264.
+/// Maximum number of bytes per compressed byte: three compressed bytes can copy 264.
 const MOST_PER_BYTE: usize = 88;
 
-/// The `size` bytes that `packed` stands for; `None` if it stands for more, fewer, or nothing that makes sense.
+/// Decompresses `packed` to `size` bytes. Returns `None` if it yields more or fewer bytes, or is malformed.
 pub(super) fn decompress(packed: &[u8], size: usize) -> Option<Vec<u8>> {
     if size > packed.len().saturating_mul(MOST_PER_BYTE) {
         return None;
@@ -25,7 +25,7 @@ pub(super) fn decompress(packed: &[u8], size: usize) -> Option<Vec<u8>> {
             let length = 2 + length + if length == 7 { usize::from(bytes.next()?) } else { 0 };
             let distance = 1 + (upper << 8) + usize::from(bytes.next()?);
             let start = out.len().checked_sub(distance)?;
-            // What is copied may reach into the copy itself.
+            // A copy may overlap itself.
             for i in start..start + length {
                 out.push(out[i]);
             }

@@ -1,13 +1,13 @@
 //! PCD, the format of the Point Cloud Library: ASCII, binary, and binary compressed by LZF.
 //!
-//! A header names fields, each with a type and a count of numbers; the points follow as rows, or, if compressed, as
-//! columns. `x`, `y` and `z` are the position, `normal_x`, `normal_y` and `normal_z` the normal, `rgb` or `rgba` the colour
-//! in the bytes of one number; each other field is an attribute. Points whose position is not finite stand for places where
+//! A header names fields, each with a type and a count of numbers. The points follow as rows, or, if compressed, as columns.
+//! `x`, `y` and `z` are the position, `normal_x`, `normal_y` and `normal_z` the normal, `rgb` or `rgba` the colour in the
+//! bytes of one number; each other field is an attribute. Points whose position is not finite stand for directions in which
 //! a sensor saw nothing; they are left out.
 //!
-//! What the header promises is held against the length of the file before memory is reserved.
+//! The number of points in the header is compared with the length of the file before memory is reserved.
 //!
-//! Limits: the viewpoint is not used. Written are positions in single precision, as the library wants them.
+//! Limits: the viewpoint is not used. Positions are written in single precision, as the library requires.
 
 mod lzf;
 mod write;
@@ -29,7 +29,7 @@ struct Field {
     name: String,
     kind: Type,
     count: usize,
-    /// Where its first number is among those of a point.
+    /// Index of its first number among those of a point.
     column: usize,
 }
 
@@ -44,7 +44,7 @@ struct Header {
     fields: Vec<Field>,
     points: usize,
     encoding: Encoding,
-    /// The byte and the line where the points begin.
+    /// Byte and line at which the points begin.
     body: (usize, usize),
 }
 
@@ -54,16 +54,16 @@ struct Table {
     width: usize,
 }
 
-/// Whether a file starts as one of this format does.
+/// Whether a file that starts with these bytes is in this format.
 pub(crate) fn has_signature(head: &[u8]) -> bool {
     let mut words = Words::new(head).with_comments();
     head.starts_with(b"# .PCD") || words.here() == Some(b"VERSION") && words.here().is_some_and(|v| number(v).is_some())
 }
 
-/// The points in a PCD file.
+/// Reads the points in a PCD file.
 ///
 /// # Errors
-/// `Error::Format` with the line or byte of what is malformed.
+/// `Error::Format` with the line or byte that is malformed.
 pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     let header = header(bytes)?;
     let width = header.fields.iter().map(|f| f.count).sum();
@@ -122,7 +122,7 @@ fn header(bytes: &[u8]) -> Result<Header> {
     }
 }
 
-/// The fields of the lists FIELDS, SIZE, TYPE and COUNT, of which the last may be missing.
+/// Builds the fields from the lists FIELDS, SIZE, TYPE and COUNT, the last of which may be missing.
 fn fields([names, sizes, types, counts]: &[Vec<String>; 4]) -> std::result::Result<Vec<Field>, String> {
     if sizes.len() != names.len() || types.len() != names.len() || !(counts.is_empty() || counts.len() == names.len()) {
         return Err("FIELDS, SIZE, TYPE and COUNT differ in length".into());
@@ -162,12 +162,12 @@ fn kind(name: &str, size: &str) -> Option<Type> {
 }
 
 impl Header {
-    /// The bytes of a point.
+    /// Size of a point, in bytes.
     fn row(&self) -> usize {
         self.fields.iter().map(|f| f.count * f.kind.size()).sum()
     }
 
-    /// Refuses a count of points that `left` bytes, at least `least` a point, cannot hold.
+    /// Refuses the count of points if `left` bytes cannot hold so many, at `least` bytes per point.
     fn check_count(&self, left: usize, least: usize, place: Place) -> Result<()> {
         if self.points.checked_mul(least).is_some_and(|needed| needed <= left) {
             return Ok(());
@@ -182,13 +182,14 @@ impl Field {
         matches!(self.name.as_str(), "rgb" | "rgba") && self.count == 1 && self.kind.size() == 4
     }
 
-    /// A number of this field in bytes; of a colour its bits.
+    /// Reads a number of this field from bytes. A colour becomes its bits.
     fn read(&self, bytes: &[u8]) -> f64 {
         let kind = if self.is_color() { Type::U32 } else { self.kind };
         kind.read(bytes, Order::Little)
     }
 
-    /// A number of this field as text; of a colour its bits, which some programs write as the float that has them.
+    /// Parses a number of this field from text. A colour becomes its bits; some programs write the float that has these
+    /// bits.
     fn spelled(&self, word: &[u8]) -> Option<f64> {
         let number = number(word)?;
         let is_whole = number.fract() == 0.0 && (1.0..=u32::MAX.into()).contains(&number.abs());
@@ -201,7 +202,7 @@ impl Table {
     fn read_text(&mut self, bytes: &[u8], header: &Header) -> Result<()> {
         let (body, line) = header.body;
         let mut words = Words::new(&bytes[body..]).starting_at(line);
-        // A digit and white space; the last number needs none after it.
+        // A number takes a digit and white space; the last one needs no white space.
         header.check_count(words.remaining() + 1, 2 * self.width, Place::Line(line))?;
         self.values.reserve_exact(header.points * self.width);
         for found in 0..header.points {
@@ -256,7 +257,7 @@ impl Table {
         super::columns::cut(&self.values, self.width, from, from + count)
     }
 
-    /// Leaves out the points without a position; tells how many they are.
+    /// Leaves out the points without a position. Returns how many there were.
     fn drop_nowhere(&mut self, position: [usize; 3]) -> usize {
         let before = self.values.len() / self.width;
         let (width, mut kept) = (self.width, 0);
@@ -271,7 +272,7 @@ impl Table {
     }
 }
 
-/// The points of a table.
+/// Returns the points of a table.
 fn cloud(mut table: Table, header: &Header) -> Read {
     let find = |name: &str| header.fields.iter().find(|f| f.name == name && f.count == 1).map(|f| f.column);
     let three = |names: [&str; 3]| Some([find(names[0])?, find(names[1])?, find(names[2])?]);
@@ -291,7 +292,7 @@ fn cloud(mut table: Table, header: &Header) -> Read {
     let mut has_color = false;
     for field in &header.fields {
         let used = position.into_iter().chain(normal.into_iter().flatten()).any(|k| k == field.column);
-        // '_' is the name of gaps.
+        // Padding is named '_'.
         if used && field.count == 1 || field.count == 0 || field.name == "_" {
             continue;
         }
@@ -308,7 +309,7 @@ fn cloud(mut table: Table, header: &Header) -> Read {
     Read { mesh: Mesh { positions, triangles: Vec::new() }, attributes, notes }
 }
 
-/// Normals, zero where there is none.
+/// Returns the normals, with zero for missing ones.
 fn normals(table: &Table, at: [usize; 3]) -> Attribute {
     let row = |row: &[f64]| at.map(|k| row[k]);
     let rows = table.values.chunks_exact(table.width).map(row);
@@ -316,7 +317,8 @@ fn normals(table: &Table, at: [usize; 3]) -> Attribute {
     Attribute { name: NORMAL.into(), components: 3, values, scalar: Scalar::F32 }
 }
 
-/// Red, green and blue in the lower bytes of a number; the opacity in the highest, if the name says so.
+/// Returns the colours: red, green and blue from the lower bytes of a number, and the opacity from the highest if the name
+/// is `rgba`.
 fn color(table: &Table, field: &Field) -> Attribute {
     let components = field.name.len();
     let bytes = |bits: f64| {

@@ -34,7 +34,7 @@ fn compressed() -> Vec<u8> {
         columns.extend([&a[at..at + size], &b[at..at + size]].concat());
         at += size;
     }
-    // All of it in runs.
+    // Literal runs only.
     let packed: Vec<u8> = columns.chunks(32).flat_map(|run| [&[run.len() as u8 - 1], run].concat()).collect();
     let sizes = [packed.len() as u32, columns.len() as u32].map(u32::to_le_bytes).concat();
     [format!("{HEAD}DATA binary_compressed\n").as_bytes(), &sizes, &packed].concat()

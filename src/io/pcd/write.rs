@@ -1,4 +1,4 @@
-//! Writing PCD: binary, single precision.
+//! Writing of PCD: binary, single precision.
 
 use crate::io::bytes::narrow;
 use crate::io::content::Content;
@@ -33,7 +33,7 @@ fn header(points: usize, attributes: &[Attribute], out: &mut dyn Write) -> io::R
     )
 }
 
-/// Name, size, type and count of the fields of an attribute.
+/// Returns name, size, type and count of each field of an attribute.
 fn fields(attribute: &Attribute) -> Vec<[String; 4]> {
     let field = |name: &str, size: usize, kind: &str, count: usize| {
         [name.into(), size.to_string(), kind.into(), count.to_string()]
@@ -41,7 +41,7 @@ fn fields(attribute: &Attribute) -> Vec<[String; 4]> {
     if attribute.is_normal() {
         return ["normal_x", "normal_y", "normal_z"].map(|name| field(name, 4, "F", 1)).to_vec();
     }
-    // The types that the Point Cloud Library knows these two by.
+    // The types by which the Point Cloud Library recognises these two.
     match attribute.components {
         3 if attribute.is_color() => return vec![field("rgb", 4, "F", 1)],
         4 if attribute.is_color() => return vec![field("rgba", 4, "U", 1)],
@@ -56,7 +56,7 @@ fn fields(attribute: &Attribute) -> Vec<[String; 4]> {
     vec![field(&name, attribute.scalar.size(), kind, attribute.components)]
 }
 
-/// The numbers of an attribute of vertex `v`.
+/// Writes the numbers of an attribute of vertex `v`.
 fn numbers(attribute: &Attribute, v: usize, out: &mut dyn Write) -> io::Result<()> {
     if attribute.is_color() {
         let full = attribute.scalar.full();

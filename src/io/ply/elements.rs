@@ -1,4 +1,4 @@
-//! Counts and lengths that a PLY file claims, held against its size, and elements that are left out.
+//! Counts and lengths that a PLY file claims, compared with its size, and elements that are left out.
 
 use super::header::{Element, Kind, Property};
 use super::source::Source;
@@ -6,7 +6,7 @@ use crate::base::error::Result;
 use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed};
 use crate::mesh::attributes::Scalar;
 
-/// The element's count, if the bytes that are left can hold it.
+/// Returns the element's count, if the remaining bytes can hold it.
 pub(super) fn checked_count<S: Source>(source: &S, element: &Element) -> Result<usize> {
     let least = |p: &Property| match p.kind {
         Kind::Scalar(scalar) => S::least(scalar),
@@ -28,7 +28,7 @@ pub(super) fn checked_count<S: Source>(source: &S, element: &Element) -> Result<
     Ok(element.count as usize)
 }
 
-/// The length of the list that comes next, if the bytes that are left can hold it.
+/// Reads the length of the next list, if the remaining bytes can hold it.
 #[inline]
 pub(super) fn list_length<S: Source>(source: &mut S, count: Scalar, item: Scalar) -> Result<usize> {
     let length = source.value(count)?;
@@ -36,7 +36,7 @@ pub(super) fn list_length<S: Source>(source: &mut S, count: Scalar, item: Scalar
     whole_length(length, most).map_err(|cause| malformed(source.place(), cause, EXPORT_AGAIN))
 }
 
-/// The length of a list as a whole number that is at most `most`, or what is wrong with it.
+/// Converts the length of a list to an integer that is at most `most`. The error says what is wrong with it.
 #[inline]
 pub(super) fn whole_length(length: f64, most: usize) -> std::result::Result<usize, String> {
     let whole = length as usize;

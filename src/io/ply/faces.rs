@@ -1,4 +1,4 @@
-//! The tables of polygons and strips, as triangles.
+//! Tables of polygons and triangle strips, converted to triangles.
 
 use super::elements::{checked_count, list_length, skip};
 use super::header::{Element, Kind, Property};
@@ -13,13 +13,13 @@ use glam::{DVec2, DVec3};
 #[derive(Default)]
 pub(super) struct Faces {
     pub triangles: Vec<[u32; 3]>,
-    /// The texture coordinates of the corners of each triangle; none at all if no list had some.
+    /// Texture coordinates of each triangle's corners; empty if no list has any.
     pub texture: Vec<[DVec2; 3]>,
-    /// How many faces had fewer than three corners.
+    /// Number of faces with fewer than three corners.
     pub small: usize,
 }
 
-/// What a property of a face is.
+/// Role of a property of a face.
 #[derive(Clone, Copy, PartialEq)]
 enum Role {
     LeftOut,
@@ -28,7 +28,7 @@ enum Role {
 }
 
 impl Faces {
-    /// Reads a table of faces over `positions`. A note says which properties are left out.
+    /// Reads a table of faces over `positions`. A note lists the properties that are left out.
     pub fn read<S: Source>(
         &mut self,
         source: &mut S,
@@ -75,12 +75,12 @@ fn role(property: &Property, is_strips: bool) -> Role {
     }
 }
 
-/// Whether a property of a face has its corners.
+/// Whether a property of a face is its list of corners.
 pub(super) fn is_corners(property: &Property) -> bool {
     matches!((property.name.as_str(), property.kind), ("vertex_indices" | "vertex_index", Kind::List { .. }))
 }
 
-/// A table on its way, with the row that is being read.
+/// A table that is being read, with the current row.
 struct Table<'a> {
     faces: &'a mut Faces,
     positions: &'a [DVec3],
@@ -107,7 +107,7 @@ impl Table<'_> {
         Ok(())
     }
 
-    /// Makes triangles of the polygon of the row.
+    /// Triangulates the polygon of the current row.
     #[inline]
     fn end_face(&mut self) {
         match self.corners.len() {
@@ -124,7 +124,7 @@ impl Table<'_> {
     #[inline]
     fn push(&mut self, corners: [usize; 3]) {
         if !self.texture.is_empty() && self.texture.len() == 2 * self.corners.len() {
-            // Faces without any may have come before.
+            // Earlier faces may have no texture coordinates.
             self.faces.texture.resize(self.faces.triangles.len(), [DVec2::NAN; 3]);
             self.faces.texture.push(corners.map(|i| DVec2::new(self.texture[2 * i], self.texture[2 * i + 1])));
         }
@@ -137,7 +137,7 @@ impl Table<'_> {
         let mut odd = false;
         for _ in 0..list_length(source, count, item)? {
             let index = source.value(item)?;
-            // In an unsigned list, -1 is the largest number.
+            // In an unsigned list, -1 is stored as the largest number.
             if index == -1.0 || index == f64::from(u32::MAX) {
                 (last, odd) = ([None; 2], false);
                 continue;
@@ -163,10 +163,10 @@ impl Table<'_> {
     }
 }
 
-/// Whether `index` is the number of one of so many vertices.
+/// Whether `index` is an integer below `vertices`.
 #[inline]
 pub(super) fn is_number_below(index: f64, vertices: usize) -> bool {
-    // The conversion saturates, so only a whole number in range comes back as it was.
+    // The conversion saturates, so only an integer in range is unchanged.
     let whole = index as u32;
     f64::from(whole) == index && (whole as usize) < vertices
 }

@@ -1,20 +1,20 @@
-//! The header of a PLY file: which elements follow, and which properties each has.
+//! Header of a PLY file: the elements, and the properties of each.
 
 use crate::base::error::{Error, Place, Result};
 use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed};
 use crate::io::text::quote;
 use crate::mesh::attributes::Scalar;
 
-/// What a header says, and where the body is.
+/// Content of a header, and the start of the body.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Header {
     pub encoding: Encoding,
     pub elements: Vec<Element>,
-    /// The byte where the body begins.
+    /// Byte at which the body begins.
     pub body: usize,
-    /// The line where the body begins, from 1.
+    /// Line on which the body begins, from 1.
     pub line: usize,
-    /// What was left out, a sentence each.
+    /// Notes on what was left out, one sentence each.
     pub notes: Vec<String>,
 }
 
@@ -31,7 +31,7 @@ pub(super) struct Element {
     pub name: String,
     pub count: u64,
     pub properties: Vec<Property>,
-    /// The line that declares it.
+    /// Line that declares it.
     pub line: usize,
 }
 
@@ -47,7 +47,7 @@ pub(super) enum Kind {
     List { count: Scalar, item: Scalar },
 }
 
-/// The type of this name, of which each has two.
+/// Returns the type with this name. Each type has two names.
 fn scalar(name: &str) -> Option<Scalar> {
     Some(match name {
         "char" | "int8" => Scalar::I8,
@@ -65,13 +65,13 @@ fn scalar(name: &str) -> Option<Scalar> {
 /// The first line, which some programs write in capitals.
 const MAGIC: &[u8] = b"ply";
 
-/// Whether a file that begins so is in this format.
+/// Whether a file that begins with `head` is in this format.
 pub fn has_signature(head: &[u8]) -> bool {
     let (first, rest) = head.split_at(head.len().min(MAGIC.len()));
     first.eq_ignore_ascii_case(MAGIC) && matches!(rest.first(), Some(b'\n' | b'\r'))
 }
 
-/// The header of the file.
+/// Reads the header of a file.
 pub(super) fn parse(bytes: &[u8]) -> Result<Header> {
     let mut lines = Lines::new(bytes);
     if lines.next().is_none_or(|first| !first.eq_ignore_ascii_case(MAGIC)) {
@@ -101,7 +101,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Header> {
                 let encoding = encoding.ok_or_else(|| malformed(place(), "no 'format' line", EXPORT_AGAIN))?;
                 return Ok(Header { encoding, elements, body: lines.at, line: lines.number + 1, notes });
             }
-            // Some programs sign their files without the word 'comment'. Behind an element it could be a property.
+            // Some programs sign their files without the word 'comment'. After an element, such a line could be a property.
             _ if elements.is_empty() => {
                 notes.push(format!("line {} of the header, {}, is left out", lines.number, quote(raw)));
             }
@@ -122,7 +122,7 @@ impl Encoding {
     }
 }
 
-/// The property that the words after `property` declare.
+/// Parses the words after `property`.
 fn property(words: &[&str]) -> Option<Property> {
     let (kind, name) = match *words {
         ["list", count, item, name] => {
@@ -136,14 +136,14 @@ fn property(words: &[&str]) -> Option<Property> {
 }
 
 impl Element {
-    /// The error that `cause` is wrong with this element.
+    /// Returns the error that this element is wrong because of `cause`.
     pub fn error(&self, cause: String, remedy: &str) -> Error {
         malformed(Place::Line(self.line), cause, remedy)
     }
 }
 
-/// The lines of a header, whose ends may be LF, CR LF or CR: the first line decides, because the body of a binary file
-/// may begin with any byte.
+/// The lines of a header, which may end with LF, CR LF or CR. The first line decides which, because the body of a binary
+/// file may begin with any byte.
 struct Lines<'a> {
     bytes: &'a [u8],
     end: u8,
@@ -158,7 +158,7 @@ impl<'a> Lines<'a> {
         Lines { bytes, end: if lone_cr { b'\r' } else { b'\n' }, at: 0, number: 0 }
     }
 
-    /// The next line without its end. The last line of a header has an end too.
+    /// Returns the next line without its end. The last line of a header must have an end, too.
     fn next(&mut self) -> Option<&'a [u8]> {
         let rest = &self.bytes[self.at..];
         let length = rest.iter().position(|&b| b == self.end)?;

@@ -1,17 +1,17 @@
-//! PLY: ASCII and binary of both byte orders.
+//! PLY: ASCII, and binary in both byte orders.
 //!
-//! A file is a header and a table for every element it declares. Read are the numbers of `vertex`, the polygons of
-//! `face` (`vertex_indices` or `vertex_index`) with the texture coordinates of their corners (`texcoord`), and the
-//! strips of `tristrips`, in whatever order and types; all other elements, lists and properties of faces are left out.
-//! A count in the header is compared with the bytes that are left before memory is reserved for it.
+//! A file has a header, and a table for each element that the header declares. Read are the numbers of `vertex`, the
+//! polygons of `face` (`vertex_indices` or `vertex_index`) with the texture coordinates of their corners (`texcoord`), and
+//! the strips of `tristrips`, in any order and of any type. All other elements, lists, and properties of faces are left out.
+//! A count in the header is compared with the number of remaining bytes before memory is reserved for it.
 //!
-//! Which properties of vertices are the position, the normal, the colour and texture coordinates is said in `vertices`;
-//! each other one is an attribute by itself.
+//! `vertices` defines which properties of vertices are the position, the normal, the colour and texture coordinates; each
+//! other one is an attribute by itself.
 //!
-//! A strip is a row of vertices, three in succession a triangle, the second of which winds the other way, and so on; -1
-//! starts afresh. Triangles with a vertex twice only join strips and are left out.
+//! A strip is a sequence of vertices; every three successive ones form a triangle, with the orientation alternating. -1
+//! starts a new strip. Triangles with a repeated vertex only join strips and are left out.
 //!
-//! Limits: 64-bit integers, which some programs write, are no part of the format and refused.
+//! Limits: 64-bit integers, which some programs write, are not part of the format and are refused.
 
 mod elements;
 mod faces;
@@ -40,10 +40,10 @@ use header::{Element, Encoding, Header};
 use source::{Binary, Source, Text};
 use vertices::Vertices;
 
-/// The mesh in a PLY file. A file without faces gives vertices only.
+/// Reads the mesh in a PLY file. A file without faces gives vertices only.
 ///
 /// # Errors
-/// `Error::Format` with the line or byte of what is malformed.
+/// `Error::Format` with the line or byte that is malformed.
 pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     let header = header::parse(bytes)?;
     match header.encoding {
@@ -93,7 +93,7 @@ fn read<S: Source>(mut source: S, header: &Header) -> Parsed {
     Ok(joined(vertices, faces, notes))
 }
 
-/// Texture coordinates of corners go before those of vertices.
+/// Combines vertices and faces. Texture coordinates of corners take precedence over those of vertices.
 fn joined(vertices: Vertices, faces: Faces, notes: Vec<String>) -> Read {
     let Vertices { positions, attributes, texture: of_vertices } = vertices;
     let Faces { triangles, mut texture, .. } = faces;

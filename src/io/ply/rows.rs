@@ -1,4 +1,4 @@
-//! The vertices of a binary file, as rows of bytes, and the faces after them.
+//! The vertices of a binary file as rows of bytes, and the faces after them.
 
 use super::elements::whole_length;
 use super::faces::{is_corners, is_number_below, no_vertex};
@@ -14,7 +14,7 @@ use crate::mesh::attributes::Scalar;
 use crate::prepare::thin::Seen;
 use glam::DVec3;
 
-/// The points of a binary file that has nothing else, of this many bytes, whose header is in `head`.
+/// Returns the points of a binary file of this length that has nothing else. `head` must contain its header.
 pub(crate) fn table(head: &[u8], length: u64) -> Option<Table> {
     let header = header::parse(head).ok()?;
     match header.encoding {
@@ -37,7 +37,7 @@ fn table_of<const BIG: bool>(header: Header, length: u64) -> Option<Table> {
     Some(Table { start, row, points, rows: Box::new(BinaryRows::<BIG> { header, vertex, columns }), packed: None })
 }
 
-/// The vertices and the faces of a binary file of this many bytes that has nothing else, whose header is in `head`.
+/// Returns the vertices and the faces of a binary file of this length that has nothing else. `head` must contain its header.
 pub(crate) fn surface(head: &[u8], length: u64) -> Option<(Table, Faces)> {
     let header = header::parse(head).ok()?;
     match header.encoding {
@@ -63,7 +63,7 @@ fn surface_of<const BIG: bool>(mut header: Header, length: u64) -> Option<(Table
     let rows = Box::new(BinaryFaces::<BIG> { kinds, corners, vertices: points, length });
     let have_more = faces.properties.len() > 1 || vertices.properties.iter().any(is_texture);
     let faces = Faces { start: end, count: faces.count, have_more, rows };
-    // Vertices are read as if they were all of the file.
+    // Vertices are read as if they were the whole file.
     header.elements[face].count = 0;
     Some((
         Table { start, row, points, rows: Box::new(BinaryRows::<BIG> { header, vertex, columns }), packed: None },
@@ -73,12 +73,12 @@ fn surface_of<const BIG: bool>(mut header: Header, length: u64) -> Option<(Table
 
 /// The faces of a binary file.
 struct BinaryFaces<const BIG: bool> {
-    /// The properties of each, and which one its corners are.
+    /// Types of a face's properties, and the index of the one with its corners.
     kinds: Vec<Kind>,
     corners: usize,
-    /// How many vertices the file has.
+    /// Number of vertices in the file.
     vertices: usize,
-    /// And how many bytes.
+    /// Length of the file, in bytes.
     length: u64,
 }
 
@@ -118,8 +118,8 @@ impl<const BIG: bool> FaceRows for BinaryFaces<BIG> {
 }
 
 impl<const BIG: bool> BinaryFaces<BIG> {
-    /// Reads the indices of the next face, if all of it is there. After what is there the file has `after` bytes. The error says
-    /// what is wrong with the face.
+    /// Reads the indices of the next face. Returns `None` if `source` does not contain the whole face. The file has `after`
+    /// more bytes than `source`. The error says what is wrong with the face.
     fn next_face(
         &self,
         source: &mut Binary<BIG>,
@@ -152,7 +152,7 @@ impl<const BIG: bool> BinaryFaces<BIG> {
 /// The vertices of a binary file.
 struct BinaryRows<const BIG: bool> {
     header: Header,
-    /// Which of the elements they are.
+    /// Index of their element.
     vertex: usize,
     columns: Columns,
 }
@@ -174,17 +174,17 @@ impl<const BIG: bool> Rows for BinaryRows<BIG> {
     }
 }
 
-/// Where the position and the normal of a point are in its row of bytes.
+/// Location of the position and the normal of a point in its row of bytes.
 struct Columns {
-    /// The bytes of a row.
+    /// Size of a row, in bytes.
     row: usize,
-    /// The byte and the type of each coordinate.
+    /// Offset and type of each coordinate.
     position: [(usize, Scalar); 3],
     normal: Option<[(usize, Scalar); 3]>,
 }
 
 impl Columns {
-    /// Those of the vertices of a binary file, if all their properties are numbers.
+    /// Returns the columns of a binary file's vertices, if all their properties are numbers.
     fn of(element: &Element) -> Option<Columns> {
         let kinds: Option<Vec<Scalar>> = element.properties.iter().map(scalar).collect();
         let kinds = kinds?;
@@ -198,7 +198,7 @@ impl Columns {
         Some(Columns { row, position: three(["x", "y", "z"])?, normal: three([x, y, z]) })
     }
 
-    /// The place of the point in a row.
+    /// Returns the position and the normal of the point in a row.
     #[inline]
     fn look<const BIG: bool>(&self, row: &[u8]) -> Seen {
         let number = |(at, kind)| Binary::<BIG>::new(row, at).next(kind).unwrap_or(f64::NAN);
@@ -207,7 +207,7 @@ impl Columns {
     }
 }
 
-/// The error that one of the coordinates in a row, which begins at byte `start` of the file, is not finite.
+/// Returns the error that a coordinate is not finite in the row that begins at byte `start` of the file.
 fn not_finite_in<const BIG: bool>(row: &[u8], columns: &[(usize, Scalar); 3], start: usize) -> Error {
     let number = |at, kind| Binary::<BIG>::new(row, at).next(kind).unwrap_or(f64::NAN);
     let values = columns.iter().map(|&(at, kind)| (number(at, kind), at));

@@ -1,17 +1,17 @@
-//! The values of a PLY body, one after the other, whatever their encoding.
+//! The values of a PLY body in sequence, independent of its encoding.
 
 use crate::base::error::{Error, Place, Result};
 use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed};
 use crate::io::text::{Words, number, quote};
 use crate::mesh::attributes::Scalar;
 
-/// A body that is read from front to back. Copies go their own ways.
+/// A body that is read from front to back. Each clone has its own position.
 pub(super) trait Source: Clone {
-    /// The next value, if there is one. All types fit in `f64` exactly.
+    /// Returns the next value, if there is one. All types fit in `f64` exactly.
     fn next(&mut self, kind: Scalar) -> Option<f64>;
-    /// Why there was no next value.
+    /// Returns the reason why there was no next value.
     fn failure(&self) -> Error;
-    /// The next value, or the error that there is none.
+    /// Returns the next value, or the error that there is none.
     #[inline]
     fn value(&mut self, kind: Scalar) -> Result<f64> {
         match self.next(kind) {
@@ -19,15 +19,15 @@ pub(super) trait Source: Clone {
             None => Err(self.failure()),
         }
     }
-    /// Leaves out `count` values.
+    /// Skips `count` values.
     fn skip(&mut self, kind: Scalar, count: usize) -> Result<()>;
-    /// The fewest bytes that a value takes.
+    /// Minimum number of bytes that a value takes.
     fn least(kind: Scalar) -> usize;
-    /// The bytes that are left.
+    /// Number of bytes that are left.
     fn remaining(&self) -> usize;
-    /// Where the last value was.
+    /// Place of the last value.
     fn place(&self) -> Place;
-    /// Where the file ends.
+    /// End of the file.
     fn end(&self) -> Place;
     /// Whether anything but white space is left.
     fn has_more(&self) -> bool;
@@ -38,7 +38,7 @@ pub(super) fn cut_short(place: Place) -> Error {
     malformed(place, "the file ends before its last value", CUT_SHORT)
 }
 
-/// A body in words.
+/// A body in text.
 #[derive(Clone)]
 pub(super) struct Text<'a> {
     words: Words<'a>,
@@ -46,7 +46,7 @@ pub(super) struct Text<'a> {
 }
 
 impl<'a> Text<'a> {
-    /// The values of a text that begins on line `line` of the file.
+    /// Starts at a text that begins on line `line` of the file.
     pub fn new(text: &'a [u8], line: usize) -> Self {
         Text { words: Words::new(text).starting_at(line), last: None }
     }
@@ -99,7 +99,7 @@ impl Source for Text<'_> {
     }
 }
 
-/// A body in bytes, the most significant byte first if `BIG`.
+/// A body in bytes, most significant byte first if `BIG`.
 #[derive(Clone)]
 pub(super) struct Binary<'a, const BIG: bool> {
     bytes: &'a [u8],
@@ -108,12 +108,12 @@ pub(super) struct Binary<'a, const BIG: bool> {
 }
 
 impl<'a, const BIG: bool> Binary<'a, BIG> {
-    /// The values of a file from byte `at` on.
+    /// Starts at byte `at` of a file.
     pub fn new(bytes: &'a [u8], at: usize) -> Self {
         Binary { bytes, at, last: at }
     }
 
-    /// The next `N` bytes, the least significant first.
+    /// Returns the next `N` bytes, least significant byte first.
     #[inline]
     fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
         let mut bytes = self.bytes[self.at..].first_chunk::<N>().copied()?;

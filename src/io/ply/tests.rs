@@ -32,12 +32,12 @@ fn written() -> Vec<u8> {
     bytes
 }
 
-/// A header in front of values, each already in its bytes.
+/// A header followed by values, each already in bytes.
 fn binary(header: &str, values: &[&[u8]]) -> Vec<u8> {
     [header.as_bytes(), &values.concat()].concat()
 }
 
-/// A header of three vertices in text, then `elements`.
+/// A text header of three vertices and `elements`, followed by the vertices and `body`.
 fn three_vertices(elements: &str, body: &str) -> String {
     format!(
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n{elements}\
@@ -154,12 +154,12 @@ fn strips_wind_to_and_fro() {
     let one = mesh(&strips("int", "5 0 1 2 3 4"));
     assert_eq!(one.triangles, [[0, 1, 2], [2, 1, 3], [2, 3, 4]]);
     assert!((0..3).all(|t| one.area_vector(t).z > 0.0));
-    // A new strip begins with a triangle the right way round.
+    // A new strip starts with the normal orientation.
     let two = mesh(&strips("int", "11 0 1 2 3 -1 2 3 4 -1 -1 0"));
     assert_eq!(two.triangles, one.triangles);
     let unsigned = mesh(&strips("uint", "8 0 1 2 3 4294967295 2 3 4"));
     assert_eq!(unsigned.triangles, one.triangles);
-    // A vertex twice joins strips.
+    // A repeated vertex joins strips.
     assert_eq!(mesh(&strips("int", "7 0 1 2 2 2 3 4")).triangles, [[0, 1, 2], [2, 3, 4]]);
     assert_eq!(place(strips("int", "3 0 1 5").as_bytes()), Place::Line(15));
     assert_eq!(place(strips("int", "3 0 1 -2").as_bytes()), Place::Line(15));
@@ -265,7 +265,7 @@ fn normals_and_colours_are_known_by_their_names() {
     let attributes = super::parse(text.as_bytes()).unwrap().attributes;
     assert_eq!(attributes.normals(), [DVec3::Z]);
     assert_eq!(attributes.color().unwrap().values, [1.0, 2.0, 3.0, 4.0]);
-    // Without faces there is nothing that a texture could be on.
+    // Without faces there are no texture coordinates.
     assert_eq!((attributes.names().join(" "), attributes.texture.len()), ("normal color u v".into(), 0));
 }
 

@@ -1,4 +1,4 @@
-//! The table of vertices: positions, and all that is a number of a vertex.
+//! The table of vertices: positions, and all properties that are numbers.
 
 use super::elements::{checked_count, skip};
 use super::header::{Element, Kind, Property};
@@ -8,17 +8,17 @@ use crate::io::bytes::{EXPORT_AGAIN, malformed};
 use crate::mesh::attributes::{Attribute, COLOR, NORMAL, Scalar};
 use glam::{DVec2, DVec3};
 
-/// Properties that are components of one attribute, if the first three are there.
+/// Properties that are components of one attribute, if the first three exist.
 pub(super) const GROUPS: [(&str, [&str; 4]); 3] = [
     (NORMAL, ["nx", "ny", "nz", ""]),
     (COLOR, ["red", "green", "blue", "alpha"]),
     (COLOR, ["diffuse_red", "diffuse_green", "diffuse_blue", "diffuse_alpha"]),
 ];
 
-/// Properties that are texture coordinates where there are faces.
+/// Properties that are texture coordinates if there are faces.
 const TEXTURE: [[&str; 2]; 4] = [["s", "t"], ["u", "v"], ["texture_u", "texture_v"], ["texture_s", "texture_t"]];
 
-/// Whether a property is a texture coordinate where there are faces.
+/// Whether a property is a texture coordinate if there are faces.
 #[cfg(feature = "fs")]
 pub(super) fn is_texture(property: &Property) -> bool {
     TEXTURE.as_flattened().contains(&property.name.as_str())
@@ -29,22 +29,22 @@ pub(super) fn is_texture(property: &Property) -> bool {
 pub(super) struct Vertices {
     pub positions: Vec<DVec3>,
     pub attributes: Vec<Attribute>,
-    /// The texture coordinates of each; empty without.
+    /// Texture coordinates of each vertex, or empty.
     pub texture: Vec<DVec2>,
 }
 
-/// What a property is.
+/// Role of a property.
 #[derive(Clone, Copy)]
 enum Role {
     LeftOut,
     Position(usize),
-    /// A component of the attribute of this number.
+    /// Index of an attribute, and component of it.
     Attribute(usize, usize),
     Texture(usize),
 }
 
 impl Vertices {
-    /// Reads the table. A note says which properties are left out.
+    /// Reads the table. A note lists the properties that are left out.
     pub fn read<S: Source>(
         source: &mut S,
         element: &Element,
@@ -94,7 +94,7 @@ impl Vertices {
     }
 }
 
-/// What each property is, and the attributes that they make, without values.
+/// Returns the role of each property, and the attributes that they form, without values.
 fn roles(element: &Element, with_faces: bool) -> Result<(Vec<Role>, Vec<Attribute>)> {
     let mut roles = vec![Role::LeftOut; element.properties.len()];
     let mut taken = vec![false; roles.len()];
@@ -127,7 +127,7 @@ fn roles(element: &Element, with_faces: bool) -> Result<(Vec<Role>, Vec<Attribut
     Ok((roles, attributes))
 }
 
-/// An attribute of the type of a property; `None` for a list.
+/// Creates an attribute with the type of a property; `None` for a list.
 fn attribute(name: &str, components: usize, property: &Property) -> Option<Attribute> {
     scalar(property).map(|scalar| Attribute { name: name.into(), components, values: Vec::new(), scalar })
 }

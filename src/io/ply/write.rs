@@ -1,14 +1,14 @@
-//! Writing PLY.
+//! Writing of PLY.
 
 use crate::io::content::Content;
 use crate::mesh::attributes::{Attribute, Scalar};
 use std::io::{self, Write};
 
-/// Writes binary little-endian PLY with double coordinates, so that reading gives the same mesh. Attributes keep their
-/// types; texture coordinates are a list of each face, in single precision.
+/// Writes binary little-endian PLY with double coordinates, so that reading it gives the same mesh. Attributes keep their
+/// types; texture coordinates become a list per face, in single precision.
 ///
 /// # Errors
-/// What `out` fails with.
+/// Those of `out`.
 pub(crate) fn write(content: &Content, out: &mut dyn Write) -> io::Result<()> {
     let Content { positions, triangles, attributes } = content;
     write_header(content, out)?;
@@ -43,7 +43,7 @@ fn write_header(content: &Content, out: &mut dyn Write) -> io::Result<()> {
     )?;
     attributes.vertex.iter().try_for_each(|a| write_properties(a, out))?;
     if !triangles.is_empty() {
-        // Most readers know signed indices only, so unsigned ones are for what needs them.
+        // Most readers know only signed indices, so unsigned ones are used only if necessary.
         let index = if positions.len() > i32::MAX as usize { "uint" } else { "int" };
         write!(out, "element face {}\nproperty list uchar {index} vertex_indices\n", triangles.len())?;
     }
@@ -65,7 +65,7 @@ fn write_properties(attribute: &Attribute, out: &mut dyn Write) -> io::Result<()
         Scalar::F64 => "double",
     };
     for name in attribute.component_names() {
-        // A name of a PLY file is one word.
+        // Names in PLY files are single words.
         writeln!(out, "property {kind} {}", name.replace(char::is_whitespace, "_"))?;
     }
     Ok(())

@@ -1,12 +1,12 @@
-//! 3MF, the format of printing in three dimensions: an archive with a model, and perhaps further ones, in XML.
+//! 3MF, a format for 3D printing: an archive with a model, and perhaps further ones, in XML.
 //!
-//! A model has objects, which are meshes or put together from other objects, and a list of objects to build. What is built
-//! is read, each object in its place; the unit of the file is kept. Colours of the corners of triangles become those of
+//! A model has objects, which are meshes or composed of other objects, and a list of objects to build. The objects to build
+//! are read, each with its transform; the unit of the file is kept. Colours of the corners of triangles become those of
 //! vertices.
 //!
-//! What the archive unpacks to is bounded by its size, and so is how often objects are repeated.
+//! The unpacked size of the archive is bounded by a multiple of its size, and the number of repeated objects is limited.
 //!
-//! Limits: materials, textures, slices and beams are left out; so are encrypted models.
+//! Limits: materials, textures, slices and beams are left out; encrypted models are not read.
 
 mod model;
 mod write;
@@ -24,20 +24,20 @@ use std::collections::BTreeMap;
 use std::io::{Cursor, Read as _};
 use zip::ZipArchive;
 
-/// Where the model is, if nothing says it.
+/// Default path of the model, if no relation gives it.
 const MODEL: &str = "3D/3dmodel.model";
 const RELATIONS: &str = "_rels/.rels";
 
-/// The end of the type of the relation that says where the model is.
+/// End of the type of the relation that gives the path of the model.
 const RELATION: &str = "/3dmodel";
 
-/// How deep objects may be put together from objects.
+/// Maximum nesting depth of objects composed of objects.
 const DEPTH: usize = 32;
 
-/// Vertices, triangles and objects that all copies together may have.
+/// Maximum total number of vertices, triangles and objects, in all copies together.
 const REPEATED: usize = 1 << 26;
 
-/// How far from the end of an archive its list of files is looked at.
+/// Length of the tail of an archive in which its list of files is searched.
 const TAIL: usize = 1 << 16;
 
 /// Whether a file is an archive with a model in it.
@@ -46,10 +46,10 @@ pub(crate) fn has_signature(bytes: &[u8]) -> bool {
     bytes.starts_with(b"PK\x03\x04") && tail.windows(6).any(|w| w == b".model")
 }
 
-/// The meshes in a 3MF file.
+/// Reads the meshes in a 3MF file.
 ///
 /// # Errors
-/// `Error::Format` with the part of what is malformed.
+/// `Error::Format` with the part that is malformed.
 pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     let mut archive = Archive::new(bytes)?;
     let root = archive.model_name()?;
@@ -57,7 +57,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     let mut builder = Builder { models: &models, built: 0, mesh: Mesh::default(), colors: Vec::new(), bare: false };
     let items = &models[&root].items;
     if items.is_empty() {
-        // A file that builds nothing still has objects.
+        // A file that builds nothing may still have objects.
         for (id, _) in models[&root].objects.iter().filter(|(_, object)| !object.triangles.is_empty()) {
             builder.add(
                 &root,
@@ -75,7 +75,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
 
 struct Archive<'a> {
     zip: ZipArchive<Cursor<&'a [u8]>>,
-    /// Bytes that may still be unpacked.
+    /// Number of bytes that may still be unpacked.
     budget: usize,
 }
 
@@ -88,7 +88,7 @@ impl<'a> Archive<'a> {
         Ok(Archive { zip, budget: most_unpacked(bytes.len()) })
     }
 
-    /// The text of a file of the archive.
+    /// Returns the text of a file in the archive.
     fn text(&mut self, name: &str) -> Result<String> {
         let wrong = |cause: String| malformed(part(name), cause.replace(['\n', '\r'], " "), EXPORT_AGAIN);
         let file = self.zip.by_name(name).map_err(|e| wrong(format!("it cannot be read: {e}")))?;
@@ -108,7 +108,7 @@ impl<'a> Archive<'a> {
         Ok(model::target(&relations, RELATION).map_err(|e| in_part(e, RELATIONS))?.unwrap_or_else(|| MODEL.into()))
     }
 
-    /// The model of this name and all that its objects refer to.
+    /// Reads the model of this name, and all models that its objects refer to.
     fn models(&mut self, root: &str) -> Result<BTreeMap<String, Model>> {
         let mut models = BTreeMap::new();
         let mut open = vec![root.to_string()];
@@ -128,7 +128,7 @@ fn part(name: &str) -> Place {
     Place::Part(name.escape_debug().to_string())
 }
 
-/// The error, in a file of the archive.
+/// Adds the name of a file in the archive to an error.
 fn in_part(error: Error, name: &str) -> Error {
     match error {
         Error::Format { file, place, cause, remedy } => {
@@ -139,23 +139,23 @@ fn in_part(error: Error, name: &str) -> Error {
     }
 }
 
-/// What is built so far.
+/// The mesh built so far.
 struct Builder<'a> {
     models: &'a BTreeMap<String, Model>,
-    /// Vertices, triangles and objects so far.
+    /// Number of vertices, triangles and objects so far.
     built: usize,
     mesh: Mesh,
-    /// The colours of the vertices: those up to here.
+    /// Colours of the vertices, up to the last object with colours.
     colors: Vec<[u8; 4]>,
     /// Whether some vertices have no colour.
     bare: bool,
 }
 
-/// The colour of what has none.
+/// Colour of vertices without one.
 const WHITE: [u8; 4] = [255; 4];
 
 impl Builder<'_> {
-    /// Adds an object, which may be put together from others.
+    /// Adds an object, which may be composed of others.
     fn add(&mut self, model: &str, what: &Reference, outer: DMat4, depth: usize) -> Result<()> {
         let model = what.path.as_deref().unwrap_or(model);
         let wrong = |cause: &str| malformed(part(&format!("{model}, object {}", what.object)), cause, EXPORT_AGAIN);
@@ -176,7 +176,7 @@ impl Builder<'_> {
     fn add_mesh(&mut self, object: &Object, transform: DMat4) -> Option<()> {
         let base = self.mesh.positions.len() as u32;
         self.mesh.positions.extend(object.positions.iter().map(|&p| transform.transform_point3(p)));
-        // A mirrored triangle looks the other way.
+        // A mirroring transform reverses the orientation of triangles.
         let is_mirrored = transform.determinant() < 0.0;
         let place = |&[a, b, c]: &[u32; 3]| if is_mirrored { [a, c, b] } else { [a, b, c] }.map(|v| base + v);
         self.mesh.triangles.extend(object.triangles.iter().map(place));

@@ -1,4 +1,4 @@
-//! A model: objects and what is built of them, from its XML.
+//! A model, read from its XML: objects, and the list of objects to build.
 
 use crate::base::error::{Error, Place, Result};
 use crate::io::bytes::{EXPORT_AGAIN, finite, malformed};
@@ -9,27 +9,27 @@ use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 use std::collections::{BTreeMap, HashMap};
 
-/// The objects of a model, by their numbers, and what is built.
+/// The objects of a model, by their numbers, and the objects to build.
 #[derive(Default)]
 pub(super) struct Model {
     pub objects: BTreeMap<u32, Object>,
     pub items: Vec<Reference>,
 }
 
-/// A mesh, or what is put together from other objects.
+/// A mesh, or a composition of other objects.
 #[derive(Default)]
 pub(super) struct Object {
     pub positions: Vec<DVec3>,
     pub triangles: Vec<[u32; 3]>,
     pub components: Vec<Reference>,
-    /// Red, green, blue and opacity of each vertex; none if no triangle has colours.
+    /// Red, green, blue and opacity of each vertex; empty if no triangle has colours.
     pub colors: Vec<[u8; 4]>,
 }
 
-/// An object in its place.
+/// An object with its transform.
 pub(super) struct Reference {
     pub object: u32,
-    /// The file of the archive that has it, if it is another one.
+    /// File in the archive that has the object, if it is another one.
     pub path: Option<String>,
     pub transform: DMat4,
 }
@@ -56,13 +56,13 @@ impl Model {
         }
     }
 
-    /// All objects that this model names.
+    /// Returns all references to objects in this model.
     pub fn references(&self) -> impl Iterator<Item = &Reference> {
         self.objects.values().flat_map(|object| &object.components).chain(&self.items)
     }
 }
 
-/// The file that a relation whose type ends with `kind` leads to.
+/// Returns the target of the relation whose type ends with `kind`.
 pub(super) fn target(relations: &str, kind: &str) -> Result<Option<String>> {
     let mut reader = Reader::from_str(relations);
     loop {
@@ -84,7 +84,7 @@ struct Parser {
     depth: usize,
     /// The object that is open, and its number.
     object: Option<(u32, Object)>,
-    /// The colours that the object has where its triangles have none.
+    /// Default colour of the object's triangles: group and index.
     default: Option<(u32, usize)>,
     groups: HashMap<u32, Vec<[u8; 4]>>,
     group: Option<(u32, Vec<[u8; 4]>)>,
@@ -174,7 +174,7 @@ fn reference(tag: &BytesStart, at: At) -> Result<Reference> {
     Ok(Reference { object: required(tag, "objectid", at)?, path, transform })
 }
 
-/// Four rows of three numbers, which are multiplied from the left by a row.
+/// Parses a transform: four rows of three numbers, to be multiplied from the left by a row vector.
 fn transform(text: &str) -> Option<DMat4> {
     let numbers: Vec<f64> = text.split_whitespace().map(|n| n.parse().ok()).collect::<Option<_>>()?;
     let row = |k: usize, last: f64| DVec3::from_slice(&numbers[3 * k..]).extend(last);
@@ -182,7 +182,7 @@ fn transform(text: &str) -> Option<DMat4> {
     (numbers.len() == 12).then(|| columns(row(3, 1.0))).filter(|m| m.is_finite())
 }
 
-/// `#RRGGBB` or `#RRGGBBAA`.
+/// Parses `#RRGGBB` or `#RRGGBBAA`.
 fn color(text: &str) -> Option<[u8; 4]> {
     let digits = text.trim().strip_prefix('#').filter(|d| d.is_ascii() && matches!(d.len(), 6 | 8))?;
     let mut color = [255; 4];
@@ -192,7 +192,7 @@ fn color(text: &str) -> Option<[u8; 4]> {
     Some(color)
 }
 
-/// A number, if the attribute is there.
+/// Parses an attribute as a number, if it exists.
 fn number<T: std::str::FromStr>(tag: &BytesStart, name: &str, at: At) -> Result<Option<T>> {
     let Some(text) = attribute(tag, name) else { return Ok(None) };
     let wrong = |_| malformed(at(), format!("{name} is {}, not a number", quote(text.as_bytes())), EXPORT_AGAIN);

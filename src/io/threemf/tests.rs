@@ -45,7 +45,7 @@ fn objects_are_put_together_in_their_places() {
     let first = [place(5.0, 0.0, 0.0), place(6.0, 0.0, 0.0), place(5.0, 1.0, 0.0)];
     let second = [place(5.0, 0.0, 2.0), place(4.0, 0.0, 2.0), place(5.0, 1.0, 2.0)];
     assert_eq!(read.mesh.positions, [first, second].concat());
-    // What is mirrored keeps its outside.
+    // A mirrored object keeps its outside.
     assert_eq!(read.mesh.triangles, [[0, 1, 2], [3, 5, 4]]);
 }
 

@@ -1,4 +1,4 @@
-//! Writing 3MF: one object, with a colour for each corner of its triangles if vertices have colours.
+//! Writing of 3MF: one object, with a colour for each corner of its triangles if vertices have colours.
 
 use super::{MODEL, RELATIONS};
 use crate::io::content::Content;
@@ -25,7 +25,7 @@ const HEAD: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<model unit=\"mi
 
 /// Writes triangles with the colours of their vertices.
 pub(crate) fn write(content: &Content, out: &mut dyn Write) -> io::Result<()> {
-    // In memory, because the sizes of the files of an archive go before them.
+    // In memory, because an archive stores the sizes of files before their content.
     let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
     let options = SimpleFileOptions::default();
     for (name, text) in [("[Content_Types].xml", TYPES), (RELATIONS, TARGET)] {
@@ -72,10 +72,10 @@ fn model(content: &Content, out: &mut dyn Write) -> io::Result<()> {
     )
 }
 
-/// The colours of vertices, each once.
+/// The distinct colours of vertices.
 struct Colors {
     list: Vec<[u8; 4]>,
-    /// The number of each vertex's.
+    /// Index of each vertex's colour.
     of: Vec<usize>,
 }
 

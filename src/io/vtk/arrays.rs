@@ -1,4 +1,4 @@
-//! The numbers of an array of an XML file: in text, or packed as bytes, plain or in base64, inline or at the end.
+//! Numbers of an array in an XML file: in text, or packed as bytes, raw or in base64, inline or appended.
 
 use crate::base::error::{Place, Result};
 use crate::io::base64;
@@ -12,12 +12,12 @@ use std::io::Read;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Packing {
     pub order: Order,
-    /// The type of the lengths before the numbers.
+    /// Type of the lengths before the numbers.
     pub header: Type,
     pub compressed: bool,
 }
 
-/// Numbers in text.
+/// Reads numbers in text.
 pub(super) fn in_text(text: &str) -> Result<Vec<f64>> {
     let mut words = Words::new(text.as_bytes());
     let mut numbers = Vec::new();
@@ -29,7 +29,7 @@ pub(super) fn in_text(text: &str) -> Result<Vec<f64>> {
     Ok(numbers)
 }
 
-/// Numbers in bytes. Of the bytes that the file may unpack to, `budget`, those of this array are taken.
+/// Reads numbers in bytes. Subtracts their size from `budget`, the number of bytes that the file may still unpack to.
 pub(super) fn in_bytes(mut source: Bytes, kind: Type, packing: Packing, budget: &mut usize) -> Result<Vec<f64>> {
     let damaged = || malformed(Place::Whole, "the bytes of an array are missing or damaged", CUT_SHORT);
     let mut length = || {
@@ -42,7 +42,7 @@ pub(super) fn in_bytes(mut source: Bytes, kind: Type, packing: Packing, budget: 
         *budget = budget.checked_sub(first).ok_or_else(|| unpacks_to_too_much(SAVE_PLAIN))?;
         return Ok(kind.read_all(&source.take(first).ok_or_else(damaged)?, packing.order).collect());
     }
-    // The number of blocks, the size of each, that of the last one if it is another, and what each is packed to.
+    // The number of blocks, their size, the size of the last one if it differs (else 0), and the compressed size of each.
     let (size, last) = length().zip(length()).ok_or_else(damaged)?;
     let mut packed = Vec::new();
     for _ in 0..first {
@@ -64,11 +64,11 @@ pub(super) fn in_bytes(mut source: Bytes, kind: Type, packing: Packing, budget: 
 
 const SAVE_PLAIN: &str = "save it without compression";
 
-/// Bytes as they are, or in base64, from front to back.
+/// Raw bytes or base64, read from front to back.
 pub(super) struct Bytes<'a> {
     rest: &'a [u8],
     encoded: bool,
-    /// What was decoded and not taken yet.
+    /// Bytes that were decoded and not taken yet.
     ready: Vec<u8>,
 }
 
@@ -77,7 +77,7 @@ impl<'a> Bytes<'a> {
         Bytes { rest, encoded, ready: Vec::new() }
     }
 
-    /// The next `count` bytes. Base64 may be padded in the middle, where one piece of it ends and another begins.
+    /// Returns the next `count` bytes. Base64 may be padded in the middle, where one piece ends and another begins.
     fn take(&mut self, count: usize) -> Option<Vec<u8>> {
         if count > self.rest.len() + self.ready.len() {
             return None;

@@ -1,4 +1,4 @@
-//! Legacy files: keywords in text, numbers behind them in text or binary, the most significant byte first.
+//! Legacy files: keywords in text, followed by numbers in text or binary, most significant byte first.
 
 use super::{Array, Cell, EXTRACT, Role, Surface};
 use crate::base::error::{Place, Result};
@@ -8,10 +8,10 @@ use crate::io::mixed::Mixed;
 use crate::io::numbers::{Order, Type};
 use crate::io::text::quote;
 
-/// The surface in a legacy VTK file.
+/// Reads the surface in a legacy VTK file.
 ///
 /// # Errors
-/// `Error::Format` with the line or byte of what is malformed.
+/// `Error::Format` with the line or byte that is malformed.
 pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     let mut source = Mixed::new(bytes);
     if !source.line().starts_with(b"# vtk DataFile") {
@@ -50,14 +50,14 @@ fn shown(word: Option<&str>) -> String {
 struct Reader<'a> {
     source: Mixed<'a>,
     surface: Surface,
-    /// How many numbers arrays have, and whether they are those of points.
+    /// Number of tuples in arrays, and whether they belong to points.
     of_points: Option<(usize, bool)>,
-    /// Where the cells of a grid end in the list of their corners, until their types are known.
+    /// End of each cell of a grid in the list of corners, and that list, until the types of cells are known.
     cells: Option<(Vec<usize>, Vec<f64>)>,
 }
 
 impl Reader<'_> {
-    /// Reads a section; false if it is of no known kind.
+    /// Reads a section. Returns false if its kind is unknown.
     fn section(&mut self, keyword: &str) -> Result<bool> {
         match keyword {
             "DATASET" => {
@@ -88,13 +88,13 @@ impl Reader<'_> {
         Ok(true)
     }
 
-    /// Goes behind the next empty line.
+    /// Skips lines up to and including the next empty one.
     fn skip_lines(&mut self) {
         self.source.line();
         while !self.source.line().trim_ascii().is_empty() {}
     }
 
-    /// Where each cell ends in the list of corners, and that list.
+    /// Reads cells. Returns the end of each cell in the list of corners, and that list.
     fn cells(&mut self) -> Result<(Vec<usize>, Vec<f64>)> {
         let (count, size) = (self.source.count()?, self.source.count()?);
         if self.source.peek_word() == Some(b"OFFSETS") {
@@ -152,7 +152,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Reads an array of points or cells; false if the keyword is that of none.
+    /// Reads an array of points or cells. Returns false if the keyword is not that of an array.
     fn array(&mut self, keyword: &str) -> Result<bool> {
         let Some((count, _)) = self.of_points else { return Ok(false) };
         let known =
@@ -161,7 +161,7 @@ impl Reader<'_> {
             return Ok(false);
         }
         let name = self.source.word().map(|name| String::from_utf8_lossy(name).into_owned()).unwrap_or_default();
-        // Tables of colours and colours have bytes in binary and fractions in text.
+        // Colours and tables of colours have bytes in binary files and fractions in text.
         let bytes = if self.source.binary.is_some() { Type::U8 } else { Type::F32 };
         let (kind, components, role) = match keyword {
             "LOOKUP_TABLE" => {
@@ -192,11 +192,11 @@ impl Reader<'_> {
         Ok(true)
     }
 
-    /// Reads the arrays of a field. Those outside of points and cells are those of nothing.
+    /// Reads the arrays of a field. A field outside of point and cell data belongs to neither.
     fn field(&mut self) -> Result<()> {
         self.source.word();
         for _ in 0..self.source.count()? {
-            // An array may be followed by what describes it.
+            // An array may be followed by a description.
             if self.source.peek_word() == Some(b"METADATA") {
                 self.source.word();
                 self.skip_lines();
@@ -216,7 +216,7 @@ impl Reader<'_> {
         }
     }
 
-    /// A count, if there is a word on this line.
+    /// Reads a count, if there is another word on this line.
     fn count_on_line(&mut self) -> Option<usize> {
         let rest = self.source.rest();
         let line = &rest[..rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len())];
@@ -240,7 +240,7 @@ impl Reader<'_> {
         })
     }
 
-    /// The next `count` numbers; in binary they begin on the next line.
+    /// Reads the next `count` numbers. In binary files they begin on the next line.
     fn numbers(&mut self, kind: Type, count: usize) -> Result<Vec<f64>> {
         if count > 0 && self.source.binary.is_some() {
             self.source.line();

@@ -1,15 +1,15 @@
 //! VTK: legacy files in text or binary, and polygons (VTP) and unstructured grids (VTU) as XML.
 //!
-//! Both forms have points, cells of several kinds over them and arrays of numbers. Read are polygons, triangle strips and,
-//! of unstructured grids, the cells of two dimensions, or where there are none the outside of those of three; cells of higher
-//! order give their corners. Arrays of points
-//! become attributes: normals and texture coordinates where the file calls them so, colours where they are three or four
-//! unsigned bytes, or called `color`.
+//! Both forms have points, cells of several kinds over them, and arrays of numbers. Read are polygons, triangle strips and,
+//! of unstructured grids, the two-dimensional cells, or, if there are none, the outer surface of the three-dimensional ones;
+//! cells of higher order are reduced to their corners. Arrays of points become attributes: normals and texture coordinates
+//! if the file declares them as such, colours if they are three or four unsigned bytes, or named `color`.
 //!
-//! What a file promises is held against its length before memory is reserved; what arrays unpack to is bounded by it.
+//! The counts in a file are compared with its length before memory is reserved. The unpacked size of arrays is bounded by a
+//! multiple of that length.
 //!
-//! Limits: vertices and lines beside faces, cells of volumes and arrays of cells are left out; other kinds of grids are
-//! refused, and so are arrays compressed by LZ4 or LZMA.
+//! Limits: vertices and lines beside faces, volume cells and cell arrays are left out. Other kinds of grids are refused, and
+//! so are arrays compressed by LZ4 or LZMA.
 
 mod arrays;
 mod legacy;
@@ -30,17 +30,18 @@ use crate::mesh::attributes::{Attribute, Attributes, COLOR, NORMAL};
 use crate::mesh::triangle_mesh::Mesh;
 use glam::{DVec2, DVec3};
 
-/// Whether a file that begins so has an unstructured grid as XML, and not only the names of other files with its pieces.
+/// Whether a file that begins with `head` is an unstructured grid as XML, and not just a list of other files with its
+/// pieces.
 pub(super) fn is_grid(head: &[u8]) -> bool {
     ["\"UnstructuredGrid", "'UnstructuredGrid"]
         .iter()
         .any(|kind| head.windows(kind.len()).any(|w| w == kind.as_bytes()))
 }
 
-/// What to do about a grid.
+/// Remedy for a grid.
 const EXTRACT: &str = "open it in ParaView, extract its surface and save that as VTP";
 
-/// Kinds of cells, as far as they differ here.
+/// Kinds of cells, as far as they are read differently.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Cell {
     Points,
@@ -49,16 +50,16 @@ enum Cell {
     /// Four corners, row by row.
     Pixel,
     Strip,
-    /// A polygon with further vertices behind so many corners.
+    /// A polygon of higher order, with this number of corners before its other vertices.
     Curved(usize),
-    /// One that fills a volume, with further vertices behind its corners or not.
+    /// A volume cell, with or without further vertices after its corners.
     Solid(Kind),
-    /// The same with eight corners, row by row and layer by layer.
+    /// A volume cell with eight corners, row by row and layer by layer.
     Voxel,
     OtherSolid,
 }
 
-/// What an array of points is.
+/// Role of an array of points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Role {
     Plain,
@@ -77,7 +78,7 @@ struct Array {
     role: Role,
 }
 
-/// What a file has, while it is read.
+/// The content of a file while it is read.
 #[derive(Default)]
 struct Surface {
     grid: Grid,
@@ -85,7 +86,7 @@ struct Surface {
 }
 
 impl Cell {
-    /// The kind of the cell types of unstructured grids.
+    /// Returns the kind for a cell type of unstructured grids.
     fn of_type(number: f64) -> Cell {
         match number as i64 {
             1 | 2 => Cell::Points,
@@ -173,7 +174,7 @@ impl Surface {
     }
 }
 
-/// The attributes that arrays are.
+/// Converts arrays to attributes.
 fn attributes(arrays: Vec<Array>, mesh: &Mesh, notes: &mut Vec<String>) -> Attributes {
     let (points, triangles) = (mesh.positions.len(), &mesh.triangles);
     let mut attributes = Attributes::default();

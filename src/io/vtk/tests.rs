@@ -8,7 +8,7 @@ use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use std::io::Write;
 
-/// A square of a polygon and of a strip, and lines.
+/// A square as a polygon and as a strip, and a line.
 const LEGACY: &str = "# vtk DataFile Version 3.0\ntitle\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n0 0 0 1 0 0\n1 1 0 0 1 0\n\
                       LINES 1 3\n2 0 1\nPOLYGONS 1 5\n4 0 1 2 3\nTRIANGLE_STRIPS 1 5\n4 0 1 3 2\nCELL_DATA 3\n\
                       SCALARS cell int\nLOOKUP_TABLE default\n7 8 9\nPOINT_DATA 4\nSCALARS heat double 1\nLOOKUP_TABLE default\n\
@@ -85,7 +85,7 @@ fn faces_of_grids_are_read() {
 
 #[test]
 fn the_outside_of_a_volume_is_read() {
-    // Two voxels on each other, and the same as hexahedra, of which one is of second order.
+    // Two stacked voxels, and the same as hexahedra, one of which is of second order.
     let points: Vec<String> = (0..12).map(|i| format!("{} {} {}", i % 2, i / 2 % 2, i / 4)).collect();
     let head = format!(
         "# vtk DataFile Version 2.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 12 double\n{}\n",
@@ -107,7 +107,7 @@ fn the_outside_of_a_volume_is_read() {
 
 #[test]
 fn unstructured_grids_are_read_as_xml() {
-    // A tetrahedron, and a triangle beside it or not.
+    // A tetrahedron, with or without a triangle beside it.
     let grid = |types: &str, ends: &str| {
         let array = |name: &str, numbers: &str| {
             format!("<DataArray type=\"Float64\" Name=\"{name}\" format=\"ascii\">{numbers}</DataArray>")
@@ -180,7 +180,7 @@ fn xml(form: Form, compressed: bool) -> Vec<u8> {
         };
         let squeezed: Vec<Vec<u8>> = blocks.iter().map(squeeze).collect();
         let sizes = [blocks.len(), 16, bytes.len() % 16].into_iter().chain(squeezed.iter().map(Vec::len));
-        // The lengths are a piece of base64 of their own.
+        // The lengths are a separate piece of base64.
         vec![sizes.flat_map(|n| (n as u32).to_le_bytes()).collect(), squeezed.concat()]
     };
     let mut appended = Vec::new();
@@ -261,7 +261,7 @@ fn errors_in_xml_say_what_is_wrong() {
     for compressed in [false, true] {
         let bytes = xml(Form::Raw, compressed);
         let start = bytes.windows(2).position(|w| w == b"\n_").unwrap();
-        // The last array is used twice, so that all that is appended is needed.
+        // The last array is used twice, so all appended data is needed.
         for end in start..bytes.len() - "</AppendedData></VTKFile>".len() {
             assert!(parse_xml(&bytes[..end]).is_err(), "{end}");
         }

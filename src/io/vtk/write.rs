@@ -1,4 +1,4 @@
-//! Writing VTP: elements, and the numbers of all arrays appended to them as they are, the least significant byte first.
+//! Writing of VTP: elements, followed by the raw numbers of all arrays, least significant byte first.
 
 use crate::io::content::Content;
 use crate::mesh::attributes::{Attribute, Scalar};
@@ -9,18 +9,18 @@ type Fill<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>;
 
 /// An array that is appended.
 struct Appended<'a> {
-    /// The start of the element that names it; where its numbers are is added.
+    /// Start of its element, without the offset of its numbers.
     element: String,
-    /// The bytes of its numbers.
+    /// Size of its numbers, in bytes.
     length: u64,
     write: Fill<'a>,
 }
 
-/// The bytes before the numbers of an array, which say how many there are.
+/// Size of the length that precedes the numbers of an array, in bytes.
 const HEADER: u64 = 8;
 
-/// Writes points, polygons, and all attributes of the points. Points without polygons are cells of their own, which
-/// programs show.
+/// Writes points, polygons, and all attributes of the points. If there are no polygons, each point becomes a cell, so that
+/// programs show it.
 pub(crate) fn write(content: &Content, out: &mut dyn Write) -> io::Result<()> {
     let (points, triangles) = (content.positions.len(), content.triangles.len());
     let is_cloud = triangles == 0;

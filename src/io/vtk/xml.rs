@@ -1,5 +1,5 @@
-//! Polygons and unstructured grids as XML. The file is read from front to back; what is appended behind its elements need not
-//! be XML, and is taken off before.
+//! Polygons and unstructured grids as XML, read from front to back. The data appended after the elements need not be XML,
+//! and is split off first.
 
 use super::arrays::{Bytes, Packing, in_bytes, in_text};
 use super::{Array, Cell, EXTRACT, Role, Surface, wrong};
@@ -13,10 +13,10 @@ use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 use std::mem::take;
 
-/// The surface in a VTP or VTU file.
+/// Reads the surface in a VTP or VTU file.
 ///
 /// # Errors
-/// `Error::Format` with the byte or part of what is malformed.
+/// `Error::Format` with the byte or part that is malformed.
 pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     let (xml, appended) = split(bytes);
     let text = String::from_utf8_lossy(xml);
@@ -53,14 +53,14 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     file.surface.finish()
 }
 
-/// The elements, and what is appended behind them.
+/// Splits a file into its elements and the appended data.
 fn split(bytes: &[u8]) -> (&[u8], Option<Appended<'_>>) {
     const TAG: &[u8] = b"<AppendedData";
     let Some(start) = bytes.windows(TAG.len()).position(|w| w == TAG) else { return (bytes, None) };
     let (xml, rest) = bytes.split_at(start);
     let tag = &rest[..rest.iter().position(|&b| b == b'>').unwrap_or(rest.len())];
     let encoded = !tag.windows(5).any(|w| w == b"\"raw\"");
-    // The data begin behind an underscore.
+    // The data begins after an underscore.
     let data = rest[tag.len()..].iter().position(|&b| b == b'_').map(|at| &rest[tag.len() + at + 1..]);
     (xml, data.map(|data| Appended { data, encoded }))
 }
@@ -70,18 +70,18 @@ struct Appended<'a> {
     encoded: bool,
 }
 
-/// What the arrays that are read now belong to.
+/// Section to which the arrays that are read now belong.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Section {
     Points,
     PointData,
     Cells(Cell),
-    /// Cells of several kinds, as unstructured grids have them.
+    /// Cells of several kinds, as in unstructured grids.
     TypedCells,
     Other,
 }
 
-/// The kinds of cells: one for all, or the type of each by its number.
+/// Kinds of cells: one for all, or the type number of each.
 enum Kinds {
     All(Cell),
     Each(Vec<f64>),
@@ -91,23 +91,23 @@ enum Kinds {
 #[derive(Default)]
 struct Piece {
     positions: Vec<f64>,
-    /// The corners of its cells, and where each cell ends in them.
+    /// Groups of cells: their kinds, their corners, and the end of each cell in the list of corners.
     cells: Vec<(Kinds, Vec<f64>, Vec<f64>)>,
     corners: Vec<f64>,
     ends: Vec<f64>,
     types: Vec<f64>,
     arrays: Vec<Array>,
-    /// What the file calls normals and texture coordinates.
+    /// Names of the arrays that the file declares to be normals or texture coordinates.
     roles: Vec<(String, Role)>,
 }
 
-/// An array that is open.
+/// Attributes of an array element.
 struct Header {
     name: String,
     kind: Option<Type>,
     components: usize,
     encoded: bool,
-    /// Where its numbers are in what is appended.
+    /// Offset of its numbers in the appended data.
     offset: Option<usize>,
 }
 
@@ -119,7 +119,7 @@ struct File<'a> {
     section: Section,
     piece: Piece,
     open: Option<(Header, String)>,
-    /// How many elements are open in the array: they describe it, their text is none of its numbers.
+    /// Number of open elements inside the array. They describe it, and their text is not part of its numbers.
     inner: usize,
 }
 
@@ -283,7 +283,7 @@ fn header(tag: &BytesStart) -> Header {
         kind: attribute(tag, "type").as_deref().and_then(number_type),
         components: number("NumberOfComponents").unwrap_or(1),
         encoded: is("binary"),
-        // An appended array must say where it is.
+        // An appended array must give its offset.
         offset: is("appended").then(|| number("offset").unwrap_or(usize::MAX)),
     }
 }

@@ -1,15 +1,15 @@
-//! Points as columns of numbers in text: XYZ, XYZN, PTS, ASC, and whatever else is one point a line.
+//! Points as columns of numbers in text: XYZ, XYZN, PTS, ASC, and any other text with one point per line.
 //!
-//! Columns are parted by white space, commas or semicolons. `#` and `//` begin comments. Lines before the first point
-//! may be a heading or the number of points, which is not needed. The first three columns are the position. A heading,
-//! also in a comment, that begins with x, y and z and has a word for each column says what the others are. Without one
-//! it is found from the numbers which of them belong together: three in a row are normals if their length is one, colours
-//! if they are fractions or whole numbers up to 255 or 65535, normals of any length if there are no others; any other
-//! column is an attribute by itself. What was taken for what is said in a note.
+//! Columns are separated by white space, commas or semicolons. `#` and `//` begin comments. Lines before the first point may
+//! be a heading or the number of points, which is not needed. The first three columns are the position. A heading, even in a
+//! comment, that begins with x, y and z and has a word for each column names the other columns. Without one, the meaning of
+//! columns is guessed from their numbers: three in a row are normals if their length is one, colours if they are fractions
+//! or integers up to 255 or 65535, and normals of any length if they are the only ones; any other column is an attribute by
+//! itself. Notes tell the interpretation of each column.
 //!
 //! Limits: no decimal commas.
 //!
-//! Cost: one pass; eight bytes a number.
+//! Cost: one pass; eight bytes per number.
 
 #[cfg(feature = "fs")]
 mod rows;
@@ -27,20 +27,20 @@ use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 use std::io::{self, Write};
 
-/// Lines that are looked at to tell whether a text is a table.
+/// Number of lines that are read to tell whether a text is a table.
 const PROBE: usize = 8;
 
-/// Bytes that are looked at to tell whether it is text at all.
+/// Number of bytes that are searched to tell whether a file is text at all.
 const HEAD: usize = 4096;
 
-/// What headings call normals and colours.
+/// Names of normals and colours in headings.
 const NORMALS: [[&str; 3]; 2] = [["nx", "ny", "nz"], ["normal_x", "normal_y", "normal_z"]];
 const COLORS: [[&str; 3]; 2] = [["r", "g", "b"], ["red", "green", "blue"]];
 
-/// What the lone further column of many scanners is.
+/// Meaning of a single further column, which many scanners write.
 const INTENSITY: &str = "intensity";
 
-/// The rows of a table, and what stands above them.
+/// The rows of a table, and its heading.
 #[derive(Default)]
 struct Table {
     heading: Vec<String>,
@@ -61,7 +61,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     Ok(table.finish())
 }
 
-/// Writes positions and, behind them, all numbers of each vertex, under a comment that names the columns.
+/// Writes positions, each followed by all numbers of the vertex, under a comment that names the columns.
 pub(crate) fn write(content: &Content, out: &mut dyn Write) -> io::Result<()> {
     let attributes = &content.attributes.vertex;
     let names = attributes.iter().flat_map(Attribute::component_names);
@@ -81,8 +81,8 @@ pub(crate) fn write(content: &Content, out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-/// Whether a text is a table of points without doubt: its first lines are rows of as many numbers each, under nothing
-/// but comments, a heading and a number of points.
+/// Whether a text is certainly a table of points: its first lines are rows of equally many numbers, preceded only by
+/// comments, a heading and a number of points.
 pub(crate) fn is_table(bytes: &[u8]) -> bool {
     let mut words = Words::new(bytes);
     let (mut row, mut width) = (Vec::new(), None);
@@ -102,7 +102,7 @@ pub(crate) fn is_table(bytes: &[u8]) -> bool {
     width.is_some() && !is_binary(bytes)
 }
 
-/// Whether a file is no text: it has a zero byte near its beginning.
+/// Whether a file is not text: it has a zero byte near its beginning.
 fn is_binary(bytes: &[u8]) -> bool {
     bytes[..bytes.len().min(HEAD)].contains(&0)
 }
@@ -118,7 +118,7 @@ impl Table {
         }
     }
 
-    /// The points of the rows, and what their further columns are.
+    /// Returns the points of the rows, and the attributes in their further columns.
     fn finish(self) -> Read {
         let Table { heading, width, values } = self;
         let positions = values.chunks_exact(width).map(|row| DVec3::new(row[0], row[1], row[2])).collect();
@@ -161,18 +161,18 @@ impl Table {
     }
 }
 
-/// What a line has.
+/// Content of a line.
 enum Line {
     Empty,
     /// All words of a comment.
     Comment(Vec<String>),
     /// Numbers only.
     Row,
-    /// All its words, some of which are no numbers.
+    /// All its words, some of which are not numbers.
     Words(Vec<String>),
 }
 
-/// The next line; its numbers are added to `values`.
+/// Reads the next line. Its numbers are added to `values`.
 fn read_line(words: &mut Words, values: &mut Vec<f64>) -> Line {
     let start = words.clone();
     let mut line = Line::Empty;
@@ -195,7 +195,7 @@ fn parts(word: &[u8]) -> impl Iterator<Item = &[u8]> {
     word.split(|b| matches!(b, b',' | b';')).filter(|part| !part.is_empty())
 }
 
-/// The words of a line without the mark of a comment.
+/// Returns the words of a line without the comment mark.
 fn all_words(mut words: Words) -> Vec<String> {
     let mut all = Vec::new();
     while let Some(word) = words.here() {
@@ -209,7 +209,7 @@ fn is_heading(words: &[String]) -> bool {
     words.len() >= 3 && words.iter().zip(["x", "y", "z"]).all(|(word, name)| word.eq_ignore_ascii_case(name))
 }
 
-/// The attributes that the columns behind the third are, and notes that say so.
+/// Returns the attributes in the columns after the third, and notes that name them.
 fn attributes(values: &[f64], width: usize, heading: &[String]) -> (Vec<Attribute>, Vec<String>) {
     let (mut found, mut notes) = (Vec::new(), Vec::new());
     let heading = if heading.len() == width { heading } else { &[] };
@@ -232,7 +232,7 @@ fn attributes(values: &[f64], width: usize, heading: &[String]) -> (Vec<Attribut
     (found, notes)
 }
 
-/// The normals or colours that the three columns from `at` on are by their names.
+/// Returns the three columns from `at` on as normals or colours, if the heading names them so.
 fn three_named(values: &[f64], width: usize, at: usize, names: &[String]) -> Option<(Attribute, &'static str)> {
     let numbers = || cut(values, width, at, at + 3);
     let is = |known: &[&str; 3]| names.iter().zip(known).all(|(name, known)| name.eq_ignore_ascii_case(known));
@@ -243,7 +243,7 @@ fn three_named(values: &[f64], width: usize, at: usize, names: &[String]) -> Opt
     color.map(|color| (color, "colours, as the heading says"))
 }
 
-/// The normals or colours that the three columns from `at` on are by their numbers.
+/// Returns the three columns from `at` on as normals or colours, if their numbers suggest it.
 fn three(values: &[f64], width: usize, at: usize) -> Option<(Attribute, &'static str)> {
     let numbers = cut(values, width, at, at + 3);
     if are_unit(&numbers) {
@@ -259,7 +259,7 @@ fn three(values: &[f64], width: usize, at: usize) -> Option<(Attribute, &'static
     (width == 6).then(|| (normal(numbers), "normals, though not of length one"))
 }
 
-/// Column `at` by itself.
+/// Returns column `at` as an attribute by itself.
 fn single(values: &[f64], width: usize, at: usize, heading: &[String]) -> Attribute {
     let unnamed = || if width == 4 || width == 7 { INTENSITY.into() } else { format!("column_{}", at + 1) };
     let name = heading.get(at).cloned().unwrap_or_else(unnamed);

@@ -1,6 +1,6 @@
-//! The points of a text as rows of numbers, made of its lines block by block.
+//! The points of a text as rows of numbers, converted from its lines block by block.
 //!
-//! What the columns are is found from the first rows alone where that is needed before all of them are read: for the normals.
+//! Which columns are normals is decided from the first rows alone, because it must be known before all rows are read.
 
 use super::{Table as Columns, attributes, is_binary};
 use crate::base::error::{Place, Result};
@@ -15,21 +15,21 @@ use glam::DVec3;
 use std::fs::File;
 use std::io::{ErrorKind, Read as _};
 
-/// The bytes of a number in a row.
+/// Size of a number in a row, in bytes.
 const NUMBER: usize = 8;
 
-/// What the first lines say of all.
+/// Layout of all rows, derived from the first lines.
 #[derive(Clone)]
 struct Layout {
     heading: Vec<String>,
     width: usize,
-    /// The first of the three columns of normals.
+    /// First of the three normal columns.
     normal: Option<usize>,
-    /// Lines of words and numbers before the first point.
+    /// Number of lines with words or numbers before the first point.
     before: usize,
 }
 
-/// The points of a file of this many bytes that begins with `head`, if its first lines are such.
+/// Returns the points of a file of this length that begins with `head`, if its first lines form a table.
 pub(crate) fn table(head: &[u8], length: u64) -> Option<Table> {
     let whole = if head.len() as u64 == length { head.len() } else { whole_lines(head, 0) };
     let mut first = Columns::default();
@@ -97,7 +97,7 @@ impl Packed for Layout {
     }
 }
 
-/// Shows the text of a file in blocks of whole lines, each with the number of its first one.
+/// Passes the text of a file to `show` in blocks of whole lines, each with the number of its first line.
 fn blocks_of(mut file: &File, show: impl FnMut(&[u8], usize) -> Result<()>) -> Result<()> {
     let failed = |error: std::io::Error| match error.kind() {
         ErrorKind::UnexpectedEof => malformed(Place::Whole, BECAME_SHORTER, LEAVE_IT),
@@ -107,7 +107,7 @@ fn blocks_of(mut file: &File, show: impl FnMut(&[u8], usize) -> Result<()>) -> R
     in_blocks(length, |bytes| file.read_exact(bytes).map_err(failed), show)
 }
 
-/// The lines of `bytes` with something before a comment.
+/// Returns the number of lines in `bytes` that have something before a comment.
 fn lines_with_words(bytes: &[u8]) -> usize {
     let is_line = |line: &[u8]| {
         let line = line.trim_ascii_start();

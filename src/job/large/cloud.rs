@@ -1,4 +1,4 @@
-//! Clouds that are sampled tile by tile, and whose meshes are made piece by piece.
+//! Samples clouds tile by tile and remeshes them piece by piece.
 
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
@@ -14,18 +14,18 @@ use crate::tiles::{
 };
 use crate::transfer::vertex::Carried;
 
-/// Bytes that remeshing a cloud in memory takes for each vertex of the result.
+/// Memory for remeshing a cloud in memory, in bytes per vertex of the result.
 const BYTES_PER_VERTEX: u64 = 3000;
 
-/// Fewer points for each vertex leave pieces of a mesh open.
+/// Minimum number of points per vertex. With fewer, pieces of a mesh have holes.
 const POINTS_PER_VERTEX: u64 = 3;
 
-/// Bytes that temporary files have, besides those of the points, for each sample, and for each vertex of a mesh.
+/// Size of temporary files besides those of the points, in bytes per sample and per vertex of a mesh.
 const BYTES_OF_SAMPLE: u64 = 52;
 const BYTES_OF_VERTEX: u64 = 180;
 
-/// Samples the points of a file tile by tile, if it is larger than the memory for it and can be, or if that is done always; else
-/// `None`.
+/// Samples the points of a file tile by tile. Returns `None` for a file that is not larger than memory or that tiles cannot be made
+/// of, unless all files are to be sampled in this way.
 ///
 /// # Errors
 /// [`Error::File`](crate::Error::File) if the file or a temporary one cannot be read or written;
@@ -44,8 +44,8 @@ pub fn sample_in_tiles(file: &LargeFile, options: &SampleOptions, monitor: &dyn 
     Ok(Some(sampled))
 }
 
-/// Remeshes a cloud piece by piece, if its mesh is too large for the memory and can be made so; else `None`. What `format` cannot
-/// hold is left out.
+/// Remeshes a cloud piece by piece. Returns `None` if the mesh fits into memory or pieces cannot be what the options ask for.
+/// Attributes that `format` cannot hold are left out.
 ///
 /// # Errors
 /// Those of [`sample_in_tiles`].
@@ -69,7 +69,7 @@ pub fn remesh_in_pieces(
     Ok(Some(outcome))
 }
 
-/// Joins the pieces of a mesh in a folder of tiles. What `format` cannot hold is left out.
+/// Joins the pieces of a mesh in a folder of tiles. Attributes that `format` cannot hold are left out.
 ///
 /// # Errors
 /// [`Error::File`](crate::Error::File) if a piece is missing or a file cannot be read; [`Error::Cancelled`](crate::Error::Cancelled)
@@ -96,13 +96,13 @@ pub fn merge_pieces(
     Ok(Outcome::of_pieces(mesh, carried, folder.plan()?.wanted))
 }
 
-/// Whether a cloud has the points that pieces of a mesh need.
+/// Returns whether a cloud has enough points for pieces of a mesh.
 fn is_dense(file: &LargeFile, sample: &SampleOptions) -> bool {
     let points = PointFile::open(file.path, file.format).ok().flatten().map_or(0, |file| file.table.points);
     points as u64 >= POINTS_PER_VERTEX * wanted(sample)
 }
 
-/// How the samples of a mesh are drawn that is too large for the memory, if pieces can be what the options ask for.
+/// Returns how to sample for a mesh that is too large for the memory; `None` if pieces cannot be what the options ask for.
 fn in_pieces(options: &RemeshOptions, memory: u64) -> Option<SampleOptions> {
     let (surface, cloud) = (&options.surface, &options.cloud);
     let Density::Points(wanted) = surface.density else { return None };
@@ -113,7 +113,7 @@ fn in_pieces(options: &RemeshOptions, memory: u64) -> Option<SampleOptions> {
         && surface.optimize
         && cloud.fill_holes == 0.0
         && cloud.terrain != Some(true);
-    // A base mesh is made in memory even so.
+    // A base mesh is made in memory in any case.
     let is_too_large = wanted > MOST_OF_BASE && BYTES_PER_VERTEX * wanted as u64 > memory;
     (is_plain && is_too_large).then(|| SampleOptions {
         density: SampleDensity::Points(wanted),
@@ -123,7 +123,7 @@ fn in_pieces(options: &RemeshOptions, memory: u64) -> Option<SampleOptions> {
     })
 }
 
-/// How many samples are wanted, if that is known.
+/// Returns the wanted number of samples, 0 if it is unknown.
 fn wanted(sample: &SampleOptions) -> u64 {
     match sample.density {
         SampleDensity::Points(wanted) => wanted as u64,
@@ -131,7 +131,7 @@ fn wanted(sample: &SampleOptions) -> u64 {
     }
 }
 
-/// The folder in which tiles are planned, within the workspace of a job, whose files take so many bytes for each sample.
+/// Plans the tiles of a job in a workspace. Its files take `bytes_per_sample` for each sample.
 fn planned(
     file: &LargeFile,
     sample: &SampleOptions,

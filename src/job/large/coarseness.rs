@@ -1,27 +1,27 @@
-//! How coarse a mesh that is larger than memory may become while it is read for a job.
+//! Determines how coarse a mesh larger than memory may become while it is read for a job.
 
 use crate::base::error::{Error, Result, Setting};
 use crate::io::large::Extent;
 use crate::pipeline::{Density, Grading, Options, Values, coarseness_for, spacing_on};
 use crate::prepare::coarsen::Coarseness;
 
-/// Vertices left for each square of the shortest length in the area, measured on two models.
+/// Number of vertices left per area of one shortest length squared, measured on two models.
 const LEFT: f64 = 0.7;
 
-/// Bytes that remeshing takes for each vertex that is left and for each one of the result: 2.65 million and a million take 2.1
-/// GB.
+/// Bytes that remeshing takes for each remaining vertex and for each vertex of the result: 2.65 million and one million take
+/// 2.1 GB.
 const OF_INPUT: f64 = 250.0;
 const OF_RESULT: f64 = 1500.0;
 
-/// Where memory is short, edges may be this many times longer than suffices: 0.6 of the spacing.
+/// Maximum factor by which edges may exceed the sufficient length where memory is short: up to 0.6 of the spacing.
 const MOST_LONGER: f64 = 3.0;
 
-/// Faces from which on reading a mesh in blocks saves time, and vertices for each wanted one: edges are a tenth of those of the
-/// result then.
+/// Minimum number of faces, and of vertices per wanted one, for which reading a mesh in blocks saves time: its edges are
+/// then a tenth as long as those of the result.
 const MANY: u64 = 1_000_000;
 const TIMES_FINER: u64 = 100;
 
-/// Whether a mesh of so many faces is so much finer than the result that it may become coarser while it is read.
+/// Returns whether a mesh of this many faces is so much finer than the result that it may become coarser while it is read.
 pub fn is_far_finer(faces: u64, options: &Options) -> bool {
     // A triangle mesh has about twice as many faces as vertices.
     matches!(options.density, Density::Points(points) if faces >= MANY.max(2 * TIMES_FINER * points as u64))
@@ -30,11 +30,11 @@ pub fn is_far_finer(faces: u64, options: &Options) -> bool {
 /// Refuses options that need all of the input.
 ///
 /// # Errors
-/// [`Error::Option`] with the first of them.
+/// [`Error::Option`] for the first of them.
 pub fn refuse_coarser(options: &Options) -> Result<()> {
     let setting = match (&options.part, &options.grading) {
         _ if options.max_error.is_some() => Setting::MaxError,
-        // It reaches as far as the vertices of the input are apart.
+        // The reach of smoothing depends on the spacing of the input's vertices.
         _ if options.smooth.is_some_and(|support| support > 0.0) => Setting::Smoothing,
         (Some(part), _) => part.setting(),
         (None, Grading::Field(Values::Given(_))) => Setting::Field,
@@ -48,8 +48,8 @@ pub fn refuse_coarser(options: &Options) -> Result<()> {
     })
 }
 
-/// How coarse a mesh of that extent may become: as fine as is useful if `memory`, in bytes, suffices, else coarser; and how many
-/// vertices may be left.
+/// Returns how coarse a mesh of this extent may become, and how many vertices may be left: as fine as is useful if `memory`,
+/// in bytes, suffices, otherwise coarser.
 ///
 /// # Errors
 /// Those of [`refuse_coarser`]; [`Error::Option`] if memory does not suffice.

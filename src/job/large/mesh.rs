@@ -1,4 +1,4 @@
-//! Meshes that become coarser while they are read.
+//! Coarsens meshes while they are read.
 
 use crate::base::error::{Error, Result};
 use crate::base::monitor::Monitor;
@@ -14,12 +14,12 @@ use std::path::Path;
 /// Triangles that take more than this fraction of the memory are sorted in a file.
 const OF_MEMORY: u64 = 10;
 
-/// Reads a mesh in blocks and makes it coarser meanwhile, as fine as `options` need it: if it is larger than memory, far finer
-/// than the result, or if it is read so always. Else `None`.
+/// Reads a mesh in blocks and coarsens it meanwhile, as far as `options` allow. Returns `None` for a mesh that is neither larger
+/// than memory nor far finer than the result, unless all files are to be read in this way.
 ///
 /// # Errors
-/// [`Error::Option`] if it is read so always, with options that need all of the mesh, or if memory does not suffice;
-/// [`Error::File`] if the file cannot be read so.
+/// [`Error::Option`] if all files are to be read in this way but the options need the whole mesh, or if memory does not suffice;
+/// [`Error::File`] if the file cannot be read in blocks.
 pub fn read_coarsened(file: &LargeFile, options: &Options, monitor: &dyn Monitor) -> Result<Option<Loaded>> {
     let &LargeFile { path, format, out_of_core, .. } = file;
     match refuse_coarser(options) {

@@ -1,6 +1,6 @@
-//! Jobs on files that need not fit into memory. They read their file in blocks and keep temporary files meanwhile.
+//! Jobs on files that need not fit into memory. They read the file in blocks and keep temporary files meanwhile.
 //!
-//! Each of these calls returns `None` where the job is better done in memory: the caller reads the file as a whole then.
+//! Each call returns `None` where the job is better done in memory. The caller then reads the file as a whole.
 
 mod cloud;
 mod coarseness;
@@ -14,30 +14,30 @@ use crate::io::format::Format;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Memory that is taken to be free where the system does not tell, in bytes.
+/// Free memory assumed where the system does not report it, in bytes.
 const UNKNOWN: u64 = 2_000_000_000;
 
-/// When a job is done out of core, and with what.
+/// How files larger than memory are processed.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct OutOfCore {
-    /// Whether it is done so even if the file is not larger than the memory for it.
+    /// Whether any file is processed out of core, not only those larger than [`Self::memory`].
     pub always: bool,
-    /// The memory to make do with, in bytes; half of what is free without.
+    /// Memory limit in bytes; by default, half of the free memory.
     pub memory: Option<u64>,
-    /// The folder for temporary files; that of the system without.
+    /// Folder for temporary files; by default, that of the system.
     pub temp: Option<PathBuf>,
-    /// Whether finished parts are kept if the job does not come to its end, for the next one to go on from.
+    /// Whether finished parts are kept when the job fails or is interrupted, so that the next one can resume.
     pub resume: bool,
 }
 
 impl OutOfCore {
-    /// The memory to make do with, in bytes.
+    /// Returns the memory limit in bytes.
     pub fn memory(&self) -> u64 {
         self.memory.unwrap_or_else(free_memory)
     }
 }
 
-/// Half of the memory that is free, in bytes.
+/// Returns half of the free memory, in bytes.
 pub fn free_memory() -> u64 {
     let known = fs::read_to_string(Path::new("/proc/meminfo")).ok().and_then(|text| {
         let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:").map(str::to_string))?;
@@ -46,21 +46,21 @@ pub fn free_memory() -> u64 {
     known.unwrap_or(UNKNOWN) / 2
 }
 
-/// The file of a job, and how it is read if it does not fit into memory.
+/// The input file of a job, and how it is read if it does not fit into memory.
 #[derive(Debug, Clone, Copy)]
 pub struct LargeFile<'a> {
-    /// Its path.
+    /// Path of the file.
     pub path: &'a Path,
-    /// Its format, where neither ending nor content are to decide.
+    /// Format of the file; by default, decided by its extension and content.
     pub format: Option<Format>,
-    /// The file that the result is for. What is kept of an interrupted job is named after it.
+    /// Path of the result. The folder kept for resuming is named after it.
     pub output: &'a Path,
-    /// When and with what it is read in blocks.
+    /// How the file is read in blocks.
     pub out_of_core: &'a OutOfCore,
 }
 
 impl LargeFile<'_> {
-    /// Whether it is larger than the memory for it.
+    /// Returns whether the file is larger than the memory limit.
     fn is_large(&self) -> bool {
         self.bytes() > self.out_of_core.memory()
     }

@@ -9,14 +9,14 @@ use std::path::{Path, PathBuf};
 
 /// A folder for temporary files.
 pub(super) enum Workspace {
-    /// One that is removed however the job ends.
+    /// A folder that is removed however the job ends.
     Passing(tempfile::TempDir),
-    /// One that stays until the job is done, so that the next one can go on.
+    /// A folder that is kept until the job succeeds, so that the next one can resume.
     Kept(PathBuf),
 }
 
 impl Workspace {
-    /// The one for the job on `file`: kept if that can be resumed.
+    /// Makes the workspace of the job on `file`: a kept one if the job can be resumed.
     pub(super) fn of(file: &LargeFile) -> Result<Workspace> {
         if !file.out_of_core.resume {
             return Workspace::passing(file.out_of_core);
@@ -25,7 +25,7 @@ impl Workspace {
         Ok(Workspace::Kept(parent(file.out_of_core)?.join(format!("{output}.remesh-tiles"))))
     }
 
-    /// One that is removed.
+    /// Makes a workspace that is removed however the job ends.
     pub(super) fn passing(out_of_core: &OutOfCore) -> Result<Workspace> {
         let parent = parent(out_of_core)?;
         let made =
@@ -37,7 +37,7 @@ impl Workspace {
         Ok(Workspace::Passing(made))
     }
 
-    /// Tells the caller where it is, and how many bytes its files will take.
+    /// Tells the monitor where the workspace is and how many bytes its files will take.
     pub(super) fn announce(&self, bytes: u64, monitor: &dyn Monitor) {
         monitor.temporary_files(self.path(), bytes, matches!(self, Workspace::Kept(_)));
     }
@@ -49,12 +49,12 @@ impl Workspace {
         }
     }
 
-    /// The folder for tiles.
+    /// Returns the folder for tiles.
     pub(super) fn folder(&self) -> Result<TileFolder> {
         TileFolder::make(self.path())
     }
 
-    /// Removes what was kept.
+    /// Removes a kept folder.
     pub(super) fn clear(&self) {
         if let Workspace::Kept(path) = self {
             // The job is done; a folder that cannot be removed is no reason to fail.
@@ -63,7 +63,7 @@ impl Workspace {
     }
 }
 
-/// The folder in which the one for temporary files is made.
+/// Returns the folder in which the workspace is made.
 fn parent(out_of_core: &OutOfCore) -> Result<PathBuf> {
     let parent = out_of_core.temp.clone().unwrap_or_else(std::env::temp_dir);
     TileFolder::at(&parent)?;

@@ -4,18 +4,18 @@ use super::{Connectivity, OnCurve, next, prev};
 use crate::mesh::topology::NONE;
 
 impl Connectivity {
-    /// The link condition: whether merging the origin of `h` into its target leaves a manifold of the same topology.
+    /// The link condition: returns whether merging the origin of `h` into its target leaves a manifold of the same topology.
     ///
-    /// A boundary vertex merges only along the boundary, one on a curve only along that curve. H. Edelsbrunner,
+    /// A boundary vertex may only be merged along the boundary, a vertex on a curve only along that curve. H. Edelsbrunner,
     /// Geometry and topology for mesh generation, 2001, section 4.2.
     pub fn can_collapse(&self, h: u32) -> bool {
         self.keeps_curves(h) && self.keeps_topology(h)
     }
 
-    /// Whether merging the origin of `h` into its target leaves a manifold of the same topology and at most moves
-    /// feature curves: if those of the two ends differ, they meet in the target then.
+    /// Returns whether merging the origin of `h` into its target leaves a manifold of the same topology and at most moves
+    /// feature curves: if the two ends are on different curves, these meet in the target afterwards.
     pub fn can_merge(&self, h: u32) -> bool {
-        // Two curve edges may become one only if their curves also meet at the corner across.
+        // Two curve edges may only become one if their curves also meet at the opposite corner.
         let fold =
             |h: u32| !self.is_curve_edge(next(h)) || !self.is_curve_edge(prev(h)) || self.is_corner(self.apex(h));
         self.both_sides(h).all(fold) && !self.is_on_interface(self.origin(h)) && self.keeps_topology(h)
@@ -34,7 +34,7 @@ impl Connectivity {
         shared == self.both_sides(h).count() && self.both_sides(h).all(apex_stays)
     }
 
-    /// Whether merging the origin of `h` into its target keeps the course of every curve.
+    /// Returns whether merging the origin of `h` into its target leaves the course of every curve unchanged.
     fn keeps_curves(&self, h: u32) -> bool {
         let alone = || !self.is_curve_edge(prev(h)) && (!self.has_twin(h) || !self.is_curve_edge(next(self.twin(h))));
         match self.curve_at(self.origin(h)) {
@@ -44,7 +44,7 @@ impl Connectivity {
         }
     }
 
-    /// Merges the origin of `h` into its target. Only if [`Self::can_collapse`].
+    /// Merges the origin of `h` into its target. Requires [`Self::can_collapse`].
     pub fn collapse(&mut self, h: u32) {
         let (a, b) = (self.origin(h), self.target(h));
         let moved: Vec<u32> = self.outgoing(a).collect();
@@ -56,7 +56,7 @@ impl Connectivity {
         self.both_sides(h).for_each(|side| self.close(side));
     }
 
-    /// [`Self::collapse`] where the ends may be on different curves, which makes the target a corner. Only if
+    /// [`Self::collapse`] for ends that may be on different curves, which makes the target a corner. Requires
     /// [`Self::can_merge`].
     pub fn merge(&mut self, h: u32) {
         let (a, b) = (self.origin(h), self.target(h));
@@ -66,8 +66,7 @@ impl Connectivity {
         self.collapse(h);
     }
 
-    /// Whether the curve along the edge of `h` can be led through the apex, which lies on a curve, too, by a flip of
-    /// the edge.
+    /// Returns whether flipping the edge of `h` can reroute the curve along it through the apex, which lies on a curve, too.
     pub fn can_bend(&self, h: u32) -> bool {
         matches!(self.curve(h), OnCurve::Curve(_))
             && self.has_twin(h)
@@ -75,8 +74,8 @@ impl Connectivity {
             && !self.are_adjacent(self.apex(h), self.apex(self.twin(h)))
     }
 
-    /// Leads the curve along the edge of `h` through the apex, which becomes a corner of curves, and flips the edge.
-    /// Only if [`Self::can_bend`].
+    /// Reroutes the curve along the edge of `h` through the apex, which becomes a corner of curves, and flips the edge.
+    /// Requires [`Self::can_bend`].
     pub fn bend(&mut self, h: u32) {
         let [a, b, top] = self.triangle(h);
         let curve = self.curve(h);
@@ -90,11 +89,11 @@ impl Connectivity {
         self.flip(h);
     }
 
-    /// Removes the triangle of `h`, whose ends are one vertex by now, and glues its other two sides.
+    /// Removes the triangle of `h`, whose ends already are the same vertex, and glues its other two sides.
     fn close(&mut self, h: u32) {
         let (end, apex) = (self.origin(next(h)), self.apex(h));
         let (one, other) = (self.twin(next(h)), self.twin(prev(h)));
-        // If both of the edges that become one are on curves, as after a merge, the first one's is kept.
+        // If both of the edges that become one are on curves, as after a merge, the curve of the first is kept.
         let curve = if self.is_curve_edge(next(h)) { self.curve(next(h)) } else { self.curve(prev(h)) };
         for side in [one, other].into_iter().filter(|&side| side != NONE) {
             self.curve[side as usize] = curve;

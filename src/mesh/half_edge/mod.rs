@@ -1,14 +1,14 @@
-//! The connectivity of a changing triangle mesh: half-edges in flat arrays, without positions.
+//! The connectivity of a triangle mesh that changes: half-edges in flat arrays, without positions.
 //!
-//! Half-edge 3 t + k runs from corner k of triangle t to its corner k + 1, so next and previous are arithmetic and only
-//! origin and twin are stored. Each vertex stores one outgoing half-edge, at the boundary the one along it: turning
-//! counter-clockwise from there meets all others.
+//! Half-edge 3 t + k runs from corner k of triangle t to its corner k + 1. So the next and previous half-edges follow by
+//! arithmetic, and only origin and twin are stored. Each vertex stores one outgoing half-edge; for a boundary vertex, it is
+//! the one along the boundary, from which turning counter-clockwise reaches all others.
 //!
-//! Edges can be put on feature curves: creases and boundaries of the surface. Such an edge is never flipped, a vertex
-//! on a curve collapses only along it, and a corner, where curves meet or end, not at all. So curves keep their course,
-//! unless vertices are merged across them on purpose. An interface is a boundary along which the mesh will be joined to
-//! another one. Its vertices are corners, and neither its edges nor those of the triangles at it are split, so it stays
-//! the same edge by edge.
+//! Edges can be put on feature curves: creases and boundaries of the surface. Such an edge is never flipped, a vertex on a
+//! curve collapses only along it, and a corner, where curves meet or end, does not collapse at all. So curves keep their
+//! course, unless vertices are deliberately merged across them. An interface is a boundary along which the mesh will be
+//! joined to another one. Its vertices are corners, and neither its edges nor those of adjacent triangles are split, so it
+//! remains the same edge by edge.
 //!
 //! Removed triangles and vertices leave gaps until [`Connectivity::compact`].
 
@@ -37,18 +37,18 @@ pub enum OnCurve {
     No,
     /// The curve of that number.
     Curve(u32),
-    /// A vertex where curves meet or end, or that must stay for other reasons.
+    /// A vertex where curves meet or end, or that must be kept for other reasons.
     Corner,
     /// An edge of an interface.
     Interface,
 }
 
-/// Triangles, and how they are joined.
+/// Triangles and their adjacency.
 #[derive(Debug, Clone, Default)]
 pub struct Connectivity {
     origin: Vec<u32>,
     twin: Vec<u32>,
-    /// The curve of each half-edge, never a corner.
+    /// The curve of each half-edge; never a corner.
     curve: Vec<OnCurve>,
     out: Vec<u32>,
     /// The curve of each vertex.
@@ -58,12 +58,12 @@ pub struct Connectivity {
 }
 
 impl Connectivity {
-    /// The connectivity of an oriented 2-manifold over `vertex_count` vertices, all of them used.
+    /// Returns the connectivity of an oriented 2-manifold with `vertex_count` vertices, all of them used.
     pub fn new(vertex_count: usize, triangles: &[[u32; 3]]) -> Self {
         Connectivity::with_twins(vertex_count, triangles, twins(triangles))
     }
 
-    /// The same where the [`twins`] of the triangles are known.
+    /// Like [`Self::new`], if the [`twins`] of the triangles are known.
     pub fn with_twins(vertex_count: usize, triangles: &[[u32; 3]], twin: Vec<u32>) -> Self {
         let origin: Vec<u32> = triangles.iter().flatten().copied().collect();
         let mut out = vec![NONE; vertex_count];
@@ -90,7 +90,7 @@ impl Connectivity {
         self.curve_at[v as usize] = curve;
     }
 
-    /// Puts the edge between `v` and `w` on a curve; returns whether there is such an edge.
+    /// Puts the edge between `v` and `w` on a curve; returns whether this edge exists.
     pub fn mark_on_curve(&mut self, v: u32, w: u32, curve: OnCurve) -> bool {
         let mut found = false;
         for (from, to) in [(v, w), (w, v)] {
@@ -102,7 +102,7 @@ impl Connectivity {
         found
     }
 
-    /// Puts half-edge `h` alone on a curve. Its twin has to be put there, too.
+    /// Puts only half-edge `h` on a curve. Its twin must be put there, too.
     pub fn put_half_edge_on_curve(&mut self, h: u32, curve: OnCurve) {
         self.curve[h as usize] = curve;
     }
@@ -119,25 +119,25 @@ impl Connectivity {
         self.curve_at[v as usize]
     }
 
-    /// Whether the edge of `h` lies on a curve.
+    /// Returns whether the edge of `h` lies on a curve.
     #[inline]
     pub fn is_curve_edge(&self, h: u32) -> bool {
         self.curve(h) != OnCurve::No
     }
 
-    /// Whether vertex `v` lies on a curve or is a corner.
+    /// Returns whether vertex `v` lies on a curve or is a corner.
     #[inline]
     pub fn is_on_curve(&self, v: u32) -> bool {
         self.curve_at(v) != OnCurve::No
     }
 
-    /// Whether vertex `v` is a corner.
+    /// Returns whether vertex `v` is a corner.
     #[inline]
     pub fn is_corner(&self, v: u32) -> bool {
         self.curve_at(v) == OnCurve::Corner
     }
 
-    /// The neighbours of `v` along the curve it lies on; `None` off the curves and at corners.
+    /// The neighbours of `v` along its curve; `None` off the curves and at corners.
     pub fn along_curve(&self, v: u32) -> Option<[u32; 2]> {
         let curve @ OnCurve::Curve(_) = self.curve_at(v) else { return None };
         let mut ends = [NONE; 2];
@@ -152,7 +152,7 @@ impl Connectivity {
         (!ends.contains(&NONE)).then_some(ends)
     }
 
-    /// The number of vertices, gaps not counted.
+    /// The number of vertices, excluding gaps.
     pub fn vertex_count(&self) -> usize {
         self.live_vertices
     }
@@ -167,73 +167,73 @@ impl Connectivity {
         self.origin.len() as u32
     }
 
-    /// Whether vertex `v` has not been removed.
+    /// Returns whether vertex `v` has not been removed.
     #[inline]
     pub fn has_vertex(&self, v: u32) -> bool {
         self.out[v as usize] != NONE
     }
 
-    /// Whether the triangle of half-edge `h` has not been removed.
+    /// Returns whether the triangle of half-edge `h` has not been removed.
     #[inline]
     pub fn has_half_edge(&self, h: u32) -> bool {
         self.origin[h as usize] != NONE
     }
 
-    /// The vertex that `h` begins at.
+    /// The vertex at which `h` begins.
     #[inline]
     pub fn origin(&self, h: u32) -> u32 {
         self.origin[h as usize]
     }
 
-    /// The vertex that `h` ends at.
+    /// The vertex at which `h` ends.
     #[inline]
     pub fn target(&self, h: u32) -> u32 {
         self.origin[next(h) as usize]
     }
 
-    /// Whether the edge of `h` has a triangle on both sides; on the boundary it has only one.
+    /// Returns whether the edge of `h` has a triangle on both sides, that is, is not on the boundary.
     #[inline]
     pub fn has_twin(&self, h: u32) -> bool {
         self.twin[h as usize] != NONE
     }
 
-    /// The half-edge that runs back along `h`. Only if [`Self::has_twin`].
+    /// The half-edge opposite to `h`. Requires [`Self::has_twin`].
     #[inline]
     pub fn twin(&self, h: u32) -> u32 {
         self.twin[h as usize]
     }
 
-    /// The half-edges of the edge of `h`: itself, and its twin if it has one.
+    /// The half-edges of the edge of `h`: `h` itself, and its twin if it has one.
     #[inline]
     pub fn both_sides(&self, h: u32) -> impl Iterator<Item = u32> + use<> {
         [h, self.twin(h)].into_iter().filter(|&h| h != NONE)
     }
 
-    /// The corner of the triangle of `h` that `h` does not touch.
+    /// The corner opposite `h` in its triangle.
     #[inline]
     pub fn apex(&self, h: u32) -> u32 {
         self.origin[prev(h) as usize]
     }
 
-    /// The corners of the triangle of `h`, from the origin of `h` on.
+    /// The corners of the triangle of `h`, starting with the origin of `h`.
     #[inline]
     pub fn triangle(&self, h: u32) -> [u32; 3] {
         [self.origin(h), self.target(h), self.apex(h)]
     }
 
-    /// Whether `v` lies on the boundary.
+    /// Returns whether `v` lies on the boundary.
     #[inline]
     pub fn is_boundary(&self, v: u32) -> bool {
         self.twin[self.out[v as usize] as usize] == NONE
     }
 
-    /// The half-edges that leave `v`, counter-clockwise, one for each triangle there.
+    /// The half-edges that leave `v`, counter-clockwise, one for each triangle at `v`.
     #[inline]
     pub fn outgoing(&self, v: u32) -> Outgoing<'_> {
         Outgoing { mesh: self, first: self.out[v as usize], at: self.out[v as usize] }
     }
 
-    /// The neighbours of `v`, counter-clockwise.
+    /// The one-ring of `v`, counter-clockwise.
     #[inline]
     pub fn ring(&self, v: u32) -> impl Iterator<Item = u32> {
         let mut last = NONE;
@@ -257,12 +257,13 @@ impl Connectivity {
         self.ring(v).count()
     }
 
-    /// Whether there is an edge between `v` and `w`.
+    /// Returns whether `v` and `w` are joined by an edge.
     pub fn are_adjacent(&self, v: u32, w: u32) -> bool {
         self.ring(v).any(|u| u == w)
     }
 
-    /// Whether the edge of `h` can be flipped: it has two faces, is not on a curve, and the new edge does not exist yet.
+    /// Returns whether the edge of `h` can be flipped: it has two faces, is not on a curve, and the new edge does not exist
+    /// yet.
     pub fn can_flip(&self, h: u32) -> bool {
         let across = |h: u32| self.apex(self.twin(h));
         self.has_twin(h)
@@ -271,8 +272,8 @@ impl Connectivity {
             && !self.are_adjacent(self.apex(h), across(h))
     }
 
-    /// Replaces the edge of `h` by the other diagonal of its two triangles; `h` is the new edge from the apex across to
-    /// the apex on its own side. Only if [`Self::can_flip`].
+    /// Replaces the edge of `h` by the other diagonal of its two triangles; `h` becomes the new edge, which runs from the
+    /// opposite apex to the apex on its own side. Requires [`Self::can_flip`].
     pub fn flip(&mut self, h: u32) {
         let g = self.twin(h);
         let [a, b, c] = self.triangle(h);
@@ -300,20 +301,20 @@ impl Connectivity {
         }
     }
 
-    /// Whether `v` is an end of an edge of the interface, which is on the boundary.
+    /// Returns whether `v` is an end of an interface edge, which is on the boundary.
     pub fn is_on_interface(&self, v: u32) -> bool {
         let on_interface = |h: u32| !self.has_twin(h) && self.curve(h) == OnCurve::Interface;
         self.is_boundary(v) && self.outgoing(v).any(|h| on_interface(h) || on_interface(prev(h)))
     }
 
-    /// Whether the edge of `h` can be split: no triangle at it may have an edge on the interface. Otherwise vertices
-    /// would pile up along the interface, between its ends and the corner across.
+    /// Returns whether the edge of `h` can be split: no triangle at it may have an edge on the interface. Otherwise,
+    /// vertices would pile up along the interface, between its ends and the opposite corner.
     pub fn can_split(&self, h: u32) -> bool {
         let mut sides = self.both_sides(h).flat_map(|h| [h, next(h), prev(h)]);
         sides.all(|side| self.curve(side) != OnCurve::Interface)
     }
 
-    /// Takes all edges and vertices off their curves, except those of the interface.
+    /// Takes all edges and vertices off their curves, except those on the interface.
     pub fn forget_curves(&mut self) {
         self.curve.iter_mut().filter(|curve| **curve != OnCurve::Interface).for_each(|curve| *curve = OnCurve::No);
         for v in 0..self.vertex_bound() {
@@ -323,7 +324,7 @@ impl Connectivity {
         }
     }
 
-    /// Stores at `v` the boundary half-edge of the fan of `out`, or `out` itself inside.
+    /// Stores at `v` the boundary half-edge of the fan that contains `out`, or `out` itself if `v` is an inner vertex.
     fn set_out(&mut self, v: u32, out: u32) {
         let mut h = out;
         while self.has_twin(h) {
@@ -342,13 +343,13 @@ impl Connectivity {
         }
     }
 
-    /// Puts a new vertex on the edge of `h` and joins it to the apexes; returns its number.
+    /// Inserts a vertex on the edge of `h` and joins it to the apexes; returns its number.
     pub fn split_edge(&mut self, h: u32) -> u32 {
         let v = self.out.len() as u32;
         self.live_vertices += 1;
         let g = self.twin(h);
         let far = self.split_side(h, v);
-        // v stores the half-edge that continues h: on the boundary, that is the boundary's.
+        // v stores the half-edge that continues h; on the boundary, this is the boundary half-edge.
         self.out.push(far);
         self.curve_at.push(self.curve(h));
         if g == NONE {
@@ -360,8 +361,8 @@ impl Connectivity {
         v
     }
 
-    /// Cuts the triangle of `h` from `v`, put on `h`, to the apex; returns the half-edge from `v` to the old end of
-    /// `h`.
+    /// Splits the triangle of `h` between `v`, a vertex on `h`, and the apex; returns the half-edge from `v` to the old end
+    /// of `h`.
     fn split_side(&mut self, h: u32, v: u32) -> u32 {
         let (b, c) = (self.target(h), self.apex(h));
         let new = self.origin.len() as u32;
@@ -380,7 +381,7 @@ impl Connectivity {
         new
     }
 
-    /// The triangles in the order of their half-edges, and for each of their vertices its old number.
+    /// Returns the triangles in the order of their half-edges, and the old number of each of their vertices.
     pub fn compact(&self) -> (Vec<[u32; 3]>, Vec<u32>) {
         let old: Vec<u32> = (0..self.vertex_bound()).filter(|&v| self.has_vertex(v)).collect();
         let mut number = vec![NONE; self.out.len()];
@@ -425,7 +426,7 @@ mod tests {
     use proptest::prelude::*;
     use rand_chacha::rand_core::Rng;
 
-    /// A grid of n by n squares, its opposite sides glued (a torus) or not (a disk).
+    /// A grid of n by n squares, with opposite sides glued (a torus) or not (a disk).
     pub(super) fn grid(n: u32, torus: bool) -> (usize, Vec<[u32; 3]>) {
         let width = if torus { n } else { n + 1 };
         let at = |i: u32, j: u32| (i % width) * width + j % width;
@@ -437,7 +438,7 @@ mod tests {
         ((width * width) as usize, triangles)
     }
 
-    /// Checks everything that must hold between the arrays; returns the topology of what is left.
+    /// Checks the invariants of the arrays; returns the topology of the remaining mesh.
     pub(super) fn audit(mesh: &Connectivity) -> Topology {
         for h in (0..mesh.half_edge_bound()).filter(|&h| mesh.has_half_edge(h)) {
             let g = mesh.twin(h);

@@ -1,18 +1,19 @@
-//! Triangles that take the place of others.
+//! Replacement of triangles by others.
 
 use super::{Connectivity, OnCurve};
 use crate::mesh::topology::NONE;
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Connectivity {
-    /// Replaces the triangles with the increasing numbers in `old` by `triangles`, each with the curves of its sides, that have
-    /// the same boundary. Vertices in `added`, each with its curve, get the next numbers; those that no triangle has any more are
-    /// removed. Returns `false`, and does nothing, if one of the new edges exists elsewhere already, or twice among the new ones.
+    /// Replaces the triangles `old`, given in increasing order, by `triangles` with the same boundary, each with the curves
+    /// of its sides. Vertices in `added`, each given by its curve, get the next numbers; vertices that are no longer used by
+    /// any triangle are removed. Returns `false` and does nothing if one of the new edges already exists elsewhere, or
+    /// occurs twice among the new ones.
     pub fn replace(&mut self, old: &[u32], triangles: &[([u32; 3], [OnCurve; 3])], added: &[OnCurve]) -> bool {
         let inside = |h: u32| old.binary_search(&(h / 3)).is_ok();
         let old_sides: Vec<u32> = old.iter().flat_map(|&t| 3 * t..3 * t + 3).collect();
         let border = old_sides.iter().copied().filter(|&h| !self.has_twin(h) || !inside(self.twin(h)));
-        // What is across each side of the border, and its curve.
+        // The twin of each side of the border, and its curve.
         let mut open: BTreeMap<[u32; 2], (u32, OnCurve)> =
             border.map(|h| ([self.origin(h), self.target(h)], (self.twin(h), self.curve(h)))).collect();
         let known: BTreeSet<[u32; 2]> = old_sides.iter().map(|&h| [self.origin(h), self.target(h)]).collect();
@@ -68,7 +69,7 @@ impl Connectivity {
         self.curve[h as usize] = OnCurve::No;
     }
 
-    /// Whether there is an edge between `a` and `b`, either of which may have been removed or be still to come.
+    /// Returns whether `a` and `b` are joined by an edge. Either may have been removed or may not exist yet.
     fn has_edge(&self, [a, b]: [u32; 2]) -> bool {
         let has = |v: u32| v < self.vertex_bound() && self.has_vertex(v);
         has(a) && has(b) && self.are_adjacent(a, b)

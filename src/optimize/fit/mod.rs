@@ -1,33 +1,33 @@
-//! Moves the vertices to where the triangles, and not only their corners, lie best on the surface.
+//! Moves the vertices to where whole triangles, not only their corners, lie best on the surface.
 //!
-//! Triangles whose corners are on a convex surface are inside of it everywhere else. So the vertices x move to the
-//! minimum of this energy, in units of the squared spacing d²:
+//! Triangles with corners on a convex surface lie inside it everywhere else. So the vertices x move to the minimum of this
+//! energy, in units of the squared spacing d²:
 //!
 //! ```text
 //! Σ w (n · (p - q))²  +  μ d² E(x)
 //! ```
 //!
 //! p are the six points of a quadrature rule on each triangle. The rule is exact up to degree four, the degree of the
-//! squared distance to a surface of constant curvature. q is the point of the surface closest to p, n its normal, and E
-//! the energy of shape and size that relaxation lowers, so that vertices slide where that fits better without spoiling
-//! the triangles. Each round finds the planes through q, and then a few Newton steps of one vertex after the other.
+//! squared distance to a surface of constant curvature. q is the point of the surface closest to p, n is its normal, and E
+//! is the energy of shape and size that relaxation lowers. So vertices slide to where the fit is better without spoiling the
+//! triangles. Each round finds the planes through q and then takes a few Newton steps of one vertex after the other.
 //!
-//! Least squares leave large errors at single places, as at the ends of spikes and on ridges. So later rounds are
-//! reweighted: the weights w of points whose distance is more than some multiples of the root mean square grow with its
-//! square, and vertices of the input with as large a distance become points, too. Their n is the direction from the
-//! closest point on the triangles.
+//! Least squares leave large errors at single places, such as the ends of spikes and ridges. Later rounds are therefore
+//! reweighted: the weights w of points whose distance exceeds some multiples of the root mean square grow with its square,
+//! and input vertices at such distances become points, too. Their n is the direction from the closest point on the
+//! triangles.
 //!
-//! Based on: H. Hoppe, T. DeRose, T. Duchamp, J. McDonald, W. Stuetzle, Mesh optimization, 1993,
-//! DOI 10.1145/166117.166119 (distance and a spring); Y. Chen, G. Medioni, Object modelling by registration of multiple
-//! range images, 1992, DOI 10.1016/0262-8856(92)90066-C (distance to planes); C. L. Lawson's weights, as in J. R. Rice,
-//! K. H. Usow, The Lawson algorithm and extensions, 1968, DOI 10.1090/S0025-5718-1968-0227663-1.
-//! Departures: the connectivity stays, and weights start anew in every round.
+//! Based on: H. Hoppe, T. DeRose, T. Duchamp, J. McDonald, W. Stuetzle, Mesh optimization, 1993, DOI 10.1145/166117.166119
+//! (distance and a spring); Y. Chen, G. Medioni, Object modelling by registration of multiple range images, 1992, DOI
+//! 10.1016/0262-8856(92)90066-C (distance to planes); C. L. Lawson's weights, as in J. R. Rice, K. H. Usow, The Lawson
+//! algorithm and extensions, 1968, DOI 10.1090/S0025-5718-1968-0227663-1. Departures: the connectivity is kept, and weights
+//! start anew in every round.
 //!
 //! No step takes a triangle out of the goal for angles and quality, or further out. A vertex that has slid around a sharp
-//! bend and away from the surface is taken back, even if that spoils its triangles. Vertices on feature curves stay, and those
-//! in planes that touch stay in them, so that bodies which stand on each other do not intersect.
+//! bend and away from the surface is moved back, even if that spoils its triangles. Vertices on feature curves stay, and
+//! those in planes that touch stay in their planes, so that bodies standing on each other do not intersect.
 //!
-//! Cost: some ten microseconds a vertex, and a search for each vertex of the input.
+//! Cost: some ten microseconds per vertex, and a search for each input vertex.
 
 mod targets;
 
@@ -46,25 +46,25 @@ use glam::DVec3;
 pub(super) use targets::BEYOND;
 use targets::{ErrorScale, Targets};
 
-/// Rounds of plain least squares, and reweighted ones after them.
+/// Number of plain least-squares rounds, and of reweighted ones after them.
 const PLAIN_ROUNDS: usize = 1;
 const REWEIGHTED_ROUNDS: usize = 2;
 
-/// Further reweighted rounds where the distance has a limit.
+/// Number of further reweighted rounds if the distance is limited.
 const LIMITED_ROUNDS: usize = 4;
 
-/// Rounds for a part of a mesh.
+/// Number of rounds for a part of a mesh.
 const PART_ROUNDS: usize = 2;
 
-/// Steps of every vertex in a round.
+/// Number of steps of every vertex in a round.
 const SWEEPS: usize = 3;
 
-/// μ: more makes triangles better and leaves them farther from the surface. RMS in percent of the diagonal and mean Q of
-/// a koala of 13,000 vertices, right after the fit: 0.0104 and 0.972 with 0.02, 0.0112 and 0.973 with 0.05, 0.0118 and
-/// 0.9735 with 0.2; 0.0212 and 0.973 before. The value is between the last two.
+/// μ, weight of the shape energy. More makes triangles better and leaves them farther from the surface. RMS in percent of
+/// the diagonal and mean Q of a koala of 13,000 vertices, right after the fit: 0.0104 and 0.972 with 0.02, 0.0112 and 0.973
+/// with 0.05, 0.0118 and 0.9735 with 0.2; before the fit, 0.0212 and 0.973. The value is between the last two.
 const SHAPE_WEIGHT: f64 = 0.12;
 
-/// Share of the planes' stiffness that is added along the normal: a vertex that they do not determine stays.
+/// Share of the planes' stiffness that is added along the normal, so that a vertex stays if they do not determine it.
 const STIFFNESS: f64 = 0.01;
 
 /// Longest step in spacings.
@@ -73,31 +73,31 @@ const LONGEST_STEP: f64 = 0.2;
 /// Shortest step in spacings: a tenth of the distance that is left in the end.
 const SHORTEST_STEP: f64 = 0.001;
 
-/// Largest distance of a vertex from the surface, in spacings or lengths of its shortest edge, whichever is less.
+/// Maximum distance of a vertex from the surface, in spacings or lengths of its shortest edge, whichever is less.
 const FARTHEST: f64 = 0.15;
 
-/// Largest distance, in spacings, at which a walk over the surface is trusted to find the closest point.
+/// Maximum distance, in spacings, at which a walk over the surface is trusted to find the closest point.
 const REACH: f64 = 0.3;
 
-/// How often vertices are taken back to the surface in the end: of cells with a vertex at each corner, after one return
-/// one in 30 had a vertex farther off than it may be.
+/// Number of times vertices are moved back to the surface in the end. Among cells with a vertex at each corner, one in 30
+/// still had a vertex beyond the allowed distance after the first time.
 const RETURNS: usize = 3;
 
-/// How often a step that would spoil a triangle is halved before the vertex stays.
+/// Number of times a step that would spoil a triangle is halved before the vertex stays.
 const HALVINGS: usize = 3;
 
-/// The errors that a fit has left.
+/// The errors left by a fit.
 pub struct Fitted {
-    /// The mean of the squared distances.
+    /// Mean squared distance.
     pub mean_square: f64,
-    /// The vertices of the surface with large distances to the mesh, now or before the last steps.
+    /// Surface vertices with large distances to the mesh, now or before the last steps.
     pub vertices: Vec<u32>,
-    /// The triangles of the mesh with large distances to the surface.
+    /// Triangles of the mesh with large distances to the surface.
     pub triangles: Vec<u32>,
 }
 
-/// Moves the vertices to where the triangles fit the surface, with the vertices of that which are `watched`. `spacing` is the
-/// mean edge length. Errors above `limit`, an absolute length, are reduced as far as possible.
+/// Moves the vertices to where the triangles fit the surface and its `watched` vertices. `spacing` is the mean edge length.
+/// Errors above `limit`, an absolute length, are reduced as far as possible.
 pub fn fit(
     domain: &Domain,
     mesh: &mut Manifold,
@@ -108,7 +108,7 @@ pub fn fit(
     monitor: &dyn Monitor,
 ) -> Result<Fitted> {
     let longest = mesh.edges().map(|h| mesh.length_squared(h)).fold(0.0, f64::max).sqrt();
-    // Where the topology takes more vertices than were asked for, no edge is as long as the spacing.
+    // If the topology takes more vertices than requested, no edge is as long as the spacing.
     let spacing = spacing.min(longest);
     let mut targets = Targets::new(mesh);
     let reweighted_rounds = REWEIGHTED_ROUNDS + limit.map_or(0, |_| LIMITED_ROUNDS);
@@ -129,8 +129,8 @@ pub fn fit(
     Ok(Fitted { mean_square, vertices: watched, triangles })
 }
 
-/// Fits a part of a mesh to a part of the surface, whose vertices are `watched`. `mean_square` is that of the distances
-/// of the whole.
+/// Fits a part of a mesh to a part of the surface, whose vertices are `watched`. `mean_square` is the mean squared distance
+/// of the whole mesh.
 pub(super) fn fit_part(domain: &Domain, mesh: &mut Manifold, spacing: f64, mean_square: f64, watched: &[u32]) {
     let mut targets = Targets::new(mesh);
     let scale = ErrorScale::new(mean_square, None);
@@ -143,7 +143,7 @@ pub(super) fn fit_part(domain: &Domain, mesh: &mut Manifold, spacing: f64, mean_
     take_back(domain, mesh, spacing);
 }
 
-/// Updates the normals of the vertices that can move; the closest point of the surface to each vertex.
+/// Updates the normals of the vertices that can move; returns the closest surface point of each vertex.
 fn settle_vertices(domain: &Domain, mesh: &mut Manifold, spacing: f64) -> Vec<DVec3> {
     let settle = |v: usize| {
         let here = mesh.samples[v];
@@ -156,8 +156,8 @@ fn settle_vertices(domain: &Domain, mesh: &mut Manifold, spacing: f64) -> Vec<DV
     closest
 }
 
-/// Takes vertices that have slid away from the surface back to near it. That shortens edges, and with them how far others
-/// may be, so they are taken back more than once.
+/// Moves vertices that have slid away from the surface back near it. That shortens edges, and with them the distance allowed
+/// to other vertices, so it is done more than once.
 fn take_back(domain: &Domain, mesh: &mut Manifold, spacing: f64) {
     for _ in 0..RETURNS {
         take_back_all(domain, mesh, spacing);
@@ -174,7 +174,7 @@ fn take_back_all(domain: &Domain, mesh: &mut Manifold, spacing: f64) {
             return p;
         }
         let farthest = farthest(domain, mesh, v, spacing);
-        // At the end of a fin the surface may be near but face another way.
+        // At the end of a fin, the surface may be near but face another way.
         let away = far(foot, farthest) && far(domain.project_anywhere(p).position, farthest);
         if away { foot + (p - foot).clamp_length_max(farthest) } else { p }
     };
@@ -184,21 +184,21 @@ fn take_back_all(domain: &Domain, mesh: &mut Manifold, spacing: f64) {
     mesh.samples.iter_mut().zip(places).for_each(|(sample, p)| sample.position = p);
 }
 
-/// How far `v` may be from the surface: not at all in a plane that touches another.
+/// Returns the maximum distance of `v` from the surface: zero in a plane that touches another.
 fn farthest(domain: &Domain, mesh: &Manifold, v: u32, spacing: f64) -> f64 {
     let here = &mesh.samples[v as usize];
     let is_free = !domain.is_in_contact(here.triangle);
     if is_free { FARTHEST * shortest_edge(mesh, v).min(spacing * here.size) } else { 0.0 }
 }
 
-/// The length of the shortest edge at `v`; infinite where it has none.
+/// Returns the length of the shortest edge at `v`; infinite if it has none.
 fn shortest_edge(mesh: &Manifold, v: u32) -> f64 {
     let c = &mesh.connectivity;
     let squares = c.has_vertex(v).then(|| c.outgoing(v)).into_iter().flatten().map(|h| mesh.length_squared(h));
     squares.fold(f64::INFINITY, f64::min).sqrt()
 }
 
-/// Moves all vertices some steps towards the minimum. `closest` has the closest point of the surface to each.
+/// Moves all vertices some steps towards the minimum. `closest` holds the closest surface point of each.
 fn descend(domain: &Domain, mesh: &mut Manifold, targets: &Targets, closest: &[DVec3], goal: Goal, spacing: f64) {
     let classes = mesh.colour_classes(&VertexSet::EMPTY);
     for _ in 0..SWEEPS {
@@ -208,7 +208,7 @@ fn descend(domain: &Domain, mesh: &mut Manifold, targets: &Targets, closest: &[D
     }
 }
 
-/// Where `v` comes to by a step that spoils no triangle and leaves it near `closest`, its closest point of the surface.
+/// Returns `v` after a step that spoils no triangle and leaves it near `closest`, its closest surface point.
 fn step(
     domain: &Domain,
     mesh: &Manifold,
@@ -226,7 +226,7 @@ fn step(
     let farthest = farthest(domain, mesh, v, spacing);
     let spacing = spacing * here.size;
     let mut way = way.clamp_length_max(LONGEST_STEP * spacing);
-    // Near the rim of a plane the normal of the sample is not that of the plane.
+    // Near the rim of a plane, the normal of the sample is not that of the plane.
     let normal = if farthest > 0.0 { here.normal } else { domain.mesh.area_vector(here.triangle as usize).normalize() };
     let height = normal.dot(here.position + way - closest);
     way += (height.clamp(-farthest, farthest) - height) * normal;
@@ -235,7 +235,7 @@ fn step(
     }
     for _ in 0..HALVINGS {
         let there = Sample { position: here.position + way, ..here };
-        // Not even where it was worse before: the largest errors would grow.
+        // Required even if it was worse before: the largest errors would grow otherwise.
         if mesh.star_passes(v, &there, FacingGuard::SOUND) && goal.is_kept(mesh, v, there.position) {
             return there;
         }
@@ -244,7 +244,7 @@ fn step(
     here
 }
 
-/// The step of `v` to the minimum of the energy while its neighbours stay.
+/// Returns the step of `v` to the minimum of the energy with its neighbours fixed.
 fn newton_step(mesh: &Manifold, targets: &Targets, v: u32, spacing: f64) -> DVec3 {
     let (mut hessian, mut gradient) = (Symmetric::default(), DVec3::ZERO);
     for h in mesh.connectivity.outgoing(v) {
@@ -276,7 +276,7 @@ mod tests {
     use crate::testing::grid;
     use std::collections::BTreeMap;
 
-    /// An icosahedron whose faces are split in four `levels` times, blown up to a unit ball.
+    /// An icosahedron whose faces are split in four `levels` times, with its vertices projected onto the unit sphere.
     fn ball(levels: u32) -> Mesh {
         let g = 0.5 + 1.25f64.sqrt();
         let rectangle = [(1.0, g), (-1.0, g), (1.0, -g), (-1.0, -g)];
@@ -323,7 +323,7 @@ mod tests {
         }
     }
 
-    /// A manifold whose vertices are those of `mesh`, put on the domain.
+    /// A manifold with the vertices of `mesh`, projected onto the domain.
     fn on(domain: &Domain, mesh: &Mesh) -> Manifold {
         let samples = mesh.positions.iter().map(|&p| domain.project_anywhere(p)).collect();
         let mut manifold = Manifold::new(samples, &mesh.triangles);
@@ -331,7 +331,7 @@ mod tests {
         manifold
     }
 
-    /// Root of the mean squared distance of points of the triangles to the domain.
+    /// Root mean square distance of points of the triangles to the domain.
     fn rms(domain: &Domain, mesh: &Manifold) -> f64 {
         let squares = mesh.triangles().flat_map(|t| {
             let x = mesh.corners(t);
@@ -381,11 +381,11 @@ mod tests {
         assert!(free.iter().filter(|&&v| mesh.position(v) != start.position(v)).count() > free.len() / 2);
     }
 
-    /// A sheet that is flat up to where it bows, and one that its flat part lies on.
+    /// A sheet that is flat up to where it curves upwards, and one below that its flat part lies on.
     #[test]
     fn vertices_in_a_plane_that_touches_another_stay_in_it() {
         let bent = |n: u32| {
-            // Sheared such that triangles are close to equilateral.
+            // Sheared so that triangles are close to equilateral.
             let across = |u: f64, v: f64| 2.31 * (v - 0.5 * u);
             let at = |u: f64, v: f64| match 2.0 * u - 1.0 {
                 bow if bow > 0.0 => DVec3::new(1.0 + bow.sin(), across(u, v), 1.0 - bow.cos()),

@@ -1,6 +1,6 @@
-//! The points of the triangles that are fitted, each to a plane and with a weight.
+//! Points of triangles that are fitted to planes, each with a weight.
 //!
-//! The weights are those of the quadrature rule at first, and grow where the error is large.
+//! The weights are initially those of the quadrature rule, and grow where the error is large.
 
 use crate::base::math;
 use crate::base::parallel;
@@ -16,25 +16,25 @@ use std::ops::Range;
 /// Share of the limit above which an error is large.
 const OF_LIMIT: f64 = 0.7;
 
-/// Distance, in root mean squares, above which an error is large, and the share of it above which vertices of the input
-/// are watched.
+/// Distance, in root mean squares, above which an error is large, and the share of it above which input vertices are
+/// watched.
 const LARGE: f64 = 5.5;
 const WATCHED: f64 = 0.55;
 
-/// Growth of the weight for each mean square by which a squared distance is above the large one. With six times as much
-/// the root mean square rose by a tenth, and ridges were overshot.
+/// Growth of the weight per mean square by which a squared distance exceeds the large one. With six times as much, the root
+/// mean square rose by a tenth, and ridges were overshot.
 const GAIN: f64 = 0.05;
 
-/// Weight of a vertex of the input, where a triangle's own points weigh one together.
+/// Weight of an input vertex; the own points of a triangle together weigh one.
 const WEIGHT_OF_VERTEX: f64 = 0.1;
 
-/// Distance, in spacings, beyond which surfaces have nothing to do with each other.
+/// Distance, in spacings, beyond which surfaces are unrelated.
 pub(in crate::optimize) const BEYOND: f64 = 2.0;
 
-/// Which errors are large.
+/// Decides which errors are large.
 pub(super) struct ErrorScale {
     mean_square: f64,
-    /// The square of the large distance.
+    /// Squared distance from which on an error is large.
     large: f64,
 }
 
@@ -44,12 +44,12 @@ impl ErrorScale {
         ErrorScale { mean_square, large: (LARGE * LARGE * mean_square).min(limit * limit) }
     }
 
-    /// The squared distance above which vertices of the input are watched.
+    /// Returns the squared distance above which input vertices are watched.
     pub(super) fn watched(&self) -> f64 {
         WATCHED * WATCHED * self.large
     }
 
-    /// The factor by which the weight of a point at this distance grows: zero where that is not large.
+    /// Returns the factor by which the weight of a point at this distance grows: zero if the distance is not large.
     fn excess(&self, distance: f64) -> f64 {
         GAIN * ((distance * distance - self.large) / self.mean_square).max(0.0)
     }
@@ -66,7 +66,7 @@ pub(super) struct Target {
 /// A plane that a point is fitted to.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Plane {
-    /// Its unit normal, and the distance along it from the origin.
+    /// Unit normal, and the distance along it from the origin.
     pub normal: DVec3,
     offset: f64,
     pub weight: f64,
@@ -79,7 +79,7 @@ impl Plane {
 }
 
 impl Target {
-    /// The signed distance of the point from the plane if the corners are at `x`.
+    /// Returns the signed distance of the point from the plane if the corners are at `x`.
     #[inline]
     pub fn residual(&self, x: [DVec3; 3]) -> f64 {
         self.plane.normal.dot(point(x, self.at)) - self.plane.offset
@@ -88,9 +88,9 @@ impl Target {
 
 /// All targets of a mesh.
 pub(super) struct Targets {
-    /// For each triangle the planes of the points of the quadrature rule.
+    /// For each triangle, the planes of its quadrature points.
     own: Vec<[Plane; POINTS.len()]>,
-    /// Closest points to vertices of the input with large errors, each with its triangle, by increasing triangles.
+    /// Points closest to input vertices with large errors, each with its triangle, in increasing order of triangles.
     of_vertices: Vec<(u32, Target)>,
 }
 
@@ -100,14 +100,14 @@ impl Targets {
         Targets { own: vec![[Plane::NONE; POINTS.len()]; count], of_vertices: Vec::new() }
     }
 
-    /// Those of triangle `t`.
+    /// Returns the targets of triangle `t`.
     pub(super) fn of(&self, t: u32) -> impl Iterator<Item = Target> {
         let first = self.of_vertices.partition_point(|other| other.0 < t);
         let others = self.of_vertices[first..].iter().take_while(move |other| other.0 == t);
         own_targets(&self.own[t as usize]).chain(others.map(|other| other.1))
     }
 
-    /// Finds the planes anew, by walks over the surface that are trusted up to the distance `reach`.
+    /// Finds the planes anew by walks over the surface, which are trusted up to the distance `reach`.
     pub(super) fn find(&mut self, domain: &Domain, mesh: &Manifold, reach: f64) {
         parallel::for_each_mut(&mut self.own, |t, own| {
             if mesh.connectivity.has_half_edge(3 * t as u32) {
@@ -116,8 +116,8 @@ impl Targets {
         });
     }
 
-    /// Gives large errors more weight, those of the triangles and of the vertices in `watched`. The vertices that are to
-    /// be watched further.
+    /// Gives more weight to large errors of the triangles and of the vertices in `watched`. Returns the vertices to be
+    /// watched from now on.
     pub(super) fn reweight(
         &mut self,
         domain: &Domain,
@@ -135,7 +135,7 @@ impl Targets {
         watched
     }
 
-    /// The mean of the squared distances of the triangles' own points to their planes.
+    /// Returns the mean squared distance of the triangles' own points from their planes.
     pub(super) fn mean_square(&self, mesh: &Manifold) -> f64 {
         let (mut sum, mut weight) = (0.0, 0.0);
         for (own, t) in self.own.iter().zip(0..).filter(|(own, _)| own[0].weight > 0.0) {
@@ -146,7 +146,7 @@ impl Targets {
         sum / weight
     }
 
-    /// The triangles with a point whose squared distance to its plane is above `square`.
+    /// Returns the triangles with a point whose squared distance from its plane exceeds `square`.
     pub(super) fn triangles_beyond(&self, mesh: &Manifold, square: f64) -> Vec<u32> {
         let is_beyond = |own: &[Plane], t: u32| {
             let x = mesh.corners(t);
@@ -178,16 +178,16 @@ impl Targets {
     }
 }
 
-/// The points of the quadrature rule with these planes.
+/// Returns the quadrature points with these planes.
 #[inline]
 fn own_targets(planes: &[Plane]) -> impl Iterator<Item = Target> {
     planes.iter().zip(POINTS).map(|(&plane, (at, _))| Target { at, plane })
 }
 
-/// Finds the planes of the points of triangle `t`, unless all its corners are on feature curves and stay.
+/// Finds the planes of the points of triangle `t`, unless all its corners are on feature curves, which stay.
 fn find_planes(domain: &Domain, mesh: &Manifold, t: u32, own: &mut [Plane; POINTS.len()], reach: f64) {
     let numbers = mesh.connectivity.triangle(3 * t);
-    // A corner on no curve tells which patch the triangle is on.
+    // A corner that is on no curve tells which patch the triangle is on.
     let Some(v) = numbers.into_iter().find(|&v| !mesh.connectivity.is_on_curve(v)) else {
         return;
     };
@@ -212,7 +212,8 @@ struct FarVertex {
     target: Target,
 }
 
-/// Those of `vertices` whose squared distance to the triangles that face their way is in `range`, in their order.
+/// Returns those of `vertices` whose squared distance to the triangles that face the same way is in `range`, in the same
+/// order.
 fn vertices_in_range(range: Range<f64>, domain: &Domain, mesh: &Manifold, vertices: &[u32]) -> Vec<FarVertex> {
     let faces = Faces::new(mesh);
     let far_vertex = |&v: &u32| {

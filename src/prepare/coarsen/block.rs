@@ -1,4 +1,4 @@
-//! A part of a mesh whose edges collapse. Its boundary, where the mesh ends or other blocks begin, stays.
+//! A part of a mesh whose edges are collapsed. Its boundary, where the mesh ends or other blocks begin, stays.
 
 use crate::base::math;
 use crate::geom::aabb::Aabb;
@@ -12,49 +12,49 @@ use rustc_hash::FxHashMap;
 /// How coarse a mesh may become, in its units.
 #[derive(Debug, Clone, Copy)]
 pub struct Coarseness {
-    /// The length that edges are to have at least.
+    /// Minimum length that edges should have.
     pub shortest: f64,
-    /// About how far vertices that go may be from the surface that is left: what strays in one step counts in the next, but
-    /// not how triangles of vertices that stay move away later.
+    /// Approximate maximum distance of removed vertices from the remaining surface. Deviations of one step count in the
+    /// next, but it does not count how triangles of remaining vertices move away later.
     pub tolerance: f64,
 }
 
-/// Triangles of a block: its data fit into the caches of a core.
+/// Number of triangles of a block: its data fit into the caches of a core.
 pub(super) const BLOCK: usize = 1 << 15;
 
-/// The blocks of the second turn are cut from bounds this much larger than those of the mesh, in extents, so that both turns have
-/// different planes between blocks.
+/// The blocks of the second turn are cut from bounds that are larger than those of the mesh by this share of its extent, so
+/// that the two turns have different planes between blocks.
 pub(super) const MARGIN: f64 = 1.0 / 3.0;
 
-/// Edges are compared with these shares of the shortest length one after the other, so that the shortest edges go first.
+/// Shares of the shortest length with which edges are compared one after the other, so that the shortest edges go first.
 const LENGTHS: [f64; 3] = [0.25, 0.5, 1.0];
 
-/// Longest edge that a collapse may leave, in shortest lengths.
+/// Maximum length of an edge after a collapse, in shortest lengths.
 const LONGEST: f64 = 2.0;
 
-/// How much a triangle may turn: the cosine.
+/// Cosine of the largest angle by which a triangle may turn.
 const MOST_TURN: f64 = 0.5;
 
-/// Least mean ratio of a triangle that a collapse leaves, unless one there is worse.
+/// Minimum mean ratio of a triangle after a collapse, unless one there was worse before.
 const LEAST_SHAPE: f64 = 0.3;
 
-/// A part of a mesh, with vertices of its own.
+/// A part of a mesh, with its own vertices.
 pub(super) struct Block {
     connectivity: Connectivity,
     positions: Vec<DVec3>,
-    /// For each vertex how far those that went into it may be from the surface.
+    /// For each vertex, how far the vertices merged into it may be from the surface.
     strayed: Vec<f64>,
 }
 
 impl Block {
-    /// The block of an oriented manifold that uses all its vertices, of which those at the boundary may have several fans. `twin`
-    /// is as [`twins`](crate::mesh::topology::twins) says.
+    /// Makes the block of an oriented manifold that uses all its vertices; those at the boundary may have several fans.
+    /// `twin` is as in [`twins`](crate::mesh::topology::twins).
     pub fn new(mesh: Mesh, twin: Vec<u32>, strayed: Vec<f64>) -> Block {
         let connectivity = Connectivity::with_twins(mesh.positions.len(), &mesh.triangles, twin);
         Block { connectivity, positions: mesh.positions, strayed }
     }
 
-    /// Puts the sides that are `sharp`, triangle by triangle, on curves, which end at vertices with more or less than two of
+    /// Puts the `sharp` sides, given triangle by triangle, on curves. Curves end at vertices with more or fewer than two of
     /// them.
     pub fn mark_sharp(&mut self, sharp: impl Iterator<Item = [bool; 3]>) {
         let connectivity = &mut self.connectivity;
@@ -69,7 +69,7 @@ impl Block {
         }
     }
 
-    /// Collapses edges that are too short, where nothing goes wrong.
+    /// Collapses edges that are too short, where this does no harm.
     pub fn coarsen(&mut self, coarseness: Coarseness) {
         for share in LENGTHS {
             let square = math::square(share * coarseness.shortest);
@@ -81,7 +81,7 @@ impl Block {
         }
     }
 
-    /// Where a vertex is.
+    /// Returns the position of a vertex.
     pub fn position(&self, v: u32) -> DVec3 {
         self.positions[v as usize]
     }
@@ -90,7 +90,7 @@ impl Block {
         self.position(self.connectivity.origin(h)).distance_squared(self.position(self.connectivity.target(h)))
     }
 
-    /// Collapses the edge of `h` into its target, if the origin is near enough to what is left then.
+    /// Collapses the edge of `h` into its target, if the origin is close enough to the remaining surface.
     fn collapse_if_near(&mut self, h: u32, coarseness: Coarseness) {
         let c = &self.connectivity;
         let (from, to) = (c.origin(h), c.target(h));
@@ -105,14 +105,15 @@ impl Block {
         }
     }
 
-    /// Whether a collapse keeps the topology of the whole, of which vertices on the boundary may have edges that are not here.
+    /// Returns whether a collapse keeps the topology of the whole mesh, in which vertices on the boundary may have edges
+    /// that this block lacks.
     fn keeps_topology(&self, h: u32) -> bool {
         let c = &self.connectivity;
         c.both_sides(h).all(|side| c.valence(c.apex(side)) > 3) && c.can_collapse(h)
     }
 
-    /// How far the origin of `h` is from the triangles that are left around it once it went into the target; `None` if one of
-    /// these turns, is too long or badly shaped.
+    /// Returns the distance of the origin of `h` from the triangles that remain around it once it is merged into the target;
+    /// `None` if one of these turns too far, is too long or badly shaped.
     fn distance_after(&self, h: u32, longest: f64) -> Option<f64> {
         let c = &self.connectivity;
         let (from, to) = (self.position(c.origin(h)), self.position(c.target(h)));
@@ -135,35 +136,36 @@ impl Block {
         Some(squares.fold(f64::INFINITY, f64::min).sqrt())
     }
 
-    /// The triangles that are left.
+    /// Iterates over the remaining triangles.
     pub fn triangles(&self) -> impl Iterator<Item = u32> {
         let all = self.connectivity.half_edge_bound() / 3;
         (0..all).filter(|&t| self.connectivity.has_half_edge(3 * t))
     }
 
-    /// The corners of a triangle.
+    /// Returns the corners of a triangle.
     pub fn corners(&self, t: u32) -> [u32; 3] {
         self.connectivity.triangle(3 * t)
     }
 
-    /// Which sides of a triangle are on sharp edges.
+    /// Returns which sides of a triangle are on sharp edges.
     pub fn sharp_sides(&self, t: u32) -> [bool; 3] {
         [0, 1, 2].map(|k| self.connectivity.is_curve_edge(3 * t + k))
     }
 
-    /// How far what went into a vertex may be from the surface.
+    /// Returns how far the vertices merged into a vertex may be from the surface.
     pub fn strayed(&self, v: u32) -> f64 {
         self.strayed[v as usize]
     }
 
-    /// The vertices that are left but those on the boundary.
+    /// Iterates over the remaining vertices that are not on the boundary.
     pub fn inside(&self) -> impl Iterator<Item = u32> {
         let c = &self.connectivity;
         (0..c.vertex_bound()).filter(|&v| c.has_vertex(v) && !c.is_boundary(v))
     }
 }
 
-/// `triangles` with their vertices numbered as they come, and these vertices.
+/// Renumbers the vertices of `triangles` in the order of their first use. Returns the triangles and the vertices in that
+/// order.
 pub(super) fn numbered_apart(triangles: impl ExactSizeIterator<Item = [u32; 3]>) -> (Vec<[u32; 3]>, Vec<u32>) {
     let mut number: FxHashMap<u32, u32> = FxHashMap::default();
     number.reserve(triangles.len());
@@ -178,7 +180,7 @@ pub(super) fn numbered_apart(triangles: impl ExactSizeIterator<Item = [u32; 3]>)
     (triangles, vertices)
 }
 
-/// The triangles of `mesh` in the order of where they are within `bounds`.
+/// Returns the triangles of `mesh` in spatial order within `bounds`.
 pub(super) fn order_of_triangles(mesh: &Mesh, bounds: Aabb) -> Vec<u32> {
     let first = |t: usize| mesh.positions[mesh.triangles[t][0] as usize];
     spatial_order_in(bounds, mesh.triangles.len(), first)

@@ -1,10 +1,11 @@
-//! A mesh that comes in parts, and may be no manifold: each part is repaired by itself, as far as its edges collapse.
+//! Coarsens a mesh that comes in parts and may not be a manifold: each part is repaired by itself, as far as its edges are
+//! collapsed.
 //!
-//! Where sheets cross or meet, a repair of the part decides which faces belong together; what is left is to be repaired as a
-//! whole like any input. Vertices at the bounds of a part stay, also those between its pieces, so there is to be a second turn
-//! with other bounds.
+//! Where sheets cross or meet, the repair of the part decides which faces belong together; the result must be repaired as a
+//! whole, like any input. Vertices at the bounds of a part stay, and so do those between its pieces, so a second turn with
+//! other bounds should follow.
 //!
-//! Memory: the parts that are treated at once, and what is left of all.
+//! Memory: the parts that are processed at the same time, and the remains of all parts.
 
 use crate::base::parallel;
 use crate::geom::aabb::Aabb;
@@ -18,7 +19,7 @@ use crate::prepare::welded::Welded;
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
-/// How many times as many vertices may be left of a part, whose bounds stay, and of the whole as are meant.
+/// Maximum number of remaining vertices, relative to the intended one: of a part, whose bounds stay, and of the whole.
 const MOST_OF_PART: f64 = 2.0;
 const MOST_OF_WHOLE: f64 = 1.3;
 
@@ -27,14 +28,14 @@ const MOST_OF_WHOLE: f64 = 1.3;
 pub struct Part {
     /// The triangles, over vertices of their own.
     pub mesh: Mesh,
-    /// For each vertex its number in the whole.
+    /// For each vertex, its number in the whole mesh.
     pub numbers: Vec<u32>,
-    /// For each vertex how far those that went into it may be from the surface.
+    /// For each vertex, how far the vertices merged into it may be from the surface.
     strayed: Vec<f64>,
 }
 
 impl Part {
-    /// These triangles of a mesh, whose vertices are at `place`.
+    /// Makes a part of these triangles of a mesh; `place` gives the position of a vertex.
     pub fn new(triangles: &[[u32; 3]], place: impl Fn(u32) -> DVec3) -> Part {
         let (triangles, numbers) = numbered_apart(triangles.iter().copied());
         let positions: Vec<DVec3> = numbers.iter().map(|&v| place(v)).collect();
@@ -42,15 +43,15 @@ impl Part {
         Part { mesh: Mesh { positions, triangles }, numbers, strayed }
     }
 
-    /// The part with longer edges. Where noise keeps it from becoming coarser, so that it has far more vertices for its area than
-    /// `densest`, the tolerance grows.
+    /// Returns the part with longer edges. Where noise keeps it from becoming coarser, so that it has far more vertices per
+    /// area than `densest`, the tolerance is raised.
     #[must_use]
     pub fn coarsened(&self, coarseness: Coarseness, densest: f64) -> Part {
         let most = MOST_OF_PART * densest * self.mesh.area();
         self.mesh.bounds().map_or_else(Part::default, |bounds| self.coarsened_to(bounds, coarseness, most))
     }
 
-    /// What is left of a mesh whose parts are [`coarsened`](Part::coarsened), once the edges where these meet are longer, too.
+    /// Joins the [`coarsened`](Part::coarsened) parts of a mesh, and lengthens the edges where they meet, too.
     #[must_use]
     pub fn joined(parts: &[Part], coarseness: Coarseness, densest: f64) -> Part {
         let whole = Part::sum(parts);
@@ -68,7 +69,7 @@ impl Part {
         coarse
     }
 
-    /// The same with vertices in the order of their numbers.
+    /// Returns the part with its vertices in the order of their numbers.
     #[must_use]
     pub fn in_order(self) -> Part {
         let mut order: Vec<u32> = (0..self.numbers.len() as u32).collect();
@@ -85,12 +86,12 @@ impl Part {
         }
     }
 
-    /// How far what went is from what is left, about and at most.
+    /// Returns the approximate maximum distance of the removed vertices from the remaining surface.
     pub fn farthest_strayed(&self) -> f64 {
         self.strayed.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Treats pieces that are near in space, as cuts of these bounds say.
+    /// Coarsens the part in spatially compact pieces, cut from these bounds.
     fn coarsened_in(&self, bounds: Aabb, coarseness: Coarseness) -> Part {
         let order = order_of_triangles(&self.mesh, bounds);
         let piece = |triangles: &[u32]| {
@@ -120,8 +121,8 @@ impl Part {
         }
     }
 
-    /// The part as an oriented manifold, of which vertices at the boundary may have several fans, its twins, and the vertex
-    /// that each of its vertices is.
+    /// Returns the part as an oriented manifold, whose boundary vertices may have several fans, its twins, and for each of
+    /// its vertices the one of the part that it comes from.
     fn manifold(&self) -> (Mesh, Vec<u32>, Vec<u32>) {
         if let Some(twin) = self.twins_if_sound() {
             return (self.mesh.clone(), twin, (0..self.numbers.len() as u32).collect());
@@ -133,7 +134,7 @@ impl Part {
         (mesh.into_mesh(), twins, sources)
     }
 
-    /// The twins of the triangles if there is nothing to repair, which is much faster to find out than to repair.
+    /// Returns the twins of the triangles if there is nothing to repair, which is much faster to find out than to repair.
     fn twins_if_sound(&self) -> Option<Vec<u32>> {
         let Mesh { positions, triangles } = &self.mesh;
         let sides = sorted_sides(triangles);
@@ -147,7 +148,7 @@ impl Part {
         }
         open.sort_unstable();
         open.dedup();
-        // Where the surface is open it may only not be welded.
+        // Where the surface is open, it may just be unwelded.
         let mut places: Vec<[u64; 3]> =
             open.iter().map(|&v| (positions[v as usize] + 0.0).to_array().map(f64::to_bits)).collect();
         places.sort_unstable();
@@ -159,7 +160,7 @@ impl Part {
         is_sound.then_some(twin)
     }
 
-    /// All parts as one, in which vertices of the same number are one.
+    /// Merges all parts into one, in which vertices with the same number are one.
     fn sum(parts: &[Part]) -> Part {
         let mut sum = Part::default();
         let mut places: FxHashMap<u32, u32> = FxHashMap::default();
@@ -184,7 +185,7 @@ impl Part {
     }
 }
 
-/// Whether each of so many vertices, but the `open` ones, has one fan of triangles, which goes around it.
+/// Returns whether each of the vertices, except the `open` ones, has a single closed fan of triangles.
 fn has_single_fans(vertices: usize, triangles: &[[u32; 3]], twin: &[u32], open: &[u32]) -> bool {
     let mut first = vec![NONE; vertices];
     let mut corners = vec![0u32; vertices];
@@ -224,7 +225,7 @@ mod tests {
             change(&mut mesh);
             part(&mesh)
         };
-        // A hole; a triangle turned over, one twice, one with a corner twice; a seam that is not welded.
+        // A hole; a triangle turned over; a duplicate triangle; one that has a corner twice; a seam that is not welded.
         assert!(with(&|mesh| mesh.triangles.truncate(4000)).twins_if_sound().is_some());
         assert!(with(&|mesh| mesh.triangles[7].swap(0, 1)).twins_if_sound().is_none());
         assert!(with(&|mesh| mesh.triangles.push(mesh.triangles[7])).twins_if_sound().is_none());
@@ -234,7 +235,7 @@ mod tests {
             mesh.triangles[7][0] = mesh.positions.len() as u32 - 1;
         };
         assert!(with(&seam).twins_if_sound().is_none());
-        // Two cubes that have a vertex in common.
+        // Two cubes that share a vertex.
         let mut cubes = cube();
         let second = cubes.triangles.iter().map(|t| t.map(|v| if v == 0 { 0 } else { v + 7 })).collect::<Vec<_>>();
         let others: Vec<DVec3> = cubes.positions[1..].iter().map(|p| -*p).collect();

@@ -1,4 +1,4 @@
-//! A whole manifold made coarser, with its sharp edges.
+//! Coarsens a whole manifold, together with its sharp edges.
 
 use crate::base::parallel;
 use crate::mesh::oriented_manifold::OrientedManifold;
@@ -10,13 +10,15 @@ use std::borrow::Cow;
 
 /// A mesh with longer edges.
 pub struct Coarsened {
-    /// Some of the vertices of the fine mesh, which is its source; a triangle is only near to the one that it came from.
+    /// Its vertices are some of those of the fine mesh, which is its source; a triangle is only near the one that it came
+    /// from.
     pub mesh: OrientedManifold,
     /// The ends of each sharp edge, as vertices of the fine mesh.
     pub sharp: Vec<[u32; 2]>,
 }
 
-/// The triangles and vertices of `mesh` along a curve through space: what is near in it is mostly near in memory.
+/// Sorts the triangles and vertices of `mesh` along a space-filling curve, so that those close in space are mostly close in
+/// memory.
 pub fn in_spatial_order(mesh: OrientedManifold) -> OrientedManifold {
     let order = mesh.bounds().map_or(Vec::new(), |bounds| order_of_triangles(&mesh, bounds));
     let mut number = vec![NONE; mesh.positions.len()];
@@ -34,8 +36,8 @@ pub fn in_spatial_order(mesh: OrientedManifold) -> OrientedManifold {
     OrientedManifold::trusted(Mesh { positions, triangles }, provenance)
 }
 
-/// `fine` with longer edges. `sharp` tells for each side of its triangles whether it is on a sharp edge. Triangles that are near
-/// in memory should be near in space, as [`in_spatial_order`] has them.
+/// Returns `fine` with longer edges. `sharp` says for each side of its triangles whether it is on a sharp edge. Triangles
+/// that are close in memory should be close in space, as [`in_spatial_order`] arranges them.
 pub fn coarsened(fine: &Mesh, sharp: &[bool], coarseness: Coarseness) -> Coarsened {
     let all = |n: usize| (0..n as u32).collect::<Vec<u32>>();
     let (vertices, triangles) = (fine.positions.len(), fine.triangles.len());
@@ -55,7 +57,7 @@ pub fn coarsened(fine: &Mesh, sharp: &[bool], coarseness: Coarseness) -> Coarsen
     Coarsened { mesh: OrientedManifold::trusted(mesh.into_owned(), provenance), sharp }
 }
 
-/// How many of the edges of `mesh` are shorter than `length`, as a share.
+/// Returns the share of the edges of `mesh` that are shorter than `length`.
 pub fn share_of_edges_below(mesh: &Mesh, length: f64) -> f64 {
     let is_short =
         |[a, b]: [u32; 2]| mesh.positions[a as usize].distance_squared(mesh.positions[b as usize]) < length * length;
@@ -65,26 +67,26 @@ pub fn share_of_edges_below(mesh: &Mesh, length: f64) -> f64 {
     short as f64 / (3 * mesh.triangles.len()).max(1) as f64
 }
 
-/// A mesh on its way.
+/// A mesh that is being coarsened.
 struct Coarse<'a> {
     mesh: Cow<'a, Mesh>,
-    /// For each triangle which of its sides are on sharp edges.
+    /// For each triangle, which of its sides are on sharp edges.
     sharp: Cow<'a, [[bool; 3]]>,
-    /// For each vertex and triangle that of the fine mesh.
+    /// For each vertex and triangle, the one of the fine mesh that it comes from.
     of_vertex: Vec<u32>,
     of_triangle: Vec<u32>,
-    /// For each vertex how far those that went into it may be from the surface.
+    /// For each vertex, how far the vertices merged into it may be from the surface.
     strayed: Vec<f64>,
 }
 
 impl Coarse<'_> {
-    /// Treats blocks of the triangles, which come in this order.
+    /// Coarsens blocks of the triangles, which are taken in this order.
     fn turn(&self, order: &[u32], coarseness: Coarseness) -> Coarse<'static> {
         let blocks = parallel::blocks(order, BLOCK, |triangles| self.left_of(triangles, coarseness));
         self.joined(&blocks)
     }
 
-    /// What a block of these triangles leaves.
+    /// Returns the remains of a block of these triangles.
     fn left_of(&self, triangles: &[u32], coarseness: Coarseness) -> Left {
         let (corners, vertices) = numbered_apart(triangles.iter().map(|&t| self.mesh.triangles[t as usize]));
         let positions = vertices.iter().map(|&v| self.mesh.positions[v as usize]).collect();
@@ -102,24 +104,24 @@ impl Coarse<'_> {
         }
     }
 
-    /// The triangles in the order of where they are within wider bounds.
+    /// Returns the triangles in spatial order within wider bounds.
     fn in_other_order(&self) -> Vec<u32> {
         let Some(mut bounds) = self.mesh.bounds() else { return Vec::new() };
         bounds.lo -= MARGIN * bounds.size();
         order_of_triangles(&self.mesh, bounds)
     }
 
-    /// The ends of each sharp edge, as vertices of the fine mesh.
+    /// Returns the ends of each sharp edge, as vertices of the fine mesh.
     fn sharp_edges(&self) -> Vec<[u32; 2]> {
         let sides = self.mesh.triangles.iter().zip(&*self.sharp).flat_map(|(t, sharp)| {
             let ends = [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
             ends.into_iter().zip(*sharp).filter(|(_, sharp)| *sharp).map(|(ends, _)| ends)
         });
-        // The triangle across has the same edge the other way.
+        // The triangle across has the same edge in the other direction.
         sides.filter(|[a, b]| a < b).map(|ends| ends.map(|v| self.of_vertex[v as usize])).collect()
     }
 
-    /// What is left of all blocks, without gaps.
+    /// Joins the remains of all blocks, and renumbers vertices without gaps.
     fn joined(&self, blocks: &[Left]) -> Coarse<'static> {
         let mut number = vec![NONE; self.mesh.positions.len()];
         let mut old = Vec::new();
@@ -149,7 +151,7 @@ impl Coarse<'_> {
     }
 }
 
-/// What is left of a block, with the vertices and triangles of the mesh before.
+/// Remains of a block, in terms of the vertices and triangles of the mesh before.
 struct Left {
     triangles: Vec<[u32; 3]>,
     sharp: Vec<[bool; 3]>,
@@ -166,7 +168,7 @@ mod tests {
     use crate::testing::{cube, revolved};
     use glam::{DVec3, dvec3};
 
-    /// A torus of radii 1 and .4 with so many triangles that there are several blocks.
+    /// A torus of radii 1 and 0.4 with enough triangles for several blocks.
     fn torus() -> Mesh {
         let (n, m) = (400u32, 200u32);
         let angle = |i: u32, n: u32| std::f64::consts::TAU * f64::from(i % n) / f64::from(n);
@@ -218,7 +220,7 @@ mod tests {
         let floor = (1..100).map(|k| (f64::from(k) / 100.0, 0.0));
         let profile: Vec<(f64, f64)> = floor.chain(wall).collect();
         let mut cup = revolved([0.0, 1.0], &profile, 200);
-        // Without the lid, the triangles at the upper pole.
+        // Remove the lid: the triangles at the upper pole.
         cup.triangles.retain(|t| !t.contains(&1));
         cup.drop_unused();
         let sharp = sharp_sides(

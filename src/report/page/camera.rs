@@ -1,40 +1,40 @@
-//! The first view of the meshes.
+//! The initial view of the meshes.
 
 use crate::base::math;
 use crate::geom::aabb::Aabb;
 use crate::mesh::triangle_mesh::Mesh;
 use glam::{DMat3, DVec3};
 
-/// Size of a picture in pixels; a panel of the viewer has the same shape.
+/// Size of a picture in pixels; a panel of the viewer has the same aspect ratio.
 pub(super) const WIDTH: usize = 960;
 pub(super) const HEIGHT: usize = 720;
 
-/// Distance of the eye from what it looks at, in half diagonals of the box of all meshes; the viewer's is the same.
+/// Distance of the eye from its target, in half diagonals of the box of all meshes; the viewer uses the same value.
 pub(super) const EYE: f64 = 5.0;
 
-/// How far the eye goes around and above, in degrees.
+/// Azimuth and elevation of the eye, in degrees.
 const AROUND: f64 = 30.0;
 const ABOVE: f64 = 25.0;
 
-/// How much of a picture is filled.
+/// Fraction of a picture that is filled.
 const FILLED: f64 = 0.95;
 
-/// What all meshes of a page are seen in.
+/// The common view of all meshes of a page.
 pub(super) struct FirstView {
-    /// The box of all meshes, and half its diagonal: the unit of what is seen.
+    /// The box of all meshes, and half its diagonal, which is the unit of length of the view.
     pub lo: DVec3,
     pub size: DVec3,
     pub half_diagonal: f64,
     /// The rows of a rotation: right, up, towards the eye.
     pub rotation: [DVec3; 3],
-    /// What is looked at, from the middle of the box, in its unit.
+    /// The target of the view relative to the middle of the box, in units of half the diagonal.
     pub target: DVec3,
-    /// How large everything is seen: at 1, half a diagonal reaches from the middle of a picture to its upper edge.
+    /// Magnification: at 1, half a diagonal reaches from the middle of a picture to its upper edge.
     pub zoom: f64,
 }
 
 impl FirstView {
-    /// A view that all of `meshes` fill.
+    /// A view that `meshes` together fill.
     pub(super) fn of<'a>(meshes: impl Iterator<Item = &'a Mesh> + Clone) -> FirstView {
         let points = meshes.flat_map(|m| &m.positions).copied();
         let bounds = Aabb::of(points.clone()).unwrap_or_default();
@@ -43,7 +43,7 @@ impl FirstView {
         let rotation = first_rotation(bounds.size());
         let mut view =
             FirstView { lo: bounds.lo, size: bounds.size(), half_diagonal, rotation, target: DVec3::ZERO, zoom: 1.0 };
-        // Looking at the middle shifts it a little, so it is measured again in the second picture.
+        // Centring shifts the middle a little because of the perspective, so the reach is measured again afterwards.
         let screen = Aabb::of(points.clone().map(|p| view.on_screen(p))).unwrap_or_default();
         let middle = screen.lo + 0.5 * screen.size();
         view.target = rotation[0] * middle.x + rotation[1] * middle.y;
@@ -55,26 +55,26 @@ impl FirstView {
         view
     }
 
-    /// A point from the middle of the box, in its unit.
+    /// Returns a point relative to the middle of the box, in units of half the diagonal.
     pub(super) fn off_middle(&self, p: DVec3) -> DVec3 {
         (p - self.lo - 0.5 * self.size) / self.half_diagonal
     }
 
-    /// How far right, up and near a point is seen of the target.
+    /// Returns the position of a point relative to the target: right, up and towards the eye.
     pub(super) fn seen(&self, p: DVec3) -> DVec3 {
         DMat3::from_cols_array_2d(&self.rotation.map(|row| row.to_array())).transpose()
             * (self.off_middle(p) - self.target)
     }
 
-    /// Where a point is in the picture: 1 up is its upper edge; what is near looks larger.
+    /// Returns the position of a point in the picture, where y = 1 is the upper edge; near things look larger.
     fn on_screen(&self, p: DVec3) -> DVec3 {
         let seen = self.seen(p);
         self.zoom * EYE / (EYE - seen.z) * seen
     }
 }
 
-/// The rows of the first rotation of something that large. It is seen along its shortest axis, from a little aside and
-/// above, with y up, or z where y is the shortest.
+/// Returns the rows of the initial rotation for a box of this size. The box is seen along its shortest axis, from slightly
+/// aside and above, with y up, or with z up if y is the shortest axis.
 fn first_rotation(size: DVec3) -> [DVec3; 3] {
     let towards = if size.z <= size.x.min(size.y) {
         DVec3::Z
@@ -96,7 +96,7 @@ mod tests {
     use super::*;
     use crate::testing::cube;
 
-    /// A cube stretched to that size, off the origin.
+    /// A cube stretched to this size, away from the origin.
     fn view(size: DVec3) -> (Mesh, FirstView) {
         let mut mesh = cube();
         mesh.positions.iter_mut().for_each(|p| *p = 7.0 + *p * size);

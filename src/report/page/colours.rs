@@ -1,17 +1,18 @@
-//! The colours of figures, and their legends.
+//! The colours of quality figures, and their legends.
 //!
-//! The ramp is even in the space OKLab (B. Ottosson, *A perceptual color space for image processing*, 2020): its colours are
-//! at equal distances, and get darker from good to bad, so that it can be read without telling hues apart, and in grey.
+//! The ramp is uniform in the OKLab colour space (B. Ottosson, *A perceptual color space for image processing*, 2020): its
+//! colours are equally spaced and get darker from good to bad, so that it can be read without distinguishing hues, and in
+//! greyscale.
 
 use glam::DVec3;
 
-/// From good to bad.
+/// Colours from good to bad.
 pub(super) const RAMP: [&str; 11] = [
     "#c6e4f0", "#d4d5b4", "#dcbd7c", "#dd9f4a", "#d88024", "#cf5f15", "#bc421b", "#a12b28", "#831b2e", "#63142e",
     "#440e2c",
 ];
 
-/// Valences and their colours: blue where edges are missing, brown where there are too many.
+/// Valences and their colours: blue for too few edges, brown for too many.
 pub(super) const VALENCES: [(&str, &str); 6] = [
     ("boundary", "#b7b7b7"),
     ("4 or less", "#234993"),
@@ -21,13 +22,13 @@ pub(super) const VALENCES: [(&str, &str); 6] = [
     ("8 or more", "#92361f"),
 ];
 
-/// Sharp edges that were kept, those that were left out, faces at fault, and what has no figure.
+/// Colours of sharp edges that were kept, of those that were left out, of faces at fault, and of anything without a figure.
 pub(super) const KEPT: &str = "#053370";
 pub(super) const LEFT_OUT: &str = "#bf0080";
 pub(super) const MARKED: &str = "#db008c";
 pub(super) const UNKNOWN: &str = "#cdd1d6";
 
-/// The place in [`VALENCES`] of a valence; `None` on the boundary.
+/// Returns the index of a valence in [`VALENCES`]; `None` stands for a boundary vertex.
 pub(super) fn valence_class(valence: Option<u32>) -> u8 {
     match valence {
         None => 0,
@@ -35,20 +36,20 @@ pub(super) fn valence_class(valence: Option<u32>) -> u8 {
     }
 }
 
-/// The colour of a place on the ramp, 0 for good and 1 for bad: red, green and blue in 0..=1, as sRGB has them.
+/// Returns the colour at a position on the ramp, 0 for good and 1 for bad, as sRGB red, green and blue in 0..=1.
 pub(super) fn on_ramp(badness: f64) -> DVec3 {
     let at = badness.clamp(0.0, 1.0) * (RAMP.len() - 1) as f64;
     let k = (at as usize).min(RAMP.len() - 2);
     rgb(RAMP[k]).lerp(rgb(RAMP[k + 1]), at - k as f64)
 }
 
-/// A colour as `#rrggbb` has it.
+/// Parses a colour given as `#rrggbb`.
 pub(super) fn rgb(hex: &str) -> DVec3 {
     let part = |i: usize| u8::from_str_radix(&hex[i..i + 2], 16).map_or(0.0, |byte| f64::from(byte) / 255.0);
     DVec3::new(part(1), part(3), part(5))
 }
 
-/// What a mesh can be coloured by.
+/// The figures by which a mesh can be coloured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Colouring {
     Angle,
@@ -61,7 +62,7 @@ impl Colouring {
     pub(super) const ALL: [Colouring; 4] =
         [Colouring::Angle, Colouring::Quality, Colouring::Valence, Colouring::Distance];
 
-    /// Its name in the page.
+    /// Its name in the page's markup.
     pub(super) fn key(self) -> &'static str {
         match self {
             Colouring::Angle => "angle",
@@ -71,7 +72,7 @@ impl Colouring {
         }
     }
 
-    /// What the user chooses.
+    /// Its label for the user.
     pub(super) fn title(self) -> &'static str {
         match self {
             Colouring::Angle => "Angle",
@@ -81,7 +82,7 @@ impl Colouring {
         }
     }
 
-    /// What the colours mean, as HTML. `farthest` is the distance at the end of the ramp, in words.
+    /// Returns the legend of the colours as HTML. `farthest` is the distance at the end of the ramp, in words.
     pub(super) fn legend(self, farthest: &str) -> String {
         let ramp = |from: &str, to: &str, what: &str| {
             let colours = RAMP.join(",");

@@ -5,7 +5,7 @@ use crate::report::page::shown::Shown;
 use crate::report::rows::percent;
 use std::fmt::Write;
 
-/// Size of the plot, and of the margins that its labels stand in.
+/// Size of the plot, and of the margins that hold its labels.
 const WIDTH: f64 = 460.0;
 const HEIGHT: f64 = 120.0;
 const LEFT: f64 = 44.0;
@@ -13,25 +13,25 @@ const BOTTOM: f64 = 24.0;
 const TOP: f64 = 8.0;
 const RIGHT: f64 = 18.0;
 
-/// What is counted.
+/// The quantity on the horizontal axis, and its bins.
 struct Axis {
     title: &'static str,
     unit: &'static str,
     from: f64,
     to: f64,
     bins: usize,
-    /// Where labels stand, and what they say.
+    /// Positions and texts of the labels.
     ticks: Vec<(f64, String)>,
 }
 
 impl Axis {
     fn bin(&self, x: f64) -> usize {
         let share = (x - self.from) / (self.to - self.from);
-        // What is beyond an end is in its bin.
+        // Values beyond either end are counted in the last bin there.
         ((share * self.bins as f64).max(0.0) as usize).min(self.bins - 1)
     }
 
-    /// The share of all values that is in each bin, in percent.
+    /// Returns the percentage of all values in each bin.
     fn shares(&self, values: impl IntoIterator<Item = f64>) -> Vec<f64> {
         let mut counts = vec![0usize; self.bins];
         values.into_iter().for_each(|x| counts[self.bin(x)] += 1);
@@ -40,7 +40,7 @@ impl Axis {
     }
 }
 
-/// The histograms of all meshes, an SVG for each figure.
+/// Returns the histograms of all meshes, one SVG per figure.
 pub(super) fn histograms(shown: &[Shown]) -> String {
     let tick = |x: f64, unit: &str| (x, format!("{x}{unit}"));
     let angles = Axis {
@@ -92,7 +92,7 @@ pub(super) fn histograms(shown: &[Shown]) -> String {
     .concat()
 }
 
-/// The class that gives each mesh its colour.
+/// Returns the CSS class that gives each mesh its colour.
 pub(super) fn class(shown: &[Shown], number: usize) -> String {
     let inputs = shown.iter().filter(|s| s.report.is_none()).count();
     match number.checked_sub(inputs) {
@@ -101,7 +101,7 @@ pub(super) fn class(shown: &[Shown], number: usize) -> String {
     }
 }
 
-/// An outline for each mesh; one is filled where there are no more than two.
+/// Draws an outline for each mesh; the area below is filled if there are at most two meshes, and always for the input.
 fn lines(axis: &Axis, shown: &[Shown], series: &[Vec<f64>]) -> String {
     let top = top(series);
     let step = WIDTH / axis.bins as f64;
@@ -118,7 +118,7 @@ fn lines(axis: &Axis, shown: &[Shown], series: &[Vec<f64>]) -> String {
     chart(axis, top, shown, &inside)
 }
 
-/// A bar for each mesh in each bin.
+/// Draws a bar for each mesh in each bin.
 fn bars(axis: &Axis, shown: &[Shown], series: &[Vec<f64>]) -> String {
     let top = top(series);
     let step = WIDTH / axis.bins as f64;
@@ -139,7 +139,7 @@ fn bars(axis: &Axis, shown: &[Shown], series: &[Vec<f64>]) -> String {
     chart(axis, top, shown, &inside)
 }
 
-/// The largest share, or one percent.
+/// The largest percentage, but at least one percent.
 fn top(series: &[Vec<f64>]) -> f64 {
     series.iter().flatten().copied().fold(1.0, f64::max)
 }
@@ -148,7 +148,7 @@ fn y(share: f64, top: f64) -> f64 {
     TOP + HEIGHT * (1.0 - share / top)
 }
 
-/// The largest of 1, 2, 5, 10, 20 and 50 that the axis shows at least twice.
+/// The largest of 1, 2, 5, 10, 20 and 50 that fits on the axis at least twice.
 fn grid(top: f64) -> f64 {
     [50.0, 20.0, 10.0, 5.0, 2.0].into_iter().find(|step| 2.0 * step <= top).unwrap_or(1.0)
 }

@@ -1,6 +1,6 @@
-//! Pieces of HTML.
+//! HTML helpers.
 
-/// Text as it stands in HTML, also within the quotes of an attribute.
+/// Escapes text for HTML, including quoted attribute values.
 pub(super) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -16,12 +16,12 @@ pub(super) fn escape(text: &str) -> String {
     out
 }
 
-/// JSON that can stand in a `script` element: without `<`, which could end the element and which only strings contain.
+/// Escapes JSON for a `script` element: replaces `<`, which could end the element and which occurs only in strings.
 pub(super) fn json_in_script(json: &str) -> String {
     json.replace('<', "\\u003c")
 }
 
-/// `template` with each `{{name}}` replaced by its value; what values contain stays as it is.
+/// Replaces each `{{name}}` in `template` by its value; the values themselves are not processed.
 pub(super) fn fill(template: &str, values: &[(&str, &str)]) -> String {
     let mut parts = template.split("{{");
     let mut out = String::from(parts.next().unwrap_or_default());

@@ -1,10 +1,10 @@
-//! A report as a page: one HTML file that opens without a network, with the meshes in a viewer, histograms, the table, and
-//! the report as JSON.
+//! A report as a page: a single HTML file that opens without a network, with the meshes in a viewer, histograms, the tables,
+//! and the report as JSON.
 //!
-//! All figures are those of the library, for each triangle and vertex, too: the page's script only draws. Nothing in it
-//! depends on time, threads or machine, so that the same run has the same page.
+//! All figures, including those of single triangles and vertices, are computed by the library: the page's script only draws.
+//! No content depends on time, threads or machine, so that the same run gives the same page.
 //!
-//! Cost: a search for the closest point of the other mesh from each vertex, and about 34 bytes a vertex.
+//! Cost: a search for the closest point of the other mesh from each vertex, and about 34 bytes per vertex.
 
 mod camera;
 mod colours;
@@ -44,32 +44,33 @@ const SCRIPT: [&str; 8] = [
     include_str!("page.js"),
 ];
 
-/// Share of the vertices that may be farther than the end of the ramp for distances: a few far ones would leave no colours for
-/// all others.
+/// Fraction of the vertices that may be farther away than the end of the distance ramp: otherwise, a few far vertices would
+/// leave no colours for all others.
 const BEYOND: f64 = 0.005;
 
-/// Triangles of all meshes together above which a page has pictures and no viewer.
+/// Total number of triangles above which a page has pictures instead of a viewer.
 pub const MOST_IN_VIEWER: usize = 200_000;
 
-/// What a page shows, for documents that have the styles and scripts of `viewer/` already.
+/// The content of a page, for documents that already include the styles and scripts of `viewer/`.
 pub struct Content {
-    /// What it is about, as HTML.
+    /// The title, as HTML.
     pub title: String,
-    /// The inside of its `main` element.
+    /// The content of the `main` element.
     pub main: String,
-    /// What its viewer draws, as JSON; `null` if it has pictures and no viewer.
+    /// The scene that the viewer draws, as JSON; `null` if the page has pictures instead of a viewer.
     pub scene: String,
 }
 
-/// The page about one remeshing, one mesh or several ones that were measured. `reference` is the input of a remeshing, or what
-/// all meshes were measured against. It tells time, memory and threads if the reports do ([`Report::without_run`]).
+/// Returns the page about one remeshing, or about one or several measured meshes. `reference` is the input of a remeshing,
+/// or the mesh that all others were measured against. The page states time, memory and threads if the reports do
+/// ([`Report::without_run`]).
 pub fn page(reference: Option<&Mesh>, subjects: &[Subject]) -> String {
     let Content { title, main, scene } = content(reference, subjects);
     let reports: Vec<&Report> = subjects.iter().map(|subject| subject.report).collect();
     document(&title, &main, &all_to_json(&reports), &scene, &SCRIPT.concat())
 }
 
-/// The page about a run that failed.
+/// Returns the page about a run that failed.
 pub fn page_of_failure(failure: &Failure) -> String {
     let why = escape(&failure.error);
     let main = format!(
@@ -78,7 +79,7 @@ pub fn page_of_failure(failure: &Failure) -> String {
     document("No result", &main, &failure.to_json(), "null", "")
 }
 
-/// What the [`page`] shows.
+/// Returns the content of the [`page`].
 pub fn content(reference: Option<&Mesh>, subjects: &[Subject]) -> Content {
     let shown = all(reference, subjects);
     let places = places(&shown);
@@ -111,7 +112,7 @@ pub fn content(reference: Option<&Mesh>, subjects: &[Subject]) -> Content {
     Content { title, main, scene: serde_json::to_string(&scene).expect("a scene is plain data") }
 }
 
-/// An HTML file; `title` and `main` are HTML, `report` and `scene` JSON.
+/// Assembles an HTML file; `title` and `main` are HTML, `report` and `scene` JSON.
 fn document(title: &str, main: &str, report: &str, scene: &str, script: &str) -> String {
     fill(
         DOCUMENT,
@@ -127,7 +128,7 @@ fn document(title: &str, main: &str, report: &str, scene: &str, script: &str) ->
     )
 }
 
-/// The distance at the end of the ramp, in percent; `None` if no distances are known.
+/// Returns the distance at the end of the ramp, in percent; `None` if no distances are known.
 fn farthest(shown: &[Shown]) -> Option<f64> {
     let mut all: Vec<f64> = shown.iter().filter_map(|s| s.distances.as_ref()).flatten().copied().collect();
     all.sort_unstable_by(f64::total_cmp);
@@ -135,14 +136,14 @@ fn farthest(shown: &[Shown]) -> Option<f64> {
     Some(all.get(at.min(all.len().checked_sub(1)?)).copied()?.max(f64::MIN_POSITIVE))
 }
 
-/// How the viewer is used.
+/// Instructions for the viewer.
 const HINT: &str = "\
 <noscript><p class=\"hint\">The meshes are drawn by the page’s own script, which is switched off.</p></noscript>
 <p class=\"hint\">Drag to turn, drag with Shift to move; wheel or pinch to zoom once a mesh is chosen. Arrow keys, + and −,
 double-click for the first view. All meshes move together.</p>
 ";
 
-/// Why there is no viewer.
+/// The reason why there is no viewer.
 const HINT_ON_PICTURES: &str =
     "<p class=\"hint\">Pictures, since these are more triangles than a page can well be turned with.</p>\n";
 
@@ -150,7 +151,8 @@ fn known_colourings(farthest: Option<f64>) -> impl Iterator<Item = Colouring> + 
     Colouring::ALL.into_iter().filter(move |c| *c != Colouring::Distance || farthest.is_some())
 }
 
-/// What can be chosen: the figure that the meshes are coloured by, each with its legend, and what is drawn besides.
+/// Returns the controls: the choice of figures by which the meshes are coloured, with their legends, and switches for what
+/// else is drawn.
 fn tools(shown: &[Shown], farthest: Option<f64>, has_viewer: bool) -> String {
     let known = known_colourings(farthest);
     let last = format!("≥ {}", significant(farthest.unwrap_or_default()));
@@ -195,7 +197,7 @@ fn tools(shown: &[Shown], farthest: Option<f64>, has_viewer: bool) -> String {
     )
 }
 
-/// A canvas for each mesh.
+/// Returns a canvas for each mesh.
 fn canvases(shown: &[Shown]) -> String {
     let panel = |s: &Shown| {
         let title = escape(&s.title());
@@ -208,7 +210,7 @@ fn canvases(shown: &[Shown]) -> String {
     shown.iter().map(panel).collect()
 }
 
-/// Pictures of each mesh, one for each colouring.
+/// Returns pictures of each mesh, one per colouring.
 fn pictures(shown: &[Shown], view: &FirstView, farthest: Option<f64>) -> String {
     let panel = |s: &Shown| {
         let snapshot = Snapshot::new(s, view);

@@ -1,4 +1,4 @@
-//! The places of a mesh to look at first: what keeps it from being verified, and where its figures are worst.
+//! The places of a mesh to inspect first: faults that keep it from being verified, and the places with the worst figures.
 
 use crate::mesh::sides::{edges, sorted_sides};
 use crate::mesh::triangle_mesh::Mesh;
@@ -10,11 +10,11 @@ use crate::report::rows::{degrees, hundredths, significant};
 use glam::DVec3;
 use std::fmt::Write;
 
-/// Why a place is named.
+/// The reason why a place is listed.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) struct Kind {
     name: &'static str,
-    /// The colouring that shows that it is worse there than elsewhere; `None` for a fault.
+    /// The colouring that shows why this place is worse than others; `None` for a fault.
     shown_by: Option<Colouring>,
 }
 
@@ -28,46 +28,46 @@ const ANGLE: Kind = Kind { name: "smallest angle", shown_by: Some(Colouring::Ang
 const QUALITY: Kind = Kind { name: "lowest quality", shown_by: Some(Colouring::Quality) };
 const DISTANCE: Kind = Kind { name: "largest distance", shown_by: Some(Colouring::Distance) };
 
-/// A place of one of the meshes of a page.
+/// A place on one of the meshes of a page.
 pub(super) struct Place {
     /// The number of the mesh on the page.
     pub mesh: usize,
-    /// Why it is named.
+    /// The reason why it is listed.
     pub kind: Kind,
-    /// How bad it is there, and what is there.
+    /// The figure at the place, and a name for the place.
     pub value: String,
     pub name: String,
     pub point: DVec3,
-    /// Where the surface faces there; zero if that is not known.
+    /// The surface normal at the place; zero if unknown.
     pub normal: DVec3,
-    /// The length of edges there.
+    /// The mean edge length of the mesh.
     pub size: f64,
 }
 
 impl Place {
-    /// Whether something is wrong there, and not only worse than elsewhere.
+    /// Returns whether the place is a fault rather than just worse than others.
     pub(super) fn is_fault(&self) -> bool {
         self.kind.shown_by.is_none()
     }
 
-    /// What the links to it say to the page's script: its number, and what shows it.
+    /// Returns the attributes of links to the place for the page's script: its number, and the colouring that shows it.
     pub(super) fn link(&self, number: usize) -> String {
         let by = self.kind.shown_by.map_or(String::new(), |c| format!(" data-by=\"{}\"", c.key()));
         format!("href=\"#view\" data-place=\"{number}\"{by}")
     }
 }
 
-/// Most places of one kind.
+/// Maximum numbers of faults and of worst places of one kind.
 const FAULTS: usize = 6;
 const WORST: usize = 4;
 
-/// Distance in percent of the diagonal that is worth a look.
+/// Smallest distance that is listed, in percent of the diagonal.
 const LEAST_DISTANCE: f64 = 5e-4;
 
-/// How far places of one kind have to be apart, in mean edge lengths: neighbours are one place to look at.
+/// Minimum distance between places of one kind, in mean edge lengths: neighbours count as one place.
 const APART: f64 = 3.0;
 
-/// The places of the meshes that a report is about; not those of an input.
+/// Returns the places of the meshes that a report is about, without those of an input.
 pub(super) fn places(shown: &[Shown]) -> Vec<Place> {
     (0..).zip(shown).filter_map(|(mesh, shown)| Some(of_mesh(mesh, shown, shown.report?))).flatten().collect()
 }
@@ -99,7 +99,8 @@ fn of_mesh(number: usize, shown: &Shown, report: &Report) -> Vec<Place> {
     places
 }
 
-/// A face at each edge with more than two faces, and at each whose two faces run along it in the same direction.
+/// Returns a face at each edge with more than two faces, and at each edge whose two faces run along it in the same
+/// direction.
 fn edges_with_faults(mesh: &Mesh) -> (Vec<u32>, Vec<u32>) {
     let (mut non_manifold, mut misoriented) = (Vec::new(), Vec::new());
     for edge in edges(&sorted_sides(&mesh.triangles)) {
@@ -113,16 +114,16 @@ fn edges_with_faults(mesh: &Mesh) -> (Vec<u32>, Vec<u32>) {
     (non_manifold, misoriented)
 }
 
-/// What is searched for places.
+/// A mesh that is searched for places.
 struct Search<'a> {
     number: usize,
     mesh: &'a Mesh,
-    /// The mean length of its edges.
+    /// The mean edge length.
     size: f64,
 }
 
 impl Search<'_> {
-    /// The first of these faces, with what is to be said of each.
+    /// Returns places for the first of these faces, with a figure for each.
     fn faces(&self, kind: Kind, faces: &[u32], value: impl Fn(&u32) -> String) -> Vec<Place> {
         let place = |t: &u32| Place {
             mesh: self.number,
@@ -136,7 +137,7 @@ impl Search<'_> {
         faces.iter().take(FAULTS).map(place).collect()
     }
 
-    /// A point, facing as the vertex nearest to it.
+    /// Returns a place at a point, with the normal of the triangle whose centroid is nearest to it.
     fn at(&self, kind: Kind, point: DVec3, value: String) -> Place {
         let [x, y, z] = point.to_array().map(significant);
         let nearest = (0..self.mesh.triangles.len()).min_by(|&s, &t| {
@@ -152,7 +153,7 @@ impl Search<'_> {
         self.mesh.centroid(t as usize)
     }
 
-    /// The faces with the least values, the least first, of neighbours only one.
+    /// Returns the faces with the lowest values, the lowest first, and only one of neighbouring faces.
     fn worst_faces(&self, values: &[f64]) -> Vec<u32> {
         let mut order: Vec<u32> = (0..values.len() as u32).collect();
         order.sort_by(|&s, &t| values[s as usize].total_cmp(&values[t as usize]).then(s.cmp(&t)));
@@ -170,7 +171,7 @@ impl Search<'_> {
     }
 }
 
-/// The places as links, which the page's script turns the camera by.
+/// Returns the places as links, by which the page's script turns the camera.
 pub(super) fn list(places: &[Place], shown: &[Shown], are_links: bool) -> String {
     let mut out = String::new();
     let several = shown.iter().filter(|s| s.report.is_some()).count() > 1;

@@ -1,7 +1,7 @@
-//! The meshes of a page as its viewer takes them: JSON with arrays of bytes as base64.
+//! The meshes of a page in the format of its viewer: JSON with byte arrays as base64.
 //!
-//! Positions are 16 bits for each coordinate, in the box of all meshes together, so that what coincides still does. Figures
-//! are one byte each: 0 for good and 255 for bad, or the class of a valence.
+//! Positions have 16 bits per coordinate, relative to the common box of all meshes, so that coincident points still
+//! coincide. Figures are one byte each: 0 for good and 255 for bad, or the class of a valence.
 //!
 //! Limits: a position is off by at most 1/131,070 of the box.
 
@@ -14,17 +14,17 @@ use crate::report::page::shown::Shown;
 use glam::DVec3;
 use serde::Serialize;
 
-/// All that the viewer needs.
+/// All data that the viewer needs.
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Scene {
     /// The extent of the box in units of half its diagonal, along each axis.
     extent: [f64; 3],
-    /// The first view: how large, on what, and by a rotation whose rows are right, up and towards the eye.
+    /// The initial view: magnification, target, and a rotation whose rows are right, up and towards the eye.
     zoom: f64,
     target: [f64; 3],
     rotation: [[f64; 3]; 3],
-    /// Colours: of figures, and of what is drawn besides.
+    /// Colours of figures, and of other things that are drawn.
     ramp: Vec<&'static str>,
     valences: Vec<&'static str>,
     kept: &'static str,
@@ -35,42 +35,42 @@ pub(super) struct Scene {
     places: Vec<View>,
 }
 
-/// A mesh; little-endian numbers as base64.
+/// A mesh; numbers are little-endian, in base64.
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
 struct Part {
     vertices: usize,
     triangles: usize,
-    /// Three `u16` a vertex.
+    /// Three `u16` per vertex.
     positions: String,
-    /// Three corners a triangle: `u16`, or `u32` where there are more than 65,536 vertices.
+    /// Three corners per triangle: `u16`, or `u32` if there are more than 65,536 vertices.
     corners: String,
-    /// A byte a triangle.
+    /// One byte per triangle.
     angle: String,
     quality: String,
-    /// A byte a vertex.
+    /// One byte per vertex.
     valence: String,
     distance: Option<String>,
-    /// Two positions an edge.
+    /// Two positions per edge.
     sharp: String,
     left_out: String,
-    /// Numbers of triangles.
+    /// Triangle numbers.
     marked: Vec<u32>,
 }
 
-/// Where the camera turns for a place.
+/// The camera target for a place.
 #[derive(Serialize)]
 struct View {
     mesh: usize,
-    /// In units of half the diagonal, from the middle of the box.
+    /// In units of half the diagonal, relative to the middle of the box.
     point: [f64; 3],
     normal: [f64; 3],
-    /// The length of the edges there, in the same units.
+    /// The mean edge length, in the same units.
     size: f64,
 }
 
 impl Scene {
-    /// The scene of `shown`; distances from `farthest` on, in percent, are worst.
+    /// The scene of `shown`; distances of `farthest` percent or more get the worst colour.
     pub(super) fn new(shown: &[Shown], places: &[Place], view: &FirstView, farthest: f64) -> Scene {
         let place = |place: &Place| View {
             mesh: place.mesh,
@@ -119,7 +119,7 @@ impl Part {
     }
 }
 
-/// Numbers in 0..=1, a byte each.
+/// Encodes numbers in 0..=1 as one byte each.
 fn bytes(values: impl Iterator<Item = f64>) -> String {
     let bytes: Vec<u8> = values.map(|x| (255.0 * x.clamp(0.0, 1.0)).round() as u8).collect();
     base64::encode(&bytes)
@@ -134,7 +134,7 @@ fn corners(mesh: &Mesh) -> String {
     base64::encode(&bytes)
 }
 
-/// Shares of the box of all meshes.
+/// Encodes positions as fractions of the box of all meshes.
 fn encoded(points: &[DVec3], view: &FirstView) -> String {
     let share = |x: f64, size: f64| if size > 0.0 { x / size } else { 0.5 };
     let number = |x: f64, size: f64| (65535.0 * share(x, size).clamp(0.0, 1.0)).round() as u16;

@@ -1,4 +1,4 @@
-//! The parts of a page that are text: the verdict, the four figures, the notes and the table.
+//! The textual parts of a page: the verdict, the four main figures, the notes and the tables.
 
 use crate::pipeline::topology_faults;
 use crate::quality::shape::Shape;
@@ -13,7 +13,7 @@ use crate::report::rows::{
 };
 use std::fmt::Write;
 
-/// What became of what.
+/// Returns the title: input and output of a run, or the meshes that were measured.
 pub(super) fn title(shown: &[Shown]) -> String {
     match shown {
         [input, output] if output.role == "output" => format!("{} → {}", input.name, output.name),
@@ -25,7 +25,7 @@ pub(super) fn title(shown: &[Shown]) -> String {
     }
 }
 
-/// What a remeshing made, in a line.
+/// Returns the result of a remeshing in one line.
 pub(super) fn lede(shown: &[Shown]) -> String {
     let [input, output] = shown else { return String::new() };
     let Some(report) = output.report else { return String::new() };
@@ -37,7 +37,7 @@ pub(super) fn lede(shown: &[Shown]) -> String {
     format!("<p class=\"lede\">{before} → {after} vertices{wanted}{far}</p>\n")
 }
 
-/// Whether the results are verified, and if not, why; of meshes that were only measured, whether they are sound.
+/// Returns whether the results are verified, and if not, why; for meshes that were only measured, whether they are sound.
 pub(super) fn verdicts(shown: &[Shown], places: &[Place], are_links: bool) -> String {
     let places = if are_links { places } else { &[] };
     (0..).zip(shown).filter_map(|(mesh, s)| Some(verdict(mesh, &s.name, s.report?, places))).collect()
@@ -65,12 +65,12 @@ const VERIFIED: &str =
     "An oriented manifold of the input’s topology, without self-intersections, slivers or bridges of its own.";
 const SOUND: &str = "An oriented manifold without self-intersections.";
 
-/// What is wrong with a mesh that was only measured.
+/// Returns the faults of a mesh that was only measured.
 fn faults(report: &Report) -> Vec<String> {
     topology_faults(&report.output.topology, report.crossings.faces.len())
 }
 
-/// The four figures that tell most, large.
+/// Returns the four most important figures in large type.
 pub(super) fn figures(shown: &[Shown]) -> String {
     type Figure = (&'static str, fn(&Shape) -> String);
     let figures: [Figure; 4] = [
@@ -97,7 +97,7 @@ pub(super) fn figures(shown: &[Shown]) -> String {
     figures.map(card).concat()
 }
 
-/// The names of the meshes with the colours that they have in the charts.
+/// Returns the names of the meshes with their colours in the charts.
 pub(super) fn key(shown: &[Shown]) -> String {
     let item = |(n, s): (usize, &Shown)| {
         format!("<span><i class=\"key {}\"></i>{}</span> ", class(shown, n), escape(&s.title()))
@@ -105,7 +105,7 @@ pub(super) fn key(shown: &[Shown]) -> String {
     shown.iter().enumerate().map(item).collect()
 }
 
-/// Things a user should know, each once.
+/// Returns the notes for the user, without duplicates.
 pub(super) fn notes(shown: &[Shown]) -> String {
     let mut notes: Vec<&String> = Vec::new();
     for note in shown.iter().filter_map(|s| s.report).flat_map(|report| &report.run.notes) {
@@ -120,10 +120,10 @@ pub(super) fn notes(shown: &[Shown]) -> String {
     format!("<section class=\"notes\"><h2>Notes</h2><ul>{items}</ul></section>\n")
 }
 
-/// All figures, in tables with a column for each mesh.
+/// Returns all figures, in tables with one column per mesh.
 pub(super) fn tables(shown: &[Shown]) -> String {
     let all: Vec<&Shown> = shown.iter().collect();
-    // Distances are to the mesh without a report.
+    // Distances are measured to the mesh without a report.
     let subjects: Vec<&Shown> = shown.iter().filter(|s| s.report.is_some()).collect();
     let columns: Vec<_> = shown.iter().map(|s| s.measured).collect();
     let crossings = (CROSSINGS, crossing_figures(shown));
@@ -160,7 +160,7 @@ fn table(caption: &str, columns: &[&Shown], rows: &[Figures]) -> String {
     out
 }
 
-/// How many faces of each mesh intersect others, as the reports say.
+/// Returns the numbers of self-intersecting faces of each mesh according to the reports.
 fn crossing_figures(shown: &[Shown]) -> Vec<String> {
     let of_input = |s: &Shown| s.report.and_then(|report| crossings(report).into_iter().next());
     let figure = |s: &Shown| match s.report {
@@ -171,7 +171,7 @@ fn crossing_figures(shown: &[Shown]) -> Vec<String> {
     shown.iter().map(figure).collect()
 }
 
-/// Distances both ways, from each of these meshes to the input.
+/// Returns the distances in both directions between each of these meshes and the input.
 fn distances(subjects: &[&Shown]) -> Vec<Figures> {
     let of = |s: &&Shown| s.report.and_then(|report| report.distance.as_ref()).map(distance_rows);
     let of_each: Vec<Option<[Figures; 2]>> = subjects.iter().map(of).collect();
@@ -188,7 +188,7 @@ fn distances(subjects: &[&Shown]) -> Vec<Figures> {
     [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2)].map(row).into()
 }
 
-/// What is no figure of a mesh: the sampling, the repairs and so on, of each report that knows of them.
+/// Returns everything that is not a figure of a mesh: sampling, repairs and so on, for each report that has them.
 pub(super) fn details(shown: &[Shown]) -> String {
     let mut out = String::new();
     for (name, report) in shown.iter().filter_map(|s| Some((&s.name, s.report?))) {

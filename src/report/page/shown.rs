@@ -9,47 +9,47 @@ use crate::report::remeshing::{Measured, Report, outside};
 use glam::DVec3;
 use std::borrow::Cow;
 
-/// A mesh that a page is about, and the report on it.
+/// A mesh that a page is about, with the report on it.
 #[derive(Clone, Copy)]
 pub struct Subject<'a> {
-    /// The report, with the names of its files.
+    /// The report, with its file names.
     pub report: &'a Report,
-    /// Its output, or the mesh that was measured.
+    /// The output of the report, or the mesh that was measured.
     pub mesh: &'a Mesh,
-    /// The edges of a result; `None` for a mesh that was measured only.
+    /// The edges of a result; `None` for a mesh that was only measured.
     pub edges: Option<&'a Edges>,
 }
 
-/// A mesh as a page shows it.
+/// A mesh with all that a page shows of it.
 pub(super) struct Shown<'a> {
     /// Its role in the run: input or output; empty for a mesh that was only measured.
     pub role: &'static str,
-    /// The name of its file, with the folders that tell it from those of other meshes.
+    /// Its file name, with the folders that distinguish it from other meshes.
     pub name: String,
     pub measured: &'a Measured,
-    /// The report that it is the output of.
+    /// The report whose output this mesh is.
     pub report: Option<&'a Report>,
     pub mesh: &'a Mesh,
     /// The smallest angle of each triangle, in degrees.
     pub angles: Vec<f64>,
     /// Q of each triangle.
     pub qualities: Vec<f64>,
-    /// The valence of each vertex, where it is interior.
+    /// The valence of each interior vertex; `None` on the boundary.
     pub valences: Vec<Option<u32>>,
-    /// How far each vertex is from the other mesh, in percent of the diagonal of the input.
+    /// The distance of each vertex to the other mesh, in percent of the diagonal of the input.
     pub distances: Option<Vec<f64>>,
-    /// The length of each side over the one wanted there, or over the mean one.
+    /// The ratio of the length of each side to the target length there, or to the mean length.
     pub lengths: Vec<f64>,
-    /// Sharp edges of the input that it has.
+    /// Sharp edges of the input that the mesh has.
     pub sharp: Vec<[DVec3; 2]>,
-    /// Sharp edges of it that the output lacks.
+    /// Sharp edges of this mesh that the output lacks.
     pub left_out: Vec<[DVec3; 2]>,
-    /// Faces that keep it from being verified, or intersect others.
+    /// Faces that keep the mesh from being verified, or that intersect others.
     pub marked: Vec<u32>,
 }
 
 impl Shown<'_> {
-    /// Its role and its file.
+    /// Its role and its file name.
     pub(super) fn title(&self) -> String {
         match self.role {
             "" => self.name.clone(),
@@ -58,8 +58,8 @@ impl Shown<'_> {
     }
 }
 
-/// The reference, if there is one, and all subjects. The distances of the reference are those to the subject, where that is
-/// one.
+/// Returns the reference, if there is one, and all subjects. The distances of the reference are measured to the subject, if
+/// there is exactly one.
 pub(super) fn all<'a>(reference: Option<&'a Mesh>, subjects: &[Subject<'a>]) -> Vec<Shown<'a>> {
     let before = reference.zip(subjects.first().and_then(|s| s.report.input.as_ref()));
     let input = before.map(|(mesh, measured)| {
@@ -75,7 +75,7 @@ pub(super) fn all<'a>(reference: Option<&'a Mesh>, subjects: &[Subject<'a>]) -> 
     });
     let subjects = subjects.iter().map(|subject| of_subject(subject, reference));
     let mut shown: Vec<Shown> = input.into_iter().chain(subjects).collect();
-    // Input and output of a run are told apart by their roles.
+    // Input and output of a run are already distinguished by their roles.
     let is_run = shown.iter().any(|s| s.role == "output");
     let files: Vec<&str> = shown.iter().map(|s| s.measured.file.as_str()).collect();
     for shown in &mut shown {
@@ -85,7 +85,7 @@ pub(super) fn all<'a>(reference: Option<&'a Mesh>, subjects: &[Subject<'a>]) -> 
     shown
 }
 
-/// As much of the end of a path as tells it from the other `files`: its name at least.
+/// Returns the shortest end of a path that distinguishes it from the other `files`; at least its file name.
 fn short_name<'a>(file: &'a str, files: &[&str]) -> &'a str {
     let mut ends = file.rmatch_indices(['/', '\\']).map(|(at, _)| &file[at + 1..]);
     let is_single = |end: &&str| files.iter().all(|&other| other == file || !is_end(other, end));
@@ -136,13 +136,13 @@ fn plain<'a>(mesh: &'a Mesh, measured: &'a Measured) -> Shown<'a> {
     }
 }
 
-/// Over the lengths `wanted` at the last vertices.
+/// Returns side lengths relative to `wanted`, which has the target lengths at the last vertices.
 fn lengths_over_wanted(mesh: &Mesh, wanted: &[f64]) -> Vec<f64> {
     let first = mesh.positions.len() - wanted.len();
     lengths_over(mesh, |v| (v as usize).checked_sub(first).map(|v| wanted[v]))
 }
 
-/// The distances of the vertices of `mesh` to `other`, in percent of the diagonal of `input`.
+/// Returns the distances of the vertices of `mesh` to `other`, in percent of the diagonal of `input`.
 fn distances(mesh: &Mesh, other: &Mesh, input: &Mesh) -> Option<Vec<f64>> {
     let unit = 100.0 / input.diagonal();
     let found = vertex_distances(mesh, other).filter(|_| unit.is_finite())?;

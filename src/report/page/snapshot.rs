@@ -1,4 +1,4 @@
-//! Pictures of meshes that are too large for the viewer: as it shows them at first, one for each colouring.
+//! Pictures of meshes that are too large for the viewer, in its initial view, one per colouring.
 //!
 //! Cost: linear in the triangles and the pixels.
 
@@ -15,33 +15,33 @@ use glam::{DVec2, DVec3};
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 2;
 
-/// Half the width of the lines along sharp edges, in samples.
+/// Half the width of lines along sharp edges, in samples.
 const HALF_LINE: i64 = 2;
 
-/// How much nearer than the surface these lines are taken to be.
+/// Factor by which these lines are nearer than the surface.
 const LIFT: f64 = 1.004;
 
-/// Lights as those of the viewer: where they come from and how bright they are; and the light that is everywhere.
+/// Lights like those of the viewer, each with its direction and brightness; and the ambient light.
 const LIGHTS: [(DVec3, f64); 2] = [(DVec3::new(-0.4, 0.6, 0.7), 0.32), (DVec3::new(0.8, -0.2, 0.5), 0.12)];
 const AROUND: f64 = 0.70;
 
-/// The inside of a surface is dull and dark.
+/// Colour of the inside of a surface: dull and dark.
 const INSIDE: DVec3 = DVec3::new(0.32, 0.3, 0.36);
 
-/// A mesh as it is seen.
+/// A mesh as seen in the initial view.
 pub(super) struct Snapshot<'a> {
     shown: &'a Shown<'a>,
     places: Vec<DVec2>,
     hits: Hits,
-    /// The light on each triangle, and whether its inside is seen.
+    /// The light on each triangle, and whether its inside is visible.
     light: Vec<(f64, bool)>,
     marked: Vec<bool>,
-    /// For each sample the colour of the line there, if there is one.
+    /// The colour of the line at each sample, if there is one.
     lines: Vec<Option<DVec3>>,
 }
 
 impl<'a> Snapshot<'a> {
-    /// What is seen of `shown` at first.
+    /// Renders `shown` in the initial view.
     pub(super) fn new(shown: &'a Shown<'a>, view: &FirstView) -> Snapshot<'a> {
         let mesh = shown.mesh;
         let points: Vec<DVec3> = mesh.positions.iter().map(|&p| view.seen(p)).collect();
@@ -60,14 +60,14 @@ impl<'a> Snapshot<'a> {
         Snapshot { shown, places, hits, light, marked, lines }
     }
 
-    /// The address of a picture that is coloured so; `farthest` is the distance at the end of the ramp.
+    /// Returns the data URL of a picture with this colouring; `farthest` is the distance at the end of the ramp.
     pub(super) fn address(&self, colouring: Colouring, farthest: f64) -> String {
         let pixel = |i: usize| self.pixel(i % WIDTH, i / WIDTH, colouring, farthest);
         let pixels: Vec<[u8; 4]> = parallel::map(0..WIDTH * HEIGHT, pixel);
         format!("data:image/png;base64,{}", base64::encode(&png::encode(&pixels, WIDTH)))
     }
 
-    /// The mean colour of the samples that hit something, and how many do.
+    /// Returns the mean colour of the samples that hit something; their fraction is the opacity.
     fn pixel(&self, x: usize, y: usize, colouring: Colouring, farthest: f64) -> [u8; 4] {
         let mut sum = DVec3::ZERO;
         let mut count = 0;
@@ -116,7 +116,7 @@ impl<'a> Snapshot<'a> {
     }
 }
 
-/// Where in the picture a point is, in samples, and one over its distance to the eye.
+/// Returns the position of a point in the picture, in samples, and the reciprocal of its distance to the eye.
 fn place(p: DVec3, view: &FirstView) -> (DVec2, f64) {
     let nearness = 1.0 / (EYE - p.z);
     let half = 0.5 * (SAMPLES * HEIGHT) as f64;
@@ -125,7 +125,7 @@ fn place(p: DVec3, view: &FirstView) -> (DVec2, f64) {
     (middle + DVec2::new(on_plane.x, -on_plane.y), nearness)
 }
 
-/// The light on a triangle, by where its corners are seen, and whether its inside is.
+/// Returns the light on a triangle, given the positions of its corners in the view, and whether its inside is visible.
 fn light(corners: [DVec3; 3]) -> (f64, bool) {
     let [a, b, c] = corners;
     let to_eye = DVec3::new(0.0, 0.0, EYE) - a;
@@ -136,7 +136,7 @@ fn light(corners: [DVec3; 3]) -> (f64, bool) {
     (AROUND + direct, is_inside)
 }
 
-/// Draws a line where the surface does not hide it.
+/// Draws a line where it is not hidden by the surface.
 fn draw_line(ends: [(DVec2, f64); 2], colour: DVec3, hits: &Hits, lines: &mut [Option<DVec3>]) {
     let [(a, near_a), (b, near_b)] = ends;
     let height = hits.triangle.len() / hits.width;

@@ -1,7 +1,7 @@
-//! The domain of sampling: an oriented 2-manifold mesh with what it takes to place points on it, to walk over it and
-//! to find back to it.
+//! The domain of sampling: an oriented 2-manifold mesh, with the data needed to place points on it, walk over it and project
+//! onto it.
 //!
-//! It is cut open along its sharp edges, so that walks, normals and projections stay within a smooth patch.
+//! It is cut along its sharp edges, so that walks, normals and projections stay within a smooth patch.
 
 mod projection;
 
@@ -27,29 +27,29 @@ use std::sync::OnceLock;
 /// A point on a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
-    /// Where it is.
+    /// Its position.
     pub position: DVec3,
-    /// Unit normal of the surface there, smooth across its triangles; zero on a sharp edge, which has none.
+    /// Smoothly interpolated unit normal of the surface there; zero on a sharp edge, which has none.
     pub normal: DVec3,
-    /// The triangle of the domain that the point lies on.
+    /// The triangle of the domain that contains the point.
     pub triangle: u32,
-    /// The edge length that is wanted there, relative to the mean spacing.
+    /// Target edge length there, relative to the mean spacing.
     pub size: f64,
 }
 
 /// An oriented 2-manifold mesh and its derived data.
 pub struct Domain {
-    /// The mesh, cut open along sharp edges.
+    /// The mesh, cut along sharp edges.
     pub mesh: Mesh,
-    /// The side across each side; [`NONE`] at the boundary and at sharp edges.
+    /// The opposite side of each side; [`NONE`] at the boundary and at sharp edges.
     pub twin: Vec<u32>,
-    /// The side across each side of a sharp edge; [`NONE`] elsewhere.
+    /// The opposite side of each side of a sharp edge; [`NONE`] elsewhere.
     pub across: OfSides,
-    /// For each vertex the one it was before sharp edges were cut.
+    /// For each vertex, its index before the cut along sharp edges.
     pub original: Vec<u32>,
-    /// Where it came from before sharp edges were cut.
+    /// Provenance of the mesh before the cut.
     provenance: Provenance,
-    /// The connected patch of each vertex: its smooth patch.
+    /// The smooth patch of each vertex: its connected component.
     pub patch: Vec<u32>,
     /// The triangles of each patch.
     patches: Groups,
@@ -57,16 +57,16 @@ pub struct Domain {
     pub curves: Curves,
     /// Unit normal at each vertex; zero where all its triangles are flat.
     pub(super) vertex_normals: Vec<DVec3>,
-    /// The wanted edge length at each vertex, relative to the mean spacing; empty if it is 1 everywhere.
+    /// Target edge length at each vertex, relative to the mean spacing; empty if it is 1 everywhere.
     sizes: Vec<f64>,
     /// See [`Curves::new`].
     interface: Vec<[u32; 2]>,
-    /// That of the samples, in the units of the mesh; infinite if it was not given.
+    /// Spacing of the samples, in the units of the mesh; infinite if it was not given.
     spacing: f64,
     pub(super) bvh: Bvh,
-    /// For each triangle whether it lies in a plane that touches another; empty before these were found.
+    /// Whether each triangle lies in a plane that touches another; empty before these were searched.
     in_contact: Vec<bool>,
-    /// A side that leaves the end of each spike; empty before these were found.
+    /// A side that leaves the end of each spike; empty before these were searched.
     spikes: Vec<u32>,
     /// See [`Self::suspect`].
     suspects: Option<Vec<bool>>,
@@ -75,19 +75,19 @@ pub struct Domain {
 }
 
 impl Domain {
-    /// The domain over `mesh` without sharp edges.
+    /// Creates the domain over `mesh` without sharp edges.
     pub fn new(mesh: OrientedManifold) -> Domain {
         Domain::with_features(mesh, Features::Smooth, f64::INFINITY)
     }
 
-    /// The domain over `mesh` with the sharp edges that `features` says. `spacing` is that of the samples, in the units of the
-    /// mesh.
+    /// Creates the domain over `mesh` with sharp edges according to `features`. `spacing` is that of the samples, in the
+    /// units of the mesh.
     pub fn with_features(mesh: OrientedManifold, features: Features, spacing: f64) -> Domain {
         Domain::with_interface(mesh, features, spacing, Vec::new())
     }
 
-    /// [`Self::with_features`] over a part of a larger mesh. `interface` has the ends of the edges along which it is cut out,
-    /// in increasing order, with the part on the left of the way between them.
+    /// [`Self::with_features`] over a part of a larger mesh. `interface` has the ends of the edges along which it was cut
+    /// out, sorted, each directed with the part on its left.
     pub fn with_interface(
         mesh: OrientedManifold,
         features: Features,
@@ -99,8 +99,8 @@ impl Domain {
         Domain::with_sharp(mesh, twin, &sharp, spacing, interface)
     }
 
-    /// [`Self::with_interface`] with the sharp edges that are given: for each side of `mesh` whether it is on one, and the side
-    /// across it, as [`twins`] says.
+    /// [`Self::with_interface`] with given sharp edges: for each side of `mesh`, whether it is on one, and its opposite side
+    /// as in the result of [`twins`].
     pub fn with_sharp(
         mesh: OrientedManifold,
         twin: Vec<u32>,
@@ -141,21 +141,21 @@ impl Domain {
         }
     }
 
-    /// The values at its vertices of a function that is linear on each triangle, given at the vertices of what it came
-    /// from.
+    /// Returns the values at its vertices of a function that is linear on each triangle of the source mesh, given at the
+    /// vertices there.
     pub fn values(&self, of_source: &[f64]) -> Vec<f64> {
         let uncut = self.provenance.values(of_source);
         self.original.iter().map(|&v| uncut[v as usize]).collect()
     }
 
-    /// The triangle of what it came from that triangle `t` is a part of.
+    /// Returns the triangle of the source mesh that triangle `t` is a part of.
     #[inline]
     pub fn source_triangle(&self, t: u32) -> u32 {
         self.provenance.triangle(t)
     }
 
-    /// The point of what it came from, whose triangles are `source`, that is closest to that of `off`, which lies at most
-    /// `reach` off the surface.
+    /// Returns the point of the source mesh closest to `off`, which lies at most `reach` off the surface. `source` has the
+    /// triangles of that mesh.
     pub fn origin(&self, off: &Sample, reach: f64, source: &[[u32; 3]]) -> PointOnTriangle {
         let sample = self.settle(off, reach);
         let t = sample.triangle;
@@ -164,29 +164,29 @@ impl Domain {
         self.provenance.origin(t, corners, weights, source)
     }
 
-    /// Sets the wanted edge lengths at the vertices, relative to the mean spacing, instead of 1 everywhere. Vertices that were
-    /// one before sharp edges were cut have to have the same.
+    /// Sets the target edge lengths at the vertices, relative to the mean spacing, instead of 1 everywhere. Copies of a
+    /// vertex from the cut along sharp edges must have the same length.
     pub fn grade(&mut self, sizes: Vec<f64>) {
         self.sizes = sizes;
     }
 
-    /// The edge length wanted at each vertex, relative to the mean spacing.
+    /// Target edge length at each vertex, relative to the mean spacing.
     pub fn sizes(&self) -> Vec<f64> {
         if self.sizes.is_empty() { vec![1.0; self.mesh.positions.len()] } else { self.sizes.clone() }
     }
 
-    /// The smallest and the largest edge length wanted, relative to the mean spacing.
+    /// Smallest and largest target edge length, relative to the mean spacing.
     pub fn size_range(&self) -> [f64; 2] {
         let mut sizes = self.sizes.iter().copied();
         let first = sizes.next().unwrap_or(1.0);
         sizes.fold([first; 2], |[lo, hi], size| [lo.min(size), hi.max(size)])
     }
 
-    /// This domain with its sharp edges smoothed over that are on curves whose number `is_left_out`.
+    /// Smooths over the sharp edges on curves whose index `is_left_out`.
     pub fn without_curves(self, is_left_out: impl Fn(u32) -> bool) -> Domain {
         let Domain { mut mesh, mut twin, original, provenance, interface, spacing, suspects, spikes, .. } = self;
         mesh.triangles.iter_mut().flatten().for_each(|v| *v = original[*v as usize]);
-        // The first copy of a vertex has its number, further ones come after all others.
+        // The first copy of a vertex keeps its index; further copies come after all others.
         let count = original.iter().zip(0..).take_while(|&(&v, i)| v == i).count();
         mesh.positions.truncate(count);
         let mut sharp = vec![false; twin.len()];
@@ -201,13 +201,13 @@ impl Domain {
         Domain { sizes, suspects, spikes, ..made }
     }
 
-    /// The numbers of the curves along sharp edges.
+    /// Returns the indices of the curves along sharp edges.
     pub fn sharp_curves(&self) -> impl Iterator<Item = u32> {
         let curves = self.curves.list.iter().zip(0u32..);
         curves.filter(|(curve, _)| self.across.get(curve.sides[0]) != NONE).map(|(_, number)| number)
     }
 
-    /// Whether it has sharp edges.
+    /// Returns whether it has sharp edges.
     pub fn is_sharp(&self) -> bool {
         self.sharp_curves().next().is_some()
     }
@@ -223,29 +223,29 @@ impl Domain {
         self.spikes = spikes(&self.mesh, &self.twin, |v| self.spacing * self.size_at(v));
     }
 
-    /// A sample at the end of each spike, if these were found.
+    /// Returns a sample at the end of each spike, if spikes were searched.
     pub fn at_spikes(&self) -> impl Iterator<Item = Sample> {
         self.spikes.iter().map(|&side| self.sample_on_side(side, 0.0))
     }
 
-    /// Whether triangle `t` lies in a plane that touches another one, if these were found.
+    /// Returns whether triangle `t` lies in a plane that touches another one, if these were searched.
     pub fn is_in_contact(&self, t: u32) -> bool {
         self.in_contact.get(t as usize).is_some_and(|in_contact| *in_contact)
     }
 
-    /// The patch that triangle `t` belongs to.
+    /// Returns the patch of triangle `t`.
     #[inline]
     pub fn patch_of(&self, t: u32) -> u32 {
         self.patch[self.mesh.triangles[t as usize][0] as usize]
     }
 
-    /// The number of patches.
+    /// Number of patches.
     pub fn patch_count(&self) -> usize {
         self.patches.count()
     }
 
-    /// How wide each patch is, by the number of its patch: twice its area for the length of its boundary, which is the
-    /// width of a long strip; infinite for a closed one.
+    /// Width of each patch, by its index: twice its area over the length of its boundary, which is exact for a long strip;
+    /// infinite for a closed one.
     pub fn widths(&self) -> Vec<f64> {
         let mut sums = vec![(0.0, 0.0); self.mesh.positions.len()];
         for t in 0..self.mesh.triangles.len() {
@@ -258,7 +258,7 @@ impl Domain {
         sums.into_iter().map(|(area, length)| 2.0 * area / length).collect()
     }
 
-    /// The point with barycentric coordinates `weights` (three, of sum 1) on triangle `t`.
+    /// Returns the point with barycentric coordinates `weights` (three, of sum 1) on triangle `t`.
     #[inline]
     pub fn sample(&self, t: u32, weights: [f64; 3]) -> Sample {
         let [a, b, c] = self.mesh.corners(t as usize);
@@ -266,8 +266,7 @@ impl Domain {
         Sample { position, normal: self.normal(t, weights), triangle: t, size: self.size(t, weights) }
     }
 
-    /// The wanted edge length at a point of triangle `t`, relative to the mean spacing: that of the corners,
-    /// interpolated.
+    /// Target edge length at a point of triangle `t`, relative to the mean spacing, interpolated from its corners.
     #[inline]
     fn size(&self, t: u32, weights: [f64; 3]) -> f64 {
         if self.sizes.is_empty() {
@@ -277,20 +276,20 @@ impl Domain {
         (0..3).map(|k| weights[k] * self.sizes[corners[k] as usize]).sum()
     }
 
-    /// The wanted edge length at the point of triangle `t` closest to `p`, relative to the mean spacing.
+    /// Target edge length at the point of triangle `t` closest to `p`, relative to the mean spacing.
     pub fn size_near(&self, p: DVec3, t: u32) -> f64 {
         let corners = self.mesh.corners(t as usize);
         self.size(t, barycentric(closest_point(p, corners), corners))
     }
 
-    /// The wanted edge length at vertex `v`, relative to the mean spacing.
+    /// Target edge length at vertex `v`, relative to the mean spacing.
     #[inline]
     pub fn size_at(&self, v: u32) -> f64 {
         self.sizes.get(v as usize).copied().unwrap_or(1.0)
     }
 
-    /// The normal at a point of triangle `t`: that of the vertices, interpolated, where it stays within 60 degrees of
-    /// the triangle's own, or that is a needle folded over; else the triangle's own (next to a sharp edge, or a spike).
+    /// Normal at a point of triangle `t`: interpolated from its vertices if it is within 60 degrees of the triangle's own,
+    /// or if that is a folded-over needle; otherwise the triangle's own (next to a sharp edge or a spike).
     #[inline]
     fn normal(&self, t: u32, weights: [f64; 3]) -> DVec3 {
         let corners = self.mesh.triangles[t as usize];
@@ -305,20 +304,21 @@ impl Domain {
         }
     }
 
-    /// Whether triangle `t`, whose own normal is against `smooth`, is a needle that lies on a triangle beside it which agrees.
+    /// Returns whether triangle `t`, with a normal opposed to `smooth`, is a needle folded onto an adjacent triangle that
+    /// agrees with it.
     #[cold]
     fn is_folded_over(&self, t: u32, smooth: DVec3) -> bool {
         let trusted = trusted_normal(&self.mesh, &self.twin, self.spacing, t);
         smooth.dot(trusted) >= 0.5 * trusted.length()
     }
 
-    /// The unit normal at vertex `v`; zero where all its triangles are flat.
+    /// Unit normal at vertex `v`; zero where all its triangles are flat.
     #[inline]
     pub fn vertex_normal(&self, v: u32) -> DVec3 {
         self.vertex_normals[v as usize]
     }
 
-    /// The point at share `along` of `side`, as one of the patch on its left.
+    /// Returns the point at share `along` of `side`, as part of the patch on its left.
     pub fn sample_on_side(&self, side: u32, along: f64) -> Sample {
         let mut weights = [0.0; 3];
         weights[side as usize % 3] = 1.0 - along;
@@ -326,20 +326,21 @@ impl Domain {
         self.sample(side / 3, weights)
     }
 
-    /// The triangles that pass through others, pair by pair or with an edge that lies in one, in increasing order; searched once.
+    /// Returns the triangles that pass through others, pair by pair or with an edge that lies in one, sorted. Searched only
+    /// once.
     pub fn self_intersections(&self) -> &[u32] {
         self.self_intersections.get_or_init(|| self.search_self_intersections())
     }
 
-    /// The places of [`Self::self_intersections`]. Ask for them before parallel tasks do: the first to ask waits for tasks of its
-    /// own, which may wait behind others that wait for the answer.
+    /// Places of [`Self::self_intersections`]. Call it before parallel tasks do: the first caller waits for tasks of its
+    /// own, which may be queued behind others that wait for the result.
     pub fn inherited(&self) -> &Inherited {
         let corners = |&t: &u32| self.mesh.corners(t as usize);
         self.inherited.get_or_init(|| Inherited::new(self.self_intersections().iter().map(corners)))
     }
 
-    /// Says which triangles of what it came from have parts that may pass through others; without this, all may. It has to be
-    /// called before these are searched.
+    /// Sets which triangles of the source mesh have parts that may pass through others; without it, all may. Must be called
+    /// before self-intersections are searched.
     pub fn suspect(&mut self, sources: Vec<bool>) {
         self.suspects = Some(sources);
     }
@@ -364,8 +365,7 @@ impl Domain {
         faces.into_iter().map(|t| suspects[t as usize]).collect()
     }
 
-    /// The loops of the boundary, and of sharp edges, each as the sides `3 t + k` along it with the surface on their
-    /// left.
+    /// Returns the loops of the boundary and of sharp edges, each as its sides `3 t + k` with the surface on their left.
     pub fn boundary_loops(&self) -> Vec<Vec<u32>> {
         let mut seen = vec![false; self.twin.len()];
         let mut loops = Vec::new();
@@ -385,7 +385,7 @@ impl Domain {
         loops
     }
 
-    /// The boundary side that begins where boundary side `side` ends: the last one of the fan around that vertex.
+    /// Returns the boundary side that begins where boundary side `side` ends: the last one of the fan around that vertex.
     fn next_boundary_side(&self, side: u32) -> u32 {
         let mut s = next(side);
         while self.twin[s as usize] != NONE {
@@ -395,7 +395,7 @@ impl Domain {
     }
 }
 
-/// Unit normals at the vertices of a surface, where needles are folded over those of what is beside them.
+/// Unit normals at the vertices of a surface. Where needles are folded over, the normals of their surroundings.
 fn normals_of(mesh: &Mesh, twin: &[u32], spacing: f64) -> Vec<DVec3> {
     let mut normals = vertex_normals(mesh);
     for (t, trusted) in folded_over(mesh, twin, spacing) {
@@ -423,7 +423,7 @@ mod tests {
         let all: Vec<u32> = domain.sharp_curves().collect();
         assert_eq!((all.len(), domain.mesh.positions.len()), (12, 24));
         let domain = domain.without_curves(|curve| curve == all[3]);
-        // The faces beside it become one, with a corner less at each of its ends.
+        // The two faces beside the curve become one, with one corner less at each of its ends.
         assert_eq!((domain.sharp_curves().count(), domain.mesh.positions.len()), (11, 22));
         assert!(domain.mesh.positions.iter().zip(domain.sizes()).all(|(&p, s)| s == size(p)));
         let domain = domain.without_curves(|_| true);
@@ -434,7 +434,7 @@ mod tests {
     #[test]
     fn a_needle_that_is_folded_over_faces_as_what_is_beside_it() {
         let at = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 1e-4]].map(|[x, y]| dvec3(x, y, 0.0));
-        // The ear of the last corner should lie below the square, and lies on it.
+        // The ear with the last corner should lie below the square, and lies on it.
         let mesh = |ear: DVec3| Mesh {
             positions: at[..4].iter().copied().chain([ear]).collect(),
             triangles: vec![[0, 1, 2], [0, 2, 3], [1, 0, 4]],

@@ -1,4 +1,4 @@
-//! Projection on a domain: the closest points within a patch, on a curve and anywhere, by walks and by searches.
+//! Projection onto a domain: the closest points within a patch, on a curve and anywhere, by walks and by searches.
 
 use super::{Domain, Sample};
 use crate::geom::aabb::Aabb;
@@ -9,20 +9,20 @@ use crate::spatial::bvh::Hit;
 use crate::spatial::foot::Foot;
 use glam::DVec3;
 
-/// Triangles that a step may lead over before searching from the root is cheaper.
+/// Maximum number of triangles on a walk, beyond which a search from the root is cheaper.
 const LONGEST_WALK: usize = 64;
 
-/// How far from where it wants to be, in lengths of the step, a walk may end: surface that bends smoothly lies nearer,
-/// a walk that got stuck at a fold does not.
+/// Largest distance of a walk's end from its target, relative to the step: a smoothly curved surface is closer, the end of a
+/// walk that got stuck at a fold is not.
 const WALKED_OF_STEP: f64 = 0.6;
 
-/// Least cosine between the way into the inside and the normal of a face that ends it: 60 degrees. Next to a sharp edge
-/// that way runs along a face.
+/// Minimum cosine between the direction into the interior and the normal of a face that ends the path: 60 degrees. Next to a
+/// sharp edge, that direction runs along a face.
 const OPPOSITE: f64 = 0.5;
 
 impl Domain {
-    /// The point closest to `p` among those where the surface faces the way of `normal`, so that the other side of a
-    /// thin place is not taken for this one. `near` is a triangle known to be close by, of the patch that is meant.
+    /// Returns the point closest to `p` among those where the surface faces the same way as `normal`, which excludes the
+    /// other side of a thin wall. `near` is a triangle of the intended patch known to be close.
     pub fn project(&self, p: DVec3, normal: DVec3, near: u32) -> Sample {
         let patch = self.patch_of(near);
         let here = closest_point(p, self.mesh.corners(near as usize));
@@ -34,16 +34,16 @@ impl Domain {
         self.sample(t, barycentric(point, self.mesh.corners(t as usize)))
     }
 
-    /// Where a step of `way` from `from`, tangential or about so, comes down on the surface: the point that is closest
-    /// to its end among those around, found by walking from triangle to triangle.
+    /// Moves `from` by `way`, which is tangential or nearly so, and returns the point of the surface closest to the end,
+    /// found by walking from triangle to triangle.
     ///
-    /// Where the walk cannot vouch for its end, as in a fold narrower than the step, [`Self::project`] searches instead.
+    /// Where the end of the walk is unreliable, as in a fold narrower than the step, [`Self::project`] searches instead.
     pub fn follow(&self, from: &Sample, way: DVec3) -> Sample {
         self.settle(&Sample { position: from.position + way, ..*from }, WALKED_OF_STEP * way.length())
     }
 
-    /// The point of the surface closest to that of `off`, which lies off it, among those around: found by walking from
-    /// its triangle, or by [`Self::project`] if the walk ends farther away than `reach`.
+    /// Returns the point of the surface closest to `off`, which lies off the surface: found by walking from its triangle, or
+    /// by [`Self::project`] if the walk ends farther away than `reach`.
     pub fn settle(&self, off: &Sample, reach: f64) -> Sample {
         let agrees = |foot: &Foot| {
             foot.distance_squared <= reach * reach
@@ -55,8 +55,8 @@ impl Domain {
         }
     }
 
-    /// From triangle `t` on to triangles that are nearer to `p`, until none of those around is. `None` for a way that is
-    /// too long, or leads to a sliver or a corner of the boundary.
+    /// Walks from triangle `t` to adjacent ones that are closer to `p`, until none is. `None` if the walk is too long, or
+    /// leads to a sliver or a corner of the boundary.
     fn walk(&self, p: DVec3, t: u32) -> Option<Foot> {
         let mut at = Foot::on_triangle(&self.mesh, p, t)?;
         for _ in 0..LONGEST_WALK {
@@ -69,7 +69,7 @@ impl Domain {
         None
     }
 
-    /// A foot nearer to `p` on a triangle that shares the side or the corner that `at` is on, or `at` if there is none.
+    /// Returns a foot closer to `p` on a triangle that shares the side or the corner that `at` is on; `at` if there is none.
     fn nearer(&self, p: DVec3, at: Foot) -> Option<Foot> {
         let first = 3 * at.triangle;
         let corner = match at.weights.map(|w| w > 0.0) {
@@ -95,7 +95,7 @@ impl Domain {
         Some(at)
     }
 
-    /// The foot of `p` on the triangle across `side` if it is nearer than `at`.
+    /// Returns the foot of `p` on the triangle across `side` if it is closer than `at`; otherwise `at`.
     fn nearer_across(&self, p: DVec3, at: Foot, side: u32) -> Option<Foot> {
         match self.twin[side as usize] {
             NONE => Some(at),
@@ -104,7 +104,7 @@ impl Domain {
         }
     }
 
-    /// The point of curve `curve` closest to `p`. Its normal is zero on a sharp edge.
+    /// Returns the point of curve `curve` closest to `p`. Its normal is zero on a sharp edge.
     pub fn project_on_curve(&self, p: DVec3, curve: u32) -> Sample {
         match self.curves.closest(p, curve) {
             Some((side, along)) => {
@@ -120,7 +120,7 @@ impl Domain {
         self.sample(hit.triangle, barycentric(hit.point, self.mesh.corners(hit.triangle as usize)))
     }
 
-    /// The point closest to `p` on the whole surface.
+    /// Returns the point closest to `p` on the whole surface.
     pub fn project_anywhere(&self, p: DVec3) -> Sample {
         match self.bvh.closest(&self.mesh, p) {
             Some(hit) => self.at_hit(hit),
@@ -128,23 +128,24 @@ impl Domain {
         }
     }
 
-    /// The point closest to `p` among those where the surface faces the way of `normal`; the closest of all if there is
-    /// none.
+    /// Returns the point closest to `p` among those where the surface faces the same way as `normal`; if there is none, the
+    /// closest of all.
     pub fn project_facing(&self, p: DVec3, normal: DVec3) -> Sample {
         let faces = |t: u32| self.mesh.area_vector(t as usize).dot(normal) > 0.0;
         let hit = self.bvh.closest_where(&self.mesh, p, f64::INFINITY, faces);
         hit.map_or_else(|| self.project_anywhere(p), |hit| self.at_hit(hit))
     }
 
-    /// The point closest to `p` on the whole surface if it is farther away than `distance`; the search ends early if it is not.
+    /// Returns the point closest to `p` on the whole surface if it is farther than `distance`; otherwise the search ends
+    /// early.
     pub fn foot_farther_than(&self, p: DVec3, distance: f64) -> Option<Sample> {
         let square = distance * distance;
         let hit = self.bvh.closest_or_near(&self.mesh, p, square, f64::INFINITY, |_| true)?;
         (hit.distance_squared > square).then(|| self.at_hit(hit))
     }
 
-    /// The way through the inside from `p` on the surface, against the `normal` there, to a face on the other side; `None` if there is
-    /// none within `farthest`.
+    /// Returns the distance through the interior from `p` on the surface, against the `normal` there, to a face on the other
+    /// side; `None` if there is none within `farthest`.
     pub fn thickness_at(&self, p: DVec3, normal: DVec3, farthest: f64) -> Option<f64> {
         let faces_away = |t: u32| {
             let own = self.mesh.area_vector(t as usize);
@@ -153,7 +154,7 @@ impl Domain {
         self.bvh.along_ray(&self.mesh, p, -normal, farthest, faces_away)
     }
 
-    /// The triangles whose bounding boxes reach into the cube around `p`, whose sides are `reach` away, in increasing order.
+    /// Returns the triangles whose bounding boxes overlap the cube around `p` with half width `reach`, sorted.
     pub fn triangles_near(&self, p: DVec3, reach: f64) -> Vec<u32> {
         let mut near = Vec::new();
         self.bvh.in_box(&self.mesh, &Aabb { lo: p - reach, hi: p + reach }, |t| near.push(t));
@@ -169,7 +170,7 @@ mod tests {
     use crate::testing;
     use glam::{DVec2, dvec3};
 
-    /// A sheet of `n` by `n` squares over the unit square at the height that `f` says.
+    /// A sheet of `n` by `n` squares over the unit square, with height `f`.
     fn sheet(n: u32, f: impl Fn(f64, f64) -> f64) -> Domain {
         Domain::new(testing::sheet(n, f).try_into().unwrap())
     }
@@ -187,7 +188,7 @@ mod tests {
                 continue;
             }
             let (walked, searched) = (domain.follow(&from, way), domain.project(end, from.normal, t));
-            // Over a valley each facet may have a foot; an edge is 0.025 long.
+            // Over a valley, each facet may have a foot. Edges are 0.025 long.
             let (walked, searched) = (end.distance(walked.position), end.distance(searched.position));
             assert!(walked <= searched + 1e-4, "{walked} {searched}");
         }
@@ -195,7 +196,7 @@ mod tests {
 
     #[test]
     fn a_walk_that_a_fold_stops_is_not_believed() {
-        // Down into a narrow ditch and up again: the walk would stay on the near side of it.
+        // A narrow ditch: the walk would stay on its near side.
         let domain = sheet(60, |x, _| if (0.48..0.52).contains(&x) { -0.5 } else { 0.0 });
         let from = domain.project(dvec3(0.4, 0.5, 0.0), DVec3::Z, 0);
         let there = domain.follow(&from, dvec3(0.2, 0.0, 0.0));

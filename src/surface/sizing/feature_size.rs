@@ -1,18 +1,18 @@
-//! Edge lengths that follow the size of what lies between feature curves: the width of strips, chamfers and slots, the
-//! distance of holes, the radius of their rims.
+//! Edge lengths that follow the size of features between curves: the width of strips, chamfers and slots, the distance
+//! between holes, the radius of their rims.
 //!
-//! The local feature size f of a point on a curve is the distance to the nearest other part of the boundary of its smooth
-//! patch: of another loop, or so much farther along the same loop than through space that the loop has turned back. Where
-//! two curves meet at a corner the distance between them falls to zero, which no refinement changes, so around one corner
-//! only the narrowest wedges count. Along a curve without corners, a rim, f is the diameter. The length that is wanted there
-//! is f / κ, but no less than a share of the length elsewhere, and grows by a bounded gradient from there. The length
-//! elsewhere grows such that the number of vertices stays what it was.
+//! The local feature size f at a point of a curve is the distance to the nearest other part of the boundary of its smooth
+//! patch: on another loop, or on the same loop if the path along it is so much longer than the distance that the loop has
+//! turned back. Where two curves meet at a corner, their distance falls to zero, which no refinement changes. So around one
+//! corner only the narrowest wedges count. Along a curve without corners, a rim, f is the diameter. The target edge length
+//! there is f / κ, but no less than a certain share of the length elsewhere, and grows from there with a bounded gradient.
+//! The length elsewhere grows so that the number of vertices stays the same.
 //!
 //! Based on: J. Ruppert, A Delaunay refinement algorithm for quality 2-dimensional mesh generation, 1995,
-//! DOI 10.1006/jagm.1995.1021 (local feature size). Departures: parts of one curve count, too; distances are in space, not
-//! within the patch; wedges do not count.
+//! DOI 10.1006/jagm.1995.1021 (local feature size). Departures: parts of the same curve also count; distances are measured in
+//! space, not within the patch; wedges do not count.
 //!
-//! Cost: a search among the sides of curves for each vertex on them, and some passes of Dijkstra's algorithm.
+//! Cost: a search among the sides of curves for each vertex on them, and a few passes of Dijkstra's algorithm.
 //!
 //! Limits: strips narrower than `SHORTEST` of the length elsewhere keep triangles that are longer than they are wide.
 
@@ -25,45 +25,45 @@ use crate::surface::domain::Domain;
 use crate::surface::sizing::room::{has_room, sizes_with_room};
 use glam::DVec3;
 
-/// κ, edges across what is narrow, and around a rim edges for each diameter of it: eight in all.
+/// κ: the number of edges across a narrow place, and per diameter around a rim (eight in all).
 const ACROSS: f64 = 1.0;
 const ACROSS_RIM: f64 = 2.6;
 
-/// How much longer the way along a loop has to be than the distance, by the corners that it passes: none, one, more.
+/// Minimum path length along a loop, relative to the distance, if the path passes no corner, one, or more.
 const TURNED_BACK: [f64; 3] = [1.5, 6.0, 1.5];
 
-/// Ways along a loop shorter than this share of it do not count.
+/// Paths along a loop that are shorter than this share of it do not count.
 const ROUNDING: f64 = 1e-9;
 
-/// `sizes`, relative to `spacing`, made smaller where curves are near each other, and as much larger elsewhere as keeps the
-/// number of vertices. `None` if there is no such place, or no room for one.
+/// Returns `sizes`, relative to `spacing`, reduced where curves are close to each other and increased elsewhere so that the
+/// number of vertices stays the same. `None` if there is no such place, or no room for one.
 pub fn sizes_between_curves(domain: &Domain, sizes: &[f64], spacing: f64) -> Option<Vec<f64>> {
     sizes_with_room(domain, sizes, &wanted(domain, spacing), spacing)
 }
 
-/// Whether the vertices suffice for what is between curves, down to a width of `narrowest` spacings.
+/// Returns whether the vertices suffice for features between curves, down to a width of `narrowest` spacings.
 pub fn has_room_between_curves(domain: &Domain, narrowest: f64, spacing: f64) -> bool {
     has_room(domain, &wanted(domain, spacing), narrowest / ACROSS, spacing)
 }
 
-/// The length that is wanted at each vertex for what is between curves, relative to `spacing`.
+/// Target edge length at each vertex for features between curves, relative to `spacing`.
 fn wanted(domain: &Domain, spacing: f64) -> Vec<f64> {
     lengths(domain, ACROSS_RIM * spacing).into_iter().map(|l| l / spacing).collect()
 }
 
-/// Where a side of the domain lies along the boundary of its patch.
+/// Position of a side along the boundary of its patch.
 #[derive(Clone, Copy)]
 struct Along {
-    /// The loop, and the length of all of it.
+    /// The loop, and its total length.
     number: u32,
     total: f64,
-    /// The length of the loop up to the side, the number of corners up to its begin, that one included, and in all.
+    /// Arc length of the loop up to the side, number of corners up to and including its start, and their total number.
     arc: f64,
     corners: u32,
     all_corners: u32,
 }
 
-/// The sides of all curves as segments, each with its place on its loop.
+/// The sides of all curves as segments, each with its position on its loop.
 pub(super) struct Sides {
     segments: Mesh,
     bvh: Bvh,
@@ -71,9 +71,9 @@ pub(super) struct Sides {
     /// The sides of each patch.
     patches: Groups,
     along: Vec<Along>,
-    /// The vertex that each side leaves.
+    /// Start vertex of each side.
     vertex: Vec<u32>,
-    /// The curve of each side, and of the one before it on its loop.
+    /// The curve of each side, and of the side before it on its loop.
     curves: Vec<[u32; 2]>,
 }
 
@@ -110,12 +110,13 @@ impl Sides {
         self.along.len()
     }
 
-    /// The vertex of the domain that side `i` leaves.
+    /// Returns the start vertex of side `i` in the domain.
     pub fn vertex(&self, i: usize) -> u32 {
         self.vertex[i]
     }
 
-    /// The distance from the start of side `i` to what faces it, as the far side of a rim or not; infinite beyond `reach`.
+    /// Returns the distance from the start of side `i` to what faces it, either across a `rim` or not; infinite beyond
+    /// `reach`.
     pub fn distance_at(&self, domain: &Domain, i: usize, reach: f64, rim: bool) -> f64 {
         let [here, ..] = self.segments.corners(i);
         let is_own = |j: u32| self.patch[j as usize] == self.patch[i];
@@ -125,13 +126,13 @@ impl Sides {
         hit.map_or(f64::INFINITY, |hit| hit.distance_squared.sqrt())
     }
 
-    /// The length wanted at the start of side `i`; infinite if nothing is within `reach`.
+    /// Target edge length at the start of side `i`; infinite if nothing is within `reach`.
     fn length_at(&self, domain: &Domain, i: usize, reach: f64) -> f64 {
         let across = self.distance_at(domain, i, reach * ACROSS / ACROSS_RIM, false) / ACROSS;
         across.min(self.distance_at(domain, i, reach, true) / ACROSS_RIM)
     }
 
-    /// Whether side `j` faces `here`, the start of side `i` of the same patch, and if so whether as the far side of a rim.
+    /// Returns whether side `j` faces `here`, the start of side `i` of the same patch, and if so, whether across a rim.
     fn turned_back(&self, domain: &Domain, here: DVec3, i: usize, j: usize) -> Option<bool> {
         let (a, b) = (self.along[i], self.along[j]);
         if a.number != b.number {
@@ -142,10 +143,10 @@ impl Sides {
         let forwards = (b.arc + p.distance(there) - a.arc).rem_euclid(a.total);
         let between = if b.arc >= a.arc { b.corners - a.corners } else { a.all_corners - a.corners + b.corners };
         let own = u32::from(domain.curves.is_corner(self.vertex[i]));
-        // If `here` is a corner itself, it counts on neither way.
+        // If `here` is a corner itself, neither path counts it.
         let ways = [(forwards, between), (a.total - forwards, a.all_corners - own - between.min(a.all_corners - own))];
         let (way, corners) = if ways[0].0 <= ways[1].0 { ways[0] } else { ways[1] };
-        // Both sides of a crease that ends within its patch are on one loop, and at one place.
+        // The two sides of a crease that ends within its patch are on one loop and at the same place.
         if corners > 0 && self.curves[i].contains(&self.curves[j][0]) {
             return None;
         }
@@ -154,7 +155,7 @@ impl Sides {
     }
 }
 
-/// The wanted length at each vertex of the domain: f / κ on curves, infinite elsewhere and where f exceeds `reach`.
+/// Target edge length at each vertex of the domain: f / κ on curves, infinite elsewhere and where f exceeds `reach`.
 fn lengths(domain: &Domain, reach: f64) -> Vec<f64> {
     let sides = Sides::new(domain);
     let at = parallel::map(0..sides.along.len(), |i| sides.length_at(domain, i, reach));

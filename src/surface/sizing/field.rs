@@ -1,11 +1,11 @@
-//! The edge lengths that are wanted at the vertices of a domain: from its shape, or from a field of lengths.
+//! Target edge lengths at the vertices of a domain, derived from its shape or from a field of lengths.
 //!
-//! Edges of length h on a surface of radius ρ leave an error of about h² / (8 ρ), so h ∝ √ρ makes it the same everywhere;
-//! A between 0 and 1 asks for h ∝ ρ^(A/2).
+//! Edges of length h on a surface of radius ρ leave an error of about h² / (8 ρ), so h ∝ √ρ makes the error uniform. An
+//! adaptivity A between 0 and 1 means h ∝ ρ^(A/2).
 //!
-//! Sizes are lengths relative to the mean spacing, such that the mean of 1 / size² over the area is 1 and 2 / (√3 h²)
-//! integrates to the wanted number of vertices. Scaling to that mean and limiting the gradient change each other, so
-//! they alternate.
+//! Sizes are lengths relative to the mean spacing, scaled so that the mean of 1 / size² over the area is 1 and 2 / (√3 h²)
+//! integrates to the wanted number of vertices. Scaling to that mean and limiting the gradient affect each other, so they
+//! alternate.
 //!
 //! Cost: one pass of Dijkstra's algorithm for each alternation.
 
@@ -16,32 +16,33 @@ use crate::surface::sizing::gradation::limited;
 use crate::surface::sizing::graph::Graph;
 use crate::surface::sizing::radii::radii;
 
-/// Largest gradient of the length: how much longer edges may be for each length of an edge gone. With 0.15 three animals at A = 1
-/// are no nearer to the input than with 0.1, and have worse triangles. A given field may be steeper.
+/// Largest gradient of the edge length, as its growth per unit of distance. For three animals at A = 1, 0.15 is no closer to
+/// the input than 0.1 and gives worse triangles. A given field may be steeper.
 const ADAPTED_GRADIENT: f64 = 0.1;
 pub(super) const FIELD_GRADIENT: f64 = 0.2;
 
-/// Alternations of limiting and scaling, and the error of the mean length at which they end.
+/// Maximum number of alternations between limiting and scaling, and the error of the mean length at which they stop.
 const MOST_TURNS: usize = 40;
 const MEAN_TOLERANCE: f64 = 1e-3;
 
-/// The sizes for adaptivity `adapt`, from 0 for none to 1 for the same error everywhere, relative to `spacing`.
+/// Sizes for adaptivity `adapt`, from 0 (uniform) to 1 (the same error everywhere), relative to `spacing`.
 pub fn adapted_sizes(domain: &Domain, adapt: f64, spacing: f64) -> Vec<f64> {
     let lengths = radii(domain, spacing).into_iter().map(|radius| math::pow(radius, 0.5 * adapt)).collect();
     normalised(domain, lengths, spacing, ADAPTED_GRADIENT)
 }
 
-/// The sizes for a field of `lengths`, scaled by one factor to as many vertices as `spacing` means and relative to it.
+/// Sizes for a field of `lengths`, scaled by one factor to the number of vertices that `spacing` implies, and relative to
+/// it.
 pub fn field_sizes(domain: &Domain, lengths: Vec<f64>, spacing: f64) -> Vec<f64> {
     normalised(domain, lengths, spacing, FIELD_GRADIENT)
 }
 
-/// The lengths of a field, made shorter where their gradient is too large.
+/// Lengths of a field, reduced where their gradient is too large.
 pub fn field_lengths(domain: &Domain, lengths: Vec<f64>) -> Vec<f64> {
     limited(domain, &Graph::whole(domain), lengths, FIELD_GRADIENT)
 }
 
-/// Lengths known up to a factor, relative to `spacing` and scaled to its number of vertices.
+/// Normalises lengths known up to a factor: relative to `spacing`, and scaled to the number of vertices that it implies.
 fn normalised(domain: &Domain, mut lengths: Vec<f64>, spacing: f64, gradient: f64) -> Vec<f64> {
     let graph = Graph::whole(domain);
     let excess = mean_density(&domain.mesh, &lengths).sqrt();
@@ -59,7 +60,7 @@ fn normalised(domain: &Domain, mut lengths: Vec<f64>, spacing: f64, gradient: f6
     }
 }
 
-/// The mean of 1 / h² over the area of `mesh`, for lengths h at its vertices; of each triangle at the middles of its
+/// Mean of 1 / h² over the area of `mesh`, for lengths h at its vertices, evaluated at the midpoints of each triangle's
 /// sides.
 pub fn mean_density(mesh: &Mesh, lengths: &[f64]) -> f64 {
     let (mut sum, mut area) = (0.0, 0.0);
@@ -85,7 +86,7 @@ mod tests {
     use crate::surface::features::Features;
     use crate::testing::{self, revolved, sphere};
 
-    /// A cube of small triangles, its edges sharp.
+    /// A cube of small triangles with sharp edges.
     fn cube() -> Domain {
         let mut mesh = testing::cube().try_into().unwrap();
         refine(&mut mesh, 0.15, usize::MAX);

@@ -1,5 +1,5 @@
-//! Gradation: lengths of neighbouring edges differ little. h(v) ≤ h(u) + g |uv| for all edges, by one pass of Dijkstra's
-//! algorithm.
+//! Gradation: limits the difference between lengths of neighbouring edges. h(v) ≤ h(u) + g |uv| for all edges, by one pass
+//! of Dijkstra's algorithm.
 //!
 //! Based on: P.-O. Persson, Mesh size functions for implicit geometries and PDE-based gradient limiting, 2006,
 //! DOI 10.1007/s00366-006-0014-1. Departure: the limit holds along edges, which are longer than the shortest path.
@@ -11,7 +11,7 @@ use crate::surface::domain::Domain;
 use crate::surface::sizing::graph::Graph;
 use std::collections::BinaryHeap;
 
-/// `lengths` such that none exceeds that of a neighbour by more than `slope` times their distance. `graph` is that of
+/// Reduces `lengths` so that none exceeds that of a neighbour by more than `slope` times their distance. `graph` is that of
 /// the whole domain: copies of a vertex get the same length.
 pub(super) fn limited(domain: &Domain, graph: &Graph, mut lengths: Vec<f64>, slope: f64) -> Vec<f64> {
     for (v, &first) in domain.original.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The neighbours of the vertices of a domain, and random walks between them.
+//! Neighbours of the vertices of a domain, and random walks between them.
 
 use crate::base::csr::Csr;
 use crate::base::parallel;
@@ -6,22 +6,23 @@ use crate::mesh::topology::NONE;
 use crate::surface::domain::Domain;
 use rayon::slice::ParallelSliceMut;
 
-/// The neighbours of vertices.
+/// Neighbours of each vertex.
 pub(super) struct Graph(Csr<u32>);
 
 impl Graph {
-    /// Those of the vertices of a domain within its smooth patches.
+    /// Connects the vertices of a domain within its smooth patches.
     pub fn of_patches(domain: &Domain) -> Graph {
         Graph::new(domain, |v| v, |side| domain.twin[side] == NONE)
     }
 
-    /// Those of the vertices of a domain as they were before sharp edges were cut; further copies of them have none.
+    /// Connects the vertices of a domain as they were before the cut along sharp edges; their further copies have no
+    /// neighbours.
     pub fn whole(domain: &Domain) -> Graph {
         let on_boundary = |side: usize| domain.twin[side] == NONE && domain.across.get(side as u32) == NONE;
         Graph::new(domain, |v| domain.original[v as usize], on_boundary)
     }
 
-    /// Each side makes its end a neighbour of its start, and also the other way where no side across does.
+    /// Each side makes its end a neighbour of its start and, if it has no opposite side, also the reverse.
     fn new(domain: &Domain, name: impl Fn(u32) -> u32, on_boundary: impl Fn(usize) -> bool) -> Graph {
         let ends = |side: u32| domain.mesh.ends(side).map(&name);
         let sides = 0..domain.twin.len() as u32;
@@ -35,7 +36,7 @@ impl Graph {
         self.0.row(v)
     }
 
-    /// The distribution after `steps` steps of random walks, each to a neighbour or nowhere.
+    /// Returns the distribution after `steps` steps of random walks, which move to a neighbour or stay.
     pub fn spread<const K: usize>(&self, mut amounts: Vec<[f64; K]>, steps: usize) -> Vec<[f64; K]> {
         let share = |v: u32| 1.0 / (1 + self.of(v).len()) as f64;
         for _ in 0..steps {

@@ -1,39 +1,39 @@
-//! Edge lengths that change gradually from those of an interface to the wanted ones.
+//! Edge lengths that change gradually from those of an interface to the target edge lengths.
 //!
-//! A part that is cut out of a mesh keeps the edges of its interface. Where their length l(s) at a vertex s is not the wanted
-//! one, h, the length at a vertex v that is a way d(s) away from them is
+//! A part cut out of a mesh keeps the edges of its interface. Where their length l(s) at a vertex s differs from the target
+//! edge length h, the length at a vertex v at a distance d(s) from s is
 //!
 //! ```text
 //! min( min over s of l(s) + g d(s),  max( h(v),  max over s of l(s) - g d(s) ) )
 //! ```
 //!
-//! so lengths change by at most g for each length gone until they are the wanted ones. Where a number of vertices is
-//! wanted, h is scaled to meet it; 2 / (√3 h²) integrates to it. If no length off the interface leaves as few, or as many, g is
-//! doubled, and so it is where given lengths are but for a small part of the surface too short for it.
+//! so lengths change by at most g per unit of distance until they reach their targets. If a number of vertices is given, h
+//! is scaled to meet it; 2 / (√3 h²) integrates to it. If no scale of h meets it, g is doubled. Without a given number, g is
+//! doubled if the target lengths are too short to be reached on more than a small part of the surface.
 //!
 //! Based on: P.-O. Persson, Mesh size functions for implicit geometries and PDE-based gradient limiting, 2006,
-//! DOI 10.1007/s00366-006-0014-1. Departure: it limits from below, too.
+//! DOI 10.1007/s00366-006-0014-1. Departure: it also limits from below.
 //!
-//! Cost: two passes of Dijkstra's algorithm for each gradient that is tried, and some sums over the triangles.
+//! Cost: two passes of Dijkstra's algorithm for each gradient tried, and a few sums over the triangles.
 
 use crate::surface::domain::Domain;
 use crate::surface::sizing::field::{FIELD_GRADIENT, mean_density};
 use crate::surface::sizing::gradation::limited;
 use crate::surface::sizing::graph::Graph;
 
-/// The steepest gradient that is tried: with a steeper one there is no transition left. Given lengths keep it; a number of
-/// vertices that even this gradient does not allow is met with even lengths.
+/// Steepest gradient to try: a steeper one leaves no transition. Given lengths are used with it; a number of vertices that
+/// it does not allow either is met without a transition.
 const STEEPEST: f64 = 4.0;
 
-/// Beside an interface of longer edges, at least this share must be left of the vertices that the wanted lengths mean.
+/// Minimum share of the vertices implied by the target lengths that must remain beside an interface of longer edges.
 const LEAST_LEFT: f64 = 0.5;
 
-/// The factors that the wanted lengths are scaled by at most, and the steps of the search for the right one.
+/// Largest factor by which the target lengths are scaled, up or down, and number of steps of the search for the right one.
 const LARGEST_FACTOR: f64 = 1e3;
 const STEPS: usize = 50;
 
-/// The length at each vertex of `domain`, in its units, where `wanted` says it off the interface; scaled, if `count` is given,
-/// to so many vertices.
+/// Returns the length at each vertex of `domain`, in its units: that of `wanted` away from the interface, scaled to `count`
+/// vertices if that is given.
 pub fn lengths_from_interface(domain: &Domain, wanted: &[f64], count: Option<f64>) -> Vec<f64> {
     let own = interface_lengths(domain);
     let graph = Graph::whole(domain);
@@ -55,12 +55,12 @@ pub fn lengths_from_interface(domain: &Domain, wanted: &[f64], count: Option<f64
     count.map_or_else(|| even(1.0), |count| scaled_to(count, domain, even))
 }
 
-/// How many vertices edges of these lengths mean.
+/// Number of vertices that edges of these lengths imply.
 pub fn vertices(domain: &Domain, lengths: &[f64]) -> f64 {
     2.0 / 3f64.sqrt() * domain.mesh.area() * mean_density(&domain.mesh, lengths)
 }
 
-/// The lengths for the factor with which they mean `count` vertices.
+/// Returns the lengths for the factor with which they imply `count` vertices.
 fn scaled_to(count: f64, domain: &Domain, lengths: impl Fn(f64) -> Vec<f64>) -> Vec<f64> {
     let (mut least, mut most) = (1.0 / LARGEST_FACTOR, LARGEST_FACTOR);
     for _ in 0..STEPS {
@@ -70,7 +70,7 @@ fn scaled_to(count: f64, domain: &Domain, lengths: impl Fn(f64) -> Vec<f64>) -> 
     lengths(most)
 }
 
-/// For each vertex the mean length of the edges of the interface that it lies on, if it lies on any.
+/// For each vertex on the interface, the mean length of the interface edges there.
 fn interface_lengths(domain: &Domain) -> Vec<Option<f64>> {
     let mut sums = vec![(0.0, 0); domain.mesh.positions.len()];
     for curve in domain.curves.list.iter().filter(|curve| curve.interface) {
@@ -84,7 +84,7 @@ fn interface_lengths(domain: &Domain) -> Vec<Option<f64>> {
     sums.into_iter().map(|(sum, count)| (count > 0).then(|| sum / f64::from(count))).collect()
 }
 
-/// Between which lengths those at each vertex must be for the interface.
+/// Bounds on the length at each vertex, due to the interface.
 struct Bounds {
     least: Vec<f64>,
     most: Vec<f64>,
@@ -101,7 +101,7 @@ impl Bounds {
         Bounds { least, most }
     }
 
-    /// The `wanted` lengths times `factor`, within the bounds.
+    /// Returns the `wanted` lengths times `factor`, clamped to the bounds.
     fn lengths(&self, wanted: &[f64], factor: f64) -> Vec<f64> {
         let bounds = self.least.iter().zip(&self.most);
         wanted.iter().zip(bounds).map(|(length, (&least, &most))| (factor * length).max(least).min(most)).collect()

@@ -1,4 +1,4 @@
-//! The edge lengths that are wanted on a domain.
+//! Target edge lengths on a domain.
 
 mod feature_size;
 mod field;

@@ -1,9 +1,10 @@
 //! The radius ρ at each vertex: the smaller of the radius of curvature and half the thickness along the normal.
 //!
-//! *Curvature* is the mean of the curvature tensor over about a spacing, so that the noise of a scan cancels: each edge
-//! of length l, direction e and dihedral angle β adds β l e eᵗ to both its ends. The radius is 1 / √((κ₁² + κ₂²) / 2).
-//! Sharp edges have no curvature: the surface is cut there. Radii are averaged over a spacing once more, as logarithms,
-//! and cut off at `RANGE` times and a `RANGE`-th of their geometric mean over the area.
+//! *Curvature* is the mean of the curvature tensor over about a spacing, which averages out the noise of a scan: each edge
+//! of length l, direction e and dihedral angle β adds β l e eᵗ to both its ends. The radius is 1 / √((κ₁² + κ₂²) / 2). Sharp
+//! edges have no curvature, since the surface is cut there. The logarithms of the radii are averaged over a spacing once
+//! more. Before that, radii are limited to the range from a `RANGE`-th of their geometric mean over the area to `RANGE`
+//! times it.
 //!
 //! Based on: D. Cohen-Steiner, J.-M. Morvan, Restricted Delaunay triangulations and normal cycle, 2003,
 //! DOI 10.1145/777792.777839 (tensor); J. J. Koenderink, A. J. van Doorn, Surface shape and curvature scales, 1992,
@@ -21,16 +22,16 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::surface::domain::Domain;
 use crate::surface::sizing::graph::Graph;
 
-/// The range of radii, as a ratio to their geometric mean: with A = 1 edge lengths differ by a factor of 8.
+/// Range of the radii, as a ratio to their geometric mean: with A = 1, edge lengths differ by a factor of 8.
 const RANGE: f64 = 8.0;
 
 /// Smallest radius that is distinguished from zero, in spacings.
 const SMALLEST_RADIUS: f64 = 0.1;
 
-/// Steps of the random walks that a mean is taken over: inputs whose edges are a tenth of the spacing need a hundred.
+/// Maximum number of steps of the random walks that average: inputs with edges of a tenth of the spacing need a hundred.
 const MOST_STEPS: f64 = 100.0;
 
-/// The radius ρ of each vertex, averaged over about a `spacing`.
+/// Radius ρ at each vertex, averaged over about a `spacing`.
 pub(super) fn radii(domain: &Domain, spacing: f64) -> Vec<f64> {
     let graph = Graph::of_patches(domain);
     let steps = steps_within(domain, spacing);
@@ -50,7 +51,7 @@ pub(super) fn radii(domain: &Domain, spacing: f64) -> Vec<f64> {
     amounts.into_iter().map(|[area, sum]| if area > 0.0 { math::exp(sum / area) } else { math::exp(mean) }).collect()
 }
 
-/// The steps of a random walk along edges of the mean length that lead about as far as `distance`.
+/// Number of steps for which a random walk along edges of the mean length leads about as far as `distance`.
 fn steps_within(domain: &Domain, distance: f64) -> usize {
     let mesh = &domain.mesh;
     let length = |t: usize| {
@@ -61,7 +62,7 @@ fn steps_within(domain: &Domain, distance: f64) -> usize {
     math::square(distance / mean).clamp(1.0, MOST_STEPS).round() as usize
 }
 
-/// A third of the area of the triangles at each vertex.
+/// A third of the total area of the triangles at each vertex.
 fn vertex_areas(mesh: &Mesh) -> Vec<f64> {
     let mut areas = vec![0.0; mesh.positions.len()];
     for (t, corners) in mesh.triangles.iter().enumerate() {
@@ -74,7 +75,7 @@ fn vertex_areas(mesh: &Mesh) -> Vec<f64> {
 /// √((κ₁² + κ₂²) / 2) of the curvature tensor at each vertex, averaged over `steps` steps.
 fn curvatures(domain: &Domain, graph: &Graph, areas: &[f64], steps: usize) -> Vec<f64> {
     let mesh = &domain.mesh;
-    // The tensor by its six different entries, those off the diagonal times √2, and the area.
+    // The six distinct entries of the tensor, the off-diagonal ones times √2, and the area.
     let mut amounts: Vec<[f64; 7]> = areas.iter().map(|&area| [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, area]).collect();
     for side in 0..domain.twin.len() as u32 {
         let twin = domain.twin[side as usize];
@@ -100,7 +101,7 @@ fn curvatures(domain: &Domain, graph: &Graph, areas: &[f64], steps: usize) -> Ve
     graph.spread(amounts, steps).into_iter().map(curvature).collect()
 }
 
-/// Half the way through the inside at vertex `v`, along its normal; at most `widest`.
+/// Half the distance through the interior from vertex `v`, along its normal; at most `widest`.
 fn half_thickness(domain: &Domain, v: usize, widest: f64) -> f64 {
     let thickness = domain.thickness_at(domain.mesh.positions[v], domain.vertex_normals[v], 2.0 * widest);
     thickness.map_or(widest, |thickness| 0.5 * thickness)

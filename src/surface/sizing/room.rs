@@ -1,37 +1,37 @@
-//! Makes room for places that want shorter edges than the rest: lengths grow from there by a bounded gradient, and those
-//! elsewhere such that the number of vertices stays what it was. Where the vertices do not suffice for that, no length is less
-//! than a share of that elsewhere, the least for which they do.
+//! Makes room for places that need shorter edges than the rest: lengths grow from there with a bounded gradient, and the
+//! lengths elsewhere grow so that the number of vertices stays the same. Where the vertices do not suffice, no length is
+//! less than a certain share of that elsewhere: the smallest share for which they suffice.
 //!
-//! Cost: some passes of Dijkstra's algorithm.
+//! Cost: a few passes of Dijkstra's algorithm.
 
 use crate::surface::domain::Domain;
 use crate::surface::sizing::field::mean_density;
 use crate::surface::sizing::gradation::limited;
 use crate::surface::sizing::graph::Graph;
 
-/// Largest gradient of the length. Nine CAD parts have worse triangles with 0.2, and need too many vertices with 0.1.
+/// Largest gradient of the length. For nine CAD parts, 0.2 gives worse triangles, and 0.1 needs too many vertices.
 pub(super) const GRADIENT: f64 = 0.12;
 
-/// Shortest length, as a share of that elsewhere, where the places take no more vertices with it than `MOST_DENSE` allows; and how
-/// often the range above it is halved to find the shortest with which they do.
+/// Shortest length, as a share of that elsewhere, if `MOST_DENSE` allows it; and number of bisection steps to find the
+/// shortest length above it that is allowed.
 const SHORTEST: f64 = 0.125;
 const HALVINGS: usize = 6;
 
-/// The largest such share that helps a place.
+/// Largest such share that is an improvement.
 const LARGEST_SHARE: f64 = 0.8;
 
-/// Largest mean of 1 / h², relative to the length elsewhere: nearly a quarter of the vertices may go to such places. With more, what
-/// the places gain is less than what the rest loses, on sixty files as people have them.
+/// Largest mean of 1 / h², relative to the length elsewhere: nearly a quarter of the vertices may go to such places. On
+/// sixty files of the kind that people have, more vertices cost the rest more than such places gain.
 const MOST_DENSE: f64 = 1.3;
 
-/// The same that the narrowest places may take without being left out.
+/// The same limit for the narrowest places. Beyond it, they are left out.
 const MOST_DENSE_OF_NARROWEST: f64 = 1.5;
 
-/// Alternations of limiting and scaling, and the error of the mean length at which they end.
+/// Maximum number of alternations between limiting and scaling, and the error of the mean length at which they stop.
 const MOST_TURNS: usize = 20;
 const MEAN_TOLERANCE: f64 = 1e-3;
 
-/// Whether there is room for lengths as small as is `wanted`, relative to `spacing`, or as `shortest` where that is more.
+/// Returns whether there is room for the `wanted` lengths, relative to `spacing`, or for `shortest` where that is longer.
 pub(super) fn has_room(domain: &Domain, wanted: &[f64], shortest: f64, spacing: f64) -> bool {
     let even = vec![1.0; wanted.len()];
     if wanted.iter().all(|&wanted| wanted >= 1.0) {
@@ -41,8 +41,8 @@ pub(super) fn has_room(domain: &Domain, wanted: &[f64], shortest: f64, spacing: 
     lengths.density(&lengths.graded(shortest, 1.0)) <= MOST_DENSE_OF_NARROWEST
 }
 
-/// `sizes`, relative to `spacing`, made as small as is `wanted` at vertices that want less, and as much larger elsewhere as
-/// keeps the number of vertices. `None` if none wants less, or there is no room for that.
+/// Returns `sizes`, relative to `spacing`, reduced to the `wanted` ones where these are smaller, and increased elsewhere so
+/// that the number of vertices stays the same. `None` if no wanted size is smaller, or there is no room.
 pub fn sizes_with_room(domain: &Domain, sizes: &[f64], wanted: &[f64], spacing: f64) -> Option<Vec<f64>> {
     if wanted.iter().zip(sizes).all(|(wanted, size)| wanted >= size) {
         return None;
@@ -62,7 +62,7 @@ pub fn sizes_with_room(domain: &Domain, sizes: &[f64], wanted: &[f64], spacing: 
     Some(made)
 }
 
-/// The present lengths on a domain, and the wanted ones.
+/// The current and the wanted lengths on a domain.
 struct Lengths<'a> {
     domain: &'a Domain,
     graph: Graph,
@@ -79,7 +79,7 @@ impl<'a> Lengths<'a> {
         Lengths { domain, graph: Graph::whole(domain), sizes, wanted, density, spacing }
     }
 
-    /// The shortest length there is room for, as a share of the present ones; `None` if that helps no place.
+    /// Shortest length with room, as a share of the current ones; `None` if it is no improvement.
     fn shortest(&self) -> Option<f64> {
         let has_room = |shortest: f64| self.density(&self.graded(shortest, 1.0)) <= MOST_DENSE;
         if has_room(SHORTEST) {
@@ -97,14 +97,14 @@ impl<'a> Lengths<'a> {
         (above <= LARGEST_SHARE).then_some(above)
     }
 
-    /// The present lengths times `factor`, or the wanted ones where these are shorter, but no less than that share of the former.
+    /// The current lengths times `factor`, or the wanted ones if shorter, but at least the share `shortest` of the former.
     fn graded(&self, shortest: f64, factor: f64) -> Vec<f64> {
         let at = |(&size, &wanted): (&f64, &f64)| (factor * size).min(wanted.max(shortest * factor * size));
         let lengths = self.sizes.iter().zip(self.wanted).map(at).collect();
         limited(self.domain, &self.graph, lengths, GRADIENT / self.spacing)
     }
 
-    /// The mean of 1 / h² of such lengths, relative to that of the present ones.
+    /// Mean of 1 / h² of these lengths, relative to that of the current ones.
     fn density(&self, graded: &[f64]) -> f64 {
         mean_density(&self.domain.mesh, graded) / self.density
     }

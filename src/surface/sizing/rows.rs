@@ -1,10 +1,10 @@
 //! Edge lengths that fit a whole number of rows of triangles between feature curves.
 //!
-//! A strip of width w between two curves has room for equilateral triangles of side h if w = n √3/2 h with a whole number n of
-//! rows. For other lengths its triangles are squashed or drawn out, the more so the fewer rows there are. So the length on
-//! both curves becomes w / (n √3/2), with the n that changes it least, where few rows fit, and goes back to what it was with
-//! the gradient that lengths have between curves. Where one curve bounds two strips, the narrower one decides. A strip that
-//! widens has no number of rows.
+//! A strip of width w between two curves fits equilateral triangles of side h if w = n √3/2 h for a whole number n of rows.
+//! For other lengths, its triangles are squashed or stretched, the more so the fewer rows there are. So where few rows fit,
+//! the length on both curves becomes w / (n √3/2), with the n that changes it least. It returns to its former value with the
+//! gradient of lengths between curves. If one curve bounds two strips, the narrower one decides. A strip of varying width
+//! has no number of rows.
 //!
 //! Cost: a search among the sides of curves for each vertex on them, and two passes of Dijkstra's algorithm.
 
@@ -15,19 +15,20 @@ use crate::surface::sizing::gradation::limited;
 use crate::surface::sizing::graph::Graph;
 use crate::surface::sizing::room::GRADIENT;
 
-/// Height of an equilateral triangle, in lengths of its sides.
+/// Height of an equilateral triangle, relative to its side.
 const HEIGHT: f64 = 0.866_025_403_784_438_6;
 
-/// Most rows that are made whole: with more of them a part of one changes little.
+/// Maximum number of rows that is made whole: with more rows, a fraction of one makes little difference.
 const MOST_ROWS: f64 = 4.0;
 
-/// Most that the length changes by, as a factor: less than from one row to two, so that strips halfway stay as they are.
+/// Largest factor by which a length changes: less than that between one row and two, so strips halfway between stay as they
+/// are.
 const MOST_CHANGE: f64 = 1.25;
 
-/// Most that the width of a strip may differ from one vertex to the next, as a share of it.
+/// Largest relative difference of a strip's width from one vertex to the next.
 const UNEVEN: f64 = 0.02;
 
-/// `sizes`, relative to `spacing`, changed such that whole rows fit between curves.
+/// Returns `sizes`, relative to `spacing`, changed so that whole rows fit between curves.
 pub fn sizes_with_whole_rows(domain: &Domain, sizes: &[f64], spacing: f64) -> Vec<f64> {
     let graph = Graph::whole(domain);
     let widths = even_widths(domain, &graph, (MOST_ROWS + 1.0) * HEIGHT * spacing);
@@ -41,14 +42,14 @@ pub fn sizes_with_whole_rows(domain: &Domain, sizes: &[f64], spacing: f64) -> Ve
     limited(domain, &graph, lowered, slope)
 }
 
-/// The width of what lies beside each vertex of a domain that is on a curve, where it is as wide beside the next ones.
-/// Infinite elsewhere, and where no other curve is within `reach`.
+/// Width of the strip beside each vertex on a curve of the domain, where it is equally wide beside the adjacent vertices.
+/// Infinite elsewhere, and if no other curve is within `reach`.
 fn even_widths(domain: &Domain, graph: &Graph, reach: f64) -> Vec<f64> {
     let sides = Sides::new(domain);
     let at = parallel::map(0..sides.count(), |i| sides.distance_at(domain, i, reach, false));
     let mut widths = vec![f64::INFINITY; domain.mesh.positions.len()];
     for (i, width) in at.into_iter().enumerate() {
-        // Copies of a vertex have one length.
+        // Copies of a vertex share one length.
         let v = domain.original[sides.vertex(i) as usize] as usize;
         widths[v] = widths[v].min(width);
     }
@@ -60,14 +61,14 @@ fn even_widths(domain: &Domain, graph: &Graph, reach: f64) -> Vec<f64> {
     domain.original.iter().map(|v| if is_even(v) { widths[*v as usize] } else { f64::INFINITY }).collect()
 }
 
-/// The factor by which the length changes in a strip of `width` lengths.
+/// Factor by which the length changes in a strip that is `width` lengths wide.
 fn change(width: f64) -> f64 {
     let rows = width / HEIGHT;
     if rows > MOST_ROWS + 0.5 {
         return 1.0;
     }
     let fewer = rows.floor().max(1.0);
-    // √(n (n + 1)) rows are as far from n as from n + 1.
+    // √(n (n + 1)) rows are as far from n as from n + 1, as ratios.
     let whole = if rows > (fewer * (fewer + 1.0)).sqrt() { fewer + 1.0 } else { fewer };
     let factor = rows / whole;
     if (1.0 / MOST_CHANGE..=MOST_CHANGE).contains(&factor) { factor } else { 1.0 }
@@ -82,11 +83,11 @@ mod tests {
 
     #[test]
     fn lengths_fit_the_next_whole_row() {
-        // Rows at the present length, and the factor for it.
+        // Number of rows at the current length, and the resulting whole number.
         for (rows, whole) in [(0.9, 1.0), (1.2, 1.0), (1.9, 2.0), (2.1, 2.0), (3.8, 4.0)] {
             assert_relative_eq!(change(rows * HEIGHT), rows / whole, epsilon = 1e-12);
         }
-        // As far from one row as from two, less than one, and so many that they do not matter.
+        // As far from one row as from two, less than one, and too many to matter.
         for rows in [1.4, 0.7, 5.3, f64::INFINITY] {
             assert_eq!(change(rows * HEIGHT), 1.0, "{rows}");
         }

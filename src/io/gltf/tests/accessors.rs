@@ -39,7 +39,7 @@ fn buffers_beside_the_file() {
     let files = |name: &str| if name == "my%20part.bin" { Ok(bin.clone()) } else { Err(format!("no file {name}")) };
     assert_eq!(parse(root.to_string().as_bytes(), &files).unwrap().0, tetrahedron());
     assert_eq!((place(load(&root)), cause(load(&root))), (", buffer 0".into(), "no files here".into()));
-    // Buffers of textures are not asked for.
+    // Buffers used only by textures are not fetched.
     let mut root = written();
     push(&mut root["buffers"], json!({ "byteLength": 9, "uri": "texture.bin" }));
     assert!(load(&root).is_ok());
@@ -79,7 +79,7 @@ fn quantized_positions() {
     assert_eq!(positions(5123, true, &[255, 255, 0, 0, 0x33, 0x33], 6), [1.0, 0.0, 0.2]);
 }
 
-/// Four vertices of which the sparse values replace the third.
+/// Four vertices, the third of which is replaced by a sparse value.
 fn sparse(place: u8) -> Value {
     let value = [0.0f32, 7.0, 0.0].map(f32::to_le_bytes);
     let mut root = with_data(&SQUARE, &[value.as_flattened(), &[place]].concat());

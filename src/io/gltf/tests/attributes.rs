@@ -19,11 +19,11 @@ fn attributes_of_vertices() {
     for missing in ["_WIDTH", "SIZE", ""] {
         assert!(numbers(&root, missing).unwrap_err().to_string().ends_with("use one of _SIZE"), "{missing}");
     }
-    // A mesh that is used twice has its values twice.
+    // A mesh that is used twice contributes its values twice.
     root["scenes"] = json!([{ "nodes": [0, 1] }]);
     root["nodes"] = json!([{ "mesh": 0 }, { "mesh": 0, "translation": [5.0, 0.0, 0.0] }]);
     assert_eq!(numbers(&root, "_SIZE"), Ok(vec![0.5, 0.25, 2.0, 0.5, 0.25, 2.0]));
-    // What is wrong with them is no reason to refuse the mesh.
+    // Errors in attributes do not make the mesh unreadable.
     root["meshes"][0]["primitives"][0]["attributes"]["TANGENT"] = json!(1);
     for (key, value, cause) in [
         ("count", json!(2), "_SIZE is left out: accessor 1 has 2 values for 3 vertices"),
@@ -57,7 +57,7 @@ fn attributes_are_written_in_their_types() {
     let attributes = Attributes { vertex, texture, ..Attributes::default() };
     let mut bytes = Vec::new();
     crate::io::write_with_attributes(&tetrahedron(), &attributes, crate::io::Format::Glb, &mut bytes).unwrap();
-    // The gltf crate's own validation.
+    // Validation by the gltf crate itself.
     let gltf = ::gltf::Gltf::from_slice(&bytes).unwrap();
     assert_eq!(gltf.accessors().next().unwrap().count(), 12);
     let read = gltf::parse(&bytes, &no_files).unwrap();

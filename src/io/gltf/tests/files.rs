@@ -1,4 +1,4 @@
-//! Files to read, made of JSON, and what reading them says.
+//! Files to read, made of JSON, and the results of reading them.
 
 use crate::base::error::Result;
 use crate::io::base64;
@@ -41,7 +41,7 @@ pub(super) fn glb() -> Vec<u8> {
     bytes
 }
 
-/// What the writer makes of a tetrahedron, to be changed.
+/// The written file of a tetrahedron, to be modified.
 pub(super) fn written() -> Value {
     let mut bytes = Vec::new();
     crate::io::write(&tetrahedron(), crate::io::Format::Gltf, &mut bytes).unwrap();
@@ -52,7 +52,7 @@ pub(super) fn address(bytes: &[u8]) -> String {
     format!("data:application/octet-stream;base64,{}", base64::encode(bytes))
 }
 
-/// A file with these positions (view and accessor 0) and, in view 1, `extra`.
+/// A file with these positions (view 0, accessor 0) and, in view 1, `extra`.
 pub(super) fn with_data(positions: &[[f32; 3]], extra: &[u8]) -> Value {
     let bytes: Vec<u8> = positions.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();
     json!({
@@ -67,7 +67,7 @@ pub(super) fn with_data(positions: &[[f32; 3]], extra: &[u8]) -> Value {
 
 pub(super) const SQUARE: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
 
-/// A square whose primitive has `indices` of a type.
+/// A square whose primitive has `indices` of the given component type.
 pub(super) fn indexed(component: u32, indices: &[u8], count: usize) -> Value {
     let mut root = with_data(&SQUARE, indices);
     let accessor = json!({ "bufferView": 1, "componentType": component, "count": count, "type": "SCALAR" });
@@ -81,7 +81,7 @@ pub(super) fn push(array: &mut Value, value: Value) {
     array.as_array_mut().unwrap().push(value);
 }
 
-/// The place of the error after the value at `pointer` has become `value`.
+/// Returns the place of the error after the value at `pointer` was replaced by `value`.
 pub(super) fn place_with(pointer: &str, value: Value) -> String {
     let mut root = written();
     let (parent, key) = pointer.rsplit_once('/').unwrap();

@@ -88,7 +88,7 @@ fn cut_anywhere() {
     for end in 0..bytes.len() {
         assert!(parse(&bytes[..end], &no_files).is_err(), "{end}");
     }
-    // Also with a header that admits the cut.
+    // Also with a header whose length fits the cut file.
     for end in 12..bytes.len() {
         let mut cut = bytes[..end].to_vec();
         cut[8..12].copy_from_slice(&(end as u32).to_le_bytes());

@@ -8,8 +8,8 @@ use serde_json::{Value, json};
 /// The start of a PNG file.
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n1234";
 
-/// A square of two triangles in two primitives, the first of which has texture coordinates, and a material with all
-/// there is.
+/// A square of two triangles in two primitives, the first of which has texture coordinates and a material with all supported
+/// properties.
 fn dressed() -> Value {
     let uv = [0.0f32, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0].map(f32::to_le_bytes);
     let mut root = with_data(&SQUARE, &[uv.as_flattened(), &[0, 1, 2, 2, 1, 3, 0, 0], PNG].concat());
@@ -63,7 +63,7 @@ fn materials_come_back_as_they_were() {
     assert_eq!(wood.textures.iter().map(|t| t.strength).collect::<Vec<_>>(), [1.0, 2.0]);
     assert_eq!(wood.textures[0].sampler, Sampler { mag_filter: Some(9728), min_filter: None, wrap: [33_071, REPEAT] });
     assert!(first.attributes.texture[0].iter().all(|at| at.is_finite()));
-    // The primitive without coordinates has none.
+    // The primitive without texture coordinates gets none.
     assert!(first.attributes.texture[1][2].is_nan());
     assert_eq!(first.attributes.parts.as_ref().unwrap().list[0].object, "square");
     for format in [crate::io::Format::Glb, crate::io::Format::Gltf] {

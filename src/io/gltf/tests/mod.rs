@@ -1,4 +1,4 @@
-//! Tests of reading and writing, by what they are about.
+//! Tests of reading and writing, by subject.
 
 mod accessors;
 mod attributes;

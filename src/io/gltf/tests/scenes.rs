@@ -67,7 +67,7 @@ fn transforms_nest() {
     ]);
     let (mesh, _) = load(&root).unwrap();
     assert_eq!((mesh.positions.len(), mesh.triangles.len()), (8, 8));
-    // First scaled, then turned by 90 degrees around z, then moved.
+    // First scaled, then rotated by 90 degrees around z, then translated.
     for (v, p) in [(1, DVec3::new(10.0, 2.0, 0.0)), (2, DVec3::new(7.0, 0.0, 0.0)), (3, DVec3::new(10.0, 0.0, 4.0))] {
         assert!(mesh.positions[v].distance(p) < 1e-12);
     }
@@ -135,7 +135,7 @@ fn nodes_are_trees() {
     ] {
         assert!(place_with("/nodes", nodes).starts_with(", node "));
     }
-    // Depth is no danger.
+    // Deep nesting is no danger.
     let mut root = written();
     let chain = (1..100_000).map(|child| json!({ "children": [child] }));
     root["nodes"] = chain.chain([json!({ "mesh": 0 })]).collect();

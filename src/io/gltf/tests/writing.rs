@@ -21,7 +21,7 @@ fn what_is_written_is_valid() {
     assert_eq!(bytes.len() % 4, 0);
     let chunks = split(&bytes).unwrap();
     assert_eq!((chunks.json.len() % 4, chunks.bin.unwrap().len()), (0, 4 * 12 + 4 * 12));
-    // The gltf crate's own validation.
+    // Validation by the gltf crate itself.
     let gltf = ::gltf::Gltf::from_slice(&bytes).unwrap();
     let primitive = gltf.meshes().next().unwrap().primitives().next().unwrap();
     assert_eq!(primitive.bounding_box(), ::gltf::mesh::Bounds { min: [0.0; 3], max: [1.0; 3] });
@@ -38,7 +38,7 @@ fn clouds_and_nothing_are_valid_too() {
     }
 }
 
-/// A triangle of two parts' names and one look, with texture coordinates.
+/// Triangles in parts with these names, with one material and texture coordinates.
 fn textured(parts: &[&str], of_triangle: Vec<u32>) -> Attributes {
     let look = Look { base_color: [1.0, 0.5, 0.0, 1.0], ..Look::default() };
     let list = vec![Material { name: "paint".into(), look: Some(look) }];
@@ -70,7 +70,7 @@ fn levels_are_nodes_that_the_finest_one_names() {
     assert_eq!(named(&finest["extensions"]["MSFT_lod"]["ids"]), ["b"]);
     assert_eq!(finest["extras"]["MSFT_screencoverage"], json!([0.75, 0.0]));
     assert_eq!((&root["extensionsUsed"], root["materials"].as_array().unwrap().len()), (&json!(["MSFT_lod"]), 1));
-    // Whoever does not know of levels reads the finest one, with its parts and materials.
+    // Readers that do not know levels of detail read the finest one, with its parts and materials.
     let read = gltf::parse(&bytes, &no_files).unwrap();
     assert_eq!((read.mesh.triangles.len(), read.attributes.names()), (4, of_fine.names()));
     ::gltf::Gltf::from_slice(&bytes).unwrap();
