@@ -160,7 +160,7 @@ pub use mesh::parts::{Part, Parts};
 pub use mesh::points::Points;
 pub use mesh::triangle_mesh::Mesh;
 pub use pipeline::{
-    CloudOptions, Density, Edges, Grading, MaxError, NormalFit, Options, Reach, ReconstructOptions, Reconstructed,
-    SampleDensity, SampleOptions, Sampled, Selection, Signal, Values,
+    CloudOptions, Density, Edges, Grading, MaxError, NormalFit, NormalNeighborhood, Options, ReconstructOptions,
+    Reconstructed, SampleDensity, SampleOptions, Sampled, Selection, Signal, Values,
 };
 pub use surface::features::Features;

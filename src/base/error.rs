@@ -226,6 +226,7 @@ impl fmt::Display for Setting {
             Setting::Format => "format",
             Setting::Levels => "levels",
             Setting::Threads => "number of threads",
+            Setting::Memory => "memory limit",
         })
     }
 }

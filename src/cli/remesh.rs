@@ -1,7 +1,7 @@
 //! `remesh IN OUT`: reads, remeshes, writes, reports.
 
 use crate::base::error::Result;
-use crate::base::monitor::{Monitor, Stopwatch};
+use crate::base::monitor::Stopwatch;
 use crate::cli::args::{Remeshing, Run, Sizing, Voice, is_page};
 use crate::cli::files::{add_run, check_report, hand_out, load, name, now_writing, watched};
 use crate::cli::outputs::Outputs;

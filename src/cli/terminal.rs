@@ -47,7 +47,6 @@ pub fn listen_for_interrupts() {
 /// The folder of temporary files that is to be removed if the process ends early.
 static TEMPORARY: Mutex<Option<PathBuf>> = Mutex::new(None);
 
-
 /// Ends the process with the status of an interrupt.
 fn end() -> ! {
     if let Some(folder) = TEMPORARY.lock().unwrap_or_else(|e| e.into_inner()).take() {

@@ -12,7 +12,7 @@ use crate::job::large::{free_memory, merge_pieces};
 use crate::pipeline::SampleOptions;
 use crate::report::all_to_text;
 use crate::report::samples::SamplesReport;
-use crate::tiles::{PlanOptions, TileFolder, make_plan, merge, mesh_pieces, rounds, sample_tiles};
+use crate::tiles::{Plan, PlanOptions, TileFolder, make_plan, merge, mesh_pieces, rounds, sample_tiles};
 use std::path::Path;
 
 pub(super) fn do_tiles(job: &Tiling) -> Result<Status> {

@@ -4,8 +4,8 @@
 use crate::base::error::{Error, Result, Setting};
 use crate::job::remesh::{Carry, RemeshOptions};
 use crate::pipeline::{
-    CloudOptions, Density, Grading, MaxError, NormalFit, Options, Reach, ReconstructOptions, SampleDensity,
-    SampleOptions, Selection, Signal, Values,
+    CloudOptions, Density, Grading, MaxError, NormalFit, NormalNeighborhood, Options, ReconstructOptions,
+    SampleDensity, SampleOptions, Selection, Signal, Values,
 };
 use crate::surface::features::Features;
 
@@ -171,7 +171,7 @@ impl NormalSettings {
     fn resolve(self, smooth: Option<f64>) -> Result<CloudOptions> {
         let NormalSettings { fit, neighbors, radius } = self;
         at_most_one([(Setting::NormalNeighbors, neighbors.is_some()), (Setting::NormalRadius, radius.is_some())])?;
-        let neighborhood = neighbors.map(Reach::Count).or(radius.map(Reach::Radius));
+        let neighborhood = neighbors.map(NormalNeighborhood::Count).or(radius.map(NormalNeighborhood::Radius));
         Ok(CloudOptions { fit, neighborhood, smooth, ..CloudOptions::default() })
     }
 }

@@ -1,16 +1,19 @@
 //! Pipeline from a point cloud to a mesh through its points, which is then remeshed like any other.
 
-use crate::base::error::{Error, Fault, Result, Setting};
+use crate::base::error::{Error, Fault, Result};
 use crate::base::monitor::{Monitor, check};
 use crate::geom::eigen::{eigen, scatter};
 use crate::mesh::points::Points;
 use crate::mesh::triangle_mesh::Mesh;
+use crate::pipeline::cloud_options::{
+    CloudOptions, FEW_NEIGHBORS, NormalFit, NormalNeighborhood, SMOOTHING_SUPPORT, smoothing,
+};
+use crate::pipeline::cloud_summary::CloudSummary;
 use crate::prepare::clean::{merged, wanted_by_others};
 use crate::prepare::cloud_normals::{MANY_NEIGHBORS, Neighborhood, plane_normals, sphere_normals};
 use crate::prepare::flatten::{Flatness, flatness, flattened};
 use crate::prepare::orient::{disagreement, orient, side_with};
 use crate::prepare::outside::{face_outwards, turn_outwards};
-use crate::prepare::thin::Thinned;
 use crate::spatial::kdtree::Neighbors;
 use crate::spatial::knn_graph::{DEGREE, NeighborGraph};
 use crate::surface::implicit::Rimls;
@@ -18,175 +21,6 @@ use crate::triangulate::boundary_loops::Filled;
 use crate::triangulate::points::triangulate_points;
 use crate::triangulate::surroundings::Surroundings;
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
-
-/// Options for turning a cloud into a mesh.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CloudOptions {
-    /// Shape fitted to estimate missing normals. Default: planes, or spheres if noise is smoothed.
-    pub fit: Option<NormalFit>,
-    /// Neighbours to which it is fitted. Default: the nearest eight, or the nearest sixteen if noise is smoothed.
-    pub neighborhood: Option<Reach>,
-    /// Support radius of the implicit surface onto which points are projected, in mean distances of neighbouring points: the
-    /// larger, the smoother. With zero, points stay where they are. Default: `None`, which is [`SMOOTHING_SUPPORT`] if there
-    /// is noise and zero otherwise.
-    pub smooth: Option<f64>,
-    /// Largest bounding-box diagonal of holes that are closed, in the units of the input. Default: 0, which keeps all holes
-    /// larger than the gaps between points.
-    pub fill_holes: f64,
-    /// Whether the points are of terrain: those visible from above become a sheet with one height at each place; z is up.
-    /// Default: `None`, which means yes if they look like terrain and many would otherwise be left out.
-    pub terrain: Option<bool>,
-}
-
-impl Default for CloudOptions {
-    fn default() -> Self {
-        CloudOptions { fit: None, neighborhood: None, smooth: None, fill_holes: 0.0, terrain: None }
-    }
-}
-
-impl CloudOptions {
-    /// Refuses options that suit no cloud.
-    ///
-    /// # Errors
-    /// [`Error::Option`] for fewer than three neighbours, or a length that is not positive and finite.
-    pub fn validate(&self) -> Result<()> {
-        check_smooth(self.smooth)?;
-        let refuse = |option, cause: String, remedy: &str| Err(Error::Option { option, cause, remedy: remedy.into() });
-        match self.neighborhood {
-            Some(Reach::Count(n)) if n < 3 => {
-                refuse(Setting::NormalNeighbors, format!("{n} neighbours have no normal"), "give at least 3")
-            }
-            Some(Reach::Radius(r)) if !(r > 0.0 && r.is_finite()) => {
-                refuse(Setting::NormalRadius, format!("{r} is not a length"), "give a length above zero")
-            }
-            _ if !(self.fill_holes >= 0.0 && self.fill_holes.is_finite()) => {
-                let cause = format!("{} is not the size of a hole", self.fill_holes);
-                refuse(Setting::FillHoles, cause, "give a length of zero or more")
-            }
-            _ => Ok(()),
-        }
-    }
-}
-
-impl CloudOptions {
-    /// Returns the same options for points whose coordinates were divided by `size`.
-    pub(super) fn within_unit(&self, size: f64) -> CloudOptions {
-        let neighborhood = self.neighborhood.map(|reach| match reach {
-            Reach::Radius(radius) => Reach::Radius(radius / size),
-            count => count,
-        });
-        CloudOptions { neighborhood, fill_holes: self.fill_holes / size, ..*self }
-    }
-}
-
-/// Refuses a support radius that is out of range.
-pub(super) fn check_smooth(reach: Option<f64>) -> Result<()> {
-    let refuse = |reach: f64| {
-        let cause = format!("{reach} spacings are out of range");
-        Err(Error::Option {
-            option: Setting::Smoothing,
-            cause,
-            remedy: "give a number from 1.5 to 20, or 0 for none".into(),
-        })
-    };
-    smoothing(reach).filter(|r| !(1.5..=20.0).contains(r)).map_or(Ok(()), refuse)
-}
-
-/// Returns the support radius if anything is smoothed; zero means no smoothing.
-pub(super) fn smoothing(reach: Option<f64>) -> Option<f64> {
-    reach.filter(|&reach| reach != 0.0)
-}
-
-/// Shape that is fitted to estimate normals.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NormalFit {
-    /// Planes: the sharpest choice where there is little noise.
-    Plane,
-    /// Algebraic spheres, after planes: smoother, and exact where the surface bends evenly.
-    Sphere,
-}
-
-impl NormalFit {
-    /// All variants.
-    pub const ALL: [NormalFit; 2] = [NormalFit::Plane, NormalFit::Sphere];
-
-    /// Name of the variant as an option.
-    pub fn name(self) -> &'static str {
-        match self {
-            NormalFit::Plane => "plane",
-            NormalFit::Sphere => "sphere",
-        }
-    }
-}
-
-/// Neighbours of a point.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Reach {
-    /// This number of nearest points.
-    Count(usize),
-    /// All points within this distance, in the units of the input.
-    Radius(f64),
-}
-
-/// Summary of how the points of a cloud were used for a mesh.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct CloudSummary {
-    /// Number of points of the input, or of those kept after thinning.
-    pub points: usize,
-    /// Number of points of the input if they were thinned because there were more than are of use; otherwise 0.
-    #[serde(default)]
-    pub thinned_from: usize,
-    /// Width of the cells of the thinning, each of which kept one point.
-    #[serde(default)]
-    pub cell: f64,
-    /// Points that coincide with another one.
-    pub duplicates: usize,
-    /// Points that are no other point's neighbour.
-    pub outliers: usize,
-    /// Other points that are not vertices of the mesh.
-    pub unused: usize,
-    /// Points of small shreds that are not connected to any surface.
-    #[serde(default)]
-    pub in_shreds: usize,
-    /// Number of these shreds.
-    #[serde(default)]
-    pub shreds: usize,
-    /// Width of the grid cells in plan view, each of which contributed its highest point, if the points are of terrain;
-    /// otherwise 0.
-    #[serde(default)]
-    pub plan_cell: f64,
-    /// Points lower than another one in such a cell.
-    #[serde(default)]
-    pub below: usize,
-    /// Whether there is noise that smoothing would remove.
-    #[serde(default)]
-    pub noisy: bool,
-    /// Support radius of the implicit surface that points were projected onto because of noise, without being asked; 0 if
-    /// they were not moved.
-    #[serde(default)]
-    pub smoothed_by_itself: f64,
-    /// Number of neighbours whose fitted planes the points were projected onto, because noise hides the surface in fewer; 0
-    /// if that was not necessary.
-    #[serde(default)]
-    pub flattened_neighbors: usize,
-    /// Normals that were estimated.
-    pub estimated_normals: usize,
-    /// Given normals that were reversed.
-    pub turned_normals: usize,
-}
-
-impl CloudSummary {
-    /// Records that the points were thinned.
-    pub fn thin(&mut self, thinned: &Thinned) {
-        (self.thinned_from, self.cell) = (thinned.points, thinned.cell);
-    }
-
-    /// Returns whether the normals of `points` points fail to tell which side is outside.
-    fn tells_no_outside(&self, points: usize) -> bool {
-        SIDED * (self.estimated_normals + self.turned_normals) > points
-    }
-}
 
 /// Mesh through the points of a cloud.
 #[derive(Debug, Clone)]
@@ -203,27 +37,14 @@ pub struct MeshOfPoints {
     pub summary: CloudSummary,
 }
 
-/// Number of neighbours to which planes are fitted where there is no noise: as few as possible, to preserve sharp features.
-pub const FEW_NEIGHBORS: usize = 8;
-
 /// Number of times that spheres are fitted, each time using the previous normals.
 const SPHERES: usize = 2;
-
-/// Support radius of the implicit surface of points without noise, in their spacings: just large enough to leave no holes
-/// between them.
-pub const INTERPOLATING_SUPPORT: f64 = 2.3;
-
-/// Support radius that smooths away the noise of a typical scan, in spacings of its points.
-pub const SMOOTHING_SUPPORT: f64 = 2.7;
 
 /// Area per point, in squares of its spacing, which is the distance to the sixth neighbour.
 const AREA_OF_SPACING: f64 = 0.6;
 
 /// Share of neighbouring pairs with opposite normals above which given normals are not trusted.
 const MOST_DISAGREEMENT: f64 = 0.01;
-
-/// If more than one in this many normals has no reliable side, the sides of the others are not trusted either.
-const SIDED: usize = 4;
 
 /// Minimum number of points of a cloud.
 const FEWEST_POINTS: usize = 8;
@@ -433,12 +254,12 @@ fn normals(
     let (few, fit) =
         if options.smooth.is_some() { (MANY_NEIGHBORS, NormalFit::Sphere) } else { (FEW_NEIGHBORS, NormalFit::Plane) };
     let fewer;
-    let neighborhood = match options.neighborhood.unwrap_or(Reach::Count(few)) {
-        Reach::Count(count) => {
+    let neighborhood = match options.neighborhood.unwrap_or(NormalNeighborhood::Count(few)) {
+        NormalNeighborhood::Count(count) => {
             fewer = (count > graph.degree()).then(|| NeighborGraph::new(positions, near, count));
             Neighborhood::Nearest(fewer.as_ref().unwrap_or(graph), count)
         }
-        Reach::Radius(radius) => Neighborhood::Within(near, radius),
+        NormalNeighborhood::Radius(radius) => Neighborhood::Within(near, radius),
     };
     let mut normals = given.clone();
     if missing > 0 {

@@ -12,7 +12,7 @@ use crate::manifold::vertex_set::VertexSet;
 use crate::pipeline::bandwidth::find_bandwidth;
 use crate::pipeline::density::{Density, check_count};
 use crate::pipeline::kernel::KernelFeatures;
-use crate::pipeline::sample::{ASCENT_OF_SCAN, MOST_DIMENSIONS};
+use crate::pipeline::sample_task::{ASCENT_OF_SCAN, MOST_DIMENSIONS};
 use crate::pipeline::scale::CANDIDATES_PER_POINT;
 use crate::pipeline::scale::Scale;
 use crate::spectral::ascent::{AscentParameters, PAPER_STEP, ascend_lifted};

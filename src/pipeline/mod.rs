@@ -4,6 +4,8 @@ mod attempts;
 mod bandwidth;
 mod base_mesh;
 mod cloud;
+mod cloud_options;
+mod cloud_summary;
 mod coarse;
 mod coverage;
 mod density;
@@ -30,6 +32,9 @@ mod resizing;
 mod result;
 mod rods;
 mod sample;
+mod sample_options;
+mod sample_task;
+mod sampled;
 mod sampled_domain;
 mod scale;
 mod selection;
@@ -44,10 +49,11 @@ mod values;
 mod within;
 
 pub use base_mesh::{MOST_OF_BASE, base_mesh, nodes};
-pub use cloud::{
-    CloudOptions, CloudSummary, FEW_NEIGHBORS, INTERPOLATING_SUPPORT, MeshOfPoints, NormalFit, Reach,
-    SMOOTHING_SUPPORT, mesh_of_points, volume,
+pub use cloud::{MeshOfPoints, mesh_of_points, volume};
+pub use cloud_options::{
+    CloudOptions, FEW_NEIGHBORS, INTERPOLATING_SUPPORT, NormalFit, NormalNeighborhood, SMOOTHING_SUPPORT,
 };
+pub use cloud_summary::CloudSummary;
 pub use coarse::coarseness_for;
 pub use coverage::Coverage;
 pub use density::{Density, FEWEST_POINTS, MOST_POINTS, SampleDensity, check_levels};
@@ -64,7 +70,9 @@ pub use progressive::SampleLevel;
 pub use reconstruct::{ReconstructOptions, Reconstructed, points_of_mesh, reconstruct};
 pub use remesh::{Remesher, remesh};
 pub use result::{Deviation, Remeshed};
-pub use sample::{SampleOptions, Sampled, count_notes, sample, sample_points};
+pub use sample::{sample, sample_points};
+pub use sample_options::SampleOptions;
+pub use sampled::{Sampled, count_notes};
 pub use scale::spacing_on;
 pub use selection::Selection;
 pub use shortcomings::{shortcomings, topology_faults};

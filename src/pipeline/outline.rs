@@ -4,14 +4,14 @@
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
 use crate::mesh::points::Points;
-use crate::pipeline::cloud::{CloudOptions, prepared};
+use crate::pipeline::cloud::prepared;
+use crate::pipeline::cloud_options::CloudOptions;
 use crate::pipeline::density::SampleDensity;
-use crate::pipeline::sample::bare_samples;
 use crate::pipeline::scale::Scale;
 use crate::prepare::orient::sided;
 use crate::spatial::kdtree::Neighbors;
 use crate::spectral::scan::{Given, Kernel, scan_lifted};
-use crate::surface::lift::Lift;
+use crate::surface::lift::{Lift, bare_samples};
 use glam::DVec3;
 
 /// Number of outline points that decide the side of a normal.

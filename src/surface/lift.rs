@@ -9,6 +9,7 @@
 //! Transactions on Visualization and Computer Graphics 13 (1), 2007 (the six dimensions).
 
 use crate::geom::vector::difference;
+use crate::mesh::points::Points;
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::submanifold::Submanifold;
 use glam::DVec3;
@@ -118,6 +119,18 @@ impl<S: Surface, const D: usize> Submanifold<D> for Lifted<'_, S> {
     fn joined(&self, one: &Sample, other: &Sample) -> bool {
         self.surface.joined(one, other)
     }
+}
+
+/// Returns the points as samples whose triangle is their number. Points without normals get a zero normal, for which all
+/// points count as neighbours.
+pub fn bare_samples(input: &Points) -> Vec<Sample> {
+    let sample = |(i, &position): (usize, &DVec3)| Sample {
+        position,
+        normal: input.normals().get(i).map_or(DVec3::ZERO, |n| n.normalize_or_zero()),
+        triangle: i as u32,
+        size: 1.0,
+    };
+    input.positions().iter().enumerate().map(sample).collect()
 }
 
 #[cfg(test)]

@@ -10,8 +10,8 @@ use crate::io::opened::Opened;
 use crate::io::spill::{Chunk, SpillWriter};
 use crate::mesh::points::Points;
 use crate::pipeline::{
-    INTERPOLATING_SUPPORT, Reach, SMOOTHING_SUPPORT, SampleDensity, SampleOptions, Survey, TileOptions, count_in_tile,
-    survey, volume,
+    INTERPOLATING_SUPPORT, NormalNeighborhood, SMOOTHING_SUPPORT, SampleDensity, SampleOptions, Survey, TileOptions,
+    count_in_tile, survey, volume,
 };
 use crate::prepare::flatten::{Flatness, flatness};
 use crate::spatial::kdtree::Neighbors;
@@ -129,8 +129,8 @@ fn refuse_impossible(options: &SampleOptions) -> Result<()> {
     }
     let setting = match (options.cloud.fit, options.cloud.neighborhood) {
         (Some(_), _) => Some(Setting::NormalFit),
-        (_, Some(Reach::Count(_))) => Some(Setting::NormalNeighbors),
-        (_, Some(Reach::Radius(_))) => Some(Setting::NormalRadius),
+        (_, Some(NormalNeighborhood::Count(_))) => Some(Setting::NormalNeighbors),
+        (_, Some(NormalNeighborhood::Radius(_))) => Some(Setting::NormalRadius),
         _ => None,
     };
     if let Some(setting) = setting {

@@ -170,9 +170,10 @@ mod tests {
     use crate::base::error::Setting;
     use crate::cli::flags::flag;
     use crate::io::Format;
+    use crate::job::large::OutOfCore;
     use crate::job::{Carry, RemeshOptions};
     use crate::pipeline::{
-        CloudOptions, Density, Grading, MaxError, NormalFit, Options, Reach, Selection, Signal, Values,
+        CloudOptions, Density, Grading, MaxError, NormalFit, NormalNeighborhood, Options, Selection, Signal, Values,
     };
     use crate::surface::features::Features;
 
@@ -247,7 +248,7 @@ mod tests {
         assert_eq!(remeshing("remesh a b --points 5 --select a=b=2").options.surface.part, mark("a=b", Some(2.0)));
         let line = "remesh a b --points 5 --normal-fit sphere --normal-neighbors 9 --fill-holes 2 --terrain --smooth";
         let cloud = remeshing(line).options.cloud;
-        let (fit, neighborhood) = (Some(NormalFit::Sphere), Some(Reach::Count(9)));
+        let (fit, neighborhood) = (Some(NormalFit::Sphere), Some(NormalNeighborhood::Count(9)));
         assert_eq!(cloud, CloudOptions { fit, neighborhood, smooth: Some(2.7), fill_holes: 2.0, terrain: Some(true) });
         let terrain = |line: &str| remeshing(line).options.cloud.terrain;
         assert_eq!(terrain("remesh a b --points 5 --terrain no"), Some(false));

@@ -4,6 +4,7 @@ use crate::cli::args::shared::{FormatArgs, MemoryArgs, MeshFile, NormalArgs, Run
 use crate::cli::args::stop::{Stop, refused};
 use crate::cli::args::words::{PropertyWidth, Sizing, no_density, positive_or_zero, property_width, within};
 use crate::job::RemeshOptions;
+use crate::job::large::OutOfCore;
 use crate::job::settings::RemeshSettings;
 use crate::job::words::{features, mark, max_error, points, positive};
 use crate::pipeline::{CloudOptions, Density, MaxError, Options, SMOOTHING_SUPPORT, Selection, Signal, check_levels};

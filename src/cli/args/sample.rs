@@ -4,6 +4,7 @@ use crate::cli::args::shared::{MemoryArgs, MeshFile, NormalArgs, Run, RunArgs, r
 use crate::cli::args::stop::{Stop, refused};
 use crate::cli::args::words::{PropertyWidth, no_density, property_width, samples};
 use crate::io::Format;
+use crate::job::large::OutOfCore;
 use crate::job::settings::{NormalSettings, SampleSettings};
 use crate::job::words::positive;
 use crate::pipeline::{SampleDensity, SampleOptions, Signal};

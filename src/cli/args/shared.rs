@@ -3,6 +3,7 @@
 use crate::cli::args::stop::{Stop, wrong};
 use crate::cli::args::words::bytes;
 use crate::io::Format;
+use crate::job::large::OutOfCore;
 use crate::job::settings::NormalSettings;
 use crate::job::words::{normal_fit, positive};
 use crate::pipeline::{FEW_NEIGHBORS, INTERPOLATING_SUPPORT, NormalFit, SMOOTHING_SUPPORT};

@@ -2,8 +2,8 @@
 
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
+use crate::io::Format;
 use crate::io::dense::PointFile;
-use crate::io::format::Format;
 use crate::job::large::LargeFile;
 use crate::job::large::workspace::Workspace;
 use crate::job::{Carry, Outcome, RemeshOptions};

@@ -10,7 +10,7 @@ mod workspace;
 pub use cloud::{merge_pieces, remesh_in_pieces, sample_in_tiles};
 pub use mesh::read_coarsened;
 
-use crate::io::format::Format;
+use crate::io::Format;
 use std::fs;
 use std::path::{Path, PathBuf};
 
