@@ -199,8 +199,8 @@ pub fn split_to(domain: &Domain, mesh: &mut Manifold, wanted: usize) -> Vec<u32>
 /// around them, except tips and narrow patches, which have been ordered as a whole.
 pub fn transition(domain: &Domain, mesh: &Manifold, dense: VertexSet, spacing: f64) -> VertexSet {
     let around = dense.with_rings(mesh, RINGS_OF_TRANSITION);
-    let settled = &narrow(domain, mesh, spacing) | &tips(mesh);
-    VertexSet::new(mesh, |v| around.contains(v) && !settled.contains(v))
+    let arranged = &narrow(domain, mesh, spacing) | &tips(mesh);
+    VertexSet::new(mesh, |v| around.contains(v) && !arranged.contains(v))
 }
 
 fn long_edges(mesh: &Manifold, spacing: f64) -> usize {

@@ -23,7 +23,7 @@ use crate::manifold::neighborhood::Neighborhood;
 use crate::manifold::vertex_set::VertexSet;
 use crate::optimize::angles::Goal;
 use crate::optimize::counts::{collapse_shortest, is_away_from_curves, meet_count};
-use crate::optimize::places::{GivenUp, Place, disjoint, put_back, settled, split};
+use crate::optimize::places::{GivenUp, Place, disjoint, put_back, relaxed, split};
 use crate::surface::domain::Domain;
 use glam::DVec3;
 
@@ -34,7 +34,7 @@ const SMALL: f64 = 40.0;
 const POOR: f64 = 0.8;
 
 /// Number of changes at a small angle that are relaxed: those with the lowest cost before.
-const MOST_SETTLED: usize = 4;
+const MOST_RELAXED: usize = 4;
 
 /// Maximum number of passes over all small angles.
 const MOST_PASSES: usize = 8;
@@ -163,9 +163,9 @@ impl Exchange<'_> {
         let mut changed: Vec<(f64, Neighborhood)> =
             changed.map(|changed| (self.goal.cost(&changed.mesh), changed)).collect();
         changed.sort_by(|a, b| a.0.total_cmp(&b.0));
-        changed.truncate(MOST_SETTLED);
-        let settled = changed.into_iter().map(|(_, changed)| self.settled(changed));
-        let mut better: Vec<(f64, Neighborhood)> = settled.collect::<Result<_>>()?;
+        changed.truncate(MOST_RELAXED);
+        let relaxed = changed.into_iter().map(|(_, changed)| self.relaxed(changed));
+        let mut better: Vec<(f64, Neighborhood)> = relaxed.collect::<Result<_>>()?;
         let (most, worst) = (self.goal.cost(mesh) - LEAST_GAIN, self.goal.worst_margin(mesh));
         better.retain(|(after, changed)| *after < most && self.goal.worst_margin(&changed.mesh) >= worst);
         better.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -193,9 +193,9 @@ impl Exchange<'_> {
     }
 
     /// Relaxes `around`; returns the cost afterwards and the result.
-    fn settled(&self, around: Neighborhood) -> Result<(f64, Neighborhood)> {
-        let settled = settled(self.domain, around, self.goal, self.spacing, self.monitor)?;
-        Ok((self.goal.cost(&settled.mesh), settled))
+    fn relaxed(&self, around: Neighborhood) -> Result<(f64, Neighborhood)> {
+        let relaxed = relaxed(self.domain, around, self.goal, self.spacing, self.monitor)?;
+        Ok((self.goal.cost(&relaxed.mesh), relaxed))
     }
 
     /// Brings the mesh to `wanted` vertices where it remains good. Splits or collapses edges away from curves: among the
@@ -213,8 +213,8 @@ impl Exchange<'_> {
                 let h = place.own_side();
                 let changed =
                     if count < wanted { split(self.domain, &place.around, h) } else { self.collapsed(place, h) };
-                let settled = changed.map(|changed| self.settled(changed)).transpose()?;
-                let sound = settled.filter(|(_, changed)| !changed.adds_self_intersections(&faces));
+                let relaxed = changed.map(|changed| self.relaxed(changed)).transpose()?;
+                let sound = relaxed.filter(|(_, changed)| !changed.adds_self_intersections(&faces));
                 Ok(sound.map(|(after, changed)| (after - self.goal.cost(&place.around.mesh), changed)))
             };
             let changed = parallel::each(&places, changed).into_iter().collect::<Result<Vec<_>>>()?;

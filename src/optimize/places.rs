@@ -122,7 +122,7 @@ pub(super) fn split(domain: &Domain, around: &Neighborhood, h: u32) -> Option<Ne
 }
 
 /// Relaxes `around` and brings its triangles to the `goal` as far as possible. `spacing` is the mean edge length.
-pub(super) fn settled(
+pub(super) fn relaxed(
     domain: &Domain,
     mut around: Neighborhood,
     goal: Goal,

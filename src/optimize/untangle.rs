@@ -22,7 +22,7 @@ use crate::optimize::angles::Goal;
 use crate::optimize::crossings::Crossings;
 use crate::optimize::exchange::is_near;
 use crate::optimize::faults::{Counted, Faults};
-use crate::optimize::places::{GivenUp, Place, disjoint, settled, split};
+use crate::optimize::places::{GivenUp, Place, disjoint, relaxed, split};
 use crate::optimize::probes::{Probe, Probes, distance};
 use crate::spatial::self_intersections::{Inherited, faces_of};
 use crate::surface::domain::Domain;
@@ -41,7 +41,7 @@ const MOST_IN_A_ROW: usize = 3;
 const MOST_FOLLOWED: usize = 3;
 
 /// Number of candidates that are relaxed: those with the fewest faults before.
-const MOST_SETTLED: usize = 3;
+const MOST_RELAXED: usize = 3;
 
 /// Maximum edge length after a change, in target edge lengths. Without this limit, successive changes would dissolve rods
 /// thinner than the target edge length.
@@ -211,12 +211,12 @@ impl Untangling<'_> {
             let mut changed: Vec<Candidate> =
                 parallel::each(changes, |(faults, changed)| (self.faults(&changed, faults), changed));
             changed.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let settled = parallel::each(changed.iter().take(MOST_SETTLED), |(faults, changed)| {
-                let settled = settled(self.domain, changed.clone(), Goal::GOOD, self.spacing, self.monitor)?;
-                Ok((self.faults(&settled, faults), settled))
+            let relaxed = parallel::each(changed.iter().take(MOST_RELAXED), |(faults, changed)| {
+                let relaxed = relaxed(self.domain, changed.clone(), Goal::GOOD, self.spacing, self.monitor)?;
+                Ok((self.faults(&relaxed, faults), relaxed))
             });
-            let settled: Vec<Candidate> = settled.into_iter().collect::<Result<_>>()?;
-            changed.extend(settled);
+            let relaxed: Vec<Candidate> = relaxed.into_iter().collect::<Result<_>>()?;
+            changed.extend(relaxed);
             changed.sort_by(|a, b| a.0.total_cmp(&b.0));
             let is_better = |(faults, around): &Candidate| faults.are_fewer_than(&now.0) && is_near(around);
             if let Some(better) = changed.iter().position(is_better) {

@@ -166,9 +166,9 @@ pub fn mesh_of_points(points: &Points, options: &CloudOptions, monitor: &dyn Mon
     let has_no_outside = prepared.has_no_outside();
     let Prepared { points, mut source, mut near, graph, spacings, spacing, smooth, mut summary } = prepared;
     let (mut positions, mut normals) = points.into_parts();
-    if let Some(reach) = smooth {
+    if let Some(support) = smooth {
         monitor.stage("smooth");
-        (positions, normals) = Rimls::new(&positions, &normals, &near, &spacings, reach).smoothed();
+        (positions, normals) = Rimls::new(&positions, &normals, &near, &spacings, support).smoothed();
         near = Neighbors::new(&positions);
     }
 

@@ -62,7 +62,7 @@ impl CloudOptions {
 
     /// Returns the same options for points whose coordinates were divided by `size`.
     pub(super) fn within_unit(&self, size: f64) -> CloudOptions {
-        let neighborhood = self.neighborhood.map(|reach| match reach {
+        let neighborhood = self.neighborhood.map(|neighborhood| match neighborhood {
             NormalNeighborhood::Radius(radius) => NormalNeighborhood::Radius(radius / size),
             count => count,
         });
@@ -71,21 +71,21 @@ impl CloudOptions {
 }
 
 /// Refuses a support radius that is out of range.
-pub(super) fn check_smooth(reach: Option<f64>) -> Result<()> {
-    let refuse = |reach: f64| {
-        let cause = format!("{reach} spacings are out of range");
+pub(super) fn check_smooth(support: Option<f64>) -> Result<()> {
+    let refuse = |support: f64| {
+        let cause = format!("{support} spacings are out of range");
         Err(Error::Option {
             option: Setting::Smoothing,
             cause,
             remedy: "give a number from 1.5 to 20, or 0 for none".into(),
         })
     };
-    smoothing(reach).filter(|r| !(1.5..=20.0).contains(r)).map_or(Ok(()), refuse)
+    smoothing(support).filter(|r| !(1.5..=20.0).contains(r)).map_or(Ok(()), refuse)
 }
 
 /// Returns the support radius if anything is smoothed; zero means no smoothing.
-pub(super) fn smoothing(reach: Option<f64>) -> Option<f64> {
-    reach.filter(|&reach| reach != 0.0)
+pub(super) fn smoothing(support: Option<f64>) -> Option<f64> {
+    support.filter(|&support| support != 0.0)
 }
 
 /// Shape that is fitted to estimate normals.

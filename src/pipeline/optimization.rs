@@ -127,7 +127,7 @@ fn coarse_to_fine(
     monitor.stage("ascend");
     let (dense, _) = arrange_coarse(domain, mesh, scale, &VertexSet::EMPTY, kept, monitor)?;
     monitor.stage("relax");
-    settle(domain, mesh, &dense, 2.0 * scale.spacing, monitor)?;
+    relax_coarse(domain, mesh, &dense, 2.0 * scale.spacing, monitor)?;
     refine(domain, mesh, &dense, &VertexSet::EMPTY, scale, monitor)?;
     Ok(())
 }
@@ -153,19 +153,19 @@ fn arrange_narrow(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: 
 }
 
 /// Reduces a mesh of the given scale to a quarter of its vertices, well arranged. Keeps all vertices where a coarser mesh
-/// could not follow the surface, and the `settled` ones, which do not move. If the mesh is large enough, it is first
+/// could not follow the surface, and the `arranged` ones, which do not move. If the mesh is large enough, it is first
 /// arranged by a still coarser one, which this function also makes. The `kept` vertices are some of those that the coarse
 /// mesh needs. Returns the dense vertices and the old number of each vertex.
 fn arrange_coarse(
     domain: &Domain,
     mesh: &mut Manifold,
     scale: &Scale,
-    settled: &VertexSet,
+    arranged: &VertexSet,
     kept: &VertexSet,
     monitor: &dyn Monitor,
 ) -> Result<(VertexSet, Vec<u32>)> {
     let before = mesh.connectivity.vertex_count();
-    let (mut dense, mut old) = reduce(domain, mesh, scale.spacing, settled, kept, monitor)?;
+    let (mut dense, mut old) = reduce(domain, mesh, scale.spacing, arranged, kept, monitor)?;
     let mut sweeps = COARSE_SWEEPS;
     let count = mesh.connectivity.vertex_count();
     // On a rough surface hardly any edge can collapse, so a still coarser mesh would be the same.
@@ -182,18 +182,18 @@ fn arrange_coarse(
     Ok((dense, old))
 }
 
-/// Arranges the vertices that no coarser mesh can do without, except the `settled` ones, and collapses the mesh to a quarter
+/// Arranges the vertices that no coarser mesh can do without, except the `arranged` ones, and collapses the mesh to a quarter
 /// of the others. Returns these dense vertices and the old number of each vertex.
 fn reduce(
     domain: &Domain,
     mesh: &mut Manifold,
     spacing: f64,
-    settled: &VertexSet,
+    arranged: &VertexSet,
     kept: &VertexSet,
     monitor: &dyn Monitor,
 ) -> Result<(VertexSet, Vec<u32>)> {
     let fine = AscentParameters { sigma: ASCENT_SIGMA * spacing, step: LONG_STEP, sweeps: FINE_SWEEPS };
-    ascend(domain, mesh, &(&!&indispensable(mesh, kept) | settled), fine, monitor)?;
+    ascend(domain, mesh, &(&!&indispensable(mesh, kept) | arranged), fine, monitor)?;
     Ok(coarsen(domain, mesh, spacing, kept))
 }
 
@@ -217,52 +217,58 @@ fn spread(
 }
 
 /// Refines a `coarser` mesh, given by its dense vertices and old numbers, back to the given scale without moving the
-/// `settled` vertices. Returns the number that each vertex had before the reduction.
+/// `arranged` vertices. Returns the number that each vertex had before the reduction.
 fn refine_from(
     domain: &Domain,
     mesh: &mut Manifold,
     coarser: (VertexSet, Vec<u32>),
-    settled: &VertexSet,
+    arranged: &VertexSet,
     scale: &Scale,
     monitor: &dyn Monitor,
 ) -> Result<Vec<u32>> {
     let (dense, old) = coarser;
-    settle(domain, mesh, &dense, 2.0 * scale.spacing, monitor)?;
-    let split = refine(domain, mesh, &dense, &settled.renumbered(&old), scale, monitor)?;
+    relax_coarse(domain, mesh, &dense, 2.0 * scale.spacing, monitor)?;
+    let split = refine(domain, mesh, &dense, &arranged.renumbered(&old), scale, monitor)?;
     Ok(renumbered(&old, &split))
 }
 
 /// Removes neighbouring defects from a coarse mesh of that spacing and relaxes all but the `dense` vertices.
-fn settle(domain: &Domain, mesh: &mut Manifold, dense: &VertexSet, spacing: f64, monitor: &dyn Monitor) -> Result<()> {
+fn relax_coarse(
+    domain: &Domain,
+    mesh: &mut Manifold,
+    dense: &VertexSet,
+    spacing: f64,
+    monitor: &dyn Monitor,
+) -> Result<()> {
     remove_near_defects(mesh, dense, spacing);
-    relax(domain, mesh, dense, spacing, Flips::KeepValence, SETTLING_ROUNDS, monitor)?;
+    relax(domain, mesh, dense, spacing, Flips::KeepValence, VALENCE_ROUNDS, monitor)?;
     relax(domain, mesh, dense, spacing, Flips::Delaunay, ROUNDS, monitor)
 }
 
 /// Splits the longest edges of a coarse mesh until the wanted number of vertices is reached, and rearranges those around the
-/// `dense` vertices except the `settled` ones. Returns the old number of each vertex.
+/// `dense` vertices except the `arranged` ones. Returns the old number of each vertex.
 fn refine(
     domain: &Domain,
     mesh: &mut Manifold,
     dense: &VertexSet,
-    settled: &VertexSet,
+    arranged: &VertexSet,
     scale: &Scale,
     monitor: &dyn Monitor,
 ) -> Result<Vec<u32>> {
     let Scale { wanted, spacing } = *scale;
     let old = split_to(domain, mesh, wanted);
-    let [dense, settled] = [dense, settled].map(|set| set.renumbered(&old));
-    let anew = VertexSet::new(mesh, |v| dense.contains(v) && !settled.contains(v));
-    order_around(domain, mesh, anew, &settled, spacing, monitor)?;
+    let [dense, arranged] = [dense, arranged].map(|set| set.renumbered(&old));
+    let anew = VertexSet::new(mesh, |v| dense.contains(v) && !arranged.contains(v));
+    order_around(domain, mesh, anew, &arranged, spacing, monitor)?;
     Ok(old)
 }
 
-/// Rearranges the vertices `anew` and those around them by ascent, except the `settled` ones.
+/// Rearranges the vertices `anew` and those around them by ascent, except the `arranged` ones.
 fn order_around(
     domain: &Domain,
     mesh: &mut Manifold,
     anew: VertexSet,
-    settled: &VertexSet,
+    arranged: &VertexSet,
     spacing: f64,
     monitor: &dyn Monitor,
 ) -> Result<()> {
@@ -271,7 +277,7 @@ fn order_around(
         return Ok(());
     }
     let ascent = AscentParameters { sigma: COARSE_SIGMA * spacing, step: LONG_STEP, sweeps: TRANSITION_SWEEPS };
-    ascend(domain, mesh, &(&!&transition | settled), ascent, monitor)
+    ascend(domain, mesh, &(&!&transition | arranged), ascent, monitor)
 }
 
 /// Restores the parts of the `fine` mesh that the coarse one missed or where faces intersect.
@@ -304,7 +310,7 @@ fn relax_to_count(domain: &Domain, mesh: &mut Manifold, scale: &Scale, monitor: 
     let wide = !&narrow(domain, mesh, spacing);
     for _ in 0..2 {
         remove_defects(mesh, &locked, &wide);
-        relax(domain, mesh, &locked, spacing, Flips::KeepValence, SETTLING_ROUNDS, monitor)?;
+        relax(domain, mesh, &locked, spacing, Flips::KeepValence, VALENCE_ROUNDS, monitor)?;
     }
     relax(domain, mesh, &locked, spacing, Flips::KeepValence, 2 * ROUNDS, monitor)
 }
@@ -335,4 +341,4 @@ const COARSE_SIGMA: f64 = 0.9;
 /// Rounds of relaxation per level: after three, vertices move by a hundredth of an edge. The settling rounds, after defects
 /// are removed, only give the rows room.
 const ROUNDS: usize = 3;
-const SETTLING_ROUNDS: usize = 2;
+const VALENCE_ROUNDS: usize = 2;

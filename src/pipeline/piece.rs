@@ -131,7 +131,7 @@ fn surface_of(
     let normals: Vec<DVec3> = samples.iter().map(|s| s.normal).collect();
     // The nodes lie on this surface. Without noise it hardly differs from the points, but the absence of noise is not
     // certain.
-    let (positions, normals) = Rimls::new(&positions, &normals, &near, &spacings, options.reach).smoothed();
+    let (positions, normals) = Rimls::new(&positions, &normals, &near, &spacings, options.support).smoothed();
     let triangles = triangles_between(&positions, &normals, monitor)?;
     let mut mesh = Mesh { positions, triangles };
     mesh.drop_unused();

@@ -41,7 +41,7 @@ pub fn place_nodes(
     let part = Part::new(points, options, outline);
     let positions: Vec<DVec3> = part.samples.iter().map(|s| s.position).collect();
     let normals: Vec<DVec3> = part.samples.iter().map(|s| s.normal).collect();
-    let surface = Rimls::new(&positions, &normals, &part.near, &part.spacings, options.reach);
+    let surface = Rimls::new(&positions, &normals, &part.near, &part.spacings, options.support);
     let place = |found: &mut Vec<Neighbor>, node: &Node| {
         let near = tangent_to(&part, node, FAR * spacing, found)?;
         surface.sample(near).filter(|sample| sample.normal.dot(node.normal) > FACING)
@@ -112,7 +112,7 @@ mod tests {
             .collect();
         let outline = Outline::new(Points::from_pairs(points.iter().map(|p| (p.position, p.normal))));
         let sigma = Scale::sigma_of_spacing(0.1);
-        let options = TileOptions { sigma, cell: 2.0 * sigma, seed: 0, sweeps: None, reach: 2.3, is_sided: true };
+        let options = TileOptions { sigma, cell: 2.0 * sigma, seed: 0, sweeps: None, support: 2.3, is_sided: true };
         let nodes = plane(20, 0.03).into_iter().filter(|&p| is_there(p));
         let nodes: Vec<Node> =
             nodes.map(|position| Node { position, normal: DVec3::Z }).chain(more.iter().copied()).collect();

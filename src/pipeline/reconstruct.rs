@@ -48,7 +48,7 @@ pub struct Reconstructed {
     /// Edge length of the cells that was used, in the units of the input.
     pub resolution: f64,
     /// Support radius of the points, in their spacings.
-    pub reach: f64,
+    pub support: f64,
 }
 
 impl ReconstructOptions {
@@ -79,7 +79,7 @@ pub fn points_of_mesh(mesh: &Mesh) -> Points {
 pub fn reconstruct(points: &Points, options: &ReconstructOptions, monitor: &dyn Monitor) -> Result<Reconstructed> {
     options.validate()?;
     let prepared = prepared(points, &options.cloud, monitor)?;
-    let reach = prepared.smooth.unwrap_or(INTERPOLATING_SUPPORT);
+    let support = prepared.smooth.unwrap_or(INTERPOLATING_SUPPORT);
     let has_no_outside = prepared.has_no_outside();
     let area = prepared.area();
     let Prepared { points, near, mut spacings, summary, .. } = prepared;
@@ -90,7 +90,7 @@ pub fn reconstruct(points: &Points, options: &ReconstructOptions, monitor: &dyn 
     spacings.iter_mut().for_each(|s| *s = s.max(resolution));
 
     monitor.stage("extract");
-    let surface = Rimls::new(points.positions(), points.normals(), &near, &spacings, reach);
+    let surface = Rimls::new(points.positions(), points.normals(), &near, &spacings, support);
     let lattice = Lattice::around(points.positions(), surface.largest_support(), resolution);
     let lattice = lattice.ok_or_else(|| too_small(resolution, f64::INFINITY))?;
     let mesh = extract(&surface, &lattice, MOST_VERTICES, monitor)?;
@@ -104,7 +104,7 @@ pub fn reconstruct(points: &Points, options: &ReconstructOptions, monitor: &dyn 
         face_outwards(&mut mesh);
     }
     let topology = topology(mesh.positions.len(), &mesh.triangles);
-    Ok(Reconstructed { mesh, topology, cloud: summary, spacing, resolution, reach })
+    Ok(Reconstructed { mesh, topology, cloud: summary, spacing, resolution, support })
 }
 
 /// Refuses cells so small that too many are needed.

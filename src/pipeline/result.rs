@@ -42,7 +42,7 @@ pub struct Remeshed {
     pub wanted: usize,
     /// Number of sharp edges that were kept, counted as curves between corners.
     pub sharp_curves: usize,
-    /// Number of smooth patches that were tessellated from the input as a whole, because their samples did not settle even
+    /// Number of smooth patches that were tessellated from the input as a whole, because their samples remained inconsistent even
     /// with parts of them tessellated.
     pub tessellated_patches: usize,
     /// Faces of the result that intersect or touch another one away from shared corners and edges, in increasing order.

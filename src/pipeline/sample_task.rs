@@ -158,8 +158,9 @@ impl Task<'_> {
 
     /// Samples the surface of a cloud by scan and ascent.
     pub(super) fn on_cloud(&self, cloud: &Prepared, unit: &Unit) -> Result<Sampled> {
-        let reach = cloud.smooth.unwrap_or(INTERPOLATING_SUPPORT);
-        let surface = Rimls::new(cloud.points.positions(), cloud.points.normals(), &cloud.near, &cloud.spacings, reach);
+        let support = cloud.smooth.unwrap_or(INTERPOLATING_SUPPORT);
+        let surface =
+            Rimls::new(cloud.points.positions(), cloud.points.normals(), &cloud.near, &cloud.spacings, support);
         let expected = self.wanted.unwrap_or_else(|| Scale::count_of_sigma(self.first_sigma, cloud.area()));
         check_count(Setting::SigmaP, expected, format!("this width means {expected} samples"))?;
         let choices = choices_on(&surface, cloud, expected, self.options.seed);

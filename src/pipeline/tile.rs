@@ -53,7 +53,7 @@ pub struct TileOptions {
     /// Sweeps of gradient ascent; `None` if samples are points of the cloud, as the scan leaves them.
     pub sweeps: Option<usize>,
     /// Support radius of points on the surface, in their spacings.
-    pub reach: f64,
+    pub support: f64,
     /// Whether given normals are on a common side.
     pub is_sided: bool,
 }
@@ -112,12 +112,12 @@ pub fn sample_tile(
     let mut samples: Vec<Sample> = kept.iter().map(|&i| part.samples[i as usize]).collect();
     let positions: Vec<DVec3> = part.samples.iter().map(|s| s.position).collect();
     let normals: Vec<DVec3> = part.samples.iter().map(|s| s.normal).collect();
-    let surface = Rimls::new(&positions, &normals, &part.near, &part.spacings, options.reach);
+    let surface = Rimls::new(&positions, &normals, &part.near, &part.spacings, options.support);
     let ascent = AscentParameters { sigma: ASCENT_OF_SCAN * options.sigma, step: STEP, sweeps };
     ascend_at_once::<_, 3>(&Lifted { surface: &surface, lift: Lift::NONE }, &mut samples, ascent, monitor)?;
     let own: Vec<(u32, Sample)> = kept.into_iter().zip(samples).filter(|(i, _)| is_own(i)).collect();
-    let settled = |&(i, sample): &(u32, Sample)| part.point(i, &surface.sample(sample.position).unwrap_or(sample));
-    Ok(parallel::map(&own[..], settled))
+    let projected = |&(i, sample): &(u32, Sample)| part.point(i, &surface.sample(sample.position).unwrap_or(sample));
+    Ok(parallel::map(&own[..], projected))
 }
 
 /// Returns the approximate number of samples that the scan keeps in the blocks of `tile`: the influence of points that are

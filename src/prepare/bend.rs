@@ -41,7 +41,7 @@ const HIGHEST_RISE: f64 = 0.25;
 /// Cosine of the largest angle by which a split triangle may turn.
 const MOST_TURN: f64 = 0.5;
 
-/// Number of rings around a new vertex that contain all points it depends on: the reach of a point plus the neighbours of
+/// Number of rings around a new vertex that contain all points it depends on: the support radius of a point plus the neighbours of
 /// its normal.
 const RINGS: usize = 5;
 
@@ -66,8 +66,8 @@ impl Cloud {
         Cloud { positions, normals, near, spacings }
     }
 
-    fn surface(&self, reach: f64) -> Rimls<'_> {
-        Rimls::new(&self.positions, &self.normals, &self.near, &self.spacings, reach)
+    fn surface(&self, support: f64) -> Rimls<'_> {
+        Rimls::new(&self.positions, &self.normals, &self.near, &self.spacings, support)
     }
 }
 
@@ -123,18 +123,18 @@ impl Split {
     }
 
     /// Moves the new vertices of `mesh` onto the implicit surface of the original ones, each of which reaches as far as
-    /// `reach` times its spacing. Vertices at a boundary stay, and so do those at a sharp edge, where points do not
+    /// `support` times its spacing. Vertices at a boundary stay, and so do those at a sharp edge, where points do not
     /// determine how the surface lies beside them. `twin` and `sharp` are as in [`Domain::with_sharp`].
     ///
     /// [`Domain::with_sharp`]: crate::surface::domain::Domain::with_sharp
-    pub fn bend(&self, mesh: &mut OrientedManifold, twin: &[u32], sharp: &[bool], reach: f64) {
+    pub fn bend(&self, mesh: &mut OrientedManifold, twin: &[u32], sharp: &[bool], support: f64) {
         let count = mesh.positions.len() - self.ends.len();
         let at_sharp = corners_of_sides(mesh, |side| sharp[side]);
         let at_boundary = corners_of_sides(mesh, |side| twin[side] == NONE);
         let mut points = points_around(mesh, count);
         points.retain(|&v| !at_sharp[v as usize]);
         let cloud = Cloud::new(mesh, &points);
-        let surface = cloud.surface(reach);
+        let surface = cloud.surface(support);
         let (miss, highest) = self.at_ends(mesh, &surface, &at_sharp);
         let rise = |found: &mut Found, v: usize| {
             if at_sharp[v] || at_boundary[v] || highest[v] == 0.0 {

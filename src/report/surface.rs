@@ -50,7 +50,7 @@ impl SurfaceReport {
             surface: made.topology,
             spacing: made.spacing,
             resolution: made.resolution,
-            reach: made.reach,
+            reach: made.support,
             run: RunSummary::of_notes(notes),
         }
     }

@@ -5,9 +5,9 @@
 //! larger dihedral angle than a pillar of nine sides.
 //!
 //! The edges of a step between points on a lattice, no wider than their distance, are no edges of the surface either: the
-//! surface turns back immediately by as much as it turned.
+//! surface dihedral_angles back immediately by as much as it turned.
 //!
-//! Facets many samples wide are flat at the scale of the samples, and a surface that turns strongly from one sample to the
+//! Facets many samples wide are flat at the scale of the samples, and a surface that dihedral_angles strongly from one sample to the
 //! next is sharp at that scale. Both criteria apply to a whole chain of edges that continue straight, so that no chain is
 //! sharp in parts.
 //!
@@ -18,7 +18,7 @@ use crate::base::union_find::UnionFind;
 use crate::mesh::half_edge::{next, prev};
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::surface::turns::{direction, length};
+use crate::surface::dihedral_angles::{direction, length};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -48,17 +48,17 @@ pub const NOTICED: f64 = FLAT * LEAST;
 /// Maximum number of triangles on the way across a facet.
 const LONGEST_WALK: usize = 64;
 
-/// Returns whether each side of `mesh` is on an edge between facets. `turns` has the dihedral angle across each side in
+/// Returns whether each side of `mesh` is on an edge between facets. `dihedral_angles` has the dihedral angle across each side in
 /// degrees, negative where the surface is concave; it may be zero below [`NOTICED`]. `twin` is the result of
 /// [`twins`](crate::mesh::topology::twins), `spacing` that of the samples.
-pub fn between_facets(mesh: &Mesh, twin: &[u32], turns: &[f64], spacing: f64) -> Vec<bool> {
-    let facets = Facets { mesh, twin, turns, widest: WIDEST * spacing };
+pub fn between_facets(mesh: &Mesh, twin: &[u32], dihedral_angles: &[f64], spacing: f64) -> Vec<bool> {
+    let facets = Facets { mesh, twin, dihedral_angles, widest: WIDEST * spacing };
     let edges = facets.edges();
     let mut curves = straight_curves(mesh, &edges);
     let mut sums: BTreeMap<u32, Sums> = BTreeMap::new();
     for (i, edge) in (0..).zip(&edges) {
         let sum = sums.entry(curves.find(i)).or_default();
-        sum.add(length(mesh, edge.side), turns[edge.side as usize].abs(), edge.width());
+        sum.add(length(mesh, edge.side), dihedral_angles[edge.side as usize].abs(), edge.width());
     }
     let mut result = vec![false; twin.len()];
     for (_, edge) in (0..).zip(&edges).filter(|(i, _)| sums[&curves.find(*i)].is_round(spacing)) {
@@ -70,11 +70,11 @@ pub fn between_facets(mesh: &Mesh, twin: &[u32], turns: &[f64], spacing: f64) ->
 
 /// Returns whether each side of `mesh` is on an edge of a step no wider than `widest`. The other arguments are those of
 /// [`between_facets`].
-pub fn on_steps(mesh: &Mesh, twin: &[u32], turns: &[f64], widest: f64) -> Vec<bool> {
-    let facets = Facets { mesh, twin, turns, widest };
+pub fn on_steps(mesh: &Mesh, twin: &[u32], dihedral_angles: &[f64], widest: f64) -> Vec<bool> {
+    let facets = Facets { mesh, twin, dihedral_angles, widest };
     let turns_back = |side: u32| {
-        let turn = turns[side as usize];
-        let beyond = |facet: Facet| turns[facet.other as usize] / -turn;
+        let turn = dihedral_angles[side as usize];
+        let beyond = |facet: Facet| dihedral_angles[facet.other as usize] / -turn;
         turn.abs() >= LEAST && facets.across(side).is_some_and(|f| (ALIKE[0]..=ALIKE[1]).contains(&beyond(f)))
     };
     let back = parallel::map(0..twin.len() as u32, turns_back);
@@ -148,7 +148,7 @@ impl Edge {
 struct Facets<'a> {
     mesh: &'a Mesh,
     twin: &'a [u32],
-    turns: &'a [f64],
+    dihedral_angles: &'a [f64],
     /// Width of the widest facet to walk across.
     widest: f64,
 }
@@ -156,11 +156,11 @@ struct Facets<'a> {
 impl Facets<'_> {
     /// Returns the facet edges: those with a similar edge on both sides, or with such an edge on one side.
     fn edges(&self) -> Vec<Edge> {
-        let Facets { twin, turns, .. } = self;
+        let Facets { twin, dihedral_angles, .. } = self;
         let mut edges: Vec<Edge> = parallel::collect(0..twin.len() as u32, |sides| {
             sides
                 .filter(|&side| side < twin[side as usize] && twin[side as usize] != NONE)
-                .filter(|&side| (LEAST..=MOST).contains(&turns[side as usize].abs()))
+                .filter(|&side| (LEAST..=MOST).contains(&dihedral_angles[side as usize].abs()))
                 .map(|side| Edge { side, beside: [side, twin[side as usize]].map(|s| self.beside(s)) })
         });
         let mut inner = vec![false; twin.len()];
@@ -177,14 +177,14 @@ impl Facets<'_> {
     /// Returns the facet that `side` bounds, if its far edge has a dihedral angle similar to that of `side`.
     fn beside(&self, side: u32) -> Option<Facet> {
         let facet = self.across(side)?;
-        let [here, there] = [side, facet.other].map(|s| self.turns[s as usize]);
+        let [here, there] = [side, facet.other].map(|s| self.dihedral_angles[s as usize]);
         let is_alike = (ALIKE[0]..=ALIKE[1]).contains(&(there / here)) && there.abs() <= MOST;
         is_alike.then_some(facet)
     }
 
     /// Returns the facet that `side` bounds, up to the next edge straight across that is not flat.
     fn across(&self, side: u32) -> Option<Facet> {
-        let flat = FLAT * self.turns[side as usize].abs();
+        let flat = FLAT * self.dihedral_angles[side as usize].abs();
         let place = |s: u32| self.mesh.positions[self.mesh.origin(s) as usize];
         let normal = |s: u32| self.mesh.area_vector(s as usize / 3).try_normalize();
         let along = place(next(side)) - place(side);
@@ -201,7 +201,7 @@ impl Facets<'_> {
             if width > self.widest || self.twin[exit as usize] == NONE {
                 return None;
             }
-            if self.turns[exit as usize].abs() > flat {
+            if self.dihedral_angles[exit as usize].abs() > flat {
                 return Some(Facet { other: exit, width });
             }
             at += step;
@@ -216,7 +216,7 @@ impl Facets<'_> {
 mod tests {
     use super::*;
     use crate::mesh::topology::twins;
-    use crate::surface::turns::turns;
+    use crate::surface::dihedral_angles::dihedral_angles;
     use crate::testing::grid;
     use glam::{DVec2, dvec2, dvec3};
 
@@ -228,14 +228,14 @@ mod tests {
             dvec3(p.x, 10.0 * v, p.y)
         });
         let twin = twins(&mesh.triangles);
-        let found = between_facets(&mesh, &twin, &turns(&mesh, &twin, spacing, NOTICED), spacing);
+        let found = between_facets(&mesh, &twin, &dihedral_angles(&mesh, &twin, spacing, NOTICED), spacing);
         found.iter().filter(|f| **f).count() / 2
     }
 
     /// A profile of steps of `length`, each turned against the one before by the next angle, in degrees.
-    fn bent(length: f64, turns: &[f64]) -> Vec<DVec2> {
+    fn bent(length: f64, dihedral_angles: &[f64]) -> Vec<DVec2> {
         let (mut way, mut profile) = (dvec2(length, 0.0), vec![DVec2::ZERO, dvec2(length, 0.0)]);
-        for turn in turns {
+        for turn in dihedral_angles {
             way = DVec2::from_angle(-turn.to_radians()).rotate(way);
             profile.push(*profile.last().unwrap() + way);
         }
@@ -266,7 +266,8 @@ mod tests {
                 dvec3(p.x, 10.0 * v, p.y)
             });
             let twin = twins(&mesh.triangles);
-            on_steps(&mesh, &twin, &turns(&mesh, &twin, 0.5, NOTICED), widest).iter().filter(|f| **f).count() / 2
+            on_steps(&mesh, &twin, &dihedral_angles(&mesh, &twin, 0.5, NOTICED), widest).iter().filter(|f| **f).count()
+                / 2
         };
         assert_eq!(steps(1.2), 4, "one up and one down, but not the ridge");
         assert_eq!(steps(0.8), 0);

@@ -21,9 +21,9 @@ use crate::base::union_find::UnionFind;
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
+use crate::surface::dihedral_angles::{dihedral_angles, direction, length};
 use crate::surface::facets::{NOTICED, STRAIGHT, between_facets, on_steps};
 use crate::surface::planes::{Planes, planar_bodies};
-use crate::surface::turns::{direction, length, turns};
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use std::slice::SliceIndex;
@@ -103,18 +103,18 @@ pub fn sharp_sides(
     let mut sharp = match features {
         Features::Smooth => return vec![false; twin.len()],
         Features::Edges(edges) => along(mesh, twin, edges),
-        Features::Degrees(degrees) => turned(&turns(mesh, twin, spacing, *degrees), *degrees),
+        Features::Degrees(degrees) => turned(&dihedral_angles(mesh, twin, spacing, *degrees), *degrees),
         Features::Automatic => {
-            let turns = without_facets(mesh, twin, spacing, finest);
-            let histogram = Histogram::new(mesh, (0..).zip(turns.iter().copied()));
+            let dihedral_angles = without_facets(mesh, twin, spacing, finest);
+            let histogram = Histogram::new(mesh, (0..).zip(dihedral_angles.iter().copied()));
             match histogram.gap() {
-                _ if histogram.is_rough(spacing) => vec![false; turns.len()],
-                Some(threshold) => turned(&turns, threshold),
+                _ if histogram.is_rough(spacing) => vec![false; dihedral_angles.len()],
+                Some(threshold) => turned(&dihedral_angles, threshold),
                 None => {
-                    let mut sharp = turned_on_planar_bodies(mesh, twin, &turns, spacing);
+                    let mut sharp = turned_on_planar_bodies(mesh, twin, &dihedral_angles, spacing);
                     if let Some(steep) = histogram.threshold(STEEP, STEEP_GAP) {
-                        sharp.iter_mut().zip(&turns).for_each(|(sharp, turn)| *sharp |= turn.abs() >= steep);
-                        go_on(mesh, twin, &turns, &mut sharp, 0.5 * steep);
+                        sharp.iter_mut().zip(&dihedral_angles).for_each(|(sharp, turn)| *sharp |= turn.abs() >= steep);
+                        go_on(mesh, twin, &dihedral_angles, &mut sharp, 0.5 * steep);
                     }
                     sharp
                 }
@@ -128,23 +128,24 @@ pub fn sharp_sides(
 /// Returns the dihedral angle across each side; zero on edges between facets of a round surface and on steps that are too
 /// fine.
 fn without_facets(mesh: &Mesh, twin: &[u32], spacing: f64, finest: f64) -> Vec<f64> {
-    let mut turns = turns(mesh, twin, spacing, NOTICED);
-    let steps = if finest > 0.0 { on_steps(mesh, twin, &turns, finest) } else { vec![false; turns.len()] };
-    let facets = between_facets(mesh, twin, &turns, spacing);
+    let mut dihedral_angles = dihedral_angles(mesh, twin, spacing, NOTICED);
+    let steps =
+        if finest > 0.0 { on_steps(mesh, twin, &dihedral_angles, finest) } else { vec![false; dihedral_angles.len()] };
+    let facets = between_facets(mesh, twin, &dihedral_angles, spacing);
     let none = facets.into_iter().zip(steps).map(|(is_between, is_step)| is_between || is_step);
-    turns.iter_mut().zip(none).filter(|(_, none)| *none).for_each(|(turn, _)| *turn = 0.0);
-    turns
+    dihedral_angles.iter_mut().zip(none).filter(|(_, none)| *none).for_each(|(turn, _)| *turn = 0.0);
+    dihedral_angles
 }
 
-fn turned(turns: &[f64], threshold: f64) -> Vec<bool> {
-    turns.iter().map(|&turn| turn.abs() >= threshold).collect()
+fn turned(dihedral_angles: &[f64], threshold: f64) -> Vec<bool> {
+    dihedral_angles.iter().map(|&turn| turn.abs() >= threshold).collect()
 }
 
-/// Extends curves straight beyond their ends, where the surface turns in the same direction by `least` degrees or more, so
+/// Extends curves straight beyond their ends, where the surface dihedral_angles in the same direction by `least` degrees or more, so
 /// that a rim whose steepness varies stays whole.
-fn go_on(mesh: &Mesh, twin: &[u32], turns: &[f64], sharp: &mut [bool], least: f64) {
+fn go_on(mesh: &Mesh, twin: &[u32], dihedral_angles: &[f64], sharp: &mut [bool], least: f64) {
     let mut sides_from: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-    for side in (0..twin.len()).filter(|&s| twin[s] != NONE && (sharp[s] || turns[s].abs() >= least)) {
+    for side in (0..twin.len()).filter(|&s| twin[s] != NONE && (sharp[s] || dihedral_angles[s].abs() >= least)) {
         sides_from.entry(mesh.origin(side as u32)).or_default().push(side);
     }
     let mut reached: Vec<u32> = sides_from.keys().copied().collect();
@@ -152,7 +153,7 @@ fn go_on(mesh: &Mesh, twin: &[u32], turns: &[f64], sharp: &mut [bool], least: f6
         let sides = &sides_from[&v];
         let mut of_curves = sides.iter().filter(|&&s| sharp[s]);
         let (Some(&last), None) = (of_curves.next(), of_curves.next()) else { continue };
-        let is_next = |s: &usize| *s != last && turns[*s] * turns[last] > 0.0;
+        let is_next = |s: &usize| *s != last && dihedral_angles[*s] * dihedral_angles[last] > 0.0;
         let cosine = |s: usize| direction(mesh, s as u32).dot(direction(mesh, last as u32));
         let straightest = sides.iter().copied().filter(is_next).map(|s| (cosine(s), s));
         let Some((cosine, next)) = straightest.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
@@ -165,17 +166,17 @@ fn go_on(mesh: &Mesh, twin: &[u32], turns: &[f64], sharp: &mut [bool], least: f6
 
 /// Returns the sharp sides of bodies that are mostly bounded by planes, each by its own threshold or, if it has none, only
 /// those between two planes. In an assembly, other bodies may be round, and small ones may fill the gap.
-fn turned_on_planar_bodies(mesh: &OrientedManifold, twin: &[u32], turns: &[f64], spacing: f64) -> Vec<bool> {
+fn turned_on_planar_bodies(mesh: &OrientedManifold, twin: &[u32], dihedral_angles: &[f64], spacing: f64) -> Vec<bool> {
     let planes = Planes::new(mesh, twin, spacing, |t| mesh.provenance().triangle(t));
     let is_between = |side: u32| {
         let across = twin[side as usize];
         across != NONE && [side, across].iter().all(|s| planes.contain(s / 3))
     };
-    let mut sharp = vec![false; turns.len()];
+    let mut sharp = vec![false; dihedral_angles.len()];
     for body in planar_bodies(mesh, &planes) {
-        let gap = Histogram::new(mesh, body.iter().map(|&side| (side, turns[side as usize]))).gap();
+        let gap = Histogram::new(mesh, body.iter().map(|&side| (side, dihedral_angles[side as usize]))).gap();
         for side in body {
-            let turn = turns[side as usize].abs();
+            let turn = dihedral_angles[side as usize].abs();
             sharp[side as usize] = gap.map_or(turn >= BETWEEN_PLANES && is_between(side), |gap| turn >= gap);
         }
     }
@@ -394,9 +395,9 @@ mod tests {
         let triangles = squares.flat_map(|v: u32| [[v, v + 1, v + 4], [v, v + 4, v + 3]]).collect();
         let mesh = Mesh { positions: positions.collect(), triangles };
         let twin = twins(&mesh.triangles);
-        let turns = turns(&mesh, &twin, 0.1, 0.0);
+        let dihedral_angles = dihedral_angles(&mesh, &twin, 0.1, 0.0);
         let mut sharp: Vec<bool> = (0..twin.len()).map(|s| [[1, 4], [4, 1]].contains(&mesh.ends(s as u32))).collect();
-        go_on(&mesh, &twin, &turns, &mut sharp, 30.0);
+        go_on(&mesh, &twin, &dihedral_angles, &mut sharp, 30.0);
         let kept: Vec<[u32; 2]> = (0..twin.len()).filter(|&s| sharp[s]).map(|s| mesh.ends(s as u32)).collect();
         let mut ridge: Vec<[u32; 2]> = kept.into_iter().filter(|[a, b]| a < b).collect();
         ridge.sort_unstable();

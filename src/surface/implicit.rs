@@ -70,9 +70,9 @@ pub struct Rimls<'a> {
     /// Their unit normals.
     normals: &'a [DVec3],
     /// Support radius of each point.
-    reaches: Vec<f64>,
+    supports: Vec<f64>,
     /// Support radius in spacings.
-    reach: f64,
+    support: f64,
     near: &'a Neighbors,
     longest: f64,
 }
@@ -100,28 +100,28 @@ pub struct Value {
 }
 
 impl<'a> Rimls<'a> {
-    /// Creates the surface of points, each with a support radius of `reach` times its spacing. `spacings` has the distance
+    /// Creates the surface of points, each with a support radius of `support` times its spacing. `spacings` has the distance
     /// of each point to its neighbours; `near` indexes the positions.
     pub fn new(
         positions: &'a [DVec3],
         normals: &'a [DVec3],
         near: &'a Neighbors,
         spacings: &[f64],
-        reach: f64,
+        support: f64,
     ) -> Self {
-        let reaches: Vec<f64> = spacings.iter().map(|s| reach * s).collect();
-        let longest = reaches.iter().copied().fold(0.0, f64::max);
-        Rimls { positions, normals, reaches, reach, near, longest }
+        let supports: Vec<f64> = spacings.iter().map(|s| support * s).collect();
+        let longest = supports.iter().copied().fold(0.0, f64::max);
+        Rimls { positions, normals, supports, support, near, longest }
     }
 
     /// Returns the spacing of the points around point `p`.
     pub fn spacing(&self, p: u32) -> f64 {
-        self.reaches[p as usize] / self.reach
+        self.supports[p as usize] / self.support
     }
 
     /// Mean of [`Self::spacing`].
     pub fn mean_spacing(&self) -> f64 {
-        self.reaches.iter().sum::<f64>() / (self.reach * self.reaches.len() as f64)
+        self.supports.iter().sum::<f64>() / (self.support * self.supports.len() as f64)
     }
 
     /// Largest support radius of any point.
@@ -152,10 +152,10 @@ impl<'a> Rimls<'a> {
         let Some(distance) = found.first().map(|n| n.distance_squared.sqrt()) else { return local };
         // These include the nearest point of any place in the ball.
         self.near.collect_within(centre, distance + 2.0 * radius, found);
-        let longest = found.iter().map(|n| self.reaches[n.point as usize]).fold(0.0, f64::max);
-        let reach = (2.0 * longest).min(self.longest);
-        if distance <= reach + radius {
-            self.near.collect_within(centre, reach + radius, found);
+        let longest = found.iter().map(|n| self.supports[n.point as usize]).fold(0.0, f64::max);
+        let support = (2.0 * longest).min(self.longest);
+        if distance <= support + radius {
+            self.near.collect_within(centre, support + radius, found);
             local.points.extend(found.iter().map(|n| n.point));
             local.points.sort_unstable();
         }
@@ -171,7 +171,7 @@ impl<'a> Rimls<'a> {
         found.extend(points.iter().map(neighbor));
         let nearest = *found.iter().min_by(|a, b| a.distance_squared.total_cmp(&b.distance_squared))?;
         let radius = self.radius(EXACT, nearest.point);
-        let counts = |n: &Neighbor| n.distance_squared < math::square(radius.min(self.reaches[n.point as usize]));
+        let counts = |n: &Neighbor| n.distance_squared < math::square(radius.min(self.supports[n.point as usize]));
         found.retain(counts);
         Some((self.value_of(EXACT, x, found, nearest.point)?, nearest))
     }
@@ -179,7 +179,7 @@ impl<'a> Rimls<'a> {
     /// Maximum distance of the points that count at a place whose nearest point is `nearest`. The points around that one
     /// have support radii close to its own.
     fn radius(&self, accuracy: Accuracy, nearest: u32) -> f64 {
-        (accuracy.farthest * self.reaches[nearest as usize]).min(self.longest)
+        (accuracy.farthest * self.supports[nearest as usize]).min(self.longest)
     }
 
     /// Projects `x` onto the surface; returns the point and the unit normal there, or `None` outside the support of all
@@ -196,10 +196,10 @@ impl<'a> Rimls<'a> {
             let value = self.value_until(accuracy, at, found)?;
             let Value { f, gradient, .. } = value;
             let step = f * gradient / gradient.length_squared().max(f64::MIN_POSITIVE);
-            let reach = found.list.first().map_or(0.0, |n| self.reaches[n.point as usize]);
-            at -= step.clamp_length_max(reach);
+            let support = found.list.first().map_or(0.0, |n| self.supports[n.point as usize]);
+            at -= step.clamp_length_max(support);
             normal = value.normal;
-            if step.length() < accuracy.arrived * reach {
+            if step.length() < accuracy.arrived * support {
                 break;
             }
         }
@@ -235,7 +235,7 @@ impl<'a> Rimls<'a> {
         let (once, normals) = self.projected();
         let near = Neighbors::new(&once);
         let surface =
-            Rimls { positions: &once, normals: &normals, near: &near, reaches: self.reaches.clone(), ..*self };
+            Rimls { positions: &once, normals: &normals, near: &near, supports: self.supports.clone(), ..*self };
         let (twice, softer) = surface.projected();
         let given_back = |(a, b): (&DVec3, DVec3)| 2.0 * *a - b;
         let positions = once.iter().zip(twice).map(given_back).collect();
@@ -264,8 +264,8 @@ impl<'a> Rimls<'a> {
             self.look_around(x, SLACK * radius, found);
         }
         let counts = |n: &Neighbor| {
-            let reach = self.reaches[n.point as usize].min(radius);
-            n.point == nearest.point || n.distance_squared < reach * reach
+            let support = self.supports[n.point as usize].min(radius);
+            n.point == nearest.point || n.distance_squared < support * support
         };
         found.list.extend(found.all.iter().map(|n| self.seen_from(x, n.point)).filter(counts));
         let list = &mut found.list;
@@ -302,8 +302,8 @@ impl<'a> Rimls<'a> {
         for _ in 0..=ROUNDS {
             let mut sums = Sums::default();
             for n in found {
-                let (p, reach) = (n.point as usize, self.reaches[n.point as usize]);
-                let share = 1.0 - n.distance_squared / (reach * reach);
+                let (p, support) = (n.point as usize, self.supports[n.point as usize]);
+                let share = 1.0 - n.distance_squared / (support * support);
                 if share <= 0.0 {
                     continue;
                 }
@@ -311,20 +311,20 @@ impl<'a> Rimls<'a> {
                 let residual = normal.dot(offset);
                 let at_first = if facing.dot(normal) < 0.0 { 0.0 } else { 1.0 };
                 let robust = last.map_or(at_first, |last| {
-                    let r = (residual - last.f) / (SIGMA_R * reach);
+                    let r = (residual - last.f) / (SIGMA_R * support);
                     let dn = normal.distance_squared(last.gradient) / (SIGMA_N * SIGMA_N);
                     math::gaussian(r * r + dn)
                 });
                 let cube = share * share * share;
-                let slope = -8.0 * cube / (reach * reach) * offset;
+                let slope = -8.0 * cube / (support * support) * offset;
                 sums.add(robust * share * cube, robust * slope, residual, normal);
             }
             let value = sums.value()?;
-            let is_settled = |last: Value| {
-                (value.f - last.f).abs() < accuracy.arrived * self.reaches[nearest as usize]
+            let has_converged = |last: Value| {
+                (value.f - last.f).abs() < accuracy.arrived * self.supports[nearest as usize]
                     && value.gradient.distance_squared(last.gradient) < accuracy.arrived
             };
-            if last.replace(value).is_some_and(is_settled) {
+            if last.replace(value).is_some_and(has_converged) {
                 break;
             }
         }

@@ -1,6 +1,7 @@
 //! Surfaces to sample and to project onto (a mesh cut along its feature curves, or the implicit surface of a point cloud),
 //! and the target edge lengths on them.
 
+pub mod dihedral_angles;
 pub mod domain;
 pub mod facets;
 pub mod feature_curves;
@@ -12,5 +13,4 @@ pub mod planes;
 pub mod sizing;
 pub mod spikes;
 pub mod submanifold;
-pub mod turns;
 pub mod wedges;

@@ -21,8 +21,8 @@ use crate::base::union_find::UnionFind;
 use crate::mesh::sides::lower_first;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
+use crate::surface::dihedral_angles::dihedral_angles;
 use crate::surface::feature_curves::CORNER_TURN;
-use crate::surface::turns::turns;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
 /// Deviations, in spacings, below which patches are joined to a neighbour. The least is that of a chamfer with a width of a
@@ -183,11 +183,11 @@ impl Patch {
         let others = self.beside.iter().filter(|(q, _)| **q != own && !self.needed);
         let longest = self.longest(own);
         let others = others.filter(|(_, border)| border.length >= LONG_SIDE * longest);
-        let turns = others.map(|(&q, border)| (q, border.mean(border.turned)));
-        let (neighbour, turn) = turns.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))?;
-        let (moved, moved_at_most) = self.moved_without(turn);
+        let dihedral_angles = others.map(|(&q, border)| (q, border.mean(border.turned)));
+        let (neighbour, angle) = dihedral_angles.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))?;
+        let (moved, moved_at_most) = self.moved_without(angle);
         let joint = Joint { neighbour, moved, moved_at_most };
-        (moved < of_plates || self.turn_without(own, neighbour) <= SHARPEST).then_some(joint)
+        (moved < of_plates || self.angle_without(own, neighbour) <= SHARPEST).then_some(joint)
     }
 
     /// Length of the longest border with a neighbour; `own` is the patch itself.
@@ -195,15 +195,15 @@ impl Patch {
         self.beside.iter().filter(|(q, _)| **q != own).map(|(_, border)| border.length).fold(0.0, f64::max)
     }
 
-    /// Returns how far the surface moves, about and at most, without the patch's edges of dihedral angle `turn`, in degrees.
-    fn moved_without(&self, turn: f64) -> (f64, f64) {
+    /// Returns how far the surface moves, about and at most, without the patch's edges of dihedral angle `angle`, in degrees.
+    fn moved_without(&self, angle: f64) -> (f64, f64) {
         let width = 2.0 * self.area / self.rim;
         let sine = |degrees: f64| math::sin_cos(degrees.to_radians()).0;
-        (0.5 * width * sine(0.5 * turn), width * sine(turn.min(90.0)))
+        (0.5 * width * sine(0.5 * angle), width * sine(angle.min(90.0)))
     }
 
     /// Dihedral angle at the remaining edges of the patch, which is `own` itself, without those to `neighbour`.
-    fn turn_without(&self, own: u32, neighbour: u32) -> f64 {
+    fn angle_without(&self, own: u32, neighbour: u32) -> f64 {
         let mut others = Border::default();
         self.beside.iter().filter(|(q, _)| ![own, neighbour].contains(q)).for_each(|(_, border)| others.add(*border));
         let border = self.beside[&neighbour];
@@ -224,7 +224,7 @@ impl Patches {
         for side in (0..twin.len() as u32).filter(|&s| !sharp[s as usize] && twin[s as usize] != NONE) {
             of_triangle.join(side / 3, twin[side as usize] / 3);
         }
-        let turns = turns(mesh, twin, spacing, 0.0);
+        let dihedral_angles = dihedral_angles(mesh, twin, spacing, 0.0);
         let mut list: BTreeMap<u32, Patch> = BTreeMap::new();
         for t in 0..mesh.triangles.len() as u32 {
             let patch = list.entry(of_triangle.find(t)).or_default();
@@ -235,8 +235,8 @@ impl Patches {
                 patch.rim += length;
                 if twin[side as usize] != NONE {
                     let other = of_triangle.find(twin[side as usize] / 3);
-                    let turn = turns[side as usize];
-                    let border = Border { length, turned: length * turn.abs(), signed: length * turn };
+                    let angle = dihedral_angles[side as usize];
+                    let border = Border { length, turned: length * angle.abs(), signed: length * angle };
                     patch.beside.entry(other).or_default().add(border);
                 }
             }
@@ -292,12 +292,12 @@ impl Patches {
         let longest: BTreeMap<u32, f64> = self.list.iter().map(|(&p, patch)| (p, patch.longest(p))).collect();
         for (&p, patch) in &self.list {
             for (&q, border) in patch.beside.range(p + 1..) {
-                let turn = border.mean(border.turned);
-                let has_corners = math::sin_cos(turn.to_radians()).1 < CORNER_TURN;
+                let angle = border.mean(border.turned);
+                let has_corners = math::sin_cos(angle.to_radians()).1 < CORNER_TURN;
                 let both = [(p, patch), (q, &self.list[&q])];
                 let are_ends =
                     both.iter().all(|(own, patch)| !patch.needed && border.length < LONG_SIDE * longest[own]);
-                let moved = both.map(|(_, patch)| patch.moved_without(turn));
+                let moved = both.map(|(_, patch)| patch.moved_without(angle));
                 if !has_corners && are_ends && moved.iter().all(|moved| moved.0 < most) {
                     ends.insert([p, q]);
                     left_out.deviation = moved.iter().fold(left_out.deviation, |most, moved| most.max(moved.1));
@@ -365,7 +365,7 @@ mod tests {
     }
 
     fn found(mesh: &Mesh, twin: &[u32]) -> Vec<bool> {
-        turns(mesh, twin, 1.0, 30.0).into_iter().map(|turn| turn.abs() > 30.0).collect()
+        dihedral_angles(mesh, twin, 1.0, 30.0).into_iter().map(|angle| angle.abs() > 30.0).collect()
     }
 
     #[test]
@@ -467,7 +467,8 @@ mod tests {
     fn each_edge_and_each_corner_takes_samples_once() {
         let mesh = cube();
         let twin = twins(&mesh.triangles);
-        let sharp: Vec<bool> = turns(&mesh, &twin, 0.1, 30.0).into_iter().map(|turn| turn.abs() > 30.0).collect();
+        let sharp: Vec<bool> =
+            dihedral_angles(&mesh, &twin, 0.1, 30.0).into_iter().map(|angle| angle.abs() > 30.0).collect();
         assert!((samples_on(&mesh, &twin, &sharp, 0.1) - (8.0 + 12.0 / 0.1)).abs() < 1e-9);
     }
 

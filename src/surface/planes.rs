@@ -12,11 +12,11 @@ use crate::mesh::topology::{NONE, components};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
 use crate::spatial::self_intersections::depth_of_contact;
-use crate::surface::turns::turns;
+use crate::surface::dihedral_angles::dihedral_angles;
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Largest dihedral angle within a plane, in degrees: rounding to single precision turns small triangles by less.
+/// Largest dihedral angle within a plane, in degrees: rounding to single precision dihedral_angles small triangles by less.
 const FLAT: f64 = 0.1;
 
 /// Minimum number of input triangles in a plane, and its minimum area in squared spacings: in a scan, a few triangles may be
@@ -43,9 +43,9 @@ impl Planes {
     /// Finds the planes of `mesh`. `twin` is the result of [`twins`](crate::mesh::topology::twins), `spacing` that of the
     /// samples; `source` returns the input triangle that a triangle is a part of.
     pub fn new(mesh: &Mesh, twin: &[u32], spacing: f64, source: impl Fn(u32) -> u32) -> Planes {
-        let turns = turns(mesh, twin, spacing, FLAT);
+        let dihedral_angles = dihedral_angles(mesh, twin, spacing, FLAT);
         let mut region = UnionFind::new(mesh.triangles.len());
-        for side in (0..twin.len()).filter(|&s| twin[s] != NONE && turns[s].abs() < FLAT) {
+        for side in (0..twin.len()).filter(|&s| twin[s] != NONE && dihedral_angles[s].abs() < FLAT) {
             region.join(side as u32 / 3, twin[side] / 3);
         }
         let mut regions = vec![Region::default(); mesh.triangles.len()];
@@ -141,7 +141,11 @@ mod tests {
         let sheet = testing::grid(2, 2, |u, v| DVec3::new(u, v, 0.0));
         assert_eq!(planar(sheet), (8, 1));
         let bent = testing::grid(1000, 1, |u, v| DVec3::new(u.sin(), v, u.cos()));
-        assert_eq!(planar(bent), (0, 0), "it turns by less than a tenth of a degree at each edge, but by 57 in all");
+        assert_eq!(
+            planar(bent),
+            (0, 0),
+            "it dihedral_angles by less than a tenth of a degree at each edge, but by 57 in all"
+        );
     }
 
     #[test]

@@ -15,8 +15,8 @@ use crate::mesh::refine::split_edges;
 use crate::mesh::sides::lower_first;
 use crate::mesh::topology::{NONE, twins};
 use crate::mesh::triangle_mesh::Mesh;
+use crate::surface::dihedral_angles::{dihedral_angles, direction, length};
 use crate::surface::narrow_patches::LeftOut;
-use crate::surface::turns::{direction, length, turns};
 use glam::DVec3;
 use std::collections::{BTreeSet, HashMap, HashSet};
 
@@ -180,11 +180,12 @@ impl Creases<'_> {
             return Vec::new();
         }
         let degrees = self.degrees();
-        let turns = turns(self.mesh, self.twin, self.spacing, 0.0);
+        let dihedral_angles = dihedral_angles(self.mesh, self.twin, self.spacing, 0.0);
         let mut taken: BTreeSet<u32> = BTreeSet::new();
         let mut tips = Vec::new();
         for corner in corners {
-            let tip = WIDTHS.iter().find_map(|width| self.tip(&corner, width * self.spacing, &degrees, &turns));
+            let tip =
+                WIDTHS.iter().find_map(|width| self.tip(&corner, width * self.spacing, &degrees, &dihedral_angles));
             let is_free = |t: &u32| !taken.contains(t) && !is_needed(self.mesh, *t);
             if let Some(tip) = tip.filter(|tip| tip.triangles.iter().all(is_free)) {
                 taken.extend(&tip.triangles);
@@ -236,8 +237,8 @@ impl Creases<'_> {
     }
 
     /// Returns the tip of the wedge at a corner, if it can end at about this width. `degrees` has a value for each vertex,
-    /// `turns` for each side.
-    fn tip(&self, corner: &Corner, width: f64, degrees: &[u32], turns: &[f64]) -> Option<Tip> {
+    /// `dihedral_angles` for each side.
+    fn tip(&self, corner: &Corner, width: f64, degrees: &[u32], dihedral_angles: &[f64]) -> Option<Tip> {
         let plane = self.plane(corner, width)?;
         let triangles = self.below(corner, &plane)?;
         let sides = || triangles.iter().flat_map(|&t| 3 * t..3 * t + 3);
@@ -246,12 +247,12 @@ impl Creases<'_> {
         let is_inside = |s: &u32| triangles.contains(&(self.twin[*s as usize] / 3));
         if rims.iter().any(is_inside) {
             let fading = rims.into_iter().filter(is_inside).collect();
-            return self.tip_without_crease(fading, width, &plane, turns, triangles);
+            return self.tip_without_crease(fading, width, &plane, dihedral_angles, triangles);
         }
         let [out, back] = self.chains(corner, rims, &plane, degrees)?;
-        let [turn_out, turn_back] = [&out, &back].map(|chain| self.mean_turn(chain, turns));
-        let (left_out, turn) = if turn_out < turn_back { (&out, turn_out) } else { (&back, turn_back) };
-        if turn == f64::INFINITY {
+        let [angle_out, angle_back] = [&out, &back].map(|chain| self.mean_angle(chain, dihedral_angles));
+        let (left_out, angle) = if angle_out < angle_back { (&out, angle_out) } else { (&back, angle_back) };
+        if angle == f64::INFINITY {
             return None;
         }
         let crossed = |chain: &[u32]| chain.iter().map(|&s| self.mesh.ends(s)).find(|ends| plane.crosses(*ends));
@@ -269,7 +270,7 @@ impl Creases<'_> {
             across: triangles.iter().filter_map(|&t| cut_at(t).collect::<Vec<_>>().try_into().ok()).collect(),
             whole: left_out.iter().map(|&s| self.mesh.ends(s)).filter(|ends| !plane.crosses(*ends)).collect(),
             shortened: crossed(left_out).map(inside_first),
-            deviation: deviation(width, turn),
+            deviation: deviation(width, angle),
             triangles: triangles.iter().copied().chain(beside).collect(),
         })
     }
@@ -281,7 +282,7 @@ impl Creases<'_> {
         fading: Vec<u32>,
         width: f64,
         plane: &Plane,
-        turns: &[f64],
+        dihedral_angles: &[f64],
         triangles: BTreeSet<u32>,
     ) -> Option<Tip> {
         if fading.iter().any(|&s| plane.crosses(self.mesh.ends(s))) {
@@ -293,7 +294,7 @@ impl Creases<'_> {
             across: Vec::new(),
             whole: one_of_each.map(|&s| self.mesh.ends(s)).collect(),
             shortened: None,
-            deviation: deviation(width, self.mean_turn(&fading, turns)),
+            deviation: deviation(width, self.mean_angle(&fading, dihedral_angles)),
             triangles,
         })
     }
@@ -325,11 +326,11 @@ impl Creases<'_> {
     }
 
     /// Mean dihedral angle across sides, in degrees; infinite at the boundary.
-    fn mean_turn(&self, sides: &[u32], turns: &[f64]) -> f64 {
+    fn mean_angle(&self, sides: &[u32], dihedral_angles: &[f64]) -> f64 {
         if sides.iter().any(|&s| self.is_boundary(s)) {
             return f64::INFINITY;
         }
-        let weighted = |s: &u32| length(self.mesh, *s) * turns[*s as usize];
+        let weighted = |s: &u32| length(self.mesh, *s) * dihedral_angles[*s as usize];
         (sides.iter().map(weighted).sum::<f64>() / sides.iter().map(|&s| length(self.mesh, s)).sum::<f64>()).abs()
     }
 
@@ -374,9 +375,9 @@ impl Creases<'_> {
     }
 }
 
-/// Maximum movement of the surface without an edge of dihedral angle `turn`, in degrees, beside a strip of this width.
-fn deviation(width: f64, turn: f64) -> f64 {
-    width * math::sin_cos(turn.min(90.0).to_radians()).0
+/// Maximum movement of the surface without an edge of dihedral angle `angle`, in degrees, beside a strip of this width.
+fn deviation(width: f64, angle: f64) -> f64 {
+    width * math::sin_cos(angle.min(90.0).to_radians()).0
 }
 
 /// Returns the ends of a side, the lower one first.
@@ -404,7 +405,7 @@ mod tests {
 
     fn sharp(mesh: &Mesh) -> (Vec<u32>, Vec<bool>) {
         let twin = twins(&mesh.triangles);
-        let sharp = turns(mesh, &twin, 1.0, 30.0).into_iter().map(|turn| turn.abs() > 30.0).collect();
+        let sharp = dihedral_angles(mesh, &twin, 1.0, 30.0).into_iter().map(|angle| angle.abs() > 30.0).collect();
         (twin, sharp)
     }
 

@@ -76,7 +76,7 @@ pub fn make_plan(
         cell: ROOM * sigma * RADIUS / 2.0,
         seed: *seed,
         sweeps: (!scan_only).then_some(*sweeps),
-        reach: cloud.smooth.filter(|&reach| reach != 0.0).unwrap_or(INTERPOLATING_SUPPORT),
+        support: cloud.smooth.filter(|&support| support != 0.0).unwrap_or(INTERPOLATING_SUPPORT),
         is_sided,
     };
     monitor.stage("sort");
@@ -226,7 +226,7 @@ fn chosen_buckets(plan: &Plan, counts: &FxHashMap<[i32; 3], usize>) -> Vec<IVec3
     buckets.into_iter().take_while(is_missing).map(IVec3::from).collect()
 }
 
-/// Determines how noisy some of the points are, and how far points have to reach because of that.
+/// Determines how noisy some of the points are, and the support radius that this requires.
 fn look_for_noise(plan: &mut Plan, folder: &TileFolder, blocks: BlockBox, monitor: &dyn Monitor) -> Result<()> {
     let positions: Vec<DVec3> = points_of(folder, plan, blocks, monitor)?.iter().map(|p| p.position).collect();
     match flatness(&positions, &Neighbors::new(&positions)) {
@@ -235,7 +235,7 @@ fn look_for_noise(plan: &mut Plan, folder: &TileFolder, blocks: BlockBox, monito
         Flatness::At(_) => plan.is_thick = true,
         Flatness::Never => return Err(volume(plan.points).in_file(&plan.input)),
     }
-    plan.sampling.reach = SMOOTHING_SUPPORT;
+    plan.sampling.support = SMOOTHING_SUPPORT;
     Ok(())
 }
 

@@ -36,7 +36,7 @@ impl Starred {
     pub fn at_open_fans(&self, triangles: &[[u32; 3]]) -> Vec<Sample> {
         let sides = || triangles.iter().flat_map(|&[a, b, c]| [(a, [b, c]), (b, [c, a]), (c, [a, b])]);
         let fans = Csr::new(self.samples.len(), sides);
-        self.those(|s| !is_settled(fans.row(s as u32), s as u32, &self.successor))
+        self.those(|s| !is_consistent(fans.row(s as u32), s as u32, &self.successor))
     }
 
     /// Returns the samples without a triangle.
@@ -68,8 +68,8 @@ impl Starred {
 }
 
 /// Returns whether the fan of vertex `v`, given as the sides opposite it, is closed or, on the boundary, runs from its
-/// successor to its predecessor. A vertex without triangles counts as settled.
-fn is_settled(fan: &[[u32; 2]], v: u32, successor: &[u32]) -> bool {
+/// successor to its predecessor. A vertex without triangles counts as consistent.
+fn is_consistent(fan: &[[u32; 2]], v: u32, successor: &[u32]) -> bool {
     let Some(first) = fan.first() else { return true };
     let next = successor[v as usize];
     let begin = if next == INTERIOR { first[0] } else { next };
@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn fans_are_settled_if_they_close_or_end_at_the_boundary() {
+    fn fans_are_consistent_if_they_close_or_end_at_the_boundary() {
         let samples = without_stars(&sheet(3)).samples[..5].to_vec();
         let star =
             |successor: [u32; 5]| Starred { samples: samples.clone(), successor: successor.into(), stars: vec![] };
@@ -273,8 +273,8 @@ mod tests {
         assert_eq!(starred.stars[0], [far, 0, 1]);
         let triangles = agreed(&starred.stars[1..]);
         let open = starred.at_open_fans(&triangles);
-        let settled = |s: &&Sample| !open.contains(s) && !starred.not_used(&triangles).contains(s);
-        let inside: Vec<&Sample> = starred.samples.iter().filter(settled).collect();
+        let consistent = |s: &&Sample| !open.contains(s) && !starred.not_used(&triangles).contains(s);
+        let inside: Vec<&Sample> = starred.samples.iter().filter(consistent).collect();
         assert!(inside.len() > 20, "{}", inside.len());
         assert!(inside.iter().all(|s| s.position.distance(middle.position) < 7.0));
     }

@@ -14,7 +14,7 @@ use crate::triangulate::star::{INTERIOR, stars};
 use crate::triangulate::triangulation::{Boundary, Triangulated};
 use glam::DVec3;
 
-/// Radius around unsettled samples within which the domain is tessellated, in mean spacings, for one attempt after the
+/// Radius around inconsistent samples within which the domain is tessellated, in mean spacings, for one attempt after the
 /// other. The first one also covers places where triangles are possible but not good, the last one covers whole patches.
 const REACHES: [f64; 3] = [6.0, 12.0, f64::INFINITY];
 
@@ -78,19 +78,19 @@ fn joined(starred: &Starred) -> Vec<[u32; 3]> {
     triangles
 }
 
-/// Adds to `unsettled` a point of each further patch whose triangles fit together everywhere, but have another topology than
+/// Adds to `inconsistent` a point of each further patch whose triangles fit together everywhere, but have another topology than
 /// wanted or leave out too many of its samples.
 fn add_patches_of_wrong_kind(
     domain: &Domain,
     starred: &Starred,
     triangles: &[[u32; 3]],
     wanted: &[Kind],
-    unsettled: &mut Vec<Sample>,
+    inconsistent: &mut Vec<Sample>,
 ) {
     let patch = |s: u32| domain.patch_of(starred.samples[s as usize].triangle);
     let component = components(starred.samples.len(), triangles);
     let kinds = Kind::of_patches(wanted.len(), patch, triangles, &component, &starred.successor);
-    let known = patches_of(domain, unsettled);
+    let known = patches_of(domain, inconsistent);
     let mut samples_of = vec![0; wanted.len()];
     (0..starred.samples.len() as u32).for_each(|s| samples_of[patch(s) as usize] += 1);
     let mut triangle_of = vec![NONE; wanted.len()];
@@ -100,7 +100,7 @@ fn add_patches_of_wrong_kind(
         kinds[p].topology() != wanted[p].topology() || LEAST_USED * lost > kinds[p].vertices
     };
     let further = (0..wanted.len()).filter(|&p| wrong(p) && known.binary_search(&(p as u32)).is_err());
-    unsettled.extend(further.map(|p| domain.sample(triangle_of[p], [1.0, 0.0, 0.0])));
+    inconsistent.extend(further.map(|p| domain.sample(triangle_of[p], [1.0, 0.0, 0.0])));
 }
 
 /// Returns the patches of `samples`, sorted.

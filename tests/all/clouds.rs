@@ -387,7 +387,7 @@ fn noise_is_told_whatever_is_made_of_the_points_and_left_to_those_who_want_it() 
         let options = ReconstructOptions { cloud: cloud.clone(), ..ReconstructOptions::default() };
         let dense = spectral_remesh::reconstruct(&Input::points(&positions), &options, &()).unwrap();
         let report = SurfaceReport::new(&dense, Vec::new(), String::new(), String::new());
-        assert_eq!((is_told(&report.run.notes), dense.reach), (is_smoothed, if is_smoothed { 2.7 } else { 2.3 }));
+        assert_eq!((is_told(&report.run.notes), dense.support), (is_smoothed, if is_smoothed { 2.7 } else { 2.3 }));
         let mesh = connected(&Points::without_normals(positions.iter().map(|&p| p.into()).collect()), &cloud).mesh;
         let stays = mesh.positions.iter().all(|p| positions.contains(&p.to_array()));
         assert_eq!(stays, !is_smoothed);

@@ -1,6 +1,6 @@
 //! The arguments of `remesh reconstruct`.
 
-use crate::cli::args::shared::{FormatArgs, MeshFile, NormalArgs, Run, RunArgs, reach_help};
+use crate::cli::args::shared::{FormatArgs, MeshFile, NormalArgs, Run, RunArgs, support_help};
 use crate::cli::args::stop::{Stop, refused};
 use crate::job::settings::ReconstructSettings;
 use crate::job::words::positive;
@@ -25,7 +25,7 @@ pub(super) struct ReconstructArgs {
     /// Edge length of the cells, in the units of the input [default: half the mean spacing of the points]
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = positive)]
     resolution: Option<f64>,
-    #[arg(long, value_name = "W", allow_negative_numbers = true, help = reach_help())]
+    #[arg(long, value_name = "W", allow_negative_numbers = true, help = support_help())]
     smooth: Option<f64>,
     #[command(flatten)]
     normals: NormalArgs,

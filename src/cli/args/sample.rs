@@ -1,6 +1,6 @@
 //! The arguments of `remesh sample`.
 
-use crate::cli::args::shared::{MemoryArgs, MeshFile, NormalArgs, Run, RunArgs, reach_help};
+use crate::cli::args::shared::{MemoryArgs, MeshFile, NormalArgs, Run, RunArgs, support_help};
 use crate::cli::args::stop::{Stop, refused};
 use crate::cli::args::words::{PropertyWidth, no_density, property_width, samples};
 use crate::io::Format;
@@ -64,7 +64,7 @@ pub(super) struct EvenArgs {
     /// Kernel width σp of the sampler, in the units of the input
     #[arg(long, value_name = "S", group = "density", allow_negative_numbers = true, value_parser = positive)]
     sigma_p: Option<f64>,
-    #[arg(long, value_name = "W", allow_negative_numbers = true, conflicts_with = "scan_only", help = reach_help())]
+    #[arg(long, value_name = "W", allow_negative_numbers = true, conflicts_with = "scan_only", help = support_help())]
     smooth: Option<f64>,
     /// Take a subset of the input's points by the linear scan alone
     #[arg(long)]

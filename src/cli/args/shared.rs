@@ -129,7 +129,7 @@ pub(super) fn smoothing_help() -> String {
     )
 }
 
-pub(super) fn reach_help() -> String {
+pub(super) fn support_help() -> String {
     format!(
         "How far points of a cloud reach, in mean distances of neighbouring ones: the larger, the smoother; 0 takes \
          {INTERPOLATING_SUPPORT}, as little as leaves no holes [default: {SMOOTHING_SUPPORT} where there is noise, else as 0]"

@@ -115,7 +115,7 @@ pub fn fit(
     let mut mean_square = 0.0;
     for round in 0..PLAIN_ROUNDS + reweighted_rounds {
         check(monitor)?;
-        let closest = settle_vertices(domain, mesh, spacing);
+        let closest = project_vertices(domain, mesh, spacing);
         targets.find(domain, mesh, REACH * spacing);
         if round >= PLAIN_ROUNDS {
             mean_square = targets.mean_square(mesh);
@@ -135,7 +135,7 @@ pub(super) fn fit_part(domain: &Domain, mesh: &mut Manifold, spacing: f64, mean_
     let mut targets = Targets::new(mesh);
     let scale = ErrorScale::new(mean_square, None);
     for _ in 0..PART_ROUNDS {
-        let closest = settle_vertices(domain, mesh, spacing);
+        let closest = project_vertices(domain, mesh, spacing);
         targets.find(domain, mesh, REACH * spacing);
         targets.reweight(domain, mesh, &scale, spacing, watched);
         descend(domain, mesh, &targets, &closest, Goal::GOOD, spacing);
@@ -144,14 +144,14 @@ pub(super) fn fit_part(domain: &Domain, mesh: &mut Manifold, spacing: f64, mean_
 }
 
 /// Updates the normals of the vertices that can move; returns the closest surface point of each vertex.
-fn settle_vertices(domain: &Domain, mesh: &mut Manifold, spacing: f64) -> Vec<DVec3> {
-    let settle = |v: usize| {
+fn project_vertices(domain: &Domain, mesh: &mut Manifold, spacing: f64) -> Vec<DVec3> {
+    let project = |v: usize| {
         let here = mesh.samples[v];
         let moves = mesh.connectivity.has_vertex(v as u32) && !mesh.connectivity.is_on_curve(v as u32);
-        let foot = if moves { domain.settle(&here, REACH * spacing) } else { here };
+        let foot = if moves { domain.project_by_walk(&here, REACH * spacing) } else { here };
         (Sample { position: here.position, ..foot }, foot.position)
     };
-    let (samples, closest) = parallel::map(0..mesh.samples.len(), settle).into_iter().unzip();
+    let (samples, closest) = parallel::map(0..mesh.samples.len(), project).into_iter().unzip();
     mesh.samples = samples;
     closest
 }
@@ -165,7 +165,7 @@ fn take_back(domain: &Domain, mesh: &mut Manifold, spacing: f64) {
 }
 
 fn take_back_all(domain: &Domain, mesh: &mut Manifold, spacing: f64) {
-    let closest = settle_vertices(domain, mesh, spacing);
+    let closest = project_vertices(domain, mesh, spacing);
     let back = |(v, foot): (u32, DVec3)| {
         let here = &mesh.samples[v as usize];
         let p = here.position;

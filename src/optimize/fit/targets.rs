@@ -198,7 +198,7 @@ fn find_planes(domain: &Domain, mesh: &Manifold, t: u32, own: &mut [Plane; POINT
         if plane.foot != NONE {
             triangle = plane.foot;
         }
-        let foot = domain.settle(&Sample { position: point(x, at), normal, triangle, size: 1.0 }, reach);
+        let foot = domain.project_by_walk(&Sample { position: point(x, at), normal, triangle, size: 1.0 }, reach);
         triangle = foot.triangle;
         *plane = Plane { normal: foot.normal, offset: foot.normal.dot(foot.position), weight, foot: triangle };
     }

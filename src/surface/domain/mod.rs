@@ -16,11 +16,11 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
 use crate::spatial::groups::Groups;
 use crate::spatial::self_intersections::{Inherited, faces_passing_through_others};
+use crate::surface::dihedral_angles::{folded_over, trusted_normal};
 use crate::surface::feature_curves::Curves;
 use crate::surface::features::{Features, sharp_sides};
 use crate::surface::planes::Planes;
 use crate::surface::spikes::spikes;
-use crate::surface::turns::{folded_over, trusted_normal};
 use glam::DVec3;
 use std::sync::OnceLock;
 
@@ -157,7 +157,7 @@ impl Domain {
     /// Returns the point of the source mesh closest to `off`, which lies at most `reach` off the surface. `source` has the
     /// triangles of that mesh.
     pub fn origin(&self, off: &Sample, reach: f64, source: &[[u32; 3]]) -> PointOnTriangle {
-        let sample = self.settle(off, reach);
+        let sample = self.project_by_walk(off, reach);
         let t = sample.triangle;
         let weights = barycentric(sample.position, self.mesh.corners(t as usize));
         let corners = self.mesh.triangles[t as usize].map(|v| self.original[v as usize]);

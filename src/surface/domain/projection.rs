@@ -39,12 +39,12 @@ impl Domain {
     ///
     /// Where the end of the walk is unreliable, as in a fold narrower than the step, [`Self::project`] searches instead.
     pub fn follow(&self, from: &Sample, way: DVec3) -> Sample {
-        self.settle(&Sample { position: from.position + way, ..*from }, WALKED_OF_STEP * way.length())
+        self.project_by_walk(&Sample { position: from.position + way, ..*from }, WALKED_OF_STEP * way.length())
     }
 
     /// Returns the point of the surface closest to `off`, which lies off the surface: found by walking from its triangle, or
     /// by [`Self::project`] if the walk ends farther away than `reach`.
-    pub fn settle(&self, off: &Sample, reach: f64) -> Sample {
+    pub fn project_by_walk(&self, off: &Sample, reach: f64) -> Sample {
         let agrees = |foot: &Foot| {
             foot.distance_squared <= reach * reach
                 && self.mesh.area_vector(foot.triangle as usize).dot(off.normal) > 0.0

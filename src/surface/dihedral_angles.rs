@@ -1,6 +1,6 @@
 //! Dihedral angles across the edges of a mesh.
 //!
-//! The normal of a needle or cap that is too narrow for the samples cannot be trusted, since rounding turns it. It is
+//! The normal of a needle or cap that is too narrow for the samples cannot be trusted, since rounding dihedral_angles it. It is
 //! replaced by that of the triangle across the longest side. Strips this narrow become one edge.
 //!
 //! Cost: linear in the triangles.
@@ -72,7 +72,7 @@ const CLEARLY: f64 = 0.999;
 
 /// Returns the dihedral angle across each side, in degrees, negative where the surface is concave; zero at the boundary and
 /// next to triangles without area. Angles below `least` degrees may be reported as zero.
-pub(super) fn turns(mesh: &Mesh, twin: &[u32], spacing: f64, least: f64) -> Vec<f64> {
+pub(super) fn dihedral_angles(mesh: &Mesh, twin: &[u32], spacing: f64, least: f64) -> Vec<f64> {
     let flat = math::square(math::sin_cos((CLEARLY * least).to_radians()).1);
     let trusted = |t: u32| trusted_normal(mesh, twin, spacing, t);
     let normals = parallel::map(0..mesh.triangles.len() as u32, trusted);
