@@ -27,7 +27,7 @@ pub struct Manifold {
     /// The connectivity of the vertices.
     pub connectivity: Connectivity,
     /// A sample for each vertex number, including those of removed vertices.
-    pub samples: Vec<Sample>,
+    samples: Vec<Sample>,
     /// Cache of the colours, from 0 to 63, of the last call of [`Self::colour_classes`], from which the next one starts.
     /// Vertices created since then have none yet.
     colours: Vec<u8>,
@@ -37,6 +37,44 @@ impl Manifold {
     /// Creates the manifold of `triangles`, which have to be an oriented 2-manifold that uses all of `samples`.
     pub fn new(samples: Vec<Sample>, triangles: &[[u32; 3]]) -> Self {
         Manifold { connectivity: Connectivity::new(samples.len(), triangles), samples, colours: Vec::new() }
+    }
+
+    /// Returns the sample of vertex `v`.
+    #[inline]
+    pub fn sample(&self, v: u32) -> &Sample {
+        &self.samples[v as usize]
+    }
+
+    /// Returns the samples by vertex number, including those of removed vertices.
+    pub fn samples(&self) -> &[Sample] {
+        &self.samples
+    }
+
+    /// Moves vertex `v` without checking the triangles around it. The caller checks them, before or afterwards, or accepts any.
+    /// The functions of [`motion`] check by themselves.
+    pub fn place(&mut self, v: u32, sample: Sample) {
+        self.samples[v as usize] = sample;
+    }
+
+    /// Moves vertex `v` to `position`, like [`Self::place`], with the normal, triangle and size that it has.
+    pub fn place_at(&mut self, v: u32, position: DVec3) {
+        self.samples[v as usize].position = position;
+    }
+
+    /// Changes all samples, like [`Self::place`]: `change` gets each vertex, including removed ones, and its sample.
+    pub fn change_samples(&mut self, mut change: impl FnMut(u32, &mut Sample)) {
+        self.samples.iter_mut().zip(0..).for_each(|(sample, v)| change(v, sample));
+    }
+
+    /// Returns the samples by vertex number, including those of removed vertices.
+    pub fn into_samples(self) -> Vec<Sample> {
+        self.samples
+    }
+
+    /// Moves all vertices, like [`Self::place`]; `samples` is what [`Self::samples`] returned before, changed.
+    pub fn place_all(&mut self, samples: Vec<Sample>) {
+        debug_assert_eq!(samples.len(), self.samples.len());
+        self.samples = samples;
     }
 
     /// The position of vertex `v`.

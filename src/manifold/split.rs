@@ -36,7 +36,8 @@ impl Manifold {
         self.split_at(self.middle(domain, h), h)
     }
 
-    fn split_at(&mut self, middle: Sample, h: u32) -> u32 {
+    /// Splits the edge of `h` at `middle`, which nothing checks; returns the new vertex.
+    pub fn split_at(&mut self, middle: Sample, h: u32) -> u32 {
         self.samples.push(middle);
         self.connectivity.split_edge(h)
     }

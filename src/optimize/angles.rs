@@ -171,8 +171,8 @@ pub(super) fn improve_angles_for(
     monitor: &dyn Monitor,
 ) -> Result<()> {
     // Vertices around which something has changed since their last search.
-    let mut hopeful = vec![true; mesh.samples.len()];
-    let first: Vec<DVec3> = mesh.samples.iter().map(|s| s.position).collect();
+    let mut hopeful = vec![true; mesh.samples().len()];
+    let first: Vec<DVec3> = mesh.samples().iter().map(|s| s.position).collect();
     for _ in 0..passes {
         check(monitor)?;
         let bad: Vec<u32> = goal.missed_by(mesh).collect();
@@ -274,7 +274,7 @@ fn can_spare_an_edge(mesh: &Manifold, v: u32) -> bool {
 /// Moves `v`, which was initially at `first`, to a place where the triangles around it cost less; returns whether there was
 /// one.
 fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, first: DVec3, goal: Goal, spacing: f64) -> bool {
-    let here = mesh.samples[v as usize];
+    let here = *mesh.sample(v);
     let spacing = (spacing * here.size).min(MOST_OF_EDGE * longest_edge(mesh, v));
     let may = |mesh: &Manifold, there: &Sample| {
         there.position.distance(first) <= FARTHEST * spacing && mesh.may_move(v, there)
@@ -302,7 +302,7 @@ fn move_if_better(domain: &Domain, mesh: &mut Manifold, v: u32, first: DVec3, go
             None => step *= 0.5,
         }
     }
-    mesh.samples[v as usize] = best.1;
+    mesh.place(v, best.1);
     best.0.sum < before.sum
 }
 

@@ -84,7 +84,7 @@ pub fn missed(fine: &Manifold, refined: &Manifold, spacing: f64) -> VertexSet {
         return VertexSet::EMPTY;
     }
     let faces = Faces::new(refined);
-    let positions: Vec<DVec3> = fine.samples.iter().map(|s| s.position).collect();
+    let positions: Vec<DVec3> = fine.samples().iter().map(|s| s.position).collect();
     let neighbors = Neighbors::new(&positions);
     let around = |p: &DVec3| -> Vec<u32> {
         let mut found = Vec::new();
@@ -93,7 +93,7 @@ pub fn missed(fine: &Manifold, refined: &Manifold, spacing: f64) -> VertexSet {
     };
     let asked: VertexSet = places.iter().flat_map(around).collect();
     let is_left_alone = |v: u32| {
-        let Sample { position, size, .. } = fine.samples[v as usize];
+        let Sample { position, size, .. } = *fine.sample(v);
         asked.contains(v) && !faces.any_within(position, MISSED * spacing * size)
     };
     let left_alone = VertexSet::new(fine, is_left_alone);
@@ -146,7 +146,7 @@ fn beside_interface(mesh: &Manifold) -> VertexSet {
 pub fn narrow(domain: &Domain, mesh: &Manifold, spacing: f64) -> VertexSet {
     let narrow: Vec<bool> = domain.widths().into_iter().map(|width| width < NARROW * spacing).collect();
     let c = &mesh.connectivity;
-    let own = |v: u32| narrow[domain.patch_of(mesh.samples[v as usize].triangle) as usize];
+    let own = |v: u32| narrow[domain.patch_of(mesh.sample(v).triangle) as usize];
     let is_narrow = |v: u32| own(v) || c.is_on_curve(v) && c.ring(v).any(|w| !c.is_on_curve(w) && own(w));
     VertexSet::new(mesh, is_narrow)
 }
@@ -155,7 +155,7 @@ pub fn narrow(domain: &Domain, mesh: &Manifold, spacing: f64) -> VertexSet {
 /// would move them away from the end.
 pub fn tips(mesh: &Manifold) -> VertexSet {
     let c = &mesh.connectivity;
-    let normal = |v: u32| mesh.samples[v as usize].normal;
+    let normal = |v: u32| mesh.sample(v).normal;
     VertexSet::new(mesh, |v| c.ring(v).any(|w| normal(w).dot(normal(v)) < TIP))
 }
 
@@ -228,7 +228,7 @@ fn keeps_shape(mesh: &Manifold, dense: &VertexSet, h: u32, spacing: f64) -> bool
     let origin = mesh.connectivity.origin(h);
     !dense.contains(origin)
         && FacingGuard::SOUND.passes(mesh.bend_after_collapse(h))
-        && mesh.distance_after_collapse(h) <= TOLERANCE * spacing * mesh.samples[origin as usize].size
+        && mesh.distance_after_collapse(h) <= TOLERANCE * spacing * mesh.sample(origin).size
 }
 
 fn collapse(mesh: &mut Manifold, dense: &VertexSet, wanted: usize, spacing: f64) {
@@ -254,7 +254,7 @@ mod tests {
         let nearest_to =
             |p: DVec3| (0..).zip(&sheet.positions).min_by(|a, b| p.distance(*a.1).total_cmp(&p.distance(*b.1)));
         let (v, &there) = nearest_to(dvec3(1.0, 1.0, 0.0)).unwrap();
-        refined.samples[v as usize].position += 2.5 * spacing * DVec3::Z;
+        refined.place_at(v, refined.position(v) + 2.5 * spacing * DVec3::Z);
         let missed = missed(&fine, &refined, spacing);
         for (w, p) in (0..).zip(&sheet.positions) {
             let away = p.distance(there);

@@ -32,7 +32,7 @@ pub fn part_contacts(mesh: &mut Manifold, rounded: impl Fn(DVec3) -> DVec3) {
         let way = |w: u32| mesh.position(w) - here;
         let ways = mesh.connectivity.ring(v).map(way);
         let longest = ways.max_by(|a, b| a.length_squared().total_cmp(&b.length_squared())).unwrap_or_default();
-        mesh.samples[v as usize].position += *step * longest;
+        mesh.place_at(v, here + *step * longest);
     }
 }
 

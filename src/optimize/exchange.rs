@@ -184,7 +184,7 @@ impl Exchange<'_> {
         let farthest = if c.is_on_curve(origin) { FARTHEST_FROM_CURVE } else { FARTHEST.max(leeway(place)) };
         let may = c.can_collapse(h)
             && FacingGuard::CAREFUL.passes(mesh.after_collapse(h).0)
-            && mesh.distance_after_collapse(h) <= farthest * self.spacing * mesh.samples[origin as usize].size;
+            && mesh.distance_after_collapse(h) <= farthest * self.spacing * mesh.sample(origin).size;
         may.then(|| {
             let mut changed = place.around.clone();
             changed.mesh.collapse(h);
@@ -241,7 +241,7 @@ pub fn is_near(before: &Manifold, after: &Manifold, leeway: f64) -> bool {
     let triangles: Vec<[DVec3; 3]> = after.triangles().map(|t| after.corners(t)).collect();
     let c = &before.connectivity;
     before.edges().flat_map(|h| [(h, 0.0), (h, 0.5)]).all(|(h, along)| {
-        let [a, b] = [c.origin(h), c.target(h)].map(|v| &before.samples[v as usize]);
+        let [a, b] = [c.origin(h), c.target(h)].map(|v| before.sample(v));
         let farthest = (FARTHEST_AFTER * a.position.distance(b.position)).max(leeway * a.size);
         let p = a.position.lerp(b.position, along);
         triangles.iter().any(|&t| p.distance_squared(closest_point(p, t)) <= farthest * farthest)
@@ -284,10 +284,8 @@ mod tests {
         let long: Vec<u32> = mesh.half_edges().filter(|&h| !mesh.connectivity.has_twin(h)).skip(12).take(3).collect();
         for h in long {
             for end in [h, h] {
-                let [a, b] =
-                    [mesh.connectivity.origin(end), mesh.connectivity.target(end)].map(|v| mesh.samples[v as usize]);
-                mesh.samples.push(Sample { position: a.position.midpoint(b.position), ..a });
-                mesh.connectivity.split_edge(end);
+                let [a, b] = [mesh.connectivity.origin(end), mesh.connectivity.target(end)].map(|v| *mesh.sample(v));
+                mesh.split_at(Sample { position: a.position.midpoint(b.position), ..a }, end);
             }
         }
         mesh.lock_boundary();

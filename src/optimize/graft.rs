@@ -48,7 +48,7 @@ pub fn graft(domain: &Domain, mesh: &mut Manifold, fine: &Manifold, missed: &Ver
     let first_new = mesh.connectivity.vertex_bound();
     let source = Source::new(fine, spacing, first_new);
     let crossing = faces_of(crossings.avoidable.clone()).into_iter().flat_map(|t| mesh.connectivity.triangle(3 * t));
-    let places: Vec<Sample> = crossing.map(|v| mesh.samples[v as usize]).collect();
+    let places: Vec<Sample> = crossing.map(|v| *mesh.sample(v)).collect();
     let wrong = &source.near(&places) | missed;
     let mut touched = vec![false; mesh.connectivity.half_edge_bound() as usize / 3];
     for part in source.parts(&wrong) {
@@ -81,7 +81,7 @@ struct Source<'a> {
 impl Source<'_> {
     /// Creates a source for a mesh with this number of `vertices`.
     fn new(fine: &Manifold, spacing: f64, vertices: u32) -> Source<'_> {
-        let positions: Vec<DVec3> = fine.samples.iter().map(|s| s.position).collect();
+        let positions: Vec<DVec3> = fine.samples().iter().map(|s| s.position).collect();
         let nearest = (0..vertices).map(|_| OnceLock::new()).collect();
         Source { fine, neighbors: Neighbors::new(&positions), spacing, nearest }
     }
@@ -99,12 +99,12 @@ impl Source<'_> {
 
     /// Returns whether vertex `v` exists and faces the same way as `place`.
     fn faces(&self, v: u32, place: &Sample) -> bool {
-        self.fine.connectivity.has_vertex(v) && self.fine.samples[v as usize].normal.dot(place.normal) > 0.0
+        self.fine.connectivity.has_vertex(v) && self.fine.sample(v).normal.dot(place.normal) > 0.0
     }
 
     /// Returns the vertex nearest to vertex `v` of `mesh` that faces the same way, if one of those nearby does.
     fn nearest(&self, mesh: &Manifold, v: u32) -> Option<u32> {
-        let place = &mesh.samples[v as usize];
+        let place = mesh.sample(v);
         let search = || {
             let mut found = Vec::new();
             self.neighbors.collect_nearest(place.position, NEAREST, &mut found);
@@ -152,8 +152,8 @@ impl Source<'_> {
             let steps = strip(&places(mesh, &outer), &places(self.fine, inner))?;
             triangles.extend(steps.into_iter().map(|step| step.triangle(&outside, &inside)));
         }
-        let of_mesh = border.iter().map(|&v| mesh.samples[v as usize]);
-        let samples = of_mesh.chain(vertices.iter().map(|&v| self.fine.samples[v as usize])).collect();
+        let of_mesh = border.iter().map(|&v| *mesh.sample(v));
+        let samples = of_mesh.chain(vertices.iter().map(|&v| *self.fine.sample(v))).collect();
         let mut grafted = Manifold::new(samples, &triangles);
         grafted.make_delaunay();
         let faces_surface = |t: u32| grafted.agreement(grafted.connectivity.triangle(3 * t)) > 0.0;
@@ -330,7 +330,7 @@ mod tests {
     use crate::mesh::topology::topology;
     use crate::mesh::triangle_mesh::Mesh;
     use crate::optimize::crossings::crossing_faces;
-    use crate::testing::{grid, joined};
+    use crate::testing::{grid, joined, raise};
     use glam::dvec3;
 
     const WIDTH: f64 = 30.0;
@@ -362,13 +362,13 @@ mod tests {
         let fine = manifold(&domain, &sheet(30, ear));
         // Another mesh, without the ear.
         let mut mesh = manifold(&domain, &sheet(28, ear));
-        mesh.samples.iter_mut().for_each(|s| s.position.z = 0.0);
+        mesh.change_samples(|_, sample| sample.position.z = 0.0);
         let before = shape(&mesh);
         let lost = VertexSet::new(&fine, |v| fine.position(v).z > 0.5);
         let new = graft(&domain, &mut mesh, &fine, &lost, 1.0);
         assert!(new.len() > lost.len() && new.len() < 120, "{} {}", new.len(), lost.len());
-        let top = (0..mesh.samples.len()).filter(|&v| mesh.connectivity.has_vertex(v as u32));
-        assert!(top.map(|v| mesh.samples[v].position.z).fold(0.0, f64::max) > 3.9);
+        let top = (0..mesh.samples().len()).filter(|&v| mesh.connectivity.has_vertex(v as u32));
+        assert!(top.map(|v| mesh.samples()[v].position.z).fold(0.0, f64::max) > 3.9);
         assert_eq!(shape(&mesh), before);
         let longest = mesh.edges().map(|h| mesh.length_squared(h).sqrt()).fold(0.0, f64::max);
         assert!(longest < 3.0, "{longest}");
@@ -386,7 +386,7 @@ mod tests {
         let fine = manifold(&domain, &pair(30));
         let mut mesh = manifold(&domain, &pair(28));
         let through = 14 * 29 + 14;
-        mesh.samples[through].position.z = 0.5;
+        raise(&mut mesh, through, 0.5);
         let before = shape(&mesh);
         assert!(!crossing_faces(&domain, &mesh).is_empty());
         let new = graft(&domain, &mut mesh, &fine, &VertexSet::EMPTY, 1.0);

@@ -296,7 +296,7 @@ impl Task<'_> {
         let tries = parallel::each(nearest, |v| {
             let mut neighborhood = from.neighborhood.clone();
             let placed: Vec<u32> = from.placed.iter().copied().chain([v]).collect();
-            neighborhood.mesh.samples[v as usize] = self.domain.project_anywhere(from.place);
+            neighborhood.mesh.place(v, self.domain.project_anywhere(from.place));
             let sound = self.arrange(&mut neighborhood.mesh, &placed, measured, margin).ok()?;
             sound.then(|| measured.attempt(neighborhood, placed))
         });

@@ -57,7 +57,7 @@ fn axes(mesh: &Manifold, locked: &VertexSet, v: u32) -> [DVec3; 2] {
     }
     match mesh.along(v) {
         Some(along) => [along, DVec3::ZERO],
-        None => mesh.samples[v as usize].normal.any_orthonormal_pair().into(),
+        None => mesh.sample(v).normal.any_orthonormal_pair().into(),
     }
 }
 
@@ -137,7 +137,7 @@ impl Equations {
             }
         });
         let at_vertex = |v: u32| {
-            let spacing = spacing * mesh.samples[v as usize].size;
+            let spacing = spacing * mesh.sample(v).size;
             let damping = DMat2::from_diagonal(DVec2::splat(DAMPING * OF_REGULAR / (spacing * spacing)));
             let around = c.has_vertex(v).then(|| c.outgoing(v)).into_iter().flatten();
             around.fold((damping, DVec2::ZERO), |(diagonal, force), h| {

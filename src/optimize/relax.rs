@@ -110,7 +110,7 @@ pub fn relax_within(
 /// Returns the steps of all vertices towards the minimum of the energy, by vertex number; zero for `locked` vertices.
 pub(super) fn relaxing_steps(mesh: &Manifold, locked: &VertexSet, spacing: f64) -> Vec<DVec3> {
     let mut steps = newton_step(mesh, locked, spacing, |t| strain_of(mesh, t, spacing));
-    for (step, sample) in steps.iter_mut().zip(&mesh.samples) {
+    for (step, sample) in steps.iter_mut().zip(mesh.samples()) {
         *step = step.clamp_length_max(LONGEST_STEP * spacing * sample.size);
     }
     steps
@@ -135,7 +135,7 @@ pub(super) fn shape_gradient(mesh: &Manifold, v: u32, spacing: f64) -> (DVec3, f
 
 #[inline(always)]
 fn strain_of(mesh: &Manifold, corners: [u32; 3], spacing: f64) -> Strain {
-    let size = corners.into_iter().map(|v| mesh.samples[v as usize].size).sum::<f64>() / 3.0;
+    let size = corners.into_iter().map(|v| mesh.sample(v).size).sum::<f64>() / 3.0;
     strain(corners.map(|v| mesh.position(v)), spacing * size)
 }
 

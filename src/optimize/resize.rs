@@ -49,7 +49,7 @@ pub fn resize(domain: &Domain, mesh: &mut Manifold, spacing: f64, monitor: &dyn 
 /// smaller, and those whose size became larger.
 fn take_sizes(domain: &Domain, mesh: &mut Manifold) -> [VertexSet; 2] {
     let [mut shorter, mut longer] = [VertexSet::EMPTY, VertexSet::EMPTY];
-    for (sample, v) in mesh.samples.iter_mut().zip(0..) {
+    mesh.change_samples(|v, sample| {
         let size = domain.size_near(sample.position, sample.triangle);
         if size < SHORTER * sample.size {
             shorter.insert(v);
@@ -57,7 +57,7 @@ fn take_sizes(domain: &Domain, mesh: &mut Manifold) -> [VertexSet; 2] {
             longer.insert(v);
         }
         sample.size = size;
-    }
+    });
     [shorter, longer]
 }
 

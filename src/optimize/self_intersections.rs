@@ -89,23 +89,23 @@ pub fn resolve_self_intersections(domain: &Domain, mesh: &mut Manifold, monitor:
 fn take_back(domain: &Domain, mesh: &mut Manifold, crossings: &mut Crossings) {
     let faces = crossings.avoidable.iter().flat_map(|&(t, u)| [t, u]);
     let corners: BTreeSet<u32> = faces.flat_map(|t| mesh.connectivity.triangle(3 * t)).collect();
-    let (before, left) = (mesh.samples.clone(), crossings.avoidable.len());
+    let (before, left) = (mesh.samples().to_vec(), crossings.avoidable.len());
     for v in corners {
-        let foot = foot(domain, &mesh.samples[v as usize]);
+        let foot = foot(domain, mesh.sample(v));
         if !mesh.connectivity.is_on_curve(v) && acceptable(mesh, v, &foot) {
-            mesh.samples[v as usize] = foot;
+            mesh.place(v, foot);
         }
     }
     crossings.follow(domain, mesh);
     if crossings.avoidable.len() >= left {
-        mesh.samples = before;
+        mesh.place_all(before);
         crossings.follow(domain, mesh);
     }
 }
 
 /// Moves crossing sheets apart, step by step, and keeps the step with the fewest crossings.
 fn part_sheets(domain: &Domain, mesh: &mut Manifold, crossings: &mut Crossings) {
-    let mut best = (crossings.avoidable.len(), mesh.samples.clone());
+    let mut best = (crossings.avoidable.len(), mesh.samples().to_vec());
     for _ in 0..STEPS {
         let ways = ways_apart(domain, mesh, &crossings.avoidable);
         let moved = ways.into_iter().filter(|&(v, way)| step_off(domain, mesh, v, way)).count();
@@ -114,10 +114,10 @@ fn part_sheets(domain: &Domain, mesh: &mut Manifold, crossings: &mut Crossings) 
         }
         crossings.follow(domain, mesh);
         if crossings.avoidable.len() < best.0 {
-            best = (crossings.avoidable.len(), mesh.samples.clone());
+            best = (crossings.avoidable.len(), mesh.samples().to_vec());
         }
     }
-    mesh.samples = best.1;
+    mesh.place_all(best.1);
     crossings.follow(domain, mesh);
 }
 
@@ -126,8 +126,7 @@ fn ways_apart(domain: &Domain, mesh: &Manifold, pairs: &[(u32, u32)]) -> BTreeMa
     let faces: BTreeSet<u32> = pairs.iter().flat_map(|&(t, u)| [t, u]).collect();
     let heights: BTreeMap<u32, f64> = faces.iter().map(|&t| (t, height(domain, mesh, t))).collect();
     let corners: BTreeSet<u32> = faces.iter().flat_map(|&t| mesh.connectivity.triangle(3 * t)).collect();
-    let feet: BTreeMap<u32, DVec3> =
-        corners.into_iter().map(|v| (v, foot(domain, &mesh.samples[v as usize]).position)).collect();
+    let feet: BTreeMap<u32, DVec3> = corners.into_iter().map(|v| (v, foot(domain, mesh.sample(v)).position)).collect();
     let mut ways: BTreeMap<u32, DVec3> = BTreeMap::new();
     for &(t, u) in pairs {
         let step = STEP * heights[&t].max(heights[&u]);
@@ -146,7 +145,7 @@ fn ways_apart(domain: &Domain, mesh: &Manifold, pairs: &[(u32, u32)]) -> BTreeMa
 
 /// Returns the distance of the centroid of a face from the surface that the face represents.
 fn height(domain: &Domain, mesh: &Manifold, face: u32) -> f64 {
-    let corners = mesh.connectivity.triangle(3 * face).map(|v| &mesh.samples[v as usize]);
+    let corners = mesh.connectivity.triangle(3 * face).map(|v| mesh.sample(v));
     let middle = corners.iter().map(|s| s.position).sum::<DVec3>() / 3.0;
     let normal = corners.iter().map(|s| s.normal).sum();
     domain.project(middle, normal, on_patch(corners).triangle).position.distance(middle)
@@ -159,8 +158,8 @@ fn away_from(domain: &Domain, mesh: &Manifold, v: u32, foot: DVec3, other: u32) 
     if corners.contains(&v) {
         return DVec3::ZERO;
     }
-    let here = &mesh.samples[v as usize];
-    let corners = corners.map(|w| &mesh.samples[w as usize]);
+    let here = mesh.sample(v);
+    let corners = corners.map(|w| mesh.sample(w));
     let normal = corners.iter().map(|s| s.normal).sum();
     let there = domain.project(foot, normal, on_patch(corners).triangle).position;
     let ahead = (there - foot).dot(here.normal);
@@ -175,14 +174,14 @@ fn on_patch(corners: [&Sample; 3]) -> &Sample {
 /// Moves `v` without projecting it back onto the surface, unless it would be too far away, or turn a triangle over or spoil
 /// it. Returns whether it moved.
 fn step_off(domain: &Domain, mesh: &mut Manifold, v: u32, way: DVec3) -> bool {
-    let here = mesh.samples[v as usize];
+    let here = *mesh.sample(v);
     let there = Sample { position: here.position + way, ..here };
     let may = way != DVec3::ZERO
         && !mesh.connectivity.is_on_interface(v)
         && is_near_surface(domain, mesh, v, &there)
         && acceptable(mesh, v, &there);
     if may {
-        mesh.samples[v as usize] = there;
+        mesh.place(v, there);
     }
     may
 }
@@ -242,7 +241,7 @@ impl Surroundings<'_> {
         let mut now = before;
         let longest = longest_edge(mesh, v);
         for reach in REACHES {
-            let mut best = (now, 0.0, mesh.samples[v as usize]);
+            let mut best = (now, 0.0, *mesh.sample(v));
             for place in places(domain, mesh, v, reach * longest) {
                 let fan = fan(mesh, v, place.position);
                 let shape = fan.iter().map(|&t| mean_ratio(t)).fold(1.0, f64::min);
@@ -253,7 +252,7 @@ impl Surroundings<'_> {
             }
             if best.0 < now {
                 now = best.0;
-                mesh.samples[v as usize] = best.2;
+                mesh.place(v, best.2);
                 self.changed.extend(&old);
             }
             if now == 0 {
@@ -267,7 +266,7 @@ impl Surroundings<'_> {
 /// Returns places around `v` at `distance`: on the surface, and a little above and below it; for a vertex on a curve, along
 /// the curve.
 fn places(domain: &Domain, mesh: &Manifold, v: u32, distance: f64) -> Vec<Sample> {
-    let here = mesh.samples[v as usize];
+    let here = *mesh.sample(v);
     if let Some(along) = mesh.along(v) {
         return [along, -along].map(|way| mesh.place_after(domain, v, way * distance, &here)).to_vec();
     }

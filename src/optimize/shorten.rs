@@ -44,7 +44,7 @@ pub(super) fn shorten_crossings(domain: &Domain, mesh: &mut Manifold, crossings:
 /// Groups the faces of the pairs into clusters that are connected by common corners.
 fn clusters(mesh: &Manifold, pairs: &[(u32, u32)]) -> Vec<BTreeSet<u32>> {
     let corners = |t: u32| mesh.connectivity.triangle(3 * t);
-    let mut parts = UnionFind::new(mesh.samples.len());
+    let mut parts = UnionFind::new(mesh.samples().len());
     for &(t, u) in pairs {
         let first = corners(t)[0];
         corners(t).into_iter().chain(corners(u)).for_each(|v| _ = parts.join(first, v));
@@ -111,7 +111,7 @@ fn shorten(domain: &Domain, mesh: &mut Manifold, around: &mut Surroundings, mut 
         if now.gradient.is_empty() {
             break;
         }
-        let here: Vec<(u32, Sample)> = now.gradient.keys().map(|&v| (v, mesh.samples[v as usize])).collect();
+        let here: Vec<(u32, Sample)> = now.gradient.keys().map(|&v| (v, *mesh.sample(v))).collect();
         let unchanged: Vec<u32> = stars.difference(&around.changed).copied().collect();
         around.changed.extend(&unchanged);
         let shorter = SHARES.into_iter().find_map(|share| {
@@ -120,7 +120,7 @@ fn shorten(domain: &Domain, mesh: &mut Manifold, around: &mut Surroundings, mut 
             if after.length < LEAST_PROGRESS * now.length {
                 return Some(after);
             }
-            here.iter().for_each(|&(v, sample)| mesh.samples[v as usize] = sample);
+            here.iter().for_each(|&(v, sample)| mesh.place(v, sample));
             None
         });
         match shorter {
@@ -143,14 +143,14 @@ fn step(domain: &Domain, mesh: &mut Manifold, common: &Common, share: f64) {
         let way = (-common.length / squared * *gradient).clamp_length_max(REACH * longest_edge(mesh, v));
         let there = place_after(domain, mesh, v, share * way);
         if is_near_surface(domain, mesh, v, &there) && acceptable(mesh, v, &there) {
-            mesh.samples[v as usize] = there;
+            mesh.place(v, there);
         }
     }
 }
 
 /// Returns where the step `way` takes `v`, pulled back to where it is not too far from the surface.
 fn place_after(domain: &Domain, mesh: &Manifold, v: u32, way: DVec3) -> Sample {
-    let here = mesh.samples[v as usize];
+    let here = *mesh.sample(v);
     let there = Sample { position: here.position + way, ..here };
     if mesh.connectivity.curve_at(v) != OnCurve::No {
         return there;
@@ -164,7 +164,7 @@ fn place_after(domain: &Domain, mesh: &Manifold, v: u32, way: DVec3) -> Sample {
 mod tests {
     use super::*;
     use crate::mesh::triangle_mesh::Mesh;
-    use crate::testing::{grid, joined};
+    use crate::testing::{grid, joined, raise};
     use glam::dvec3;
 
     /// Two sheets of unit squares, one above the other.
@@ -179,13 +179,13 @@ mod tests {
         let samples = input.positions.iter().map(|&p| domain.project_anywhere(p)).collect();
         let mut mesh = Manifold::new(samples, &input.triangles);
         // The vertex in the middle of the lower sheet.
-        mesh.samples[6 * 13 + 6].position.z = 0.1;
+        raise(&mut mesh, 6 * 13 + 6, 0.1);
         let mut crossings = Crossings::new(&domain, &mesh);
         assert!(crossings.avoidable.len() > 5);
         shorten_crossings(&domain, &mut mesh, &crossings);
         crossings.follow(&domain, &mesh);
         assert!(crossings.avoidable.is_empty());
-        let off = mesh.samples.iter().map(|s| domain.project_anywhere(s.position).position.distance(s.position));
+        let off = mesh.samples().iter().map(|s| domain.project_anywhere(s.position).position.distance(s.position));
         assert!(off.fold(0.0, f64::max) < 1.5 * FARTHEST);
     }
 }

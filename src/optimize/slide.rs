@@ -141,7 +141,7 @@ fn free(mesh: &Manifold, v: u32, locked: &VertexSet) -> Free {
 
 /// Returns where the step `way` takes `v`.
 fn slid(domain: &Domain, mesh: &Manifold, v: u32, mut way: DVec3, least: Least) -> Sample {
-    let here = mesh.samples[v as usize];
+    let here = *mesh.sample(v);
     if way == DVec3::ZERO || !way.is_finite() {
         return here;
     }
@@ -210,7 +210,7 @@ mod tests {
         let after = slid(&domain, &mesh);
         assert!(mean_quality(&after) > mean_quality(&mesh) + 0.05, "{}", mean_quality(&after));
         assert!(least(&after).is_at_least(least(&mesh)));
-        assert!(after.samples.iter().all(|s| s.position.z.abs() < 1e-12));
+        assert!(after.samples().iter().all(|s| s.position.z.abs() < 1e-12));
     }
 
     #[test]
@@ -223,7 +223,7 @@ mod tests {
         let moved =
             on_ridge.iter().filter(|&&v| before.position(v).distance(mesh.position(v)) > 1e-3 * SPACING).count();
         assert!(moved > on_ridge.len() / 2, "{moved}");
-        assert!(before.samples.iter().all(|s| (s.position.z - height(s.position.x, 0.0)).abs() < 1e-9));
+        assert!(before.samples().iter().all(|s| (s.position.z - height(s.position.x, 0.0)).abs() < 1e-9));
         let corner = on_ridge[on_ridge.len() / 2];
         mesh.mark_curves(&[], [corner]);
         assert_eq!(mesh.connectivity.curve_at(corner), OnCurve::Corner);

@@ -125,7 +125,7 @@ fn bend_curve(mesh: &mut Manifold, t: u32, spacing: f64) -> bool {
     let length = |h: u32| mesh.length_squared(h);
     let h = (3 * t..3 * t + 3).max_by(|&g, &h| length(g).total_cmp(&length(h))).expect("a triangle has sides");
     let [a, b, top] = c.triangle(h);
-    let farthest = FARTHEST * spacing * mesh.samples[top as usize].size;
+    let farthest = FARTHEST * spacing * mesh.sample(top).size;
     let twice_area = 2.0 * area(mesh.corners(t));
     if !c.is_on_curve(top) || twice_area > farthest * length(h).sqrt() || !c.can_bend(h) {
         return false;

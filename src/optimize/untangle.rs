@@ -231,9 +231,9 @@ impl Untangling<'_> {
     /// Returns the part of the surface that is near `place`.
     fn watched(&self, place: &Place) -> Watched {
         let mesh = &place.around.mesh;
-        let middle = mesh.samples.iter().map(|sample| sample.position).sum::<DVec3>() / mesh.samples.len() as f64;
-        let reach = mesh.samples.iter().map(|sample| sample.position.distance(middle)).fold(0.0, f64::max);
-        let [size, ..] = mesh.connectivity.triangle(place.own_side()).map(|v| mesh.samples[v as usize].size);
+        let middle = mesh.samples().iter().map(|sample| sample.position).sum::<DVec3>() / mesh.samples().len() as f64;
+        let reach = mesh.samples().iter().map(|sample| sample.position.distance(middle)).fold(0.0, f64::max);
+        let [size, ..] = mesh.connectivity.triangle(place.own_side()).map(|v| mesh.sample(v).size);
         let farthest = size * self.farthest;
         let belongs = |probe: &Probe| {
             distance(self.faces, probe, 0.0, farthest).is_some_and(|(_, t)| place.around.has_triangle(t))
@@ -291,7 +291,7 @@ mod tests {
     use crate::manifold::small_angles::SLIVER;
     use crate::mesh::topology::topology;
     use crate::mesh::triangle_mesh::Mesh;
-    use crate::testing::{grid, joined};
+    use crate::testing::{grid, joined, raise};
     use glam::dvec3;
 
     /// A valley over a flat sheet of `N` by `N` unit squares, `lowest` above it in the middle, and a mesh over both.
@@ -316,7 +316,7 @@ mod tests {
         // The bottom of the valley goes through the sheet.
         let middle = N * (N + 1) / 2 + N / 2;
         let upper = (N + 1) * (N + 1) + middle;
-        mesh.samples[upper as usize].position.z = -0.3;
+        raise(&mut mesh, upper as usize, -0.3);
         let crossing = |mesh: &Manifold| Crossings::new(&domain, mesh).avoidable.len();
         assert!(crossing(&mesh) > 3);
         let few = Aim { most_at_fault: 0.001, ..SOUND };
@@ -336,7 +336,7 @@ mod tests {
         assert_eq!(mesh.to_mesh().positions, before.positions);
         let v = N * (N + 1) / 2 + N / 2;
         let neighbour = mesh.connectivity.ring(v).next().unwrap();
-        mesh.samples[v as usize].position = mesh.position(neighbour).lerp(mesh.position(v), 1e-3);
+        mesh.place_at(v, mesh.position(neighbour).lerp(mesh.position(v), 1e-3));
         let slivers = |mesh: &Manifold| with_angles_below(mesh, SLIVER).len();
         assert!(slivers(&mesh) > 0);
         untangle(&domain, &mut mesh, SOUND, 1.0, &()).unwrap();
@@ -362,7 +362,7 @@ mod tests {
         let watched = untangling.watched(&place);
         let keeps_it = |way: f64| {
             let mut moved = place.around.mesh.clone();
-            moved.samples.iter_mut().for_each(|sample| sample.position.z += way);
+            moved.change_samples(|_, sample| sample.position.z += way);
             watched.is_kept_by(&moved)
         };
         assert_eq!([0.0, 0.3, -0.3, 0.9, -0.9].map(keeps_it), [true, true, true, false, false]);
@@ -373,7 +373,7 @@ mod tests {
         let (domain, mut mesh) = valley_over_sheet(0.1);
         let v = N * (N + 1) / 2 + N / 2;
         let neighbour = mesh.connectivity.ring(v).next().unwrap();
-        mesh.samples[v as usize].position = mesh.position(neighbour).lerp(mesh.position(v), 0.2);
+        mesh.place_at(v, mesh.position(neighbour).lerp(mesh.position(v), 0.2));
         let angles = Aim { angles_below: 30.0, farthest: 0.6, ..SOUND };
         let small = |mesh: &Manifold| with_angles_below(mesh, angles.angles_below).len();
         assert!(small(&mesh) > 0);
@@ -399,7 +399,7 @@ mod tests {
     fn faults_after_a_change_are_those_of_all_faces() {
         let (domain, mut mesh) = valley_over_sheet(0.1);
         let upper = (N + 1) * (N + 1) + N * (N + 1) / 2 + N / 2;
-        mesh.samples[upper as usize].position.z = -0.3;
+        raise(&mut mesh, upper as usize, -0.3);
         let faces = Faces::new(&mesh);
         let counted = Counted { angles_below: SLIVER, inherited: false };
         let middle = mesh.connectivity.outgoing(upper).next().unwrap() / 3;

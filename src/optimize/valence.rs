@@ -288,7 +288,7 @@ fn touched(c: &Connectivity, h: u32) -> impl Iterator<Item = u32> {
 
 /// Returns the cosine of the angle between the normals of two vertices; 1 if one is on a sharp edge and has no normal.
 fn normal_cosine(mesh: &Manifold, v: u32, w: u32) -> f64 {
-    let [n, m] = [v, w].map(|v| mesh.samples[v as usize].normal);
+    let [n, m] = [v, w].map(|v| mesh.sample(v).normal);
     if n == DVec3::ZERO || m == DVec3::ZERO { 1.0 } else { n.dot(m) }
 }
 
@@ -317,7 +317,7 @@ fn may_collapse(mesh: &Manifold, locked: &VertexSet, h: u32, spacing: f64) -> bo
     let (facing, shape) = mesh.after_collapse(h);
     FacingGuard::CAREFUL.passes(facing)
         && shape >= LEAST_MENDABLE
-        && mesh.distance_after_collapse(h) <= TOLERANCE * spacing * mesh.samples[a as usize].size
+        && mesh.distance_after_collapse(h) <= TOLERANCE * spacing * mesh.sample(a).size
 }
 
 #[cfg(test)]
@@ -392,8 +392,7 @@ mod tests {
         let mut mesh = sheet();
         let h = mesh.edges().find(|&h| mesh.connectivity.origin(h) == 6 * (SIZE + 1) + 6).unwrap();
         let middle = 0.5 * (mesh.position(mesh.connectivity.origin(h)) + mesh.position(mesh.connectivity.target(h)));
-        mesh.samples.push(Sample { position: middle, normal: DVec3::Z, triangle: 0, size: 1.0 });
-        mesh.connectivity.split_edge(h);
+        mesh.split_at(Sample { position: middle, normal: DVec3::Z, triangle: 0, size: 1.0 }, h);
         assert!(energy(&mesh) > 0);
         remove_near_defects(&mut mesh, &VertexSet::EMPTY, 1.0);
         assert_eq!(energy(&mesh), 0);

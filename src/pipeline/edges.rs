@@ -33,7 +33,7 @@ impl Edges {
         }
         let mut wanted: Vec<(u32, f64)> = old
             .iter()
-            .map(|&v| (number[v as usize], unit.size * surface.scale.spacing * made.samples[v as usize].size))
+            .map(|&v| (number[v as usize], unit.size * surface.scale.spacing * made.sample(v).size))
             .filter(|w| w.0 as usize >= first)
             .collect();
         wanted.sort_unstable_by_key(|w| w.0);

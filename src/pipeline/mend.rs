@@ -283,9 +283,9 @@ mod tests {
             .map(|t| manifold.connectivity.triangle(3 * t)[0])
             .next()
             .expect("a mesh has triangles");
-        let first = manifold.samples[v as usize];
+        let first = *manifold.sample(v);
         let neighbour = manifold.connectivity.ring(v).next().expect("a vertex has neighbours");
-        manifold.samples[v as usize].position = manifold.position(neighbour).lerp(first.position, 1.0 - share);
+        manifold.place_at(v, manifold.position(neighbour).lerp(first.position, 1.0 - share));
         let broken = |manifold: Manifold| Finished::new(&prepared, &surface, manifold, 0, 1);
         let (before, broken) = (broken(manifold.clone()), broken(manifold));
         let made = mended(&prepared, &mut surface, broken, &()).unwrap();

@@ -32,7 +32,7 @@ pub(super) fn origins(
     let (_, old) = made.connectivity.compact();
     let reach = |size: f64| surface.scale.spacing * size;
     let vertex = |&v: &u32| {
-        let sample = &made.samples[v as usize];
+        let sample = made.sample(v);
         domain.origin(sample, reach(sample.size), input)
     };
     let triangle = |t: usize| {
@@ -42,7 +42,7 @@ pub(super) fn origins(
         let mut corners = of_part.triangles[t].iter().map(|&v| old[v as usize]);
         match corners.find(|&v| made.connectivity.curve_at(v) == OnCurve::No) {
             Some(v) => {
-                let near = &made.samples[v as usize];
+                let near = made.sample(v);
                 domain.origin(&Sample { position: centre, normal, ..*near }, reach(near.size), input)
             }
             None => domain.origin(&domain.project_facing(centre, normal), 0.0, input),

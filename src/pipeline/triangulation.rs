@@ -89,7 +89,7 @@ impl Triangulation {
     /// Returns the ends of edges that are stretched along rods and the samples that were lost between them, with the widths
     /// of the rods there in target lengths.
     fn along_rods(&self, surface: &SizedSurface) -> Vec<(DVec3, f64)> {
-        let Manifold { connectivity: c, samples, .. } = &self.mesh;
+        let (c, samples) = (&self.mesh.connectivity, self.mesh.samples());
         let (domain, spacing) = (&surface.domain, surface.scale.spacing);
         let stretched = self.stretched(LONGEST * spacing).flat_map(|h| {
             let [a, b] = [c.origin(h), c.target(h)].map(|v| &samples[v as usize]);

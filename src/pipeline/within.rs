@@ -189,7 +189,7 @@ fn corner_of_interface(made: &Manifold, domain: &Domain, v: u32) -> Option<u32> 
     if !made.connectivity.is_on_interface(v) {
         return None;
     }
-    let sample = &made.samples[v as usize];
+    let sample = made.sample(v);
     let corners = domain.mesh.triangles[sample.triangle as usize];
     let corner = corners.into_iter().find(|&w| domain.mesh.positions[w as usize] == sample.position);
     corner.map(|w| domain.original[w as usize])

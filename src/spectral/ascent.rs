@@ -86,10 +86,10 @@ fn way_up<const D: usize>(
     AscentParameters { sigma, step, .. }: AscentParameters,
 ) -> DVec3 {
     let mut offsets = [[0.0; D]; GRADIENT_NEIGHBOURS];
-    let here = &mesh.samples[v as usize];
+    let here = mesh.sample(v);
     let found = nearest::<D>(mesh, lift, v);
     for (offset, &(_, w)) in offsets.iter_mut().zip(found.list()) {
-        let there = &mesh.samples[w as usize];
+        let there = mesh.sample(w);
         let sigma = sigma * mean_width::<D>(lift, here, there);
         *offset = lift.offset(here, there).map(|x| x / sigma);
     }
@@ -109,16 +109,16 @@ fn mean_width<const D: usize>(lift: Lift, one: &Sample, other: &Sample) -> f64 {
 /// Returns the nearest vertices in the two-ring of `v`, by distance relative to the kernel width; of the second ring, only
 /// those that face the same way.
 fn nearest<const D: usize>(mesh: &Manifold, lift: Lift, v: u32) -> Nearest {
-    let (c, here) = (&mesh.connectivity, &mesh.samples[v as usize]);
+    let (c, here) = (&mesh.connectivity, mesh.sample(v));
     let mut found = Nearest::default();
     let mut add = |w: u32| {
-        let there = &mesh.samples[w as usize];
+        let there = mesh.sample(w);
         let width = mean_width::<D>(lift, here, there);
         found.add(length_squared(&lift.offset::<D>(here, there)) / (width * width), w)
     };
     c.ring(v).for_each(&mut add);
     let mut add_facing = |w: u32| {
-        if mesh.samples[w as usize].normal.dot(here.normal) >= 0.0 {
+        if mesh.sample(w).normal.dot(here.normal) >= 0.0 {
             add(w);
         }
     };

@@ -44,7 +44,7 @@ pub fn part_chords(domain: &Domain, patches: &mut Triangulated, seams: Gluing<'_
             ends.extend(mesh.connectivity.ring(middle).map(|w| [middle, w]));
         }
     }
-    source.resize(mesh.samples.len(), NONE);
+    source.resize(mesh.samples().len(), NONE);
 }
 
 #[cfg(test)]

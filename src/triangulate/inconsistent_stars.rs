@@ -130,7 +130,7 @@ impl Starred {
         let mut number = from.insertion.clone();
         for (v, number) in number.iter_mut().enumerate().filter(|(v, n)| **n == NONE && inside[*v]) {
             *number = self.samples.len() as u32;
-            self.samples.push(from.mesh.samples[v]);
+            self.samples.push(from.mesh.samples()[v]);
             self.successor.push(INTERIOR);
         }
         let known = |v: u32| number[v as usize] != NONE;

@@ -69,7 +69,7 @@ pub fn mutual_tessellation(domain: &Domain, part: &[u32], insertions: &[Insertio
         }
     }
     let (triangles, old) = mesh.connectivity.compact();
-    let left = Manifold::new(old.iter().map(|&v| mesh.samples[v as usize]).collect(), &triangles);
+    let left = Manifold::new(old.iter().map(|&v| *mesh.sample(v)).collect(), &triangles);
     let insertion = old.iter().map(|&v| if v < inserted { v } else { NONE }).collect();
     Tessellation { mesh: left, border: border.renumbered(&old), insertion }
 }

@@ -37,10 +37,10 @@ pub fn straighten_rims(domain: &Domain, patches: &mut Triangulated, boundary: Bo
             mesh.split_anyhow(domain, h);
         }
     }
-    source.resize(mesh.samples.len(), NONE);
+    source.resize(mesh.samples().len(), NONE);
     let triangles: Vec<[u32; 3]> = mesh.triangles().map(|t| mesh.connectivity.triangle(3 * t)).collect();
-    let (triangles, straightened) = straightened(mesh.samples.len(), triangles, &bays);
-    *mesh = Manifold::new(std::mem::take(&mut mesh.samples), &triangles);
+    let (triangles, straightened) = straightened(mesh.samples().len(), triangles, &bays);
+    *mesh = Manifold::new(mesh.samples().to_vec(), &triangles);
     for &v in straightened.into_iter().flat_map(|bay| &bay.between) {
         if mesh.connectivity.has_vertex(v) {
             merge_away(mesh, v, |facing| FacingGuard::SOUND.passes(facing));

@@ -50,10 +50,10 @@ impl Torn {
 pub fn glue(patches: &Triangulated, seams: Gluing<'_>) -> Result<Manifold, Torn> {
     let points = seams.point.iter().max().map_or(0, |&p| p + 1);
     let on_curves = patches.source.partition_point(|&s| (s as usize) < seams.point.len());
-    let inner = &patches.mesh.samples[on_curves..];
+    let inner = &patches.mesh.samples()[on_curves..];
     let none = Sample { position: DVec3::ZERO, normal: DVec3::ZERO, triangle: NONE, size: 1.0 };
     let mut samples = vec![none; points as usize];
-    for (sample, &source) in patches.mesh.samples.iter().zip(&patches.source[..on_curves]) {
+    for (sample, &source) in patches.mesh.samples().iter().zip(&patches.source[..on_curves]) {
         let point = &mut samples[seams.point[source as usize] as usize];
         // A point on more than one patch is on a sharp edge, which has no normal.
         let sharp = point.triangle != NONE;
@@ -140,7 +140,7 @@ mod tests {
         let shared = whole.edges().find(|&h| whole.connectivity.has_twin(h)).unwrap();
         assert_eq!(whole.connectivity.curve(shared), OnCurve::Curve(1));
         assert!(!whole.connectivity.can_flip(shared));
-        assert_eq!(whole.samples[1].normal, DVec3::ZERO);
+        assert_eq!(whole.samples()[1].normal, DVec3::ZERO);
     }
 
     #[test]

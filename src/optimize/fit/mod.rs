@@ -146,13 +146,13 @@ pub(super) fn fit_part(domain: &Domain, mesh: &mut Manifold, spacing: f64, mean_
 /// Updates the normals of the vertices that can move; returns the closest surface point of each vertex.
 fn project_vertices(domain: &Domain, mesh: &mut Manifold, spacing: f64) -> Vec<DVec3> {
     let project = |v: usize| {
-        let here = mesh.samples[v];
+        let here = mesh.samples()[v];
         let moves = mesh.connectivity.has_vertex(v as u32) && !mesh.connectivity.is_on_curve(v as u32);
         let foot = if moves { domain.project_by_walk(&here, REACH * spacing) } else { here };
         (Sample { position: here.position, ..foot }, foot.position)
     };
-    let (samples, closest) = parallel::map(0..mesh.samples.len(), project).into_iter().unzip();
-    mesh.samples = samples;
+    let (samples, closest) = parallel::map(0..mesh.samples().len(), project).into_iter().unzip();
+    mesh.place_all(samples);
     closest
 }
 
@@ -167,7 +167,7 @@ fn take_back(domain: &Domain, mesh: &mut Manifold, spacing: f64) {
 fn take_back_all(domain: &Domain, mesh: &mut Manifold, spacing: f64) {
     let closest = project_vertices(domain, mesh, spacing);
     let back = |(v, foot): (u32, DVec3)| {
-        let here = &mesh.samples[v as usize];
+        let here = mesh.sample(v);
         let p = here.position;
         let far = |q: DVec3, most: f64| p.distance_squared(q) > most * most;
         if !far(foot, 0.0) {
@@ -181,12 +181,12 @@ fn take_back_all(domain: &Domain, mesh: &mut Manifold, spacing: f64) {
     let places: Vec<DVec3> = parallel::collect((0..closest.len() as u32, &closest[..]), |(vertices, closest)| {
         vertices.zip(closest.iter().copied()).map(back)
     });
-    mesh.samples.iter_mut().zip(places).for_each(|(sample, p)| sample.position = p);
+    mesh.change_samples(|v, sample| sample.position = places[v as usize]);
 }
 
 /// Returns the maximum distance of `v` from the surface: zero in a plane that touches another.
 fn farthest(domain: &Domain, mesh: &Manifold, v: u32, spacing: f64) -> f64 {
-    let here = &mesh.samples[v as usize];
+    let here = mesh.sample(v);
     let is_free = !domain.is_in_contact(here.triangle);
     if is_free { FARTHEST * shortest_edge(mesh, v).min(spacing * here.size) } else { 0.0 }
 }
@@ -218,7 +218,7 @@ fn step(
     goal: Goal,
     spacing: f64,
 ) -> Sample {
-    let here = mesh.samples[v as usize];
+    let here = *mesh.sample(v);
     if mesh.connectivity.is_on_curve(v) {
         return here;
     }
@@ -256,9 +256,9 @@ fn newton_step(mesh: &Manifold, targets: &Targets, v: u32, spacing: f64) -> DVec
             hessian += Symmetric::outer(target.plane.normal) * (slope * target.at[k]);
         }
     }
-    let normal = mesh.samples[v as usize].normal;
+    let normal = mesh.sample(v).normal;
     let (shape, stiffness) = shape_gradient(mesh, v, spacing);
-    let scale = SHAPE_WEIGHT * math::square(spacing * mesh.samples[v as usize].size);
+    let scale = SHAPE_WEIGHT * math::square(spacing * mesh.sample(v).size);
     gradient += scale * shape.reject_from_normalized(normal);
     let along_normal = STIFFNESS * hessian.diagonal.element_sum() - scale * stiffness;
     hessian += Symmetric::outer(normal) * along_normal;
@@ -420,7 +420,7 @@ mod tests {
             let mut mesh = start.clone();
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| fit(&domain, &mut mesh, all(&domain), Goal::GOOD, 0.31, Some(0.02), &())).unwrap();
-            mesh.samples
+            mesh.into_samples()
         };
         assert!(with(1) == with(8));
     }

@@ -193,7 +193,7 @@ fn find_planes(domain: &Domain, mesh: &Manifold, t: u32, own: &mut [Plane; POINT
     };
     let x = mesh.corners(t);
     let normal = (x[1] - x[0]).cross(x[2] - x[0]);
-    let mut triangle = mesh.samples[v as usize].triangle;
+    let mut triangle = mesh.sample(v).triangle;
     for (plane, (at, weight)) in own.iter_mut().zip(POINTS) {
         if plane.foot != NONE {
             triangle = plane.foot;
