@@ -75,14 +75,14 @@
 //! # What the library never does
 //!
 //! It does not print and does not read the clock: progress, timing and cancelling are up to the caller's [`Monitor`]
-//! ([`Stopwatch`] is one that reads the clock for the caller). It opens no files, except in `io::file`, which exists only
-//! with the feature `fs`. It keeps no state between calls.
+//! ([`Stopwatch`] is one that reads the clock for the caller). Only `io::file`, `large` and `stages::tiles` open files, and
+//! these exist only with the feature `fs`. It keeps no state between calls.
 //!
 //! # Features
 //!
 //! | feature | what it adds |
 //! |---|---|
-//! | `fs` | `io::file`: reads and writes meshes by file name; outputs are written beside the target, then renamed |
+//! | `fs` | `io::file`: reads and writes meshes by file name; outputs are written beside the target, then renamed; `large`: jobs on files larger than memory |
 //! | `e57` (default) | reads E57 files |
 //! | `laz` (default) | reads compressed LAS files |
 //! | `cli` (default) | `cli`: the whole command line tool; implies `fs` |
@@ -138,6 +138,9 @@ pub mod triangulate;
 /// The stages, each of which can be used by itself. This module is exempt from semantic versioning: names and arguments
 /// change whenever a stage is improved.
 pub mod stages {
+    #[cfg(feature = "fs")]
+    #[doc(inline)]
+    pub use crate::tiles;
     #[doc(inline)]
     pub use crate::{
         base, contour, geom, manifold, mesh, optimize, picture, pipeline, prepare, quality, spatial, spectral, surface,
@@ -150,6 +153,8 @@ pub use glam;
 
 pub use base::error::{Error, Fault, Place, Result, Setting};
 pub use base::monitor::{Monitor, Stopwatch};
+#[cfg(feature = "fs")]
+pub use job::large;
 pub use job::{
     Carry, Input, Origin, Outcome, RemeshOptions, quality, reconstruct, remesh, remesh_levels, sample, settings,
     with_threads, words,
@@ -158,9 +163,10 @@ pub use mesh::attributes::{Attribute, Attributes, Lost, Scalar};
 pub use mesh::materials::{Alpha, Image, Look, Material, Materials, Sampler, Statement, Texture, Transform, Use};
 pub use mesh::parts::{Part, Parts};
 pub use mesh::points::Points;
+pub use mesh::provenance::PointOnTriangle;
 pub use mesh::triangle_mesh::Mesh;
 pub use pipeline::{
     CloudOptions, Density, Edges, Grading, MaxError, NormalFit, NormalNeighborhood, Options, ReconstructOptions,
-    Reconstructed, SampleDensity, SampleOptions, Sampled, Selection, Signal, Values,
+    Reconstructed, SMOOTHING_SUPPORT, SampleDensity, SampleLevel, SampleOptions, Sampled, Selection, Signal, Values,
 };
 pub use surface::features::Features;

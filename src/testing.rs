@@ -1,7 +1,6 @@
 //! Shapes for unit tests.
 
 use crate::base::rng::{Random, unit};
-use crate::manifold::Manifold;
 use crate::mesh::triangle_mesh::Mesh;
 use glam::{DVec3, dvec3};
 
@@ -81,10 +80,4 @@ pub fn sphere() -> Mesh {
 /// A random point of the unit cube.
 pub fn random_point(rng: &mut Random) -> DVec3 {
     dvec3(unit(rng), unit(rng), unit(rng))
-}
-
-/// Moves vertex `v` to height `z`, wherever the surface is.
-pub fn raise(mesh: &mut Manifold, v: usize, z: f64) {
-    let at = mesh.position(v as u32);
-    mesh.place_at(v as u32, DVec3 { z, ..at });
 }

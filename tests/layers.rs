@@ -91,6 +91,25 @@ fn no_folder_is_a_house() {
     assert!(lines.is_empty(), "more than a sixth of {total} lines: {lines:?}");
 }
 
+/// Users of the library, of Python and of the page set options that have no flags.
+#[test]
+fn only_the_command_line_names_its_flags() {
+    let names_flag = |line: &&str| {
+        let code = line.split("//").next().unwrap_or("");
+        code.split('"').skip(1).step_by(2).any(|text| text.split([' ', '(']).any(is_flag))
+    };
+    let mut found = Vec::new();
+    for Source { module, text } in sources().into_iter().filter(|source| source.module[0] != "cli") {
+        let code = text.split("#[cfg(test)]\nmod tests").next().unwrap_or("");
+        found.extend(code.lines().filter(names_flag).map(|line| format!("{}: {}", module.join("::"), line.trim())));
+    }
+    assert!(found.is_empty(), "flags in the library:\n{}", found.join("\n"));
+}
+
+fn is_flag(word: &str) -> bool {
+    word.strip_prefix("--").is_some_and(|name| name.starts_with(|c: char| c.is_ascii_lowercase()))
+}
+
 /// All files but the roots of the library and of the binary, which may import everything.
 fn sources() -> Vec<Source> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");

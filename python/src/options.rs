@@ -7,8 +7,8 @@ use pyo3::conversion::FromPyObjectOwned;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyString};
+use spectral_remesh::SMOOTHING_SUPPORT;
 use spectral_remesh::settings::{NormalSettings, ReconstructSettings, RemeshSettings, SampleSettings};
-use spectral_remesh::stages::pipeline::SMOOTHING_SUPPORT;
 use spectral_remesh::{
     Density, Features, MaxError, NormalFit, ReconstructOptions, RemeshOptions, SampleDensity, SampleOptions, Selection,
     Signal, Values, words,

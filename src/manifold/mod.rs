@@ -165,6 +165,14 @@ impl Manifold {
 }
 
 #[cfg(test)]
+impl Manifold {
+    /// Moves vertex `v` to height `z`, wherever the surface is.
+    pub fn raise(&mut self, v: usize, z: f64) {
+        self.samples[v].position.z = z;
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use super::*;
 

@@ -161,7 +161,7 @@ pub(super) fn longest_edge(mesh: &Manifold, v: u32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{grid, joined, raise};
+    use crate::testing::{grid, joined};
     use glam::dvec3;
 
     #[test]
@@ -176,7 +176,7 @@ mod tests {
         assert!(!Crossings::new(&domain, &mesh).all.is_empty() && crossing_faces(&domain, &mesh).is_empty());
         // The vertex in the middle of the floor, far from the wall, passes through the ceiling.
         let v = 12 * 13 + 6;
-        raise(&mut mesh, v, 0.6);
+        mesh.raise(v, 0.6);
         let found = crossing_faces(&domain, &mesh);
         let near = |t: &u32| mesh.corners(*t).iter().all(|p| p.distance(mesh.samples()[v].position) < 3.0);
         assert!(found.len() > 3 && found.iter().all(near), "{found:?}");
@@ -191,12 +191,12 @@ mod tests {
         let mut mesh = Manifold::new(samples, &input.triangles);
         // Two vertices of the lower sheet pass through the upper one.
         let through = [4 * 13 + 4, 7 * 13 + 8];
-        through.iter().for_each(|&v| raise(&mut mesh, v, 0.6));
+        through.iter().for_each(|&v| mesh.raise(v, 0.6));
         let mut crossings = Crossings::new(&domain, &mesh);
         // One comes back, one moves on, another passes through, and an edge beside it flips.
-        raise(&mut mesh, through[0], 0.0);
-        raise(&mut mesh, through[1], 0.8);
-        raise(&mut mesh, 9 * 13 + 3, 0.5);
+        mesh.raise(through[0], 0.0);
+        mesh.raise(through[1], 0.8);
+        mesh.raise(9 * 13 + 3, 0.5);
         let beside = mesh.connectivity.outgoing(9 * 13 + 3).find(|&h| mesh.connectivity.can_flip(h)).unwrap();
         mesh.connectivity.flip(beside);
         let before = crossings.avoidable.clone();

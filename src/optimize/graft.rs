@@ -330,7 +330,7 @@ mod tests {
     use crate::mesh::topology::topology;
     use crate::mesh::triangle_mesh::Mesh;
     use crate::optimize::crossings::crossing_faces;
-    use crate::testing::{grid, joined, raise};
+    use crate::testing::{grid, joined};
     use glam::dvec3;
 
     const WIDTH: f64 = 30.0;
@@ -386,7 +386,7 @@ mod tests {
         let fine = manifold(&domain, &pair(30));
         let mut mesh = manifold(&domain, &pair(28));
         let through = 14 * 29 + 14;
-        raise(&mut mesh, through, 0.5);
+        mesh.raise(through, 0.5);
         let before = shape(&mesh);
         assert!(!crossing_faces(&domain, &mesh).is_empty());
         let new = graft(&domain, &mut mesh, &fine, &VertexSet::EMPTY, 1.0);

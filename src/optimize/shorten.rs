@@ -164,7 +164,7 @@ fn place_after(domain: &Domain, mesh: &Manifold, v: u32, way: DVec3) -> Sample {
 mod tests {
     use super::*;
     use crate::mesh::triangle_mesh::Mesh;
-    use crate::testing::{grid, joined, raise};
+    use crate::testing::{grid, joined};
     use glam::dvec3;
 
     /// Two sheets of unit squares, one above the other.
@@ -179,7 +179,7 @@ mod tests {
         let samples = input.positions.iter().map(|&p| domain.project_anywhere(p)).collect();
         let mut mesh = Manifold::new(samples, &input.triangles);
         // The vertex in the middle of the lower sheet.
-        raise(&mut mesh, 6 * 13 + 6, 0.1);
+        mesh.raise(6 * 13 + 6, 0.1);
         let mut crossings = Crossings::new(&domain, &mesh);
         assert!(crossings.avoidable.len() > 5);
         shorten_crossings(&domain, &mut mesh, &crossings);

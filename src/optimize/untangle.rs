@@ -291,7 +291,7 @@ mod tests {
     use crate::manifold::small_angles::SLIVER;
     use crate::mesh::topology::topology;
     use crate::mesh::triangle_mesh::Mesh;
-    use crate::testing::{grid, joined, raise};
+    use crate::testing::{grid, joined};
     use glam::dvec3;
 
     /// A valley over a flat sheet of `N` by `N` unit squares, `lowest` above it in the middle, and a mesh over both.
@@ -316,7 +316,7 @@ mod tests {
         // The bottom of the valley goes through the sheet.
         let middle = N * (N + 1) / 2 + N / 2;
         let upper = (N + 1) * (N + 1) + middle;
-        raise(&mut mesh, upper as usize, -0.3);
+        mesh.raise(upper as usize, -0.3);
         let crossing = |mesh: &Manifold| Crossings::new(&domain, mesh).avoidable.len();
         assert!(crossing(&mesh) > 3);
         let few = Aim { most_at_fault: 0.001, ..SOUND };
@@ -399,7 +399,7 @@ mod tests {
     fn faults_after_a_change_are_those_of_all_faces() {
         let (domain, mut mesh) = valley_over_sheet(0.1);
         let upper = (N + 1) * (N + 1) + N * (N + 1) / 2 + N / 2;
-        raise(&mut mesh, upper as usize, -0.3);
+        mesh.raise(upper as usize, -0.3);
         let faces = Faces::new(&mesh);
         let counted = Counted { angles_below: SLIVER, inherited: false };
         let middle = mesh.connectivity.outgoing(upper).next().unwrap() / 3;

@@ -6,9 +6,9 @@ use crate::form::Form;
 use crate::session::Session;
 use crate::words::{label, worded};
 use serde::{Deserialize, Serialize};
+use spectral_remesh::SMOOTHING_SUPPORT;
 use spectral_remesh::io::Format;
 use spectral_remesh::report::page::{Content, MOST_IN_VIEWER};
-use spectral_remesh::stages::pipeline::SMOOTHING_SUPPORT;
 use spectral_remesh::{Error, Setting};
 
 #[derive(Deserialize)]
