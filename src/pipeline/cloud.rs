@@ -6,7 +6,7 @@ use crate::geom::eigen::{eigen, scatter};
 use crate::mesh::points::Points;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::cloud_options::{
-    CloudOptions, FEW_NEIGHBORS, NormalFit, NormalNeighborhood, SMOOTHING_SUPPORT, smoothing,
+    CloudOptions, FEW_NEIGHBORS, INTERPOLATING_SUPPORT, NormalFit, NormalNeighborhood, SMOOTHING_SUPPORT, smoothing,
 };
 use crate::pipeline::cloud_summary::CloudSummary;
 use crate::prepare::clean::{merged, wanted_by_others};
@@ -67,6 +67,11 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
+    /// Returns the support radius of the implicit surface of the points.
+    pub fn support(&self) -> f64 {
+        self.smooth.unwrap_or(INTERPOLATING_SUPPORT)
+    }
+
     /// Approximate area of the surface, in squared units of the input.
     pub fn area(&self) -> f64 {
         self.spacings.iter().map(|s| AREA_OF_SPACING * s * s).sum()

@@ -19,7 +19,7 @@ use crate::optimize::slivers::remove_slivers;
 use crate::optimize::untangle::{Aim, untangle};
 use crate::optimize::valence::{remove_defects, remove_near_defects};
 use crate::pipeline::scale::Scale;
-use crate::spectral::ascent::{AscentParameters, LONG_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA, ascend};
+use crate::spectral::ascent::{ASCENT_SIGMA, AscentParameters, LONG_STEP, ascend};
 use crate::surface::domain::Domain;
 
 /// Optimises the mesh of the samples: arranges vertices coarse to fine, restores the wanted count, improves angles, and fits

@@ -8,7 +8,7 @@ use crate::mesh::points::Points;
 use crate::mesh::topology::{Topology, topology};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::cloud::{Prepared, no_surface, prepared};
-use crate::pipeline::cloud_options::{CloudOptions, INTERPOLATING_SUPPORT};
+use crate::pipeline::cloud_options::CloudOptions;
 use crate::pipeline::cloud_summary::CloudSummary;
 use crate::pipeline::density::check_length;
 use crate::prepare::outside::face_outwards;
@@ -79,7 +79,7 @@ pub fn points_of_mesh(mesh: &Mesh) -> Points {
 pub fn reconstruct(points: &Points, options: &ReconstructOptions, monitor: &dyn Monitor) -> Result<Reconstructed> {
     options.validate()?;
     let prepared = prepared(points, &options.cloud, monitor)?;
-    let support = prepared.smooth.unwrap_or(INTERPOLATING_SUPPORT);
+    let support = prepared.support();
     let has_no_outside = prepared.has_no_outside();
     let area = prepared.area();
     let Prepared { points, near, mut spacings, summary, .. } = prepared;

@@ -9,7 +9,6 @@ use crate::mesh::attributes::Attributes;
 use crate::mesh::points::Points;
 use crate::pipeline::bandwidth::find_bandwidth;
 use crate::pipeline::cloud::Prepared;
-use crate::pipeline::cloud_options::INTERPOLATING_SUPPORT;
 use crate::pipeline::density::check_count;
 use crate::pipeline::kernel::KernelFeatures;
 use crate::pipeline::progressive::{progressive_order, sample_levels};
@@ -17,7 +16,7 @@ use crate::pipeline::sample_options::SampleOptions;
 use crate::pipeline::sampled::{Sampled, count_notes};
 use crate::pipeline::scale::{SIGMA_OF_SPACING, Scale};
 use crate::pipeline::unit::Unit;
-use crate::spectral::ascent::{AscentParameters, PAPER_STEP, SIGMA_OF_SPACING as ASCENT_SIGMA};
+use crate::spectral::ascent::{ASCENT_SIGMA, AscentParameters, PAPER_STEP};
 use crate::spectral::candidates::Candidate;
 use crate::spectral::free_ascent::ascend_freely;
 use crate::spectral::scan::{Choices, Given, Kernel, OnDomain, scan_lifted};
@@ -158,7 +157,7 @@ impl Task<'_> {
 
     /// Samples the surface of a cloud by scan and ascent.
     pub(super) fn on_cloud(&self, cloud: &Prepared, unit: &Unit) -> Result<Sampled> {
-        let support = cloud.smooth.unwrap_or(INTERPOLATING_SUPPORT);
+        let support = cloud.support();
         let surface =
             Rimls::new(cloud.points.positions(), cloud.points.normals(), &cloud.near, &cloud.spacings, support);
         let expected = self.wanted.unwrap_or_else(|| Scale::count_of_sigma(self.first_sigma, cloud.area()));

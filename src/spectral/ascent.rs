@@ -46,7 +46,7 @@ pub const LONG_STEP: f64 = 0.75;
 pub(super) const MOST_STEP: f64 = 0.5;
 
 /// Kernel width of the ascent in mean spacings: narrower ones leave clusters, wider ones blur the gradient.
-pub const SIGMA_OF_SPACING: f64 = 0.94;
+pub const ASCENT_SIGMA: f64 = 0.94;
 
 /// Moves all vertices of `mesh` that are not `locked`.
 pub fn ascend(
